@@ -1,0 +1,49 @@
+# How a pcavr target is made: one place for warnings, folders and install rules.
+include_guard(GLOBAL)
+include(GNUInstallDirs)
+
+# Strict for our own code; the headers of other libraries come in as system headers.
+function(pcavr_compile_options target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wconversion
+                         $<$<BOOL:${PCAVR_WARNINGS_AS_ERRORS}>:-Werror>
+                         # The same bits at every optimisation level and instruction set.
+                         -ffp-contract=off)
+endfunction()
+
+# pcavr_add_module(NAME SOURCES file... [DEPENDS module...] [PRIVATE library...])
+# DEPENDS are pcavr modules (public); PRIVATE are libraries that stay out of public headers.
+function(pcavr_add_module name)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;PRIVATE" ${ARGN})
+  add_library(pcavr_${name} STATIC ${arg_SOURCES})
+  add_library(pcavr::${name} ALIAS pcavr_${name})
+  set_target_properties(pcavr_${name} PROPERTIES EXPORT_NAME ${name}
+                        POSITION_INDEPENDENT_CODE ON)
+  pcavr_compile_options(pcavr_${name})
+  target_include_directories(pcavr_${name}
+    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+           $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  foreach(dependency IN LISTS arg_DEPENDS)
+    target_link_libraries(pcavr_${name} PUBLIC pcavr::${dependency})
+  endforeach()
+  target_link_libraries(pcavr_${name} PRIVATE ${arg_PRIVATE})
+  install(TARGETS pcavr_${name} EXPORT pcavrTargets)
+endfunction()
+
+# pcavr_add_tests(NAME SOURCES file... LINK library... [LABELS label...])
+# One executable a module; each TEST becomes a CTest case with the labels given.
+function(pcavr_add_tests name)
+  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 120)
+  endif()
+  add_executable(pcavr_${name}_tests ${arg_SOURCES})
+  pcavr_compile_options(pcavr_${name}_tests)
+  target_include_directories(pcavr_${name}_tests PRIVATE ${PROJECT_SOURCE_DIR}/src
+                             ${PROJECT_SOURCE_DIR}/tests)
+  target_link_libraries(pcavr_${name}_tests PRIVATE ${arg_LINK} pcavr_test_support
+                        GTest::gtest_main)
+  gtest_discover_tests(pcavr_${name}_tests TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
+                       PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})
+endfunction()

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/core/observer.hpp"
+#include "pcavr/core/parallel.hpp"
+
+namespace pcavr {
+
+/// What is held against what. Everything that is there on both sides is compared.
+struct EvaluationInput {
+  /// A scene's or a run's folder.
+  std::filesystem::path subject;
+  /// A recording's `truth` folder, or a second scene or run.
+  std::filesystem::path reference;
+};
+
+/// Compares and writes report.json and report.html (self-contained, plots inside) into a folder
+/// that exists. Returns the text of report.json. The only place in the library that reads truth/.
+[[nodiscard]] Expected<std::string> evaluate(const EvaluationInput& input,
+                                             const std::filesystem::path& report_folder,
+                                             Parallelism parallelism,
+                                             const Observer& observer = {});
+
+}  // namespace pcavr

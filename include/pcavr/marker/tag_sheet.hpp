@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pcavr/core/expected.hpp"
+
+namespace pcavr {
+
+struct TagSheetOptions {
+  std::string family = "tag36h11";
+  std::vector<int> ids;
+  double size = 0.08;  ///< edge of the square through the detection corners [m]
+  double page_width = 0.210;   ///< [m]; A4
+  double page_height = 0.297;  ///< [m]
+  double margin = 0.010;       ///< [m]; what printers leave blank
+};
+
+/// A sheet to print at 100 %, a ruler on it to check that, and the manifest lines that go with it.
+struct TagSheet {
+  std::vector<std::string> svg_pages;
+  std::string pdf;            ///< all pages
+  std::string manifest_yaml;  ///< a `markers:` list to paste into recording.yaml
+};
+
+/// Errors: unknown family, id not in it, tag larger than the page.
+[[nodiscard]] Expected<TagSheet> make_tag_sheet(const TagSheetOptions& options);
+
+/// The tag's cells, true where white, without quiet zone; for drawing and simulating. `border` is
+/// the number of cells from the picture's edge to the square through the detection corners.
+struct TagPicture {
+  int cells = 0;  ///< edge length
+  int border = 0;
+  std::vector<bool> is_white;  ///< row-major, top row first
+};
+[[nodiscard]] Expected<TagPicture> tag_picture(const std::string& family, int id);
+
+}  // namespace pcavr

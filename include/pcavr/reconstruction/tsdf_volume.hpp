@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "pcavr/core/parallel.hpp"
+#include "pcavr/geometry/camera.hpp"
+#include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/geometry/image.hpp"
+#include "pcavr/geometry/mesh.hpp"
+
+namespace pcavr {
+
+struct TsdfOptions {
+  double voxel_size = 0.005;  ///< [m], > 0. Halving it costs four times the surface voxels.
+  /// Distance at which the signed distance is cut off, in voxels. Too small: noise tears holes;
+  /// too large: thin walls and edges swell. It is widened with the depth noise (3 sigma).
+  double truncation_voxels = 4.0;
+  DepthNoise depth_noise = {};
+  /// A voxel that this many frames have seen through is free, whatever other frames put there.
+  int frames_to_clear = 3;
+};
+
+struct IntegrationReport {
+  std::size_t pixels_used = 0;
+  std::size_t blocks_visible = 0;
+  std::size_t blocks_added = 0;
+};
+
+/// A signed-distance volume with colour in blocks of 8^3 voxels that exist only near surfaces
+/// [Curless & Levoy 1996; Niessner et al. 2013]. Frame: base. One writer; const members may run
+/// side by side. The content does not depend on the number of threads, to the bit.
+class TsdfVolume {
+ public:
+  explicit TsdfVolume(const TsdfOptions& options);
+  ~TsdfVolume();
+  TsdfVolume(TsdfVolume&&) noexcept;
+
+  /// `is_dynamic` (empty: none) marks pixels that show no part of the static scene: they add no
+  /// surface and no free space. Depth, colour and mask share one pixel grid.
+  IntegrationReport integrate(const DepthImage& depth, const ColorImage& color,
+                              const MaskImage& is_dynamic, const CameraModel& camera,
+                              const Pose& T_base_camera, Parallelism parallelism);
+
+  /// Marching cubes [Lorensen & Cline 1987] with shared vertices, normals from the distance
+  /// field's gradient, and colours. Voxels lighter than `smallest_weight` frames are left out.
+  [[nodiscard]] TriangleMesh extract_mesh(double smallest_weight, Parallelism parallelism) const;
+
+  [[nodiscard]] std::size_t block_count() const;
+  [[nodiscard]] std::size_t memory_bytes() const;
+  [[nodiscard]] const TsdfOptions& options() const;
+
+ private:
+  struct Blocks;
+  std::unique_ptr<Blocks> blocks_;
+};
+
+}  // namespace pcavr

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <compare>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/geometry/camera.hpp"
+#include "pcavr/geometry/pose.hpp"
+
+namespace pcavr {
+
+/// A printed tag: its family ("tag36h11", "DICT_6X6_250", ...) and its number in it.
+struct MarkerId {
+  std::string family;
+  int id = 0;
+  auto operator<=>(const MarkerId&) const = default;
+  [[nodiscard]] std::string to_string() const { return family + ':' + std::to_string(id); }
+};
+
+enum class MarkerRole {
+  base,    ///< a PC_marker: its pose is in the base frame
+  object,  ///< an O_marker: its pose is in its object's frame
+};
+
+struct MarkerEntry {
+  MarkerId id;
+  double size = 0.0;  ///< edge of the square through the detection corners [m], > 0
+  MarkerRole role = MarkerRole::base;
+  std::string object;      ///< name of its object; empty for a base marker
+  Pose T_parent_marker{};  ///< in base or in its object, by role
+};
+
+struct ObjectEntry {
+  std::string name;
+  std::filesystem::path mesh;       ///< relative to the recording's folder; may be empty
+  std::optional<double> mass = {};  ///< [kg]
+  bool is_movable = true;
+  std::optional<Pose> T_base_object = {};  ///< where it starts, if the manifest says so
+};
+
+/// What `recording.yaml` says (`pcavr-recording/1`).
+struct Manifest {
+  std::optional<CameraModel> camera = {};
+  double depth_scale = 0.0;  ///< depth image units in one metre; > 0 where there is a camera
+  std::vector<MarkerEntry> markers = {};
+  std::vector<ObjectEntry> objects = {};
+  std::optional<double> tool_radius = {};          ///< [m]
+  std::optional<std::filesystem::path> urdf = {};  ///< relative to the recording's folder
+};
+
+/// Reads and checks the text of a manifest; `file` names it in errors. Unknown keys, wrong types,
+/// sizes <= 0, tags given twice, objects that are not declared, and paths that leave the folder
+/// are errors with their line.
+[[nodiscard]] Expected<Manifest> parse_manifest(const std::string& text, const std::string& file);
+
+/// The text that parse_manifest reads back to the same manifest.
+[[nodiscard]] std::string format_manifest(const Manifest& manifest);
+
+}  // namespace pcavr

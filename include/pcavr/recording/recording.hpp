@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/core/stamp.hpp"
+#include "pcavr/geometry/trajectory.hpp"
+#include "pcavr/recording/manifest.hpp"
+
+namespace pcavr {
+
+/// A colour and a depth image that belong together; the files are not opened yet.
+struct FrameFiles {
+  Stamp color_stamp;
+  std::filesystem::path color_path;
+  Stamp depth_stamp;
+  std::filesystem::path depth_path;
+};
+
+/// Force and torque that the tool exerts on its surroundings, at the tool tip, in base axes.
+struct WrenchSample {
+  Stamp stamp;
+  Eigen::Vector3d force;   ///< [N]
+  Eigen::Vector3d torque;  ///< [N m]
+};
+
+/// One row of `joints.csv`; velocity and torque are empty where the file has no such columns.
+struct JointSample {
+  Stamp stamp;
+  std::vector<double> position;  ///< [rad]
+  std::vector<double> velocity;  ///< [rad/s]
+  std::vector<double> torque;    ///< [N m]
+};
+
+/// What a recording holds. Images are decoded later, by a FrameReader.
+struct Recording {
+  std::filesystem::path folder;
+  Manifest manifest;
+  std::vector<FrameFiles> frames;      ///< paired by time, ascending
+  std::size_t unpaired_color = 0;      ///< colour images with no depth image near enough in time
+  std::size_t unpaired_depth = 0;
+  Trajectory groundtruth;              ///< T_base_camera; empty where the file is absent
+  Trajectory tool;                     ///< T_base_tool
+  std::vector<WrenchSample> wrench;
+  std::vector<JointSample> joints;
+  std::size_t skipped_rows = 0;        ///< left out by ReadOptions::skip_bad
+};
+
+struct ReadOptions {
+  /// Leave out bad rows and frames, and count them, instead of failing at the first.
+  bool skip_bad = false;
+  /// Colour and depth further apart than this are no pair. The format's contract: 20 ms.
+  Duration largest_pair_gap = std::chrono::milliseconds(20);
+};
+
+/// Reads a recording folder strictly. Every error names file, line and mend. Thread-safe.
+[[nodiscard]] Expected<Recording> read_recording(const std::filesystem::path& folder,
+                                                 const ReadOptions& options = {});
+
+/// Reads a TUM trajectory `t tx ty tz qx qy qz qw`, `#` starting a comment.
+[[nodiscard]] Expected<Trajectory> read_trajectory(const std::filesystem::path& file);
+
+/// The text of a TUM trajectory with a comment line naming the columns.
+[[nodiscard]] std::string format_trajectory(const Trajectory& trajectory);
+
+}  // namespace pcavr

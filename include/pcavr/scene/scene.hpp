@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pcavr/core/stage_clock.hpp"
+#include "pcavr/geometry/mesh.hpp"
+#include "pcavr/geometry/trajectory.hpp"
+#include "pcavr/model/cad_model.hpp"
+#include "pcavr/scene/occupancy_map.hpp"
+
+namespace pcavr {
+
+/// The plane that movable objects stand on, and how far it reaches.
+struct SupportPlane {
+  Plane plane_base;                               ///< normal upward
+  std::vector<Eigen::Vector3d> outline_base;      ///< convex outline, counter-clockwise from above
+  double rms = 0.0;                               ///< of the points that it explains [m]
+  std::vector<std::string> objects;               ///< names of those that stand on it
+};
+
+/// A movable CAD body in the scene.
+struct SceneObject {
+  CadModel model;
+  Pose T_base_object;  ///< at the recording's end: where it stands now
+  Pose T_base_object_start;
+  std::string evidence;           ///< "tags_and_shape", "tags", "shape", "manifest", "not_seen"
+  double position_sigma = 0.0;    ///< [m]
+  double rotation_sigma = 0.0;    ///< [rad]
+  double refinement_translation = 0.0;  ///< by how much the depth moved the tags' pose, median [m]
+  double refinement_rotation = 0.0;     ///< [rad]
+  std::optional<double> mass = {};      ///< [kg]
+  bool is_movable = true;
+};
+
+/// How the scene came about: what the summary prints and `scene.yaml` keeps.
+struct SceneQuality {
+  std::size_t frames_recorded = 0;  ///< colour images in the recording
+  std::size_t frames_used = 0;
+  std::vector<std::pair<std::string, std::size_t>> frames_dropped;  ///< reason, count
+  std::vector<std::pair<std::string, std::size_t>> tags_seen;       ///< tag, frames
+  double tag_reprojection_rms = 0.0;  ///< [px]
+  double tracking_rms = 0.0;          ///< [m]
+  double camera_position_sigma = 0.0;  ///< median over the frames used [m]
+  double camera_rotation_sigma = 0.0;  ///< [rad]
+  double surface_rms = 0.0;  ///< frames used against the mesh, point to plane, median [m]
+  bool is_fixed_camera = false;
+  std::vector<StageTime> times;
+};
+
+/// A point-cloud augmented VR scene in the robot's base frame.
+struct Scene {
+  TriangleMesh mesh_base;   ///< static, full detail
+  /// Simplified for display, finest first; the first has at most 300 000 triangles.
+  std::vector<TriangleMesh> levels_of_detail_base;
+  PointCloud cloud_base;    ///< static
+  OccupancyMap occupancy;
+  std::vector<SupportPlane> support_planes;
+  std::vector<SceneObject> objects;
+  Trajectory camera_trajectory;  ///< T_base_camera of the frames used
+  SceneQuality quality;
+  std::string recording;    ///< what it was built from, as named by the user
+  double voxel_size = 0.0;  ///< [m]
+};
+
+}  // namespace pcavr

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/core/parallel.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "pcavr/core/check.hpp"
+
+namespace pcavr {
+
+Parallelism Parallelism::max() {
+  return {std::max(1, static_cast<int>(std::thread::hardware_concurrency()))};
+}
+
+void parallel_for(Parallelism parallelism, std::size_t count, std::size_t grain,
+                  const std::function<void(std::size_t, std::size_t)>& body) {
+  PCAVR_REQUIRE(parallelism.threads >= 1, parallelism.threads);
+  PCAVR_REQUIRE(grain >= 1, grain);
+  const std::size_t chunks = (count + grain - 1) / grain;
+  const auto run_chunk = [&](std::size_t chunk) {
+    body(chunk * grain, std::min(count, (chunk + 1) * grain));
+  };
+  if (parallelism.threads == 1 || chunks <= 1) {
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk) run_chunk(chunk);
+    return;
+  }
+  tbb::task_arena arena(parallelism.threads);
+  arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, run_chunk); });
+}
+
+}  // namespace pcavr

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/core/stamp.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace pcavr {
+namespace {
+
+constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+/// Keeps every stamp, and every difference of two, inside 64 bits (about 146 years either side).
+constexpr std::int64_t kLargestSecond = std::numeric_limits<std::int64_t>::max() / 2 /
+                                        kNanosecondsPerSecond;
+
+Error not_a_stamp(std::string_view text) {
+  return {.message = "'" + std::string(text) + "' is not a time",
+          .mend = "write decimal seconds with at most nine decimals, such as 12.033333"};
+}
+
+}  // namespace
+
+Stamp Stamp::from_seconds(double seconds) {
+  PCAVR_REQUIRE(std::isfinite(seconds) && std::abs(seconds) < double(kLargestSecond), seconds);
+  const double whole = std::floor(seconds);
+  return {static_cast<std::int64_t>(whole) * kNanosecondsPerSecond +
+          std::llround((seconds - whole) * 1e9)};
+}
+
+Expected<Stamp> parse_stamp(std::string_view text) {
+  std::string_view rest = text;
+  const bool negative = rest.starts_with('-');
+  if (negative) rest.remove_prefix(1);
+  const std::size_t dot = rest.find('.');
+  const std::string_view whole = rest.substr(0, dot);
+  const std::string_view decimals = dot == rest.npos ? std::string_view() : rest.substr(dot + 1);
+  if (whole.empty() || decimals.size() > 9) return not_a_stamp(text);
+
+  std::int64_t seconds = 0;
+  for (const char c : whole) {
+    if (c < '0' || c > '9' || seconds > kLargestSecond / 10) return not_a_stamp(text);
+    seconds = seconds * 10 + (c - '0');
+  }
+  if (seconds > kLargestSecond) return not_a_stamp(text);
+  std::int64_t fraction = 0;
+  for (std::size_t i = 0; i < 9; ++i) {
+    const char c = i < decimals.size() ? decimals[i] : '0';
+    if (c < '0' || c > '9') return not_a_stamp(text);
+    fraction = fraction * 10 + (c - '0');
+  }
+  const std::int64_t total = seconds * kNanosecondsPerSecond + fraction;
+  return Stamp{negative ? -total : total};
+}
+
+std::string format_stamp(Stamp stamp, int decimals) {
+  PCAVR_REQUIRE(decimals >= 0 && decimals <= 9, decimals);
+  std::int64_t unit = 1;
+  for (int i = decimals; i < 9; ++i) unit *= 10;
+  const bool negative = stamp.nanoseconds < 0;
+  const std::int64_t magnitude = negative ? -stamp.nanoseconds : stamp.nanoseconds;
+  const std::int64_t rounded = (magnitude + unit / 2) / unit * unit;
+  std::string text = (negative && rounded > 0 ? "-" : "") +
+                     std::to_string(rounded / kNanosecondsPerSecond);
+  if (decimals > 0) {
+    const std::string nine = std::to_string(kNanosecondsPerSecond +
+                                            rounded % kNanosecondsPerSecond);
+    text += '.' + nine.substr(1, static_cast<std::size_t>(decimals));
+  }
+  return text;
+}
+
+}  // namespace pcavr
