@@ -2,41 +2,57 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include <Eigen/Core>
 
 #include "pcavr/core/expected.hpp"
+#include "pcavr/core/parallel.hpp"
 #include "pcavr/geometry/camera.hpp"
 #include "pcavr/geometry/image.hpp"
 #include "pcavr/geometry/mesh.hpp"
+#include "pcavr/geometry/pose.hpp"
 
 namespace pcavr {
 
 /// A rigid body's CAD surface, in its own (object) frame.
 struct CadModel {
   std::string name;
-  TriangleMesh mesh_object;             ///< outward winding, vertices shared, normals per vertex
-  double volume = 0.0;                  ///< [m^3], > 0
-  Eigen::Vector3d centre_of_mass_object;  ///< at uniform density [m]
+  TriangleMesh mesh_object;  ///< closed, outward winding, vertices shared, normals per vertex
+  double volume = 0.0;       ///< [m^3], > 0
+  Eigen::Vector3d centre_of_mass_object = Eigen::Vector3d::Zero();  ///< at uniform density [m]
 };
 
 /// Reads `.obj .stl .ply .glb .gltf`: coordinates as stored, node transforms applied, no axis swap.
-/// A mesh with inward winding is turned; one without a volume is an Error.
+/// Vertices at the same place are joined and a mesh that is wound inward as a whole is turned; a
+/// shell inside another one, wound against it, is a cavity. Errors: no such file, unknown type, not
+/// a mesh, a coordinate that is not finite, open edges, no volume. Thread-safe.
 [[nodiscard]] Expected<CadModel> read_cad_model(const std::filesystem::path& file,
                                                 const std::string& name);
 
-/// Reads any triangle mesh, open ones too (vertex colours and normals kept where present).
+/// A CAD model from triangles at hand, checked as read_cad_model does; `source` names them in
+/// errors.
+[[nodiscard]] Expected<CadModel> make_cad_model(const TriangleMesh& mesh_object,
+                                                const std::string& name,
+                                                const std::filesystem::path& source);
+
+/// Reads any triangle mesh, open ones too. Polygons become triangles; triangles without area,
+/// lines and points are left out; vertices that are equal in all that is kept are joined. Vertex
+/// colours and normals are kept where every part of the file has them (an STL's normals, which
+/// belong to its faces, are not). Same errors as read_cad_model, but for closedness. Thread-safe.
 [[nodiscard]] Expected<TriangleMesh> read_mesh(const std::filesystem::path& file);
 
-/// Closest points and rays against triangles, in the frame of the meshes given. Built once, then
-/// const and thread-safe. Exact (Embree with robust traversal).
+/// Closest points and rays against triangles, in the frame of the mesh given. Built once (on all
+/// the machine's cores where the mesh is large), then const and thread-safe. Traversal by Embree in
+/// its robust mode; closest points are computed in double precision.
 class SurfaceQuery {
  public:
+  /// Copies what it needs; an empty mesh answers nothing. Throws ContractError unless all vertices
+  /// are finite and all indices valid.
   explicit SurfaceQuery(const TriangleMesh& mesh);
   ~SurfaceQuery();
   SurfaceQuery(SurfaceQuery&&) noexcept;
@@ -44,23 +60,27 @@ class SurfaceQuery {
 
   struct Closest {
     Eigen::Vector3f point;
-    Eigen::Vector3f normal;  ///< of the triangle hit, unit, outward by winding
+    Eigen::Vector3f normal;  ///< of that triangle, unit, outward by winding; zero if it has no area
     float distance = 0.0F;   ///< [m], >= 0
-    std::uint32_t triangle = 0;
+    std::uint32_t triangle = 0;  ///< the first of those that are equally near
   };
-  /// Nothing if no surface lies within `radius` [m].
+  /// Nothing if no surface lies within `radius` [m], >= 0, or the point is not finite.
   [[nodiscard]] std::optional<Closest> closest(const Eigen::Vector3f& point, float radius) const;
 
   struct Hit {
     float distance = 0.0F;   ///< along the unit direction [m]
-    Eigen::Vector3f normal;  ///< of the triangle hit, unit, by winding
+    Eigen::Vector3f normal;  ///< of that triangle, unit, by winding
     std::uint32_t triangle = 0;
     float u = 0.0F;  ///< barycentric weight of the second corner
     float v = 0.0F;  ///< barycentric weight of the third corner
   };
-  /// The first surface along a ray; `direction` need not be of unit length.
+  /// The first surface along a ray; `direction` need not be of unit length. Nothing for a
+  /// direction that is zero or not finite.
   [[nodiscard]] std::optional<Hit> cast(const Eigen::Vector3f& origin,
                                         const Eigen::Vector3f& direction) const;
+
+  /// Of all vertices; empty for an empty mesh.
+  [[nodiscard]] const Eigen::AlignedBox3f& bounds() const;
 
  private:
   struct Tree;
@@ -68,8 +88,21 @@ class SurfaceQuery {
 };
 
 /// Depth of the surface as an ideal camera would see it; 0 where it is not hit. `T_mesh_camera` is
-/// the camera's pose in the frame of the query's mesh.
+/// the camera's pose in the frame of the query's mesh. The same bits for any Parallelism.
 [[nodiscard]] DepthImage render_depth(const SurfaceQuery& surface, const CameraModel& camera,
-                                      const Pose& T_mesh_camera);
+                                      const Pose& T_mesh_camera, Parallelism parallelism = {});
+
+/// Pixels from which a body with these bounds could be seen: whole rows and columns, `x_end` and
+/// `y_end` not included. The whole image where part of the box lies behind the camera.
+struct PixelRectangle {
+  int x_begin = 0;
+  int y_begin = 0;
+  int x_end = 0;
+  int y_end = 0;
+  [[nodiscard]] bool empty() const { return x_begin >= x_end || y_begin >= y_end; }
+};
+[[nodiscard]] PixelRectangle visible_rectangle(const Eigen::AlignedBox3f& bounds_mesh,
+                                               const CameraModel& camera,
+                                               const Pose& T_mesh_camera);
 
 }  // namespace pcavr

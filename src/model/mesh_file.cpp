@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "model/mesh_file.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <exception>
+
+#include <assimp/Importer.hpp>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include "pcavr/model/cad_model.hpp"
+
+#include "model/mesh_repair.hpp"
+
+namespace pcavr {
+namespace fs = std::filesystem;
+namespace {
+
+/// How the types that are read differ.
+struct MeshType {
+  bool has_vertex_normals;  ///< an STL's belong to its faces
+  bool has_linear_colors;   ///< COLOR_0 of glTF 2.0 is linear, the others' colours are sRGB
+};
+
+std::optional<MeshType> mesh_type(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".obj" || extension == ".ply") return MeshType{true, false};
+  if (extension == ".stl") return MeshType{false, false};
+  if (extension == ".glb" || extension == ".gltf") return MeshType{true, true};
+  return std::nullopt;
+}
+
+/// IEC 61966-2-1.
+double srgb_from_linear(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+}
+
+std::uint8_t to_byte(float channel, bool is_linear) {
+  const double clamped = std::clamp(static_cast<double>(channel), 0.0, 1.0);
+  const double encoded = is_linear ? srgb_from_linear(clamped) : clamped;
+  return static_cast<std::uint8_t>(std::lround(255.0 * encoded));
+}
+
+/// One part of the file in the file's own frame, appended to what is there.
+void append(const aiMesh& part, const aiMatrix4x4& T_file_part, const MeshType& type,
+            TriangleMesh& mesh) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  const aiMatrix3x3 normal_matrix = aiMatrix3x3(T_file_part).Inverse().Transpose();
+  for (unsigned i = 0; i < part.mNumVertices; ++i) {
+    const aiVector3D p = T_file_part * part.mVertices[i];
+    mesh.vertices.emplace_back(p.x, p.y, p.z);
+    if (type.has_vertex_normals && part.HasNormals()) {
+      const aiVector3D n = normal_matrix * part.mNormals[i];
+      mesh.normals.push_back(Eigen::Vector3f(n.x, n.y, n.z).normalized());
+    }
+    if (part.HasVertexColors(0)) {
+      const aiColor4D& c = part.mColors[0][i];
+      mesh.colors.push_back({to_byte(c.r, type.has_linear_colors),
+                             to_byte(c.g, type.has_linear_colors),
+                             to_byte(c.b, type.has_linear_colors)});
+    }
+  }
+  const bool is_mirrored = T_file_part.Determinant() < 0.0F;
+  for (unsigned i = 0; i < part.mNumFaces; ++i) {
+    const aiFace& face = part.mFaces[i];
+    if (face.mNumIndices != 3) continue;  // points and lines
+    std::array<std::uint32_t, 3> triangle{first + face.mIndices[0], first + face.mIndices[1],
+                                          first + face.mIndices[2]};
+    if (is_mirrored) std::swap(triangle[1], triangle[2]);
+    mesh.triangles.push_back(triangle);
+  }
+}
+
+/// The scene's triangles with all node transforms applied. Walks with a list, not by recursion: a
+/// hostile file may nest its nodes deeply.
+TriangleMesh flatten(const aiScene& scene, const MeshType& type) {
+  TriangleMesh mesh;
+  std::vector<std::pair<const aiNode*, aiMatrix4x4>> open{
+      {scene.mRootNode, scene.mRootNode->mTransformation}};
+  while (!open.empty()) {
+    const auto [node, T_file_node] = open.back();
+    open.pop_back();
+    for (unsigned i = 0; i < node->mNumMeshes; ++i) {
+      append(*scene.mMeshes[node->mMeshes[i]], T_file_node, type, mesh);
+    }
+    for (unsigned i = node->mNumChildren; i > 0; --i) {
+      const aiNode* child = node->mChildren[i - 1];
+      open.emplace_back(child, T_file_node * child->mTransformation);
+    }
+  }
+  // Parts without normals or colours leave those of the others without a place.
+  if (mesh.normals.size() != mesh.vertices.size()) mesh.normals.clear();
+  if (mesh.colors.size() != mesh.vertices.size()) mesh.colors.clear();
+  return mesh;
+}
+
+Error not_a_mesh(const fs::path& file, const std::string& reason) {
+  return {.message = "is not a mesh that can be read: " + reason,
+          .file = file.string(),
+          .mend = "export it again as .obj, .stl, .ply or .glb"};
+}
+
+/// assimp's words are long, may hold line breaks, and repeat the path.
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+Expected<TriangleMesh> read_with_assimp(const fs::path& file, const MeshType& type) {
+  try {
+    Assimp::Importer importer;
+    // Coordinates as stored: no unit scaling, no axis conversion, only polygons cut up.
+    const aiScene* scene =
+        importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_ValidateDataStructure);
+    if (scene == nullptr) return not_a_mesh(file, first_line(importer.GetErrorString()));
+    if (scene->mRootNode == nullptr) return not_a_mesh(file, "it holds nothing");
+    return flatten(*scene, type);
+  } catch (const std::exception& failure) {
+    return not_a_mesh(file, first_line(failure.what()));
+  }
+}
+
+}  // namespace
+
+Expected<TriangleMesh> import_mesh(const fs::path& file) {
+  const std::optional<MeshType> type = mesh_type(file);
+  if (!type) {
+    return Error{.message = "is of an unknown mesh type '" + file.extension().string() + "'",
+                 .file = file.string(),
+                 .mend = "give it as .obj, .stl, .ply, .glb or .gltf"};
+  }
+  std::error_code code;
+  if (!fs::is_regular_file(file, code)) {
+    return Error{.message = "mesh file is missing",
+                 .file = file.string(),
+                 .mend = "put it there, or correct the path that names it"};
+  }
+  Expected<TriangleMesh> mesh = read_with_assimp(file, *type);
+  if (!mesh) return mesh;
+  if (mesh->triangles.empty()) return not_a_mesh(file, "it holds no triangles");
+  for (std::size_t i = 0; i < mesh->vertices.size(); ++i) {
+    if (mesh->vertices[i].allFinite()) continue;
+    return Error{.message = "has a coordinate that is not finite",
+                 .file = file.string(),
+                 .place = "vertex " + std::to_string(i),
+                 .mend = "export the mesh again"};
+  }
+  return mesh;
+}
+
+Expected<TriangleMesh> read_mesh(const fs::path& file) {
+  const Expected<TriangleMesh> mesh = import_mesh(file);
+  if (!mesh) return mesh;
+  TriangleMesh sound = without_empty_triangles(join_equal_vertices(*mesh));
+  if (sound.triangles.empty()) return not_a_mesh(file, "its triangles have no area");
+  return sound;
+}
+
+}  // namespace pcavr

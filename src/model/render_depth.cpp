@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "pcavr/model/cad_model.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Lens distortion bends the edges of the box out of the rectangle of its corners: by less than
+/// this share of the rectangle for lenses that the plumb-bob model fits.
+constexpr double kDistortionSlack = 0.1;
+
+constexpr std::size_t kRowsAtOnce = 8;
+
+}  // namespace
+
+PixelRectangle visible_rectangle(const Eigen::AlignedBox3f& bounds_mesh, const CameraModel& camera,
+                                 const Pose& T_mesh_camera) {
+  if (bounds_mesh.isEmpty()) return {};
+  const PixelRectangle whole{0, 0, camera.width, camera.height};
+  const Pose T_camera_mesh = T_mesh_camera.inverse();
+  Eigen::AlignedBox2d pixels;
+  bool is_in_front = false;
+  bool is_behind = false;
+  for (int i = 0; i < 8; ++i) {
+    const auto corner = static_cast<Eigen::AlignedBox3f::CornerType>(i);
+    const Eigen::Vector3d p_camera =
+        T_camera_mesh * bounds_mesh.corner(corner).cast<double>().eval();
+    if (p_camera.z() > 1e-6) {
+      is_in_front = true;
+      pixels.extend(camera.project(p_camera));
+    } else {
+      is_behind = true;
+    }
+  }
+  if (!is_in_front) return {};
+  if (is_behind) return whole;
+
+  Eigen::Vector2d slack(1.0, 1.0);
+  if (camera.has_distortion()) slack += kDistortionSlack * pixels.sizes();
+  const Eigen::Vector2d low = (pixels.min() - slack).array().floor();
+  const Eigen::Vector2d high = (pixels.max() + slack).array().ceil() + 1.0;
+  const auto clamp_to = [](double value, int largest) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(largest)));
+  };
+  return {clamp_to(low.x(), camera.width), clamp_to(low.y(), camera.height),
+          clamp_to(high.x(), camera.width), clamp_to(high.y(), camera.height)};
+}
+
+DepthImage render_depth(const SurfaceQuery& surface, const CameraModel& camera,
+                        const Pose& T_mesh_camera, Parallelism parallelism) {
+  DepthImage depth(camera.width, camera.height, 0.0F);
+  const PixelRectangle rectangle = visible_rectangle(surface.bounds(), camera, T_mesh_camera);
+  if (rectangle.empty()) return depth;
+  const Eigen::Matrix3d R_mesh_camera = T_mesh_camera.rotation_matrix();
+  const Eigen::Vector3f origin = T_mesh_camera.translation().cast<float>();
+  const auto rows = static_cast<std::size_t>(rectangle.y_end - rectangle.y_begin);
+  parallel_for(parallelism, rows, kRowsAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) {
+      const int y = rectangle.y_begin + static_cast<int>(row);
+      for (int x = rectangle.x_begin; x < rectangle.x_end; ++x) {
+        const Eigen::Vector3d ray_camera = camera.unproject({x, y}, 1.0);
+        const auto hit = surface.cast(origin, (R_mesh_camera * ray_camera).cast<float>());
+        if (hit) depth(x, y) = hit->distance / static_cast<float>(ray_camera.norm());
+      }
+    }
+  });
+  return depth;
+}
+
+}  // namespace pcavr
