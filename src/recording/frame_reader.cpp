@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/recording/frame_reader.hpp"
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <new>
+#include <thread>
+#include <utility>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/core/output.hpp"
+
+#include "recording/image_codec.hpp"
+
+namespace pcavr {
+namespace {
+
+DepthImage to_metres(const RawDepthImage& raw, double units_per_metre) {
+  DepthImage depth(raw.width(), raw.height());
+  const auto metres_per_unit = static_cast<float>(1.0 / units_per_metre);
+  const std::span<const std::uint16_t> from = raw.pixels();
+  const std::span<float> to = depth.pixels();
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    to[i] = static_cast<float>(from[i]) * metres_per_unit;
+  }
+  return depth;
+}
+
+}  // namespace
+
+Expected<RgbdFrame> decode_frame(const Recording& recording, std::size_t index) {
+  PCAVR_REQUIRE(index < recording.frames.size(), index, recording.frames.size());
+  PCAVR_REQUIRE(recording.manifest.camera.has_value());
+  const FrameFiles& files = recording.frames[index];
+  const CameraModel& camera = *recording.manifest.camera;
+  const auto image_at = [&](const std::filesystem::path& path) {
+    return ExpectedImage{(recording.folder / path).string(), camera.width, camera.height};
+  };
+  const ExpectedImage color_image = image_at(files.color_path);
+  const Expected<std::string> color_bytes = read_file(color_image.file);
+  if (!color_bytes) return color_bytes.error();
+  Expected<ColorImage> color = decode_color(*color_bytes, color_image);
+  if (!color) return color.error();
+
+  const ExpectedImage depth_image = image_at(files.depth_path);
+  const Expected<std::string> depth_bytes = read_file(depth_image.file);
+  if (!depth_bytes) return depth_bytes.error();
+  const Expected<RawDepthImage> raw = decode_depth(*depth_bytes, depth_image);
+  if (!raw) return raw.error();
+  return RgbdFrame{index, files.color_stamp, files.depth_stamp, *std::move(color),
+                   to_metres(*raw, recording.manifest.depth_scale)};
+}
+
+/// A bounded queue between the thread that decodes and the one that asks.
+struct FrameReader::Worker {
+  Worker(const Recording& recording_in, const FrameReaderOptions& options_in)
+      : recording(recording_in), options(options_in) {}
+
+  ~Worker() {
+    {
+      const std::lock_guard lock(mutex);
+      is_stopping = true;
+    }
+    has_room.notify_one();
+    if (thread.joinable()) thread.join();
+  }
+
+  void start() {
+    thread = std::thread([this] { decode_all(); });
+  }
+
+  void decode_all() {
+    for (std::size_t i = 0; i < recording.frames.size(); ++i) {
+      if (!put(decode(i))) break;
+    }
+    const std::lock_guard lock(mutex);
+    is_done = true;
+    has_frame.notify_one();
+  }
+
+  [[nodiscard]] Expected<RgbdFrame> decode(std::size_t index) const {
+    try {
+      return decode_frame(recording, index);
+    } catch (const std::bad_alloc&) {
+      return Error{.message = "there is no memory left for frame " + std::to_string(index),
+                   .file = recording.folder.string(),
+                   .mend = "free memory, or use smaller images"};
+    }
+  }
+
+  /// False when nothing more is wanted.
+  bool put(Expected<RgbdFrame> frame) {
+    std::unique_lock lock(mutex);
+    if (!frame && options.skip_bad) {
+      ++skipped;
+      return !is_stopping;
+    }
+    const bool is_last = !frame;
+    has_room.wait(lock, [&] {
+      return is_stopping || frames.size() < static_cast<std::size_t>(options.frames_ahead);
+    });
+    if (is_stopping) return false;
+    frames.push_back(std::move(frame));
+    has_frame.notify_one();
+    return !is_last;
+  }
+
+  Expected<std::optional<RgbdFrame>> take() {
+    std::unique_lock lock(mutex);
+    has_frame.wait(lock, [&] { return is_done || !frames.empty(); });
+    if (frames.empty()) return std::optional<RgbdFrame>();
+    Expected<RgbdFrame> frame = std::move(frames.front());
+    frames.pop_front();
+    has_room.notify_one();
+    if (!frame) return frame.error();
+    return std::optional(*std::move(frame));
+  }
+
+  const Recording& recording;
+  const FrameReaderOptions options;
+  std::mutex mutex;
+  std::condition_variable has_room;
+  std::condition_variable has_frame;
+  std::deque<Expected<RgbdFrame>> frames;
+  std::size_t skipped = 0;
+  bool is_stopping = false;
+  bool is_done = false;
+  std::thread thread;
+};
+
+FrameReader::FrameReader(const Recording& recording, const FrameReaderOptions& options)
+    : worker_(std::make_unique<Worker>(recording, options)) {
+  PCAVR_REQUIRE(options.frames_ahead >= 1, options.frames_ahead);
+}
+
+FrameReader::~FrameReader() = default;
+
+Expected<std::optional<RgbdFrame>> FrameReader::next() {
+  if (!worker_->thread.joinable()) worker_->start();
+  return worker_->take();
+}
+
+std::size_t FrameReader::skipped() const {
+  const std::lock_guard lock(worker_->mutex);
+  return worker_->skipped;
+}
+
+}  // namespace pcavr

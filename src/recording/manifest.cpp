@@ -1,0 +1,172 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/recording/manifest.hpp"
+
+#include <algorithm>
+
+#include "recording/manifest_parser.hpp"
+#include "recording/time_series.hpp"
+#include "recording/yaml_map.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr char kFormat[] = "pcavr-recording/1";
+/// Images larger than this in one direction can't be JPEG files [ITU-T T.81, B.2.2: 16 bits].
+constexpr int kLargestSide = 65500;
+
+Pose pose_of(const YamlValue& value) {
+  value.expect_keys({"t", "q"});
+  const std::vector<double> t = value.at("t").numbers(3);
+  const YamlValue rotation = value.at("q");
+  const std::vector<double> q = rotation.numbers(4);
+  if (const std::optional<Error> error = check_unit_quaternion(q)) {
+    rotation.fail(error->message, error->mend);
+  }
+  return Pose(Eigen::Quaterniond(q[3], q[0], q[1], q[2]), {t[0], t[1], t[2]});
+}
+
+/// A path inside the folder; that the file is there is checked where the folder is known.
+std::filesystem::path path_of(const YamlValue& value, const std::filesystem::path& folder) {
+  const Expected<std::filesystem::path> path = path_inside_folder(value.text());
+  if (!path) value.fail(path.error().message, path.error().mend);
+  std::error_code code;
+  if (!folder.empty() && !std::filesystem::is_regular_file(folder / *path, code)) {
+    value.fail("the file " + path->string() + " is missing", "add it, or correct the path");
+  }
+  return *path;
+}
+
+void read_camera(const YamlValue& value, Manifest& manifest) {
+  value.expect_keys({"width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale"});
+  CameraModel camera;
+  camera.width = value.at("width").integer(1, kLargestSide);
+  camera.height = value.at("height").integer(1, kLargestSide);
+  camera.fx = value.at("fx").positive_number();
+  camera.fy = value.at("fy").positive_number();
+  camera.cx = value.at("cx").number();
+  camera.cy = value.at("cy").number();
+  if (const std::optional<YamlValue> distortion = value.find("distortion")) {
+    const std::vector<double> numbers = distortion->numbers(camera.distortion.size());
+    std::copy(numbers.begin(), numbers.end(), camera.distortion.begin());
+  }
+  manifest.camera = camera;
+  manifest.depth_scale = value.at("depth_scale").positive_number();
+}
+
+bool has_object(const Manifest& manifest, const std::string& name) {
+  return std::any_of(manifest.objects.begin(), manifest.objects.end(),
+                     [&](const ObjectEntry& object) { return object.name == name; });
+}
+
+void read_object(const YamlValue& value, const std::filesystem::path& folder, Manifest& manifest) {
+  value.expect_keys({"name", "mesh", "mass", "movable", "pose"});
+  ObjectEntry object;
+  const YamlValue name = value.at("name");
+  object.name = name.text();
+  if (object.name.empty() || object.name == "." || object.name == ".." ||
+      object.name.find('/') != std::string::npos || object.name.find('\0') != std::string::npos) {
+    name.fail("'" + object.name + "' can't be the name of a file", "choose a plain word");
+  }
+  if (has_object(manifest, object.name)) {
+    name.fail("object '" + object.name + "' is there twice", "give each object its own name");
+  }
+  if (const std::optional<YamlValue> mesh = value.find("mesh")) {
+    object.mesh = path_of(*mesh, folder);
+  }
+  if (const std::optional<YamlValue> mass = value.find("mass")) {
+    object.mass = mass->positive_number();
+  }
+  if (const std::optional<YamlValue> movable = value.find("movable")) {
+    object.is_movable = movable->boolean();
+  }
+  if (const std::optional<YamlValue> pose = value.find("pose")) {
+    object.T_base_object = pose_of(*pose);
+  }
+  manifest.objects.push_back(std::move(object));
+}
+
+MarkerRole role_of(const YamlValue& value) {
+  const std::string role = value.text();
+  if (role != "base" && role != "object") value.fail("is '" + role + "'", "write base or object");
+  return role == "base" ? MarkerRole::base : MarkerRole::object;
+}
+
+/// The objects must have been read before.
+void read_marker(const YamlValue& value, Manifest& manifest) {
+  value.expect_keys({"family", "id", "size", "role", "object", "pose"});
+  MarkerEntry marker;
+  marker.id.family = value.at("family").text();
+  const YamlValue id = value.at("id");
+  marker.id.id = id.integer(0, 1'000'000);
+  const bool is_known =
+      std::any_of(manifest.markers.begin(), manifest.markers.end(),
+                  [&](const MarkerEntry& other) { return other.id == marker.id; });
+  if (is_known) {
+    id.fail("tag " + marker.id.to_string() + " is there twice", "give each tag one entry");
+  }
+  marker.size = value.at("size").positive_number();
+  marker.role = role_of(value.at("role"));
+  const std::optional<YamlValue> object = value.find("object");
+  if (marker.role == MarkerRole::object) {
+    marker.object = value.at("object").text();
+    if (!has_object(manifest, marker.object)) {
+      object->fail("object '" + marker.object + "' is not declared", "add it under objects");
+    }
+  } else if (object) {
+    object->fail("a base marker has no object", "leave the key out, or write role: object");
+  }
+  marker.T_parent_marker = pose_of(value.at("pose"));
+  manifest.markers.push_back(std::move(marker));
+}
+
+Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folder) {
+  root.expect_keys({"format", "camera", "markers", "objects", "tool", "robot"});
+  const YamlValue format = root.at("format");
+  if (format.text() != kFormat) {
+    format.fail("is '" + format.text() + "'", std::string("this version reads ") + kFormat);
+  }
+  Manifest manifest;
+  if (const std::optional<YamlValue> camera = root.find("camera")) read_camera(*camera, manifest);
+  if (const std::optional<YamlValue> objects = root.find("objects")) {
+    for (const YamlValue& object : objects->items()) read_object(object, folder, manifest);
+  }
+  if (const std::optional<YamlValue> markers = root.find("markers")) {
+    for (const YamlValue& marker : markers->items()) read_marker(marker, manifest);
+  }
+  if (const std::optional<YamlValue> tool = root.find("tool")) {
+    tool->expect_keys({"radius"});
+    manifest.tool_radius = tool->at("radius").positive_number();
+  }
+  if (const std::optional<YamlValue> robot = root.find("robot")) {
+    robot->expect_keys({"urdf"});
+    if (const std::optional<YamlValue> urdf = robot->find("urdf")) {
+      manifest.urdf = path_of(*urdf, folder);
+    }
+  }
+  return manifest;
+}
+
+}  // namespace
+
+Expected<Manifest> parse_manifest(const std::string& text, const std::string& file,
+                                  const std::filesystem::path& folder) {
+  try {
+    return read_manifest(YamlValue(YAML::Load(text), ""), folder);
+  } catch (const YamlFailure& failure) {
+    Error error = failure.error;
+    error.file = file;
+    return error;
+  } catch (const YAML::Exception& exception) {
+    return Error{.message = "is not YAML: " + exception.msg,
+                 .file = file,
+                 .line = exception.mark.line + 1,
+                 .mend = "correct the line, mind the indentation"};
+  }
+}
+
+Expected<Manifest> parse_manifest(const std::string& text, const std::string& file) {
+  return parse_manifest(text, file, {});
+}
+
+}  // namespace pcavr

@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/recording/recording_writer.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/core/output.hpp"
+
+#include "recording/image_codec.hpp"
+#include "recording/recording_text.hpp"
+
+namespace pcavr {
+namespace fs = std::filesystem;
+namespace {
+
+RawDepthImage to_units(const DepthImage& depth, double units_per_metre) {
+  RawDepthImage raw(depth.width(), depth.height());
+  const std::span<const float> from = depth.pixels();
+  const std::span<std::uint16_t> to = raw.pixels();
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const double units = std::round(static_cast<double>(from[i]) * units_per_metre);
+    to[i] = units >= 1.0 && units <= 65535.0 ? static_cast<std::uint16_t>(units) : 0;
+  }
+  return raw;
+}
+
+Expected<void> create_parent(const fs::path& file) {
+  std::error_code code;
+  fs::create_directories(file.parent_path(), code);
+  if (!code) return {};
+  return Error{.message = "can't be made: " + code.message(),
+               .file = file.parent_path().string(),
+               .mend = "choose a folder that you may write to"};
+}
+
+}  // namespace
+
+struct RecordingWriter::State {
+  fs::path folder;
+  Manifest manifest;
+  std::string color_list = "# colour images\n# timestamp path\n";
+  std::string depth_list = "# depth images\n# timestamp path\n";
+  std::optional<Stamp> last_color;
+  std::optional<Stamp> last_depth;
+
+  /// A file under `relative`, its folder made where it is absent.
+  [[nodiscard]] Expected<void> write(const fs::path& relative, std::string_view content) const {
+    const fs::path file = folder / relative;
+    if (Expected<void> made = create_parent(file); !made) return made;
+    return write_file(file, content);
+  }
+
+  [[nodiscard]] Expected<void> copy(const fs::path& source, const fs::path& relative) const {
+    const Expected<std::string> content = read_file(source);
+    if (!content) return content.error();
+    return write(relative, *content);
+  }
+
+  /// Notes the images in the lists; gives their paths.
+  std::pair<fs::path, fs::path> list(Stamp color_stamp, const std::string& color_extension,
+                                     Stamp depth_stamp) {
+    PCAVR_REQUIRE(!last_color || *last_color < color_stamp);
+    PCAVR_REQUIRE(!last_depth || *last_depth < depth_stamp);
+    last_color = color_stamp;
+    last_depth = depth_stamp;
+    const std::string color_time = format_file_stamp(color_stamp);
+    const std::string depth_time = format_file_stamp(depth_stamp);
+    const std::string color_path = "rgb/" + color_time + color_extension;
+    const std::string depth_path = "depth/" + depth_time + ".png";
+    color_list += color_time + ' ' + color_path + '\n';
+    depth_list += depth_time + ' ' + depth_path + '\n';
+    return {color_path, depth_path};
+  }
+};
+
+RecordingWriter::RecordingWriter(fs::path folder, const Manifest& manifest)
+    : state_(std::make_unique<State>()) {
+  state_->folder = std::move(folder);
+  state_->manifest = manifest;
+}
+
+RecordingWriter::~RecordingWriter() = default;
+RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;
+
+Expected<void> RecordingWriter::add_frame(Stamp color_stamp, const ColorImage& color,
+                                          Stamp depth_stamp, const DepthImage& depth) {
+  PCAVR_REQUIRE(state_->manifest.camera.has_value());
+  const Expected<std::string> jpeg = encode_color(color);
+  if (!jpeg) return jpeg.error();
+  const Expected<std::string> png = encode_depth(to_units(depth, state_->manifest.depth_scale));
+  if (!png) return png.error();
+  const auto [color_path, depth_path] = state_->list(color_stamp, ".jpg", depth_stamp);
+  if (Expected<void> written = state_->write(color_path, *jpeg); !written) return written;
+  return state_->write(depth_path, *png);
+}
+
+Expected<void> RecordingWriter::add_frame_files(Stamp color_stamp, const fs::path& color_file,
+                                                Stamp depth_stamp, const fs::path& depth_file) {
+  PCAVR_REQUIRE(state_->manifest.camera.has_value());
+  const auto [color_path, depth_path] =
+      state_->list(color_stamp, color_file.extension().string(), depth_stamp);
+  if (Expected<void> copied = state_->copy(color_file, color_path); !copied) return copied;
+  return state_->copy(depth_file, depth_path);
+}
+
+Expected<void> RecordingWriter::write_groundtruth(const Trajectory& T_base_camera) {
+  return state_->write("groundtruth.txt", format_trajectory(T_base_camera));
+}
+
+Expected<void> RecordingWriter::write_tool(const Trajectory& T_base_tool) {
+  return state_->write("tool.csv", format_tool(T_base_tool));
+}
+
+Expected<void> RecordingWriter::write_wrench(const std::vector<WrenchSample>& wrench) {
+  return state_->write("wrench.csv", format_wrench(wrench));
+}
+
+Expected<void> RecordingWriter::write_object_mesh(const fs::path& relative_path,
+                                                  const TriangleMesh& mesh_object) {
+  return state_->write(relative_path, format_obj(mesh_object));
+}
+
+Expected<void> RecordingWriter::finish() {
+  if (state_->last_color) {
+    if (Expected<void> written = state_->write("rgb.txt", state_->color_list); !written) {
+      return written;
+    }
+    if (Expected<void> written = state_->write("depth.txt", state_->depth_list); !written) {
+      return written;
+    }
+  }
+  return state_->write("recording.yaml", format_manifest(state_->manifest));
+}
+
+}  // namespace pcavr

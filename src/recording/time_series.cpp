@@ -1,0 +1,176 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "recording/time_series.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "recording/text_rows.hpp"
+
+namespace pcavr {
+namespace {
+
+using Separator = RowFormat::Separator;
+
+RowFormat format_of(const SeriesText& text, Separator separator, std::vector<std::string> columns) {
+  return {text.file, separator, std::move(columns), text.skip_bad};
+}
+
+/// Reads the header line and compares it with the columns that the format wants.
+Expected<void> expect_header(const RowFormat& format, LineReader& lines) {
+  const Expected<std::vector<std::string>> header = read_header(format.file, lines);
+  if (!header) return header.error();
+  if (*header == format.columns) return {};
+  std::string wanted;
+  for (const std::string& column : format.columns) wanted += (wanted.empty() ? "" : ",") + column;
+  return Error{.message = "the header is not '" + wanted + "'",
+               .file = format.file,
+               .line = lines.line(),
+               .mend = "name the columns so, in this order"};
+}
+
+/// Rows of `x y z qx qy qz qw`.
+Expected<Series<Trajectory>> read_poses(const RowFormat& format, LineReader& lines) {
+  std::vector<TimedPose> poses;
+  const auto take = [&](Stamp stamp, std::span<const double> n) -> std::optional<Error> {
+    if (std::optional<Error> error = check_unit_quaternion(n.subspan(3))) return error;
+    poses.push_back({stamp, Pose(Eigen::Quaterniond(n[6], n[3], n[4], n[5]), {n[0], n[1], n[2]})});
+    return std::nullopt;
+  };
+  const Expected<std::size_t> skipped = read_number_rows(format, lines, take);
+  if (!skipped) return skipped.error();
+  return Series<Trajectory>{Trajectory(std::move(poses)), *skipped};
+}
+
+/// How many of the names from `first` on are prefix1, prefix2, ...
+std::size_t count_numbered(const std::vector<std::string>& names, std::size_t first,
+                           const std::string& prefix) {
+  std::size_t count = 0;
+  while (first + count < names.size() &&
+         names[first + count] == prefix + std::to_string(count + 1)) {
+    ++count;
+  }
+  return count;
+}
+
+struct JointColumns {
+  std::size_t joints = 0;
+  bool has_velocity = false;
+  bool has_torque = false;
+};
+
+/// `t,q1..qn` and then all or none of `dq1..dqn` and of `tau1..taun`.
+std::optional<JointColumns> joint_columns(const std::vector<std::string>& names) {
+  if (names.empty() || names[0] != "t") return std::nullopt;
+  const std::size_t joints = count_numbered(names, 1, "q");
+  const std::size_t velocities = count_numbered(names, 1 + joints, "dq");
+  const std::size_t torques = count_numbered(names, 1 + joints + velocities, "tau");
+  const bool is_complete = joints > 0 && (velocities == 0 || velocities == joints) &&
+                           (torques == 0 || torques == joints) &&
+                           names.size() == 1 + joints + velocities + torques;
+  if (!is_complete) return std::nullopt;
+  return JointColumns{joints, velocities > 0, torques > 0};
+}
+
+}  // namespace
+
+std::optional<Error> check_unit_quaternion(std::span<const double> xyzw) {
+  const double norm = Eigen::Vector4d(xyzw[0], xyzw[1], xyzw[2], xyzw[3]).norm();
+  // Written with few digits a unit quaternion is off by some 1e-3; beyond a tenth it is something
+  // else, such as columns in another order.
+  if (std::abs(norm - 1.0) <= 0.1) return std::nullopt;
+  return Error{.message = "the quaternion has the norm " + std::to_string(norm) + ", not 1",
+               .mend = "write a unit quaternion in the order qx qy qz qw"};
+}
+
+Expected<std::filesystem::path> path_inside_folder(std::string_view text) {
+  const std::filesystem::path path = std::filesystem::path(text).lexically_normal();
+  const bool has_nul = text.find('\0') != text.npos;
+  if (path.empty() || path == "." || path.is_absolute() || *path.begin() == ".." || has_nul) {
+    return Error{.message = "'" + std::string(text) + "' does not lie in the recording's folder",
+                 .mend = "give a path relative to the folder, without leaving it"};
+  }
+  return path;
+}
+
+Expected<Series<std::vector<ListedImage>>> parse_image_list(const SeriesText& text) {
+  Series<std::vector<ListedImage>> list;
+  LineReader lines(text.text);
+  const auto take = [&](Stamp stamp,
+                        std::span<const std::string_view> fields) -> std::optional<Error> {
+    const Expected<std::filesystem::path> path = path_inside_folder(fields[0]);
+    if (!path) return path.error();
+    list.content.push_back({stamp, *path, lines.line()});
+    return std::nullopt;
+  };
+  const Expected<std::size_t> skipped =
+      read_rows(format_of(text, Separator::blank, {"timestamp", "path"}), lines, take);
+  if (!skipped) return skipped.error();
+  list.skipped = *skipped;
+  return list;
+}
+
+Expected<Series<Trajectory>> parse_trajectory(const SeriesText& text) {
+  LineReader lines(text.text);
+  return read_poses(
+      format_of(text, Separator::blank, {"t", "tx", "ty", "tz", "qx", "qy", "qz", "qw"}), lines);
+}
+
+Expected<Series<Trajectory>> parse_tool(const SeriesText& text) {
+  LineReader lines(text.text);
+  const RowFormat format =
+      format_of(text, Separator::comma, {"t", "x", "y", "z", "qx", "qy", "qz", "qw"});
+  if (const Expected<void> header = expect_header(format, lines); !header) return header.error();
+  return read_poses(format, lines);
+}
+
+Expected<Series<std::vector<WrenchSample>>> parse_wrench(const SeriesText& text) {
+  LineReader lines(text.text);
+  const RowFormat format =
+      format_of(text, Separator::comma, {"t", "fx", "fy", "fz", "tx", "ty", "tz"});
+  if (const Expected<void> header = expect_header(format, lines); !header) return header.error();
+  Series<std::vector<WrenchSample>> wrench;
+  const auto take = [&](Stamp stamp, std::span<const double> n) -> std::optional<Error> {
+    wrench.content.push_back({stamp, {n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
+    return std::nullopt;
+  };
+  const Expected<std::size_t> skipped = read_number_rows(format, lines, take);
+  if (!skipped) return skipped.error();
+  wrench.skipped = *skipped;
+  return wrench;
+}
+
+Expected<Series<std::vector<JointSample>>> parse_joints(const SeriesText& text) {
+  LineReader lines(text.text);
+  const Expected<std::vector<std::string>> header = read_header(text.file, lines);
+  if (!header) return header.error();
+  const std::optional<JointColumns> columns = joint_columns(*header);
+  if (!columns) {
+    return Error{.message = "the header is not 't,q1..qn,dq1..dqn,tau1..taun'",
+                 .file = text.file,
+                 .line = lines.line(),
+                 .mend = "name the columns so; all dq or all tau may be absent"};
+  }
+  Series<std::vector<JointSample>> joints;
+  const auto take = [&](Stamp stamp, std::span<const double> numbers) -> std::optional<Error> {
+    JointSample& sample = joints.content.emplace_back();
+    sample.stamp = stamp;
+    auto from = numbers.begin();
+    const auto fill = [&](std::vector<double>& to) {
+      to.assign(from, from + static_cast<std::ptrdiff_t>(columns->joints));
+      from += static_cast<std::ptrdiff_t>(columns->joints);
+    };
+    fill(sample.position);
+    if (columns->has_velocity) fill(sample.velocity);
+    if (columns->has_torque) fill(sample.torque);
+    return std::nullopt;
+  };
+  const Expected<std::size_t> skipped =
+      read_number_rows(format_of(text, Separator::comma, *header), lines, take);
+  if (!skipped) return skipped.error();
+  joints.skipped = *skipped;
+  return joints;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "recording/yaml_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "recording/text_rows.hpp"
+
+namespace pcavr {
+
+void YamlValue::fail(const std::string& message, const std::string& mend) const {
+  throw YamlFailure{
+      {.message = message, .line = node_.Mark().line + 1, .place = place_, .mend = mend}};
+}
+
+std::string YamlValue::text() const {
+  if (!node_.IsScalar()) fail("is not a text", "write one value");
+  return node_.Scalar();
+}
+
+double YamlValue::number() const {
+  const std::string scalar = text();
+  const std::optional<double> number = parse_number(scalar);
+  if (!number) fail("'" + scalar + "' is not a finite number", "write a decimal number");
+  return *number;
+}
+
+double YamlValue::positive_number() const {
+  const double value = number();
+  if (!(value > 0.0)) fail("is " + text() + ", not more than 0", "write its true value");
+  return value;
+}
+
+int YamlValue::integer(int least, int most) const {
+  const double value = number();
+  if (value != std::floor(value) || value < least || value > most) {
+    fail("'" + text() + "' is not a whole number from " + std::to_string(least) + " to " +
+             std::to_string(most),
+         "write such a number");
+  }
+  return static_cast<int>(value);
+}
+
+bool YamlValue::boolean() const {
+  const std::string scalar = text();
+  if (scalar != "true" && scalar != "false") fail("is '" + scalar + "'", "write true or false");
+  return scalar == "true";
+}
+
+std::vector<double> YamlValue::numbers(std::size_t count) const {
+  const std::vector<YamlValue> values = items();
+  if (values.size() != count) {
+    fail("has " + std::to_string(values.size()) + " numbers, not " + std::to_string(count),
+         "write " + std::to_string(count) + " numbers in brackets");
+  }
+  std::vector<double> numbers;
+  for (const YamlValue& value : values) numbers.push_back(value.number());
+  return numbers;
+}
+
+std::vector<YamlValue> YamlValue::items() const {
+  if (!node_.IsSequence()) fail("is not a list", "write a list: [a, b] or lines that begin with -");
+  std::vector<YamlValue> items;
+  for (const YAML::Node& item : node_) {
+    items.emplace_back(item, place_ + "[" + std::to_string(items.size()) + "]");
+  }
+  return items;
+}
+
+void YamlValue::expect_keys(std::initializer_list<std::string_view> keys) const {
+  if (!node_.IsMap()) fail("is not a map of keys", "write 'key: value' lines");
+  std::set<std::string> seen;
+  for (const auto& entry : node_) {
+    const YamlValue key(entry.first, place_);
+    const std::string name = key.text();
+    if (std::find(keys.begin(), keys.end(), name) == keys.end()) {
+      std::string known;
+      for (const std::string_view k : keys) known += (known.empty() ? "" : ", ") + std::string(k);
+      key.fail("unknown key '" + name + "'", "known here: " + known);
+    }
+    if (!seen.insert(name).second) key.fail("key '" + name + "' is there twice", "keep one");
+  }
+}
+
+YamlValue YamlValue::at(const std::string& key) const {
+  std::optional<YamlValue> value = find(key);
+  if (!value) fail("key '" + key + "' is missing", "add it");
+  return *std::move(value);
+}
+
+std::optional<YamlValue> YamlValue::find(const std::string& key) const {
+  const YAML::Node value = node_[key];
+  if (!value || value.IsNull()) return std::nullopt;
+  return YamlValue(value, place_.empty() ? key : place_ + "." + key);
+}
+
+}  // namespace pcavr

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <yaml-cpp/yaml.h>
+
+#include "pcavr/core/expected.hpp"
+
+namespace pcavr {
+
+/// Leaves the depths of a YAML tree in one step; caught where the parser begins, as exceptions of
+/// yaml-cpp itself must be. Never leaves the module.
+struct YamlFailure {
+  Error error;  ///< without the file's name
+};
+
+/// A YAML node with the path of keys that leads to it, for errors. All getters throw YamlFailure.
+class YamlValue {
+ public:
+  YamlValue(YAML::Node node, std::string place)
+      : node_(std::move(node)), place_(std::move(place)) {}
+
+  [[noreturn]] void fail(const std::string& message, const std::string& mend) const;
+
+  [[nodiscard]] std::string text() const;
+  [[nodiscard]] double number() const;
+  [[nodiscard]] double positive_number() const;
+  [[nodiscard]] int integer(int least, int most) const;
+  [[nodiscard]] bool boolean() const;
+  /// Exactly `count` numbers.
+  [[nodiscard]] std::vector<double> numbers(std::size_t count) const;
+  [[nodiscard]] std::vector<YamlValue> items() const;
+
+  /// Refuses anything but a map with some of these keys, each at most once.
+  void expect_keys(std::initializer_list<std::string_view> keys) const;
+  [[nodiscard]] YamlValue at(const std::string& key) const;
+  /// Nothing where the key is absent or its value is empty.
+  [[nodiscard]] std::optional<YamlValue> find(const std::string& key) const;
+
+ private:
+  YAML::Node node_;
+  std::string place_;
+};
+
+}  // namespace pcavr
