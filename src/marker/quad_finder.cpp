@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "marker/quad_finder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/aruco.hpp>
+
+#include "pcavr/marker/tag_sheet.hpp"
+
+#include "marker/bit_reader.hpp"
+#include "marker/tag_family.hpp"
+
+namespace pcavr {
+namespace {
+
+struct DetectorDeleter {
+  void operator()(apriltag_detector_t* detector) const { apriltag_detector_destroy(detector); }
+};
+struct DetectionsDeleter {
+  void operator()(zarray_t* detections) const { apriltag_detections_destroy(detections); }
+};
+
+/// Corners of libapriltag's ideal tag in its own frame (x right, y down) that are our
+/// (-,-) (+,-) (+,+) (-,+): the half turn about x between the two frames, seen in the plane.
+constexpr double kHalfTurnAboutX[4][2] = {{-1, 1}, {1, 1}, {1, -1}, {-1, -1}};
+
+/// libapriltag counts pixels from the first pixel's outer edge, pcavr from its centre.
+constexpr double kAprilTagPixelOffset = 0.5;
+
+Eigen::Vector2d project(const matd_t& homography, const double (&point)[2]) {
+  const auto row = [&](int i) {
+    const double* h = homography.data + 3 * i;
+    return h[0] * point[0] + h[1] * point[1] + h[2];
+  };
+  return {row(0) / row(2), row(1) / row(2)};
+}
+
+class AprilTagFinder final : public QuadFinder {
+ public:
+  AprilTagFinder(std::vector<AprilTagFamily> families, const TagDetectorOptions& options)
+      : options_(options), families_(std::move(families)), detector_(apriltag_detector_create()) {
+    // Its own threads cut the image into pieces whose borders move with their number.
+    detector_->nthreads = 1;
+    detector_->quad_decimate = static_cast<float>(options.decimation);
+    detector_->refine_edges = true;
+    for (const AprilTagFamily& family : families_) {
+      apriltag_detector_add_family_bits(detector_.get(), family.get(), options.largest_hamming);
+    }
+  }
+
+  std::vector<TagDetection> find(const GrayImage& image, const Region& region) override {
+    // The library takes a plain pointer but does not write to the picture.
+    auto* pixels = const_cast<std::uint8_t*>(&image(region.x, region.y));
+    image_u8_t view{region.width, region.height, image.width(), pixels};
+    const std::unique_ptr<zarray_t, DetectionsDeleter> found(
+        apriltag_detector_detect(detector_.get(), &view));
+    std::vector<TagDetection> detections;
+    for (int i = 0; i < zarray_size(found.get()); ++i) {
+      apriltag_detection_t* one = nullptr;
+      zarray_get(found.get(), i, &one);
+      TagDetection detection;
+      detection.id = {one->family->name, one->id};
+      detection.hamming = one->hamming;
+      detection.decision_margin = static_cast<double>(one->decision_margin);
+      const Eigen::Vector2d origin(region.x - kAprilTagPixelOffset,
+                                   region.y - kAprilTagPixelOffset);
+      for (std::size_t k = 0; k < 4; ++k) {
+        detection.corners[k] = project(*one->H, kHalfTurnAboutX[k]) + origin;
+      }
+      detections.push_back(std::move(detection));
+    }
+    return detections;
+  }
+
+ private:
+  TagDetectorOptions options_;
+  std::vector<AprilTagFamily> families_;  // before the detector, which refers to them
+  std::unique_ptr<apriltag_detector_t, DetectorDeleter> detector_;
+};
+
+class ArucoFinder final : public QuadFinder {
+ public:
+  ArucoFinder(std::string family, int number)
+      : family_(std::move(family)),
+        dictionary_(cv::aruco::Dictionary::get(number)),
+        parameters_(cv::aruco::DetectorParameters::create()) {}
+
+  std::vector<TagDetection> find(const GrayImage& image, const Region& region) override {
+    auto* pixels = const_cast<std::uint8_t*>(&image(region.x, region.y));
+    const cv::Mat view(region.height, region.width, CV_8UC1, pixels,
+                       static_cast<std::size_t>(image.width()));
+    std::vector<std::vector<cv::Point2f>> corners;
+    std::vector<int> ids;
+    cv::aruco::detectMarkers(view, dictionary_, corners, ids, parameters_);
+    std::vector<TagDetection> detections;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      TagDetection detection;
+      detection.id = {family_, ids[i]};
+      for (std::size_t k = 0; k < 4; ++k) {
+        // OpenCV begins top left and goes clockwise; we begin bottom left, counter-clockwise.
+        const cv::Point2f& corner = corners[i][3 - k];
+        detection.corners[k] = {static_cast<double>(corner.x) + region.x,
+                                static_cast<double>(corner.y) + region.y};
+      }
+      const Expected<TagPicture> picture = tag_picture(family_, ids[i]);
+      const BitReading reading = read_bits(image, *picture, detection.corners);
+      detection.hamming = reading.wrong_bits;
+      detection.decision_margin = reading.margin;
+      detections.push_back(std::move(detection));
+    }
+    return detections;
+  }
+
+ private:
+  std::string family_;
+  cv::Ptr<cv::aruco::Dictionary> dictionary_;
+  cv::Ptr<cv::aruco::DetectorParameters> parameters_;
+};
+
+}  // namespace
+
+Expected<std::vector<std::unique_ptr<QuadFinder>>> make_quad_finders(
+    const std::vector<std::string>& families, const TagDetectorOptions& options) {
+  std::vector<std::unique_ptr<QuadFinder>> finders;
+  std::vector<AprilTagFamily> apriltags;
+  std::vector<std::string> names = families;
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  for (const std::string& name : names) {
+    if (auto family = make_apriltag_family(name)) {
+      apriltags.push_back(std::move(*family));
+    } else if (const auto number = aruco_dictionary_number(name)) {
+      finders.push_back(std::make_unique<ArucoFinder>(name, *number));
+    } else {
+      return unknown_family(name);
+    }
+  }
+  if (!apriltags.empty()) {
+    finders.push_back(std::make_unique<AprilTagFinder>(std::move(apriltags), options));
+  }
+  return finders;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "marker/tag_plane.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Dense>
+
+namespace pcavr {
+namespace {
+
+/// Pixels this near the tag's edge [share of the way to its centre] may show what lies behind.
+constexpr double kInnerShare = 0.85;
+/// Fewer pixels than this say little about a slope.
+constexpr std::size_t kFewestPixels = 30;
+/// Depth sensors match windows: neighbouring pixels share their error over about this area [px].
+constexpr double kCorrelationArea = 30.0;
+/// A sensor's systematic error changes over the image; between points this far apart [share of the
+/// distance] it may differ by its whole size.
+constexpr double kDistortionLength = 0.3;
+/// Tukey's biweight rejects residuals beyond this many deviations; 4.685 keeps 95 % efficiency.
+constexpr double kTukey = 4.685;
+
+struct InverseDepth {
+  Eigen::Vector3d ray;  ///< (x, y, 1) relative to the tag's centre in x and y
+  double value = 0.0;   ///< [1/m]
+  double sigma = 0.0;   ///< [1/m]
+};
+
+bool is_inside(const std::array<Eigen::Vector2d, 4>& corners, const Eigen::Vector2d& p) {
+  // Clockwise on the screen.
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d a = corners[(i + 1) % 4] - corners[i];
+    const Eigen::Vector2d b = p - corners[i];
+    if (a.x() * b.y() - a.y() * b.x() > 0.0) return false;
+  }
+  return true;
+}
+
+std::vector<InverseDepth> collect(const DepthImage& depth, const DepthNoise& noise,
+                                  const CameraModel& camera,
+                                  const std::array<Eigen::Vector2d, 4>& corners,
+                                  const Eigen::Vector2d& centre) {
+  std::array<Eigen::Vector2d, 4> inner;
+  Eigen::AlignedBox2d box;
+  const Eigen::Vector2d middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+  for (std::size_t i = 0; i < 4; ++i) {
+    inner[i] = middle + kInnerShare * (corners[i] - middle);
+    box.extend(inner[i]);
+  }
+  const int x0 = std::max(0, static_cast<int>(std::ceil(box.min().x())));
+  const int y0 = std::max(0, static_cast<int>(std::ceil(box.min().y())));
+  const int x1 = std::min(depth.width() - 1, static_cast<int>(std::floor(box.max().x())));
+  const int y1 = std::min(depth.height() - 1, static_cast<int>(std::floor(box.max().y())));
+  std::vector<InverseDepth> samples;
+  for (int y = y0; y <= y1; ++y) {
+    for (int x = x0; x <= x1; ++x) {
+      const double z = static_cast<double>(depth(x, y));
+      if (!(z >= noise.nearest && z <= noise.farthest)) continue;
+      if (!is_inside(inner, {x, y})) continue;
+      const Eigen::Vector2d at = camera.normalise({x, y}) - centre;
+      samples.push_back({{at.x(), at.y(), 1.0}, 1.0 / z, noise.sigma(z) / (z * z)});
+    }
+  }
+  return samples;
+}
+
+struct Fit {
+  Eigen::Vector3d solution;
+  Eigen::Matrix3d information;
+  double weight = 0.0;  ///< number of pixels that count
+};
+
+Fit weighted_fit(const std::vector<InverseDepth>& samples, const Fit* last, double scale) {
+  Fit fit{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero(), 0.0};
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const InverseDepth& sample : samples) {
+    double weight = 1.0;
+    if (last != nullptr) {
+      const double u =
+          (sample.ray.dot(last->solution) - sample.value) / (kTukey * scale * sample.sigma);
+      weight = std::abs(u) < 1.0 ? (1.0 - u * u) * (1.0 - u * u) : 0.0;
+    }
+    const double information = weight / (sample.sigma * sample.sigma);
+    fit.information += information * sample.ray * sample.ray.transpose();
+    right += information * sample.value * sample.ray;
+    fit.weight += weight;
+  }
+  fit.solution = fit.information.ldlt().solve(right);
+  return fit;
+}
+
+/// The median size of the residuals, as the deviation of a normal distribution, in units of the
+/// model's; at least 1.
+double residual_scale(const std::vector<InverseDepth>& samples, const Eigen::Vector3d& solution) {
+  std::vector<double> sizes;
+  for (const InverseDepth& sample : samples) {
+    sizes.push_back(std::abs(sample.ray.dot(solution) - sample.value) / sample.sigma);
+  }
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return std::max(1.0, 1.4826 * *middle);
+}
+
+}  // namespace
+
+std::optional<PlaneMeasurement> measure_tag_plane(const DepthImage& depth, const DepthNoise& noise,
+                                                  const CameraModel& camera,
+                                                  const std::array<Eigen::Vector2d, 4>& corners,
+                                                  int share) {
+  const Eigen::Vector2d centre =
+      camera.normalise(0.25 * (corners[0] + corners[1] + corners[2] + corners[3]));
+  const std::vector<InverseDepth> samples = collect(depth, noise, camera, corners, centre);
+  if (samples.size() < kFewestPixels) return std::nullopt;
+
+  double scale = 1.0;
+  Fit fit = weighted_fit(samples, nullptr, scale);
+  for (int i = 0; i < 5; ++i) {
+    scale = residual_scale(samples, fit.solution);
+    fit = weighted_fit(samples, &fit, scale);
+  }
+  if (fit.weight < 0.5 * static_cast<double>(samples.size()) || !fit.solution.allFinite()) {
+    return std::nullopt;
+  }
+
+  Eigen::Matrix3d covariance = fit.information.inverse() * (scale * scale * kCorrelationArea);
+  const double z = 1.0 / fit.solution.z();
+  const double systematic = noise.sigma(z) / (z * z);
+  const double slope = systematic / kDistortionLength;
+  covariance.diagonal() +=
+      share * Eigen::Vector3d(slope * slope, slope * slope, systematic * systematic);
+
+  // From coordinates relative to the tag's centre to the camera's.
+  Eigen::Matrix3d shift = Eigen::Matrix3d::Identity();
+  shift(2, 0) = -centre.x();
+  shift(2, 1) = -centre.y();
+  const Eigen::Matrix3d information = (shift * covariance * shift.transpose()).inverse();
+  if (!information.allFinite()) return std::nullopt;
+  return PlaneMeasurement{shift * fit.solution, information.llt().matrixU()};
+}
+
+}  // namespace pcavr
