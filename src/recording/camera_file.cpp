@@ -101,8 +101,7 @@ CameraFile read_own(const Reader& reader, const YAML::Node& root) {
   }
   if (root["depth_scale"]) result.depth_scale = reader.positive(root, "depth_scale");
   if (const YAML::Node noise = root["depth_noise"]) {
-    reader.only_keys(noise,
-                     {"constant", "quadratic", "offset", "grazing", "nearest", "farthest"});
+    reader.only_keys(noise, {"constant", "quadratic", "offset", "grazing", "nearest", "farthest"});
     result.depth_noise = DepthNoise{.constant = reader.positive(noise, "constant"),
                                     .quadratic = reader.number(noise, "quadratic"),
                                     .offset = reader.number(noise, "offset"),

@@ -3,22 +3,25 @@
 #include "recording/image_codec.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <memory>
 #include <optional>
 
-#include <spng.h>
 #include <turbojpeg.h>
+
+#include "recording/png_codec.hpp"
 
 namespace pcavr {
 namespace {
-
-using PngContext = std::unique_ptr<spng_ctx, decltype(&spng_ctx_free)>;
 
 struct JpegDeleter {
   void operator()(void* handle) const { tjDestroy(handle); }
 };
 using JpegHandle = std::unique_ptr<void, JpegDeleter>;
+
+struct JpegHeader {
+  int width = 0;
+  int height = 0;
+};
 
 constexpr int kJpegQuality = 95;
 
@@ -28,14 +31,14 @@ Error damaged(const ExpectedImage& image, const std::string& reason) {
           .mend = "replace the image, or leave such frames out with --skip-bad"};
 }
 
-std::string size_text(std::int64_t width, std::int64_t height) {
+std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-std::optional<Error> check_size(const ExpectedImage& image, std::int64_t width,
-                                std::int64_t height) {
-  if (width == image.width && height == image.height) return std::nullopt;
-  return Error{.message = "is " + size_text(width, height) + " pixels, not " +
+template <typename Header>
+std::optional<Error> check_size(const ExpectedImage& image, const Header& header) {
+  if (header.width == image.width && header.height == image.height) return std::nullopt;
+  return Error{.message = "is " + size_text(header.width, header.height) + " pixels, not " +
                           size_text(image.width, image.height),
                .file = image.file,
                .mend = "the camera of recording.yaml must have the size of the images"};
@@ -49,60 +52,54 @@ const unsigned char* as_bytes(std::string_view bytes) {
 
 Expected<ColorImage> decode_jpeg(std::string_view bytes, const ExpectedImage& image) {
   const JpegHandle handle(tjInitDecompress());
-  int width = 0;
-  int height = 0;
+  JpegHeader header;
   int subsampling = 0;
   int colorspace = 0;
-  if (tjDecompressHeader3(handle.get(), as_bytes(bytes), bytes.size(), &width, &height,
-                          &subsampling, &colorspace) != 0) {
+  if (tjDecompressHeader3(handle.get(), as_bytes(bytes), bytes.size(), &header.width,
+                          &header.height, &subsampling, &colorspace) != 0) {
     return damaged(image, tjGetErrorStr2(handle.get()));
   }
-  if (std::optional<Error> error = check_size(image, width, height)) return *std::move(error);
-  ColorImage color(width, height);
+  if (std::optional<Error> error = check_size(image, header)) return *std::move(error);
+  ColorImage color(header.width, header.height);
   if (tjDecompress2(handle.get(), as_bytes(bytes), bytes.size(),
-                    reinterpret_cast<unsigned char*>(color.pixels().data()), width, 0, height,
-                    TJPF_RGB, 0) != 0) {
+                    reinterpret_cast<unsigned char*>(color.pixels().data()), header.width, 0,
+                    header.height, TJPF_RGB, 0) != 0) {
     return damaged(image, tjGetErrorStr2(handle.get()));
   }
   return color;
 }
 
-/// The header of a PNG file of the size expected.
-Expected<spng_ihdr> open_png(spng_ctx* context, std::string_view bytes,
-                             const ExpectedImage& image) {
-  if (const int code = spng_set_png_buffer(context, bytes.data(), bytes.size()); code != 0) {
-    return damaged(image, spng_strerror(code));
+Error damaged_png(const ExpectedImage& image, const Error& error) {
+  return damaged(image, error.message);
+}
+
+/// The first channels of 8-bit pixels as colour.
+ColorImage to_color(const PngImage& png) {
+  ColorImage color(png.width, png.height);
+  const std::size_t green = png.channels >= 3 ? 1 : 0;
+  const std::size_t blue = png.channels >= 3 ? 2 : 0;
+  for (int y = 0; y < png.height; ++y) {
+    const std::uint8_t* from = png.row(y);
+    for (Rgb8& pixel : color.row(y)) {
+      pixel = {from[0], from[green], from[blue]};
+      from += png.pixel_size();
+    }
   }
-  spng_ihdr header{};
-  if (const int code = spng_get_ihdr(context, &header); code != 0) {
-    return damaged(image, spng_strerror(code));
-  }
-  if (std::optional<Error> error = check_size(image, header.width, header.height)) {
-    return *std::move(error);
-  }
-  return header;
+  return color;
 }
 
 Expected<ColorImage> decode_color_png(std::string_view bytes, const ExpectedImage& image) {
-  const PngContext context(spng_ctx_new(0), spng_ctx_free);
-  const Expected<spng_ihdr> header = open_png(context.get(), bytes, image);
-  if (!header) return header.error();
-  if (header->bit_depth == 16) {
-    return Error{.message = "has 16 bits a channel",
+  const Expected<PngImage> header = decode_png_header(bytes);
+  if (!header) return damaged_png(image, header.error());
+  if (std::optional<Error> error = check_size(image, *header)) return *std::move(error);
+  if (header->bit_depth != 8) {
+    return Error{.message = "is not a colour image: it has 16 bits a channel",
                  .file = image.file,
-                 .mend = "colour images have 8 bits a channel"};
+                 .mend = "colour images are JPEG or PNG files with 8 bits a channel"};
   }
-  ColorImage color(image.width, image.height);
-  if (const int code = spng_decode_image(context.get(), color.pixels().data(),
-                                         color.pixels().size_bytes(), SPNG_FMT_RGB8, 0);
-      code != 0) {
-    return damaged(image, spng_strerror(code));
-  }
-  return color;
-}
-
-Expected<std::string> encoder_failed(const std::string& reason) {
-  return Error{.message = "an image could not be encoded: " + reason};
+  const Expected<PngImage> png = decode_png(bytes);
+  if (!png) return damaged_png(image, png.error());
+  return to_color(*png);
 }
 
 }  // namespace
@@ -112,21 +109,24 @@ Expected<ColorImage> decode_color(std::string_view bytes, const ExpectedImage& i
 }
 
 Expected<RawDepthImage> decode_depth(std::string_view bytes, const ExpectedImage& image) {
-  const PngContext context(spng_ctx_new(0), spng_ctx_free);
-  const Expected<spng_ihdr> header = open_png(context.get(), bytes, image);
-  if (!header) return header.error();
-  if (header->bit_depth != 16 || header->color_type != SPNG_COLOR_TYPE_GRAYSCALE) {
-    return Error{.message = "is not a depth image: it has " + std::to_string(header->bit_depth) +
-                            " bits a channel" +
-                            (header->color_type == SPNG_COLOR_TYPE_GRAYSCALE ? "" : ", in colour"),
+  const Expected<PngImage> header = decode_png_header(bytes);
+  if (!header) return damaged_png(image, header.error());
+  if (std::optional<Error> error = check_size(image, *header)) return *std::move(error);
+  if (header->bit_depth != 16 || header->channels != 1) {
+    return Error{.message = "is not a depth image: it has " + std::to_string(header->channels) +
+                            " channels of " + std::to_string(header->bit_depth) + " bits",
                  .file = image.file,
                  .mend = "depth images are PNG files with one channel of 16 bits"};
   }
-  RawDepthImage depth(image.width, image.height);
-  if (const int code = spng_decode_image(context.get(), depth.pixels().data(),
-                                         depth.pixels().size_bytes(), SPNG_FMT_PNG, 0);
-      code != 0) {
-    return damaged(image, spng_strerror(code));
+  const Expected<PngImage> png = decode_png(bytes);
+  if (!png) return damaged_png(image, png.error());
+  RawDepthImage depth(png->width, png->height);
+  for (int y = 0; y < png->height; ++y) {
+    const std::uint8_t* from = png->row(y);
+    for (std::uint16_t& pixel : depth.row(y)) {
+      pixel = static_cast<std::uint16_t>(from[0] << 8 | from[1]);
+      from += 2;
+    }
   }
   return depth;
 }
@@ -139,28 +139,21 @@ Expected<std::string> encode_color(const ColorImage& image) {
       handle.get(), reinterpret_cast<const unsigned char*>(image.pixels().data()), image.width(), 0,
       image.height(), TJPF_RGB, &buffer, &size, TJSAMP_420, kJpegQuality, 0);
   const std::unique_ptr<unsigned char, decltype(&tjFree)> owner(buffer, tjFree);
-  if (code != 0) return encoder_failed(tjGetErrorStr2(handle.get()));
+  if (code != 0) {
+    return Error{.message =
+                     std::string("an image can't be encoded: ") + tjGetErrorStr2(handle.get())};
+  }
   return std::string(reinterpret_cast<const char*>(buffer), size);
 }
 
-Expected<std::string> encode_depth(const RawDepthImage& image) {
-  const PngContext context(spng_ctx_new(SPNG_CTX_ENCODER), spng_ctx_free);
-  spng_set_option(context.get(), SPNG_ENCODE_TO_BUFFER, 1);
-  spng_ihdr header{};
-  header.width = static_cast<std::uint32_t>(image.width());
-  header.height = static_cast<std::uint32_t>(image.height());
-  header.bit_depth = 16;
-  header.color_type = SPNG_COLOR_TYPE_GRAYSCALE;
-  int code = spng_set_ihdr(context.get(), &header);
-  if (code == 0) {
-    code = spng_encode_image(context.get(), image.pixels().data(), image.pixels().size_bytes(),
-                             SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE);
+std::string encode_depth(const RawDepthImage& image) {
+  std::string big_endian;
+  big_endian.reserve(image.pixels().size_bytes());
+  for (const std::uint16_t pixel : image.pixels()) {
+    big_endian += static_cast<char>(pixel >> 8);
+    big_endian += static_cast<char>(pixel & 0xFF);
   }
-  std::size_t size = 0;
-  void* buffer = code == 0 ? spng_get_png_buffer(context.get(), &size, &code) : nullptr;
-  const std::unique_ptr<void, decltype(&std::free)> owner(buffer, std::free);
-  if (code != 0 || buffer == nullptr) return encoder_failed(spng_strerror(code));
-  return std::string(static_cast<const char*>(buffer), size);
+  return encode_gray16_png(image.width(), image.height(), big_endian);
 }
 
 }  // namespace pcavr

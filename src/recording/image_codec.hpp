@@ -34,6 +34,6 @@ struct ExpectedImage {
 /// JPEG of quality 95 with halved chroma.
 [[nodiscard]] Expected<std::string> encode_color(const ColorImage& image);
 /// PNG with one channel of 16 bits.
-[[nodiscard]] Expected<std::string> encode_depth(const RawDepthImage& image);
+[[nodiscard]] std::string encode_depth(const RawDepthImage& image);
 
 }  // namespace pcavr

@@ -89,11 +89,10 @@ Expected<void> RecordingWriter::add_frame(Stamp color_stamp, const ColorImage& c
   PCAVR_REQUIRE(state_->manifest.camera.has_value());
   const Expected<std::string> jpeg = encode_color(color);
   if (!jpeg) return jpeg.error();
-  const Expected<std::string> png = encode_depth(to_units(depth, state_->manifest.depth_scale));
-  if (!png) return png.error();
+  const std::string png = encode_depth(to_units(depth, state_->manifest.depth_scale));
   const auto [color_path, depth_path] = state_->list(color_stamp, ".jpg", depth_stamp);
   if (Expected<void> written = state_->write(color_path, *jpeg); !written) return written;
-  return state_->write(depth_path, *png);
+  return state_->write(depth_path, png);
 }
 
 Expected<void> RecordingWriter::add_frame_files(Stamp color_stamp, const fs::path& color_file,

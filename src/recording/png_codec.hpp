@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pcavr/core/expected.hpp"
+
+namespace pcavr {
+
+/// A PNG file [ISO/IEC 15948:2004], inflated. Only what cameras write is read: 8 or 16 bits, no
+/// palette, not interlaced. Inflating with libdeflate makes it three times as fast as libpng.
+struct PngImage {
+  int width = 0;                   ///< [px]
+  int height = 0;                  ///< [px]
+  int bit_depth = 0;               ///< 8 or 16
+  int channels = 0;                ///< 1 gray, 2 gray and alpha, 3 colour, 4 colour and alpha
+  std::vector<std::uint8_t> rows;  ///< each a byte without meaning, then its pixels, big-endian
+
+  [[nodiscard]] std::size_t pixel_size() const {
+    return static_cast<std::size_t>(bit_depth / 8 * channels);
+  }
+  [[nodiscard]] std::size_t row_size() const {
+    return static_cast<std::size_t>(width) * pixel_size();
+  }
+  /// The first byte of row y's pixels.
+  [[nodiscard]] const std::uint8_t* row(int y) const {
+    return rows.data() + static_cast<std::size_t>(y) * (row_size() + 1) + 1;
+  }
+};
+
+/// What the header promises, without `rows`. Errors have neither file nor mend.
+[[nodiscard]] Expected<PngImage> decode_png_header(std::string_view bytes);
+
+/// The whole image; checksums are checked. Memory in proportion to the header's size: check that
+/// first. Errors have neither file nor mend.
+[[nodiscard]] Expected<PngImage> decode_png(std::string_view bytes);
+
+/// A file with one channel of 16 bits from big-endian pixels.
+[[nodiscard]] std::string encode_gray16_png(int width, int height,
+                                            std::string_view big_endian_pixels);
+
+}  // namespace pcavr
