@@ -1,0 +1,205 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/scene/occupancy_map.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <tuple>
+
+#include "pcavr/core/check.hpp"
+
+#include "occupancy_state.hpp"
+
+namespace pcavr {
+namespace {
+
+/// What OctoMap's 16-bit keys can hold [cells from base].
+constexpr double kFarthestCell = 32000.0;
+
+double log_odds(double probability) { return std::log(probability / (1.0 - probability)); }
+
+bool is_same(const CameraModel& a, const CameraModel& b) {
+  const auto all = [](const CameraModel& c) {
+    return std::tie(c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.distortion);
+  };
+  return all(a) == all(b);
+}
+
+void require_sound(const OccupancyOptions& options) {
+  PCAVR_REQUIRE(options.resolution > 0.0, options.resolution);
+  PCAVR_REQUIRE(options.farthest >= options.resolution, options.farthest);
+  PCAVR_REQUIRE(options.hit > 0.5 && options.hit < 1.0, options.hit);
+  PCAVR_REQUIRE(options.miss > 0.0 && options.miss < 0.5, options.miss);
+  PCAVR_REQUIRE(options.clamp_low > 0.0 && options.clamp_low < 0.5, options.clamp_low);
+  PCAVR_REQUIRE(options.clamp_high > 0.5 && options.clamp_high < 1.0, options.clamp_high);
+}
+
+/// Calls `visit(i)` for each bit that is set.
+template <typename Visit>
+void for_each_bit(const BlockBits& bits, const Visit& visit) {
+  for (std::size_t word = 0; word < bits.size(); ++word) {
+    for (std::uint64_t rest = bits[word]; rest != 0; rest &= rest - 1) {
+      visit(word * 64 + static_cast<std::size_t>(std::countr_zero(rest)));
+    }
+  }
+}
+
+}  // namespace
+
+OccupancyMap::State::State(const OccupancyOptions& chosen) : options(chosen) {
+  const double low = log_odds(options.clamp_low);
+  const double high = log_odds(options.clamp_high);
+  const double hit = log_odds(options.hit);
+  const double miss = log_odds(options.miss);
+  // As fine as 16 bits allow, with room for unknown.
+  units_per_log_odds = 32000.0 / std::max({-low, high, hit, -miss});
+  const auto units = [&](double value) {
+    return static_cast<int>(std::lround(value * units_per_log_odds));
+  };
+  clamp_low = units(low);
+  clamp_high = units(high);
+  hit_update = units(hit);
+  miss_update = units(miss);
+}
+
+const std::vector<Eigen::Vector2f>& OccupancyMap::State::rays_of(const CameraModel& camera) {
+  if (is_same(camera, ray_camera) && !rays.empty()) return rays;
+  ray_camera = camera;
+  rays.clear();
+  rays.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      rays.push_back(camera.normalise({double(u), double(v)}).cast<float>());
+    }
+  }
+  return rays;
+}
+
+void OccupancyMap::State::collect_ends(const DepthImage& depth, const MaskImage& is_dynamic,
+                                       const CameraModel& camera, const Pose& T_base_camera) {
+  const std::vector<Eigen::Vector2f>& directions = rays_of(camera);
+  const float cells_per_metre = static_cast<float>(1.0 / options.resolution);
+  const Eigen::Matrix3f R = T_base_camera.rotation_matrix().cast<float>() * cells_per_metre;
+  const std::span<const float> depths = depth.pixels();
+  const std::span<const std::uint8_t> dynamic = is_dynamic.pixels();
+  ends.clear();
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    const float z = depths[i];
+    if (!(z > 0.0F) || !std::isfinite(z) || (!dynamic.empty() && dynamic[i] != 0)) continue;
+    ends.emplace_back(R * Eigen::Vector3f(directions[i].x() * z, directions[i].y() * z, z));
+  }
+}
+
+void OccupancyMap::State::trace(const Eigen::Vector3d& origin) {
+  const auto cell_of = [](const Eigen::Vector3d& p) {
+    return Eigen::Vector3i(p.array().floor().cast<int>());
+  };
+  const float farthest = static_cast<float>(options.farthest / options.resolution);
+  Eigen::AlignedBox3f box(Eigen::Vector3f::Zero().eval());
+  cut.assign(ends.size(), 0);
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const float distance_squared = ends[i].squaredNorm();
+    if (distance_squared > farthest * farthest) {
+      ends[i] *= farthest / std::sqrt(distance_squared);
+      cut[i] = 1;
+    }
+    box.extend(ends[i]);
+  }
+  // A cell to spare on each side, for the rounding of rays along the box's faces.
+  const Eigen::Vector3i low = cell_of(origin + box.min().cast<double>());
+  const Eigen::Vector3i high = cell_of(origin + box.max().cast<double>());
+  frame.reset(low - Eigen::Vector3i::Ones(), high + Eigen::Vector3i::Ones());
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const Eigen::Vector3d end = origin + ends[i].cast<double>();
+    const Eigen::Vector3i cell = cell_of(end);
+    if (cut[i] != 0) {
+      if (frame.mark_cut(cell)) frame.mark_ray(origin, end);
+    } else if (frame.mark_hit(cell)) {
+      frame.mark_ray(origin, cell.cast<double>() + Eigen::Vector3d::Constant(0.5));
+    }
+  }
+}
+
+OccupancyBlock& OccupancyMap::State::block_at(const Eigen::Vector3i& position) {
+  const auto [found, is_new] = index_of_block.try_emplace(block_key(position), blocks.size());
+  if (is_new) blocks.emplace_back(position);
+  return blocks[found->second];
+}
+
+std::optional<OccupancyMap::State::Place> OccupancyMap::State::place_of(
+    const Eigen::Vector3i& cell) const {
+  // An arithmetic shift rounds down, below zero too.
+  const auto found = index_of_block.find(block_key(cell.unaryExpr([](int c) { return c >> 3; })));
+  if (found == index_of_block.end()) return std::nullopt;
+  const auto inside = [&](int axis) { return static_cast<unsigned>(cell[axis]) & 7U; };
+  return Place{found->second, index_in_block(inside(0), inside(1), inside(2))};
+}
+
+void OccupancyMap::State::update_from_frame() {
+  frame.for_each_block([&](const Eigen::Vector3i& position, const BlockBits& passed,
+                           const BlockBits& hit) {
+    auto& values = block_at(position).values;
+    const auto update = [&](std::size_t cell, int change) {
+      const int before = values[cell] == kUnknown ? 0 : values[cell];
+      values[cell] = static_cast<std::int16_t>(std::clamp(before + change, clamp_low, clamp_high));
+    };
+    for_each_bit(passed, [&](std::size_t cell) { update(cell, miss_update); });
+    for_each_bit(hit, [&](std::size_t cell) { update(cell, hit_update); });
+  });
+}
+
+OccupancyMap::OccupancyMap(const OccupancyOptions& options) {
+  require_sound(options);
+  state_ = std::make_unique<State>(options);
+}
+OccupancyMap::~OccupancyMap() = default;
+OccupancyMap::OccupancyMap(OccupancyMap&&) noexcept = default;
+OccupancyMap& OccupancyMap::operator=(OccupancyMap&&) noexcept = default;
+
+const OccupancyOptions& OccupancyMap::options() const { return state_->options; }
+
+void OccupancyMap::integrate(const DepthImage& depth, const MaskImage& is_dynamic,
+                             const CameraModel& camera, const Pose& T_base_camera) {
+  PCAVR_REQUIRE(depth.width() == camera.width && depth.height() == camera.height, depth.width(),
+                depth.height());
+  PCAVR_REQUIRE(is_dynamic.empty() ||
+                (is_dynamic.width() == depth.width() && is_dynamic.height() == depth.height()));
+  const double resolution = state_->options.resolution;
+  const Eigen::Vector3d origin = T_base_camera.translation() / resolution;
+  const double reach = state_->options.farthest / resolution;
+  if (origin.cwiseAbs().maxCoeff() + reach > kFarthestCell) return;
+  state_->collect_ends(depth, is_dynamic, camera, T_base_camera);
+  if (state_->ends.empty()) return;
+  state_->trace(origin);
+  state_->update_from_frame();
+}
+
+OccupancyMap::Cell OccupancyMap::at(const Eigen::Vector3d& p_base) const {
+  const Eigen::Vector3d cell = (p_base / state_->options.resolution).array().floor();
+  if (!(cell.cwiseAbs().maxCoeff() < 2.0 * kFarthestCell)) return Cell::unknown;
+  const auto place = state_->place_of(cell.cast<int>());
+  if (!place) return Cell::unknown;
+  const std::int16_t value = state_->blocks[place->block].values[place->index];
+  if (value == kUnknown) return Cell::unknown;
+  return value >= 0 ? Cell::occupied : Cell::free;
+}
+
+OccupancyMap::Counts OccupancyMap::counts() const {
+  Counts counts;
+  for (const OccupancyBlock& block : state_->blocks) {
+    for (const std::int16_t value : block.values) {
+      if (value == kUnknown) continue;
+      ++(value >= 0 ? counts.occupied : counts.free);
+    }
+  }
+  return counts;
+}
+
+std::size_t OccupancyMap::memory_bytes() const {
+  // A hash node holds key, index, and two pointers with its bucket.
+  return state_->blocks.capacity() * sizeof(OccupancyBlock) +
+         state_->index_of_block.size() * 4 * sizeof(void*);
+}
+
+}  // namespace pcavr

@@ -18,10 +18,10 @@ namespace pcavr {
 
 /// The plane that movable objects stand on, and how far it reaches.
 struct SupportPlane {
-  Plane plane_base;                               ///< normal upward
-  std::vector<Eigen::Vector3d> outline_base;      ///< convex outline, counter-clockwise from above
-  double rms = 0.0;                               ///< of the points that it explains [m]
-  std::vector<std::string> objects;               ///< names of those that stand on it
+  Plane plane_base;                           ///< normal upward
+  std::vector<Eigen::Vector3d> outline_base;  ///< convex outline, counter-clockwise from above
+  double rms = 0.0;                           ///< of the points that it explains [m]
+  std::vector<std::string> objects;           ///< names of those that stand on it
 };
 
 /// A movable CAD body in the scene.
@@ -29,9 +29,9 @@ struct SceneObject {
   CadModel model;
   Pose T_base_object;  ///< at the recording's end: where it stands now
   Pose T_base_object_start;
-  std::string evidence;           ///< "tags_and_shape", "tags", "shape", "manifest", "not_seen"
-  double position_sigma = 0.0;    ///< [m]
-  double rotation_sigma = 0.0;    ///< [rad]
+  std::string evidence;         ///< "tags_and_shape", "tags", "shape", "manifest", "not_seen"
+  double position_sigma = 0.0;  ///< [m]
+  double rotation_sigma = 0.0;  ///< [rad]
   double refinement_translation = 0.0;  ///< by how much the depth moved the tags' pose, median [m]
   double refinement_rotation = 0.0;     ///< [rad]
   std::optional<double> mass = {};      ///< [kg]
@@ -44,21 +44,21 @@ struct SceneQuality {
   std::size_t frames_used = 0;
   std::vector<std::pair<std::string, std::size_t>> frames_dropped;  ///< reason, count
   std::vector<std::pair<std::string, std::size_t>> tags_seen;       ///< tag, frames
-  double tag_reprojection_rms = 0.0;  ///< [px]
-  double tracking_rms = 0.0;          ///< [m]
+  double tag_reprojection_rms = 0.0;                                ///< [px]
+  double tracking_rms = 0.0;                                        ///< [m]
   double camera_position_sigma = 0.0;  ///< median over the frames used [m]
   double camera_rotation_sigma = 0.0;  ///< [rad]
-  double surface_rms = 0.0;  ///< frames used against the mesh, point to plane, median [m]
+  double surface_rms = 0.0;            ///< frames used against the mesh, point to plane, median [m]
   bool is_fixed_camera = false;
   std::vector<StageTime> times;
 };
 
 /// A point-cloud augmented VR scene in the robot's base frame.
 struct Scene {
-  TriangleMesh mesh_base;   ///< static, full detail
+  TriangleMesh mesh_base;  ///< static, full detail
   /// Simplified for display, finest first; the first has at most 300 000 triangles.
   std::vector<TriangleMesh> levels_of_detail_base;
-  PointCloud cloud_base;    ///< static
+  PointCloud cloud_base;  ///< static
   OccupancyMap occupancy;
   std::vector<SupportPlane> support_planes;
   std::vector<SceneObject> objects;

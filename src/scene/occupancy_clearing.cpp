@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "occupancy_state.hpp"
+
+namespace pcavr {
+namespace {
+
+struct Triangle {
+  Eigen::Vector3d a, b, c;
+};
+
+/// Calls `visit` with boxes that cover the triangle, none longer than `edge` by more than needed:
+/// halved across its longest side until it fits.
+template <typename Visit>
+void cover(const Triangle& triangle, double edge, const Visit& visit) {
+  const auto& [a, b, c] = triangle;
+  const double ab = (b - a).squaredNorm();
+  const double bc = (c - b).squaredNorm();
+  const double ca = (a - c).squaredNorm();
+  const double longest = std::max({ab, bc, ca});
+  if (!std::isfinite(longest)) return;
+  if (longest <= edge * edge) {
+    Eigen::AlignedBox3d box(a);
+    visit(box.extend(b).extend(c));
+    return;
+  }
+  // Turned so that the longest side comes first.
+  const Triangle turned = longest == ab   ? triangle
+                          : longest == bc ? Triangle{b, c, a}
+                                          : Triangle{c, a, b};
+  const Eigen::Vector3d middle = 0.5 * (turned.a + turned.b);
+  cover({turned.a, middle, turned.c}, edge, visit);
+  cover({middle, turned.b, turned.c}, edge, visit);
+}
+
+constexpr double kMargin = 0.5;       ///< from a cell to the surface that supports it [cells]
+constexpr double kPieceLength = 0.5;  ///< of a triangle's pieces [cells]
+
+}  // namespace
+
+std::size_t OccupancyMap::clear_unsupported(const TriangleMesh& static_mesh_base) {
+  std::vector<BlockBits> is_supported(state_->blocks.size(), BlockBits{});
+  const auto support = [&](const Eigen::AlignedBox3d& box) {
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(kMargin);
+    const Eigen::Vector3i low = (box.min() - margin).array().floor().cast<int>();
+    const Eigen::Vector3i high = (box.max() + margin).array().floor().cast<int>();
+    for (int x = low.x(); x <= high.x(); ++x) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        for (int z = low.z(); z <= high.z(); ++z) {
+          const auto place = state_->place_of({x, y, z});
+          if (place)
+            is_supported[place->block][place->index / 64] |= std::uint64_t{1}
+                                                             << (place->index % 64);
+        }
+      }
+    }
+  };
+  const double cells_per_metre = 1.0 / state_->options.resolution;
+  const auto corner = [&](std::uint32_t vertex) {
+    return Eigen::Vector3d(static_mesh_base.vertices[vertex].cast<double>() * cells_per_metre);
+  };
+  for (const auto& [a, b, c] : static_mesh_base.triangles) {
+    cover({corner(a), corner(b), corner(c)}, kPieceLength, support);
+  }
+
+  std::size_t cleared = 0;
+  for (std::size_t i = 0; i < state_->blocks.size(); ++i) {
+    for (std::size_t cell = 0; cell < kBlockCells; ++cell) {
+      std::int16_t& value = state_->blocks[i].values[cell];
+      const bool supported = (is_supported[i][cell / 64] >> (cell % 64) & 1) != 0;
+      if (value < 0 || supported) continue;
+      value = static_cast<std::int16_t>(state_->clamp_low);
+      ++cleared;
+    }
+  }
+  return cleared;
+}
+
+}  // namespace pcavr
