@@ -1,0 +1,16 @@
+# Makes find_package(pcavr) work after cmake --install.
+include_guard(GLOBAL)
+include(CMakePackageConfigHelpers)
+
+set(pcavr_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pcavr)
+install(DIRECTORY include/pcavr DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY calib/ DESTINATION ${CMAKE_INSTALL_DATADIR}/pcavr/calib)
+install(EXPORT pcavrTargets NAMESPACE pcavr:: DESTINATION ${pcavr_package_dir})
+configure_package_config_file(cmake/pcavrConfig.cmake.in pcavrConfig.cmake
+                              INSTALL_DESTINATION ${pcavr_package_dir})
+write_basic_package_version_file(pcavrConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+# The static modules need their libraries at link time, found by the same rules as here.
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/pcavrConfig.cmake
+              ${CMAKE_CURRENT_BINARY_DIR}/pcavrConfigVersion.cmake
+              cmake/PcavrDependencies.cmake
+        DESTINATION ${pcavr_package_dir})

@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 /// Keeps every stamp, and every difference of two, inside 64 bits (about 146 years either side).
-constexpr std::int64_t kLargestSecond = std::numeric_limits<std::int64_t>::max() / 2 /
-                                        kNanosecondsPerSecond;
+constexpr std::int64_t kLargestSecond =
+    std::numeric_limits<std::int64_t>::max() / 2 / kNanosecondsPerSecond;
 
 Error not_a_stamp(std::string_view text) {
   return {.message = "'" + std::string(text) + "' is not a time",
@@ -59,11 +59,11 @@ std::string format_stamp(Stamp stamp, int decimals) {
   const bool negative = stamp.nanoseconds < 0;
   const std::int64_t magnitude = negative ? -stamp.nanoseconds : stamp.nanoseconds;
   const std::int64_t rounded = (magnitude + unit / 2) / unit * unit;
-  std::string text = (negative && rounded > 0 ? "-" : "") +
-                     std::to_string(rounded / kNanosecondsPerSecond);
+  std::string text =
+      (negative && rounded > 0 ? "-" : "") + std::to_string(rounded / kNanosecondsPerSecond);
   if (decimals > 0) {
-    const std::string nine = std::to_string(kNanosecondsPerSecond +
-                                            rounded % kNanosecondsPerSecond);
+    const std::string nine =
+        std::to_string(kNanosecondsPerSecond + rounded % kNanosecondsPerSecond);
     text += '.' + nine.substr(1, static_cast<std::size_t>(decimals));
   }
   return text;

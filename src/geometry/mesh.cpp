@@ -61,8 +61,8 @@ void compute_vertex_normals(TriangleMesh& mesh) {
   mesh.normals.resize(sums.size());
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const double norm = sums[i].norm();
-    mesh.normals[i] = norm > 0.0 ? (sums[i] / norm).cast<float>().eval()
-                                 : Eigen::Vector3f::UnitZ().eval();
+    mesh.normals[i] =
+        norm > 0.0 ? (sums[i] / norm).cast<float>().eval() : Eigen::Vector3f::UnitZ().eval();
   }
 }
 

@@ -62,8 +62,7 @@ Pose Pose::exp(const Vector6d& twist) {
   const Eigen::Vector3d w = twist.tail<3>();
   const double angle = w.norm();
   const double half = 0.5 * angle;
-  const double factor =
-      angle < kSmallAngle ? 0.5 - angle * angle / 48.0 : std::sin(half) / angle;
+  const double factor = angle < kSmallAngle ? 0.5 - angle * angle / 48.0 : std::sin(half) / angle;
   const Eigen::Vector3d xyz = factor * w;
   return Pose(Eigen::Quaterniond(std::cos(half), xyz.x(), xyz.y(), xyz.z()),
               left_jacobian(w) * twist.head<3>());

@@ -18,9 +18,9 @@ auto first_not_before(const std::vector<TimedPose>& poses, Stamp stamp) {
 }  // namespace
 
 Trajectory::Trajectory(std::vector<TimedPose> poses) : poses_(std::move(poses)) {
-  const auto out_of_order = std::adjacent_find(
-      poses_.begin(), poses_.end(),
-      [](const TimedPose& a, const TimedPose& b) { return a.stamp >= b.stamp; });
+  const auto out_of_order =
+      std::adjacent_find(poses_.begin(), poses_.end(),
+                         [](const TimedPose& a, const TimedPose& b) { return a.stamp >= b.stamp; });
   PCAVR_REQUIRE(out_of_order == poses_.end());
 }
 
@@ -36,8 +36,8 @@ std::optional<Pose> Trajectory::at(Stamp stamp, Duration longest_gap) const {
   if (after == poses_.begin()) return std::nullopt;
   const auto before = after - 1;
   if (after->stamp - before->stamp > longest_gap) return std::nullopt;
-  const double fraction = to_seconds(stamp - before->stamp) /
-                          to_seconds(after->stamp - before->stamp);
+  const double fraction =
+      to_seconds(stamp - before->stamp) / to_seconds(after->stamp - before->stamp);
   return interpolate(before->pose, after->pose, fraction);
 }
 

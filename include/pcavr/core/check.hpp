@@ -30,9 +30,9 @@ template <typename... Values>
 }  // namespace pcavr
 
 /// Always on. Throws ContractError with the expression and the values given after it.
-#define PCAVR_REQUIRE(condition, ...)                                          \
-  do {                                                                         \
-    if (!(condition)) {                                                        \
+#define PCAVR_REQUIRE(condition, ...)                                                  \
+  do {                                                                                 \
+    if (!(condition)) {                                                                \
       ::pcavr::detail::fail_contract(#condition, __func__ __VA_OPT__(, ) __VA_ARGS__); \
-    }                                                                          \
+    }                                                                                  \
   } while (false)

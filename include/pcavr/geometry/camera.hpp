@@ -11,8 +11,8 @@ namespace pcavr {
 /// A pinhole camera with plumb-bob lens distortion [Brown 1966], as OpenCV and ROS define it.
 /// Camera axes: x right, y down, z forward. The centre of pixel (0, 0) is at u = 0, v = 0.
 struct CameraModel {
-  int width = 0;   ///< [px]
-  int height = 0;  ///< [px]
+  int width = 0;    ///< [px]
+  int height = 0;   ///< [px]
   double fx = 0.0;  ///< focal length [px]
   double fy = 0.0;
   double cx = 0.0;  ///< principal point [px]

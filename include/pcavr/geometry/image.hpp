@@ -23,8 +23,7 @@ template <typename Pixel>
 class Image {
  public:
   Image() = default;
-  Image(int width, int height, Pixel fill = Pixel{})
-      : width_(width), height_(height) {
+  Image(int width, int height, Pixel fill = Pixel{}) : width_(width), height_(height) {
     PCAVR_REQUIRE(width >= 0 && height >= 0, width, height);
     pixels_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill);
   }

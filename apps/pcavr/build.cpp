@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/core/output.hpp"
+#include "pcavr/pipeline/build_scene.hpp"
+#include "pcavr/scene/scene_bundle.hpp"
+
+#include "commands.hpp"
+#include "summary.hpp"
+
+namespace pcavr::app {
+namespace {
+
+struct BuildArguments {
+  std::string recording;
+  OutputOption output;
+  std::string sensor;
+  BuildOptions options;
+  int threads = 1;
+};
+
+Expected<CommandResult> build(BuildArguments arguments, const Observer& observer) {
+  BuildOptions& options = arguments.options;
+  options.parallelism = {arguments.threads};
+  const Expected<DepthNoise> noise = depth_noise_of(arguments.sensor);
+  if (!noise) return noise.error();
+  options.depth_noise = *noise;
+  const Expected<Recording> recording =
+      read_recording(arguments.recording, {.skip_bad = options.skip_bad});
+  if (!recording) return recording.error();
+  // Before the long work: an output that can't be written should not cost it.
+  Expected<OutputFolder> folder =
+      OutputFolder::create(arguments.output.folder, arguments.output.replace);
+  if (!folder) return folder.error();
+
+  const Expected<Scene> scene = build_scene(*recording, options, observer);
+  if (!scene) return scene.error();
+  const Expected<void> written = write_scene(*scene, folder->path(), options.parallelism);
+  if (!written) return written.error();
+  const Expected<void> committed = folder->commit();
+  if (!committed) return committed.error();
+  return CommandResult{.summary = scene_summary(*scene, arguments.output.folder),
+                       .json = scene_json(*scene, arguments.output.folder)};
+}
+
+}  // namespace
+
+void add_build(CLI::App& app, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("build", "Build a scene in the robot's base frame from a recording");
+  command->footer("Example:\n  pcavr build my_recording -o my_scene --voxel 0.005");
+  auto arguments = std::make_shared<BuildArguments>();
+  BuildOptions& options = arguments->options;
+  command->add_option("recording", arguments->recording, "Folder with a recording.yaml")
+      ->required();
+  add_output_option(*command, arguments->output, "Folder for the scene");
+  command->add_option("--voxel", options.voxel_size, "Edge of a voxel of the mesh [m]")
+      ->capture_default_str()
+      ->check(CLI::Range(0.001, 0.1));
+  command
+      ->add_option("--occupancy-resolution", options.occupancy_resolution,
+                   "Edge of an occupancy cell [m]")
+      ->capture_default_str()
+      ->check(CLI::Range(0.005, 1.0));
+  add_sensor_option(*command, arguments->sensor);
+  command->add_flag("--trust-poses", options.trust_poses,
+                    "Take groundtruth.txt as given, not as a measurement");
+  command->add_flag("--skip-bad", options.skip_bad,
+                    "Leave out bad rows and frames, and count them");
+  add_threads_option(*command, arguments->threads);
+  command->callback([arguments, &action] {
+    action = [arguments](const Observer& observer) { return build(*arguments, observer); };
+  });
+}
+
+}  // namespace pcavr::app

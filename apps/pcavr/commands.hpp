@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "pcavr/geometry/depth_noise.hpp"
+
+#include "console.hpp"
+
+namespace pcavr::app {
+
+/// Each adds one subcommand with its options, and sets `action` when it is the one chosen.
+void add_build(CLI::App& app, Action& action);
+void add_replay(CLI::App& app, Action& action);
+void add_evaluate(CLI::App& app, Action& action);
+void add_simulate(CLI::App& app, Action& action);
+void add_import(CLI::App& app, Action& action);
+void add_inspect(CLI::App& app, Action& action);
+void add_tags(CLI::App& app, Action& action);
+
+/// The options that several subcommands share.
+struct OutputOption {
+  std::string folder;
+  bool replace = false;
+};
+void add_output_option(CLI::App& command, OutputOption& output, const std::string& what);
+/// The camera file that names the sensor's depth noise.
+void add_sensor_option(CLI::App& command, std::string& camera_file);
+/// What that file says; the default noise where no file was named, and an Error where it says none.
+[[nodiscard]] Expected<DepthNoise> depth_noise_of(const std::string& camera_file);
+void add_threads_option(CLI::App& command, int& threads);
+
+}  // namespace pcavr::app

@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/evaluation/evaluate.hpp"
+
+#include "pcavr/core/output.hpp"
+
+#include "commands.hpp"
+
+namespace pcavr::app {
+namespace {
+
+struct EvaluateArguments {
+  std::string subject;
+  std::string truth;
+  std::string reference;
+  OutputOption output;
+  int threads = 1;
+};
+
+Expected<CommandResult> run_evaluation(const EvaluateArguments& arguments,
+                                       const Observer& observer) {
+  Expected<OutputFolder> folder =
+      OutputFolder::create(arguments.output.folder, arguments.output.replace);
+  if (!folder) return folder.error();
+  const EvaluationInput input{
+      .subject = arguments.subject,
+      .reference = arguments.truth.empty() ? arguments.reference : arguments.truth};
+  const Expected<std::string> report =
+      evaluate(input, folder->path(), {arguments.threads}, observer);
+  if (!report) return report.error();
+  const Expected<void> committed = folder->commit();
+  if (!committed) return committed.error();
+  return CommandResult{
+      .summary = *report + "open " + arguments.output.folder + "/report.html in a browser\n",
+      .json = nlohmann::ordered_json::parse(*report)};
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "evaluate", "Compare a scene or a run with the truth or with a second one");
+  command->footer("Example:\n  pcavr evaluate my_run --truth my_recording/truth -o my_report");
+  auto arguments = std::make_shared<EvaluateArguments>();
+  command->add_option("subject", arguments->subject, "Folder of a scene or a run")->required();
+  CLI::Option_group* against = command->add_option_group("against", "What to compare with");
+  against->add_option("--truth", arguments->truth, "A recording's truth folder");
+  against->add_option("--reference", arguments->reference, "A second scene or run");
+  against->require_option(1);
+  add_output_option(*command, arguments->output, "Folder for report.json and report.html");
+  add_threads_option(*command, arguments->threads);
+  command->callback([arguments, &action] {
+    action = [arguments](const Observer& observer) { return run_evaluation(*arguments, observer); };
+  });
+}
+
+}  // namespace pcavr::app

@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/recording/import.hpp"
+
+#include "pcavr/core/output.hpp"
+#include "pcavr/recording/camera_file.hpp"
+
+#include "commands.hpp"
+
+namespace pcavr::app {
+namespace {
+
+struct ImportArguments {
+  std::string source;
+  OutputOption output;
+  std::string format;
+  std::string camera;
+  double depth_scale = 0.0;
+  ImportOptions options;
+};
+
+Expected<CommandResult> run_import(ImportArguments arguments, const Observer& observer) {
+  ImportOptions& options = arguments.options;
+  if (arguments.format == "tum") options.format = ImportFormat::tum_rgbd;
+  if (arguments.format == "7scenes") options.format = ImportFormat::seven_scenes;
+  if (arguments.depth_scale > 0.0) options.depth_scale = arguments.depth_scale;
+  if (!arguments.camera.empty()) {
+    const Expected<CameraFile> sensor = read_camera_file(arguments.camera);
+    if (!sensor) return sensor.error();
+    options.camera = sensor->camera;
+    if (!options.depth_scale) options.depth_scale = sensor->depth_scale;
+  }
+  Expected<OutputFolder> folder =
+      OutputFolder::create(arguments.output.folder, arguments.output.replace);
+  if (!folder) return folder.error();
+  const Expected<ImportReport> report =
+      import_recording(arguments.source, folder->path(), options, observer);
+  if (!report) return report.error();
+  const Expected<void> committed = folder->commit();
+  if (!committed) return committed.error();
+  const std::string& to = arguments.output.folder;
+  return CommandResult{.summary = std::to_string(report->frames) + " frames, " +
+                                  std::to_string(report->poses) + " camera poses, " +
+                                  std::to_string(report->left_out) +
+                                  " left out\nnext: pcavr build " + to + " -o SCENE\n",
+                       .json = {{"recording", to},
+                                {"frames", report->frames},
+                                {"poses", report->poses},
+                                {"left_out", report->left_out}}};
+}
+
+}  // namespace
+
+void add_import(CLI::App& app, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("import", "Turn a TUM RGB-D or 7-Scenes folder into a recording");
+  command->footer(
+      "Example:\n  pcavr import rgbd_dataset_freiburg1_desk --camera calib/cameras/kinect_v1.yaml "
+      "-o desk");
+  auto arguments = std::make_shared<ImportArguments>();
+  command->add_option("source", arguments->source, "Folder to read")->required();
+  add_output_option(*command, arguments->output, "Folder for the recording");
+  command
+      ->add_option("--format", arguments->format, "tum or 7scenes; told from the files if absent")
+      ->check(CLI::IsMember({"tum", "7scenes"}));
+  command->add_option("--camera", arguments->camera,
+                      "Camera file, where the source has no intrinsics (see calib/cameras)");
+  command->add_option("--depth-scale", arguments->depth_scale, "Depth image units in one metre")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--rate", arguments->options.frame_rate,
+                   "Frames a second, where the source has no stamps")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command->add_option("--stride", arguments->options.stride, "Take every n-th frame")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  command->add_option("--first", arguments->options.first, "Leave out the frames before this one")
+      ->capture_default_str();
+  command->callback([arguments, &action] {
+    action = [arguments](const Observer& observer) { return run_import(*arguments, observer); };
+  });
+}
+
+}  // namespace pcavr::app

@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <filesystem>
+
+#include "pcavr/recording/frame_reader.hpp"
+#include "pcavr/scene/scene_bundle.hpp"
+
+#include "commands.hpp"
+
+namespace pcavr::app {
+namespace fs = std::filesystem;
+namespace {
+
+CommandResult describe_checks(const std::vector<SceneCheck>& checks) {
+  CommandResult result;
+  result.json["checks"] = nlohmann::ordered_json::array();
+  for (const SceneCheck& check : checks) {
+    result.summary +=
+        (check.is_sound ? "  ok   " : "  BAD  ") + check.what + ": " + check.figure + '\n';
+    result.json["checks"].push_back(
+        {{"what", check.what}, {"figure", check.figure}, {"is_sound", check.is_sound}});
+    result.is_failure = result.is_failure || !check.is_sound;
+  }
+  result.json["is_sound"] = !result.is_failure;
+  return result;
+}
+
+std::string span_of(const Trajectory& trajectory) {
+  if (trajectory.empty()) return "none";
+  const double seconds =
+      to_seconds(trajectory.poses().back().stamp - trajectory.poses().front().stamp);
+  return std::to_string(trajectory.size()) + " poses over " + std::to_string(seconds) + " s";
+}
+
+/// Reads everything strictly, and decodes every frame.
+Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
+                                                    const Observer& observer) {
+  const Expected<Recording> recording = read_recording(folder);
+  if (!recording) return recording.error();
+  FrameReader reader(*recording);
+  std::size_t frames = 0;
+  std::size_t readings = 0;
+  while (true) {
+    const Expected<std::optional<RgbdFrame>> frame = reader.next();
+    if (!frame) return frame.error();
+    if (!*frame) break;
+    for (const float z : (*frame)->depth.pixels()) readings += z > 0.0F ? 1 : 0;
+    observer.on_progress("decoding", ++frames, recording->frames.size());
+  }
+  std::vector<SceneCheck> checks;
+  const auto count = [](std::size_t n, const char* what) { return std::to_string(n) + what; };
+  const Manifest& manifest = recording->manifest;
+  checks.push_back({"recording.yaml", count(manifest.markers.size(), " markers, ") +
+                                          count(manifest.objects.size(), " objects")});
+  checks.push_back({"frames", count(frames, " pairs, ") +
+                                  count(recording->unpaired_color, " colour and ") +
+                                  count(recording->unpaired_depth, " depth without a partner")});
+  checks.push_back({"depth", count(frames == 0 ? 0 : readings / frames, " readings a frame"),
+                    frames == 0 || readings > 0});
+  checks.push_back({"groundtruth.txt", span_of(recording->groundtruth)});
+  checks.push_back({"tool.csv", span_of(recording->tool)});
+  checks.push_back({"wrench.csv", count(recording->wrench.size(), " samples")});
+  checks.push_back({"joints.csv", count(recording->joints.size(), " samples")});
+  return checks;
+}
+
+/// Reads every tracked trajectory of a run.
+Expected<std::vector<SceneCheck>> inspect_run(const fs::path& folder) {
+  std::vector<SceneCheck> checks;
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder / "objects", code)) {
+    const fs::path tracked = entry.path() / "tracked.txt";
+    const Expected<Trajectory> trajectory = read_trajectory(tracked);
+    if (!trajectory) return trajectory.error();
+    checks.push_back(
+        {fs::relative(tracked, folder).string(), span_of(*trajectory), !trajectory->empty()});
+  }
+  std::sort(checks.begin(), checks.end(),
+            [](const SceneCheck& a, const SceneCheck& b) { return a.what < b.what; });
+  return checks;
+}
+
+Expected<CommandResult> inspect(const fs::path& folder, const Observer& observer) {
+  Expected<std::vector<SceneCheck>> checks =
+      Error{.message = "holds no recording.yaml, scene.yaml or run.yaml",
+            .file = folder.string(),
+            .mend = "name the folder of a recording, a scene or a run"};
+  if (fs::exists(folder / "scene.yaml")) {
+    checks = inspect_scene(folder);
+  } else if (fs::exists(folder / "recording.yaml")) {
+    checks = inspect_recording(folder, observer);
+  } else if (fs::exists(folder / "run.yaml")) {
+    checks = inspect_run(folder);
+  }
+  if (!checks) return checks.error();
+  return describe_checks(*checks);
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "inspect", "Say what is in a recording, a scene or a run, and whether it is sound");
+  command->footer("Example:\n  pcavr inspect my_scene");
+  auto folder = std::make_shared<std::string>();
+  command->add_option("folder", *folder, "A recording, a scene or a run")->required();
+  command->callback([folder, &action] {
+    action = [folder](const Observer& observer) { return inspect(*folder, observer); };
+  });
+}
+
+}  // namespace pcavr::app

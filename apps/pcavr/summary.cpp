@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "summary.hpp"
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <numbers>
+
+namespace pcavr::app {
+namespace {
+
+constexpr double kMillimetres = 1e3;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+[[gnu::format(printf, 1, 2)]] std::string print(const char* format, ...) {
+  char line[400];
+  std::va_list values;
+  va_start(values, format);
+  std::vsnprintf(line, sizeof line, format, values);
+  va_end(values);
+  return line;
+}
+
+std::string object_line(const SceneObject& object) {
+  const std::string name = "  " + object.model.name;
+  if (object.evidence == "not_seen") return name + ": not seen, and not placed\n";
+  const Eigen::Vector3d& p = object.T_base_object.translation();
+  const double moved = translation_distance(object.T_base_object_start, object.T_base_object);
+  std::string line = name + print(": at %.3f %.3f %.3f m (+-%.1f mm, +-%.2f deg), by %s", p.x(),
+                                  p.y(), p.z(), object.position_sigma * kMillimetres,
+                                  object.rotation_sigma * kDegrees, object.evidence.c_str());
+  line +=
+      print("; depth moved the tags' pose by %.1f mm, %.2f deg",
+            object.refinement_translation * kMillimetres, object.refinement_rotation * kDegrees);
+  if (moved > 3.0 * object.position_sigma && moved > 0.001) {
+    line += print("; it was moved by %.0f mm", moved * kMillimetres);
+  }
+  return line + '\n';
+}
+
+std::string tags_line(const Counts& tags_seen, std::size_t frames) {
+  std::string line = "tags       ";
+  for (const auto& [tag, count] : tags_seen) {
+    line += tag + (count == 0 ? " never seen, " : print(" in %zu of %zu frames, ", count, frames));
+  }
+  return line.substr(0, line.size() - 2) + '\n';
+}
+
+}  // namespace
+
+std::string frames_line(std::size_t recorded, std::size_t used, const Counts& dropped) {
+  std::string line = print("frames     %zu of %zu used", used, recorded);
+  for (const auto& [reason, count] : dropped) line += print("; %s: %zu", reason.c_str(), count);
+  return line + '\n';
+}
+
+std::string times_table(const std::vector<StageTime>& times) {
+  std::string table;
+  for (const StageTime& time : times) {
+    table += print("  %-28s %6.1f s  (%.1f s of CPU)\n", time.stage.c_str(), time.wall_seconds,
+                   time.cpu_seconds);
+  }
+  return table;
+}
+
+std::string scene_summary(const Scene& scene, const std::string& folder) {
+  const SceneQuality& quality = scene.quality;
+  std::string text =
+      frames_line(quality.frames_recorded, quality.frames_used, quality.frames_dropped);
+  if (!quality.tags_seen.empty()) text += tags_line(quality.tags_seen, quality.frames_used);
+  text += print("camera     %s; +-%.1f mm, +-%.2f deg in base; tag corners fit to %.2f px\n",
+                quality.is_fixed_camera ? "fixed" : "moving",
+                quality.camera_position_sigma * kMillimetres,
+                quality.camera_rotation_sigma * kDegrees, quality.tag_reprojection_rms);
+  text += print("mesh       %zu triangles, %.2f m^2; frames lie %.1f mm from it (median)\n",
+                scene.mesh_base.triangles.size(), surface_area(scene.mesh_base),
+                quality.surface_rms * kMillimetres);
+  const OccupancyMap::Counts cells = scene.occupancy.counts();
+  text += print("occupancy  %zu cells occupied, %zu free\n", cells.occupied, cells.free);
+  for (const SupportPlane& plane : scene.support_planes) {
+    text += print("support    a plane at z = %.3f m, flat to %.1f mm\n",
+                  plane.plane_base.offset / plane.plane_base.normal.z(), plane.rms * kMillimetres);
+  }
+  if (!scene.objects.empty()) text += "objects\n";
+  for (const SceneObject& object : scene.objects) text += object_line(object);
+  text += "time\n" + times_table(quality.times);
+  text += "open " + folder + "/preview.png, or " + folder + "/scene.glb in any glTF viewer\n";
+  return text;
+}
+
+nlohmann::ordered_json times_json(const std::vector<StageTime>& times) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const StageTime& time : times) {
+    json.push_back({{"stage", time.stage},
+                    {"wall_seconds", time.wall_seconds},
+                    {"cpu_seconds", time.cpu_seconds}});
+  }
+  return json;
+}
+
+nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder) {
+  const SceneQuality& quality = scene.quality;
+  nlohmann::ordered_json json{{"scene", folder},
+                              {"frames_recorded", quality.frames_recorded},
+                              {"frames_used", quality.frames_used}};
+  json["frames_dropped"] = nlohmann::ordered_json::object();
+  for (const auto& [reason, count] : quality.frames_dropped) json["frames_dropped"][reason] = count;
+  json["tags_seen"] = nlohmann::ordered_json::object();
+  for (const auto& [tag, count] : quality.tags_seen) json["tags_seen"][tag] = count;
+  json["is_fixed_camera"] = quality.is_fixed_camera;
+  json["tag_reprojection_rms_px"] = quality.tag_reprojection_rms;
+  json["camera_position_sigma_m"] = quality.camera_position_sigma;
+  json["camera_rotation_sigma_rad"] = quality.camera_rotation_sigma;
+  json["surface_distance_median_m"] = quality.surface_rms;
+  json["mesh_triangles"] = scene.mesh_base.triangles.size();
+  json["mesh_area_m2"] = surface_area(scene.mesh_base);
+  json["objects"] = nlohmann::ordered_json::array();
+  for (const SceneObject& object : scene.objects) {
+    const Eigen::Vector3d& p = object.T_base_object.translation();
+    const Eigen::Quaterniond& q = object.T_base_object.rotation();
+    json["objects"].push_back({{"name", object.model.name},
+                               {"evidence", object.evidence},
+                               {"t_m", {p.x(), p.y(), p.z()}},
+                               {"q_xyzw", {q.x(), q.y(), q.z(), q.w()}},
+                               {"position_sigma_m", object.position_sigma},
+                               {"rotation_sigma_rad", object.rotation_sigma}});
+  }
+  json["times"] = times_json(quality.times);
+  return json;
+}
+
+}  // namespace pcavr::app

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "pcavr/core/stage_clock.hpp"
+#include "pcavr/scene/scene.hpp"
+
+namespace pcavr::app {
+
+using Counts = std::vector<std::pair<std::string, std::size_t>>;
+
+/// What `pcavr build` prints at its end, for a person.
+[[nodiscard]] std::string scene_summary(const Scene& scene, const std::string& folder);
+/// The same for a program.
+[[nodiscard]] nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder);
+
+/// "118 of 120 used; camera lost 2".
+[[nodiscard]] std::string frames_line(std::size_t recorded, std::size_t used,
+                                      const Counts& dropped);
+/// A line a stage with wall and CPU seconds.
+[[nodiscard]] std::string times_table(const std::vector<StageTime>& times);
+[[nodiscard]] nlohmann::ordered_json times_json(const std::vector<StageTime>& times);
+
+}  // namespace pcavr::app

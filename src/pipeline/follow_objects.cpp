@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "follow_objects.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "one_ahead.hpp"
+
+namespace pcavr {
+namespace {
+
+/// A body's silhouette is grown by this much, for colour bleeding and the pose's last error [px].
+constexpr int kBodyMarginPixels = 3;
+/// The tool's tip is masked with this much around it: its shaft begins there [m].
+constexpr double kToolMargin = 0.01;
+/// A tool pose this far from the frame in time is no longer the tool's [recordings: 100 Hz and up].
+constexpr Duration kLongestToolGap = std::chrono::milliseconds(100);
+
+/// Marks the disc that the ball at the tool's tip covers, whatever depth was measured there.
+void mask_tool_tip(const Recording& recording, const Pose& T_base_camera, Stamp stamp,
+                   MaskImage& mask) {
+  if (!recording.manifest.tool_radius || recording.tool.empty()) return;
+  const std::optional<Pose> T_base_tool = recording.tool.at(stamp, kLongestToolGap);
+  if (!T_base_tool) return;
+  const CameraModel& camera = *recording.manifest.camera;
+  const Eigen::Vector3d p_camera = T_base_camera.inverse() * T_base_tool->translation();
+  const double reach = *recording.manifest.tool_radius + kToolMargin;
+  if (p_camera.z() <= reach) return;
+  const Eigen::Vector2d centre = camera.project(p_camera);
+  const double radius = camera.fx * reach / p_camera.z();
+  const int top = std::max(0, static_cast<int>(std::floor(centre.y() - radius)));
+  const int bottom = std::min(camera.height - 1, static_cast<int>(std::ceil(centre.y() + radius)));
+  const int left = std::max(0, static_cast<int>(std::floor(centre.x() - radius)));
+  const int right = std::min(camera.width - 1, static_cast<int>(std::ceil(centre.x() + radius)));
+  for (int y = top; y <= bottom; ++y) {
+    for (int x = left; x <= right; ++x) {
+      if ((Eigen::Vector2d(x, y) - centre).norm() <= radius) mask(x, y) = 1;
+    }
+  }
+}
+
+std::vector<ObjectTracker> make_trackers(const Recording& recording,
+                                         const std::vector<MovableBody>& bodies,
+                                         const DepthNoise& noise) {
+  std::vector<ObjectTracker> trackers;
+  for (const MovableBody& body : bodies) {
+    trackers.emplace_back(body.model, body.tags, *recording.manifest.camera,
+                          ObjectTrackerOptions{.depth_noise = noise});
+    if (body.entry.T_base_object) trackers.back().set_initial_pose(*body.entry.T_base_object);
+  }
+  return trackers;
+}
+
+}  // namespace
+
+const char* evidence_word(ObjectEvidence evidence) {
+  switch (evidence) {
+    case ObjectEvidence::tags_and_shape:
+      return "tags_and_shape";
+    case ObjectEvidence::tags:
+      return "tags";
+    case ObjectEvidence::shape:
+      return "shape";
+    case ObjectEvidence::none:
+      break;
+  }
+  return "not_seen";
+}
+
+Expected<void> follow_objects(const Recording& recording, const std::vector<MovableBody>& bodies,
+                              const Survey& survey, const SurveyOptions& options,
+                              const Observer& observer,
+                              const std::function<void(const FollowedFrame&)>& use) {
+  const CameraModel& camera = *recording.manifest.camera;
+  std::vector<ObjectTracker> trackers = make_trackers(recording, bodies, options.depth_noise);
+  FrameReader reader(recording, {.skip_bad = options.skip_bad});
+  std::size_t next_placement = 0;
+
+  const auto follow_next = [&]() -> Expected<std::optional<FollowedFrame>> {
+    while (true) {
+      Expected<std::optional<RgbdFrame>> frame = reader.next();
+      if (!frame) return frame.error();
+      if (!*frame) return std::optional<FollowedFrame>();
+      const FramePlacement& placement = survey.camera.frames[next_placement++];
+      if (placement.status != PlacementStatus::placed) continue;
+      FollowedFrame followed{.frame = std::move(**frame),
+                             .T_base_camera = placement.T_base_camera,
+                             .objects = {},
+                             .is_dynamic = MaskImage(camera.width, camera.height)};
+      const RgbdFrame& image = followed.frame;
+      const Pose T_camera_base = followed.T_base_camera.inverse();
+      for (ObjectTracker& tracker : trackers) {
+        followed.objects.push_back(
+            tracker.track(image, survey.detections[image.index], followed.T_base_camera));
+        if (followed.objects.back().evidence == ObjectEvidence::none) continue;
+        mask_body(tracker.surface(), T_camera_base * followed.objects.back().T_base_object, camera,
+                  image.depth, options.depth_noise, kBodyMarginPixels, followed.is_dynamic);
+      }
+      mask_tool_tip(recording, followed.T_base_camera, image.depth_stamp, followed.is_dynamic);
+      return std::optional<FollowedFrame>(std::move(followed));
+    }
+  };
+  const auto is_last = [](const Expected<std::optional<FollowedFrame>>& item) {
+    return !item || !*item;
+  };
+
+  OneAhead ahead(follow_next, options.parallelism);
+  while (true) {
+    const Expected<std::optional<FollowedFrame>> followed = ahead.take(is_last);
+    if (!followed) return followed.error();
+    if (!*followed) return {};
+    use(**followed);
+    observer.on_progress("fusing", (*followed)->frame.index + 1, recording.frames.size());
+  }
+}
+
+}  // namespace pcavr

@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "scene_quality.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pcavr/core/median.hpp"
+#include "pcavr/recording/frame_reader.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr std::size_t kFramesHeldAgainstMesh = 8;
+constexpr int kPixelStride = 8;        ///< of the pixels held against the mesh
+constexpr float kLargestMiss = 0.05F;  ///< farther readings belong to something else [m]
+
+/// Distances of a frame's readings from the mesh, along the mesh's normals [m].
+void collect_distances(const SurfaceQuery& surface, const RgbdFrame& frame,
+                       const CameraModel& camera, const Pose& T_base_camera,
+                       std::vector<double>& distances) {
+  for (int y = 0; y < camera.height; y += kPixelStride) {
+    for (int x = 0; x < camera.width; x += kPixelStride) {
+      const float z = frame.depth(x, y);
+      if (z <= 0.0F) continue;
+      const Eigen::Vector3f p_base =
+          (T_base_camera * camera.unproject(Eigen::Vector2d(x, y), z)).cast<float>();
+      const auto nearest = surface.closest(p_base, kLargestMiss);
+      if (nearest) distances.push_back(std::abs(nearest->normal.dot(p_base - nearest->point)));
+    }
+  }
+}
+
+/// Median distance of some frames' readings from the mesh that they were fused into [m].
+double surface_distance(const Recording& recording, const Survey& survey, const Scene& scene) {
+  if (scene.mesh_base.triangles.empty()) return 0.0;
+  const SurfaceQuery surface(scene.mesh_base);
+  const std::vector<FramePlacement>& frames = survey.camera.frames;
+  const std::size_t stride = std::max<std::size_t>(1, frames.size() / kFramesHeldAgainstMesh);
+  std::vector<double> distances;
+  for (std::size_t i = stride / 2; i < frames.size(); i += stride) {
+    if (frames[i].status != PlacementStatus::placed) continue;
+    const Expected<RgbdFrame> frame = decode_frame(recording, frames[i].frame);
+    if (!frame) continue;
+    collect_distances(surface, *frame, *recording.manifest.camera, frames[i].T_base_camera,
+                      distances);
+  }
+  return median(distances);
+}
+
+}  // namespace
+
+SceneQuality assess_quality(const Recording& recording, const Survey& survey, const Scene& scene) {
+  SceneQuality quality;
+  quality.frames_recorded = recording.frames.size() + recording.unpaired_color;
+  quality.frames_used = scene.camera_trajectory.size();
+  quality.frames_dropped = dropped_frames(recording, survey);
+  for (const MarkerEntry& marker : recording.manifest.markers) {
+    const auto seen = survey.tags_seen.find(marker.id);
+    quality.tags_seen.emplace_back(marker.id.to_string(),
+                                   seen == survey.tags_seen.end() ? 0 : seen->second);
+  }
+  quality.tag_reprojection_rms = survey.camera.tag_reprojection_rms;
+  quality.tracking_rms = survey.camera.tracking_rms;
+  quality.is_fixed_camera = survey.camera.is_fixed_camera;
+  std::vector<double> position_sigmas;
+  std::vector<double> rotation_sigmas;
+  for (const FramePlacement& frame : survey.camera.frames) {
+    if (frame.status != PlacementStatus::placed) continue;
+    position_sigmas.push_back(frame.position_sigma);
+    rotation_sigmas.push_back(frame.rotation_sigma);
+  }
+  quality.camera_position_sigma = median(position_sigmas);
+  quality.camera_rotation_sigma = median(rotation_sigmas);
+  quality.surface_rms = surface_distance(recording, survey, scene);
+  return quality;
+}
+
+}  // namespace pcavr

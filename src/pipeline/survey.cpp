@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "survey.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "pcavr/tracking/object_tracker.hpp"
+
+#include "one_ahead.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Around a body's silhouette in the first pass, where its pose comes from the tags alone [px].
+constexpr int kMaskMarginPixels = 4;
+
+struct Look {
+  std::optional<RgbdFrame> frame;  ///< nothing after the last one
+  std::vector<TagDetection> detections = {};
+  bool has_depth = false;
+};
+
+std::vector<std::string> families_of(const Manifest& manifest) {
+  std::set<std::string> families;
+  for (const MarkerEntry& marker : manifest.markers) families.insert(marker.id.family);
+  return {families.begin(), families.end()};
+}
+
+Expected<std::optional<TagDetector>> make_detector(const Recording& recording) {
+  const std::vector<std::string> families = families_of(recording.manifest);
+  if (families.empty()) return std::optional<TagDetector>();
+  Expected<TagDetector> detector = TagDetector::create(families);
+  if (!detector) {
+    Error error = detector.error();
+    error.file = (recording.folder / "recording.yaml").string();
+    return error;
+  }
+  return std::optional<TagDetector>(std::move(*detector));
+}
+
+/// Marks the pixels that show movable bodies, as far as this frame's tags tell where they are.
+class BodyMasker {
+ public:
+  BodyMasker(const std::vector<MovableBody>& bodies, const CameraModel& camera,
+             const DepthNoise& noise)
+      : bodies_(bodies), camera_(camera), noise_(noise), last_poses_(bodies.size()) {
+    for (const MovableBody& body : bodies) surfaces_.emplace_back(body.model.mesh_object);
+  }
+
+  [[nodiscard]] MaskImage mask(const RgbdFrame& frame,
+                               const std::vector<TagDetection>& detections) {
+    if (bodies_.empty()) return {};
+    MaskImage mask(camera_.width, camera_.height);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const BodyPoseHints hints{
+          .depth = &frame.depth, .depth_noise = noise_, .T_camera_body = last_poses_[i]};
+      const BodyPose body = solve_body_pose(bodies_[i].tags, detections, camera_, hints);
+      last_poses_[i].reset();
+      if (body.status != BodyPoseStatus::solved) continue;
+      last_poses_[i] = body.pose.T_camera_body;
+      mask_body(surfaces_[i], body.pose.T_camera_body, camera_, frame.depth, noise_,
+                kMaskMarginPixels, mask);
+    }
+    return mask;
+  }
+
+ private:
+  const std::vector<MovableBody>& bodies_;
+  CameraModel camera_;
+  DepthNoise noise_;
+  std::vector<SurfaceQuery> surfaces_;
+  std::vector<std::optional<Pose>> last_poses_;
+};
+
+Error no_depth_error(const Recording& recording) {
+  return {.message = "no depth image holds a single measurement",
+          .file = (recording.folder / "depth.txt").string(),
+          .mend = "check that the sensor measured, and that the images are 16-bit depth"};
+}
+
+Error not_placed_error(const Recording& recording, const Survey& survey) {
+  const std::string file = (recording.folder / "recording.yaml").string();
+  const bool has_anchor =
+      std::any_of(recording.manifest.markers.begin(), recording.manifest.markers.end(),
+                  [&](const MarkerEntry& marker) {
+                    return marker.role == MarkerRole::base && survey.tags_seen.count(marker.id) > 0;
+                  });
+  if (has_anchor || !recording.groundtruth.empty()) {
+    return {.message = "no frame could be placed in base: " + survey.camera.why_not, .file = file};
+  }
+  std::string seen;
+  for (const auto& [id, frames] : survey.tags_seen) {
+    seen +=
+        (seen.empty() ? "" : ", ") + id.to_string() + " (" + std::to_string(frames) + " frames)";
+  }
+  return {.message =
+              "no base tag was seen in any frame, and there is no groundtruth.txt; tags "
+              "seen: " +
+              (seen.empty() ? "none" : seen),
+          .file = file,
+          .place = "markers",
+          .mend = "declare a tag that is in view with role: base, its size and its pose"};
+}
+
+}  // namespace
+
+Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recording) {
+  std::vector<MovableBody> bodies;
+  for (const ObjectEntry& entry : recording.manifest.objects) {
+    if (!entry.is_movable) continue;
+    if (entry.mesh.empty()) {
+      return Error{.message = "the movable object has no CAD mesh to stand in its place",
+                   .file = (recording.folder / "recording.yaml").string(),
+                   .place = "objects: " + entry.name,
+                   .mend = "name its .obj, .stl, .ply or .glb file as mesh:"};
+    }
+    Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name);
+    if (!model) return model.error();
+    bodies.push_back({entry, std::move(*model), object_placements(recording.manifest, entry.name)});
+  }
+  return bodies;
+}
+
+Expected<Survey> survey_recording(const Recording& recording,
+                                  const std::vector<MovableBody>& bodies,
+                                  const SurveyOptions& options, const Observer& observer,
+                                  std::optional<CameraTrack> known_camera) {
+  Expected<std::optional<TagDetector>> detector = make_detector(recording);
+  if (!detector) return detector.error();
+  FrameReader reader(recording, {.skip_bad = options.skip_bad});
+  const auto look_at_next = [&]() -> Expected<Look> {
+    Expected<std::optional<RgbdFrame>> frame = reader.next();
+    if (!frame) return frame.error();
+    Look look{.frame = std::move(*frame)};
+    if (look.frame && *detector) look.detections = (*detector)->detect(to_gray(look.frame->color));
+    if (look.frame) {
+      look.has_depth =
+          std::any_of(look.frame->depth.pixels().begin(), look.frame->depth.pixels().end(),
+                      [](float z) { return z > 0.0F; });
+    }
+    return look;
+  };
+  const auto is_last = [](const Expected<Look>& look) { return !look || !look->frame; };
+
+  const CameraModel& camera = *recording.manifest.camera;
+  CameraTracker tracker(recording.manifest, recording.groundtruth,
+                        {.depth_noise = options.depth_noise, .trust_poses = options.trust_poses});
+  BodyMasker masker(bodies, camera, options.depth_noise);
+  Survey survey;
+  survey.detections.resize(recording.frames.size());
+  bool any_depth = false;
+  OneAhead looks(look_at_next, options.parallelism);
+  while (true) {
+    Expected<Look> look = looks.take(is_last);
+    if (!look) return look.error();
+    if (!look->frame) break;
+    const RgbdFrame& frame = *look->frame;
+    any_depth = any_depth || look->has_depth;
+    for (const TagDetection& tag : look->detections) ++survey.tags_seen[tag.id];
+    if (!known_camera) {
+      tracker.add(frame, look->detections, masker.mask(frame, look->detections),
+                  options.parallelism);
+    }
+    survey.detections[frame.index] = std::move(look->detections);
+    observer.on_progress("looking", frame.index + 1, recording.frames.size());
+  }
+  survey.undecoded = reader.skipped();
+  if (!any_depth) return no_depth_error(recording);
+
+  survey.camera = known_camera ? std::move(*known_camera) : tracker.solve(observer);
+  const bool any_placed = std::any_of(
+      survey.camera.frames.begin(), survey.camera.frames.end(),
+      [](const FramePlacement& frame) { return frame.status == PlacementStatus::placed; });
+  if (!any_placed) return not_placed_error(recording, survey);
+  return survey;
+}
+
+std::vector<std::pair<std::string, std::size_t>> dropped_frames(const Recording& recording,
+                                                                const Survey& survey) {
+  std::size_t lost = 0;
+  std::size_t not_anchored = 0;
+  for (const FramePlacement& frame : survey.camera.frames) {
+    lost += frame.status == PlacementStatus::lost ? 1 : 0;
+    not_anchored += frame.status == PlacementStatus::not_anchored ? 1 : 0;
+  }
+  std::vector<std::pair<std::string, std::size_t>> dropped = {
+      {"colour without depth near in time", recording.unpaired_color},
+      {"depth without colour near in time", recording.unpaired_depth},
+      {"did not decode", survey.undecoded},
+      {"camera lost", lost},
+      {"no link to a base tag", not_anchored}};
+  std::erase_if(dropped, [](const auto& reason) { return reason.second == 0; });
+  return dropped;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/core/observer.hpp"
+#include "pcavr/core/parallel.hpp"
+#include "pcavr/marker/body_pose.hpp"
+#include "pcavr/model/cad_model.hpp"
+#include "pcavr/recording/recording.hpp"
+#include "pcavr/tracking/camera_tracker.hpp"
+
+namespace pcavr {
+
+/// A movable object as the recording declares it.
+struct MovableBody {
+  ObjectEntry entry;
+  CadModel model;
+  std::vector<TagPlacement> tags;
+};
+
+/// Reads the CAD body of every movable object. One without a mesh is an Error: it could not take
+/// the place of its points.
+[[nodiscard]] Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recording);
+
+struct SurveyOptions {
+  DepthNoise depth_noise = {};
+  bool trust_poses = false;
+  bool skip_bad = false;
+  Parallelism parallelism = {};
+};
+
+/// What one look at every frame tells.
+struct Survey {
+  std::vector<std::vector<TagDetection>> detections;  ///< by index in Recording::frames
+  CameraTrack camera;
+  std::map<MarkerId, std::size_t> tags_seen;  ///< frames in which each declared tag was seen
+  std::size_t undecoded = 0;                  ///< left out by skip_bad
+};
+
+/// First pass: finds the tags, and the camera's pose in base for every frame, unless it is known
+/// already. An Error where no frame can be placed.
+[[nodiscard]] Expected<Survey> survey_recording(const Recording& recording,
+                                                const std::vector<MovableBody>& bodies,
+                                                const SurveyOptions& options,
+                                                const Observer& observer,
+                                                std::optional<CameraTrack> known_camera = {});
+
+/// Why frames were not used, with counts; reasons that never came up are left out.
+[[nodiscard]] std::vector<std::pair<std::string, std::size_t>> dropped_frames(
+    const Recording& recording, const Survey& survey);
+
+}  // namespace pcavr
