@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+// How is a surface made from depth images? Fuses a recording with the poses in its groundtruth.txt
+// and prints the size of the mesh.
+//   03_fuse_frames RECORDING
+#include <cstdio>
+
+#include <pcavr/reconstruction/depth_filter.hpp>
+#include <pcavr/reconstruction/tsdf_volume.hpp>
+#include <pcavr/recording/frame_reader.hpp>
+
+int main(int argc, char** argv) {
+  if (argc != 2) return std::fprintf(stderr, "usage: %s RECORDING\n", argv[0]), 2;
+  const auto recording = pcavr::read_recording(argv[1]);
+  if (!recording || !recording->manifest.camera || recording->groundtruth.empty()) {
+    std::fprintf(stderr, "needs a recording with images and groundtruth.txt\n");
+    return 1;
+  }
+  const pcavr::CameraModel& camera = *recording->manifest.camera;
+  const pcavr::Parallelism threads = pcavr::Parallelism::max();
+  pcavr::TsdfVolume volume({.voxel_size = 0.01});
+
+  pcavr::FrameReader reader(*recording);
+  while (true) {
+    const auto frame = reader.next();
+    if (!frame) return std::fprintf(stderr, "%s\n", frame.error().to_string().c_str()), 1;
+    if (!*frame) break;
+    const auto T_base_camera = recording->groundtruth.at((*frame)->depth_stamp);
+    if (!T_base_camera) continue;
+    const pcavr::DepthImage depth =
+        pcavr::filter_depth((*frame)->depth, camera, volume.options().depth_noise, threads);
+    volume.integrate(depth, (*frame)->color, {}, camera, *T_base_camera, threads);
+  }
+  const pcavr::TriangleMesh mesh_base = volume.extract_mesh(2.0, threads);
+  std::printf("%zu triangles, %.2f m^2, from %zu blocks in %zu kB\n", mesh_base.triangles.size(),
+              pcavr::surface_area(mesh_base), volume.block_count(), volume.memory_bytes() / 1024);
+}
