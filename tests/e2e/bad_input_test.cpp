@@ -1,0 +1,232 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+// Bad input: one line that names file, place and mend; exit code 1; nothing half-written.
+#include <algorithm>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/recording/recording_writer.hpp"
+
+#include "support/command.hpp"
+
+namespace pcavr {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Four frames of a bare wall a metre away: sound in itself, but no tag is in view.
+void write_plain_recording(const fs::path& folder) {
+  Manifest manifest;
+  manifest.camera =
+      CameraModel{.width = 160, .height = 120, .fx = 130.0, .fy = 130.0, .cx = 79.5, .cy = 59.5};
+  manifest.depth_scale = 1000.0;
+  manifest.markers = {
+      {.id = {"tag36h11", 0}, .size = 0.1, .role = MarkerRole::base},
+      {.id = {"tag36h11", 5}, .size = 0.05, .role = MarkerRole::object, .object = "box"}};
+  manifest.objects = {{.name = "box", .mesh = "objects/box.obj"}};
+  RecordingWriter writer(folder, manifest);
+  TriangleMesh tetrahedron;
+  tetrahedron.vertices = {{0, 0, 0}, {0.1F, 0, 0}, {0, 0.1F, 0}, {0, 0, 0.1F}};
+  tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  ASSERT_TRUE(writer.write_object_mesh("objects/box.obj", tetrahedron));
+  for (int i = 0; i < 4; ++i) {
+    const Stamp stamp{i * 50'000'000LL};
+    ASSERT_TRUE(writer.add_frame(stamp, ColorImage(160, 120, {90, 90, 90}), stamp,
+                                 DepthImage(160, 120, 1.0F)));
+  }
+  ASSERT_TRUE(writer.finish());
+}
+
+class BadInput : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(recording());
+    write_plain_recording(recording());
+  }
+
+  [[nodiscard]] fs::path recording() const { return folder_.path() / "recording"; }
+  [[nodiscard]] fs::path scene() const { return folder_.path() / "scene"; }
+  [[nodiscard]] fs::path first_image(const std::string& kind) const {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(recording() / kind)) {
+      files.push_back(entry.path());
+    }
+    return *std::min_element(files.begin(), files.end());
+  }
+
+  void write(const std::string& name, const std::string& content) const {
+    ASSERT_TRUE(write_file(recording() / name, content));
+  }
+
+  void replace(const std::string& name, const std::string& from, const std::string& to) const {
+    std::string text = read_file(recording() / name).value();
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, text.npos) << text;
+    write(name, text.replace(at, from.size(), to));
+  }
+
+  /// Builds, and expects one line that holds each of `words`, exit code 1 and no output.
+  void expect_refused(const std::vector<std::string>& words, const std::string& prefix = {}) const {
+    const CommandOutcome outcome =
+        run_pcavr({"build", recording().string(), "-o", scene().string()}, prefix);
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.standard_error;
+    EXPECT_EQ(outcome.standard_output, "");
+    const std::size_t at = outcome.standard_error.find("pcavr: ");
+    ASSERT_NE(at, std::string::npos) << outcome.standard_error;
+    const std::string line = outcome.standard_error.substr(at);
+    EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
+    for (const std::string& word : words) {
+      EXPECT_NE(line.find(word), std::string::npos) << "no '" << word << "' in: " << line;
+    }
+    EXPECT_FALSE(fs::exists(scene()));
+    for (const auto& entry : fs::directory_iterator(folder_.path())) {
+      EXPECT_EQ(entry.path().filename(), "recording") << "left behind";
+    }
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(BadInput, NoBaseTagEverSeen) { expect_refused({"recording.yaml", "no base tag", "none"}); }
+
+TEST_F(BadInput, TruncatedDepthImage) {
+  const fs::path image = first_image("depth");
+  fs::resize_file(image, fs::file_size(image) / 2);
+  expect_refused({image.filename().string()});
+}
+
+TEST_F(BadInput, EightBitDepthImage) {
+  // The smallest sound 8-bit PNG: a colour image of the recording under a depth image's name would
+  // be a JPEG, so an 8-bit PNG is made from its parts.
+  const std::string png(
+      "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x08\0\0\0\0\x3a\x7e\x9b\x55"
+      "\0\0\0\nIDATx\x9c\x63\x60\0\0\0\2\0\1\x48\xaf\xa4\x71\0\0\0\0IEND\xae\x42\x60\x82",
+      67);
+  const fs::path image = first_image("depth");
+  ASSERT_TRUE(write_file(image, png));
+  expect_refused({image.filename().string(), "16"});
+}
+
+TEST_F(BadInput, MissingFileInAList) {
+  fs::remove(first_image("rgb"));
+  expect_refused({"rgb.txt"});
+}
+
+TEST_F(BadInput, StampsThatGoBack) {
+  const std::string image = fs::relative(first_image("depth"), recording()).string();
+  write("depth.txt", "0.2 " + image + "\n0.1 " + image + "\n");
+  expect_refused({"depth.txt:2"});
+}
+
+TEST_F(BadInput, NanInACsv) {
+  write("tool.csv", "t,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n0.1,0,nan,0,0,0,0,1\n");
+  expect_refused({"tool.csv:3"});
+}
+
+TEST_F(BadInput, WrongNumberOfColumns) {
+  write("wrench.csv", "t,fx,fy,fz,tx,ty,tz\n0,1,2,3,4,5,6\n0.1,1,2,3\n");
+  expect_refused({"wrench.csv:3"});
+}
+
+TEST_F(BadInput, TagOfSizeZero) {
+  replace("recording.yaml", "size: 0.1", "size: 0");
+  expect_refused({"recording.yaml:", "size"});
+}
+
+TEST_F(BadInput, UnknownKey) {
+  write("recording.yaml", read_file(recording() / "recording.yaml").value() + "colour: blue\n");
+  expect_refused({"recording.yaml:", "colour"});
+}
+
+TEST_F(BadInput, NoFrames) {
+  write("rgb.txt", "# nothing\n");
+  write("depth.txt", "# nothing\n");
+  expect_refused({"no frames"});
+}
+
+TEST_F(BadInput, AllDepthZero) {
+  fs::remove_all(recording());
+  fs::create_directories(recording());
+  write_plain_recording(recording());
+  const std::string blank = [] {
+    const TemporaryFolder place;
+    Manifest manifest;
+    manifest.camera =
+        CameraModel{.width = 160, .height = 120, .fx = 130.0, .fy = 130.0, .cx = 79.5, .cy = 59.5};
+    manifest.depth_scale = 1000.0;
+    RecordingWriter writer(place.path(), manifest);
+    EXPECT_TRUE(writer.add_frame({}, ColorImage(160, 120), {}, DepthImage(160, 120)));
+    EXPECT_TRUE(writer.finish());
+    return read_file(fs::directory_iterator(place.path() / "depth")->path()).value();
+  }();
+  for (const auto& entry : fs::directory_iterator(recording() / "depth")) {
+    ASSERT_TRUE(write_file(entry.path(), blank));
+  }
+  expect_refused({"depth.txt", "measurement"});
+}
+
+TEST_F(BadInput, CadFileMissing) {
+  fs::remove(recording() / "objects/box.obj");
+  expect_refused({"box.obj"});
+}
+
+TEST_F(BadInput, CadFileWithoutAVolume) {
+  write("objects/box.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  expect_refused({"box.obj", "volume"});
+}
+
+TEST_F(BadInput, OutputFolderThatCanNotBeWritten) {
+  const CommandOutcome outcome =
+      run_pcavr({"build", recording().string(), "-o", "/proc/nowhere/scene"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.error_lines(), 1U) << outcome.standard_error;
+  EXPECT_NE(outcome.standard_error.find("/proc/nowhere/scene"), std::string::npos);
+}
+
+TEST_F(BadInput, OutputFolderThatIsThereAlready) {
+  fs::create_directories(scene());
+  std::ofstream(scene() / "precious.txt") << "keep me";
+  const CommandOutcome outcome = run_pcavr({"build", recording().string(), "-o", scene().string()});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.standard_error.find("--force"), std::string::npos);
+  EXPECT_EQ(read_file(scene() / "precious.txt").value(), "keep me");
+}
+
+TEST_F(BadInput, RecordingThatIsNotThere) {
+  fs::remove_all(recording());
+  const CommandOutcome outcome = run_pcavr({"build", recording().string(), "-o", scene().string()});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.error_lines(), 1U) << outcome.standard_error;
+  EXPECT_FALSE(fs::exists(scene()));
+}
+
+/// A file size limit stands in for a full disk: writes fail half-way.
+TEST(DiskFull, LeavesNothingBehind) {
+  const TemporaryFolder folder;
+  const fs::path recording = folder.path() / "recording";
+  const CommandOutcome outcome =
+      run_pcavr({"simulate", "tabletop", "-o", recording.string(), "--seed", "1"},
+                "trap '' XFSZ; ulimit -f 40; ");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(WrongUsage, ExitsWithTwo) {
+  EXPECT_EQ(run_pcavr({}).exit_code, 2);
+  EXPECT_EQ(run_pcavr({"build"}).exit_code, 2);
+  EXPECT_EQ(run_pcavr({"simulate", "nosuchcase", "-o", "x"}).exit_code, 2);
+  EXPECT_EQ(run_pcavr({"build", "r", "-o", "s", "--voxel", "-1"}).exit_code, 2);
+}
+
+TEST(Help, HasAnExampleForEverySubcommand) {
+  for (const char* name :
+       {"build", "replay", "evaluate", "simulate", "import", "inspect", "tags"}) {
+    const CommandOutcome outcome = run_pcavr({name, "--help"});
+    EXPECT_EQ(outcome.exit_code, 0) << name;
+    EXPECT_NE(outcome.standard_output.find("Example:"), std::string::npos) << name;
+  }
+}
+
+}  // namespace
+}  // namespace pcavr

@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+// The whole chain by the real command, on a recording made for the purpose.
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "support/command.hpp"
+
+namespace pcavr {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Name and content of every file below a folder.
+std::map<std::string, std::string> contents(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    files[fs::relative(entry.path(), folder).string()] = read_file(entry.path()).value();
+  }
+  return files;
+}
+
+json run_json(std::vector<std::string> words) {
+  words.emplace_back("--json");
+  const CommandOutcome outcome = run_pcavr(words);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.standard_error;
+  return json::parse(outcome.standard_output, nullptr, false);
+}
+
+/// Simulated and built once for all tests of this file.
+class Chain : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    run_json({"simulate", "tabletop", "-o", place("recording"), "--seed", "11"});
+    run_json({"build", place("recording"), "-o", place("scene"), "--voxel", "0.01"});
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+  static std::string place(const std::string& name) { return (folder_->path() / name).string(); }
+
+  static TemporaryFolder* folder_;
+};
+TemporaryFolder* Chain::folder_ = nullptr;
+
+TEST_F(Chain, WritesEveryFileOfTheBundle) {
+  for (const char* name : {"scene.yaml", "scene.glb", "mesh.ply", "cloud.ply", "occupancy.bt",
+                           "camera_trajectory.txt", "preview.png"}) {
+    EXPECT_GT(fs::file_size(fs::path(place("scene")) / name), 100U) << name;
+  }
+}
+
+TEST_F(Chain, IsSoundToInspect) {
+  EXPECT_TRUE(run_json({"inspect", place("scene")})["is_sound"].get<bool>());
+  EXPECT_TRUE(run_json({"inspect", place("recording")})["is_sound"].get<bool>());
+}
+
+TEST_F(Chain, GivesTheSameBytesAtAnyNumberOfThreads) {
+  run_json(
+      {"build", place("recording"), "-o", place("scene-1"), "--voxel", "0.01", "--threads", "1"});
+  run_json(
+      {"build", place("recording"), "-o", place("scene-4"), "--voxel", "0.01", "--threads", "4"});
+  const auto one = contents(place("scene-1"));
+  const auto four = contents(place("scene-4"));
+  ASSERT_EQ(one.size(), four.size());
+  for (const auto& [name, content] : one) {
+    EXPECT_TRUE(content == four.at(name)) << name << " differs";
+  }
+}
+
+TEST_F(Chain, ReplaysAndEvaluates) {
+  const json run =
+      run_json({"replay", place("recording"), "--scene", place("scene"), "-o", place("run")});
+  EXPECT_GT(run["frames_used"].get<int>(), 0);
+  for (const std::string subject : {"scene", "run"}) {
+    run_json({"evaluate", place(subject), "--truth", place("recording") + "/truth", "-o",
+              place(subject + "-report")});
+    EXPECT_GT(fs::file_size(place(subject + "-report") + "/report.html"), 1000U);
+    EXPECT_FALSE(
+        json::parse(read_file(place(subject + "-report") + "/report.json").value(), nullptr, false)
+            .is_discarded());
+  }
+}
+
+TEST_F(Chain, ForceReplacesAnOutput) {
+  fs::create_directories(place("old"));
+  ASSERT_TRUE(write_file(fs::path(place("old")) / "junk", "junk"));
+  run_json({"simulate", "tabletop", "-o", place("old"), "--seed", "11", "--force"});
+  EXPECT_FALSE(fs::exists(fs::path(place("old")) / "junk"));
+  EXPECT_TRUE(contents(place("old")) == contents(place("recording"))) << "same seed, other bytes";
+}
+
+}  // namespace
+}  // namespace pcavr
