@@ -2,49 +2,68 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/evaluation/trajectory_errors.hpp"
 #include "pcavr/geometry/camera.hpp"
 #include "pcavr/geometry/mesh.hpp"
-#include "pcavr/model/cad_model.hpp"
 
 namespace pcavr {
 
-struct MeshErrors {
-  ErrorStatistics accuracy;       ///< samples of the mesh -> nearest point of the truth [m]
-  double completeness_5mm = 0.0;  ///< share of the truth that was seen, within 5 mm of the mesh
-  double completeness_10mm = 0.0;
-  double share_not_explained = 0.0;  ///< of the mesh's area, farther than 20 mm from the truth
+/// A body and the poses that it had.
+struct MovedBody {
+  TriangleMesh mesh_object;  ///< closed, outward winding
+  std::vector<Pose> T_base_object;
 };
 
-struct MeshErrorOptions {
-  double sample_spacing = 0.004;  ///< between samples on either surface [m]
+/// From where the static surfaces could be seen, and what stood before them.
+struct Views {
+  CameraModel camera;
+  std::vector<Pose> T_base_camera;  ///< true poses, one a view
+  std::vector<MovedBody> bodies;    ///< movable ones, each with one pose a view
+  // Within these a depth camera of the structured-light or time-of-flight kind measures: a surface
+  // outside them was looked at, but not seen.
+  double nearest = 0.4;                ///< along the optical axis [m]
+  double farthest = 4.0;               ///< along the optical axis [m]
+  double largest_incidence = 1.30900;  ///< between ray and surface normal [rad], 75 degrees
+};
+
+struct MeshErrors {
+  ErrorStatistics accuracy;  ///< samples of the mesh -> nearest point of the truth [m]
+  /// Of the truth's samples that were seen, the share that lies near the mesh; 0 where none was.
+  double completeness_5mm = 0.0;
+  double completeness_10mm = 0.0;
+  double share_not_explained = 0.0;  ///< of the mesh's area, farther than 20 mm from the truth
+  /// The distances themselves, ascending [m].
+  std::vector<double> mesh_to_truth;
+  std::vector<double> seen_truth_to_mesh;
+};
+
+struct SurfaceErrorOptions {
+  /// Between samples on either surface [m], > 0. Halving it costs four times the time; a share is
+  /// known to about one sample in (area / spacing^2).
+  double sample_spacing = 0.004;
   std::uint64_t seed = 1;
 };
 
-/// Compares a mesh with the truth. Where the camera's true poses are given, only such parts of the
-/// truth count for completeness as some frame could see (in its view, not hidden, not grazing).
+/// Compares a mesh with the true static surfaces. With `views`, only such parts of the truth count
+/// for completeness as some view could see: inside the image and the range, not hidden by the truth
+/// itself or by a body, not grazing. Without, all of it counts. The same bits for any Parallelism.
+/// Throws ContractError where the truth has no surface, or a body not one pose a view.
 [[nodiscard]] MeshErrors mesh_errors(const TriangleMesh& truth_base, const TriangleMesh& mesh_base,
-                                     const std::optional<CameraModel>& camera,
-                                     const std::vector<Pose>& T_base_camera,
-                                     const MeshErrorOptions& options, Parallelism parallelism);
+                                     const std::optional<Views>& views,
+                                     const SurfaceErrorOptions& options, Parallelism parallelism);
 
-/// Share of a mesh's area that lies on or in the bodies given, at any of the poses: what should
-/// have been taken out of a static mesh. Surfaces that the truth explains do not count.
-[[nodiscard]] double share_left_behind(const TriangleMesh& mesh_base,
-                                       const TriangleMesh& truth_base,
-                                       const std::vector<TriangleMesh>& bodies_base);
-
-/// Object pose errors over a model's vertices: ADD, mean distance [Hinterstoisser et al. 2012],
-/// and MSSD, largest distance [Hodan et al. 2020], without symmetries [m].
-struct ObjectErrors {
-  ErrorStatistics add;
-  ErrorStatistics mssd;
-};
-[[nodiscard]] ObjectErrors object_errors(const TriangleMesh& mesh_object,
-                                         const Trajectory& reference, const Trajectory& estimate,
-                                         const TrajectoryErrorOptions& options = {});
+/// Share of a mesh's area that a movable body left behind: farther than 10 mm from every true
+/// static surface, and inside or within 10 mm of a body at one of its poses. What noise and
+/// smoothing do to a static surface does not count.
+[[nodiscard]] double share_left_behind(const TriangleMesh& truth_base,
+                                       const TriangleMesh& mesh_base,
+                                       const std::vector<MovedBody>& bodies,
+                                       const SurfaceErrorOptions& options, Parallelism parallelism);
 
 }  // namespace pcavr

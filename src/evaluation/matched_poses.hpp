@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "pcavr/geometry/trajectory.hpp"
+
+namespace pcavr {
+
+/// A pose of the estimate, and the reference's at the same instant.
+struct MatchedPose {
+  Stamp stamp;
+  Pose reference;
+  Pose estimate;
+};
+
+/// The estimates for which the reference has a pose, interpolated over gaps up to `longest_gap`.
+[[nodiscard]] std::vector<MatchedPose> match(const Trajectory& reference,
+                                             const Trajectory& estimate, Duration longest_gap);
+
+}  // namespace pcavr

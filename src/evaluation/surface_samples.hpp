@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pcavr/geometry/mesh.hpp"
+
+namespace pcavr {
+
+struct SurfaceSample {
+  Eigen::Vector3f point;
+  Eigen::Vector3f normal;  ///< of the triangle, unit, by winding
+};
+
+/// One sample for each `spacing`^2 of a mesh's area, spread evenly over it: every sample stands for
+/// the same area, however the triangles are cut.
+[[nodiscard]] std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, double spacing,
+                                                        std::uint64_t seed);
+
+}  // namespace pcavr
