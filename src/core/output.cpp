@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <utility>
 
 #include <fcntl.h>
@@ -116,12 +117,16 @@ Expected<std::string> read_file(const fs::path& path) {
                  .file = path.string(),
                  .mend = "check the name, and that you may read it"};
   }
-  std::ostringstream content;
-  content << stream.rdbuf();
+  // The size is a guess that saves copies: special files have none.
+  const std::uintmax_t guess = fs::file_size(path, code);
+  std::string content(code ? 0 : static_cast<std::size_t>(guess), '\0');
+  stream.read(content.data(), static_cast<std::streamsize>(content.size()));
+  content.resize(static_cast<std::size_t>(stream.gcount()));
+  if (stream) content.append(std::istreambuf_iterator<char>(stream), {});
   if (stream.bad()) {
     return Error{.message = "could not be read to its end", .file = path.string()};
   }
-  return std::move(content).str();
+  return content;
 }
 
 }  // namespace pcavr

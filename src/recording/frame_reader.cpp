@@ -17,20 +17,8 @@
 namespace pcavr {
 namespace {
 
-DepthImage to_metres(const RawDepthImage& raw, double units_per_metre) {
-  DepthImage depth(raw.width(), raw.height());
-  const auto metres_per_unit = static_cast<float>(1.0 / units_per_metre);
-  const std::span<const std::uint16_t> from = raw.pixels();
-  const std::span<float> to = depth.pixels();
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    to[i] = static_cast<float>(from[i]) * metres_per_unit;
-  }
-  return depth;
-}
-
-}  // namespace
-
-Expected<RgbdFrame> decode_frame(const Recording& recording, std::size_t index) {
+Expected<RgbdFrame> decode_with(ImageDecoder& decoder, const Recording& recording,
+                                std::size_t index) {
   PCAVR_REQUIRE(index < recording.frames.size(), index, recording.frames.size());
   PCAVR_REQUIRE(recording.manifest.camera.has_value());
   const FrameFiles& files = recording.frames[index];
@@ -41,16 +29,24 @@ Expected<RgbdFrame> decode_frame(const Recording& recording, std::size_t index) 
   const ExpectedImage color_image = image_at(files.color_path);
   const Expected<std::string> color_bytes = read_file(color_image.file);
   if (!color_bytes) return color_bytes.error();
-  Expected<ColorImage> color = decode_color(*color_bytes, color_image);
+  Expected<ColorImage> color = decoder.color(*color_bytes, color_image);
   if (!color) return color.error();
 
   const ExpectedImage depth_image = image_at(files.depth_path);
   const Expected<std::string> depth_bytes = read_file(depth_image.file);
   if (!depth_bytes) return depth_bytes.error();
-  const Expected<RawDepthImage> raw = decode_depth(*depth_bytes, depth_image);
-  if (!raw) return raw.error();
+  Expected<DepthImage> depth =
+      decoder.depth(*depth_bytes, depth_image, recording.manifest.depth_scale);
+  if (!depth) return depth.error();
   return RgbdFrame{index, files.color_stamp, files.depth_stamp, *std::move(color),
-                   to_metres(*raw, recording.manifest.depth_scale)};
+                   *std::move(depth)};
+}
+
+}  // namespace
+
+Expected<RgbdFrame> decode_frame(const Recording& recording, std::size_t index) {
+  ImageDecoder decoder;
+  return decode_with(decoder, recording, index);
 }
 
 /// A bounded queue between the thread that decodes and the one that asks.
@@ -72,17 +68,18 @@ struct FrameReader::Worker {
   }
 
   void decode_all() {
+    ImageDecoder decoder;
     for (std::size_t i = 0; i < recording.frames.size(); ++i) {
-      if (!put(decode(i))) break;
+      if (!put(decode(decoder, i))) break;
     }
     const std::lock_guard lock(mutex);
     is_done = true;
     has_frame.notify_one();
   }
 
-  [[nodiscard]] Expected<RgbdFrame> decode(std::size_t index) const {
+  [[nodiscard]] Expected<RgbdFrame> decode(ImageDecoder& decoder, std::size_t index) const {
     try {
-      return decode_frame(recording, index);
+      return decode_with(decoder, recording, index);
     } catch (const std::bad_alloc&) {
       return Error{.message = "there is no memory left for frame " + std::to_string(index),
                    .file = recording.folder.string(),

@@ -8,8 +8,6 @@
 
 #include <turbojpeg.h>
 
-#include "recording/png_codec.hpp"
-
 namespace pcavr {
 namespace {
 
@@ -63,14 +61,10 @@ Expected<ColorImage> decode_jpeg(std::string_view bytes, const ExpectedImage& im
   ColorImage color(header.width, header.height);
   if (tjDecompress2(handle.get(), as_bytes(bytes), bytes.size(),
                     reinterpret_cast<unsigned char*>(color.pixels().data()), header.width, 0,
-                    header.height, TJPF_RGB, 0) != 0) {
+                    header.height, TJPF_RGB, TJFLAG_LIMITSCANS) != 0) {
     return damaged(image, tjGetErrorStr2(handle.get()));
   }
   return color;
-}
-
-Error damaged_png(const ExpectedImage& image, const Error& error) {
-  return damaged(image, error.message);
 }
 
 /// The first channels of 8-bit pixels as colour.
@@ -88,29 +82,44 @@ ColorImage to_color(const PngImage& png) {
   return color;
 }
 
-Expected<ColorImage> decode_color_png(std::string_view bytes, const ExpectedImage& image) {
+/// Each 16-bit pixel through `convert` into an image.
+template <typename Pixel, typename Convert>
+Image<Pixel> from_gray16(const PngImage& png, Convert convert) {
+  Image<Pixel> image(png.width, png.height);
+  for (int y = 0; y < png.height; ++y) {
+    const std::uint8_t* from = png.row(y);
+    for (Pixel& pixel : image.row(y)) {
+      pixel = convert(static_cast<std::uint16_t>(from[0] << 8 | from[1]));
+      from += 2;
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+Expected<ColorImage> ImageDecoder::color(std::string_view bytes, const ExpectedImage& image) {
+  return is_jpeg(bytes) ? decode_jpeg(bytes, image) : color_png(bytes, image);
+}
+
+Expected<ColorImage> ImageDecoder::color_png(std::string_view bytes, const ExpectedImage& image) {
   const Expected<PngImage> header = decode_png_header(bytes);
-  if (!header) return damaged_png(image, header.error());
+  if (!header) return damaged(image, header.error().message);
   if (std::optional<Error> error = check_size(image, *header)) return *std::move(error);
   if (header->bit_depth != 8) {
     return Error{.message = "is not a colour image: it has 16 bits a channel",
                  .file = image.file,
                  .mend = "colour images are JPEG or PNG files with 8 bits a channel"};
   }
-  const Expected<PngImage> png = decode_png(bytes);
-  if (!png) return damaged_png(image, png.error());
-  return to_color(*png);
+  if (const Expected<void> done = decode_png(bytes, png_); !done) {
+    return damaged(image, done.error().message);
+  }
+  return to_color(png_);
 }
 
-}  // namespace
-
-Expected<ColorImage> decode_color(std::string_view bytes, const ExpectedImage& image) {
-  return is_jpeg(bytes) ? decode_jpeg(bytes, image) : decode_color_png(bytes, image);
-}
-
-Expected<RawDepthImage> decode_depth(std::string_view bytes, const ExpectedImage& image) {
+Expected<void> ImageDecoder::gray16(std::string_view bytes, const ExpectedImage& image) {
   const Expected<PngImage> header = decode_png_header(bytes);
-  if (!header) return damaged_png(image, header.error());
+  if (!header) return damaged(image, header.error().message);
   if (std::optional<Error> error = check_size(image, *header)) return *std::move(error);
   if (header->bit_depth != 16 || header->channels != 1) {
     return Error{.message = "is not a depth image: it has " + std::to_string(header->channels) +
@@ -118,17 +127,24 @@ Expected<RawDepthImage> decode_depth(std::string_view bytes, const ExpectedImage
                  .file = image.file,
                  .mend = "depth images are PNG files with one channel of 16 bits"};
   }
-  const Expected<PngImage> png = decode_png(bytes);
-  if (!png) return damaged_png(image, png.error());
-  RawDepthImage depth(png->width, png->height);
-  for (int y = 0; y < png->height; ++y) {
-    const std::uint8_t* from = png->row(y);
-    for (std::uint16_t& pixel : depth.row(y)) {
-      pixel = static_cast<std::uint16_t>(from[0] << 8 | from[1]);
-      from += 2;
-    }
+  if (const Expected<void> done = decode_png(bytes, png_); !done) {
+    return damaged(image, done.error().message);
   }
-  return depth;
+  return {};
+}
+
+Expected<RawDepthImage> ImageDecoder::raw_depth(std::string_view bytes,
+                                                const ExpectedImage& image) {
+  if (const Expected<void> done = gray16(bytes, image); !done) return done.error();
+  return from_gray16<std::uint16_t>(png_, [](std::uint16_t units) { return units; });
+}
+
+Expected<DepthImage> ImageDecoder::depth(std::string_view bytes, const ExpectedImage& image,
+                                         double units_per_metre) {
+  if (const Expected<void> done = gray16(bytes, image); !done) return done.error();
+  const auto metres_per_unit = static_cast<float>(1.0 / units_per_metre);
+  return from_gray16<float>(
+      png_, [=](std::uint16_t units) { return static_cast<float>(units) * metres_per_unit; });
 }
 
 Expected<std::string> encode_color(const ColorImage& image) {

@@ -3,12 +3,13 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/geometry/image.hpp"
+
+#include "recording/png_codec.hpp"
 
 namespace pcavr {
 
@@ -22,14 +23,28 @@ struct ExpectedImage {
   int height = 0;  ///< [px]
 };
 
-/// Decode the bytes of one file. All that is not wholly sound is an Error; nothing is printed.
-/// Safe for bytes from anywhere: memory is bounded by the size expected. Thread-safe.
+/// Decodes the bytes of one image file. All that is not wholly sound is an Error; nothing is
+/// printed. Safe for bytes from anywhere: memory is bounded by the size expected. Keeps its working
+/// memory from image to image; give each thread its own.
+class ImageDecoder {
+ public:
+  /// JPEG or PNG with 8 bits a channel. Gray is taken as equal red, green and blue; alpha is
+  /// dropped.
+  [[nodiscard]] Expected<ColorImage> color(std::string_view bytes, const ExpectedImage& image);
+  /// PNG with one channel of 16 bits, in its own units.
+  [[nodiscard]] Expected<RawDepthImage> raw_depth(std::string_view bytes,
+                                                  const ExpectedImage& image);
+  /// The same in metres.
+  [[nodiscard]] Expected<DepthImage> depth(std::string_view bytes, const ExpectedImage& image,
+                                           double units_per_metre);
 
-/// JPEG or PNG with 8 bits a channel. Gray is taken as equal red, green and blue; alpha is dropped.
-[[nodiscard]] Expected<ColorImage> decode_color(std::string_view bytes, const ExpectedImage& image);
-/// PNG with one channel of 16 bits.
-[[nodiscard]] Expected<RawDepthImage> decode_depth(std::string_view bytes,
-                                                   const ExpectedImage& image);
+ private:
+  [[nodiscard]] Expected<ColorImage> color_png(std::string_view bytes, const ExpectedImage& image);
+  /// Where nothing is wrong, `png_` holds one channel of 16 bits.
+  [[nodiscard]] Expected<void> gray16(std::string_view bytes, const ExpectedImage& image);
+
+  PngImage png_;
+};
 
 /// JPEG of quality 95 with halved chroma.
 [[nodiscard]] Expected<std::string> encode_color(const ColorImage& image);

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <memory>
 #include <new>
-#include <optional>
+#include <utility>
 
 #include <libdeflate.h>
 
@@ -211,16 +211,19 @@ std::string deflate(std::string_view bytes) {
 
 Expected<PngImage> decode_png_header(std::string_view bytes) { return take_header(bytes); }
 
-Expected<PngImage> decode_png(std::string_view bytes) {
-  Expected<PngImage> image = take_header(bytes);
-  if (!image) return image;
+Expected<void> decode_png(std::string_view bytes, PngImage& image) {
+  std::string_view rest = bytes;
+  Expected<PngImage> header = take_header(rest);
+  if (!header) return header.error();
   std::string joined;
-  const Expected<std::string_view> compressed = compressed_pixels(bytes, joined);
+  const Expected<std::string_view> compressed = compressed_pixels(rest, joined);
   if (!compressed) return compressed.error();
-  image->rows.resize(static_cast<std::size_t>(image->height) * (image->row_size() + 1));
-  if (!inflate(*compressed, image->rows)) return Error{.message = "its pixels are damaged"};
-  if (!undo_filters_of_any(*image)) return Error{.message = "a row has an unknown filter"};
-  return image;
+  header->rows = std::move(image.rows);
+  image = *std::move(header);
+  image.rows.resize(static_cast<std::size_t>(image.height) * (image.row_size() + 1));
+  if (!inflate(*compressed, image.rows)) return Error{.message = "its pixels are damaged"};
+  if (!undo_filters_of_any(image)) return Error{.message = "a row has an unknown filter"};
+  return {};
 }
 
 std::string encode_gray16_png(int width, int height, std::string_view big_endian_pixels) {

@@ -36,9 +36,10 @@ struct PngImage {
 /// What the header promises, without `rows`. Errors have neither file nor mend.
 [[nodiscard]] Expected<PngImage> decode_png_header(std::string_view bytes);
 
-/// The whole image; checksums are checked. Memory in proportion to the header's size: check that
-/// first. Errors have neither file nor mend.
-[[nodiscard]] Expected<PngImage> decode_png(std::string_view bytes);
+/// The whole image into `image`, whose memory is used again: fresh memory costs more time than
+/// inflating. Checksums are checked. Memory in proportion to the header's size: check that first.
+/// Errors have neither file nor mend, and leave `image` without meaning.
+[[nodiscard]] Expected<void> decode_png(std::string_view bytes, PngImage& image);
 
 /// A file with one channel of 16 bits from big-endian pixels.
 [[nodiscard]] std::string encode_gray16_png(int width, int height,
