@@ -1,5 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
+#include <cstdint>
+
 #include <opencv2/aruco/dictionary.hpp>
 
 #include "pcavr/marker/tag_sheet.hpp"
@@ -9,30 +12,35 @@
 namespace pcavr {
 namespace {
 
-struct ImageDeleter {
-  void operator()(image_u8_t* image) const { image_u8_destroy(image); }
-};
-
 Error unknown_id(const std::string& family, int id, int count) {
   return {.message = family + " has no tag " + std::to_string(id),
           .mend = "take ids from 0 to " + std::to_string(count - 1)};
 }
 
-/// Families with bits outside the border square are drawn whole; the ring that libapriltag draws
-/// around the others is quiet zone.
+/// Families with bits outside the square through the detection corners have a white ring inside it
+/// and are drawn whole; the others have a black ring inside it, and nothing outside.
 TagPicture draw_apriltag(const apriltag_family_t& family, int id) {
-  const std::unique_ptr<image_u8_t, ImageDeleter> image(
-      apriltag_to_image(const_cast<apriltag_family_t*>(&family), static_cast<uint32_t>(id)));
-  const int ring = (family.total_width - family.width_at_border) / 2;
-  const int quiet = family.reversed_border ? 0 : ring;
+  const int across = family.width_at_border;
   TagPicture picture;
-  picture.cells = family.total_width - 2 * quiet;
-  picture.border = ring - quiet;
-  for (int y = 0; y < picture.cells; ++y) {
-    for (int x = 0; x < picture.cells; ++x) {
-      const int index = (y + quiet) * image->stride + x + quiet;
-      picture.is_white.push_back(image->buf[index] > 127);
+  picture.border = family.reversed_border ? (family.total_width - across) / 2 : 0;
+  picture.cells = across + 2 * picture.border;
+  const auto paint_white = [&](int x, int y) {  // counted from the square's top left cell
+    const int index = (y + picture.border) * picture.cells + x + picture.border;
+    picture.is_white[static_cast<std::size_t>(index)] = true;
+  };
+  picture.is_white.assign(static_cast<std::size_t>(picture.cells * picture.cells), false);
+  if (family.reversed_border) {
+    for (int i = 0; i < across; ++i) {
+      paint_white(i, 0);
+      paint_white(i, across - 1);
+      paint_white(0, i);
+      paint_white(across - 1, i);
     }
+  }
+  for (uint32_t bit = 0; bit < family.nbits; ++bit) {
+    const bool is_set = (family.codes[id] >> (family.nbits - 1 - bit)) & 1U;
+    if (is_set)
+      paint_white(static_cast<int>(family.bit_x[bit]), static_cast<int>(family.bit_y[bit]));
   }
   return picture;
 }
