@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/reconstruction/mesh_cleanup.hpp"
+
+#include <numeric>
+#include <vector>
+
+namespace pcavr {
+namespace {
+
+/// Sets of vertices that triangles connect, by union and find with path halving.
+class VertexSets {
+ public:
+  explicit VertexSets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0U);
+  }
+  std::uint32_t find(std::uint32_t v) {
+    while (parent_[v] != v) {
+      parent_[v] = parent_[parent_[v]];
+      v = parent_[v];
+    }
+    return v;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = find(a);
+    b = find(b);
+    // The lower number leads, whatever the order of joining.
+    if (a < b) parent_[b] = a;
+    if (b < a) parent_[a] = b;
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+double area_of(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t) {
+  const Eigen::Vector3f ab = mesh.vertices[t[1]] - mesh.vertices[t[0]];
+  const Eigen::Vector3f ac = mesh.vertices[t[2]] - mesh.vertices[t[0]];
+  return 0.5 * static_cast<double>(ab.cross(ac).norm());
+}
+
+/// Keeps the vertices that `is_kept` marks, in order, and renumbers the triangles.
+void keep_vertices(TriangleMesh& mesh, const std::vector<bool>& is_kept) {
+  std::vector<std::uint32_t> number(mesh.vertices.size());
+  std::uint32_t next = 0;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (!is_kept[v]) continue;
+    number[v] = next;
+    mesh.vertices[next] = mesh.vertices[v];
+    if (!mesh.normals.empty()) mesh.normals[next] = mesh.normals[v];
+    if (!mesh.colors.empty()) mesh.colors[next] = mesh.colors[v];
+    ++next;
+  }
+  mesh.vertices.resize(next);
+  if (!mesh.normals.empty()) mesh.normals.resize(next);
+  if (!mesh.colors.empty()) mesh.colors.resize(next);
+  for (auto& triangle : mesh.triangles) {
+    for (std::uint32_t& v : triangle) v = number[v];
+  }
+}
+
+}  // namespace
+
+std::size_t remove_small_islands(TriangleMesh& mesh, double smallest_area) {
+  VertexSets sets(mesh.vertices.size());
+  for (const auto& t : mesh.triangles) {
+    sets.join(t[0], t[1]);
+    sets.join(t[0], t[2]);
+  }
+  std::vector<double> area(mesh.vertices.size(), 0.0);
+  std::vector<bool> has_triangle(mesh.vertices.size(), false);
+  for (const auto& t : mesh.triangles) {
+    area[sets.find(t[0])] += area_of(mesh, t);
+    has_triangle[sets.find(t[0])] = true;
+  }
+  std::vector<bool> is_kept(mesh.vertices.size());
+  std::size_t dropped = 0;
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    const std::uint32_t leader = sets.find(v);
+    is_kept[v] = area[leader] >= smallest_area && has_triangle[leader];
+    dropped += v == leader && has_triangle[v] && !is_kept[v] ? 1 : 0;
+  }
+  std::erase_if(mesh.triangles, [&](const auto& t) { return !is_kept[t[0]]; });
+  keep_vertices(mesh, is_kept);
+  return dropped;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/reconstruction/tsdf_volume.hpp"
+
+#include <utility>
+
+#include "pcavr/core/check.hpp"
+#include "reconstruction/block_map.hpp"
+#include "reconstruction/block_selection.hpp"
+#include "reconstruction/fusion_kernel.hpp"
+#include "reconstruction/pixel_surface.hpp"
+#include "reconstruction/surface_extraction.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr std::size_t kGrainBlocks = 32;
+
+FusionParameters parameters_of(const TsdfOptions& options) {
+  return {options.voxel_size, options.voxel_size * options.truncation_voxels,
+          options.depth_noise};
+}
+
+BlockView view_of(const FrameSurface& frame, const CameraModel& camera, const Pose& T_camera_base,
+                  double voxel_size, std::uint32_t frame_number) {
+  BlockView view{};
+  view.pixels = frame.pixels.data();
+  view.width = frame.width;
+  view.height = frame.height;
+  view.fx = static_cast<float>(camera.fx);
+  view.fy = static_cast<float>(camera.fy);
+  view.cx = static_cast<float>(camera.cx);
+  view.cy = static_cast<float>(camera.cy);
+  const Eigen::Matrix3d R = T_camera_base.rotation_matrix() * voxel_size;
+  for (int i = 0; i < 3; ++i) {
+    view.step_x[i] = static_cast<float>(R(i, 0));
+    view.step_y[i] = static_cast<float>(R(i, 1));
+    view.step_z[i] = static_cast<float>(R(i, 2));
+  }
+  view.steps_per_metre = static_cast<float>(kDistanceSteps / voxel_size);
+  view.voxel_size = static_cast<float>(voxel_size);
+  view.dither = frame_number * 0x632BE5ABU;
+  return view;
+}
+
+}  // namespace
+
+struct TsdfVolume::Blocks {
+  TsdfOptions options;
+  BlockMap map;
+  FusionKernel kernel = fusion_kernel();
+  std::uint32_t frames = 0;
+
+  void fuse(const SeenBlock& seen, BlockView view, const Pose& T_camera_base);
+};
+
+void TsdfVolume::Blocks::fuse(const SeenBlock& seen, BlockView view, const Pose& T_camera_base) {
+  if (seen.wholly_free) {
+    std::uint8_t& count = map.through_whole(seen.number);
+    if (count < kLargestCount) ++count;
+    return;
+  }
+  const BlockPlace& place = map.place(seen.number);
+  const Eigen::Vector3d p_base = Eigen::Vector3d(place.x, place.y, place.z) *
+                                 (kBlockSide * options.voxel_size);
+  const Eigen::Vector3d p_camera = T_camera_base * p_base;
+  for (int i = 0; i < 3; ++i) view.origin[i] = static_cast<float>(p_camera[i]);
+  view.band_nearest = seen.band_nearest;
+  view.band_farthest = seen.band_farthest;
+  view.free_farthest = seen.free_farthest;
+  kernel(view, map.block(seen.number));
+}
+
+TsdfVolume::TsdfVolume(const TsdfOptions& options) : blocks_(std::make_unique<Blocks>()) {
+  PCAVR_REQUIRE(options.voxel_size > 0.0, options.voxel_size);
+  PCAVR_REQUIRE(options.truncation_voxels >= 2.0, options.truncation_voxels);
+  PCAVR_REQUIRE(options.frames_to_clear >= 1 &&
+                    options.frames_to_clear <= static_cast<int>(kLargestCount),
+                options.frames_to_clear);
+  blocks_->options = options;
+}
+
+TsdfVolume::~TsdfVolume() = default;
+TsdfVolume::TsdfVolume(TsdfVolume&&) noexcept = default;
+
+IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImage& color,
+                                        const MaskImage& is_dynamic, const CameraModel& camera,
+                                        const Pose& T_base_camera, Parallelism parallelism) {
+  PCAVR_REQUIRE(depth.width() == camera.width && depth.height() == camera.height, depth.width(),
+                depth.height(), camera.width, camera.height);
+  PCAVR_REQUIRE(color.empty() || color.pixels().size() == depth.pixels().size(), color.width());
+  PCAVR_REQUIRE(is_dynamic.empty() || is_dynamic.pixels().size() == depth.pixels().size(),
+                is_dynamic.width());
+  Blocks& blocks = *blocks_;
+  const FusionParameters parameters = parameters_of(blocks.options);
+  const FrameSurface frame =
+      prepare_frame(depth, color, is_dynamic, camera, parameters, parallelism);
+  IntegrationReport report;
+  report.pixels_used = frame.pixels_used;
+  for (const BlockPlace& place :
+       places_near_surface(frame, camera, T_base_camera, parameters, parallelism)) {
+    if (blocks.map.find(place) != PlaceIndex::kNone) continue;
+    blocks.map.add(place);
+    ++report.blocks_added;
+  }
+  const std::vector<SeenBlock> seen =
+      seen_blocks(blocks.map, frame, camera, T_base_camera, parameters);
+  report.blocks_visible = seen.size();
+  const Pose T_camera_base = T_base_camera.inverse();
+  const BlockView view =
+      view_of(frame, camera, T_camera_base, blocks.options.voxel_size, blocks.frames);
+  parallel_for(parallelism, seen.size(), kGrainBlocks, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) blocks.fuse(seen[i], view, T_camera_base);
+  });
+  ++blocks.frames;
+  return report;
+}
+
+TriangleMesh TsdfVolume::extract_mesh(double smallest_weight, Parallelism parallelism) const {
+  return extract_surface(blocks_->map, {blocks_->options.voxel_size, smallest_weight,
+                                        blocks_->options.frames_to_clear},
+                         parallelism);
+}
+
+std::size_t TsdfVolume::block_count() const { return blocks_->map.size(); }
+std::size_t TsdfVolume::memory_bytes() const { return blocks_->map.memory_bytes(); }
+const TsdfOptions& TsdfVolume::options() const { return blocks_->options; }
+
+}  // namespace pcavr

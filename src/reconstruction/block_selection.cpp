@@ -1,0 +1,197 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/block_selection.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace pcavr {
+namespace {
+
+constexpr std::size_t kGrainRows = 16;
+
+/// Collects places, skipping those that were met just before: neighbouring rays meet the same.
+class PlaceCollector {
+ public:
+  void add(const BlockPlace& place) {
+    const std::size_t slot = static_cast<std::size_t>(place.x * 73 + place.y * 19 + place.z * 7) &
+                             (recent_.size() - 1);
+    if (recent_[slot].has_value() && *recent_[slot] == place) return;
+    recent_[slot] = place;
+    places_.push_back(place);
+  }
+  [[nodiscard]] const std::vector<BlockPlace>& places() const { return places_; }
+
+ private:
+  std::vector<std::optional<BlockPlace>> recent_ = std::vector<std::optional<BlockPlace>>(1024);
+  std::vector<BlockPlace> places_;
+};
+
+struct BandWalker {
+  Eigen::Matrix3f R_base_camera;
+  Eigen::Vector3f p_base_camera;
+  float block_size;
+
+  void walk(const Eigen::Vector3f& ray_camera, float z_from, float z_to,
+            PlaceCollector& collector) const {
+    const Eigen::Vector3f ray = R_base_camera * ray_camera;
+    // Steps of half a block cannot jump over more than a block's corner.
+    const float step = 0.5F * block_size / ray.norm();
+    const int steps = static_cast<int>(std::ceil((z_to - z_from) / step));
+    for (int i = 0; i <= steps; ++i) {
+      const float z = std::min(z_from + static_cast<float>(i) * step, z_to);
+      const Eigen::Vector3f p = (p_base_camera + z * ray) / block_size;
+      collector.add({static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())),
+                     static_cast<int>(std::floor(p.z()))});
+    }
+  }
+};
+
+}  // namespace
+
+std::vector<BlockPlace> places_near_surface(const FrameSurface& frame, const CameraModel& camera,
+                                            const Pose& T_base_camera,
+                                            const FusionParameters& parameters,
+                                            Parallelism parallelism) {
+  const auto block_size = static_cast<float>(kBlockSide * parameters.voxel_size);
+  const BandWalker walker{T_base_camera.rotation_matrix().cast<float>(),
+                          T_base_camera.translation().cast<float>(), block_size};
+  const std::size_t chunks =
+      (static_cast<std::size_t>(frame.height) + kGrainRows - 1) / kGrainRows;
+  std::vector<PlaceCollector> collectors(chunks);
+  parallel_for(parallelism, static_cast<std::size_t>(frame.height), kGrainRows,
+               [&](std::size_t begin, std::size_t end) {
+    PlaceCollector& collector = collectors[begin / kGrainRows];
+    for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
+      for (int u = 0; u < frame.width; ++u) {
+        const float z = frame.depth(u, v);
+        if (z <= 0.0F) continue;
+        // Rays a quarter of a block apart at this depth are enough.
+        const int apart = std::max(
+            1, static_cast<int>(0.25F * block_size * static_cast<float>(camera.fx) / z));
+        if (u % apart != 0 || v % apart != 0) continue;
+        const Eigen::Vector3f ray(static_cast<float>((u - camera.cx) / camera.fx),
+                                  static_cast<float>((v - camera.cy) / camera.fy), 1.0F);
+        const float truncation = truncation_at(parameters, z);
+        walker.walk(ray, z - truncation, z + truncation, collector);
+      }
+    }
+  });
+  // Merged in the order of rows, each place once.
+  PlaceIndex known;
+  std::vector<BlockPlace> places;
+  for (const PlaceCollector& collector : collectors) {
+    for (const BlockPlace& place : collector.places()) {
+      if (known.find(place) != PlaceIndex::kNone) continue;
+      known.insert(place, static_cast<std::uint32_t>(places.size()));
+      places.push_back(place);
+    }
+  }
+  return places;
+}
+
+namespace {
+
+/// The part of the image that a sphere covers, as tiles, and what the frame holds there.
+struct SphereView {
+  bool in_view = false;
+  bool cut_off = false;  ///< partly outside the image
+  DepthTile depth;
+};
+
+SphereView look_at(const FrameSurface& frame, const CameraModel& camera,
+                   const Eigen::Vector3f& centre, float radius) {
+  SphereView view;
+  const float nearest = centre.z() - radius;
+  if (nearest <= 0.05F) {
+    // Around or behind the camera: not worth an exact answer.
+    if (centre.z() + radius <= 0.0F) return view;
+    view.in_view = view.cut_off = true;
+    for (const DepthTile& tile : frame.tiles) {
+      view.depth.nearest = std::min(view.depth.nearest, tile.nearest);
+      view.depth.farthest = std::max(view.depth.farthest, tile.farthest);
+      view.depth.most_free = std::max(view.depth.most_free, tile.most_free);
+    }
+    view.depth.least_free = 0.0F;
+    return view;
+  }
+  const auto fx = static_cast<float>(camera.fx);
+  const auto fy = static_cast<float>(camera.fy);
+  const float farthest = centre.z() + radius;
+  const auto low = [&](float c) { return c / (c < 0.0F ? nearest : farthest); };
+  const auto high = [&](float c) { return c / (c < 0.0F ? farthest : nearest); };
+  const float u0 = fx * low(centre.x() - radius) + static_cast<float>(camera.cx);
+  const float u1 = fx * high(centre.x() + radius) + static_cast<float>(camera.cx);
+  const float v0 = fy * low(centre.y() - radius) + static_cast<float>(camera.cy);
+  const float v1 = fy * high(centre.y() + radius) + static_cast<float>(camera.cy);
+  if (u1 < 0.0F || v1 < 0.0F || u0 > static_cast<float>(frame.width - 1) ||
+      v0 > static_cast<float>(frame.height - 1)) {
+    return view;
+  }
+  view.in_view = true;
+  view.cut_off = u0 < 0.0F || v0 < 0.0F || u1 > static_cast<float>(frame.width - 1) ||
+                 v1 > static_cast<float>(frame.height - 1);
+  const auto tile_of = [](float pixel, int tiles) {
+    return std::clamp(static_cast<int>(pixel + 0.5F) / FrameSurface::kTile, 0, tiles - 1);
+  };
+  for (int y = tile_of(std::max(v0, 0.0F), frame.tiles_y); y <= tile_of(v1, frame.tiles_y); ++y) {
+    for (int x = tile_of(std::max(u0, 0.0F), frame.tiles_x); x <= tile_of(u1, frame.tiles_x); ++x) {
+      const DepthTile& tile = frame.tiles[static_cast<std::size_t>(y * frame.tiles_x + x)];
+      view.depth.nearest = std::min(view.depth.nearest, tile.nearest);
+      view.depth.farthest = std::max(view.depth.farthest, tile.farthest);
+      view.depth.least_free = std::min(view.depth.least_free, tile.least_free);
+      view.depth.most_free = std::max(view.depth.most_free, tile.most_free);
+    }
+  }
+  return view;
+}
+
+}  // namespace
+
+std::vector<SeenBlock> seen_blocks(const BlockMap& map, const FrameSurface& frame,
+                                   const CameraModel& camera, const Pose& T_base_camera,
+                                   const FusionParameters& parameters) {
+  const Pose T_camera_base = T_base_camera.inverse();
+  const Eigen::Matrix3f R = T_camera_base.rotation_matrix().cast<float>();
+  const Eigen::Vector3f t = T_camera_base.translation().cast<float>();
+  const auto voxel = static_cast<float>(parameters.voxel_size);
+  const auto look = [&](const BlockPlace& place, int side_voxels) {
+    // Voxels stand on the grid's points: the last one is side - 1 from the first.
+    const float half = 0.5F * voxel * static_cast<float>(side_voxels - 1);
+    const Eigen::Vector3f low(static_cast<float>(place.x), static_cast<float>(place.y),
+                              static_cast<float>(place.z));
+    const Eigen::Vector3f centre_base =
+        low * (voxel * static_cast<float>(side_voxels)) + Eigen::Vector3f::Constant(half);
+    const Eigen::Vector3f centre = R * centre_base + t;
+    const float radius = half * 1.7321F;
+    return std::pair(look_at(frame, camera, centre, radius), std::pair(centre.z(), radius));
+  };
+  std::vector<SeenBlock> seen;
+  const auto classify = [&](const SphereView& view, float z, float radius, SeenBlock& block) {
+    if (!view.in_view) return false;
+    const bool any_depth = view.depth.farthest > 0.0F;
+    block.band_nearest =
+        any_depth ? view.depth.nearest - truncation_at(parameters, view.depth.nearest) : 1e9F;
+    block.band_farthest =
+        any_depth ? view.depth.farthest + truncation_at(parameters, view.depth.farthest) : -1e9F;
+    block.free_farthest = view.depth.most_free;
+    block.wholly_free = !view.cut_off && z + radius < view.depth.least_free;
+    const bool meets_band = z + radius >= block.band_nearest && z - radius <= block.band_farthest;
+    return meets_band || z - radius < block.free_farthest;
+  };
+  for (const BlockMap::Region& region : map.regions()) {
+    SeenBlock whole;
+    const auto [region_view, region_range] = look(region.place, kBlockSide * BlockMap::kRegionSide);
+    if (!classify(region_view, region_range.first, region_range.second, whole)) continue;
+    for (const std::uint32_t number : region.blocks) {
+      SeenBlock block;
+      block.number = number;
+      const auto [view, range] = look(map.place(number), kBlockSide);
+      if (classify(view, range.first, range.second, block)) seen.push_back(block);
+    }
+  }
+  return seen;
+}
+
+}  // namespace pcavr

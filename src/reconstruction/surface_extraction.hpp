@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pcavr/core/parallel.hpp"
+#include "pcavr/geometry/mesh.hpp"
+#include "reconstruction/block_map.hpp"
+
+namespace pcavr {
+
+struct ExtractionParameters {
+  double voxel_size = 0.0;      ///< [m]
+  double smallest_weight = 1.0;  ///< [frames]
+  int frames_to_clear = 3;
+};
+
+/// Marching cubes over all cubes whose eight corners are known. Vertices and triangles come in the
+/// order of the blocks, whatever the number of threads.
+[[nodiscard]] TriangleMesh extract_surface(const BlockMap& map,
+                                           const ExtractionParameters& parameters,
+                                           Parallelism parallelism);
+
+}  // namespace pcavr
