@@ -6,18 +6,13 @@
 
 #include "pcavr/core/output.hpp"
 
+#include "recording/image_lists.hpp"
 #include "recording/manifest_parser.hpp"
-#include "recording/pairing.hpp"
 #include "recording/time_series.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
-
-bool is_file(const fs::path& path) {
-  std::error_code code;
-  return fs::is_regular_file(path, code);
-}
 
 /// A file of the recording through its parser; an empty content where there is no such file.
 /// Adds the rows left out to `recording`.
@@ -35,51 +30,6 @@ Expected<Content> read_if_there(Recording& recording, const char* name, bool ski
   return std::move(series->content);
 }
 
-/// The images of one list, each of which is there.
-Expected<std::vector<ListedImage>> read_image_list(Recording& recording, const char* name,
-                                                   bool skip_bad) {
-  Expected<std::vector<ListedImage>> listed =
-      read_if_there(recording, name, skip_bad, parse_image_list);
-  if (!listed) return listed;
-  std::vector<ListedImage> present;
-  for (ListedImage& image : *listed) {
-    if (is_file(recording.folder / image.path)) {
-      present.push_back(std::move(image));
-    } else if (skip_bad) {
-      ++recording.skipped_rows;
-    } else {
-      return Error{.message = "the image " + image.path.string() + " is missing",
-                   .file = (recording.folder / name).string(),
-                   .line = image.line,
-                   .mend = "add the file, or take the line out"};
-    }
-  }
-  return present;
-}
-
-std::vector<Stamp> stamps_of(const std::vector<ListedImage>& images) {
-  std::vector<Stamp> stamps;
-  stamps.reserve(images.size());
-  for (const ListedImage& image : images) stamps.push_back(image.stamp);
-  return stamps;
-}
-
-void pair_images(const std::vector<ListedImage>& color, const std::vector<ListedImage>& depth,
-                 Duration largest_gap, Recording& recording) {
-  for (const auto& [c, d] : pair_by_time(stamps_of(color), stamps_of(depth), largest_gap)) {
-    recording.frames.push_back({color[c].stamp, color[c].path, depth[d].stamp, depth[d].path});
-  }
-  recording.unpaired_color = color.size() - recording.frames.size();
-  recording.unpaired_depth = depth.size() - recording.frames.size();
-}
-
-Error no_frames(const Recording& recording, std::size_t color, std::size_t depth) {
-  return {.message = "holds no frames: of " + std::to_string(color) + " colour and " +
-                     std::to_string(depth) + " depth images none belong together",
-          .file = recording.folder.string(),
-          .mend = "rgb.txt and depth.txt must name images whose times are 20 ms apart or less"};
-}
-
 Expected<void> read_frames(Recording& recording, const ReadOptions& options) {
   std::error_code code;
   const bool has_color = fs::exists(recording.folder / "rgb.txt", code);
@@ -95,12 +45,12 @@ Expected<void> read_frames(Recording& recording, const ReadOptions& options) {
                  .file = (recording.folder / "recording.yaml").string(),
                  .mend = "add the camera with its intrinsics and depth_scale"};
   }
-  const auto color = read_image_list(recording, "rgb.txt", options.skip_bad);
-  if (!color) return color.error();
-  const auto depth = read_image_list(recording, "depth.txt", options.skip_bad);
-  if (!depth) return depth.error();
-  pair_images(*color, *depth, options.largest_pair_gap, recording);
-  if (recording.frames.empty()) return no_frames(recording, color->size(), depth->size());
+  Expected<PairedImages> images = read_image_lists(recording.folder, options);
+  if (!images) return images.error();
+  recording.frames = std::move(images->frames);
+  recording.unpaired_color = images->unpaired_color;
+  recording.unpaired_depth = images->unpaired_depth;
+  recording.skipped_rows += images->skipped_rows;
   return {};
 }
 

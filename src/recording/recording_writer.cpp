@@ -35,6 +35,17 @@ Expected<void> create_parent(const fs::path& file) {
                .mend = "choose a folder that you may write to"};
 }
 
+/// Adds a line to a list, and gives the path in it.
+std::string list(Stamp stamp, const std::string& folder, const std::string& extension,
+                 std::optional<Stamp>& last, std::string& text) {
+  PCAVR_REQUIRE(!last || *last < stamp);
+  last = stamp;
+  const std::string time = format_file_stamp(stamp);
+  std::string path = folder + time + extension;
+  text += time + ' ' + path + '\n';
+  return path;
+}
+
 }  // namespace
 
 struct RecordingWriter::State {
@@ -51,28 +62,6 @@ struct RecordingWriter::State {
     if (Expected<void> made = create_parent(file); !made) return made;
     return write_file(file, content);
   }
-
-  [[nodiscard]] Expected<void> copy(const fs::path& source, const fs::path& relative) const {
-    const Expected<std::string> content = read_file(source);
-    if (!content) return content.error();
-    return write(relative, *content);
-  }
-
-  /// Notes the images in the lists; gives their paths.
-  std::pair<fs::path, fs::path> list(Stamp color_stamp, const std::string& color_extension,
-                                     Stamp depth_stamp) {
-    PCAVR_REQUIRE(!last_color || *last_color < color_stamp);
-    PCAVR_REQUIRE(!last_depth || *last_depth < depth_stamp);
-    last_color = color_stamp;
-    last_depth = depth_stamp;
-    const std::string color_time = format_file_stamp(color_stamp);
-    const std::string depth_time = format_file_stamp(depth_stamp);
-    const std::string color_path = "rgb/" + color_time + color_extension;
-    const std::string depth_path = "depth/" + depth_time + ".png";
-    color_list += color_time + ' ' + color_path + '\n';
-    depth_list += depth_time + ' ' + depth_path + '\n';
-    return {color_path, depth_path};
-  }
 };
 
 RecordingWriter::RecordingWriter(fs::path folder, const Manifest& manifest)
@@ -84,24 +73,34 @@ RecordingWriter::RecordingWriter(fs::path folder, const Manifest& manifest)
 RecordingWriter::~RecordingWriter() = default;
 RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;
 
+Expected<void> RecordingWriter::add_encoded_frame(Stamp color_stamp, const EncodedImage& color,
+                                                  Stamp depth_stamp, const EncodedImage& depth) {
+  PCAVR_REQUIRE(state_->manifest.camera.has_value());
+  const std::string color_path =
+      list(color_stamp, "rgb/", color.extension, state_->last_color, state_->color_list);
+  const std::string depth_path =
+      list(depth_stamp, "depth/", depth.extension, state_->last_depth, state_->depth_list);
+  if (Expected<void> written = state_->write(color_path, color.bytes); !written) return written;
+  return state_->write(depth_path, depth.bytes);
+}
+
 Expected<void> RecordingWriter::add_frame(Stamp color_stamp, const ColorImage& color,
                                           Stamp depth_stamp, const DepthImage& depth) {
-  PCAVR_REQUIRE(state_->manifest.camera.has_value());
-  const Expected<std::string> jpeg = encode_color(color);
+  Expected<std::string> jpeg = encode_color(color);
   if (!jpeg) return jpeg.error();
-  const std::string png = encode_depth(to_units(depth, state_->manifest.depth_scale));
-  const auto [color_path, depth_path] = state_->list(color_stamp, ".jpg", depth_stamp);
-  if (Expected<void> written = state_->write(color_path, *jpeg); !written) return written;
-  return state_->write(depth_path, png);
+  const RawDepthImage units = to_units(depth, state_->manifest.depth_scale);
+  return add_encoded_frame(color_stamp, {*std::move(jpeg), ".jpg"}, depth_stamp,
+                           {encode_depth(units), ".png"});
 }
 
 Expected<void> RecordingWriter::add_frame_files(Stamp color_stamp, const fs::path& color_file,
                                                 Stamp depth_stamp, const fs::path& depth_file) {
-  PCAVR_REQUIRE(state_->manifest.camera.has_value());
-  const auto [color_path, depth_path] =
-      state_->list(color_stamp, color_file.extension().string(), depth_stamp);
-  if (Expected<void> copied = state_->copy(color_file, color_path); !copied) return copied;
-  return state_->copy(depth_file, depth_path);
+  Expected<std::string> color = read_file(color_file);
+  if (!color) return color.error();
+  Expected<std::string> depth = read_file(depth_file);
+  if (!depth) return depth.error();
+  return add_encoded_frame(color_stamp, {*std::move(color), color_file.extension().string()},
+                           depth_stamp, {*std::move(depth), depth_file.extension().string()});
 }
 
 Expected<void> RecordingWriter::write_groundtruth(const Trajectory& T_base_camera) {

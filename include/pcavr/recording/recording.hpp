@@ -43,14 +43,14 @@ struct JointSample {
 struct Recording {
   std::filesystem::path folder;
   Manifest manifest;
-  std::vector<FrameFiles> frames;      ///< paired by time, ascending
-  std::size_t unpaired_color = 0;      ///< colour images with no depth image near enough in time
+  std::vector<FrameFiles> frames;  ///< paired by time, ascending
+  std::size_t unpaired_color = 0;  ///< colour images with no depth image near enough in time
   std::size_t unpaired_depth = 0;
-  Trajectory groundtruth;              ///< T_base_camera; empty where the file is absent
-  Trajectory tool;                     ///< T_base_tool
+  Trajectory groundtruth;  ///< T_base_camera; empty where the file is absent
+  Trajectory tool;         ///< T_base_tool
   std::vector<WrenchSample> wrench;
   std::vector<JointSample> joints;
-  std::size_t skipped_rows = 0;        ///< left out by ReadOptions::skip_bad
+  std::size_t skipped_rows = 0;  ///< left out by ReadOptions::skip_bad
 };
 
 struct ReadOptions {

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/geometry/image.hpp"
@@ -12,8 +14,16 @@
 
 namespace pcavr {
 
+/// The bytes of an image file, and its extension with the dot.
+struct EncodedImage {
+  std::string bytes;
+  std::string extension;
+};
+
 /// Writes a recording into a folder that exists (an OutputFolder's, so that it appears whole).
-/// Call add_frame in ascending order of stamps, then finish() once. Not thread-safe.
+/// Add frames in ascending order of stamps, which is otherwise a ContractError, then finish() once.
+/// Every file is written whole or not at all; a disk that is full or may not be written to is an
+/// Error. What is written here, read_recording reads back. Not thread-safe.
 class RecordingWriter {
  public:
   RecordingWriter(std::filesystem::path folder, const Manifest& manifest);
@@ -24,6 +34,9 @@ class RecordingWriter {
   /// of quality 95.
   [[nodiscard]] Expected<void> add_frame(Stamp color_stamp, const ColorImage& color,
                                          Stamp depth_stamp, const DepthImage& depth);
+  /// Images as they are.
+  [[nodiscard]] Expected<void> add_encoded_frame(Stamp color_stamp, const EncodedImage& color,
+                                                 Stamp depth_stamp, const EncodedImage& depth);
   /// Copies image files as they are, keeping their extension.
   [[nodiscard]] Expected<void> add_frame_files(Stamp color_stamp,
                                                const std::filesystem::path& color_file,

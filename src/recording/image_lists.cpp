@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "recording/image_lists.hpp"
+
+#include <utility>
+
+#include "pcavr/core/output.hpp"
+
+#include "recording/pairing.hpp"
+#include "recording/time_series.hpp"
+
+namespace pcavr {
+namespace fs = std::filesystem;
+namespace {
+
+using Images = std::vector<ListedImage>;
+
+/// The images of one list, each of which is there.
+Expected<Series<Images>> read_list(const fs::path& folder, const char* name, bool skip_bad) {
+  const fs::path file = folder / name;
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  Expected<Series<Images>> listed = parse_image_list({file.string(), *text, skip_bad});
+  if (!listed) return listed;
+  Series<Images> present{.content = {}, .skipped = listed->skipped};
+  for (ListedImage& image : listed->content) {
+    std::error_code code;
+    if (fs::is_regular_file(folder / image.path, code)) {
+      present.content.push_back(std::move(image));
+    } else if (skip_bad) {
+      ++present.skipped;
+    } else {
+      return Error{.message = "the image " + image.path.string() + " is missing",
+                   .file = file.string(),
+                   .line = image.line,
+                   .mend = "add the file, or take the line out"};
+    }
+  }
+  return present;
+}
+
+std::vector<Stamp> stamps_of(const Images& images) {
+  std::vector<Stamp> stamps;
+  stamps.reserve(images.size());
+  for (const ListedImage& image : images) stamps.push_back(image.stamp);
+  return stamps;
+}
+
+PairedImages paired(const Series<Images>& color, const Series<Images>& depth,
+                    Duration largest_gap) {
+  PairedImages images;
+  const std::vector<Stamp> color_stamps = stamps_of(color.content);
+  const std::vector<Stamp> depth_stamps = stamps_of(depth.content);
+  for (const auto& [c, d] : pair_by_time(color_stamps, depth_stamps, largest_gap)) {
+    images.frames.push_back(
+        {color_stamps[c], color.content[c].path, depth_stamps[d], depth.content[d].path});
+  }
+  images.unpaired_color = color_stamps.size() - images.frames.size();
+  images.unpaired_depth = depth_stamps.size() - images.frames.size();
+  images.skipped_rows = color.skipped + depth.skipped;
+  return images;
+}
+
+}  // namespace
+
+Expected<PairedImages> read_image_lists(const fs::path& folder, const ReadOptions& options) {
+  const Expected<Series<Images>> color = read_list(folder, "rgb.txt", options.skip_bad);
+  if (!color) return color.error();
+  const Expected<Series<Images>> depth = read_list(folder, "depth.txt", options.skip_bad);
+  if (!depth) return depth.error();
+  PairedImages images = paired(*color, *depth, options.largest_pair_gap);
+  if (!images.frames.empty()) return images;
+  const double gap = to_seconds(options.largest_pair_gap) * 1000.0;
+  return Error{.message = "holds no frames: of " + std::to_string(images.unpaired_color) +
+                          " colour and " + std::to_string(images.unpaired_depth) +
+                          " depth images none belong together",
+               .file = folder.string(),
+               .mend = "rgb.txt and depth.txt must name images at most " +
+                       std::to_string(static_cast<int>(gap)) + " ms apart"};
+}
+
+}  // namespace pcavr

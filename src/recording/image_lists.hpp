@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/recording/recording.hpp"
+
+namespace pcavr {
+
+/// What `rgb.txt` and `depth.txt` hold together.
+struct PairedImages {
+  std::vector<FrameFiles> frames;  ///< at least one
+  std::size_t unpaired_color = 0;
+  std::size_t unpaired_depth = 0;
+  std::size_t skipped_rows = 0;
+};
+
+/// Reads both lists of `folder`, checks that the images are there, and pairs them by time.
+[[nodiscard]] Expected<PairedImages> read_image_lists(const std::filesystem::path& folder,
+                                                      const ReadOptions& options);
+
+}  // namespace pcavr
