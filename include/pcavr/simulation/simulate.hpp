@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -17,16 +18,19 @@ namespace pcavr {
 /// A made-up recording: a table with clutter, tags and boxes before a wall.
 struct SimulationCase {
   std::string name;
-  std::string description;    ///< a line for --help
+  std::string description;  ///< a line for --help
   bool is_camera_fixed = false;
-  double duration = 4.0;      ///< [s]
-  double frame_rate = 20.0;   ///< [Hz]
-  int movable_boxes = 1;
-  int clutter = 8;            ///< cylinders, spheres, boxes, prisms, cups
+  double duration = 4.0;          ///< [s]
+  double frame_rate = 20.0;       ///< [Hz]
+  int movable_boxes = 1;          ///< with a tool: 1 or 2
+  int base_tags = 1;              ///< 0 to 2: on the table, and on the wall
+  int clutter = 8;                ///< cylinders, spheres, boxes, prisms, cups
   bool with_moving_tool = false;  ///< a tool travels through the scene and pushes the boxes
-  int width = 640;            ///< [px]
+  int width = 640;                ///< [px]
   int height = 480;
-  DepthNoise depth_noise = {};
+  std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3 of the lens
+  /// First Kinect; it measures nothing nearer than 0.4 m or farther than 4 m.
+  DepthNoise depth_noise = {.nearest = 0.4, .farthest = 4.0};
   double corner_blur = 0.55;  ///< of the colour image [px]
 };
 

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/camera_path.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "pcavr/core/random.hpp"
+
+namespace pcavr::simulation {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// A camera at `p_base` that looks at `target` with its rows level.
+Pose looking_at(const Eigen::Vector3d& p_base, const Eigen::Vector3d& target) {
+  const Eigen::Vector3d forward = (target - p_base).normalized();
+  const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+  Eigen::Matrix3d R_base_camera;
+  R_base_camera << right, forward.cross(right), forward;
+  return {Eigen::Quaterniond(R_base_camera), p_base};
+}
+
+}  // namespace
+
+double CameraPath::Wave::at(double t) const {
+  return mean + amplitude * std::sin(2.0 * std::numbers::pi * t / period + phase);
+}
+
+CameraPath::CameraPath(const SimulationCase& simulation, std::uint64_t seed)
+    : is_fixed_(simulation.is_camera_fixed) {
+  Random random = Random(seed).fork(4);
+  const auto wave = [&](double mean, double amplitude, double shortest, double longest) {
+    return Wave{.mean = mean,
+                .amplitude = amplitude,
+                .period = random.uniform(shortest, longest),
+                .phase = random.uniform(0.0, 2.0 * std::numbers::pi)};
+  };
+  if (is_fixed_) {
+    azimuth_.mean = random.uniform(-6.0, 6.0) * kDegree;
+    elevation_.mean = random.uniform(34.0, 38.0) * kDegree;
+    distance_.mean = random.uniform(1.02, 1.08);
+    target_[0].mean = 0.68;
+    target_[2].mean = 0.03;
+    return;
+  }
+  // A hand sweeps at some 0.3 m/s and 20 degrees/s at most: periods of several seconds.
+  azimuth_ = wave(0.0, 26.0 * kDegree, 6.5, 8.0);
+  elevation_ = wave(36.0 * kDegree, 5.0 * kDegree, 4.0, 6.0);
+  distance_ = wave(0.92, 0.10, 5.0, 7.0);
+  target_ = {wave(0.66, 0.06, 4.5, 6.5), wave(0.02, 0.10, 4.0, 6.0), wave(0.03, 0.02, 3.0, 5.0)};
+  for (std::size_t i = 0; i < 6; ++i) {
+    tremor_[i] = i < 3 ? wave(0.0, 0.0015, 0.25, 0.6) : wave(0.0, 0.15 * kDegree, 0.25, 0.6);
+  }
+}
+
+Pose CameraPath::T_base_camera(double t) const {
+  const Eigen::Vector3d target(target_[0].at(t), target_[1].at(t), target_[2].at(t));
+  const double azimuth = azimuth_.at(t);
+  const double elevation = elevation_.at(t);
+  const Eigen::Vector3d direction(std::cos(elevation) * std::cos(azimuth),
+                                  std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+  const Pose steady = looking_at(target + distance_.at(t) * direction, target);
+  if (is_fixed_) return steady;
+  Vector6d twist;
+  for (Eigen::Index i = 0; i < 6; ++i) twist[i] = tremor_[static_cast<std::size_t>(i)].at(t);
+  return steady * Pose::exp(twist);
+}
+
+}  // namespace pcavr::simulation

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "pcavr/geometry/pose.hpp"
+#include "pcavr/simulation/simulate.hpp"
+
+namespace pcavr::simulation {
+
+/// Where the camera is. A camera on a stand keeps still; one in a hand goes to and fro around the
+/// table, looks at places on it, and trembles [sums of sines with phases by seed].
+class CameraPath {
+ public:
+  CameraPath(const SimulationCase& simulation, std::uint64_t seed);
+
+  /// `t` [s] from the recording's start.
+  [[nodiscard]] Pose T_base_camera(double t) const;
+
+ private:
+  struct Wave {
+    double mean = 0.0;
+    double amplitude = 0.0;
+    double period = 1.0;  ///< [s]
+    double phase = 0.0;   ///< [rad]
+    [[nodiscard]] double at(double t) const;
+  };
+
+  bool is_fixed_ = false;
+  Wave azimuth_;                ///< of the camera, seen from the table, from base x towards y [rad]
+  Wave elevation_;              ///< [rad]
+  Wave distance_;               ///< [m]
+  std::array<Wave, 3> target_;  ///< what it looks at, in base [m]
+  std::array<Wave, 6> tremor_;  ///< twist in camera axes [m, rad]
+};
+
+}  // namespace pcavr::simulation

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/clutter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "simulation/layout.hpp"
+
+namespace pcavr::simulation {
+namespace {
+
+constexpr double kClearance = 0.02;  ///< between neighbours [m]: a cloud can tell them apart
+constexpr int kTries = 300;          ///< more hardly ever finds room that these did not
+constexpr int kSegments = 48;        ///< of round bodies: their facets are under 0.1 mm off
+
+Pose upright(const Eigen::Vector2d& place, double yaw) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
+          {place.x(), place.y(), 0.0}};
+}
+
+Material random_material(Random& random) {
+  constexpr Texture kTextures[] = {Texture::plaster, Texture::fabric, Texture::patches,
+                                   Texture::terrazzo};
+  const Eigen::Vector3f base = vivid_color(random, random.uniform(0.15, 0.6));
+  const float darker = static_cast<float>(random.uniform(0.35, 0.6));
+  return {.texture = kTextures[random.below(4)],
+          .base = base,
+          .accent = darker * base,
+          .scale = static_cast<float>(random.uniform(0.015, 0.035)),
+          .gloss = static_cast<float>(random.uniform(0.0, 0.25)),
+          .seed = static_cast<std::uint32_t>(random.bits())};
+}
+
+/// What stands on one free place: its footprint's radius is drawn first, then the rest.
+void add_piece(Surface& surface, double radius, const Eigen::Vector2d& place, Random& random,
+               std::uint16_t material) {
+  const Pose T_base_shape = upright(place, random.uniform(0.0, 2.0 * std::numbers::pi));
+  const double tall = random.uniform(0.06, 0.20);
+  switch (random.below(5)) {
+    case 0:
+      return add_revolution(surface, cylinder_profile(radius, tall), kSegments, T_base_shape,
+                            material);
+    case 1:
+      return add_revolution(surface, sphere_profile(radius), kSegments, T_base_shape, material);
+    case 2:
+      return add_revolution(surface, cup_profile(radius, 1.2 * radius + 0.4 * tall, 0.005),
+                            kSegments, T_base_shape, material);
+    case 3: {
+      const double angle = random.uniform(0.5, 1.0);
+      const Eigen::Vector2d half = radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+      return add_prism(surface,
+                       {{-half.x(), -half.y()},
+                        {half.x(), -half.y()},
+                        {half.x(), half.y()},
+                        {-half.x(), half.y()}},
+                       0.0, 0.7 * tall, T_base_shape, material);
+    }
+    default: {
+      // A wedge: a prism on a triangle, laid on its side.
+      const double half = 0.7 * radius;
+      const Pose T_shape_wedge(
+          Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitX())),
+          Eigen::Vector3d::Zero());
+      return add_prism(surface, {{-half, 0.0}, {half, 0.0}, {0.3 * half, 1.3 * half}}, -half, half,
+                       T_base_shape * T_shape_wedge, material);
+    }
+  }
+}
+
+}  // namespace
+
+void Occupancy::take(const Eigen::Vector2d& centre, double radius) {
+  discs_.push_back({centre, radius});
+}
+
+void Occupancy::keep_out(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
+  rectangles_.emplace_back(low, high);
+}
+
+bool Occupancy::is_free(const Eigen::Vector2d& centre, double radius) const {
+  const double reach = radius + kClearance;
+  return std::all_of(discs_.begin(), discs_.end(),
+                     [&](const Disc& disc) {
+                       return (disc.centre - centre).norm() >= disc.radius + reach;
+                     }) &&
+         std::all_of(rectangles_.begin(), rectangles_.end(), [&](const Eigen::AlignedBox2d& box) {
+           return box.exteriorDistance(centre) >= reach;
+         });
+}
+
+std::optional<Eigen::Vector2d> Occupancy::find_room(double radius, const Eigen::Vector2d& low,
+                                                    const Eigen::Vector2d& high, Random& random) {
+  for (int i = 0; i < kTries; ++i) {
+    const double x = random.uniform(low.x(), high.x());
+    const Eigen::Vector2d centre(x, random.uniform(low.y(), high.y()));
+    if (!is_free(centre, radius)) continue;
+    take(centre, radius);
+    return centre;
+  }
+  return std::nullopt;
+}
+
+int add_clutter(Body& room, int count, Random& random, Occupancy& occupancy) {
+  int placed = 0;
+  for (int i = 0; i < count; ++i) {
+    const double radius = random.uniform(0.025, 0.055);
+    const double edge = radius + kClearance;
+    const auto place = occupancy.find_room(radius, {kTableNear + edge, -kTableSide + edge},
+                                           {kTableFar - 0.1 - edge, kTableSide - edge}, random);
+    if (!place) continue;
+    const auto material = static_cast<std::uint16_t>(room.materials.size());
+    room.materials.push_back(random_material(random));
+    add_piece(room.surface, radius, *place, random, material);
+    ++placed;
+  }
+  return placed;
+}
+
+Eigen::Vector3f vivid_color(Random& random, double least) {
+  // Around the hue circle: one channel full, one at the least, one between.
+  const double between = random.uniform(least, 1.0);
+  Eigen::Vector3f color(0.0F, 0.0F, 0.0F);
+  const auto first = static_cast<int>(random.below(3));
+  const int step = 1 + static_cast<int>(random.below(2));
+  color[first] = 1.0F;
+  color[(first + step) % 3] = static_cast<float>(between);
+  color[(first + 2 * step) % 3] = static_cast<float>(least);
+  return static_cast<float>(random.uniform(0.5, 0.85)) * color;
+}
+
+}  // namespace pcavr::simulation

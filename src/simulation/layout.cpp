@@ -1,0 +1,217 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/layout.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pcavr/core/random.hpp"
+
+#include "simulation/clutter.hpp"
+
+namespace pcavr::simulation {
+namespace {
+
+constexpr const char* kFamily = "tag36h11";
+constexpr int kFirstObjectTag = 5;
+
+Material material_of(Texture texture, const Eigen::Vector3f& base, const Eigen::Vector3f& accent,
+                     float scale, Random& random) {
+  return {.texture = texture,
+          .base = base,
+          .accent = accent,
+          .scale = scale,
+          .seed = static_cast<std::uint32_t>(random.bits())};
+}
+
+void add_furniture(Body& room, bool has_side_wall, Random& random) {
+  room.materials.push_back(
+      material_of(Texture::wood, {0.80F, 0.57F, 0.36F}, {0.36F, 0.21F, 0.11F}, 0.15F, random));
+  room.materials.push_back(
+      material_of(Texture::plaster, {0.62F, 0.65F, 0.64F}, {0.30F, 0.33F, 0.34F}, 0.40F, random));
+  room.materials.push_back(
+      material_of(Texture::tiles, {0.50F, 0.44F, 0.38F}, {0.16F, 0.15F, 0.15F}, 0.30F, random));
+  const auto block = [&](const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                         std::uint16_t material) {
+    add_box(room.surface, 0.5 * (high - low), Pose::from_translation(0.5 * (low + high)), material);
+  };
+  constexpr double kThickness = 0.03;
+  constexpr double kLeg = 0.06;
+  block({kTableNear, -kTableSide, -kThickness}, {kTableFar, kTableSide, 0.0}, 0);
+  for (const double x : {kTableNear, kTableFar - kLeg}) {
+    for (const double y : {-kTableSide, kTableSide - kLeg}) {
+      block({x, y, kFloor}, {x + kLeg, y + kLeg, -kThickness}, 0);
+    }
+  }
+  block({kWall - 0.1, -2.8, kFloor}, {kWall, 2.8, 2.2}, 1);
+  block({kWall - 0.1, -2.8, kFloor - 0.1}, {3.5, 2.8, kFloor}, 2);
+  if (has_side_wall) block({kWall, -1.35, kFloor}, {3.5, -1.25, 2.2}, 1);
+}
+
+Expected<void> add_decal(Body& body, int id, double size, const Pose& T_body_marker) {
+  auto picture = tag_picture(kFamily, id);
+  if (!picture) return picture.error();
+  body.decals.push_back({.id = {kFamily, id},
+                         .size = size,
+                         .T_body_marker = T_body_marker,
+                         .picture = std::move(picture).value()});
+  return {};
+}
+
+/// Half the diagonal of the paper that a tag is printed on [m].
+double paper_radius(const Decal& decal) {
+  const double cell = decal.size / (decal.picture.cells - 2 * decal.picture.border);
+  return std::numbers::sqrt2 * 0.5 * cell * (decal.picture.cells + 2);
+}
+
+Pose turned(const Eigen::Vector3d& p, double yaw) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), p};
+}
+
+/// A marker on a face that looks along the body's +x, upright.
+Pose facing_x(const Eigen::Vector3d& p) { return {Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5), p}; }
+
+Expected<void> add_base_tags(World& world, const SimulationCase& simulation, Random& random,
+                             Occupancy& occupancy) {
+  Body& room = world.bodies.front();
+  if (simulation.base_tags >= 1) {
+    // Before the boxes for a fixed camera; beside them for one that moves.
+    const Eigen::Vector3d place =
+        simulation.with_moving_tool
+            ? Eigen::Vector3d(random.uniform(0.93, 0.97), random.uniform(-0.05, 0.05), 0.0)
+            : Eigen::Vector3d(random.uniform(0.70, 0.85), random.uniform(0.18, 0.32), 0.0);
+    const double yaw = simulation.with_moving_tool ? 0.5 * std::numbers::pi
+                                                   : random.uniform(0.0, 2.0 * std::numbers::pi);
+    const auto added = add_decal(room, 0, 0.12, turned(place, yaw));
+    if (!added) return added;
+    occupancy.take(place.head<2>(), paper_radius(room.decals.back()));
+  }
+  if (simulation.base_tags >= 2) {
+    const Eigen::Vector3d place(kWall, random.uniform(-0.35, -0.20), random.uniform(0.15, 0.25));
+    return add_decal(room, 1, 0.24, facing_x(place));
+  }
+  return {};
+}
+
+/// A cuboid with one tag on its top and one on its +x side.
+Expected<Body> make_box(const std::string& name, const Eigen::Vector3d& half, int number,
+                        bool is_turned, Random& random) {
+  Body body{.name = name, .surface = {}, .materials = {}, .decals = {}};
+  constexpr Texture kTextures[] = {Texture::plaster, Texture::terrazzo, Texture::fabric};
+  const Eigen::Vector3f tone = vivid_color(random, 0.45);
+  body.materials.push_back(material_of(kTextures[random.below(3)], tone, 0.55F * tone,
+                                       static_cast<float>(random.uniform(0.02, 0.05)), random));
+  add_box(body.surface, half, Pose(), 0);
+  // The paper, 10 of the tag's 8 cells wide, has to fit the face.
+  const double top = std::min(0.08, 0.72 * 2.0 * std::min(half.x(), half.y()));
+  const double side = std::min(0.06, 0.72 * 2.0 * std::min(half.y(), half.z()));
+  const double yaw = is_turned ? random.uniform(0.0, 2.0 * std::numbers::pi) : 0.0;
+  const int id = kFirstObjectTag + 2 * number;
+  const double shrunk = top / (std::abs(std::sin(2.0 * yaw)) * 0.42 + 1.0);
+  auto added = add_decal(body, id, shrunk, turned({0.0, 0.0, half.z()}, yaw));
+  if (added) added = add_decal(body, id + 1, side, facing_x({half.x(), 0.0, 0.0}));
+  if (!added) return added.error();
+  return body;
+}
+
+Expected<void> add_movable_box(World& world, const SimulationCase& simulation, int number,
+                               Random& random, Occupancy& occupancy) {
+  Box box;
+  const bool is_pushed = simulation.with_moving_tool;
+  box.half_extents = {random.uniform(0.065, 0.085), random.uniform(0.065, 0.085),
+                      random.uniform(0.045, 0.065)};
+  box.mass = random.uniform(1.5, 3.5);
+  const double radius = box.half_extents.head<2>().norm();
+  if (is_pushed) {
+    // One behind the other along y, with room for the tool before and the slide behind each.
+    const double y = simulation.movable_boxes == 1 ? -0.1 : -0.24 + 0.44 * number;
+    box.T_base_object = Pose::from_translation({0.62, y, box.half_extents.z()});
+    for (double along = -0.12; along <= kSlideDistance + 0.03; along += 0.02) {
+      occupancy.take({0.62, y + along}, radius);
+    }
+  } else {
+    const auto place = occupancy.find_room(radius, {0.50, -0.30}, {0.85, 0.12}, random);
+    if (!place) {
+      return Error{.message = "found no room on the table for box " + std::to_string(number + 1),
+                   .mend = "ask for fewer boxes, or take another seed"};
+    }
+    // Its tagged side looks towards the camera, more or less.
+    box.T_base_object =
+        turned({place->x(), place->y(), box.half_extents.z()}, random.uniform(-0.6, 0.6));
+  }
+  const std::string name =
+      simulation.movable_boxes == 1 ? "box" : "box_" + std::to_string(number + 1);
+  auto body = make_box(name, box.half_extents, number, !is_pushed, random);
+  if (!body) return body.error();
+  world.bodies.push_back(std::move(body).value());
+  world.boxes.push_back(box);
+  return {};
+}
+
+/// A ball on a thin shaft under a handle; the tool's z points down, out of the tip.
+Body make_tool(double radius, Random& random) {
+  Body tool{.name = "tool", .surface = {}, .materials = {}, .decals = {}};
+  tool.materials.push_back(
+      material_of(Texture::plaster, {0.55F, 0.57F, 0.60F}, {0.38F, 0.40F, 0.43F}, 0.05F, random));
+  tool.materials.back().gloss = 0.35F;
+  tool.materials.push_back(
+      material_of(Texture::fabric, {0.16F, 0.17F, 0.20F}, {0.30F, 0.31F, 0.34F}, 0.03F, random));
+  const auto at = [](double z) {
+    // Shapes stand upright, so they are turned over: their z is the tool's -z.
+    return Pose(Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {0.0, 0.0, -z});
+  };
+  constexpr int kSegments = 40;
+  add_revolution(tool.surface, sphere_profile(radius), kSegments, at(-radius), 0);
+  add_revolution(tool.surface, cylinder_profile(0.55 * radius, 0.10), kSegments, at(0.0), 0);
+  add_revolution(tool.surface, cylinder_profile(0.014, 0.06), kSegments, at(0.10), 0);
+  add_revolution(tool.surface, cylinder_profile(0.032, 0.17), kSegments, at(0.16), 1);
+  return tool;
+}
+
+void add_lights(World& world, Random& random) {
+  const auto jitter = [&] { return static_cast<float>(random.uniform(-0.15, 0.15)); };
+  world.lights.push_back({.p_base = {1.3F + jitter(), -1.0F + jitter(), 1.7F + jitter()},
+                          .color = {0.74F, 0.70F, 0.64F},
+                          .reach = 1.9F,
+                          .casts_shadow = true});
+  world.lights.push_back({.p_base = {1.6F + jitter(), 1.5F + jitter(), 1.5F + jitter()},
+                          .color = {0.26F, 0.29F, 0.34F},
+                          .reach = 2.1F});
+  world.ambient = {0.16F, 0.165F, 0.17F};
+}
+
+}  // namespace
+
+Expected<World> make_world(const SimulationCase& simulation, std::uint64_t seed,
+                           const Observer& observer) {
+  const Random root(seed);
+  Random furniture = root.fork(1);
+  Random boxes = root.fork(2);
+  Random clutter = root.fork(3);
+  World world;
+  world.bodies.push_back({.name = "room", .surface = {}, .materials = {}, .decals = {}});
+  add_lights(world, furniture);
+  add_furniture(world.bodies.front(), simulation.base_tags >= 2, furniture);
+  Occupancy occupancy;
+  Expected<void> added = add_base_tags(world, simulation, furniture, occupancy);
+  for (int i = 0; i < simulation.movable_boxes && added; ++i) {
+    added = add_movable_box(world, simulation, i, boxes, occupancy);
+  }
+  if (!added) return added.error();
+  // A fixed camera has to see past the clutter: keep it out of the strip before the boxes.
+  if (simulation.is_camera_fixed) occupancy.keep_out({0.55, -0.45}, {kTableFar, 0.45});
+  const int placed = add_clutter(world.bodies.front(), simulation.clutter, clutter, occupancy);
+  if (placed < simulation.clutter) {
+    observer.on_warning("the table has room for " + std::to_string(placed) + " of " +
+                        std::to_string(simulation.clutter) + " pieces of clutter");
+  }
+  if (simulation.with_moving_tool) {
+    world.has_tool = true;
+    world.tool_radius = 0.010;
+    world.bodies.push_back(make_tool(world.tool_radius, furniture));
+  }
+  return world;
+}
+
+}  // namespace pcavr::simulation

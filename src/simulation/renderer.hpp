@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/geometry/camera.hpp"
+#include "pcavr/geometry/image.hpp"
+#include "pcavr/geometry/pose.hpp"
+
+#include "simulation/ray_scene.hpp"
+#include "simulation/world.hpp"
+
+namespace pcavr::simulation {
+
+/// What a perfect camera would see: no blur, no noise.
+struct IdealFrame {
+  Image<Eigen::Vector3f> radiance;       ///< linear RGB; white paper lit head-on is about 1
+  DepthImage depth;                      ///< at pixel centres [m]; 0 where no surface is
+  Image<Eigen::Vector3f> normal_camera;  ///< of the triangle seen at the centre, toward the camera
+};
+
+/// Ray-casts images of a world. Keeps references to what it is given, which must outlive it.
+/// Thread-safe.
+class Renderer {
+ public:
+  Renderer(const World& world, const RayBodies& bodies, const CameraModel& camera);
+
+  /// One sample at each pixel's centre; where neighbours differ in surface, print, colour cell or
+  /// shadow, the mean of 4x4 samples over the pixel's square.
+  [[nodiscard]] IdealFrame render(const Pose& T_base_camera,
+                                  std::span<const Pose> T_base_body) const;
+
+ private:
+  const World& world_;
+  const RayBodies& bodies_;
+  CameraModel camera_;
+  Image<Eigen::Vector3f> directions_;  ///< through pixel centres, in camera axes, z = 1
+};
+
+}  // namespace pcavr::simulation

@@ -1,0 +1,167 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/shapes.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "pcavr/core/check.hpp"
+
+namespace pcavr::simulation {
+namespace {
+
+using Index = std::uint32_t;
+
+std::uint32_t next_facet(const Surface& surface) {
+  return surface.facet.empty() ? 0U : surface.facet.back() + 1;
+}
+
+Index add_vertex(Surface& surface, const Pose& T_body_shape, const Eigen::Vector3d& p_shape) {
+  const Eigen::Vector3d p_body = T_body_shape * p_shape;
+  surface.mesh.vertices.push_back(p_body.cast<float>());
+  return static_cast<Index>(surface.mesh.vertices.size() - 1);
+}
+
+void add_triangle(Surface& surface, const std::array<Index, 3>& corners,
+                  const std::array<Eigen::Vector3f, 3>& normals, std::uint32_t facet,
+                  std::uint16_t material) {
+  surface.mesh.triangles.push_back(corners);
+  surface.corner_normals.push_back(normals);
+  surface.facet.push_back(facet);
+  surface.material.push_back(material);
+}
+
+/// A flat convex face, as a fan.
+void add_face(Surface& surface, const std::vector<Index>& loop, std::uint16_t material) {
+  const auto& vertices = surface.mesh.vertices;
+  const Eigen::Vector3f normal = (vertices[loop[1]] - vertices[loop[0]])
+                                     .cross(vertices[loop[2]] - vertices[loop[0]])
+                                     .normalized();
+  const std::uint32_t facet = next_facet(surface);
+  for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
+    add_triangle(surface, {loop[0], loop[i], loop[i + 1]}, {normal, normal, normal}, facet,
+                 material);
+  }
+}
+
+/// Outward normals (r, z) of a profile's edges at both of their ends, and the facet of each edge.
+struct ProfileShading {
+  std::vector<Eigen::Vector2d> at_start, at_end;
+  std::vector<std::uint32_t> facet;
+};
+
+ProfileShading shade_profile(const std::vector<Eigen::Vector2d>& profile, std::uint32_t facet) {
+  const std::size_t edges = profile.size() - 1;
+  ProfileShading shading;
+  for (std::size_t i = 0; i < edges; ++i) {
+    const Eigen::Vector2d along = (profile[i + 1] - profile[i]).normalized();
+    shading.at_start.emplace_back(along.y(), -along.x());
+  }
+  shading.at_end = shading.at_start;
+  shading.facet.assign(edges, facet);
+  const double smooth = std::cos(40.0 * std::numbers::pi / 180.0);
+  const std::vector<Eigen::Vector2d> flat = shading.at_start;
+  for (std::size_t i = 1; i < edges; ++i) {
+    const bool is_smooth = flat[i - 1].dot(flat[i]) > smooth;
+    shading.facet[i] = shading.facet[i - 1] + (is_smooth ? 0U : 1U);
+    if (!is_smooth) continue;
+    const Eigen::Vector2d mean = (flat[i - 1] + flat[i]).normalized();
+    shading.at_end[i - 1] = mean;
+    shading.at_start[i] = mean;
+  }
+  return shading;
+}
+
+}  // namespace
+
+void add_revolution(Surface& surface, const std::vector<Eigen::Vector2d>& profile, int segments,
+                    const Pose& T_body_shape, std::uint16_t material) {
+  PCAVR_REQUIRE(profile.size() >= 3 && segments >= 3, profile.size(), segments);
+  const ProfileShading shading = shade_profile(profile, next_facet(surface));
+  const auto count = static_cast<std::size_t>(segments);
+  const auto direction = [&](std::size_t k) {
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(k % count) / segments;
+    return Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  };
+  // A point of the profile on the axis is one vertex; elsewhere it is a ring of them.
+  std::vector<std::vector<Index>> rings;
+  for (const Eigen::Vector2d& point : profile) {
+    std::vector<Index> ring;
+    for (std::size_t k = 0; k < (point.x() > 0.0 ? count : 1); ++k) {
+      const Eigen::Vector2d d = direction(k) * point.x();
+      ring.push_back(add_vertex(surface, T_body_shape, {d.x(), d.y(), point.y()}));
+    }
+    rings.push_back(std::move(ring));
+  }
+  const auto normal = [&](const Eigen::Vector2d& rz, std::size_t k) -> Eigen::Vector3f {
+    const Eigen::Vector2d d = direction(k) * rz.x();
+    return (T_body_shape.rotation() * Eigen::Vector3d(d.x(), d.y(), rz.y())).cast<float>();
+  };
+  for (std::size_t i = 0; i + 1 < profile.size(); ++i) {
+    const auto at = [&](std::size_t ring, std::size_t k) {
+      return rings[ring][k % rings[ring].size()];
+    };
+    for (std::size_t k = 0; k < count; ++k) {
+      const Eigen::Vector2d& low = shading.at_start[i];
+      const Eigen::Vector2d& high = shading.at_end[i];
+      if (rings[i].size() > 1) {
+        add_triangle(surface, {at(i, k), at(i, k + 1), at(i + 1, k + 1)},
+                     {normal(low, k), normal(low, k + 1), normal(high, k + 1)}, shading.facet[i],
+                     material);
+      }
+      if (rings[i + 1].size() > 1) {
+        add_triangle(surface, {at(i, k), at(i + 1, k + 1), at(i + 1, k)},
+                     {normal(low, k), normal(high, k + 1), normal(high, k)}, shading.facet[i],
+                     material);
+      }
+    }
+  }
+}
+
+void add_prism(Surface& surface, const std::vector<Eigen::Vector2d>& polygon, double bottom,
+               double top, const Pose& T_body_shape, std::uint16_t material) {
+  PCAVR_REQUIRE(polygon.size() >= 3, polygon.size());
+  std::vector<Index> low;
+  std::vector<Index> high;
+  for (const Eigen::Vector2d& p : polygon) {
+    low.push_back(add_vertex(surface, T_body_shape, {p.x(), p.y(), bottom}));
+    high.push_back(add_vertex(surface, T_body_shape, {p.x(), p.y(), top}));
+  }
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const std::size_t j = (i + 1) % polygon.size();
+    add_face(surface, {low[i], low[j], high[j], high[i]}, material);
+  }
+  add_face(surface, high, material);
+  add_face(surface, {low.rbegin(), low.rend()}, material);
+}
+
+void add_box(Surface& surface, const Eigen::Vector3d& half_extents, const Pose& T_body_shape,
+             std::uint16_t material) {
+  const double x = half_extents.x();
+  const double y = half_extents.y();
+  add_prism(surface, {{-x, -y}, {x, -y}, {x, y}, {-x, y}}, -half_extents.z(), half_extents.z(),
+            T_body_shape, material);
+}
+
+std::vector<Eigen::Vector2d> cylinder_profile(double radius, double height) {
+  return {{0.0, 0.0}, {radius, 0.0}, {radius, height}, {0.0, height}};
+}
+
+std::vector<Eigen::Vector2d> sphere_profile(double radius) {
+  constexpr int kSteps = 20;
+  std::vector<Eigen::Vector2d> profile{{0.0, 0.0}};
+  for (int i = 1; i < kSteps; ++i) {
+    const double angle = std::numbers::pi * i / kSteps;
+    profile.emplace_back(radius * std::sin(angle), radius * (1.0 - std::cos(angle)));
+  }
+  profile.emplace_back(0.0, 2.0 * radius);
+  return profile;
+}
+
+std::vector<Eigen::Vector2d> cup_profile(double radius, double height, double wall) {
+  const double base = 0.82 * radius;  // a mug narrows towards its foot
+  return {{0.0, 0.0},          {base, 0.0}, {radius, height}, {radius - wall, height},
+          {base - wall, wall}, {0.0, wall}};
+}
+
+}  // namespace pcavr::simulation

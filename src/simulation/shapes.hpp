@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/geometry/mesh.hpp"
+#include "pcavr/geometry/pose.hpp"
+
+namespace pcavr::simulation {
+
+/// The surface of one body in its own frame: exact triangles, and beside each what it looks like.
+struct Surface {
+  TriangleMesh mesh;  ///< closed parts, outward winding
+  /// By triangle: unit normals at its corners, for shading. Equal to the triangle's own on flat
+  /// faces.
+  std::vector<std::array<Eigen::Vector3f, 3>> corner_normals;
+  std::vector<std::uint32_t> facet;     ///< by triangle: differs across creases, not within a face
+  std::vector<std::uint16_t> material;  ///< by triangle: index into the body's materials
+};
+
+/// Adds a surface of revolution about z, closed by a profile that runs from the axis to the axis,
+/// counter-clockwise seen with r to the right and z up. `profile` holds (r, z) [m]. Edges of the
+/// profile that bend by less than 40 degrees are shaded as round.
+void add_revolution(Surface& surface, const std::vector<Eigen::Vector2d>& profile, int segments,
+                    const Pose& T_body_shape, std::uint16_t material);
+
+/// Adds an upright prism over a convex polygon (counter-clockwise seen from above) [m].
+void add_prism(Surface& surface, const std::vector<Eigen::Vector2d>& polygon, double bottom,
+               double top, const Pose& T_body_shape, std::uint16_t material);
+
+/// Adds a cuboid centred at the shape's origin.
+void add_box(Surface& surface, const Eigen::Vector3d& half_extents, const Pose& T_body_shape,
+             std::uint16_t material);
+
+/// Profiles for add_revolution; they stand on z = 0.
+[[nodiscard]] std::vector<Eigen::Vector2d> cylinder_profile(double radius, double height);
+[[nodiscard]] std::vector<Eigen::Vector2d> sphere_profile(double radius);
+[[nodiscard]] std::vector<Eigen::Vector2d> cup_profile(double radius, double height, double wall);
+
+}  // namespace pcavr::simulation

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/geometry/pose.hpp"
+#include "pcavr/marker/tag_sheet.hpp"
+#include "pcavr/recording/manifest.hpp"
+
+#include "simulation/shapes.hpp"
+#include "simulation/texture.hpp"
+
+namespace pcavr::simulation {
+
+/// A printed tag on a flat face: the picture, and paper of one cell's width around it.
+struct Decal {
+  MarkerId id;
+  double size = 0.0;  ///< edge of the square through the detection corners [m]
+  Pose T_body_marker;
+  TagPicture picture;
+};
+
+/// A rigid body with its looks, in its own frame.
+struct Body {
+  std::string name;
+  Surface surface;
+  std::vector<Material> materials;
+  std::vector<Decal> decals;
+};
+
+struct Box {
+  Eigen::Vector3d half_extents;  ///< [m]
+  double mass = 0.0;             ///< [kg]
+  Pose T_base_object;            ///< where it starts
+};
+
+/// A point-like light with some size, which makes the edges of its shadows soft.
+struct Light {
+  Eigen::Vector3f p_base;
+  Eigen::Vector3f color;  ///< radiance of a white surface lit head-on at `reach`
+  float reach = 1.5F;     ///< [m]
+  bool casts_shadow = false;
+};
+
+/// All there is to see. bodies[0] is what never moves, in base; then the boxes; then the tool, if
+/// there is one.
+struct World {
+  std::vector<Body> bodies;
+  std::vector<Box> boxes;  ///< boxes[i] belongs to bodies[1 + i]
+  bool has_tool = false;
+  double tool_radius = 0.0;  ///< of its spherical tip [m]
+  std::vector<Light> lights;
+  Eigen::Vector3f ambient = Eigen::Vector3f::Zero();
+};
+
+/// The manifest that describes the world, without the camera.
+[[nodiscard]] Manifest manifest_of(const World& world);
+
+}  // namespace pcavr::simulation
