@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/tracking/camera_tracker.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "pcavr/core/check.hpp"
+
+#include "camera_front_end.hpp"
+#include "camera_solver.hpp"
+
+namespace pcavr {
+namespace {
+
+std::string nothing_placed(const CameraTrack& track, bool has_base_tags) {
+  if (track.frames.empty()) return "no frames";
+  const bool is_any_placed = std::any_of(
+      track.frames.begin(), track.frames.end(),
+      [](const FramePlacement& frame) { return frame.status == PlacementStatus::placed; });
+  if (is_any_placed) return {};
+  const bool is_any_tracked = std::any_of(
+      track.frames.begin(), track.frames.end(),
+      [](const FramePlacement& frame) { return frame.status == PlacementStatus::not_anchored; });
+  if (!is_any_tracked) return "no frame matches another one, and none shows a base tag";
+  return has_base_tags ? "no base tag was seen, and there is no camera pose for any frame"
+                       : "the recording names no base tags, and has no camera poses";
+}
+
+}  // namespace
+
+struct CameraTracker::State {
+  State(const Manifest& manifest, Trajectory poses, const CameraTrackerOptions& chosen)
+      : options(chosen),
+        base_tags(base_placements(manifest)),
+        groundtruth(std::move(poses)),
+        front_end(*manifest.camera, chosen.depth_noise) {}
+
+  CameraTrackerOptions options;
+  std::vector<TagPlacement> base_tags;
+  Trajectory groundtruth;
+  tracking::CameraFrontEnd front_end;
+  std::vector<FramePlacement> trusted;  ///< where poses are taken as given
+  bool is_solved = false;
+
+  void look_for_base(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
+                     tracking::FrameRecord& record) const;
+  [[nodiscard]] CameraTrack trusted_track() const;
+};
+
+void CameraTracker::State::look_for_base(const RgbdFrame& frame,
+                                         const std::vector<TagDetection>& detections,
+                                         tracking::FrameRecord& record) const {
+  for (const TagDetection& detection : detections) {
+    const bool is_base =
+        std::any_of(base_tags.begin(), base_tags.end(),
+                    [&](const TagPlacement& tag) { return tag.id == detection.id; });
+    if (is_base) record.base_tags.push_back(detection);
+  }
+  if (record.base_tags.empty()) return;
+  BodyPoseHints hints;
+  hints.depth = &frame.depth;
+  hints.depth_noise = options.depth_noise;
+  record.base_from_tags = solve_body_pose(base_tags, record.base_tags, front_end.sensor().camera,
+                                          hints, {.corner_sigma = options.corner_sigma});
+}
+
+CameraTrack CameraTracker::State::trusted_track() const {
+  CameraTrack track;
+  track.frames = trusted;
+  return track;
+}
+
+CameraTracker::CameraTracker(const Manifest& manifest, Trajectory groundtruth,
+                             const CameraTrackerOptions& options) {
+  PCAVR_REQUIRE(manifest.camera.has_value());
+  PCAVR_REQUIRE(options.corner_sigma > 0.0, options.corner_sigma);
+  state_ = std::make_unique<State>(manifest, std::move(groundtruth), options);
+}
+
+CameraTracker::~CameraTracker() = default;
+
+void CameraTracker::add(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
+                        const MaskImage& is_dynamic, Parallelism parallelism) {
+  PCAVR_REQUIRE(!state_->is_solved);
+  if (state_->options.trust_poses) {
+    FramePlacement placement;
+    placement.frame = frame.index;
+    placement.stamp = frame.depth_stamp;
+    if (const auto given = state_->groundtruth.at(frame.depth_stamp)) {
+      placement.status = PlacementStatus::placed;
+      placement.T_base_camera = *given;
+    } else {
+      placement.status = PlacementStatus::not_anchored;
+    }
+    state_->trusted.push_back(placement);
+    return;
+  }
+  tracking::FrameRecord& record = state_->front_end.add(frame, is_dynamic, parallelism);
+  state_->look_for_base(frame, detections, record);
+}
+
+CameraTrack CameraTracker::solve(const Observer& observer) {
+  PCAVR_REQUIRE(!state_->is_solved);
+  state_->is_solved = true;
+  CameraTrack track;
+  if (state_->options.trust_poses) {
+    track = state_->trusted_track();
+  } else {
+    track = tracking::solve_track({&state_->front_end.sensor(), &state_->front_end.keyframes(),
+                                   &state_->front_end.records(), &state_->base_tags,
+                                   &state_->groundtruth, state_->options});
+    track.tracking_rms = state_->front_end.tracking_rms();
+  }
+  track.why_not = nothing_placed(track, !state_->base_tags.empty());
+  observer.on_progress("camera", track.frames.size(), track.frames.size());
+  return track;
+}
+
+}  // namespace pcavr

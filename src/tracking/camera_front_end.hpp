@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pcavr/recording/frame_reader.hpp"
+
+#include "camera_map.hpp"
+
+namespace pcavr::tracking {
+
+/// Follows the camera from frame to frame against keyframes, and says how each frame lies against
+/// them. Knows nothing of base. Not thread-safe.
+class CameraFrontEnd {
+ public:
+  CameraFrontEnd(const CameraModel& camera, const DepthNoise& noise);
+
+  /// Aligns the frame and appends its record; a record without links is a lost frame's.
+  FrameRecord& add(const RgbdFrame& frame, const MaskImage& is_dynamic, Parallelism parallelism);
+
+  [[nodiscard]] const Sensor& sensor() const { return sensor_; }
+  [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+  [[nodiscard]] const std::vector<FrameRecord>& records() const { return records_; }
+  [[nodiscard]] double tracking_rms() const;
+
+ private:
+  struct Placed {
+    Pose T_keyframe_frame;
+    Stamp stamp;
+  };
+
+  [[nodiscard]] Pose predict(Stamp stamp) const;
+  [[nodiscard]] bool follow(const FrameView& view, FrameRecord& record, Parallelism parallelism);
+  [[nodiscard]] bool relocalise(const FrameView& view, FrameRecord& record,
+                                Parallelism parallelism);
+  void accept(const FrameView& view, const Alignment& alignment, FrameRecord& record);
+  void choose_keyframe(const FrameView& view, const Alignment& alignment, FrameRecord& record,
+                       Parallelism parallelism);
+  void make_keyframe(const FrameView& view, FrameRecord& record, int segment,
+                     const Pose& T_segment_keyframe);
+  [[nodiscard]] std::optional<std::size_t> nearest_keyframe(const Pose& T_segment_frame,
+                                                            int segment, double depth) const;
+  void switch_to(ActiveModel model, const Pose& T_keyframe_frame, Stamp stamp);
+  void join_segments(int from, int into, const Pose& T_into_from);
+
+  Sensor sensor_;
+  std::vector<Keyframe> keyframes_;
+  std::vector<FrameRecord> records_;
+  std::optional<ActiveModel> active_;
+  std::optional<Placed> last_;            ///< in the active keyframe
+  Vector6d velocity_ = Vector6d::Zero();  ///< [v; w] per second, in camera axes
+  int next_segment_ = 0;
+  double squares_ = 0.0;  ///< of point-to-plane distances, by frame
+  int aligned_ = 0;
+};
+
+}  // namespace pcavr::tracking

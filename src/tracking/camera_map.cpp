@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "camera_map.hpp"
+
+namespace pcavr::tracking {
+
+ActiveModel activate(const Sensor& sensor, const std::vector<Keyframe>& keyframes,
+                     std::size_t keyframe) {
+  ActiveModel active;
+  active.keyframe = keyframe;
+  active.pyramid = make_pyramid(keyframes[keyframe].gray, true);
+  refresh(sensor, keyframes[keyframe], active);
+  return active;
+}
+
+void refresh(const Sensor& sensor, const Keyframe& keyframe, ActiveModel& active) {
+  active.surface = make_surface(sensor.grid, keyframe.model.inverse_depth, sensor.noise);
+  active.landmarks = make_landmarks(keyframe.corners, sensor.grid, active.surface, sensor.camera,
+                                    keyframe.T_depth_color);
+}
+
+Alignment match(const Sensor& sensor, const ActiveModel& model, const FrameView& frame,
+                const Pose& T_keyframe_frame_predicted, Parallelism parallelism) {
+  // Wrong by this much, a prediction is still mended by the features.
+  constexpr double kCoarsestPixels = 20.0;
+  const std::vector<FeatureMatch> features =
+      find_landmarks(model.pyramid, model.landmarks, frame.pyramid,
+                     T_keyframe_frame_predicted * frame.T_depth_color, sensor.camera);
+  AlignmentInput input;
+  input.grid = &sensor.grid;
+  input.model = &model.surface;
+  input.frame = &frame.inverse_depth;
+  input.features = &features;
+  input.focal_length = sensor.camera.fx;
+  input.noise = sensor.noise;
+  input.T_depth_color = frame.T_depth_color;
+  const Pose start = align_features(input, T_keyframe_frame_predicted, kCoarsestPixels);
+  return align(input, start, parallelism);
+}
+
+}  // namespace pcavr::tracking

@@ -1,0 +1,206 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "camera_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pcavr/core/check.hpp"
+
+namespace pcavr::tracking {
+namespace {
+
+// About 160 cells across: point-to-plane alignment gains little from more [Newcombe et al. 2011
+// run the same pyramid], and averages over a cell take out most of the noise.
+constexpr int kCellsAcross = 160;
+
+// A step of more than this between the pixels of a cell is an edge; a plane seen at 80 degrees
+// changes by 4 % over a cell.
+constexpr float kLargestRelativeStep = 0.04F;
+
+// The model forgets slowly: what a keyframe sees may change.
+constexpr float kLargestWeight = 30.0F;
+
+struct PlaneFit {
+  float slope_x = 0.0F;  ///< per cell
+  float slope_y = 0.0F;
+  float mean = 0.0F;
+  bool is_good = false;
+};
+
+/// Least squares over a square of (2 reach + 1)^2 cells; not good where a cell is empty or the
+/// residuals are larger than `sigma` explains.
+PlaneFit fit_plane(const InverseDepth& w, int width, int x, int y, int reach, float sigma) {
+  const auto at = [&](int i, int j) {
+    return w[static_cast<std::size_t>((y + j) * width + x + i)];
+  };
+  const float centre = at(0, 0);
+  float sum = 0.0F;
+  float sum_squares = 0.0F;
+  float moment_x = 0.0F;
+  float moment_y = 0.0F;
+  for (int j = -reach; j <= reach; ++j) {
+    for (int i = -reach; i <= reach; ++i) {
+      const float value = at(i, j);
+      if (value <= 0.0F) return {};
+      const float difference = value - centre;
+      sum += difference;
+      sum_squares += difference * difference;
+      moment_x += static_cast<float>(i) * difference;
+      moment_y += static_cast<float>(j) * difference;
+    }
+  }
+  const auto count = static_cast<float>((2 * reach + 1) * (2 * reach + 1));
+  const float spread = count * static_cast<float>(reach * (reach + 1)) / 3.0F;  // sum of i^2
+  PlaneFit fit{moment_x / spread, moment_y / spread, centre + sum / count, false};
+  const float residual = sum_squares - sum * sum / count -
+                         spread * (fit.slope_x * fit.slope_x + fit.slope_y * fit.slope_y);
+  fit.is_good = residual < (count - 3.0F) * sigma * sigma;
+  return fit;
+}
+
+}  // namespace
+
+CellGrid::CellGrid(const CameraModel& full)
+    : pixels(std::max(1, static_cast<int>(std::lround(full.width / double{kCellsAcross})))),
+      camera(full.shrunk(pixels)) {
+  rays.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      rays.push_back(camera.normalise(Eigen::Vector2d(x, y)).cast<float>());
+    }
+  }
+}
+
+InverseDepth cell_inverse_depth(const CellGrid& grid, const DepthImage& depth,
+                                const MaskImage& is_dynamic, const DepthNoise& noise) {
+  PCAVR_REQUIRE(is_dynamic.empty() ||
+                (is_dynamic.width() == depth.width() && is_dynamic.height() == depth.height()));
+  const auto nearest = static_cast<float>(noise.nearest);
+  const auto farthest = static_cast<float>(noise.farthest);
+  InverseDepth cells(grid.size(), 0.0F);
+  const int n = grid.pixels;
+  for (int y = 0; y < grid.height(); ++y) {
+    for (int x = 0; x < grid.width(); ++x) {
+      float low = farthest;
+      float high = nearest;
+      float sum = 0.0F;
+      bool is_whole = true;
+      for (int j = 0; j < n && is_whole; ++j) {
+        const auto row = depth.row(y * n + j).subspan(static_cast<std::size_t>(x * n),
+                                                      static_cast<std::size_t>(n));
+        for (const float z : row) {
+          is_whole = is_whole && z >= nearest && z <= farthest;
+          low = std::min(low, z);
+          high = std::max(high, z);
+          sum += 1.0F / z;
+        }
+      }
+      if (!is_whole) continue;
+      const float step = kLargestRelativeStep * low + 6.0F * static_cast<float>(noise.sigma(low));
+      if (high - low > step) continue;
+      bool is_still = true;
+      if (!is_dynamic.empty()) {
+        for (int j = 0; j < n; ++j) {
+          for (int i = 0; i < n; ++i) is_still = is_still && is_dynamic(x * n + i, y * n + j) == 0;
+        }
+      }
+      if (is_still) {
+        cells[static_cast<std::size_t>(y * grid.width() + x)] = sum / static_cast<float>(n * n);
+      }
+    }
+  }
+  return cells;
+}
+
+Surface make_surface(const CellGrid& grid, const InverseDepth& inverse_depth,
+                     const DepthNoise& noise) {
+  const int width = grid.width();
+  Surface surface;
+  surface.points.assign(grid.size(), Eigen::Vector3f::Zero());
+  surface.normals.assign(grid.size(), Eigen::Vector3f::Zero());
+  const auto step_x = static_cast<float>(grid.camera.fx);  // cells per unit on the plane z = 1
+  const auto step_y = static_cast<float>(grid.camera.fy);
+  for (int y = 0; y < grid.height(); ++y) {
+    for (int x = 0; x < width; ++x) {
+      const auto cell = static_cast<std::size_t>(y * width + x);
+      const float w = inverse_depth[cell];
+      if (w <= 0.0F) continue;
+      const Eigen::Vector2f ray = grid.rays[cell];
+      surface.points[cell] = Eigen::Vector3f(ray.x(), ray.y(), 1.0F) / w;
+      if (x < 2 || y < 2 || x >= width - 2 || y >= grid.height() - 2) continue;
+      const float sigma = static_cast<float>(noise.sigma(1.0 / double{w})) * w * w;
+      PlaneFit fit = fit_plane(inverse_depth, width, x, y, 2, sigma);
+      if (!fit.is_good) fit = fit_plane(inverse_depth, width, x, y, 1, sigma);
+      if (!fit.is_good) continue;
+      // On a plane 1/z = a x + b y + c, so that (a, b, c) . p = 1: (a, b, c) is its normal.
+      const float a = fit.slope_x * step_x;
+      const float b = fit.slope_y * step_y;
+      const Eigen::Vector3f normal(a, b, fit.mean - a * ray.x() - b * ray.y());
+      surface.normals[cell] = normal.normalized();
+    }
+  }
+  return surface;
+}
+
+std::optional<Eigen::Vector3d> point_at(const CellGrid& grid, const Surface& surface,
+                                        const CameraModel& full, const Eigen::Vector2d& pixel) {
+  const int x = static_cast<int>(std::lround(pixel.x())) / grid.pixels;
+  const int y = static_cast<int>(std::lround(pixel.y())) / grid.pixels;
+  if (x < 0 || y < 0 || x >= grid.width() || y >= grid.height()) return std::nullopt;
+  const auto cell = static_cast<std::size_t>(y * grid.width() + x);
+  const Eigen::Vector3d normal = surface.normals[cell].cast<double>();
+  if (normal.isZero()) return std::nullopt;
+  const Eigen::Vector3d ray = full.normalise(pixel).homogeneous();
+  const double slope = normal.dot(ray);
+  const double z = normal.dot(surface.points[cell].cast<double>()) / slope;
+  // Seen at more than 84 degrees, the plane says little about the depth of one pixel.
+  if (std::abs(slope) < 0.1 * ray.norm() || !(z > 0.0)) return std::nullopt;
+  return ray * z;
+}
+
+void fuse(const CellGrid& grid, const Surface& surface, const InverseDepth& frame,
+          const Pose& T_model_frame, const DepthNoise& noise, SurfaceModel& model) {
+  const Pose T_frame_model = T_model_frame.inverse();
+  const Eigen::Matrix3f R = T_frame_model.rotation_matrix().cast<float>();
+  const Eigen::Vector3f t = T_frame_model.translation().cast<float>();
+  const bool has_distortion = grid.camera.has_distortion();
+  const auto fx = static_cast<float>(grid.camera.fx);
+  const auto fy = static_cast<float>(grid.camera.fy);
+  const auto cx = static_cast<float>(grid.camera.cx);
+  const auto cy = static_cast<float>(grid.camera.cy);
+  for (std::size_t cell = 0; cell < surface.points.size(); ++cell) {
+    const Eigen::Vector3f& normal = surface.normals[cell];
+    if (normal.isZero()) continue;
+    const Eigen::Vector3f p_frame = R * surface.points[cell] + t;
+    if (p_frame.z() <= 0.0F) continue;
+    Eigen::Vector2f at(fx * p_frame.x() / p_frame.z() + cx, fy * p_frame.y() / p_frame.z() + cy);
+    if (has_distortion) at = grid.camera.project(p_frame.cast<double>()).cast<float>();
+    const int x = static_cast<int>(std::floor(at.x()));
+    const int y = static_cast<int>(std::floor(at.y()));
+    if (x < 0 || y < 0 || x + 1 >= grid.width() || y + 1 >= grid.height()) continue;
+    const auto corner = static_cast<std::size_t>(y * grid.width() + x);
+    const auto below = corner + static_cast<std::size_t>(grid.width());
+    const float w00 = frame[corner];
+    const float w10 = frame[corner + 1];
+    const float w01 = frame[below];
+    const float w11 = frame[below + 1];
+    if (w00 <= 0.0F || w10 <= 0.0F || w01 <= 0.0F || w11 <= 0.0F) continue;
+    const float u = at.x() - static_cast<float>(x);
+    const float v = at.y() - static_cast<float>(y);
+    const float w = (1.0F - v) * ((1.0F - u) * w00 + u * w10) + v * ((1.0F - u) * w01 + u * w11);
+    // The frame's point lies on its own ray; slide it along the plane onto the model's ray.
+    const float off_plane = (1.0F / w / p_frame.z() - 1.0F) * (R * normal).dot(p_frame);
+    const float z = surface.points[cell].z();
+    if (std::abs(off_plane) > 3.0F * static_cast<float>(noise.sigma(z))) continue;
+    const float along_ray = off_plane * z / normal.dot(surface.points[cell]);
+    const float measured = 1.0F / (z + along_ray);
+    float& weight = model.weight[cell];
+    float& mean = model.inverse_depth[cell];
+    mean += (measured - mean) / (weight + 1.0F);
+    weight = std::min(weight + 1.0F, kLargestWeight);
+  }
+  ++model.frames;
+}
+
+}  // namespace pcavr::tracking

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/geometry/camera.hpp"
+#include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/geometry/image.hpp"
+#include "pcavr/geometry/pose.hpp"
+
+namespace pcavr::tracking {
+
+/// The image cut into square cells, some 160 across: the resolution of dense alignment.
+struct CellGrid {
+  int pixels = 1;                     ///< edge length of a cell [px]
+  CameraModel camera;                 ///< whose pixels are the cells
+  std::vector<Eigen::Vector2f> rays;  ///< through the cells' centres, on the plane z = 1
+
+  explicit CellGrid(const CameraModel& full);
+
+  [[nodiscard]] std::size_t size() const { return rays.size(); }
+  [[nodiscard]] int width() const { return camera.width; }
+  [[nodiscard]] int height() const { return camera.height; }
+};
+
+/// Inverse depth of each cell [1/m]; 0 where a cell holds an edge or a hole. Inverse depth is
+/// linear in the image of a plane, so that means and interpolations of it are exact there.
+using InverseDepth = std::vector<float>;
+
+/// Mean inverse depth of the cells that `depth` fills without a gap or a step, and that
+/// `is_dynamic` (may be empty) leaves untouched.
+[[nodiscard]] InverseDepth cell_inverse_depth(const CellGrid& grid, const DepthImage& depth,
+                                              const MaskImage& is_dynamic, const DepthNoise& noise);
+
+/// A point and a unit normal for each cell, in camera axes; z = 0 where there is none.
+struct Surface {
+  std::vector<Eigen::Vector3f> points;   ///< [m]
+  std::vector<Eigen::Vector3f> normals;  ///< zero where the surface isn't smooth
+};
+
+/// Normals are those of the plane that fits 5x5 cells best, or 3x3 at edges.
+[[nodiscard]] Surface make_surface(const CellGrid& grid, const InverseDepth& inverse_depth,
+                                   const DepthNoise& noise);
+
+/// Where the ray through `pixel` of the full image meets the surface [m, in camera axes]; nothing
+/// where the surface isn't smooth.
+[[nodiscard]] std::optional<Eigen::Vector3d> point_at(const CellGrid& grid, const Surface& surface,
+                                                      const CameraModel& full,
+                                                      const Eigen::Vector2d& pixel);
+
+/// The keyframe's surface averaged over all frames that matched it, so that noise goes down with
+/// their number (the model of frame-to-model tracking).
+struct SurfaceModel {
+  InverseDepth inverse_depth;
+  std::vector<float> weight;  ///< number of measurements in each cell
+  int frames = 1;
+};
+
+/// Takes a frame into the model. `surface` is the model's as make_surface gave it.
+void fuse(const CellGrid& grid, const Surface& surface, const InverseDepth& frame,
+          const Pose& T_model_frame, const DepthNoise& noise, SurfaceModel& model);
+
+}  // namespace pcavr::tracking
