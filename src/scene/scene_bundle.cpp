@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/scene/scene_bundle.hpp"
+
+#include <functional>
+
+#include "pcavr/core/output.hpp"
+#include "pcavr/recording/recording.hpp"
+
+#include "glb_file.hpp"
+#include "ply_file.hpp"
+#include "preview.hpp"
+#include "scene_text.hpp"
+
+namespace pcavr {
+namespace fs = std::filesystem;
+namespace {
+
+/// The static mesh as a child of the node that turns it upright; nothing where it is empty.
+std::vector<int> add_static_mesh(GlbWriter& glb, const TriangleMesh& mesh_base) {
+  if (mesh_base.triangles.empty()) return {};
+  const int mesh = glb.add_mesh("static_mesh", mesh_base, GlbMaterial::captured);
+  return {glb.add_node("static_mesh", Pose(), mesh)};
+}
+
+std::string format_display(const Scene& scene) {
+  GlbWriter glb;
+  const int root = glb.add_node("base", glb_root_pose(), -1);
+  const bool has_levels = !scene.levels_of_detail_base.empty();
+  std::vector<int> children =
+      add_static_mesh(glb, has_levels ? scene.levels_of_detail_base.front() : scene.mesh_base);
+  for (const SceneObject& object : scene.objects) {
+    if (object.evidence == kNotSeen) continue;
+    const std::string& name = object.model.name;
+    const int mesh = glb.add_mesh(name, object.model.mesh_object, GlbMaterial::body);
+    children.push_back(glb.add_node(name, object.T_base_object, mesh));
+  }
+  return glb.finish(root, children);
+}
+
+std::string format_level(const TriangleMesh& mesh_base) {
+  GlbWriter glb;
+  const int root = glb.add_node("base", glb_root_pose(), -1);
+  return glb.finish(root, add_static_mesh(glb, mesh_base));
+}
+
+/// In the object's own axes, so that it can be read back as a CAD file.
+std::string format_object(const CadModel& model) {
+  GlbWriter glb;
+  const int mesh = glb.add_mesh(model.name, model.mesh_object, GlbMaterial::body);
+  return glb.finish(glb.add_node(model.name, Pose(), mesh), {});
+}
+
+/// Writes a file, and makes its folder where there is none yet.
+Expected<void> write_with_folder(const fs::path& file, const std::string& content) {
+  std::error_code code;
+  fs::create_directories(file.parent_path(), code);
+  if (code) {
+    return Error{.message = "can't be made: " + code.message(),
+                 .file = file.parent_path().string(),
+                 .mend = "choose a folder that you may write to, on a disk with space left"};
+  }
+  return write_file(file, content);
+}
+
+}  // namespace
+
+Expected<void> write_scene(const Scene& scene, const fs::path& folder, Parallelism parallelism) {
+  struct File {
+    fs::path name;
+    std::function<std::string()> content;  ///< made when it is its turn: one in memory at a time
+  };
+  std::vector<File> files = {
+      {kManifestFile, [&] { return format_scene_manifest(manifest_of(scene)); }},
+      {kDisplayFile, [&] { return format_display(scene); }},
+      {kMeshFile, [&] { return format_ply(scene.mesh_base); }},
+      {kCloudFile, [&] { return format_ply(scene.cloud_base); }},
+      {kTrajectoryFile, [&] { return format_trajectory(scene.camera_trajectory); }},
+      {kPreviewFile, [&] { return format_png(render_preview(scene, parallelism)); }}};
+  for (const SceneObject& object : scene.objects) {
+    files.push_back({object_file(object.model.name), [&] { return format_object(object.model); }});
+  }
+  for (std::size_t level = 1; level < scene.levels_of_detail_base.size(); ++level) {
+    files.push_back({level_of_detail_file(level),
+                     [&, level] { return format_level(scene.levels_of_detail_base[level]); }});
+  }
+  for (const File& file : files) {
+    if (const auto written = write_with_folder(folder / file.name, file.content()); !written) {
+      return written.error();
+    }
+  }
+  return scene.occupancy.write(folder / kOccupancyFile);
+}
+
+Expected<SceneManifest> read_scene_manifest(const fs::path& folder) {
+  const fs::path file = folder / kManifestFile;
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  Expected<SceneManifest> manifest = parse_scene_manifest(*text, file.string());
+  if (manifest) manifest.value().folder = folder;
+  return manifest;
+}
+
+}  // namespace pcavr

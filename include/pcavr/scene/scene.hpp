@@ -24,6 +24,9 @@ struct SupportPlane {
   std::vector<std::string> objects;           ///< names of those that stand on it
 };
 
+/// The evidence of an object that no frame showed: its pose means nothing.
+inline constexpr char kNotSeen[] = "not_seen";
+
 /// A movable CAD body in the scene.
 struct SceneObject {
   CadModel model;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,29 +14,42 @@
 namespace pcavr {
 
 /// Writes scene.yaml, scene.glb, mesh.ply, cloud.ply, occupancy.bt, camera_trajectory.txt,
-/// preview.png and objects/NAME.glb into a folder that exists (an OutputFolder's).
+/// preview.png, objects/NAME.glb and, for each further level of detail, lod/static_mesh_N.glb into
+/// a folder that exists (an OutputFolder's). The same scene gives the same bytes, whatever the
+/// Parallelism: times are not written. Objects whose evidence is kNotSeen stand in scene.yaml only.
+/// An Error, such as a full disk, may leave some of the files behind.
 [[nodiscard]] Expected<void> write_scene(const Scene& scene, const std::filesystem::path& folder,
                                          Parallelism parallelism);
 
-/// What `scene.yaml` says of an object.
+/// What `scene.yaml` says of an object; the fields are those of SceneObject.
 struct SceneObjectEntry {
   std::string name;
-  std::filesystem::path mesh;  ///< relative to the scene's folder
+  std::filesystem::path mesh;  ///< relative to the scene's folder; coordinates in the object frame
   Pose T_base_object;
   Pose T_base_object_start;
-  std::optional<double> mass = {};
+  std::string evidence;
+  double position_sigma = 0.0;          ///< [m]
+  double rotation_sigma = 0.0;          ///< [rad]
+  double refinement_translation = 0.0;  ///< [m]
+  double refinement_rotation = 0.0;     ///< [rad]
+  std::optional<double> mass = {};      ///< [kg]
   bool is_movable = true;
 };
 
 /// `scene.yaml` (`pcavr-scene/1`), read back: what replay, serve and others need.
 struct SceneManifest {
   std::filesystem::path folder;
-  std::string recording;
-  double voxel_size = 0.0;
+  std::string recording;    ///< as the user named it
+  double voxel_size = 0.0;  ///< [m]
   std::vector<SceneObjectEntry> objects;
   std::vector<SupportPlane> support_planes;
+  /// Relative to the folder, finest first; the first is scene.glb.
+  std::vector<std::filesystem::path> levels_of_detail;
   bool is_fixed_camera = false;
+  SceneQuality quality;  ///< without the times
 };
+/// Strict: a key that is not known, a missing one or a path that leaves the folder is an Error with
+/// its line.
 [[nodiscard]] Expected<SceneManifest> read_scene_manifest(const std::filesystem::path& folder);
 
 /// One finding of inspect_scene.
@@ -44,7 +58,8 @@ struct SceneCheck {
   std::string figure;  ///< "412 316 triangles, 3.1 m^2"
   bool is_sound = true;
 };
-/// Opens every file of a scene, counts what is in it, and checks that the files agree.
+/// Opens every file of a scene, counts what is in it, and checks that the files agree. An Error
+/// only where scene.yaml itself can't be read.
 [[nodiscard]] Expected<std::vector<SceneCheck>> inspect_scene(const std::filesystem::path& folder);
 
 }  // namespace pcavr

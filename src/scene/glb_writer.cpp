@@ -1,0 +1,197 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "pcavr/core/check.hpp"
+
+#include "bytes.hpp"
+#include "glb_file.hpp"
+
+namespace pcavr {
+namespace {
+
+using nlohmann::json;
+
+// Numbers of the glTF 2.0 specification, sections 3.6.2 and 5.
+constexpr int kUnsignedShort = 5123;
+constexpr int kUnsignedInt = 5125;
+constexpr int kFloat = 5126;
+constexpr int kArrayBuffer = 34962;
+constexpr int kElementArrayBuffer = 34963;
+constexpr std::uint32_t kMagic = 0x46546C67;
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
+constexpr std::uint32_t kBinaryChunk = 0x004E4942;
+
+/// 16-bit linear intensity of an 8-bit sRGB one [IEC 61966-2-1].
+std::array<std::uint16_t, 256> make_linear_of_srgb() {
+  std::array<std::uint16_t, 256> table{};
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const double s = static_cast<double>(i) / 255.0;
+    const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+    table[i] = static_cast<std::uint16_t>(std::lround(linear * 65535.0));
+  }
+  return table;
+}
+
+json list_of(const Eigen::Vector3f& v) { return json::array({v.x(), v.y(), v.z()}); }
+
+void pad(std::string& bytes, char filling) {
+  while (bytes.size() % 4 != 0) bytes += filling;
+}
+
+std::vector<Eigen::Vector3f> unit_normals(const TriangleMesh& mesh) {
+  if (mesh.normals.empty()) {
+    TriangleMesh copy = mesh;
+    compute_vertex_normals(copy);
+    return copy.normals;
+  }
+  std::vector<Eigen::Vector3f> normals;
+  normals.reserve(mesh.normals.size());
+  for (const Eigen::Vector3f& normal : mesh.normals) {
+    const double norm = normal.cast<double>().norm();
+    // A viewer needs some direction, and the format forbids a zero one.
+    normals.push_back(norm > 1e-12 ? (normal.cast<double>() / norm).cast<float>().eval()
+                                   : Eigen::Vector3f::UnitZ().eval());
+  }
+  return normals;
+}
+
+}  // namespace
+
+int GlbWriter::add_view(std::size_t first_byte, int target) {
+  document_["bufferViews"].push_back({{"buffer", 0},
+                                      {"byteOffset", first_byte},
+                                      {"byteLength", buffer_.size() - first_byte},
+                                      {"target", target}});
+  return static_cast<int>(document_["bufferViews"].size()) - 1;
+}
+
+int GlbWriter::add_accessor(int view, int component_type, const char* type, std::size_t count) {
+  document_["accessors"].push_back(
+      {{"bufferView", view}, {"componentType", component_type}, {"type", type}, {"count", count}});
+  return static_cast<int>(document_["accessors"].size()) - 1;
+}
+
+int GlbWriter::add_vectors(const std::vector<Eigen::Vector3f>& vectors, bool with_bounds) {
+  const std::size_t first_byte = buffer_.size();
+  for (const Eigen::Vector3f& vector : vectors) {
+    for (const float number : vector) append_bytes(buffer_, number);
+  }
+  const int accessor =
+      add_accessor(add_view(first_byte, kArrayBuffer), kFloat, "VEC3", vectors.size());
+  if (with_bounds) {
+    const Eigen::AlignedBox3f box = bounds(vectors);
+    document_["accessors"].back()["min"] = list_of(box.min());
+    document_["accessors"].back()["max"] = list_of(box.max());
+  }
+  return accessor;
+}
+
+int GlbWriter::add_colors(const std::vector<Rgb8>& colors) {
+  static const std::array<std::uint16_t, 256> kLinearOfSrgb = make_linear_of_srgb();
+  const std::size_t first_byte = buffer_.size();
+  for (const Rgb8& color : colors) {
+    for (const std::uint8_t channel : {color.r, color.g, color.b}) {
+      append_bytes(buffer_, kLinearOfSrgb[channel]);
+    }
+    append_bytes(buffer_, std::uint16_t{65535});  // opaque; it keeps the elements aligned
+  }
+  const int accessor =
+      add_accessor(add_view(first_byte, kArrayBuffer), kUnsignedShort, "VEC4", colors.size());
+  document_["accessors"].back()["normalized"] = true;
+  return accessor;
+}
+
+int GlbWriter::add_indices(const TriangleMesh& mesh) {
+  const std::size_t first_byte = buffer_.size();
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t vertex : triangle) append_bytes(buffer_, vertex);
+  }
+  return add_accessor(add_view(first_byte, kElementArrayBuffer), kUnsignedInt, "SCALAR",
+                      mesh.triangles.size() * 3);
+}
+
+int GlbWriter::material_number(GlbMaterial kind, bool has_colors) {
+  json material;
+  if (kind == GlbMaterial::captured) {
+    material["name"] = "captured";
+    material["doubleSided"] = true;
+    material["extensions"]["KHR_materials_unlit"] = json::object();
+    document_["extensionsUsed"] = json::array({"KHR_materials_unlit"});
+  } else {
+    material["name"] = has_colors ? "body" : "plain_body";
+  }
+  auto& surface = material["pbrMetallicRoughness"];
+  surface["metallicFactor"] = 0.0;
+  surface["roughnessFactor"] = 0.9;
+  // Bodies without colours of their own: a warm orange that scenes seldom hold.
+  if (kind == GlbMaterial::body && !has_colors) {
+    surface["baseColorFactor"] = json::array({0.85, 0.30, 0.05, 1.0});
+  }
+  auto& materials = document_["materials"];
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    if (materials[i] == material) return static_cast<int>(i);
+  }
+  materials.push_back(material);
+  return static_cast<int>(materials.size()) - 1;
+}
+
+int GlbWriter::add_mesh(const std::string& name, const TriangleMesh& mesh, GlbMaterial material) {
+  PCAVR_REQUIRE(!mesh.triangles.empty(), name);
+  json primitive;
+  primitive["attributes"]["POSITION"] = add_vectors(mesh.vertices, true);
+  primitive["attributes"]["NORMAL"] = add_vectors(unit_normals(mesh), false);
+  if (!mesh.colors.empty()) primitive["attributes"]["COLOR_0"] = add_colors(mesh.colors);
+  primitive["indices"] = add_indices(mesh);
+  primitive["material"] = material_number(material, !mesh.colors.empty());
+  document_["meshes"].push_back({{"name", name}, {"primitives", json::array({primitive})}});
+  return static_cast<int>(document_["meshes"].size()) - 1;
+}
+
+int GlbWriter::add_node(const std::string& name, const Pose& T_parent_node, int mesh) {
+  const Eigen::Vector3d& t = T_parent_node.translation();
+  const Eigen::Quaterniond& q = T_parent_node.rotation();
+  json node = {{"name", name},
+               {"translation", json::array({t.x(), t.y(), t.z()})},
+               {"rotation", json::array({q.x(), q.y(), q.z(), q.w()})}};
+  if (mesh >= 0) node["mesh"] = mesh;
+  document_["nodes"].push_back(node);
+  return static_cast<int>(document_["nodes"].size()) - 1;
+}
+
+std::string GlbWriter::finish(int root, const std::vector<int>& children) {
+  document_["asset"] = {{"version", "2.0"}, {"generator", "pcavr " PCAVR_VERSION}};
+  document_["scene"] = 0;
+  document_["scenes"] = json::array({{{"nodes", json::array({root})}}});
+  if (!children.empty()) document_["nodes"][static_cast<std::size_t>(root)]["children"] = children;
+  pad(buffer_, '\0');
+  if (!buffer_.empty()) {
+    document_["buffers"] = json::array({{{"byteLength", buffer_.size()}}});
+  }
+  // A name that is not UTF-8 is no reason to fail.
+  std::string text = document_.dump(-1, ' ', false, json::error_handler_t::replace);
+  pad(text, ' ');
+
+  std::string file;
+  const std::size_t binary_size = buffer_.empty() ? 0 : 8 + buffer_.size();
+  file.reserve(20 + text.size() + binary_size);
+  append_bytes(file, kMagic);
+  append_bytes(file, std::uint32_t{2});
+  append_bytes(file, static_cast<std::uint32_t>(20 + text.size() + binary_size));
+  append_bytes(file, static_cast<std::uint32_t>(text.size()));
+  append_bytes(file, kJsonChunk);
+  file += text;
+  if (buffer_.empty()) return file;
+  append_bytes(file, static_cast<std::uint32_t>(buffer_.size()));
+  append_bytes(file, kBinaryChunk);
+  return file += buffer_;
+}
+
+Pose glb_root_pose() {
+  return Pose(Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI_2, Eigen::Vector3d::UnitX())),
+              Eigen::Vector3d::Zero());
+}
+
+}  // namespace pcavr

@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "preview.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "preview_parts.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr int kSupersampling = 2;
+
+// Numbers of the things on the canvas.
+constexpr std::uint8_t kStatic = 1;
+constexpr std::uint8_t kPath = 2;
+constexpr std::uint8_t kAxis = 3;
+constexpr std::uint8_t kFirstObject = 4;
+
+constexpr double kAxisLength = 0.15;    ///< of the base frame's axes [m]
+constexpr std::size_t kFrustums = 12;   ///< drawn along a camera's path
+constexpr double kFrustumDepth = 0.05;  ///< [m]
+
+/// Colours for bodies that are far from each other, and seldom found on a table.
+constexpr std::array<Rgb8, 6> kTints = {
+    {{255, 122, 26}, {41, 121, 255}, {0, 176, 117}, {224, 49, 140}, {245, 190, 0}, {126, 87, 194}}};
+
+Eigen::Vector3f as_vector(const Rgb8& c) { return Eigen::Vector3f(c.r, c.g, c.b) / 255.0F; }
+
+/// Draws the parts of one picture in turn.
+class Painter {
+ public:
+  Painter(const Scene& scene, Parallelism parallelism)
+      : scene_(scene),
+        parallelism_(parallelism),
+        view_(choose_view(scene, kPreviewWidth * kSupersampling, kPreviewHeight * kSupersampling)),
+        canvas_(view_.camera.width, view_.camera.height),
+        to_light_base_((view_.T_base_view.rotation() * Eigen::Vector3d(-0.4, -0.8, -0.7))
+                           .normalized()
+                           .cast<float>()) {}
+
+  ColorImage paint() {
+    draw_background(canvas_);
+    draw_static_mesh();
+    draw_objects();
+    draw_base_axes();
+    draw_camera_path();
+    draw_contours(canvas_, kFirstObject);
+    ColorImage picture = halved(canvas_.color);
+    draw_words(picture);
+    return picture;
+  }
+
+ private:
+  void draw(const TriangleMesh& mesh, std::uint8_t id, const Shader& shader) {
+    if (mesh.normals.empty()) {
+      TriangleMesh with_normals = mesh;
+      compute_vertex_normals(with_normals);
+      draw_mesh(canvas_, view_, with_normals, id, shader, parallelism_);
+    } else {
+      draw_mesh(canvas_, view_, mesh, id, shader, parallelism_);
+    }
+  }
+
+  [[nodiscard]] float lambert(const Eigen::Vector3f& normal) const {
+    return std::max(0.0F, normal.dot(to_light_base_));
+  }
+
+  void draw_static_mesh() {
+    // The colours hold the light of the place; a little more shows the shape.
+    const bool is_plain = scene_.mesh_base.colors.empty();
+    draw(scene_.mesh_base, kStatic, [&](const Eigen::Vector3f& color, const Eigen::Vector3f& n) {
+      const Eigen::Vector3f shaded = is_plain
+                                         ? Eigen::Vector3f(color * (0.45F + 0.4F * lambert(n)))
+                                         : Eigen::Vector3f(color * (0.88F + 0.24F * lambert(n)));
+      return shaded;
+    });
+  }
+
+  void draw_objects() {
+    for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
+      const SceneObject& object = scene_.objects[i];
+      if (object.evidence == kNotSeen) continue;
+      const Eigen::Vector3f tint = as_vector(kTints[i % kTints.size()]);
+      const auto id = static_cast<std::uint8_t>(std::min<std::size_t>(kFirstObject + i, 255));
+      draw(transformed(object.T_base_object, object.model.mesh_object), id,
+           [&](const Eigen::Vector3f& color, const Eigen::Vector3f& n) {
+             const Eigen::Vector3f mixed =
+                 tint.cwiseProduct(0.4F * color + Eigen::Vector3f::Constant(0.6F));
+             return Eigen::Vector3f(mixed * (0.5F + 0.55F * lambert(n)));
+           });
+    }
+  }
+
+  /// A line that is `pixels` wide in the final picture where it begins.
+  void draw_line(const std::vector<Eigen::Vector3d>& line, double pixels, std::uint8_t id,
+                 const Rgb8& color) {
+    const double distance = (line.front() - view_.T_base_view.translation()).norm();
+    const double radius = 0.5 * pixels * kSupersampling * distance / view_.camera.fx;
+    const Eigen::Vector3f plain = as_vector(color);
+    draw_mesh(
+        canvas_, view_, tubes(line, radius), id,
+        [&](const Eigen::Vector3f&, const Eigen::Vector3f&) { return plain; }, parallelism_);
+  }
+
+  void draw_base_axes() {
+    const std::array<Rgb8, 3> colors = {{{214, 40, 40}, {34, 150, 60}, {36, 86, 214}}};
+    for (int axis = 0; axis < 3; ++axis) {
+      draw_line({Eigen::Vector3d::Zero(), kAxisLength * Eigen::Vector3d::Unit(axis)}, 4.0, kAxis,
+                colors[static_cast<std::size_t>(axis)]);
+    }
+  }
+
+  void draw_camera_path() {
+    const std::vector<TimedPose>& poses = scene_.camera_trajectory.poses();
+    if (poses.empty()) return;
+    const Rgb8 color{70, 84, 110};
+    std::vector<Eigen::Vector3d> path;
+    for (const TimedPose& pose : poses) path.push_back(pose.pose.translation());
+    draw_line(path, 1.2, kPath, color);
+    const std::size_t shown =
+        scene_.quality.is_fixed_camera ? 1 : std::min(kFrustums, poses.size());
+    for (std::size_t i = 0; i < shown; ++i) {
+      const std::size_t which = shown == 1 ? 0 : i * (poses.size() - 1) / (shown - 1);
+      draw_frustum(poses[which].pose, color);
+    }
+  }
+
+  void draw_frustum(const Pose& T_base_camera, const Rgb8& color) {
+    // The proportions of most depth cameras; the scene does not keep its own.
+    const double z = kFrustumDepth;
+    const std::array<Eigen::Vector3d, 4> corners = {{{-0.6 * z, -0.45 * z, z},
+                                                     {0.6 * z, -0.45 * z, z},
+                                                     {0.6 * z, 0.45 * z, z},
+                                                     {-0.6 * z, 0.45 * z, z}}};
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      draw_line({T_base_camera.translation(), T_base_camera * corners[i],
+                 T_base_camera * corners[(i + 1) % corners.size()]},
+                1.2, kPath, color);
+    }
+  }
+
+  /// Where a point lies in the final picture; nothing behind the viewer.
+  [[nodiscard]] std::optional<Eigen::Vector2d> place(const Eigen::Vector3d& p_base) const {
+    const Eigen::Vector3d p_view = view_.T_base_view.inverse() * p_base;
+    if (p_view.z() <= 0.0) return std::nullopt;
+    return Eigen::Vector2d(view_.camera.project(p_view) / kSupersampling);
+  }
+
+  void draw_words(ColorImage& picture) const {
+    Eigen::AlignedBox3d objects;
+    for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
+      const SceneObject& object = scene_.objects[i];
+      if (object.evidence == kNotSeen) continue;
+      const Eigen::AlignedBox3d box =
+          bounds(transformed(object.T_base_object, object.model.mesh_object).vertices)
+              .cast<double>();
+      objects.extend(box);
+      const Eigen::Vector3d top(box.center().x(), box.center().y(), box.max().z());
+      if (const auto at = place(top)) {
+        draw_label(picture, *at, object.model.name, kTints[i % kTints.size()]);
+      }
+    }
+    const Eigen::Vector3d middle =
+        objects.isEmpty() ? bounds(scene_.mesh_base.vertices).center().cast<double>().eval()
+                          : objects.center();
+    const double depth = (view_.T_base_view.inverse() * middle).z();
+    if (depth > 0.0) draw_scale_bar(picture, view_.camera.fx / (kSupersampling * depth));
+  }
+
+  const Scene& scene_;
+  Parallelism parallelism_;
+  View view_;
+  Canvas canvas_;
+  Eigen::Vector3f to_light_base_;
+};
+
+}  // namespace
+
+ColorImage render_preview(const Scene& scene, Parallelism parallelism) {
+  return Painter(scene, parallelism).paint();
+}
+
+}  // namespace pcavr

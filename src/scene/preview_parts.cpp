@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "preview_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "preview.hpp"
+
+namespace pcavr {
+namespace {
+
+cv::Mat as_mat(ColorImage& image) {
+  return {image.height(), image.width(), CV_8UC3, image.pixels().data()};
+}
+
+cv::Scalar as_scalar(const Rgb8& color) {
+  return {double(color.r), double(color.g), double(color.b)};
+}
+
+Rgb8 scaled(const Rgb8& color, float factor) {
+  const auto channel = [&](std::uint8_t c) {
+    return static_cast<std::uint8_t>(std::lround(static_cast<float>(c) * factor));
+  };
+  return {channel(color.r), channel(color.g), channel(color.b)};
+}
+
+constexpr Rgb8 kInk{38, 44, 54};
+constexpr Rgb8 kPaper{255, 255, 255};
+constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+constexpr double kFontScale = 0.55;
+
+void draw_text(cv::Mat& mat, const std::string& text, const cv::Point& at) {
+  // A light rim keeps the words readable on any ground.
+  cv::putText(mat, text, at, kFont, kFontScale, as_scalar(kPaper), 4, cv::LINE_AA);
+  cv::putText(mat, text, at, kFont, kFontScale, as_scalar(kInk), 1, cv::LINE_AA);
+}
+
+}  // namespace
+
+TriangleMesh tubes(const std::vector<Eigen::Vector3d>& line, double radius) {
+  constexpr std::uint32_t kSides = 8;
+  TriangleMesh mesh;
+  for (std::size_t part = 0; part + 1 < line.size(); ++part) {
+    const Eigen::Vector3d along = line[part + 1] - line[part];
+    if (along.norm() < 1e-9) continue;
+    const Eigen::Vector3d u = along.unitOrthogonal();
+    const Eigen::Vector3d v = along.normalized().cross(u);
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (std::uint32_t side = 0; side < kSides; ++side) {
+      const double angle = 2.0 * M_PI * side / kSides;
+      const Eigen::Vector3d normal = std::cos(angle) * u + std::sin(angle) * v;
+      for (const Eigen::Vector3d& end : {line[part], line[part + 1]}) {
+        mesh.vertices.emplace_back((end + radius * normal).cast<float>());
+        mesh.normals.emplace_back(normal.cast<float>());
+      }
+      const std::uint32_t here = first + 2 * side;
+      const std::uint32_t next = first + 2 * ((side + 1) % kSides);
+      mesh.triangles.push_back({here, next, next + 1});
+      mesh.triangles.push_back({here, next + 1, here + 1});
+    }
+  }
+  return mesh;
+}
+
+void draw_background(Canvas& canvas) {
+  const Eigen::Vector3f above(246.0F, 248.0F, 251.0F);
+  const Eigen::Vector3f below(203.0F, 210.0F, 220.0F);
+  for (int y = 0; y < canvas.color.height(); ++y) {
+    const float down = static_cast<float>(y) / static_cast<float>(canvas.color.height());
+    const Eigen::Vector3f c = above + down * (below - above);
+    const auto byte = [&](int channel) {
+      return static_cast<std::uint8_t>(std::lround(c[channel]));
+    };
+    std::ranges::fill(canvas.color.row(y), Rgb8{byte(0), byte(1), byte(2)});
+  }
+}
+
+void draw_contours(Canvas& canvas, std::uint8_t first_outlined) {
+  constexpr int kReach = 3;           // [px]
+  constexpr float kStrength = 12.0F;  // darkness for each e-fold of depth
+  constexpr float kDarkest = 0.55F;
+  ColorImage shaded = canvas.color;
+  for (int y = kReach; y < canvas.color.height() - kReach; ++y) {
+    for (int x = kReach; x < canvas.color.width() - kReach; ++x) {
+      const float depth = canvas.depth(x, y);
+      if (depth == 0.0F) continue;
+      const std::uint8_t id = canvas.id(x, y);
+      float behind = 0.0F;
+      bool is_border = false;
+      for (const auto& [dx, dy] : {std::pair{kReach, 0}, {-kReach, 0}, {0, kReach}, {0, -kReach}}) {
+        const float other = canvas.depth(x + dx, y + dy);
+        if (other > 0.0F) behind += std::max(0.0F, std::log(depth / other)) / 4.0F;
+        is_border = is_border || canvas.id(x + dx, y + dy) != id;
+      }
+      const bool is_outline = is_border && id >= first_outlined;
+      const float light = is_outline ? 0.35F : std::max(kDarkest, std::exp(-kStrength * behind));
+      shaded(x, y) = scaled(canvas.color(x, y), light);
+    }
+  }
+  canvas.color = std::move(shaded);
+}
+
+void draw_label(ColorImage& picture, const Eigen::Vector2d& at, const std::string& text,
+                const Rgb8& color) {
+  cv::Mat mat = as_mat(picture);
+  const cv::Size size = cv::getTextSize(text, kFont, kFontScale, 1, nullptr);
+  const cv::Point corner(static_cast<int>(std::lround(at.x())) - size.width / 2,
+                         static_cast<int>(std::lround(at.y())) - 12);
+  draw_text(mat, text, corner);
+  cv::line(mat, corner + cv::Point(0, 6), corner + cv::Point(size.width, 6), as_scalar(color), 2,
+           cv::LINE_AA);
+}
+
+void draw_scale_bar(ColorImage& picture, double metre) {
+  // The longest of 1, 2, 5, 10, ... that takes no more than a fifth of the width.
+  const double most = 0.2 * picture.width() / metre;
+  const double decade = std::pow(10.0, std::floor(std::log10(most)));
+  const double length = decade * (most >= 5.0 * decade ? 5.0 : most >= 2.0 * decade ? 2.0 : 1.0);
+  char text[32];
+  std::snprintf(text, sizeof(text), length >= 1.0 ? "%.0f m" : "%.0f cm",
+                length >= 1.0 ? length : 100.0 * length);
+  cv::Mat mat = as_mat(picture);
+  const cv::Point left(40, picture.height() - 40);
+  const cv::Point right = left + cv::Point(static_cast<int>(std::lround(length * metre)), 0);
+  const cv::Point up(0, -7);
+  for (const auto& [rgb, thickness] : {std::pair{kPaper, 5}, {kInk, 2}}) {
+    const cv::Scalar color = as_scalar(rgb);
+    cv::line(mat, left, right, color, thickness, cv::LINE_AA);
+    cv::line(mat, left, left + up, color, thickness, cv::LINE_AA);
+    cv::line(mat, right, right + up, color, thickness, cv::LINE_AA);
+  }
+  draw_text(mat, text, left + cv::Point(0, -14));
+}
+
+std::string format_png(const ColorImage& image) {
+  ColorImage copy = image;
+  cv::Mat bgr;
+  cv::cvtColor(as_mat(copy), bgr, cv::COLOR_RGB2BGR);
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", bgr, bytes, {cv::IMWRITE_PNG_COMPRESSION, 6});
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace pcavr

@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "preview.hpp"
+
+namespace pcavr {
+namespace {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+constexpr double kFieldOfView = 40.0 * M_PI / 180.0;     ///< across the picture [rad]
+constexpr double kTableElevation = 48.0 * M_PI / 180.0;  ///< of the view, from the horizon [rad]
+constexpr double kLeastElevation = 20.0 * M_PI / 180.0;  ///< where there is no table [rad]
+constexpr double kFilledShare = 0.80;                    ///< of the picture, by what it is about
+constexpr double kLeastDistance = 0.3;                   ///< to what is nearest [m]
+
+/// Corners of the objects, and outlines of what they stand on.
+Points points_of_interest(const Scene& scene) {
+  Points points;
+  for (const SceneObject& object : scene.objects) {
+    if (object.evidence == kNotSeen) continue;
+    const Eigen::AlignedBox3d box = bounds(object.model.mesh_object.vertices).cast<double>();
+    for (int corner = 0; corner < 8; ++corner) {
+      points.push_back(object.T_base_object *
+                       box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+    }
+  }
+  for (const SupportPlane& plane : scene.support_planes) {
+    points.insert(points.end(), plane.outline_base.begin(), plane.outline_base.end());
+  }
+  return points;
+}
+
+/// Corners of the box that holds the mesh but for its outermost vertices along each axis.
+Points corners_of_bulk(const TriangleMesh& mesh) {
+  constexpr double kOutermost = 0.02;  // share on each side
+  if (mesh.vertices.empty()) return {Eigen::Vector3d::Zero()};
+  Eigen::AlignedBox3d box;
+  Eigen::Vector3d low;
+  Eigen::Vector3d high;
+  std::vector<float> coordinates(mesh.vertices.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::transform(mesh.vertices.begin(), mesh.vertices.end(), coordinates.begin(),
+                   [&](const Eigen::Vector3f& vertex) { return vertex[axis]; });
+    const auto at_share = [&](double share) {
+      const auto index =
+          static_cast<std::ptrdiff_t>(share * static_cast<double>(coordinates.size() - 1));
+      std::nth_element(coordinates.begin(), coordinates.begin() + index, coordinates.end());
+      return static_cast<double>(coordinates[static_cast<std::size_t>(index)]);
+    };
+    low[axis] = at_share(kOutermost);
+    high[axis] = at_share(1.0 - kOutermost);
+  }
+  box.extend(low).extend(high);
+  Points corners;
+  for (int corner = 0; corner < 8; ++corner) {
+    corners.push_back(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+  }
+  return corners;
+}
+
+Eigen::Vector3d mean(const Points& points) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point : points) sum += point;
+  return sum / static_cast<double>(points.size());
+}
+
+Points camera_positions(const Scene& scene) {
+  Points positions;
+  for (const TimedPose& pose : scene.camera_trajectory.poses()) {
+    positions.push_back(pose.pose.translation());
+  }
+  return positions;
+}
+
+/// Unit vector from the centre to the viewer.
+Eigen::Vector3d direction_to_viewer(const Scene& scene, const Eigen::Vector3d& centre,
+                                    bool has_table) {
+  const Points positions = camera_positions(scene);
+  const Eigen::Vector3d to_camera =
+      positions.empty() ? Eigen::Vector3d(-1.0, 0.0, 0.5) : (mean(positions) - centre).eval();
+  Eigen::Vector3d horizontal(to_camera.x(), to_camera.y(), 0.0);
+  // Seen straight from above, any side will do: the robot's.
+  if (horizontal.norm() < 0.01) horizontal = -Eigen::Vector3d::UnitX();
+  const double seen_from = std::atan2(to_camera.z(), horizontal.norm());
+  const double elevation =
+      has_table ? kTableElevation : std::clamp(seen_from, kLeastElevation, kTableElevation);
+  return std::cos(elevation) * horizontal.normalized() +
+         std::sin(elevation) * Eigen::Vector3d::UnitZ();
+}
+
+/// Camera axes for a viewer who looks along -`to_viewer`, upright.
+Eigen::Matrix3d axes_of_view(const Eigen::Vector3d& to_viewer) {
+  Eigen::Matrix3d R_base_view;
+  const Eigen::Vector3d forward = -to_viewer;
+  const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+  R_base_view << right, forward.cross(right), forward;
+  return R_base_view;
+}
+
+}  // namespace
+
+View choose_view(const Scene& scene, int width, int height) {
+  Points points = points_of_interest(scene);
+  const bool has_table = !points.empty();
+  if (!has_table) points = corners_of_bulk(scene.mesh_base);
+  const Eigen::Matrix3d R_base_view =
+      axes_of_view(direction_to_viewer(scene, mean(points), has_table));
+
+  View view;
+  CameraModel& camera = view.camera;
+  camera.width = width;
+  camera.height = height;
+  camera.fx = camera.fy = 0.5 * width / std::tan(0.5 * kFieldOfView);
+  camera.cx = 0.5 * (width - 1);
+  camera.cy = 0.5 * (height - 1);
+  const double slope_x = kFilledShare * 0.5 * width / camera.fx;
+  const double slope_y = kFilledShare * 0.5 * height / camera.fy;
+
+  // For each side of the picture, how far the viewer must be right (down) of and behind the points:
+  // the two extreme lines of sight through them meet in the viewer's place.
+  double left = -INFINITY, right = -INFINITY, up = -INFINITY, down = -INFINITY;
+  double nearest = INFINITY;
+  for (const Eigen::Vector3d& point : points) {
+    const Eigen::Vector3d p = R_base_view.transpose() * point;
+    left = std::max(left, -p.x() - slope_x * p.z());
+    right = std::max(right, p.x() - slope_x * p.z());
+    up = std::max(up, -p.y() - slope_y * p.z());
+    down = std::max(down, p.y() - slope_y * p.z());
+    nearest = std::min(nearest, p.z());
+  }
+  const double behind_x = -(left + right) / (2.0 * slope_x);
+  const double behind_y = -(up + down) / (2.0 * slope_y);
+  const double z = std::min({behind_x, behind_y, nearest - kLeastDistance});
+  const Eigen::Vector3d viewer(0.5 * (right - left), 0.5 * (down - up), z);
+  view.T_base_view = Pose(Eigen::Quaterniond(R_base_view), R_base_view * viewer);
+  return view;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "rasteriser.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcavr {
+namespace {
+
+constexpr float kNearest = 0.01F;  ///< [m]
+constexpr std::size_t kVerticesPerChunk = 1 << 16;
+constexpr std::size_t kRowsPerBand = 64;
+
+/// A vertex in the picture, with the inverse of its depth, which is linear there.
+struct Projected {
+  float x = 0.0F;
+  float y = 0.0F;
+  float inverse_depth = 0.0F;  ///< [1/m]; 0 behind the camera
+};
+
+std::vector<Projected> project(const View& view, const std::vector<Eigen::Vector3f>& points,
+                               Parallelism parallelism) {
+  const Pose T_view_base = view.T_base_view.inverse();
+  const Eigen::Matrix3f R = T_view_base.rotation_matrix().cast<float>();
+  const Eigen::Vector3f t = T_view_base.translation().cast<float>();
+  const Eigen::Vector2f focal(float(view.camera.fx), float(view.camera.fy));
+  const Eigen::Vector2f centre(float(view.camera.cx), float(view.camera.cy));
+  std::vector<Projected> projected(points.size());
+  parallel_for(parallelism, points.size(), kVerticesPerChunk,
+               [&](std::size_t begin, std::size_t end) {
+                 for (std::size_t i = begin; i < end; ++i) {
+                   const Eigen::Vector3f p = R * points[i] + t;
+                   if (!(p.z() > kNearest)) continue;
+                   projected[i] = {focal.x() * p.x() / p.z() + centre.x(),
+                                   focal.y() * p.y() / p.z() + centre.y(), 1.0F / p.z()};
+                 }
+               });
+  return projected;
+}
+
+Eigen::Vector3f color_of(const TriangleMesh& mesh, std::uint32_t vertex) {
+  if (mesh.colors.empty()) return Eigen::Vector3f::Ones();
+  const Rgb8& c = mesh.colors[vertex];
+  return Eigen::Vector3f(c.r, c.g, c.b) / 255.0F;
+}
+
+std::uint8_t to_byte(float channel) {
+  return static_cast<std::uint8_t>(std::lround(std::clamp(channel, 0.0F, 1.0F) * 255.0F));
+}
+
+/// Draws the rows [first, last) of one mesh.
+class BandPainter {
+ public:
+  BandPainter(Canvas& canvas, const TriangleMesh& mesh, const std::vector<Projected>& projected,
+              const Shader& shader, std::uint8_t id, int first, int last)
+      : canvas_(canvas),
+        mesh_(mesh),
+        projected_(projected),
+        shader_(shader),
+        id_(id),
+        first_(first),
+        last_(last) {}
+
+  void draw(const std::array<std::uint32_t, 3>& triangle) {
+    const Projected& a = projected_[triangle[0]];
+    const Projected& b = projected_[triangle[1]];
+    const Projected& c = projected_[triangle[2]];
+    if (a.inverse_depth == 0.0F || b.inverse_depth == 0.0F || c.inverse_depth == 0.0F) return;
+    const auto [low_y, high_y] = std::minmax({a.y, b.y, c.y});
+    const int from_y = std::max(first_, rounded_up(low_y));
+    const int to_y = std::min(last_ - 1, rounded_down(high_y));
+    if (from_y > to_y) return;
+    // Rows go down: counter-clockwise is a negative area.
+    const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    if (!(area < 0.0F)) return;
+    const auto [low_x, high_x] = std::minmax({a.x, b.x, c.x});
+    const int from_x = std::max(0, rounded_up(low_x));
+    const int to_x = std::min(canvas_.color.width() - 1, rounded_down(high_x));
+    for (int y = from_y; y <= to_y; ++y) {
+      for (int x = from_x; x <= to_x; ++x) {
+        const float px = static_cast<float>(x);
+        const float py = static_cast<float>(y);
+        const float u = ((c.x - b.x) * (py - b.y) - (c.y - b.y) * (px - b.x)) / area;
+        const float v = ((a.x - c.x) * (py - c.y) - (a.y - c.y) * (px - c.x)) / area;
+        const float w = 1.0F - u - v;
+        if (u < 0.0F || v < 0.0F || w < 0.0F) continue;
+        set_pixel(x, y, triangle, {u * a.inverse_depth, v * b.inverse_depth, w * c.inverse_depth});
+      }
+    }
+  }
+
+ private:
+  /// Clamped, so that the cast is defined for vertices far outside of the picture.
+  static int rounded_up(float value) {
+    return static_cast<int>(std::ceil(std::clamp(value, -1e6F, 1e6F)));
+  }
+  static int rounded_down(float value) {
+    return static_cast<int>(std::floor(std::clamp(value, -1e6F, 1e6F)));
+  }
+
+  /// `weights`: barycentric ones, each over its corner's depth.
+  void set_pixel(int x, int y, const std::array<std::uint32_t, 3>& triangle,
+                 const Eigen::Vector3f& weights) {
+    const float depth = 1.0F / weights.sum();
+    float& nearest = canvas_.depth(x, y);
+    if (nearest != 0.0F && nearest <= depth) return;
+    nearest = depth;
+    canvas_.id(x, y) = id_;
+    Eigen::Vector3f color = Eigen::Vector3f::Zero();
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::uint32_t vertex = triangle[static_cast<std::size_t>(corner)];
+      color += weights[corner] * depth * color_of(mesh_, vertex);
+      normal += weights[corner] * mesh_.normals[vertex];
+    }
+    const Eigen::Vector3f shaded = shader_(color, normal.normalized());
+    canvas_.color(x, y) = {to_byte(shaded.x()), to_byte(shaded.y()), to_byte(shaded.z())};
+  }
+
+  Canvas& canvas_;
+  const TriangleMesh& mesh_;
+  const std::vector<Projected>& projected_;
+  const Shader& shader_;
+  std::uint8_t id_;
+  int first_;
+  int last_;
+};
+
+}  // namespace
+
+void draw_mesh(Canvas& canvas, const View& view, const TriangleMesh& mesh_base, std::uint8_t id,
+               const Shader& shader, Parallelism parallelism) {
+  PCAVR_REQUIRE(mesh_base.normals.size() == mesh_base.vertices.size());
+  const std::vector<Projected> projected = project(view, mesh_base.vertices, parallelism);
+  parallel_for(parallelism, static_cast<std::size_t>(canvas.color.height()), kRowsPerBand,
+               [&](std::size_t begin, std::size_t end) {
+                 BandPainter painter(canvas, mesh_base, projected, shader, id,
+                                     static_cast<int>(begin), static_cast<int>(end));
+                 for (const auto& triangle : mesh_base.triangles) painter.draw(triangle);
+               });
+}
+
+ColorImage halved(const ColorImage& image) {
+  ColorImage half(image.width() / 2, image.height() / 2);
+  for (int y = 0; y < half.height(); ++y) {
+    for (int x = 0; x < half.width(); ++x) {
+      const auto mean = [&](std::uint8_t Rgb8::*channel) {
+        const int sum = image(2 * x, 2 * y).*channel + image(2 * x + 1, 2 * y).*channel +
+                        image(2 * x, 2 * y + 1).*channel + image(2 * x + 1, 2 * y + 1).*channel;
+        return static_cast<std::uint8_t>((sum + 2) / 4);
+      };
+      half(x, y) = {mean(&Rgb8::r), mean(&Rgb8::g), mean(&Rgb8::b)};
+    }
+  }
+  return half;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <limits>
+
+#include <yaml-cpp/yaml.h>
+
+#include "scene_text.hpp"
+
+namespace pcavr {
+namespace {
+
+template <typename Value>
+void emit(YAML::Emitter& out, const char* key, const Value& value) {
+  out << YAML::Key << key << YAML::Value << value;
+}
+
+void emit_section(YAML::Emitter& out, const char* key) {
+  out << YAML::Newline << YAML::Newline << YAML::Key << key << YAML::Value;
+}
+
+template <typename Numbers>
+void emit_list(YAML::Emitter& out, const Numbers& numbers) {
+  out << YAML::Flow << YAML::BeginSeq;
+  for (const double number : numbers) out << number;
+  out << YAML::EndSeq;
+}
+
+void emit_pose(YAML::Emitter& out, const char* key, const Pose& pose) {
+  out << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginMap;
+  out << YAML::Key << "t" << YAML::Value;
+  emit_list(out, pose.translation());
+  out << YAML::Key << "q" << YAML::Value;
+  emit_list(out, pose.rotation().coeffs());  // Eigen keeps them in the order x y z w
+  out << YAML::EndMap;
+}
+
+/// A pair of figures for one pose: along [m] and about [rad].
+void emit_pose_figures(YAML::Emitter& out, const char* key, double translation, double rotation) {
+  out << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginMap;
+  emit(out, "translation", translation);
+  emit(out, "rotation", rotation);
+  out << YAML::EndMap;
+}
+
+void emit_object(YAML::Emitter& out, const SceneObjectEntry& object) {
+  out << YAML::BeginMap;
+  emit(out, "name", object.name);
+  emit(out, "mesh", object.mesh.string());
+  emit(out, "movable", object.is_movable);
+  if (object.mass) emit(out, "mass", *object.mass);
+  emit_pose(out, "pose", object.T_base_object);
+  emit_pose(out, "start", object.T_base_object_start);
+  emit(out, "evidence", object.evidence);
+  emit_pose_figures(out, "sigma", object.position_sigma, object.rotation_sigma);
+  emit_pose_figures(out, "refinement", object.refinement_translation, object.refinement_rotation);
+  out << YAML::EndMap;
+}
+
+void emit_plane(YAML::Emitter& out, const SupportPlane& plane) {
+  out << YAML::BeginMap << YAML::Key << "normal" << YAML::Value;
+  emit_list(out, plane.plane_base.normal);
+  emit(out, "offset", plane.plane_base.offset);
+  emit(out, "rms", plane.rms);
+  out << YAML::Key << "objects" << YAML::Value << YAML::Flow << plane.objects;
+  out << YAML::Key << "outline" << YAML::Value << YAML::BeginSeq;
+  for (const Eigen::Vector3d& corner : plane.outline_base) emit_list(out, corner);
+  out << YAML::EndSeq << YAML::EndMap;
+}
+
+void emit_files(YAML::Emitter& out, const SceneManifest& manifest) {
+  emit_section(out, "files");
+  out << YAML::BeginMap;
+  emit(out, "display", kDisplayFile);
+  emit(out, "mesh", kMeshFile);
+  emit(out, "cloud", kCloudFile);
+  emit(out, "occupancy", kOccupancyFile);
+  emit(out, "camera_trajectory", kTrajectoryFile);
+  emit(out, "preview", kPreviewFile);
+  out << YAML::Key << "levels_of_detail" << YAML::Value << YAML::Flow << YAML::BeginSeq;
+  for (const auto& level : manifest.levels_of_detail) out << level.string();
+  out << YAML::EndSeq << YAML::EndMap;
+}
+
+using Counts = std::vector<std::pair<std::string, std::size_t>>;
+
+void emit_counts(YAML::Emitter& out, const char* key, const char* what, const Counts& counts) {
+  out << YAML::Key << key << YAML::Value << YAML::BeginSeq;
+  for (const auto& [name, count] : counts) {
+    out << YAML::Flow << YAML::BeginMap;
+    emit(out, what, name);
+    emit(out, "frames", count);
+    out << YAML::EndMap;
+  }
+  out << YAML::EndSeq;
+}
+
+void emit_quality(YAML::Emitter& out, const SceneQuality& quality) {
+  emit_section(out, "quality");
+  out << YAML::BeginMap;
+  emit(out, "frames_recorded", quality.frames_recorded);
+  emit(out, "frames_used", quality.frames_used);
+  emit_counts(out, "frames_dropped", "reason", quality.frames_dropped);
+  emit_counts(out, "tags_seen", "tag", quality.tags_seen);
+  emit(out, "tag_reprojection_rms", quality.tag_reprojection_rms);
+  emit(out, "tracking_rms", quality.tracking_rms);
+  emit_pose_figures(out, "camera_sigma", quality.camera_position_sigma,
+                    quality.camera_rotation_sigma);
+  emit(out, "surface_rms", quality.surface_rms);
+  out << YAML::EndMap;
+}
+
+}  // namespace
+
+std::filesystem::path object_file(const std::string& name) {
+  return std::filesystem::path("objects") / (name + ".glb");
+}
+
+std::filesystem::path level_of_detail_file(std::size_t level) {
+  if (level == 0) return kDisplayFile;
+  return std::filesystem::path("lod") / ("static_mesh_" + std::to_string(level) + ".glb");
+}
+
+SceneManifest manifest_of(const Scene& scene) {
+  SceneManifest manifest;
+  manifest.recording = scene.recording;
+  manifest.voxel_size = scene.voxel_size;
+  for (const SceneObject& object : scene.objects) {
+    manifest.objects.push_back({.name = object.model.name,
+                                .mesh = object_file(object.model.name),
+                                .T_base_object = object.T_base_object,
+                                .T_base_object_start = object.T_base_object_start,
+                                .evidence = object.evidence,
+                                .position_sigma = object.position_sigma,
+                                .rotation_sigma = object.rotation_sigma,
+                                .refinement_translation = object.refinement_translation,
+                                .refinement_rotation = object.refinement_rotation,
+                                .mass = object.mass,
+                                .is_movable = object.is_movable});
+  }
+  manifest.support_planes = scene.support_planes;
+  manifest.levels_of_detail.push_back(kDisplayFile);
+  for (std::size_t level = 1; level < scene.levels_of_detail_base.size(); ++level) {
+    manifest.levels_of_detail.push_back(level_of_detail_file(level));
+  }
+  manifest.is_fixed_camera = scene.quality.is_fixed_camera;
+  manifest.quality = scene.quality;
+  manifest.quality.times.clear();
+  return manifest;
+}
+
+std::string format_scene_manifest(const SceneManifest& manifest) {
+  YAML::Emitter out;
+  out.SetDoublePrecision(std::numeric_limits<double>::digits10);
+  out << YAML::Comment(
+      "A scene in the robot's base frame (z up). Metres, radians, kilograms, pixels;\n"
+      "t: translation, q: rotation as qx qy qz qw; sigma: one standard deviation.");
+  out << YAML::BeginMap;
+  emit(out, "format", "pcavr-scene/1");
+  emit(out, "made_by", "pcavr " PCAVR_VERSION);
+  emit(out, "recording", manifest.recording);
+  emit(out, "camera", manifest.is_fixed_camera ? "fixed" : "moving");
+  emit(out, "voxel_size", manifest.voxel_size);
+  emit_files(out, manifest);
+  emit_section(out, "objects");
+  out << YAML::BeginSeq;
+  for (const SceneObjectEntry& object : manifest.objects) emit_object(out, object);
+  out << YAML::EndSeq;
+  emit_section(out, "support_planes");
+  out << YAML::BeginSeq;
+  for (const SupportPlane& plane : manifest.support_planes) emit_plane(out, plane);
+  out << YAML::EndSeq;
+  emit_quality(out, manifest.quality);
+  out << YAML::EndMap;
+  return std::string(out.c_str()) + '\n';
+}
+
+}  // namespace pcavr

@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+
+#include "recording/yaml_map.hpp"
+#include "scene_text.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr char kFormat[] = "pcavr-scene/1";
+constexpr double kUnitTolerance = 1e-3;  ///< of a quaternion's or a normal's length
+
+double not_negative(const YamlValue& value) {
+  const double number = value.number();
+  if (number < 0.0) value.fail("is below zero", "write a figure of at least 0");
+  return number;
+}
+
+Eigen::Vector3d vector_of(const YamlValue& value) {
+  const std::vector<double> numbers = value.numbers(3);
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+Pose pose_of(const YamlValue& value) {
+  value.expect_keys({"t", "q"});
+  const YamlValue rotation = value.at("q");
+  const std::vector<double> q = rotation.numbers(4);
+  const Eigen::Quaterniond quaternion(q[3], q[0], q[1], q[2]);
+  if (std::abs(quaternion.norm() - 1.0) > kUnitTolerance) {
+    rotation.fail("is no unit quaternion", "write qx qy qz qw with a length of 1");
+  }
+  return Pose(quaternion, vector_of(value.at("t")));
+}
+
+std::filesystem::path path_of(const YamlValue& value) {
+  const std::filesystem::path path = std::filesystem::path(value.text()).lexically_normal();
+  if (path.empty() || path.is_absolute() || *path.begin() == "..") {
+    value.fail("leaves the scene's folder", "write a path inside it");
+  }
+  return path;
+}
+
+struct PoseFigures {
+  double translation = 0.0;
+  double rotation = 0.0;
+};
+
+PoseFigures figures_of(const YamlValue& value) {
+  value.expect_keys({"translation", "rotation"});
+  return {not_negative(value.at("translation")), not_negative(value.at("rotation"))};
+}
+
+SceneObjectEntry object_of(const YamlValue& value) {
+  value.expect_keys(
+      {"name", "mesh", "movable", "mass", "pose", "start", "evidence", "sigma", "refinement"});
+  SceneObjectEntry object;
+  object.name = value.at("name").text();
+  object.mesh = path_of(value.at("mesh"));
+  object.is_movable = value.at("movable").boolean();
+  if (const auto mass = value.find("mass")) object.mass = mass->positive_number();
+  object.T_base_object = pose_of(value.at("pose"));
+  object.T_base_object_start = pose_of(value.at("start"));
+  object.evidence = value.at("evidence").text();
+  const PoseFigures sigma = figures_of(value.at("sigma"));
+  object.position_sigma = sigma.translation;
+  object.rotation_sigma = sigma.rotation;
+  const PoseFigures refinement = figures_of(value.at("refinement"));
+  object.refinement_translation = refinement.translation;
+  object.refinement_rotation = refinement.rotation;
+  return object;
+}
+
+SupportPlane plane_of(const YamlValue& value) {
+  value.expect_keys({"normal", "offset", "rms", "objects", "outline"});
+  SupportPlane plane;
+  const YamlValue normal = value.at("normal");
+  plane.plane_base.normal = vector_of(normal);
+  if (std::abs(plane.plane_base.normal.norm() - 1.0) > kUnitTolerance) {
+    normal.fail("is no unit vector", "write a direction with a length of 1");
+  }
+  plane.plane_base.offset = value.at("offset").number();
+  plane.rms = not_negative(value.at("rms"));
+  for (const YamlValue& name : value.at("objects").items()) plane.objects.push_back(name.text());
+  for (const YamlValue& corner : value.at("outline").items()) {
+    plane.outline_base.push_back(vector_of(corner));
+  }
+  return plane;
+}
+
+std::size_t count_of(const YamlValue& value) {
+  return static_cast<std::size_t>(value.integer(0, std::numeric_limits<int>::max()));
+}
+
+std::vector<std::pair<std::string, std::size_t>> counts_of(const YamlValue& value,
+                                                           const char* what) {
+  std::vector<std::pair<std::string, std::size_t>> counts;
+  for (const YamlValue& item : value.items()) {
+    item.expect_keys({what, "frames"});
+    counts.emplace_back(item.at(what).text(), count_of(item.at("frames")));
+  }
+  return counts;
+}
+
+SceneQuality quality_of(const YamlValue& value) {
+  value.expect_keys({"frames_recorded", "frames_used", "frames_dropped", "tags_seen",
+                     "tag_reprojection_rms", "tracking_rms", "camera_sigma", "surface_rms"});
+  SceneQuality quality;
+  quality.frames_recorded = count_of(value.at("frames_recorded"));
+  quality.frames_used = count_of(value.at("frames_used"));
+  quality.frames_dropped = counts_of(value.at("frames_dropped"), "reason");
+  quality.tags_seen = counts_of(value.at("tags_seen"), "tag");
+  quality.tag_reprojection_rms = not_negative(value.at("tag_reprojection_rms"));
+  quality.tracking_rms = not_negative(value.at("tracking_rms"));
+  const PoseFigures sigma = figures_of(value.at("camera_sigma"));
+  quality.camera_position_sigma = sigma.translation;
+  quality.camera_rotation_sigma = sigma.rotation;
+  quality.surface_rms = not_negative(value.at("surface_rms"));
+  return quality;
+}
+
+/// The names of the files are part of the format; only the levels of detail vary in number.
+std::vector<std::filesystem::path> levels_of(const YamlValue& files) {
+  const std::pair<const char*, const char*> names[] = {
+      {"display", kDisplayFile}, {"mesh", kMeshFile},
+      {"cloud", kCloudFile},     {"occupancy", kOccupancyFile},
+      {"preview", kPreviewFile}, {"camera_trajectory", kTrajectoryFile}};
+  files.expect_keys({"display", "mesh", "cloud", "occupancy", "camera_trajectory", "preview",
+                     "levels_of_detail"});
+  for (const auto& [key, name] : names) {
+    const YamlValue value = files.at(key);
+    if (value.text() != name) value.fail("is not " + std::string(name), "keep the file's name");
+  }
+  std::vector<std::filesystem::path> levels;
+  for (const YamlValue& level : files.at("levels_of_detail").items()) {
+    levels.push_back(path_of(level));
+  }
+  return levels;
+}
+
+SceneManifest manifest_of_yaml(const YamlValue& root) {
+  root.expect_keys({"format", "made_by", "recording", "camera", "voxel_size", "files", "objects",
+                    "support_planes", "quality"});
+  const YamlValue format = root.at("format");
+  if (format.text() != kFormat) {
+    format.fail("is '" + format.text() + "'", std::string("this version reads ") + kFormat);
+  }
+  SceneManifest manifest;
+  manifest.recording = root.at("recording").text();
+  const YamlValue camera = root.at("camera");
+  if (camera.text() != "fixed" && camera.text() != "moving") {
+    camera.fail("is '" + camera.text() + "'", "write fixed or moving");
+  }
+  manifest.is_fixed_camera = camera.text() == "fixed";
+  manifest.voxel_size = root.at("voxel_size").positive_number();
+  manifest.levels_of_detail = levels_of(root.at("files"));
+  for (const YamlValue& object : root.at("objects").items()) {
+    manifest.objects.push_back(object_of(object));
+  }
+  for (const YamlValue& plane : root.at("support_planes").items()) {
+    manifest.support_planes.push_back(plane_of(plane));
+  }
+  manifest.quality = quality_of(root.at("quality"));
+  manifest.quality.is_fixed_camera = manifest.is_fixed_camera;
+  return manifest;
+}
+
+}  // namespace
+
+Expected<SceneManifest> parse_scene_manifest(const std::string& text, const std::string& file) {
+  try {
+    return manifest_of_yaml(YamlValue(YAML::Load(text), ""));
+  } catch (const YamlFailure& failure) {
+    Error error = failure.error;
+    error.file = file;
+    return error;
+  } catch (const YAML::Exception& exception) {
+    return Error{.message = "is not YAML: " + exception.msg,
+                 .file = file,
+                 .line = exception.mark.line + 1,
+                 .mend = "correct the line, mind the indentation"};
+  }
+}
+
+}  // namespace pcavr
