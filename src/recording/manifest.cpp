@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "recording/camera_keys.hpp"
 #include "recording/manifest_parser.hpp"
 #include "recording/time_series.hpp"
 #include "recording/yaml_map.hpp"
@@ -12,9 +13,6 @@ namespace pcavr {
 namespace {
 
 constexpr char kFormat[] = "pcavr-recording/1";
-/// Images larger than this in one direction can't be JPEG files [ITU-T T.81, B.2.2: 16 bits].
-constexpr int kLargestSide = 65500;
-
 Pose pose_of(const YamlValue& value) {
   value.expect_keys({"t", "q"});
   const std::vector<double> t = value.at("t").numbers(3);
@@ -39,18 +37,7 @@ std::filesystem::path path_of(const YamlValue& value, const std::filesystem::pat
 
 void read_camera(const YamlValue& value, Manifest& manifest) {
   value.expect_keys({"width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale"});
-  CameraModel camera;
-  camera.width = value.at("width").integer(1, kLargestSide);
-  camera.height = value.at("height").integer(1, kLargestSide);
-  camera.fx = value.at("fx").positive_number();
-  camera.fy = value.at("fy").positive_number();
-  camera.cx = value.at("cx").number();
-  camera.cy = value.at("cy").number();
-  if (const std::optional<YamlValue> distortion = value.find("distortion")) {
-    const std::vector<double> numbers = distortion->numbers(camera.distortion.size());
-    std::copy(numbers.begin(), numbers.end(), camera.distortion.begin());
-  }
-  manifest.camera = camera;
+  manifest.camera = camera_of(value);
   manifest.depth_scale = value.at("depth_scale").positive_number();
 }
 
@@ -151,18 +138,8 @@ Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folde
 
 Expected<Manifest> parse_manifest(const std::string& text, const std::string& file,
                                   const std::filesystem::path& folder) {
-  try {
-    return read_manifest(YamlValue(YAML::Load(text), ""), folder);
-  } catch (const YamlFailure& failure) {
-    Error error = failure.error;
-    error.file = file;
-    return error;
-  } catch (const YAML::Exception& exception) {
-    return Error{.message = "is not YAML: " + exception.msg,
-                 .file = file,
-                 .line = exception.mark.line + 1,
-                 .mend = "correct the line, mind the indentation"};
-  }
+  return parse_yaml<Manifest>(text, file,
+                              [&](const YamlValue& root) { return read_manifest(root, folder); });
 }
 
 Expected<Manifest> parse_manifest(const std::string& text, const std::string& file) {

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include <limits>
-
 #include <yaml-cpp/yaml.h>
 
 #include "pcavr/recording/manifest.hpp"
+
+#include "recording/recording_text.hpp"
 
 namespace pcavr {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 template <typename Numbers>
 void emit_list(YAML::Emitter& out, const Numbers& numbers) {
   out << YAML::Flow << YAML::BeginSeq;
-  for (const double number : numbers) out << number;
+  for (const double number : numbers) out << shortest_decimal(number);
   out << YAML::EndSeq;
 }
 
@@ -28,6 +28,10 @@ void emit_pose(YAML::Emitter& out, const Pose& pose) {
 template <typename Value>
 void emit(YAML::Emitter& out, const char* key, const Value& value) {
   out << YAML::Key << key << YAML::Value << value;
+}
+
+void emit(YAML::Emitter& out, const char* key, double number) {
+  emit(out, key, shortest_decimal(number));
 }
 
 void emit_camera(YAML::Emitter& out, const CameraModel& camera, double depth_scale) {
@@ -80,7 +84,6 @@ void emit_sequence(YAML::Emitter& out, const char* key, const Entries& entries,
 
 std::string format_manifest(const Manifest& manifest) {
   YAML::Emitter out;
-  out.SetDoublePrecision(std::numeric_limits<double>::max_digits10);
   out << YAML::BeginMap;
   emit(out, "format", "pcavr-recording/1");
   if (manifest.camera) emit_camera(out, *manifest.camera, manifest.depth_scale);

@@ -15,11 +15,12 @@ namespace pcavr {
 /// A PNG file [ISO/IEC 15948:2004], inflated. Only what cameras write is read: 8 or 16 bits, no
 /// palette, not interlaced. Inflating with libdeflate makes it three times as fast as libpng.
 struct PngImage {
-  int width = 0;                   ///< [px]
-  int height = 0;                  ///< [px]
-  int bit_depth = 0;               ///< 8 or 16
-  int channels = 0;                ///< 1 gray, 2 gray and alpha, 3 colour, 4 colour and alpha
-  std::vector<std::uint8_t> rows;  ///< each a byte without meaning, then its pixels, big-endian
+  int width = 0;      ///< [px]
+  int height = 0;     ///< [px]
+  int bit_depth = 0;  ///< 8 or 16
+  int channels = 0;   ///< 1 gray, 2 gray and alpha, 3 colour, 4 colour and alpha
+  std::vector<std::uint8_t> rows =
+      {};  ///< each its filter's number, 0 if none, then pixels, big-endian
 
   [[nodiscard]] std::size_t pixel_size() const {
     return static_cast<std::size_t>(bit_depth / 8 * channels);
@@ -36,13 +37,12 @@ struct PngImage {
 /// What the header promises, without `rows`. Errors have neither file nor mend.
 [[nodiscard]] Expected<PngImage> decode_png_header(std::string_view bytes);
 
-/// The whole image into `image`, whose memory is used again: fresh memory costs more time than
-/// inflating. Checksums are checked. Memory in proportion to the header's size: check that first.
-/// Errors have neither file nor mend, and leave `image` without meaning.
+/// The whole image into `image`, without filters, whose memory is used again: fresh memory costs
+/// more time than inflating. Checksums are checked. Memory in proportion to the header's size:
+/// check that first. Errors have neither file nor mend, and leave `image` without meaning.
 [[nodiscard]] Expected<void> decode_png(std::string_view bytes, PngImage& image);
 
-/// A file with one channel of 16 bits from big-endian pixels.
-[[nodiscard]] std::string encode_gray16_png(int width, int height,
-                                            std::string_view big_endian_pixels);
+/// The file of an image whose rows hold the filters that they name (0: plain pixels).
+[[nodiscard]] std::string encode_png(const PngImage& image);
 
 }  // namespace pcavr

@@ -11,7 +11,6 @@
 namespace pcavr {
 namespace {
 
-/// The shortest decimal that reads back to the same number.
 template <typename Number>
 void append_number(std::string& text, Number number) {
   char buffer[32];
@@ -51,6 +50,12 @@ void append_vectors(std::string& text, const char* keyword,
 }
 
 }  // namespace
+
+std::string shortest_decimal(double number) {
+  std::string text;
+  append_number(text, number);
+  return text;
+}
 
 std::string format_file_stamp(Stamp stamp) {
   return format_stamp(stamp, stamp.nanoseconds % 1000 == 0 ? 6 : 9);

@@ -10,6 +10,8 @@
 
 namespace pcavr {
 
+/// The shortest decimal that reads back to the same number.
+[[nodiscard]] std::string shortest_decimal(double number);
 /// A stamp for lists and file names: six decimals, or nine where six would round it.
 [[nodiscard]] std::string format_file_stamp(Stamp stamp);
 /// The texts of a recording's files, which the parsers read back to the same values.

@@ -91,6 +91,7 @@ YamlValue YamlValue::at(const std::string& key) const {
 }
 
 std::optional<YamlValue> YamlValue::find(const std::string& key) const {
+  if (!node_.IsMap()) fail("is not a map of keys", "write 'key: value' lines");
   const YAML::Node value = node_[key];
   if (!value || value.IsNull()) return std::nullopt;
   return YamlValue(value, place_.empty() ? key : place_ + "." + key);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <yaml-cpp/yaml.h>
@@ -47,5 +48,23 @@ class YamlValue {
   YAML::Node node_;
   std::string place_;
 };
+
+/// What `read` makes of the YAML text's root; its faults, and those of the syntax, as Errors.
+template <typename Result, typename Read>
+[[nodiscard]] Expected<Result> parse_yaml(const std::string& text, const std::string& file,
+                                          Read read) {
+  try {
+    return read(YamlValue(YAML::Load(text), ""));
+  } catch (const YamlFailure& failure) {
+    Error error = failure.error;
+    error.file = file;
+    return error;
+  } catch (const YAML::Exception& exception) {
+    return Error{.message = "is not YAML: " + exception.msg,
+                 .file = file,
+                 .line = exception.mark.line + 1,
+                 .mend = "correct the line, mind the indentation"};
+  }
+}
 
 }  // namespace pcavr
