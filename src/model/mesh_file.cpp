@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <exception>
+#include <fstream>
 
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
@@ -15,6 +16,7 @@
 #include "pcavr/model/cad_model.hpp"
 
 #include "model/mesh_repair.hpp"
+#include "model/polygon.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;
@@ -22,17 +24,19 @@ namespace {
 
 /// How the types that are read differ.
 struct MeshType {
-  bool has_vertex_normals;  ///< an STL's belong to its faces
-  bool has_linear_colors;   ///< COLOR_0 of glTF 2.0 is linear, the others' colours are sRGB
+  bool has_vertex_normals = true;  ///< an STL's belong to its faces
+  bool is_ply = false;
+  bool has_linear_colors = false;  ///< COLOR_0 of glTF 2.0 is linear, the others' colours are sRGB
 };
 
 std::optional<MeshType> mesh_type(const fs::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension == ".obj" || extension == ".ply") return MeshType{true, false};
-  if (extension == ".stl") return MeshType{false, false};
-  if (extension == ".glb" || extension == ".gltf") return MeshType{true, true};
+  if (extension == ".obj") return MeshType{};
+  if (extension == ".ply") return MeshType{.is_ply = true};
+  if (extension == ".stl") return MeshType{.has_vertex_normals = false};
+  if (extension == ".glb" || extension == ".gltf") return MeshType{.has_linear_colors = true};
   return std::nullopt;
 }
 
@@ -69,11 +73,10 @@ void append(const aiMesh& part, const aiMatrix4x4& T_file_part, const MeshType& 
   const bool is_mirrored = T_file_part.Determinant() < 0.0F;
   for (unsigned i = 0; i < part.mNumFaces; ++i) {
     const aiFace& face = part.mFaces[i];
-    if (face.mNumIndices != 3) continue;  // points and lines
-    std::array<std::uint32_t, 3> triangle{first + face.mIndices[0], first + face.mIndices[1],
-                                          first + face.mIndices[2]};
-    if (is_mirrored) std::swap(triangle[1], triangle[2]);
-    mesh.triangles.push_back(triangle);
+    std::vector<std::uint32_t> polygon;
+    for (unsigned k = 0; k < face.mNumIndices; ++k) polygon.push_back(first + face.mIndices[k]);
+    if (is_mirrored) std::reverse(polygon.begin(), polygon.end());
+    append_polygon(std::move(polygon), mesh);
   }
 }
 
@@ -109,12 +112,24 @@ Error not_a_mesh(const fs::path& file, const std::string& reason) {
 /// assimp's words are long, may hold line breaks, and repeat the path.
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
+/// assimp 5.2 never comes back from a PLY whose header does not end.
+bool has_whole_ply_header(const fs::path& file) {
+  constexpr std::size_t kLongestHeader = 64 * 1024;
+  std::string start(kLongestHeader, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(stream.gcount()));
+  const std::size_t end = start.find("\nend_header");
+  return start.starts_with("ply") && end != std::string::npos &&
+         start.find('\n', end + 1) != std::string::npos;
+}
+
 Expected<TriangleMesh> read_with_assimp(const fs::path& file, const MeshType& type) {
   try {
     Assimp::Importer importer;
-    // Coordinates as stored: no unit scaling, no axis conversion, only polygons cut up.
-    const aiScene* scene =
-        importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_ValidateDataStructure);
+    // Coordinates as stored: no unit scaling, no axis conversion. Polygons are not cut up by
+    // assimp, which ends the process where they are malformed.
+    const aiScene* scene = importer.ReadFile(file.string(), aiProcess_ValidateDataStructure);
     if (scene == nullptr) return not_a_mesh(file, first_line(importer.GetErrorString()));
     if (scene->mRootNode == nullptr) return not_a_mesh(file, "it holds nothing");
     return flatten(*scene, type);
@@ -138,6 +153,7 @@ Expected<TriangleMesh> import_mesh(const fs::path& file) {
                  .file = file.string(),
                  .mend = "put it there, or correct the path that names it"};
   }
+  if (type->is_ply && !has_whole_ply_header(file)) return not_a_mesh(file, "its header has no end");
   Expected<TriangleMesh> mesh = read_with_assimp(file, *type);
   if (!mesh) return mesh;
   if (mesh->triangles.empty()) return not_a_mesh(file, "it holds no triangles");
