@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "pcavr/geometry/mesh.hpp"
+
+namespace pcavr {
+
+/// Convex outline of the points' projections onto a plane that is not upright: counter-clockwise
+/// from above, corners that matter less than 2 mm left out.
+[[nodiscard]] std::vector<Eigen::Vector3d> convex_outline(
+    const std::vector<Eigen::Vector3d>& points, const Plane& plane);
+
+/// Whether a point lies straight above (or below) the inside of an outline.
+[[nodiscard]] bool is_above_outline(const std::vector<Eigen::Vector3d>& outline,
+                                    const Eigen::Vector3d& point);
+
+}  // namespace pcavr

@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pcavr/geometry/mesh.hpp"
+
+namespace pcavr {
+
+/// The plane that explains the most points within `distance` [m], with an upward normal whose z is
+/// at least `least_upward` (PCL's RANSAC with its fixed seed: the same points give the same plane).
+[[nodiscard]] std::optional<Plane> ransac_plane(const std::vector<Eigen::Vector3d>& points,
+                                                double distance, double least_upward);
+
+}  // namespace pcavr
