@@ -19,21 +19,21 @@ std::uint8_t edge_between(int a, int b) {
   return 12;
 }
 
-/// The corners of the six faces, counter-clockwise seen from outside the cube.
+/// The corners of the six faces, clockwise seen from outside the cube.
 std::array<std::array<int, 4>, 6> cube_faces() {
   std::array<std::array<int, 4>, 6> faces{};
   for (int axis = 0; axis < 3; ++axis) {
     const int n = 1 << axis;
     const int a = 1 << ((axis + 1) % 3);
     const int b = 1 << ((axis + 2) % 3);
-    faces[static_cast<std::size_t>(2 * axis)] = {n, n | a, n | a | b, n | b};
-    faces[static_cast<std::size_t>(2 * axis + 1)] = {0, b, a | b, a};
+    faces[static_cast<std::size_t>(2 * axis)] = {n, n | b, n | a | b, n | a};
+    faces[static_cast<std::size_t>(2 * axis + 1)] = {0, a, a | b, b};
   }
   return faces;
 }
 
 /// For each crossed edge the next one along the border of the inside region. Walking around a face
-/// counter-clockwise, the surface's border on it runs from where the walk leaves the inside to
+/// clockwise, the surface's border on it runs from where the walk leaves the inside to
 /// where it last entered: each inside run of corners is closed off by itself.
 std::array<std::optional<std::uint8_t>, 12> successors(int inside) {
   std::array<std::optional<std::uint8_t>, 12> next;

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <vector>
 
+#include "reconstruction/mesh_compaction.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -39,26 +41,6 @@ double area_of(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t) 
   return 0.5 * static_cast<double>(ab.cross(ac).norm());
 }
 
-/// Keeps the vertices that `is_kept` marks, in order, and renumbers the triangles.
-void keep_vertices(TriangleMesh& mesh, const std::vector<bool>& is_kept) {
-  std::vector<std::uint32_t> number(mesh.vertices.size());
-  std::uint32_t next = 0;
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (!is_kept[v]) continue;
-    number[v] = next;
-    mesh.vertices[next] = mesh.vertices[v];
-    if (!mesh.normals.empty()) mesh.normals[next] = mesh.normals[v];
-    if (!mesh.colors.empty()) mesh.colors[next] = mesh.colors[v];
-    ++next;
-  }
-  mesh.vertices.resize(next);
-  if (!mesh.normals.empty()) mesh.normals.resize(next);
-  if (!mesh.colors.empty()) mesh.colors.resize(next);
-  for (auto& triangle : mesh.triangles) {
-    for (std::uint32_t& v : triangle) v = number[v];
-  }
-}
-
 }  // namespace
 
 std::size_t remove_small_islands(TriangleMesh& mesh, double smallest_area) {
@@ -73,15 +55,13 @@ std::size_t remove_small_islands(TriangleMesh& mesh, double smallest_area) {
     area[sets.find(t[0])] += area_of(mesh, t);
     has_triangle[sets.find(t[0])] = true;
   }
-  std::vector<bool> is_kept(mesh.vertices.size());
   std::size_t dropped = 0;
-  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-    const std::uint32_t leader = sets.find(v);
-    is_kept[v] = area[leader] >= smallest_area && has_triangle[leader];
-    dropped += v == leader && has_triangle[v] && !is_kept[v] ? 1 : 0;
+  for (std::size_t v = 0; v < area.size(); ++v) {
+    dropped += has_triangle[v] && area[v] < smallest_area ? 1 : 0;
   }
-  std::erase_if(mesh.triangles, [&](const auto& t) { return !is_kept[t[0]]; });
-  keep_vertices(mesh, is_kept);
+  std::erase_if(mesh.triangles,
+                [&](const auto& t) { return area[sets.find(t[0])] < smallest_area; });
+  keep_used_vertices(mesh);
   return dropped;
 }
 
