@@ -37,15 +37,20 @@ bool is_finite(const TagDetection& detection) {
                      [](const Eigen::Vector2d& corner) { return corner.allFinite(); });
 }
 
+double sigma_of(const TagDetection& detection, const BodyPoseOptions& options) {
+  const double own = detection.corner_sigma > 0.0 ? detection.corner_sigma : options.corner_sigma;
+  return std::hypot(own, options.model_sigma);
+}
+
 BodyPoseProblem pose_problem(const std::vector<TagPlacement>& placements,
                              const std::vector<TagDetection>& detections, const CameraModel& camera,
                              const BodyPoseHints& hints, const BodyPoseOptions& options) {
-  BodyPoseProblem problem{camera, options.corner_sigma, {}};
+  BodyPoseProblem problem{camera, {}};
   for (const TagDetection& detection : detections) {
     const TagPlacement* placement = find_placement(placements, detection.id);
     if (placement == nullptr || !is_finite(detection)) continue;
     SeenTag tag{placement->T_body_marker, placement->size, tag_corners(placement->size),
-                detection.corners};
+                detection.corners, sigma_of(detection, options)};
     for (Eigen::Vector3d& corner : tag.corners_body) corner = tag.T_body_marker * corner;
     problem.tags.push_back(tag);
   }
@@ -92,11 +97,21 @@ struct Hypothesis {
 
 /// The cost over all tags; one that contradicts costs the same however far off it is.
 double cost_of_all(const BodyPoseProblem& problem, const Pose& pose, const BodyPoseHints& hints) {
-  const double share = kContradiction / problem.corner_sigma;
-  const double most = 4.0 * share * share;
   double cost = continuity_cost(pose, hints);
-  for (const SeenTag& tag : problem.tags) cost += std::min(tag_cost(problem, tag, pose), most);
+  for (const SeenTag& tag : problem.tags) {
+    cost += std::min(tag_cost(problem, tag, pose), 4.0 * huber(kContradiction / tag.sigma));
+  }
   return cost;
+}
+
+/// How much larger the squared residuals are than their deviations say: 1 where the model holds,
+/// more where the lens, the print or the placements are off.
+double misfit(const BodyPoseProblem& problem, const RefinedPose& refined) {
+  int residuals = 0;
+  for (const SeenTag& tag : problem.tags) {
+    if (tag.is_used) residuals += tag.plane ? 11 : 8;
+  }
+  return std::max(1.0, refined.cost / std::max(1, residuals - 6));
 }
 
 std::vector<Hypothesis> refined_hypotheses(const BodyPoseProblem& problem,
@@ -154,6 +169,7 @@ BodyPose solve_body_pose(const std::vector<TagPlacement>& placements,
                          const std::vector<TagDetection>& detections, const CameraModel& camera,
                          const BodyPoseHints& hints, const BodyPoseOptions& options) {
   PCAVR_REQUIRE(options.corner_sigma > 0.0, options.corner_sigma);
+  PCAVR_REQUIRE(options.model_sigma >= 0.0, options.model_sigma);
   BodyPoseProblem problem = pose_problem(placements, detections, camera, hints, options);
   BodyPose result;
   if (problem.tags.empty()) return result;
@@ -166,14 +182,15 @@ BodyPose solve_body_pose(const std::vector<TagPlacement>& placements,
   result.pose = candidate(best);
   result.tags_used = mark_used(problem, best.refined.T_camera_body);
   result.tags_rejected = static_cast<int>(problem.tags.size()) - result.tags_used;
-  result.covariance = best.refined.information.ldlt().solve(Matrix6d::Identity());
+  const double scale = misfit(problem, best.refined);
+  result.covariance = best.refined.information.ldlt().solve(Matrix6d::Identity()) * scale;
   for (const Hypothesis& other : hypotheses) {
     if (rotation_distance(best.refined.T_camera_body, other.refined.T_camera_body) <
         kSameRotation) {
       continue;
     }
     result.alternative = candidate(other);
-    if (other.cost - best.cost < kDecisiveCost) result.status = BodyPoseStatus::ambiguous;
+    if (other.cost - best.cost < kDecisiveCost * scale) result.status = BodyPoseStatus::ambiguous;
     break;
   }
   if (result.tags_used == 0) result.status = BodyPoseStatus::failed;

@@ -20,7 +20,6 @@ constexpr int kMostIterations = 30;
 /// Nearer than this a camera sees no tag [m].
 constexpr double kNearest = 1e-3;
 
-double huber(double size) { return size <= kHuber ? size * size : kHuber * (2.0 * size - kHuber); }
 double huber_weight(double size) { return size <= kHuber ? 1.0 : kHuber / size; }
 
 /// d(pixel)/d(p_camera), by central differences of the lens model on z = 1.
@@ -73,9 +72,8 @@ void add_tag(const BodyPoseProblem& problem, const SeenTag& tag, const Pose& T_c
     Eigen::Matrix<double, 3, 6> point_change;
     point_change << R_camera_body, -R_camera_body * skew(tag.corners_body[i]);
     const CornerJacobian jacobian =
-        projection_jacobian(problem.camera, p_camera) * point_change / problem.corner_sigma;
-    const Eigen::Vector2d residual =
-        (problem.camera.project(p_camera) - tag.pixels[i]) / problem.corner_sigma;
+        projection_jacobian(problem.camera, p_camera) * point_change / tag.sigma;
+    const Eigen::Vector2d residual = (problem.camera.project(p_camera) - tag.pixels[i]) / tag.sigma;
     const double weight = huber_weight(residual.norm());
     equations.left += weight * jacobian.transpose() * jacobian;
     equations.right += weight * jacobian.transpose() * residual;
@@ -121,6 +119,8 @@ double used_corner_rms(const BodyPoseProblem& problem, const Pose& T_camera_body
 
 }  // namespace
 
+double huber(double size) { return size <= kHuber ? size * size : kHuber * (2.0 * size - kHuber); }
+
 double corner_rms(const BodyPoseProblem& problem, const SeenTag& tag, const Pose& T_camera_body) {
   double sum = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -136,7 +136,7 @@ double tag_cost(const BodyPoseProblem& problem, const SeenTag& tag, const Pose& 
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d p_camera = T_camera_body * tag.corners_body[i];
     if (p_camera.z() < kNearest) return std::numeric_limits<double>::infinity();
-    cost += huber((problem.camera.project(p_camera) - tag.pixels[i]).norm() / problem.corner_sigma);
+    cost += huber((problem.camera.project(p_camera) - tag.pixels[i]).norm() / tag.sigma);
   }
   if (tag.plane) {
     const Eigen::Vector3d difference = predict_plane(T_camera_body, tag) - tag.plane->m;

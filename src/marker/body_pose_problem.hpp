@@ -21,13 +21,13 @@ struct SeenTag {
   double size = 0.0;                            ///< [m]
   std::array<Eigen::Vector3d, 4> corners_body;  ///< [m]
   std::array<Eigen::Vector2d, 4> pixels;        ///< [px]
+  double sigma = 0.0;                           ///< of one coordinate of a pixel [px]
   std::optional<PlaneMeasurement> plane = {};
   bool is_used = true;
 };
 
 struct BodyPoseProblem {
   CameraModel camera;
-  double corner_sigma = 0.0;  ///< [px]
   std::vector<SeenTag> tags;
 };
 
@@ -38,6 +38,9 @@ struct RefinedPose {
   double pixel_rms = 0.0;  ///< [px] of the used tags' corners, per corner
   Matrix6d information = Matrix6d::Zero();  ///< of [v; w] in body axes
 };
+
+/// Huber's loss of a residual of `size` deviations: its square up to 2, then linear.
+[[nodiscard]] double huber(double size);
 
 /// Root mean square distance of the corners of one tag from where the pose puts them [px];
 /// infinite where it puts them behind the camera.

@@ -52,8 +52,8 @@ class AprilTagFinder final : public QuadFinder {
 
   std::vector<TagDetection> find(const GrayImage& image, const Region& region) override {
     // The library takes a plain pointer but does not write to the picture.
-    auto* pixels = const_cast<std::uint8_t*>(&image(region.x, region.y));
-    image_u8_t view{region.width, region.height, image.width(), pixels};
+    auto* pixels = const_cast<std::uint8_t*>(&image(region.left, region.top));
+    image_u8_t view{region.width(), region.height(), image.width(), pixels};
     const std::unique_ptr<zarray_t, DetectionsDeleter> found(
         apriltag_detector_detect(detector_.get(), &view));
     std::vector<TagDetection> detections;
@@ -64,8 +64,8 @@ class AprilTagFinder final : public QuadFinder {
       detection.id = {one->family->name, one->id};
       detection.hamming = one->hamming;
       detection.decision_margin = static_cast<double>(one->decision_margin);
-      const Eigen::Vector2d origin(region.x - kAprilTagPixelOffset,
-                                   region.y - kAprilTagPixelOffset);
+      const Eigen::Vector2d origin(region.left - kAprilTagPixelOffset,
+                                   region.top - kAprilTagPixelOffset);
       for (std::size_t k = 0; k < 4; ++k) {
         detection.corners[k] = project(*one->H, kHalfTurnAboutX[k]) + origin;
       }
@@ -88,8 +88,8 @@ class ArucoFinder final : public QuadFinder {
         parameters_(cv::aruco::DetectorParameters::create()) {}
 
   std::vector<TagDetection> find(const GrayImage& image, const Region& region) override {
-    auto* pixels = const_cast<std::uint8_t*>(&image(region.x, region.y));
-    const cv::Mat view(region.height, region.width, CV_8UC1, pixels,
+    auto* pixels = const_cast<std::uint8_t*>(&image(region.left, region.top));
+    const cv::Mat view(region.height(), region.width(), CV_8UC1, pixels,
                        static_cast<std::size_t>(image.width()));
     std::vector<std::vector<cv::Point2f>> corners;
     std::vector<int> ids;
@@ -101,8 +101,8 @@ class ArucoFinder final : public QuadFinder {
       for (std::size_t k = 0; k < 4; ++k) {
         // OpenCV begins top left and goes clockwise; we begin bottom left, counter-clockwise.
         const cv::Point2f& corner = corners[i][3 - k];
-        detection.corners[k] = {static_cast<double>(corner.x) + region.x,
-                                static_cast<double>(corner.y) + region.y};
+        detection.corners[k] = {static_cast<double>(corner.x) + region.left,
+                                static_cast<double>(corner.y) + region.top};
       }
       const Expected<TagPicture> picture = tag_picture(family_, ids[i]);
       const BitReading reading = read_bits(image, *picture, detection.corners);

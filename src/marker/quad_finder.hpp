@@ -9,24 +9,16 @@
 #include "pcavr/core/expected.hpp"
 #include "pcavr/marker/tag_detector.hpp"
 
+#include "marker/region.hpp"
+
 namespace pcavr {
-
-/// A rectangle of pixels: [x, x + width) by [y, y + height).
-struct Region {
-  int x = 0;
-  int y = 0;
-  int width = 0;
-  int height = 0;
-
-  [[nodiscard]] long area() const { return static_cast<long>(width) * height; }
-};
 
 /// Finds and reads tags in a part of an image: a wrapper of one library. Corners are as good as
 /// the library's; they come in pcavr's order and pixel convention. Not thread-safe.
 class QuadFinder {
  public:
   virtual ~QuadFinder() = default;
-  /// `region` lies inside the image; x and y are multiples of 8.
+  /// `region` lies inside the image; its left and top are multiples of 8.
   [[nodiscard]] virtual std::vector<TagDetection> find(const GrayImage& image,
                                                        const Region& region) = 0;
 };

@@ -58,7 +58,10 @@ struct BodyPoseHints {
 };
 
 struct BodyPoseOptions {
-  double corner_sigma = 0.15;  ///< [px], of one corner coordinate; sets the covariance's scale
+  double corner_sigma = 0.15;  ///< [px], of a corner coordinate whose detection does not say; > 0
+  /// [px], what comes on top of it: the lens model's error, paper that is not flat; >= 0. Where the
+  /// residuals turn out larger than both say, the covariance is scaled up by them.
+  double model_sigma = 0.03;
 };
 
 /// The pose of a rigid body from all of its tags at once. Both planar solutions [Collins & Bartoli
