@@ -19,4 +19,8 @@ struct MatchedPose {
 [[nodiscard]] std::vector<MatchedPose> match(const Trajectory& reference,
                                              const Trajectory& estimate, Duration longest_gap);
 
+/// The reference's pose at `stamp`, however long the gap, or at its end where the stamp lies beyond
+/// it. The reference is not empty.
+[[nodiscard]] Pose pose_near(const Trajectory& reference, Stamp stamp);
+
 }  // namespace pcavr

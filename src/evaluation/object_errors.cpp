@@ -11,13 +11,6 @@
 namespace pcavr {
 namespace {
 
-/// The reference at `stamp`, or at its end where the stamp lies beyond it.
-Pose pose_near(const Trajectory& reference, Stamp stamp) {
-  const std::vector<TimedPose>& poses = reference.poses();
-  const Stamp inside = std::clamp(stamp, poses.front().stamp, poses.back().stamp);
-  return *reference.at(inside, Duration::max());
-}
-
 /// Of the fastest vertex, over the span around `stamp` [m/s].
 double speed_at(const Trajectory& reference, const std::vector<Eigen::Vector3f>& vertices_object,
                 Stamp stamp, Duration span) {

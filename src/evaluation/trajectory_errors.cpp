@@ -71,16 +71,6 @@ std::optional<std::size_t> one_step_later(const std::vector<MatchedPose>& matche
 
 }  // namespace
 
-std::vector<MatchedPose> match(const Trajectory& reference, const Trajectory& estimate,
-                               Duration longest_gap) {
-  std::vector<MatchedPose> matched;
-  for (const TimedPose& timed : estimate.poses()) {
-    const std::optional<Pose> truth = reference.at(timed.stamp, longest_gap);
-    if (truth) matched.push_back({timed.stamp, *truth, timed.pose});
-  }
-  return matched;
-}
-
 double quantile(const std::vector<double>& ascending, double share) {
   PCAVR_REQUIRE(!ascending.empty());
   PCAVR_REQUIRE(share >= 0.0 && share <= 1.0, share);

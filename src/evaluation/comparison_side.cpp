@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "comparison_side.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <yaml-cpp/yaml.h>
+
+#include "pcavr/core/output.hpp"
+#include "pcavr/model/cad_model.hpp"
+#include "pcavr/recording/recording.hpp"
+#include "pcavr/scene/scene_bundle.hpp"
+
+namespace pcavr {
+namespace fs = std::filesystem;
+namespace {
+
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+/// What is in a folder, by name; nothing where there is no such folder.
+std::vector<fs::path> entries_of(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code code;
+  for (fs::directory_iterator entry(folder, code), end; !code && entry != end;
+       entry.increment(code)) {
+    entries.push_back(entry->path());
+  }
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+/// Fills `trajectory` if the file is there.
+Expected<void> read_if_there(const fs::path& file, Trajectory& trajectory) {
+  if (!is_there(file)) return {};
+  Expected<Trajectory> read = read_trajectory(file);
+  if (!read) return read.error();
+  trajectory = std::move(read).value();
+  return {};
+}
+
+/// Adds the object's trajectory if the file is there, and holds a pose: an object that never showed
+/// has none.
+Expected<void> add_object(const std::string& name, const fs::path& file,
+                          std::map<std::string, Trajectory>& objects) {
+  Trajectory trajectory;
+  const Expected<void> done = read_if_there(file, trajectory);
+  if (done && !trajectory.empty()) objects.emplace(name, std::move(trajectory));
+  return done;
+}
+
+/// Fills the side's static surface if the file is there.
+Expected<void> read_surface(const fs::path& file, ComparisonSide& side) {
+  if (!is_there(file)) return {};
+  Expected<TriangleMesh> mesh = read_mesh(file);
+  if (!mesh) return mesh.error();
+  if (mesh->triangles.empty()) {
+    return Error{.message = "holds no triangle", .file = file.string(), .mend = "make it again"};
+  }
+  side.surface_base = std::move(mesh).value();
+  return {};
+}
+
+/// A recording as a scene or a run names it: from where the command was given, or from its folder.
+fs::path find_recording(const fs::path& named, const fs::path& folder) {
+  for (const fs::path& candidate : {named, folder / named}) {
+    if (!named.empty() && is_there(candidate / "recording.yaml")) return candidate;
+  }
+  return {};
+}
+
+Expected<ComparisonSide> read_truth(ComparisonSide side) {
+  const fs::path recording = fs::absolute(side.folder).lexically_normal() / "..";
+  if (is_there(recording / "recording.yaml")) side.recording = recording.lexically_normal();
+  Expected<void> done = read_if_there(side.folder / "camera.txt", side.camera);
+  if (!done) return done.error();
+  for (const fs::path& file : entries_of(side.folder / "objects")) {
+    if (file.extension() != ".txt") continue;
+    done = add_object(file.stem().string(), file, side.tracked);
+    if (!done) return done.error();
+  }
+  done = read_surface(side.folder / "scene.ply", side);
+  if (!done) return done.error();
+  return side;
+}
+
+Expected<ComparisonSide> read_scene(ComparisonSide side) {
+  const Expected<SceneManifest> manifest = read_scene_manifest(side.folder);
+  if (!manifest) return manifest.error();
+  side.recording = find_recording(manifest->recording, side.folder);
+  for (const SceneObjectEntry& object : manifest->objects) {
+    if (object.evidence == "not_seen") continue;  // its pose says nothing
+    side.placed[object.name] = {object.T_base_object_start, object.T_base_object};
+    side.object_meshes[object.name] = side.folder / object.mesh;
+  }
+  Expected<void> done = read_if_there(side.folder / "camera_trajectory.txt", side.camera);
+  if (!done) return done.error();
+  done = read_surface(side.folder / "mesh.ply", side);
+  if (!done) return done.error();
+  return side;
+}
+
+/// The recording that a run.yaml names.
+Expected<fs::path> recording_of_run(const fs::path& file, const fs::path& folder) {
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  try {
+    const YAML::Node recording = YAML::Load(*text)["recording"];
+    return recording ? find_recording(recording.as<std::string>(), folder) : fs::path();
+  } catch (const YAML::Exception& error) {
+    return Error{.message = error.msg,
+                 .file = file.string(),
+                 .line = error.mark.line + 1,
+                 .mend = "replay the recording again"};
+  }
+}
+
+Expected<ComparisonSide> read_run(ComparisonSide side) {
+  Expected<fs::path> recording = recording_of_run(side.folder / "run.yaml", side.folder);
+  if (!recording) return recording.error();
+  side.recording = std::move(recording).value();
+  Expected<void> done = read_if_there(side.folder / "camera_trajectory.txt", side.camera);
+  if (!done) return done.error();
+  for (const fs::path& object : entries_of(side.folder / "objects")) {
+    const std::string name = object.filename().string();
+    done = add_object(name, object / "tracked.txt", side.tracked);
+    if (!done) return done.error();
+    done = add_object(name, object / "predicted.txt", side.predicted);
+    if (!done) return done.error();
+  }
+  return side;
+}
+
+}  // namespace
+
+std::string name_of(SideKind kind) {
+  switch (kind) {
+    case SideKind::scene:
+      return "scene";
+    case SideKind::run:
+      return "run";
+    case SideKind::truth:
+      break;
+  }
+  return "truth";
+}
+
+Expected<ComparisonSide> read_side(const fs::path& folder) {
+  ComparisonSide side;
+  side.folder = folder;
+  if (is_there(folder / "scene.yaml")) {
+    side.kind = SideKind::scene;
+    return read_scene(std::move(side));
+  }
+  if (is_there(folder / "run.yaml")) {
+    side.kind = SideKind::run;
+    return read_run(std::move(side));
+  }
+  for (const char* file : {"camera.txt", "scene.ply", "objects"}) {
+    if (is_there(folder / file)) return read_truth(std::move(side));
+  }
+  if (!is_there(folder)) {
+    return Error{.message = "is not there",
+                 .file = folder.string(),
+                 .mend = "name a scene, a run, or the truth folder of a recording that has one"};
+  }
+  return Error{
+      .message = "holds no scene.yaml, no run.yaml and no camera.txt, objects or scene.ply",
+      .file = folder.string(),
+      .mend = "name a scene, a run, or the truth folder of a recording"};
+}
+
+}  // namespace pcavr

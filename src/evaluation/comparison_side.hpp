@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/geometry/mesh.hpp"
+#include "pcavr/geometry/trajectory.hpp"
+
+namespace pcavr {
+
+enum class SideKind { truth, scene, run };
+
+/// "truth", "scene" or "run".
+[[nodiscard]] std::string name_of(SideKind kind);
+
+/// Where a scene has an object at the start and at the end of its recording.
+struct Placement {
+  Pose T_base_object_start;
+  Pose T_base_object_end;
+};
+
+/// What one side of a comparison holds; what its folder does not have is empty.
+struct ComparisonSide {
+  SideKind kind = SideKind::truth;
+  std::filesystem::path folder;
+  std::filesystem::path recording;  ///< its recording's folder; empty where that is not to be found
+  Trajectory camera;                ///< T_base_camera
+  std::map<std::string, Trajectory> tracked;    ///< T_base_object: tracked, or true
+  std::map<std::string, Trajectory> predicted;  ///< T_base_object that the operator saw
+  std::map<std::string, Placement> placed;
+  std::map<std::string, std::filesystem::path> object_meshes;  ///< that the folder itself holds
+  std::optional<TriangleMesh> surface_base;                    ///< static
+};
+
+/// Reads a recording's truth folder, a scene or a run: told by scene.yaml, run.yaml, or what a
+/// truth folder holds. Anything that is there but can't be read is an Error.
+[[nodiscard]] Expected<ComparisonSide> read_side(const std::filesystem::path& folder);
+
+}  // namespace pcavr

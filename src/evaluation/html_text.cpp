@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "html_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace pcavr {
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char character : text) {
+    switch (character) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += character;
+    }
+  }
+  return result;
+}
+
+std::string fixed(double value, int decimals) {
+  std::array<char, 400> buffer{};  // the largest double has 309 digits before the point
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                                 std::chars_format::fixed, decimals);
+  std::string text(buffer.data(), end.ptr);
+  if (std::all_of(text.begin(), text.end(),
+                  [](char c) { return c == '-' || c == '0' || c == '.'; })) {
+    text.erase(0, text.front() == '-' ? 1 : 0);  // no "-0.00"
+  }
+  return text;
+}
+
+std::string readable(double value) {
+  if (value == 0.0 || !std::isfinite(value)) return std::isfinite(value) ? "0" : "-";
+  const int digits_before_point = static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;
+  // Below a millionth of any unit used here is rounding, not a finding.
+  if (digits_before_point < -5) return "0";
+  return fixed(value, std::clamp(3 - digits_before_point, 0, 8));
+}
+
+}  // namespace pcavr

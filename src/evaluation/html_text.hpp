@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace pcavr {
+
+/// Text for an HTML or SVG document: what would be markup is written as characters.
+[[nodiscard]] std::string escaped(std::string_view text);
+
+/// With `decimals` places; the point is a point in every locale.
+[[nodiscard]] std::string fixed(double value, int decimals);
+
+/// With three significant digits, never as a power of ten: 0.0123, 1.23, 123, 12345.
+[[nodiscard]] std::string readable(double value);
+
+}  // namespace pcavr

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "report.hpp"
+
+#include <numbers>
+
+namespace pcavr {
+namespace {
+
+constexpr double kMillimetres = 1e3;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kPercent = 1e2;
+
+/// The rows for position and rotation of one list of errors; none where the list is empty.
+void add_rows(ErrorTable& table, const std::string& name, const std::string& key,
+              const std::vector<PoseError>& errors) {
+  if (errors.empty()) return;
+  table.rows.push_back(
+      {"position, " + name, key + ".translation", "m", statistics(translations(errors))});
+  table.rows.push_back(
+      {"rotation, " + name, key + ".rotation", "rad", statistics(rotations(errors))});
+}
+
+template <typename Keep>
+std::vector<PoseError> chosen(const std::vector<PoseError>& errors, Keep keep) {
+  std::vector<PoseError> kept;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (keep(i)) kept.push_back(errors[i]);
+  }
+  return kept;
+}
+
+std::vector<PoseError> first_second(const std::vector<PoseError>& errors) {
+  return chosen(errors, [&](std::size_t i) {
+    return errors[i].stamp - errors.front().stamp <= std::chrono::seconds(1);
+  });
+}
+
+ErrorTable camera_table(const CameraFindings& camera) {
+  ErrorTable table{"Camera in base", "camera", {}};
+  add_rows(table, "absolute", "absolute", camera.errors.absolute);
+  add_rows(table, "absolute, aligned", "absolute_aligned", camera.errors.absolute_aligned);
+  add_rows(table, "relative, over 1 s", "relative", camera.errors.relative);
+  add_rows(table, "relative, frame to frame", "step", camera.errors.step);
+  return table;
+}
+
+ErrorTable object_table(const ObjectFindings& object) {
+  const std::vector<PoseError>& absolute = object.errors.absolute;
+  ErrorTable table{
+      object.name + ", " + object.source, "object." + object.name + "." + object.source, {}};
+  add_rows(table, "absolute", "absolute", absolute);
+  add_rows(table, "first second", "first_second", first_second(absolute));
+  add_rows(table, "at rest", "at_rest",
+           chosen(absolute, [&](std::size_t i) { return !object.moving[i]; }));
+  add_rows(table, "moving", "moving",
+           chosen(absolute, [&](std::size_t i) { return object.moving[i]; }));
+  add_rows(table, "relative, over 1 s", "relative", object.errors.relative);
+  if (object.model) {
+    table.rows.push_back({"ADD", "add", "m", object.model->add});
+    table.rows.push_back({"MSSD", "mssd", "m", object.model->mssd});
+  }
+  return table;
+}
+
+void add_camera_figures(const CameraFindings& camera, std::vector<Figure>& headline) {
+  const TrajectoryErrors& errors = camera.errors;
+  const auto poses = static_cast<double>(errors.absolute.size());
+  headline.push_back({"Camera poses compared", poses, ""});
+  if (errors.unmatched > 0) {
+    headline.push_back(
+        {"Camera poses outside the reference's time", static_cast<double>(errors.unmatched), ""});
+  }
+  headline.push_back({"Camera position error, rmse, not aligned",
+                      kMillimetres * statistics(translations(errors.absolute)).rmse, "mm"});
+  headline.push_back({"Camera rotation error, rmse, not aligned",
+                      kDegrees * statistics(rotations(errors.absolute)).rmse, "deg"});
+  if (!errors.absolute_aligned.empty()) {
+    headline.push_back({"Camera position error, rmse, aligned",
+                        kMillimetres * statistics(translations(errors.absolute_aligned)).rmse,
+                        "mm"});
+  }
+}
+
+void add_object_figures(const ObjectFindings& object, std::vector<Figure>& headline) {
+  const std::vector<PoseError>& absolute = object.errors.absolute;
+  const std::vector<PoseError> start = first_second(absolute);
+  const std::string name = object.name + " " + object.source;
+  headline.push_back({name + ": position error, median, first second",
+                      kMillimetres * statistics(translations(start)).median, "mm"});
+  headline.push_back({name + ": rotation error, median, first second",
+                      kDegrees * statistics(rotations(start)).median, "deg"});
+  headline.push_back({name + ": position error, rmse, whole run",
+                      kMillimetres * statistics(translations(absolute)).rmse, "mm"});
+  if (object.errors.unmatched > 0) {
+    headline.push_back({name + ": poses outside the reference's time",
+                        static_cast<double>(object.errors.unmatched), ""});
+  }
+}
+
+void add_surface_figures(const SurfaceFindings& surface, std::vector<Figure>& headline) {
+  const MeshErrors& errors = surface.errors;
+  headline.push_back({"Mesh accuracy, mean", kMillimetres * errors.accuracy.mean, "mm"});
+  headline.push_back({"Mesh accuracy, median", kMillimetres * errors.accuracy.median, "mm"});
+  headline.push_back({"Mesh accuracy, 95th percentile", kMillimetres * errors.accuracy.p95, "mm"});
+  const std::string of = surface.views > 0 ? " of what was seen" : " of the whole reference";
+  headline.push_back({"Completeness within 5 mm" + of, kPercent * errors.completeness_5mm, "%"});
+  headline.push_back({"Completeness within 10 mm" + of, kPercent * errors.completeness_10mm, "%"});
+  if (surface.left_behind) {
+    headline.push_back({"Movable objects left in the mesh", kPercent * *surface.left_behind, "%"});
+  }
+  headline.push_back(
+      {"Mesh farther than 20 mm from the reference", kPercent * errors.share_not_explained, "%"});
+}
+
+}  // namespace
+
+Report make_report(const ComparisonSide& reference, const ComparisonSide& subject,
+                   const Findings& findings) {
+  Report report{
+      .subject = subject.folder.string(),
+      .subject_kind = name_of(subject.kind),
+      .reference = reference.folder.string(),
+      .reference_kind = name_of(reference.kind),
+      .recording = (reference.recording.empty() ? subject : reference).recording.string()};
+  if (findings.camera) {
+    add_camera_figures(*findings.camera, report.headline);
+    report.tables.push_back(camera_table(*findings.camera));
+  }
+  for (const ObjectFindings& object : findings.objects) {
+    add_object_figures(object, report.headline);
+    report.tables.push_back(object_table(object));
+  }
+  for (const PlacementFindings& placed : findings.placements) {
+    const std::string name = placed.name + " in the scene, at the " + placed.when;
+    report.headline.push_back({name + ": position", kMillimetres * placed.translation, "mm"});
+    report.headline.push_back({name + ": rotation", kDegrees * placed.rotation, "deg"});
+  }
+  if (findings.surface) {
+    add_surface_figures(*findings.surface, report.headline);
+    report.tables.push_back({"Mesh to reference",
+                             "mesh",
+                             {{"distance", "accuracy", "m", findings.surface->errors.accuracy}}});
+  }
+  return report;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <nlohmann/json.hpp>
+
+#include "report.hpp"
+
+namespace pcavr {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void add_statistics(Json& json, const std::string& key, const std::string& unit,
+                    const ErrorStatistics& figures) {
+  json[key + ".count"] = figures.count;
+  json[key + ".max_" + unit] = figures.max;
+  json[key + ".mean_" + unit] = figures.mean;
+  json[key + ".median_" + unit] = figures.median;
+  json[key + ".min_" + unit] = figures.min;
+  json[key + ".rmse_" + unit] = figures.rmse;
+  json[key + ".sse_" + unit + "2"] = figures.sse;
+  json[key + ".std_" + unit] = figures.std;
+  json[key + ".p95_" + unit] = figures.p95;
+}
+
+void add_placement(Json& json, const PlacementFindings& placed) {
+  const std::string key = "placed." + placed.name + "." + placed.when + ".";
+  json[key + "translation_m"] = placed.translation;
+  json[key + "rotation_rad"] = placed.rotation;
+  if (placed.model) {
+    json[key + "add_m"] = placed.model->add;
+    json[key + "mssd_m"] = placed.model->mssd;
+  }
+}
+
+void add_surface(Json& json, const SurfaceFindings& surface) {
+  json["mesh.completeness_5mm"] = surface.errors.completeness_5mm;
+  json["mesh.completeness_10mm"] = surface.errors.completeness_10mm;
+  json["mesh.reference_samples"] = surface.errors.seen_truth_to_mesh.size();
+  json["mesh.views"] = surface.views;
+  if (surface.left_behind) json["mesh.share_left_behind"] = *surface.left_behind;
+  json["mesh.share_not_explained"] = surface.errors.share_not_explained;
+}
+
+Json headline_of(const Report& report) {
+  Json list = Json::array();
+  for (const Figure& figure : report.headline) {
+    list.push_back({{"name", figure.name}, {"value", figure.value}, {"unit", figure.unit}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string format_json(const Report& report, const Findings& findings) {
+  Json json;
+  json["format"] = "pcavr-report/1";
+  json["version"] = PCAVR_VERSION;
+  json["subject"] = report.subject;
+  json["subject_kind"] = report.subject_kind;
+  json["reference"] = report.reference;
+  json["reference_kind"] = report.reference_kind;
+  json["recording"] = report.recording;
+  json["units"] = "SI, named at the end of each key; shares and completeness are of 1";
+  json["headline"] = headline_of(report);
+  if (findings.camera) json["camera.unmatched"] = findings.camera->errors.unmatched;
+  for (const ObjectFindings& object : findings.objects) {
+    json["object." + object.name + "." + object.source + ".unmatched"] = object.errors.unmatched;
+  }
+  for (const ErrorTable& table : report.tables) {
+    for (const ErrorRow& row : table.rows) {
+      add_statistics(json, table.key + "." + row.key, row.unit, row.figures);
+    }
+  }
+  for (const PlacementFindings& placed : findings.placements) add_placement(json, placed);
+  if (findings.surface) add_surface(json, *findings.surface);
+  json["objects_missing"] = findings.objects_missing;
+  // A path need not be UTF-8, but JSON is.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace pcavr

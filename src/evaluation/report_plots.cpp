@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "report_plots.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace pcavr {
+namespace {
+
+constexpr double kMillimetres = 1e3;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kPercent = 1e2;
+constexpr double kBreak = std::numeric_limits<double>::quiet_NaN();
+/// More points than this can't be told apart in a plot 560 units wide.
+constexpr std::size_t kMostPoints = 2000;
+
+/// One value over time; where the estimate pauses for five usual steps, the line does too.
+PlotSeries over_time(const std::vector<PoseError>& errors, double PoseError::*value, double scale,
+                     Stamp start, const std::string& label, int color) {
+  PlotSeries series{.label = label, .color = color};
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < errors.size(); ++i) {
+    steps.push_back(to_seconds(errors[i].stamp - errors[i - 1].stamp));
+  }
+  const double pause = 5.0 * statistics(steps).median;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (i > 0 && steps[i - 1] > pause) {
+      series.x.push_back(kBreak);
+      series.y.push_back(kBreak);
+    }
+    series.x.push_back(to_seconds(errors[i].stamp - start));
+    series.y.push_back(scale * errors[i].*value);
+  }
+  return series;
+}
+
+/// Of many points, the largest in each bucket: a peak must not get lost.
+PlotSeries with_peaks_kept(const PlotSeries& full) {
+  const std::size_t bucket = (full.x.size() + kMostPoints - 1) / kMostPoints;
+  if (bucket <= 1) return full;
+  PlotSeries thin{.label = full.label, .color = full.color, .dashed = full.dashed};
+  for (std::size_t begin = 0; begin < full.x.size(); begin += bucket) {
+    const auto first = full.y.begin() + static_cast<std::ptrdiff_t>(begin);
+    const auto last =
+        full.y.begin() + static_cast<std::ptrdiff_t>(std::min(begin + bucket, full.y.size()));
+    const auto peak = std::max_element(first, last, [](double a, double b) {
+      return !(b <= a) && b == b;  // a break is smaller than any number
+    });
+    thin.x.push_back(full.x[static_cast<std::size_t>(peak - full.y.begin())]);
+    thin.y.push_back(*peak);
+  }
+  return thin;
+}
+
+/// The trajectory seen from above.
+PlotSeries from_above(const Trajectory& trajectory, const std::string& label, int color) {
+  PlotSeries series{.label = label, .color = color};
+  const std::size_t stride = (trajectory.size() + kMostPoints - 1) / kMostPoints;
+  for (std::size_t i = 0; i < trajectory.size(); i += std::max<std::size_t>(stride, 1)) {
+    series.x.push_back(trajectory.poses()[i].pose.translation().x());
+    series.y.push_back(trajectory.poses()[i].pose.translation().y());
+  }
+  return series;
+}
+
+Plot map_of(const std::string& title, const Trajectory& reference, const Trajectory& estimate) {
+  Plot map{
+      .title = title, .x_label = "x in base (m)", .y_label = "y in base (m)", .equal_axes = true};
+  map.series.push_back(from_above(reference, "reference", 1));
+  map.series.push_back(from_above(estimate, "estimate", 0));
+  map.series.back().dashed = true;
+  return map;
+}
+
+Plot error_plot(const std::string& title, const std::string& y_label) {
+  return {.title = title, .x_label = "time (s)", .y_label = y_label, .y_from_zero = true};
+}
+
+/// Where the reference moves.
+std::vector<PlotBand> moving_bands(const ObjectFindings& object, Stamp start) {
+  std::vector<PlotBand> bands;
+  const std::vector<PoseError>& errors = object.errors.absolute;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (!object.moving[i]) continue;
+    const double t = to_seconds(errors[i].stamp - start);
+    if (i == 0 || !object.moving[i - 1]) bands.push_back({t, t});
+    bands.back().to = t;
+  }
+  return bands;
+}
+
+/// Share of the samples (%) over distance (mm).
+PlotSeries cumulative(const std::vector<double>& ascending, const std::string& label, int color) {
+  PlotSeries series{.label = label, .color = color};
+  constexpr int kSteps = 400;
+  for (int i = 0; i <= kSteps && !ascending.empty(); ++i) {
+    const double share = static_cast<double>(i) / kSteps;
+    series.x.push_back(kMillimetres * quantile(ascending, share));
+    series.y.push_back(kPercent * share);
+  }
+  return series;
+}
+
+}  // namespace
+
+std::vector<Plot> plots_of(const CameraFindings& camera) {
+  const Stamp start = camera.reference.poses().front().stamp;
+  const TrajectoryErrors& errors = camera.errors;
+  Plot translation = error_plot("Camera position error", "position error (mm)");
+  Plot rotation = error_plot("Camera rotation error", "rotation error (deg)");
+  const auto add = [&](const std::vector<PoseError>& list, const std::string& label, int color) {
+    if (list.empty()) return;
+    translation.series.push_back(with_peaks_kept(
+        over_time(list, &PoseError::translation, kMillimetres, start, label, color)));
+    rotation.series.push_back(
+        with_peaks_kept(over_time(list, &PoseError::rotation, kDegrees, start, label, color)));
+  };
+  add(errors.absolute, "not aligned", 0);
+  add(errors.absolute_aligned, "aligned", 1);
+  return {translation, rotation,
+          map_of("Camera trajectory from above", camera.reference, camera.estimate)};
+}
+
+std::vector<Plot> plots_of(const ObjectFindings& object) {
+  const Stamp start = object.reference.poses().front().stamp;
+  const std::string name = object.name + ", " + object.source;
+  Plot translation = error_plot(name + ": position error", "position error (mm)");
+  Plot rotation = error_plot(name + ": rotation error", "rotation error (deg)");
+  translation.series.push_back(with_peaks_kept(over_time(
+      object.errors.absolute, &PoseError::translation, kMillimetres, start, "position error", 0)));
+  rotation.series.push_back(with_peaks_kept(over_time(object.errors.absolute, &PoseError::rotation,
+                                                      kDegrees, start, "rotation error", 0)));
+  for (Plot* plot : {&translation, &rotation}) {
+    plot->bands = moving_bands(object, start);
+    plot->band_label = "reference moves";
+  }
+  return {translation, rotation,
+          map_of(name + ": path from above", object.reference, object.estimate)};
+}
+
+std::vector<Plot> plots_of(const SurfaceFindings& surface) {
+  Plot plot{.title = "Distance between mesh and reference, cumulative",
+            .x_label = "distance (mm)",
+            .y_label = "share of the surface within (%)",
+            .marks = {{5.0, "5 mm"}, {10.0, "10 mm"}},
+            .y_from_zero = true,
+            .x_to = 15.0,
+            .y_to = 100.0};
+  plot.series.push_back(
+      cumulative(surface.errors.mesh_to_truth, "mesh to reference (accuracy)", 0));
+  plot.series.push_back(cumulative(surface.errors.seen_truth_to_mesh,
+                                   surface.views > 0
+                                       ? "reference that was seen, to mesh (completeness)"
+                                       : "reference to mesh (completeness)",
+                                   1));
+  return {plot};
+}
+
+}  // namespace pcavr

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "findings.hpp"
+#include "svg_plot.hpp"
+
+namespace pcavr {
+
+[[nodiscard]] std::vector<Plot> plots_of(const CameraFindings& camera);
+[[nodiscard]] std::vector<Plot> plots_of(const ObjectFindings& object);
+[[nodiscard]] std::vector<Plot> plots_of(const SurfaceFindings& surface);
+
+}  // namespace pcavr

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace pcavr {
+
+/// A line through points; a point that is not a number breaks it.
+struct PlotSeries {
+  std::string label;
+  int color = 0;  ///< 0 to 3: the page's colours that colour-blind readers can tell apart
+  std::vector<double> x = {};
+  std::vector<double> y = {};
+  bool dashed = false;
+};
+
+/// A stretch of the x axis, shaded.
+struct PlotBand {
+  double from = 0.0;
+  double to = 0.0;
+};
+
+/// A dashed vertical line.
+struct PlotMark {
+  double x = 0.0;
+  std::string label;
+};
+
+struct Plot {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  std::vector<PlotSeries> series = {};
+  std::vector<PlotBand> bands = {};
+  std::string band_label = {};  ///< in the legend, where there are bands
+  std::vector<PlotMark> marks = {};
+  bool y_from_zero = false;
+  bool equal_axes = false;  ///< a metre is as long either way: a map
+  /// Cut the x or y axis at this value; at the data's largest where 0.
+  double x_to = 0.0;
+  double y_to = 0.0;
+};
+
+/// The plot as an HTML figure with caption, legend and inline SVG; colours come from the page.
+[[nodiscard]] std::string format_figure(const Plot& plot);
+
+}  // namespace pcavr
