@@ -57,9 +57,7 @@ class BlockMap {
     return chunks_[number / kChunkBlocks][number % kChunkBlocks];
   }
   /// Frames that saw through the block as a whole, on top of what its voxels count.
-  [[nodiscard]] std::uint8_t& through_whole(std::uint32_t number) {
-    return through_whole_[number];
-  }
+  [[nodiscard]] std::uint8_t& through_whole(std::uint32_t number) { return through_whole_[number]; }
   [[nodiscard]] std::uint8_t through_whole(std::uint32_t number) const {
     return through_whole_[number];
   }

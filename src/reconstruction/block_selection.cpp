@@ -9,14 +9,14 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kGrainRows = 16;
+constexpr std::size_t kGrainRows = 4;  // of tiles
 
 /// Collects places, skipping those that were met just before: neighbouring rays meet the same.
 class PlaceCollector {
  public:
   void add(const BlockPlace& place) {
-    const std::size_t slot = static_cast<std::size_t>(place.x * 73 + place.y * 19 + place.z * 7) &
-                             (recent_.size() - 1);
+    const std::size_t slot =
+        static_cast<std::size_t>(place.x * 73 + place.y * 19 + place.z * 7) & (recent_.size() - 1);
     if (recent_[slot].has_value() && *recent_[slot] == place) return;
     recent_[slot] = place;
     places_.push_back(place);
@@ -46,35 +46,45 @@ struct BandWalker {
                      static_cast<int>(std::floor(p.z()))});
     }
   }
+
+  void walk_tile(const FrameSurface& frame, const CameraModel& camera, const NoiseTables& tables,
+                 int tile_x, int tile_y, PlaceCollector& collector) const {
+    constexpr int kTile = FrameSurface::kTile;
+    const DepthTile& tile = frame.tiles[static_cast<std::size_t>(tile_y * frame.tiles_x + tile_x)];
+    if (!(tile.farthest > 0.0F)) return;
+    // Rays a quarter of a block apart at the tile's depth are enough.
+    const float quarter = 0.25F * block_size * static_cast<float>(camera.fx) / tile.farthest;
+    const int apart = std::clamp(static_cast<int>(quarter), 1, kTile);
+    const int u_end = std::min((tile_x + 1) * kTile, frame.width);
+    const int v_end = std::min((tile_y + 1) * kTile, frame.height);
+    for (int v = tile_y * kTile; v < v_end; v += apart) {
+      for (int u = tile_x * kTile; u < u_end; u += apart) {
+        const float z = frame.depth(u, v);
+        if (z <= 0.0F) continue;
+        const Eigen::Vector3f ray(static_cast<float>((u - camera.cx) / camera.fx),
+                                  static_cast<float>((v - camera.cy) / camera.fy), 1.0F);
+        const float truncation = tables.truncation(z);
+        walk(ray, z - truncation, z + truncation, collector);
+      }
+    }
+  }
 };
 
 }  // namespace
 
 std::vector<BlockPlace> places_near_surface(const FrameSurface& frame, const CameraModel& camera,
-                                            const Pose& T_base_camera,
-                                            const FusionParameters& parameters,
-                                            Parallelism parallelism) {
-  const auto block_size = static_cast<float>(kBlockSide * parameters.voxel_size);
+                                            const Pose& T_base_camera, const NoiseTables& tables,
+                                            double voxel_size, Parallelism parallelism) {
+  const auto block_size = static_cast<float>(kBlockSide * voxel_size);
   const BandWalker walker{T_base_camera.rotation_matrix().cast<float>(),
                           T_base_camera.translation().cast<float>(), block_size};
-  const std::size_t chunks =
-      (static_cast<std::size_t>(frame.height) + kGrainRows - 1) / kGrainRows;
-  std::vector<PlaceCollector> collectors(chunks);
-  parallel_for(parallelism, static_cast<std::size_t>(frame.height), kGrainRows,
-               [&](std::size_t begin, std::size_t end) {
+  const auto tile_rows = static_cast<std::size_t>(frame.tiles_y);
+  std::vector<PlaceCollector> collectors((tile_rows + kGrainRows - 1) / kGrainRows);
+  parallel_for(parallelism, tile_rows, kGrainRows, [&](std::size_t begin, std::size_t end) {
     PlaceCollector& collector = collectors[begin / kGrainRows];
-    for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
-      for (int u = 0; u < frame.width; ++u) {
-        const float z = frame.depth(u, v);
-        if (z <= 0.0F) continue;
-        // Rays a quarter of a block apart at this depth are enough.
-        const int apart = std::max(
-            1, static_cast<int>(0.25F * block_size * static_cast<float>(camera.fx) / z));
-        if (u % apart != 0 || v % apart != 0) continue;
-        const Eigen::Vector3f ray(static_cast<float>((u - camera.cx) / camera.fx),
-                                  static_cast<float>((v - camera.cy) / camera.fy), 1.0F);
-        const float truncation = truncation_at(parameters, z);
-        walker.walk(ray, z - truncation, z + truncation, collector);
+    for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
+      for (int x = 0; x < frame.tiles_x; ++x) {
+        walker.walk_tile(frame, camera, tables, x, row, collector);
       }
     }
   });
@@ -151,11 +161,11 @@ SphereView look_at(const FrameSurface& frame, const CameraModel& camera,
 
 std::vector<SeenBlock> seen_blocks(const BlockMap& map, const FrameSurface& frame,
                                    const CameraModel& camera, const Pose& T_base_camera,
-                                   const FusionParameters& parameters) {
+                                   const NoiseTables& tables, double voxel_size) {
   const Pose T_camera_base = T_base_camera.inverse();
   const Eigen::Matrix3f R = T_camera_base.rotation_matrix().cast<float>();
   const Eigen::Vector3f t = T_camera_base.translation().cast<float>();
-  const auto voxel = static_cast<float>(parameters.voxel_size);
+  const auto voxel = static_cast<float>(voxel_size);
   const auto look = [&](const BlockPlace& place, int side_voxels) {
     // Voxels stand on the grid's points: the last one is side - 1 from the first.
     const float half = 0.5F * voxel * static_cast<float>(side_voxels - 1);
@@ -172,9 +182,9 @@ std::vector<SeenBlock> seen_blocks(const BlockMap& map, const FrameSurface& fram
     if (!view.in_view) return false;
     const bool any_depth = view.depth.farthest > 0.0F;
     block.band_nearest =
-        any_depth ? view.depth.nearest - truncation_at(parameters, view.depth.nearest) : 1e9F;
+        any_depth ? view.depth.nearest - tables.truncation(view.depth.nearest) : 1e9F;
     block.band_farthest =
-        any_depth ? view.depth.farthest + truncation_at(parameters, view.depth.farthest) : -1e9F;
+        any_depth ? view.depth.farthest + tables.truncation(view.depth.farthest) : -1e9F;
     block.free_farthest = view.depth.most_free;
     block.wholly_free = !view.cut_off && z + radius < view.depth.least_free;
     const bool meets_band = z + radius >= block.band_nearest && z - radius <= block.band_farthest;

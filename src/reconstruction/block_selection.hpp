@@ -8,24 +8,23 @@
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/geometry/camera.hpp"
 #include "pcavr/geometry/pose.hpp"
+
 #include "reconstruction/block_map.hpp"
-#include "reconstruction/pixel_surface.hpp"
+#include "reconstruction/frame_surface.hpp"
 
 namespace pcavr {
 
 /// Places of the blocks that the bands around a frame's surface pass through, each once, in an
 /// order that depends on the frame alone.
-[[nodiscard]] std::vector<BlockPlace> places_near_surface(const FrameSurface& frame,
-                                                          const CameraModel& camera,
-                                                          const Pose& T_base_camera,
-                                                          const FusionParameters& parameters,
-                                                          Parallelism parallelism);
+[[nodiscard]] std::vector<BlockPlace> places_near_surface(
+    const FrameSurface& frame, const CameraModel& camera, const Pose& T_base_camera,
+    const NoiseTables& tables, double voxel_size, Parallelism parallelism);
 
 /// A block that a frame has something to say about, and at which depths.
 struct SeenBlock {
   std::uint32_t number = 0;
-  bool wholly_free = false;     ///< the frame sees through all of it
-  float band_nearest = 0.0F;    ///< see BlockView
+  bool wholly_free = false;   ///< the frame sees through all of it
+  float band_nearest = 0.0F;  ///< see BlockView
   float band_farthest = 0.0F;
   float free_farthest = 0.0F;
 };
@@ -34,6 +33,6 @@ struct SeenBlock {
 [[nodiscard]] std::vector<SeenBlock> seen_blocks(const BlockMap& map, const FrameSurface& frame,
                                                  const CameraModel& camera,
                                                  const Pose& T_base_camera,
-                                                 const FusionParameters& parameters);
+                                                 const NoiseTables& tables, double voxel_size);
 
 }  // namespace pcavr

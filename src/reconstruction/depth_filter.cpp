@@ -42,8 +42,8 @@ bool is_sound(const DepthImage& depth, int u, int v, const CameraModel& camera,
 
 }  // namespace
 
-DepthImage filter_depth(const DepthImage& depth, const CameraModel& camera,
-                        const DepthNoise& noise, Parallelism parallelism) {
+DepthImage filter_depth(const DepthImage& depth, const CameraModel& camera, const DepthNoise& noise,
+                        Parallelism parallelism) {
   DepthImage filtered(depth.width(), depth.height());
   parallel_for(parallelism, static_cast<std::size_t>(depth.height()), kGrainRows,
                [&](std::size_t begin, std::size_t end) {

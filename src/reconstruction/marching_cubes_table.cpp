@@ -106,7 +106,8 @@ std::array<CubeCase, 256> make_table() {
   for (int inside = 0; inside < 256; ++inside) {
     CubeCase& cube = table[static_cast<std::size_t>(inside)];
     for (const Polygon& polygon : polygons_of(inside)) {
-      for (const std::uint8_t e : polygon) cube.edges = static_cast<std::uint16_t>(cube.edges | (1U << e));
+      for (const std::uint8_t e : polygon)
+        cube.edges = static_cast<std::uint16_t>(cube.edges | (1U << e));
       triangulate(polygon, cube);
     }
   }
@@ -116,9 +117,18 @@ std::array<CubeCase, 256> make_table() {
 }  // namespace
 
 const std::array<CubeEdge, 12>& cube_edges() {
-  static constexpr std::array<CubeEdge, 12> kEdges = {{{0, 0}, {2, 0}, {4, 0}, {6, 0},
-                                                       {0, 1}, {1, 1}, {4, 1}, {5, 1},
-                                                       {0, 2}, {1, 2}, {2, 2}, {3, 2}}};
+  static constexpr std::array<CubeEdge, 12> kEdges = {{{0, 0},
+                                                       {2, 0},
+                                                       {4, 0},
+                                                       {6, 0},
+                                                       {0, 1},
+                                                       {1, 1},
+                                                       {4, 1},
+                                                       {5, 1},
+                                                       {0, 2},
+                                                       {1, 2},
+                                                       {2, 2},
+                                                       {3, 2}}};
   return kEdges;
 }
 

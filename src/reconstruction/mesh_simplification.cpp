@@ -196,8 +196,8 @@ class Simplifier {
   void collapse_round(std::size_t most) {
     std::vector<Collapse> edges = candidates();
     const auto wanted =
-        std::min(edges.size(), static_cast<std::size_t>(
-                                   kShareARound * static_cast<double>(edges.size())) + 64);
+        std::min(edges.size(),
+                 static_cast<std::size_t>(kShareARound * static_cast<double>(edges.size())) + 64);
     const auto middle = edges.begin() + static_cast<std::ptrdiff_t>(wanted);
     if (wanted < edges.size()) std::nth_element(edges.begin(), middle, edges.end(), is_cheaper);
     std::sort(edges.begin(), middle, is_cheaper);
@@ -292,7 +292,7 @@ class Simplifier {
   double largest_error_;
   bool stuck_ = false;
   std::vector<Quadric> quadrics_;
-  std::vector<std::uint32_t> first_;   ///< by vertex: where its triangles begin in around_
+  std::vector<std::uint32_t> first_;  ///< by vertex: where its triangles begin in around_
   std::vector<std::uint32_t> around_;
   std::vector<bool> is_border_;
   std::vector<bool> is_locked_;

@@ -48,8 +48,7 @@ Neighbours neighbours_of(const BlockMap& map, std::uint32_t number) {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         const bool is_self = dx == 0 && dy == 0 && dz == 0;
-        neighbours[i++] =
-            is_self ? number : map.find({place.x + dx, place.y + dy, place.z + dz});
+        neighbours[i++] = is_self ? number : map.find({place.x + dx, place.y + dy, place.z + dz});
       }
     }
   }
@@ -99,7 +98,7 @@ class Window {
 /// Where a block's surface is: a bit for each edge with a vertex, and for each cube with triangles.
 /// Edges belong to the block of their lower end.
 struct SurfaceMap {
-  std::array<std::array<std::uint64_t, 8>, 3> edges{};  ///< by axis and z; bit 8 y + x
+  std::array<std::array<std::uint64_t, 8>, 3> edges{};   ///< by axis and z; bit 8 y + x
   std::array<std::array<std::uint16_t, 8>, 3> before{};  ///< vertices before that word
   std::array<std::uint64_t, 8> cubes{};
   std::uint32_t vertices = 0;
@@ -142,10 +141,10 @@ struct SignRows {
     const auto& k0 = known[z];
     const auto& k1 = known[z + 1];
     const std::uint32_t all = k0[y] & k0[y + 1] & k1[y] & k1[y + 1];
-    const std::uint32_t in_any = inside[z][y] | inside[z][y + 1] | inside[z + 1][y] |
-                                 inside[z + 1][y + 1];
-    const std::uint32_t in_all = inside[z][y] & inside[z][y + 1] & inside[z + 1][y] &
-                                 inside[z + 1][y + 1];
+    const std::uint32_t in_any =
+        inside[z][y] | inside[z][y + 1] | inside[z + 1][y] | inside[z + 1][y + 1];
+    const std::uint32_t in_all =
+        inside[z][y] & inside[z][y + 1] & inside[z + 1][y] & inside[z + 1][y + 1];
     return (all & (all >> 1)) & (in_any | (in_any >> 1)) & ~(in_all & (in_all >> 1)) & 0x1FFU;
   }
 
@@ -241,7 +240,10 @@ class BlockMesher {
  public:
   BlockMesher(const BlockMap& map, const std::vector<SurfaceMap>& surfaces,
               const Neighbours& neighbours, const Window& window, float voxel_size)
-      : map_(map), surfaces_(surfaces), neighbours_(neighbours), window_(window),
+      : map_(map),
+        surfaces_(surfaces),
+        neighbours_(neighbours),
+        window_(window),
         voxel_size_(voxel_size) {}
 
   void add_vertices(std::uint32_t number, TriangleMesh& mesh) const {
@@ -298,7 +300,8 @@ class BlockMesher {
     const Eigen::Vector3f normal =
         (1.0F - share) * gradient_at(window_, at) + share * gradient_at(window_, end);
     const float length = normal.norm();
-    mesh.normals[index] = length > 0.0F ? Eigen::Vector3f(normal / length) : Eigen::Vector3f::UnitZ();
+    mesh.normals[index] =
+        length > 0.0F ? Eigen::Vector3f(normal / length) : Eigen::Vector3f::UnitZ();
     mesh.colors[index] = mixed_color(color_at(at), color_at(end), share);
   }
 

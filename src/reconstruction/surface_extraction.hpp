@@ -4,12 +4,13 @@
 
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/geometry/mesh.hpp"
+
 #include "reconstruction/block_map.hpp"
 
 namespace pcavr {
 
 struct ExtractionParameters {
-  double voxel_size = 0.0;      ///< [m]
+  double voxel_size = 0.0;       ///< [m]
   double smallest_weight = 1.0;  ///< [frames]
   int frames_to_clear = 3;
 };

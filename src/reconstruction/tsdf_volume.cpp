@@ -5,21 +5,17 @@
 #include <utility>
 
 #include "pcavr/core/check.hpp"
+
 #include "reconstruction/block_map.hpp"
 #include "reconstruction/block_selection.hpp"
-#include "reconstruction/fusion_kernel.hpp"
-#include "reconstruction/pixel_surface.hpp"
+#include "reconstruction/frame_surface.hpp"
+#include "reconstruction/kernels.hpp"
 #include "reconstruction/surface_extraction.hpp"
 
 namespace pcavr {
 namespace {
 
 constexpr std::size_t kGrainBlocks = 32;
-
-FusionParameters parameters_of(const TsdfOptions& options) {
-  return {options.voxel_size, options.voxel_size * options.truncation_voxels,
-          options.depth_noise};
-}
 
 BlockView view_of(const FrameSurface& frame, const CameraModel& camera, const Pose& T_camera_base,
                   double voxel_size, std::uint32_t frame_number) {
@@ -46,9 +42,14 @@ BlockView view_of(const FrameSurface& frame, const CameraModel& camera, const Po
 }  // namespace
 
 struct TsdfVolume::Blocks {
+  explicit Blocks(const TsdfOptions& wanted)
+      : options(wanted),
+        tables(wanted.depth_noise, wanted.voxel_size,
+               wanted.truncation_voxels * wanted.voxel_size) {}
+
   TsdfOptions options;
+  NoiseTables tables;
   BlockMap map;
-  FusionKernel kernel = fusion_kernel();
   std::uint32_t frames = 0;
 
   void fuse(const SeenBlock& seen, BlockView view, const Pose& T_camera_base);
@@ -61,23 +62,23 @@ void TsdfVolume::Blocks::fuse(const SeenBlock& seen, BlockView view, const Pose&
     return;
   }
   const BlockPlace& place = map.place(seen.number);
-  const Eigen::Vector3d p_base = Eigen::Vector3d(place.x, place.y, place.z) *
-                                 (kBlockSide * options.voxel_size);
+  const Eigen::Vector3d p_base =
+      Eigen::Vector3d(place.x, place.y, place.z) * (kBlockSide * options.voxel_size);
   const Eigen::Vector3d p_camera = T_camera_base * p_base;
   for (int i = 0; i < 3; ++i) view.origin[i] = static_cast<float>(p_camera[i]);
   view.band_nearest = seen.band_nearest;
   view.band_farthest = seen.band_farthest;
   view.free_farthest = seen.free_farthest;
-  kernel(view, map.block(seen.number));
+  kernels().fuse_block(view, map.block(seen.number));
 }
 
-TsdfVolume::TsdfVolume(const TsdfOptions& options) : blocks_(std::make_unique<Blocks>()) {
+TsdfVolume::TsdfVolume(const TsdfOptions& options) {
   PCAVR_REQUIRE(options.voxel_size > 0.0, options.voxel_size);
   PCAVR_REQUIRE(options.truncation_voxels >= 2.0, options.truncation_voxels);
-  PCAVR_REQUIRE(options.frames_to_clear >= 1 &&
-                    options.frames_to_clear <= static_cast<int>(kLargestCount),
-                options.frames_to_clear);
-  blocks_->options = options;
+  PCAVR_REQUIRE(
+      options.frames_to_clear >= 1 && options.frames_to_clear <= static_cast<int>(kLargestCount),
+      options.frames_to_clear);
+  blocks_ = std::make_unique<Blocks>(options);
 }
 
 TsdfVolume::~TsdfVolume() = default;
@@ -92,23 +93,22 @@ IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImag
   PCAVR_REQUIRE(is_dynamic.empty() || is_dynamic.pixels().size() == depth.pixels().size(),
                 is_dynamic.width());
   Blocks& blocks = *blocks_;
-  const FusionParameters parameters = parameters_of(blocks.options);
+  const double voxel_size = blocks.options.voxel_size;
   const FrameSurface frame =
-      prepare_frame(depth, color, is_dynamic, camera, parameters, parallelism);
+      prepare_frame(depth, color, is_dynamic, camera, blocks.tables, parallelism);
   IntegrationReport report;
   report.pixels_used = frame.pixels_used;
   for (const BlockPlace& place :
-       places_near_surface(frame, camera, T_base_camera, parameters, parallelism)) {
+       places_near_surface(frame, camera, T_base_camera, blocks.tables, voxel_size, parallelism)) {
     if (blocks.map.find(place) != PlaceIndex::kNone) continue;
     blocks.map.add(place);
     ++report.blocks_added;
   }
   const std::vector<SeenBlock> seen =
-      seen_blocks(blocks.map, frame, camera, T_base_camera, parameters);
+      seen_blocks(blocks.map, frame, camera, T_base_camera, blocks.tables, voxel_size);
   report.blocks_visible = seen.size();
   const Pose T_camera_base = T_base_camera.inverse();
-  const BlockView view =
-      view_of(frame, camera, T_camera_base, blocks.options.voxel_size, blocks.frames);
+  const BlockView view = view_of(frame, camera, T_camera_base, voxel_size, blocks.frames);
   parallel_for(parallelism, seen.size(), kGrainBlocks, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) blocks.fuse(seen[i], view, T_camera_base);
   });
@@ -117,9 +117,10 @@ IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImag
 }
 
 TriangleMesh TsdfVolume::extract_mesh(double smallest_weight, Parallelism parallelism) const {
-  return extract_surface(blocks_->map, {blocks_->options.voxel_size, smallest_weight,
-                                        blocks_->options.frames_to_clear},
-                         parallelism);
+  return extract_surface(
+      blocks_->map,
+      {blocks_->options.voxel_size, smallest_weight, blocks_->options.frames_to_clear},
+      parallelism);
 }
 
 std::size_t TsdfVolume::block_count() const { return blocks_->map.size(); }

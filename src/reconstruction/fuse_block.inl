@@ -1,17 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The fusion of one frame into one block, eight voxels at a time. Included once for each
-// instruction set, with PCAVR_KERNEL the function's name. Everything here has internal linkage, so
-// that no code for one instruction set can end up in another's place.
-#include "reconstruction/fusion_kernel.hpp"
+// The fusion of one frame into one block, a row of eight voxels at a time.
+#include "reconstruction/kernels.hpp"
+#include "reconstruction/simd_lanes.hpp"
 
 namespace pcavr {
 namespace {
-
-typedef float Floats __attribute__((vector_size(32)));
-typedef std::int32_t Ints __attribute__((vector_size(32)));
-typedef std::uint32_t Words __attribute__((vector_size(32)));
 
 // Weight falls from full to nothing over the last part of the band behind the surface, where
 // another surface may begin.
@@ -19,43 +14,12 @@ constexpr float kRampShare = 0.4F;
 // Colour is kept this near to the surface, in voxels: the mesh never asks farther.
 constexpr float kColorBand = 2.0F;
 
-inline Floats splat(float value) { return Floats{} + value; }
-inline Floats to_floats(Ints value) { return __builtin_convertvector(value, Floats); }
-inline Ints to_ints(Floats value) { return __builtin_convertvector(value, Ints); }
-inline Floats select(Ints mask, Floats yes, Floats no) {
-  return (Floats)((mask & (Ints)yes) | (~mask & (Ints)no));
-}
-inline Ints select(Ints mask, Ints yes, Ints no) { return (mask & yes) | (~mask & no); }
-inline Floats smaller(Floats a, Floats b) { return select(a < b, a, b); }
-inline Floats larger(Floats a, Floats b) { return select(a > b, a, b); }
-inline Floats rounded(Floats value) {
-  const Floats half = select(value < 0.0F, splat(-0.5F), splat(0.5F));
-  return to_floats(to_ints(value + half));
-}
-
-inline bool any(Ints mask) {
-#ifdef __AVX__
-  return _mm256_movemask_ps((__m256)mask) != 0;
-#else
-  std::int32_t bits = 0;
-  for (int i = 0; i < 8; ++i) bits |= mask[i];
-  return bits != 0;
-#endif
-}
-
-/// Member number `member` (of 4 bytes) of the pixels numbered.
-inline Floats gather(const PixelSurface* pixels, Ints number, int member) {
-  const float* base = reinterpret_cast<const float*>(pixels) + member;
-#ifdef __AVX2__
-  return (Floats)_mm256_i32gather_ps(base, (__m256i)(number * 8), 4);
-#else
-  Floats result;
-  for (int i = 0; i < 8; ++i) result[i] = base[8 * number[i]];
-  return result;
-#endif
-}
-
+// The members of PixelSurface, by their place in it.
 enum Member { kNormalX, kNormalY, kNormalZ, kOffset, kWeight, kTruncation, kFreeDepth, kColor };
+
+inline Floats gather_member(const PixelSurface* pixels, Ints number, Member member) {
+  return gather(&pixels->normal[0] + member, number * 8);
+}
 
 struct Row {
   Floats x, y, z;  ///< voxels in camera axes [m]
@@ -63,13 +27,12 @@ struct Row {
 };
 
 inline Row place_row(const BlockView& view, int row) {
-  const Floats lane = {0, 1, 2, 3, 4, 5, 6, 7};
   const auto iy = static_cast<float>(row % kBlockSide);
   const auto iz = static_cast<float>(row / kBlockSide);
   Floats p[3];
   for (int i = 0; i < 3; ++i) {
     const float start = view.origin[i] + iy * view.step_y[i] + iz * view.step_z[i];
-    p[i] = start + lane * view.step_x[i];
+    p[i] = start + lane_numbers() * view.step_x[i];
   }
   const Floats inverse = 1.0F / p[2];
   const Floats u = p[0] * inverse * view.fx + (view.cx + 0.5F);
@@ -100,7 +63,7 @@ inline Floats dither_noise(const BlockView& view, int row) {
 }
 
 inline Words blend_color(const BlockView& view, int row, Words old, Ints pixel, Floats share) {
-  const Words seen = (Words)gather(view.pixels, pixel, kColor);
+  const Words seen = (Words)gather_member(view.pixels, pixel, kColor);
   const Words old_color = old & 0xFFFFFFU;
   const Floats first = select((Ints)(old_color == 0U), splat(1.0F), share);
   const Floats noise = dither_noise(view, row);
@@ -119,26 +82,26 @@ inline Words count_up(Words counts, Ints mask, std::uint32_t one) {
 
 inline void fuse_row(const BlockView& view, int row, VoxelBlock& block) {
   const Row at = place_row(view, row);
-  const Floats offset = gather(view.pixels, at.pixel, kOffset);
-  const Floats normal_x = gather(view.pixels, at.pixel, kNormalX);
-  const Floats normal_y = gather(view.pixels, at.pixel, kNormalY);
-  const Floats normal_z = gather(view.pixels, at.pixel, kNormalZ);
-  const Floats truncation = gather(view.pixels, at.pixel, kTruncation);
-  const Floats free_depth = gather(view.pixels, at.pixel, kFreeDepth);
+  const Floats offset = gather_member(view.pixels, at.pixel, kOffset);
+  const Floats normal_x = gather_member(view.pixels, at.pixel, kNormalX);
+  const Floats normal_y = gather_member(view.pixels, at.pixel, kNormalY);
+  const Floats normal_z = gather_member(view.pixels, at.pixel, kNormalZ);
+  const Floats truncation = gather_member(view.pixels, at.pixel, kTruncation);
+  const Floats free_depth = gather_member(view.pixels, at.pixel, kFreeDepth);
   const Floats distance = offset - (normal_x * at.x + normal_y * at.y + normal_z * at.z);
   const Ints in_band = (distance <= truncation) & (distance >= -truncation);
   const Ints through = at.z < free_depth;
-  Words* counts = reinterpret_cast<Words*>(block.color_counts.data()) + row;
+  Words* counts = reinterpret_cast<Words*>(&block.color_counts) + row;
   if (any(through)) *counts = count_up(*counts, through, 1U << 28);
   if (!any(in_band)) return;
 
-  Words* lanes = reinterpret_cast<Words*>(block.distance_weight.data()) + row;
+  Words* lanes = reinterpret_cast<Words*>(&block.distance_weight) + row;
   const Ints stored = (Ints)*lanes;
   const Floats old_distance = to_floats((stored << 16) >> 16);
   const Floats old_weight = to_floats((Ints)((Words)stored >> 16));
   const Floats ramp = (distance + truncation) / (truncation * kRampShare);
-  const Floats weight = larger(gather(view.pixels, at.pixel, kWeight) * smaller(ramp, splat(1.0F)),
-                               splat(1.0F));
+  const Floats weight = larger(
+      gather_member(view.pixels, at.pixel, kWeight) * smaller(ramp, splat(1.0F)), splat(1.0F));
   const Floats share = weight / (old_weight + weight);
   const Floats measured = distance * view.steps_per_metre;
   Floats mean = rounded(old_distance + (measured - old_distance) * share);
@@ -156,9 +119,7 @@ inline void fuse_row(const BlockView& view, int row, VoxelBlock& block) {
   }
 }
 
-}  // namespace
-
-void PCAVR_KERNEL(const BlockView& view, VoxelBlock& block) {
+void fuse_block(const BlockView& view, VoxelBlock& block) {
   for (int row = 0; row < kBlockSide * kBlockSide; ++row) {
     const float z = view.origin[2] + static_cast<float>(row % kBlockSide) * view.step_y[2] +
                     static_cast<float>(row / kBlockSide) * view.step_z[2];
@@ -170,4 +131,5 @@ void PCAVR_KERNEL(const BlockView& view, VoxelBlock& block) {
   }
 }
 
+}  // namespace
 }  // namespace pcavr

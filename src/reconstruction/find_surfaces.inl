@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Planes through the inverse depth around pixels, eight pixels at a time. Inverse depth is where
+// stereo and structured light have even noise and even steps.
+#include "reconstruction/kernels.hpp"
+#include "reconstruction/noise_table_sizes.hpp"
+#include "reconstruction/simd_lanes.hpp"
+
+namespace pcavr {
+namespace {
+
+struct Moments {
+  Floats n = {}, u = {}, v = {}, uu = {}, uv = {}, vv = {};
+  Floats q = {}, uq = {}, vq = {};  ///< q: inverse depth less the centre's
+};
+
+/// Over the taps that belong to the centre's surface.
+inline Moments window_moments(const float* centre_at, int stride, Floats centre, Floats tolerance) {
+  Moments m;
+  for (int dv = -kPlaneReach; dv <= kPlaneReach; dv += kPlaneStep) {
+    Floats n = {}, u = {}, uu = {}, q = {}, uq = {};
+    for (int du = -kPlaneReach; du <= kPlaneReach; du += kPlaneStep) {
+      const auto x = static_cast<float>(du);
+      const Floats difference = load(centre_at + dv * stride + du) - centre;
+      const Ints is_same = (difference <= tolerance) & (difference >= -tolerance);
+      const Floats one = masked(is_same, splat(1.0F));
+      const Floats value = masked(is_same, difference);
+      n += one;
+      u += one * x;
+      uu += one * (x * x);
+      q += value;
+      uq += value * x;
+    }
+    const auto y = static_cast<float>(dv);
+    m.n += n;
+    m.u += u;
+    m.uu += uu;
+    m.v += n * y;
+    m.uv += u * y;
+    m.vv += n * (y * y);
+    m.q += q;
+    m.uq += uq;
+    m.vq += q * y;
+  }
+  return m;
+}
+
+/// 1 / z = inverse + slope_u (u - u0) + slope_v (v - v0).
+struct InversePlanes {
+  Floats inverse, slope_u, slope_v;
+};
+
+/// Cramer's rule on the normal equations. Level through the centre where there is no plane to be
+/// had: fewer than six taps, or all in a line.
+inline InversePlanes solve(const Moments& m, Floats centre) {
+  const Floats c00 = m.uu * m.vv - m.uv * m.uv;
+  const Floats c01 = m.uv * m.v - m.u * m.vv;
+  const Floats c02 = m.u * m.uv - m.uu * m.v;
+  const Floats determinant = m.n * c00 + m.u * c01 + m.v * c02;
+  const Floats c11 = m.n * m.vv - m.v * m.v;
+  const Floats c12 = m.u * m.v - m.n * m.uv;
+  const Floats c22 = m.n * m.uu - m.u * m.u;
+  const Ints is_fixed = (m.n >= 6.0F) & (determinant >= 1.0F);
+  const Floats scale = 1.0F / select(is_fixed, determinant, splat(1.0F));
+  return {centre + masked(is_fixed, (c00 * m.q + c01 * m.uq + c02 * m.vq) * scale),
+          masked(is_fixed, (c01 * m.q + c11 * m.uq + c12 * m.vq) * scale),
+          masked(is_fixed, (c02 * m.q + c12 * m.uq + c22 * m.vq) * scale)};
+}
+
+struct Surfaces {
+  float members[8][kLanes];  ///< of PixelSurface, in its order
+};
+
+inline void find_eight(const PixelRow& row, int u, Surfaces& out) {
+  const float* at = row.inverse + u;
+  const Floats inverse = load(at);
+  const Ints has_depth = inverse > 0.0F;
+  const Floats depth = 1.0F / select(has_depth, inverse, splat(1.0F));
+  const Floats place = (depth - row.nearest) * row.steps_per_metre;
+  const Ints step =
+      to_ints(smaller(larger(place, Floats{}), splat(static_cast<float>(row.last_step))));
+  const Floats tolerance = gather(row.inverse_tolerances, step) + inverse * row.slope_tolerance;
+  const InversePlanes plane =
+      solve(window_moments(at, row.inverse_stride, inverse, tolerance), inverse);
+
+  // On the plane a X + b Y + c Z = 1.
+  const Floats x = row.ray_x + (lane_numbers() + static_cast<float>(u)) * row.ray_step;
+  const Floats a = plane.slope_u * row.fx;
+  const Floats b = plane.slope_v * row.fy;
+  const Floats c = plane.inverse - a * x - b * row.ray_y;
+  const Floats offset = 1.0F / square_root(a * a + b * b + c * c);
+  const Floats cosine =
+      offset * plane.inverse / square_root(x * x + (row.ray_y * row.ray_y + 1.0F));
+  const Floats cosine_step =
+      smaller(larger(cosine, Floats{}), splat(1.0F)) * (kNoiseCosines - 1) + 0.5F;
+  const Ints entry = step / kNoiseDepthsPerWeight * kNoiseCosines + to_ints(cosine_step);
+
+  const Floats members[6] = {a * offset,
+                             b * offset,
+                             c * offset,
+                             select(has_depth, offset, splat(-1e9F)),
+                             gather(row.weights, entry),
+                             gather(row.truncations, step)};
+  __builtin_memcpy(out.members, members, sizeof(members));
+  for (int i = 0; i < kLanes; ++i) out.members[6][i] = row.free_depth[(u + i) / 2];
+}
+
+inline void store_pixel(const Surfaces& surfaces, int lane, std::uint32_t color,
+                        PixelSurface& pixel) {
+  const auto& m = surfaces.members;
+  pixel.normal[0] = m[0][lane];
+  pixel.normal[1] = m[1][lane];
+  pixel.normal[2] = m[2][lane];
+  pixel.offset = m[3][lane];
+  pixel.weight = m[4][lane];
+  pixel.truncation = m[5][lane];
+  pixel.free_depth = m[6][lane];
+  pixel.color = color;
+}
+
+void find_surfaces(const PixelRow& row, PixelSurface* pixels) {
+  for (int u = 0; u < row.width; u += kLanes) {
+    Surfaces surfaces;
+    find_eight(row, u, surfaces);
+    const int count = row.width - u < kLanes ? row.width - u : kLanes;
+    for (int i = 0; i < count; ++i) store_pixel(surfaces, i, row.color[u + i], pixels[u + i]);
+  }
+}
+
+}  // namespace
+}  // namespace pcavr

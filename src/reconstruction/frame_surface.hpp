@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pcavr/core/parallel.hpp"
+#include "pcavr/geometry/camera.hpp"
+#include "pcavr/geometry/image.hpp"
+
+#include "reconstruction/noise_tables.hpp"
+#include "reconstruction/pixel_surface.hpp"
+
+namespace pcavr {
+
+/// Ranges of depth over a square of pixels, to tell what a block can meet.
+struct DepthTile {
+  float nearest = 1e9F;  ///< of the measured depths [m]
+  float farthest = 0.0F;
+  float least_free = 1e9F;  ///< of the free depths [m]
+  float most_free = 0.0F;
+};
+
+/// A frame made ready for fusion.
+struct FrameSurface {
+  static constexpr int kTile = 8;  ///< [px]
+  int width = 0;
+  int height = 0;
+  std::vector<PixelSurface> pixels;  ///< row-major, then one without a surface
+  DepthImage depth;                  ///< used readings only
+  /// All that is nearer is free, for certain; half the size, a pixel for two by two [m].
+  DepthImage free_depth;
+  int tiles_x = 0;
+  int tiles_y = 0;
+  std::vector<DepthTile> tiles;
+  std::size_t pixels_used = 0;
+};
+
+/// The camera has no distortion. `color` and `is_dynamic` may be empty.
+[[nodiscard]] FrameSurface prepare_frame(const DepthImage& depth, const ColorImage& color,
+                                         const MaskImage& is_dynamic, const CameraModel& camera,
+                                         const NoiseTables& tables, Parallelism parallelism);
+
+}  // namespace pcavr

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "reconstruction/pixel_surface.hpp"
+#include "reconstruction/voxel_block.hpp"
+
+// The inner loops of fusion, compiled once for each instruction set and chosen when the program
+// runs. They take plain numbers only, and share no code with the rest of the program.
+namespace pcavr {
+
+/// One row of pixels to be turned into surfaces.
+struct PixelRow {
+  const float* inverse;     ///< 1 / depth of the row's first pixel; 0: nothing [1/m]
+  int inverse_stride;       ///< to the next row; there are kPlaneReach pixels around the image
+  const float* free_depth;  ///< of every second pixel [m]
+  const std::uint32_t* color;
+  int width;
+  float ray_y;     ///< of the row, on the plane z = 1
+  float ray_x;     ///< of the first pixel
+  float ray_step;  ///< from pixel to pixel: 1 / fx
+  float fx, fy;
+  float slope_tolerance;  ///< largest relative change of inverse depth within the window
+  float nearest;          ///< of the tables' first entry [m]
+  float steps_per_metre;  ///< of the tables
+  int last_step;
+  const float* truncations;
+  const float* inverse_tolerances;
+  const float* weights;
+};
+/// Taps of the plane fit lie every kPlaneStep pixels to kPlaneReach on each side: sensor noise is
+/// correlated over more than a pixel, so that the ones between would add little.
+inline constexpr int kPlaneStep = 2;
+inline constexpr int kPlaneReach = 4;
+
+/// One block seen by one frame.
+struct BlockView {
+  const PixelSurface* pixels;
+  int width;
+  int height;
+  float fx, fy, cx, cy;
+  float origin[3];  ///< the block's lowest voxel in camera axes [m]
+  float step_x[3];  ///< from voxel to voxel along the block's axes, in camera axes [m]
+  float step_y[3];
+  float step_z[3];
+  float band_nearest;   ///< no surface's band begins nearer than this depth [m]
+  float band_farthest;  ///< or ends farther
+  float free_farthest;  ///< nothing farther than this is seen through [m]
+  float steps_per_metre;
+  float voxel_size;
+  std::uint32_t dither;  ///< differs from frame to frame
+};
+
+struct Kernels {
+  /// Fits a plane to the inverse depth around each pixel (on a plane, it is linear in the pixel),
+  /// and from it the distance, incidence, weight and truncation. Writes `width` pixels.
+  void (*find_surfaces)(const PixelRow& row, PixelSurface* pixels);
+  /// Averages the frame's signed distance and colour into the block, and counts what it saw
+  /// through.
+  void (*fuse_block)(const BlockView& view, VoxelBlock& block);
+};
+
+/// The fastest that this processor runs. All give the same bits.
+[[nodiscard]] const Kernels& kernels();
+
+/// Those for any processor; for tests.
+[[nodiscard]] const Kernels& baseline_kernels();
+
+}  // namespace pcavr
