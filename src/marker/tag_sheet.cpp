@@ -1,3 +1,196 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/marker/tag_sheet.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+
+#include "marker/sheet_layout.hpp"
+
+namespace pcavr {
+namespace {
+
+// All of the layout is in millimetres.
+constexpr double kRuler = 100.0;
+constexpr double kRulerSpace = 14.0;
+constexpr double kTextHeight = 3.0;
+constexpr double kLabelSpace = 6.0;
+constexpr double kCutMark = 4.0;
+
+/// A printed number: as short as it can be at a hundredth.
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", value);
+  std::string result = text;
+  while (result.back() == '0') result.pop_back();
+  if (result.back() == '.') result.pop_back();
+  return result;
+}
+
+/// How much room one tag takes: its cells, a white cell around them, and a line of text below.
+struct Slot {
+  double cell = 0.0;     ///< edge of one cell
+  double picture = 0.0;  ///< edge of all cells
+  double width = 0.0;    ///< between cut marks
+  double height = 0.0;
+};
+
+Slot slot_for(const TagPicture& picture, double size) {
+  Slot slot;
+  slot.cell = size / (picture.cells - 2 * picture.border);
+  slot.picture = slot.cell * picture.cells;
+  slot.width = slot.picture + 2.0 * slot.cell;
+  slot.height = slot.width + kLabelSpace;
+  return slot;
+}
+
+void draw_cells(const TagPicture& picture, double x, double y, double cell, SheetPage& page) {
+  for (int row = 0; row < picture.cells; ++row) {
+    // Neighbours in a row become one rectangle.
+    for (int column = 0; column < picture.cells;) {
+      const auto is_white = [&](int at) {
+        return picture.is_white[static_cast<std::size_t>(row * picture.cells + at)];
+      };
+      int end = column + 1;
+      while (end < picture.cells && is_white(end) == is_white(column)) ++end;
+      if (!is_white(column)) {
+        page.black.push_back({x + column * cell, y + row * cell, (end - column) * cell, cell});
+      }
+      column = end;
+    }
+  }
+}
+
+/// Corners of the slot, drawn outward, so that nothing is left on what is cut out.
+void draw_cut_marks(double x, double y, const Slot& slot, SheetPage& page) {
+  for (const double left : {0.0, 1.0}) {
+    for (const double top : {0.0, 1.0}) {
+      const double px = x + left * slot.width;
+      const double py = y + top * slot.height;
+      page.lines.push_back({px, py, px + (2.0 * left - 1.0) * kCutMark, py});
+      page.lines.push_back({px, py, px, py + (2.0 * top - 1.0) * kCutMark});
+    }
+  }
+}
+
+void draw_tag(const TagPicture& picture, const TagSheetOptions& options, int id, double x, double y,
+              SheetPage& page) {
+  const Slot slot = slot_for(picture, options.size * 1e3);
+  draw_cells(picture, x + slot.cell, y + slot.cell, slot.cell, page);
+  draw_cut_marks(x, y, slot, page);
+  const double base = y + slot.width + 0.5 * (kLabelSpace + kTextHeight) - 1.0;
+  page.texts.push_back(
+      {x + 5.0, base, kTextHeight,
+       options.family + " " + std::to_string(id) + "  " + number(options.size * 1e3) + " mm"});
+  // An arrow to the tag's upper edge: the marker frame's y.
+  const double arrow = x + 2.0;
+  page.lines.push_back({arrow, base + 0.5, arrow, base - kTextHeight});
+  page.lines.push_back({arrow, base - kTextHeight, arrow - 0.8, base - kTextHeight + 1.2});
+  page.lines.push_back({arrow, base - kTextHeight, arrow + 0.8, base - kTextHeight + 1.2});
+}
+
+void draw_ruler(double x, double y, double length, SheetPage& page) {
+  page.lines.push_back({x, y, x + length, y});
+  for (int i = 0; i <= static_cast<int>(length); ++i) {
+    const double tick = i % 10 == 0 ? 3.0 : (i % 5 == 0 ? 2.0 : 1.0);
+    page.lines.push_back({x + i, y, x + i, y - tick});
+  }
+  page.texts.push_back({x, y + 4.0, kTextHeight,
+                        "Print at 100 %. This ruler is " + number(length) +
+                            " mm long: measure it. Arrows point up."});
+}
+
+struct Grid {
+  int columns = 0;
+  int rows = 0;
+  double step_x = 0.0;
+  double step_y = 0.0;
+  double top = 0.0;  ///< of the first slot
+};
+
+Grid grid_for(const TagSheetOptions& options, const Slot& slot) {
+  const double margin = options.margin * 1e3;
+  const double gap = 2.0 * kCutMark;
+  const double width = options.page_width * 1e3 - 2.0 * margin - gap;
+  const double height = options.page_height * 1e3 - 2.0 * margin - gap - kRulerSpace;
+  Grid grid;
+  grid.step_x = slot.width + gap;
+  grid.step_y = slot.height + gap;
+  grid.columns = std::max(0, static_cast<int>(std::floor((width + gap) / grid.step_x)));
+  grid.rows = std::max(0, static_cast<int>(std::floor((height + gap) / grid.step_y)));
+  grid.top = margin + kCutMark + kRulerSpace;
+  return grid;
+}
+
+SheetPage empty_page(const TagSheetOptions& options) {
+  SheetPage page;
+  page.width = options.page_width * 1e3;
+  page.height = options.page_height * 1e3;
+  const double margin = options.margin * 1e3;
+  // Narrow pages get as many whole centimetres as fit.
+  const double room = std::floor((page.width - 2.0 * margin) / 10.0) * 10.0;
+  draw_ruler(margin, margin + 4.0, std::min(kRuler, room), page);
+  return page;
+}
+
+std::string manifest_lines(const TagSheetOptions& options) {
+  char size[32];
+  std::snprintf(size, sizeof size, "%.9g", options.size);
+  std::string yaml = "markers:\n";
+  for (const int id : options.ids) {
+    yaml += "  - family: " + options.family + "\n    id: " + std::to_string(id) +
+            "\n    size: " + size +
+            "\n    role: base  # or object, with a line `object: NAME`\n"
+            "    pose: {t: [0, 0, 0], q: [0, 0, 0, 1]}  # where it is fixed: fill in\n";
+  }
+  return yaml;
+}
+
+Expected<void> check(const TagSheetOptions& options) {
+  if (options.ids.empty()) {
+    return Error{.message = "no tag ids given", .mend = "name at least one"};
+  }
+  const auto is_length = [](double value) { return std::isfinite(value) && value > 0.0; };
+  if (!is_length(options.size) || !is_length(options.page_width) ||
+      !is_length(options.page_height) || !(options.margin >= 0.0)) {
+    return Error{.message = "sizes must be positive lengths", .mend = "give them in metres"};
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<TagSheet> make_tag_sheet(const TagSheetOptions& options) {
+  if (const auto checked = check(options); !checked) return checked.error();
+  std::vector<TagPicture> pictures;
+  for (const int id : options.ids) {
+    Expected<TagPicture> picture = tag_picture(options.family, id);
+    if (!picture) return picture.error();
+    pictures.push_back(std::move(*picture));
+  }
+  const Slot slot = slot_for(pictures.front(), options.size * 1e3);
+  const Grid grid = grid_for(options, slot);
+  if (grid.columns == 0 || grid.rows == 0) {
+    return Error{.message = "a tag of " + number(options.size * 1e3) + " mm with its white rim (" +
+                            number(slot.width) + " mm) does not fit on the page",
+                 .mend = "take a larger page or a smaller tag"};
+  }
+
+  std::vector<SheetPage> pages;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const int place = static_cast<int>(i) % (grid.columns * grid.rows);
+    if (place == 0) pages.push_back(empty_page(options));
+    const double x = options.margin * 1e3 + kCutMark + (place % grid.columns) * grid.step_x;
+    const double y = grid.top + (place / grid.columns) * grid.step_y;
+    draw_tag(pictures[i], options, options.ids[i], x, y, pages.back());
+  }
+  TagSheet sheet;
+  for (const SheetPage& page : pages) sheet.svg_pages.push_back(draw_svg(page));
+  sheet.pdf = draw_pdf(pages);
+  sheet.manifest_yaml = manifest_lines(options);
+  return sheet;
+}
+
+}  // namespace pcavr

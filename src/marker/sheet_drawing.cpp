@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
+#include "marker/pdf_writer.hpp"
+#include "marker/sheet_layout.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kHairline = 0.1;  // [mm]
+constexpr double kPointsPerMillimetre = 72.0 / 25.4;
+
+/// Four decimals are a tenth of a micrometre.
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4f", value);
+  return text;
+}
+
+std::string attribute(const char* name, double value) {
+  return std::string(" ") + name + "=\"" + number(value) + "\"";
+}
+
+/// Draws in millimetres from the top left: the page's matrix turns y up and scales to points, and
+/// text is turned back.
+std::string pdf_content(const SheetPage& page) {
+  const std::string scale = number(kPointsPerMillimetre);
+  std::string content = scale + " 0 0 -" + scale + " 0 " +
+                        number(page.height * kPointsPerMillimetre) + " cm\n0 g 0 G " +
+                        number(kHairline) + " w\n";
+  for (const SheetRectangle& r : page.black) {
+    content +=
+        number(r.x) + " " + number(r.y) + " " + number(r.width) + " " + number(r.height) + " re\n";
+  }
+  if (!page.black.empty()) content += "f\n";
+  for (const SheetLine& line : page.lines) {
+    content += number(line.x1) + " " + number(line.y1) + " m " + number(line.x2) + " " +
+               number(line.y2) + " l S\n";
+  }
+  for (const SheetText& text : page.texts) {
+    content += "BT /F1 " + number(text.height) + " Tf 1 0 0 -1 " + number(text.x) + " " +
+               number(text.y) + " Tm (" + text.text + ") Tj ET\n";
+  }
+  return content;
+}
+
+}  // namespace
+
+std::string draw_svg(const SheetPage& page) {
+  const std::string width = number(page.width);
+  const std::string height = number(page.height);
+  std::string svg =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" +
+      width + "mm\" height=\"" + height + "mm\" viewBox=\"0 0 " + width + " " + height + "\">\n";
+  svg += "<rect" + attribute("width", page.width) + attribute("height", page.height) +
+         " fill=\"white\"/>\n";
+  // One path for all cells, so that no viewer shows seams between neighbours.
+  svg += "<path fill=\"black\" shape-rendering=\"crispEdges\" d=\"";
+  for (const SheetRectangle& r : page.black) {
+    svg += "M" + number(r.x) + " " + number(r.y) + "h" + number(r.width) + "v" + number(r.height) +
+           "h-" + number(r.width) + "z";
+  }
+  svg += "\"/>\n";
+  for (const SheetLine& line : page.lines) {
+    svg += "<line" + attribute("x1", line.x1) + attribute("y1", line.y1) +
+           attribute("x2", line.x2) + attribute("y2", line.y2) + " stroke=\"black\"" +
+           attribute("stroke-width", kHairline) + "/>\n";
+  }
+  for (const SheetText& text : page.texts) {
+    svg += "<text" + attribute("x", text.x) + attribute("y", text.y) +
+           attribute("font-size", text.height) +
+           " stroke=\"none\" font-family=\"Helvetica, Arial, sans-serif\">" + text.text +
+           "</text>\n";
+  }
+  return svg + "</svg>\n";
+}
+
+std::string draw_pdf(const std::vector<SheetPage>& pages) {
+  std::vector<PdfPage> drawn;
+  for (const SheetPage& page : pages) {
+    drawn.push_back(
+        {page.width * kPointsPerMillimetre, page.height * kPointsPerMillimetre, pdf_content(page)});
+  }
+  return write_pdf(drawn);
+}
+
+}  // namespace pcavr
