@@ -8,21 +8,12 @@
 
 #include "bytes.hpp"
 #include "glb_file.hpp"
+#include "glb_format.hpp"
 
 namespace pcavr {
 namespace {
 
 using nlohmann::json;
-
-// Numbers of the glTF 2.0 specification, sections 3.6.2 and 5.
-constexpr int kUnsignedShort = 5123;
-constexpr int kUnsignedInt = 5125;
-constexpr int kFloat = 5126;
-constexpr int kArrayBuffer = 34962;
-constexpr int kElementArrayBuffer = 34963;
-constexpr std::uint32_t kMagic = 0x46546C67;
-constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
-constexpr std::uint32_t kBinaryChunk = 0x004E4942;
 
 /// 16-bit linear intensity of an 8-bit sRGB one [IEC 61966-2-1].
 std::array<std::uint16_t, 256> make_linear_of_srgb() {
@@ -80,7 +71,7 @@ int GlbWriter::add_vectors(const std::vector<Eigen::Vector3f>& vectors, bool wit
     for (const float number : vector) append_bytes(buffer_, number);
   }
   const int accessor =
-      add_accessor(add_view(first_byte, kArrayBuffer), kFloat, "VEC3", vectors.size());
+      add_accessor(add_view(first_byte, kGlbArrayBuffer), kGlbFloat, "VEC3", vectors.size());
   if (with_bounds) {
     const Eigen::AlignedBox3f box = bounds(vectors);
     document_["accessors"].back()["min"] = list_of(box.min());
@@ -99,7 +90,7 @@ int GlbWriter::add_colors(const std::vector<Rgb8>& colors) {
     append_bytes(buffer_, std::uint16_t{65535});  // opaque; it keeps the elements aligned
   }
   const int accessor =
-      add_accessor(add_view(first_byte, kArrayBuffer), kUnsignedShort, "VEC4", colors.size());
+      add_accessor(add_view(first_byte, kGlbArrayBuffer), kGlbUnsignedShort, "VEC4", colors.size());
   document_["accessors"].back()["normalized"] = true;
   return accessor;
 }
@@ -109,7 +100,7 @@ int GlbWriter::add_indices(const TriangleMesh& mesh) {
   for (const auto& triangle : mesh.triangles) {
     for (const std::uint32_t vertex : triangle) append_bytes(buffer_, vertex);
   }
-  return add_accessor(add_view(first_byte, kElementArrayBuffer), kUnsignedInt, "SCALAR",
+  return add_accessor(add_view(first_byte, kGlbElementArrayBuffer), kGlbUnsignedInt, "SCALAR",
                       mesh.triangles.size() * 3);
 }
 
@@ -177,15 +168,15 @@ std::string GlbWriter::finish(int root, const std::vector<int>& children) {
   std::string file;
   const std::size_t binary_size = buffer_.empty() ? 0 : 8 + buffer_.size();
   file.reserve(20 + text.size() + binary_size);
-  append_bytes(file, kMagic);
+  append_bytes(file, kGlbMagic);
   append_bytes(file, std::uint32_t{2});
   append_bytes(file, static_cast<std::uint32_t>(20 + text.size() + binary_size));
   append_bytes(file, static_cast<std::uint32_t>(text.size()));
-  append_bytes(file, kJsonChunk);
+  append_bytes(file, kGlbJsonChunk);
   file += text;
   if (buffer_.empty()) return file;
   append_bytes(file, static_cast<std::uint32_t>(buffer_.size()));
-  append_bytes(file, kBinaryChunk);
+  append_bytes(file, kGlbBinaryChunk);
   return file += buffer_;
 }
 

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "octomap_file.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <string>
+
+#include "pcavr/core/output.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr int kLevels = 16;
+constexpr double kCentralKey = 32768.0;
+
+/// Two bits for each of eight children: unknown (0), free (1), occupied (2) or with children (3)
+/// [Hornung et al. 2013, sec. 3.5].
+class TreeWalker {
+ public:
+  TreeWalker(std::string_view bytes, OctomapContent& content) : bytes_(bytes), content_(content) {}
+
+  /// False where the bytes end too early, or lead deeper than a tree can be.
+  bool walk(int level, const Eigen::Vector3d& corner) {
+    if (level == kLevels || bytes_.size() < 2) return false;
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes_[i]); };
+    const unsigned children = byte(0) | static_cast<unsigned>(byte(1)) << 8;
+    bytes_.remove_prefix(2);
+    const double edge = std::ldexp(1.0, kLevels - level - 1);
+    for (unsigned child = 0; child < 8; ++child) {
+      const unsigned kind = children >> (2 * child) & 3;
+      if (kind == 0) continue;
+      const Eigen::Vector3d at =
+          corner + edge * Eigen::Vector3d(child & 1, child >> 1 & 1, child >> 2 & 1);
+      if (kind == 3) {
+        if (!walk(level + 1, at)) return false;
+      } else {
+        add_leaf(kind == 2, at, edge);
+      }
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool is_at_end() const { return bytes_.empty(); }
+
+ private:
+  void add_leaf(bool is_occupied, const Eigen::Vector3d& corner, double edge) {
+    // A tree is at most 2^48 cells large.
+    const auto cells = static_cast<std::uint64_t>(edge * edge * edge);
+    (is_occupied ? content_.occupied : content_.free) += cells;
+    content_.known_base.extend(corner * content_.resolution);
+    content_.known_base.extend((corner + Eigen::Vector3d::Constant(edge)) * content_.resolution);
+  }
+
+  std::string_view bytes_;
+  OctomapContent& content_;
+};
+
+}  // namespace
+
+Expected<OctomapContent> read_octomap(const std::filesystem::path& file) {
+  const Expected<std::string> bytes = read_file(file);
+  if (!bytes) return bytes.error();
+  const auto not_sound = [&](const std::string& message) {
+    return Error{.message = message, .file = file.string()};
+  };
+  constexpr std::string_view kEnd = "\ndata\n";
+  const std::size_t end = bytes->find(kEnd);
+  if (!bytes->starts_with("# Octomap OcTree binary file\n") || end == std::string::npos) {
+    return not_sound("is not an OctoMap binary tree");
+  }
+  OctomapContent content;
+  std::istringstream header(bytes->substr(0, end));
+  std::size_t nodes = 0;
+  for (std::string line; std::getline(header, line);) {
+    std::istringstream words(line);
+    std::string key;
+    words >> key;
+    if (key == "res") words >> content.resolution;
+    if (key == "size") words >> nodes;
+  }
+  if (!(content.resolution > 0.0) || !std::isfinite(content.resolution)) {
+    return not_sound("has no cell size");
+  }
+  TreeWalker walker(std::string_view(*bytes).substr(end + kEnd.size()), content);
+  const bool is_sound = nodes == 0 || walker.walk(0, Eigen::Vector3d::Constant(-kCentralKey));
+  if (!is_sound) return not_sound("is cut short");
+  if (!walker.is_at_end()) return not_sound("holds more than its tree");
+  return content;
+}
+
+}  // namespace pcavr

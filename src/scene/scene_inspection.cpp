@@ -1,0 +1,216 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <set>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "pcavr/core/output.hpp"
+#include "pcavr/recording/recording.hpp"
+#include "pcavr/scene/scene_bundle.hpp"
+
+#include "glb_file.hpp"
+#include "octomap_file.hpp"
+#include "ply_file.hpp"
+#include "preview.hpp"
+#include "scene_text.hpp"
+
+namespace pcavr {
+namespace fs = std::filesystem;
+namespace {
+
+/// Poses are written with 15 digits.
+constexpr double kSamePose = 1e-9;  ///< [m] and [rad]
+
+/// 1234567 as "1 234 567".
+std::string grouped(std::uint64_t count) {
+  std::string text = std::to_string(count);
+  for (std::size_t from_end = 3; from_end < text.size(); from_end += 4) {
+    text.insert(text.size() - from_end, 1, ' ');
+  }
+  return text;
+}
+
+std::string rounded(double value, int decimals) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
+  return text.data();
+}
+
+bool is_same(const Pose& a, const Pose& b) {
+  // Of quaternions that differ in the last digits, the angle is uncertain by their square root.
+  return translation_distance(a, b) <= kSamePose && rotation_distance(a, b) <= 1e-6;
+}
+
+/// Looks through one scene's files in turn.
+class Inspection {
+ public:
+  explicit Inspection(const SceneManifest& manifest) : manifest_(manifest) {}
+
+  std::vector<SceneCheck> run() {
+    check_manifest();
+    check_display();
+    for (std::size_t i = 1; i < manifest_.levels_of_detail.size(); ++i) check_level(i);
+    check_mesh();
+    check_cloud();
+    check_occupancy();
+    check_trajectory();
+    check_preview();
+    for (const SceneObjectEntry& object : manifest_.objects) check_object(object);
+    return std::move(checks_);
+  }
+
+ private:
+  void report(const fs::path& what, std::string figure, const std::string& complaint) {
+    if (!complaint.empty()) figure += (figure.empty() ? "" : ", ") + complaint;
+    checks_.push_back({what.string(), std::move(figure), complaint.empty()});
+  }
+  /// The file itself can't be read: the reason, without the file's name once more.
+  void report(const fs::path& what, const Error& error) { report(what, "", error.message); }
+
+  void check_manifest() {
+    std::string complaint;
+    std::set<std::string> names;
+    for (const SceneObjectEntry& object : manifest_.objects) {
+      if (!names.insert(object.name).second)
+        complaint = "object " + object.name + " is there twice";
+    }
+    for (const SupportPlane& plane : manifest_.support_planes) {
+      for (const std::string& name : plane.objects) {
+        if (!names.contains(name)) complaint = "a plane bears " + name + ", which is no object";
+      }
+    }
+    if (manifest_.quality.frames_used > manifest_.quality.frames_recorded) {
+      complaint = "more frames used than recorded";
+    }
+    report(kManifestFile,
+           std::to_string(manifest_.objects.size()) + " objects, " +
+               std::to_string(manifest_.support_planes.size()) + " support planes, " +
+               std::to_string(manifest_.quality.frames_used) + " of " +
+               std::to_string(manifest_.quality.frames_recorded) + " frames used",
+           complaint);
+  }
+
+  void check_display() {
+    const Expected<GlbContent> glb = read_glb(manifest_.folder / kDisplayFile);
+    if (!glb) return report(kDisplayFile, glb.error());
+    std::size_t triangles = 0;
+    for (const GlbNode& node : glb->nodes) triangles += node.triangles;
+    std::string complaint;
+    if (glb->root != "base" || !is_same(glb->T_viewer_root, glb_root_pose())) {
+      complaint = "the root does not turn z-up into y-up";
+    }
+    for (const SceneObjectEntry& object : manifest_.objects) {
+      const auto node = std::find_if(glb->nodes.begin(), glb->nodes.end(), [&](const auto& n) {
+        return n.name == object.name && is_same(n.T_parent_node, object.T_base_object);
+      });
+      if ((node == glb->nodes.end()) != (object.evidence == kNotSeen)) {
+        complaint = "object " + object.name + " does not stand where scene.yaml says";
+      }
+    }
+    report(kDisplayFile,
+           std::to_string(glb->nodes.size()) + " nodes, " + grouped(triangles) + " triangles",
+           complaint);
+  }
+
+  void check_level(std::size_t level) {
+    const fs::path& name = manifest_.levels_of_detail[level];
+    const Expected<GlbContent> glb = read_glb(manifest_.folder / name);
+    if (!glb) return report(name, glb.error());
+    const bool is_sound = glb->nodes.size() == 1 && glb->nodes.front().name == "static_mesh";
+    report(name, is_sound ? grouped(glb->nodes.front().triangles) + " triangles" : "",
+           is_sound ? "" : "does not hold the static mesh alone");
+  }
+
+  void check_mesh() {
+    const Expected<TriangleMesh> mesh = read_ply(manifest_.folder / kMeshFile);
+    if (!mesh) return report(kMeshFile, mesh.error());
+    mesh_ = std::move(*mesh);
+    const bool has_all =
+        mesh_.vertices.empty() || (!mesh_.normals.empty() && !mesh_.colors.empty());
+    report(
+        kMeshFile,
+        grouped(mesh_.triangles.size()) + " triangles, " + rounded(surface_area(mesh_), 2) + " m^2",
+        has_all ? "" : "without normals or colours");
+  }
+
+  void check_cloud() {
+    const Expected<TriangleMesh> cloud = read_ply(manifest_.folder / kCloudFile);
+    if (!cloud) return report(kCloudFile, cloud.error());
+    report(kCloudFile, grouped(cloud->vertices.size()) + " points",
+           cloud->triangles.empty() ? "" : "has faces");
+  }
+
+  void check_occupancy() {
+    const Expected<OctomapContent> map = read_octomap(manifest_.folder / kOccupancyFile);
+    if (!map) return report(kOccupancyFile, map.error());
+    report(kOccupancyFile,
+           grouped(map->occupied) + " cells occupied, " + grouped(map->free) + " free, " +
+               rounded(map->resolution, 3) + " m",
+           complaint_about_bounds(*map));
+  }
+
+  /// The mesh shows what the map was made from. Rays are cut by their length and depth by its z, so
+  /// that a little of the mesh may stand out at the far end.
+  [[nodiscard]] std::string complaint_about_bounds(const OctomapContent& map) const {
+    constexpr double kLeastShare = 0.95;
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(2.0 * map.resolution);
+    Eigen::AlignedBox3d box = map.known_base;
+    if (!box.isEmpty()) box = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
+    const auto inside = std::count_if(
+        mesh_.vertices.begin(), mesh_.vertices.end(),
+        [&](const Eigen::Vector3f& vertex) { return box.contains(vertex.cast<double>()); });
+    const double share = mesh_.vertices.empty() ? 1.0
+                                                : static_cast<double>(inside) /
+                                                      static_cast<double>(mesh_.vertices.size());
+    return share >= kLeastShare ? "" : "holds only " + rounded(100.0 * share, 0) + " % of the mesh";
+  }
+
+  void check_trajectory() {
+    const Expected<Trajectory> track = read_trajectory(manifest_.folder / kTrajectoryFile);
+    if (!track) return report(kTrajectoryFile, track.error());
+    report(kTrajectoryFile, std::to_string(track->size()) + " poses",
+           track->size() == manifest_.quality.frames_used ? "" : "not one for each frame used");
+  }
+
+  void check_preview() {
+    const Expected<std::string> bytes = read_file(manifest_.folder / kPreviewFile);
+    if (!bytes) return report(kPreviewFile, bytes.error());
+    cv::Mat image;
+    try {
+      const std::vector<unsigned char> data(bytes->begin(), bytes->end());
+      if (!data.empty()) image = cv::imdecode(data, cv::IMREAD_COLOR);
+    } catch (const cv::Exception&) {
+      image.release();
+    }
+    const bool is_sound = image.cols == kPreviewWidth && image.rows == kPreviewHeight;
+    report(kPreviewFile,
+           std::to_string(image.cols) + " x " + std::to_string(image.rows) + " pixels",
+           is_sound ? "" : "is not the picture of a scene");
+  }
+
+  void check_object(const SceneObjectEntry& object) {
+    const Expected<CadModel> model = read_cad_model(manifest_.folder / object.mesh, object.name);
+    if (!model) return report(object.mesh, model.error());
+    report(object.mesh,
+           grouped(model->mesh_object.triangles.size()) + " triangles, " +
+               rounded(1e3 * model->volume, 3) + " litres, " + object.evidence,
+           "");
+  }
+
+  const SceneManifest& manifest_;
+  TriangleMesh mesh_;
+  std::vector<SceneCheck> checks_;
+};
+
+}  // namespace
+
+Expected<std::vector<SceneCheck>> inspect_scene(const fs::path& folder) {
+  const Expected<SceneManifest> manifest = read_scene_manifest(folder);
+  if (!manifest) return manifest.error();
+  return Inspection(*manifest).run();
+}
+
+}  // namespace pcavr
