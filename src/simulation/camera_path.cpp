@@ -46,8 +46,10 @@ CameraPath::CameraPath(const SimulationCase& simulation, std::uint64_t seed)
   }
   // A hand sweeps at some 0.3 m/s and 20 degrees/s at most: periods of several seconds.
   azimuth_ = wave(0.0, 26.0 * kDegree, 6.5, 8.0);
-  elevation_ = wave(36.0 * kDegree, 5.0 * kDegree, 4.0, 6.0);
-  distance_ = wave(0.92, 0.10, 5.0, 7.0);
+  // Down on the table; or, where there is a tag on the wall too, far enough up to see it.
+  const bool looks_at_wall = simulation.base_tags >= 2;
+  elevation_ = wave((looks_at_wall ? 27.0 : 36.0) * kDegree, 5.0 * kDegree, 4.0, 6.0);
+  distance_ = wave(looks_at_wall ? 1.15 : 0.92, 0.10, 5.0, 7.0);
   target_ = {wave(0.66, 0.06, 4.5, 6.5), wave(0.02, 0.10, 4.0, 6.0), wave(0.03, 0.02, 3.0, 5.0)};
   for (std::size_t i = 0; i < 6; ++i) {
     tremor_[i] = i < 3 ? wave(0.0, 0.0015, 0.25, 0.6) : wave(0.0, 0.15 * kDegree, 0.25, 0.6);

@@ -20,10 +20,12 @@ Pose upright(const Eigen::Vector2d& place, double yaw) {
           {place.x(), place.y(), 0.0}};
 }
 
-Material random_material(Random& random) {
+/// `number` counts the pieces: neighbours in the count are far apart in hue (golden section).
+Material random_material(double first_hue, int number, Random& random) {
   constexpr Texture kTextures[] = {Texture::plaster, Texture::fabric, Texture::patches,
                                    Texture::terrazzo};
-  const Eigen::Vector3f base = vivid_color(random, random.uniform(0.15, 0.6));
+  const Eigen::Vector3f base = color_of_hue(first_hue + kGoldenSection * number,
+                                            random.uniform(0.2, 0.6), random.uniform(0.6, 0.9));
   const float darker = static_cast<float>(random.uniform(0.35, 0.6));
   return {.texture = kTextures[random.below(4)],
           .base = base,
@@ -104,6 +106,7 @@ std::optional<Eigen::Vector2d> Occupancy::find_room(double radius, const Eigen::
 
 int add_clutter(Body& room, int count, Random& random, Occupancy& occupancy) {
   int placed = 0;
+  const double first_hue = random.uniform();
   for (int i = 0; i < count; ++i) {
     const double radius = random.uniform(0.025, 0.055);
     const double edge = radius + kClearance;
@@ -111,23 +114,21 @@ int add_clutter(Body& room, int count, Random& random, Occupancy& occupancy) {
                                            {kTableFar - 0.1 - edge, kTableSide - edge}, random);
     if (!place) continue;
     const auto material = static_cast<std::uint16_t>(room.materials.size());
-    room.materials.push_back(random_material(random));
+    room.materials.push_back(random_material(first_hue, i, random));
     add_piece(room.surface, radius, *place, random, material);
     ++placed;
   }
   return placed;
 }
 
-Eigen::Vector3f vivid_color(Random& random, double least) {
-  // Around the hue circle: one channel full, one at the least, one between.
-  const double between = random.uniform(least, 1.0);
-  Eigen::Vector3f color(0.0F, 0.0F, 0.0F);
-  const auto first = static_cast<int>(random.below(3));
-  const int step = 1 + static_cast<int>(random.below(2));
-  color[first] = 1.0F;
-  color[(first + step) % 3] = static_cast<float>(between);
-  color[(first + 2 * step) % 3] = static_cast<float>(least);
-  return static_cast<float>(random.uniform(0.5, 0.85)) * color;
+Eigen::Vector3f color_of_hue(double hue, double least, double brightness) {
+  const auto channel = [&](double place) {
+    // One third of the circle full, one third none, with ramps of a sixth between.
+    const double away = std::abs(std::remainder(hue - place, 1.0));
+    return std::clamp(2.0 - 6.0 * away, 0.0, 1.0);
+  };
+  const Eigen::Vector3d pure(channel(0.0), channel(1.0 / 3.0), channel(2.0 / 3.0));
+  return (brightness * (least + (1.0 - least) * pure.array())).matrix().cast<float>();
 }
 
 }  // namespace pcavr::simulation

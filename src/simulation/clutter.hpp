@@ -39,7 +39,11 @@ class Occupancy {
 /// Puts cylinders, balls, blocks, prisms and cups on the table. Returns how many found room.
 int add_clutter(Body& room, int count, Random& random, Occupancy& occupancy);
 
-/// A bright, saturated albedo; `least` is its darkest channel's part of the brightest, 0 to 1.
-[[nodiscard]] Eigen::Vector3f vivid_color(Random& random, double least);
+/// Steps of this many turns around the hue circle never come near one another soon.
+inline constexpr double kGoldenSection = 0.6180339887;
+
+/// An albedo by hue [turns: 0 red, 1/3 green, 2/3 blue]; `least` is the darkest channel's part of
+/// the brightest, which is `brightness`, both 0 to 1.
+[[nodiscard]] Eigen::Vector3f color_of_hue(double hue, double least, double brightness);
 
 }  // namespace pcavr::simulation

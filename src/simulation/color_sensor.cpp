@@ -32,7 +32,7 @@ ColorImage expose(const ColorSensor& sensor, const Image<Eigen::Vector3f>& radia
         const float sigma = read + shot * std::sqrt(std::max(0.0F, clean));
         const float noise =
             sigma * normal_of(hash(seed, pixel, static_cast<std::uint64_t>(channel)));
-        return static_cast<std::uint8_t>(std::lround(std::clamp(clean + noise, 0.0F, 255.0F)));
+        return static_cast<std::uint8_t>(std::clamp(clean + noise, 0.0F, 255.0F) + 0.5F);
       };
       color(x, y) = {level(0), level(1), level(2)};
     }

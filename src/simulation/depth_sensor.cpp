@@ -70,8 +70,8 @@ double incidence_of(const Eigen::Vector3d& direction, const Eigen::Vector3f& nor
 
 double quantised(const DepthSensor& sensor, double z) {
   const double product = sensor.focal_length * sensor.baseline;
-  const double steps = std::round(product / z * sensor.disparity_steps);
-  return steps > 0.0 ? product * sensor.disparity_steps / steps : 0.0;
+  const auto steps = static_cast<int>(product / z * sensor.disparity_steps + 0.5);
+  return steps > 0 ? product * sensor.disparity_steps / steps : 0.0;
 }
 
 class Measurement {

@@ -29,7 +29,7 @@ void add_furniture(Body& room, bool has_side_wall, Random& random) {
   room.materials.push_back(
       material_of(Texture::wood, {0.80F, 0.57F, 0.36F}, {0.36F, 0.21F, 0.11F}, 0.15F, random));
   room.materials.push_back(
-      material_of(Texture::plaster, {0.62F, 0.65F, 0.64F}, {0.30F, 0.33F, 0.34F}, 0.40F, random));
+      material_of(Texture::plaster, {0.80F, 0.81F, 0.77F}, {0.44F, 0.48F, 0.50F}, 0.40F, random));
   room.materials.push_back(
       material_of(Texture::tiles, {0.50F, 0.44F, 0.38F}, {0.16F, 0.15F, 0.15F}, 0.30F, random));
   const auto block = [&](const Eigen::Vector3d& low, const Eigen::Vector3d& high,
@@ -46,7 +46,7 @@ void add_furniture(Body& room, bool has_side_wall, Random& random) {
   }
   block({kWall - 0.1, -2.8, kFloor}, {kWall, 2.8, 2.2}, 1);
   block({kWall - 0.1, -2.8, kFloor - 0.1}, {3.5, 2.8, kFloor}, 2);
-  if (has_side_wall) block({kWall, -1.35, kFloor}, {3.5, -1.25, 2.2}, 1);
+  if (has_side_wall) block({kWall, -1.6, kFloor}, {3.5, -1.5, 2.2}, 1);
 }
 
 Expected<void> add_decal(Body& body, int id, double size, const Pose& T_body_marker) {
@@ -88,7 +88,7 @@ Expected<void> add_base_tags(World& world, const SimulationCase& simulation, Ran
     occupancy.take(place.head<2>(), paper_radius(room.decals.back()));
   }
   if (simulation.base_tags >= 2) {
-    const Eigen::Vector3d place(kWall, random.uniform(-0.35, -0.20), random.uniform(0.15, 0.25));
+    const Eigen::Vector3d place(kWall, random.uniform(-0.30, -0.10), random.uniform(0.10, 0.16));
     return add_decal(room, 1, 0.24, facing_x(place));
   }
   return {};
@@ -99,7 +99,9 @@ Expected<Body> make_box(const std::string& name, const Eigen::Vector3d& half, in
                         bool is_turned, Random& random) {
   Body body{.name = name, .surface = {}, .materials = {}, .decals = {}};
   constexpr Texture kTextures[] = {Texture::plaster, Texture::terrazzo, Texture::fabric};
-  const Eigen::Vector3f tone = vivid_color(random, 0.45);
+  // All boxes of a world draw the same first hue, then go on from it by number.
+  const Eigen::Vector3f tone =
+      color_of_hue(random.fork(0).uniform() + kGoldenSection * number, 0.45, 0.75);
   body.materials.push_back(material_of(kTextures[random.below(3)], tone, 0.55F * tone,
                                        static_cast<float>(random.uniform(0.02, 0.05)), random));
   add_box(body.surface, half, Pose(), 0);
@@ -171,14 +173,14 @@ Body make_tool(double radius, Random& random) {
 
 void add_lights(World& world, Random& random) {
   const auto jitter = [&] { return static_cast<float>(random.uniform(-0.15, 0.15)); };
-  world.lights.push_back({.p_base = {1.3F + jitter(), -1.0F + jitter(), 1.7F + jitter()},
+  world.lights.push_back({.p_base = {1.3F + jitter(), -0.8F + jitter(), 1.7F + jitter()},
                           .color = {0.74F, 0.70F, 0.64F},
                           .reach = 1.9F,
                           .casts_shadow = true});
   world.lights.push_back({.p_base = {1.6F + jitter(), 1.5F + jitter(), 1.5F + jitter()},
                           .color = {0.26F, 0.29F, 0.34F},
                           .reach = 2.1F});
-  world.ambient = {0.16F, 0.165F, 0.17F};
+  world.ambient = {0.24F, 0.245F, 0.25F};
 }
 
 }  // namespace

@@ -140,9 +140,8 @@ PushPhase phase_of(const SlidingBox& box, const PushParameters& p) {
 constexpr double kShortestPhase = 0.008;
 
 void add_phase(std::vector<PhaseChange>& phases, const PhaseChange& change) {
-  if (!phases.empty() && change.t - phases.back().t < kShortestPhase && phases.size() > 1) {
-    phases.pop_back();
-  }
+  if (!phases.empty() && phases.back().phase == change.phase) return;
+  if (phases.size() > 1 && change.t - phases.back().t < kShortestPhase) phases.pop_back();
   if (phases.empty() || phases.back().phase != change.phase) phases.push_back(change);
 }
 

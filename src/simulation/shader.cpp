@@ -62,11 +62,8 @@ Shader::Print Shader::print_at(std::size_t body, const Eigen::Vector3f& p_body) 
 }
 
 Eigen::Vector3f Shader::triangle_normal(const RayHit& hit) const {
-  const TriangleMesh& mesh = world_.bodies[hit.body].surface.mesh;
-  const auto& [a, b, c] = mesh.triangles[hit.triangle];
-  const Eigen::Vector3f normal_body =
-      (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
-  return placed_[hit.body].R_body_base.transpose() * normal_body.normalized();
+  return placed_[hit.body].R_body_base.transpose() *
+         world_.bodies[hit.body].surface.normal[hit.triangle];
 }
 
 std::array<bool, kPacket> Shader::shadows(
@@ -99,11 +96,13 @@ Eigen::Vector3f Shader::lit(const Eigen::Vector3f& p_base, const Eigen::Vector3f
     if (facing <= 0.0F) continue;
     // A lamp with a shade fades slower than a bare point would.
     const float strength = light.reach / (0.3F * light.reach + 0.7F * distance);
-    // Lambert's cosine, and Blinn's highlight.
-    const Eigen::Vector3f half = (to_light / distance + to_viewer).normalized();
-    const float highlight = gloss * std::pow(std::max(0.0F, normal.dot(half)), 40.0F);
-    sum +=
-        strength * light.color.cwiseProduct(facing * albedo + Eigen::Vector3f::Constant(highlight));
+    // Lambert's cosine, and Blinn's highlight where there is one.
+    Eigen::Vector3f reflected = facing * albedo;
+    if (gloss > 0.0F) {
+      const Eigen::Vector3f half = (to_light / distance + to_viewer).normalized();
+      reflected.array() += gloss * std::pow(std::max(0.0F, normal.dot(half)), 40.0F);
+    }
+    sum += strength * light.color.cwiseProduct(reflected);
   }
   return sum;
 }

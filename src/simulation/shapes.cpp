@@ -25,6 +25,10 @@ Index add_vertex(Surface& surface, const Pose& T_body_shape, const Eigen::Vector
 void add_triangle(Surface& surface, const std::array<Index, 3>& corners,
                   const std::array<Eigen::Vector3f, 3>& normals, std::uint32_t facet,
                   std::uint16_t material) {
+  const auto& vertices = surface.mesh.vertices;
+  surface.normal.push_back((vertices[corners[1]] - vertices[corners[0]])
+                               .cross(vertices[corners[2]] - vertices[corners[0]])
+                               .normalized());
   surface.mesh.triangles.push_back(corners);
   surface.corner_normals.push_back(normals);
   surface.facet.push_back(facet);

@@ -15,7 +15,8 @@ namespace pcavr::simulation {
 
 /// The surface of one body in its own frame: exact triangles, and beside each what it looks like.
 struct Surface {
-  TriangleMesh mesh;  ///< closed parts, outward winding
+  TriangleMesh mesh;                    ///< closed parts, outward winding
+  std::vector<Eigen::Vector3f> normal;  ///< by triangle: unit, outward
   /// By triangle: unit normals at its corners, for shading. Equal to the triangle's own on flat
   /// faces.
   std::vector<std::array<Eigen::Vector3f, 3>> corner_normals;

@@ -33,8 +33,9 @@ void check(const SimulationCase& simulation) {
                 simulation.clutter);
   PCAVR_REQUIRE(simulation.base_tags >= 0 && simulation.base_tags <= 2, simulation.base_tags);
   PCAVR_REQUIRE(!simulation.with_moving_tool ||
-                    (simulation.movable_boxes >= 1 && simulation.movable_boxes <= 2),
-                simulation.movable_boxes);
+                    (simulation.movable_boxes >= 1 && simulation.movable_boxes <= 2 &&
+                     simulation.duration >= 3.0 * simulation.movable_boxes),
+                simulation.movable_boxes, simulation.duration);
 }
 
 /// A camera as wide as the first Kinect's (62 degrees).

@@ -12,10 +12,17 @@ struct Cell {
   std::int32_t x, y, z;
 };
 
+/// std::floor as an integer; that one is a library call on the plain x86-64 that we build for.
+std::int32_t floor_of(float value) {
+  const auto towards_zero = static_cast<std::int32_t>(value);
+  return towards_zero - (value < static_cast<float>(towards_zero) ? 1 : 0);
+}
+
+/// How far a number is from the nearest whole one.
+float to_whole(float value) { return std::abs(value - static_cast<float>(floor_of(value + 0.5F))); }
+
 Cell cell_of(const Eigen::Vector3f& p) {
-  return {static_cast<std::int32_t>(std::floor(p.x())),
-          static_cast<std::int32_t>(std::floor(p.y())),
-          static_cast<std::int32_t>(std::floor(p.z()))};
+  return {floor_of(p.x()), floor_of(p.y()), floor_of(p.z())};
 }
 
 /// 32 well-mixed bits a lattice point; the final mixer is MurmurHash3's [Appleby 2011].
@@ -42,9 +49,12 @@ float value_noise(const Eigen::Vector3f& p, std::uint32_t seed) {
     const float b = unit(lattice({c.x + 1, c.y + dy, c.z + dz}, seed));
     return a + (b - a) * x;
   };
-  const float near = edge(0, 0) + (edge(1, 0) - edge(0, 0)) * y;
-  const float far = edge(0, 1) + (edge(1, 1) - edge(0, 1)) * y;
-  return near + (far - near) * z;
+  const auto face = [&](std::int32_t dz) {
+    const float a = edge(0, dz);
+    return a + (edge(1, dz) - a) * y;
+  };
+  const float near = face(0);
+  return near + (face(1) - near) * z;
 }
 
 /// How much of a feature of this size survives a pixel of this footprint.
@@ -75,7 +85,7 @@ Eigen::Vector3f mixed(const Material& m, float fraction) {
 
 TextureSample wood(const Material& m, const Eigen::Vector3f& p, float footprint) {
   // Boards of one scale in width along x, each cut from another place of the tree.
-  const auto board = static_cast<std::int32_t>(std::floor(p.y() / m.scale));
+  const std::int32_t board = floor_of(p.y() / m.scale);
   const std::uint32_t tone = lattice({board, 0, 0}, m.seed);
   const Eigen::Vector3f q(p.x() * 0.12F + 10.0F * unit(tone), p.y(), p.z());
   const float warp = fractal(q, 0.06F, 2, footprint, m.seed + tone);
@@ -85,7 +95,7 @@ TextureSample wood(const Material& m, const Eigen::Vector3f& p, float footprint)
   const float ring_weight = visible(0.012F, footprint);
   float fraction =
       0.30F + 0.25F * unit(tone) + 0.35F * ring_weight * (rings * rings - 0.375F) + 0.22F * grain;
-  const float to_seam = std::abs(p.y() - m.scale * std::round(p.y() / m.scale));
+  const float to_seam = m.scale * to_whole(p.y() / m.scale);
   if (to_seam < 0.0007F) fraction = 1.0F;
   const auto cell = to_seam < 0.0007F ? 1U : 2U + (static_cast<std::uint32_t>(board) & 0xffU);
   return {mixed(m, fraction), cell};
@@ -139,9 +149,8 @@ TextureSample tiles(const Material& m, const Eigen::Vector3f& p, float footprint
   const Eigen::Vector3f q = p / m.scale;
   const Cell c = cell_of(q);
   const float joint = 0.004F / m.scale;
-  const auto is_joint = [&](float v) { return std::abs(v - std::round(v)) < joint; };
   const float stain = fractal(p, 0.3F * m.scale, 6, footprint, m.seed);
-  if (is_joint(q.x()) || is_joint(q.y())) {
+  if (to_whole(q.x()) < joint || to_whole(q.y()) < joint) {
     const float weight = visible(0.008F, footprint);
     return {mixed(m, 0.4F + 0.6F * weight), 1U};
   }

@@ -20,7 +20,7 @@ struct SimulationCase {
   std::string name;
   std::string description;  ///< a line for --help
   bool is_camera_fixed = false;
-  double duration = 4.0;          ///< [s]
+  double duration = 4.0;          ///< [s]; with a tool, at least 3 s a box
   double frame_rate = 20.0;       ///< [Hz]
   int movable_boxes = 1;          ///< with a tool: 1 or 2
   int base_tags = 1;              ///< 0 to 2: on the table, and on the wall
