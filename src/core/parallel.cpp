@@ -3,8 +3,10 @@
 #include "pcavr/core/parallel.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <thread>
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -27,6 +29,12 @@ void parallel_for(Parallelism parallelism, std::size_t count, std::size_t grain,
   if (parallelism.threads == 1 || chunks <= 1) {
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) run_chunk(chunk);
     return;
+  }
+  // Without leave for more threads than the machine runs at once, oneTBB takes fewer, and prints.
+  std::optional<tbb::global_control> leave;
+  if (parallelism.threads > Parallelism::max().threads) {
+    leave.emplace(tbb::global_control::max_allowed_parallelism,
+                  static_cast<std::size_t>(parallelism.threads));
   }
   tbb::task_arena arena(parallelism.threads);
   arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, run_chunk); });

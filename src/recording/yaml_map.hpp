@@ -54,7 +54,11 @@ template <typename Result, typename Read>
 [[nodiscard]] Expected<Result> parse_yaml(const std::string& text, const std::string& file,
                                           Read read) {
   try {
-    return read(YamlValue(YAML::Load(text), ""));
+    const YAML::Node root = YAML::Load(text);
+    if (root.IsNull()) {
+      return Error{.message = "is empty", .file = file, .mend = "write its keys"};
+    }
+    return read(YamlValue(root, ""));
   } catch (const YamlFailure& failure) {
     Error error = failure.error;
     error.file = file;

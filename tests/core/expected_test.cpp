@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/core/expected.hpp"
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+namespace pcavr {
+namespace {
+
+TEST(Error, IsOneLineWithoutItsEmptyParts) {
+  const Error full{.message = "is 0", .file = "a.yaml", .line = 7, .place = "size", .mend = "fix"};
+  EXPECT_EQ(full.to_string(), "a.yaml:7: size: is 0; fix");
+  EXPECT_EQ(Error{.message = "is 0"}.to_string(), "is 0");
+  EXPECT_EQ((Error{.message = "is 0", .place = "size"}.to_string()), "size: is 0");
+  EXPECT_EQ(Error{.message = "two\nlines"}.to_string(), "two lines");
+}
+
+TEST(Expected, HoldsAValueOrAnError) {
+  const Expected<int> value = 3;
+  const Expected<int> error = Error{.message = "none"};
+  EXPECT_EQ(*value, 3);
+  EXPECT_FALSE(error);
+  EXPECT_EQ(error.error().message, "none");
+}
+
+TEST(Expected, RefusesToGiveWhatItDoesNotHold) {
+  const Expected<int> value = 3;
+  const Expected<int> error = Error{.message = "none"};
+  EXPECT_THROW((void)value.error(), ContractError);
+  EXPECT_THROW((void)error.value(), ContractError);
+  EXPECT_THROW((void)Expected<void>().error(), ContractError);
+}
+
+TEST(Expected, MovesItsValueOut) {
+  Expected<std::unique_ptr<int>> value = std::make_unique<int>(3);
+  const std::unique_ptr<int> moved = *std::move(value);  // would not compile as a copy
+  EXPECT_EQ(*moved, 3);
+}
+
+TEST(Require, NamesTheConditionAndTheValues) {
+  try {
+    PCAVR_REQUIRE(1 > 2, "seen", 42);
+    FAIL();
+  } catch (const ContractError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("1 > 2"), text.npos);
+    EXPECT_NE(text.find("seen 42"), text.npos);
+  }
+}
+
+}  // namespace
+}  // namespace pcavr

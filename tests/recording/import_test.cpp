@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/recording/import.hpp"
+
+#include <gtest/gtest.h>
+
+#include "pcavr/recording/frame_reader.hpp"
+
+#include "recording/image_codec.hpp"
+#include "recording/small_recording.hpp"
+#include "support/shared_data.hpp"
+
+namespace pcavr {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Frames 0, 1 and 3 of a 7-Scenes sequence; one pixel was not measured, one pose was lost, and
+/// frame 3 has no depth image.
+void write_seven_scenes(const fs::path& folder) {
+  RawDepthImage depth(16, 12, std::uint16_t{1500});
+  depth(2, 1) = 65535;
+  const std::string jpeg = encode_color(ColorImage(16, 12)).value();
+  for (const char* number : {"000000", "000001", "000003"}) {
+    const std::string stem = std::string("frame-") + number;
+    write_text(folder / (stem + ".color.jpg"), jpeg);
+    if (stem != "frame-000003") write_text(folder / (stem + ".depth.png"), encode_depth(depth));
+  }
+  write_text(folder / "frame-000000.pose.txt", "1 0 0 0.5\n0 1 0 0.25\n0 0 1 2\n0 0 0 1\n");
+  write_text(folder / "frame-000001.pose.txt",
+             "nan nan nan nan\nnan nan nan nan\nnan nan nan nan\nnan nan nan nan\n");
+}
+
+TEST(Import, TurnsSevenScenesIntoARecording) {
+  const TemporaryFolder source;
+  const TemporaryFolder target;
+  write_seven_scenes(source.path());
+  const Expected<ImportReport> report = import_recording(source.path(), target.path());
+  ASSERT_TRUE(report.has_value()) << report.error().to_string();
+  EXPECT_EQ(report->format, ImportFormat::seven_scenes);
+  EXPECT_EQ(report->frames, 2u);
+  EXPECT_EQ(report->left_out, 1u);
+  EXPECT_EQ(report->poses, 1u);
+  EXPECT_EQ(report->poses_left_out, 1u);
+
+  const Recording recording = read_recording(target.path()).value();
+  EXPECT_EQ(recording.manifest.camera->fx, 585.0);
+  EXPECT_EQ(recording.manifest.camera->width, 16);
+  EXPECT_EQ(recording.frames[1].color_stamp, Stamp{33'333'333});
+  EXPECT_EQ(recording.groundtruth.poses()[0].pose.translation(), Eigen::Vector3d(0.5, 0.25, 2));
+  const RgbdFrame frame = decode_frame(recording, 0).value();
+  EXPECT_EQ(frame.depth(2, 1), 0.0f);
+  EXPECT_FLOAT_EQ(frame.depth(3, 1), 1.5f);
+}
+
+TEST(Import, TakesTheIntrinsicsOfTheFolder) {
+  const TemporaryFolder source;
+  const TemporaryFolder target;
+  write_seven_scenes(source.path());
+  write_text(source.path() / "camera-intrinsics.txt", "15 0 8\n0 16 6\n0 0 1\n");
+  ASSERT_TRUE(import_recording(source.path(), target.path()).has_value());
+  const Recording recording = read_recording(target.path()).value();
+  EXPECT_EQ(recording.manifest.camera->fy, 16.0);
+  EXPECT_EQ(recording.manifest.camera->cx, 8.0);
+}
+
+TEST(Import, TakesEveryNthFrameFromTheFirstWanted) {
+  const TemporaryFolder source;
+  const TemporaryFolder target;
+  write_seven_scenes(source.path());
+  const auto report = import_recording(source.path(), target.path(), {.stride = 2, .first = 1});
+  ASSERT_TRUE(report.has_value());
+  EXPECT_EQ(report->frames, 1u);
+  EXPECT_FALSE(import_recording(source.path(), target.path(), {.first = 9}).has_value());
+}
+
+/// A TUM RGB-D folder is a recording without its manifest.
+void make_tum(const SmallRecording& recording) {
+  fs::remove(recording.path() / "recording.yaml");
+  recording.write("groundtruth.txt", "# by motion capture\n0.9 0 0 0 0 0 0 1\n1.2 0 0 1 0 0 0 1\n");
+}
+
+TEST(Import, TurnsTumIntoARecordingWithTheCameraGiven) {
+  const SmallRecording source;
+  const TemporaryFolder target;
+  make_tum(source);
+  const auto report = import_recording(source.path(), target.path(), {.camera = small_camera()});
+  ASSERT_TRUE(report.has_value()) << report.error().to_string();
+  EXPECT_EQ(report->format, ImportFormat::tum_rgbd);
+  EXPECT_EQ(report->frames, 3u);
+  EXPECT_EQ(report->poses, 2u);
+  const Recording recording = read_recording(target.path()).value();
+  EXPECT_EQ(recording.manifest.depth_scale, 5000.0);
+  EXPECT_NEAR(decode_frame(recording, 1).value().depth(5, 5), small_depth(1)(5, 5), 1e-6);
+}
+
+TEST(Import, AsksForTheCameraThatTumLacks) {
+  const SmallRecording source;
+  const TemporaryFolder target;
+  make_tum(source);
+  const auto report = import_recording(source.path(), target.path());
+  ASSERT_FALSE(report.has_value());
+  EXPECT_NE(report.error().mend.find("--camera"), std::string::npos);
+}
+
+TEST(Import, RefusesWhatItDoesNotKnow) {
+  const TemporaryFolder folder;
+  const SmallRecording recording;
+  EXPECT_FALSE(import_recording(folder.path(), folder.path()).has_value());
+  EXPECT_FALSE(import_recording(folder.path() / "absent", folder.path()).has_value());
+  EXPECT_FALSE(import_recording(recording.path(), folder.path()).has_value());
+}
+
+TEST(Import, ReadsTheSharedSequence) {
+  PCAVR_NEEDS_SHARED_DATA("real/seven_scenes");
+  const TemporaryFolder target;
+  const auto report =
+      import_recording(shared_data("real/seven_scenes"), target.path(), {.stride = 30});
+  ASSERT_TRUE(report.has_value()) << report.error().to_string();
+  EXPECT_EQ(report->frames, 5u);
+  EXPECT_EQ(report->poses, 5u);
+  const Recording recording = read_recording(target.path()).value();
+  EXPECT_TRUE(decode_frame(recording, 4).has_value());
+}
+
+}  // namespace
+}  // namespace pcavr

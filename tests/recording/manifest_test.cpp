@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/recording/manifest.hpp"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace pcavr {
+namespace {
+
+const std::string kFull =
+    "format: pcavr-recording/1\n"                                                  // 1
+    "camera: {width: 640, height: 480, fx: 525, fy: 524, cx: 319.5, cy: 239.5,\n"  // 2
+    "  distortion: [0.1, -0.2, 0.001, 0.002, 0.05], depth_scale: 5000}\n"          // 3
+    "objects:\n"                                                                   // 4
+    "  - {name: box, mesh: objects/box.obj, mass: 3.0, movable: true}\n"           // 5
+    "markers:\n"                                                                   // 6
+    "  - {family: tag36h11, id: 0, size: 0.16, role: base,\n"                      // 7
+    "     pose: {t: [0.55, 0.3, 0], q: [0, 0, 0, 1]}}\n"                           // 8
+    "  - {family: tag36h11, id: 5, size: 0.08, role: object, object: box,\n"       // 9
+    "     pose: {t: [0, 0, 0.0625], q: [0.5, 0.5, 0.5, 0.5]}}\n"                   // 10
+    "tool: {radius: 0.01}\n"                                                       // 11
+    "robot: {urdf: robot.urdf}\n";                                                 // 12
+
+/// The full manifest with one text replaced by another.
+std::string full_with(const std::string& from, const std::string& to) {
+  std::string text = kFull;
+  const std::size_t begin = text.find(from);
+  EXPECT_NE(begin, text.npos) << from;
+  return text.replace(begin, from.size(), to);
+}
+
+TEST(Manifest, TellsAllThatIsWritten) {
+  const Expected<Manifest> manifest = parse_manifest(kFull, "m.yaml");
+  ASSERT_TRUE(manifest.has_value()) << manifest.error().to_string();
+  EXPECT_EQ(manifest->camera->width, 640);
+  EXPECT_EQ(manifest->camera->fy, 524.0);
+  EXPECT_EQ(manifest->camera->distortion[4], 0.05);
+  EXPECT_EQ(manifest->depth_scale, 5000.0);
+  ASSERT_EQ(manifest->markers.size(), 2u);
+  EXPECT_EQ(manifest->markers[0].role, MarkerRole::base);
+  EXPECT_EQ(manifest->markers[0].T_parent_marker.translation().x(), 0.55);
+  EXPECT_EQ(manifest->markers[1].object, "box");
+  EXPECT_EQ(manifest->markers[1].id.to_string(), "tag36h11:5");
+  EXPECT_EQ(manifest->markers[1].T_parent_marker.rotation().w(), 0.5);
+  ASSERT_EQ(manifest->objects.size(), 1u);
+  EXPECT_EQ(manifest->objects[0].mesh, "objects/box.obj");
+  EXPECT_EQ(manifest->objects[0].mass, 3.0);
+  EXPECT_TRUE(manifest->objects[0].is_movable);
+  EXPECT_EQ(manifest->tool_radius, 0.01);
+  EXPECT_EQ(manifest->urdf, "robot.urdf");
+}
+
+TEST(Manifest, NeedsNoMoreThanItsFormat) {
+  const Expected<Manifest> manifest = parse_manifest("format: pcavr-recording/1\n", "m.yaml");
+  ASSERT_TRUE(manifest.has_value());
+  EXPECT_FALSE(manifest->camera.has_value());
+}
+
+TEST(Manifest, IsReadBackAsItWasWritten) {
+  const Expected<Manifest> manifest = parse_manifest(kFull, "m.yaml");
+  ASSERT_TRUE(manifest.has_value());
+  const std::string text = format_manifest(*manifest);
+  const Expected<Manifest> again = parse_manifest(text, "m.yaml");
+  ASSERT_TRUE(again.has_value()) << again.error().to_string();
+  EXPECT_EQ(format_manifest(*again), text);
+  EXPECT_EQ(again->camera->distortion, manifest->camera->distortion);
+  EXPECT_EQ(again->markers[1].T_parent_marker.matrix(),
+            manifest->markers[1].T_parent_marker.matrix());
+}
+
+TEST(Manifest, WritesNumbersAsShortAsTheyAre) {
+  const Expected<Manifest> manifest = parse_manifest(kFull, "m.yaml");
+  ASSERT_TRUE(manifest.has_value());
+  EXPECT_NE(format_manifest(*manifest).find("size: 0.16\n"), std::string::npos);
+}
+
+struct Fault {
+  const char* name;
+  const char* from;  ///< in the full manifest
+  const char* to;
+  int line;
+  const char* message;  ///< a part of it
+};
+
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+
+class ManifestFault : public testing::TestWithParam<Fault> {};
+
+TEST_P(ManifestFault, IsNamedWithItsLineAndAMend) {
+  const Fault& fault = GetParam();
+  const Expected<Manifest> manifest = parse_manifest(full_with(fault.from, fault.to), "m.yaml");
+  ASSERT_FALSE(manifest.has_value());
+  EXPECT_EQ(manifest.error().file, "m.yaml");
+  EXPECT_EQ(manifest.error().line, fault.line) << manifest.error().to_string();
+  EXPECT_NE(manifest.error().message.find(fault.message), std::string::npos)
+      << manifest.error().to_string();
+  EXPECT_FALSE(manifest.error().mend.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, ManifestFault,
+    testing::Values(
+        Fault{"OtherFormat", "recording/1", "recording/2", 1, "pcavr-recording/2"},
+        Fault{"NoFormat", "format: pcavr-recording/1\n", "", 1, "'format' is missing"},
+        Fault{"UnknownKey", "tool: {radius", "tool: {radios", 11, "unknown key 'radios'"},
+        Fault{"UnknownRootKey", "robot:", "robots:", 12, "unknown key 'robots'"},
+        Fault{"KeyTwice", "id: 5,", "id: 5, id: 6,", 9, "twice"},
+        Fault{"SizeZero", "size: 0.16", "size: 0", 7, "not more than 0"},
+        Fault{"SizeNotFinite", "size: 0.16", "size: .inf", 7, "not a finite number"},
+        Fault{"IdNegative", "id: 5", "id: -5", 9, "whole number"},
+        Fault{"SameTagTwice", "id: 5", "id: 0", 9, "tag36h11:0 is there twice"},
+        Fault{"UndeclaredObject", "object: box", "object: cup", 9, "'cup' is not declared"},
+        Fault{"ObjectMarkerWithoutObject", ", object: box", "", 9, "'object' is missing"},
+        Fault{"BaseMarkerWithObject", "role: base", "role: base, object: box", 7, "base marker"},
+        Fault{"UnknownRole", "role: base", "role: wall", 7, "wall"},
+        Fault{"QuaternionOfNormZero", "q: [0, 0, 0, 1]", "q: [0, 0, 0, 0]", 8, "norm"},
+        Fault{"QuaternionTooShort", "q: [0, 0, 0, 1]", "q: [0, 0, 1]", 8, "3 numbers, not 4"},
+        Fault{"TextForANumber", "fx: 525", "fx: wide", 2, "'wide' is not a finite number"},
+        Fault{"WidthZero", "width: 640", "width: 0", 2, "whole number"},
+        Fault{"NoDepthScale", ", depth_scale: 5000", "", 2, "'depth_scale' is missing"},
+        Fault{"DistortionTooLong", "0.05]", "0.05, 0]", 3, "6 numbers, not 5"},
+        Fault{"MeshOutside", "objects/box.obj", "../box.obj", 5, "does not lie"},
+        Fault{"MeshOutsideByDetour", "objects/box.obj", "a/../../b.obj", 5, "does not lie"},
+        Fault{"UrdfAbsolute", "robot.urdf", "/etc/passwd", 12, "does not lie"},
+        Fault{"NameIsAPath", "name: box", "name: a/b", 5, "name of a file"},
+        Fault{"NotABoolean", "movable: true", "movable: yes", 5, "yes"},
+        Fault{"MassZero", "mass: 3.0", "mass: 0", 5, "not more than 0"},
+        Fault{"BrokenYaml", "tool: {radius: 0.01}", "tool: {radius: 0.01", 12, "not YAML"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(Manifest, NamesThePlaceInsideTheFile) {
+  const Expected<Manifest> manifest = parse_manifest(full_with("0.16", "0"), "m.yaml");
+  ASSERT_FALSE(manifest.has_value());
+  EXPECT_EQ(manifest.error().place, "markers[0].size");
+}
+
+}  // namespace
+}  // namespace pcavr

@@ -1,0 +1,193 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/recording/recording.hpp"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "recording/small_recording.hpp"
+#include "support/shared_data.hpp"
+
+namespace pcavr {
+namespace {
+
+const std::string kManifest = "format: pcavr-recording/1\n";
+
+TEST(ReadRecording, FindsFramesInTheirOrder) {
+  const SmallRecording folder;
+  const Expected<Recording> recording = read_recording(folder.path());
+  ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
+  ASSERT_EQ(recording->frames.size(), 3u);
+  EXPECT_EQ(recording->frames[1].color_stamp, milliseconds(1050));
+  EXPECT_EQ(recording->frames[1].depth_path, "depth/1.050000.png");
+  EXPECT_EQ(recording->unpaired_color + recording->unpaired_depth, 0u);
+}
+
+TEST(ReadRecording, CountsImagesWithoutAPartner) {
+  const SmallRecording folder;
+  folder.write("rgb.txt", "1.0 rgb/1.000000.jpg\n1.075 rgb/1.050000.jpg\n1.12 rgb/1.100000.jpg");
+  const Expected<Recording> recording = read_recording(folder.path());
+  ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
+  EXPECT_EQ(recording->frames.size(), 2u);
+  EXPECT_EQ(recording->unpaired_color, 1u);
+  EXPECT_EQ(recording->unpaired_depth, 1u);
+}
+
+TEST(ReadRecording, NeedsNoImages) {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "recording.yaml", kManifest);
+  write_text(folder.path() / "joints.csv", "t,q1,q2,tau1,tau2\n0.5,1,2,3,4\n");
+  const Expected<Recording> recording = read_recording(folder.path());
+  ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
+  EXPECT_TRUE(recording->frames.empty());
+  ASSERT_EQ(recording->joints.size(), 1u);
+  EXPECT_EQ(recording->joints[0].torque, (std::vector<double>{3, 4}));
+  EXPECT_TRUE(recording->joints[0].velocity.empty());
+}
+
+TEST(ReadRecording, ReadsEverySeries) {
+  const SmallRecording folder;
+  folder.write("groundtruth.txt", "# t tx ty tz qx qy qz qw\n1.0 1 2 3 0 0 0 1\n");
+  folder.write("tool.csv", "t,x,y,z,qx,qy,qz,qw\n0.1,1,2,3,0,0,1,0\n0.2,1,2,3,0,0,1,0\n");
+  folder.write("wrench.csv", "t,fx,fy,fz,tx,ty,tz\n0.1,1,2,3,4,5,6\n");
+  const Expected<Recording> recording = read_recording(folder.path());
+  ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
+  EXPECT_EQ(recording->groundtruth.poses()[0].pose.translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(recording->tool.size(), 2u);
+  EXPECT_EQ(recording->tool.poses()[0].pose.rotation().z(), 1.0);
+  EXPECT_EQ(recording->wrench[0].torque, Eigen::Vector3d(4, 5, 6));
+}
+
+TEST(ReadRecording, TakesWindowsLineEndsAndAByteOrderMark) {
+  const SmallRecording folder;
+  folder.write("wrench.csv", "\xEF\xBB\xBFt,fx,fy,fz,tx,ty,tz\r\n0.1,1,2,3,4,5,6\r\n\r\n");
+  const Expected<Recording> recording = read_recording(folder.path());
+  ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
+  EXPECT_EQ(recording->wrench.size(), 1u);
+}
+
+/// One file of a sound recording replaced, and the error that has to come.
+struct Fault {
+  const char* name;
+  const char* file;
+  const char* text;
+  int line;
+  const char* message;  ///< a part of it
+};
+
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+
+class RecordingFault : public testing::TestWithParam<Fault> {};
+
+TEST_P(RecordingFault, IsNamedWithFileLineAndMend) {
+  const Fault& fault = GetParam();
+  const SmallRecording folder;
+  folder.write(fault.file, fault.text);
+  const Expected<Recording> recording = read_recording(folder.path());
+  ASSERT_FALSE(recording.has_value());
+  const Error& error = recording.error();
+  EXPECT_EQ(error.file, (folder.path() / fault.file).string());
+  EXPECT_EQ(error.line, fault.line) << error.to_string();
+  EXPECT_NE(error.message.find(fault.message), std::string::npos) << error.to_string();
+  EXPECT_FALSE(error.mend.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, RecordingFault,
+    testing::Values(
+        Fault{"ImageMissing", "rgb.txt", "# c\n1.0 rgb/none.jpg\n", 2, "none.jpg is missing"},
+        Fault{"StampGoesBack", "depth.txt", "2.0 depth/1.000000.png\n1.0 depth/1.050000.png\n", 2,
+              "not after"},
+        Fault{"StampRepeats", "groundtruth.txt", "1 0 0 0 0 0 0 1\n1.000 0 0 0 0 0 0 1\n", 2,
+              "not after"},
+        Fault{"PathLeaves", "rgb.txt", "1.0 rgb/../../x.jpg\n", 1, "does not lie"},
+        Fault{"PathAbsolute", "rgb.txt", "1.0 /etc/passwd\n", 1, "does not lie"},
+        Fault{"ListColumns", "rgb.txt", "1.0 rgb/1.000000.jpg extra\n", 1, "3 columns, not 2"},
+        Fault{"NotAStamp", "rgb.txt", "one rgb/1.000000.jpg\n", 1, "not a time"},
+        Fault{"NotANumber", "wrench.csv", "t,fx,fy,fz,tx,ty,tz\n0,0,0,0,0,0,0\n1,nan,0,0,0,0,0\n",
+              3, "'nan' is not a finite number"},
+        Fault{"Infinite", "wrench.csv", "t,fx,fy,fz,tx,ty,tz\n1,0,-inf,0,0,0,0\n", 2, "-inf"},
+        Fault{"TooFewColumns", "wrench.csv", "t,fx,fy,fz,tx,ty,tz\n1,0,0,0,0,0\n", 2,
+              "6 columns, not 7"},
+        Fault{"WrongHeader", "wrench.csv", "t,fx,fz,fy,tx,ty,tz\n1,0,0,0,0,0,0\n", 1, "header"},
+        Fault{"NoHeader", "tool.csv", "0.1,1,2,3,0,0,1,0\n", 1, "header"},
+        Fault{"Empty", "tool.csv", "", 0, "empty"},
+        Fault{"QuaternionOfNormZero", "tool.csv", "t,x,y,z,qx,qy,qz,qw\n1,0,0,0,0,0,0,0\n", 2,
+              "norm"},
+        Fault{"JointHeader", "joints.csv", "t,q1,q2,dq1\n", 1, "header"},
+        Fault{"UnknownKey", "recording.yaml", "format: pcavr-recording/1\ncamra: 1\n", 2,
+              "unknown key 'camra'"},
+        Fault{"ImagesWithoutCamera", "recording.yaml", "format: pcavr-recording/1\n", 0,
+              "'camera' is missing"},
+        Fault{"MeshMissing", "recording.yaml",
+              "format: pcavr-recording/1\nobjects:\n  - {name: a, mesh: a.obj}\n", 3,
+              "a.obj is missing"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(ReadRecording, RefusesListsWithoutAPair) {
+  const SmallRecording folder;
+  folder.write("rgb.txt", "# nothing\n");
+  folder.write("depth.txt", "");
+  const Expected<Recording> recording = read_recording(folder.path());
+  ASSERT_FALSE(recording.has_value());
+  EXPECT_NE(recording.error().message.find("no frames"), std::string::npos);
+}
+
+TEST(ReadRecording, RefusesOneListWithoutTheOther) {
+  const SmallRecording folder;
+  std::filesystem::remove(folder.path() / "depth.txt");
+  const Expected<Recording> recording = read_recording(folder.path());
+  ASSERT_FALSE(recording.has_value());
+  EXPECT_EQ(recording.error().message, "depth.txt is missing");
+}
+
+TEST(ReadRecording, RefusesAFolderThatIsNoRecording) {
+  const TemporaryFolder folder;
+  EXPECT_FALSE(read_recording(folder.path()).has_value());
+  EXPECT_FALSE(read_recording(folder.path() / "absent").has_value());
+}
+
+TEST(ReadRecording, LeavesBadRowsOutWhereToldAndCountsThem) {
+  const SmallRecording folder;
+  folder.write("rgb.txt", "1.0 rgb/1.000000.jpg\n1.05 rgb/gone.jpg\n1.1 rgb/1.100000.jpg\n");
+  folder.write("wrench.csv",
+               "t,fx,fy,fz,tx,ty,tz\n1,0,0,0,0,0,0\n0,0,0,0,0,0,0\n2,x,0,0,0,0,0\n"
+               "3,0,0,0,0,0,0\n");
+  const Expected<Recording> recording = read_recording(folder.path(), {.skip_bad = true});
+  ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
+  EXPECT_EQ(recording->frames.size(), 2u);
+  EXPECT_EQ(recording->unpaired_depth, 1u);
+  EXPECT_EQ(recording->wrench.size(), 2u);
+  EXPECT_EQ(recording->skipped_rows, 3u);
+}
+
+TEST(Trajectory, IsReadBackExactlyAsFormatted) {
+  Trajectory trajectory;
+  trajectory.append({-1'500'000'001}, Pose::from_translation({0.1, 1e-9, -3e5}));
+  trajectory.append({1'305'031'480'050'000'000},
+                    Pose(Eigen::Quaterniond(0.1, 0.2, 0.3, 0.9), {1.0 / 3.0, 2.0, 3.0}));
+  const TemporaryFolder folder;
+  write_text(folder.path() / "t.txt", format_trajectory(trajectory));
+  const Expected<Trajectory> again = read_trajectory(folder.path() / "t.txt");
+  ASSERT_TRUE(again.has_value()) << again.error().to_string();
+  ASSERT_EQ(again->size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(again->poses()[i].stamp, trajectory.poses()[i].stamp);
+    EXPECT_EQ(again->poses()[i].pose.translation(), trajectory.poses()[i].pose.translation());
+    // Reading normalises again, which may turn the last bit.
+    EXPECT_LT(rotation_distance(again->poses()[i].pose, trajectory.poses()[i].pose), 1e-12);
+  }
+}
+
+TEST(ReadRecording, TakesTheSharedOnesAsSound) {
+  PCAVR_NEEDS_SHARED_DATA("tabletop");
+  for (const auto& [name, frames] : {std::pair("tabletop", 120u), {"push_two_boxes", 180u}}) {
+    const Expected<Recording> recording = read_recording(shared_data(name));
+    ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
+    EXPECT_EQ(recording->frames.size(), frames);
+  }
+}
+
+}  // namespace
+}  // namespace pcavr
