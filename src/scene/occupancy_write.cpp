@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <sstream>
 
+// OctoMap prints what it writes, unless told not to.
+#define OCTOMAP_NODEBUGOUT
 #include <octomap/OcTree.h>
 
 #include "pcavr/core/output.hpp"
@@ -45,8 +47,12 @@ Expected<void> OccupancyMap::write(const std::filesystem::path& file) const {
   tree.updateInnerOccupancy();
   tree.toMaxLikelihood();
   tree.prune();
+  // The header is written here: OctoMap's own, compiled elsewhere, prints what it writes.
   std::ostringstream content;
-  tree.writeBinaryConst(content);
+  content << "# Octomap OcTree binary file\n# written by pcavr " PCAVR_VERSION "\nid "
+          << tree.getTreeType() << "\nsize " << tree.size() << "\nres " << tree.getResolution()
+          << "\ndata\n";
+  if (tree.size() > 0) tree.writeBinaryData(content);
   return write_file(file, std::move(content).str());
 }
 

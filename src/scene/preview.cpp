@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "display_mesh.hpp"
 #include "preview_parts.hpp"
 
 namespace pcavr {
@@ -20,8 +21,9 @@ constexpr std::uint8_t kAxis = 3;
 constexpr std::uint8_t kFirstObject = 4;
 
 constexpr double kAxisLength = 0.15;    ///< of the base frame's axes [m]
-constexpr std::size_t kFrustums = 12;   ///< drawn along a camera's path
-constexpr double kFrustumDepth = 0.05;  ///< [m]
+constexpr std::size_t kFrustums = 8;    ///< drawn along a camera's path
+constexpr int kPathPercent = 40;        ///< how much of the camera's path covers what is behind
+constexpr double kFrustumDepth = 0.04;  ///< [m]
 
 /// Colours for bodies that are far from each other, and seldom found on a table.
 constexpr std::array<Rgb8, 6> kTints = {
@@ -46,8 +48,8 @@ class Painter {
     draw_static_mesh();
     draw_objects();
     draw_base_axes();
-    draw_camera_path();
     draw_contours(canvas_, kFirstObject);
+    draw_camera_path();
     ColorImage picture = halved(canvas_.color);
     draw_words(picture);
     return picture;
@@ -85,11 +87,11 @@ class Painter {
       if (object.evidence == kNotSeen) continue;
       const Eigen::Vector3f tint = as_vector(kTints[i % kTints.size()]);
       const auto id = static_cast<std::uint8_t>(std::min<std::size_t>(kFirstObject + i, 255));
-      draw(transformed(object.T_base_object, object.model.mesh_object), id,
+      draw(transformed(object.T_base_object, with_sharp_edges(object.model.mesh_object)), id,
            [&](const Eigen::Vector3f& color, const Eigen::Vector3f& n) {
              const Eigen::Vector3f mixed =
                  tint.cwiseProduct(0.4F * color + Eigen::Vector3f::Constant(0.6F));
-             return Eigen::Vector3f(mixed * (0.5F + 0.55F * lambert(n)));
+             return Eigen::Vector3f(mixed * (0.62F + 0.42F * lambert(n)));
            });
     }
   }
@@ -116,7 +118,8 @@ class Painter {
   void draw_camera_path() {
     const std::vector<TimedPose>& poses = scene_.camera_trajectory.poses();
     if (poses.empty()) return;
-    const Rgb8 color{70, 84, 110};
+    const ColorImage before = canvas_.color;
+    const Rgb8 color{20, 40, 90};
     std::vector<Eigen::Vector3d> path;
     for (const TimedPose& pose : poses) path.push_back(pose.pose.translation());
     draw_line(path, 1.2, kPath, color);
@@ -125,6 +128,16 @@ class Painter {
     for (std::size_t i = 0; i < shown; ++i) {
       const std::size_t which = shown == 1 ? 0 : i * (poses.size() - 1) / (shown - 1);
       draw_frustum(poses[which].pose, color);
+    }
+    // Half seen through: the path is beside the point, and may hang before what matters.
+    for (std::size_t i = 0; i < before.pixels().size(); ++i) {
+      if (canvas_.id.pixels()[i] != kPath) continue;
+      Rgb8& pixel = canvas_.color.pixels()[i];
+      for (std::uint8_t Rgb8::*channel : {&Rgb8::r, &Rgb8::g, &Rgb8::b}) {
+        pixel.*channel = static_cast<std::uint8_t>(
+            (pixel.*channel * kPathPercent + before.pixels()[i].*channel * (100 - kPathPercent)) /
+            100);
+      }
     }
   }
 
@@ -142,11 +155,17 @@ class Painter {
     }
   }
 
-  /// Where a point lies in the final picture; nothing behind the viewer.
-  [[nodiscard]] std::optional<Eigen::Vector2d> place(const Eigen::Vector3d& p_base) const {
-    const Eigen::Vector3d p_view = view_.T_base_view.inverse() * p_base;
-    if (p_view.z() <= 0.0) return std::nullopt;
-    return Eigen::Vector2d(view_.camera.project(p_view) / kSupersampling);
+  /// Middle of the upper edge of a box in the final picture; nothing where it is behind the viewer.
+  [[nodiscard]] std::optional<Eigen::Vector2d> place_above(const Eigen::AlignedBox3d& box) const {
+    Eigen::AlignedBox2d seen;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d p_view =
+          view_.T_base_view.inverse() *
+          box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)).eval();
+      if (p_view.z() <= 0.0) return std::nullopt;
+      seen.extend(Eigen::Vector2d(view_.camera.project(p_view) / kSupersampling));
+    }
+    return Eigen::Vector2d(seen.center().x(), seen.min().y());
   }
 
   void draw_words(ColorImage& picture) const {
@@ -158,8 +177,7 @@ class Painter {
           bounds(transformed(object.T_base_object, object.model.mesh_object).vertices)
               .cast<double>();
       objects.extend(box);
-      const Eigen::Vector3d top(box.center().x(), box.center().y(), box.max().z());
-      if (const auto at = place(top)) {
+      if (const auto at = place_above(box)) {
         draw_label(picture, *at, object.model.name, kTints[i % kTints.size()]);
       }
     }

@@ -14,7 +14,7 @@ using Points = std::vector<Eigen::Vector3d>;
 constexpr double kFieldOfView = 40.0 * M_PI / 180.0;     ///< across the picture [rad]
 constexpr double kTableElevation = 48.0 * M_PI / 180.0;  ///< of the view, from the horizon [rad]
 constexpr double kLeastElevation = 20.0 * M_PI / 180.0;  ///< where there is no table [rad]
-constexpr double kFilledShare = 0.80;                    ///< of the picture, by what it is about
+constexpr double kFilledShare = 0.86;                    ///< of the picture, by what it is about
 constexpr double kLeastDistance = 0.3;                   ///< to what is nearest [m]
 
 /// Corners of the objects, and outlines of what they stand on.

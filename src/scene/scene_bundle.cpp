@@ -7,6 +7,7 @@
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/recording.hpp"
 
+#include "display_mesh.hpp"
 #include "glb_file.hpp"
 #include "ply_file.hpp"
 #include "preview.hpp"
@@ -32,7 +33,8 @@ std::string format_display(const Scene& scene) {
   for (const SceneObject& object : scene.objects) {
     if (object.evidence == kNotSeen) continue;
     const std::string& name = object.model.name;
-    const int mesh = glb.add_mesh(name, object.model.mesh_object, GlbMaterial::body);
+    const int mesh =
+        glb.add_mesh(name, with_sharp_edges(object.model.mesh_object), GlbMaterial::body);
     children.push_back(glb.add_node(name, object.T_base_object, mesh));
   }
   return glb.finish(root, children);
@@ -47,7 +49,7 @@ std::string format_level(const TriangleMesh& mesh_base) {
 /// In the object's own axes, so that it can be read back as a CAD file.
 std::string format_object(const CadModel& model) {
   GlbWriter glb;
-  const int mesh = glb.add_mesh(model.name, model.mesh_object, GlbMaterial::body);
+  const int mesh = glb.add_mesh(model.name, with_sharp_edges(model.mesh_object), GlbMaterial::body);
   return glb.finish(glb.add_node(model.name, Pose(), mesh), {});
 }
 

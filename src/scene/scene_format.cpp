@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include <limits>
-
 #include <yaml-cpp/yaml.h>
 
 #include "scene_text.hpp"
 
 namespace pcavr {
 namespace {
+
+/// Nanometres in a room, and a quaternion to a nanoradian: finer than any figure is known.
+constexpr std::size_t kDigits = 10;
 
 template <typename Value>
 void emit(YAML::Emitter& out, const char* key, const Value& value) {
@@ -150,7 +151,7 @@ SceneManifest manifest_of(const Scene& scene) {
 
 std::string format_scene_manifest(const SceneManifest& manifest) {
   YAML::Emitter out;
-  out.SetDoublePrecision(std::numeric_limits<double>::digits10);
+  out.SetDoublePrecision(kDigits);
   out << YAML::Comment(
       "A scene in the robot's base frame (z up). Metres, radians, kilograms, pixels;\n"
       "t: translation, q: rotation as qx qy qz qw; sigma: one standard deviation.");

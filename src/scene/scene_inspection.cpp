@@ -21,8 +21,9 @@ namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-/// Poses are written with 15 digits.
-constexpr double kSamePose = 1e-9;  ///< [m] and [rad]
+/// scene.yaml keeps ten digits of a number.
+constexpr double kSamePosition = 1e-7;  ///< [m]
+constexpr double kSameRotation = 1e-6;  ///< [rad]
 
 /// 1234567 as "1 234 567".
 std::string grouped(std::uint64_t count) {
@@ -40,8 +41,7 @@ std::string rounded(double value, int decimals) {
 }
 
 bool is_same(const Pose& a, const Pose& b) {
-  // Of quaternions that differ in the last digits, the angle is uncertain by their square root.
-  return translation_distance(a, b) <= kSamePose && rotation_distance(a, b) <= 1e-6;
+  return translation_distance(a, b) <= kSamePosition && rotation_distance(a, b) <= kSameRotation;
 }
 
 /// Looks through one scene's files in turn.
