@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/geometry/camera.hpp"
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/core/random.hpp"
+
+namespace pcavr {
+namespace {
+
+CameraModel camera_with(const std::array<double, 5>& distortion) {
+  return {.width = 640,
+          .height = 480,
+          .fx = 525.0,
+          .fy = 520.0,
+          .cx = 319.5,
+          .cy = 239.5,
+          .distortion = distortion};
+}
+
+TEST(CameraModel, ProjectsTheAxisToThePrincipalPoint) {
+  const CameraModel camera = camera_with({0.1, -0.2, 0.001, 0.002, 0.05});
+  EXPECT_EQ(camera.project({0, 0, 2}), Eigen::Vector2d(319.5, 239.5));
+}
+
+TEST(CameraModel, ProjectsByThePlumbBobFormula) {
+  // x = 0.5, y = 0: r2 = 0.25, radial 1 + 0.1 * 0.25, tangential p2 (r2 + 2 x^2) = 0.01 * 0.75.
+  const CameraModel camera = camera_with({0.1, 0, 0, 0.01, 0});
+  const double x = 0.5 * 1.025 + 0.0075;
+  EXPECT_NEAR(camera.project({1, 0, 2}).x(), 525.0 * x + 319.5, 1e-9);
+  EXPECT_NEAR(camera.project({1, 0, 2}).y(), 239.5, 1e-9);
+}
+
+TEST(CameraModel, UnprojectUndoesProject) {
+  Random random(1);
+  // No distortion; a Kinect's [TUM RGB-D, freiburg1]; a wide lens with all terms.
+  for (const std::array<double, 5>& distortion : {std::array<double, 5>{},
+                                                  {0.2624, -0.9531, -0.0054, 0.0026, 1.1633},
+                                                  {-0.28, 0.07, 0.0002, -0.0005, -0.005}}) {
+    const CameraModel camera = camera_with(distortion);
+    for (int i = 0; i < 200; ++i) {
+      const Eigen::Vector2d pixel(random.uniform(0, 639), random.uniform(0, 479));
+      const Eigen::Vector3d p_camera = camera.unproject(pixel, random.uniform(0.3, 5.0));
+      EXPECT_LT((camera.project(p_camera) - pixel).norm(), 1e-8);
+    }
+  }
+}
+
+TEST(CameraModel, ContainsThePixelsWholeArea) {
+  const CameraModel camera = camera_with({});
+  EXPECT_TRUE(camera.contains({-0.5, -0.5}));
+  EXPECT_TRUE(camera.contains({639.4, 479.4}));
+  EXPECT_FALSE(camera.contains({639.5, 0}));
+  EXPECT_FALSE(camera.contains({0, -0.6}));
+}
+
+TEST(CameraModel, ShrunkSeesTheMeanOfASquare) {
+  const CameraModel camera = camera_with({0.1, 0, 0, 0, 0});
+  const CameraModel half = camera.shrunk(2);
+  EXPECT_EQ(half.width, 320);
+  const Eigen::Vector3d p_camera(0.3, -0.2, 1.5);
+  const Eigen::Vector2d pixel = camera.project(p_camera);
+  // Pixels 2 u and 2 u + 1 make pixel u: their middle, 2 u + 0.5, falls on u.
+  EXPECT_LT((half.project(p_camera) - (pixel - Eigen::Vector2d(0.5, 0.5)) / 2).norm(), 1e-9);
+  EXPECT_THROW((void)camera.shrunk(0), ContractError);
+}
+
+TEST(CameraModel, UndistortedKeepsTheRest) {
+  const CameraModel ideal = camera_with({0.1, 0, 0, 0, 0}).undistorted();
+  EXPECT_FALSE(ideal.has_distortion());
+  EXPECT_EQ(ideal.fy, 520.0);
+}
+
+}  // namespace
+}  // namespace pcavr
