@@ -21,6 +21,8 @@ class QuadFinder {
   /// `region` lies inside the image; its left and top are multiples of 8.
   [[nodiscard]] virtual std::vector<TagDetection> find(const GrayImage& image,
                                                        const Region& region) = 0;
+  /// Sets hamming and decision_margin from refined corners, where find() could not know them.
+  virtual void judge(const GrayImage& /*image*/, TagDetection& /*detection*/) const {}
 };
 
 /// One finder for each library that the families ask for. An unknown family is an Error.

@@ -48,7 +48,6 @@ std::vector<Region> regions_around(const std::vector<std::array<Eigen::Vector2d,
   std::vector<Region> regions;
   for (const auto& corners : tags) {
     Region region = region_around(corners, width, height);
-    if (region.area() <= 0) continue;
     // What is joined may overlap others in turn.
     for (std::size_t i = 0; i < regions.size();) {
       if (!overlap(region, regions[i])) {

@@ -21,6 +21,8 @@ constexpr double kModelSigma = 0.01;
 constexpr double kUnrefinedSigma = 0.3;
 /// Regions that make up more than this share of the image cost as much as the whole.
 constexpr double kLargestRegionShare = 0.6;
+/// The libraries want some tiles to threshold; a tag has at least 8 cells with its rim [px].
+constexpr int kSmallestEdge = 8;
 
 }  // namespace
 
@@ -52,6 +54,8 @@ std::vector<TagDetection> TagDetector::State::search(const GrayImage& image,
   for (const auto& finder : finders) {
     for (const Region& region : regions) {
       for (TagDetection& found : finder->find(image, region)) {
+        refine(image, found);
+        finder->judge(image, found);
         if (found.hamming > options.largest_hamming) continue;
         if (found.decision_margin < options.smallest_margin) continue;
         detections.push_back(std::move(found));
@@ -65,7 +69,6 @@ std::vector<TagDetection> TagDetector::State::search(const GrayImage& image,
   const auto is_same = [](const TagDetection& a, const TagDetection& b) { return a.id == b.id; };
   std::stable_sort(detections.begin(), detections.end(), is_before);
   detections.erase(std::unique(detections.begin(), detections.end(), is_same), detections.end());
-  for (TagDetection& detection : detections) refine(image, detection);
   return detections;
 }
 
@@ -113,8 +116,9 @@ Expected<TagDetector> TagDetector::create(const std::vector<std::string>& famili
 }
 
 std::vector<TagDetection> TagDetector::detect(const GrayImage& image) {
-  if (image.empty()) return {};
   State& state = *state_;
+  const int smallest = kSmallestEdge * state.options.decimation;
+  if (image.width() < smallest || image.height() < smallest) return {};
   const std::vector<Region> whole{{0, 0, image.width(), image.height()}};
   std::vector<TagDetection> found;
   const std::vector<Region> regions = state.plan(image);

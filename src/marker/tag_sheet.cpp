@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
+#include <optional>
 
 #include "marker/sheet_layout.hpp"
 
@@ -79,13 +80,12 @@ void draw_tag(const TagPicture& picture, const TagSheetOptions& options, int id,
               SheetPage& page) {
   const Slot slot = slot_for(picture, options.size * 1e3);
   draw_cells(picture, x + slot.cell, y + slot.cell, slot.cell, page);
-  draw_cut_marks(x, y, slot, page);
   const double base = y + slot.width + 0.5 * (kLabelSpace + kTextHeight) - 1.0;
   page.texts.push_back(
       {x + 5.0, base, kTextHeight,
        options.family + " " + std::to_string(id) + "  " + number(options.size * 1e3) + " mm"});
   // An arrow to the tag's upper edge: the marker frame's y.
-  const double arrow = x + 2.0;
+  const double arrow = x + slot.cell + 2.0;
   page.lines.push_back({arrow, base + 0.5, arrow, base - kTextHeight});
   page.lines.push_back({arrow, base - kTextHeight, arrow - 0.8, base - kTextHeight + 1.2});
   page.lines.push_back({arrow, base - kTextHeight, arrow + 0.8, base - kTextHeight + 1.2});
@@ -107,10 +107,24 @@ struct Grid {
   int rows = 0;
   double step_x = 0.0;
   double step_y = 0.0;
-  double top = 0.0;  ///< of the first slot
+  double left = 0.0;  ///< of the first slot
+  double top = 0.0;
+  bool has_cut_marks = true;
 };
 
-Grid grid_for(const TagSheetOptions& options, const Slot& slot) {
+/// A tag too large for cut marks has a page to itself. Its white rim may reach into the margin,
+/// where nothing is printed, below the ruler's line of text.
+std::optional<Grid> lone_grid(const TagSheetOptions& options, const Slot& slot) {
+  const double margin = options.margin * 1e3;
+  const double width = options.page_width * 1e3;
+  const double room = options.page_height * 1e3 - margin - kRulerSpace;
+  if (slot.width > width || slot.picture > width - 2.0 * margin) return std::nullopt;
+  if (slot.height > room) return std::nullopt;
+  return Grid{1,    1, slot.width, slot.height, 0.5 * (width - slot.width), margin + kRulerSpace,
+              false};
+}
+
+std::optional<Grid> grid_for(const TagSheetOptions& options, const Slot& slot) {
   const double margin = options.margin * 1e3;
   const double gap = 2.0 * kCutMark;
   const double width = options.page_width * 1e3 - 2.0 * margin - gap;
@@ -120,7 +134,9 @@ Grid grid_for(const TagSheetOptions& options, const Slot& slot) {
   grid.step_y = slot.height + gap;
   grid.columns = std::max(0, static_cast<int>(std::floor((width + gap) / grid.step_x)));
   grid.rows = std::max(0, static_cast<int>(std::floor((height + gap) / grid.step_y)));
-  grid.top = margin + kCutMark + kRulerSpace;
+  if (grid.columns == 0 || grid.rows == 0) return lone_grid(options, slot);
+  grid.left = margin + kCutMark;
+  grid.top = grid.left + kRulerSpace;
   return grid;
 }
 
@@ -171,8 +187,8 @@ Expected<TagSheet> make_tag_sheet(const TagSheetOptions& options) {
     pictures.push_back(std::move(*picture));
   }
   const Slot slot = slot_for(pictures.front(), options.size * 1e3);
-  const Grid grid = grid_for(options, slot);
-  if (grid.columns == 0 || grid.rows == 0) {
+  const std::optional<Grid> grid = grid_for(options, slot);
+  if (!grid) {
     return Error{.message = "a tag of " + number(options.size * 1e3) + " mm with its white rim (" +
                             number(slot.width) + " mm) does not fit on the page",
                  .mend = "take a larger page or a smaller tag"};
@@ -180,11 +196,12 @@ Expected<TagSheet> make_tag_sheet(const TagSheetOptions& options) {
 
   std::vector<SheetPage> pages;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    const int place = static_cast<int>(i) % (grid.columns * grid.rows);
+    const int place = static_cast<int>(i) % (grid->columns * grid->rows);
     if (place == 0) pages.push_back(empty_page(options));
-    const double x = options.margin * 1e3 + kCutMark + (place % grid.columns) * grid.step_x;
-    const double y = grid.top + (place / grid.columns) * grid.step_y;
+    const double x = grid->left + (place % grid->columns) * grid->step_x;
+    const double y = grid->top + (place / grid->columns) * grid->step_y;
     draw_tag(pictures[i], options, options.ids[i], x, y, pages.back());
+    if (grid->has_cut_marks) draw_cut_marks(x, y, slot, pages.back());
   }
   TagSheet sheet;
   for (const SheetPage& page : pages) sheet.svg_pages.push_back(draw_svg(page));
