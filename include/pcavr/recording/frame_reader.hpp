@@ -31,7 +31,8 @@ struct FrameReaderOptions {
   bool skip_bad = false;  ///< leave out frames that don't decode, and count them
 };
 
-/// Decodes the frames of a recording in order on a worker thread. Keeps a reference to the
+/// Decodes the frames of a recording in order on one worker thread, which the first next() starts
+/// and the destructor ends. Keeps a reference to the
 /// recording, which must outlive it. next() is for one thread at a time.
 class FrameReader {
  public:
