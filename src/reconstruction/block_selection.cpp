@@ -47,16 +47,17 @@ struct BandWalker {
     }
   }
 
-  void walk_tile(const FrameSurface& frame, const CameraModel& camera, const NoiseTables& tables,
-                 int tile_x, int tile_y, PlaceCollector& collector) const {
+  void walk_tile(const FrameSurface& frame, const NoiseTables& tables, int tile_x, int tile_y,
+                 PlaceCollector& collector) const {
     constexpr int kTile = FrameSurface::kTile;
+    const CameraModel& camera = frame.camera;
     const DepthTile& tile = frame.tiles[static_cast<std::size_t>(tile_y * frame.tiles_x + tile_x)];
     if (!(tile.farthest > 0.0F)) return;
     // Rays a quarter of a block apart at the tile's depth are enough.
     const float quarter = 0.25F * block_size * static_cast<float>(camera.fx) / tile.farthest;
     const int apart = std::clamp(static_cast<int>(quarter), 1, kTile);
-    const int u_end = std::min((tile_x + 1) * kTile, frame.width);
-    const int v_end = std::min((tile_y + 1) * kTile, frame.height);
+    const int u_end = std::min((tile_x + 1) * kTile, frame.camera.width);
+    const int v_end = std::min((tile_y + 1) * kTile, frame.camera.height);
     for (int v = tile_y * kTile; v < v_end; v += apart) {
       for (int u = tile_x * kTile; u < u_end; u += apart) {
         const float z = frame.depth(u, v);
@@ -72,9 +73,9 @@ struct BandWalker {
 
 }  // namespace
 
-std::vector<BlockPlace> places_near_surface(const FrameSurface& frame, const CameraModel& camera,
-                                            const Pose& T_base_camera, const NoiseTables& tables,
-                                            double voxel_size, Parallelism parallelism) {
+std::vector<BlockPlace> places_near_surface(const FrameSurface& frame, const Pose& T_base_camera,
+                                            const NoiseTables& tables, double voxel_size,
+                                            Parallelism parallelism) {
   const auto block_size = static_cast<float>(kBlockSide * voxel_size);
   const BandWalker walker{T_base_camera.rotation_matrix().cast<float>(),
                           T_base_camera.translation().cast<float>(), block_size};
@@ -84,7 +85,7 @@ std::vector<BlockPlace> places_near_surface(const FrameSurface& frame, const Cam
     PlaceCollector& collector = collectors[begin / kGrainRows];
     for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
       for (int x = 0; x < frame.tiles_x; ++x) {
-        walker.walk_tile(frame, camera, tables, x, row, collector);
+        walker.walk_tile(frame, tables, x, row, collector);
       }
     }
   });
@@ -110,8 +111,8 @@ struct SphereView {
   DepthTile depth;
 };
 
-SphereView look_at(const FrameSurface& frame, const CameraModel& camera,
-                   const Eigen::Vector3f& centre, float radius) {
+SphereView look_at(const FrameSurface& frame, const Eigen::Vector3f& centre, float radius) {
+  const CameraModel& camera = frame.camera;
   SphereView view;
   const float nearest = centre.z() - radius;
   if (nearest <= 0.05F) {
@@ -135,13 +136,13 @@ SphereView look_at(const FrameSurface& frame, const CameraModel& camera,
   const float u1 = fx * high(centre.x() + radius) + static_cast<float>(camera.cx);
   const float v0 = fy * low(centre.y() - radius) + static_cast<float>(camera.cy);
   const float v1 = fy * high(centre.y() + radius) + static_cast<float>(camera.cy);
-  if (u1 < 0.0F || v1 < 0.0F || u0 > static_cast<float>(frame.width - 1) ||
-      v0 > static_cast<float>(frame.height - 1)) {
+  if (u1 < 0.0F || v1 < 0.0F || u0 > static_cast<float>(frame.camera.width - 1) ||
+      v0 > static_cast<float>(frame.camera.height - 1)) {
     return view;
   }
   view.in_view = true;
-  view.cut_off = u0 < 0.0F || v0 < 0.0F || u1 > static_cast<float>(frame.width - 1) ||
-                 v1 > static_cast<float>(frame.height - 1);
+  view.cut_off = u0 < 0.0F || v0 < 0.0F || u1 > static_cast<float>(frame.camera.width - 1) ||
+                 v1 > static_cast<float>(frame.camera.height - 1);
   const auto tile_of = [](float pixel, int tiles) {
     return std::clamp(static_cast<int>(pixel + 0.5F) / FrameSurface::kTile, 0, tiles - 1);
   };
@@ -160,8 +161,8 @@ SphereView look_at(const FrameSurface& frame, const CameraModel& camera,
 }  // namespace
 
 std::vector<SeenBlock> seen_blocks(const BlockMap& map, const FrameSurface& frame,
-                                   const CameraModel& camera, const Pose& T_base_camera,
-                                   const NoiseTables& tables, double voxel_size) {
+                                   const Pose& T_base_camera, const NoiseTables& tables,
+                                   double voxel_size) {
   const Pose T_camera_base = T_base_camera.inverse();
   const Eigen::Matrix3f R = T_camera_base.rotation_matrix().cast<float>();
   const Eigen::Vector3f t = T_camera_base.translation().cast<float>();
@@ -175,7 +176,7 @@ std::vector<SeenBlock> seen_blocks(const BlockMap& map, const FrameSurface& fram
         low * (voxel * static_cast<float>(side_voxels)) + Eigen::Vector3f::Constant(half);
     const Eigen::Vector3f centre = R * centre_base + t;
     const float radius = half * 1.7321F;
-    return std::pair(look_at(frame, camera, centre, radius), std::pair(centre.z(), radius));
+    return std::pair(look_at(frame, centre, radius), std::pair(centre.z(), radius));
   };
   std::vector<SeenBlock> seen;
   const auto classify = [&](const SphereView& view, float z, float radius, SeenBlock& block) {

@@ -16,9 +16,11 @@ namespace pcavr {
 
 /// Places of the blocks that the bands around a frame's surface pass through, each once, in an
 /// order that depends on the frame alone.
-[[nodiscard]] std::vector<BlockPlace> places_near_surface(
-    const FrameSurface& frame, const CameraModel& camera, const Pose& T_base_camera,
-    const NoiseTables& tables, double voxel_size, Parallelism parallelism);
+[[nodiscard]] std::vector<BlockPlace> places_near_surface(const FrameSurface& frame,
+                                                          const Pose& T_base_camera,
+                                                          const NoiseTables& tables,
+                                                          double voxel_size,
+                                                          Parallelism parallelism);
 
 /// A block that a frame has something to say about, and at which depths.
 struct SeenBlock {
@@ -31,7 +33,6 @@ struct SeenBlock {
 
 /// The blocks in view, in the map's order of regions.
 [[nodiscard]] std::vector<SeenBlock> seen_blocks(const BlockMap& map, const FrameSurface& frame,
-                                                 const CameraModel& camera,
                                                  const Pose& T_base_camera,
                                                  const NoiseTables& tables, double voxel_size);
 

@@ -18,9 +18,9 @@ struct Moments {
 /// Over the taps that belong to the centre's surface.
 inline Moments window_moments(const float* centre_at, int stride, Floats centre, Floats tolerance) {
   Moments m;
-  for (int dv = -kPlaneReach; dv <= kPlaneReach; dv += kPlaneStep) {
+  for (int dv = -kPlaneReach; dv <= kPlaneReach; ++dv) {
     Floats n = {}, u = {}, uu = {}, q = {}, uq = {};
-    for (int du = -kPlaneReach; du <= kPlaneReach; du += kPlaneStep) {
+    for (int du = -kPlaneReach; du <= kPlaneReach; ++du) {
       const auto x = static_cast<float>(du);
       const Floats difference = load(centre_at + dv * stride + du) - centre;
       const Ints is_same = (difference <= tolerance) & (difference >= -tolerance);
@@ -103,7 +103,8 @@ inline void find_eight(const PixelRow& row, int u, Surfaces& out) {
                              gather(row.weights, entry),
                              gather(row.truncations, step)};
   __builtin_memcpy(out.members, members, sizeof(members));
-  for (int i = 0; i < kLanes; ++i) out.members[6][i] = row.free_depth[(u + i) / 2];
+  for (int i = 0; i < kLanes; ++i)
+    out.members[6][i] = row.free_depth[u + i < row.width ? u + i : u];
 }
 
 inline void store_pixel(const Surfaces& surfaces, int lane, std::uint32_t color,

@@ -14,27 +14,58 @@ namespace {
 constexpr std::size_t kGrainRows = 32;
 // The window of the plane fit takes in surfaces up to this steep.
 constexpr double kSteepestFit = 70.0 * std::numbers::pi / 180.0;
+// Four pixels are one surface where none is farther than the nearest by more than this.
+constexpr float kLargestPoolRatio = 1.02F;
 
-std::size_t count_used_readings(const DepthImage& depth, const MaskImage& is_dynamic,
-                                const DepthNoise& noise, DepthImage& used) {
-  used = DepthImage(depth.width(), depth.height());
+/// Readings in range that are not masked; 0 elsewhere.
+DepthImage used_readings(const DepthImage& depth, const MaskImage& is_dynamic,
+                         const DepthNoise& noise) {
+  DepthImage used(depth.width(), depth.height());
   const auto nearest = static_cast<float>(noise.nearest);
   const auto farthest = static_cast<float>(noise.farthest);
   const std::span<const float> from = depth.pixels();
   const std::span<float> to = used.pixels();
-  std::size_t count = 0;
+  // Also false for NaN.
   for (std::size_t i = 0; i < from.size(); ++i) {
-    // Also false for NaN.
-    const bool is_used = from[i] >= nearest && from[i] <= farthest;
-    to[i] = is_used ? from[i] : 0.0F;
+    to[i] = from[i] >= nearest && from[i] <= farthest ? from[i] : 0.0F;
   }
-  if (!is_dynamic.empty()) {
-    for (std::size_t i = 0; i < from.size(); ++i) {
-      if (is_dynamic.pixels()[i] != 0) to[i] = 0.0F;
+  for (std::size_t i = 0; i < is_dynamic.pixels().size(); ++i) {
+    if (is_dynamic.pixels()[i] != 0) to[i] = 0.0F;
+  }
+  return used;
+}
+
+/// Two by two pixels to one: the mean of the inverse depths where they are one surface, the nearest
+/// reading where not.
+float pooled_depth(float a, float b, float c, float d, float largest_ratio) {
+  const float far = 1e9F;
+  const float nearest = std::min(std::min(a > 0.0F ? a : far, b > 0.0F ? b : far),
+                                 std::min(c > 0.0F ? c : far, d > 0.0F ? d : far));
+  const float limit = nearest * largest_ratio;
+  float sum = 0.0F;
+  float count = 0.0F;
+  for (const float z : {a, b, c, d}) {
+    const bool is_same = z > 0.0F && z <= limit;
+    sum += is_same ? 1.0F / z : 0.0F;
+    count += is_same ? 1.0F : 0.0F;
+  }
+  return count > 0.0F ? count / sum : 0.0F;
+}
+
+/// The halved depth, and how near anything is in each two by two pixels (0 where one has none).
+void shrink(const DepthImage& used, DepthImage& halved, DepthImage& nearest) {
+  const int width = used.width() / 2;
+  const int height = used.height() / 2;
+  halved = DepthImage(width, height);
+  nearest = DepthImage(width, height);
+  for (int v = 0; v < height; ++v) {
+    const float* top = used.row(2 * v).data();
+    const float* bottom = used.row(2 * v + 1).data();
+    for (int u = 0; u < width; ++u, top += 2, bottom += 2) {
+      halved(u, v) = pooled_depth(top[0], top[1], bottom[0], bottom[1], kLargestPoolRatio);
+      nearest(u, v) = std::min(std::min(top[0], top[1]), std::min(bottom[0], bottom[1]));
     }
   }
-  for (const float z : to) count += z > 0.0F ? 1 : 0;
-  return count;
 }
 
 /// Inverse depth with kPlaneReach empty pixels around it.
@@ -56,33 +87,28 @@ struct PaddedInverse {
   std::vector<float> values;
 };
 
-/// What is nearer than a measurement by its truncation and noise is free, if that holds over the
-/// whole neighbourhood: pixels are pooled two by two, then the pools three by three. That guards
-/// two pixels to every side, about as far as 0.2 deg of pose error move an edge.
-DepthImage find_free_depth(const DepthImage& depth, const NoiseTables& tables) {
-  const int width = (depth.width() + 1) / 2;
-  const int height = (depth.height() + 1) / 2;
-  DepthImage pooled(width, height, 0.0F);
-  for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) {
-      const int u1 = std::min(2 * u + 1, depth.width() - 1);
-      const int v1 = std::min(2 * v + 1, depth.height() - 1);
-      const float z = std::min(std::min(depth(2 * u, 2 * v), depth(u1, 2 * v)),
-                               std::min(depth(2 * u, v1), depth(u1, v1)));
-      if (z > 0.0F) pooled(u, v) = std::max(0.0F, z - tables.free_margin(z));
-    }
-  }
+/// What is nearer than a measurement by its truncation and noise is free, if that holds over three
+/// by three of the halved pixels. That guards two full pixels to every side, about as far as
+/// 0.2 deg of pose error move an edge.
+DepthImage find_free_depth(const DepthImage& nearest, const NoiseTables& tables) {
+  const int width = nearest.width();
+  const int height = nearest.height();
   // Least of three rows, then of three columns; outside the image nothing is known.
   DepthImage rows(width, height, 0.0F);
   for (int v = 1; v + 1 < height; ++v) {
-    for (int u = 0; u < width; ++u) {
-      rows(u, v) = std::min(std::min(pooled(u, v - 1), pooled(u, v)), pooled(u, v + 1));
-    }
+    const float* above = nearest.row(v - 1).data();
+    const float* here = nearest.row(v).data();
+    const float* below = nearest.row(v + 1).data();
+    float* to = rows.row(v).data();
+    for (int u = 0; u < width; ++u) to[u] = std::min(std::min(above[u], here[u]), below[u]);
   }
   DepthImage least(width, height, 0.0F);
   for (int v = 1; v + 1 < height; ++v) {
+    const float* row = rows.row(v).data();
+    float* to = least.row(v).data();
     for (int u = 1; u + 1 < width; ++u) {
-      least(u, v) = std::min(std::min(rows(u - 1, v), rows(u, v)), rows(u + 1, v));
+      const float z = std::min(std::min(row[u - 1], row[u]), row[u + 1]);
+      to[u] = std::max(0.0F, z - tables.free_margin(z));
     }
   }
   return least;
@@ -91,17 +117,13 @@ DepthImage find_free_depth(const DepthImage& depth, const NoiseTables& tables) {
 DepthTile summarise(const FrameSurface& frame, int tile_x, int tile_y) {
   constexpr int kTile = FrameSurface::kTile;
   DepthTile tile;
-  const int u_end = std::min((tile_x + 1) * kTile, frame.width);
-  const int v_end = std::min((tile_y + 1) * kTile, frame.height);
+  const int u_end = std::min((tile_x + 1) * kTile, frame.depth.width());
+  const int v_end = std::min((tile_y + 1) * kTile, frame.depth.height());
   for (int v = tile_y * kTile; v < v_end; ++v) {
     for (int u = tile_x * kTile; u < u_end; ++u) {
       const float z = frame.depth(u, v);
       tile.nearest = std::min(tile.nearest, z > 0.0F ? z : 1e9F);
       tile.farthest = std::max(tile.farthest, z);
-    }
-  }
-  for (int v = tile_y * kTile / 2; v < (v_end + 1) / 2; ++v) {
-    for (int u = tile_x * kTile / 2; u < (u_end + 1) / 2; ++u) {
       tile.least_free = std::min(tile.least_free, frame.free_depth(u, v));
       tile.most_free = std::max(tile.most_free, frame.free_depth(u, v));
     }
@@ -110,8 +132,9 @@ DepthTile summarise(const FrameSurface& frame, int tile_x, int tile_y) {
 }
 
 void summarise_tiles(FrameSurface& frame) {
-  frame.tiles_x = (frame.width + FrameSurface::kTile - 1) / FrameSurface::kTile;
-  frame.tiles_y = (frame.height + FrameSurface::kTile - 1) / FrameSurface::kTile;
+  frame.tiles_x = (frame.depth.width() + FrameSurface::kTile - 1) / FrameSurface::kTile;
+  frame.tiles_y = (frame.depth.height() + FrameSurface::kTile - 1) / FrameSurface::kTile;
+  frame.tiles.clear();
   frame.tiles.reserve(static_cast<std::size_t>(frame.tiles_x * frame.tiles_y));
   for (int y = 0; y < frame.tiles_y; ++y) {
     for (int x = 0; x < frame.tiles_x; ++x) frame.tiles.push_back(summarise(frame, x, y));
@@ -135,44 +158,54 @@ PixelRow row_template(const CameraModel& camera, const NoiseTables& tables) {
   return row;
 }
 
-/// Colours as the kernel wants them; black becomes the darkest blue, as 0 stands for none.
-void pack_colors(std::span<const Rgb8> colors, std::vector<std::uint32_t>& packed) {
-  for (std::size_t i = 0; i < colors.size(); ++i) {
-    const auto [r, g, b] = colors[i];
-    const std::uint32_t word = r | (std::uint32_t{g} << 8) | (std::uint32_t{b} << 16);
-    packed[i] = word == 0 ? 0x010000U : word;
+/// One row of the halved colours, as the kernel wants them; black becomes the darkest blue, as 0
+/// stands for none.
+void pack_colors(const ColorImage& color, int v, std::vector<std::uint32_t>& packed) {
+  const Rgb8* top = color.row(2 * v).data();
+  const Rgb8* bottom = color.row(2 * v + 1).data();
+  for (std::uint32_t& word : packed) {
+    const auto mean = [&](std::uint8_t Rgb8::*channel) {
+      const int sum = top[0].*channel + top[1].*channel + bottom[0].*channel + bottom[1].*channel;
+      return static_cast<std::uint32_t>((sum + 2) / 4);
+    };
+    word = std::max(mean(&Rgb8::r) | (mean(&Rgb8::g) << 8) | (mean(&Rgb8::b) << 16), 1U);
+    top += 2;
+    bottom += 2;
   }
 }
 
 }  // namespace
 
-FrameSurface prepare_frame(const DepthImage& depth, const ColorImage& color,
-                           const MaskImage& is_dynamic, const CameraModel& camera,
-                           const NoiseTables& tables, Parallelism parallelism) {
-  FrameSurface frame;
-  frame.width = depth.width();
-  frame.height = depth.height();
-  frame.pixels.resize(depth.pixels().size() + 1);
-  frame.pixels_used = count_used_readings(depth, is_dynamic, tables.noise(), frame.depth);
-  frame.free_depth = find_free_depth(frame.depth, tables);
+void prepare_frame(const DepthImage& depth, const ColorImage& color, const MaskImage& is_dynamic,
+                   const CameraModel& camera, const NoiseTables& tables, Parallelism parallelism,
+                   FrameSurface& frame) {
+  const DepthImage used = used_readings(depth, is_dynamic, tables.noise());
+  frame.pixels_used = static_cast<std::size_t>(
+      std::count_if(used.pixels().begin(), used.pixels().end(), [](float z) { return z > 0.0F; }));
+  frame.camera = camera.shrunk(2);
+  DepthImage nearest;
+  shrink(used, frame.depth, nearest);
+  frame.free_depth = find_free_depth(nearest, tables);
   summarise_tiles(frame);
+  const int width = frame.depth.width();
+  const std::size_t pixels = frame.depth.pixels().size() + 1;
+  if (frame.pixels.size() != pixels) frame.pixels.assign(pixels, PixelSurface{});
   PaddedInverse inverse(frame.depth);
-  const PixelRow first = row_template(camera, tables);
-  parallel_for(parallelism, static_cast<std::size_t>(frame.height), kGrainRows,
+  const PixelRow first = row_template(frame.camera, tables);
+  parallel_for(parallelism, static_cast<std::size_t>(frame.depth.height()), kGrainRows,
                [&](std::size_t begin, std::size_t end) {
-                 std::vector<std::uint32_t> colors(static_cast<std::size_t>(frame.width), 0U);
+                 std::vector<std::uint32_t> colors(static_cast<std::size_t>(width), 0U);
                  PixelRow row = first;
                  row.inverse_stride = inverse.stride;
                  for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
                    row.inverse = inverse.row(v);
-                   row.free_depth = frame.free_depth.row(v / 2).data();
-                   row.ray_y = static_cast<float>((v - camera.cy) / camera.fy);
-                   if (!color.empty()) pack_colors(color.row(v), colors);
+                   row.free_depth = frame.free_depth.row(v).data();
+                   row.ray_y = static_cast<float>((v - frame.camera.cy) / frame.camera.fy);
+                   if (!color.empty()) pack_colors(color, v, colors);
                    row.color = colors.data();
-                   kernels().find_surfaces(row, frame.pixels.data() + v * frame.width);
+                   kernels().find_surfaces(row, frame.pixels.data() + v * width);
                  }
                });
-  return frame;
 }
 
 }  // namespace pcavr

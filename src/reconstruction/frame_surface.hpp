@@ -22,24 +22,30 @@ struct DepthTile {
   float most_free = 0.0F;
 };
 
-/// A frame made ready for fusion.
+/// A frame made ready for fusion, at half the camera's resolution: the planes carry a surface from
+/// pixel to pixel, so that nothing is lost but the last pixel at edges.
 struct FrameSurface {
-  static constexpr int kTile = 8;  ///< [px]
-  int width = 0;
-  int height = 0;
+  static constexpr int kTile = 4;    ///< [px]
+  CameraModel camera;                ///< of the halved image
   std::vector<PixelSurface> pixels;  ///< row-major, then one without a surface
-  DepthImage depth;                  ///< used readings only
-  /// All that is nearer is free, for certain; half the size, a pixel for two by two [m].
+  DepthImage depth;                  ///< used readings only [m]
+  /// All that is nearer is free, for certain [m].
   DepthImage free_depth;
   int tiles_x = 0;
   int tiles_y = 0;
   std::vector<DepthTile> tiles;
-  std::size_t pixels_used = 0;
+  std::size_t pixels_used = 0;  ///< of the full image
+
+  [[nodiscard]] std::size_t memory_bytes() const {
+    return pixels.capacity() * sizeof(PixelSurface) + tiles.capacity() * sizeof(DepthTile) +
+           (depth.pixels().size() + free_depth.pixels().size()) * sizeof(float);
+  }
 };
 
-/// The camera has no distortion. `color` and `is_dynamic` may be empty.
-[[nodiscard]] FrameSurface prepare_frame(const DepthImage& depth, const ColorImage& color,
-                                         const MaskImage& is_dynamic, const CameraModel& camera,
-                                         const NoiseTables& tables, Parallelism parallelism);
+/// The camera has no distortion. `color` and `is_dynamic` may be empty. What `frame` held before is
+/// lost, but its memory is used again.
+void prepare_frame(const DepthImage& depth, const ColorImage& color, const MaskImage& is_dynamic,
+                   const CameraModel& camera, const NoiseTables& tables, Parallelism parallelism,
+                   FrameSurface& frame);
 
 }  // namespace pcavr

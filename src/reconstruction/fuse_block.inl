@@ -17,10 +17,6 @@ constexpr float kColorBand = 2.0F;
 // The members of PixelSurface, by their place in it.
 enum Member { kNormalX, kNormalY, kNormalZ, kOffset, kWeight, kTruncation, kFreeDepth, kColor };
 
-inline Floats gather_member(const PixelSurface* pixels, Ints number, Member member) {
-  return gather(&pixels->normal[0] + member, number * 8);
-}
-
 struct Row {
   Floats x, y, z;  ///< voxels in camera axes [m]
   Ints pixel;      ///< number of the pixel; that without a surface where outside the image
@@ -62,8 +58,7 @@ inline Floats dither_noise(const BlockView& view, int row) {
   return to_floats((Ints)(hash >> 9)) * (1.0F / 8388608.0F);
 }
 
-inline Words blend_color(const BlockView& view, int row, Words old, Ints pixel, Floats share) {
-  const Words seen = (Words)gather_member(view.pixels, pixel, kColor);
+inline Words blend_color(const BlockView& view, int row, Words old, Words seen, Floats share) {
   const Words old_color = old & 0xFFFFFFU;
   const Floats first = select((Ints)(old_color == 0U), splat(1.0F), share);
   const Floats noise = dither_noise(view, row);
@@ -82,15 +77,13 @@ inline Words count_up(Words counts, Ints mask, std::uint32_t one) {
 
 inline void fuse_row(const BlockView& view, int row, VoxelBlock& block) {
   const Row at = place_row(view, row);
-  const Floats offset = gather_member(view.pixels, at.pixel, kOffset);
-  const Floats normal_x = gather_member(view.pixels, at.pixel, kNormalX);
-  const Floats normal_y = gather_member(view.pixels, at.pixel, kNormalY);
-  const Floats normal_z = gather_member(view.pixels, at.pixel, kNormalZ);
-  const Floats truncation = gather_member(view.pixels, at.pixel, kTruncation);
-  const Floats free_depth = gather_member(view.pixels, at.pixel, kFreeDepth);
-  const Floats distance = offset - (normal_x * at.x + normal_y * at.y + normal_z * at.z);
+  const EightMembers pixel = load_records(&view.pixels->normal[0], at.pixel);
+  const Floats truncation = pixel.of[kTruncation];
+  const Floats distance =
+      pixel.of[kOffset] -
+      (pixel.of[kNormalX] * at.x + pixel.of[kNormalY] * at.y + pixel.of[kNormalZ] * at.z);
   const Ints in_band = (distance <= truncation) & (distance >= -truncation);
-  const Ints through = at.z < free_depth;
+  const Ints through = at.z < pixel.of[kFreeDepth];
   Words* counts = reinterpret_cast<Words*>(&block.color_counts) + row;
   if (any(through)) *counts = count_up(*counts, through, 1U << 28);
   if (!any(in_band)) return;
@@ -100,8 +93,7 @@ inline void fuse_row(const BlockView& view, int row, VoxelBlock& block) {
   const Floats old_distance = to_floats((stored << 16) >> 16);
   const Floats old_weight = to_floats((Ints)((Words)stored >> 16));
   const Floats ramp = (distance + truncation) / (truncation * kRampShare);
-  const Floats weight = larger(
-      gather_member(view.pixels, at.pixel, kWeight) * smaller(ramp, splat(1.0F)), splat(1.0F));
+  const Floats weight = larger(pixel.of[kWeight] * smaller(ramp, splat(1.0F)), splat(1.0F));
   const Floats share = weight / (old_weight + weight);
   const Floats measured = distance * view.steps_per_metre;
   Floats mean = rounded(old_distance + (measured - old_distance) * share);
@@ -114,7 +106,7 @@ inline void fuse_row(const BlockView& view, int row, VoxelBlock& block) {
   const Floats color_reach = splat(kColorBand * view.voxel_size);
   const Ints near = in_band & (distance <= color_reach) & (distance >= -color_reach);
   if (any(near)) {
-    const Words colored = blend_color(view, row, *counts, at.pixel, share);
+    const Words colored = blend_color(view, row, *counts, (Words)pixel.of[kColor], share);
     *counts = (Words)select(near, (Ints)colored, (Ints)*counts);
   }
 }

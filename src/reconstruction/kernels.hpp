@@ -15,7 +15,7 @@ namespace pcavr {
 struct PixelRow {
   const float* inverse;     ///< 1 / depth of the row's first pixel; 0: nothing [1/m]
   int inverse_stride;       ///< to the next row; there are kPlaneReach pixels around the image
-  const float* free_depth;  ///< of every second pixel [m]
+  const float* free_depth;  ///< [m]
   const std::uint32_t* color;
   int width;
   float ray_y;     ///< of the row, on the plane z = 1
@@ -30,10 +30,8 @@ struct PixelRow {
   const float* inverse_tolerances;
   const float* weights;
 };
-/// Taps of the plane fit lie every kPlaneStep pixels to kPlaneReach on each side: sensor noise is
-/// correlated over more than a pixel, so that the ones between would add little.
-inline constexpr int kPlaneStep = 2;
-inline constexpr int kPlaneReach = 4;
+/// The plane fit takes in the pixels this near.
+inline constexpr int kPlaneReach = 2;
 
 /// One block seen by one frame.
 struct BlockView {

@@ -80,5 +80,41 @@ constexpr int kLanes = 8;
 #endif
 }
 
+/// Eight records of eight numbers, turned: result[i] holds number i of every record.
+struct EightMembers {
+  Floats of[8];
+};
+
+[[maybe_unused]] inline EightMembers load_records(const float* base, Ints index) {
+  EightMembers result;
+#ifdef __AVX2__
+  // Loads and shuffles: a gather for each member would touch every record eight times.
+  __m256 r[8];
+  for (int i = 0; i < kLanes; ++i) r[i] = _mm256_load_ps(base + 8 * index[i]);
+  __m256 pair[8];
+  for (int i = 0; i < 4; ++i) {
+    pair[2 * i] = _mm256_unpacklo_ps(r[2 * i], r[2 * i + 1]);
+    pair[2 * i + 1] = _mm256_unpackhi_ps(r[2 * i], r[2 * i + 1]);
+  }
+  __m256 quad[8];
+  for (int i = 0; i < 2; ++i) {
+    const __m256* p = pair + 4 * i;
+    quad[4 * i] = _mm256_shuffle_ps(p[0], p[2], 0x44);
+    quad[4 * i + 1] = _mm256_shuffle_ps(p[0], p[2], 0xEE);
+    quad[4 * i + 2] = _mm256_shuffle_ps(p[1], p[3], 0x44);
+    quad[4 * i + 3] = _mm256_shuffle_ps(p[1], p[3], 0xEE);
+  }
+  for (int i = 0; i < 4; ++i) {
+    result.of[i] = (Floats)_mm256_permute2f128_ps(quad[i], quad[i + 4], 0x20);
+    result.of[i + 4] = (Floats)_mm256_permute2f128_ps(quad[i], quad[i + 4], 0x31);
+  }
+#else
+  for (int i = 0; i < kLanes; ++i) {
+    for (int m = 0; m < 8; ++m) result.of[m][i] = base[8 * index[i] + m];
+  }
+#endif
+  return result;
+}
+
 }  // namespace
 }  // namespace pcavr

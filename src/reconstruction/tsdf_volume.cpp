@@ -10,6 +10,7 @@
 #include "reconstruction/block_selection.hpp"
 #include "reconstruction/frame_surface.hpp"
 #include "reconstruction/kernels.hpp"
+#include "reconstruction/past_views.hpp"
 #include "reconstruction/surface_extraction.hpp"
 
 namespace pcavr {
@@ -17,12 +18,13 @@ namespace {
 
 constexpr std::size_t kGrainBlocks = 32;
 
-BlockView view_of(const FrameSurface& frame, const CameraModel& camera, const Pose& T_camera_base,
-                  double voxel_size, std::uint32_t frame_number) {
+BlockView view_of(const FrameSurface& frame, const Pose& T_camera_base, double voxel_size,
+                  std::uint32_t frame_number) {
+  const CameraModel& camera = frame.camera;
   BlockView view{};
   view.pixels = frame.pixels.data();
-  view.width = frame.width;
-  view.height = frame.height;
+  view.width = camera.width;
+  view.height = camera.height;
   view.fx = static_cast<float>(camera.fx);
   view.fy = static_cast<float>(camera.fy);
   view.cx = static_cast<float>(camera.cx);
@@ -50,10 +52,29 @@ struct TsdfVolume::Blocks {
   TsdfOptions options;
   NoiseTables tables;
   BlockMap map;
+  PastViews past;
+  FrameSurface frame;  ///< kept for its memory
   std::uint32_t frames = 0;
 
+  /// Adds those that are missing; returns how many.
+  std::uint32_t add_blocks(const std::vector<BlockPlace>& places, Parallelism parallelism);
   void fuse(const SeenBlock& seen, BlockView view, const Pose& T_camera_base);
 };
+
+std::uint32_t TsdfVolume::Blocks::add_blocks(const std::vector<BlockPlace>& places,
+                                             Parallelism parallelism) {
+  const auto first = static_cast<std::uint32_t>(map.size());
+  for (const BlockPlace& place : places) {
+    if (map.find(place) == PlaceIndex::kNone) map.add(place);
+  }
+  parallel_for(parallelism, map.size() - first, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t number = first + static_cast<std::uint32_t>(i);
+      past.count_through(map.place(number), options.voxel_size, map.block(number));
+    }
+  });
+  return static_cast<std::uint32_t>(map.size()) - first;
+}
 
 void TsdfVolume::Blocks::fuse(const SeenBlock& seen, BlockView view, const Pose& T_camera_base) {
   if (seen.wholly_free) {
@@ -94,24 +115,22 @@ IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImag
                 is_dynamic.width());
   Blocks& blocks = *blocks_;
   const double voxel_size = blocks.options.voxel_size;
-  const FrameSurface frame =
-      prepare_frame(depth, color, is_dynamic, camera, blocks.tables, parallelism);
+  FrameSurface& frame = blocks.frame;
+  prepare_frame(depth, color, is_dynamic, camera, blocks.tables, parallelism, frame);
   IntegrationReport report;
   report.pixels_used = frame.pixels_used;
-  for (const BlockPlace& place :
-       places_near_surface(frame, camera, T_base_camera, blocks.tables, voxel_size, parallelism)) {
-    if (blocks.map.find(place) != PlaceIndex::kNone) continue;
-    blocks.map.add(place);
-    ++report.blocks_added;
-  }
+  report.blocks_added = blocks.add_blocks(
+      places_near_surface(frame, T_base_camera, blocks.tables, voxel_size, parallelism),
+      parallelism);
   const std::vector<SeenBlock> seen =
-      seen_blocks(blocks.map, frame, camera, T_base_camera, blocks.tables, voxel_size);
+      seen_blocks(blocks.map, frame, T_base_camera, blocks.tables, voxel_size);
   report.blocks_visible = seen.size();
   const Pose T_camera_base = T_base_camera.inverse();
-  const BlockView view = view_of(frame, camera, T_camera_base, voxel_size, blocks.frames);
+  const BlockView view = view_of(frame, T_camera_base, voxel_size, blocks.frames);
   parallel_for(parallelism, seen.size(), kGrainBlocks, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) blocks.fuse(seen[i], view, T_camera_base);
   });
+  blocks.past.keep(frame, T_base_camera);
   ++blocks.frames;
   return report;
 }
@@ -124,7 +143,9 @@ TriangleMesh TsdfVolume::extract_mesh(double smallest_weight, Parallelism parall
 }
 
 std::size_t TsdfVolume::block_count() const { return blocks_->map.size(); }
-std::size_t TsdfVolume::memory_bytes() const { return blocks_->map.memory_bytes(); }
+std::size_t TsdfVolume::memory_bytes() const {
+  return blocks_->map.memory_bytes() + blocks_->past.memory_bytes() + blocks_->frame.memory_bytes();
+}
 const TsdfOptions& TsdfVolume::options() const { return blocks_->options; }
 
 }  // namespace pcavr

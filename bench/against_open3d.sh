@@ -1,0 +1,28 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The pcavr authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# bench/against_open3d.sh RECORDING [TRUTH]
+#
+# Builds the comparison in build/release and runs it: speed, memory and accuracy of pcavr's fusion
+# beside Open3D's, in one run. CPU time, so that other load counts little; still, a quiet machine
+# gives the better figures. BUILD_DIR names another build folder.
+set -eu
+[ $# -ge 1 ] || { echo "usage: $0 RECORDING [TRUTH]" >&2; exit 2; }
+root=$(cd "$(dirname "$0")/.." && pwd)
+build=${BUILD_DIR:-$root/build/release}
+if [ ! -f "$build/CMakeCache.txt" ]; then
+  cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
+fi
+cmake "$build" -DPCAVR_BUILD_BENCHMARKS=ON >/dev/null
+cmake --build "$build" --target pcavr_against_open3d >/dev/null || {
+  echo "pcavr_against_open3d does not build; it needs libopen3d-dev" >&2
+  exit 1
+}
+echo "commit   $(git -C "$root" describe --always --dirty)"
+echo "compiler $(sed -n 's/^CMAKE_CXX_COMPILER:[^=]*=//p' "$build/CMakeCache.txt" | xargs -I{} sh -c '{} --version | head -1')"
+echo "build    $(sed -n 's/^CMAKE_BUILD_TYPE:[^=]*=//p' "$build/CMakeCache.txt")"
+echo "CPU      $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1), $(nproc) cores"
+echo "load     $(cut -d' ' -f1-3 /proc/loadavg)"
+# One thread each: Open3D takes its count from OpenMP.
+OMP_NUM_THREADS=1 exec "$build/bench/pcavr_against_open3d" "$@"
