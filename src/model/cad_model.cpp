@@ -23,7 +23,7 @@ Error without_volume(const fs::path& source, const std::string& reason) {
           .mend = "give a closed surface, wound outward (fill its holes in a CAD or mesh tool)"};
 }
 
-std::string describe(const OpenEdges& open) {
+std::string describe(const model::OpenEdges& open) {
   std::ostringstream text;
   text << open.count << (open.count == 1 ? " edge is" : " edges are")
        << " open or between triangles wound against each other, one near (" << open.somewhere.x()
@@ -46,12 +46,12 @@ Expected<CadModel> make_cad_model(const TriangleMesh& mesh_object, const std::st
   TriangleMesh shape;
   shape.vertices = mesh_object.vertices;
   shape.triangles = mesh_object.triangles;
-  shape = join_equal_vertices(shape);
+  shape = model::join_equal_vertices(shape);
 
   // Before slivers are dropped: they close the seams between long edges and split ones.
-  const OpenEdges open = find_open_edges(shape);
+  const model::OpenEdges open = model::find_open_edges(shape);
   if (open.count > 0) return without_volume(source, describe(open));
-  MassProperties properties = mass_properties(shape);
+  model::MassProperties properties = model::mass_properties(shape);
   if (properties.volume < 0.0) {
     turn(shape);
     properties.volume = -properties.volume;
@@ -62,17 +62,17 @@ Expected<CadModel> make_cad_model(const TriangleMesh& mesh_object, const std::st
     return without_volume(source, "its surface encloses nothing");
   }
 
-  CadModel model;
-  model.name = name;
-  model.mesh_object = without_empty_triangles(std::move(shape));
-  compute_vertex_normals(model.mesh_object);
-  model.volume = properties.volume;
-  model.centre_of_mass_object = properties.centroid;
-  return model;
+  CadModel cad;
+  cad.name = name;
+  cad.mesh_object = model::without_empty_triangles(std::move(shape));
+  compute_vertex_normals(cad.mesh_object);
+  cad.volume = properties.volume;
+  cad.centre_of_mass_object = properties.centroid;
+  return cad;
 }
 
 Expected<CadModel> read_cad_model(const fs::path& file, const std::string& name) {
-  const Expected<TriangleMesh> mesh = import_mesh(file);
+  const Expected<TriangleMesh> mesh = model::import_mesh(file);
   if (!mesh) return mesh.error();
   return make_cad_model(*mesh, name, file);
 }

@@ -76,7 +76,7 @@ void append(const aiMesh& part, const aiMatrix4x4& T_file_part, const MeshType& 
     std::vector<std::uint32_t> polygon;
     for (unsigned k = 0; k < face.mNumIndices; ++k) polygon.push_back(first + face.mIndices[k]);
     if (is_mirrored) std::reverse(polygon.begin(), polygon.end());
-    append_polygon(std::move(polygon), mesh);
+    model::append_polygon(std::move(polygon), mesh);
   }
 }
 
@@ -140,7 +140,7 @@ Expected<TriangleMesh> read_with_assimp(const fs::path& file, const MeshType& ty
 
 }  // namespace
 
-Expected<TriangleMesh> import_mesh(const fs::path& file) {
+Expected<TriangleMesh> model::import_mesh(const fs::path& file) {
   const std::optional<MeshType> type = mesh_type(file);
   if (!type) {
     return Error{.message = "is of an unknown mesh type '" + file.extension().string() + "'",
@@ -168,9 +168,9 @@ Expected<TriangleMesh> import_mesh(const fs::path& file) {
 }
 
 Expected<TriangleMesh> read_mesh(const fs::path& file) {
-  const Expected<TriangleMesh> mesh = import_mesh(file);
+  const Expected<TriangleMesh> mesh = model::import_mesh(file);
   if (!mesh) return mesh;
-  TriangleMesh sound = without_empty_triangles(join_equal_vertices(*mesh));
+  TriangleMesh sound = model::without_empty_triangles(model::join_equal_vertices(*mesh));
   if (sound.triangles.empty()) return not_a_mesh(file, "its triangles have no area");
   return sound;
 }

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <tuple>
 
-namespace pcavr {
+namespace pcavr::model {
 namespace {
 
 constexpr std::uint32_t kUnused = ~std::uint32_t{0};
@@ -134,4 +134,4 @@ MassProperties mass_properties(const TriangleMesh& mesh) {
   return sum;
 }
 
-}  // namespace pcavr
+}  // namespace pcavr::model

@@ -7,7 +7,7 @@
 
 #include "pcavr/geometry/mesh.hpp"
 
-namespace pcavr {
+namespace pcavr::model {
 
 /// One vertex for all that are bitwise equal in position, normal and colour; in the order in which
 /// they first appear. Vertices that no triangle uses are left out.
@@ -34,4 +34,4 @@ struct MassProperties {
 };
 [[nodiscard]] MassProperties mass_properties(const TriangleMesh& mesh);
 
-}  // namespace pcavr
+}  // namespace pcavr::model

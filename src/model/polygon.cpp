@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace pcavr {
+namespace pcavr::model {
 namespace {
 
 Eigen::Vector3d corner(const TriangleMesh& mesh, std::uint32_t index) {
@@ -57,4 +57,4 @@ void append_polygon(std::vector<std::uint32_t> corners, TriangleMesh& mesh) {
   mesh.triangles.push_back({corners[0], corners[1], corners[2]});
 }
 
-}  // namespace pcavr
+}  // namespace pcavr::model

@@ -39,7 +39,7 @@ void require_sound(const TriangleMesh& mesh) {
   }
 }
 
-Eigen::Vector3f unit_normal(const Triangle& triangle) {
+Eigen::Vector3f unit_normal(const model::Triangle& triangle) {
   const Eigen::Vector3d doubled_area = triangle.doubled_area_normal();
   const double norm = doubled_area.norm();
   if (!(norm > 0.0)) return Eigen::Vector3f::Zero();
@@ -57,7 +57,7 @@ struct SurfaceQuery::Tree {
   Scene scene;
 
   explicit Tree(const TriangleMesh& mesh);
-  [[nodiscard]] Triangle corners(std::uint32_t triangle) const {
+  [[nodiscard]] model::Triangle corners(std::uint32_t triangle) const {
     const auto& [a, b, c] = triangles[triangle];
     return {vertices[a].cast<double>(), vertices[b].cast<double>(), vertices[c].cast<double>()};
   }
@@ -116,7 +116,7 @@ std::optional<SurfaceQuery::Closest> SurfaceQuery::closest(const Eigen::Vector3f
   const RTCPointQueryFunction visit = [](RTCPointQueryFunctionArguments* arguments) {
     auto& best = *static_cast<Search*>(arguments->userPtr);
     const std::uint32_t triangle = arguments->primID;
-    const Eigen::Vector3d nearest = closest_point(best.tree->corners(triangle), best.point);
+    const Eigen::Vector3d nearest = model::closest_point(best.tree->corners(triangle), best.point);
     const double squared_distance = (nearest - best.point).squaredNorm();
     if (squared_distance > best.squared_distance) return false;
     if (best.found && squared_distance == best.squared_distance && triangle > best.triangle) {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace pcavr {
+namespace pcavr::model {
 namespace {
 
 Eigen::Vector3d closest_on_segment(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
@@ -37,4 +37,4 @@ Eigen::Vector3d closest_point(const Triangle& triangle, const Eigen::Vector3d& p
   return nearest;
 }
 
-}  // namespace pcavr
+}  // namespace pcavr::model

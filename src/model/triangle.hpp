@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace pcavr {
+namespace pcavr::model {
 
 /// The corners of one triangle, counter-clockwise seen from outside [m].
 struct Triangle {
@@ -21,4 +21,4 @@ struct Triangle {
 /// nearest on the edges. A triangle without area is its edges.
 [[nodiscard]] Eigen::Vector3d closest_point(const Triangle& triangle, const Eigen::Vector3d& point);
 
-}  // namespace pcavr
+}  // namespace pcavr::model

@@ -6,7 +6,7 @@
 
 #include "model/meshes.hpp"
 
-namespace pcavr {
+namespace pcavr::model {
 namespace {
 
 using test::box_mesh;
@@ -90,4 +90,4 @@ TEST(MassProperties, AreThoseOfATetrahedron) {
 }
 
 }  // namespace
-}  // namespace pcavr
+}  // namespace pcavr::model

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pcavr {
+namespace pcavr::model {
 namespace {
 
 /// One polygon through all the points, in order.
@@ -54,4 +54,4 @@ TEST(AppendPolygon, EndsWhereAPolygonHasNoArea) {
 }
 
 }  // namespace
-}  // namespace pcavr
+}  // namespace pcavr::model

@@ -14,6 +14,8 @@
 namespace pcavr {
 namespace {
 
+using model::closest_point;
+using model::Triangle;
 using test::box_mesh;
 using test::sphere_mesh;
 using test::triangle_soup;

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/geometry/camera.hpp"
+#include "pcavr/geometry/image.hpp"
+#include "pcavr/geometry/pose.hpp"
+#include "pcavr/model/cad_model.hpp"
+
+namespace pcavr::tracking {
+
+/// One pixel whose ray meets the body, away from the body's rim.
+struct SurfaceSample {
+  Eigen::Vector3d p_object;       ///< where the ray meets the surface
+  Eigen::Vector3d normal_object;  ///< unit, toward the camera
+  Eigen::Vector3d ray_object;     ///< the pixel's ray, one metre long in depth
+  double expected_depth = 0.0;    ///< [m]
+  double measured_depth = 0.0;    ///< [m], > 0
+};
+
+/// A grid of pixels over the part of the image in which a body is expected. The grid is laid once;
+/// the rays are cast for every pose that is tried.
+class SampleGrid {
+ public:
+  SampleGrid(const SurfaceQuery& surface_object, const CameraModel& camera, const DepthImage& depth,
+             const Pose& T_camera_object);
+
+  /// Rays that meet the body and whose neighbours in the grid meet it too, so that no sample lies
+  /// on the rim, where a pixel mixes the body with what is behind it.
+  [[nodiscard]] std::vector<SurfaceSample> samples(const Pose& T_camera_object) const;
+
+  [[nodiscard]] int stride() const { return stride_; }
+
+ private:
+  struct Cell {
+    Eigen::Vector3d ray_camera;
+    double measured_depth = 0.0;
+  };
+  const SurfaceQuery& surface_;
+  int stride_ = 1;
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<Cell> cells_;
+};
+
+}  // namespace pcavr::tracking
