@@ -74,7 +74,8 @@ struct RayBodies::Trees {
 };
 
 RayBodies::RayBodies(const World& world) : trees_(std::make_unique<Trees>()) {
-  trees_->device.reset(rtcNewDevice("threads=1,set_affinity=0"));
+  // Not "threads=1": Embree would then bind the whole process's TBB to one thread.
+  trees_->device.reset(rtcNewDevice(nullptr));
   PCAVR_REQUIRE(trees_->device != nullptr, rtcGetDeviceError(nullptr));
   for (const Body& body : world.bodies) {
     trees_->scenes.push_back(make_tree(trees_->device.get(), body.surface.mesh));

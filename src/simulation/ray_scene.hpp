@@ -34,8 +34,9 @@ struct RayHit {
   float v = 0.0F;  ///< barycentric weight of the third corner
 };
 
-/// The search trees of a world's bodies, each in its own frame. Built by one thread, so that rays
-/// which meet an edge choose the same triangle in every run. Const members are thread-safe.
+/// The search trees of a world's bodies, each in its own frame. They are built before work is
+/// split, so that their shape, and with it which triangle a ray through an edge takes, does not
+/// depend on the number of threads that render. Const members are thread-safe.
 class RayBodies {
  public:
   explicit RayBodies(const World& world);

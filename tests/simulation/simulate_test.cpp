@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/simulation/simulate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/output.hpp"
+#include "pcavr/marker/body_pose.hpp"
+#include "pcavr/marker/tag_detector.hpp"
+#include "pcavr/model/cad_model.hpp"
+#include "pcavr/recording/frame_reader.hpp"
+#include "pcavr/recording/recording.hpp"
+
+#include "support/temporary_folder.hpp"
+
+namespace pcavr {
+namespace {
+
+namespace fs = std::filesystem;
+
+SimulationCase case_named(const std::string& name) {
+  for (const SimulationCase& known : simulation_cases()) {
+    if (known.name == name) return known;
+  }
+  throw std::runtime_error("no case " + name);
+}
+
+/// A few small frames of a case.
+SimulationCase tiny(const std::string& name) {
+  SimulationCase simulation = case_named(name);
+  simulation.width = 96;
+  simulation.height = 72;
+  simulation.frame_rate = 6.0 / simulation.duration;
+  return simulation;
+}
+
+std::map<std::string, std::string> files_in(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    files[fs::relative(entry.path(), folder).string()] = read_file(entry.path()).value();
+  }
+  return files;
+}
+
+Recording simulated(const SimulationCase& simulation, std::uint64_t seed, const fs::path& folder) {
+  EXPECT_TRUE(simulate(simulation, seed, folder, {2}));
+  return read_recording(folder).value();
+}
+
+TEST(Simulate, GivesTheSameBytesAtAnyNumberOfThreads) {
+  for (const char* name : {"tabletop", "push"}) {
+    const TemporaryFolder one;
+    ASSERT_TRUE(simulate(tiny(name), 3, one.path(), {1}));
+    const auto expected = files_in(one.path());
+    EXPECT_GE(expected.size(), 17U);  // 6 frames are 12 images
+    for (const int threads : {2, 4}) {
+      const TemporaryFolder other;
+      ASSERT_TRUE(simulate(tiny(name), 3, other.path(), {threads}));
+      EXPECT_EQ(files_in(other.path()), expected) << name << ", " << threads << " threads";
+    }
+  }
+}
+
+TEST(Simulate, AnotherSeedGivesAnotherRecording) {
+  const TemporaryFolder a;
+  const TemporaryFolder b;
+  ASSERT_TRUE(simulate(tiny("tabletop"), 1, a.path(), {1}));
+  ASSERT_TRUE(simulate(tiny("tabletop"), 2, b.path(), {1}));
+  const auto files_a = files_in(a.path());
+  const auto files_b = files_in(b.path());
+  for (const char* file : {"truth/camera.txt", "truth/scene.ply", "truth/objects/box.txt",
+                           "depth/0.500000.png", "rgb/0.500000.jpg"}) {
+    ASSERT_TRUE(files_a.contains(file)) << file;
+    EXPECT_NE(files_a.at(file), files_b.at(file)) << file;
+  }
+}
+
+TEST(Simulate, EveryCaseIsARecordingThatTheReaderTakes) {
+  for (const SimulationCase& known : simulation_cases()) {
+    const TemporaryFolder folder;
+    const Recording recording = simulated(tiny(known.name), 1, folder.path());
+    EXPECT_EQ(recording.frames.size(), 6U) << known.name;
+    EXPECT_TRUE(recording.groundtruth.empty()) << known.name;
+    EXPECT_EQ(recording.tool.empty(), !known.with_moving_tool) << known.name;
+    EXPECT_EQ(recording.wrench.empty(), !known.with_moving_tool) << known.name;
+    EXPECT_EQ(recording.manifest.objects.size(), static_cast<std::size_t>(known.movable_boxes));
+    EXPECT_EQ(base_placements(recording.manifest).size(),
+              static_cast<std::size_t>(known.base_tags));
+    const Trajectory camera = read_trajectory(folder.path() / "truth/camera.txt").value();
+    ASSERT_EQ(camera.size(), 6U) << known.name;
+    for (const FrameFiles& frame : recording.frames) {
+      EXPECT_TRUE(camera.at(frame.depth_stamp)) << known.name;
+      for (const ObjectEntry& object : recording.manifest.objects) {
+        const auto path = folder.path() / "truth/objects" / (object.name + ".txt");
+        EXPECT_TRUE(read_trajectory(path).value().at(frame.depth_stamp)) << path;
+      }
+    }
+  }
+}
+
+/// Distances of a frame's points from the true surfaces, sorted, in sigmas of the depth noise.
+std::vector<double> surface_errors(const Recording& recording, const SimulationCase& simulation,
+                                   std::size_t index) {
+  const fs::path folder = recording.folder;
+  const SurfaceQuery scene(read_mesh(folder / "truth/scene.ply").value());
+  const SurfaceQuery box(read_mesh(folder / "objects/box.obj").value());
+  const RgbdFrame frame = decode_frame(recording, index).value();
+  const Pose T_base_camera =
+      *read_trajectory(folder / "truth/camera.txt").value().at(frame.depth_stamp);
+  const Pose T_base_box =
+      *read_trajectory(folder / "truth/objects/box.txt").value().at(frame.depth_stamp);
+  std::vector<double> errors;
+  for (int y = 0; y < frame.depth.height(); ++y) {
+    for (int x = 0; x < frame.depth.width(); ++x) {
+      const double z = frame.depth(x, y);
+      if (z <= 0.0) continue;
+      const Eigen::Vector3d p_base =
+          T_base_camera * recording.manifest.camera->unproject(Eigen::Vector2d(x, y), z);
+      const Eigen::Vector3d p_box = T_base_box.inverse() * p_base;
+      float distance = 10.0F;
+      if (const auto hit = scene.closest(p_base.cast<float>(), distance)) distance = hit->distance;
+      if (const auto hit = box.closest(p_box.cast<float>(), distance)) distance = hit->distance;
+      const double step = z * z / (580.0 * 0.075 * 8.0);
+      errors.push_back(distance / std::hypot(simulation.depth_noise.sigma(z), step / 3.46));
+    }
+  }
+  std::sort(errors.begin(), errors.end());
+  return errors;
+}
+
+TEST(Simulate, DepthImagesLieOnTheTrueSurfaces) {
+  SimulationCase simulation = tiny("tabletop");
+  simulation.width = 160;
+  simulation.height = 120;
+  for (const bool is_distorted : {false, true}) {
+    if (is_distorted) simulation.distortion = {0.12, -0.25, 0.001, -0.0005, 0.0};
+    const TemporaryFolder folder;
+    const Recording recording = simulated(simulation, 4, folder.path());
+    const std::vector<double> errors = surface_errors(recording, simulation, 3);
+    ASSERT_GT(errors.size(), 15000U);
+    // A point is nearer to the surface than it is off along the ray, so the median lies below that
+    // of a normal's magnitude (0.67) by the cosine of the incidence.
+    EXPECT_GT(errors[errors.size() / 2], 0.3);
+    EXPECT_LT(errors[errors.size() / 2], 0.7);
+    // Beyond 5 sigma: gross errors and shifted edges only.
+    EXPECT_LT(errors[errors.size() * 99 / 100], 5.0);
+  }
+}
+
+/// Distances of detected from projected corners over some frames, sorted [px].
+std::vector<double> corner_errors(const Recording& recording) {
+  const fs::path truth = recording.folder / "truth";
+  const Trajectory camera = read_trajectory(truth / "camera.txt").value();
+  auto detector = TagDetector::create({"tag36h11"}, {.decimation = 1}).value();
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < recording.frames.size(); ++i) {
+    const RgbdFrame frame = decode_frame(recording, i).value();
+    const Pose T_camera_base = camera.at(frame.color_stamp)->inverse();
+    for (const TagDetection& detection : detector.detect(to_gray(frame.color))) {
+      const auto& markers = recording.manifest.markers;
+      const auto marker =
+          std::find_if(markers.begin(), markers.end(),
+                       [&](const MarkerEntry& entry) { return entry.id == detection.id; });
+      EXPECT_NE(marker, markers.end()) << detection.id.to_string();
+      if (marker == markers.end()) continue;
+      Pose T_base_parent;
+      if (marker->role == MarkerRole::object) {
+        const auto file = truth / "objects" / (marker->object + ".txt");
+        T_base_parent = *read_trajectory(file).value().at(frame.color_stamp);
+      }
+      const Pose T_camera_marker = T_camera_base * T_base_parent * marker->T_parent_marker;
+      const auto corners = tag_corners(marker->size);
+      for (std::size_t k = 0; k < 4; ++k) {
+        const Eigen::Vector2d seen =
+            recording.manifest.camera->project(T_camera_marker * corners[k]);
+        errors.push_back((seen - detection.corners[k]).norm());
+      }
+    }
+  }
+  std::sort(errors.begin(), errors.end());
+  return errors;
+}
+
+TEST(Simulate, TagsAreDetectedWhereTruthProjectsThem) {
+  for (const char* name : {"tabletop", "push", "room"}) {
+    SimulationCase simulation = case_named(name);
+    simulation.frame_rate = 3.0 / simulation.duration;
+    const TemporaryFolder folder;
+    const std::vector<double> errors = corner_errors(simulated(simulation, 1, folder.path()));
+    ASSERT_GE(errors.size(), 12U) << name;
+    // With the noise of the image and JPEG, a good detector finds a corner to a tenth of a pixel.
+    EXPECT_LT(errors[errors.size() / 2], 0.1) << name;
+  }
+}
+
+TEST(Simulate, AFolderThatCanNotBeWrittenToIsAnError) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "file";
+  std::ofstream(file) << "not a folder";
+  const auto result = simulate(tiny("tabletop"), 1, file, {1});
+  ASSERT_FALSE(result);
+  EXPECT_NE(result.error().to_string().find(file.string()), std::string::npos);
+}
+
+TEST(Simulate, RefusesACaseThatMakesNoSense) {
+  const TemporaryFolder folder;
+  SimulationCase timeless = tiny("tabletop");
+  timeless.duration = 0.0;
+  EXPECT_THROW((void)simulate(timeless, 1, folder.path(), {1}), ContractError);
+  SimulationCase hasty = tiny("push");
+  hasty.duration = 1.0;
+  EXPECT_THROW((void)simulate(hasty, 1, folder.path(), {1}), ContractError);
+  SimulationCase pushing_nothing = tiny("push");
+  pushing_nothing.movable_boxes = 0;
+  EXPECT_THROW((void)simulate(pushing_nothing, 1, folder.path(), {1}), ContractError);
+}
+
+}  // namespace
+}  // namespace pcavr
