@@ -166,7 +166,7 @@ std::string encode_depth(const RawDepthImage& image) {
   PngImage png{.width = image.width(), .height = image.height(), .bit_depth = 16, .channels = 1};
   png.rows.reserve(static_cast<std::size_t>(image.height()) * (png.row_size() + 1));
   for (int y = 0; y < image.height(); ++y) {
-    // No filter: on depth, whose low bits are noise, filters cost 5 % of size (measured).
+    // No filter: on depth, whose low bits are noise, filters cost some 5 % of size (measured).
     png.rows.push_back(0);
     for (const std::uint16_t pixel : image.row(y)) {
       png.rows.push_back(static_cast<std::uint8_t>(pixel >> 8));

@@ -196,7 +196,7 @@ void append_chunk(std::string& file, std::string_view type, std::string_view dat
 }
 
 std::string deflate(const std::vector<std::uint8_t>& bytes) {
-  // Level 4 of 12: depth of a sensor shrinks by 2 % more at level 6, in twice the time.
+  // Level 4 of 12: at level 6 depth shrinks by 0 to 4 % more, in twice the time (measured).
   constexpr int kLevel = 4;
   const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
       libdeflate_alloc_compressor(kLevel), libdeflate_free_compressor);

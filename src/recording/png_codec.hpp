@@ -13,7 +13,7 @@
 namespace pcavr {
 
 /// A PNG file [ISO/IEC 15948:2004], inflated. Only what cameras write is read: 8 or 16 bits, no
-/// palette, not interlaced. Inflating with libdeflate makes it three times as fast as libpng.
+/// palette, not interlaced. Inflating takes libdeflate a third of zlib's time.
 struct PngImage {
   int width = 0;      ///< [px]
   int height = 0;     ///< [px]
