@@ -35,10 +35,10 @@ struct PhaseChange {
 
 /// What happened, in steps of kStep from t = 0 on.
 struct PushRun {
-  static constexpr double kStep = 0.001;   ///< [s]
-  std::vector<Eigen::Vector3d> tip;        ///< centre of the tool's tip in base [m]
-  std::vector<std::vector<double>> slid;   ///< by box: its way along base y [m]
-  std::vector<double> force;               ///< tool on boxes along y, mean over the step's end [N]
+  static constexpr double kStep = 0.001;  ///< [s]
+  std::vector<Eigen::Vector3d> tip;       ///< centre of the tool's tip in base [m]
+  std::vector<std::vector<double>> slid;  ///< by box: its way along base y [m]
+  std::vector<double> force;  ///< tool on boxes along y, mean over the step that begins here [N]
   std::vector<PhaseChange> phases;         ///< ascending in time
   std::vector<PushParameters> parameters;  ///< by box
 };

@@ -76,6 +76,22 @@ ProfileShading shade_profile(const std::vector<Eigen::Vector2d>& profile, std::u
   return shading;
 }
 
+Eigen::Vector2d direction_of(std::size_t k, std::size_t segments) {
+  const double turn = static_cast<double>(k % segments) / static_cast<double>(segments);
+  return {std::cos(2.0 * std::numbers::pi * turn), std::sin(2.0 * std::numbers::pi * turn)};
+}
+
+/// The vertices of one point of a profile: a ring, or one vertex where it lies on the axis.
+std::vector<Index> add_ring(Surface& surface, const Eigen::Vector2d& point, std::size_t segments,
+                            const Pose& T_body_shape) {
+  std::vector<Index> ring;
+  for (std::size_t k = 0; k < (point.x() > 0.0 ? segments : 1); ++k) {
+    const Eigen::Vector2d d = direction_of(k, segments) * point.x();
+    ring.push_back(add_vertex(surface, T_body_shape, {d.x(), d.y(), point.y()}));
+  }
+  return ring;
+}
+
 }  // namespace
 
 void add_revolution(Surface& surface, const std::vector<Eigen::Vector2d>& profile, int segments,
@@ -83,42 +99,30 @@ void add_revolution(Surface& surface, const std::vector<Eigen::Vector2d>& profil
   PCAVR_REQUIRE(profile.size() >= 3 && segments >= 3, profile.size(), segments);
   const ProfileShading shading = shade_profile(profile, next_facet(surface));
   const auto count = static_cast<std::size_t>(segments);
-  const auto direction = [&](std::size_t k) {
-    const double angle = 2.0 * std::numbers::pi * static_cast<double>(k % count) / segments;
-    return Eigen::Vector2d(std::cos(angle), std::sin(angle));
-  };
-  // A point of the profile on the axis is one vertex; elsewhere it is a ring of them.
-  std::vector<std::vector<Index>> rings;
-  for (const Eigen::Vector2d& point : profile) {
-    std::vector<Index> ring;
-    for (std::size_t k = 0; k < (point.x() > 0.0 ? count : 1); ++k) {
-      const Eigen::Vector2d d = direction(k) * point.x();
-      ring.push_back(add_vertex(surface, T_body_shape, {d.x(), d.y(), point.y()}));
-    }
-    rings.push_back(std::move(ring));
-  }
   const auto normal = [&](const Eigen::Vector2d& rz, std::size_t k) -> Eigen::Vector3f {
-    const Eigen::Vector2d d = direction(k) * rz.x();
+    const Eigen::Vector2d d = direction_of(k, count) * rz.x();
     return (T_body_shape.rotation() * Eigen::Vector3d(d.x(), d.y(), rz.y())).cast<float>();
   };
+  const auto at = [](const std::vector<Index>& ring, std::size_t k) {
+    return ring[k % ring.size()];
+  };
+  std::vector<Index> below = add_ring(surface, profile.front(), count, T_body_shape);
   for (std::size_t i = 0; i + 1 < profile.size(); ++i) {
-    const auto at = [&](std::size_t ring, std::size_t k) {
-      return rings[ring][k % rings[ring].size()];
-    };
+    const std::vector<Index> above = add_ring(surface, profile[i + 1], count, T_body_shape);
+    const Eigen::Vector2d& low = shading.at_start[i];
+    const Eigen::Vector2d& high = shading.at_end[i];
+    const std::uint32_t facet = shading.facet[i];
     for (std::size_t k = 0; k < count; ++k) {
-      const Eigen::Vector2d& low = shading.at_start[i];
-      const Eigen::Vector2d& high = shading.at_end[i];
-      if (rings[i].size() > 1) {
-        add_triangle(surface, {at(i, k), at(i, k + 1), at(i + 1, k + 1)},
-                     {normal(low, k), normal(low, k + 1), normal(high, k + 1)}, shading.facet[i],
-                     material);
+      if (below.size() > 1) {
+        add_triangle(surface, {at(below, k), at(below, k + 1), at(above, k + 1)},
+                     {normal(low, k), normal(low, k + 1), normal(high, k + 1)}, facet, material);
       }
-      if (rings[i + 1].size() > 1) {
-        add_triangle(surface, {at(i, k), at(i + 1, k + 1), at(i + 1, k)},
-                     {normal(low, k), normal(high, k + 1), normal(high, k)}, shading.facet[i],
-                     material);
+      if (above.size() > 1) {
+        add_triangle(surface, {at(below, k), at(above, k + 1), at(above, k)},
+                     {normal(low, k), normal(high, k + 1), normal(high, k)}, facet, material);
       }
     }
+    below = above;
   }
 }
 
