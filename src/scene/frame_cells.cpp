@@ -45,7 +45,7 @@ void FrameCells::reset(const Eigen::Vector3i& low, const Eigen::Vector3i& high) 
     }
     blocks *= static_cast<std::size_t>(block_count_[axis]);
   }
-  for (Bits* bits : {&passed_, &hit_, &cut_}) bits->assign(blocks * kBlockCells / 64, 0);
+  for (Bits* bits : {&passed_, &hit_}) bits->assign(blocks * kBlockCells / 64, 0);
 }
 
 void FrameCells::mark_ray(const Eigen::Vector3d& origin_base, const Eigen::Vector3d& end_base) {

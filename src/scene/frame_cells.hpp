@@ -31,8 +31,6 @@ class FrameCells {
 
   /// Marks the cell as one that a ray ends in. False if it was so already.
   bool mark_hit(const Eigen::Vector3i& cell) { return set(hit_, code_of(cell)); }
-  /// The same for the cell in which a ray that goes on beyond the range is cut.
-  bool mark_cut(const Eigen::Vector3i& cell) { return set(cut_, code_of(cell)); }
   /// Marks the cells from `origin` to `end` as passed, the last one left out: the cells of
   /// [Amanatides & Woo 1987], slab by slab along the ray's longest axis.
   void mark_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& end);
@@ -65,7 +63,6 @@ class FrameCells {
   std::array<std::vector<std::size_t>, 3> codes_;
   Bits passed_;
   Bits hit_;
-  Bits cut_;
 };
 
 template <typename Visit>

@@ -17,6 +17,14 @@ namespace {
 /// What OctoMap's 16-bit keys can hold [cells from base].
 constexpr double kFarthestCell = 32000.0;
 
+/// The cell that holds a point, both in cells; for coordinates within twice kFarthestCell.
+Eigen::Vector3i cell_of(const Eigen::Vector3d& point) {
+  // Above zero a cast rounds down, and costs less than std::floor.
+  constexpr int kAboveZero = 1 << 16;
+  const auto down = [](double x) { return static_cast<int>(x + kAboveZero) - kAboveZero; };
+  return {down(point.x()), down(point.y()), down(point.z())};
+}
+
 double log_odds(double probability) { return std::log(probability / (1.0 - probability)); }
 
 bool is_same(const CameraModel& a, const CameraModel& b) {
@@ -77,48 +85,53 @@ const std::vector<Eigen::Vector2f>& OccupancyMap::State::rays_of(const CameraMod
 }
 
 void OccupancyMap::State::collect_ends(const DepthImage& depth, const MaskImage& is_dynamic,
-                                       const CameraModel& camera, const Pose& T_base_camera) {
+                                       const CameraModel& camera, const Pose& T_base_camera,
+                                       const Eigen::Vector3d& origin) {
   const std::vector<Eigen::Vector2f>& directions = rays_of(camera);
-  const float cells_per_metre = static_cast<float>(1.0 / options.resolution);
-  const Eigen::Matrix3f R = T_base_camera.rotation_matrix().cast<float>() * cells_per_metre;
+  const Eigen::Matrix3f R = (T_base_camera.rotation_matrix() / options.resolution).cast<float>();
+  const float farthest = static_cast<float>(kFarthestCell);
   const std::span<const float> depths = depth.pixels();
   const std::span<const std::uint8_t> dynamic = is_dynamic.pixels();
-  ends.clear();
+  end_cells.clear();
   for (std::size_t i = 0; i < depths.size(); ++i) {
     const float z = depths[i];
-    if (!(z > 0.0F) || !std::isfinite(z) || (!dynamic.empty() && dynamic[i] != 0)) continue;
-    ends.emplace_back(R * Eigen::Vector3f(directions[i].x() * z, directions[i].y() * z, z));
+    if (!(z > 0.0F) || (!dynamic.empty() && dynamic[i] != 0)) continue;
+    const Eigen::Vector3f ray =
+        R * Eigen::Vector3f(directions[i].x() * z, directions[i].y() * z, z);
+    if (!(ray.cwiseAbs().maxCoeff() < farthest)) continue;
+    const Eigen::Vector3i cell = cell_of(origin + ray.cast<double>());
+    // Neighbours mostly share their cell.
+    if (end_cells.empty() || end_cells.back() != cell) end_cells.push_back(cell);
   }
 }
 
 void OccupancyMap::State::trace(const Eigen::Vector3d& origin) {
-  const auto cell_of = [](const Eigen::Vector3d& p) {
-    return Eigen::Vector3i(p.array().floor().cast<int>());
+  const double farthest = options.farthest / options.resolution;
+  const auto ray_to = [&](const Eigen::Vector3i& cell) {
+    return Eigen::Vector3d(cell.cast<double>() + Eigen::Vector3d::Constant(0.5) - origin);
   };
-  const float farthest = static_cast<float>(options.farthest / options.resolution);
-  Eigen::AlignedBox3f box(Eigen::Vector3f::Zero().eval());
-  cut.assign(ends.size(), 0);
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    const float distance_squared = ends[i].squaredNorm();
-    if (distance_squared > farthest * farthest) {
-      ends[i] *= farthest / std::sqrt(distance_squared);
-      cut[i] = 1;
-    }
-    box.extend(ends[i]);
-  }
+  // Cells beyond the range come last, each once; their rays are cut.
+  const auto far =
+      std::partition(end_cells.begin(), end_cells.end(), [&](const Eigen::Vector3i& cell) {
+        return ray_to(cell).squaredNorm() <= farthest * farthest;
+      });
+  std::sort(far, end_cells.end(), [](const Eigen::Vector3i& a, const Eigen::Vector3i& b) {
+    return std::tie(a.x(), a.y(), a.z()) < std::tie(b.x(), b.y(), b.z());
+  });
+  end_cells.erase(std::unique(far, end_cells.end()), end_cells.end());
+  const auto cut = [&](const Eigen::Vector3i& cell) {
+    return Eigen::Vector3d(origin + ray_to(cell).normalized() * farthest);
+  };
+
+  Eigen::AlignedBox3i box(cell_of(origin));
+  for (auto cell = end_cells.begin(); cell != far; ++cell) box.extend(*cell);
+  for (auto cell = far; cell != end_cells.end(); ++cell) box.extend(cell_of(cut(*cell)));
   // A cell to spare on each side, for the rounding of rays along the box's faces.
-  const Eigen::Vector3i low = cell_of(origin + box.min().cast<double>());
-  const Eigen::Vector3i high = cell_of(origin + box.max().cast<double>());
-  frame.reset(low - Eigen::Vector3i::Ones(), high + Eigen::Vector3i::Ones());
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    const Eigen::Vector3d end = origin + ends[i].cast<double>();
-    const Eigen::Vector3i cell = cell_of(end);
-    if (cut[i] != 0) {
-      if (frame.mark_cut(cell)) frame.mark_ray(origin, end);
-    } else if (frame.mark_hit(cell)) {
-      frame.mark_ray(origin, cell.cast<double>() + Eigen::Vector3d::Constant(0.5));
-    }
+  frame.reset(box.min() - Eigen::Vector3i::Ones(), box.max() + Eigen::Vector3i::Ones());
+  for (auto cell = end_cells.begin(); cell != far; ++cell) {
+    if (frame.mark_hit(*cell)) frame.mark_ray(origin, origin + ray_to(*cell));
   }
+  for (auto cell = far; cell != end_cells.end(); ++cell) frame.mark_ray(origin, cut(*cell));
 }
 
 OccupancyBlock& OccupancyMap::State::block_at(const Eigen::Vector3i& position) {
@@ -169,16 +182,16 @@ void OccupancyMap::integrate(const DepthImage& depth, const MaskImage& is_dynami
   const Eigen::Vector3d origin = T_base_camera.translation() / resolution;
   const double reach = state_->options.farthest / resolution;
   if (origin.cwiseAbs().maxCoeff() + reach > kFarthestCell) return;
-  state_->collect_ends(depth, is_dynamic, camera, T_base_camera);
-  if (state_->ends.empty()) return;
+  state_->collect_ends(depth, is_dynamic, camera, T_base_camera, origin);
+  if (state_->end_cells.empty()) return;
   state_->trace(origin);
   state_->update_from_frame();
 }
 
 OccupancyMap::Cell OccupancyMap::at(const Eigen::Vector3d& p_base) const {
-  const Eigen::Vector3d cell = (p_base / state_->options.resolution).array().floor();
-  if (!(cell.cwiseAbs().maxCoeff() < 2.0 * kFarthestCell)) return Cell::unknown;
-  const auto place = state_->place_of(cell.cast<int>());
+  const Eigen::Vector3d point = p_base / state_->options.resolution;
+  if (!(point.cwiseAbs().maxCoeff() < 2.0 * kFarthestCell)) return Cell::unknown;
+  const auto place = state_->place_of(cell_of(point));
   if (!place) return Cell::unknown;
   const std::int16_t value = state_->blocks[place->block].values[place->index];
   if (value == kUnknown) return Cell::unknown;

@@ -44,14 +44,14 @@ struct OccupancyMap::State {
   // Scratch of integrate(), kept to spare the allocations.
   FrameCells frame;
   CameraModel ray_camera;
-  std::vector<Eigen::Vector2f> rays;  ///< x and y at z = 1, by pixel
-  std::vector<Eigen::Vector3f> ends;  ///< of the frame's rays, from the camera, base axes [cells]
-  std::vector<std::uint8_t> cut;      ///< whether a ray goes on beyond the range
+  std::vector<Eigen::Vector2f> rays;       ///< x and y at z = 1, by pixel
+  std::vector<Eigen::Vector3i> end_cells;  ///< that readings fall into; some more than once
 
   const std::vector<Eigen::Vector2f>& rays_of(const CameraModel& camera);
+  /// Fills `end_cells`. `origin` is the camera's position [cells].
   void collect_ends(const DepthImage& depth, const MaskImage& is_dynamic, const CameraModel& camera,
-                    const Pose& T_base_camera);
-  /// Cuts `ends` at the farthest range, and marks in `frame` what the rays pass and end in.
+                    const Pose& T_base_camera, const Eigen::Vector3d& origin);
+  /// Marks in `frame` what the rays to `end_cells` pass and end in.
   void trace(const Eigen::Vector3d& origin);
   void update_from_frame();
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <pcl/console/print.h>
 #include <pcl/point_types.h>
 #include <pcl/sample_consensus/ransac.h>
 #include <pcl/sample_consensus/sac_model_perpendicular_plane.h>
@@ -17,6 +18,18 @@ constexpr std::size_t kMostPoints = 20'000;
 constexpr int kMostIterations = 500;
 /// With which a sample without outliers is drawn.
 constexpr double kProbability = 0.9999;
+
+/// PCL says on the terminal that it found nothing; for its caller that is an answer like others.
+class QuietPcl {
+ public:
+  QuietPcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
+  ~QuietPcl() { pcl::console::setVerbosityLevel(before_); }
+  QuietPcl(const QuietPcl&) = delete;
+  QuietPcl& operator=(const QuietPcl&) = delete;
+
+ private:
+  pcl::console::VERBOSITY_LEVEL before_ = pcl::console::getVerbosityLevel();
+};
 
 }  // namespace
 
@@ -36,6 +49,7 @@ std::optional<Plane> ransac_plane(const std::vector<Eigen::Vector3d>& points, do
   pcl::RandomSampleConsensus<pcl::PointXYZ> ransac(model, distance);
   ransac.setMaxIterations(kMostIterations);
   ransac.setProbability(kProbability);
+  const QuietPcl quiet;
   if (!ransac.computeModel()) return std::nullopt;
   Eigen::VectorXf coefficients;
   ransac.getModelCoefficients(coefficients);

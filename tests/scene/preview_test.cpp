@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/preview.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "scene/scene_builder.hpp"
+
+namespace pcavr {
+namespace {
+
+View a_plain_view() { return {a_small_camera(), a_view_from_above()}; }
+
+Eigen::Vector3f own_color(const Eigen::Vector3f& color, const Eigen::Vector3f&) { return color; }
+
+TEST(Rasteriser, DrawsDepthAndColourWhereTheSurfaceIs) {
+  Canvas canvas(160, 120);
+  TriangleMesh table = a_level_square({0.5, 0.0, 0.0}, 0.4, 4);
+  std::ranges::fill(table.colors, Rgb8{10, 200, 30});
+  draw_mesh(canvas, a_plain_view(), table, 7, own_color, {1});
+  EXPECT_NEAR(canvas.depth(80, 60), 1.0F, 1e-6F);
+  EXPECT_EQ(canvas.color(80, 60), (Rgb8{10, 200, 30}));
+  EXPECT_EQ(canvas.id(80, 60), 7);
+  EXPECT_EQ(canvas.depth(2, 2), 0.0F);
+  // 0.4 m at 1 m and 131.25 px: 52.5 pixels square.
+  const auto drawn = std::ranges::count(canvas.id.pixels(), 7);
+  EXPECT_NEAR(static_cast<double>(drawn), 52.5 * 52.5, 2 * 53.0);
+}
+
+TEST(Rasteriser, ShowsTheNearerOfTwoSurfacesInAnyOrder) {
+  const TriangleMesh low = a_level_square({0.5, 0.0, 0.0}, 0.4, 4);
+  const TriangleMesh high = a_level_square({0.5, 0.0, 0.2}, 0.2, 4);
+  for (const bool high_first : {false, true}) {
+    Canvas canvas(160, 120);
+    draw_mesh(canvas, a_plain_view(), high_first ? high : low, high_first ? 2 : 1, own_color, {1});
+    draw_mesh(canvas, a_plain_view(), high_first ? low : high, high_first ? 1 : 2, own_color, {1});
+    EXPECT_EQ(canvas.id(80, 60), 2);
+  }
+}
+
+TEST(Rasteriser, LeavesOutBackSidesAndWhatIsBehindTheViewer) {
+  Canvas canvas(160, 120);
+  TriangleMesh below = a_level_square({0.5, 0.0, 0.0}, 0.4, 4);
+  for (auto& [a, b, c] : below.triangles) std::swap(b, c);
+  draw_mesh(canvas, a_plain_view(), below, 1, own_color, {1});
+  draw_mesh(canvas, a_plain_view(), a_level_square({0.5, 0.0, 2.0}, 0.4, 4), 1, own_color, {1});
+  EXPECT_EQ(std::ranges::count(canvas.id.pixels(), 1), 0);
+}
+
+TEST(Preview, ShowsTheWholeTableAndEveryObject) {
+  const Scene scene = a_box_on_a_table();
+  const View view = choose_view(scene, kPreviewWidth, kPreviewHeight);
+  for (const Eigen::Vector3d& corner : scene.support_planes[0].outline_base) {
+    const Eigen::Vector3d p_view = view.T_base_view.inverse() * corner;
+    ASSERT_GT(p_view.z(), 0.0);
+    EXPECT_TRUE(view.camera.contains(view.camera.project(p_view)));
+  }
+  EXPECT_GT(view.T_base_view.translation().z(), 0.3) << "seen from above";
+}
+
+TEST(Preview, IsUpright) {
+  const View view = choose_view(a_box_on_a_table(), kPreviewWidth, kPreviewHeight);
+  const Eigen::Vector3d right = view.T_base_view.rotation() * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d down = view.T_base_view.rotation() * Eigen::Vector3d::UnitY();
+  EXPECT_NEAR(right.z(), 0.0, 1e-12);
+  EXPECT_LT(down.z(), 0.0);
+}
+
+TEST(Preview, LooksFromTheCamerasSide) {
+  Scene scene = a_box_on_a_table();
+  scene.camera_trajectory = Trajectory({{{0}, Pose::from_translation({0.5, 3.0, 1.0})}});
+  const View view = choose_view(scene, kPreviewWidth, kPreviewHeight);
+  EXPECT_GT(view.T_base_view.translation().y(), 0.5);
+}
+
+TEST(Preview, LooksIntoARoomFromWhereTheCameraWas) {
+  Scene scene = a_box_on_a_table();
+  scene.objects.clear();
+  scene.support_planes.clear();
+  scene.camera_trajectory = Trajectory({{{0}, Pose::from_translation({-2.0, 0.0, 1.0})}});
+  const View view = choose_view(scene, kPreviewWidth, kPreviewHeight);
+  const Eigen::Vector3d middle = view.T_base_view.inverse() * Eigen::Vector3d(0.5, 0.0, 0.0);
+  EXPECT_TRUE(view.camera.contains(view.camera.project(middle)));
+  EXPECT_LT(view.T_base_view.translation().x(), 0.0);
+}
+
+TEST(Preview, ShowsAnObjectInItsTint) {
+  const ColorImage picture = render_preview(a_box_on_a_table(), {1});
+  EXPECT_EQ(picture.width(), kPreviewWidth);
+  EXPECT_EQ(picture.height(), kPreviewHeight);
+  const auto orange = std::ranges::count_if(picture.pixels(), [](const Rgb8& c) {
+    return c.r > 150 && c.g > 50 && c.g < 160 && c.b < 60;
+  });
+  EXPECT_GT(orange, 2000);
+}
+
+TEST(Preview, DoesNotDependOnTheNumberOfThreads) {
+  const Scene scene = a_box_on_a_table();
+  const ColorImage once = render_preview(scene, {1});
+  for (const int threads : {2, 4}) {
+    EXPECT_TRUE(std::ranges::equal(render_preview(scene, {threads}).pixels(), once.pixels()));
+  }
+}
+
+TEST(Preview, IsAPictureEvenOfAnEmptyScene) {
+  const std::string png = format_png(render_preview(Scene(), {1}));
+  EXPECT_EQ(png.substr(1, 3), "PNG");
+}
+
+}  // namespace
+}  // namespace pcavr

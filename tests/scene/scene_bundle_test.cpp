@@ -1,0 +1,281 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/scene/scene_bundle.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/output.hpp"
+
+#include "scene/ply_file.hpp"
+#include "scene/scene_builder.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace pcavr {
+namespace {
+namespace fs = std::filesystem;
+
+std::map<std::string, std::string> contents_of(const fs::path& folder) {
+  std::map<std::string, std::string> contents;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    contents[entry.path().lexically_relative(folder).string()] = *read_file(entry.path());
+  }
+  return contents;
+}
+
+/// A scene on disk that a test may spoil.
+class SceneBundle : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    whole_ = std::make_unique<TemporaryFolder>();
+    ASSERT_TRUE(write_scene(a_box_on_a_table(), whole_->path(), {1}));
+  }
+  static void TearDownTestSuite() { whole_.reset(); }
+  void SetUp() override {
+    fs::copy(whole_->path(), folder_.path(),
+             fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+  }
+
+  void replace(const std::string& file, const std::string& old_text, const std::string& new_text) {
+    std::string text = *read_file(folder_.path() / file);
+    const std::size_t at = text.find(old_text);
+    ASSERT_NE(at, std::string::npos) << old_text;
+    text.replace(at, old_text.size(), new_text);
+    ASSERT_TRUE(write_file(folder_.path() / file, text));
+  }
+
+  void cut_short(const std::string& file) {
+    const std::string text = *read_file(folder_.path() / file);
+    ASSERT_TRUE(write_file(folder_.path() / file, text.substr(0, text.size() - 5)));
+  }
+
+  /// The files that inspect_scene finds unsound.
+  [[nodiscard]] std::vector<std::string> unsound() const {
+    const auto checks = inspect_scene(folder_.path());
+    if (!checks) return {checks.error().to_string()};
+    std::vector<std::string> names;
+    for (const SceneCheck& check : *checks) {
+      if (!check.is_sound) names.push_back(check.what);
+    }
+    return names;
+  }
+
+  const Scene scene_ = a_box_on_a_table();
+  const TemporaryFolder folder_;
+
+ private:
+  static inline std::unique_ptr<TemporaryFolder> whole_;
+};
+
+TEST_F(SceneBundle, HoldsEveryFileOfTheContract) {
+  std::vector<std::string> names;
+  for (const auto& [name, content] : contents_of(folder_.path())) names.push_back(name);
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"camera_trajectory.txt", "cloud.ply", "lod/static_mesh_1.glb",
+                                      "mesh.ply", "objects/box.glb", "occupancy.bt", "preview.png",
+                                      "scene.glb", "scene.yaml"}));
+}
+
+TEST_F(SceneBundle, HasTheSameBytesForAnyNumberOfThreads) {
+  const auto once = contents_of(folder_.path());
+  for (const int threads : {1, 2, 4}) {
+    const TemporaryFolder again;
+    ASSERT_TRUE(write_scene(a_box_on_a_table(), again.path(), {threads}));
+    EXPECT_TRUE(contents_of(again.path()) == once) << threads;
+  }
+}
+
+TEST_F(SceneBundle, KeepsNoTimes) {
+  Scene slower = a_box_on_a_table();
+  slower.quality.times = {{"fusion", 100.0, 200.0}};
+  const TemporaryFolder again;
+  ASSERT_TRUE(write_scene(slower, again.path(), {1}));
+  EXPECT_TRUE(contents_of(again.path()) == contents_of(folder_.path()));
+}
+
+TEST_F(SceneBundle, ReadsItsManifestBack) {
+  const auto manifest = read_scene_manifest(folder_.path());
+  ASSERT_TRUE(manifest) << manifest.error().to_string();
+  EXPECT_EQ(manifest->folder, folder_.path());
+  EXPECT_EQ(manifest->recording, scene_.recording);
+  EXPECT_EQ(manifest->voxel_size, scene_.voxel_size);
+  EXPECT_FALSE(manifest->is_fixed_camera);
+  EXPECT_EQ(manifest->levels_of_detail,
+            (std::vector<fs::path>{"scene.glb", "lod/static_mesh_1.glb"}));
+  ASSERT_EQ(manifest->objects.size(), 1U);
+  const SceneObjectEntry& object = manifest->objects[0];
+  const SceneObject& written = scene_.objects[0];
+  EXPECT_EQ(object.name, "box");
+  EXPECT_EQ(object.mesh, "objects/box.glb");
+  EXPECT_EQ(object.evidence, written.evidence);
+  EXPECT_EQ(object.mass, written.mass);
+  EXPECT_TRUE(object.is_movable);
+  EXPECT_EQ(object.position_sigma, written.position_sigma);
+  EXPECT_EQ(object.rotation_sigma, written.rotation_sigma);
+  EXPECT_EQ(object.refinement_translation, written.refinement_translation);
+  EXPECT_EQ(object.refinement_rotation, written.refinement_rotation);
+  // Ten digits are kept.
+  EXPECT_LT(translation_distance(object.T_base_object, written.T_base_object), 1e-9);
+  EXPECT_LT(rotation_distance(object.T_base_object, written.T_base_object), 1e-8);
+  EXPECT_LT(translation_distance(object.T_base_object_start, written.T_base_object_start), 1e-9);
+}
+
+TEST_F(SceneBundle, ReadsItsPlanesAndQualityBack) {
+  const auto manifest = read_scene_manifest(folder_.path());
+  ASSERT_TRUE(manifest) << manifest.error().to_string();
+  ASSERT_EQ(manifest->support_planes.size(), 1U);
+  EXPECT_EQ(manifest->support_planes[0].outline_base, scene_.support_planes[0].outline_base);
+  EXPECT_EQ(manifest->support_planes[0].objects, scene_.support_planes[0].objects);
+  EXPECT_EQ(manifest->support_planes[0].plane_base.normal, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(manifest->quality.frames_dropped, scene_.quality.frames_dropped);
+  EXPECT_EQ(manifest->quality.tags_seen, scene_.quality.tags_seen);
+  EXPECT_EQ(manifest->quality.frames_used, 5U);
+  EXPECT_EQ(manifest->quality.tag_reprojection_rms, 0.21);
+}
+
+TEST_F(SceneBundle, RefusesAKeyThatItDoesNotKnowAndNamesItsLine) {
+  replace("scene.yaml", "voxel_size: 0.02", "voxel_size: 0.02\nvoxels: 3");
+  const auto manifest = read_scene_manifest(folder_.path());
+  ASSERT_FALSE(manifest);
+  EXPECT_NE(manifest.error().to_string().find("scene.yaml:8"), std::string::npos)
+      << manifest.error().to_string();
+  EXPECT_NE(manifest.error().to_string().find("voxels"), std::string::npos);
+}
+
+TEST_F(SceneBundle, RefusesAMeshOutsideOfItsFolder) {
+  replace("scene.yaml", "mesh: objects/box.glb", "mesh: ../../box.glb");
+  EXPECT_FALSE(read_scene_manifest(folder_.path()));
+}
+
+TEST_F(SceneBundle, RefusesAQuaternionThatIsNone) {
+  replace("scene.yaml", "q: [0, 0, 0, 1]", "q: [0, 0, 0, 7]");
+  EXPECT_FALSE(read_scene_manifest(folder_.path()));
+}
+
+TEST_F(SceneBundle, IsSoundAsWritten) {
+  EXPECT_EQ(unsound(), std::vector<std::string>());
+  const auto checks = inspect_scene(folder_.path());
+  EXPECT_EQ(checks->size(), 9U);
+}
+
+TEST_F(SceneBundle, IsSoundWithoutObjectsMeshOrFrames) {
+  const TemporaryFolder empty;
+  Scene nothing;
+  nothing.voxel_size = 0.01;
+  ASSERT_TRUE(write_scene(nothing, empty.path(), {1}));
+  const auto checks = inspect_scene(empty.path());
+  ASSERT_TRUE(checks) << checks.error().to_string();
+  for (const SceneCheck& check : *checks) EXPECT_TRUE(check.is_sound) << check.what << check.figure;
+}
+
+TEST_F(SceneBundle, LeavesAnObjectThatWasNotSeenOutOfThePicture) {
+  Scene scene = a_box_on_a_table();
+  scene.objects.push_back(an_object("ghost", {0.2, 0.0, 0.04}));
+  scene.objects.back().evidence = kNotSeen;
+  const TemporaryFolder other;
+  ASSERT_TRUE(write_scene(scene, other.path(), {1}));
+  EXPECT_TRUE(read_scene_manifest(other.path())->objects.size() == 2);
+  EXPECT_EQ(*read_file(other.path() / "scene.glb"), *read_file(folder_.path() / "scene.glb"));
+  EXPECT_EQ(*read_file(other.path() / "preview.png"), *read_file(folder_.path() / "preview.png"));
+  const auto checks = inspect_scene(other.path());
+  ASSERT_TRUE(checks) << checks.error().to_string();
+  for (const SceneCheck& check : *checks) EXPECT_TRUE(check.is_sound) << check.what;
+}
+
+TEST_F(SceneBundle, FindsEachFileThatIsCutShort) {
+  for (const char* file : {"scene.glb", "lod/static_mesh_1.glb", "mesh.ply", "cloud.ply",
+                           "occupancy.bt", "camera_trajectory.txt", "objects/box.glb"}) {
+    const std::string whole = *read_file(folder_.path() / file);
+    cut_short(file);
+    EXPECT_EQ(unsound(), std::vector<std::string>{file});
+    ASSERT_TRUE(write_file(folder_.path() / file, whole));
+  }
+}
+
+TEST_F(SceneBundle, FindsEachFileThatIsMissing) {
+  for (const auto& [file, content] : contents_of(folder_.path())) {
+    if (file == "scene.yaml") continue;
+    fs::remove(folder_.path() / file);
+    const std::vector<std::string> found = unsound();
+    EXPECT_NE(std::find(found.begin(), found.end(), file), found.end()) << file;
+    ASSERT_TRUE(write_file(folder_.path() / file, content));
+  }
+}
+
+TEST_F(SceneBundle, FindsAnObjectThatStandsElsewhereThanItsNode) {
+  replace("scene.yaml", "t: [0.6, 0.05, 0.04]", "t: [0.6, 0.06, 0.04]");
+  EXPECT_EQ(unsound(), std::vector<std::string>{"scene.glb"});
+}
+
+TEST_F(SceneBundle, FindsATrajectoryOfAnotherLength) {
+  replace("scene.yaml", "frames_used: 5", "frames_used: 6");
+  EXPECT_EQ(unsound(), std::vector<std::string>{"camera_trajectory.txt"});
+}
+
+TEST_F(SceneBundle, FindsAMapOfAnotherPlace) {
+  Scene elsewhere = a_box_on_a_table();
+  elsewhere.occupancy = OccupancyMap();
+  elsewhere.occupancy.integrate(DepthImage(160, 120, 1.0F), {}, a_small_camera(),
+                                Pose::from_translation({30.0, 0.0, 0.0}));
+  ASSERT_TRUE(elsewhere.occupancy.write(folder_.path() / "occupancy.bt"));
+  EXPECT_EQ(unsound(), std::vector<std::string>{"occupancy.bt"});
+}
+
+TEST_F(SceneBundle, HoldsMeshesThatOtherReadersRead) {
+  const auto mesh = read_mesh(folder_.path() / "mesh.ply");
+  ASSERT_TRUE(mesh) << mesh.error().to_string();
+  EXPECT_EQ(mesh->triangles.size(), scene_.mesh_base.triangles.size());
+  const auto box = read_cad_model(folder_.path() / "objects/box.glb", "box");
+  ASSERT_TRUE(box) << box.error().to_string();
+  EXPECT_NEAR(box->volume, 0.1 * 0.2 * 0.08, 1e-8);
+  EXPECT_LT(box->centre_of_mass_object.norm(), 1e-7);
+}
+
+TEST(PlyFile, HasTheHeaderThatReadersExpect) {
+  const std::string text = format_ply(a_box_on_a_table().mesh_base);
+  EXPECT_EQ(text.substr(0, text.find("end_header")),
+            "ply\nformat binary_little_endian 1.0\ncomment coordinates in metres\n"
+            "element vertex 2601\n"
+            "property float x\nproperty float y\nproperty float z\n"
+            "property float nx\nproperty float ny\nproperty float nz\n"
+            "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+            "element face 5000\nproperty list uchar int vertex_indices\n");
+}
+
+TEST(PlyFile, ReadsBackWhatItWrote) {
+  const TemporaryFolder folder;
+  for (const TriangleMesh& mesh :
+       {a_box_on_a_table().mesh_base, a_box({1, 2, 3}), TriangleMesh()}) {
+    ASSERT_TRUE(write_file(folder.path() / "a.ply", format_ply(mesh)));
+    const auto again = read_ply(folder.path() / "a.ply");
+    ASSERT_TRUE(again) << again.error().to_string();
+    EXPECT_EQ(again->vertices, mesh.vertices);
+    EXPECT_EQ(again->normals, mesh.normals);
+    EXPECT_EQ(again->colors, mesh.colors);
+    EXPECT_EQ(again->triangles, mesh.triangles);
+  }
+}
+
+TEST(PlyFile, RefusesAFaceWithoutItsVertex) {
+  const TemporaryFolder folder;
+  TriangleMesh mesh = a_box({1, 1, 1});
+  mesh.triangles[3][1] = 8;
+  ASSERT_TRUE(write_file(folder.path() / "a.ply", format_ply(mesh)));
+  EXPECT_FALSE(read_ply(folder.path() / "a.ply"));
+}
+
+TEST(WriteScene, SaysWhereItCantWrite) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "file") << "no folder";
+  const auto written = write_scene(a_box_on_a_table(), folder.path() / "file", {1});
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().to_string().find("file"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pcavr
