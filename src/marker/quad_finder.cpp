@@ -97,7 +97,11 @@ class ArucoFinder final : public QuadFinder {
                        static_cast<std::size_t>(image.width()));
     std::vector<std::vector<cv::Point2f>> corners;
     std::vector<int> ids;
-    cv::aruco::detectMarkers(view, dictionary_, corners, ids, parameters_);
+    try {
+      cv::aruco::detectMarkers(view, dictionary_, corners, ids, parameters_);
+    } catch (const cv::Exception&) {
+      return {};  // a part of an image that it can't work on shows no tag
+    }
     std::vector<TagDetection> detections;
     for (std::size_t i = 0; i < ids.size(); ++i) {
       TagDetection detection;
