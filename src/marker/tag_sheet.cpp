@@ -82,7 +82,7 @@ void draw_tag(const TagPicture& picture, const TagSheetOptions& options, int id,
   draw_cells(picture, x + slot.cell, y + slot.cell, slot.cell, page);
   const double base = y + slot.width + 0.5 * (kLabelSpace + kTextHeight) - 1.0;
   page.texts.push_back(
-      {x + 5.0, base, kTextHeight,
+      {x + slot.cell + 5.0, base, kTextHeight,
        options.family + " " + std::to_string(id) + "  " + number(options.size * 1e3) + " mm"});
   // An arrow to the tag's upper edge: the marker frame's y.
   const double arrow = x + slot.cell + 2.0;
