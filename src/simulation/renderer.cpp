@@ -12,6 +12,16 @@ namespace {
 constexpr int kGrid = 4;               ///< sub-samples a side of a pixel on an edge
 constexpr float kLightRadius = 0.02F;  ///< of the lamp that casts shadows [m]
 
+/// Place of the k-th sub-sample, from the pixel's centre [px]: one in each cell of a 4x4 grid, and
+/// no two in the same sixteenth of a row or column [Chiu, Shirley & Wang 1994], so that an edge
+/// along the rows is placed to 1/32 px where a plain grid would place it to 1/8.
+Eigen::Vector2d place_in_pixel(int k) {
+  const double column = k % kGrid;
+  const double row = k / kGrid;
+  return {(column + (row + 0.5) / kGrid) / kGrid - 0.5,
+          (row + (column + 0.5) / kGrid) / kGrid - 0.5};
+}
+
 /// Where on the lamp the k-th of the 4x4 sub-samples looks: a 4x4 grid as well, shuffled, so that
 /// place in the pixel and place on the lamp are not tied together.
 Eigen::Vector3f lamp_offset(int k) {
@@ -73,8 +83,7 @@ Eigen::Vector3f mean_over_pixel(const Shader& shader, const View& view, const Ca
     std::array<Eigen::Vector3f, kPacket> lamp;
     for (int i = 0; i < kPacket; ++i) {
       const int k = first + i;
-      const Eigen::Vector2d pixel(x + (k % kGrid + 0.5) / kGrid - 0.5,
-                                  y + (k / kGrid + 0.5) / kGrid - 0.5);
+      const Eigen::Vector2d pixel = Eigen::Vector2d(x, y) + place_in_pixel(k);
       const auto lane = static_cast<std::size_t>(i);
       rays.origin[lane] = view.origin;
       rays.direction[lane] = view.R_base_camera * camera.unproject(pixel, 1.0).cast<float>();

@@ -30,7 +30,7 @@ class Renderer {
   Renderer(const World& world, const RayBodies& bodies, const CameraModel& camera);
 
   /// One sample at each pixel's centre; where neighbours differ in surface, print, colour cell or
-  /// shadow, the mean of 4x4 samples over the pixel's square.
+  /// shadow, the mean of 16 samples over the pixel's square.
   [[nodiscard]] IdealFrame render(const Pose& T_base_camera,
                                   std::span<const Pose> T_base_body) const;
 

@@ -194,8 +194,9 @@ TEST(Simulate, TagsAreDetectedWhereTruthProjectsThem) {
     const TemporaryFolder folder;
     const std::vector<double> errors = corner_errors(simulated(simulation, 1, folder.path()));
     ASSERT_GE(errors.size(), 12U) << name;
-    // With the noise of the image and JPEG, a good detector finds a corner to a tenth of a pixel.
-    EXPECT_LT(errors[errors.size() / 2], 0.1) << name;
+    // With noise and JPEG the detector finds a corner to some 0.03 px. Edges placed to 1/8 px, as
+    // by a plain 4x4 grid of sub-samples, bring the push's upright tags to 0.09 px.
+    EXPECT_LT(errors[errors.size() / 2], 0.06) << name;
   }
 }
 
