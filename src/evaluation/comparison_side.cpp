@@ -74,8 +74,10 @@ fs::path find_recording(const fs::path& named, const fs::path& folder) {
 }
 
 Expected<ComparisonSide> read_truth(ComparisonSide side) {
-  const fs::path recording = fs::absolute(side.folder).lexically_normal() / "..";
-  if (is_there(recording / "recording.yaml")) side.recording = recording.lexically_normal();
+  // With a dot, so that "truth/" and "truth" have the same parent.
+  const fs::path recording =
+      fs::absolute(side.folder / ".").lexically_normal().parent_path().parent_path();
+  if (is_there(recording / "recording.yaml")) side.recording = recording;
   Expected<void> done = read_if_there(side.folder / "camera.txt", side.camera);
   if (!done) return done.error();
   for (const fs::path& file : entries_of(side.folder / "objects")) {

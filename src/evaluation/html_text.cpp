@@ -45,11 +45,11 @@ std::string fixed(double value, int decimals) {
 }
 
 std::string readable(double value) {
-  if (value == 0.0 || !std::isfinite(value)) return std::isfinite(value) ? "0" : "-";
+  if (!std::isfinite(value)) return "-";
+  // A ten-thousandth of any unit used here is less than what is measured is good for.
+  if (std::abs(value) < 0.5e-4) return "0";
   const int digits_before_point = static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;
-  // Below a millionth of any unit used here is rounding, not a finding.
-  if (digits_before_point < -5) return "0";
-  return fixed(value, std::clamp(3 - digits_before_point, 0, 8));
+  return fixed(value, std::clamp(3 - digits_before_point, 0, 4));
 }
 
 }  // namespace pcavr

@@ -13,7 +13,8 @@ namespace pcavr {
 /// With `decimals` places; the point is a point in every locale.
 [[nodiscard]] std::string fixed(double value, int decimals);
 
-/// With three significant digits, never as a power of ten: 0.0123, 1.23, 123, 12345.
+/// With three significant digits and at most four decimals, never as a power of ten: 0.0123, 1.23,
+/// 123, 12345.
 [[nodiscard]] std::string readable(double value);
 
 }  // namespace pcavr

@@ -4,6 +4,8 @@
 
 #include <numbers>
 
+#include "report_plots.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -12,12 +14,12 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kPercent = 1e2;
 
 /// The rows for position and rotation of one list of errors; none where the list is empty.
-void add_rows(ErrorTable& table, const std::string& name, const std::string& key,
+void add_rows(ReportSection& section, const std::string& name, const std::string& key,
               const std::vector<PoseError>& errors) {
   if (errors.empty()) return;
-  table.rows.push_back(
+  section.rows.push_back(
       {"position, " + name, key + ".translation", "m", statistics(translations(errors))});
-  table.rows.push_back(
+  section.rows.push_back(
       {"rotation, " + name, key + ".rotation", "rad", statistics(rotations(errors))});
 }
 
@@ -36,31 +38,39 @@ std::vector<PoseError> first_second(const std::vector<PoseError>& errors) {
   });
 }
 
-ErrorTable camera_table(const CameraFindings& camera) {
-  ErrorTable table{"Camera in base", "camera", {}};
-  add_rows(table, "absolute", "absolute", camera.errors.absolute);
-  add_rows(table, "absolute, aligned", "absolute_aligned", camera.errors.absolute_aligned);
-  add_rows(table, "relative, over 1 s", "relative", camera.errors.relative);
-  add_rows(table, "relative, frame to frame", "step", camera.errors.step);
-  return table;
+ReportSection camera_section(const CameraFindings& camera) {
+  ReportSection section{.title = "Camera in base", .key = "camera", .plots = plots_of(camera)};
+  add_rows(section, "absolute", "absolute", camera.errors.absolute);
+  add_rows(section, "absolute, aligned", "absolute_aligned", camera.errors.absolute_aligned);
+  add_rows(section, "relative, over 1 s", "relative", camera.errors.relative);
+  add_rows(section, "relative, frame to frame", "step", camera.errors.step);
+  return section;
 }
 
-ErrorTable object_table(const ObjectFindings& object) {
+ReportSection object_section(const ObjectFindings& object) {
   const std::vector<PoseError>& absolute = object.errors.absolute;
-  ErrorTable table{
-      object.name + ", " + object.source, "object." + object.name + "." + object.source, {}};
-  add_rows(table, "absolute", "absolute", absolute);
-  add_rows(table, "first second", "first_second", first_second(absolute));
-  add_rows(table, "at rest", "at_rest",
+  ReportSection section{.title = object.name + ", " + object.source,
+                        .key = "object." + object.name + "." + object.source,
+                        .plots = plots_of(object)};
+  add_rows(section, "absolute", "absolute", absolute);
+  add_rows(section, "first second", "first_second", first_second(absolute));
+  add_rows(section, "at rest", "at_rest",
            chosen(absolute, [&](std::size_t i) { return !object.moving[i]; }));
-  add_rows(table, "moving", "moving",
+  add_rows(section, "moving", "moving",
            chosen(absolute, [&](std::size_t i) { return object.moving[i]; }));
-  add_rows(table, "relative, over 1 s", "relative", object.errors.relative);
+  add_rows(section, "relative, over 1 s", "relative", object.errors.relative);
   if (object.model) {
-    table.rows.push_back({"ADD", "add", "m", object.model->add});
-    table.rows.push_back({"MSSD", "mssd", "m", object.model->mssd});
+    section.rows.push_back({"ADD", "add", "m", object.model->add});
+    section.rows.push_back({"MSSD", "mssd", "m", object.model->mssd});
   }
-  return table;
+  return section;
+}
+
+ReportSection surface_section(const SurfaceFindings& surface) {
+  return {.title = "Mesh",
+          .key = "mesh",
+          .rows = {{"mesh to reference", "accuracy", "m", surface.errors.accuracy}},
+          .plots = plots_of(surface)};
 }
 
 void add_camera_figures(const CameraFindings& camera, std::vector<Figure>& headline) {
@@ -125,11 +135,11 @@ Report make_report(const ComparisonSide& reference, const ComparisonSide& subjec
       .recording = (reference.recording.empty() ? subject : reference).recording.string()};
   if (findings.camera) {
     add_camera_figures(*findings.camera, report.headline);
-    report.tables.push_back(camera_table(*findings.camera));
+    report.sections.push_back(camera_section(*findings.camera));
   }
   for (const ObjectFindings& object : findings.objects) {
     add_object_figures(object, report.headline);
-    report.tables.push_back(object_table(object));
+    report.sections.push_back(object_section(object));
   }
   for (const PlacementFindings& placed : findings.placements) {
     const std::string name = placed.name + " in the scene, at the " + placed.when;
@@ -138,9 +148,7 @@ Report make_report(const ComparisonSide& reference, const ComparisonSide& subjec
   }
   if (findings.surface) {
     add_surface_figures(*findings.surface, report.headline);
-    report.tables.push_back({"Mesh to reference",
-                             "mesh",
-                             {{"distance", "accuracy", "m", findings.surface->errors.accuracy}}});
+    report.sections.push_back(surface_section(*findings.surface));
   }
   return report;
 }

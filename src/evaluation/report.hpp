@@ -7,6 +7,7 @@
 
 #include "comparison_side.hpp"
 #include "findings.hpp"
+#include "svg_plot.hpp"
 
 namespace pcavr {
 
@@ -25,11 +26,12 @@ struct ErrorRow {
   ErrorStatistics figures;
 };
 
-/// All rows of one thing that was compared.
-struct ErrorTable {
+/// One thing that was compared: its errors, and how they look.
+struct ReportSection {
   std::string title;
   std::string key;  ///< "camera", "object.NAME.tracked", "mesh"
-  std::vector<ErrorRow> rows;
+  std::vector<ErrorRow> rows = {};
+  std::vector<Plot> plots = {};
 };
 
 /// The figures of a comparison, before they are written one way or another.
@@ -40,7 +42,7 @@ struct Report {
   std::string reference_kind;
   std::string recording;  ///< empty where it was not found
   std::vector<Figure> headline = {};
-  std::vector<ErrorTable> tables = {};
+  std::vector<ReportSection> sections = {};
 };
 
 [[nodiscard]] Report make_report(const ComparisonSide& reference, const ComparisonSide& subject,

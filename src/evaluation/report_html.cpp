@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "html_text.hpp"
 #include "report.hpp"
-#include "report_plots.hpp"
 
 namespace pcavr {
 namespace {
@@ -21,7 +20,6 @@ body { margin: 0 auto; max-width: 1180px; padding: 24px 20px 48px; color: var(--
   background: var(--paper); font: 15px/1.5 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }
 h1 { font-size: 26px; margin: 0 0 4px; }
 h2 { font-size: 19px; margin: 36px 0 10px; }
-h3 { font-size: 15px; margin: 20px 0 6px; }
 .inputs { color: var(--soft); margin: 0; overflow-wrap: anywhere; }
 .inputs b { color: var(--ink); font-weight: 600; }
 .note { border-left: 4px solid var(--c1); padding: 4px 12px; background: var(--panel); }
@@ -31,6 +29,7 @@ th, td { padding: 4px 12px 4px 0; border-bottom: 1px solid var(--rule); text-ali
   white-space: nowrap; }
 th { color: var(--soft); font-weight: 600; }
 th:first-child, td:first-child { text-align: left; }
+.headline { margin-top: 16px; }
 .headline td:nth-child(2) { font-weight: 650; font-size: 17px; padding-left: 20px;
   padding-right: 6px; }
 .headline td:nth-child(3), .headline th:nth-child(3) { text-align: left; color: var(--soft); }
@@ -38,6 +37,8 @@ th:first-child, td:first-child { text-align: left; }
   gap: 18px; align-items: start; }
 figure { margin: 0; padding: 12px 14px 8px; background: var(--panel); border-radius: 8px;
   break-inside: avoid; }
+figure.map { grid-row: span 2; }
+.plots + .scroll { margin-top: 14px; }
 figcaption { font-weight: 600; }
 .legend { margin: 2px 0 4px; color: var(--soft); font-size: 13px; display: flex; flex-wrap: wrap;
   gap: 2px 16px; }
@@ -98,22 +99,23 @@ std::string format_row(const ErrorRow& row) {
   return html + cell(std::to_string(figures.count)) + "</tr>\n";
 }
 
-std::string format_table(const ErrorTable& table) {
-  std::string html = "<h3>" + escaped(table.title) +
-                     "</h3>\n<div class=\"scroll\"><table>\n<thead><tr><th>error</th><th>unit</th>";
+std::string format_section(const ReportSection& section) {
+  std::string html = "<h2>" + escaped(section.title) + "</h2>\n<div class=\"plots\">\n";
+  for (const Plot& plot : section.plots) html += format_figure(plot);
+  html += "</div>\n<div class=\"scroll\"><table>\n<thead><tr><th>error</th><th>unit</th>";
   for (const char* column :
        {"max", "mean", "median", "min", "rmse", "sse (unit²)", "std", "95 %", "count"}) {
     html += "<th>" + std::string(column) + "</th>";
   }
   html += "</tr></thead>\n<tbody>\n";
-  for (const ErrorRow& row : table.rows) html += format_row(row);
+  for (const ErrorRow& row : section.rows) html += format_row(row);
   return html + "</tbody>\n</table></div>\n";
 }
 
 std::string format_placements(const std::vector<PlacementFindings>& placements) {
   if (placements.empty()) return {};
   std::string html =
-      "<h3>Objects in the scene</h3>\n<div class=\"scroll\"><table>\n<thead><tr><th>object</th>"
+      "<h2>Objects in the scene</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th>object</th>"
       "<th>when</th><th>position (mm)</th><th>rotation (deg)</th><th>ADD (mm)</th>"
       "<th>MSSD (mm)</th></tr></thead>\n<tbody>\n";
   for (const PlacementFindings& placed : placements) {
@@ -125,17 +127,6 @@ std::string format_placements(const std::vector<PlacementFindings>& placements) 
             cell(placed.model ? readable(placed.model->mssd * 1e3) : "-") + "</tr>\n";
   }
   return html + "</tbody>\n</table></div>\n";
-}
-
-std::string format_plots(const Findings& findings) {
-  std::string html;
-  const auto add = [&](const std::vector<Plot>& plots) {
-    for (const Plot& plot : plots) html += format_figure(plot);
-  };
-  if (findings.camera) add(plots_of(*findings.camera));
-  for (const ObjectFindings& object : findings.objects) add(plots_of(object));
-  if (findings.surface) add(plots_of(*findings.surface));
-  return html.empty() ? html : "<h2>Plots</h2>\n<div class=\"plots\">\n" + html + "</div>\n";
 }
 
 std::string format_header(const Report& report, const Findings& findings) {
@@ -162,9 +153,8 @@ std::string format_html(const Report& report, const Findings& findings) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<title>Position errors: " +
       escaped(report.subject) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n";
-  html += format_header(report, findings) + format_headline(report) + format_plots(findings);
-  html += "<h2>Statistics</h2>\n";
-  for (const ErrorTable& table : report.tables) html += format_table(table);
+  html += format_header(report, findings) + format_headline(report);
+  for (const ReportSection& section : report.sections) html += format_section(section);
   html += format_placements(findings.placements);
   html +=
       "<footer>Absolute and relative errors as evo defines them; alignment is rigid, without "

@@ -66,9 +66,9 @@ std::string format_json(const Report& report, const Findings& findings) {
   for (const ObjectFindings& object : findings.objects) {
     json["object." + object.name + "." + object.source + ".unmatched"] = object.errors.unmatched;
   }
-  for (const ErrorTable& table : report.tables) {
-    for (const ErrorRow& row : table.rows) {
-      add_statistics(json, table.key + "." + row.key, row.unit, row.figures);
+  for (const ReportSection& section : report.sections) {
+    for (const ErrorRow& row : section.rows) {
+      add_statistics(json, section.key + "." + row.key, row.unit, row.figures);
     }
   }
   for (const PlacementFindings& placed : findings.placements) add_placement(json, placed);

@@ -3,6 +3,7 @@
 #include "report_plots.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -47,7 +48,7 @@ PlotSeries with_peaks_kept(const PlotSeries& full) {
     const auto last =
         full.y.begin() + static_cast<std::ptrdiff_t>(std::min(begin + bucket, full.y.size()));
     const auto peak = std::max_element(first, last, [](double a, double b) {
-      return !(b <= a) && b == b;  // a break is smaller than any number
+      return std::isnan(a) ? !std::isnan(b) : a < b;  // a break is smaller than any number
     });
     thin.x.push_back(full.x[static_cast<std::size_t>(peak - full.y.begin())]);
     thin.y.push_back(*peak);
@@ -76,7 +77,7 @@ Plot map_of(const std::string& title, const Trajectory& reference, const Traject
 }
 
 Plot error_plot(const std::string& title, const std::string& y_label) {
-  return {.title = title, .x_label = "time (s)", .y_label = y_label, .y_from_zero = true};
+  return {.title = title, .x_label = "time (s)", .y_label = y_label, .from_zero = true};
 }
 
 /// Where the reference moves.
@@ -120,8 +121,8 @@ std::vector<Plot> plots_of(const CameraFindings& camera) {
   };
   add(errors.absolute, "not aligned", 0);
   add(errors.absolute_aligned, "aligned", 1);
-  return {translation, rotation,
-          map_of("Camera trajectory from above", camera.reference, camera.estimate)};
+  return {translation, map_of("Camera trajectory from above", camera.reference, camera.estimate),
+          rotation};
 }
 
 std::vector<Plot> plots_of(const ObjectFindings& object) {
@@ -137,8 +138,8 @@ std::vector<Plot> plots_of(const ObjectFindings& object) {
     plot->bands = moving_bands(object, start);
     plot->band_label = "reference moves";
   }
-  return {translation, rotation,
-          map_of(name + ": path from above", object.reference, object.estimate)};
+  return {translation, map_of(name + ": path from above", object.reference, object.estimate),
+          rotation};
 }
 
 std::vector<Plot> plots_of(const SurfaceFindings& surface) {
@@ -146,7 +147,7 @@ std::vector<Plot> plots_of(const SurfaceFindings& surface) {
             .x_label = "distance (mm)",
             .y_label = "share of the surface within (%)",
             .marks = {{5.0, "5 mm"}, {10.0, "10 mm"}},
-            .y_from_zero = true,
+            .from_zero = true,
             .x_to = 15.0,
             .y_to = 100.0};
   plot.series.push_back(

@@ -9,6 +9,7 @@
 
 namespace pcavr {
 
+/// In the order in which the page sets them: beside two charts stands a map as high as both.
 [[nodiscard]] std::vector<Plot> plots_of(const CameraFindings& camera);
 [[nodiscard]] std::vector<Plot> plots_of(const ObjectFindings& object);
 [[nodiscard]] std::vector<Plot> plots_of(const SurfaceFindings& surface);

@@ -14,12 +14,13 @@ namespace {
 
 // The drawing's size and margins in its own units, about pixels on a desktop screen.
 constexpr double kWidth = 640.0;
-constexpr double kLeft = 62.0;
+constexpr double kLeft = 70.0;
 constexpr double kRight = 14.0;
 constexpr double kTop = 12.0;
 constexpr double kBottom = 46.0;
 constexpr double kChartHeight = 300.0;
-constexpr double kMapHeight = 460.0;
+/// As high as two charts above each other, with what the page sets between them.
+constexpr double kMapHeight = 690.0;
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
@@ -33,9 +34,9 @@ struct Range {
   [[nodiscard]] double span() const { return high - low; }
 };
 
-/// 1, 2 or 5 times a power of ten, so that about five steps make the span.
+/// 1, 2 or 5 times a power of ten, so that at most six steps make the span.
 double tick_step(double span) {
-  const double rough = span / 5.0;
+  const double rough = span / 6.0;
   const double power = std::pow(10.0, std::floor(std::log10(rough)));
   for (const double factor : {1.0, 2.0, 5.0}) {
     if (factor * power >= rough) return factor * power;
@@ -51,14 +52,18 @@ class Canvas {
       for (const double x : series.x) x_.include(x);
       for (const double y : series.y) y_.include(y);
     }
-    if (plot.y_from_zero) y_.include(0.0);
+    if (plot.from_zero) {
+      x_.include(0.0);
+      y_.include(0.0);
+    }
     if (plot.x_to > 0.0) x_.high = plot.x_to;
     if (plot.y_to > 0.0) y_.high = plot.y_to;
+    make_wide(x_);
+    make_wide(y_);
     if (plot.equal_axes) {
       make_equal();
-    } else {
-      widen(x_, 0.0, plot.x_to > 0.0);
-      widen(y_, plot.y_from_zero ? 0.0 : 0.06, plot.y_to > 0.0);
+    } else if (plot.y_to <= 0.0) {
+      y_.high += 0.06 * y_.span();  // so that a peak does not touch the frame
     }
   }
 
@@ -75,24 +80,15 @@ class Canvas {
   [[nodiscard]] const Range& y_range() const { return y_; }
 
  private:
-  /// A range without width gets one; the top gets air, the bottom where `below` says so.
-  static void widen(Range& range, double below, bool is_cut) {
-    if (!(range.low <= range.high)) range = {0.0, 1.0};
-    if (range.span() < 1e-12) {
-      range.high += std::max(1e-3, 0.1 * std::abs(range.high));
-      return;
-    }
-    const double span = range.span();
-    range.low -= below * span;
-    if (!is_cut) range.high += (below > 0.0 ? below : 0.0) * span;
+  /// Gives a width to a range that has none.
+  static void make_wide(Range& range) {
+    if (!(range.low <= range.high)) range = {0.0, 0.0};
+    constexpr double kSmallest = 0.01;  // 0.01 mm of error; 10 mm of a body's path
+    if (range.span() < kSmallest) range.high = range.low + kSmallest;
   }
 
   void make_equal() {
-    if (!(x_.low <= x_.high)) x_ = {0.0, 1.0};
-    if (!(y_.low <= y_.high)) y_ = {0.0, 1.0};
-    // At least 2 mm wide: a body at rest is a point, not its noise blown up.
-    const double scale = std::max({1.1 * x_.span() / inner_width(),
-                                   1.1 * y_.span() / inner_height(), 0.002 / inner_height()});
+    const double scale = 1.1 * std::max(x_.span() / inner_width(), y_.span() / inner_height());
     recentre(x_, scale * inner_width());
     recentre(y_, scale * inner_height());
   }
@@ -226,7 +222,8 @@ std::string format_figure(const Plot& plot) {
   drawing += "<rect class=\"frame\"" + attribute("x", kLeft) + attribute("y", kTop) +
              attribute("width", Canvas::inner_width()) +
              attribute("height", canvas.inner_height()) + "/>\n";
-  return "<figure>\n<figcaption>" + escaped(plot.title) + "</figcaption>\n" + format_legend(plot) +
+  return "<figure" + std::string(plot.equal_axes ? " class=\"map\"" : "") + ">\n<figcaption>" +
+         escaped(plot.title) + "</figcaption>\n" + format_legend(plot) +
          "<svg class=\"plot\" role=\"img\" aria-label=\"" + escaped(plot.title) +
          "\" viewBox=\"0 0 " + fixed(kWidth, 0) + ' ' + fixed(canvas.height(), 0) + "\">\n" +
          drawing + "</svg>\n</figure>\n";

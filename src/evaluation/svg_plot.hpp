@@ -36,7 +36,7 @@ struct Plot {
   std::vector<PlotBand> bands = {};
   std::string band_label = {};  ///< in the legend, where there are bands
   std::vector<PlotMark> marks = {};
-  bool y_from_zero = false;
+  bool from_zero = false;   ///< both axes
   bool equal_axes = false;  ///< a metre is as long either way: a map
   /// Cut the x or y axis at this value; at the data's largest where 0.
   double x_to = 0.0;

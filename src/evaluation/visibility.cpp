@@ -19,7 +19,10 @@ class Visibility {
   Visibility(const SurfaceQuery& truth_base, const Views& views)
       : truth_base_(truth_base), views_(views) {
     for (const Pose& T_base_camera : views.T_base_camera) {
-      T_camera_base_.push_back(T_base_camera.inverse());
+      const Pose T_camera_base = T_base_camera.inverse();
+      // As a matrix: most of the time goes into points that no view looks at.
+      R_camera_base_.push_back(T_camera_base.rotation_matrix());
+      p_camera_base_.push_back(T_camera_base.translation());
     }
     for (const MovedBody& body : views.bodies) {
       PCAVR_REQUIRE(body.T_base_object.size() == views.T_base_camera.size());
@@ -28,7 +31,7 @@ class Visibility {
   }
 
   [[nodiscard]] bool is_seen(const SurfaceSample& sample_base) const {
-    for (std::size_t view = 0; view < T_camera_base_.size(); ++view) {
+    for (std::size_t view = 0; view < R_camera_base_.size(); ++view) {
       if (is_in_view(sample_base, view) && !is_hidden(sample_base.point, view)) return true;
     }
     return false;
@@ -36,14 +39,23 @@ class Visibility {
 
  private:
   [[nodiscard]] bool is_in_view(const SurfaceSample& sample_base, std::size_t view) const {
-    const Eigen::Vector3d p_camera = T_camera_base_[view] * sample_base.point.cast<double>().eval();
+    const Eigen::Vector3d p_camera =
+        R_camera_base_[view] * sample_base.point.cast<double>() + p_camera_base_[view];
     if (p_camera.z() < views_.nearest || p_camera.z() > views_.farthest) return false;
-    if (!views_.camera.contains(views_.camera.project(p_camera))) return false;
-    const Eigen::Vector3d normal_camera =
-        T_camera_base_[view].rotation() * sample_base.normal.cast<double>();
+    if (!is_in_image(p_camera)) return false;
+    const Eigen::Vector3d normal_camera = R_camera_base_[view] * sample_base.normal.cast<double>();
     // Either side: the winding of the truth is not part of the format.
     const double cosine = std::abs(p_camera.normalized().dot(normal_camera));
     return cosine >= std::cos(views_.largest_incidence);
+  }
+
+  [[nodiscard]] bool is_in_image(const Eigen::Vector3d& p_camera) const {
+    const Eigen::Vector2d pixel = views_.camera.project(p_camera);
+    if (!views_.camera.contains(pixel)) return false;
+    if (!views_.camera.has_distortion()) return true;
+    // Far outside the image a lens model may fold back into it: such a pixel leads elsewhere.
+    constexpr double kSameRay = 1e-3;
+    return (views_.camera.normalise(pixel) - p_camera.head<2>() / p_camera.z()).norm() < kSameRay;
   }
 
   [[nodiscard]] bool is_hidden(const Eigen::Vector3f& p_base, std::size_t view) const {
@@ -68,7 +80,8 @@ class Visibility {
 
   const SurfaceQuery& truth_base_;
   const Views& views_;
-  std::vector<Pose> T_camera_base_;
+  std::vector<Eigen::Matrix3d> R_camera_base_;
+  std::vector<Eigen::Vector3d> p_camera_base_;
   std::vector<SurfaceQuery> bodies_object_;
 };
 

@@ -46,7 +46,7 @@ struct MeshErrors {
 struct SurfaceErrorOptions {
   /// Between samples on either surface [m], > 0. Halving it costs four times the time; a share is
   /// known to about one sample in (area / spacing^2).
-  double sample_spacing = 0.004;
+  double sample_spacing = 0.005;
   std::uint64_t seed = 1;
 };
 
