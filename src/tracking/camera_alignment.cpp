@@ -14,8 +14,8 @@ namespace {
 // Neighbouring cells share the sensor's quantisation, lens errors and the model's own noise: so
 // many of them carry the information of one independent cell. Held against exact poses in
 // the tests, where errors stay within the standard deviations that follow.
-constexpr double kCellsPerSample = 100.0;
-constexpr double kFeaturesPerSample = 4.0;
+constexpr double kCellsPerSample = 30.0;
+constexpr double kFeaturesPerSample = 12.0;
 
 // Positions of corners found by optical flow scatter by a fifth of a pixel where the picture is
 // sharp; more where the estimate from the residuals says so.
@@ -195,6 +195,16 @@ Vector6d solve_step(const Matrix6d& H, const Vector6d& g) {
 
 constexpr double kFeatureLimit = 4.0;  // Tukey's cut-off [sigma]
 
+/// Tells the landmarks that agree with the pose from those that don't.
+void sort_landmarks(const AlignmentInput& input, Alignment& alignment) {
+  const std::vector<Eigen::Vector2d> residuals = feature_residuals(input, alignment.T_model_frame);
+  const double limit = kFeatureLimit * feature_sigma(residuals);
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const std::size_t landmark = (*input.features)[i].landmark;
+    (residuals[i].norm() < limit ? alignment.agreeing : alignment.straying).push_back(landmark);
+  }
+}
+
 }  // namespace
 
 bool Alignment::is_sound() const {
@@ -252,6 +262,7 @@ Alignment align(const AlignmentInput& input, const Pose& start, Parallelism para
     result.features_matched = features.matched;
     if (step.stride == 1 && twist.norm() < 1e-5) break;
   }
+  sort_landmarks(input, result);
   return result;
 }
 

@@ -17,8 +17,9 @@ namespace pcavr::tracking {
 
 /// A point of the model that was found again in the frame's colour image.
 struct FeatureMatch {
-  Eigen::Vector3d p_model;  ///< [m]
-  Eigen::Vector2d ray;      ///< where it was found, undistorted, on the plane z = 1
+  Eigen::Vector3d p_model;   ///< [m]
+  Eigen::Vector2d ray;       ///< where it was found, undistorted, on the plane z = 1
+  std::size_t landmark = 0;  ///< whose it is
 };
 
 struct AlignmentInput {
@@ -36,12 +37,14 @@ struct AlignmentInput {
 struct Alignment {
   Pose T_model_frame;
   Matrix6d information = Matrix6d::Zero();  ///< of T * exp([v; w]), correlated noise allowed for
-  int surface_in_view = 0;   ///< cells of the frame that fall onto the model's surface
-  int surface_matched = 0;   ///< of these, the ones that lie on it within the noise
-  double surface_rms = 0.0;  ///< point to plane, of the matched cells [m]
-  double overlap = 0.0;      ///< surface_in_view over the frame's cells
-  int features = 0;          ///< offered
-  int features_matched = 0;  ///< of these, the ones that agree with the pose
+  int surface_in_view = 0;            ///< cells of the frame that fall onto the model's surface
+  int surface_matched = 0;            ///< of these, the ones that lie on it within the noise
+  double surface_rms = 0.0;           ///< point to plane, of the matched cells [m]
+  double overlap = 0.0;               ///< surface_in_view over the frame's cells
+  int features = 0;                   ///< offered
+  int features_matched = 0;           ///< of these, the ones that agree with the pose
+  std::vector<std::size_t> agreeing;  ///< landmarks found where the pose puts them
+  std::vector<std::size_t> straying;  ///< landmarks found elsewhere
 
   /// The frame was placed: well conditioned, and what it shows agrees with the model.
   [[nodiscard]] bool is_sound() const;

@@ -10,11 +10,49 @@
 namespace pcavr::tracking {
 namespace {
 
-constexpr int kMostCorners = 250;
-constexpr double kCornerQuality = 0.01;  // of the strongest corner's smaller eigenvalue
-constexpr double kCornerSpacing = 14.0;  // [px]; windows overlap little
-const cv::Size kWindow(17, 17);          // [px]
-constexpr int kTopLevel = 3;             // an eighth of the resolution: offsets to some 60 px
+// The image is cut into tiles, each with its own quota: what moves may have the best corners, but
+// it doesn't have all of them.
+constexpr int kTile = 128;           // [px]
+constexpr int kCornersPerTile = 12;  // 240 in an image of 640x480
+constexpr int kBucket = 16;          // [px]; one corner in each, so that windows overlap little
+constexpr int kBlock = 5;            // [px]; edge of the square that a corner is judged by
+
+// Root mean square of the gradient along a corner's weaker direction, so that noise of two or
+// three gray levels is no corner [gray levels / px].
+constexpr double kSmallestGradient = 3.0;
+
+const cv::Size kWindow(17, 17);  // [px]
+constexpr int kTopLevel = 3;     // an eighth of the resolution: offsets to some 60 px
+
+bool is_smooth(const CellGrid& grid, const Surface& surface, const cv::Point& pixel) {
+  const int x = pixel.x / grid.pixels;
+  const int y = pixel.y / grid.pixels;
+  return x < grid.width() && y < grid.height() &&
+         !surface.normals[static_cast<std::size_t>(y * grid.width() + x)].isZero();
+}
+
+struct Corner {
+  float strength = 0.0F;
+  cv::Point pixel;
+};
+
+/// The strongest corner of each bucket of a tile, where the surface is smooth.
+std::vector<Corner> bucket_corners(const cv::Mat& strength, const cv::Rect& tile, float weakest,
+                                   const CellGrid& grid, const Surface& surface) {
+  std::vector<Corner> corners;
+  for (int y = tile.y; y < tile.br().y; y += kBucket) {
+    for (int x = tile.x; x < tile.br().x; x += kBucket) {
+      const cv::Rect bucket = cv::Rect(x, y, kBucket, kBucket) & tile;
+      double best = 0.0;
+      cv::Point at;
+      cv::minMaxLoc(strength(bucket), nullptr, &best, nullptr, &at);
+      at += bucket.tl();
+      if (best < double{weakest} || !is_smooth(grid, surface, at)) continue;
+      corners.push_back({static_cast<float>(best), at});
+    }
+  }
+  return corners;
+}
 
 }  // namespace
 
@@ -35,15 +73,24 @@ Pyramid make_pyramid(const cv::Mat& gray, bool with_derivatives) {
 
 std::vector<cv::Point2f> find_corners(const cv::Mat& gray, const CellGrid& grid,
                                       const Surface& surface) {
-  cv::Mat mask = cv::Mat::zeros(gray.size(), CV_8U);
-  for (int y = 0; y < grid.height(); ++y) {
-    for (int x = 0; x < grid.width(); ++x) {
-      if (surface.normals[static_cast<std::size_t>(y * grid.width() + x)].isZero()) continue;
-      mask(cv::Rect(x * grid.pixels, y * grid.pixels, grid.pixels, grid.pixels)) = 255;
+  cv::Mat strength;
+  cv::cornerMinEigenVal(gray, strength, kBlock);
+  // OpenCV scales Sobel's gradient (8 for one gray level a pixel) by 1 / (4 * block * 255), and
+  // sums its squares over the block.
+  const double gradient = kSmallestGradient * 8.0 / (4.0 * kBlock * 255.0);
+  const auto weakest = static_cast<float>(kBlock * kBlock * gradient * gradient);
+  std::vector<cv::Point2f> corners;
+  for (int y = 0; y < gray.rows; y += kTile) {
+    for (int x = 0; x < gray.cols; x += kTile) {
+      const cv::Rect tile = cv::Rect(x, y, kTile, kTile) & cv::Rect({0, 0}, gray.size());
+      std::vector<Corner> found = bucket_corners(strength, tile, weakest, grid, surface);
+      const auto kept = std::min<std::size_t>(found.size(), kCornersPerTile);
+      std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(kept),
+                        found.end(),
+                        [](const Corner& a, const Corner& b) { return a.strength > b.strength; });
+      for (std::size_t i = 0; i < kept; ++i) corners.emplace_back(found[i].pixel);
     }
   }
-  std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(gray, corners, kMostCorners, kCornerQuality, kCornerSpacing, mask, 5);
   return corners;
 }
 
@@ -65,15 +112,16 @@ std::vector<FeatureMatch> find_landmarks(const Pyramid& model,
   const Pose T_color_model = T_model_color.inverse();
   std::vector<cv::Point2f> before;
   std::vector<cv::Point2f> after;
-  std::vector<const Landmark*> sought;
-  for (const Landmark& landmark : landmarks) {
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const Landmark& landmark = landmarks[i];
     const Eigen::Vector3d p = T_color_model * landmark.p_model;
     if (p.z() <= 0.0) continue;
     const Eigen::Vector2d pixel = camera.project(p);
     if (!camera.contains(pixel)) continue;
     before.push_back(landmark.pixel);
     after.emplace_back(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
-    sought.push_back(&landmark);
+    indices.push_back(i);
   }
   std::vector<FeatureMatch> matches;
   if (before.empty()) return matches;
@@ -82,10 +130,10 @@ std::vector<FeatureMatch> find_landmarks(const Pyramid& model,
       model, frame, before, after, found, cv::noArray(), kWindow, kTopLevel,
       cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 20, 0.02),
       cv::OPTFLOW_USE_INITIAL_FLOW, 1e-3);
-  for (std::size_t i = 0; i < sought.size(); ++i) {
+  for (std::size_t i = 0; i < indices.size(); ++i) {
     const Eigen::Vector2d pixel(after[i].x, after[i].y);
     if (found[i] == 0 || !camera.contains(pixel)) continue;
-    matches.push_back({sought[i]->p_model, camera.normalise(pixel)});
+    matches.push_back({landmarks[indices[i]].p_model, camera.normalise(pixel), indices[i]});
   }
   return matches;
 }

@@ -29,6 +29,7 @@ using Pyramid = std::vector<cv::Mat>;
 struct Landmark {
   cv::Point2f pixel;
   Eigen::Vector3d p_model;  ///< [m]
+  int strayed = 0;          ///< how many frames in a row contradicted it
 };
 
 /// `T_depth_color` is the keyframe's own; corners without a surface under them are left out.

@@ -40,6 +40,15 @@ double view_change(const Pose& T_keyframe_frame, double depth) {
          rotation_distance(Pose(), T_keyframe_frame) / kAngle;
 }
 
+/// Landmarks that keep straying lie on something that moves.
+void drop_strays(const Alignment& alignment, ActiveModel& model) {
+  constexpr int kPatience = 3;  // frames
+  for (const std::size_t i : alignment.agreeing) model.landmarks[i].strayed = 0;
+  for (const std::size_t i : alignment.straying) ++model.landmarks[i].strayed;
+  std::erase_if(model.landmarks,
+                [](const Landmark& landmark) { return landmark.strayed >= kPatience; });
+}
+
 bool shows_surface(const FrameView& view) {
   const auto filled = static_cast<std::size_t>(std::count_if(
       view.inverse_depth.begin(), view.inverse_depth.end(), [](float w) { return w > 0.0F; }));
@@ -106,6 +115,7 @@ void CameraFrontEnd::accept(const FrameView& view, const Alignment& alignment,
     }
   }
   last_ = Placed{alignment.T_model_frame, record.stamp};
+  drop_strays(alignment, *active_);
   Keyframe& keyframe = keyframes_[active_->keyframe];
   fuse(sensor_.grid, active_->surface, view.inverse_depth, alignment.T_model_frame, sensor_.noise,
        keyframe.model);

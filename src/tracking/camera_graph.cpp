@@ -17,8 +17,10 @@ namespace {
 
 // Beyond so many standard deviations a residual counts less and less [Cauchy].
 constexpr double kCornerLoss = 3.0;
-constexpr double kLinkLoss = 5.0;
+
 constexpr double kPriorLoss = 3.0;
+// Links were checked frame by frame: they bend, but don't let go [Huber].
+constexpr double kLinkLoss = 3.0;
 
 /// qx qy qz qw, tx ty tz: of T_base_node.
 using Block = std::array<double, 7>;
@@ -107,7 +109,7 @@ struct PoseGraph::Problem {
 
   ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>> manifold;
   ceres::CauchyLoss corner_loss{kCornerLoss};
-  ceres::CauchyLoss link_loss{kLinkLoss};
+  ceres::HuberLoss link_loss{kLinkLoss};
   ceres::CauchyLoss prior_loss{kPriorLoss};
   ceres::Problem ceres{options()};
 

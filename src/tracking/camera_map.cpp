@@ -9,14 +9,20 @@ ActiveModel activate(const Sensor& sensor, const std::vector<Keyframe>& keyframe
   ActiveModel active;
   active.keyframe = keyframe;
   active.pyramid = make_pyramid(keyframes[keyframe].gray, true);
-  refresh(sensor, keyframes[keyframe], active);
+  const Keyframe& model = keyframes[keyframe];
+  active.surface = make_surface(sensor.grid, model.model.inverse_depth, sensor.noise);
+  active.landmarks = make_landmarks(model.corners, sensor.grid, active.surface, sensor.camera,
+                                    model.T_depth_color);
   return active;
 }
 
 void refresh(const Sensor& sensor, const Keyframe& keyframe, ActiveModel& active) {
   active.surface = make_surface(sensor.grid, keyframe.model.inverse_depth, sensor.noise);
-  active.landmarks = make_landmarks(keyframe.corners, sensor.grid, active.surface, sensor.camera,
-                                    keyframe.T_depth_color);
+  for (Landmark& landmark : active.landmarks) {
+    const Eigen::Vector2d pixel(landmark.pixel.x, landmark.pixel.y);
+    const auto p_color = point_at(sensor.grid, active.surface, sensor.camera, pixel);
+    if (p_color) landmark.p_model = keyframe.T_depth_color * *p_color;
+  }
 }
 
 Alignment match(const Sensor& sensor, const ActiveModel& model, const FrameView& frame,

@@ -52,7 +52,8 @@ class TrackSolver {
   [[nodiscard]] bool is_anchored(std::size_t r) const;
   void build_fixed();
   void build_moving();
-  void measure(std::size_t r, std::size_t node, double looks);
+  void measure_tags(std::size_t r, std::size_t node, double looks);
+  void measure_pose(std::size_t r, std::size_t node, double looks);
   void report_corners();
   void place_fixed();
   void place_moving();
@@ -125,10 +126,12 @@ bool TrackSolver::is_fixed() const {
   return frames > 1;
 }
 
-/// Adds what frame `r` saw of base to a node, its weight that of one of `looks` alike.
-void TrackSolver::measure(std::size_t r, std::size_t node, double looks) {
+/// How much wider to take a measurement that is one of `looks` from the same place.
+double inflation(double looks) { return std::sqrt(std::max(1.0, looks / kIndependentLooks)); }
+
+/// Adds the base tags of frame `r` to a node.
+void TrackSolver::measure_tags(std::size_t r, std::size_t node, double looks) {
   const FrameRecord& record = records()[r];
-  const double inflation = std::sqrt(std::max(1.0, looks / kIndependentLooks));
   for (const TagDetection& tag : record.base_tags) {
     const auto p_base = corners_in_base(*input_.base_tags, tag.id);
     if (!p_base) continue;
@@ -140,13 +143,17 @@ void TrackSolver::measure(std::size_t r, std::size_t node, double looks) {
       factor.rays[i] = input_.sensor->camera.normalise(tag.corners[i]);
     }
     factor.focal_length = input_.sensor->camera.fx;
-    factor.sigma = input_.options.corner_sigma * inflation;
+    factor.sigma = input_.options.corner_sigma * inflation(looks);
     graph_.add_corners(factor);
     corners_.push_back(factor);
   }
-  if (const auto measured = input_.groundtruth->at(record.stamp)) {
-    graph_.add_prior(node, *measured, input_.options.groundtruth_position_sigma * inflation,
-                     input_.options.groundtruth_rotation_sigma * inflation);
+}
+
+/// Adds the pose that groundtruth gives for frame `r`, if it does, to a node.
+void TrackSolver::measure_pose(std::size_t r, std::size_t node, double looks) {
+  if (const auto given = input_.groundtruth->at(records()[r].stamp)) {
+    graph_.add_prior(node, *given, input_.options.groundtruth_position_sigma * inflation(looks),
+                     input_.options.groundtruth_rotation_sigma * inflation(looks));
   }
 }
 
@@ -161,27 +168,29 @@ void TrackSolver::build_fixed() {
       node_count_ = 1 + graph_.add_node(T_base_segment_.at(located_[r].segment) *
                                         located_[r].T_segment_camera);
     }
-    measure(r, 0, looks);
+    measure_tags(r, 0, looks);
+    measure_pose(r, 0, static_cast<double>(records().size()));
   }
 }
 
 /// Keyframes and frames with a measurement of their own are nodes; all others hang on a keyframe.
 void TrackSolver::build_moving() {
   nodes_.assign(records().size(), std::nullopt);
-  std::vector<bool> is_node(records().size(), false);
-  for (const Keyframe& keyframe : keyframes()) is_node[keyframe.record] = true;
+  std::vector<bool> is_keyframe(records().size(), false);
+  for (const Keyframe& keyframe : keyframes()) is_keyframe[keyframe.record] = true;
   for (std::size_t r = 0; r < records().size(); ++r) {
     const FrameRecord& record = records()[r];
-    const bool is_measured = !record.base_tags.empty() || record.links.size() > 1 ||
-                             input_.groundtruth->at(record.stamp).has_value();
-    if (!is_anchored(r) || !(is_node[r] || is_measured)) continue;
+    const bool is_measured = !record.base_tags.empty() || record.links.size() > 1;
+    if (!is_anchored(r) || !(is_keyframe[r] || is_measured)) continue;
     nodes_[r] =
         graph_.add_node(T_base_segment_.at(located_[r].segment) * located_[r].T_segment_camera);
     ++node_count_;
   }
   for (std::size_t r = 0; r < records().size(); ++r) {
     if (!nodes_[r]) continue;
-    measure(r, *nodes_[r], 1.0);
+    measure_tags(r, *nodes_[r], 1.0);
+    // A given pose errs much like the ones before and after it: one a keyframe is enough.
+    if (is_keyframe[r]) measure_pose(r, *nodes_[r], 1.0);
     for (const FrameLink& link : records()[r].links) {
       const auto keyframe = nodes_[keyframes()[link.keyframe].record];
       if (keyframe) {
