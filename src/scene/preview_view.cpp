@@ -34,13 +34,13 @@ Points points_of_interest(const Scene& scene) {
   return points;
 }
 
-/// Corners of the box that holds the mesh but for its outermost vertices along each axis.
-Points corners_of_bulk(const TriangleMesh& mesh) {
+/// Vertices of the mesh but for its outermost ones along each axis.
+Points points_of_bulk(const TriangleMesh& mesh) {
   constexpr double kOutermost = 0.02;  // share on each side
+  constexpr std::size_t kMostPoints = 20'000;
   if (mesh.vertices.empty()) return {Eigen::Vector3d::Zero()};
-  Eigen::AlignedBox3d box;
-  Eigen::Vector3d low;
-  Eigen::Vector3d high;
+  Eigen::Vector3f low;
+  Eigen::Vector3f high;
   std::vector<float> coordinates(mesh.vertices.size());
   for (int axis = 0; axis < 3; ++axis) {
     std::transform(mesh.vertices.begin(), mesh.vertices.end(), coordinates.begin(),
@@ -49,17 +49,17 @@ Points corners_of_bulk(const TriangleMesh& mesh) {
       const auto index =
           static_cast<std::ptrdiff_t>(share * static_cast<double>(coordinates.size() - 1));
       std::nth_element(coordinates.begin(), coordinates.begin() + index, coordinates.end());
-      return static_cast<double>(coordinates[static_cast<std::size_t>(index)]);
+      return coordinates[static_cast<std::size_t>(index)];
     };
     low[axis] = at_share(kOutermost);
     high[axis] = at_share(1.0 - kOutermost);
   }
-  box.extend(low).extend(high);
-  Points corners;
-  for (int corner = 0; corner < 8; ++corner) {
-    corners.push_back(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+  const Eigen::AlignedBox3f box(low, high);
+  Points points;
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += mesh.vertices.size() / kMostPoints + 1) {
+    if (box.contains(mesh.vertices[i])) points.push_back(mesh.vertices[i].cast<double>());
   }
-  return corners;
+  return points.empty() ? Points{box.center().cast<double>()} : points;
 }
 
 Eigen::Vector3d mean(const Points& points) {
@@ -76,27 +76,39 @@ Points camera_positions(const Scene& scene) {
   return positions;
 }
 
+/// Against gravity. That is base's z axis, but for recordings whose world was taken from elsewhere
+/// and need not stand upright: a camera that looks at the zenith all the time is a sign of it.
+Eigen::Vector3d up_direction(const Scene& scene) {
+  Eigen::Vector3d forward = Eigen::Vector3d::Zero();
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const TimedPose& timed : scene.camera_trajectory.poses()) {
+    forward += timed.pose.rotation() * Eigen::Vector3d::UnitZ();
+    up -= timed.pose.rotation() * Eigen::Vector3d::UnitY();
+  }
+  const bool is_upright = forward.z() <= std::sin(M_PI_4) * forward.norm() || up.norm() == 0.0;
+  return is_upright ? Eigen::Vector3d::UnitZ().eval() : up.normalized().eval();
+}
+
 /// Unit vector from the centre to the viewer.
 Eigen::Vector3d direction_to_viewer(const Scene& scene, const Eigen::Vector3d& centre,
-                                    bool has_table) {
+                                    const Eigen::Vector3d& up, bool has_table) {
   const Points positions = camera_positions(scene);
   const Eigen::Vector3d to_camera =
       positions.empty() ? Eigen::Vector3d(-1.0, 0.0, 0.5) : (mean(positions) - centre).eval();
-  Eigen::Vector3d horizontal(to_camera.x(), to_camera.y(), 0.0);
+  Eigen::Vector3d level = to_camera - to_camera.dot(up) * up;
   // Seen straight from above, any side will do: the robot's.
-  if (horizontal.norm() < 0.01) horizontal = -Eigen::Vector3d::UnitX();
-  const double seen_from = std::atan2(to_camera.z(), horizontal.norm());
+  if (level.norm() < 0.01) level = -Eigen::Vector3d::UnitX();
+  const double seen_from = std::atan2(to_camera.dot(up), level.norm());
   const double elevation =
       has_table ? kTableElevation : std::clamp(seen_from, kLeastElevation, kTableElevation);
-  return std::cos(elevation) * horizontal.normalized() +
-         std::sin(elevation) * Eigen::Vector3d::UnitZ();
+  return std::cos(elevation) * level.normalized() + std::sin(elevation) * up;
 }
 
 /// Camera axes for a viewer who looks along -`to_viewer`, upright.
-Eigen::Matrix3d axes_of_view(const Eigen::Vector3d& to_viewer) {
+Eigen::Matrix3d axes_of_view(const Eigen::Vector3d& to_viewer, const Eigen::Vector3d& up) {
   Eigen::Matrix3d R_base_view;
   const Eigen::Vector3d forward = -to_viewer;
-  const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+  const Eigen::Vector3d right = forward.cross(up).normalized();
   R_base_view << right, forward.cross(right), forward;
   return R_base_view;
 }
@@ -104,11 +116,13 @@ Eigen::Matrix3d axes_of_view(const Eigen::Vector3d& to_viewer) {
 }  // namespace
 
 View choose_view(const Scene& scene, int width, int height) {
-  Points points = points_of_interest(scene);
+  const Eigen::Vector3d up = up_direction(scene);
+  Points points;
+  if (up == Eigen::Vector3d::UnitZ()) points = points_of_interest(scene);
   const bool has_table = !points.empty();
-  if (!has_table) points = corners_of_bulk(scene.mesh_base);
+  if (!has_table) points = points_of_bulk(scene.mesh_base);
   const Eigen::Matrix3d R_base_view =
-      axes_of_view(direction_to_viewer(scene, mean(points), has_table));
+      axes_of_view(direction_to_viewer(scene, mean(points), up, has_table), up);
 
   View view;
   CameraModel& camera = view.camera;
@@ -122,20 +136,20 @@ View choose_view(const Scene& scene, int width, int height) {
 
   // For each side of the picture, how far the viewer must be right (down) of and behind the points:
   // the two extreme lines of sight through them meet in the viewer's place.
-  double left = -INFINITY, right = -INFINITY, up = -INFINITY, down = -INFINITY;
+  double left = -INFINITY, right = -INFINITY, top = -INFINITY, bottom = -INFINITY;
   double nearest = INFINITY;
   for (const Eigen::Vector3d& point : points) {
     const Eigen::Vector3d p = R_base_view.transpose() * point;
     left = std::max(left, -p.x() - slope_x * p.z());
     right = std::max(right, p.x() - slope_x * p.z());
-    up = std::max(up, -p.y() - slope_y * p.z());
-    down = std::max(down, p.y() - slope_y * p.z());
+    top = std::max(top, -p.y() - slope_y * p.z());
+    bottom = std::max(bottom, p.y() - slope_y * p.z());
     nearest = std::min(nearest, p.z());
   }
   const double behind_x = -(left + right) / (2.0 * slope_x);
-  const double behind_y = -(up + down) / (2.0 * slope_y);
+  const double behind_y = -(top + bottom) / (2.0 * slope_y);
   const double z = std::min({behind_x, behind_y, nearest - kLeastDistance});
-  const Eigen::Vector3d viewer(0.5 * (right - left), 0.5 * (down - up), z);
+  const Eigen::Vector3d viewer(0.5 * (right - left), 0.5 * (bottom - top), z);
   view.T_base_view = Pose(Eigen::Quaterniond(R_base_view), R_base_view * viewer);
   return view;
 }

@@ -13,6 +13,10 @@ namespace {
 
 View a_plain_view() { return {a_small_camera(), a_view_from_above()}; }
 
+Pose looking_down_from(const Eigen::Vector3d& p_base) {
+  return Pose(a_view_from_above().rotation(), p_base);
+}
+
 Eigen::Vector3f own_color(const Eigen::Vector3f& color, const Eigen::Vector3f&) { return color; }
 
 TEST(Rasteriser, DrawsDepthAndColourWhereTheSurfaceIs) {
@@ -70,7 +74,7 @@ TEST(Preview, IsUpright) {
 
 TEST(Preview, LooksFromTheCamerasSide) {
   Scene scene = a_box_on_a_table();
-  scene.camera_trajectory = Trajectory({{{0}, Pose::from_translation({0.5, 3.0, 1.0})}});
+  scene.camera_trajectory = Trajectory({{{0}, looking_down_from({0.5, 3.0, 1.0})}});
   const View view = choose_view(scene, kPreviewWidth, kPreviewHeight);
   EXPECT_GT(view.T_base_view.translation().y(), 0.5);
 }
@@ -79,11 +83,25 @@ TEST(Preview, LooksIntoARoomFromWhereTheCameraWas) {
   Scene scene = a_box_on_a_table();
   scene.objects.clear();
   scene.support_planes.clear();
-  scene.camera_trajectory = Trajectory({{{0}, Pose::from_translation({-2.0, 0.0, 1.0})}});
+  scene.camera_trajectory = Trajectory({{{0}, looking_down_from({-2.0, 0.0, 1.0})}});
   const View view = choose_view(scene, kPreviewWidth, kPreviewHeight);
   const Eigen::Vector3d middle = view.T_base_view.inverse() * Eigen::Vector3d(0.5, 0.0, 0.0);
   EXPECT_TRUE(view.camera.contains(view.camera.project(middle)));
   EXPECT_LT(view.T_base_view.translation().x(), 0.0);
+}
+
+TEST(Preview, StandsUprightWhereTheWorldDoesNot) {
+  // The first camera's frame for a base: the floor is at y = 1, and up is -y.
+  Scene scene;
+  const Pose fallen(Eigen::Quaterniond(Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitX())),
+                    Eigen::Vector3d(0.0, 1.0, 2.0));
+  scene.mesh_base = transformed(fallen, a_level_square({0.0, 0.0, 0.0}, 2.0, 20));
+  scene.camera_trajectory = Trajectory({{{0}, Pose()}});
+  const View view = choose_view(scene, kPreviewWidth, kPreviewHeight);
+  const Eigen::Vector3d right = view.T_base_view.rotation() * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d down = view.T_base_view.rotation() * Eigen::Vector3d::UnitY();
+  EXPECT_NEAR(right.y(), 0.0, 1e-12);
+  EXPECT_GT(down.y(), 0.5);
 }
 
 TEST(Preview, ShowsAnObjectInItsTint) {
