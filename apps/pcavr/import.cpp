@@ -28,7 +28,6 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
     const Expected<CameraFile> sensor = read_camera_file(arguments.camera);
     if (!sensor) return sensor.error();
     options.camera = sensor->camera;
-    if (!options.depth_scale) options.depth_scale = sensor->depth_scale;
   }
   Expected<OutputFolder> folder =
       OutputFolder::create(arguments.output.folder, arguments.output.replace);
@@ -39,14 +38,16 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
   const std::string& to = arguments.output.folder;
-  return CommandResult{.summary = std::to_string(report->frames) + " frames, " +
-                                  std::to_string(report->poses) + " camera poses, " +
-                                  std::to_string(report->left_out) +
-                                  " left out\nnext: pcavr build " + to + " -o SCENE\n",
-                       .json = {{"recording", to},
-                                {"frames", report->frames},
-                                {"poses", report->poses},
-                                {"left_out", report->left_out}}};
+  return CommandResult{
+      .summary = std::to_string(report->frames) + " frames, " + std::to_string(report->poses) +
+                 " camera poses, " + std::to_string(report->left_out) +
+                 " images without a partner left out, " + std::to_string(report->poses_left_out) +
+                 " frames without a pose\nnext: pcavr build " + to + " -o SCENE\n",
+      .json = {{"recording", to},
+               {"frames", report->frames},
+               {"poses", report->poses},
+               {"left_out", report->left_out},
+               {"poses_left_out", report->poses_left_out}}};
 }
 
 }  // namespace
@@ -71,7 +72,7 @@ void add_import(CLI::App& app, Action& action) {
       ->add_option("--rate", arguments->options.frame_rate,
                    "Frames a second, where the source has no stamps")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(0.1, 1e5));
   command->add_option("--stride", arguments->options.stride, "Take every n-th frame")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));

@@ -86,10 +86,11 @@ PointCloud cloud_of(const TriangleMesh& mesh) {
 }
 
 SceneObject to_scene_object(const MovableBody& body, const std::vector<ObjectObservation>& track) {
-  SceneObject object{.model = body.model,
-                     .evidence = "not_seen",
-                     .mass = body.entry.mass,
-                     .is_movable = body.entry.is_movable};
+  SceneObject object;
+  object.model = body.model;
+  object.evidence = "not_seen";
+  object.mass = body.entry.mass;
+  object.is_movable = body.entry.is_movable;
   std::vector<double> translations;
   std::vector<double> rotations;
   const ObjectObservation* first = nullptr;
