@@ -33,7 +33,7 @@ th:first-child, td:first-child { text-align: left; }
 .headline td:nth-child(2) { font-weight: 650; font-size: 17px; padding-left: 20px;
   padding-right: 6px; }
 .headline td:nth-child(3), .headline th:nth-child(3) { text-align: left; color: var(--soft); }
-.plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 480px), 1fr));
+.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 480px), 1fr));
   gap: 18px; align-items: start; }
 figure { margin: 0; padding: 12px 14px 8px; background: var(--panel); border-radius: 8px;
   break-inside: avoid; }

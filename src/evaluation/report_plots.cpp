@@ -93,14 +93,36 @@ std::vector<PlotBand> moving_bands(const ObjectFindings& object, Stamp start) {
   return bands;
 }
 
+/// The distances that the mesh's plots show: some times what a good mesh is off by [mm].
+constexpr double kFarthestShown = 15.0;
+
 /// Share of the samples (%) over distance (mm).
 PlotSeries cumulative(const std::vector<double>& ascending, const std::string& label, int color) {
   PlotSeries series{.label = label, .color = color};
+  if (ascending.empty()) return series;
   constexpr int kSteps = 400;
-  for (int i = 0; i <= kSteps && !ascending.empty(); ++i) {
+  for (int i = 0; i <= kSteps; ++i) {
     const double share = static_cast<double>(i) / kSteps;
     series.x.push_back(kMillimetres * quantile(ascending, share));
     series.y.push_back(kPercent * share);
+  }
+  series.x.push_back(std::max(kFarthestShown, series.x.back()));
+  series.y.push_back(kPercent);
+  return series;
+}
+
+/// Share of the samples (%) in each bin of distance (mm), as a line of steps.
+PlotSeries histogram(const std::vector<double>& ascending, double bin, const std::string& label,
+                     int color) {
+  PlotSeries series{.label = label, .color = color};
+  auto begin = ascending.begin();
+  for (double low = 0.0; low < kFarthestShown && !ascending.empty(); low += bin) {
+    const auto end = std::lower_bound(begin, ascending.end(), (low + bin) / kMillimetres);
+    const double share =
+        kPercent * static_cast<double>(end - begin) / static_cast<double>(ascending.size());
+    series.x.insert(series.x.end(), {low, low + bin});
+    series.y.insert(series.y.end(), {share, share});
+    begin = end;
   }
   return series;
 }
@@ -143,21 +165,28 @@ std::vector<Plot> plots_of(const ObjectFindings& object) {
 }
 
 std::vector<Plot> plots_of(const SurfaceFindings& surface) {
-  Plot plot{.title = "Distance between mesh and reference, cumulative",
-            .x_label = "distance (mm)",
-            .y_label = "share of the surface within (%)",
-            .marks = {{5.0, "5 mm"}, {10.0, "10 mm"}},
-            .from_zero = true,
-            .x_to = 15.0,
-            .y_to = 100.0};
-  plot.series.push_back(
-      cumulative(surface.errors.mesh_to_truth, "mesh to reference (accuracy)", 0));
-  plot.series.push_back(cumulative(surface.errors.seen_truth_to_mesh,
-                                   surface.views > 0
+  const MeshErrors& errors = surface.errors;
+  const std::string completeness = surface.views > 0
                                        ? "reference that was seen, to mesh (completeness)"
-                                       : "reference to mesh (completeness)",
-                                   1));
-  return {plot};
+                                       : "reference to mesh (completeness)";
+  Plot shares{.title = "Distance between mesh and reference, cumulative",
+              .x_label = "distance (mm)",
+              .y_label = "share of the surface within (%)",
+              .marks = {{5.0, "5 mm"}, {10.0, "10 mm"}},
+              .from_zero = true,
+              .x_to = kFarthestShown,
+              .y_to = 100.0};
+  shares.series = {cumulative(errors.mesh_to_truth, "mesh to reference (accuracy)", 0),
+                   cumulative(errors.seen_truth_to_mesh, completeness, 1)};
+  constexpr double kBin = 0.25;  // [mm]
+  Plot bins{.title = "Distance between mesh and reference, histogram",
+            .x_label = "distance (mm)",
+            .y_label = "share of the surface in 0.25 mm (%)",
+            .from_zero = true,
+            .x_to = kFarthestShown};
+  bins.series = {histogram(errors.mesh_to_truth, kBin, "mesh to reference (accuracy)", 0),
+                 histogram(errors.seen_truth_to_mesh, kBin, completeness, 1)};
+  return {shares, bins};
 }
 
 }  // namespace pcavr

@@ -20,7 +20,7 @@ constexpr double kTop = 12.0;
 constexpr double kBottom = 46.0;
 constexpr double kChartHeight = 300.0;
 /// As high as two charts above each other, with what the page sets between them.
-constexpr double kMapHeight = 690.0;
+constexpr double kMapHeight = 703.0;
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
