@@ -82,7 +82,7 @@ void draw_background(Canvas& canvas) {
 
 void draw_contours(Canvas& canvas, std::uint8_t first_outlined) {
   constexpr int kReach = 3;           // [px]
-  constexpr float kStrength = 12.0F;  // darkness for each e-fold of depth
+  constexpr float kStrength = 12.0F;  // of the darkness, by the share of depth stepped back
   constexpr float kDarkest = 0.55F;
   ColorImage shaded = canvas.color;
   for (int y = kReach; y < canvas.color.height() - kReach; ++y) {
@@ -94,11 +94,11 @@ void draw_contours(Canvas& canvas, std::uint8_t first_outlined) {
       bool is_border = false;
       for (const auto& [dx, dy] : {std::pair{kReach, 0}, {-kReach, 0}, {0, kReach}, {0, -kReach}}) {
         const float other = canvas.depth(x + dx, y + dy);
-        if (other > 0.0F) behind += std::max(0.0F, std::log(depth / other)) / 4.0F;
+        if (other > 0.0F) behind += std::max(0.0F, 1.0F - other / depth) / 4.0F;
         is_border = is_border || canvas.id(x + dx, y + dy) != id;
       }
       const bool is_outline = is_border && id >= first_outlined;
-      const float light = is_outline ? 0.35F : std::max(kDarkest, std::exp(-kStrength * behind));
+      const float light = is_outline ? 0.35F : std::max(kDarkest, 1.0F - kStrength * behind);
       shaded(x, y) = scaled(canvas.color(x, y), light);
     }
   }

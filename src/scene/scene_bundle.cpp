@@ -80,7 +80,8 @@ Expected<void> write_scene(const Scene& scene, const fs::path& folder, Paralleli
       {kTrajectoryFile, [&] { return format_trajectory(scene.camera_trajectory); }},
       {kPreviewFile, [&] { return format_png(render_preview(scene, parallelism)); }}};
   for (const SceneObject& object : scene.objects) {
-    files.push_back({object_file(object.model.name), [&] { return format_object(object.model); }});
+    files.push_back(
+        {object_file(object.model.name), [&model = object.model] { return format_object(model); }});
   }
   for (std::size_t level = 1; level < scene.levels_of_detail_base.size(); ++level) {
     files.push_back({level_of_detail_file(level),
