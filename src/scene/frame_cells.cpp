@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "frame_cells.hpp"
 
-#include <cmath>
-
 namespace pcavr {
 namespace {
 
@@ -27,6 +25,46 @@ struct CrossAxis {
   }
 };
 
+/// All coordinates are positive here, so that a cast rounds down.
+std::int64_t cell_of(double position) { return static_cast<std::int64_t>(position); }
+
+/// A ray cut into slabs of one cell along its longest axis.
+struct SlabWalk {
+  const std::size_t* codes;  ///< along the longest axis, by cell
+  std::int64_t first;        ///< slabs by their cell along the longest axis
+  std::int64_t last;
+  std::int64_t forward;  ///< 1 or -1
+  CrossAxis a;
+  CrossAxis b;
+  std::int64_t end_a;  ///< where the ray ends
+  std::int64_t end_b;
+};
+
+/// `codes`: by axis and cell. The ray must have a length.
+SlabWalk slab_walk(const std::array<std::vector<std::size_t>, 3>& codes,
+                   const Eigen::Vector3d& origin, const Eigen::Vector3d& end) {
+  const Eigen::Vector3d ray = end - origin;
+  int longest = 0;
+  const double length = ray.cwiseAbs().maxCoeff(&longest);
+  const bool is_forward = ray[longest] > 0.0;
+  const std::int64_t first = cell_of(origin[longest]);
+  const double to_border = is_forward ? static_cast<double>(first + 1) - origin[longest]
+                                      : origin[longest] - static_cast<double>(first);
+  const auto codes_of = [&](int axis) { return codes[static_cast<std::size_t>(axis)].data(); };
+  const auto cross_axis = [&](int axis) {
+    const double slope = ray[axis] / length;
+    return CrossAxis{codes_of(axis),
+                     static_cast<std::int64_t>((origin[axis] + slope * to_border) * kOne),
+                     static_cast<std::int64_t>(slope * kOne), cell_of(origin[axis])};
+  };
+  const int axis_a = longest == 0 ? 1 : 0;
+  const int axis_b = longest == 2 ? 1 : 2;
+  return {codes_of(longest),     first,
+          cell_of(end[longest]), is_forward ? 1 : -1,
+          cross_axis(axis_a),    cross_axis(axis_b),
+          cell_of(end[axis_a]),  cell_of(end[axis_b])};
+}
+
 }  // namespace
 
 void FrameCells::reset(const Eigen::Vector3i& low, const Eigen::Vector3i& high) {
@@ -48,33 +86,12 @@ void FrameCells::reset(const Eigen::Vector3i& low, const Eigen::Vector3i& high) 
   for (Bits* bits : {&passed_, &hit_}) bits->assign(blocks * kBlockCells / 64, 0);
 }
 
-void FrameCells::mark_ray(const Eigen::Vector3d& origin_base, const Eigen::Vector3d& end_base) {
-  const Eigen::Vector3d origin = origin_base - low_.cast<double>();
-  const Eigen::Vector3d end = end_base - low_.cast<double>();
-  const Eigen::Vector3d ray = end - origin;
-  int longest = 0;
-  ray.cwiseAbs().maxCoeff(&longest);
-  // All coordinates are positive here, so that a cast rounds down.
-  const auto cell_of = [](double position) { return static_cast<std::int64_t>(position); };
-
-  const std::int64_t forward = ray[longest] > 0.0 ? 1 : -1;
-  const std::int64_t first = cell_of(origin[longest]);
-  const std::int64_t last = cell_of(end[longest]);
-  const double length = std::abs(ray[longest]);
-  if (length == 0.0) return;
-  const double to_border = forward > 0 ? static_cast<double>(first + 1) - origin[longest]
-                                       : origin[longest] - static_cast<double>(first);
-  const auto cross_axis = [&](int axis) {
-    const double slope = ray[axis] / length;
-    return CrossAxis{codes_[static_cast<std::size_t>(axis)].data(),
-                     static_cast<std::int64_t>((origin[axis] + slope * to_border) * kOne),
-                     static_cast<std::int64_t>(slope * kOne), cell_of(origin[axis])};
-  };
-  const int axis_a = longest == 0 ? 1 : 0;
-  const int axis_b = longest == 2 ? 1 : 2;
-  CrossAxis a = cross_axis(axis_a);
-  CrossAxis b = cross_axis(axis_b);
-  const std::size_t* along = codes_[static_cast<std::size_t>(longest)].data();
+void FrameCells::mark_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& end) {
+  if (origin == end) return;
+  const Eigen::Vector3d low = low_.cast<double>();
+  SlabWalk walk = slab_walk(codes_, origin - low, end - low);
+  CrossAxis& a = walk.a;
+  CrossAxis& b = walk.b;
   std::uint64_t* const words = passed_.data();
   const auto mark = [words](std::size_t code) {
     words[code >> 6] |= std::uint64_t{1} << (code & 63);
@@ -85,8 +102,8 @@ void FrameCells::mark_ray(const Eigen::Vector3d& origin_base, const Eigen::Vecto
                                              : a.codes[a.cell] + b.codes[next_b]));
   };
 
-  for (std::int64_t slab = first; slab != last; slab += forward) {
-    const std::size_t code = along[slab];
+  for (std::int64_t slab = walk.first; slab != walk.last; slab += walk.forward) {
+    const std::size_t code = walk.codes[slab];
     const std::int64_t next_a = a.position >> kFraction;
     const std::int64_t next_b = b.position >> kFraction;
     mark(code + a.codes[a.cell] + b.codes[b.cell]);
@@ -97,11 +114,10 @@ void FrameCells::mark_ray(const Eigen::Vector3d& origin_base, const Eigen::Vecto
     a.position += a.step;
     b.position += b.step;
   }
-  const std::int64_t end_a = cell_of(end[axis_a]);
-  const std::int64_t end_b = cell_of(end[axis_b]);
-  if (a.cell == end_a && b.cell == end_b) return;
-  mark(along[last] + a.codes[a.cell] + b.codes[b.cell]);
-  if (a.cell != end_a && b.cell != end_b) mark_between(along[last], end_a, end_b);
+  if (a.cell == walk.end_a && b.cell == walk.end_b) return;
+  const std::size_t code = walk.codes[walk.last];
+  mark(code + a.codes[a.cell] + b.codes[b.cell]);
+  if (a.cell != walk.end_a && b.cell != walk.end_b) mark_between(code, walk.end_a, walk.end_b);
 }
 
 }  // namespace pcavr
