@@ -79,6 +79,19 @@ TEST(MeshErrors, CountOnlyWhatIsInTheImage) {
   EXPECT_LT(compare(truth, mesh).completeness_5mm, 0.1);
 }
 
+TEST(MeshErrors, DoNotTakeForSeenWhatALensModelFoldsBackIntoTheImage) {
+  // r (1 - 0.1 r^2) is zero again at r = 3.16: a point there would lie in the middle of the image.
+  Views views = a_view_from_above(1.0);
+  views.camera.distortion = {-0.1, 0, 0, 0, 0};
+  const TriangleMesh near = a_plane(-0.9F, 0.9F, -0.9F, 0.9F, 0.0F);
+  const TriangleMesh wide = a_plane(-3.6F, 3.6F, -3.6F, 3.6F, 0.0F);
+  const auto seen = [&](const TriangleMesh& truth) {
+    return static_cast<double>(compare(truth, near, views).seen_truth_to_mesh.size());
+  };
+  EXPECT_NEAR(seen(wide), seen(near), 50.0);  // of 13 000: samples on the image's edge
+  EXPECT_GT(seen(near), 12288.0);             // a barrel lens sees more than a pinhole
+}
+
 TEST(MeshErrors, DoNotAskForWhatTheTruthItselfHides) {
   const TriangleMesh table = a_plane(-0.4F, 0.4F, -0.4F, 0.4F, 0.2F);
   const TriangleMesh floor = a_plane(-0.4F, 0.4F, -0.4F, 0.4F, 0.0F);
