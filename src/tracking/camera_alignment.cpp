@@ -51,7 +51,6 @@ struct ChunkSums {
 struct SurfaceStep {
   int stride = 1;     ///< every n-th cell in both directions
   float gate = 0.1F;  ///< matches further off the plane are not looked at [m]
-  bool is_robust = true;
 };
 
 /// Tukey's biweight, cut off at `limit` standard deviations.
