@@ -33,18 +33,23 @@ struct BandWalker {
   Eigen::Vector3f p_base_camera;
   float block_size;
 
+  /// The ray's points at depths `z_from` to `z_to`.
   void walk(const Eigen::Vector3f& ray_camera, float z_from, float z_to,
             PlaceCollector& collector) const {
-    const Eigen::Vector3f ray = R_base_camera * ray_camera;
-    // Steps of half a block cannot jump over more than a block's corner.
-    const float step = 0.5F * block_size / ray.norm();
-    const int steps = static_cast<int>(std::ceil((z_to - z_from) / step));
-    for (int i = 0; i <= steps; ++i) {
-      const float z = std::min(z_from + static_cast<float>(i) * step, z_to);
-      const Eigen::Vector3f p = (p_base_camera + z * ray) / block_size;
-      collector.add({static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())),
-                     static_cast<int>(std::floor(p.z()))});
+    // In blocks; steps of half a block cannot jump over more than a block's corner.
+    const Eigen::Vector3f ray = R_base_camera * ray_camera / block_size;
+    const float steps = std::ceil(2.0F * (z_to - z_from) * ray.norm());
+    const Eigen::Vector3f step = ray * ((z_to - z_from) / steps);
+    Eigen::Vector3f p = p_base_camera / block_size + z_from * ray;
+    for (int i = 0; i <= static_cast<int>(steps); ++i, p += step) {
+      collector.add({floor_of(p.x()), floor_of(p.y()), floor_of(p.z())});
     }
+  }
+
+  /// Without the call that std::floor is on processors before SSE4.1.
+  static int floor_of(float value) {
+    const int whole = static_cast<int>(value);
+    return whole - (value < static_cast<float>(whole) ? 1 : 0);
   }
 
   void walk_tile(const FrameSurface& frame, const NoiseTables& tables, int tile_x, int tile_y,

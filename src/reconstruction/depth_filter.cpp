@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -25,8 +25,11 @@ constexpr int kMostStrangers = 1;
 class LargestSteps {
  public:
   LargestSteps(const CameraModel& camera, const DepthNoise& noise)
-      : nearest_(static_cast<float>(noise.nearest)), farthest_(static_cast<float>(noise.farthest)) {
-    for (int i = 0; i < kSteps; ++i) {
+      : nearest_(static_cast<float>(noise.nearest)),
+        farthest_(static_cast<float>(noise.farthest)),
+        steps_per_metre_(static_cast<float>((kSteps - 1) / (noise.farthest - noise.nearest))) {
+    // One more than is asked for, against rounding.
+    for (int i = 0; i <= kSteps; ++i) {
       const double z = noise.nearest + (noise.farthest - noise.nearest) * i / (kSteps - 1);
       const double slope = z / camera.fx * std::tan(kSteepest);
       steps_.push_back(static_cast<float>(3.0 * std::numbers::sqrt2 * noise.sigma(z) + slope));
@@ -35,14 +38,14 @@ class LargestSteps {
   /// Also false for NaN.
   [[nodiscard]] bool is_in_range(float z) const { return z >= nearest_ && z <= farthest_; }
   [[nodiscard]] float at(float z) const {
-    const float place = (z - nearest_) / (farthest_ - nearest_) * (kSteps - 1);
-    return steps_[static_cast<std::size_t>(place)];
+    return steps_[static_cast<std::size_t>(std::max(0.0F, (z - nearest_) * steps_per_metre_))];
   }
 
  private:
   static constexpr int kSteps = 1024;
   float nearest_;
   float farthest_;
+  float steps_per_metre_;
   std::vector<float> steps_;
 };
 
@@ -59,44 +62,35 @@ DepthImage padded_readings(const DepthImage& depth, const LargestSteps& steps) {
   return padded;
 }
 
-/// Buffers of one row.
-struct RowCounts {
-  explicit RowCounts(std::size_t width) : step(width), companions(width), strangers(width) {}
-  std::vector<float> step;
-  std::vector<std::int32_t> companions;
-  std::vector<std::int32_t> strangers;
-};
-
-/// Adds one neighbour of each pixel to the counts.
-void count_neighbour(std::span<const float> centre, const float* neighbour, RowCounts& row) {
-  const float* step = row.step.data();
-  std::int32_t* companions = row.companions.data();
-  std::int32_t* strangers = row.strangers.data();
-  for (std::size_t u = 0; u < centre.size(); ++u) {
-    const std::int32_t is_there = neighbour[u] > 0.0F ? 1 : 0;
-    const std::int32_t is_near = std::abs(neighbour[u] - centre[u]) <= step[u] ? 1 : 0;
-    companions[u] += is_there & is_near;
-    strangers[u] += is_there & (1 - is_near);
-  }
-}
-
-void filter_row(const DepthImage& padded, int v, const LargestSteps& steps, RowCounts& row,
+/// Keeps the pixels of one row that enough neighbours agree with. `centre` points at the first
+/// pixel of the padded row, `stride` is to the next one.
+void filter_row(const float* centre, std::ptrdiff_t stride, const std::vector<float>& largest_step,
                 std::span<float> filtered) {
-  const std::span<const float> centre = padded.row(v + 1).subspan(1, filtered.size());
-  for (std::size_t u = 0; u < centre.size(); ++u) {
-    row.step[u] = centre[u] > 0.0F ? steps.at(centre[u]) : 0.0F;
-  }
-  std::fill(row.companions.begin(), row.companions.end(), 0);
-  std::fill(row.strangers.begin(), row.strangers.end(), 0);
-  for (int dv = 0; dv <= 2; ++dv) {
-    for (int du = 0; du <= 2; ++du) {
-      if (du != 1 || dv != 1) count_neighbour(centre, padded.row(v + dv).data() + du, row);
-    }
-  }
-  for (std::size_t u = 0; u < centre.size(); ++u) {
-    const bool is_sound =
-        row.companions[u] >= kLeastCompanions && row.strangers[u] <= kMostStrangers;
-    filtered[u] = is_sound ? centre[u] : 0.0F;
+  const float* above = centre - stride;
+  const float* below = centre + stride;
+  const float* steps = largest_step.data();
+  float* to = filtered.data();
+  for (std::size_t u = 0, width = filtered.size(); u < width; ++u) {
+    const float z = centre[u];
+    const float step = steps[u];
+    int companions = 0;
+    int strangers = 0;
+    // Written for the vectoriser: no branches, the eight neighbours spelt out.
+    const auto count = [&](float other) {
+      const int is_there = other > 0.0F ? 1 : 0;
+      const int is_near = std::abs(other - z) <= step ? 1 : 0;
+      companions += is_there & is_near;
+      strangers += is_there & (1 - is_near);
+    };
+    count(above[static_cast<std::ptrdiff_t>(u) - 1]);
+    count(above[u]);
+    count(above[u + 1]);
+    count(centre[static_cast<std::ptrdiff_t>(u) - 1]);
+    count(centre[u + 1]);
+    count(below[static_cast<std::ptrdiff_t>(u) - 1]);
+    count(below[u]);
+    count(below[u + 1]);
+    to[u] = (companions >= kLeastCompanions) & (strangers <= kMostStrangers) ? z : 0.0F;
   }
 }
 
@@ -109,9 +103,13 @@ DepthImage filter_depth(const DepthImage& depth, const CameraModel& camera, cons
   DepthImage filtered(depth.width(), depth.height());
   parallel_for(parallelism, static_cast<std::size_t>(depth.height()), kGrainRows,
                [&](std::size_t begin, std::size_t end) {
-                 RowCounts row(static_cast<std::size_t>(depth.width()));
+                 std::vector<float> largest_step(static_cast<std::size_t>(depth.width()));
                  for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
-                   filter_row(padded, v, steps, row, filtered.row(v));
+                   const float* centre = padded.row(v + 1).data() + 1;
+                   for (std::size_t u = 0; u < largest_step.size(); ++u) {
+                     largest_step[u] = steps.at(centre[u]);
+                   }
+                   filter_row(centre, padded.width(), largest_step, filtered.row(v));
                  }
                });
   return filtered;

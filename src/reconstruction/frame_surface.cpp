@@ -17,9 +17,8 @@ constexpr double kSteepestFit = 70.0 * std::numbers::pi / 180.0;
 // Four pixels are one surface where none is farther than the nearest by more than this.
 constexpr float kLargestPoolRatio = 1.02F;
 
-/// Readings in range that are not masked; 0 elsewhere.
-DepthImage used_readings(const DepthImage& depth, const MaskImage& is_dynamic,
-                         const DepthNoise& noise) {
+/// Readings in range; 0 elsewhere.
+DepthImage used_readings(const DepthImage& depth, const DepthNoise& noise) {
   DepthImage used(depth.width(), depth.height());
   const auto nearest = static_cast<float>(noise.nearest);
   const auto farthest = static_cast<float>(noise.farthest);
@@ -29,10 +28,14 @@ DepthImage used_readings(const DepthImage& depth, const MaskImage& is_dynamic,
   for (std::size_t i = 0; i < from.size(); ++i) {
     to[i] = from[i] >= nearest && from[i] <= farthest ? from[i] : 0.0F;
   }
+  return used;
+}
+
+void drop_masked(const MaskImage& is_dynamic, DepthImage& depth) {
+  const std::span<float> to = depth.pixels();
   for (std::size_t i = 0; i < is_dynamic.pixels().size(); ++i) {
     if (is_dynamic.pixels()[i] != 0) to[i] = 0.0F;
   }
-  return used;
 }
 
 /// Two by two pixels to one: the mean of the inverse depths where they are one surface, the nearest
@@ -52,20 +55,31 @@ float pooled_depth(float a, float b, float c, float d, float largest_ratio) {
   return count > 0.0F ? count / sum : 0.0F;
 }
 
-/// The halved depth, and how near anything is in each two by two pixels (0 where one has none).
-void shrink(const DepthImage& used, DepthImage& halved, DepthImage& nearest) {
-  const int width = used.width() / 2;
-  const int height = used.height() / 2;
-  halved = DepthImage(width, height);
-  nearest = DepthImage(width, height);
-  for (int v = 0; v < height; ++v) {
+DepthImage halved(const DepthImage& used) {
+  DepthImage half(used.width() / 2, used.height() / 2);
+  for (int v = 0; v < half.height(); ++v) {
     const float* top = used.row(2 * v).data();
     const float* bottom = used.row(2 * v + 1).data();
-    for (int u = 0; u < width; ++u, top += 2, bottom += 2) {
-      halved(u, v) = pooled_depth(top[0], top[1], bottom[0], bottom[1], kLargestPoolRatio);
-      nearest(u, v) = std::min(std::min(top[0], top[1]), std::min(bottom[0], bottom[1]));
+    for (int u = 0; u < half.width(); ++u, top += 2, bottom += 2) {
+      half(u, v) = pooled_depth(top[0], top[1], bottom[0], bottom[1], kLargestPoolRatio);
     }
   }
+  return half;
+}
+
+/// How near anything is in each two by two pixels; 0 where one has no reading.
+DepthImage nearest_of_pools(const DepthImage& used) {
+  DepthImage nearest(used.width() / 2, used.height() / 2);
+  for (int v = 0; v < nearest.height(); ++v) {
+    const float* top = used.row(2 * v).data();
+    const float* bottom = used.row(2 * v + 1).data();
+    for (float& pool : nearest.row(v)) {
+      pool = std::min(std::min(top[0], top[1]), std::min(bottom[0], bottom[1]));
+      top += 2;
+      bottom += 2;
+    }
+  }
+  return nearest;
 }
 
 /// Inverse depth with kPlaneReach empty pixels around it.
@@ -179,13 +193,14 @@ void pack_colors(const ColorImage& color, int v, std::vector<std::uint32_t>& pac
 void prepare_frame(const DepthImage& depth, const ColorImage& color, const MaskImage& is_dynamic,
                    const CameraModel& camera, const NoiseTables& tables, Parallelism parallelism,
                    FrameSurface& frame) {
-  const DepthImage used = used_readings(depth, is_dynamic, tables.noise());
+  DepthImage used = used_readings(depth, tables.noise());
+  frame.camera = camera.shrunk(2);
+  // What moves is no surface, but all before it is free.
+  frame.free_depth = find_free_depth(nearest_of_pools(used), tables);
+  drop_masked(is_dynamic, used);
   frame.pixels_used = static_cast<std::size_t>(
       std::count_if(used.pixels().begin(), used.pixels().end(), [](float z) { return z > 0.0F; }));
-  frame.camera = camera.shrunk(2);
-  DepthImage nearest;
-  shrink(used, frame.depth, nearest);
-  frame.free_depth = find_free_depth(nearest, tables);
+  frame.depth = halved(used);
   summarise_tiles(frame);
   const int width = frame.depth.width();
   const std::size_t pixels = frame.depth.pixels().size() + 1;

@@ -85,7 +85,9 @@ inline void fuse_row(const BlockView& view, int row, VoxelBlock& block) {
   const Ints in_band = (distance <= truncation) & (distance >= -truncation);
   const Ints through = at.z < pixel.of[kFreeDepth];
   Words* counts = reinterpret_cast<Words*>(&block.color_counts) + row;
-  if (any(through)) *counts = count_up(*counts, through, 1U << 28);
+  const Words seen_through = *counts >> 28;
+  const Ints counted = through & (Ints)(seen_through < view.through_enough);
+  *counts += (Words)(counted & (1 << 28));
   if (!any(in_band)) return;
 
   Words* lanes = reinterpret_cast<Words*>(&block.distance_weight) + row;
@@ -111,6 +113,12 @@ inline void fuse_row(const BlockView& view, int row, VoxelBlock& block) {
   }
 }
 
+/// Whether a whole row has been seen through often enough.
+inline bool is_clear(const BlockView& view, int row, const VoxelBlock& block) {
+  const Words counts = reinterpret_cast<const Words*>(&block.color_counts)[row];
+  return !any((Ints)((counts >> 28) < view.through_enough));
+}
+
 void fuse_block(const BlockView& view, VoxelBlock& block) {
   for (int row = 0; row < kBlockSide * kBlockSide; ++row) {
     const float z = view.origin[2] + static_cast<float>(row % kBlockSide) * view.step_y[2] +
@@ -119,7 +127,8 @@ void fuse_block(const BlockView& view, VoxelBlock& block) {
     const float nearest = z < z_end ? z : z_end;
     const float farthest = z < z_end ? z_end : z;
     const bool meets_band = farthest >= view.band_nearest && nearest <= view.band_farthest;
-    if (meets_band || nearest < view.free_farthest) fuse_row(view, row, block);
+    const bool may_clear = nearest < view.free_farthest && !is_clear(view, row, block);
+    if (meets_band || may_clear) fuse_row(view, row, block);
   }
 }
 

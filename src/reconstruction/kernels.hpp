@@ -48,7 +48,8 @@ struct BlockView {
   float free_farthest;  ///< nothing farther than this is seen through [m]
   float steps_per_metre;
   float voxel_size;
-  std::uint32_t dither;  ///< differs from frame to frame
+  std::uint32_t dither;          ///< differs from frame to frame
+  std::uint32_t through_enough;  ///< seen through so often, more is not counted
 };
 
 struct Kernels {

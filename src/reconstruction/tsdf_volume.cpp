@@ -12,6 +12,7 @@
 #include "reconstruction/kernels.hpp"
 #include "reconstruction/past_views.hpp"
 #include "reconstruction/surface_extraction.hpp"
+#include "reconstruction/undistortion.hpp"
 
 namespace pcavr {
 namespace {
@@ -53,6 +54,7 @@ struct TsdfVolume::Blocks {
   NoiseTables tables;
   BlockMap map;
   PastViews past;
+  Undistortion undistortion;
   FrameSurface frame;  ///< kept for its memory
   std::uint32_t frames = 0;
 
@@ -79,7 +81,7 @@ std::uint32_t TsdfVolume::Blocks::add_blocks(const std::vector<BlockPlace>& plac
 void TsdfVolume::Blocks::fuse(const SeenBlock& seen, BlockView view, const Pose& T_camera_base) {
   if (seen.wholly_free) {
     std::uint8_t& count = map.through_whole(seen.number);
-    if (count < kLargestCount) ++count;
+    if (static_cast<int>(count) < options.frames_to_clear) ++count;
     return;
   }
   const BlockPlace& place = map.place(seen.number);
@@ -90,6 +92,7 @@ void TsdfVolume::Blocks::fuse(const SeenBlock& seen, BlockView view, const Pose&
   view.band_nearest = seen.band_nearest;
   view.band_farthest = seen.band_farthest;
   view.free_farthest = seen.free_farthest;
+  view.through_enough = static_cast<std::uint32_t>(options.frames_to_clear);
   kernels().fuse_block(view, map.block(seen.number));
 }
 
@@ -114,6 +117,12 @@ IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImag
   PCAVR_REQUIRE(is_dynamic.empty() || is_dynamic.pixels().size() == depth.pixels().size(),
                 is_dynamic.width());
   Blocks& blocks = *blocks_;
+  if (camera.has_distortion()) {
+    blocks.undistortion.prepare(camera);
+    const Undistortion& ideal = blocks.undistortion;
+    return integrate(ideal(depth), ideal(color), ideal(is_dynamic), camera.undistorted(),
+                     T_base_camera, parallelism);
+  }
   const double voxel_size = blocks.options.voxel_size;
   FrameSurface& frame = blocks.frame;
   prepare_frame(depth, color, is_dynamic, camera, blocks.tables, parallelism, frame);

@@ -18,9 +18,10 @@ struct TsdfOptions {
   double voxel_size = 0.005;  ///< [m], > 0. Halving it costs four times the surface voxels.
   /// Distance at which the signed distance is cut off, in voxels. Too small: noise tears holes;
   /// too large: thin walls and edges swell. It is widened with the depth noise (3 sigma).
-  double truncation_voxels = 4.0;
+  double truncation_voxels = 4.0;  ///< >= 2
   DepthNoise depth_noise = {};
-  /// A voxel that this many frames have seen through is free, whatever other frames put there.
+  /// A voxel that this many frames have seen through is free, whatever other frames put there; 1 to
+  /// 15. More: moved things stay; fewer: single bad frames tear holes.
   int frames_to_clear = 3;
 };
 
@@ -40,13 +41,15 @@ class TsdfVolume {
   TsdfVolume(TsdfVolume&&) noexcept;
 
   /// `is_dynamic` (empty: none) marks pixels that show no part of the static scene: they add no
-  /// surface and no free space. Depth, colour and mask share one pixel grid.
+  /// surface, but what lies before them was seen to be free. Depth, colour (may be empty) and mask
+  /// share one pixel grid. Run filter_depth first: depth at jumps mixes two surfaces.
   IntegrationReport integrate(const DepthImage& depth, const ColorImage& color,
                               const MaskImage& is_dynamic, const CameraModel& camera,
                               const Pose& T_base_camera, Parallelism parallelism);
 
   /// Marching cubes [Lorensen & Cline 1987] with shared vertices, normals from the distance
-  /// field's gradient, and colours. Voxels lighter than `smallest_weight` frames are left out.
+  /// field's gradient, and colours. Voxels that fewer than `smallest_weight` frames
+  /// measured are left out; 1 to 15, more counts as 15.
   [[nodiscard]] TriangleMesh extract_mesh(double smallest_weight, Parallelism parallelism) const;
 
   [[nodiscard]] std::size_t block_count() const;
