@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/evaluation/evaluate.hpp"
 
+#include <cstdio>
+
 #include "pcavr/core/output.hpp"
 
 #include "commands.hpp"
@@ -17,6 +19,19 @@ struct EvaluateArguments {
   int threads = 1;
 };
 
+/// The report's headline figures, a line each.
+std::string headline(const nlohmann::ordered_json& report) {
+  std::string text;
+  for (const auto& figure : report.at("headline")) {
+    char line[200];
+    std::snprintf(line, sizeof line, "  %-58s %10.3f %s\n",
+                  figure.at("name").get<std::string>().c_str(), figure.at("value").get<double>(),
+                  figure.at("unit").get<std::string>().c_str());
+    text += line;
+  }
+  return text;
+}
+
 Expected<CommandResult> run_evaluation(const EvaluateArguments& arguments,
                                        const Observer& observer) {
   Expected<OutputFolder> folder =
@@ -30,9 +45,11 @@ Expected<CommandResult> run_evaluation(const EvaluateArguments& arguments,
   if (!report) return report.error();
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
-  return CommandResult{
-      .summary = *report + "open " + arguments.output.folder + "/report.html in a browser\n",
-      .json = nlohmann::ordered_json::parse(*report)};
+  CommandResult result;
+  result.json = nlohmann::ordered_json::parse(*report);
+  result.summary =
+      headline(result.json) + "open " + arguments.output.folder + "/report.html in a browser\n";
+  return result;
 }
 
 }  // namespace

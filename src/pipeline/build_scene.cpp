@@ -95,10 +95,12 @@ SceneObject to_scene_object(const MovableBody& body, const std::vector<ObjectObs
   std::vector<double> rotations;
   const ObjectObservation* first = nullptr;
   const ObjectObservation* last = nullptr;
+  bool still_at_start = true;
   for (const ObjectObservation& seen : track) {
     if (seen.evidence == ObjectEvidence::none) continue;
-    // While it still rests where it started, later observations know that place better.
-    if (first == nullptr || (seen.is_at_rest && &seen == first + 1)) first = &seen;
+    // While it rests where it started, each observation knows that place better than the last.
+    still_at_start = still_at_start && (seen.is_at_rest || first == nullptr || !first->is_at_rest);
+    if (first == nullptr || (still_at_start && seen.is_at_rest)) first = &seen;
     last = &seen;
     translations.push_back(seen.refinement_translation);
     rotations.push_back(seen.refinement_rotation);

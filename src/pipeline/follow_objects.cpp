@@ -41,16 +41,28 @@ void mask_tool_tip(const Recording& recording, const Pose& T_base_camera, Stamp 
   }
 }
 
-std::vector<ObjectTracker> make_trackers(const Recording& recording,
-                                         const std::vector<MovableBody>& bodies,
-                                         const DepthNoise& noise) {
-  std::vector<ObjectTracker> trackers;
-  for (const MovableBody& body : bodies) {
-    trackers.emplace_back(body.model, body.tags, *recording.manifest.camera,
-                          ObjectTrackerOptions{.depth_noise = noise});
-    if (body.entry.T_base_object) trackers.back().set_initial_pose(*body.entry.T_base_object);
+/// A body's tracker, and where the body was last known to be: from the start where it was first
+/// seen, because a body rests until it is touched.
+struct Followed {
+  ObjectTracker tracker;
+  std::optional<Pose> T_base_object;
+};
+
+std::vector<Followed> start_following(const Recording& recording,
+                                      const std::vector<MovableBody>& bodies, const Survey& survey,
+                                      const DepthNoise& noise) {
+  std::vector<Followed> all;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    ObjectTrackerOptions options;
+    options.depth_noise = noise;
+    const std::optional<Pose>& seen = survey.T_base_object_first[i];
+    Followed body{
+        ObjectTracker(bodies[i].model, bodies[i].tags, *recording.manifest.camera, options),
+        seen ? seen : bodies[i].entry.T_base_object};
+    if (body.T_base_object) body.tracker.set_initial_pose(*body.T_base_object);
+    all.push_back(std::move(body));
   }
-  return trackers;
+  return all;
 }
 
 }  // namespace
@@ -74,7 +86,7 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
                               const Observer& observer,
                               const std::function<void(const FollowedFrame&)>& use) {
   const CameraModel& camera = *recording.manifest.camera;
-  std::vector<ObjectTracker> trackers = make_trackers(recording, bodies, options.depth_noise);
+  std::vector<Followed> all = start_following(recording, bodies, survey, options.depth_noise);
   FrameReader reader(recording, {.skip_bad = options.skip_bad});
   std::size_t next_placement = 0;
 
@@ -91,12 +103,14 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
                              .is_dynamic = MaskImage(camera.width, camera.height)};
       const RgbdFrame& image = followed.frame;
       const Pose T_camera_base = followed.T_base_camera.inverse();
-      for (ObjectTracker& tracker : trackers) {
+      for (Followed& body : all) {
         followed.objects.push_back(
-            tracker.track(image, survey.detections[image.index], followed.T_base_camera));
-        if (followed.objects.back().evidence == ObjectEvidence::none) continue;
-        mask_body(tracker.surface(), T_camera_base * followed.objects.back().T_base_object, camera,
-                  image.depth, options.depth_noise, kBodyMarginPixels, followed.is_dynamic);
+            body.tracker.track(image, survey.detections[image.index], followed.T_base_camera));
+        const ObjectObservation& seen = followed.objects.back();
+        if (seen.evidence != ObjectEvidence::none) body.T_base_object = seen.T_base_object;
+        if (!body.T_base_object) continue;
+        mask_body(body.tracker.surface(), T_camera_base * *body.T_base_object, camera, image.depth,
+                  options.depth_noise, kBodyMarginPixels, followed.is_dynamic);
       }
       mask_tool_tip(recording, followed.T_base_camera, image.depth_stamp, followed.is_dynamic);
       return std::optional<FollowedFrame>(std::move(followed));

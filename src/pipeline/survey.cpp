@@ -32,7 +32,9 @@ std::vector<std::string> families_of(const Manifest& manifest) {
 Expected<std::optional<TagDetector>> make_detector(const Recording& recording) {
   const std::vector<std::string> families = families_of(recording.manifest);
   if (families.empty()) return std::optional<TagDetector>();
-  Expected<TagDetector> detector = TagDetector::create(families);
+  TagDetectorOptions options;
+  if (recording.manifest.camera->has_distortion()) options.lens = recording.manifest.camera;
+  Expected<TagDetector> detector = TagDetector::create(families, options);
   if (!detector) {
     Error error = detector.error();
     error.file = (recording.folder / "recording.yaml").string();
@@ -41,13 +43,27 @@ Expected<std::optional<TagDetector>> make_detector(const Recording& recording) {
   return std::optional<TagDetector>(std::move(*detector));
 }
 
+/// A body's first sighting.
+struct Sighting {
+  std::size_t frame = 0;
+  Pose T_camera_body;
+};
+
 /// Marks the pixels that show movable bodies, as far as this frame's tags tell where they are.
 class BodyMasker {
  public:
   BodyMasker(const std::vector<MovableBody>& bodies, const CameraModel& camera,
              const DepthNoise& noise)
-      : bodies_(bodies), camera_(camera), noise_(noise), last_poses_(bodies.size()) {
+      : bodies_(bodies),
+        camera_(camera),
+        noise_(noise),
+        last_poses_(bodies.size()),
+        first_sightings_(bodies.size()) {
     for (const MovableBody& body : bodies) surfaces_.emplace_back(body.model.mesh_object);
+  }
+
+  [[nodiscard]] const std::vector<std::optional<Sighting>>& first_sightings() const {
+    return first_sightings_;
   }
 
   [[nodiscard]] MaskImage mask(const RgbdFrame& frame,
@@ -61,6 +77,7 @@ class BodyMasker {
       last_poses_[i].reset();
       if (body.status != BodyPoseStatus::solved) continue;
       last_poses_[i] = body.pose.T_camera_body;
+      if (!first_sightings_[i]) first_sightings_[i] = {frame.index, body.pose.T_camera_body};
       mask_body(surfaces_[i], body.pose.T_camera_body, camera_, frame.depth, noise_,
                 kMaskMarginPixels, mask);
     }
@@ -73,7 +90,22 @@ class BodyMasker {
   DepthNoise noise_;
   std::vector<SurfaceQuery> surfaces_;
   std::vector<std::optional<Pose>> last_poses_;
+  std::vector<std::optional<Sighting>> first_sightings_;
 };
+
+/// The first sightings, carried to base by the camera's final poses.
+std::vector<std::optional<Pose>> first_poses(const std::vector<std::optional<Sighting>>& sightings,
+                                             const CameraTrack& camera) {
+  std::vector<std::optional<Pose>> poses(sightings.size());
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    for (const FramePlacement& placement : camera.frames) {
+      if (!sightings[i] || placement.frame != sightings[i]->frame) continue;
+      if (placement.status != PlacementStatus::placed) continue;
+      poses[i] = placement.T_base_camera * sightings[i]->T_camera_body;
+    }
+  }
+  return poses;
+}
 
 Error no_depth_error(const Recording& recording) {
   return {.message = "no depth image holds a single measurement",
@@ -160,10 +192,8 @@ Expected<Survey> survey_recording(const Recording& recording,
     const RgbdFrame& frame = *look->frame;
     any_depth = any_depth || look->has_depth;
     for (const TagDetection& tag : look->detections) ++survey.tags_seen[tag.id];
-    if (!known_camera) {
-      tracker.add(frame, look->detections, masker.mask(frame, look->detections),
-                  options.parallelism);
-    }
+    const MaskImage is_dynamic = masker.mask(frame, look->detections);
+    if (!known_camera) tracker.add(frame, look->detections, is_dynamic, options.parallelism);
     survey.detections[frame.index] = std::move(look->detections);
     observer.on_progress("looking", frame.index + 1, recording.frames.size());
   }
@@ -175,6 +205,7 @@ Expected<Survey> survey_recording(const Recording& recording,
       survey.camera.frames.begin(), survey.camera.frames.end(),
       [](const FramePlacement& frame) { return frame.status == PlacementStatus::placed; });
   if (!any_placed) return not_placed_error(recording, survey);
+  survey.T_base_object_first = first_poses(masker.first_sightings(), survey.camera);
   return survey;
 }
 

@@ -40,6 +40,8 @@ struct SurveyOptions {
 struct Survey {
   std::vector<std::vector<TagDetection>> detections;  ///< by index in Recording::frames
   CameraTrack camera;
+  /// Where each body was first seen, by its tags alone; by body.
+  std::vector<std::optional<Pose>> T_base_object_first;
   std::map<MarkerId, std::size_t> tags_seen;  ///< frames in which each declared tag was seen
   std::size_t undecoded = 0;                  ///< left out by skip_bad
 };
