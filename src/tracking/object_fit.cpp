@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "tracking/object_rim.hpp"
 #include "tracking/object_samples.hpp"
 
 namespace pcavr::tracking {
@@ -14,10 +15,12 @@ namespace {
 
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
-using CornerJacobian = Eigen::Matrix<double, 2, 6>;
+using ImageJacobian = Eigen::Matrix<double, 2, 6>;
 
-/// Huber's threshold for the distance of a corner, in deviations.
-constexpr double kCornerHuber = 2.0;
+/// Huber's threshold for corners and outline, in deviations.
+constexpr double kHuber = 2.0;
+/// Of one place on the outline [px]: depth images lose a pixel or two there, or gain one.
+constexpr double kRimSigma = 2.0;
 /// A sample further from the surface than this many deviations belongs to something else.
 constexpr double kGate = 4.0;
 constexpr int kMostIterations = 12;
@@ -45,6 +48,21 @@ double deviation(const FitProblem& problem, const SurfaceSample& sample) {
   return problem.noise.sigma(sample.expected_depth, incidence(sample));
 }
 
+/// d(pixel)/d[v; w] of a point of the object; z > 0.
+ImageJacobian image_jacobian(const CameraModel& camera, const Pose& T_camera_object,
+                             const Eigen::Vector3d& p_object) {
+  const Eigen::Vector3d p = T_camera_object * p_object;
+  Eigen::Matrix<double, 2, 3> perspective;
+  perspective << camera.fx / p.z(), 0.0, -camera.fx * p.x() / (p.z() * p.z()),  //
+      0.0, camera.fy / p.z(), -camera.fy * p.y() / (p.z() * p.z());
+  const Eigen::Matrix3d R = T_camera_object.rotation_matrix();
+  Eigen::Matrix<double, 3, 6> point_change;
+  point_change << R, -R * skew(p_object);
+  return perspective * point_change;
+}
+
+double huber_weight(double deviations) { return deviations <= kHuber ? 1.0 : kHuber / deviations; }
+
 void add_corner(const FitProblem& problem, const CornerSight& corner, const Pose& T_camera_color,
                 Equations& equations) {
   const Eigen::Vector3d p = T_camera_color * corner.p_object;
@@ -52,17 +70,24 @@ void add_corner(const FitProblem& problem, const CornerSight& corner, const Pose
   const Eigen::Vector2d focal(problem.camera.fx, problem.camera.fy);
   const Eigen::Vector2d residual =
       focal.cwiseProduct(corner.on_unit_plane - p.head<2>() / p.z()) / problem.corner_sigma;
-  Eigen::Matrix<double, 2, 3> perspective;
-  perspective << focal.x() / p.z(), 0.0, -focal.x() * p.x() / (p.z() * p.z()),  //
-      0.0, focal.y() / p.z(), -focal.y() * p.y() / (p.z() * p.z());
-  const Eigen::Matrix3d R = T_camera_color.rotation_matrix();
-  Eigen::Matrix<double, 3, 6> point_change;
-  point_change << R, -R * skew(corner.p_object);
-  const CornerJacobian jacobian = perspective * point_change / problem.corner_sigma;
-  const double size = residual.norm();
-  const double weight = size <= kCornerHuber ? 1.0 : kCornerHuber / size;
+  const ImageJacobian jacobian =
+      image_jacobian(problem.camera, T_camera_color, corner.p_object) / problem.corner_sigma;
+  const double weight = huber_weight(residual.norm());
   equations.left.topLeftCorner<6, 6>() += weight * jacobian.transpose() * jacobian;
   equations.right.head<6>() += weight * jacobian.transpose() * residual;
+}
+
+void add_rim(const FitProblem& problem, const Pose& T_camera_object, Equations& equations) {
+  for (const RimSight& sight : find_rim(problem.surface_object, problem.camera, problem.depth,
+                                        problem.noise, T_camera_object)) {
+    const Vector6d jacobian =
+        image_jacobian(problem.camera, T_camera_object, sight.p_object).transpose() * sight.normal /
+        kRimSigma;
+    const double residual = sight.outward_pixels / kRimSigma;
+    const double weight = huber_weight(std::abs(residual));
+    equations.left.topLeftCorner<6, 6>() += weight * jacobian * jacobian.transpose();
+    equations.right.head<6>() += weight * residual * jacobian;
+  }
 }
 
 /// A surface point that moves by dp changes the depth along its ray by n.dp / n.ray.
@@ -142,7 +167,8 @@ void add_prior(const PosePrior& prior, const Pose& T_camera_object, Equations& e
 }  // namespace
 
 FitResult fit_object(const FitProblem& problem, const Pose& start, double capture) {
-  const SampleGrid grid(problem.surface_object, problem.camera, problem.depth, start);
+  const SampleGrid grid(problem.surface_object, problem.normals_object, problem.camera,
+                        problem.depth, start);
   FitResult result;
   result.T_camera_object = start;
   double bias = 0.0;
@@ -156,6 +182,7 @@ FitResult fit_object(const FitProblem& problem, const Pose& start, double captur
     depth.left(6, 6) = bias_information(problem, result.T_camera_object);
     depth.right(6) = -depth.left(6, 6) * bias;
     add_depth(problem, grid.samples(result.T_camera_object), grid.stride(), bias, capture, depth);
+    if (problem.corners.empty()) add_rim(problem, result.T_camera_object, depth);
     result.corner_information = corners.left.topLeftCorner<6, 6>();
     result.depth_information = without_bias(depth.left);
 
@@ -174,7 +201,8 @@ FitResult fit_object(const FitProblem& problem, const Pose& start, double captur
 }
 
 ShapeAgreement judge_shape(const FitProblem& problem, const Pose& T_camera_object) {
-  const SampleGrid grid(problem.surface_object, problem.camera, problem.depth, T_camera_object);
+  const SampleGrid grid(problem.surface_object, problem.normals_object, problem.camera,
+                        problem.depth, T_camera_object);
   return agreement_of(problem, grid.samples(T_camera_object), 0.0);
 }
 

@@ -13,6 +13,8 @@
 #include "pcavr/geometry/pose.hpp"
 #include "pcavr/model/cad_model.hpp"
 
+#include "tracking/object_normals.hpp"
+
 namespace pcavr::tracking {
 
 /// A tag's corner in its object and where it was seen.
@@ -30,6 +32,7 @@ struct PosePrior {
 /// All that a pose of one object in one frame has to explain. Keeps references.
 struct FitProblem {
   const SurfaceQuery& surface_object;
+  const SmoothNormals& normals_object;
   const CameraModel& camera;
   const DepthImage& depth;
   const DepthNoise& noise;
@@ -61,7 +64,8 @@ struct FitResult {
 
 /// Maximum a posteriori pose by Gauss-Newton, with robust weights, on three kinds of residuals in
 /// one system: reprojected corners; depth along the rays that meet the CAD surface, less one bias
-/// common to all pixels; the prior. Tags so hold what depth does not observe, such as sliding along
+/// common to all pixels (and, where no corner is seen, the body's outline in the depth image); the
+/// prior. Tags so hold what depth does not observe, such as sliding along
 /// the only face seen, and a biased sensor drags the body no further than `depth_bias` allows.
 /// `capture` [m]: how far from the surface depth may lie at first and still be drawn to it.
 [[nodiscard]] FitResult fit_object(const FitProblem& problem, const Pose& start_T_camera_object,

@@ -93,7 +93,7 @@ void mask_body(const SurfaceQuery& surface_object, const Pose& T_camera_object,
   const Pose T_object_camera = T_camera_object.inverse();
   const PixelRectangle seen = visible_rectangle(surface_object.bounds(), camera, T_object_camera);
   if (seen.empty()) return;
-  const int reach = margin_pixels + kStride - 1;
+  const int reach = margin_pixels + kStride;
   Silhouette silhouette = cast_silhouette(surface_object, T_object_camera, camera, seen, reach);
   grow(silhouette, reach);
   for (int row = 0; row < silhouette.rows; ++row) {

@@ -13,29 +13,21 @@ namespace {
 /// quarter of them is placed to 0.1 mm: finer than anything else in the chain.
 constexpr int kMostCells = 1500;
 
-/// Grids wider than this share noise less than their neighbours do, and gain nothing from rays in
-/// between: structured light and stereo match windows of about nine pixels.
-constexpr int kWidestStride = 5;
-
 /// Beyond this angle between ray and normal, sensors return nothing that can be relied on.
-const double kSmallestCosine = std::cos(75.0 * 3.14159265358979 / 180.0);
+constexpr double kSmallestCosine = 0.26;  // of 75 degrees
 
 }  // namespace
 
-SampleGrid::SampleGrid(const SurfaceQuery& surface_object, const CameraModel& camera,
-                       const DepthImage& depth, const Pose& T_camera_object)
-    : surface_(surface_object) {
+SampleGrid::SampleGrid(const SurfaceQuery& surface_object, const SmoothNormals& normals_object,
+                       const CameraModel& camera, const DepthImage& depth,
+                       const Pose& T_camera_object)
+    : surface_(surface_object), normals_(normals_object) {
   const PixelRectangle area =
       visible_rectangle(surface_object.bounds(), camera, T_camera_object.inverse());
   if (area.empty()) return;
   const int width = area.x_end - area.x_begin;
   const int height = area.y_end - area.y_begin;
-  while (stride_ < kWidestStride && (width / stride_) * (height / stride_) > kMostCells) ++stride_;
-  const bool is_close = (width / stride_) * (height / stride_) > kMostCells;
-  if (is_close) {
-    stride_ =
-        static_cast<int>(std::ceil(std::sqrt(static_cast<double>(width) * height / kMostCells)));
-  }
+  while ((width / stride_) * (height / stride_) > kMostCells) ++stride_;
   columns_ = (width + stride_ - 1) / stride_;
   rows_ = (height + stride_ - 1) / stride_;
   cells_.reserve(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
@@ -70,7 +62,7 @@ std::vector<SurfaceSample> SampleGrid::samples(const Pose& T_camera_object) cons
       }
       const Eigen::Vector3d ray_object = R_object_camera * cell.ray_camera;
       const double length = ray_object.norm();
-      const Eigen::Vector3d normal = hits[i]->normal.cast<double>();
+      const Eigen::Vector3d normal = normals_.at(*hits[i]);
       if (-normal.dot(ray_object) < kSmallestCosine * length) continue;
       const double expected = static_cast<double>(hits[i]->distance) / length;
       samples.push_back({T_object_camera.translation() + expected * ray_object, normal, ray_object,

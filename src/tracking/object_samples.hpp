@@ -12,6 +12,8 @@
 #include "pcavr/geometry/pose.hpp"
 #include "pcavr/model/cad_model.hpp"
 
+#include "tracking/object_normals.hpp"
+
 namespace pcavr::tracking {
 
 /// One pixel whose ray meets the body, away from the body's rim.
@@ -24,11 +26,11 @@ struct SurfaceSample {
 };
 
 /// A grid of pixels over the part of the image in which a body is expected. The grid is laid once;
-/// the rays are cast for every pose that is tried.
+/// the rays are cast for every pose that is tried. Keeps references.
 class SampleGrid {
  public:
-  SampleGrid(const SurfaceQuery& surface_object, const CameraModel& camera, const DepthImage& depth,
-             const Pose& T_camera_object);
+  SampleGrid(const SurfaceQuery& surface_object, const SmoothNormals& normals_object,
+             const CameraModel& camera, const DepthImage& depth, const Pose& T_camera_object);
 
   /// Rays that meet the body and whose neighbours in the grid meet it too, so that no sample lies
   /// on the rim, where a pixel mixes the body with what is behind it.
@@ -42,6 +44,7 @@ class SampleGrid {
     double measured_depth = 0.0;
   };
   const SurfaceQuery& surface_;
+  const SmoothNormals& normals_;
   int stride_ = 1;
   int columns_ = 0;
   int rows_ = 0;

@@ -10,6 +10,7 @@
 #include "pcavr/core/check.hpp"
 
 #include "tracking/object_fit.hpp"
+#include "tracking/object_normals.hpp"
 #include "tracking/object_rest.hpp"
 
 namespace pcavr {
@@ -21,6 +22,7 @@ using tracking::PoseMeasurement;
 using tracking::PosePrior;
 using tracking::RestFilter;
 using tracking::ShapeAgreement;
+using tracking::SmoothNormals;
 
 namespace {
 
@@ -37,15 +39,22 @@ constexpr double kMostContradicted = 0.2;
 /// How far the scatter about the surface may exceed the sensor's: above, the CAD body is not this
 /// body. Faces that are half a deviation off stay below it.
 constexpr double kLargestChi = 1.6;
+/// Deviations of the corners by which depth may bend the tags' pose. A CAD body of another size
+/// fits the faces that are seen just as well, elsewhere; only the tags tell.
+constexpr double kStrainedCorners = 5.0;
 /// How far depth may lie from the surface and still be drawn to it [m]: what a tag's pose, or the
 /// motion that was not foreseen since the last frame, may be off.
 constexpr double kCapture = 0.02;
 /// What a body may do unseen: push and friction seldom accelerate it more [m/s^2], [rad/s^2].
 constexpr double kAcceleration = 2.0;
 constexpr double kAngularAcceleration = 20.0;
+constexpr double kLongestPush = 0.5;  // [s]
 /// How well a given first pose is taken to be known [m], [rad].
 constexpr double kInitialShift = 0.01;
 constexpr double kInitialTurn = 0.05;
+/// Share of the velocity that shape alone hands on to the next frame: where it shows no motion,
+/// nothing else would ever end one.
+constexpr double kFadingVelocity = 0.8;
 /// A velocity older than this [s] foretells nothing.
 constexpr double kLongestForesight = 0.2;
 
@@ -60,7 +69,8 @@ Matrix6d inverse(const Matrix6d& matrix) { return matrix.ldlt().solve(Matrix6d::
 
 /// What unknown acceleration adds in `dt` seconds.
 Matrix6d unforeseen_motion(double dt) {
-  const double half = 0.5 * dt * dt;
+  const double bounded = std::min(dt, kLongestPush);
+  const double half = 0.5 * bounded * bounded;
   return diagonal(std::pow(kAcceleration * half, 2), std::pow(kAngularAcceleration * half, 2));
 }
 
@@ -106,8 +116,18 @@ struct Prediction {
 }  // namespace
 
 struct ObjectTracker::State {
+  State(CadModel body, std::vector<TagPlacement> placements, const CameraModel& camera_model,
+        const ObjectTrackerOptions& chosen)
+      : model(std::move(body)),
+        surface(model.mesh_object),
+        normals(model.mesh_object),
+        tags(std::move(placements)),
+        camera(camera_model),
+        options(chosen) {}
+
   CadModel model;
   SurfaceQuery surface;
+  SmoothNormals normals;
   std::vector<TagPlacement> tags;
   CameraModel camera;
   ObjectTrackerOptions options;
@@ -131,6 +151,7 @@ struct ObjectTracker::State {
                                                  const Pose& T_base_camera,
                                                  ObjectObservation& observation) const;
   void accept(const PoseMeasurement& measurement, ObjectObservation& observation);
+  void learn_velocity(const ObjectObservation& observation);
 };
 
 std::optional<Prediction> ObjectTracker::State::predict(Stamp stamp) const {
@@ -149,6 +170,7 @@ std::optional<Prediction> ObjectTracker::State::predict(Stamp stamp) const {
 FitProblem ObjectTracker::State::problem(const RgbdFrame& frame) const {
   const double dt = to_seconds(frame.color_stamp - frame.depth_stamp);
   return {.surface_object = surface,
+          .normals_object = normals,
           .camera = camera,
           .depth = frame.depth,
           .noise = options.depth_noise,
@@ -191,15 +213,20 @@ PoseMeasurement ObjectTracker::State::measure_with_tags(const RgbdFrame& frame,
   observation.evidence = ObjectEvidence::tags;
   observation.tags_used = body.tags_used;
   FitProblem fit = problem(frame);
-  const Pose T_camera_tags = likelier(body, fit);
+  const Pose T_color_tags = likelier(body, fit);
+  const Pose T_camera_tags = T_color_tags * fit.motion_to_color.inverse();
   const PoseMeasurement by_tags{T_base_camera * T_camera_tags, inverse(body.covariance)};
   if (!options.refine_with_depth) return by_tags;
 
-  fit.corners = corners(detections, T_camera_tags);
+  fit.corners = corners(detections, T_color_tags);
   const FitResult refined = fit_object(fit, T_camera_tags, kCapture);
   observation.explained = explained_share(refined.agreement);
   observation.surface_rms = refined.agreement.rms;
-  if (!is_explained(refined.agreement, kExplainedWithTags)) return by_tags;
+  const double strained =
+      reprojection_rms(fit.corners, refined.T_camera_object * fit.motion_to_color, camera);
+  const double allowed = std::hypot(reprojection_rms(fit.corners, T_color_tags, camera),
+                                    kStrainedCorners * options.corner_sigma);
+  if (strained > allowed || !is_explained(refined.agreement, kExplainedWithTags)) return by_tags;
   observation.evidence = ObjectEvidence::tags_and_shape;
   observation.refinement_translation = translation_distance(T_camera_tags, refined.T_camera_object);
   observation.refinement_rotation = rotation_distance(T_camera_tags, refined.T_camera_object);
@@ -222,40 +249,39 @@ PoseMeasurement ObjectTracker::State::measure_by_shape(const RgbdFrame& frame,
   return {T_base_camera * found.T_camera_object, found.depth_information};
 }
 
-/// Averages the measurement while the object rests, and learns its velocity while it moves.
+/// Averages what the tags hold while the object rests. Shape alone stands for itself: an average
+/// would outweigh the little that it tells of sliding along its own faces.
 void ObjectTracker::State::accept(const PoseMeasurement& measurement,
                                   ObjectObservation& observation) {
-  const RestFilter::Estimate estimate = rest.add(measurement);
-  observation.T_base_object = estimate.T_base_object;
-  observation.is_at_rest = estimate.is_at_rest;
-  const bool is_shape_alone = observation.evidence == ObjectEvidence::shape;
-  if (estimate.is_at_rest || !is_shape_alone) observation.covariance = estimate.covariance;
+  observation.T_base_object = measurement.T_base_object;
+  if (observation.evidence != ObjectEvidence::shape) {
+    const RestFilter::Estimate estimate = rest.add(measurement);
+    observation.T_base_object = estimate.T_base_object;
+    observation.covariance = estimate.covariance;
+    observation.is_at_rest = estimate.is_at_rest;
+  }
+  learn_velocity(observation);
+  last = observation;
+}
 
+void ObjectTracker::State::learn_velocity(const ObjectObservation& observation) {
   Vector6d current = Vector6d::Zero();
-  if (!estimate.is_at_rest && last) {
+  if (!observation.is_at_rest && last) {
     const double dt = to_seconds(observation.stamp - last->stamp);
-    if (dt > 0.0 && dt < kLongestForesight) {
+    if (dt < kLongestForesight) {
       current = (last->T_base_object.inverse() * observation.T_base_object).log() / dt;
     }
   }
-  velocity = estimate.is_at_rest ? current : Vector6d(0.5 * (velocity + current));
-  last = observation;
+  // The mean with the last one: half the noise of a difference, half a frame late.
+  velocity = observation.is_at_rest ? current : Vector6d(0.5 * (velocity + current));
+  if (observation.evidence == ObjectEvidence::shape) velocity *= kFadingVelocity;
 }
 
 ObjectTracker::ObjectTracker(CadModel model, std::vector<TagPlacement> tags,
                              const CameraModel& camera, const ObjectTrackerOptions& options) {
   PCAVR_REQUIRE(options.corner_sigma > 0.0, options.corner_sigma);
   PCAVR_REQUIRE(options.depth_bias >= 0.0, options.depth_bias);
-  SurfaceQuery surface(model.mesh_object);
-  state_ = std::make_unique<State>(State{std::move(model),
-                                         std::move(surface),
-                                         std::move(tags),
-                                         camera,
-                                         options,
-                                         {},
-                                         {},
-                                         Vector6d::Zero(),
-                                         {}});
+  state_ = std::make_unique<State>(std::move(model), std::move(tags), camera, options);
 }
 ObjectTracker::~ObjectTracker() = default;
 ObjectTracker::ObjectTracker(ObjectTracker&&) noexcept = default;
