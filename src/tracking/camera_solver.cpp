@@ -22,6 +22,9 @@ constexpr double kIndependentLooks = 8.0;
 // A corner further off than this is counted as rejected; the loss has let it go by then.
 constexpr double kRejectedCorner = 6.0;  // [sigma]
 
+// Where the covariance could not be had: no claim is made.
+constexpr NodeSigma kUnknown{HUGE_VAL, HUGE_VAL};
+
 struct InSegment {
   int segment = -1;
   Pose T_segment_camera;
@@ -57,7 +60,7 @@ class TrackSolver {
   void report_corners();
   void place_fixed();
   void place_moving();
-  [[nodiscard]] std::vector<std::optional<NodeSigma>> node_sigmas() const;
+  [[nodiscard]] std::vector<NodeSigma> node_sigmas() const;
 
   const SolverInput& input_;
   CameraTrack track_;
@@ -226,7 +229,7 @@ FramePlacement placement_of(const FrameRecord& record) {
 }
 
 void TrackSolver::place_fixed() {
-  const NodeSigma sigma = graph_.sigmas({0}).front().value_or(NodeSigma{});
+  const NodeSigma sigma = graph_.sigmas({0}).front().value_or(kUnknown);
   for (std::size_t r = 0; r < records().size(); ++r) {
     FramePlacement placement = placement_of(records()[r]);
     if (is_anchored(r)) {
@@ -239,34 +242,55 @@ void TrackSolver::place_fixed() {
   }
 }
 
-std::vector<std::optional<NodeSigma>> TrackSolver::node_sigmas() const {
-  std::vector<std::size_t> all;
-  for (std::size_t node = 0; node < node_count_; ++node) all.push_back(node);
-  return graph_.sigmas(all);
+/// By node. Inverting the whole information matrix would take time with the square of the frames:
+/// of many nodes some are looked at, and the ones between take the larger of their neighbours'.
+std::vector<NodeSigma> TrackSolver::node_sigmas() const {
+  constexpr std::size_t kMostNodes = 200;
+  const std::size_t stride = (node_count_ + kMostNodes - 1) / kMostNodes;
+  std::vector<std::size_t> chosen;
+  for (std::size_t node = 0; node < node_count_; node += std::max<std::size_t>(1, stride)) {
+    chosen.push_back(node);
+  }
+  if (node_count_ > 0 && chosen.back() + 1 != node_count_) chosen.push_back(node_count_ - 1);
+  const std::vector<std::optional<NodeSigma>> found = graph_.sigmas(chosen);
+  std::vector<NodeSigma> sigmas(node_count_);
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const NodeSigma sigma = found[i].value_or(kUnknown);
+    const NodeSigma before = i > 0 ? found[i - 1].value_or(kUnknown) : sigma;
+    for (std::size_t node = i > 0 ? chosen[i - 1] + 1 : 0; node < chosen[i]; ++node) {
+      sigmas[node] = {std::max(before.position, sigma.position),
+                      std::max(before.rotation, sigma.rotation)};
+    }
+    sigmas[chosen[i]] = sigma;
+  }
+  return sigmas;
+}
+
+/// Where a frame hangs on a keyframe, its errors add to the keyframe's.
+NodeSigma hanging(const NodeSigma& keyframe, const FrameLink& link) {
+  const Matrix6d covariance = link.information.inverse();
+  return {
+      std::sqrt(keyframe.position * keyframe.position + covariance.topLeftCorner<3, 3>().trace()),
+      std::sqrt(keyframe.rotation * keyframe.rotation +
+                covariance.bottomRightCorner<3, 3>().trace())};
 }
 
 void TrackSolver::place_moving() {
-  const std::vector<std::optional<NodeSigma>> sigmas = node_sigmas();
+  const std::vector<NodeSigma> sigmas = node_sigmas();
   for (std::size_t r = 0; r < records().size(); ++r) {
-    const FrameRecord& record = records()[r];
-    FramePlacement placement = placement_of(record);
+    FramePlacement placement = placement_of(records()[r]);
     if (located_[r].segment >= 0) placement.status = PlacementStatus::not_anchored;
     if (is_anchored(r)) {
       placement.status = PlacementStatus::placed;
       NodeSigma sigma;
       if (nodes_[r]) {
         placement.T_base_camera = graph_.pose(*nodes_[r]);
-        sigma = sigmas[*nodes_[r]].value_or(NodeSigma{});
+        sigma = sigmas[*nodes_[r]];
       } else {
-        const FrameLink& link = record.links.front();
+        const FrameLink& link = records()[r].links.front();
         const std::size_t node = *nodes_[keyframes()[link.keyframe].record];
         placement.T_base_camera = graph_.pose(node) * link.T_keyframe_frame;
-        const NodeSigma keyframe = sigmas[node].value_or(NodeSigma{});
-        const Matrix6d covariance = link.information.inverse();
-        sigma.position = std::sqrt(keyframe.position * keyframe.position +
-                                   covariance.topLeftCorner<3, 3>().trace());
-        sigma.rotation = std::sqrt(keyframe.rotation * keyframe.rotation +
-                                   covariance.bottomRightCorner<3, 3>().trace());
+        sigma = hanging(sigmas[node], link);
       }
       placement.position_sigma = sigma.position;
       placement.rotation_sigma = sigma.rotation;

@@ -83,6 +83,9 @@ CameraTracker::~CameraTracker() = default;
 void CameraTracker::add(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
                         const MaskImage& is_dynamic, Parallelism parallelism) {
   PCAVR_REQUIRE(!state_->is_solved);
+  const CameraModel& camera = state_->front_end.sensor().camera;
+  PCAVR_REQUIRE(frame.depth.width() == camera.width && frame.depth.height() == camera.height);
+  PCAVR_REQUIRE(frame.color.width() == camera.width && frame.color.height() == camera.height);
   if (state_->options.trust_poses) {
     FramePlacement placement;
     placement.frame = frame.index;

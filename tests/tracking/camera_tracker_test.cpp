@@ -141,6 +141,19 @@ TEST(CameraTracker, LeavesOutABlankFrameAndGoesOnBehindIt) {
   EXPECT_LT(worst_position(result), kPositionTolerance);
 }
 
+TEST(CameraTracker, PlacesAFrameWithoutDepthByTheTagInIt) {
+  Shoot shoot;
+  shoot.frames = 8;
+  shoot.spoil = [](int i, RgbdFrame& frame) {
+    if (i == 4) blank(frame);
+  };
+  const CameraTrack result = track(shoot);
+  EXPECT_EQ(result.frames[4].status, PlacementStatus::placed);
+  // One look at one tag; a frame beside it has its neighbours' too.
+  EXPECT_GT(result.frames[4].position_sigma, result.frames[3].position_sigma);
+  EXPECT_LT(worst_position(result), 3.0 * result.frames[4].position_sigma);
+}
+
 TEST(CameraTracker, FindsItsPlaceAgainAfterAJump) {
   Shoot shoot;
   shoot.frames = 20;

@@ -40,8 +40,10 @@ struct FramePlacement {
   Stamp stamp;            ///< of the depth image
   PlacementStatus status = PlacementStatus::lost;
   Pose T_base_camera;     ///< at `stamp`; meaningful where placed
-  double position_sigma = 0.0;  ///< one standard deviation, all axes together [m]
-  double rotation_sigma = 0.0;  ///< [rad]
+  /// One standard deviation, all axes together [m], from the graph's covariance; infinite where
+  /// that could not be had, and 0 where the pose was taken as given.
+  double position_sigma = 0.0;
+  double rotation_sigma = 0.0;  ///< likewise [rad]
   int base_tags = 0;            ///< seen in this frame and used
 };
 
@@ -61,13 +63,14 @@ struct CameraTrack {
 /// Memory grows with the keyframes, not with the frames. Not thread-safe.
 class CameraTracker {
  public:
-  /// `groundtruth` (T_base_camera) may be empty. Keeps no references.
+  /// `groundtruth` (T_base_camera) may be empty. Keeps no references. Throws ContractError unless
+  /// the manifest has a camera and the sigmas are positive.
   CameraTracker(const Manifest& manifest, Trajectory groundtruth,
                 const CameraTrackerOptions& options = {});
   ~CameraTracker();
 
   /// `is_dynamic` marks pixels that belong to movable objects or the tool (empty: none); they
-  /// carry no weight.
+  /// carry no weight. The images have the camera's size. `detections` may hold other tags.
   void add(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
            const MaskImage& is_dynamic, Parallelism parallelism);
 
