@@ -90,7 +90,7 @@ void filter_row(const float* centre, std::ptrdiff_t stride, const std::vector<fl
     count(below[static_cast<std::ptrdiff_t>(u) - 1]);
     count(below[u]);
     count(below[u + 1]);
-    to[u] = (companions >= kLeastCompanions) & (strangers <= kMostStrangers) ? z : 0.0F;
+    to[u] = ((companions >= kLeastCompanions) & (strangers <= kMostStrangers)) != 0 ? z : 0.0F;
   }
 }
 

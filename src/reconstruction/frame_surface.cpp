@@ -38,8 +38,7 @@ void drop_masked(const MaskImage& is_dynamic, DepthImage& depth) {
   }
 }
 
-/// Two by two pixels to one: the mean of the inverse depths where they are one surface, the nearest
-/// reading where not.
+/// Two by two pixels to one: the mean where they are one surface, that of the nearest where not.
 float pooled_depth(float a, float b, float c, float d, float largest_ratio) {
   const float far = 1e9F;
   const float nearest = std::min(std::min(a > 0.0F ? a : far, b > 0.0F ? b : far),
@@ -49,10 +48,10 @@ float pooled_depth(float a, float b, float c, float d, float largest_ratio) {
   float count = 0.0F;
   for (const float z : {a, b, c, d}) {
     const bool is_same = z > 0.0F && z <= limit;
-    sum += is_same ? 1.0F / z : 0.0F;
+    sum += is_same ? z : 0.0F;
     count += is_same ? 1.0F : 0.0F;
   }
-  return count > 0.0F ? count / sum : 0.0F;
+  return sum / std::max(count, 1.0F);
 }
 
 DepthImage halved(const DepthImage& used) {

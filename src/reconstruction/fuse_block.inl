@@ -11,8 +11,9 @@ namespace {
 // Weight falls from full to nothing over the last part of the band behind the surface, where
 // another surface may begin.
 constexpr float kRampShare = 0.4F;
-// Colour is kept this near to the surface, in voxels: the mesh never asks farther.
-constexpr float kColorBand = 2.0F;
+// Colour is kept this near to the surface, in voxels: the ends of a crossed edge are within one,
+// and noise may move them by a little more.
+constexpr float kColorBand = 1.25F;
 
 // The members of PixelSurface, by their place in it.
 enum Member { kNormalX, kNormalY, kNormalZ, kOffset, kWeight, kTruncation, kFreeDepth, kColor };
