@@ -24,7 +24,7 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 std::string object_line(const SceneObject& object) {
   const std::string name = "  " + object.model.name;
-  if (object.evidence == "not_seen") return name + ": not seen, and not placed\n";
+  if (object.evidence == kNotSeen) return name + ": not seen, and not placed\n";
   const Eigen::Vector3d& p = object.T_base_object.translation();
   const double moved = translation_distance(object.T_base_object_start, object.T_base_object);
   std::string line = name + print(": at %.3f %.3f %.3f m (+-%.1f mm, +-%.2f deg), by %s", p.x(),

@@ -88,7 +88,7 @@ PointCloud cloud_of(const TriangleMesh& mesh) {
 SceneObject to_scene_object(const MovableBody& body, const std::vector<ObjectObservation>& track) {
   SceneObject object;
   object.model = body.model;
-  object.evidence = "not_seen";
+  object.evidence = kNotSeen;
   object.mass = body.entry.mass;
   object.is_movable = body.entry.is_movable;
   std::vector<double> translations;
@@ -125,7 +125,7 @@ SceneObject to_scene_object(const MovableBody& body, const std::vector<ObjectObs
 std::vector<StandingBody> standing_bodies(const std::vector<SceneObject>& objects) {
   std::vector<StandingBody> bodies;
   for (const SceneObject& object : objects) {
-    if (object.evidence == "not_seen") continue;
+    if (object.evidence == kNotSeen) continue;
     bodies.push_back({object.model.name, &object.model.mesh_object, object.T_base_object});
   }
   return bodies;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "pcavr/scene/scene.hpp"
+
 #include "one_ahead.hpp"
 
 namespace pcavr {
@@ -78,7 +80,7 @@ const char* evidence_word(ObjectEvidence evidence) {
     case ObjectEvidence::none:
       break;
   }
-  return "not_seen";
+  return kNotSeen;
 }
 
 Expected<void> follow_objects(const Recording& recording, const std::vector<MovableBody>& bodies,

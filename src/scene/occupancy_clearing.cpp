@@ -72,7 +72,7 @@ std::size_t OccupancyMap::clear_unsupported(const TriangleMesh& static_mesh_base
       std::int16_t& value = state_->blocks[i].values[cell];
       const bool supported = (is_supported[i][cell / 64] >> (cell % 64) & 1) != 0;
       if (value < 0 || supported) continue;
-      value = static_cast<std::int16_t>(state_->clamp_low);
+      value = kUnknown;
       ++cleared;
     }
   }

@@ -45,8 +45,9 @@ class OccupancyMap {
   void integrate(const DepthImage& depth, const MaskImage& is_dynamic, const CameraModel& camera,
                  const Pose& T_base_camera);
 
-  /// Makes free the occupied cells that no triangle of the static mesh comes near (half a cell):
-  /// what a passing tool or a moved object left behind. Returns how many there were.
+  /// Forgets the occupied cells that no triangle of the static mesh comes near (half a cell): what
+  /// a passing tool or a moved object left behind, and single readings. They become unknown, not
+  /// free: nothing was seen through them. Returns how many there were.
   std::size_t clear_unsupported(const TriangleMesh& static_mesh_base);
 
   enum class Cell { unknown, free, occupied };

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+// How far off the real command is on shared recordings, against their truth. The bounds are what
+// the project promises at the least; what is measured is printed beside them.
+#include <cmath>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "pcavr/core/median.hpp"
+#include "pcavr/model/cad_model.hpp"
+#include "pcavr/recording/frame_reader.hpp"
+
+#include "support/command.hpp"
+#include "support/shared_data.hpp"
+
+namespace pcavr {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr double kDegree = 3.14159265358979 / 180.0;
+constexpr double kMillimetre = 1e-3;
+
+/// Runs the command and expects it to succeed.
+json run_json(std::vector<std::string> words) {
+  words.emplace_back("--json");
+  const CommandOutcome outcome = run_pcavr(words);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.standard_error;
+  return json::parse(outcome.standard_output, nullptr, false);
+}
+
+void expect_below(const json& report, const std::string& key, double bound) {
+  ASSERT_TRUE(report.contains(key)) << key;
+  std::printf("  %-62s %.6g (at most %.6g)\n", key.c_str(), report[key].get<double>(), bound);
+  EXPECT_LE(report[key].get<double>(), bound) << key;
+}
+
+TEST(PositionError, TabletopByAHandHeldCamera) {
+  PCAVR_NEEDS_SHARED_DATA("tabletop/truth/camera.txt");
+  const TemporaryFolder folder;
+  const std::string recording = shared_data("tabletop").string();
+  const std::string scene = (folder.path() / "scene").string();
+  const json built = run_json({"build", recording, "-o", scene});
+  EXPECT_GE(built["frames_used"].get<double>(), 0.95 * built["frames_recorded"].get<double>());
+
+  const json report = run_json({"evaluate", scene, "--truth", recording + "/truth", "-o",
+                                (folder.path() / "report").string()});
+  expect_below(report, "camera.absolute.translation.rmse_m", 5.0 * kMillimetre);
+  expect_below(report, "camera.absolute.rotation.rmse_rad", 0.4 * kDegree);
+  expect_below(report, "mesh.accuracy.mean_m", 2.0 * kMillimetre);
+  expect_below(report, "mesh.share_left_behind", 0.001);
+  expect_below(report, "mesh.share_not_explained", 0.001);
+  EXPECT_GE(report["mesh.completeness_10mm"].get<double>(), 0.95);
+}
+
+TEST(PositionError, TwoBoxesThatAToolPushes) {
+  PCAVR_NEEDS_SHARED_DATA("push_two_boxes/truth/camera.txt");
+  const TemporaryFolder folder;
+  const std::string recording = shared_data("push_two_boxes").string();
+  const std::string scene = (folder.path() / "scene").string();
+  const std::string run = (folder.path() / "run").string();
+  run_json({"build", recording, "-o", scene});
+  run_json({"replay", recording, "--scene", scene, "-o", run});
+
+  const json built = run_json({"evaluate", scene, "--truth", recording + "/truth", "-o",
+                               (folder.path() / "scene-report").string()});
+  expect_below(built, "mesh.share_left_behind", 0.001);
+  expect_below(built, "mesh.share_not_explained", 0.001);
+  const json tracked = run_json({"evaluate", run, "--truth", recording + "/truth", "-o",
+                                 (folder.path() / "run-report").string()});
+  for (const std::string name : {"fp_box", "r_box"}) {
+    const std::string key = "object." + name + ".tracked.";
+    expect_below(tracked, key + "first_second.translation.median_m", 1.5 * kMillimetre);
+    expect_below(tracked, key + "first_second.rotation.median_rad", 0.5 * kDegree);
+    expect_below(tracked, key + "absolute.translation.rmse_m", 2.0 * kMillimetre);
+  }
+}
+
+/// Every fifth frame of a recording is kept from its build, and held against the mesh afterwards.
+class HeldOutFrames : public testing::TestWithParam<const char*> {};
+
+constexpr std::size_t kHeldOut = 5;
+
+/// The lists without every fifth line that names an image.
+void hold_out(const fs::path& recording) {
+  for (const char* list : {"rgb.txt", "depth.txt"}) {
+    std::istringstream lines(read_file(recording / list).value());
+    std::string kept;
+    std::size_t image = 0;
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with('#') || ++image % kHeldOut != 0) kept += line + '\n';
+    }
+    ASSERT_TRUE(write_file(recording / list, kept));
+  }
+}
+
+TEST_P(HeldOutFrames, OfARealRoomLieOnItsMesh) {
+  PCAVR_NEEDS_SHARED_DATA("real/seven_scenes/frame-000000.depth.png");
+  const TemporaryFolder folder;
+  const fs::path all = folder.path() / "all";
+  const fs::path part = folder.path() / "part";
+  run_json({"import", shared_data("real/seven_scenes").string(), "-o", all.string()});
+  fs::copy(all, part, fs::copy_options::recursive);
+  hold_out(part);
+  std::vector<std::string> words = {"build", part.string(), "-o",
+                                    (folder.path() / "scene").string()};
+  if (*GetParam() != '\0') words.emplace_back(GetParam());
+  run_json(words);
+
+  const auto recording = read_recording(all);
+  const auto mesh = read_mesh(folder.path() / "scene/mesh.ply");
+  const auto camera = read_trajectory(folder.path() / "scene/camera_trajectory.txt");
+  ASSERT_TRUE(recording && mesh && camera);
+  const SurfaceQuery surface(*mesh);
+  std::vector<double> distances;
+  for (std::size_t i = kHeldOut - 1; i < recording->frames.size(); i += kHeldOut) {
+    // The camera of a frame that was held out is on the way between its neighbours'.
+    const auto T_base_camera = camera->at(recording->frames[i].depth_stamp);
+    const auto frame = decode_frame(*recording, i);
+    if (!T_base_camera || !frame) continue;
+    for (int y = 0; y < frame->depth.height(); y += 8) {
+      for (int x = 0; x < frame->depth.width(); x += 8) {
+        const float z = frame->depth(x, y);
+        if (z <= 0.0F || z > 4.0F) continue;
+        const Eigen::Vector3f p_base =
+            (*T_base_camera * recording->manifest.camera->unproject(Eigen::Vector2d(x, y), z))
+                .cast<float>();
+        const auto nearest = surface.closest(p_base, 0.05F);
+        if (nearest) distances.push_back(std::abs(nearest->normal.dot(p_base - nearest->point)));
+      }
+    }
+  }
+  ASSERT_GT(distances.size(), 50'000U);
+  std::printf("  held-out frames lie %.2f mm from the mesh (median, %zu readings)\n",
+              1e3 * median(distances), distances.size());
+  EXPECT_LE(median(distances), 6.0 * kMillimetre);
+}
+
+INSTANTIATE_TEST_SUITE_P(Poses, HeldOutFrames, testing::Values("", "--trust-poses"),
+                         [](const auto& instance) {
+                           return *instance.param == '\0' ? "Measured" : "Trusted";
+                         });
+
+}  // namespace
+}  // namespace pcavr
