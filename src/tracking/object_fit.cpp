@@ -26,9 +26,9 @@ constexpr double kGate = 4.0;
 constexpr int kMostIterations = 12;
 /// Below this a wider gate than the noise gives draws nothing more in [m].
 constexpr double kSmallestCapture = 0.005;
-/// A step below these ends the iteration: a hundredth of what a single frame can tell.
-constexpr double kSmallestShift = 1e-6;  // [m]
-constexpr double kSmallestTurn = 1e-5;   // [rad]
+/// A step below these ends the iteration: a tenth of what a single frame can tell.
+constexpr double kSmallestShift = 2e-5;  // [m]
+constexpr double kSmallestTurn = 1e-4;   // [rad]
 /// Pixels nearer to each other than this share their noise: block matching uses windows of about
 /// nine pixels, weighted to the middle.
 constexpr double kCorrelationLength = 4.0;  // [px]

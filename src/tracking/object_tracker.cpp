@@ -219,6 +219,7 @@ PoseMeasurement ObjectTracker::State::measure_with_tags(const RgbdFrame& frame,
   if (!options.refine_with_depth) return by_tags;
 
   fit.corners = corners(detections, T_color_tags);
+  if (fit.corners.empty()) return by_tags;
   const FitResult refined = fit_object(fit, T_camera_tags, kCapture);
   observation.explained = explained_share(refined.agreement);
   observation.surface_rms = refined.agreement.rms;
@@ -324,6 +325,9 @@ ObjectObservation ObjectTracker::track(const RgbdFrame& frame,
   measurement.camera_covariance = diagonal(
       std::pow(camera_uncertainty.position, 2) + turn_variance * range * range, turn_variance);
   state.accept(measurement, observation);
+  if (observation.evidence == ObjectEvidence::shape) {
+    observation.covariance += measurement.camera_covariance;
+  }
   return observation;
 }
 
