@@ -41,11 +41,21 @@ struct Normals {
   }
 };
 
-/// Sums in single precision over a chunk of rows; 27 numbers, so that the compiler keeps them in
-/// registers.
+/// Sums in single precision over a chunk of rows.
 struct ChunkSums {
   Eigen::Matrix<float, 6, 6> H = Eigen::Matrix<float, 6, 6>::Zero();
   Eigen::Matrix<float, 6, 1> g = Eigen::Matrix<float, 6, 1>::Zero();
+
+  /// A distance along `normal` that a point `p` of the frame is off; both in the frame's axes.
+  void add(float distance, float weight, const Eigen::Vector3f& p, const Eigen::Vector3f& normal) {
+    if (weight <= 0.0F) return;
+    Eigen::Matrix<float, 6, 1> J;
+    J.head<3>() = normal;
+    J.tail<3>() = p.cross(normal);
+    const Eigen::Matrix<float, 6, 1> weighted = weight * J;
+    H.noalias() += weighted * J.transpose();
+    g += distance * weighted;
+  }
 };
 
 struct SurfaceStep {
@@ -62,19 +72,12 @@ Scalar tukey(Scalar scaled, Scalar limit) {
   return keep * keep;
 }
 
-void accumulate_rows(const AlignmentInput& input, const Pose& T_model_frame,
+void accumulate_rows(const AlignmentInput& input, const CellProjector& to_model,
                      const SurfaceStep& step, int first, int last, Normals& sums) {
   const CellGrid& grid = *input.grid;
-  const Eigen::Matrix3f R = T_model_frame.rotation_matrix().cast<float>();
-  const Eigen::Vector3f t = T_model_frame.translation().cast<float>();
-  const bool has_distortion = grid.camera.has_distortion();
-  const auto fx = static_cast<float>(grid.camera.fx);
-  const auto fy = static_cast<float>(grid.camera.fy);
-  const auto cx = static_cast<float>(grid.camera.cx);
-  const auto cy = static_cast<float>(grid.camera.cy);
   const int width = grid.width();
+  const Eigen::Matrix3f R_frame_model = to_model.rotation().transpose();
   ChunkSums chunk;
-  double squares = 0.0;
   for (int y = first; y < last; ++y) {
     if (y % step.stride != 0) continue;
     for (int x = 0; x < width; x += step.stride) {
@@ -83,10 +86,9 @@ void accumulate_rows(const AlignmentInput& input, const Pose& T_model_frame,
       if (w <= 0.0F) continue;
       ++sums.cells;
       const Eigen::Vector3f p(grid.rays[cell].x() / w, grid.rays[cell].y() / w, 1.0F / w);
-      const Eigen::Vector3f q = R * p + t;
+      const Eigen::Vector3f q = to_model.move(p);
       if (q.z() <= 0.0F) continue;
-      Eigen::Vector2f at(fx * q.x() / q.z() + cx, fy * q.y() / q.z() + cy);
-      if (has_distortion) at = grid.camera.project(q.cast<double>()).cast<float>();
+      const Eigen::Vector2f at = to_model.cell(q);
       const auto u = static_cast<int>(at.x() + 0.5F);
       const auto v = static_cast<int>(at.y() + 0.5F);
       if (at.x() < 0.0F || at.y() < 0.0F || u >= width || v >= grid.height()) continue;
@@ -96,31 +98,24 @@ void accumulate_rows(const AlignmentInput& input, const Pose& T_model_frame,
       ++sums.in_view;
       const float r = normal.dot(q - input.model->points[there]);
       const auto sigma = static_cast<float>(input.noise.sigma(p.z()));
-      if (std::abs(r) > step.gate + 3.0F * sigma) continue;
-      const float weight = tukey(r, step.gate + 3.0F * sigma) / (sigma * sigma);
       if (std::abs(r) < 3.0F * sigma) {
         ++sums.matched;
-        squares += double{r} * double{r};
+        sums.squares += double{r} * double{r};
       }
-      Eigen::Matrix<float, 6, 1> J;
-      J.head<3>() = R.transpose() * normal;
-      J.tail<3>() = p.cross(J.head<3>());
-      const Eigen::Matrix<float, 6, 1> wJ = weight * J;
-      chunk.H.noalias() += wJ * J.transpose();
-      chunk.g += r * wJ;
+      chunk.add(r, tukey(r, step.gate + 3.0F * sigma) / (sigma * sigma), p, R_frame_model * normal);
     }
   }
   sums.H += chunk.H.cast<double>();
   sums.g += chunk.g.cast<double>();
-  sums.squares += squares;
 }
 
 Normals surface_normals(const AlignmentInput& input, const Pose& T_model_frame,
                         const SurfaceStep& step, Parallelism parallelism) {
   const auto rows = static_cast<std::size_t>(input.grid->height());
   std::vector<Normals> chunks((rows + kRowsPerChunk - 1) / kRowsPerChunk);
+  const CellProjector to_model(*input.grid, T_model_frame);
   parallel_for(parallelism, rows, kRowsPerChunk, [&](std::size_t begin, std::size_t end) {
-    accumulate_rows(input, T_model_frame, step, static_cast<int>(begin), static_cast<int>(end),
+    accumulate_rows(input, to_model, step, static_cast<int>(begin), static_cast<int>(end),
                     chunks[begin / kRowsPerChunk]);
   });
   Normals total;

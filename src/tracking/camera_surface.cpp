@@ -59,6 +59,22 @@ PlaneFit fit_plane(const InverseDepth& w, int width, int x, int y, int reach, fl
   return fit;
 }
 
+/// Between the centres of four cells; 0 where one of them is empty or outside.
+float interpolate(const InverseDepth& w, const CellGrid& grid, const Eigen::Vector2f& at) {
+  const int x = static_cast<int>(std::floor(at.x()));
+  const int y = static_cast<int>(std::floor(at.y()));
+  if (x < 0 || y < 0 || x + 1 >= grid.width() || y + 1 >= grid.height()) return 0.0F;
+  const auto corner = static_cast<std::size_t>(y * grid.width() + x);
+  const auto below = corner + static_cast<std::size_t>(grid.width());
+  if (w[corner] <= 0.0F || w[corner + 1] <= 0.0F || w[below] <= 0.0F || w[below + 1] <= 0.0F) {
+    return 0.0F;
+  }
+  const float u = at.x() - static_cast<float>(x);
+  const float v = at.y() - static_cast<float>(y);
+  return (1.0F - v) * ((1.0F - u) * w[corner] + u * w[corner + 1]) +
+         v * ((1.0F - u) * w[below] + u * w[below + 1]);
+}
+
 }  // namespace
 
 CellGrid::CellGrid(const CameraModel& full)
@@ -71,6 +87,14 @@ CellGrid::CellGrid(const CameraModel& full)
     }
   }
 }
+
+CellProjector::CellProjector(const CellGrid& grid, const Pose& T_camera_points)
+    : grid_(&grid),
+      R_(T_camera_points.rotation_matrix().cast<float>()),
+      t_(T_camera_points.translation().cast<float>()),
+      focal_(static_cast<float>(grid.camera.fx), static_cast<float>(grid.camera.fy)),
+      centre_(static_cast<float>(grid.camera.cx), static_cast<float>(grid.camera.cy)),
+      has_distortion_(grid.camera.has_distortion()) {}
 
 InverseDepth cell_inverse_depth(const CellGrid& grid, const DepthImage& depth,
                                 const MaskImage& is_dynamic, const DepthNoise& noise) {
@@ -161,40 +185,20 @@ std::optional<Eigen::Vector3d> point_at(const CellGrid& grid, const Surface& sur
 
 void fuse(const CellGrid& grid, const Surface& surface, const InverseDepth& frame,
           const Pose& T_model_frame, const DepthNoise& noise, SurfaceModel& model) {
-  const Pose T_frame_model = T_model_frame.inverse();
-  const Eigen::Matrix3f R = T_frame_model.rotation_matrix().cast<float>();
-  const Eigen::Vector3f t = T_frame_model.translation().cast<float>();
-  const bool has_distortion = grid.camera.has_distortion();
-  const auto fx = static_cast<float>(grid.camera.fx);
-  const auto fy = static_cast<float>(grid.camera.fy);
-  const auto cx = static_cast<float>(grid.camera.cx);
-  const auto cy = static_cast<float>(grid.camera.cy);
+  const CellProjector to_frame(grid, T_model_frame.inverse());
   for (std::size_t cell = 0; cell < surface.points.size(); ++cell) {
     const Eigen::Vector3f& normal = surface.normals[cell];
     if (normal.isZero()) continue;
-    const Eigen::Vector3f p_frame = R * surface.points[cell] + t;
+    const Eigen::Vector3f p_frame = to_frame.move(surface.points[cell]);
     if (p_frame.z() <= 0.0F) continue;
-    Eigen::Vector2f at(fx * p_frame.x() / p_frame.z() + cx, fy * p_frame.y() / p_frame.z() + cy);
-    if (has_distortion) at = grid.camera.project(p_frame.cast<double>()).cast<float>();
-    const int x = static_cast<int>(std::floor(at.x()));
-    const int y = static_cast<int>(std::floor(at.y()));
-    if (x < 0 || y < 0 || x + 1 >= grid.width() || y + 1 >= grid.height()) continue;
-    const auto corner = static_cast<std::size_t>(y * grid.width() + x);
-    const auto below = corner + static_cast<std::size_t>(grid.width());
-    const float w00 = frame[corner];
-    const float w10 = frame[corner + 1];
-    const float w01 = frame[below];
-    const float w11 = frame[below + 1];
-    if (w00 <= 0.0F || w10 <= 0.0F || w01 <= 0.0F || w11 <= 0.0F) continue;
-    const float u = at.x() - static_cast<float>(x);
-    const float v = at.y() - static_cast<float>(y);
-    const float w = (1.0F - v) * ((1.0F - u) * w00 + u * w10) + v * ((1.0F - u) * w01 + u * w11);
+    const float w = interpolate(frame, grid, to_frame.cell(p_frame));
+    if (w <= 0.0F) continue;
     // The frame's point lies on its own ray; slide it along the plane onto the model's ray.
-    const float off_plane = (1.0F / w / p_frame.z() - 1.0F) * (R * normal).dot(p_frame);
+    const float off_plane =
+        (1.0F / w / p_frame.z() - 1.0F) * (to_frame.rotation() * normal).dot(p_frame);
     const float z = surface.points[cell].z();
     if (std::abs(off_plane) > 3.0F * static_cast<float>(noise.sigma(z))) continue;
-    const float along_ray = off_plane * z / normal.dot(surface.points[cell]);
-    const float measured = 1.0F / (z + along_ray);
+    const float measured = 1.0F / (z + off_plane * z / normal.dot(surface.points[cell]));
     float& weight = model.weight[cell];
     float& mean = model.inverse_depth[cell];
     mean += (measured - mean) / (weight + 1.0F);

@@ -28,6 +28,29 @@ struct CellGrid {
   [[nodiscard]] int height() const { return camera.height; }
 };
 
+/// Moves points into the camera of a grid, and tells where in the grid they are seen.
+class CellProjector {
+ public:
+  /// Keeps a reference to the grid, which must outlive it.
+  CellProjector(const CellGrid& grid, const Pose& T_camera_points);
+
+  [[nodiscard]] const Eigen::Matrix3f& rotation() const { return R_; }
+  [[nodiscard]] Eigen::Vector3f move(const Eigen::Vector3f& p) const { return R_ * p + t_; }
+  /// In cells, whole numbers at their centres; z must be > 0.
+  [[nodiscard]] Eigen::Vector2f cell(const Eigen::Vector3f& p_camera) const {
+    if (has_distortion_) return grid_->camera.project(p_camera.cast<double>()).cast<float>();
+    return focal_.cwiseProduct(p_camera.head<2>()) / p_camera.z() + centre_;
+  }
+
+ private:
+  const CellGrid* grid_;
+  Eigen::Matrix3f R_;
+  Eigen::Vector3f t_;
+  Eigen::Vector2f focal_;
+  Eigen::Vector2f centre_;
+  bool has_distortion_;
+};
+
 /// Inverse depth of each cell [1/m]; 0 where a cell holds an edge or a hole. Inverse depth is
 /// linear in the image of a plane, so that means and interpolations of it are exact there.
 using InverseDepth = std::vector<float>;
