@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/contact/damping.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace pcavr {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// (ln((1 + chi) / (1 - chi c)) - chi (1 + c)) / chi^2 by its series, for chi where the terms of
+/// the closed form would cancel. Below 0.1, 20 terms are under one rounding.
+double small_residual(double chi, double c) noexcept {
+  double sum = 0.0;
+  double power = 1.0;      // chi^(j-2)
+  double c_power = c * c;  // c^j
+  double sign = -1.0;      // (-1)^(j+1)
+  for (int j = 2; j < 22; ++j) {
+    // Written as a product, the first term keeps its digits where c is near 1.
+    const double factor = j == 2 ? -(1.0 - c) * (1.0 + c) : sign + c_power;
+    sum += power * factor / j;
+    power *= chi;
+    c_power *= c;
+    sign = -sign;
+  }
+  return sum;
+}
+
+/// Has the sign of ln((1 + chi) / (1 - chi c)) - chi (1 + c), for chi = (1 - exp(-w)) / c.
+double residual(double w, double c) noexcept {
+  const double chi = -std::expm1(-w) / c;
+  if (chi < 0.1) return small_residual(chi, c);
+  return std::log1p(chi) + w - chi * (1.0 + c);
+}
+
+}  // namespace
+
+double exact_damping_factor(double c) noexcept {
+  if (std::isnan(c)) return c;
+  if (c <= 0.0) return kInfinity;
+  if (c >= 1.0) return 0.0;
+  // In w = -ln(1 - chi c) the root stays away from the pole at chi = 1/c. The residual has its only
+  // minimum at chi = (1 - c)/c, below the root, and is positive at w = (1 + c)/c.
+  double low = -std::log(c);
+  double high = (1.0 + c) / c;
+  for (;;) {
+    const double middle = low + 0.5 * (high - low);
+    if (middle <= low || middle >= high) break;
+    (residual(middle, c) < 0.0 ? low : high) = middle;
+  }
+  return -std::expm1(-high) / c;
+}
+
+std::string_view name_of(DampingLaw law) noexcept {
+  switch (law) {
+    case DampingLaw::flores:
+      return "Flores";
+    case DampingLaw::gonthier:
+      return "Gonthier";
+    case DampingLaw::lankarani_nikravesh:
+      return "Lankarani-Nikravesh";
+    case DampingLaw::lee_wang:
+      return "Lee-Wang";
+    case DampingLaw::hunt_crossley:
+      return "Hunt-Crossley";
+    case DampingLaw::zhiying_qishao:
+      return "Zhiying-Qishao";
+    case DampingLaw::herbert_mcwhannell:
+      return "Herbert-McWhannell";
+    case DampingLaw::exact:
+      return "exact";
+  }
+  return "unknown";
+}
+
+double damping_factor(DampingLaw law, double c) noexcept {
+  if (c <= 0.0) return kInfinity;
+  const double left = 1.0 - c;
+  const double left_of_square = left * (1.0 + c);
+  switch (law) {
+    case DampingLaw::flores:
+      return 8.0 * left / (5.0 * c);
+    case DampingLaw::gonthier:
+      return left_of_square / c;
+    case DampingLaw::lankarani_nikravesh:
+      return 0.75 * left_of_square;
+    case DampingLaw::lee_wang:
+      return 0.75 * left;
+    case DampingLaw::hunt_crossley:
+      return 1.5 * left;
+    case DampingLaw::zhiying_qishao:
+      return 0.75 * left_of_square * std::exp(2.0 * left);
+    case DampingLaw::herbert_mcwhannell:
+      return 6.0 * left / ((2.0 * c - 1.0) * (2.0 * c - 1.0) + 3.0);
+    case DampingLaw::exact:
+      return exact_damping_factor(c);
+  }
+  return kInfinity;
+}
+
+double hunt_crossley_damping(DampingLaw law, double stiffness, double restitution,
+                             double approach_speed) noexcept {
+  return damping_factor(law, restitution) * stiffness / approach_speed;
+}
+
+std::optional<double> measured_restitution(const ImpactVelocities& v) noexcept {
+  const double approach = v.normal.dot(v.tool_before - v.body_before);
+  const double separation = v.normal.dot(v.body_after - v.tool_after);
+  if (!(approach > 0.0) || !std::isfinite(approach) || !std::isfinite(separation)) {
+    return std::nullopt;
+  }
+  return separation / approach;
+}
+
+}  // namespace pcavr

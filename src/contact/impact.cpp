@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/contact/impact.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcavr {
+namespace {
+
+constexpr double kTolerance = 1e-11;  // of a step, relative to the impact's own depth and speed
+constexpr int kMostSteps = 200000;    // a hundred times what c = 0.01 needs
+
+/// An impact in its own units: depth in `length`, speed in the approach speed.
+class Equation {
+ public:
+  Equation(const ContactLaw& law, double mass, double approach_speed) noexcept
+      : law_(law), mass_(mass), speed_(approach_speed) {
+    double stiffness = 0.0;
+    double exponent = 1.0;
+    if (const auto* hunt_crossley = std::get_if<HuntCrossley>(&law)) {
+      stiffness = hunt_crossley->stiffness;
+      exponent = hunt_crossley->exponent;
+    } else if (const auto* linear = std::get_if<MassDamperSpring>(&law)) {
+      stiffness = linear->stiffness;
+      mass_ += linear->mass;  // moves along with the tool
+    } else {
+      stiffness = std::get_if<KelvinVoigt>(&law)->stiffness;
+    }
+    length_ = std::pow(mass_ * speed_ * speed_ / stiffness, 1.0 / (exponent + 1.0));
+  }
+
+  struct State {
+    double depth = 0.0;
+    double speed = 1.0;
+  };
+
+  [[nodiscard]] State slope(const State& state) const noexcept {
+    return {state.speed, -force(state) * length_ / (mass_ * speed_ * speed_)};
+  }
+  /// [N], without the law's own inertia.
+  [[nodiscard]] double force(const State& state) const noexcept {
+    return unclamped_contact_force(law_, {state.depth * length_, state.speed * speed_, 0.0});
+  }
+  [[nodiscard]] double length() const noexcept { return length_; }
+  [[nodiscard]] double time() const noexcept { return length_ / speed_; }
+
+ private:
+  ContactLaw law_;
+  double mass_;
+  double speed_;
+  double length_ = 0.0;
+};
+
+struct Step {
+  Equation::State end;
+  double error = 0.0;
+};
+
+/// One step of Dormand and Prince's pair of orders 5 and 4.
+Step dormand_prince(const Equation& equation, const Equation::State& start, double h) noexcept {
+  static constexpr double kWeights[6][6] = {
+      {1.0 / 5},
+      {3.0 / 40, 9.0 / 40},
+      {44.0 / 45, -56.0 / 15, 32.0 / 9},
+      {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
+      {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
+      {35.0 / 384, 0.0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}};
+  static constexpr double kErrors[7] = {71.0 / 57600,      0.0,        -71.0 / 16695, 71.0 / 1920,
+                                        -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
+  Equation::State slopes[7];
+  slopes[0] = equation.slope(start);
+  Step step;
+  for (int i = 0; i < 6; ++i) {
+    step.end = start;
+    for (int j = 0; j <= i; ++j) {
+      step.end.depth += h * kWeights[i][j] * slopes[j].depth;
+      step.end.speed += h * kWeights[i][j] * slopes[j].speed;
+    }
+    slopes[i + 1] = equation.slope(step.end);
+  }
+  Equation::State difference{0.0, 0.0};
+  for (int i = 0; i < 7; ++i) {
+    difference.depth += h * kErrors[i] * slopes[i].depth;
+    difference.speed += h * kErrors[i] * slopes[i].speed;
+  }
+  step.error = std::max(std::abs(difference.depth), std::abs(difference.speed));
+  return step;
+}
+
+}  // namespace
+
+Impact simulate_impact(const ContactLaw& law, double mass, double approach_speed) noexcept {
+  Impact impact;
+  if (!is_physical(law) || !(mass > 0.0) || !(approach_speed > 0.0)) return impact;
+  const Equation equation(law, mass, approach_speed);
+  Equation::State state;
+  double time = 0.0;
+  double deepest = 0.0;
+  double h = 1e-3;
+  for (int i = 0; i < kMostSteps; ++i) {
+    const Step step = dormand_prince(equation, state, h);
+    const double growth = 0.9 * std::pow(kTolerance / std::max(step.error, 1e-20), 0.2);
+    if (!(step.error <= kTolerance)) {
+      h *= std::clamp(growth, 0.1, 0.9);
+      continue;
+    }
+    const bool parts = step.end.speed < 0.0 && equation.force(step.end) <= 0.0;
+    if (parts && h > 1e-12) {
+      h *= 0.5;  // creep up to the moment of separation
+      continue;
+    }
+    if (state.speed > 0.0 && step.end.speed <= 0.0) {
+      // The top of the parabola with the speeds of both ends.
+      deepest = state.depth + 0.5 * h * state.speed * state.speed / (state.speed - step.end.speed);
+    }
+    state = step.end;
+    time += h;
+    if (parts) {
+      impact.has_separated = true;
+      break;
+    }
+    // Without growth near the end: the step that halving found must not double again.
+    h = std::min(h * std::clamp(growth, 0.2, 4.0), 0.1);
+  }
+  impact.restitution = std::max(0.0, -state.speed);
+  impact.duration = time * equation.time();
+  impact.deepest = deepest * equation.length();
+  return impact;
+}
+
+std::array<DampingScore, kPublishedDampingLaws.size()> score_damping_laws(
+    double restitution) noexcept {
+  std::array<DampingScore, kPublishedDampingLaws.size()> scores;
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    scores[i].law = kPublishedDampingLaws[i];
+    // Any stiffness, mass and speed give the same answer: ones.
+    const HuntCrossley law{1.0, hunt_crossley_damping(scores[i].law, 1.0, restitution, 1.0), 1.5};
+    scores[i].relative_error = simulate_impact(law, 1.0, 1.0).restitution / restitution - 1.0;
+  }
+  return scores;
+}
+
+DampingScore best_published_damping_law(double restitution) noexcept {
+  const auto scores = score_damping_laws(restitution);
+  return *std::min_element(scores.begin(), scores.end(),
+                           [](const DampingScore& a, const DampingScore& b) {
+                             return std::abs(a.relative_error) < std::abs(b.relative_error);
+                           });
+}
+
+}  // namespace pcavr
