@@ -9,40 +9,13 @@
 #include "pcavr/scene/scene.hpp"
 
 #include "one_ahead.hpp"
+#include "tool_mask.hpp"
 
 namespace pcavr {
 namespace {
 
 /// A body's silhouette is grown by this much, for colour bleeding and the pose's last error [px].
 constexpr int kBodyMarginPixels = 3;
-/// The tool's tip is masked with this much around it: its shaft begins there [m].
-constexpr double kToolMargin = 0.01;
-/// A tool pose this far from the frame in time is no longer the tool's [recordings: 100 Hz and up].
-constexpr Duration kLongestToolGap = std::chrono::milliseconds(100);
-
-/// Marks the disc that the ball at the tool's tip covers, whatever depth was measured there.
-void mask_tool_tip(const Recording& recording, const Pose& T_base_camera, Stamp stamp,
-                   MaskImage& mask) {
-  if (!recording.manifest.tool_radius || recording.tool.empty()) return;
-  const std::optional<Pose> T_base_tool = recording.tool.at(stamp, kLongestToolGap);
-  if (!T_base_tool) return;
-  const CameraModel& camera = *recording.manifest.camera;
-  const Eigen::Vector3d p_camera = T_base_camera.inverse() * T_base_tool->translation();
-  const double reach = *recording.manifest.tool_radius + kToolMargin;
-  if (p_camera.z() <= reach) return;
-  const Eigen::Vector2d centre = camera.project(p_camera);
-  const double radius = camera.fx * reach / p_camera.z();
-  const int top = std::max(0, static_cast<int>(std::floor(centre.y() - radius)));
-  const int bottom = std::min(camera.height - 1, static_cast<int>(std::ceil(centre.y() + radius)));
-  const int left = std::max(0, static_cast<int>(std::floor(centre.x() - radius)));
-  const int right = std::min(camera.width - 1, static_cast<int>(std::ceil(centre.x() + radius)));
-  for (int y = top; y <= bottom; ++y) {
-    for (int x = left; x <= right; ++x) {
-      if ((Eigen::Vector2d(x, y) - centre).norm() <= radius) mask(x, y) = 1;
-    }
-  }
-}
-
 /// A body's tracker, and where the body was last known to be: from the start where it was first
 /// seen, because a body rests until it is touched.
 struct Followed {
@@ -114,7 +87,7 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
         mask_body(body.tracker.surface(), T_camera_base * *body.T_base_object, camera, image.depth,
                   options.depth_noise, kBodyMarginPixels, followed.is_dynamic);
       }
-      mask_tool_tip(recording, followed.T_base_camera, image.depth_stamp, followed.is_dynamic);
+      mask_tool(recording, image, followed.T_base_camera, followed.is_dynamic);
       return std::optional<FollowedFrame>(std::move(followed));
     }
   };

@@ -22,7 +22,7 @@ void write_plain_recording(const fs::path& folder) {
       CameraModel{.width = 160, .height = 120, .fx = 130.0, .fy = 130.0, .cx = 79.5, .cy = 59.5};
   manifest.depth_scale = 1000.0;
   manifest.markers = {
-      {.id = {"tag36h11", 0}, .size = 0.1, .role = MarkerRole::base},
+      {.id = {"tag36h11", 0}, .size = 0.1, .role = MarkerRole::base, .object = {}},
       {.id = {"tag36h11", 5}, .size = 0.05, .role = MarkerRole::object, .object = "box"}};
   manifest.objects = {{.name = "box", .mesh = "objects/box.obj"}};
   RecordingWriter writer(folder, manifest);

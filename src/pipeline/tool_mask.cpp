@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tool_mask.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace pcavr {
+namespace {
+
+/// The tip is masked with this much around it: its shaft begins there [m].
+constexpr double kTipMargin = 0.01;
+/// A tool pose further from the frame in time is no longer the tool's; tools are logged at 100 Hz
+/// and more.
+constexpr Duration kLongestToolGap = std::chrono::milliseconds(100);
+/// Neighbouring pixels further apart in depth than this belong to two things [m]: above a sensor's
+/// noise at 2 m, below the gap between a tool and what it passes.
+constexpr float kLargestStep = 0.02F;
+/// The rim of what was found is grown by this much, for pixels that mix tool and background [px].
+constexpr int kRimPixels = 3;
+
+struct Disc {
+  Eigen::Vector2d centre;
+  double radius = 0.0;  ///< [px]
+};
+
+struct PixelBox {
+  int left = 0, right = -1, top = 0, bottom = -1;
+};
+
+PixelBox around(const Disc& disc, const CameraModel& camera) {
+  return {std::max(0, static_cast<int>(std::floor(disc.centre.x() - disc.radius))),
+          std::min(camera.width - 1, static_cast<int>(std::ceil(disc.centre.x() + disc.radius))),
+          std::max(0, static_cast<int>(std::floor(disc.centre.y() - disc.radius))),
+          std::min(camera.height - 1, static_cast<int>(std::ceil(disc.centre.y() + disc.radius)))};
+}
+
+/// Calls `visit` for the pixels of a disc that lie in the image.
+template <typename Visit>
+void for_disc(const Disc& disc, const CameraModel& camera, const Visit& visit) {
+  const PixelBox box = around(disc, camera);
+  for (int y = box.top; y <= box.bottom; ++y) {
+    for (int x = box.left; x <= box.right; ++x) {
+      if ((Eigen::Vector2d(x, y) - disc.centre).norm() <= disc.radius) visit(x, y);
+    }
+  }
+}
+
+using Pixel = std::pair<int, int>;
+
+/// The pixels that hang together in depth with `seeds` and lie above `lowest` in base. `seeds` are
+/// part of the answer.
+std::vector<Pixel> grow(std::vector<Pixel> region, const RgbdFrame& frame,
+                        const CameraModel& camera, const Pose& T_base_camera, double lowest) {
+  const DepthImage& depth = frame.depth;
+  const Eigen::Vector3d up_camera = T_base_camera.inverse().rotation() * Eigen::Vector3d::UnitZ();
+  const double height_of_camera = T_base_camera.translation().z();
+  MaskImage is_known(depth.width(), depth.height());
+  for (const auto& [x, y] : region) is_known(x, y) = 1;
+  constexpr std::array<Pixel, 4> kNeighbours = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+  for (std::size_t next = 0; next < region.size(); ++next) {
+    const auto [x, y] = region[next];
+    for (const auto& [dx, dy] : kNeighbours) {
+      const int u = x + dx;
+      const int v = y + dy;
+      if (!depth.contains(u, v) || is_known(u, v) != 0 || depth(u, v) <= 0.0F) continue;
+      if (std::abs(depth(u, v) - depth(x, y)) > kLargestStep) continue;
+      const Eigen::Vector3d p_camera = camera.unproject(Eigen::Vector2d(u, v), depth(u, v));
+      if (height_of_camera + up_camera.dot(p_camera) < lowest) continue;
+      is_known(u, v) = 1;
+      region.emplace_back(u, v);
+    }
+  }
+  return region;
+}
+
+}  // namespace
+
+void mask_tool(const Recording& recording, const RgbdFrame& frame, const Pose& T_base_camera,
+               MaskImage& mask) {
+  if (!recording.manifest.tool_radius || recording.tool.empty()) return;
+  const std::optional<Pose> T_base_tool = recording.tool.at(frame.depth_stamp, kLongestToolGap);
+  if (!T_base_tool) return;
+  const CameraModel& camera = *recording.manifest.camera;
+  const Eigen::Vector3d p_camera = T_base_camera.inverse() * T_base_tool->translation();
+  const double reach = *recording.manifest.tool_radius + kTipMargin;
+  if (p_camera.z() <= reach) return;
+  const Disc disc{camera.project(p_camera), camera.fx * reach / p_camera.z()};
+
+  std::vector<Pixel> seeds;
+  const double lowest = T_base_tool->translation().z();
+  for_disc(disc, camera, [&](int x, int y) {
+    const float z = frame.depth(x, y);
+    // A reading of the body that the tip touches is masked already, and no seed.
+    if (mask(x, y) == 0 && z > 0.0F && std::abs(z - p_camera.z()) <= reach &&
+        (T_base_camera * camera.unproject(Eigen::Vector2d(x, y), z)).z() >= lowest) {
+      seeds.emplace_back(x, y);
+    }
+  });
+  for_disc(disc, camera, [&](int x, int y) { mask(x, y) = 1; });
+  for (const auto& [x, y] : grow(std::move(seeds), frame, camera, T_base_camera, lowest)) {
+    for_disc({Eigen::Vector2d(x, y), kRimPixels}, camera, [&](int u, int v) { mask(u, v) = 1; });
+  }
+}
+
+}  // namespace pcavr
