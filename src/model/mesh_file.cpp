@@ -119,9 +119,9 @@ bool has_whole_ply_header(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   stream.read(start.data(), static_cast<std::streamsize>(start.size()));
   start.resize(static_cast<std::size_t>(stream.gcount()));
-  const std::size_t end = start.find("\nend_header");
-  return start.starts_with("ply") && end != std::string::npos &&
-         start.find('\n', end + 1) != std::string::npos;
+  if (!start.starts_with("ply")) return false;
+  return start.find("\nend_header\n") != std::string::npos ||
+         start.find("\nend_header\r\n") != std::string::npos;
 }
 
 Expected<TriangleMesh> read_with_assimp(const fs::path& file, const MeshType& type) {

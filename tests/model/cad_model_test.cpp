@@ -298,6 +298,15 @@ TEST_F(CadFiles, RefuseGarbageOfEveryType) {
   }
 }
 
+// assimp would read on for ever.
+TEST_F(CadFiles, RefuseAPlyWhoseHeaderDoesNotEnd) {
+  std::string content = as_ply_with_colors();
+  content.replace(content.find("end_header\n"), 11, "end_header0");
+  const auto mesh = read_mesh(write("endless.ply", content));
+  ASSERT_FALSE(mesh);
+  expect_error(mesh.error(), "header has no end");
+}
+
 // Cut off anywhere, a file is read or refused; it does not crash, and what is read is sound.
 TEST_F(CadFiles, SurviveBeingCutOff) {
   const TriangleMesh box = box_mesh(kSize);
