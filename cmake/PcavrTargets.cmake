@@ -45,5 +45,10 @@ function(pcavr_add_tests name)
   target_link_libraries(pcavr_${name}_tests PRIVATE ${arg_LINK} pcavr_test_support
                         GTest::gtest_main)
   gtest_discover_tests(pcavr_${name}_tests TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
-                       PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})
+                       TEST_LIST pcavr_${name}_cases PROPERTIES TIMEOUT ${arg_TIMEOUT})
+  # Labels are set by a file of their own: gtest_discover_tests takes a list of labels apart.
+  set(labels_file ${CMAKE_CURRENT_BINARY_DIR}/pcavr_${name}_labels.cmake)
+  file(WRITE ${labels_file}
+       "set_tests_properties(\${pcavr_${name}_cases} PROPERTIES LABELS \"${arg_LABELS}\")\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${labels_file})
 endfunction()
