@@ -32,9 +32,10 @@ function(pcavr_add_module name)
 endfunction()
 
 # pcavr_add_tests(NAME SOURCES file... LINK library... [LABELS label...])
-# One executable a module; each TEST becomes a CTest case with the labels given.
+# One executable; each TEST becomes a CTest case with the labels given, or with AS_ONE all of them
+# together: for tests that share what is costly to set up.
 function(pcavr_add_tests name)
-  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "AS_ONE" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
   endif()
@@ -44,6 +45,11 @@ function(pcavr_add_tests name)
                              ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(pcavr_${name}_tests PRIVATE ${arg_LINK} pcavr_test_support
                         GTest::gtest_main)
+  if(arg_AS_ONE)
+    add_test(NAME ${name} COMMAND pcavr_${name}_tests)
+    set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})
+    return()
+  endif()
   gtest_discover_tests(pcavr_${name}_tests TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
                        TEST_LIST pcavr_${name}_cases PROPERTIES TIMEOUT ${arg_TIMEOUT})
   # Labels are set by a file of their own: gtest_discover_tests takes a list of labels apart.

@@ -45,14 +45,14 @@ struct BodyPose {
   BodyPoseStatus status = BodyPoseStatus::not_seen;
   BodyPoseCandidate pose;
   std::optional<BodyPoseCandidate> alternative = {};  ///< the other planar solution, if one exists
-  Matrix6d covariance = Matrix6d::Zero();  ///< of [v; w] in body axes: T * exp([v; w])
+  Matrix6d covariance = Matrix6d::Zero();             ///< of [v; w] in body axes: T * exp([v; w])
   int tags_used = 0;
   int tags_rejected = 0;  ///< seen, but their corners contradict the others'
 };
 
 /// What may help to choose between the two planar solutions, and to refine the one chosen.
 struct BodyPoseHints {
-  const DepthImage* depth = nullptr;   ///< registered to the image that the tags were found in
+  const DepthImage* depth = nullptr;  ///< registered to the image that the tags were found in
   DepthNoise depth_noise = {};
   std::optional<Pose> T_camera_body = {};  ///< where it was a moment ago
 };

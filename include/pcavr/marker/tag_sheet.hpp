@@ -12,7 +12,7 @@ namespace pcavr {
 struct TagSheetOptions {
   std::string family = "tag36h11";
   std::vector<int> ids;
-  double size = 0.08;  ///< edge of the square through the detection corners [m]
+  double size = 0.08;          ///< edge of the square through the detection corners [m]
   double page_width = 0.210;   ///< [m]; A4
   double page_height = 0.297;  ///< [m]
   double margin = 0.010;       ///< [m]; what printers leave blank

@@ -39,7 +39,7 @@ struct FramePlacement {
   std::size_t frame = 0;  ///< in Recording::frames
   Stamp stamp;            ///< of the depth image
   PlacementStatus status = PlacementStatus::lost;
-  Pose T_base_camera;     ///< at `stamp`; meaningful where placed
+  Pose T_base_camera;  ///< at `stamp`; meaningful where placed
   /// One standard deviation, all axes together [m], from the graph's covariance; infinite where
   /// that could not be had, and 0 where the pose was taken as given.
   double position_sigma = 0.0;
@@ -53,8 +53,8 @@ struct CameraTrack {
   double tag_reprojection_rms = 0.0;  ///< over the base corners used [px]; 0 without tags
   int tag_corners_used = 0;
   int tag_corners_rejected = 0;
-  double tracking_rms = 0.0;          ///< point-to-plane, between frames and model [m]
-  std::string why_not = {};           ///< where no frame could be placed: the reason, for a person
+  double tracking_rms = 0.0;  ///< point-to-plane, between frames and model [m]
+  std::string why_not = {};   ///< where no frame could be placed: the reason, for a person
 };
 
 /// The camera's pose in base for every frame: dense RGB-D tracking bridges the frames between tag
