@@ -7,6 +7,8 @@ function(pcavr_compile_options target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wconversion
                          $<$<BOOL:${PCAVR_WARNINGS_AS_ERRORS}>:-Werror>
+                         # GCC 12 sees overlaps in std::string's operator+ (its bug 105651).
+                         $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
                          # The same bits at every optimisation level and instruction set.
                          -ffp-contract=off)
 endfunction()
