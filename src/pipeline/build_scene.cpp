@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
+#include <optional>
 #include <utility>
 
 #include "pcavr/core/median.hpp"
@@ -14,6 +16,7 @@
 #include "pcavr/reconstruction/tsdf_volume.hpp"
 #include "pcavr/scene/support_plane.hpp"
 
+#include "beside.hpp"
 #include "follow_objects.hpp"
 #include "scene_quality.hpp"
 #include "survey.hpp"
@@ -35,40 +38,48 @@ Error no_images_error(const Recording& recording) {
               "pair within 20 ms"};
 }
 
-/// What the second pass gathers.
-struct Fused {
+/// What the second pass gathers: the static scene, and how its bodies moved.
+class Fusion {
+ public:
+  Fusion(const CameraModel& camera, std::size_t bodies, const BuildOptions& options)
+      : volume({.voxel_size = options.voxel_size, .depth_noise = options.depth_noise}),
+        occupancy(
+            {.resolution = options.occupancy_resolution, .farthest = options.depth_noise.farthest}),
+        tracks(bodies),
+        camera_(camera),
+        options_(options),
+        occupancy_interval_(std::llround(options.occupancy_interval * 1e9)) {}
+
+  void add(const FollowedFrame& followed) {
+    const Stamp stamp = followed.frame.depth_stamp;
+    const DepthImage depth =
+        filter_depth(followed.frame.depth, camera_, options_.depth_noise, options_.parallelism);
+    // Beside the fusion, because neither fills both cores by itself.
+    std::future<void> carved;
+    if (!last_carved_ || stamp - *last_carved_ >= occupancy_interval_) {
+      last_carved_ = stamp;
+      carved = beside(options_.parallelism, [&] {
+        occupancy.integrate(depth, followed.is_dynamic, camera_, followed.T_base_camera);
+      });
+    }
+    volume.integrate(depth, followed.frame.color, followed.is_dynamic, camera_,
+                     followed.T_base_camera, options_.parallelism);
+    if (carved.valid()) carved.get();
+    for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].push_back(followed.objects[i]);
+    camera_trajectory.append(stamp, followed.T_base_camera);
+  }
+
   TsdfVolume volume;
   OccupancyMap occupancy;
   std::vector<std::vector<ObjectObservation>> tracks;  ///< by body
   Trajectory camera_trajectory;
-};
 
-Expected<Fused> fuse_static_scene(const Recording& recording,
-                                  const std::vector<MovableBody>& bodies, const Survey& survey,
-                                  const BuildOptions& options, const SurveyOptions& survey_options,
-                                  const Observer& observer) {
-  const CameraModel& camera = *recording.manifest.camera;
-  Fused fused{
-      .volume = TsdfVolume({.voxel_size = options.voxel_size, .depth_noise = options.depth_noise}),
-      .occupancy = OccupancyMap(
-          {.resolution = options.occupancy_resolution, .farthest = options.depth_noise.farthest}),
-      .tracks = std::vector<std::vector<ObjectObservation>>(bodies.size()),
-      .camera_trajectory = {}};
-  const Expected<void> done = follow_objects(
-      recording, bodies, survey, survey_options, observer, [&](const FollowedFrame& followed) {
-        const DepthImage depth =
-            filter_depth(followed.frame.depth, camera, options.depth_noise, options.parallelism);
-        fused.volume.integrate(depth, followed.frame.color, followed.is_dynamic, camera,
-                               followed.T_base_camera, options.parallelism);
-        fused.occupancy.integrate(depth, followed.is_dynamic, camera, followed.T_base_camera);
-        for (std::size_t i = 0; i < bodies.size(); ++i) {
-          fused.tracks[i].push_back(followed.objects[i]);
-        }
-        fused.camera_trajectory.append(followed.frame.depth_stamp, followed.T_base_camera);
-      });
-  if (!done) return done.error();
-  return fused;
-}
+ private:
+  const CameraModel& camera_;
+  const BuildOptions& options_;
+  Duration occupancy_interval_;
+  std::optional<Stamp> last_carved_;
+};
 
 std::vector<TriangleMesh> levels_of_detail(const TriangleMesh& mesh, double voxel_size) {
   std::vector<TriangleMesh> levels;
@@ -151,30 +162,34 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
 
   // Reconstruction: movable objects are followed and taken out, the rest is fused and meshed.
   clock.begin("objects and fusion");
-  Expected<Fused> fused =
-      fuse_static_scene(recording, *bodies, *survey, options, survey_options, observer);
-  if (!fused) return fused.error();
+  Fusion fusion(*recording.manifest.camera, bodies->size(), options);
+  const Expected<void> followed =
+      follow_objects(recording, *bodies, *survey, survey_options, observer,
+                     [&](const FollowedFrame& frame) { fusion.add(frame); });
+  if (!followed) return followed.error();
   clock.begin("mesh");
-  TriangleMesh mesh = fused->volume.extract_mesh(options.smallest_weight, options.parallelism);
+  TriangleMesh mesh = fusion.volume.extract_mesh(options.smallest_weight, options.parallelism);
   remove_small_islands(mesh, options.smallest_island);
-  fused->occupancy.clear_unsupported(mesh);
+  fusion.occupancy.clear_unsupported(mesh);
 
   // Scene: what is displayed, and the CAD bodies where the markers say.
   clock.begin("levels of detail and cloud");
   Scene scene{.mesh_base = std::move(mesh),
               .levels_of_detail_base = {},
               .cloud_base = {},
-              .occupancy = std::move(fused->occupancy),
+              .occupancy = std::move(fusion.occupancy),
               .support_planes = {},
               .objects = {},
-              .camera_trajectory = std::move(fused->camera_trajectory),
+              .camera_trajectory = std::move(fusion.camera_trajectory),
               .quality = {},
               .recording = recording.folder.string(),
               .voxel_size = options.voxel_size};
+  std::future<PointCloud> cloud =
+      beside(options.parallelism, [&] { return cloud_of(scene.mesh_base); });
   scene.levels_of_detail_base = levels_of_detail(scene.mesh_base, options.voxel_size);
-  scene.cloud_base = cloud_of(scene.mesh_base);
+  scene.cloud_base = cloud.get();
   for (std::size_t i = 0; i < bodies->size(); ++i) {
-    scene.objects.push_back(to_scene_object((*bodies)[i], fused->tracks[i]));
+    scene.objects.push_back(to_scene_object((*bodies)[i], fusion.tracks[i]));
   }
   clock.begin("support and quality");
   scene.support_planes = find_support_planes(scene.mesh_base, standing_bodies(scene.objects));

@@ -3,10 +3,11 @@
 #pragma once
 
 #include <future>
-#include <optional>
 #include <utility>
 
 #include "pcavr/core/parallel.hpp"
+
+#include "beside.hpp"
 
 namespace pcavr {
 
@@ -18,8 +19,7 @@ class OneAhead {
   using Item = decltype(std::declval<Producer&>()());
 
   OneAhead(Producer producer, Parallelism parallelism)
-      : producer_(std::move(producer)),
-        policy_(parallelism.threads > 1 ? std::launch::async : std::launch::deferred) {
+      : producer_(std::move(producer)), parallelism_(parallelism) {
     start();
   }
   ~OneAhead() {
@@ -38,11 +38,11 @@ class OneAhead {
 
  private:
   void start() {
-    next_ = std::async(policy_, [this] { return producer_(); });
+    next_ = beside(parallelism_, [this] { return producer_(); });
   }
 
   Producer producer_;
-  std::launch policy_;
+  Parallelism parallelism_;
   std::future<Item> next_;
 };
 

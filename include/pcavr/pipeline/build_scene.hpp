@@ -14,9 +14,12 @@ namespace pcavr {
 struct BuildOptions {
   double voxel_size = 0.005;           ///< of the mesh [m]; smaller shows more, and costs more
   double occupancy_resolution = 0.02;  ///< edge of an occupancy cell [m]
-  DepthNoise depth_noise = {};         ///< of the sensor that recorded
-  bool trust_poses = false;            ///< take groundtruth.txt as given, not as a measurement
-  bool skip_bad = false;               ///< leave out frames that don't decode, and count them
+  /// Free space is carved from one frame in this time [s]: nearby frames see the same cells, and a
+  /// planner wants no more than 10 Hz. Smaller costs more and clears moving things sooner.
+  double occupancy_interval = 0.1;
+  DepthNoise depth_noise = {};  ///< of the sensor that recorded
+  bool trust_poses = false;     ///< take groundtruth.txt as given, not as a measurement
+  bool skip_bad = false;        ///< leave out frames that don't decode, and count them
   /// Surface that fewer frames than this agree on is left out: single readings lie.
   double smallest_weight = 2.0;
   /// Connected parts of the mesh with less area than this are left out [m^2].
