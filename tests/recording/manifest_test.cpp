@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/recording/manifest.hpp"
 
+#include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
+
+#include "pcavr/core/output.hpp"
 
 namespace pcavr {
 namespace {
@@ -134,6 +137,20 @@ TEST(Manifest, NamesThePlaceInsideTheFile) {
   const Expected<Manifest> manifest = parse_manifest(full_with("0.16", "0"), "m.yaml");
   ASSERT_FALSE(manifest.has_value());
   EXPECT_EQ(manifest.error().place, "markers[0].size");
+}
+
+TEST(Manifest, TakesEveryTagLayoutThatIsShipped) {
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(PCAVR_SOURCE_DIR "/calib/tags")) {
+    const std::string text =
+        "format: pcavr-recording/1\nobjects: [{name: box, mesh: objects/box.obj}]\n" +
+        read_file(entry.path()).value();
+    const Expected<Manifest> manifest = parse_manifest(text, entry.path().string());
+    ASSERT_TRUE(manifest) << manifest.error().to_string();
+    EXPECT_FALSE(manifest->markers.empty());
+    ++files;
+  }
+  EXPECT_GE(files, 3);
 }
 
 }  // namespace
