@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include <Eigen/Core>
+
+namespace pcavr {
+
+/// How far from a centre the support bears on average [m]: the integral of pressure times |r| over
+/// the contact patch, over the integral of pressure. With the largest friction force F [N], the
+/// largest moment about that centre is F times this [Goyal et al. 1991]. Nothing here allocates.
+
+/// Of a simple polygon under even pressure, its corners in either sense; 0 where it has no area.
+[[nodiscard]] double mean_radius(std::span<const Eigen::Vector2d> polygon,
+                                 const Eigen::Vector2d& centre) noexcept;
+
+/// Of a rectangle with the sides given [m] about its middle.
+[[nodiscard]] double mean_radius_of_rectangle(double length, double width) noexcept;
+
+/// The shares of the weight that three points bear, their sum 1. Nothing where the points lie on a
+/// line, or the centre of mass outside of them: the body would tip.
+[[nodiscard]] std::optional<std::array<double, 3>> support_shares(
+    const std::array<Eigen::Vector2d, 3>& points, const Eigen::Vector2d& centre_of_mass) noexcept;
+
+/// Of three points that bear the shares given.
+[[nodiscard]] double mean_radius(const std::array<Eigen::Vector2d, 3>& points,
+                                 const std::array<double, 3>& shares,
+                                 const Eigen::Vector2d& centre) noexcept;
+
+}  // namespace pcavr

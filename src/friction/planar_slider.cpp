@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/friction/planar_slider.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "quartic.hpp"
+
+namespace pcavr {
+namespace {
+
+/// [fx fy m] or [vx vy omega] turned by an angle about the vertical.
+Eigen::Vector3d turned(const Eigen::Vector3d& vector, double angle) noexcept {
+  Eigen::Vector3d result = vector;
+  result.head<2>() = Eigen::Rotation2Dd(angle) * vector.head<2>();
+  return result;
+}
+
+/// What g (target - u) lacks to be `multiplier` times the surface's normal at u, and u to be on it.
+struct Residual {
+  detail::QuarticValue quartic;
+  Eigen::Vector4d value;
+
+  Residual(const LimitSurface& surface, const Eigen::Vector3d& metric,
+           const Eigen::Vector3d& target, const Eigen::Vector3d& u, double multiplier) noexcept
+      : quartic(detail::evaluate_quartic(surface.coefficients, u)) {
+    value.head<3>() = metric.cwiseProduct(target - u) - multiplier * quartic.gradient;
+    value[3] = 1.0 - quartic.value;
+  }
+};
+
+/// A wrench on the surface in its units, and how hard the surface holds it there.
+struct Projection {
+  Eigen::Vector3d u = Eigen::Vector3d::Zero();
+  double multiplier = 0.0;
+  bool has_converged = false;
+};
+
+/// Newton's method on the conditions of Karush, Kuhn and Tucker, damped, from the radial point: a
+/// handful of rounds where the surface is no needle.
+Projection project_fast(const LimitSurface& surface, const Eigen::Vector3d& metric,
+                        const Eigen::Vector3d& target, double target_level) noexcept {
+  Projection p;
+  p.u = target / target_level;
+  const Eigen::Vector3d normal = detail::evaluate_quartic(surface.coefficients, p.u).gradient;
+  p.multiplier = normal.dot(metric.cwiseProduct(target - p.u)) / normal.squaredNorm();
+  const double enough = 1e-11 * (1.0 + target.norm());
+  Residual residual(surface, metric, target, p.u, p.multiplier);
+  for (int i = 0; i < 30 && residual.value.norm() > enough; ++i) {
+    Eigen::Matrix4d jacobian = Eigen::Matrix4d::Zero();
+    jacobian.topLeftCorner<3, 3>() = p.multiplier * residual.quartic.hessian;
+    jacobian.topLeftCorner<3, 3>().diagonal() += metric;
+    jacobian.topRightCorner<3, 1>() = residual.quartic.gradient;
+    jacobian.bottomLeftCorner<1, 3>() = residual.quartic.gradient.transpose();
+    Eigen::Vector4d step = jacobian.partialPivLu().solve(residual.value);
+    const double size = residual.value.norm();
+    for (int halving = 0; halving < 12; ++halving, step *= 0.5) {
+      residual = Residual(surface, metric, target, p.u + step.head<3>(), p.multiplier + step[3]);
+      if (residual.value.norm() < size) break;
+    }
+    p.u += step.head<3>();
+    p.multiplier += step[3];
+  }
+  p.has_converged = residual.value.norm() <= enough && p.multiplier >= 0.0;
+  return p;
+}
+
+/// Where half the squared distance to `target` plus multiplier times H is least: strictly convex.
+Eigen::Vector3d least_penalised(const LimitSurface& surface, const Eigen::Vector3d& metric,
+                                const Eigen::Vector3d& target, double multiplier,
+                                Eigen::Vector3d u) noexcept {
+  const auto cost = [&](const Eigen::Vector3d& at) {
+    return 0.5 * metric.dot((target - at).cwiseAbs2()) +
+           multiplier * detail::evaluate_quartic(surface.coefficients, at).value;
+  };
+  for (int i = 0; i < 50; ++i) {
+    const Residual residual(surface, metric, target, u, multiplier);
+    const Eigen::Vector3d slope = residual.value.head<3>();
+    if (slope.norm() <= 1e-13 * (1.0 + target.norm())) break;
+    Eigen::Matrix3d curvature = multiplier * residual.quartic.hessian;
+    curvature.diagonal() += metric;
+    Eigen::Vector3d step = curvature.ldlt().solve(slope);
+    const double before = cost(u);
+    for (int halving = 0; halving < 40 && cost(u + step) > before; ++halving) step *= 0.5;
+    u += step;
+  }
+  return u;
+}
+
+/// The slow way that can't fail: H falls as its multiplier grows.
+Projection project_surely(const LimitSurface& surface, const Eigen::Vector3d& metric,
+                          const Eigen::Vector3d& target) noexcept {
+  double low = -700.0;  // of the multiplier's logarithm: the range of double
+  double high = 700.0;
+  Projection p;
+  p.u = target;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    p.u = least_penalised(surface, metric, target, std::exp(middle), target);
+    (detail::evaluate_quartic(surface.coefficients, p.u).value > 1.0 ? low : high) = middle;
+  }
+  return p;
+}
+
+/// The point of the surface next to `target`, which lies outside, in the diagonal metric given.
+Eigen::Vector3d project(const LimitSurface& surface, const Eigen::Vector3d& metric,
+                        const Eigen::Vector3d& target, double target_level) noexcept {
+  const Eigen::Vector3d weights = metric / metric.maxCoeff();
+  const Projection fast = project_fast(surface, weights, target, target_level);
+  return fast.has_converged ? fast.u : project_surely(surface, weights, target).u;
+}
+
+FrictionPhase phase_at_rest(const PlanarFriction& friction, double load_level) noexcept {
+  return load_level < friction.holding - friction.holding_std ? FrictionPhase::held
+                                                              : FrictionPhase::critical;
+}
+
+/// At rest under a load that friction balances.
+PlanarStep rest(const PlanarFriction& friction, const PlanarState& state,
+                const Eigen::Vector3d& load, double load_level) noexcept {
+  PlanarStep step;
+  step.state = state;
+  step.state.twist.setZero();
+  step.state.phase = phase_at_rest(friction, load_level);
+  const double borne = std::max(friction.holding, 1.0);
+  step.friction = load_level > borne ? Eigen::Vector3d(-load * borne / load_level) : -load;
+  return step;
+}
+
+void advance(PlanarState& state, const Eigen::Vector3d& mean_twist, double time) noexcept {
+  state.position += time * mean_twist.head<2>();
+  state.yaw += time * mean_twist.z();
+}
+
+}  // namespace
+
+PlanarStep step_planar(const PlanarFriction& friction, const PlanarState& state,
+                       const Eigen::Vector3d& load, double dt) noexcept {
+  const bool is_moving = !state.twist.isZero(0.0);
+  const double axes = state.yaw + 0.5 * dt * state.twist.z();  // in the middle of the step
+  const Eigen::Vector3d load_body = turned(load, -axes);
+  const double load_level = level(friction.sliding, load_body);
+  if (!load.allFinite() || !(dt > 0.0)) return rest(friction, state, Eigen::Vector3d::Zero(), 0.0);
+  if (!is_moving && load_level <= std::max(friction.holding, 1.0)) {
+    return rest(friction, state, load, load_level);
+  }
+
+  const Eigen::Vector3d mass(friction.mass, friction.mass, friction.inertia);
+  const Eigen::Vector3d drag(friction.viscous, friction.viscous, friction.viscous_turning);
+  const Eigen::Vector3d before = turned(state.twist, -axes);
+  // What would stop the body within the step.
+  const double stopping_level = level(friction.sliding, load_body + mass.cwiseProduct(before) / dt);
+  if (stopping_level <= 1.0) {
+    PlanarStep step = rest(friction, state, load, load_level);
+    // It needs that share of the step to stop, at half its speed on average.
+    advance(step.state, 0.5 * state.twist, dt * stopping_level);
+    return step;
+  }
+
+  // Implicit midpoint: M (mean - before) / (dt / 2) = load - drag mean - borne.
+  const Eigen::Vector3d inertia = 2.0 * mass / dt + drag;
+  const Eigen::Vector3d pushing = load_body + 2.0 * mass.cwiseProduct(before) / dt;
+  const double pushing_level = level(friction.sliding, pushing);
+  Eigen::Vector3d borne = pushing;
+  if (pushing_level > 1.0) {
+    const Eigen::Vector3d scale = detail::scale_of(friction.sliding);
+    borne = scale.cwiseProduct(project(friction.sliding,
+                                       scale.cwiseProduct(scale).cwiseQuotient(inertia),
+                                       pushing.cwiseQuotient(scale), pushing_level));
+  }
+  const Eigen::Vector3d mean = (pushing - borne).cwiseQuotient(inertia);
+  PlanarStep step;
+  step.state = state;
+  step.state.twist = turned(2.0 * mean - before, axes);
+  step.state.phase = FrictionPhase::sliding;
+  step.friction = turned(-borne - drag.cwiseProduct(mean), axes);
+  advance(step.state, turned(mean, axes), dt);
+  return step;
+}
+
+}  // namespace pcavr

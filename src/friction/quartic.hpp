@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include <Eigen/Core>
+
+#include "pcavr/friction/limit_surface.hpp"
+
+namespace pcavr::detail {
+
+/// A quartic form at one point, in the surface's own units u.
+struct QuarticValue {
+  double value = 0.0;
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+};
+
+[[nodiscard]] QuarticValue evaluate_quartic(const std::array<double, 15>& coefficients,
+                                            const Eigen::Vector3d& u) noexcept;
+
+/// The coefficients of (l . u)^4.
+[[nodiscard]] std::array<double, 15> fourth_power_of(const Eigen::Vector3d& l) noexcept;
+
+/// What turns a wrench into u by division, and a twist into its conjugate by multiplication with
+/// scale / force.
+[[nodiscard]] inline Eigen::Vector3d scale_of(const LimitSurface& surface) noexcept {
+  return {surface.force, surface.force, surface.force * surface.length};
+}
+
+}  // namespace pcavr::detail
