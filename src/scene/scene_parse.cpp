@@ -169,18 +169,7 @@ SceneManifest manifest_of_yaml(const YamlValue& root) {
 }  // namespace
 
 Expected<SceneManifest> parse_scene_manifest(const std::string& text, const std::string& file) {
-  try {
-    return manifest_of_yaml(YamlValue(YAML::Load(text), ""));
-  } catch (const YamlFailure& failure) {
-    Error error = failure.error;
-    error.file = file;
-    return error;
-  } catch (const YAML::Exception& exception) {
-    return Error{.message = "is not YAML: " + exception.msg,
-                 .file = file,
-                 .line = exception.mark.line + 1,
-                 .mend = "correct the line, mind the indentation"};
-  }
+  return parse_yaml<SceneManifest>(text, file, manifest_of_yaml);
 }
 
 }  // namespace pcavr
