@@ -42,6 +42,7 @@ int run(const Action& action, bool as_json) {
 int run_command_line(int argc, char** argv) {
   CLI::App app("Point-cloud augmented VR scenes from recorded depth frames, in the robot's base.");
   app.set_version_flag("--version", "pcavr " PCAVR_VERSION);
+  app.name("pcavr");
   app.require_subcommand(1);
   app.fallthrough();
   bool as_json = false;

@@ -101,7 +101,7 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
     if (!followed) return followed.error();
     if (!*followed) return {};
     use(**followed);
-    observer.on_progress("fusing", (*followed)->frame.index + 1, recording.frames.size());
+    observer.on_progress("following", (*followed)->frame.index + 1, recording.frames.size());
   }
 }
 

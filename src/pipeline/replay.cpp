@@ -60,6 +60,18 @@ std::optional<CameraTrack> camera_of_scene(const Recording& recording, const Tra
   return track;
 }
 
+void warn_of_unseen(const Replay& replay, const Observer& observer) {
+  for (const ReplayedObject& object : replay.objects) {
+    const bool is_seen = std::any_of(
+        object.observations.begin(), object.observations.end(),
+        [](const ObjectObservation& seen) { return seen.evidence != ObjectEvidence::none; });
+    if (!is_seen) {
+      observer.on_warning(object.name +
+                          " was not seen in any frame: are its tags in the recording's manifest?");
+    }
+  }
+}
+
 }  // namespace
 
 Expected<Replay> replay_tracking(const Recording& recording, const SceneManifest& scene,
@@ -96,6 +108,7 @@ Expected<Replay> replay_tracking(const Recording& recording, const SceneManifest
         }
       });
   if (!done) return done.error();
+  warn_of_unseen(replay, observer);
   clock.end();
   replay.frames_recorded = recording.frames.size() + recording.unpaired_color;
   replay.frames_dropped = dropped_frames(recording, *survey);
