@@ -113,6 +113,7 @@ SceneObject to_scene_object(const MovableBody& body, const std::vector<ObjectObs
     still_at_start = still_at_start && (seen.is_at_rest || first == nullptr || !first->is_at_rest);
     if (first == nullptr || (still_at_start && seen.is_at_rest)) first = &seen;
     last = &seen;
+    if (seen.evidence != ObjectEvidence::tags_and_shape) continue;
     translations.push_back(seen.refinement_translation);
     rotations.push_back(seen.refinement_rotation);
   }

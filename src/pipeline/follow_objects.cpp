@@ -16,6 +16,12 @@ namespace {
 
 /// A body's silhouette is grown by this much, for colour bleeding and the pose's last error [px].
 constexpr int kBodyMarginPixels = 3;
+/// What may look like the object's motion and is the camera's. A fixed camera has none.
+CameraUncertainty jitter_of(const FramePlacement& placement, bool is_fixed_camera) {
+  if (is_fixed_camera || !std::isfinite(placement.position_sigma)) return {};
+  return {placement.position_sigma, placement.rotation_sigma};
+}
+
 /// A body's tracker, and where the body was last known to be: from the start where it was first
 /// seen, because a body rests until it is touched.
 struct Followed {
@@ -80,7 +86,8 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
       const Pose T_camera_base = followed.T_base_camera.inverse();
       for (Followed& body : all) {
         followed.objects.push_back(
-            body.tracker.track(image, survey.detections[image.index], followed.T_base_camera));
+            body.tracker.track(image, survey.detections[image.index], followed.T_base_camera,
+                               jitter_of(placement, survey.camera.is_fixed_camera)));
         const ObjectObservation& seen = followed.objects.back();
         if (seen.evidence != ObjectEvidence::none) body.T_base_object = seen.T_base_object;
         if (!body.T_base_object) continue;

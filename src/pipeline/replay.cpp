@@ -41,8 +41,10 @@ Expected<std::vector<MovableBody>> bodies_of(const Recording& recording,
 }
 
 /// The camera poses that the scene was built with, if they cover this recording.
-std::optional<CameraTrack> camera_of_scene(const Recording& recording, const Trajectory& poses) {
+std::optional<CameraTrack> camera_of_scene(const Recording& recording, const Trajectory& poses,
+                                           const SceneQuality& quality) {
   CameraTrack track;
+  track.is_fixed_camera = quality.is_fixed_camera;
   std::size_t placed = 0;
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
     const Stamp stamp = recording.frames[i].depth_stamp;
@@ -52,6 +54,8 @@ std::optional<CameraTrack> camera_of_scene(const Recording& recording, const Tra
     if (const auto nearest = poses.nearest(stamp, kSameFrame)) {
       placement.status = PlacementStatus::placed;
       placement.T_base_camera = poses.poses()[*nearest].pose;
+      placement.position_sigma = quality.camera_position_sigma;
+      placement.rotation_sigma = quality.camera_rotation_sigma;
       ++placed;
     }
     track.frames.push_back(placement);
@@ -92,7 +96,7 @@ Expected<Replay> replay_tracking(const Recording& recording, const SceneManifest
 
   clock.begin("tags and camera");
   Replay replay;
-  std::optional<CameraTrack> known = camera_of_scene(recording, *scene_camera);
+  std::optional<CameraTrack> known = camera_of_scene(recording, *scene_camera, scene.quality);
   replay.camera_from_scene = known.has_value();
   Expected<Survey> survey =
       survey_recording(recording, *bodies, survey_options, observer, std::move(known));
