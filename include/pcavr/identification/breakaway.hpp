@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pcavr/identification/parameter.hpp"
+
+namespace pcavr {
+
+struct BreakawayOptions {
+  double half_width = 0.010;        ///< [s] of the smoothing; at least three samples are taken
+  double contact_deviations = 6.0;  ///< smoothed force above this many deviations: contact
+  double guard = 0.080;             ///< [s] newest stretch that the line is not fitted to
+  double alarm_deviations = 5.0;    ///< shortfall below the line, in deviations of the force, ...
+  double alarm_share = 0.03;        ///< ... and as a share of the line: both raise the alarm
+  double peak_drop = 0.03;          ///< the peak is over when the force fell by this share, ...
+  double flat_time = 0.080;         ///< [s] ... or did not rise any more for this long
+};
+
+/// One push, until the object gave way.
+struct Breakaway {
+  bool is_found = false;
+  double t_contact = 0.0;  ///< [s] first touch
+  double t_alarm = 0.0;    ///< [s] the force left the line
+  double t_decided = 0.0;  ///< [s] when it was known: drop or flatness seen, filter delay included
+  double t = 0.0;          ///< [s] the force's peak
+  double force = 0.0;      ///< [N] there: the limiting static friction as the tool feels it
+  double deviation = 0.0;  ///< [N] of that force, from the sensor's noise
+  double loading_rate = 0.0;     ///< [N/s] on the way up; breakaway depends on it
+  double stiffness = 0.0;        ///< [N/m] slope of the line
+  double tool_at_contact = 0.0;  ///< [m] where the line meets zero force
+  std::string reason;            ///< why none was found
+};
+
+/// Stress mutation analysis [paper C, SMA], without a hand and without a press. The line of an
+/// object that stands still is fitted in the push itself, F = c0 + c1 d, its newest stretch left
+/// out; an alarm when the force stays below it by 5 deviations and 3 %; then the force is followed
+/// to its peak, until it has dropped by 3 % or gone flat. Paper C holds the push against the law of
+/// an earlier press instead: 3 % of error in that stiffness give biases to -60 %. Each decision
+/// uses samples up to its own instant only.
+[[nodiscard]] Breakaway find_breakaway(const ForceMotion& push,
+                                       const BreakawayOptions& options = {});
+
+/// F_M of repeated pushes [paper C, eq. 9, 10].
+struct LimitingFriction {
+  double mean = 0.0;                    ///< F_M [N]
+  double deviation = 0.0;               ///< STD over the pushes [N]: half the critical band
+  double deviation_of_mean = 0.0;       ///< [N]
+  double loading_rate = 0.0;            ///< [N/s] mean; F_M holds at about this rate
+  double loading_rate_deviation = 0.0;  ///< [N/s]
+  int pushes = 0;                       ///< that broke away
+  int missed = 0;                       ///< that did not
+};
+
+[[nodiscard]] LimitingFriction limiting_friction(std::span<const Breakaway> pushes);
+
+}  // namespace pcavr

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pcavr/identification/parameter.hpp"
+
+namespace pcavr {
+
+enum class ContactRegressor {
+  mass_damper_spring,  ///< F = m x'' + b x' + k x
+  hunt_crossley        ///< F = k x^n + lambda x^n x'
+};
+
+struct ContactFitOptions {
+  double half_width = 0.012;  ///< [s] of the smoothing; at least three samples are taken
+  /// Contact where the smoothed force exceeds this many of its own deviations.
+  double contact_deviations = 6.0;
+  /// Hunt-Crossley: all presses meet the surface at one place, which tells the exponent several
+  /// times better. False for presses on different spots.
+  bool is_surface_shared = true;
+  /// [s] > 0: each signal less its own mean over this half width is fitted, by the linear law only.
+  /// For a tip that wanders over a surface while it oscillates, so that no depth is known. About
+  /// one period of the oscillation.
+  double drift_half_width = 0.0;
+};
+
+/// One law fitted to all presses together.
+struct ContactFit {
+  ContactRegressor regressor = ContactRegressor::mass_damper_spring;
+  bool is_valid = false;          ///< enough samples, and the stiffness came out positive
+  IdentifiedParameter mass;       ///< m [kg]; mass_damper_spring only
+  IdentifiedParameter damping;    ///< b [N s/m] or lambda [N s/m^(n+1)]
+  IdentifiedParameter stiffness;  ///< k [N/m^n]
+  IdentifiedParameter exponent;   ///< n; 1 for mass_damper_spring
+  std::vector<double> surface;    ///< [m] tool coordinate at which x = 0, one for each press that
+                                  ///< touched
+  double residual = 0.0;          ///< [N] rms of measured minus estimated, smoothed force
+  double relative_error = 0.0;    ///< residual over the rms force
+  std::size_t samples = 0;
+};
+
+struct ContactIdentification {
+  ContactFit mass_damper_spring;
+  ContactFit hunt_crossley;
+  ContactRegressor chosen = ContactRegressor::mass_damper_spring;  ///< by the residual
+  std::string proposal;  ///< a better motion, where something was not excited; else empty
+
+  [[nodiscard]] const ContactFit& best() const {
+    return chosen == ContactRegressor::hunt_crossley ? hunt_crossley : mass_damper_spring;
+  }
+};
+
+/// The contact law from presses against something that does not move away, at any number of speeds.
+/// Both laws are fitted, with the surface's place as an unknown; the smaller residual wins, the
+/// linear law where they are within 2 % of each other (paper C takes the linear one always: on a
+/// Hunt-Crossley contact that costs per cents of force). Remove the time offset between force and
+/// tool first: it shifts the surface with the speed.
+[[nodiscard]] ContactIdentification identify_contact(std::span<const ForceMotion> presses,
+                                                     const ContactFitOptions& options = {});
+
+}  // namespace pcavr

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+
+namespace pcavr {
+
+/// How an estimator lets go of old samples.
+enum class EstimationMethod {
+  block,        ///< BSLS: least squares over the last `window` samples, older ones forgotten
+  exponential,  ///< EWRLS: weight `forgetting`^age
+  adaptive      ///< affRLS: weight 1 in quiet times, less after a change; see ParameterEstimator
+};
+
+/// N is the number of parameters, 1 to 4.
+template <int N>
+struct EstimatorOptions {
+  EstimationMethod method = EstimationMethod::adaptive;
+  /// Typical magnitude of each regressor, in its own unit, > 0. It only conditions the arithmetic
+  /// and gives `prior_information` its meaning.
+  std::array<double, N> scale = ones();
+  int window = 30;                ///< samples of a block, >= N + 1
+  double forgetting = 0.98;       ///< exponential: in (0, 1]; the larger, the longer the memory
+  double least_forgetting = 0.8;  ///< adaptive: lambda_min right after a change, in (0, 1)
+  int error_window = 10;          ///< adaptive: samples the squared error is averaged over
+  /// Standard deviation of the measured value's noise. Empty: measured while running, from errors
+  /// clipped at three deviations. Give it where the model may be wrong: a measured one takes the
+  /// model's misfit for noise in the long run.
+  std::optional<double> noise_deviation = {};
+  /// Least information kept on each scaled parameter; P stays below its inverse.
+  double prior_information = 1e-6;
+  /// Least rms of what the other regressors do not explain of this one, in its own unit. Below it
+  /// the parameter counts as not excited. Put what the regressor's own noise could make up.
+  std::array<double, N> least_excitation = {};
+  /// How many successive samples count as one independent sample (filtered noise is correlated);
+  /// widens the deviations by its square root. >= 1
+  double correlated_samples = 1.0;
+
+  static constexpr std::array<double, N> ones() {
+    std::array<double, N> values{};
+    for (double& value : values) value = 1.0;
+    return values;
+  }
+};
+
+template <int N>
+struct ParameterEstimate {
+  std::array<double, N> value = {};
+  std::array<double, N> deviation = {};  ///< standard deviation; infinite before N + 1 samples
+  /// False: the samples in memory do not tell this parameter from the others, or from noise.
+  std::array<bool, N> is_excited = {};
+  double residual_variance = 0.0;  ///< of the measured value about the model, its unit squared
+  double samples = 0.0;            ///< in memory, weighted
+};
+
+/// What one sample did.
+struct EstimatorStep {
+  double prediction = 0.0;  ///< by the parameters as they were before this sample
+  double error = 0.0;       ///< measured - prediction
+  double forgetting = 1.0;  ///< lambda used
+  bool was_used = false;    ///< false: not finite or absurd; nothing was changed
+};
+
+/// Linear parameters y = phi . theta, sample by sample, by the three methods behind one interface.
+///
+/// All three hold the information matrix R (the inverse of P) in scaled units:
+///
+///     R <- lambda R + (1 - lambda) delta I + phi phi',   theta <- theta + R^-1 phi (y - phi'theta)
+///
+/// the leak delta keeps P <= I/delta without excitation: nothing winds up, and theta stays where it
+/// was [Gunnarsson 1996, Combining tracking and regularization in recursive least squares
+/// identification]. R is symmetric by construction, and lambda = 1 is plain least squares.
+///
+/// The adaptive law of lambda is the unity zone of [Park, Jun & Kim 1991, Fast tracking RLS
+/// algorithm using novel variable forgetting factor with unity zone]
+///
+///     lambda = lambda_min + (1 - lambda_min) 2^(-round(rho e2)),   rho = 1 / (19 sigma^2)
+///
+/// but lambda_min is lowered to (L / samples)^(1/L) where the memory is so long that
+/// `least_forgetting` would not empty it down to L samples within the error window of L. Here e2 is
+/// the mean squared prediction error over that window, each divided by 1 + phi'P phi, so that not
+/// yet knowing is not taken for a change. Noise alone rounds to lambda = 1: a mean of ten white
+/// errors comes to 19/2 variances less than once in 1e13; noise that a filter made one sample of
+/// ten, some times in a thousand, and costs little.
+///
+/// Units: the caller's. Threads: one writer. step() neither allocates nor throws.
+template <int N>
+class ParameterEstimator {
+  static_assert(N >= 1 && N <= 4);
+
+ public:
+  /// Throws ContractError for an option out of its range.
+  explicit ParameterEstimator(const EstimatorOptions<N>& options = {},
+                              const std::array<double, N>& initial = {});
+  ParameterEstimator(ParameterEstimator&&) noexcept;
+  ParameterEstimator& operator=(ParameterEstimator&&) noexcept;
+  ~ParameterEstimator();
+
+  EstimatorStep step(const std::array<double, N>& regressors, double measured) noexcept;
+
+  /// Solves for the deviations and the excitation; dearer than a step.
+  [[nodiscard]] ParameterEstimate<N> estimate() const noexcept;
+  [[nodiscard]] std::array<double, N> parameters() const noexcept;
+  /// P in the caller's units, row by row.
+  [[nodiscard]] std::array<double, N * N> covariance_shape() const noexcept;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+extern template class ParameterEstimator<1>;
+extern template class ParameterEstimator<2>;
+extern template class ParameterEstimator<3>;
+extern template class ParameterEstimator<4>;
+
+}  // namespace pcavr

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+namespace pcavr {
+
+/// One identified number, and how far to trust it.
+struct IdentifiedParameter {
+  double value = 0.0;
+  double deviation = 0.0;   ///< standard deviation, in the value's unit
+  bool is_excited = false;  ///< false: the motion did not tell it; the value means nothing
+};
+
+/// Tool and force along ONE direction on one clock: what every procedure here works on. The
+/// direction is the one in which the tool pushes, so that force and progress are positive.
+struct ForceMotion {
+  std::span<const double> t;      ///< [s], strictly ascending
+  std::span<const double> tool;   ///< [m] the tip's coordinate, growing into the object
+  std::span<const double> force;  ///< [N] that the tool exerts, > 0 in contact, bias removed
+};
+
+}  // namespace pcavr

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/identification/breakaway.hpp"
+#include "pcavr/identification/parameter.hpp"
+
+namespace pcavr {
+
+enum class ContactKind {
+  press,  ///< mostly along z: the support holds against it
+  push,   ///< along the plane; the object held
+  slide   ///< along the plane; the object gave way and slid
+};
+
+/// A stretch in which the object slid.
+struct SlideInterval {
+  double begin = 0.0;  ///< [s]
+  double end = 0.0;    ///< [s]
+};
+
+/// One contact, from first touch to parting; its series are on the force's stamps.
+struct ContactEpisode {
+  ContactKind kind = ContactKind::push;
+  double begin = 0.0;                                        ///< [s]
+  double end = 0.0;                                          ///< [s]
+  Eigen::Vector3d direction_base = Eigen::Vector3d::Zero();  ///< unit, of the mean force
+  double peak_force = 0.0;                                   ///< [N] smoothed
+  Breakaway breakaway;                                       ///< pushes and slides only
+  std::vector<SlideInterval> slides;
+  /// Along `direction_base`, with some free time before and after. Bias and drift are removed.
+  std::vector<double> t, tool, force;
+
+  [[nodiscard]] ForceMotion series() const { return {t, tool, force}; }
+};
+
+struct SegmentationOptions {
+  double half_width = 0.010;      ///< [s] of the force's smoothing
+  double enter_deviations = 6.0;  ///< smoothed force: contact begins above these deviations, ...
+  double least_force = 0.3;       ///< [N] ... and above this (drift that is not yet known)
+  double leave_share = 0.5;       ///< of the entering threshold: contact ends below
+  double least_duration = 0.050;  ///< [s] shorter touches are disturbances; shorter gaps are closed
+  double margin = 0.200;          ///< [s] of free time kept around a contact
+  double slide_half_width = 0.030;  ///< [s] of the smoothing of the object's speed
+  double slide_speed = 0.001;       ///< [m/s] faster, and above the noise: it slides
+  BreakawayOptions breakaway = {};
+};
+
+struct Segmentation {
+  std::vector<ContactEpisode> contacts;     ///< in time's order; between them the tool is free
+  std::vector<Eigen::Vector3d> force_base;  ///< [N] despiked, bias and drift removed, per stamp
+  std::vector<Eigen::Vector3d> bias_base;   ///< [N] what was taken off
+  std::size_t spikes = 0;                   ///< single samples replaced, all axes
+  double noise = 0.0;                       ///< [N] of one raw sample, largest axis
+};
+
+/// Finds every contact of a recording without being told when: free stretches by the force at rest
+/// about its own slowly moving bias, then press or push by direction, then sliding by breakaway and
+/// by the speed of tool less compression. Force that the tool exerts, at `t_force`; tip at
+/// `t_tool`; both in base, stamps ascending, at least partly free of contact.
+[[nodiscard]] Segmentation segment_contacts(std::span<const double> t_force,
+                                            std::span<const Eigen::Vector3d> force_base,
+                                            std::span<const double> t_tool,
+                                            std::span<const Eigen::Vector3d> p_base_tip,
+                                            const SegmentationOptions& options = {});
+
+}  // namespace pcavr

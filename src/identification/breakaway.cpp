@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/identification/breakaway.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/identification/signals.hpp"
+
+namespace pcavr {
+namespace {
+
+// The line needs some samples before it predicts anything.
+constexpr int kLeastLineSamples = 20;
+// Samples in a row that must touch, or fall short, before it counts.
+constexpr int kInARow = 3;
+// Share of the line's rise below which a force counts as flat.
+constexpr double kFlatShare = 0.05;
+
+/// A straight line F = c0 + c1 d from running sums.
+struct Line {
+  double count = 0.0, d = 0.0, f = 0.0, dd = 0.0, df = 0.0;
+  void add(double depth, double force) {
+    count += 1.0, d += depth, f += force, dd += depth * depth, df += depth * force;
+  }
+  [[nodiscard]] double spread() const { return count * dd - d * d; }
+  [[nodiscard]] double slope() const { return (count * df - d * f) / spread(); }
+  [[nodiscard]] double at(double depth) const { return f / count + slope() * (depth - d / count); }
+};
+
+/// A push, smoothed, and what its noise is.
+struct SmoothPush {
+  std::span<const double> t;
+  std::vector<double> raw_force;  ///< despiked
+  std::vector<SmoothedSample> tool;
+  std::vector<SmoothedSample> force;
+  double half_width = 0.0;
+  double interval = 0.0;
+  double noise = 0.0;         ///< [N] of the raw force
+  double smooth_noise = 0.0;  ///< [N] of the smoothed force
+};
+
+SmoothPush smooth_push(const ForceMotion& push, const BreakawayOptions& options) {
+  SmoothPush result;
+  result.t = push.t;
+  const std::size_t count = push.t.size();
+  result.interval = (push.t.back() - push.t.front()) / static_cast<double>(count - 1);
+  result.half_width = std::max(options.half_width, 3.0 * result.interval);
+  result.raw_force = remove_spikes(push.force).values;
+  result.tool = smooth(push.t, push.tool, push.t, result.half_width);
+  result.force = smooth(push.t, result.raw_force, push.t, result.half_width);
+  result.noise = noise_deviation(result.raw_force);
+  result.smooth_noise =
+      result.noise / std::sqrt(correlated_samples(result.half_width, result.interval));
+  return result;
+}
+
+std::size_t find_contact(const SmoothPush& push, double threshold) {
+  int touching = 0;
+  for (std::size_t i = 0; i < push.t.size(); ++i) {
+    touching = push.force[i].is_valid && push.force[i].value > threshold ? touching + 1 : 0;
+    if (touching == kInARow) return i + 1 - kInARow;
+  }
+  return push.t.size();
+}
+
+struct Alarm {
+  std::size_t at = 0;
+  Line line;
+};
+
+/// The first instant at which the force stays below the line fitted to the push until `guard` ago.
+Alarm find_alarm(const SmoothPush& push, std::size_t contact, const BreakawayOptions& options) {
+  Alarm alarm{push.t.size(), {}};
+  Line line;
+  int short_of = 0;
+  std::size_t oldest = contact;
+  for (std::size_t i = contact; i < push.t.size() && push.force[i].is_valid; ++i) {
+    for (; push.t[oldest] < push.t[i] - options.guard; ++oldest) {
+      line.add(push.tool[oldest].value - push.tool[contact].value, push.force[oldest].value);
+    }
+    if (line.count < kLeastLineSamples || line.spread() <= 0.0) continue;
+    const double predicted = line.at(push.tool[i].value - push.tool[contact].value);
+    const double shortfall = predicted - push.force[i].value;
+    const bool is_short = shortfall > options.alarm_deviations * push.smooth_noise &&
+                          shortfall > options.alarm_share * predicted;
+    short_of = is_short ? short_of + 1 : 0;
+    if (short_of == kInARow) return {i, line};
+  }
+  alarm.line = line;
+  return alarm;
+}
+
+struct Peak {
+  std::size_t at = 0;
+  std::size_t decided = 0;
+  bool is_over = false;
+};
+
+/// Follows the force from the alarm to the end of its rise.
+Peak follow(const SmoothPush& push, std::size_t contact, const Alarm& alarm,
+            const BreakawayOptions& options) {
+  Peak peak{contact, alarm.at, false};
+  for (std::size_t i = contact; i < push.t.size() && push.force[i].is_valid; ++i) {
+    const double force = push.force[i].value;
+    const double highest = push.force[peak.at].value;
+    if (force > highest) peak.at = i;
+    if (i < alarm.at) continue;
+    peak.decided = i;
+    const bool has_dropped = force < (1.0 - options.peak_drop) * highest - 2.0 * push.smooth_noise;
+    std::size_t before = i;
+    while (before > alarm.at && push.t[before] > push.t[i] - options.flat_time) --before;
+    const double advance = push.tool[i].value - push.tool[before].value;
+    const double expected = std::abs(alarm.line.slope()) * std::abs(advance);
+    const bool is_flat = push.t[i] - push.t[before] >= options.flat_time &&
+                         force - push.force[before].value < kFlatShare * expected;
+    peak.is_over = has_dropped || is_flat;
+    if (peak.is_over) return peak;
+  }
+  return peak;
+}
+
+}  // namespace
+
+Breakaway find_breakaway(const ForceMotion& push, const BreakawayOptions& options) {
+  PCAVR_REQUIRE(push.t.size() == push.tool.size() && push.t.size() == push.force.size());
+  PCAVR_REQUIRE(options.half_width > 0.0 && options.guard > 0.0);
+  Breakaway found;
+  if (push.t.size() < 2 * kLeastLineSamples) {
+    found.reason = "too few samples";
+    return found;
+  }
+  const SmoothPush smooth = smooth_push(push, options);
+  const std::size_t contact =
+      find_contact(smooth, options.contact_deviations * smooth.smooth_noise);
+  if (contact == push.t.size()) {
+    found.reason = "no contact: the force never leaves the noise";
+    return found;
+  }
+  found.t_contact = push.t[contact];
+  const Alarm alarm = find_alarm(smooth, contact, options);
+  if (alarm.at == push.t.size()) {
+    found.reason = "the force follows the line to the end: the object did not give way";
+    return found;
+  }
+  found.t_alarm = push.t[alarm.at];
+  const Peak peak = follow(smooth, contact, alarm, options);
+  found.is_found = peak.is_over;
+  if (!peak.is_over) {
+    found.reason = "the force still rises where the push ends";
+    return found;
+  }
+  found.t_decided = push.t[peak.decided] + smooth.half_width;
+  found.t = push.t[peak.at];
+  found.force = smooth.force[peak.at].value;
+  found.deviation = smooth.smooth_noise;
+  found.stiffness = alarm.line.slope();
+  found.tool_at_contact = smooth.tool[contact].value + alarm.line.d / alarm.line.count -
+                          alarm.line.f / alarm.line.count / found.stiffness;
+  const double rise = found.t - found.t_contact;
+  if (rise > 0.0) found.loading_rate = (found.force - smooth.force[contact].value) / rise;
+  return found;
+}
+
+LimitingFriction limiting_friction(std::span<const Breakaway> pushes) {
+  LimitingFriction result;
+  double sum = 0.0, rate = 0.0;
+  for (const Breakaway& push : pushes) {
+    if (!push.is_found) {
+      ++result.missed;
+      continue;
+    }
+    ++result.pushes;
+    sum += push.force;
+    rate += push.loading_rate;
+  }
+  if (result.pushes == 0) return result;
+  result.mean = sum / result.pushes;
+  result.loading_rate = rate / result.pushes;
+  if (result.pushes < 2) return result;
+  double spread = 0.0, rate_spread = 0.0;
+  for (const Breakaway& push : pushes) {
+    if (!push.is_found) continue;
+    spread += std::pow(push.force - result.mean, 2);
+    rate_spread += std::pow(push.loading_rate - result.loading_rate, 2);
+  }
+  result.deviation = std::sqrt(spread / (result.pushes - 1));
+  result.loading_rate_deviation = std::sqrt(rate_spread / (result.pushes - 1));
+  result.deviation_of_mean = result.deviation / std::sqrt(result.pushes);
+  return result;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/identification/contact_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "pcavr/identification/estimator.hpp"
+#include "pcavr/identification/signals.hpp"
+
+#include "identification/contact_samples.hpp"
+
+namespace pcavr {
+namespace {
+
+// A regressor made of noise alone has its noise's rms; three times that is motion.
+constexpr double kNoiseFactor = 3.0;
+// Residuals this near to each other do not choose between laws.
+constexpr double kTie = 0.02;
+
+ContactSample mean_of(const std::vector<ContactSample>& samples) {
+  ContactSample mean;
+  const double weight = 1.0 / static_cast<double>(samples.size());
+  for (const ContactSample& sample : samples) {
+    mean.position += weight * sample.position;
+    mean.speed += weight * sample.speed;
+    mean.acceleration += weight * sample.acceleration;
+    mean.force += weight * sample.force;
+  }
+  return mean;
+}
+
+/// Typical magnitudes of acceleration, speed and position about each press's mean.
+std::array<double, 3> scales_of(const std::vector<PressSamples>& presses) {
+  std::array<double, 3> sum = {1e-18, 1e-18, 1e-18};  // a still signal has no scale of its own
+  double count = 1.0;
+  for (const PressSamples& press : presses) {
+    if (press.samples.empty()) continue;
+    const ContactSample mean = mean_of(press.samples);
+    for (const ContactSample& sample : press.samples) {
+      sum[0] += std::pow(sample.acceleration - mean.acceleration, 2);
+      sum[1] += std::pow(sample.speed - mean.speed, 2);
+      sum[2] += std::pow(sample.position - mean.position, 2);
+      count += 1.0;
+    }
+  }
+  for (double& value : sum) value = std::sqrt(value / count);
+  return sum;
+}
+
+/// Least squares on the signals less each press's mean: the surface's place drops out.
+ContactFit fit_linear(const std::vector<PressSamples>& presses) {
+  ContactFit fit;
+  EstimatorOptions<3> options;
+  options.method = EstimationMethod::exponential;
+  options.forgetting = 1.0;
+  options.prior_information = 1e-9;
+  options.scale = scales_of(presses);
+  const PressSamples& first = presses.front();
+  options.correlated_samples = correlated_samples(first.half_width, first.interval);
+  for (const PressSamples& press : presses) {
+    options.least_excitation[0] =
+        std::max(options.least_excitation[0], kNoiseFactor * press.acceleration_noise);
+    options.least_excitation[1] =
+        std::max(options.least_excitation[1], kNoiseFactor * press.speed_noise);
+  }
+  ParameterEstimator<3> estimator(options);
+  double energy = 0.0;
+  for (const PressSamples& press : presses) {
+    if (press.samples.empty()) continue;
+    const ContactSample mean = mean_of(press.samples);
+    for (const ContactSample& sample : press.samples) {
+      estimator.step({sample.acceleration - mean.acceleration, sample.speed - mean.speed,
+                      sample.position - mean.position},
+                     sample.force - mean.force);
+      energy += sample.force * sample.force;
+      ++fit.samples;
+    }
+  }
+  if (fit.samples < 12 + presses.size() || energy <= 0.0) return fit;
+  const ParameterEstimate<3> estimate = estimator.estimate();
+  fit.mass = {estimate.value[0], estimate.deviation[0], estimate.is_excited[0]};
+  fit.damping = {estimate.value[1], estimate.deviation[1], estimate.is_excited[1]};
+  fit.stiffness = {estimate.value[2], estimate.deviation[2], estimate.is_excited[2]};
+  fit.exponent = {1.0, 0.0, true};
+  const double samples = static_cast<double>(fit.samples);
+  fit.residual = std::sqrt(estimate.residual_variance * (samples - 3.0) / samples);
+  fit.relative_error = fit.residual / std::sqrt(energy / samples);
+  fit.is_valid = fit.stiffness.is_excited && fit.stiffness.value > 0.0;
+  for (const PressSamples& press : presses) {
+    const ContactSample mean = press.samples.empty() ? ContactSample{} : mean_of(press.samples);
+    const double lift =
+        mean.force - fit.mass.value * mean.acceleration - fit.damping.value * mean.speed;
+    fit.surface.push_back(mean.position - lift / fit.stiffness.value);
+  }
+  return fit;
+}
+
+std::string proposal_for(const ContactIdentification& found) {
+  const ContactFit& best = found.best();
+  if (!best.is_valid) return "press deeper, or longer: no stiffness could be told";
+  if (!best.damping.is_excited) {
+    return "press at several speeds, or modulate the press at 2 Hz, 1 mm: damping was not excited";
+  }
+  if (best.regressor == ContactRegressor::mass_damper_spring && !best.mass.is_excited) {
+    return "modulate the press at 10 Hz, 1 mm: the contact's mass was not excited";
+  }
+  return {};
+}
+
+}  // namespace
+
+ContactIdentification identify_contact(std::span<const ForceMotion> presses,
+                                       const ContactFitOptions& options) {
+  ContactIdentification found;
+  std::vector<PressSamples> samples;
+  for (const ForceMotion& press : presses) {
+    PressSamples cut = press_samples(press, options);
+    if (!cut.samples.empty()) samples.push_back(std::move(cut));
+  }
+  if (samples.empty()) {
+    found.proposal = proposal_for(found);
+    return found;
+  }
+  found.mass_damper_spring = fit_linear(samples);
+  if (options.drift_half_width <= 0.0) {
+    found.hunt_crossley = fit_hunt_crossley(samples, options.is_surface_shared);
+  }
+  const ContactFit& linear = found.mass_damper_spring;
+  const ContactFit& curved = found.hunt_crossley;
+  if (curved.is_valid && (!linear.is_valid || curved.residual < (1.0 - kTie) * linear.residual)) {
+    found.chosen = ContactRegressor::hunt_crossley;
+  }
+  found.proposal = proposal_for(found);
+  return found;
+}
+
+}  // namespace pcavr

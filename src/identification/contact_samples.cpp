@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "identification/contact_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/identification/signals.hpp"
+
+#include "identification/derivative_noise.hpp"
+
+namespace pcavr {
+namespace {
+
+/// The longest stretch above `threshold`, as [begin, end).
+std::pair<std::size_t, std::size_t> longest_contact(const std::vector<SmoothedSample>& force,
+                                                    double threshold) {
+  std::pair<std::size_t, std::size_t> best{0, 0};
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i <= force.size(); ++i) {
+    const bool is_touching = i < force.size() && force[i].is_valid && force[i].value > threshold;
+    if (is_touching) continue;
+    if (i - begin > best.second - best.first) best = {begin, i};
+    begin = i + 1;
+  }
+  return best;
+}
+
+/// Each signal less its own mean over a longer window.
+void take_off(const std::vector<SmoothedSample>& slow, std::vector<SmoothedSample>& samples) {
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].value -= slow[i].value;
+    samples[i].rate -= slow[i].rate;
+    samples[i].acceleration -= slow[i].acceleration;
+    samples[i].is_valid = samples[i].is_valid && slow[i].is_valid;
+  }
+}
+
+}  // namespace
+
+PressSamples press_samples(const ForceMotion& press, const ContactFitOptions& options) {
+  PCAVR_REQUIRE(press.t.size() == press.tool.size() && press.t.size() == press.force.size());
+  PCAVR_REQUIRE(options.half_width > 0.0, options.half_width);
+  PressSamples result;
+  const std::size_t count = press.t.size();
+  if (count < 20) return result;
+  result.interval = (press.t.back() - press.t.front()) / static_cast<double>(count - 1);
+  result.half_width = std::max(options.half_width, 3.0 * result.interval);
+  const std::vector<double> force = remove_spikes(press.force).values;
+  std::vector<SmoothedSample> x = smooth(press.t, press.tool, press.t, result.half_width);
+  std::vector<SmoothedSample> f = smooth(press.t, force, press.t, result.half_width);
+  const DerivativeNoise noise =
+      derivative_noise(noise_deviation(press.tool), result.half_width, result.interval);
+  result.speed_noise = noise.rate;
+  result.acceleration_noise = noise.acceleration;
+
+  const double force_noise =
+      noise_deviation(force) / std::sqrt(correlated_samples(result.half_width, result.interval));
+  auto [begin, end] = longest_contact(f, options.contact_deviations * force_noise);
+  if (end > begin) result.onset = x[begin].value;
+  // The window must not reach across the impact or the parting: the law has a kink there.
+  const auto margin = static_cast<std::size_t>(std::ceil(result.half_width / result.interval));
+  if (options.drift_half_width > 0.0) {
+    take_off(smooth(press.t, press.tool, press.t, options.drift_half_width), x);
+    take_off(smooth(press.t, force, press.t, options.drift_half_width), f);
+  }
+  for (std::size_t i = begin + margin; i + margin < end; ++i) {
+    if (!x[i].is_valid || !f[i].is_valid) continue;
+    result.samples.push_back({x[i].value, x[i].rate, x[i].acceleration, f[i].value});
+  }
+  return result;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "pcavr/identification/contact_fit.hpp"
+
+namespace pcavr {
+
+/// One instant of a press, all four filtered alike.
+struct ContactSample {
+  double position = 0.0;  ///< [m] into the object
+  double speed = 0.0;
+  double acceleration = 0.0;
+  double force = 0.0;
+};
+
+struct PressSamples {
+  std::vector<ContactSample> samples;  ///< in contact, away from its ends
+  double onset = 0.0;                  ///< [m] tool coordinate where the force was first seen
+  double interval = 0.0;               ///< [s] between samples
+  double half_width = 0.0;             ///< [s] of the smoothing
+  double speed_noise = 0.0;            ///< [m/s] standard deviations of the smoothed derivatives
+  double acceleration_noise = 0.0;     ///< [m/s^2]
+};
+
+/// Despiked, smoothed, cut to the contact.
+[[nodiscard]] PressSamples press_samples(const ForceMotion& press,
+                                         const ContactFitOptions& options);
+
+/// F = k x^n + lambda x^n x', by Gauss-Newton over k, lambda, n and the surface, one for all or
+/// one for each press.
+[[nodiscard]] ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses,
+                                           bool is_surface_shared);
+
+}  // namespace pcavr

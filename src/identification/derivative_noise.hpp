@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+namespace pcavr {
+
+struct DerivativeNoise {
+  double rate = 0.0;
+  double acceleration = 0.0;
+};
+
+/// What white noise on a signal becomes in the derivatives that smooth() gives: integrals of the
+/// squared derivatives of the kernel (15/16)(1 - u^2)^2, 15/7 and 22.5.
+[[nodiscard]] inline DerivativeNoise derivative_noise(double noise, double half_width,
+                                                      double interval) {
+  const double cube = half_width * half_width * half_width;
+  return {noise * std::sqrt(15.0 / 7.0 * interval / cube),
+          noise * std::sqrt(22.5 * interval / (cube * half_width * half_width))};
+}
+
+}  // namespace pcavr

@@ -1,0 +1,257 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/identification/estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/core/check.hpp"
+
+#include "identification/small_solve.hpp"
+
+namespace pcavr {
+namespace {
+
+// Regressors this far above their stated scale would drown the rest in rounding.
+constexpr double kAbsurd = 1e9;
+// Unity zone: rho = 1 / (19 sigma^2) [identification procedures; see the class].
+constexpr double kUnityZone = 19.0;
+// Share of a regressor's energy that the others must leave unexplained; below, the two parameters
+// are told apart by rounding and noise only.
+constexpr double kLeastOwnShare = 1e-4;
+// Samples over which the measured noise follows errors that grow, and that shrink.
+constexpr double kNoiseRise = 1000.0;
+constexpr double kNoiseFall = 100.0;
+
+}  // namespace
+
+template <int N>
+struct ParameterEstimator<N>::State {
+  using Vector = Eigen::Matrix<double, N, 1>;
+  using Matrix = Eigen::Matrix<double, N, N>;
+
+  State(const EstimatorOptions<N>& given, const std::array<double, N>& initial)
+      : options(given), information(Matrix::Identity() * given.prior_information) {
+    for (int i = 0; i < N; ++i) {
+      scale[i] = given.scale[static_cast<std::size_t>(i)];
+      theta[i] = initial[static_cast<std::size_t>(i)] * scale[i];
+      inverse_scale[i] = 1.0 / scale[i];
+    }
+    errors.assign(static_cast<std::size_t>(given.error_window), 0.0);
+    if (given.method == EstimationMethod::block) {
+      block.resize(static_cast<std::size_t>(given.window));
+    }
+    noise_variance = given.noise_deviation ? *given.noise_deviation * *given.noise_deviation : 0.0;
+  }
+
+  struct Row {
+    Vector phi = Vector::Zero();
+    double measured = 0.0;
+  };
+
+  void step_block(const Vector& phi, double measured) {
+    block[next_row] = {phi, measured};
+    next_row = (next_row + 1) % block.size();
+    rows = std::min(rows + 1, block.size());
+    information = Matrix::Identity() * options.prior_information;
+    Vector pull = Vector::Zero();
+    for (std::size_t i = 0; i < rows; ++i) {
+      information.noalias() += block[i].phi * block[i].phi.transpose();
+      pull += block[i].phi * (block[i].measured - block[i].phi.dot(theta));
+    }
+    theta += solve_positive<N>(information, pull);
+    samples = static_cast<double>(rows);
+  }
+
+  void step_recursive(const Vector& phi, double error, double lambda) {
+    information *= lambda;
+    information.diagonal().array() += (1.0 - lambda) * options.prior_information;
+    information.noalias() += phi * phi.transpose();
+    const Vector gain = solve_positive<N>(information, phi);
+    theta += gain * error;
+    leverage = std::min(phi.dot(gain), 1.0);
+    residual_sum = lambda * residual_sum + error * error * (1.0 - leverage);
+    samples = lambda * samples + 1.0;
+  }
+
+  /// The law of lambda from the errors before this sample.
+  [[nodiscard]] double forgetting() const {
+    if (options.method == EstimationMethod::exponential) return options.forgetting;
+    if (!is_settled() || noise_variance <= 0.0) return 1.0;
+    const double mean = error_sum / static_cast<double>(errors.size());
+    const double steps = std::round(mean / (kUnityZone * noise_variance));
+    if (steps <= 0.0) return 1.0;
+    const double window = static_cast<double>(errors.size());
+    const double emptying = std::pow(window / std::max(samples, window), 1.0 / window);
+    const double least = std::min(options.least_forgetting, emptying);
+    return least + (1.0 - least) * std::exp2(-steps);
+  }
+
+  /// Enough samples for errors to mean something: the parameters are more than determined, and the
+  /// window holds errors made by them.
+  [[nodiscard]] bool is_settled() const {
+    return static_cast<double>(seen) >
+           N * options.correlated_samples + static_cast<double>(errors.size());
+  }
+
+  void remember(double error) {
+    // phi'R^-1 phi with the new sample in R is L = q/(1+q), so 1/(1+q) is 1 - L.
+    const double squared = error * error * (1.0 - leverage);
+    error_sum += squared - errors[next_error];
+    errors[next_error] = squared;
+    next_error = (next_error + 1) % errors.size();
+    if (next_error == 0) {  // fresh sum once a window: rounding can't pile up
+      error_sum = 0.0;
+      for (const double e : errors) error_sum += e;
+    }
+    ++seen;
+    if (!options.noise_deviation) measure_noise(squared);
+  }
+
+  void measure_noise(double squared) {
+    if (!is_settled()) {
+      noise_variance = residual_sum / std::max(samples - N, 1.0);
+      return;
+    }
+    const double change = std::min(squared, 9.0 * noise_variance) - noise_variance;
+    noise_variance += change / (change > 0.0 ? kNoiseRise : kNoiseFall);
+  }
+
+  [[nodiscard]] double residual_variance() const {
+    const double freedom = samples - N;
+    if (freedom <= 0.0) return 0.0;
+    if (options.method != EstimationMethod::block) return residual_sum / freedom;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < rows; ++i) {
+      const double error = block[i].measured - block[i].phi.dot(theta);
+      sum += error * error;
+    }
+    return sum / freedom;
+  }
+
+  EstimatorOptions<N> options;
+  Matrix information;
+  Vector theta = Vector::Zero();
+  Vector scale = Vector::Ones();
+  Vector inverse_scale = Vector::Ones();
+  double samples = 0.0;
+  double residual_sum = 0.0;
+  double leverage = 0.0;
+  double noise_variance = 0.0;
+  std::vector<double> errors;
+  std::size_t next_error = 0;
+  double error_sum = 0.0;
+  std::size_t seen = 0;
+  std::vector<Row> block;
+  std::size_t next_row = 0;
+  std::size_t rows = 0;
+};
+
+template <int N>
+ParameterEstimator<N>::ParameterEstimator(const EstimatorOptions<N>& options,
+                                          const std::array<double, N>& initial) {
+  for (const double scale : options.scale) {
+    PCAVR_REQUIRE(scale > 0.0 && std::isfinite(scale), scale);
+  }
+  PCAVR_REQUIRE(options.window >= N + 1, options.window);
+  PCAVR_REQUIRE(options.forgetting > 0.0 && options.forgetting <= 1.0, options.forgetting);
+  PCAVR_REQUIRE(options.least_forgetting > 0.0 && options.least_forgetting < 1.0,
+                options.least_forgetting);
+  PCAVR_REQUIRE(options.error_window >= 1, options.error_window);
+  PCAVR_REQUIRE(options.prior_information > 0.0, options.prior_information);
+  PCAVR_REQUIRE(options.correlated_samples >= 1.0, options.correlated_samples);
+  PCAVR_REQUIRE(!options.noise_deviation || *options.noise_deviation > 0.0);
+  state_ = std::make_unique<State>(options, initial);
+}
+
+template <int N>
+ParameterEstimator<N>::ParameterEstimator(ParameterEstimator&&) noexcept = default;
+template <int N>
+ParameterEstimator<N>& ParameterEstimator<N>::operator=(ParameterEstimator&&) noexcept = default;
+template <int N>
+ParameterEstimator<N>::~ParameterEstimator() = default;
+
+template <int N>
+EstimatorStep ParameterEstimator<N>::step(const std::array<double, N>& regressors,
+                                          double measured) noexcept {
+  State& state = *state_;
+  typename State::Vector phi;
+  bool is_sound = std::isfinite(measured);
+  for (int i = 0; i < N; ++i) {
+    phi[i] = regressors[static_cast<std::size_t>(i)] * state.inverse_scale[i];
+    is_sound = is_sound && std::abs(phi[i]) < kAbsurd;  // false for NaN, too
+  }
+  EstimatorStep step;
+  step.prediction = phi.dot(state.theta);
+  step.error = measured - step.prediction;
+  if (!is_sound) return step;
+  step.was_used = true;
+  if (state.options.method == EstimationMethod::block) {
+    state.step_block(phi, measured);
+    return step;
+  }
+  step.forgetting = state.forgetting();
+  state.step_recursive(phi, step.error, step.forgetting);
+  state.remember(step.error);
+  return step;
+}
+
+template <int N>
+ParameterEstimate<N> ParameterEstimator<N>::estimate() const noexcept {
+  const State& state = *state_;
+  ParameterEstimate<N> result;
+  result.value = parameters();
+  result.samples = state.samples;
+  result.residual_variance = state.residual_variance();
+  const typename State::Matrix P = invert_positive<N>(state.information);
+  for (int i = 0; i < N; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    // 1 / P_ii is the energy of regressor i that the others leave unexplained.
+    const double own = std::max(1.0 / P(i, i) - state.options.prior_information, 0.0);
+    const double own_rms = std::sqrt(own / std::max(state.samples, 1.0)) * state.scale[i];
+    const bool is_determined = state.samples > N + 0.5;
+    result.is_excited[k] = is_determined && own > kLeastOwnShare * state.information(i, i) &&
+                           own > state.options.prior_information &&
+                           own_rms >= state.options.least_excitation[k];
+    result.deviation[k] =
+        is_determined
+            ? std::sqrt(result.residual_variance * P(i, i) * state.options.correlated_samples) *
+                  state.inverse_scale[i]
+            : std::numeric_limits<double>::infinity();
+  }
+  return result;
+}
+
+template <int N>
+std::array<double, N> ParameterEstimator<N>::parameters() const noexcept {
+  std::array<double, N> values{};
+  for (int i = 0; i < N; ++i) {
+    values[static_cast<std::size_t>(i)] = state_->theta[i] * state_->inverse_scale[i];
+  }
+  return values;
+}
+
+template <int N>
+std::array<double, N * N> ParameterEstimator<N>::covariance_shape() const noexcept {
+  const typename State::Matrix P = invert_positive<N>(state_->information);
+  std::array<double, N * N> values{};
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j < N; ++j) {
+      values[static_cast<std::size_t>(i * N + j)] =
+          P(i, j) * state_->inverse_scale[i] * state_->inverse_scale[j];
+    }
+  }
+  return values;
+}
+
+template class ParameterEstimator<1>;
+template class ParameterEstimator<2>;
+template class ParameterEstimator<3>;
+template class ParameterEstimator<4>;
+
+}  // namespace pcavr

@@ -1,0 +1,172 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "pcavr/identification/signals.hpp"
+
+#include "identification/contact_samples.hpp"
+
+namespace pcavr {
+namespace {
+
+// Exponents that bodies have: 1 for a flat face, 1.5 for spheres, 2 for cones, more for layers.
+constexpr double kLeastExponent = 1.0;
+constexpr double kGreatestExponent = 3.0;
+constexpr int kIterations = 60;
+
+/// F = force (d / depth)^n (1 + c d'), with d = x - surface: the parameters are then nearly
+/// independent of each other, which k, lambda and n are not.
+class Problem {
+ public:
+  Problem(const std::vector<PressSamples>& presses, bool is_surface_shared)
+      : presses_(presses), is_surface_shared_(is_surface_shared) {
+    for (const PressSamples& press : presses) {
+      for (const ContactSample& sample : press.samples) {
+        depth_ = std::max(depth_, sample.position - press.onset);
+        energy_ += sample.force * sample.force;
+        ++count_;
+      }
+    }
+  }
+
+  /// force, c, n, then the surfaces.
+  [[nodiscard]] Eigen::VectorXd start() const {
+    Eigen::VectorXd theta(static_cast<Eigen::Index>(unknowns()));
+    double force = 0.0;
+    for (std::size_t p = 0; p < presses_.size(); ++p) {
+      theta[surface_column(p)] = presses_[p].onset - 0.02 * depth_;
+      for (const ContactSample& sample : presses_[p].samples) force = std::max(force, sample.force);
+    }
+    theta.head<3>() << force, 0.0, 1.5;
+    return theta;
+  }
+
+  /// Sum of squares; with `normal` and `pull`, those of the linearised problem, too.
+  double evaluate(const Eigen::VectorXd& theta, Eigen::MatrixXd* normal,
+                  Eigen::VectorXd* pull) const {
+    if (normal != nullptr) {
+      normal->setZero(theta.size(), theta.size());
+      pull->setZero(theta.size());
+    }
+    double sum = 0.0;
+    for (std::size_t p = 0; p < presses_.size(); ++p) {
+      const Eigen::Index column = surface_column(p);
+      for (const ContactSample& sample : presses_[p].samples) {
+        const double u = (sample.position - theta[column]) / depth_;
+        const double power = u > 0.0 ? std::pow(u, theta[2]) : 0.0;
+        const double drag = 1.0 + theta[1] * sample.speed;
+        const double error = sample.force - theta[0] * power * drag;
+        sum += error * error;
+        if (normal == nullptr || u <= 0.0) continue;
+        const Eigen::Vector4d row(power * drag, theta[0] * power * sample.speed,
+                                  theta[0] * power * std::log(u) * drag,
+                                  -theta[0] * theta[2] * power / u * drag / depth_);
+        const Eigen::Vector3d shared = row.head<3>();
+        normal->topLeftCorner<3, 3>() += shared * shared.transpose();
+        normal->col(column).head<3>() += shared * row[3];
+        normal->row(column).head<3>() += shared.transpose() * row[3];
+        (*normal)(column, column) += row[3] * row[3];
+        pull->head<3>() += shared * error;
+        (*pull)[column] += row[3] * error;
+      }
+    }
+    return sum;
+  }
+
+  [[nodiscard]] std::size_t unknowns() const {
+    return 3 + (is_surface_shared_ ? 1 : presses_.size());
+  }
+  [[nodiscard]] Eigen::Index surface_column(std::size_t press) const {
+    return 3 + (is_surface_shared_ ? 0 : static_cast<Eigen::Index>(press));
+  }
+  [[nodiscard]] double depth() const { return depth_; }
+  [[nodiscard]] double energy() const { return energy_; }
+  [[nodiscard]] std::size_t count() const { return count_; }
+
+ private:
+  const std::vector<PressSamples>& presses_;
+  bool is_surface_shared_;
+  double depth_ = 0.0;
+  double energy_ = 0.0;
+  std::size_t count_ = 0;
+};
+
+/// Levenberg-Marquardt; gives the sum of squares that was reached.
+double minimise(const Problem& problem, Eigen::VectorXd& theta) {
+  Eigen::MatrixXd normal;
+  Eigen::VectorXd pull;
+  double damping = 1e-3;
+  double sum = problem.evaluate(theta, &normal, &pull);
+  for (int iteration = 0; iteration < kIterations && damping < 1e9; ++iteration) {
+    Eigen::MatrixXd damped = normal;
+    damped.diagonal() *= 1.0 + damping;
+    damped.diagonal().array() += 1e-12;
+    Eigen::VectorXd candidate = theta + damped.ldlt().solve(pull);
+    candidate[2] = std::clamp(candidate[2], kLeastExponent, kGreatestExponent);
+    const double reached = problem.evaluate(candidate, nullptr, nullptr);
+    if (!(reached < sum)) {
+      damping *= 10.0;
+      continue;
+    }
+    const bool is_done = sum - reached < 1e-10 * sum;
+    theta = candidate;
+    sum = problem.evaluate(theta, &normal, &pull);
+    damping *= 0.1;
+    if (is_done) break;
+  }
+  return sum;
+}
+
+/// k and lambda from the problem's own parameters, with their deviations by the chain rule.
+void state_parameters(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covariance, double depth,
+                      ContactFit& fit) {
+  const double log_depth = std::log(depth);
+  const double k = theta[0] * std::exp(-theta[2] * log_depth);
+  const Eigen::Vector3d k_by(k / theta[0], 0.0, -k * log_depth);
+  const Eigen::Vector3d lambda_by = theta[1] * k_by + Eigen::Vector3d(0.0, k, 0.0);
+  const Eigen::Matrix3d shared = covariance.topLeftCorner<3, 3>();
+  const auto told = [](double value, double variance) {
+    const double deviation = std::sqrt(std::max(variance, 0.0));
+    return IdentifiedParameter{value, deviation, 2.0 * deviation < std::abs(value)};
+  };
+  fit.stiffness = told(k, k_by.dot(shared * k_by));
+  fit.damping = told(k * theta[1], lambda_by.dot(shared * lambda_by));
+  fit.exponent = told(theta[2], shared(2, 2));
+}
+
+}  // namespace
+
+ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses, bool is_surface_shared) {
+  ContactFit fit;
+  fit.regressor = ContactRegressor::hunt_crossley;
+  const Problem problem(presses, is_surface_shared);
+  fit.samples = problem.count();
+  const std::size_t unknowns = problem.unknowns();
+  if (problem.count() < 4 * unknowns || problem.depth() <= 0.0) return fit;
+  Eigen::VectorXd theta = problem.start();
+  const double sum = minimise(problem, theta);
+
+  Eigen::MatrixXd normal;
+  Eigen::VectorXd pull;
+  problem.evaluate(theta, &normal, &pull);
+  const double correlated =
+      correlated_samples(presses.front().half_width, presses.front().interval);
+  const double variance = sum / static_cast<double>(problem.count() - unknowns) * correlated;
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(theta.size(), theta.size());
+  const Eigen::MatrixXd covariance = variance * normal.ldlt().solve(identity);
+  state_parameters(theta, covariance, problem.depth(), fit);
+  for (std::size_t p = 0; p < presses.size(); ++p) {
+    fit.surface.push_back(theta[problem.surface_column(p)]);
+  }
+  fit.residual = std::sqrt(sum / static_cast<double>(problem.count()));
+  fit.relative_error = std::sqrt(sum / problem.energy());
+  fit.is_valid = fit.stiffness.value > 0.0 && std::isfinite(fit.stiffness.deviation);
+  return fit;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,223 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/identification/segmentation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/core/median.hpp"
+#include "pcavr/identification/signals.hpp"
+
+#include "identification/derivative_noise.hpp"
+
+namespace pcavr {
+namespace {
+
+using Vectors = std::vector<Eigen::Vector3d>;
+
+struct Range {
+  std::size_t begin = 0;
+  std::size_t end = 0;  ///< one past the last
+};
+
+double mean_interval(std::span<const double> t) {
+  return (t.back() - t.front()) / static_cast<double>(t.size() - 1);
+}
+
+/// Spikes out, axis by axis.
+Vectors despike(std::span<const Eigen::Vector3d> force, Segmentation& result) {
+  Vectors clean(force.begin(), force.end());
+  std::vector<double> axis(force.size());
+  for (int k = 0; k < 3; ++k) {
+    std::transform(force.begin(), force.end(), axis.begin(), [k](const auto& f) { return f[k]; });
+    const DespikedSignal signal = remove_spikes(axis);
+    result.spikes += signal.spikes.size();
+    result.noise = std::max(result.noise, noise_deviation(signal.values));
+    for (std::size_t i = 0; i < clean.size(); ++i) clean[i][k] = signal.values[i];
+  }
+  return clean;
+}
+
+/// The bias to begin with: the smallest force that short means show, and what is near it. Contact
+/// only adds to a force whose gravity and gross bias are off.
+Eigen::Vector3d first_bias(const Vectors& force, std::size_t window, double nearness) {
+  Vectors means;
+  for (std::size_t i = 0; i + window <= force.size(); i += window) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t k = i; k < i + window; ++k) sum += force[k];
+    means.push_back(sum / static_cast<double>(window));
+  }
+  if (means.empty()) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d least = *std::min_element(
+      means.begin(), means.end(),
+      [](const auto& a, const auto& b) { return a.squaredNorm() < b.squaredNorm(); });
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0.0;
+  for (const Eigen::Vector3d& mean : means) {
+    if ((mean - least).norm() > nearness) continue;
+    sum += mean;
+    count += 1.0;
+  }
+  return sum / count;
+}
+
+/// Size of the smoothed force; ends and gaps count as free.
+std::vector<double> smooth_size(std::span<const double> t, const Vectors& force,
+                                double half_width) {
+  std::vector<double> size(t.size(), 0.0);
+  std::vector<double> axis(t.size());
+  for (int k = 0; k < 3; ++k) {
+    std::transform(force.begin(), force.end(), axis.begin(), [k](const auto& f) { return f[k]; });
+    const std::vector<SmoothedSample> samples = smooth(t, axis, t, half_width);
+    for (std::size_t i = 0; i < t.size(); ++i) size[i] += samples[i].value * samples[i].value;
+  }
+  for (double& value : size) value = std::sqrt(value);
+  return size;
+}
+
+/// Stretches above the threshold with hysteresis; short gaps closed, short stretches dropped.
+std::vector<Range> find_contacts(std::span<const double> t, const std::vector<double>& size,
+                                 double enter, double leave, double least_duration) {
+  std::vector<Range> found;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (size[i] <= enter) continue;
+    Range range{i, i};
+    while (range.begin > 0 && size[range.begin - 1] > leave) --range.begin;
+    while (range.end < t.size() && size[range.end] > leave) ++range.end;
+    i = range.end;
+    if (!found.empty() && t[range.begin] - t[found.back().end - 1] < least_duration) {
+      found.back().end = range.end;
+    } else {
+      found.push_back(range);
+    }
+  }
+  std::erase_if(found, [&](const Range& r) { return t[r.end - 1] - t[r.begin] < least_duration; });
+  return found;
+}
+
+Eigen::Vector3d tip_at(std::span<const double> t, std::span<const Eigen::Vector3d> p, double at) {
+  const auto after = std::lower_bound(t.begin(), t.end(), at);
+  if (after == t.begin()) return p.front();
+  if (after == t.end()) return p.back();
+  const auto i = static_cast<std::size_t>(after - t.begin());
+  const double share = (at - t[i - 1]) / (t[i] - t[i - 1]);
+  return p[i - 1] + share * (p[i] - p[i - 1]);
+}
+
+/// The object's speed along the push: the tool's less that of the compression, which during sliding
+/// is small, so the straight line of the push will do for it.
+std::vector<SlideInterval> find_slides(const ContactEpisode& episode,
+                                       const SegmentationOptions& options) {
+  std::vector<SlideInterval> slides;
+  const Breakaway& breakaway = episode.breakaway;
+  if (!breakaway.is_found || breakaway.stiffness <= 0.0) return slides;
+  std::vector<double> object(episode.t.size());
+  for (std::size_t i = 0; i < object.size(); ++i) {
+    object[i] = episode.tool[i] - episode.force[i] / breakaway.stiffness;
+  }
+  const double interval = mean_interval(episode.t);
+  const double half_width = std::max(options.slide_half_width, 3.0 * interval);
+  const double noise = derivative_noise(noise_deviation(object), half_width, interval).rate;
+  const double fast = std::max(options.slide_speed, 4.0 * noise);
+  const std::vector<SmoothedSample> x = smooth(episode.t, object, episode.t, half_width);
+  bool is_sliding = false;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double at = episode.t[i];
+    if (at < breakaway.t_contact || at > episode.end || !x[i].is_valid) continue;
+    // The alarm says that the line is left; before it, speed is only the line's misfit.
+    const bool begins = !is_sliding && at >= breakaway.t_alarm && x[i].rate > fast;
+    if (begins) {
+      std::size_t first = i;  // back to where the speed came out of its noise
+      while (first > 0 && x[first - 1].is_valid && x[first - 1].rate > 0.5 * fast) --first;
+      slides.push_back({episode.t[first], at});
+    }
+    is_sliding = begins || (is_sliding && x[i].rate > 0.5 * fast);
+    if (is_sliding) slides.back().end = at;
+  }
+  std::erase_if(slides,
+                [&](const SlideInterval& s) { return s.end - s.begin < options.least_duration; });
+  return slides;
+}
+
+ContactEpisode describe(std::span<const double> t, const Range& range, const Vectors& force,
+                        const std::vector<double>& size, std::span<const double> t_tool,
+                        std::span<const Eigen::Vector3d> p_base_tip,
+                        const SegmentationOptions& options) {
+  ContactEpisode episode;
+  episode.begin = t[range.begin];
+  episode.end = t[range.end - 1];
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    sum += force[i];
+    episode.peak_force = std::max(episode.peak_force, size[i]);
+  }
+  episode.direction_base = sum.normalized();
+  const bool is_press = std::abs(sum.z()) > sum.head<2>().norm();
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (t[i] < episode.begin - options.margin || t[i] > episode.end + options.margin) continue;
+    if (t[i] < t_tool.front() || t[i] > t_tool.back()) continue;
+    episode.t.push_back(t[i]);
+    episode.tool.push_back(tip_at(t_tool, p_base_tip, t[i]).dot(episode.direction_base));
+    episode.force.push_back(force[i].dot(episode.direction_base));
+  }
+  if (is_press) {
+    episode.kind = ContactKind::press;
+    return episode;
+  }
+  episode.breakaway = find_breakaway(episode.series(), options.breakaway);
+  episode.slides = find_slides(episode, options);
+  episode.kind = episode.slides.empty() ? ContactKind::push : ContactKind::slide;
+  return episode;
+}
+
+}  // namespace
+
+Segmentation segment_contacts(std::span<const double> t_force,
+                              std::span<const Eigen::Vector3d> force_base,
+                              std::span<const double> t_tool,
+                              std::span<const Eigen::Vector3d> p_base_tip,
+                              const SegmentationOptions& options) {
+  PCAVR_REQUIRE(t_force.size() == force_base.size() && t_tool.size() == p_base_tip.size());
+  Segmentation result;
+  if (t_force.size() < 20 || t_tool.size() < 2) return result;
+  const double interval = mean_interval(t_force);
+  const double half_width = std::max(options.half_width, 3.0 * interval);
+  const Vectors clean = despike(force_base, result);
+  // Three axes add up: the size of pure noise is seldom above sqrt(3) deviations.
+  const double smooth_noise =
+      std::sqrt(3.0) * result.noise / std::sqrt(correlated_samples(half_width, interval));
+  const double enter = std::max(options.enter_deviations * smooth_noise, options.least_force);
+  const auto window = static_cast<std::size_t>(std::ceil(0.05 / interval));
+  result.bias_base.assign(t_force.size(), first_bias(clean, window, enter));
+
+  std::vector<Range> contacts;
+  std::vector<double> size;
+  // Twice: the drift is known only once the contacts are, and the contacts better once it is.
+  for (int pass = 0; pass < 2; ++pass) {
+    result.force_base = clean;
+    for (std::size_t i = 0; i < clean.size(); ++i) result.force_base[i] -= result.bias_base[i];
+    size = smooth_size(t_force, result.force_base, half_width);
+    contacts =
+        find_contacts(t_force, size, enter, options.leave_share * enter, options.least_duration);
+    if (pass == 1) break;
+    std::vector<bool> is_free(t_force.size(), true);
+    for (const Range& range : contacts) {
+      // The smoothing and the soft beginning of a contact reach beyond its threshold.
+      const double from = t_force[range.begin] - 5.0 * half_width;
+      const double to = t_force[range.end - 1] + 5.0 * half_width;
+      for (std::size_t i = 0; i < is_free.size(); ++i) {
+        if (t_force[i] >= from && t_force[i] <= to) is_free[i] = false;
+      }
+    }
+    result.bias_base = track_bias(t_force, clean, is_free);
+  }
+  for (const Range& range : contacts) {
+    result.contacts.push_back(
+        describe(t_force, range, result.force_base, size, t_tool, p_base_tip, options));
+  }
+  return result;
+}
+
+}  // namespace pcavr

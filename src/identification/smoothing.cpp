@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/identification/signals.hpp"
+
+#include "identification/small_solve.hpp"
+
+namespace pcavr {
+namespace {
+
+// A quadratic has three coefficients; two more samples make it a fit.
+constexpr std::size_t kLeastSamples = 5;
+
+/// A weighted fit of 1, u, u^2.
+struct LocalFit {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d pull = Eigen::Vector3d::Zero();
+
+  void add(double weight, double u, double value) {
+    const Eigen::Vector3d row(1.0, u, u * u);
+    normal.noalias() += weight * row * row.transpose();
+    pull += weight * value * row;
+  }
+  [[nodiscard]] Eigen::Vector3d quadratic() const { return solve_positive<3>(normal, pull); }
+  [[nodiscard]] double line_value() const {
+    const Eigen::Matrix2d A = normal.topLeftCorner<2, 2>();
+    const Eigen::Vector2d b = pull.head<2>();
+    return solve_positive<2>(A, b)[0];
+  }
+};
+
+/// The window is full when no stretch longer than half its half is without a sample.
+bool is_covered(std::span<const double> t, double at, double half_width) {
+  double before = at - half_width;
+  for (const double stamp : t) {
+    if (stamp - before > 0.5 * half_width) return false;
+    before = stamp;
+  }
+  return at + half_width - before <= 0.5 * half_width;
+}
+
+SmoothedSample fit_window(std::span<const double> t, std::span<const double> values, double at,
+                          double half_width) {
+  if (t.size() < kLeastSamples || !is_covered(t, at, half_width)) return {};
+  LocalFit flat, round, smooth;
+  const double middle = values[values.size() / 2];  // keeps digits where the value is large
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const double u = (t[i] - at) / half_width;
+    const double hat = 1.0 - u * u;
+    const double value = values[i] - middle;
+    flat.add(1.0, u, value);
+    round.add(hat, u, value);
+    smooth.add(hat * hat, u, value);
+  }
+  SmoothedSample sample;
+  sample.value = middle + smooth.line_value();
+  sample.rate = round.quadratic()[1] / half_width;
+  sample.acceleration = 2.0 * flat.quadratic()[2] / (half_width * half_width);
+  sample.is_valid = true;
+  return sample;
+}
+
+std::size_t index_of(std::span<const double>::iterator place, std::span<const double> t) {
+  return static_cast<std::size_t>(std::distance(t.begin(), place));
+}
+
+}  // namespace
+
+SmoothedSample smooth_at(std::span<const double> t, std::span<const double> values, double at,
+                         double half_width) {
+  PCAVR_REQUIRE(t.size() == values.size(), t.size(), values.size());
+  PCAVR_REQUIRE(half_width > 0.0, half_width);
+  if (t.empty() || at - half_width < t.front() - 1e-9 || at + half_width > t.back() + 1e-9)
+    return {};
+  const std::size_t begin =
+      index_of(std::upper_bound(t.begin(), t.end(), at - half_width * (1.0 - 1e-9)), t);
+  const std::size_t end =
+      index_of(std::lower_bound(t.begin(), t.end(), at + half_width * (1.0 - 1e-9)), t);
+  if (end <= begin) return {};
+  return fit_window(t.subspan(begin, end - begin), values.subspan(begin, end - begin), at,
+                    half_width);
+}
+
+std::vector<SmoothedSample> smooth(std::span<const double> t, std::span<const double> values,
+                                   std::span<const double> at, double half_width) {
+  std::vector<SmoothedSample> samples;
+  samples.reserve(at.size());
+  for (const double instant : at) samples.push_back(smooth_at(t, values, instant, half_width));
+  return samples;
+}
+
+double correlated_samples(double half_width, double interval) {
+  PCAVR_REQUIRE(interval > 0.0, interval);
+  // Equivalent noise width of the kernel (1 - u^2)^2: (int k)^2 / int k^2 = 1.4 half widths.
+  return std::max(1.0, 1.4 * half_width / interval);
+}
+
+CausalFilter::CausalFilter(double half_width, double rate, double force_noise)
+    : half_width_(half_width), interval_(1.0 / rate), force_noise_(force_noise) {
+  PCAVR_REQUIRE(half_width > 0.0 && rate > 0.0 && force_noise > 0.0, half_width, rate);
+  PCAVR_REQUIRE(half_width * rate >= 2.5, half_width, rate);
+  // Twice as many as the window holds at the stated rate, for stamps that crowd.
+  const auto capacity = 4 * static_cast<std::size_t>(std::ceil(half_width * rate)) + 8;
+  for (std::vector<double>* ring : {&t_, &position_, &force_}) ring->resize(capacity);
+}
+
+std::optional<CausalFilter::Output> CausalFilter::step(double t, double position,
+                                                       double force) noexcept {
+  if (!std::isfinite(t) || !std::isfinite(position) || !std::isfinite(force)) return {};
+  if (count_ > 0 && t <= t_[count_ - 1]) return {};
+  if (count_ == t_.size()) {
+    for (std::vector<double>* ring : {&t_, &position_, &force_}) {
+      std::copy(std::next(ring->begin()), ring->end(), ring->begin());
+    }
+    --count_;
+  }
+  t_[count_] = t;
+  position_[count_] = position;
+  force_[count_] = force;
+  ++count_;
+  if (count_ < 5) return {};
+  // The sample two back has both its neighbours now: single spikes show against the middle of five.
+  double* const force_end = force_.data() + count_;
+  double five[5];
+  std::copy(force_end - 5, force_end, five);
+  std::nth_element(five, five + 2, five + 5);
+  const double middle = five[2];
+  for (double& value : five) value = std::abs(value - middle);
+  std::nth_element(five, five + 2, five + 5);
+  const double deviation = std::max(1.4826 * five[2], force_noise_);
+  if (std::abs(force_end[-3] - middle) > SpikeOptions{}.deviations * deviation) {
+    force_end[-3] = middle;
+  }
+  const std::size_t ready = count_ - 2;
+  const double at = t_[ready - 1] - half_width_;
+  const std::span<const double> stamps(t_.data(), ready);
+  const SmoothedSample x = smooth_at(stamps, {position_.data(), ready}, at, half_width_);
+  const SmoothedSample f = smooth_at(stamps, {force_.data(), ready}, at, half_width_);
+  if (!x.is_valid || !f.is_valid) return {};
+  return Output{at, x.value, x.rate, x.acceleration, f.value};
+}
+
+}  // namespace pcavr

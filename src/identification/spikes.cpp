@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/core/median.hpp"
+#include "pcavr/identification/signals.hpp"
+
+namespace pcavr {
+namespace {
+
+// A normal distribution's standard deviation over its median absolute deviation.
+constexpr double kFromMedian = 1.4826;
+
+}  // namespace
+
+double noise_deviation(std::span<const double> values) {
+  std::vector<double> second;
+  for (std::size_t i = 2; i < values.size(); ++i) {
+    second.push_back(std::abs(values[i] - 2.0 * values[i - 1] + values[i - 2]));
+  }
+  // The second difference of white noise has the variance 1 + 4 + 1.
+  return kFromMedian * median(std::move(second)) / std::sqrt(6.0);
+}
+
+DespikedSignal remove_spikes(std::span<const double> values, const SpikeOptions& options) {
+  PCAVR_REQUIRE(options.half_window >= 1, options.half_window);
+  PCAVR_REQUIRE(options.deviations > 0.0, options.deviations);
+  DespikedSignal result;
+  result.values.assign(values.begin(), values.end());
+  const auto half = static_cast<std::size_t>(options.half_window);
+  const double noise = noise_deviation(values);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t begin = i > half ? i - half : 0;
+    const std::size_t end = std::min(values.size(), i + half + 1);
+    std::vector<double> window(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                               values.begin() + static_cast<std::ptrdiff_t>(end));
+    const double middle = median(window);
+    for (double& value : window) value = std::abs(value - middle);
+    const double deviation = std::max(kFromMedian * median(std::move(window)), noise);
+    if (std::abs(values[i] - middle) > options.deviations * deviation) {
+      result.values[i] = middle;
+      result.spikes.push_back(i);
+    }
+  }
+  return result;
+}
+
+}  // namespace pcavr

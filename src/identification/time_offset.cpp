@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/identification/signals.hpp"
+
+namespace pcavr {
+namespace {
+
+// Half width of the smoothing, in sampling intervals of the slower stream.
+constexpr double kSmoothing = 8.0;
+
+/// Smoothed values on an even grid; a gap holds the value before it.
+std::vector<double> resample(std::span<const double> t, std::span<const double> values,
+                             double start, double interval, std::size_t count, double half_width) {
+  std::vector<double> grid(count);
+  double held = values.front();
+  for (std::size_t k = 0; k < count; ++k) {
+    const SmoothedSample sample =
+        smooth_at(t, values, start + interval * static_cast<double>(k), half_width);
+    if (sample.is_valid) held = sample.value;
+    grid[k] = held;
+  }
+  return grid;
+}
+
+struct Match {
+  double correlation = 0.0;
+  double gain = 0.0;      ///< b ~ gain a + constant
+  double residual = 0.0;  ///< variance of b about that
+};
+
+/// a[i] against b[i + lag], over i where both are.
+Match match(const std::vector<double>& a, const std::vector<double>& b, std::ptrdiff_t lag) {
+  const auto count = static_cast<std::ptrdiff_t>(a.size());
+  const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(0, -lag);
+  const std::ptrdiff_t end = std::min(count, count - lag);
+  double sum_a = 0.0, sum_b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
+  for (std::ptrdiff_t i = begin; i < end; ++i) {
+    const double p = a[static_cast<std::size_t>(i)];
+    const double q = b[static_cast<std::size_t>(i + lag)];
+    sum_a += p, sum_b += q, aa += p * p, bb += q * q, ab += p * q;
+  }
+  const double n = static_cast<double>(end - begin);
+  const double var_a = aa / n - sum_a * sum_a / (n * n);
+  const double var_b = bb / n - sum_b * sum_b / (n * n);
+  const double cov = ab / n - sum_a * sum_b / (n * n);
+  if (var_a <= 0.0 || var_b <= 0.0) return {};
+  return {cov / std::sqrt(var_a * var_b), cov / var_a, std::max(var_b - cov * cov / var_a, 0.0)};
+}
+
+double slope_energy(const std::vector<double>& a, double interval) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i + 1 < a.size(); ++i) {
+    const double slope = (a[i + 1] - a[i - 1]) / (2.0 * interval);
+    sum += slope * slope;
+  }
+  return sum;
+}
+
+double mean_interval(std::span<const double> t) {
+  return (t.back() - t.front()) / static_cast<double>(t.size() - 1);
+}
+
+}  // namespace
+
+TimeOffset estimate_time_offset(std::span<const double> t_a, std::span<const double> a,
+                                std::span<const double> t_b, std::span<const double> b,
+                                const TimeOffsetOptions& options) {
+  PCAVR_REQUIRE(t_a.size() == a.size() && t_b.size() == b.size());
+  PCAVR_REQUIRE(options.range > 0.0, options.range);
+  TimeOffset result;
+  if (a.size() < 3 || b.size() < 3) return result;
+  const double interval = std::min(mean_interval(t_a), mean_interval(t_b));
+  // Both smoothed alike, which moves neither: white noise would make the peak's top ragged.
+  const double half_width = kSmoothing * std::max(mean_interval(t_a), mean_interval(t_b));
+  const double start = std::max(t_a.front(), t_b.front()) + half_width;
+  const double end = std::min(t_a.back(), t_b.back()) - half_width;
+  const auto lags = static_cast<std::ptrdiff_t>(std::ceil(options.range / interval));
+  if (end - start < 4.0 * options.range) return result;
+  const auto count = static_cast<std::size_t>((end - start) / interval) + 1;
+  const std::vector<double> grid_a = resample(t_a, a, start, interval, count, half_width);
+  const std::vector<double> grid_b = resample(t_b, b, start, interval, count, half_width);
+
+  std::vector<Match> matches;
+  for (std::ptrdiff_t lag = -lags; lag <= lags; ++lag)
+    matches.push_back(match(grid_a, grid_b, lag));
+  const auto best =
+      std::max_element(matches.begin(), matches.end(), [](const auto& l, const auto& r) {
+        return std::abs(l.correlation) < std::abs(r.correlation);
+      });
+  const std::ptrdiff_t lag = best - matches.begin() - lags;
+  result.correlation = best->correlation;
+  result.offset = static_cast<double>(lag) * interval;
+  if (std::abs(lag) == lags) return result;
+  const double left = std::abs(std::prev(best)->correlation);
+  const double right = std::abs(std::next(best)->correlation);
+  const double bend = left - 2.0 * std::abs(best->correlation) + right;
+  if (bend < 0.0) result.offset += 0.5 * (left - right) / bend * interval;
+  const double slopes = best->gain * best->gain * slope_energy(grid_a, interval);
+  const double correlated = correlated_samples(half_width, interval);
+  if (slopes > 0.0) result.deviation = std::sqrt(best->residual * correlated / slopes);
+  result.is_known = std::abs(result.correlation) >= options.least_correlation;
+  return result;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/identification/breakaway.hpp"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "identification/plant.hpp"
+
+namespace pcavr {
+namespace {
+
+struct Repeats {
+  LimitingFriction found;
+  double truth = 0.0;  ///< [N] mean noise-free peak
+};
+
+Repeats push_ten_times(const Plant& plant, const Sensors& sensors, double speed,
+                       std::uint64_t seed) {
+  Repeats repeats;
+  std::vector<Breakaway> pushes;
+  const double depth = std::pow(plant.breakaway / plant.stiffness, 1.0 / plant.exponent);
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    const double start = 0.3 + 0.0007 * static_cast<double>(i);
+    const auto path = [=](double t) { return speed * (t - start); };
+    const Trial trial = run(plant, sensors, (depth + 0.006) / speed + 0.8, seed + i, path);
+    pushes.push_back(find_breakaway(trial.series()));
+    repeats.truth += trial.peak_before_slide / 10.0;
+  }
+  repeats.found = limiting_friction(pushes);
+  return repeats;
+}
+
+TEST(FindBreakaway, MeasuresTheLimitOfTenPushesOnUnknownPlants) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Random random(seed);
+    Plant plant;
+    plant.mass = random.uniform(1.0, 5.0);
+    plant.breakaway = plant.mass * random.uniform(3.0, 10.0);
+    plant.coulomb = plant.breakaway * random.uniform(0.8, 0.92);
+    plant.stiffness = random.uniform(1.5e4, 2.5e5);
+    plant.damping = 3.0 * plant.stiffness;
+    plant.exponent = random.uniform(1.2, 1.6);
+    plant.bristle = 3e4 * plant.breakaway;
+    Sensors sensors;
+    sensors.force_noise = random.uniform(0.05, 0.25);
+    sensors.spike_share = 0.001;
+    const Repeats ten = push_ten_times(plant, sensors, random.uniform(0.005, 0.012), 100 * seed);
+    EXPECT_EQ(ten.found.missed, 0);
+    EXPECT_NEAR(ten.found.mean, ten.truth, 0.02 * ten.truth) << "seed " << seed;
+    EXPECT_LT(ten.found.deviation, 0.3);
+    EXPECT_GT(ten.found.loading_rate, 0.0);
+    RecordProperty("bias_percent_" + std::to_string(seed),
+                   std::to_string(100.0 * (ten.found.mean / ten.truth - 1.0)));
+    RecordProperty("std_" + std::to_string(seed), std::to_string(ten.found.deviation));
+  }
+}
+
+TEST(FindBreakaway, SaysThatAnObjectHeld) {
+  Plant plant;
+  plant.is_held = true;
+  const Trial trial = run(plant, {}, 1.2, 1, [](double t) { return 0.005 * (t - 0.3); });
+  const Breakaway found = find_breakaway(trial.series());
+  EXPECT_FALSE(found.is_found);
+  EXPECT_NE(found.reason.find("did not give way"), std::string::npos);
+  EXPECT_NEAR(found.t_contact, 0.3, 0.2);  // 1 mm of soft beginning hides in the noise
+}
+
+TEST(FindBreakaway, SaysThatThereWasNoContact) {
+  const Trial trial = run({}, {}, 1.0, 1, [](double) { return -0.01; });
+  EXPECT_NE(find_breakaway(trial.series()).reason.find("no contact"), std::string::npos);
+  EXPECT_FALSE(find_breakaway({}).is_found);
+}
+
+TEST(FindBreakaway, DecidesFromThePastAlone) {
+  const Trial trial = run({}, {}, 3.0, 5, [](double t) { return 0.01 * (t - 0.3); });
+  const Breakaway whole = find_breakaway(trial.series());
+  ASSERT_TRUE(whole.is_found);
+  std::size_t known = 0;
+  while (trial.t[known] <= whole.t_decided + 0.01) ++known;
+  const ForceMotion past{std::span(trial.t).first(known), std::span(trial.tool).first(known),
+                         std::span(trial.force).first(known)};
+  const Breakaway then = find_breakaway(past);
+  ASSERT_TRUE(then.is_found);
+  EXPECT_NEAR(then.force, whole.force, 0.02);  // the noise is measured on fewer samples
+  EXPECT_EQ(then.t, whole.t);
+}
+
+TEST(LimitingFriction, GivesMeanAndDeviationOfWhatBrokeAway) {
+  std::vector<Breakaway> pushes(4);
+  for (std::size_t i = 0; i < 3; ++i) {
+    pushes[i].is_found = true;
+    pushes[i].force = 9.0 + static_cast<double>(i);
+  }
+  const LimitingFriction friction = limiting_friction(pushes);
+  EXPECT_DOUBLE_EQ(friction.mean, 10.0);
+  EXPECT_DOUBLE_EQ(friction.deviation, 1.0);
+  EXPECT_EQ(friction.pushes, 3);
+  EXPECT_EQ(friction.missed, 1);
+  EXPECT_EQ(limiting_friction({}).pushes, 0);
+}
+
+}  // namespace
+}  // namespace pcavr

@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/identification/segmentation.hpp"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "identification/plant.hpp"
+
+namespace pcavr {
+namespace {
+
+/// A press along -z, a push along +y that slides, a push along +y that doesn't, with free time
+/// between; noise, drift, spikes, and a tool clock of its own.
+struct WholeRecording {
+  std::vector<double> t_force, t_tool;
+  std::vector<Eigen::Vector3d> force_base, p_base_tip;
+};
+
+WholeRecording whole_recording(std::uint64_t seed, const Eigen::Vector3d& bias) {
+  WholeRecording all;
+  Random random(seed);
+  Sensors sensors;
+  sensors.force_noise = 0.0;
+  Plant held;
+  held.is_held = true;
+  const auto there_and_back = [](double far) {
+    return
+        [far](double t) { return std::min(0.01 * (t - 0.5), 2.0 * far + 0.03 - 0.01 * (t - 0.5)); };
+  };
+  const std::vector<Trial> parts = {run(held, sensors, 4.5, 1, there_and_back(-0.010)),
+                                    run({}, sensors, 6.5, 2, there_and_back(0.005)),
+                                    run(held, sensors, 3.5, 3, there_and_back(-0.012))};
+  const Eigen::Vector3d along[] = {-Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY(),
+                                   Eigen::Vector3d::UnitY()};
+  double start = 0.0;
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    for (std::size_t i = 0; i < parts[part].t.size(); ++i) {
+      const double t = start + parts[part].t[i];
+      const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
+      Eigen::Vector3d force = bias + 0.2 * noise + parts[part].true_force[i] * along[part];
+      force.x() += 0.1 * std::sin(0.9 * t);
+      if (random.uniform() < 0.001) force.y() += 20.0;
+      all.t_force.push_back(t + 0.001);
+      all.force_base.push_back(force);
+      all.t_tool.push_back(t);
+      all.p_base_tip.push_back(parts[part].tool[i] * along[part]);
+    }
+    start += parts[part].t.back() + 0.002;
+  }
+  return all;
+}
+
+TEST(SegmentContacts, FindsPressSlideAndPushWithoutBeingToldWhen) {
+  const WholeRecording all = whole_recording(5, Eigen::Vector3d::Zero());
+  const Segmentation found =
+      segment_contacts(all.t_force, all.force_base, all.t_tool, all.p_base_tip);
+  ASSERT_EQ(found.contacts.size(), 3U);
+  EXPECT_EQ(found.contacts[0].kind, ContactKind::press);
+  EXPECT_EQ(found.contacts[1].kind, ContactKind::slide);
+  EXPECT_EQ(found.contacts[2].kind, ContactKind::push);
+  EXPECT_GT(found.contacts[0].direction_base.dot(-Eigen::Vector3d::UnitZ()), 0.99);
+  EXPECT_GT(found.contacts[1].direction_base.dot(Eigen::Vector3d::UnitY()), 0.99);
+  // A force of 0.5 N shows 0.9 mm deep: 0.09 s after the touch at 10 mm/s.
+  EXPECT_NEAR(found.contacts[0].begin, 0.5, 0.15);
+  EXPECT_GE(found.spikes, 5U);
+  EXPECT_NEAR(found.noise, 0.2, 0.05);
+  ASSERT_FALSE(found.contacts[1].slides.empty());
+  EXPECT_TRUE(found.contacts[1].breakaway.is_found);
+}
+
+TEST(SegmentContacts, TakesASteadyBiasOff) {
+  const Eigen::Vector3d bias(0.4, -0.6, 0.5);
+  const WholeRecording all = whole_recording(6, bias);
+  const Segmentation found =
+      segment_contacts(all.t_force, all.force_base, all.t_tool, all.p_base_tip);
+  ASSERT_EQ(found.contacts.size(), 3U);
+  for (std::size_t i = 0; i < found.bias_base.size(); ++i) {
+    EXPECT_NEAR((found.bias_base[i] - bias).norm(), 0.0, 0.25);  // drift is 0.1 N of it
+  }
+}
+
+TEST(SegmentContacts, FindsNothingWhereNothingTouches) {
+  Random random(7);
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> force, tip;
+  for (int i = 0; i < 3000; ++i) {
+    t.push_back(0.002 * i);
+    force.push_back(0.3 * Eigen::Vector3d(random.normal(), random.normal(), random.normal()));
+    tip.push_back({0.001 * i, 0.0, 0.0});
+  }
+  EXPECT_TRUE(segment_contacts(t, force, t, tip).contacts.empty());
+  EXPECT_TRUE(segment_contacts({}, {}, {}, {}).contacts.empty());
+}
+
+}  // namespace
+}  // namespace pcavr

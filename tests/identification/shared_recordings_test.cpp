@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/identification/contact_fit.hpp"
+#include "pcavr/identification/segmentation.hpp"
+#include "pcavr/identification/sliding.hpp"
+
+#include "support/shared_data.hpp"
+
+namespace pcavr {
+namespace {
+
+std::vector<std::vector<double>> read_numbers(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::vector<std::vector<double>> rows;
+  std::string line;
+  std::getline(file, line);  // the header
+  while (std::getline(file, line)) {
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream words(line);
+    std::vector<double>& row = rows.emplace_back();
+    for (double value = 0.0; words >> value;) row.push_back(value);
+  }
+  return rows;
+}
+
+double quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+struct Window {
+  std::vector<double> t, tool, force;
+};
+
+/// Windows of 3 s (2 s are left once the drift's smoothing has cut the ends), each along its own
+/// mean force. Force on the tip and position in mm, as logged.
+std::vector<Window> palpation_windows(const std::vector<std::vector<double>>& rows) {
+  std::vector<Window> windows;
+  for (std::size_t i = 0; i < rows.size();) {
+    std::size_t end = i;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    while (end < rows.size() && rows[end][0] == rows[i][0] && rows[end][1] < rows[i][1] + 3.0 &&
+           (end == i || rows[end][1] > rows[end - 1][1])) {
+      sum += Eigen::Vector3d(rows[end][5], rows[end][6], rows[end][7]);
+      ++end;
+    }
+    Window window;
+    const Eigen::Vector3d out = sum.normalized();
+    for (std::size_t k = i; k < end; ++k) {
+      window.t.push_back(rows[k][1]);
+      window.tool.push_back(-1e-3 * out.dot(Eigen::Vector3d(rows[k][2], rows[k][3], rows[k][4])));
+      window.force.push_back(out.dot(Eigen::Vector3d(rows[k][5], rows[k][6], rows[k][7])));
+    }
+    if (window.t.size() > 120) windows.push_back(std::move(window));
+    i = std::max(i + 1, end);
+  }
+  return windows;
+}
+
+TEST(Palpation, GivesTheKnownStiffnessAndADampingWithItsDeviation) {
+  PCAVR_NEEDS_SHARED_DATA("real/palpation/ContPalpRAL18T1.csv");
+  ContactFitOptions options;
+  options.drift_half_width = 0.5;  // one period of the 2 Hz it was pressed with
+  std::vector<double> stiffness, damping, deviation;
+  for (const Window& window :
+       palpation_windows(read_numbers(shared_data("real/palpation/ContPalpRAL18T1.csv")))) {
+    const ForceMotion press{window.t, window.tool, window.force};
+    const ContactFit fit = identify_contact(std::span(&press, 1), options).best();
+    if (!fit.is_valid) continue;
+    stiffness.push_back(fit.stiffness.value);
+    damping.push_back(fit.damping.value);
+    deviation.push_back(fit.damping.deviation);
+  }
+  ASSERT_GT(stiffness.size(), 50U);
+  RecordProperty("windows", std::to_string(stiffness.size()));
+  RecordProperty("stiffness", std::to_string(quantile(stiffness, 0.5)));
+  RecordProperty("damping", std::to_string(quantile(damping, 0.5)));
+  RecordProperty("damping_deviation", std::to_string(quantile(deviation, 0.5)));
+  EXPECT_NEAR(quantile(stiffness, 0.5), 483.0, 0.05 * 483.0);
+  EXPECT_NEAR(quantile(damping, 0.5), 2.0, 1.0);
+  EXPECT_LT(quantile(deviation, 0.5), 1.0);
+}
+
+TEST(PushTwoBoxes, GivesWhatOnePushEachCanTell) {
+  PCAVR_NEEDS_SHARED_DATA("push_two_boxes/wrench.csv");
+  std::vector<double> t_force, t_tool;
+  std::vector<Eigen::Vector3d> force_base, p_base_tip;
+  for (const auto& row : read_numbers(shared_data("push_two_boxes/wrench.csv"))) {
+    t_force.push_back(row[0]);
+    force_base.push_back({row[1], row[2], row[3]});
+  }
+  for (const auto& row : read_numbers(shared_data("push_two_boxes/tool.csv"))) {
+    t_tool.push_back(row[0]);
+    p_base_tip.push_back({row[1], row[2], row[3]});
+  }
+  const Segmentation found = segment_contacts(t_force, force_base, t_tool, p_base_tip);
+  ASSERT_EQ(found.contacts.size(), 2U);
+  // truth/parameters.yaml and truth/phase.csv.
+  struct Truth {
+    const char* name;
+    double mass, limit, coulomb, viscous, contact, slide, stop, leave;
+    Compliance compliance;
+  };
+  const Truth truths[] = {
+      {"fp_box", 3.0, 9.57, 8.323, 10.0, 0.619, 1.206, 1.876, 2.172, {20600.0, 82400.0, 1.5}},
+      {"r_box", 3.5, 40.62, 34.514, 25.0, 4.188, 4.582, 5.182, 5.480, {247000.0, 617500.0, 1.5}}};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const ContactEpisode& episode = found.contacts[i];
+    const Truth& truth = truths[i];
+    EXPECT_EQ(episode.kind, ContactKind::slide);
+    EXPECT_NEAR(episode.begin, truth.contact, 0.06);
+    EXPECT_NEAR(episode.end, truth.leave, 0.06);
+    ASSERT_EQ(episode.slides.size(), 1U);
+    EXPECT_NEAR(episode.slides[0].begin, truth.slide, 0.06);
+    EXPECT_NEAR(episode.slides[0].end, truth.stop, 0.06);
+    SlidingOptions options;
+    options.mass = truth.mass;
+    const ForceMotion series = episode.series();
+    const SlidingIdentification sliding =
+        identify_sliding(std::span(&series, 1), truth.compliance, options);
+    ASSERT_TRUE(sliding.is_valid);
+    const double friction = truth.coulomb + truth.viscous * sliding.speed;
+    EXPECT_NEAR(sliding.coulomb.value + sliding.viscous.value * sliding.speed, friction,
+                0.03 * friction);
+    const std::string name = truth.name;
+    RecordProperty(name + "_peak", std::to_string(episode.breakaway.force));
+    RecordProperty(name + "_friction", std::to_string(sliding.coulomb.value));
+    RecordProperty(name + "_friction_truth", std::to_string(friction));
+    RecordProperty(name + "_slide_begin", std::to_string(episode.slides[0].begin));
+    RecordProperty(name + "_slide_end", std::to_string(episode.slides[0].end));
+  }
+}
+
+}  // namespace
+}  // namespace pcavr
