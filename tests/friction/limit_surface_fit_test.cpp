@@ -2,11 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/friction/limit_surface_fit.hpp"
 
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numbers>
-#include <string>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
@@ -14,9 +12,7 @@
 
 #include "pcavr/core/median.hpp"
 
-#include "friction/push_recording.hpp"
 #include "friction/surfaces.hpp"
-#include "support/shared_data.hpp"
 
 namespace pcavr {
 namespace {
@@ -126,59 +122,6 @@ TEST(LimitSurfaceFit, IsTheSameEveryTime) {
   const LimitSurfaceFit one = fit_limit_surface(samples);
   const LimitSurfaceFit other = fit_limit_surface(samples);
   EXPECT_EQ(std::memcmp(&one.surface, &other.surface, sizeof one.surface), 0);
-}
-
-/// Real pushes of a block on seven supports, each quarter held out in turn.
-struct Judgement {
-  double heading = 0.0;  ///< median twist direction error of held-out pushes [rad]
-  double force = 0.0;    ///< mean force that the surface of all pushes bears without turning [N]
-};
-
-Judgement judge(const std::string& name, SurfaceShape shape) {
-  const PushRecording recording(shared_data("real/push_cmu") / name);
-  std::vector<PushSample> all;
-  for (std::size_t i = 0; i < recording.size(); ++i) all.push_back(recording.sample(i));
-  std::vector<double> angles;
-  for (std::size_t fold = 0; fold < 4; ++fold) {
-    std::vector<PushSample> train, test;
-    for (std::size_t i = 0; i < all.size(); ++i) (i % 4 == fold ? test : train).push_back(all[i]);
-    const LimitSurface surface = fit_as(shape, train).surface;
-    for (const PushSample& sample : test) {
-      // A turn of 1 rad counts 50 mm: the lower of the block's characteristic lengths.
-      angles.push_back(twist_angle(sliding_direction(surface, sample.wrench), sample.twist, 0.05));
-    }
-  }
-  Judgement result;
-  result.heading = median(std::move(angles));
-  const LimitSurface surface = fit_as(shape, all).surface;
-  for (int i = 0; i < 36; ++i) {
-    const double angle = 10.0 * kDegree * i;
-    result.force +=
-        sliding_load(surface, {std::cos(angle), std::sin(angle), 0.0}).head<2>().norm() / 36.0;
-  }
-  return result;
-}
-
-TEST(RealPushes, OfEverySupportTurnWithinTenDegreesOfTheQuartic) {
-  PCAVR_NEEDS_SHARED_DATA("real/push_cmu");
-  for (const char* name :
-       {"patch__exp_08_18_1435_50.txt", "10_130_10_10_10_130__exp_08_17_50.txt",
-        "10_90_10_10_30_130__exp_08_11_30.txt", "10_90_10_10_30_130__exp_08_15_50.txt",
-        "30_63.33_43.33_30_43.33_63.33__exp_08_17_50.txt", "30_90_30_30_30_90__exp_08_11_30.txt",
-        "30_90_30_30_30_90__exp_08_11_50_mixed.txt"}) {
-    const Judgement quartic = judge(name, SurfaceShape::quartic);
-    const Judgement ellipsoid = judge(name, SurfaceShape::ellipsoid);
-    RecordProperty(std::string(name) + " heading_deg", std::to_string(quartic.heading / kDegree));
-    EXPECT_LT(quartic.heading, 10.0 * kDegree) << name;
-    EXPECT_LT(quartic.heading, ellipsoid.heading) << name;
-  }
-}
-
-TEST(RealPushes, OnAnEvenPatchTurnWithinSixDegreesAndBearTheMeasuredForce) {
-  PCAVR_NEEDS_SHARED_DATA("real/push_cmu");
-  const Judgement patch = judge("patch__exp_08_18_1435_50.txt", SurfaceShape::quartic);
-  EXPECT_LT(patch.heading, 6.0 * kDegree);
-  EXPECT_NEAR(patch.force, 4.2, 0.04 * 4.2);  // as its makers report it
 }
 
 }  // namespace
