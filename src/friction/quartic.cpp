@@ -5,56 +5,54 @@
 namespace pcavr::detail {
 namespace {
 
-/// x^n for n = -2..4 with 0 in place of negative powers: their factors vanish anyway.
-struct Powers {
-  std::array<double, 7> values{};
-
-  explicit Powers(double x) noexcept {
-    values[2] = 1.0;
-    for (std::size_t n = 3; n < values.size(); ++n) values[n] = values[n - 1] * x;
-  }
-  [[nodiscard]] double operator()(int n) const noexcept {
-    return values[static_cast<std::size_t>(n + 2)];
-  }
-};
+/// x^n for n = 0..4.
+std::array<double, 5> powers_of(double x) noexcept {
+  return {1.0, x, x * x, x * x * x, x * x * x * x};
+}
 
 }  // namespace
 
-QuarticValue evaluate_quartic(const std::array<double, 15>& coefficients,
-                              const Eigen::Vector3d& u) noexcept {
-  const Powers x(u.x());
-  const Powers y(u.y());
-  const Powers z(u.z());
+QuarticValue evaluate_quartic(const std::array<double, 15>& c, const Eigen::Vector3d& u) noexcept {
+  const double xx = u.x() * u.x();
+  const double xy = u.x() * u.y();
+  const double xz = u.x() * u.z();
+  const double yy = u.y() * u.y();
+  const double yz = u.y() * u.z();
+  const double zz = u.z() * u.z();
   QuarticValue q;
-  for (std::size_t i = 0; i < coefficients.size(); ++i) {
-    const double c = coefficients[i];
-    const auto [a, b, d] = kQuarticExponents[i];
-    q.value += c * x(a) * y(b) * z(d);
-    q.gradient.x() += c * a * x(a - 1) * y(b) * z(d);
-    q.gradient.y() += c * b * x(a) * y(b - 1) * z(d);
-    q.gradient.z() += c * d * x(a) * y(b) * z(d - 1);
-    q.hessian(0, 0) += c * a * (a - 1) * x(a - 2) * y(b) * z(d);
-    q.hessian(1, 1) += c * b * (b - 1) * x(a) * y(b - 2) * z(d);
-    q.hessian(2, 2) += c * d * (d - 1) * x(a) * y(b) * z(d - 2);
-    q.hessian(0, 1) += c * a * b * x(a - 1) * y(b - 1) * z(d);
-    q.hessian(0, 2) += c * a * d * x(a - 1) * y(b) * z(d - 1);
-    q.hessian(1, 2) += c * b * d * x(a) * y(b - 1) * z(d - 1);
-  }
+  // Written out, term by term of kQuarticExponents: this is the inner loop of every step.
+  q.hessian(0, 0) =
+      12 * c[0] * xx + 6 * (c[1] * xy + c[2] * xz) + 2 * (c[3] * yy + c[4] * yz + c[5] * zz);
+  q.hessian(1, 1) =
+      12 * c[10] * yy + 6 * (c[6] * xy + c[11] * yz) + 2 * (c[3] * xx + c[7] * xz + c[12] * zz);
+  q.hessian(2, 2) =
+      12 * c[14] * zz + 6 * (c[9] * xz + c[13] * yz) + 2 * (c[5] * xx + c[8] * xy + c[12] * yy);
+  q.hessian(0, 1) =
+      3 * (c[1] * xx + c[6] * yy) + 4 * c[3] * xy + 2 * (c[4] * xz + c[7] * yz) + c[8] * zz;
+  q.hessian(0, 2) =
+      3 * (c[2] * xx + c[9] * zz) + 4 * c[5] * xz + 2 * (c[4] * xy + c[8] * yz) + c[7] * yy;
+  q.hessian(1, 2) =
+      3 * (c[11] * yy + c[13] * zz) + 4 * c[12] * yz + 2 * (c[7] * xy + c[8] * xz) + c[4] * xx;
   q.hessian(1, 0) = q.hessian(0, 1);
   q.hessian(2, 0) = q.hessian(0, 2);
   q.hessian(2, 1) = q.hessian(1, 2);
+  // Euler: a form of degree n is its gradient times its place over n.
+  q.gradient = q.hessian * u / 3.0;
+  q.value = q.gradient.dot(u) / 4.0;
   return q;
 }
 
 std::array<double, 15> fourth_power_of(const Eigen::Vector3d& l) noexcept {
   constexpr double kFactorial[] = {1.0, 1.0, 2.0, 6.0, 24.0};
-  const Powers x(l.x());
-  const Powers y(l.y());
-  const Powers z(l.z());
+  const auto x = powers_of(l.x());
+  const auto y = powers_of(l.y());
+  const auto z = powers_of(l.z());
   std::array<double, 15> coefficients;
   for (std::size_t i = 0; i < coefficients.size(); ++i) {
-    const auto [a, b, d] = kQuarticExponents[i];
-    coefficients[i] = 24.0 / (kFactorial[a] * kFactorial[b] * kFactorial[d]) * x(a) * y(b) * z(d);
+    const auto a = static_cast<std::size_t>(kQuarticExponents[i][0]);
+    const auto b = static_cast<std::size_t>(kQuarticExponents[i][1]);
+    const auto d = static_cast<std::size_t>(kQuarticExponents[i][2]);
+    coefficients[i] = 24.0 / (kFactorial[a] * kFactorial[b] * kFactorial[d]) * x[a] * y[b] * z[d];
   }
   return coefficients;
 }

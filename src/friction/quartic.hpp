@@ -18,7 +18,7 @@ struct QuarticValue {
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
 };
 
-[[nodiscard]] QuarticValue evaluate_quartic(const std::array<double, 15>& coefficients,
+[[nodiscard]] QuarticValue evaluate_quartic(const std::array<double, 15>& c,
                                             const Eigen::Vector3d& u) noexcept;
 
 /// The coefficients of (l . u)^4.
