@@ -59,6 +59,34 @@ TEST(FindBreakaway, MeasuresTheLimitOfTenPushesOnUnknownPlants) {
   }
 }
 
+TEST(FrictionAtBreakaway, IsNearerToTheFrictionsOwnLimitThanThePeakOfAFastPush) {
+  for (const double speed : {0.010, 0.020, 0.030}) {
+    Plant plant;
+    plant.mass = 2.4;
+    plant.breakaway = 14.0;
+    plant.coulomb = 12.0;
+    plant.bristle = 4e5;
+    double error = 0.0, peak_error = 0.0;
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+      const double duration = 0.018 / speed + 0.8;
+      const auto path = [=](double t) { return speed * (t - 0.3); };
+      const Trial trial = run(plant, {}, duration, 40 + seed, path);
+      const Breakaway found = find_breakaway(trial.series());
+      ASSERT_TRUE(found.is_found);
+      const IdentifiedParameter friction = friction_at_breakaway(
+          trial.series(), found, {plant.stiffness, plant.damping, plant.exponent}, plant.mass);
+      ASSERT_TRUE(friction.is_excited);
+      EXPECT_NEAR(friction.value, trial.friction_peak, 3.0 * friction.deviation + 0.2);
+      error += (friction.value / trial.friction_peak - 1.0) / 6.0;
+      peak_error += (found.force / trial.friction_peak - 1.0) / 6.0;
+    }
+    RecordProperty("error_percent_" + std::to_string(static_cast<int>(1000 * speed)),
+                   std::to_string(100.0 * error));
+    EXPECT_LT(std::abs(error), 0.08);  // the creep before the onset, more of it in a fast push
+    EXPECT_LT(std::abs(error), peak_error);
+  }
+}
+
 TEST(FindBreakaway, SaysThatAnObjectHeld) {
   Plant plant;
   plant.is_held = true;

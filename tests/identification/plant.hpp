@@ -40,6 +40,7 @@ struct Trial {
   std::vector<double> t, tool, force;      ///< measured
   std::vector<double> true_force, object;  ///< noise-free, at the same instants
   double peak_before_slide = 0.0;          ///< [N] largest true force until the box has gone 2 mm
+  double friction_peak = 0.0;              ///< [N] largest friction until then
   [[nodiscard]] ForceMotion series() const { return {t, tool, force}; }
 };
 
@@ -72,6 +73,7 @@ inline Trial run(const Plant& plant, const Sensors& sensors, double duration, st
       const double bristle_damping = 2.0 * std::sqrt(plant.bristle * plant.mass) * 0.5;
       const double fade = std::exp(-std::pow(v / 0.005, 2));  // or it would add to the viscous part
       const double friction = plant.bristle * z + bristle_damping * fade * dz + plant.viscous * v;
+      if (x < 0.002) trial.friction_peak = std::max(trial.friction_peak, friction);
       v += kStep * (contact - friction) / plant.mass;
       x += kStep * v;
       z += kStep * dz;

@@ -131,7 +131,14 @@ TEST(PushTwoBoxes, GivesWhatOnePushEachCanTell) {
     const double friction = truth.coulomb + truth.viscous * sliding.speed;
     EXPECT_NEAR(sliding.coulomb.value + sliding.viscous.value * sliding.speed, friction,
                 0.03 * friction);
+    const IdentifiedParameter limit =
+        friction_at_breakaway(series, episode.breakaway, truth.compliance, truth.mass);
+    // The first box is pushed from a hold just below its limit, fast: its peak is 29 % above it.
+    EXPECT_NEAR(limit.value, truth.limit, 0.08 * truth.limit);
+    EXPECT_NEAR(limit.value, truth.limit, 2.0 * limit.deviation + 0.01 * truth.limit);
     const std::string name = truth.name;
+    RecordProperty(name + "_limit", std::to_string(limit.value));
+    RecordProperty(name + "_limit_deviation", std::to_string(limit.deviation));
     RecordProperty(name + "_peak", std::to_string(episode.breakaway.force));
     RecordProperty(name + "_friction", std::to_string(sliding.coulomb.value));
     RecordProperty(name + "_friction_truth", std::to_string(friction));

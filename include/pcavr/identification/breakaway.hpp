@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pcavr/identification/parameter.hpp"
+#include "pcavr/identification/sliding.hpp"
 
 namespace pcavr {
 
@@ -43,6 +44,17 @@ struct Breakaway {
 /// uses samples up to its own instant only.
 [[nodiscard]] Breakaway find_breakaway(const ForceMotion& push,
                                        const BreakawayOptions& options = {});
+
+/// The friction's own limit [N]: the force at the instant the object began to move, which in a fast
+/// push is well below the peak, because the object has to be accelerated. The onset is the one from
+/// which M s'' = F - friction, with the measured force integrated twice, meets the object's way
+/// best; nothing is differentiated. An object that creeps before it goes makes the onset early and
+/// the force some per cents low: the deviation counts that. Put it in place of Breakaway::force
+/// before limiting_friction() where pushes were fast. Not excited where no clear onset is there.
+/// mass [kg].
+[[nodiscard]] IdentifiedParameter friction_at_breakaway(const ForceMotion& push,
+                                                        const Breakaway& breakaway,
+                                                        const Compliance& compliance, double mass);
 
 /// F_M of repeated pushes [paper C, eq. 9, 10].
 struct LimitingFriction {

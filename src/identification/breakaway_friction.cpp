@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/identification/breakaway.hpp"
+#include "pcavr/identification/signals.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kMoved = 5e-4;   // [m] the object has surely gone: several position noises
+constexpr double kBefore = 0.06;  // [s] of rest that the fit sees, and of candidates for the onset
+constexpr double kAfter = 0.02;   // [s] of motion beyond `kMoved`
+constexpr double kSmoothing = 0.008;  // [s] half width for the force at the onset
+// Share of peak minus onset by which the onset is off where the object creeps before it goes: seen
+// on LuGre plants from 5 to 30 mm/s (0.2 to 0.4).
+constexpr double kCreepShare = 0.3;
+constexpr double kTellsApart = 4.0;  // rise of chi squared that two deviations make
+
+struct Track {
+  std::span<const double> t;
+  std::vector<double> force;   ///< [N] despiked
+  std::vector<double> object;  ///< [m] tool less deformation
+};
+
+/// Rest until `onset`, then M s'' = F - friction with the measured F integrated twice; the rest's
+/// place and the friction by least squares. Gives the sum of squares over [begin, end).
+double misfit(const Track& track, std::size_t begin, std::size_t onset, std::size_t end,
+              double mass) {
+  double n = 0.0, q = 0.0, qq = 0.0, y = 0.0, qy = 0.0, yy = 0.0;
+  double speed = 0.0, way = 0.0;
+  for (std::size_t i = begin; i < end; ++i) {
+    double column = 0.0;
+    if (i > onset) {
+      const double dt = track.t[i] - track.t[i - 1];
+      const double before = speed;
+      speed += 0.5 * dt * (track.force[i] + track.force[i - 1]) / mass;
+      way += 0.5 * dt * (speed + before);
+      const double since = track.t[i] - track.t[onset];
+      column = -0.5 * since * since / mass;
+    }
+    const double rest = track.object[i] - way;
+    n += 1.0, q += column, qq += column * column, y += rest, qy += column * rest, yy += rest * rest;
+  }
+  const double spread = qq - q * q / n;
+  const double cross = qy - q * y / n;
+  return yy - y * y / n - (spread > 0.0 ? cross * cross / spread : 0.0);
+}
+
+}  // namespace
+
+IdentifiedParameter friction_at_breakaway(const ForceMotion& push, const Breakaway& breakaway,
+                                          const Compliance& compliance, double mass) {
+  PCAVR_REQUIRE(mass > 0.0, mass);
+  IdentifiedParameter friction;
+  if (!breakaway.is_found) return friction;
+  Track track{push.t, remove_spikes(push.force).values, {}};
+  track.object = deformation(push.t, track.force, compliance);
+  for (std::size_t i = 0; i < track.object.size(); ++i) {
+    track.object[i] = push.tool[i] - track.object[i];
+  }
+  const std::vector<SmoothedSample> x = smooth(push.t, track.object, push.t, kSmoothing);
+  const auto index = [&](double at) {
+    return static_cast<std::size_t>(std::lower_bound(push.t.begin(), push.t.end(), at) -
+                                    push.t.begin());
+  };
+  // The last rest before the object has gone for sure, looked for back from the peak's end.
+  std::size_t gone = std::min(index(breakaway.t_decided), push.t.size() - 1);
+  const std::size_t touched = index(breakaway.t_contact);
+  const std::size_t reference = index(std::max(breakaway.t_contact, breakaway.t - 0.15));
+  if (!x[reference].is_valid) return friction;
+  while (gone > touched && !(x[gone - 1].value - x[reference].value < kMoved)) --gone;
+  const std::size_t first = std::max(touched, index(push.t[gone] - 2.0 * kBefore));
+  const std::size_t begin = std::max(touched, index(push.t[gone] - 3.0 * kBefore));
+  const std::size_t end = std::min(push.t.size(), index(push.t[gone] + kAfter));
+  if (end < first + 10 || gone <= first + 2) return friction;
+
+  std::vector<double> sums;
+  for (std::size_t onset = first; onset < gone; ++onset) {
+    sums.push_back(misfit(track, begin, onset, end, mass));
+  }
+  const auto best = std::min_element(sums.begin(), sums.end());
+  const std::size_t onset = first + static_cast<std::size_t>(best - sums.begin());
+  const SmoothedSample force = smooth_at(push.t, track.force, push.t[onset], kSmoothing);
+  const double variance = *best / static_cast<double>(end - begin - 3);
+  double late = 0.0;  // the farthest onset that fits about as well
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    if (sums[k] > *best + kTellsApart * variance) continue;
+    late = std::max(late, std::abs(push.t[first + k] - push.t[onset]));
+  }
+  friction.value = force.value;
+  friction.deviation = std::hypot(breakaway.deviation, 0.5 * late * std::abs(force.rate),
+                                  kCreepShare * (breakaway.force - force.value));
+  friction.is_excited = force.is_valid;
+  return friction;
+}
+
+}  // namespace pcavr
