@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Planes through the inverse depth around pixels, eight pixels at a time. Inverse depth is where
-// stereo and structured light have even noise and even steps.
+// Planes through the inverse depth around pixels, a vector of pixels at a time. Inverse depth is
+// where stereo and structured light have even noise and even steps.
 #include "reconstruction/kernels.hpp"
 #include "reconstruction/noise_table_sizes.hpp"
-#include "reconstruction/simd_lanes.hpp"
+#include "reconstruction/simd_records.hpp"
 
 namespace pcavr {
 namespace {
@@ -68,11 +68,8 @@ inline InversePlanes solve(const Moments& m, Floats centre) {
           masked(is_fixed, (c02 * m.q + c12 * m.uq + c22 * m.vq) * scale)};
 }
 
-struct Surfaces {
-  float members[8][kLanes];  ///< of PixelSurface, in its order
-};
-
-inline void find_eight(const PixelRow& row, int u, Surfaces& out) {
+/// The numbers of kLanes PixelSurfaces, from pixel u.
+inline EightMembers find_lanes(const PixelRow& row, int u, Floats free_depth, Floats color) {
   const float* at = row.inverse + u;
   const Floats inverse = load(at);
   const Ints has_depth = inverse > 0.0F;
@@ -85,7 +82,7 @@ inline void find_eight(const PixelRow& row, int u, Surfaces& out) {
       solve(window_moments(at, row.inverse_stride, inverse, tolerance), inverse);
 
   // On the plane a X + b Y + c Z = 1.
-  const Floats x = row.ray_x + (lane_numbers() + static_cast<float>(u)) * row.ray_step;
+  const Floats x = row.ray_x + to_floats((Ints)lane_numbers() + u) * row.ray_step;
   const Floats a = plane.slope_u * row.fx;
   const Floats b = plane.slope_v * row.fy;
   const Floats c = plane.inverse - a * x - b * row.ray_y;
@@ -96,37 +93,23 @@ inline void find_eight(const PixelRow& row, int u, Surfaces& out) {
       smaller(larger(cosine, Floats{}), splat(1.0F)) * (kNoiseCosines - 1) + 0.5F;
   const Ints entry = step / kNoiseDepthsPerWeight * kNoiseCosines + to_ints(cosine_step);
 
-  const Floats members[6] = {a * offset,
-                             b * offset,
-                             c * offset,
-                             select(has_depth, offset, splat(-1e9F)),
-                             gather(row.weights, entry),
-                             gather(row.truncations, step)};
-  __builtin_memcpy(out.members, members, sizeof(members));
-  for (int i = 0; i < kLanes; ++i)
-    out.members[6][i] = row.free_depth[u + i < row.width ? u + i : u];
-}
-
-inline void store_pixel(const Surfaces& surfaces, int lane, std::uint32_t color,
-                        PixelSurface& pixel) {
-  const auto& m = surfaces.members;
-  pixel.normal[0] = m[0][lane];
-  pixel.normal[1] = m[1][lane];
-  pixel.normal[2] = m[2][lane];
-  pixel.offset = m[3][lane];
-  pixel.weight = m[4][lane];
-  pixel.truncation = m[5][lane];
-  pixel.free_depth = m[6][lane];
-  pixel.color = color;
+  return {{a * offset, b * offset, c * offset, select(has_depth, offset, splat(-1e9F)),
+           gather(row.weights, entry), gather(row.truncations, step), free_depth, color}};
 }
 
 void find_surfaces(const PixelRow& row, PixelSurface* pixels) {
-  for (int u = 0; u < row.width; u += kLanes) {
-    Surfaces surfaces;
-    find_eight(row, u, surfaces);
-    const int count = row.width - u < kLanes ? row.width - u : kLanes;
-    for (int i = 0; i < count; ++i) store_pixel(surfaces, i, row.color[u + i], pixels[u + i]);
+  const auto* colors = reinterpret_cast<const float*>(row.color);  // moved only, never counted with
+  int u = 0;
+  for (; u + kLanes <= row.width; u += kLanes) {
+    store_records(find_lanes(row, u, load(row.free_depth + u), load(colors + u)), pixels[u].normal);
   }
+  if (u == row.width) return;
+  const int count = row.width - u;
+  PixelSurface last[kLanes];
+  store_records(
+      find_lanes(row, u, load_some(row.free_depth + u, count), load_some(colors + u, count)),
+      last[0].normal);
+  for (int i = 0; i < count; ++i) pixels[u + i] = last[i];
 }
 
 }  // namespace

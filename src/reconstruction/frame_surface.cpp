@@ -85,7 +85,7 @@ DepthImage nearest_of_pools(const DepthImage& used) {
 struct PaddedInverse {
   explicit PaddedInverse(const DepthImage& depth)
       // Rows end on whole vectors, so that a vector may be loaded at any pixel.
-      : stride((depth.width() + 2 * kPlaneReach + 15) / 8 * 8),
+      : stride((depth.width() + 2 * kPlaneReach + 31) / 16 * 16),
         values(static_cast<std::size_t>(stride * (depth.height() + 2 * kPlaneReach)), 0.0F) {
     for (int v = 0; v < depth.height(); ++v) {
       float* to = row(v);

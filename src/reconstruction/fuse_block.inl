@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The fusion of one frame into one block, a row of eight voxels at a time.
+// The fusion of one frame into one block, one or two rows of eight voxels at a time.
 #include "reconstruction/kernels.hpp"
-#include "reconstruction/simd_lanes.hpp"
+#include "reconstruction/simd_records.hpp"
 
 namespace pcavr {
 namespace {
@@ -18,18 +18,22 @@ constexpr float kColorBand = 1.25F;
 // The members of PixelSurface, by their place in it.
 enum Member { kNormalX, kNormalY, kNormalZ, kOffset, kWeight, kTruncation, kFreeDepth, kColor };
 
-struct Row {
+/// Rows of voxels handled together; they share their place along z.
+constexpr int kRows = kLanes / kBlockSide;
+
+struct Rows {
   Floats x, y, z;  ///< voxels in camera axes [m]
   Ints pixel;      ///< number of the pixel; that without a surface where outside the image
 };
 
-inline Row place_row(const BlockView& view, int row) {
-  const auto iy = static_cast<float>(row % kBlockSide);
+inline Rows place_rows(const BlockView& view, int row) {
+  const Words lane = lane_numbers();
+  const Floats ix = to_floats((Ints)(lane % kBlockSide));
+  const Floats iy = to_floats((Ints)(lane / kBlockSide)) + static_cast<float>(row % kBlockSide);
   const auto iz = static_cast<float>(row / kBlockSide);
   Floats p[3];
   for (int i = 0; i < 3; ++i) {
-    const float start = view.origin[i] + iy * view.step_y[i] + iz * view.step_z[i];
-    p[i] = start + lane_numbers() * view.step_x[i];
+    p[i] = view.origin[i] + iy * view.step_y[i] + iz * view.step_z[i] + ix * view.step_x[i];
   }
   const Floats inverse = 1.0F / p[2];
   const Floats u = p[0] * inverse * view.fx + (view.cx + 0.5F);
@@ -51,8 +55,7 @@ inline Ints blend_channel(Words old, Words seen, int shift, Floats share, Floats
 }
 
 inline Floats dither_noise(const BlockView& view, int row) {
-  const Words lane = {0, 1, 2, 3, 4, 5, 6, 7};
-  Words hash = (lane + view.dither + static_cast<std::uint32_t>(row) * 8U) * 0x9E3779B1U;
+  Words hash = (lane_numbers() + view.dither + static_cast<std::uint32_t>(row) * 8U) * 0x9E3779B1U;
   hash ^= hash >> 15;
   hash *= 0x85EBCA6BU;
   // 23 bits, so that the largest stays below one.
@@ -76,22 +79,26 @@ inline Words count_up(Words counts, Ints mask, std::uint32_t one) {
   return counts + ((Words)(mask & room) & one);
 }
 
-inline void fuse_row(const BlockView& view, int row, VoxelBlock& block) {
-  const Row at = place_row(view, row);
+/// `wanted`: the lanes that this frame may change.
+__attribute__((always_inline)) inline void fuse_rows(const BlockView& view, int row, Ints wanted,
+                                                     VoxelBlock& block) {
+  const Rows at = place_rows(view, row);
   const EightMembers pixel = load_records(&view.pixels->normal[0], at.pixel);
   const Floats truncation = pixel.of[kTruncation];
   const Floats distance =
       pixel.of[kOffset] -
       (pixel.of[kNormalX] * at.x + pixel.of[kNormalY] * at.y + pixel.of[kNormalZ] * at.z);
-  const Ints in_band = (distance <= truncation) & (distance >= -truncation);
-  const Ints through = at.z < pixel.of[kFreeDepth];
-  Words* counts = reinterpret_cast<Words*>(&block.color_counts) + row;
-  const Words seen_through = *counts >> 28;
-  const Ints counted = through & (Ints)(seen_through < view.through_enough);
-  *counts += (Words)(counted & (1 << 28));
-  if (!any(in_band)) return;
+  const Ints in_band = wanted & (distance <= truncation) & (distance >= -truncation);
+  const Ints through = wanted & (at.z < pixel.of[kFreeDepth]);
+  Words* counts = reinterpret_cast<Words*>(&block.color_counts) + row / kRows;
+  const Ints counted = through & (Ints)((*counts >> 28) < view.through_enough);
+  Words new_counts = *counts + (Words)(counted & (1 << 28));
+  if (!any(in_band)) {
+    *counts = new_counts;
+    return;
+  }
 
-  Words* lanes = reinterpret_cast<Words*>(&block.distance_weight) + row;
+  Words* lanes = reinterpret_cast<Words*>(&block.distance_weight) + row / kRows;
   const Ints stored = (Ints)*lanes;
   const Floats old_distance = to_floats((stored << 16) >> 16);
   const Floats old_weight = to_floats((Ints)((Words)stored >> 16));
@@ -99,37 +106,49 @@ inline void fuse_row(const BlockView& view, int row, VoxelBlock& block) {
   const Floats weight = larger(pixel.of[kWeight] * smaller(ramp, splat(1.0F)), splat(1.0F));
   const Floats share = weight / (old_weight + weight);
   const Floats measured = distance * view.steps_per_metre;
-  Floats mean = rounded(old_distance + (measured - old_distance) * share);
-  mean = larger(smaller(mean, splat(32767.0F)), splat(-32767.0F));
-  const Floats sum = smaller(rounded(old_weight + weight), splat(kLargestWeight));
-  const Ints packed = (to_ints(mean) & 0xFFFF) | (to_ints(sum) << 16);
-  *lanes = (Words)select(in_band, packed, stored);
+  const Ints mean = rounded(old_distance + (measured - old_distance) * share);
+  const Ints clamped = larger(smaller(mean, Ints{} + 32767), Ints{} - 32767);
+  const Ints sum =
+      smaller(rounded(old_weight + weight), Ints{} + static_cast<std::int32_t>(kLargestWeight));
+  *lanes = (Words)select(in_band, (clamped & 0xFFFF) | (sum << 16), stored);
 
-  *counts = count_up(*counts, in_band, 1U << 24);
+  new_counts = count_up(new_counts, in_band, 1U << 24);
   const Floats color_reach = splat(kColorBand * view.voxel_size);
   const Ints near = in_band & (distance <= color_reach) & (distance >= -color_reach);
   if (any(near)) {
-    const Words colored = blend_color(view, row, *counts, (Words)pixel.of[kColor], share);
-    *counts = (Words)select(near, (Ints)colored, (Ints)*counts);
+    const Words colored = blend_color(view, row, new_counts, (Words)pixel.of[kColor], share);
+    new_counts = (Words)select(near, (Ints)colored, (Ints)new_counts);
   }
+  *counts = new_counts;
 }
 
 /// Whether a whole row has been seen through often enough.
 inline bool is_clear(const BlockView& view, int row, const VoxelBlock& block) {
-  const Words counts = reinterpret_cast<const Words*>(&block.color_counts)[row];
-  return !any((Ints)((counts >> 28) < view.through_enough));
+  const auto* counts = reinterpret_cast<const std::uint32_t*>(&block.color_counts);
+  for (int i = row * kBlockSide; i < (row + 1) * kBlockSide; ++i) {
+    if ((counts[i] >> 28) < view.through_enough) return false;
+  }
+  return true;
+}
+
+/// Whether the frame has anything to say about the row.
+inline bool is_wanted(const BlockView& view, int row, const VoxelBlock& block) {
+  const float z = view.origin[2] + static_cast<float>(row % kBlockSide) * view.step_y[2] +
+                  static_cast<float>(row / kBlockSide) * view.step_z[2];
+  const float z_end = z + (kBlockSide - 1) * view.step_x[2];
+  const float nearest = z < z_end ? z : z_end;
+  const float farthest = z < z_end ? z_end : z;
+  const bool meets_band = farthest >= view.band_nearest && nearest <= view.band_farthest;
+  return meets_band || (nearest < view.free_farthest && !is_clear(view, row, block));
 }
 
 void fuse_block(const BlockView& view, VoxelBlock& block) {
-  for (int row = 0; row < kBlockSide * kBlockSide; ++row) {
-    const float z = view.origin[2] + static_cast<float>(row % kBlockSide) * view.step_y[2] +
-                    static_cast<float>(row / kBlockSide) * view.step_z[2];
-    const float z_end = z + (kBlockSide - 1) * view.step_x[2];
-    const float nearest = z < z_end ? z : z_end;
-    const float farthest = z < z_end ? z_end : z;
-    const bool meets_band = farthest >= view.band_nearest && nearest <= view.band_farthest;
-    const bool may_clear = nearest < view.free_farthest && !is_clear(view, row, block);
-    if (meets_band || may_clear) fuse_row(view, row, block);
+  const Ints is_second = (Ints)(lane_numbers() >= static_cast<std::uint32_t>(kBlockSide));
+  for (int row = 0; row < kBlockSide * kBlockSide; row += kRows) {
+    const int first = is_wanted(view, row, block) ? -1 : 0;
+    const int second = kRows > 1 && is_wanted(view, row + kRows - 1, block) ? -1 : 0;
+    if ((first | second) == 0) continue;
+    fuse_rows(view, row, select(is_second, Ints{} + second, Ints{} + first), block);
   }
 }
 

@@ -6,14 +6,22 @@ namespace pcavr {
 
 extern const Kernels kBaselineKernels;
 extern const Kernels kAvx2Kernels;
+extern const Kernels kAvx512Kernels;
 
-const Kernels& baseline_kernels() { return kBaselineKernels; }
+std::vector<const Kernels*> runnable_kernels() {
+  std::vector<const Kernels*> runnable = {&kBaselineKernels};
+#ifdef PCAVR_HAS_X86_KERNELS
+  if (__builtin_cpu_supports("avx2")) runnable.push_back(&kAvx2Kernels);
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) {
+    runnable.push_back(&kAvx512Kernels);
+  }
+#endif
+  return runnable;
+}
 
 const Kernels& kernels() {
-#ifdef PCAVR_HAS_AVX2_KERNELS
-  if (__builtin_cpu_supports("avx2")) return kAvx2Kernels;
-#endif
-  return kBaselineKernels;
+  static const Kernels& fastest = *runnable_kernels().back();
+  return fastest;
 }
 
 }  // namespace pcavr

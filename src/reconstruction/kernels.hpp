@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "reconstruction/pixel_surface.hpp"
 #include "reconstruction/voxel_block.hpp"
@@ -64,7 +65,7 @@ struct Kernels {
 /// The fastest that this processor runs. All give the same bits.
 [[nodiscard]] const Kernels& kernels();
 
-/// Those for any processor; for tests.
-[[nodiscard]] const Kernels& baseline_kernels();
+/// All that this processor runs, from the plainest to the fastest; for tests.
+[[nodiscard]] std::vector<const Kernels*> runnable_kernels();
 
 }  // namespace pcavr

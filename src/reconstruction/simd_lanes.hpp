@@ -7,20 +7,30 @@
 #include <immintrin.h>
 #endif
 
-// Eight lanes of 32 bits, as GCC's and clang's vector types. Everything has internal linkage: the
-// files that include this are compiled for different instruction sets, and no code for one may end
-// up in another's place.
+// Lanes of 32 bits, as GCC's and clang's vector types: sixteen with AVX-512, otherwise eight.
+// Everything has internal linkage: the files that include this are compiled for different
+// instruction sets, and no code for one may end up in another's place.
 namespace pcavr {
 namespace {
 
-using Floats = float __attribute__((vector_size(32)));
-using Ints = std::int32_t __attribute__((vector_size(32)));
-using Words = std::uint32_t __attribute__((vector_size(32)));
-
+#ifdef __AVX512F__
+constexpr int kLanes = 16;
+#else
 constexpr int kLanes = 8;
+#endif
+
+using Floats = float __attribute__((vector_size(kLanes * 4)));
+using Ints = std::int32_t __attribute__((vector_size(kLanes * 4)));
+using Words = std::uint32_t __attribute__((vector_size(kLanes * 4)));
 
 [[maybe_unused]] inline Floats splat(float value) { return Floats{} + value; }
-[[maybe_unused]] inline Floats lane_numbers() { return Floats{0, 1, 2, 3, 4, 5, 6, 7}; }
+[[maybe_unused]] inline Words lane_numbers() {
+#ifdef __AVX512F__
+  return Words{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+#else
+  return Words{0, 1, 2, 3, 4, 5, 6, 7};
+#endif
+}
 [[maybe_unused]] inline Floats to_floats(Ints value) {
   return __builtin_convertvector(value, Floats);
 }
@@ -36,17 +46,38 @@ constexpr int kLanes = 8;
 [[maybe_unused]] inline Floats select(Ints mask, Floats yes, Floats no) {
   return (Floats)select(mask, (Ints)yes, (Ints)no);
 }
-[[maybe_unused]] inline Floats smaller(Floats a, Floats b) { return select(a < b, a, b); }
-[[maybe_unused]] inline Floats larger(Floats a, Floats b) { return select(a > b, a, b); }
+// Both give b where a number is no number, like the instructions.
+[[maybe_unused]] inline Floats smaller(Floats a, Floats b) {
+#if defined(__AVX512F__)
+  return (Floats)_mm512_min_ps((__m512)a, (__m512)b);
+#elif defined(__AVX2__)
+  return (Floats)_mm256_min_ps((__m256)a, (__m256)b);
+#else
+  return select(a < b, a, b);
+#endif
+}
+[[maybe_unused]] inline Floats larger(Floats a, Floats b) {
+#if defined(__AVX512F__)
+  return (Floats)_mm512_max_ps((__m512)a, (__m512)b);
+#elif defined(__AVX2__)
+  return (Floats)_mm256_max_ps((__m256)a, (__m256)b);
+#else
+  return select(a > b, a, b);
+#endif
+}
+[[maybe_unused]] inline Ints smaller(Ints a, Ints b) { return select(a < b, a, b); }
+[[maybe_unused]] inline Ints larger(Ints a, Ints b) { return select(a > b, a, b); }
 
 /// To the nearest whole number, halves away from zero.
-[[maybe_unused]] inline Floats rounded(Floats value) {
-  const Floats half = select(value < 0.0F, splat(-0.5F), splat(0.5F));
-  return to_floats(to_ints(value + half));
+[[maybe_unused]] inline Ints rounded(Floats value) {
+  const Ints sign = (Ints)value & INT32_MIN;
+  return to_ints(value + (Floats)(sign | (Ints)splat(0.5F)));
 }
 
 [[maybe_unused]] inline Floats square_root(Floats value) {
-#ifdef __AVX2__
+#if defined(__AVX512F__)
+  return (Floats)_mm512_sqrt_ps((__m512)value);
+#elif defined(__AVX2__)
   return (Floats)_mm256_sqrt_ps((__m256)value);
 #else
   for (int i = 0; i < kLanes; ++i) value[i] = __builtin_sqrtf(value[i]);
@@ -55,7 +86,9 @@ constexpr int kLanes = 8;
 }
 
 [[maybe_unused]] inline bool any(Ints mask) {
-#ifdef __AVX2__
+#if defined(__AVX512F__)
+  return _mm512_test_epi32_mask((__m512i)mask, (__m512i)mask) != 0;
+#elif defined(__AVX2__)
   return _mm256_movemask_ps((__m256)mask) != 0;
 #else
   std::int32_t bits = 0;
@@ -70,50 +103,23 @@ constexpr int kLanes = 8;
   return value;
 }
 
+/// The first `count` lanes; the others are 0.
+[[maybe_unused]] inline Floats load_some(const float* from, int count) {
+  Floats value = {};
+  for (int i = 0; i < count; ++i) value[i] = from[i];
+  return value;
+}
+
 [[maybe_unused]] inline Floats gather(const float* base, Ints index) {
-#ifdef __AVX2__
+#if defined(__AVX512F__)
+  return (Floats)_mm512_i32gather_ps((__m512i)index, base, 4);
+#elif defined(__AVX2__)
   return (Floats)_mm256_i32gather_ps(base, (__m256i)index, 4);
 #else
   Floats result;
   for (int i = 0; i < kLanes; ++i) result[i] = base[index[i]];
   return result;
 #endif
-}
-
-/// Eight records of eight numbers, turned: result[i] holds number i of every record.
-struct EightMembers {
-  Floats of[8];
-};
-
-[[maybe_unused]] inline EightMembers load_records(const float* base, Ints index) {
-  EightMembers result;
-#ifdef __AVX2__
-  // Loads and shuffles: a gather for each member would touch every record eight times.
-  __m256 r[8];
-  for (int i = 0; i < kLanes; ++i) r[i] = _mm256_load_ps(base + 8 * index[i]);
-  __m256 pair[8];
-  for (int i = 0; i < 4; ++i) {
-    pair[2 * i] = _mm256_unpacklo_ps(r[2 * i], r[2 * i + 1]);
-    pair[2 * i + 1] = _mm256_unpackhi_ps(r[2 * i], r[2 * i + 1]);
-  }
-  __m256 quad[8];
-  for (int i = 0; i < 2; ++i) {
-    const __m256* p = pair + 4 * i;
-    quad[4 * i] = _mm256_shuffle_ps(p[0], p[2], 0x44);
-    quad[4 * i + 1] = _mm256_shuffle_ps(p[0], p[2], 0xEE);
-    quad[4 * i + 2] = _mm256_shuffle_ps(p[1], p[3], 0x44);
-    quad[4 * i + 3] = _mm256_shuffle_ps(p[1], p[3], 0xEE);
-  }
-  for (int i = 0; i < 4; ++i) {
-    result.of[i] = (Floats)_mm256_permute2f128_ps(quad[i], quad[i + 4], 0x20);
-    result.of[i + 4] = (Floats)_mm256_permute2f128_ps(quad[i], quad[i + 4], 0x31);
-  }
-#else
-  for (int i = 0; i < kLanes; ++i) {
-    for (int m = 0; m < 8; ++m) result.of[m][i] = base[8 * index[i] + m];
-  }
-#endif
-  return result;
 }
 
 }  // namespace

@@ -1,0 +1,11 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/find_surfaces.inl"
+#include "reconstruction/fuse_block.inl"
+
+namespace pcavr {
+
+extern const Kernels kAvx512Kernels;
+const Kernels kAvx512Kernels = {find_surfaces, fuse_block};
+
+}  // namespace pcavr
