@@ -12,7 +12,7 @@
 namespace pcavr {
 
 struct BreakawayOptions {
-  double half_width = 0.010;        ///< [s] of the smoothing; at least three samples are taken
+  double half_width = 0.006;        ///< [s] of the smoothing; at least three samples are taken
   double contact_deviations = 6.0;  ///< smoothed force above this many deviations: contact
   double guard = 0.080;             ///< [s] newest stretch that the line is not fitted to
   double alarm_deviations = 5.0;    ///< shortfall below the line, in deviations of the force, ...
