@@ -14,8 +14,6 @@ namespace {
 constexpr std::size_t kGrainRows = 32;
 // The window of the plane fit takes in surfaces up to this steep.
 constexpr double kSteepestFit = 70.0 * std::numbers::pi / 180.0;
-// Four pixels are one surface where none is farther than the nearest by more than this.
-constexpr float kLargestPoolRatio = 1.02F;
 
 /// Readings in range; 0 elsewhere.
 DepthImage used_readings(const DepthImage& depth, const DepthNoise& noise) {
@@ -38,47 +36,13 @@ void drop_masked(const MaskImage& is_dynamic, DepthImage& depth) {
   }
 }
 
-/// Two by two pixels to one: the mean where they are one surface, that of the nearest where not.
-float pooled_depth(float a, float b, float c, float d, float largest_ratio) {
-  const float far = 1e9F;
-  const float nearest = std::min(std::min(a > 0.0F ? a : far, b > 0.0F ? b : far),
-                                 std::min(c > 0.0F ? c : far, d > 0.0F ? d : far));
-  const float limit = nearest * largest_ratio;
-  float sum = 0.0F;
-  float count = 0.0F;
-  for (const float z : {a, b, c, d}) {
-    const bool is_same = z > 0.0F && z <= limit;
-    sum += is_same ? z : 0.0F;
-    count += is_same ? 1.0F : 0.0F;
-  }
-  return sum / std::max(count, 1.0F);
-}
-
-DepthImage halved(const DepthImage& used) {
+/// Two by two pixels to one, by one of the kernels.
+DepthImage pooled(const DepthImage& used, decltype(Kernels::pool_depth) pool) {
   DepthImage half(used.width() / 2, used.height() / 2);
   for (int v = 0; v < half.height(); ++v) {
-    const float* top = used.row(2 * v).data();
-    const float* bottom = used.row(2 * v + 1).data();
-    for (int u = 0; u < half.width(); ++u, top += 2, bottom += 2) {
-      half(u, v) = pooled_depth(top[0], top[1], bottom[0], bottom[1], kLargestPoolRatio);
-    }
+    pool(used.row(2 * v).data(), used.row(2 * v + 1).data(), half.width(), half.row(v).data());
   }
   return half;
-}
-
-/// How near anything is in each two by two pixels; 0 where one has no reading.
-DepthImage nearest_of_pools(const DepthImage& used) {
-  DepthImage nearest(used.width() / 2, used.height() / 2);
-  for (int v = 0; v < nearest.height(); ++v) {
-    const float* top = used.row(2 * v).data();
-    const float* bottom = used.row(2 * v + 1).data();
-    for (float& pool : nearest.row(v)) {
-      pool = std::min(std::min(top[0], top[1]), std::min(bottom[0], bottom[1]));
-      top += 2;
-      bottom += 2;
-    }
-  }
-  return nearest;
 }
 
 /// Inverse depth with kPlaneReach empty pixels around it.
@@ -195,11 +159,11 @@ void prepare_frame(const DepthImage& depth, const ColorImage& color, const MaskI
   DepthImage used = used_readings(depth, tables.noise());
   frame.camera = camera.shrunk(2);
   // What moves is no surface, but all before it is free.
-  frame.free_depth = find_free_depth(nearest_of_pools(used), tables);
+  frame.free_depth = find_free_depth(pooled(used, kernels().pool_nearest), tables);
   drop_masked(is_dynamic, used);
   frame.pixels_used = static_cast<std::size_t>(
       std::count_if(used.pixels().begin(), used.pixels().end(), [](float z) { return z > 0.0F; }));
-  frame.depth = halved(used);
+  frame.depth = pooled(used, kernels().pool_depth);
   summarise_tiles(frame);
   const int width = frame.depth.width();
   const std::size_t pixels = frame.depth.pixels().size() + 1;

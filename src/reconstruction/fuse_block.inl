@@ -142,9 +142,17 @@ inline bool is_wanted(const BlockView& view, int row, const VoxelBlock& block) {
   return meets_band || (nearest < view.free_farthest && !is_clear(view, row, block));
 }
 
-void fuse_block(const BlockView& view, VoxelBlock& block) {
+/// A voxel is touched once a frame, so that nearly every block comes from memory: it is fetched
+/// while the one before is worked on.
+inline void fetch_rows(const VoxelBlock* block, int row) {
+  __builtin_prefetch(reinterpret_cast<const Words*>(&block->distance_weight) + row / kRows, 1);
+  __builtin_prefetch(reinterpret_cast<const Words*>(&block->color_counts) + row / kRows, 1);
+}
+
+void fuse_block(const BlockView& view, VoxelBlock& block, const VoxelBlock* next) {
   const Ints is_second = (Ints)(lane_numbers() >= static_cast<std::uint32_t>(kBlockSide));
   for (int row = 0; row < kBlockSide * kBlockSide; row += kRows) {
+    if (next != nullptr) fetch_rows(next, row);
     const int first = is_wanted(view, row, block) ? -1 : 0;
     const int second = kRows > 1 && is_wanted(view, row + kRows - 1, block) ? -1 : 0;
     if ((first | second) == 0) continue;

@@ -34,6 +34,19 @@ struct PixelRow {
 /// The plane fit takes in the pixels this near.
 inline constexpr int kPlaneReach = 2;
 
+/// One row of readings to be filtered.
+struct FilterRow {
+  const float* centre;  ///< depth of the row's first pixel; 0: nothing [m]
+  int stride;           ///< to the next row; there is an empty pixel around the image, and
+                        ///< kMostLanes more after each row
+  int width;
+  float nearest;               ///< of the table's first entry [m]
+  float steps_per_metre;       ///< of the table
+  const float* largest_steps;  ///< to a neighbour on the same surface, over depth [m]
+};
+/// Of any instruction set.
+inline constexpr int kMostLanes = 16;
+
 /// One block seen by one frame.
 struct BlockView {
   const PixelSurface* pixels;
@@ -54,12 +67,18 @@ struct BlockView {
 };
 
 struct Kernels {
+  /// Keeps the pixels that enough neighbours agree with; 0 for the others.
+  void (*filter_row)(const FilterRow& row, float* filtered);
+  /// Two by two pixels of two rows to one, `width` times: the least,
+  void (*pool_nearest)(const float* top, const float* bottom, int width, float* to);
+  /// or the mean where they are one surface, that of the nearest where not.
+  void (*pool_depth)(const float* top, const float* bottom, int width, float* to);
   /// Fits a plane to the inverse depth around each pixel (on a plane, it is linear in the pixel),
   /// and from it the distance, incidence, weight and truncation. Writes `width` pixels.
   void (*find_surfaces)(const PixelRow& row, PixelSurface* pixels);
   /// Averages the frame's signed distance and colour into the block, and counts what it saw
-  /// through.
-  void (*fuse_block)(const BlockView& view, VoxelBlock& block);
+  /// through. `next`: the block that will be fused next, or null; it is fetched from memory.
+  void (*fuse_block)(const BlockView& view, VoxelBlock& block, const VoxelBlock* next);
 };
 
 /// The fastest that this processor runs. All give the same bits.

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/find_surfaces.inl"
 #include "reconstruction/fuse_block.inl"
+#include "reconstruction/image_rows.inl"
 
 namespace pcavr {
 
 extern const Kernels kAvx2Kernels;
-const Kernels kAvx2Kernels = {find_surfaces, fuse_block};
+const Kernels kAvx2Kernels = {filter_row, pool_nearest, pool_depth, find_surfaces, fuse_block};
 
 }  // namespace pcavr

@@ -110,6 +110,29 @@ using Words = std::uint32_t __attribute__((vector_size(kLanes * 4)));
   return value;
 }
 
+[[maybe_unused]] inline void store(Floats value, float* to) {
+  __builtin_memcpy(to, &value, sizeof(value));
+}
+[[maybe_unused]] inline void store_some(Floats value, int count, float* to) {
+  for (int i = 0; i < count; ++i) to[i] = value[i];
+}
+
+/// Every second lane of a and then b.
+[[maybe_unused]] inline Floats even_lanes(Floats a, Floats b) {
+#ifdef __AVX512F__
+  return __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+#else
+  return __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14);
+#endif
+}
+[[maybe_unused]] inline Floats odd_lanes(Floats a, Floats b) {
+#ifdef __AVX512F__
+  return __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+#else
+  return __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
+#endif
+}
+
 [[maybe_unused]] inline Floats gather(const float* base, Ints index) {
 #if defined(__AVX512F__)
   return (Floats)_mm512_i32gather_ps((__m512i)index, base, 4);

@@ -31,6 +31,7 @@ inline void turn_quarters(__m512 r[4]) {
 [[maybe_unused]] inline EightMembers load_records(const float* base, Ints index) {
   alignas(64) std::int32_t at[kLanes];
   __builtin_memcpy(at, &index, sizeof(at));
+  asm("" : "+m"(at));  // by memory: taking lanes out would cost the shuffles' port
   __m512 r[8];
   for (int i = 0; i < 8; ++i) {
     // Records 0 to 3 beside 4 to 7, then 8 to 11 beside 12 to 15.
@@ -96,6 +97,7 @@ inline void turn(__m256 r[8]) {
 [[maybe_unused]] inline EightMembers load_records(const float* base, Ints index) {
   alignas(32) std::int32_t at[kLanes];
   __builtin_memcpy(at, &index, sizeof(at));
+  asm("" : "+m"(at));  // by memory: taking lanes out would cost the shuffles' port
   __m256 r[8];
   for (int i = 0; i < 8; ++i) r[i] = _mm256_load_ps(base + 8L * at[i]);
   turn(r);

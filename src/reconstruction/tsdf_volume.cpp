@@ -60,7 +60,9 @@ struct TsdfVolume::Blocks {
 
   /// Adds those that are missing; returns how many.
   std::uint32_t add_blocks(const std::vector<BlockPlace>& places, Parallelism parallelism);
-  void fuse(const SeenBlock& seen, BlockView view, const Pose& T_camera_base);
+  /// `next`: what will be fused after it, if anything.
+  void fuse(const SeenBlock& seen, const SeenBlock* next, BlockView view,
+            const Pose& T_camera_base);
 };
 
 std::uint32_t TsdfVolume::Blocks::add_blocks(const std::vector<BlockPlace>& places,
@@ -78,7 +80,8 @@ std::uint32_t TsdfVolume::Blocks::add_blocks(const std::vector<BlockPlace>& plac
   return static_cast<std::uint32_t>(map.size()) - first;
 }
 
-void TsdfVolume::Blocks::fuse(const SeenBlock& seen, BlockView view, const Pose& T_camera_base) {
+void TsdfVolume::Blocks::fuse(const SeenBlock& seen, const SeenBlock* next, BlockView view,
+                              const Pose& T_camera_base) {
   if (seen.wholly_free) {
     std::uint8_t& count = map.through_whole(seen.number);
     if (static_cast<int>(count) < options.frames_to_clear) ++count;
@@ -93,7 +96,9 @@ void TsdfVolume::Blocks::fuse(const SeenBlock& seen, BlockView view, const Pose&
   view.band_farthest = seen.band_farthest;
   view.free_farthest = seen.free_farthest;
   view.through_enough = static_cast<std::uint32_t>(options.frames_to_clear);
-  kernels().fuse_block(view, map.block(seen.number));
+  const VoxelBlock* next_block =
+      next != nullptr && !next->wholly_free ? &map.block(next->number) : nullptr;
+  kernels().fuse_block(view, map.block(seen.number), next_block);
 }
 
 TsdfVolume::TsdfVolume(const TsdfOptions& options) {
@@ -137,7 +142,10 @@ IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImag
   const Pose T_camera_base = T_base_camera.inverse();
   const BlockView view = view_of(frame, T_camera_base, voxel_size, blocks.frames);
   parallel_for(parallelism, seen.size(), kGrainBlocks, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) blocks.fuse(seen[i], view, T_camera_base);
+    for (std::size_t i = begin; i < end; ++i) {
+      const SeenBlock* next = i + 1 < end ? &seen[i + 1] : nullptr;
+      blocks.fuse(seen[i], next, view, T_camera_base);
+    }
   });
   blocks.past.keep(frame, T_base_camera);
   ++blocks.frames;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/reconstruction/tsdf_volume.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -236,7 +237,7 @@ VoxelBlock fused_at_random(const Kernels& kernels) {
                  77U,
                  3U};
   VoxelBlock block{};
-  for (int i = 0; i < 5; ++i) kernels.fuse_block(view, block);
+  for (int i = 0; i < 5; ++i) kernels.fuse_block(view, block, nullptr);
   return block;
 }
 
@@ -249,6 +250,35 @@ TEST(Kernels, GiveTheSameBitsOnEveryInstructionSet) {
     EXPECT_EQ(block.distance_weight, plain.distance_weight);
     EXPECT_EQ(block.color_counts, plain.color_counts);
   }
+}
+
+/// What the passes over rows give for random depth with holes, of a width that fills no vectors.
+std::vector<std::vector<float>> passes_at_random(const Kernels& kernels) {
+  constexpr int kWidth = 37;
+  constexpr int kStride = kWidth + 2 + kMostLanes;
+  Random random(6);
+  std::vector<float> depth(3 * kStride, 0.0F);
+  for (int i = 0; i < 3 * kWidth; ++i) {
+    const auto at = static_cast<std::size_t>(i / kWidth * kStride + 1 + i % kWidth);
+    const double z = 1.0 + 0.02 * random.uniform(0.0, 1.0);
+    depth[at] = random.below(8) == 0 ? 0.0F : static_cast<float>(z);
+  }
+  const std::vector<float> steps(100, 0.012F);
+  const float* centre = depth.data() + kStride + 1;
+  const FilterRow row{centre, kStride, kWidth, 0.5F, 50.0F, steps.data()};
+  std::vector<std::vector<float>> results(3, std::vector<float>(kWidth));
+  kernels.filter_row(row, results[0].data());
+  kernels.pool_nearest(centre, centre + kStride, kWidth / 2, results[1].data());
+  kernels.pool_depth(centre, centre + kStride, kWidth / 2, results[2].data());
+  return results;
+}
+
+TEST(Kernels, PassOverRowsAlikeOnEveryInstructionSet) {
+  const std::vector<std::vector<float>> plain = passes_at_random(*runnable_kernels().front());
+  for (const std::vector<float>& result : plain) {
+    EXPECT_GT(std::count_if(result.begin(), result.end(), [](float z) { return z > 0.0F; }), 5);
+  }
+  for (const Kernels* kernels : runnable_kernels()) EXPECT_EQ(passes_at_random(*kernels), plain);
 }
 
 }  // namespace

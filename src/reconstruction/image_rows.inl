@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The passes over whole depth images, a row of pixels at a time.
+#include "reconstruction/kernels.hpp"
+#include "reconstruction/simd_lanes.hpp"
+
+namespace pcavr {
+namespace {
+
+// A straight edge leaves five of eight neighbours, a corner three; a gross error has none.
+constexpr int kLeastCompanions = 3;
+// A jump along an edge disagrees with three neighbours, a lone gross error with one.
+constexpr int kMostStrangers = 1;
+// Four pixels are one surface where none is farther than the nearest by more than this.
+constexpr float kLargestPoolRatio = 1.02F;
+
+inline Floats filtered_lanes(const FilterRow& row, int u) {
+  const float* centre = row.centre + u;
+  const Floats z = load(centre);
+  const Floats place = larger(Floats{}, (z - row.nearest) * row.steps_per_metre);
+  const Floats step = gather(row.largest_steps, to_ints(place));
+  Ints companions = {};
+  Ints strangers = {};
+  for (int dv = -1; dv <= 1; ++dv) {
+    for (int du = -1; du <= 1; ++du) {
+      if (dv == 0 && du == 0) continue;
+      const Floats other = load(centre + dv * row.stride + du);
+      const Ints is_there = other > 0.0F;
+      const Floats difference = other - z;
+      const Ints is_near = (difference <= step) & (difference >= -step);
+      // A mask is -1.
+      companions -= is_there & is_near;
+      strangers -= is_there & ~is_near;
+    }
+  }
+  return masked((companions >= kLeastCompanions) & (strangers <= kMostStrangers), z);
+}
+
+void filter_row(const FilterRow& row, float* filtered) {
+  int u = 0;
+  for (; u + kLanes <= row.width; u += kLanes) store(filtered_lanes(row, u), filtered + u);
+  if (u < row.width) store_some(filtered_lanes(row, u), row.width - u, filtered + u);
+}
+
+/// Two by two pixels in each lane.
+struct Pools {
+  Floats of[4];
+};
+
+inline Pools load_pools(const float* top, const float* bottom) {
+  const Floats a = load(top);
+  const Floats b = load(top + kLanes);
+  const Floats c = load(bottom);
+  const Floats d = load(bottom + kLanes);
+  return {{even_lanes(a, b), odd_lanes(a, b), even_lanes(c, d), odd_lanes(c, d)}};
+}
+
+inline Pools load_some_pools(const float* top, const float* bottom, int count) {
+  Pools pools = {};
+  for (int i = 0; i < count; ++i) {
+    pools.of[0][i] = top[2 * i];
+    pools.of[1][i] = top[2 * i + 1];
+    pools.of[2][i] = bottom[2 * i];
+    pools.of[3][i] = bottom[2 * i + 1];
+  }
+  return pools;
+}
+
+inline Floats least(const Pools& pools) {
+  return smaller(smaller(pools.of[0], pools.of[1]), smaller(pools.of[2], pools.of[3]));
+}
+
+inline Floats pooled(const Pools& pools) {
+  Pools there;
+  for (int i = 0; i < 4; ++i) there.of[i] = select(pools.of[i] > 0.0F, pools.of[i], splat(1e9F));
+  const Floats limit = least(there) * kLargestPoolRatio;
+  Floats sum = {};
+  Floats count = {};
+  for (const Floats z : pools.of) {
+    const Ints is_same = (z > 0.0F) & (z <= limit);
+    sum += masked(is_same, z);
+    count += masked(is_same, splat(1.0F));
+  }
+  return sum / larger(count, splat(1.0F));
+}
+
+void pool_nearest(const float* top, const float* bottom, int width, float* to) {
+  int u = 0;
+  for (; u + kLanes <= width; u += kLanes) {
+    store(least(load_pools(top + 2 * u, bottom + 2 * u)), to + u);
+  }
+  if (u == width) return;
+  store_some(least(load_some_pools(top + 2 * u, bottom + 2 * u, width - u)), width - u, to + u);
+}
+
+void pool_depth(const float* top, const float* bottom, int width, float* to) {
+  int u = 0;
+  for (; u + kLanes <= width; u += kLanes) {
+    store(pooled(load_pools(top + 2 * u, bottom + 2 * u)), to + u);
+  }
+  if (u == width) return;
+  store_some(pooled(load_some_pools(top + 2 * u, bottom + 2 * u, width - u)), width - u, to + u);
+}
+
+}  // namespace
+}  // namespace pcavr
