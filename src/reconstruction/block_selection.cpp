@@ -3,8 +3,7 @@
 #include "reconstruction/block_selection.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
+#include <climits>
 
 namespace pcavr {
 namespace {
@@ -17,14 +16,16 @@ class PlaceCollector {
   void add(const BlockPlace& place) {
     const std::size_t slot =
         static_cast<std::size_t>(place.x * 73 + place.y * 19 + place.z * 7) & (recent_.size() - 1);
-    if (recent_[slot].has_value() && *recent_[slot] == place) return;
+    if (recent_[slot] == place) return;
     recent_[slot] = place;
     places_.push_back(place);
   }
   [[nodiscard]] const std::vector<BlockPlace>& places() const { return places_; }
 
  private:
-  std::vector<std::optional<BlockPlace>> recent_ = std::vector<std::optional<BlockPlace>>(1024);
+  /// No block is met at that place: keys of BlockMap end long before.
+  static constexpr BlockPlace kNowhere{INT_MIN, INT_MIN, INT_MIN};
+  std::vector<BlockPlace> recent_ = std::vector<BlockPlace>(1024, kNowhere);
   std::vector<BlockPlace> places_;
 };
 
@@ -32,16 +33,17 @@ struct BandWalker {
   Eigen::Matrix3f R_base_camera;
   Eigen::Vector3f p_base_camera;
   float block_size;
+  std::vector<float> ray_x;  ///< of each column, on the plane z = 1
 
   /// The ray's points at depths `z_from` to `z_to`.
   void walk(const Eigen::Vector3f& ray_camera, float z_from, float z_to,
             PlaceCollector& collector) const {
     // In blocks; steps of half a block cannot jump over more than a block's corner.
     const Eigen::Vector3f ray = R_base_camera * ray_camera / block_size;
-    const float steps = std::ceil(2.0F * (z_to - z_from) * ray.norm());
-    const Eigen::Vector3f step = ray * ((z_to - z_from) / steps);
+    const int steps = -floor_of(-2.0F * (z_to - z_from) * ray.norm());
+    const Eigen::Vector3f step = ray * ((z_to - z_from) / static_cast<float>(steps));
     Eigen::Vector3f p = p_base_camera / block_size + z_from * ray;
-    for (int i = 0; i <= static_cast<int>(steps); ++i, p += step) {
+    for (int i = 0; i <= steps; ++i, p += step) {
       collector.add({floor_of(p.x()), floor_of(p.y()), floor_of(p.z())});
     }
   }
@@ -64,11 +66,11 @@ struct BandWalker {
     const int u_end = std::min((tile_x + 1) * kTile, frame.camera.width);
     const int v_end = std::min((tile_y + 1) * kTile, frame.camera.height);
     for (int v = tile_y * kTile; v < v_end; v += apart) {
+      const auto ray_y = static_cast<float>((v - camera.cy) / camera.fy);
       for (int u = tile_x * kTile; u < u_end; u += apart) {
         const float z = frame.depth(u, v);
         if (z <= 0.0F) continue;
-        const Eigen::Vector3f ray(static_cast<float>((u - camera.cx) / camera.fx),
-                                  static_cast<float>((v - camera.cy) / camera.fy), 1.0F);
+        const Eigen::Vector3f ray(ray_x[static_cast<std::size_t>(u)], ray_y, 1.0F);
         const float truncation = tables.truncation(z);
         walk(ray, z - truncation, z + truncation, collector);
       }
@@ -82,8 +84,13 @@ std::vector<BlockPlace> places_near_surface(const FrameSurface& frame, const Pos
                                             const NoiseTables& tables, double voxel_size,
                                             Parallelism parallelism) {
   const auto block_size = static_cast<float>(kBlockSide * voxel_size);
-  const BandWalker walker{T_base_camera.rotation_matrix().cast<float>(),
-                          T_base_camera.translation().cast<float>(), block_size};
+  BandWalker walker{T_base_camera.rotation_matrix().cast<float>(),
+                    T_base_camera.translation().cast<float>(),
+                    block_size,
+                    {}};
+  for (int u = 0; u < frame.camera.width; ++u) {
+    walker.ray_x.push_back(static_cast<float>((u - frame.camera.cx) / frame.camera.fx));
+  }
   const auto tile_rows = static_cast<std::size_t>(frame.tiles_y);
   std::vector<PlaceCollector> collectors((tile_rows + kGrainRows - 1) / kGrainRows);
   parallel_for(parallelism, tile_rows, kGrainRows, [&](std::size_t begin, std::size_t end) {

@@ -135,22 +135,6 @@ PixelRow row_template(const CameraModel& camera, const NoiseTables& tables) {
   return row;
 }
 
-/// One row of the halved colours, as the kernel wants them; black becomes the darkest blue, as 0
-/// stands for none.
-void pack_colors(const ColorImage& color, int v, std::vector<std::uint32_t>& packed) {
-  const Rgb8* top = color.row(2 * v).data();
-  const Rgb8* bottom = color.row(2 * v + 1).data();
-  for (std::uint32_t& word : packed) {
-    const auto mean = [&](std::uint8_t Rgb8::*channel) {
-      const int sum = top[0].*channel + top[1].*channel + bottom[0].*channel + bottom[1].*channel;
-      return static_cast<std::uint32_t>((sum + 2) / 4);
-    };
-    word = std::max(mean(&Rgb8::r) | (mean(&Rgb8::g) << 8) | (mean(&Rgb8::b) << 16), 1U);
-    top += 2;
-    bottom += 2;
-  }
-}
-
 }  // namespace
 
 void prepare_frame(const DepthImage& depth, const ColorImage& color, const MaskImage& is_dynamic,
@@ -179,7 +163,10 @@ void prepare_frame(const DepthImage& depth, const ColorImage& color, const MaskI
                    row.inverse = inverse.row(v);
                    row.free_depth = frame.free_depth.row(v).data();
                    row.ray_y = static_cast<float>((v - frame.camera.cy) / frame.camera.fy);
-                   if (!color.empty()) pack_colors(color, v, colors);
+                   if (!color.empty()) {
+                     kernels().pool_colors(&color.row(2 * v)[0].r, &color.row(2 * v + 1)[0].r,
+                                           width, colors.data());
+                   }
                    row.color = colors.data();
                    kernels().find_surfaces(row, frame.pixels.data() + v * width);
                  }

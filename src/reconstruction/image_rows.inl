@@ -103,5 +103,42 @@ void pool_depth(const float* top, const float* bottom, int width, float* to) {
   store_some(pooled(load_some_pools(top + 2 * u, bottom + 2 * u, width - u)), width - u, to + u);
 }
 
+/// Red, green and blue of every second pixel, from the lowest byte up.
+inline Words load_colors(const std::uint8_t* first) {
+  return (Words)gather_bytes(first, (Ints)lane_numbers() * 6) & 0xFFFFFFU;
+}
+/// Of the pixels after them; nothing beyond the last is read.
+inline Words load_next_colors(const std::uint8_t* first) {
+  return (Words)gather_bytes(first + 2, (Ints)lane_numbers() * 6) >> 8;
+}
+
+void pool_colors(const std::uint8_t* top, const std::uint8_t* bottom, int width,
+                 std::uint32_t* to) {
+  int u = 0;
+  for (; u + kLanes <= width; u += kLanes) {
+    const Words four[4] = {load_colors(top + 6 * u), load_next_colors(top + 6 * u),
+                           load_colors(bottom + 6 * u), load_next_colors(bottom + 6 * u)};
+    // Two sums of ten bits beside each other, half a unit added for rounding.
+    Words red_blue = Words{} + 0x020002U;
+    Words green = Words{} + 0x000200U;
+    for (const Words color : four) {
+      red_blue += color & 0xFF00FFU;
+      green += color & 0x00FF00U;
+    }
+    const Words mean = ((red_blue >> 2) & 0xFF00FFU) | ((green >> 2) & 0x00FF00U);
+    const Words visible = (Words)larger((Ints)mean, Ints{} + 1);
+    __builtin_memcpy(to + u, &visible, sizeof(visible));
+  }
+  for (; u < width; ++u) {
+    std::uint32_t mean = 0;
+    for (int i = 0; i < 3; ++i) {
+      const int at = 6 * u + i;
+      const int sum = top[at] + top[at + 3] + bottom[at] + bottom[at + 3];
+      mean |= static_cast<std::uint32_t>((sum + 2) / 4) << (8 * i);
+    }
+    to[u] = mean == 0U ? 1U : mean;
+  }
+}
+
 }  // namespace
 }  // namespace pcavr

@@ -73,6 +73,10 @@ struct Kernels {
   void (*pool_nearest)(const float* top, const float* bottom, int width, float* to);
   /// or the mean where they are one surface, that of the nearest where not.
   void (*pool_depth)(const float* top, const float* bottom, int width, float* to);
+  /// The mean colour of each two by two pixels, as in PixelSurface; black becomes the darkest red,
+  /// as 0 stands for none.
+  void (*pool_colors)(const std::uint8_t* top, const std::uint8_t* bottom, int width,
+                      std::uint32_t* to);
   /// Fits a plane to the inverse depth around each pixel (on a plane, it is linear in the pixel),
   /// and from it the distance, incidence, weight and truncation. Writes `width` pixels.
   void (*find_surfaces)(const PixelRow& row, PixelSurface* pixels);

@@ -7,6 +7,7 @@
 namespace pcavr {
 
 extern const Kernels kAvx512Kernels;
-const Kernels kAvx512Kernels = {filter_row, pool_nearest, pool_depth, find_surfaces, fuse_block};
+const Kernels kAvx512Kernels = {filter_row,  pool_nearest,  pool_depth,
+                                pool_colors, find_surfaces, fuse_block};
 
 }  // namespace pcavr

@@ -36,9 +36,4 @@ NoiseTables::NoiseTables(const DepthNoise& noise, double voxel_size, double trun
   }
 }
 
-std::size_t NoiseTables::index(float z) const {
-  const int step = static_cast<int>((z - nearest()) * steps_per_metre_);
-  return static_cast<std::size_t>(std::clamp(step, 0, kNoiseDepths - 1));
-}
-
 }  // namespace pcavr

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include "pcavr/geometry/depth_noise.hpp"
@@ -34,7 +36,10 @@ class NoiseTables {
   [[nodiscard]] const float* weights() const { return weight_.data(); }
 
  private:
-  [[nodiscard]] std::size_t index(float z) const;
+  [[nodiscard]] std::size_t index(float z) const {
+    const int step = static_cast<int>((z - nearest()) * steps_per_metre_);
+    return static_cast<std::size_t>(std::clamp(step, 0, kNoiseDepths - 1));
+  }
 
   DepthNoise noise_;
   float steps_per_metre_;

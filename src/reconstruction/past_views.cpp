@@ -3,6 +3,7 @@
 #include "reconstruction/past_views.hpp"
 
 #include <algorithm>
+#include <span>
 
 namespace pcavr {
 namespace {
@@ -30,10 +31,14 @@ void PastViews::keep(const FrameSurface& frame, const Pose& T_base_camera) {
             frame.free_depth.height(),
             0.0F,
             {}};
-  view.free_depth.reserve(frame.free_depth.pixels().size());
-  for (const float z : frame.free_depth.pixels()) {
-    view.farthest = std::max(view.farthest, z);
-    view.free_depth.push_back(static_cast<std::uint16_t>(std::min(z / kDepthUnit, 65535.0F)));
+  const std::span<const float> free_depth = frame.free_depth.pixels();
+  view.free_depth.resize(free_depth.size());
+  for (std::size_t i = 0; i < free_depth.size(); ++i) {
+    const auto units = static_cast<int>(std::min(free_depth[i] / kDepthUnit, 65535.0F));
+    view.free_depth[i] = static_cast<std::uint16_t>(units);
+  }
+  for (const DepthTile& tile : frame.tiles) {
+    view.farthest = std::max(view.farthest, tile.most_free);
   }
   views_.push_back(std::move(view));
 }

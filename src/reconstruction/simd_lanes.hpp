@@ -145,5 +145,20 @@ using Words = std::uint32_t __attribute__((vector_size(kLanes * 4)));
 #endif
 }
 
+/// Four bytes from each place, which counts bytes.
+[[maybe_unused]] inline Ints gather_bytes(const std::uint8_t* base, Ints place) {
+#if defined(__AVX512F__)
+  return (Ints)_mm512_i32gather_epi32((__m512i)place, base, 1);
+#elif defined(__AVX2__)
+  return (Ints)_mm256_i32gather_epi32(reinterpret_cast<const int*>(base), (__m256i)place, 1);
+#else
+  std::int32_t lanes[kLanes];
+  for (int i = 0; i < kLanes; ++i) __builtin_memcpy(lanes + i, base + place[i], 4);
+  Ints result;
+  __builtin_memcpy(&result, lanes, sizeof(result));
+  return result;
+#endif
+}
+
 }  // namespace
 }  // namespace pcavr

@@ -281,5 +281,30 @@ TEST(Kernels, PassOverRowsAlikeOnEveryInstructionSet) {
   for (const Kernels* kernels : runnable_kernels()) EXPECT_EQ(passes_at_random(*kernels), plain);
 }
 
+std::vector<std::uint32_t> pooled_colors_at_random(const Kernels& kernels) {
+  constexpr int kWidth = 21;
+  Random random(7);
+  std::vector<std::uint8_t> rows(2 * 6 * kWidth);
+  for (std::size_t i = 6; i < rows.size(); ++i) {
+    rows[i] = i / (6 * kWidth) == 0 || i % (6 * kWidth) >= 6
+                  ? static_cast<std::uint8_t>(random.below(256))
+                  : std::uint8_t{0};
+  }
+  std::vector<std::uint32_t> pooled(kWidth);
+  kernels.pool_colors(rows.data(), rows.data() + 6 * kWidth, kWidth, pooled.data());
+  // The first four pixels are black; then the mean of four is rounded to the nearest.
+  EXPECT_EQ(pooled[0], 1U);
+  const int sum = rows[6] + rows[9] + rows[6 * kWidth + 6] + rows[6 * kWidth + 9];
+  EXPECT_EQ(pooled[1] & 255U, static_cast<std::uint32_t>((sum + 2) / 4));
+  return pooled;
+}
+
+TEST(Kernels, PoolColorsAlikeOnEveryInstructionSet) {
+  const std::vector<std::uint32_t> plain = pooled_colors_at_random(*runnable_kernels().front());
+  for (const Kernels* kernels : runnable_kernels()) {
+    EXPECT_EQ(pooled_colors_at_random(*kernels), plain);
+  }
+}
+
 }  // namespace
 }  // namespace pcavr
