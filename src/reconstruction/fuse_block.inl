@@ -94,7 +94,8 @@ __attribute__((always_inline)) inline void fuse_rows(const BlockView& view, int 
   const Ints counted = through & (Ints)((*counts >> 28) < view.through_enough);
   Words new_counts = *counts + (Words)(counted & (1 << 28));
   if (!any(in_band)) {
-    *counts = new_counts;
+    // Rows that stay as they are need not go back to memory.
+    if (any(counted)) *counts = new_counts;
     return;
   }
 
