@@ -3,8 +3,8 @@
 #include "camera_graph.hpp"
 
 #include <cmath>
-#include <deque>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -14,6 +14,9 @@
 
 namespace pcavr::tracking {
 namespace {
+
+/// Not SuiteSparse: its BLAS adds in an order that differs from run to run, in the last bits.
+constexpr ceres::SparseLinearAlgebraLibraryType kSparseLibrary = ceres::EIGEN_SPARSE;
 
 // Beyond so many standard deviations a residual counts less and less [Cauchy].
 constexpr double kCornerLoss = 3.0;
@@ -105,7 +108,9 @@ struct CornerError {
 }  // namespace
 
 struct PoseGraph::Problem {
-  std::deque<Block> blocks;  ///< a deque keeps their addresses
+  /// One array that never moves: Ceres orders the covariance's blocks by their addresses, and the
+  /// last bits of the sums follow that order.
+  std::vector<Block> blocks;
 
   ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>> manifold;
   ceres::CauchyLoss corner_loss{kCornerLoss};
@@ -121,11 +126,14 @@ struct PoseGraph::Problem {
   }
 };
 
-PoseGraph::PoseGraph() : problem_(std::make_unique<Problem>()) {}
+PoseGraph::PoseGraph(std::size_t most_nodes) : problem_(std::make_unique<Problem>()) {
+  problem_->blocks.reserve(most_nodes);
+}
 PoseGraph::~PoseGraph() = default;
 PoseGraph::PoseGraph(PoseGraph&&) noexcept = default;
 
 std::size_t PoseGraph::add_node(const Pose& T_base_node) {
+  PCAVR_REQUIRE(problem_->blocks.size() < problem_->blocks.capacity());
   problem_->blocks.push_back(to_block(T_base_node));
   problem_->ceres.AddParameterBlock(problem_->blocks.back().data(), 7, &problem_->manifold);
   return problem_->blocks.size() - 1;
@@ -161,6 +169,7 @@ void PoseGraph::add_prior(std::size_t node, const Pose& T_base_node, double posi
 void PoseGraph::solve() {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.sparse_linear_algebra_library_type = kSparseLibrary;
   options.num_threads = 1;  // the same order of summation everywhere
   options.max_num_iterations = 50;
   options.function_tolerance = 1e-8;
@@ -184,6 +193,7 @@ std::vector<std::optional<NodeSigma>> PoseGraph::sigmas(
     pairs.emplace_back(block, block);
   }
   ceres::Covariance::Options options;
+  options.sparse_linear_algebra_library_type = kSparseLibrary;
   options.num_threads = 1;
   ceres::Covariance covariance(options);
   if (pairs.empty() || !covariance.Compute(pairs, &problem_->ceres)) return sigmas;

@@ -34,7 +34,8 @@ struct CornerFactor {
 /// problem [Grisetti et al. 2010] with losses that let outliers go. Deterministic.
 class PoseGraph {
  public:
-  PoseGraph();
+  /// Holds at most so many nodes.
+  explicit PoseGraph(std::size_t most_nodes);
   ~PoseGraph();
   PoseGraph(PoseGraph&&) noexcept;
 

@@ -32,7 +32,8 @@ struct InSegment {
 
 class TrackSolver {
  public:
-  explicit TrackSolver(const SolverInput& input) : input_(input) {}
+  explicit TrackSolver(const SolverInput& input)
+      : input_(input), graph_(std::max<std::size_t>(1, input.records->size())) {}
 
   CameraTrack solve() {
     locate();
