@@ -1,9 +1,5 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include <gtest/gtest.h>
 
 #include "pcavr/friction/planar_slider.hpp"
@@ -11,18 +7,7 @@
 #include "pcavr/friction/slider.hpp"
 
 #include "friction/surfaces.hpp"
-
-namespace {
-std::atomic<long> allocations{0};
-}  // namespace
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#include "support/heap_counter.hpp"
 
 namespace pcavr {
 namespace {
@@ -33,7 +18,7 @@ TEST(Steps, DoNotTouchTheHeap) {
   planar.sliding = random_surface(random);
   PlanarState state;
   SliderState slider;
-  const long before = allocations;
+  const long before = heap_allocations;
   for (int i = 0; i < 1000; ++i) {
     const double force = i % 10 < 5 ? 60.0 : -20.0;
     state = step_planar(planar, state, {force, 0.2 * force, 0.01 * force}, 1e-3).state;
@@ -42,7 +27,7 @@ TEST(Steps, DoNotTouchTheHeap) {
         push_at_point(planar.sliding, {{0.1, 0.02}, {-1.0, 0.0}, 0.3, {-0.02, 0.01}});
     state.yaw += 1e-6 * motion.twist.z();
   }
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(heap_allocations, before);
   EXPECT_NE(state.yaw, 0.0);
   EXPECT_NE(slider.position, 0.0);
 }

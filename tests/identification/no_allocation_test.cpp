@@ -1,27 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <cstddef>
-#include <cstdlib>
-#include <new>
 
 #include <gtest/gtest.h>
 
 #include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/signals.hpp"
 
-namespace {
-std::size_t allocations = 0;
-}  // namespace
-
-// Every allocation of this executable is counted.
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* const memory = std::malloc(size > 0 ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#include "support/heap_counter.hpp"
 
 namespace pcavr {
 namespace {
@@ -33,7 +19,7 @@ TEST(Steps, AllocateNothing) {
     options.method = method;
     ParameterEstimator<3> estimator(options);
     CausalFilter filter(0.02, 500.0, 0.1);
-    const std::size_t before = allocations;
+    const long before = heap_allocations;
     double used = 0.0;
     for (int i = 0; i < 500; ++i) {
       const double t = 0.002 * i;
@@ -42,7 +28,7 @@ TEST(Steps, AllocateNothing) {
       estimator.step({out->acceleration, out->speed, out->position}, out->force);
       used += estimator.estimate().samples;
     }
-    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(heap_allocations, before);
     EXPECT_GT(used, 0.0);
   }
 }
