@@ -2,10 +2,10 @@
 # no third-party library but Eigen.
 cmake_minimum_required(VERSION 3.25)
 
-set(modules core geometry contact friction identification recording model marker tracking
+set(modules core geometry contact friction identification recording model prediction teleop marker tracking
             reconstruction scene simulation evaluation pipeline)
 # What a heavy library's header is called when it is included.
-set(heavy "opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|yaml-cpp/|nlohmann/|tbb/|png\\.h")
+set(heavy "opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|yaml-cpp/|nlohmann/|tbb/|bullet/|btBullet|png\\.h")
 
 set(faults 0)
 foreach(module IN LISTS modules)

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pcavr/friction/limit_surface.hpp"
+#include "pcavr/friction/slider.hpp"
+#include "pcavr/geometry/pose.hpp"
+#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/identification/sliding.hpp"
+#include "pcavr/model/cad_model.hpp"
+
+namespace pcavr {
+
+/// The numbers that a predicted body needs, all of them.
+struct BodyPhysics {
+  FrictionParameters friction;   ///< of the support, at the body's own weight
+  Compliance contact;            ///< between tip and body
+  double tool_friction = 0.3;    ///< coefficient between tip and body, >= 0
+  double friction_radius = 0.0;  ///< the support's largest moment over its largest force [m], > 0
+  /// In the body's planar axes (see heading_of); only its shape is used, its force is scaled to the
+  /// friction above. Empty: the ellipsoid of friction_radius.
+  std::optional<LimitSurface> limit_surface = {};
+};
+
+/// Completes what was identified by what is usual, and says what it assumed. The defaults are
+/// cautious: friction rather too high, so that nothing moves in the picture before it does in
+/// truth.
+struct CompletedPhysics {
+  BodyPhysics physics;
+  std::vector<std::string> assumed;  ///< names of the parameters that were not known
+};
+/// `T_base_object` is the pose in which the body stands on its support (its lowest face counts as
+/// the patch). Throws ContractError where a given parameter is not physical.
+[[nodiscard]] CompletedPhysics complete_physics(const ObjectParameters& known,
+                                                const CadModel& model, const Pose& T_base_object,
+                                                double gravity = 9.80665);
+
+/// The turn [rad] about base z of a body's planar axes: its object frame's x axis laid on the
+/// horizontal plane, or its y axis where x stands steeper than 60 degrees. Origin of the planar
+/// axes: the centre of mass. What `limit_surface` is stated in.
+[[nodiscard]] double heading_of(const Pose& T_base_object);
+
+}  // namespace pcavr

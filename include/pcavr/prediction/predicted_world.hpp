@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/friction/planar_slider.hpp"
+#include "pcavr/geometry/mesh.hpp"
+#include "pcavr/geometry/pose.hpp"
+#include "pcavr/model/cad_model.hpp"
+#include "pcavr/prediction/body_physics.hpp"
+
+namespace pcavr {
+
+/// What an object does, as `phase.csv` words it.
+enum class MotionPhase {
+  free,      ///< at rest, not touched
+  held,      ///< touched and at rest: "static"
+  critical,  ///< touched, at rest, and about to go
+  sliding,
+};
+[[nodiscard]] std::string_view name_of(MotionPhase phase) noexcept;
+
+/// A movable body that stands on the support and keeps upright: it slides and turns on the plane.
+struct WorldBody {
+  CadModel model;
+  Pose T_base_object;  ///< where it stands at the start
+  BodyPhysics physics;
+};
+
+struct WorldModel {
+  std::vector<WorldBody> bodies;
+  TriangleMesh static_mesh_base;  ///< may be empty
+  double tool_radius = 0.01;      ///< of the spherical tip [m], > 0
+  double gravity = 9.80665;       ///< [m/s^2]
+};
+
+/// How one body is, at one instant. A plain value: copying it all is how the past is kept.
+struct BodyState {
+  PlanarState planar;  ///< of the centre of mass in base; yaw is relative to the start
+  /// How far the tip has dragged the surface along before it slips [m], base axes.
+  Eigen::Vector3d tool_stretch_base = Eigen::Vector3d::Zero();
+  Eigen::Vector3d tool_force_base = Eigen::Vector3d::Zero();  ///< of the tip on the body [N]
+  double penetration = 0.0;  ///< of the tip, > 0 in contact; negative: clearance up to 50 mm [m]
+  MotionPhase phase = MotionPhase::free;
+};
+
+/// Movable bodies, what does not move, and a tool that pushes: contact by the identified law,
+/// support friction by our three phases, collisions found by Bullet. Same inputs, same bits; a
+/// state that was set back and stepped again gives the same bits as before. One thread at a time.
+class PredictedWorld {
+ public:
+  /// Fails where a body cannot be made a collision shape. Throws ContractError for numbers out of
+  /// their range.
+  [[nodiscard]] static Expected<PredictedWorld> create(WorldModel model);
+  PredictedWorld(PredictedWorld&&) noexcept;
+  PredictedWorld& operator=(PredictedWorld&&) noexcept;
+  ~PredictedWorld();
+
+  [[nodiscard]] std::size_t size() const;
+  [[nodiscard]] const std::string& name(std::size_t body) const;
+  [[nodiscard]] const BodyPhysics& physics(std::size_t body) const;
+  void set_physics(std::size_t body, const BodyPhysics& physics);
+
+  [[nodiscard]] const std::vector<BodyState>& state() const;
+  /// `state.size() == size()`. Does not allocate.
+  void set_state(const std::vector<BodyState>& state);
+  /// Places a body at rest. Only the planar part is taken: height and tilt stay as at the start.
+  void set_pose(std::size_t body, const Pose& T_base_object);
+  [[nodiscard]] Pose T_base_object(std::size_t body) const;
+  /// The same of any state of that body.
+  [[nodiscard]] Pose pose_of(std::size_t body, const BodyState& state) const;
+
+  /// Moves the world by dt [s] > 0 while the tip's centre goes in a straight line from
+  /// `p_base_before` to `p_base_tip`. Neither allocates nor throws.
+  void step(const Eigen::Vector3d& p_base_before, const Eigen::Vector3d& p_base_tip,
+            double dt) noexcept;
+
+ private:
+  struct Content;
+  explicit PredictedWorld(std::unique_ptr<Content> content);
+  std::unique_ptr<Content> content_;
+};
+
+}  // namespace pcavr

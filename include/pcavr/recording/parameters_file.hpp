@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/identification/object_parameters.hpp"
+
+namespace pcavr {
+
+/// Reads a parameter file: by object, the keys of `truth/parameters.yaml`, each with its standard
+/// deviation beside it as KEY_std. Any key may be absent. Strict: unknown keys, numbers that are
+/// not finite, negative or absurd (a mass of 0, an exponent below 1) are Errors with their line.
+[[nodiscard]] Expected<ParameterTable> read_parameters(const std::filesystem::path& file);
+
+/// Checks and reads the text of such a file; `file` names it in errors.
+[[nodiscard]] Expected<ParameterTable> parse_parameters(const std::string& text,
+                                                        const std::string& file);
+
+/// The text that parse_parameters reads back to the same table. `comment` lines come first.
+[[nodiscard]] std::string format_parameters(const ParameterTable& table,
+                                            const std::string& comment = {});
+
+}  // namespace pcavr

@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/core/observer.hpp"
+#include "pcavr/geometry/mesh.hpp"
+#include "pcavr/geometry/pose.hpp"
+#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/model/cad_model.hpp"
+#include "pcavr/prediction/predicted_world.hpp"
+
+namespace pcavr {
+
+/// All times are seconds on the recording's clock, and mean the robot's site: what the operator
+/// sees is stamped with the instant of the remote world that it stands for, so that it can be held
+/// against the tracking as it is.
+
+/// What the markers told of an object in one frame.
+struct TrackedPose {
+  double t = 0.0;  ///< [s]
+  Pose T_base_object;
+  double position_sigma = 0.0;  ///< [m]
+  double rotation_sigma = 0.0;  ///< [rad]
+};
+
+struct TeleopObject {
+  std::string name;
+  CadModel model;
+  Pose T_base_object;                ///< where both sites believe it at the start
+  ObjectParameters parameters;       ///< what is known beforehand
+  std::vector<TrackedPose> tracked;  ///< frames in which it was lost are left out
+};
+
+/// One recording as two sites see it. Stamps ascend strictly in every series.
+struct TeleopInput {
+  std::vector<TeleopObject> objects;
+  TriangleMesh static_mesh_base;  ///< may be empty
+  double tool_radius = 0.01;      ///< [m]
+  std::vector<double> t_tool;     ///< the tool's motion is the operator's command
+  std::vector<Eigen::Vector3d> p_base_tip;
+  std::vector<double> t_force;              ///< may be empty: no wrench was recorded
+  std::vector<Eigen::Vector3d> force_base;  ///< that the tool exerts [N]
+};
+
+struct TeleopOptions {
+  double forward_delay = 0.2;   ///< operator to robot [s], >= 0
+  double backward_delay = 0.2;  ///< robot to operator [s], >= 0
+  double jitter = 0.0;     ///< standard deviation of either delay [s]; messages keep their order
+  double loss = 0.0;       ///< share of corrections that the network drops, 0 to 1
+  std::uint64_t seed = 1;  ///< of jitter and loss
+  bool with_corrections = true;
+  bool identifies = true;  ///< the robot's site learns as it goes; false: parameters stay as given
+  double force_tolerance = 0.10;      ///< of the real force: what a hand can tell [paper C, JND]
+  double position_tolerance = 0.003;  ///< [m] the most that is ever let pass [paper C]
+};
+
+/// The cases of the correction switch [paper C; methods of section 5].
+enum class CorrectionCase {
+  both_static_force,    ///< "1.1"
+  touched_by_operator,  ///< "1.2a": contact at the operator's site only
+  touched_by_robot,     ///< "1.2b": contact at the robot's site only
+  both_sliding,         ///< "1.3"
+  phases_differ,        ///< "2"
+};
+[[nodiscard]] std::string_view name_of(CorrectionCase which) noexcept;
+
+struct SentCorrection {
+  double t = 0.0;  ///< [s] the instant it speaks of
+  std::size_t object = 0;
+  CorrectionCase which = CorrectionCase::phases_differ;
+  std::string what;       ///< "position", "contact parameters", "friction parameters", ...
+  std::size_t bytes = 0;  ///< of the message as it is encoded
+  bool is_lost = false;   ///< by the network
+};
+
+struct PhaseRow {
+  double t = 0.0;  ///< [s]
+  std::size_t object = 0;
+  MotionPhase measured = MotionPhase::free;
+  MotionPhase predicted = MotionPhase::free;
+};
+
+struct ForceRow {
+  double t = 0.0;  ///< [s] a stamp of the wrench
+  std::size_t object = 0;
+  double measured = 0.0;   ///< [N] along the push, spikes, bias and drift removed
+  double predicted = 0.0;  ///< [N] what the operator felt then
+};
+
+struct ShownPose {
+  double t = 0.0;
+  Pose T_base_object;
+};
+
+/// What both sites did, object by object in the order of the input.
+struct TeleopRun {
+  std::vector<std::vector<ShownPose>> shown;  ///< at the operator's rate, after blending
+  std::vector<ForceRow> forces;               ///< while either site is in contact
+  std::vector<PhaseRow> phases;               ///< a row at each change, and one at the start
+  std::vector<SentCorrection> corrections;
+  std::vector<ObjectParameters> parameters;  ///< as known at the end
+  std::vector<std::vector<std::string>>
+      assumed;  ///< parameters that had to be assumed at the start
+  std::size_t correction_bytes = 0;
+  /// What sending every tracked pose and every wrench sample would have cost, in the same encoding.
+  std::size_t streaming_bytes = 0;
+  std::size_t late_corrections = 0;  ///< too old for the memory when they came
+  std::vector<std::string> notes;    ///< what a reader of the report should know
+};
+
+/// Runs both sites in virtual time over a recording. Fails only where an object cannot be made a
+/// body. Deterministic.
+[[nodiscard]] Expected<TeleopRun> run_teleop(const TeleopInput& input, const TeleopOptions& options,
+                                             const Observer& observer = {});
+
+}  // namespace pcavr
