@@ -51,10 +51,7 @@ void read_object(const YamlValue& value, const std::filesystem::path& folder, Ma
   ObjectEntry object;
   const YamlValue name = value.at("name");
   object.name = name.text();
-  if (object.name.empty() || object.name == "." || object.name == ".." ||
-      object.name.find('/') != std::string::npos || object.name.find('\0') != std::string::npos) {
-    name.fail("'" + object.name + "' can't be the name of a file", "choose a plain word");
-  }
+  expect_object_name(object.name, name);
   if (has_object(manifest, object.name)) {
     name.fail("object '" + object.name + "' is there twice", "give each object its own name");
   }
@@ -135,6 +132,13 @@ Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folde
 }
 
 }  // namespace
+
+void expect_object_name(const std::string& name, const YamlValue& key) {
+  if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos ||
+      name.find('\0') != std::string::npos) {
+    key.fail("'" + name + "' can't be the name of a file", "choose a plain word");
+  }
+}
 
 Expected<Manifest> parse_manifest(const std::string& text, const std::string& file,
                                   const std::filesystem::path& folder) {

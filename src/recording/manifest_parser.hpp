@@ -14,4 +14,9 @@ namespace pcavr {
 [[nodiscard]] Expected<Manifest> parse_manifest(const std::string& text, const std::string& file,
                                                 const std::filesystem::path& folder);
 
+class YamlValue;
+
+/// Fails through `key` where `name` can't be an object's name, because files bear it.
+void expect_object_name(const std::string& name, const YamlValue& key);
+
 }  // namespace pcavr

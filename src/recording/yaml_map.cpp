@@ -69,9 +69,21 @@ std::vector<YamlValue> YamlValue::items() const {
   return items;
 }
 
+std::vector<std::pair<std::string, YamlValue>> YamlValue::entries() const {
+  if (!node_.IsMap()) fail("is not a map of keys", "write 'key: value' lines");
+  std::vector<std::pair<std::string, YamlValue>> entries;
+  std::set<std::string> seen;
+  for (const auto& entry : node_) {
+    const YamlValue key(entry.first, place_);
+    const std::string name = key.text();
+    if (!seen.insert(name).second) key.fail("key '" + name + "' is there twice", "keep one");
+    entries.emplace_back(name, YamlValue(entry.second, place_of(name)));
+  }
+  return entries;
+}
+
 void YamlValue::expect_keys(std::initializer_list<std::string_view> keys) const {
   if (!node_.IsMap()) fail("is not a map of keys", "write 'key: value' lines");
-  std::set<std::string> seen;
   for (const auto& entry : node_) {
     const YamlValue key(entry.first, place_);
     const std::string name = key.text();
@@ -80,8 +92,8 @@ void YamlValue::expect_keys(std::initializer_list<std::string_view> keys) const 
       for (const std::string_view k : keys) known += (known.empty() ? "" : ", ") + std::string(k);
       key.fail("unknown key '" + name + "'", "known here: " + known);
     }
-    if (!seen.insert(name).second) key.fail("key '" + name + "' is there twice", "keep one");
   }
+  (void)entries();  // for its refusal of twins
 }
 
 YamlValue YamlValue::at(const std::string& key) const {
@@ -94,7 +106,11 @@ std::optional<YamlValue> YamlValue::find(const std::string& key) const {
   if (!node_.IsMap()) fail("is not a map of keys", "write 'key: value' lines");
   const YAML::Node value = node_[key];
   if (!value || value.IsNull()) return std::nullopt;
-  return YamlValue(value, place_.empty() ? key : place_ + "." + key);
+  return YamlValue(value, place_of(key));
+}
+
+std::string YamlValue::place_of(const std::string& key) const {
+  return place_.empty() ? key : place_ + "." + key;
 }
 
 }  // namespace pcavr

@@ -38,6 +38,9 @@ class YamlValue {
   [[nodiscard]] std::vector<double> numbers(std::size_t count) const;
   [[nodiscard]] std::vector<YamlValue> items() const;
 
+  /// What a map holds, in the file's order, where its keys are names that are not known beforehand.
+  /// Refuses a key that is there twice.
+  [[nodiscard]] std::vector<std::pair<std::string, YamlValue>> entries() const;
   /// Refuses anything but a map with some of these keys, each at most once.
   void expect_keys(std::initializer_list<std::string_view> keys) const;
   [[nodiscard]] YamlValue at(const std::string& key) const;
@@ -45,6 +48,8 @@ class YamlValue {
   [[nodiscard]] std::optional<YamlValue> find(const std::string& key) const;
 
  private:
+  [[nodiscard]] std::string place_of(const std::string& key) const;
+
   YAML::Node node_;
   std::string place_;
 };

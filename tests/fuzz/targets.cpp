@@ -7,6 +7,7 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/recording/manifest.hpp"
+#include "pcavr/recording/parameters_file.hpp"
 
 #include "recording/camera_keys.hpp"
 #include "recording/image_codec.hpp"
@@ -122,6 +123,15 @@ void image(std::string_view bytes) {
   PngImage again;
   PCAVR_REQUIRE(decode_png(encode_png(plain), again).has_value());
   PCAVR_REQUIRE(again.rows == plain.rows);
+}
+
+void parameters(std::string_view bytes) {
+  const Expected<ParameterTable> table = parse_parameters(std::string(bytes), kFile);
+  if (!table) return expect_line(table.error());
+  const std::string written = format_parameters(*table);
+  const Expected<ParameterTable> again = parse_parameters(written, kFile);
+  PCAVR_REQUIRE(again.has_value(), again.error().to_string(), written);
+  PCAVR_REQUIRE(format_parameters(*again) == written);
 }
 
 }  // namespace pcavr::fuzz

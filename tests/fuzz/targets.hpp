@@ -16,5 +16,6 @@ void image_list(std::string_view bytes);
 void series(std::string_view bytes);
 /// JPEG and PNG of 16 x 12 pixels; and the bytes taken as the filtered rows of a PNG.
 void image(std::string_view bytes);
+void parameters(std::string_view bytes);
 
 }  // namespace pcavr::fuzz

@@ -31,13 +31,12 @@ TEST_P(FuzzCorpus, HoldsForEveryFile) {
   EXPECT_GT(files, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, FuzzCorpus,
-                         testing::Values(Target{"manifest", fuzz::manifest},
-                                         Target{"camera_file", fuzz::camera_file},
-                                         Target{"image_list", fuzz::image_list},
-                                         Target{"series", fuzz::series},
-                                         Target{"image", fuzz::image}),
-                         [](const auto& test) { return std::string(test.param.first); });
+INSTANTIATE_TEST_SUITE_P(
+    Each, FuzzCorpus,
+    testing::Values(Target{"manifest", fuzz::manifest}, Target{"camera_file", fuzz::camera_file},
+                    Target{"image_list", fuzz::image_list}, Target{"series", fuzz::series},
+                    Target{"image", fuzz::image}, Target{"parameters", fuzz::parameters}),
+    [](const auto& test) { return std::string(test.param.first); });
 
 }  // namespace
 }  // namespace pcavr

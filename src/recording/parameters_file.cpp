@@ -1,0 +1,206 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/recording/parameters_file.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "pcavr/core/output.hpp"
+
+#include "recording/manifest_parser.hpp"
+#include "recording/recording_text.hpp"
+#include "recording/text_rows.hpp"
+#include "recording/yaml_map.hpp"
+
+namespace pcavr {
+namespace {
+
+/// One key, where its value is kept, and which values are not absurd. The upper bounds are far
+/// above what a tool can push: they catch slips of unit and sign, not unusual objects.
+struct Field {
+  const char* key;
+  std::optional<ParameterValue> ObjectParameters::*member;
+  double least;
+  double most;
+  bool is_least_allowed;
+};
+
+constexpr std::array kFields{
+    Field{"mass", &ObjectParameters::mass, 0.0, 1e4, false},
+    Field{"limiting_static_friction", &ObjectParameters::limiting_static_friction, 0.0, 1e5, false},
+    Field{"sliding_friction_coefficient", &ObjectParameters::sliding_friction_coefficient, 0.0,
+          10.0, false},
+    Field{"viscous_friction", &ObjectParameters::viscous_friction, 0.0, 1e5, true},
+    Field{"friction_radius", &ObjectParameters::friction_radius, 0.0, 10.0, false},
+    Field{"tool_friction_coefficient", &ObjectParameters::tool_friction_coefficient, 0.0, 10.0,
+          true},
+    Field{"loading_rate", &ObjectParameters::loading_rate, 0.0, 1e7, false},
+};
+
+constexpr std::array kContactFields{
+    Field{"stiffness", &ObjectParameters::contact_stiffness, 0.0, 1e12, false},
+    Field{"damping", &ObjectParameters::contact_damping, 0.0, 1e14, true},
+    Field{"exponent", &ObjectParameters::contact_exponent, 1.0, 3.0, true},
+};
+
+std::string deviation_key(const Field& field) { return std::string(field.key) + "_std"; }
+
+void read_field(const YamlValue& map, const Field& field, ObjectParameters& parameters) {
+  const std::optional<YamlValue> value = map.find(field.key);
+  const std::optional<YamlValue> deviation = map.find(deviation_key(field));
+  if (!value) {
+    if (deviation) {
+      deviation->fail("has no " + std::string(field.key) + " beside it", "add that, or drop this");
+    }
+    return;
+  }
+  ParameterValue parameter{.value = value->number()};
+  const bool is_in_range =
+      parameter.value <= field.most &&
+      (parameter.value > field.least || (field.is_least_allowed && parameter.value == field.least));
+  if (!is_in_range) {
+    value->fail("is " + value->text() + ", which no object has",
+                std::string("write a number ") + (field.is_least_allowed ? "from " : "above ") +
+                    shortest_decimal(field.least) + " to " + shortest_decimal(field.most));
+  }
+  if (deviation) {
+    parameter.deviation = deviation->number();
+    if (!(*parameter.deviation >= 0.0)) {
+      deviation->fail("is " + deviation->text(), "a standard deviation is 0 or more");
+    }
+  }
+  parameters.*field.member = parameter;
+}
+
+/// Whether H is positive and convex, by what that means for the norm it makes: each of its tangent
+/// planes keeps the whole surface on one side. Held against many directions, each with each.
+bool is_convex(const std::array<double, 15>& coefficients) {
+  constexpr int kDirections = 200;
+  constexpr double kLeastLevel = 1e-4;  // thinner, it is no surface in the scales given
+  constexpr double kRounding = 1e-6;
+  const LimitSurface surface{1.0, 1.0, coefficients};
+  std::vector<Eigen::Vector3d> directions;
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (int i = 0; i < kDirections; ++i) {
+    const double z = 1.0 - (2 * i + 1.0) / kDirections;
+    const double r = std::sqrt(1.0 - z * z);
+    directions.emplace_back(r * std::cos(golden * i), r * std::sin(golden * i), z);
+  }
+  for (const Eigen::Vector3d& at : directions) {
+    const double size = level(surface, at);
+    if (!(size > kLeastLevel) || !std::isfinite(size)) return false;
+    const Eigen::Vector3d tangent = sliding_direction(surface, at) / (4.0 * std::pow(size, 3));
+    for (const Eigen::Vector3d& other : directions) {
+      if (!(tangent.dot(other) <= level(surface, other) * (1.0 + kRounding))) return false;
+    }
+  }
+  return true;
+}
+
+LimitSurface read_limit_surface(const YamlValue& map) {
+  map.expect_keys({"force", "length", "coefficients"});
+  LimitSurface surface{.force = map.at("force").positive_number(),
+                       .length = map.at("length").positive_number()};
+  const YamlValue list = map.at("coefficients");
+  const std::vector<double> coefficients = list.numbers(surface.coefficients.size());
+  std::copy(coefficients.begin(), coefficients.end(), surface.coefficients.begin());
+  if (!is_convex(surface.coefficients)) {
+    list.fail("are not those of a convex surface", "identify it anew, or leave limit_surface out");
+  }
+  return surface;
+}
+
+ObjectParameters read_object(const YamlValue& map) {
+  map.expect_keys({"mass", "mass_std", "limiting_static_friction", "limiting_static_friction_std",
+                   "sliding_friction_coefficient", "sliding_friction_coefficient_std",
+                   "viscous_friction", "viscous_friction_std", "contact", "friction_radius",
+                   "friction_radius_std", "tool_friction_coefficient",
+                   "tool_friction_coefficient_std", "loading_rate", "loading_rate_std",
+                   "limit_surface"});
+  ObjectParameters parameters;
+  for (const Field& field : kFields) read_field(map, field, parameters);
+  if (const std::optional<YamlValue> contact = map.find("contact")) {
+    contact->expect_keys(
+        {"stiffness", "stiffness_std", "damping", "damping_std", "exponent", "exponent_std"});
+    for (const Field& field : kContactFields) read_field(*contact, field, parameters);
+  }
+  if (const std::optional<YamlValue> surface = map.find("limit_surface")) {
+    parameters.limit_surface = read_limit_surface(*surface);
+  }
+  return parameters;
+}
+
+void emit_field(YAML::Emitter& out, const Field& field, const ObjectParameters& parameters) {
+  const std::optional<ParameterValue>& parameter = parameters.*field.member;
+  if (!parameter) return;
+  out << YAML::Key << field.key << YAML::Value << shortest_decimal(parameter->value);
+  if (parameter->deviation && std::isfinite(*parameter->deviation)) {
+    out << YAML::Key << deviation_key(field) << YAML::Value
+        << shortest_decimal(*parameter->deviation);
+  }
+}
+
+void emit_limit_surface(YAML::Emitter& out, const LimitSurface& surface) {
+  out << YAML::Key << "limit_surface" << YAML::Value << YAML::BeginMap;
+  out << YAML::Key << "force" << YAML::Value << shortest_decimal(surface.force);
+  out << YAML::Key << "length" << YAML::Value << shortest_decimal(surface.length);
+  out << YAML::Key << "coefficients" << YAML::Value << YAML::Flow << YAML::BeginSeq;
+  for (const double coefficient : surface.coefficients) out << shortest_decimal(coefficient);
+  out << YAML::EndSeq << YAML::EndMap;
+}
+
+void emit_object(YAML::Emitter& out, const ObjectParameters& parameters) {
+  out << YAML::BeginMap;
+  for (const Field& field : kFields) emit_field(out, field, parameters);
+  if (parameters.contact_stiffness || parameters.contact_damping || parameters.contact_exponent) {
+    out << YAML::Key << "contact" << YAML::Value << YAML::BeginMap;
+    for (const Field& field : kContactFields) emit_field(out, field, parameters);
+    out << YAML::EndMap;
+  }
+  if (parameters.limit_surface) emit_limit_surface(out, *parameters.limit_surface);
+  out << YAML::EndMap;
+}
+
+/// Each line of it behind a '#'.
+std::string as_comment(const std::string& comment) {
+  std::string text;
+  LineReader lines(comment);
+  while (const auto line = lines.next()) {
+    text += line->empty() ? std::string("#") : "# " + std::string(*line);
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace
+
+Expected<ParameterTable> parse_parameters(const std::string& text, const std::string& file) {
+  return parse_yaml<ParameterTable>(text, file, [](const YamlValue& root) {
+    ParameterTable table;
+    for (const auto& [name, map] : root.entries()) {
+      expect_object_name(name, map);
+      table.emplace(name, read_object(map));
+    }
+    return table;
+  });
+}
+
+Expected<ParameterTable> read_parameters(const std::filesystem::path& file) {
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  return parse_parameters(*text, file.string());
+}
+
+std::string format_parameters(const ParameterTable& table, const std::string& comment) {
+  YAML::Emitter out;
+  out << YAML::BeginMap;
+  for (const auto& [name, parameters] : table) {
+    out << YAML::Key << name << YAML::Value;
+    emit_object(out, parameters);
+  }
+  out << YAML::EndMap;
+  return as_comment(comment) + out.c_str() + '\n';
+}
+
+}  // namespace pcavr
