@@ -22,13 +22,15 @@ enum class SurfaceShape {
   quartic,    ///< fifteen; pulled towards the fitted ellipsoid where the pushes are silent
 };
 
+/// The weights are those that predict unseen pushes best on simulated supports of many Coulomb
+/// patches, even, uneven, on points and rings, with sensor noise (tests/friction).
 struct LimitSurfaceFitOptions {
   SurfaceShape shape = SurfaceShape::quartic;
   /// How much one sample's distance from the surface counts against its direction. The wrench's
   /// length is noisier than its direction where the support is uneven.
-  double level_weight = 0.2;
+  double level_weight = 0.03;
   /// Weight of the ellipsoid against all pushes together; 0 trusts the pushes alone.
-  double prior_weight = 0.02;
+  double prior_weight = 0.007;
 };
 
 enum class LimitSurfaceFitStatus {
