@@ -1,0 +1,173 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/prediction/body_physics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/friction/patch.hpp"
+
+namespace pcavr {
+namespace {
+
+// Of things that are pushed about on tables: wood, and filled boxes and tins.
+constexpr double kDensity = 700.0;           // [kg/m^3]
+constexpr double kSlidingCoefficient = 0.5;  // rather too high: most dry pairs have 0.2 to 0.5
+constexpr double kHoldingOverSliding = 1.1;  // F_M over the Coulomb force
+constexpr double kToolFriction = 0.3;        // a smooth metal tip on most things
+constexpr double kIndentation = 1e-3;        // [m] of the tip when the body breaks loose
+constexpr double kHertzExponent = 1.5;       // of a sphere on a flat face
+constexpr double kDampingRatio = 0.2;        // of the body on the contact's spring
+constexpr double kPatchHeight = 1e-3;        // [m] what lies so near the lowest point bears
+constexpr double kSteep = 0.5;               // cosine of 60 degrees
+
+double cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return (a - o).x() * (b - o).y() - (a - o).y() * (b - o).x();
+}
+
+/// Counter-clockwise convex outline [Andrew 1979].
+std::vector<Eigen::Vector2d> convex_outline(std::vector<Eigen::Vector2d> points) {
+  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
+  });
+  std::vector<Eigen::Vector2d> outline;
+  for (int half = 0; half < 2; ++half) {
+    const std::size_t begin = outline.size();
+    for (const Eigen::Vector2d& p : points) {
+      while (outline.size() >= begin + 2 &&
+             cross(outline[outline.size() - 2], outline.back(), p) <= 0.0) {
+        outline.pop_back();
+      }
+      outline.push_back(p);
+    }
+    outline.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  return outline;
+}
+
+/// Of the convex outline of what touches the support, about the centre of mass.
+double radius_of_patch(const CadModel& model, const Pose& T_base_object) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const auto& v : model.mesh_object.vertices) {
+    lowest = std::min(lowest, (T_base_object * v.cast<double>()).z());
+  }
+  std::vector<Eigen::Vector2d> patch;
+  std::vector<Eigen::Vector2d> shadow;
+  for (const auto& v : model.mesh_object.vertices) {
+    const Eigen::Vector3d p = T_base_object * v.cast<double>();
+    shadow.push_back(p.head<2>());
+    if (p.z() <= lowest + kPatchHeight) patch.push_back(p.head<2>());
+  }
+  const Eigen::Vector2d centre = (T_base_object * model.centre_of_mass_object).head<2>();
+  const double radius = mean_radius(convex_outline(std::move(patch)), centre);
+  if (radius > 0.0) return radius;
+  // It stands on an edge or a point, which in truth is a small patch: between it and the shadow.
+  return 0.5 * mean_radius(convex_outline(std::move(shadow)), centre);
+}
+
+void require_not_negative(const std::optional<ParameterValue>& given) {
+  if (given) PCAVR_REQUIRE(std::isfinite(given->value) && given->value >= 0.0, given->value);
+}
+void require_positive(const std::optional<ParameterValue>& given) {
+  if (given) PCAVR_REQUIRE(std::isfinite(given->value) && given->value > 0.0, given->value);
+}
+
+void require_physical(const ObjectParameters& known) {
+  require_positive(known.mass);
+  require_not_negative(known.limiting_static_friction);
+  require_not_negative(known.sliding_friction_coefficient);
+  require_not_negative(known.viscous_friction);
+  require_positive(known.contact_stiffness);
+  require_not_negative(known.contact_damping);
+  if (known.contact_exponent) {
+    PCAVR_REQUIRE(known.contact_exponent->value >= 1.0, known.contact_exponent->value);
+  }
+  require_positive(known.friction_radius);
+  require_not_negative(known.tool_friction_coefficient);
+}
+
+/// What was given, or what stands in for it, noted by name.
+class Completion {
+ public:
+  explicit Completion(std::vector<std::string>& assumed) : assumed_(assumed) {}
+  double operator()(const std::optional<ParameterValue>& given, double otherwise,
+                    const char* name) const {
+    if (given) return given->value;
+    assumed_.emplace_back(name);
+    return otherwise;
+  }
+
+ private:
+  std::vector<std::string>& assumed_;
+};
+
+FrictionParameters complete_friction(const ObjectParameters& known, double volume, double gravity,
+                                     const Completion& value_of) {
+  const auto& limit = known.limiting_static_friction;
+  const auto& coefficient = known.sliding_friction_coefficient;
+  double mass = kDensity * volume;
+  if (limit && coefficient && limit->value > 0.0 && coefficient->value > 0.0) {
+    mass = limit->value / (kHoldingOverSliding * coefficient->value * gravity);
+  }
+  FrictionParameters friction;
+  friction.mass = value_of(known.mass, mass, "mass");
+  const double weight = friction.mass * gravity;
+  const double likely = limit ? limit->value / (kHoldingOverSliding * weight) : kSlidingCoefficient;
+  friction.coulomb_force = weight * value_of(coefficient, likely, "sliding_friction_coefficient");
+  friction.limiting_force =
+      value_of(limit, kHoldingOverSliding * friction.coulomb_force, "limiting_static_friction");
+  if (limit && limit->deviation) friction.limiting_force_std = *limit->deviation;
+  friction.viscous = value_of(known.viscous_friction, 0.0, "viscous_friction");
+  return friction;
+}
+
+Compliance complete_contact(const ObjectParameters& known, const FrictionParameters& friction,
+                            const Completion& value_of) {
+  Compliance contact;
+  // A stiffness without its exponent is meant in N/m.
+  contact.exponent = value_of(known.contact_exponent,
+                              known.contact_stiffness ? 1.0 : kHertzExponent, "contact_exponent");
+  // Without any friction there is no force to scale by: that of one newton.
+  const double force = std::max(holding_force(friction), 1.0);
+  contact.stiffness =
+      value_of(known.contact_stiffness, force / std::pow(kIndentation, contact.exponent),
+               "contact_stiffness");
+  const double depth = std::pow(force / contact.stiffness, 1.0 / contact.exponent);
+  const double slope = contact.exponent * force / depth;
+  const double damping = 2.0 * kDampingRatio * std::sqrt(slope * friction.mass);
+  contact.damping =
+      value_of(known.contact_damping,
+               contact.exponent == 1.0 ? damping : damping / std::pow(depth, contact.exponent),
+               "contact_damping");
+  return contact;
+}
+
+}  // namespace
+
+CompletedPhysics complete_physics(const ObjectParameters& known, const CadModel& model,
+                                  const Pose& T_base_object, double gravity) {
+  require_physical(known);
+  PCAVR_REQUIRE(gravity > 0.0, gravity);
+  CompletedPhysics completed;
+  const Completion value_of(completed.assumed);
+  BodyPhysics& physics = completed.physics;
+  physics.friction = complete_friction(known, model.volume, gravity, value_of);
+  physics.contact = complete_contact(known, physics.friction, value_of);
+  physics.tool_friction =
+      value_of(known.tool_friction_coefficient, kToolFriction, "tool_friction_coefficient");
+  physics.friction_radius =
+      value_of(known.friction_radius, radius_of_patch(model, T_base_object), "friction_radius");
+  physics.limit_surface = known.limit_surface;
+  return completed;
+}
+
+double heading_of(const Pose& T_base_object) {
+  const Eigen::Matrix3d axes = T_base_object.rotation_matrix();
+  const Eigen::Index axis = axes.col(0).head<2>().norm() < kSteep ? 1 : 0;
+  return std::atan2(axes(1, axis), axes(0, axis));
+}
+
+}  // namespace pcavr

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "prediction/closest_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace pcavr::detail {
+namespace {
+
+constexpr std::uint32_t kLeafSize = 4;
+
+/// Where on a triangle, and on which of its seven features: face 0, edges 01 12 20 as 1 2 3,
+/// corners as 4 5 6.
+struct PointOnTriangle {
+  Eigen::Vector3d point;
+  std::size_t feature = 0;
+};
+
+PointOnTriangle on_edge(const Eigen::Vector3d& p, const std::array<Eigen::Vector3d, 3>& corner,
+                        std::size_t i) noexcept {
+  const std::size_t j = (i + 1) % 3;
+  const Eigen::Vector3d edge = corner[j] - corner[i];
+  const double length2 = edge.squaredNorm();
+  const double share = length2 > 0.0 ? (p - corner[i]).dot(edge) / length2 : 0.0;
+  if (share <= 0.0) return {corner[i], 4 + i};
+  if (share >= 1.0) return {corner[j], 4 + j};
+  return {corner[i] + share * edge, 1 + i};
+}
+
+PointOnTriangle closest_on(const Eigen::Vector3d& p, const std::array<Eigen::Vector3d, 3>& corner,
+                           const Eigen::Vector3d& unit_normal) noexcept {
+  bool is_over_face = !unit_normal.isZero(0.0);
+  for (std::size_t i = 0; i < 3 && is_over_face; ++i) {
+    const Eigen::Vector3d edge = corner[(i + 1) % 3] - corner[i];
+    is_over_face = unit_normal.cross(edge).dot(p - corner[i]) >= 0.0;
+  }
+  if (is_over_face) return {p - unit_normal.dot(p - corner[0]) * unit_normal, 0};
+  PointOnTriangle best = on_edge(p, corner, 0);
+  for (std::size_t i = 1; i < 3; ++i) {
+    const PointOnTriangle there = on_edge(p, corner, i);
+    if ((p - there.point).squaredNorm() < (p - best.point).squaredNorm()) best = there;
+  }
+  return best;
+}
+
+double angle_at(const std::array<Eigen::Vector3d, 3>& corner, std::size_t i) noexcept {
+  const Eigen::Vector3d a = corner[(i + 1) % 3] - corner[i];
+  const Eigen::Vector3d b = corner[(i + 2) % 3] - corner[i];
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+}  // namespace
+
+struct ClosestSurface::Candidate {
+  double distance2;
+  const Triangle* triangle = nullptr;
+  PointOnTriangle on = {Eigen::Vector3d::Zero(), 0};
+};
+
+ClosestSurface::ClosestSurface(const TriangleMesh& mesh, const Pose& T_frame_mesh) {
+  using Edge = std::pair<std::uint32_t, std::uint32_t>;
+  std::map<Edge, Eigen::Vector3d> edge_normals;
+  std::vector<Eigen::Vector3d> corner_normals(mesh.vertices.size(), Eigen::Vector3d::Zero());
+  const auto key = [](std::uint32_t a, std::uint32_t b) { return std::minmax(a, b); };
+  triangles_.reserve(mesh.triangles.size());
+  for (const auto& indices : mesh.triangles) {
+    Triangle& triangle = triangles_.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) {
+      triangle.corner[i] = T_frame_mesh * mesh.vertices[indices[i]].cast<double>();
+    }
+    const auto& c = triangle.corner;
+    triangle.normal[0] = (c[1] - c[0]).cross(c[2] - c[0]).stableNormalized();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Edge edge = key(indices[i], indices[(i + 1) % 3]);
+      edge_normals.try_emplace(edge, Eigen::Vector3d::Zero()).first->second += triangle.normal[0];
+      corner_normals[indices[i]] += angle_at(c, i) * triangle.normal[0];
+    }
+  }
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const auto& indices = mesh.triangles[t];
+    for (std::size_t i = 0; i < 3; ++i) {
+      triangles_[t].normal[1 + i] =
+          edge_normals.at(key(indices[i], indices[(i + 1) % 3])).stableNormalized();
+      triangles_[t].normal[4 + i] = corner_normals[indices[i]].stableNormalized();
+    }
+  }
+  nodes_.emplace_back();
+  build(0, 0, static_cast<std::uint32_t>(triangles_.size()));
+}
+
+void ClosestSurface::build(std::uint32_t node, std::uint32_t first, std::uint32_t count) {
+  Eigen::AlignedBox3d box;
+  Eigen::AlignedBox3d middles;
+  const auto middle_of = [](const Triangle& t) -> Eigen::Vector3d {
+    return (t.corner[0] + t.corner[1] + t.corner[2]) / 3.0;
+  };
+  for (std::uint32_t i = first; i < first + count; ++i) {
+    for (const Eigen::Vector3d& corner : triangles_[i].corner) box.extend(corner);
+    middles.extend(middle_of(triangles_[i]));
+  }
+  nodes_[node] = {box, first, count};
+  if (count <= kLeafSize) return;
+  Eigen::Index axis = 0;
+  middles.sizes().maxCoeff(&axis);
+  const auto begin = triangles_.begin() + first;
+  std::stable_sort(begin, begin + count, [&](const Triangle& a, const Triangle& b) {
+    return middle_of(a)[axis] < middle_of(b)[axis];
+  });
+  const auto children = static_cast<std::uint32_t>(nodes_.size());
+  nodes_[node].first = children;
+  nodes_[node].count = 0;
+  nodes_.resize(nodes_.size() + 2);
+  build(children, first, count / 2);
+  build(children + 1, first + count / 2, count - count / 2);
+}
+
+void ClosestSurface::search(std::uint32_t index, const Eigen::Vector3d& p,
+                            Candidate& best) const noexcept {
+  const Node& node = nodes_[index];
+  if (node.count == 0) {
+    const double left = nodes_[node.first].box.squaredExteriorDistance(p);
+    const double right = nodes_[node.first + 1].box.squaredExteriorDistance(p);
+    const std::uint32_t near = node.first + (right < left ? 1 : 0);
+    const std::uint32_t far = node.first + (right < left ? 0 : 1);
+    if (std::min(left, right) < best.distance2) search(near, p, best);
+    if (std::max(left, right) < best.distance2) search(far, p, best);
+    return;
+  }
+  for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+    const Triangle& triangle = triangles_[i];
+    const PointOnTriangle on = closest_on(p, triangle.corner, triangle.normal[0]);
+    const double distance2 = (p - on.point).squaredNorm();
+    if (distance2 < best.distance2) best = {distance2, &triangle, on};
+  }
+}
+
+std::optional<ClosestSurface::Answer> ClosestSurface::closest(const Eigen::Vector3d& p,
+                                                              double reach) const noexcept {
+  const double outside2 = bounds().squaredExteriorDistance(p);
+  if (!(outside2 < reach * reach)) return std::nullopt;
+  // Inside the box, the inside of the body may be further from its surface than `reach`.
+  Candidate best{
+      outside2 > 0.0 ? reach * reach : std::numeric_limits<double>::infinity(), nullptr, {}};
+  search(0, p, best);
+  if (best.triangle == nullptr) return std::nullopt;
+  const Eigen::Vector3d& outward = best.triangle->normal[best.on.feature];
+  const Eigen::Vector3d away = p - best.on.point;
+  const double size = std::sqrt(best.distance2);
+  const double sign = away.dot(outward) >= 0.0 ? 1.0 : -1.0;
+  if (sign > 0.0 && size > reach) return std::nullopt;
+  // Next to the surface the difference is rounding: there its normal is the better direction.
+  const Eigen::Vector3d normal = size > 1e-9 ? Eigen::Vector3d(sign / size * away) : outward;
+  return Answer{sign * size, best.on.point, normal};
+}
+
+}  // namespace pcavr::detail

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pcavr/geometry/pose.hpp"
+
+namespace pcavr::detail {
+
+/// What is still shown beside the truth of the state, of six numbers at once: a quintic in time
+/// that begins with a value and a rate and ends flat, so that what is shown neither jumps nor
+/// kinks, however often it begins anew.
+class FadingOffset {
+ public:
+  void begin(double t, double duration, const Vector6d& value, const Vector6d& rate) noexcept {
+    t_ = t;
+    duration_ = duration;
+    value_ = value;
+    rate_ = rate;
+  }
+  [[nodiscard]] Vector6d value_at(double t) const noexcept {
+    const double s = (t - t_) / duration_;
+    if (!(s < 1.0)) return Vector6d::Zero();
+    const double cube = s * s * s;
+    return (1.0 + cube * (-10.0 + s * (15.0 - 6.0 * s))) * value_ +
+           duration_ * (s + cube * (-6.0 + s * (8.0 - 3.0 * s))) * rate_;
+  }
+  [[nodiscard]] Vector6d rate_at(double t) const noexcept {
+    const double s = (t - t_) / duration_;
+    if (!(s < 1.0)) return Vector6d::Zero();
+    const double square = s * s;
+    return square * (-30.0 + s * (60.0 - 30.0 * s)) / duration_ * value_ +
+           (1.0 + square * (-18.0 + s * (32.0 - 15.0 * s))) * rate_;
+  }
+
+ private:
+  double t_ = 0.0;         ///< [s]
+  double duration_ = 0.0;  ///< [s]; 0: nothing is shown beside the state
+  Vector6d value_ = Vector6d::Zero();
+  Vector6d rate_ = Vector6d::Zero();  ///< [1/s]
+};
+
+}  // namespace pcavr::detail

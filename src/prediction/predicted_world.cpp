@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/prediction/predicted_world.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "pcavr/core/check.hpp"
+
+#include "prediction/body_step.hpp"
+
+namespace pcavr {
+
+struct PredictedWorld::Content {
+  std::vector<detail::UprightBody> bodies;
+  std::vector<BodyState> states;
+  double tool_radius = 0.0;
+};
+
+PredictedWorld::PredictedWorld(std::unique_ptr<Content> content) : content_(std::move(content)) {}
+PredictedWorld::PredictedWorld(PredictedWorld&&) noexcept = default;
+PredictedWorld& PredictedWorld::operator=(PredictedWorld&&) noexcept = default;
+PredictedWorld::~PredictedWorld() = default;
+
+Expected<PredictedWorld> PredictedWorld::create(WorldModel model) {
+  PCAVR_REQUIRE(std::isfinite(model.tool_radius) && model.tool_radius > 0.0, model.tool_radius);
+  PCAVR_REQUIRE(std::isfinite(model.gravity) && model.gravity > 0.0, model.gravity);
+  auto content = std::make_unique<Content>();
+  content->tool_radius = model.tool_radius;
+  for (const WorldBody& body : model.bodies) {
+    if (body.model.mesh_object.triangles.empty()) {
+      return Error{.message = "a body needs a CAD surface", .place = body.model.name};
+    }
+    content->bodies.emplace_back(body, model.gravity);
+    content->states.emplace_back().planar = content->bodies.back().start();
+  }
+  return PredictedWorld(std::move(content));
+}
+
+std::size_t PredictedWorld::size() const { return content_->bodies.size(); }
+
+const std::string& PredictedWorld::name(std::size_t body) const {
+  PCAVR_REQUIRE(body < size(), body, size());
+  return content_->bodies[body].name();
+}
+
+const BodyPhysics& PredictedWorld::physics(std::size_t body) const {
+  PCAVR_REQUIRE(body < size(), body, size());
+  return content_->bodies[body].physics();
+}
+
+void PredictedWorld::set_physics(std::size_t body, const BodyPhysics& physics) {
+  PCAVR_REQUIRE(body < size(), body, size());
+  content_->bodies[body].set_physics(physics);
+}
+
+const std::vector<BodyState>& PredictedWorld::state() const { return content_->states; }
+
+void PredictedWorld::set_state(const std::vector<BodyState>& state) {
+  PCAVR_REQUIRE(state.size() == size(), state.size(), size());
+  std::copy(state.begin(), state.end(), content_->states.begin());
+}
+
+void PredictedWorld::set_pose(std::size_t body, const Pose& T_base_object) {
+  PCAVR_REQUIRE(body < size(), body, size());
+  BodyState& state = content_->states[body];
+  state.planar = content_->bodies[body].at_rest_in(T_base_object, state.planar.yaw);
+}
+
+Pose PredictedWorld::T_base_object(std::size_t body) const {
+  PCAVR_REQUIRE(body < size(), body, size());
+  return pose_of(body, content_->states[body]);
+}
+
+Pose PredictedWorld::pose_of(std::size_t body, const BodyState& state) const {
+  PCAVR_REQUIRE(body < size(), body, size());
+  return content_->bodies[body].pose_of(state.planar);
+}
+
+void PredictedWorld::step(const Eigen::Vector3d& p_base_before, const Eigen::Vector3d& p_base_tip,
+                          double dt) noexcept {
+  if (!(dt > 0.0) || !p_base_tip.allFinite() || !p_base_before.allFinite()) return;
+  const detail::TipPath tip{p_base_before, p_base_tip, content_->tool_radius};
+  for (std::size_t i = 0; i < content_->bodies.size(); ++i) {
+    content_->states[i] = detail::step_body(content_->bodies[i], content_->states[i], tip, dt);
+  }
+}
+
+}  // namespace pcavr

@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "prediction/upright_body.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+#include "pcavr/core/check.hpp"
+
+#include "prediction/contact_force.hpp"
+
+namespace pcavr::detail {
+namespace {
+
+/// A support that bears no force at all has no surface to slide on; this [N] counts as none.
+constexpr double kLeastFriction = 1e-6;
+/// A body held down by less than this share of its weight slides as if by that much.
+constexpr double kLeastShare = 1e-3;
+/// The least band below F_M that counts as about to go, as a share of it: phases.csv's 0.9.
+constexpr double kCriticalShare = 0.1;
+
+double turn_of(const Eigen::Matrix3d& rotation) {
+  return std::atan2(rotation(1, 0) - rotation(0, 1), rotation(0, 0) + rotation(1, 1));
+}
+
+/// From mesh axes to body axes at the start.
+Pose to_body_axes(const Pose& T_base_object, const Eigen::Vector3d& centre_of_mass_object) {
+  const Eigen::Vector3d centre = T_base_object * centre_of_mass_object;
+  return Pose::from_translation({-centre.x(), -centre.y(), 0.0}) * T_base_object;
+}
+
+/// Of the homogeneous body about the vertical axis through the origin of body axes: the tetrahedra
+/// between the triangles and the origin, in closed form.
+double gyration_radius_of(const TriangleMesh& mesh_object, const Pose& T_body_object) {
+  double volume = 0.0;
+  double moment = 0.0;
+  for (const auto& t : mesh_object.triangles) {
+    Eigen::Matrix3d corners;
+    for (int i = 0; i < 3; ++i) {
+      corners.col(i) =
+          T_body_object * mesh_object.vertices[t[static_cast<std::size_t>(i)]].cast<double>();
+    }
+    const double tetrahedron = corners.determinant() / 6.0;
+    const Eigen::Matrix<double, 2, 3> flat = corners.topRows<2>();
+    volume += tetrahedron;
+    moment += tetrahedron / 20.0 * (flat.squaredNorm() + flat.rowwise().sum().squaredNorm());
+  }
+  return std::sqrt(moment / volume);
+}
+
+/// The force that keeps the body sliding without turning, on average over the directions.
+double mean_force(const LimitSurface& surface) {
+  constexpr int kDirections = 24;
+  double sum = 0.0;
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kDirections;
+    const Eigen::Vector3d twist(std::cos(angle), std::sin(angle), 0.0);
+    sum += sliding_load(surface, twist).dot(twist);
+  }
+  return sum / kDirections;
+}
+
+PlanarFriction friction_of(const BodyPhysics& physics, double gyration_radius) {
+  const FrictionParameters& f = physics.friction;
+  const double holding = std::max(holding_force(f), kLeastFriction);
+  const double coulomb = std::max(f.coulomb_force, kLeastShare * holding);
+  PlanarFriction friction;
+  friction.mass = f.mass;
+  friction.inertia = f.mass * gyration_radius * gyration_radius;
+  if (physics.limit_surface) {
+    friction.sliding = *physics.limit_surface;
+    friction.sliding.force *= coulomb / mean_force(friction.sliding);
+  } else {
+    friction.sliding = ellipsoid_surface(coulomb, coulomb * physics.friction_radius);
+  }
+  friction.holding = holding / coulomb;
+  friction.holding_std = std::max(f.limiting_force_std, kCriticalShare * holding) / coulomb;
+  friction.viscous = f.viscous;
+  friction.viscous_turning = f.viscous * physics.friction_radius * physics.friction_radius;
+  return friction;
+}
+
+}  // namespace
+
+bool is_physical(const BodyPhysics& p) noexcept {
+  const auto is_at_least = [](double value, double least) {
+    return std::isfinite(value) && value >= least;
+  };
+  const double tiny = std::numeric_limits<double>::min();
+  const bool has_surface = !p.limit_surface || (is_at_least(p.limit_surface->force, tiny) &&
+                                                is_at_least(p.limit_surface->length, tiny));
+  return pcavr::is_physical(p.friction) && is_at_least(p.contact.stiffness, tiny) &&
+         is_at_least(p.contact.damping, 0.0) && is_at_least(p.contact.exponent, 1.0) &&
+         is_at_least(p.tool_friction, 0.0) && is_at_least(p.friction_radius, tiny) && has_surface;
+}
+
+UprightBody::UprightBody(const WorldBody& body, double gravity)
+    : name_(body.model.name),
+      T_base_object_start_(body.T_base_object),
+      centre_of_mass_object_(body.model.centre_of_mass_object),
+      surface_(body.model.mesh_object, to_body_axes(T_base_object_start_, centre_of_mass_object_)),
+      heading_(heading_of(T_base_object_start_)),
+      gyration_radius_(gyration_radius_of(
+          body.model.mesh_object, to_body_axes(T_base_object_start_, centre_of_mass_object_))),
+      gravity_(gravity) {
+  set_physics(body.physics);
+}
+
+void UprightBody::set_physics(const BodyPhysics& physics) {
+  PCAVR_REQUIRE(is_physical(physics));
+  physics_ = physics;
+  friction_ = friction_of(physics, gyration_radius_);
+  const double holding = friction_.holding * friction_.sliding.force;
+  const double depth = depth_at(physics.contact, holding);
+  working_stiffness_ = contact_force(physics.contact, depth, 0.0).stiffness;
+  working_depth_ = depth_at(physics.contact, physics.friction.coulomb_force);
+}
+
+Pose UprightBody::pose_of(const PlanarState& planar) const {
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(planar.yaw, Eigen::Vector3d::UnitZ()));
+  const Eigen::Quaterniond rotation = turn * T_base_object_start_.rotation();
+  const Eigen::Vector3d start = T_base_object_start_ * centre_of_mass_object_;
+  const Eigen::Vector3d centre(planar.position.x(), planar.position.y(), start.z());
+  return {rotation, centre - rotation * centre_of_mass_object_};
+}
+
+PlanarState UprightBody::at_rest_in(const Pose& T_base_object, double yaw_near) const {
+  const Eigen::Matrix3d turn =
+      T_base_object.rotation_matrix() * T_base_object_start_.rotation_matrix().transpose();
+  PlanarState planar;
+  planar.position = (T_base_object * centre_of_mass_object_).head<2>();
+  planar.yaw = yaw_near + std::remainder(turn_of(turn) - yaw_near, 2.0 * std::numbers::pi);
+  return planar;
+}
+
+PlanarFriction UprightBody::friction_under(double down) const noexcept {
+  PlanarFriction friction = friction_;
+  if (down == 0.0) return friction;
+  friction.sliding.force *= std::max(kLeastShare, 1.0 + down / (friction_.mass * gravity_));
+  return friction;
+}
+
+PlanarStep UprightBody::step(const PlanarFriction& friction, const PlanarState& state,
+                             const Eigen::Vector3d& load, double dt) const noexcept {
+  PlanarState turned = state;
+  turned.yaw += heading_;
+  PlanarStep result = step_planar(friction, turned, load, dt);
+  // The difference, so that a body that did not turn keeps its yaw to the last bit.
+  result.state.yaw = state.yaw + (result.state.yaw - turned.yaw);
+  return result;
+}
+
+double UprightBody::level_of(const PlanarFriction& friction, double yaw,
+                             const Eigen::Vector3d& load) const noexcept {
+  Eigen::Vector3d load_body = load;
+  load_body.head<2>() = Eigen::Rotation2Dd(-yaw - heading_) * load.head<2>();
+  return level(friction.sliding, load_body);
+}
+
+}  // namespace pcavr::detail
