@@ -17,6 +17,8 @@ namespace {
 
 // A regressor made of noise alone has its noise's rms; three times that is motion.
 constexpr double kNoiseFactor = 3.0;
+// A mass, which can't be negative, is told from none by this many deviations.
+constexpr double kMassToldDeviations = 2.0;
 // Residuals this near to each other do not choose between laws.
 constexpr double kTie = 0.02;
 
@@ -50,9 +52,7 @@ std::array<double, 3> scales_of(const std::vector<PressSamples>& presses) {
   return sum;
 }
 
-/// Least squares on the signals less each press's mean: the surface's place drops out.
-ContactFit fit_linear(const std::vector<PressSamples>& presses) {
-  ContactFit fit;
+EstimatorOptions<3> linear_options(const std::vector<PressSamples>& presses) {
   EstimatorOptions<3> options;
   options.method = EstimationMethod::exponential;
   options.forgetting = 1.0;
@@ -66,25 +66,50 @@ ContactFit fit_linear(const std::vector<PressSamples>& presses) {
     options.least_excitation[1] =
         std::max(options.least_excitation[1], kNoiseFactor * press.speed_noise);
   }
-  ParameterEstimator<3> estimator(options);
-  double energy = 0.0;
+  return options;
+}
+
+/// Least squares on the signals less each press's mean: the surface's place drops out.
+ParameterEstimate<3> regress(const std::vector<PressSamples>& presses, bool has_mass) {
+  ParameterEstimator<3> estimator(linear_options(presses));
   for (const PressSamples& press : presses) {
     if (press.samples.empty()) continue;
     const ContactSample mean = mean_of(press.samples);
     for (const ContactSample& sample : press.samples) {
-      estimator.step({sample.acceleration - mean.acceleration, sample.speed - mean.speed,
-                      sample.position - mean.position},
+      estimator.step({has_mass ? sample.acceleration - mean.acceleration : 0.0,
+                      sample.speed - mean.speed, sample.position - mean.position},
                      sample.force - mean.force);
-      energy += sample.force * sample.force;
-      ++fit.samples;
     }
   }
-  if (fit.samples < 12 + presses.size() || energy <= 0.0) return fit;
-  const ParameterEstimate<3> estimate = estimator.estimate();
+  return estimator.estimate();
+}
+
+void state_parameters(const ParameterEstimate<3>& estimate, ContactFit& fit) {
   fit.mass = {estimate.value[0], estimate.deviation[0], estimate.is_excited[0]};
   fit.damping = {estimate.value[1], estimate.deviation[1], estimate.is_excited[1]};
   fit.stiffness = {estimate.value[2], estimate.deviation[2], estimate.is_excited[2]};
   fit.exponent = {1.0, 0.0, true};
+}
+
+ContactFit fit_linear(const std::vector<PressSamples>& presses) {
+  ContactFit fit;
+  double energy = 0.0;
+  for (const PressSamples& press : presses) {
+    fit.samples += press.samples.size();
+    for (const ContactSample& sample : press.samples) energy += sample.force * sample.force;
+  }
+  if (fit.samples < 12 + presses.size() || energy <= 0.0) return fit;
+  ParameterEstimate<3> estimate = regress(presses, true);
+  state_parameters(estimate, fit);
+  // A press at one frequency can't tell the mass from the stiffness: x'' is -w^2 x. A mass that is
+  // not told would take its share of k along, so it is left out, as in sliding.
+  fit.mass.is_excited =
+      fit.mass.is_excited && fit.mass.value > kMassToldDeviations * fit.mass.deviation;
+  if (!fit.mass.is_excited) {
+    estimate = regress(presses, false);
+    state_parameters(estimate, fit);
+    fit.mass = {};
+  }
   const double samples = static_cast<double>(fit.samples);
   fit.residual = std::sqrt(estimate.residual_variance * (samples - 3.0) / samples);
   fit.relative_error = fit.residual / std::sqrt(energy / samples);

@@ -19,14 +19,26 @@ namespace {
 
 // Regressors this far above their stated scale would drown the rest in rounding.
 constexpr double kAbsurd = 1e9;
-// Unity zone: rho = 1 / (19 sigma^2) [identification procedures; see the class].
-constexpr double kUnityZone = 19.0;
+// Unity zone: a mean squared error of this many variances rounds to the first step below lambda
+// = 1.
+constexpr double kUnityZone = 9.5;
+// Standard normal deviate that one sample in a million exceeds.
+constexpr double kOneInAMillion = 4.753;
 // Share of a regressor's energy that the others must leave unexplained; below, the two parameters
 // are told apart by rounding and noise only.
 constexpr double kLeastOwnShare = 1e-4;
 // Samples over which the measured noise follows errors that grow, and that shrink.
 constexpr double kNoiseRise = 1000.0;
 constexpr double kNoiseFall = 100.0;
+
+/// The mean squared error, in variances, that noise reaches once in a million samples: of chi
+/// squared, after [Wilson & Hilferty 1931], with as many degrees as the window holds independent
+/// samples. Of white noise that is less than the unity zone, which stays.
+double quiet_level(double window, double correlated_samples) {
+  const double spread = 2.0 / (9.0 * std::max(1.0, window / correlated_samples));
+  const double cube_root = 1.0 - spread + kOneInAMillion * std::sqrt(spread);
+  return std::max(kUnityZone, cube_root * cube_root * cube_root);
+}
 
 }  // namespace
 
@@ -43,6 +55,8 @@ struct ParameterEstimator<N>::State {
       inverse_scale[i] = 1.0 / scale[i];
     }
     errors.assign(static_cast<std::size_t>(given.error_window), 0.0);
+    quiet = quiet_level(given.error_window, given.correlated_samples);
+    shortest_memory = 1.0 / (1.0 - given.least_forgetting);
     if (given.method == EstimationMethod::block) {
       block.resize(static_cast<std::size_t>(given.window));
     }
@@ -84,10 +98,10 @@ struct ParameterEstimator<N>::State {
     if (options.method == EstimationMethod::exponential) return options.forgetting;
     if (!is_settled() || noise_variance <= 0.0) return 1.0;
     const double mean = error_sum / static_cast<double>(errors.size());
-    const double steps = std::round(mean / (kUnityZone * noise_variance));
+    const double steps = std::round(mean / (2.0 * quiet * noise_variance));
     if (steps <= 0.0) return 1.0;
-    const double window = static_cast<double>(errors.size());
-    const double emptying = std::pow(window / std::max(samples, window), 1.0 / window);
+    // What a change made wrong is of no use: at once down to the memory that lambda_min keeps.
+    const double emptying = shortest_memory / std::max(samples, shortest_memory);
     const double least = std::min(options.least_forgetting, emptying);
     return least + (1.0 - least) * std::exp2(-steps);
   }
@@ -143,6 +157,8 @@ struct ParameterEstimator<N>::State {
   double residual_sum = 0.0;
   double leverage = 0.0;
   double noise_variance = 0.0;
+  double quiet = 0.0;            // mean squared error over the variance up to which lambda is 1
+  double shortest_memory = 0.0;  // samples
   std::vector<double> errors;
   std::size_t next_error = 0;
   double error_sum = 0.0;

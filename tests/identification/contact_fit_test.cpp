@@ -3,28 +3,71 @@
 #include "pcavr/identification/contact_fit.hpp"
 
 #include <cmath>
+#include <numbers>
+#include <string>
 #include <vector>
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
+
+#include "pcavr/identification/signals.hpp"
 
 #include "identification/plant.hpp"
 
 namespace pcavr {
 namespace {
 
-/// Presses down to `depth`, held for 0.3 s and let go, at each speed.
+/// Down to `depth`, held for 0.3 s and let go.
+double press_path(double t, double depth, double speed) {
+  const double down = speed * (t - 0.3);
+  const double up = 2.0 * depth + 0.3 * speed - down;
+  return std::max(std::min({down, depth, up}), -0.002);
+}
+
 std::vector<Trial> press_at(const Plant& plant, const Sensors& sensors, double depth,
                             const std::vector<double>& speeds, std::uint64_t seed) {
   std::vector<Trial> trials;
   for (const double speed : speeds) {
-    const auto path = [=](double t) {
-      const double down = speed * (t - 0.3);
-      const double up = 2.0 * depth + 0.3 * speed - down;
-      return std::max(std::min({down, depth, up}), -0.002);
-    };
+    const auto path = [=](double t) { return press_path(t, depth, speed); };
     trials.push_back(run(plant, sensors, 2.0 * depth / speed + 0.9, seed++, path));
   }
   return trials;
+}
+
+/// Standard deviations that no unbiased estimator can undercut [Cramer 1946; Rao 1945].
+struct Bound {
+  double exponent = 0.0;
+  double force_share = 0.0;  ///< of the force at 3 mm and 10 mm/s
+};
+
+/// The unknowns are log k, lambda / k, n and the surface; each sample is off by the sensor's noise
+/// and by what the tool's noise makes of it, F n / d. Samples count where they touch for sure:
+/// above six deviations of the smoothed force.
+Bound cramer_rao(const Plant& plant, const Sensors& sensors, double depth,
+                 const std::vector<double>& speeds) {
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+  const double c = plant.damping / plant.stiffness;
+  const ContactFitOptions options;
+  const double smoothed = correlated_samples(options.half_width, 1.0 / sensors.rate);
+  const double least = options.contact_deviations * sensors.force_noise / std::sqrt(smoothed);
+  for (const double speed : speeds) {
+    for (int i = 0; i < static_cast<int>((2.0 * depth / speed + 0.9) * sensors.rate); ++i) {
+      const double t = i / sensors.rate;
+      const double d = press_path(t, depth, speed);
+      const double rate = (press_path(t + 1e-4, depth, speed) - d) / 1e-4;
+      if (d <= 0.0) continue;
+      const double power = plant.stiffness * std::pow(d, plant.exponent);
+      const double force = power * (1.0 + c * rate);
+      if (force < least) continue;
+      const Eigen::Vector4d slope(force, power * rate, force * std::log(d),
+                                  -force * plant.exponent / d);
+      const double noise = std::hypot(sensors.force_noise, slope[3] * sensors.tool_noise);
+      information += slope * slope.transpose() / (noise * noise);
+    }
+  }
+  const Eigen::Matrix4d covariance = information.inverse();
+  const Eigen::Vector4d of_force(1.0, 0.01 / (1.0 + 0.01 * c), std::log(0.003), 0.0);
+  return {std::sqrt(covariance(2, 2)), std::sqrt(of_force.dot(covariance * of_force))};
 }
 
 std::vector<ForceMotion> series_of(const std::vector<Trial>& trials) {
@@ -33,8 +76,9 @@ std::vector<ForceMotion> series_of(const std::vector<Trial>& trials) {
   return series;
 }
 
-TEST(IdentifyContact, FindsAHuntCrossleyContactFromPressesAtSeveralSpeeds) {
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+TEST(IdentifyContact, FindsAHuntCrossleyContactAsSurelyAsTheNoiseAllows) {
+  const std::vector<double> speeds = {0.005, 0.01, 0.02, 0.05};
+  for (std::uint64_t seed = 5001; seed <= 5006; ++seed) {
     Random random(seed);
     Plant plant;
     plant.is_held = true;
@@ -43,25 +87,52 @@ TEST(IdentifyContact, FindsAHuntCrossleyContactFromPressesAtSeveralSpeeds) {
     plant.exponent = random.uniform(1.3, 1.7);
     Sensors sensors;
     sensors.spike_share = 0.002;
-    const auto trials = press_at(plant, sensors, 0.004, {0.005, 0.01, 0.02, 0.05}, 100 * seed);
+    const auto trials = press_at(plant, sensors, 0.004, speeds, 100 * seed);
     const ContactIdentification found = identify_contact(series_of(trials));
     ASSERT_TRUE(found.hunt_crossley.is_valid);
     EXPECT_EQ(found.chosen, ContactRegressor::hunt_crossley);
     const ContactFit& fit = found.best();
-    // Four deviations of one number each, and these must be worth having.
+    // Soft contacts of 3 N leave 0.1 of the exponent open, whatever the method. Beside the bound
+    // 0.005 are allowed for what is no noise: the path's corners, which the smoothing rounds.
+    const Bound bound = cramer_rao(plant, sensors, 0.004, speeds);
+    EXPECT_LT(fit.exponent.deviation, 1.3 * std::hypot(bound.exponent, 0.005)) << seed;
+    // Four deviations of one number each.
     EXPECT_NEAR(fit.exponent.value, plant.exponent, 4.0 * fit.exponent.deviation);
-    EXPECT_LT(fit.exponent.deviation, 0.1);
     EXPECT_NEAR(std::log(fit.stiffness.value / plant.stiffness), 0.0,
                 4.0 * fit.stiffness.deviation / fit.stiffness.value);
-    // What is felt: the force at 3 mm and 10 mm/s, within 2 %.
+    // What is felt: the force at 3 mm and 10 mm/s.
     const auto force = [](double k, double lambda, double n) {
       return (k + 0.01 * lambda) * std::pow(0.003, n);
     };
     const double truth = force(plant.stiffness, plant.damping, plant.exponent);
     const double felt = force(fit.stiffness.value, fit.damping.value, fit.exponent.value);
-    EXPECT_NEAR(felt, truth, 0.03 * truth);  // the surface's place takes up another part
+    EXPECT_NEAR(felt, truth, std::hypot(0.01, 4.0 * bound.force_share) * truth) << seed;
+    const std::string at = std::to_string(seed);
+    RecordProperty("exponent_deviation_" + at, std::to_string(fit.exponent.deviation));
+    RecordProperty("exponent_bound_" + at, std::to_string(bound.exponent));
+    RecordProperty("force_percent_" + at, std::to_string(100.0 * (felt / truth - 1.0)));
+    RecordProperty("force_bound_percent_" + at, std::to_string(100.0 * bound.force_share));
     EXPECT_TRUE(found.proposal.empty()) << found.proposal;
   }
+}
+
+TEST(IdentifyContact, LeavesOutAMassThatOneFrequencyDoesNotTellFromTheStiffness) {
+  Plant plant;
+  plant.is_held = true;
+  plant.exponent = 1.0;
+  plant.stiffness = 500.0;
+  plant.damping = 2.0;
+  Sensors sensors;
+  sensors.rate = 66.0;
+  const auto path = [](double t) { return 0.003 + 0.001 * std::sin(4.0 * std::numbers::pi * t); };
+  const Trial trial = run(plant, sensors, 4.0, 5011, path);
+  const ForceMotion series = trial.series();
+  const ContactFit fit = identify_contact(std::span(&series, 1)).mass_damper_spring;
+  EXPECT_FALSE(fit.mass.is_excited);
+  EXPECT_EQ(fit.mass.value, 0.0);
+  // 0.2 N on 0.7 mm rms, 264 samples: 18 N/m; with the mass, a hundred.
+  EXPECT_LT(fit.stiffness.deviation, 25.0);
+  EXPECT_NEAR(fit.stiffness.value, 500.0, 4.0 * fit.stiffness.deviation);
 }
 
 TEST(IdentifyContact, ChoosesTheLinearLawForALinearContact) {

@@ -257,21 +257,26 @@ Following follow_stiffness_step(EstimationMethod method, std::uint64_t seed) {
 }
 
 TEST(AdaptiveForgetting, FollowsAStiffnessStepAndIsQuietOtherwise) {
-  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+  double steady = 0.0, recovery = 0.0;
+  for (std::uint64_t seed = 5001; seed <= 5010; ++seed) {
     const Following adaptive = follow_stiffness_step(EstimationMethod::adaptive, seed);
-    RecordProperty("steady" + std::to_string(seed), std::to_string(adaptive.steady));
-    RecordProperty("recovery" + std::to_string(seed), std::to_string(adaptive.recovery));
-    EXPECT_LT(adaptive.steady, 0.02);
+    steady += adaptive.steady / 10.0;
+    recovery += adaptive.recovery / 10.0;
     EXPECT_LT(adaptive.recovery, 0.080);
-    EXPECT_LT(adaptive.least_forgetting, 0.9);   // the change was seen,
-    EXPECT_LT(adaptive.share_forgetting, 0.02);  // and noise, correlated by the filter, was not one
+    EXPECT_LT(adaptive.least_forgetting, 0.9);  // the change was seen,
+    // and noise, correlated by the filter, was not one: 950 samples at one in a million.
+    EXPECT_EQ(adaptive.share_forgetting, 0.0);
   }
+  RecordProperty("steady", std::to_string(steady));
+  RecordProperty("recovery", std::to_string(recovery));
+  EXPECT_LT(steady, 0.002);
+  EXPECT_LT(recovery, 0.040);
 }
 
 TEST(AdaptiveForgetting, BeatsTheOtherMethodsWhereTheyAreWeak) {
-  const Following adaptive = follow_stiffness_step(EstimationMethod::adaptive, 21);
-  const Following exponential = follow_stiffness_step(EstimationMethod::exponential, 21);
-  const Following block = follow_stiffness_step(EstimationMethod::block, 21);
+  const Following adaptive = follow_stiffness_step(EstimationMethod::adaptive, 5021);
+  const Following exponential = follow_stiffness_step(EstimationMethod::exponential, 5021);
+  const Following block = follow_stiffness_step(EstimationMethod::block, 5021);
   EXPECT_LT(adaptive.recovery, exponential.recovery);
   EXPECT_LT(adaptive.steady, block.steady);
 }

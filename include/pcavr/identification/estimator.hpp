@@ -22,10 +22,11 @@ struct EstimatorOptions {
   /// Typical magnitude of each regressor, in its own unit, > 0. It only conditions the arithmetic
   /// and gives `prior_information` its meaning.
   std::array<double, N> scale = ones();
-  int window = 30;                ///< samples of a block, >= N + 1
-  double forgetting = 0.98;       ///< exponential: in (0, 1]; the larger, the longer the memory
-  double least_forgetting = 0.8;  ///< adaptive: lambda_min right after a change, in (0, 1)
-  int error_window = 10;          ///< adaptive: samples the squared error is averaged over
+  int window = 30;           ///< samples of a block, >= N + 1
+  double forgetting = 0.98;  ///< exponential: in (0, 1]; the larger, the longer the memory
+  /// adaptive: in (0, 1); 1 / (1 - this) samples is the memory right after a change
+  double least_forgetting = 0.8;
+  int error_window = 10;  ///< adaptive: samples the squared error is averaged over
   /// Standard deviation of the measured value's noise. Empty: measured while running, from errors
   /// clipped at three deviations. Give it where the model may be wrong: a measured one takes the
   /// model's misfit for noise in the long run.
@@ -77,14 +78,15 @@ struct EstimatorStep {
 /// The adaptive law of lambda is the unity zone of [Park, Jun & Kim 1991, Fast tracking RLS
 /// algorithm using novel variable forgetting factor with unity zone]
 ///
-///     lambda = lambda_min + (1 - lambda_min) 2^(-round(rho e2)),   rho = 1 / (19 sigma^2)
+///     lambda = lambda_min + (1 - lambda_min) 2^(-round(rho e2)),   rho = 1 / (2 c sigma^2)
 ///
-/// but lambda_min is lowered to (L / samples)^(1/L) where the memory is so long that
-/// `least_forgetting` would not empty it down to L samples within the error window of L. Here e2 is
-/// the mean squared prediction error over that window, each divided by 1 + phi'P phi, so that not
-/// yet knowing is not taken for a change. Noise alone rounds to lambda = 1: a mean of ten white
-/// errors comes to 19/2 variances less than once in 1e13; noise that a filter made one sample of
-/// ten, some times in a thousand, and costs little.
+/// e2 is the mean squared prediction error over the error window, each divided by 1 + phi'P phi, so
+/// that not yet knowing is not taken for a change. c sigma^2 is what e2 reaches by noise once in a
+/// million samples, counted in independent ones (`correlated_samples`), and at least 19/2 sigma^2;
+/// below it lambda is exactly 1. lambda_min is `least_forgetting`, or less where the memory is
+/// longer than the 1 / (1 - least_forgetting) samples that it keeps: one clear change empties it
+/// down to those at once. Forgetting by `least_forgetting` alone lets hundreds of samples from
+/// before the change outweigh the few from after it.
 ///
 /// Units: the caller's. Threads: one writer. step() neither allocates nor throws.
 template <int N>
