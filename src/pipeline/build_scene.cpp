@@ -19,6 +19,7 @@
 #include "beside.hpp"
 #include "follow_objects.hpp"
 #include "scene_quality.hpp"
+#include "stated_scene.hpp"
 #include "survey.hpp"
 
 namespace pcavr {
@@ -29,14 +30,6 @@ constexpr std::size_t kLevelOfDetailTriangles[] = {300'000, 75'000, 20'000};
 /// The finest level may leave the surface by this share of a voxel, each further one by four times
 /// the one before.
 constexpr double kLevelOfDetailError = 0.5;
-
-Error no_images_error(const Recording& recording) {
-  return {.message = "the recording holds no frames",
-          .file = recording.folder.string(),
-          .mend =
-              "a scene needs colour and depth images: rgb.txt and depth.txt with at least one "
-              "pair within 20 ms"};
-}
 
 /// What the second pass gathers: the static scene, and how its bodies moved.
 class Fusion {
@@ -147,7 +140,14 @@ std::vector<StandingBody> standing_bodies(const std::vector<SceneObject>& object
 
 Expected<Scene> build_scene(const Recording& recording, const BuildOptions& options,
                             const Observer& observer) {
-  if (!recording.manifest.camera || recording.frames.empty()) return no_images_error(recording);
+  if (!recording.manifest.camera || recording.frames.empty()) {
+    Expected<Scene> stated =
+        stated_scene(recording, options.voxel_size, options.occupancy_resolution);
+    if (stated) {
+      observer.on_warning("no images: the scene holds what the manifest states, and no surfaces");
+    }
+    return stated;
+  }
   StageClock clock;
   const SurveyOptions survey_options{.depth_noise = options.depth_noise,
                                      .trust_poses = options.trust_poses,

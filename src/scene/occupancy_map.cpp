@@ -14,9 +14,6 @@
 namespace pcavr {
 namespace {
 
-/// What OctoMap's 16-bit keys can hold [cells from base].
-constexpr double kFarthestCell = 32000.0;
-
 /// The cell that holds a point, both in cells; for coordinates within twice kFarthestCell.
 Eigen::Vector3i cell_of(const Eigen::Vector3d& point) {
   // Above zero a cast rounds down, and costs less than std::floor.

@@ -18,6 +18,9 @@
 
 namespace pcavr {
 
+/// What OctoMap's 16-bit keys can hold [cells from base].
+inline constexpr double kFarthestCell = 32000.0;
+
 inline constexpr std::int16_t kUnknown = std::numeric_limits<std::int16_t>::min();
 
 /// 8^3 cells. Their values are log-odds in units of the map's own; >= 0 is occupied, as in OctoMap.

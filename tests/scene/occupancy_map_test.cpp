@@ -183,6 +183,19 @@ TEST(OccupancyMap, IsReadByOctomapCellByCell) {
   EXPECT_EQ(agreement.same, agreement.known);
 }
 
+TEST(OccupancyMap, OccupiesTheCellsThatASurfacePasses) {
+  OccupancyMap map({.resolution = 0.02});
+  TriangleMesh square;
+  square.vertices = {{-0.205F, -0.205F, 0.01F}, {0.205F, -0.205F, 0.01F}, {0.205F, 0.205F, 0.01F}};
+  square.triangles = {{0, 1, 2}};
+  map.occupy(square);
+  EXPECT_EQ(map.at({0.1, 0.0, 0.011}), Cell::occupied);
+  EXPECT_EQ(map.at({0.1, 0.0, 0.03}), Cell::unknown);
+  EXPECT_EQ(map.at({-0.1, 0.1, 0.011}), Cell::unknown);  // beyond the slanted edge
+  EXPECT_EQ(map.counts().free, 0U);
+  EXPECT_EQ(map.counts().occupied, 22U * 23U / 2U + 21U);  // 22 columns, and the diagonal's steps
+}
+
 TEST(OccupancyMap, SaysThatAFileCantBeWritten) {
   const auto written = OccupancyMap().write("/nowhere/at/all/occupancy.bt");
   ASSERT_FALSE(written);

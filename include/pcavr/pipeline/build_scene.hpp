@@ -27,8 +27,9 @@ struct BuildOptions {
   Parallelism parallelism = Parallelism::max();
 };
 
-/// From a recording to a scene in the robot's base frame: the whole chain. Fails where no frame
-/// can be placed in base, where a movable object has no CAD body, and where a frame does not
+/// From a recording to a scene in the robot's base frame: the whole chain. Without images it is
+/// what the manifest states: bodies at their poses. Fails where no frame can be placed in base,
+/// where a movable object has no CAD body (without images: no pose), and where a frame does not
 /// decode (unless skip_bad). Reads nothing under truth/.
 [[nodiscard]] Expected<Scene> build_scene(const Recording& recording, const BuildOptions& options,
                                           const Observer& observer = {});

@@ -50,6 +50,9 @@ class OccupancyMap {
   /// free: nothing was seen through them. Returns how many there were.
   std::size_t clear_unsupported(const TriangleMesh& static_mesh_base);
 
+  /// Marks the cells that a surface passes as occupied: what is known without having been seen.
+  void occupy(const TriangleMesh& mesh_base);
+
   enum class Cell { unknown, free, occupied };
   [[nodiscard]] Cell at(const Eigen::Vector3d& p_base) const;
 

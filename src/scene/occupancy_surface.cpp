@@ -39,32 +39,42 @@ void cover(const Triangle& triangle, double edge, const Visit& visit) {
 constexpr double kMargin = 0.5;       ///< from a cell to the surface that supports it [cells]
 constexpr double kPieceLength = 0.5;  ///< of a triangle's pieces [cells]
 
+/// Calls `visit` with every cell that a box [cells] touches.
+template <typename Visit>
+void for_each_cell(const Eigen::AlignedBox3d& box, const Visit& visit) {
+  const Eigen::Vector3i low = box.min().array().floor().cast<int>();
+  const Eigen::Vector3i high = box.max().array().floor().cast<int>();
+  for (int x = low.x(); x <= high.x(); ++x) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int z = low.z(); z <= high.z(); ++z) visit(Eigen::Vector3i(x, y, z));
+    }
+  }
+}
+
+/// Calls `visit` with small boxes [cells] that cover the mesh together.
+template <typename Visit>
+void cover_mesh(const TriangleMesh& mesh_base, double resolution, const Visit& visit) {
+  const auto corner = [&](std::uint32_t vertex) {
+    return Eigen::Vector3d(mesh_base.vertices[vertex].cast<double>() / resolution);
+  };
+  for (const auto& [a, b, c] : mesh_base.triangles) {
+    cover({corner(a), corner(b), corner(c)}, kPieceLength, visit);
+  }
+}
+
 }  // namespace
 
 std::size_t OccupancyMap::clear_unsupported(const TriangleMesh& static_mesh_base) {
   std::vector<BlockBits> is_supported(state_->blocks.size(), BlockBits{});
   const auto support = [&](const Eigen::AlignedBox3d& box) {
     const Eigen::Vector3d margin = Eigen::Vector3d::Constant(kMargin);
-    const Eigen::Vector3i low = (box.min() - margin).array().floor().cast<int>();
-    const Eigen::Vector3i high = (box.max() + margin).array().floor().cast<int>();
-    for (int x = low.x(); x <= high.x(); ++x) {
-      for (int y = low.y(); y <= high.y(); ++y) {
-        for (int z = low.z(); z <= high.z(); ++z) {
-          const auto place = state_->place_of({x, y, z});
-          if (place)
-            is_supported[place->block][place->index / 64] |= std::uint64_t{1}
-                                                             << (place->index % 64);
-        }
-      }
-    }
+    for_each_cell({box.min() - margin, box.max() + margin}, [&](const Eigen::Vector3i& cell) {
+      const auto place = state_->place_of(cell);
+      if (!place) return;
+      is_supported[place->block][place->index / 64] |= std::uint64_t{1} << (place->index % 64);
+    });
   };
-  const double cells_per_metre = 1.0 / state_->options.resolution;
-  const auto corner = [&](std::uint32_t vertex) {
-    return Eigen::Vector3d(static_mesh_base.vertices[vertex].cast<double>() * cells_per_metre);
-  };
-  for (const auto& [a, b, c] : static_mesh_base.triangles) {
-    cover({corner(a), corner(b), corner(c)}, kPieceLength, support);
-  }
+  cover_mesh(static_mesh_base, state_->options.resolution, support);
 
   std::size_t cleared = 0;
   for (std::size_t i = 0; i < state_->blocks.size(); ++i) {
@@ -77,6 +87,16 @@ std::size_t OccupancyMap::clear_unsupported(const TriangleMesh& static_mesh_base
     }
   }
   return cleared;
+}
+
+void OccupancyMap::occupy(const TriangleMesh& mesh_base) {
+  cover_mesh(mesh_base, state_->options.resolution, [&](const Eigen::AlignedBox3d& box) {
+    if (box.min().cwiseAbs().maxCoeff() > kFarthestCell) return;
+    for_each_cell(box, [&](const Eigen::Vector3i& cell) {
+      OccupancyBlock& block = state_->block_at(cell.unaryExpr([](int c) { return c >> 3; }));
+      block.values[state_->place_of(cell)->index] = static_cast<std::int16_t>(state_->clamp_high);
+    });
+  });
 }
 
 }  // namespace pcavr
