@@ -3,6 +3,8 @@
 #include "pcavr/simulation/simulate.hpp"
 
 #include <algorithm>
+#include <cstdio>
+#include <optional>
 
 #include "pcavr/core/output.hpp"
 
@@ -16,19 +18,48 @@ struct SimulateArguments {
   OutputOption output;
   std::uint64_t seed = 1;
   int threads = 1;
+  bool without_images = false;
+  bool without_mass = false;
+  SensorFaults faults;
+  double saturation = 0.0;
+  std::string lost;
 };
+
+/// "A:B", seconds.
+std::optional<SensorFaults::Gap> gap_of(const std::string& text) {
+  SensorFaults::Gap gap;
+  char more = 0;
+  const int read = std::sscanf(text.c_str(), "%lf:%lf%c", &gap.begin, &gap.end, &more);
+  if (read != 2 || !(gap.begin >= 0.0 && gap.end > gap.begin)) return std::nullopt;
+  return gap;
+}
+
+/// The case asked for, with what the options change in it.
+SimulationCase changed(SimulationCase simulation, const SimulateArguments& arguments) {
+  simulation.with_images = !arguments.without_images;
+  simulation.with_mass = !arguments.without_mass;
+  simulation.faults = arguments.faults;
+  if (arguments.saturation > 0.0) simulation.faults.saturation = arguments.saturation;
+  simulation.faults.lost_tracking = gap_of(arguments.lost);
+  return simulation;
+}
 
 Expected<CommandResult> run_simulation(const SimulateArguments& arguments,
                                        const Observer& observer) {
   const std::vector<SimulationCase>& cases = simulation_cases();
-  const auto chosen = std::find_if(cases.begin(), cases.end(), [&](const SimulationCase& known) {
-    return known.name == arguments.name;
+  const auto known = std::find_if(cases.begin(), cases.end(), [&](const SimulationCase& one) {
+    return one.name == arguments.name;
   });
+  const SimulationCase chosen = changed(*known, arguments);
+  if (!chosen.with_images && chosen.task == ToolTask::none) {
+    return Error{.message = "without images the case '" + chosen.name + "' records nothing",
+                 .mend = "leave out --no-images, or choose a case with a tool"};
+  }
   Expected<OutputFolder> folder =
       OutputFolder::create(arguments.output.folder, arguments.output.replace);
   if (!folder) return folder.error();
   const Expected<void> done =
-      simulate(*chosen, arguments.seed, folder->path(), {arguments.threads}, observer);
+      simulate(chosen, arguments.seed, folder->path(), {arguments.threads}, observer);
   if (!done) return done.error();
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
@@ -41,8 +72,8 @@ Expected<CommandResult> run_simulation(const SimulateArguments& arguments,
 }  // namespace
 
 void add_simulate(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("simulate", "Make a recording with exact truth by ray casting");
+  CLI::App* command = app.add_subcommand(
+      "simulate", "Make a recording with exact truth: ray-cast images, tool, force");
   std::string footer = "Cases:\n";
   std::vector<std::string> names;
   for (const SimulationCase& known : simulation_cases()) {
@@ -58,6 +89,22 @@ void add_simulate(CLI::App& app, Action& action) {
   add_output_option(*command, arguments->output, "Folder for the recording");
   command->add_option("--seed", arguments->seed, "The same seed gives the same bytes")
       ->capture_default_str();
+  command->add_flag("--no-images", arguments->without_images,
+                    "No frames: the objects' start is in the manifest, and tracked/ holds what a "
+                    "marker tracker would have found");
+  command->add_flag("--without-mass", arguments->without_mass, "No masses in the manifest");
+  command->add_option("--clock-offset", arguments->faults.clock_offset,
+                      "The wrench's stamps are late by this [s]");
+  command->add_flag("--flip-force", arguments->faults.is_force_flipped,
+                    "The wrench has the wrong sign");
+  command->add_option("--saturate", arguments->saturation, "The force sensor's end of range [N]")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--lose-tracking", arguments->lost,
+                   "With --no-images: no object is seen between these times, A:B [s]")
+      ->check([](const std::string& text) {
+        return gap_of(text) ? std::string() : "give two times in seconds, as 2.5:3.5";
+      });
   add_threads_option(*command, arguments->threads);
   command->callback([arguments, &action] {
     action = [arguments](const Observer& observer) { return run_simulation(*arguments, observer); };

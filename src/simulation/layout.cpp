@@ -9,12 +9,14 @@
 #include "pcavr/core/random.hpp"
 
 #include "simulation/clutter.hpp"
+#include "simulation/plant_bodies.hpp"
 
 namespace pcavr::simulation {
 namespace {
 
 constexpr const char* kFamily = "tag36h11";
 constexpr int kFirstObjectTag = 5;
+constexpr double kRoomToPush = 0.20;  ///< [m], before each body of a plant
 
 Material material_of(Texture texture, const Eigen::Vector3f& base, const Eigen::Vector3f& accent,
                      float scale, Random& random) {
@@ -78,11 +80,12 @@ Expected<void> add_base_tags(World& world, const SimulationCase& simulation, Ran
   if (simulation.base_tags >= 1) {
     // Before the boxes for a fixed camera; beside them for one that moves.
     const Eigen::Vector3d place =
-        simulation.with_moving_tool
+        simulation.task != ToolTask::none
             ? Eigen::Vector3d(random.uniform(0.93, 0.97), random.uniform(-0.05, 0.05), 0.0)
             : Eigen::Vector3d(random.uniform(0.70, 0.85), random.uniform(0.18, 0.32), 0.0);
-    const double yaw = simulation.with_moving_tool ? 0.5 * std::numbers::pi
-                                                   : random.uniform(0.0, 2.0 * std::numbers::pi);
+    const double yaw = simulation.task != ToolTask::none
+                           ? 0.5 * std::numbers::pi
+                           : random.uniform(0.0, 2.0 * std::numbers::pi);
     const auto added = add_decal(room, 0, 0.12, turned(place, yaw));
     if (!added) return added;
     occupancy.take(place.head<2>(), paper_radius(room.decals.back()));
@@ -117,34 +120,64 @@ Expected<Body> make_box(const std::string& name, const Eigen::Vector3d& half, in
   return body;
 }
 
-Expected<void> add_movable_box(World& world, const SimulationCase& simulation, int number,
+/// A block with a slot along its y, and a tag on its +x side: the top is too narrow for one.
+Expected<Body> make_slotted_block(const PlantBody& plant, Random& random) {
+  Body body{.name = plant.name, .surface = {}, .materials = {}, .decals = {}};
+  const Eigen::Vector3f tone = color_of_hue(random.uniform(), 0.45, 0.75);
+  body.materials.push_back(material_of(Texture::terrazzo, tone, 0.55F * tone, 0.03F, random));
+  const Eigen::Vector3d half = half_extents_of(plant);
+  const PlantCuboid& floor = plant.parts[0];
+  const PlantCuboid& wall = plant.parts[2];
+  add_slotted_block(body.surface, half, wall.centre.x() - wall.half_extents.x(),
+                    floor.centre.z() + floor.half_extents.z(), 0);
+  const double size = std::min(0.06, 0.72 * 2.0 * std::min(half.y(), half.z()));
+  const auto added = add_decal(body, kFirstObjectTag, size, facing_x({half.x(), 0.0, 0.0}));
+  if (!added) return added.error();
+  return body;
+}
+
+/// A box somewhere on the table, for a case without a tool.
+Expected<void> add_resting_box(World& world, const SimulationCase& simulation, int number,
                                Random& random, Occupancy& occupancy) {
   Box box;
-  const bool is_pushed = simulation.with_moving_tool;
   box.half_extents = {random.uniform(0.065, 0.085), random.uniform(0.065, 0.085),
                       random.uniform(0.045, 0.065)};
   box.mass = random.uniform(1.5, 3.5);
   const double radius = box.half_extents.head<2>().norm();
-  if (is_pushed) {
-    // One behind the other along y, with room for the tool before and the slide behind each.
-    const double y = simulation.movable_boxes == 1 ? -0.1 : -0.24 + 0.44 * number;
-    box.T_base_object = Pose::from_translation({0.62, y, box.half_extents.z()});
-    for (double along = -0.12; along <= kSlideDistance + 0.03; along += 0.02) {
-      occupancy.take({0.62, y + along}, radius);
-    }
-  } else {
-    const auto place = occupancy.find_room(radius, {0.50, -0.30}, {0.85, 0.12}, random);
-    if (!place) {
-      return Error{.message = "found no room on the table for box " + std::to_string(number + 1),
-                   .mend = "ask for fewer boxes, or take another seed"};
-    }
-    // Its tagged side looks towards the camera, more or less.
-    box.T_base_object =
-        turned({place->x(), place->y(), box.half_extents.z()}, random.uniform(-0.6, 0.6));
+  const auto place = occupancy.find_room(radius, {0.50, -0.30}, {0.85, 0.12}, random);
+  if (!place) {
+    return Error{.message = "found no room on the table for box " + std::to_string(number + 1),
+                 .mend = "ask for fewer boxes, or take another seed"};
   }
+  // Its tagged side looks towards the camera, more or less.
+  box.T_base_object =
+      turned({place->x(), place->y(), box.half_extents.z()}, random.uniform(-0.6, 0.6));
   const std::string name =
       simulation.movable_boxes == 1 ? "box" : "box_" + std::to_string(number + 1);
-  auto body = make_box(name, box.half_extents, number, !is_pushed, random);
+  auto body = make_box(name, box.half_extents, number, true, random);
+  if (!body) return body.error();
+  world.bodies.push_back(std::move(body).value());
+  world.boxes.push_back(box);
+  return {};
+}
+
+/// A body of the plant, where it starts, with room around it to be pushed.
+Expected<void> add_plant_body(World& world, const PlantBody& plant, int number, Random& random,
+                              Occupancy& occupancy) {
+  const Box box{.half_extents = half_extents_of(plant),
+                .mass = plant.parameters.mass,
+                .T_base_object = plant.T_base_object,
+                .is_movable = plant.is_movable};
+  const double radius = box.half_extents.head<2>().norm();
+  const Eigen::Vector2d start = box.T_base_object.translation().head<2>();
+  const Eigen::Vector2d onward =
+      (box.T_base_object.rotation() * Eigen::Vector3d::UnitY()).head<2>();
+  for (double along = -0.06; along <= kRoomToPush; along += 0.02) {
+    occupancy.take(start + along * onward, radius);
+  }
+  auto body = plant.parts.size() == 1
+                  ? make_box(plant.name, box.half_extents, number, false, random)
+                  : make_slotted_block(plant, random);
   if (!body) return body.error();
   world.bodies.push_back(std::move(body).value());
   world.boxes.push_back(box);
@@ -185,8 +218,8 @@ void add_lights(World& world, Random& random) {
 
 }  // namespace
 
-Expected<World> make_world(const SimulationCase& simulation, std::uint64_t seed,
-                           const Observer& observer) {
+Expected<World> make_world(const SimulationCase& simulation, const PlantCase& plant,
+                           std::uint64_t seed, const Observer& observer) {
   const Random root(seed);
   Random furniture = root.fork(1);
   Random boxes = root.fork(2);
@@ -197,20 +230,24 @@ Expected<World> make_world(const SimulationCase& simulation, std::uint64_t seed,
   add_furniture(world.bodies.front(), simulation.base_tags >= 2, furniture);
   Occupancy occupancy;
   Expected<void> added = add_base_tags(world, simulation, furniture, occupancy);
-  for (int i = 0; i < simulation.movable_boxes && added; ++i) {
-    added = add_movable_box(world, simulation, i, boxes, occupancy);
+  const bool has_task = simulation.task != ToolTask::none;
+  for (int i = 0; i < simulation.movable_boxes && !has_task && added; ++i) {
+    added = add_resting_box(world, simulation, i, boxes, occupancy);
+  }
+  for (std::size_t i = 0; i < plant.bodies.size() && added; ++i) {
+    added = add_plant_body(world, plant.bodies[i], static_cast<int>(i), boxes, occupancy);
   }
   if (!added) return added.error();
   // A fixed camera has to see past the clutter: keep it out of the strip before the boxes.
-  if (simulation.is_camera_fixed) occupancy.keep_out({0.55, -0.45}, {kTableFar, 0.45});
+  if (simulation.is_camera_fixed) occupancy.keep_out({0.55, -0.6}, {kTableFar, 0.6});
   const int placed = add_clutter(world.bodies.front(), simulation.clutter, clutter, occupancy);
   if (placed < simulation.clutter) {
     observer.on_warning("the table has room for " + std::to_string(placed) + " of " +
                         std::to_string(simulation.clutter) + " pieces of clutter");
   }
-  if (simulation.with_moving_tool) {
+  if (has_task) {
     world.has_tool = true;
-    world.tool_radius = 0.010;
+    world.tool_radius = plant.tool.radius;
     world.bodies.push_back(make_tool(world.tool_radius, furniture));
   }
   return world;

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/observer.hpp"
+#include "pcavr/simulation/plant.hpp"
 #include "pcavr/simulation/simulate.hpp"
 
 #include "simulation/world.hpp"
@@ -20,13 +22,10 @@ inline constexpr double kTableSide = 0.70;
 inline constexpr double kFloor = -0.72;
 inline constexpr double kWall = -0.50;  ///< the wall behind the table: x of its surface
 
-/// How far a tool slides each box [m].
-inline constexpr double kSlideDistance = 0.08;
-
-/// Sets the table: sizes, places, colours and textures by seed. Bodies do not overlap, nor does
-/// anything stand where boxes will be pushed. Clutter that finds no room is left out with a
-/// warning.
-[[nodiscard]] Expected<World> make_world(const SimulationCase& simulation, std::uint64_t seed,
-                                         const Observer& observer);
+/// Sets the table: sizes, places, colours and textures by seed. With a task the bodies are those of
+/// its plant. Bodies do not overlap, nor does anything stand where they will be pushed. Clutter
+/// that finds no room is left out with a warning.
+[[nodiscard]] Expected<World> make_world(const SimulationCase& simulation, const PlantCase& plant,
+                                         std::uint64_t seed, const Observer& observer);
 
 }  // namespace pcavr::simulation

@@ -3,11 +3,14 @@
 #include "simulation/recording_files.hpp"
 
 #include <cmath>
+#include <cstdio>
 #include <iomanip>
 #include <sstream>
+#include <string>
 
 #include "pcavr/core/output.hpp"
-#include "pcavr/core/random.hpp"
+#include "pcavr/recording/parameters_file.hpp"
+#include "pcavr/recording/recording.hpp"
 
 namespace pcavr::simulation {
 namespace fs = std::filesystem;
@@ -41,29 +44,29 @@ std::string format_ply(const TriangleMesh& mesh) {
 std::string format_phases(const Truth& truth) {
   std::ostringstream text;
   text << "t,object,phase\n" << std::fixed << std::setprecision(6);
-  for (const PhaseChange& change : truth.push.phases) {
-    text << change.t << ',' << truth.world.bodies[1 + change.box].name << ','
+  for (const PlantPhaseChange& change : truth.run.phases) {
+    text << change.t << ',' << truth.plant.bodies[change.body].name << ','
          << kPhaseNames[static_cast<int>(change.phase)] << '\n';
   }
   return std::move(text).str();
 }
 
-std::string format_parameters(const Truth& truth) {
-  std::ostringstream text;
-  text << std::setprecision(9);
-  for (std::size_t i = 0; i < truth.push.parameters.size(); ++i) {
-    const PushParameters& p = truth.push.parameters[i];
-    text << truth.world.bodies[1 + i].name << ":\n"
-         << "  mass: " << p.mass << '\n'
-         << "  limiting_static_friction: " << p.limiting_static_friction << '\n'
-         << "  sliding_friction_coefficient: " << p.sliding_friction_coefficient << '\n'
-         << "  viscous_friction: " << p.viscous_friction << '\n'
-         << "  contact:\n"
-         << "    stiffness: " << p.contact_stiffness << '\n'
-         << "    damping: " << p.contact_damping << '\n'
-         << "    exponent: " << p.contact_exponent << '\n';
+ParameterTable parameter_table(const std::vector<PlantBody>& bodies) {
+  ParameterTable table;
+  for (const PlantBody& body : bodies) {
+    const PlantParameters& p = body.parameters;
+    const auto known = [](double value) { return ParameterValue{.value = value}; };
+    table[body.name] = {.mass = known(p.mass),
+                        .limiting_static_friction = known(p.limiting_static_friction),
+                        .sliding_friction_coefficient = known(p.sliding_friction_coefficient),
+                        .viscous_friction = known(p.viscous_friction),
+                        .contact_stiffness = known(p.contact_stiffness),
+                        .contact_damping = known(p.contact_damping),
+                        .contact_exponent = known(p.contact_exponent),
+                        .friction_radius = known(friction_radius(body.patches)),
+                        .tool_friction_coefficient = known(p.tool_friction_coefficient)};
   }
-  return std::move(text).str();
+  return table;
 }
 
 Trajectory object_trajectory(const Truth& truth, std::size_t box) {
@@ -74,55 +77,44 @@ Trajectory object_trajectory(const Truth& truth, std::size_t box) {
     }
     return T_base_object;
   }
-  const auto count = static_cast<int>(std::ceil(truth.duration * 100.0));
+  const auto count = static_cast<int>(std::ceil(truth.run.duration() * 100.0));
   for (int i = 0; i <= count; ++i) {
     const Stamp stamp = Stamp::from_seconds(0.01 * i);
-    T_base_object.append(stamp, body_poses(truth.world, truth.push, stamp.seconds())[1 + box]);
+    T_base_object.append(
+        stamp, T_base_object_at(truth.run, truth.plant.bodies[box], box, stamp.seconds()));
   }
   return T_base_object;
 }
 
-Eigen::Vector3d normal_vector(Random& random) {
-  const double x = random.normal();
-  const double y = random.normal();
-  return {x, y, random.normal()};
-}
-
-Trajectory reported_tool(const Truth& truth, Random random) {
-  Trajectory T_base_tool;
-  for (std::size_t i = 0; i < truth.push.tip.size(); i += 2) {
-    const Stamp stamp = Stamp::from_seconds(PushRun::kStep * static_cast<double>(i));
-    Vector6d noise;
-    noise << 5e-5 * normal_vector(random), 2e-4 * normal_vector(random);
-    const Pose exact = body_poses(truth.world, truth.push, stamp.seconds()).back();
-    T_base_tool.append(stamp, exact * Pose::exp(noise));
+std::string format_tracking(const std::vector<SimulatedSighting>& sightings) {
+  std::string text = "t,evidence,tags,position_sigma,rotation_sigma,surface_rms,at_rest\n";
+  char row[160];
+  for (const SimulatedSighting& seen : sightings) {
+    const char* evidence = seen.is_seen ? "tags_and_shape" : "none";
+    // Two tags, and a surface that lies within a camera's noise of a millimetre.
+    std::snprintf(row, sizeof row, "%s,%s,%d,%.6f,%.6f,%.6f,%d\n", format_stamp(seen.stamp).c_str(),
+                  evidence, seen.is_seen ? 2 : 0, seen.position_sigma, seen.rotation_sigma,
+                  seen.is_seen ? 0.001 : 0.0, seen.is_at_rest ? 1 : 0);
+    text += row;
   }
-  return T_base_tool;
-}
-
-std::vector<WrenchSample> reported_wrench(const Truth& truth, Random random) {
-  constexpr double kBias = 0.1;    // [N], of the wandering bias
-  constexpr double kMemory = 3.0;  // [s], after which it has forgotten where it was
-  constexpr double kPeriod = 2.0 * PushRun::kStep;
-  constexpr double kSpikes = 1e-3;  // probability in a sample
-  const double keep = std::exp(-kPeriod / kMemory);
-  Eigen::Vector3d bias = kBias * normal_vector(random);
-  std::vector<WrenchSample> samples;
-  for (std::size_t i = 0; i + 1 < truth.push.force.size(); i += 2) {
-    const Stamp stamp = Stamp::from_seconds(PushRun::kStep * static_cast<double>(i + 1));
-    Eigen::Vector3d force(0.0, 0.5 * (truth.push.force[i] + truth.push.force[i + 1]), 0.0);
-    force += bias + normal_vector(random).cwiseProduct(Eigen::Vector3d(0.20, 0.20, 0.26));
-    if (random.uniform() < kSpikes) {
-      force += random.uniform(6.0, 35.0) * normal_vector(random).normalized();
-    }
-    bias = keep * bias + kBias * std::sqrt(1.0 - keep * keep) * normal_vector(random);
-    // The push goes through the tip's centre: no torque about it but noise.
-    samples.push_back({.stamp = stamp, .force = force, .torque = 0.005 * normal_vector(random)});
-  }
-  return samples;
+  return text;
 }
 
 }  // namespace
+
+std::vector<Pose> body_poses(const World& world, const PlantCase& plant, const PlantRun& run,
+                             double t) {
+  std::vector<Pose> poses{Pose()};
+  for (std::size_t i = 0; i < world.boxes.size(); ++i) {
+    poses.push_back(world.has_tool ? T_base_object_at(run, plant.bodies[i], i, t)
+                                   : world.boxes[i].T_base_object);
+  }
+  // The tool's z points down: a half turn about x.
+  if (world.has_tool) {
+    poses.emplace_back(Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), p_base_tip_at(run, t));
+  }
+  return poses;
+}
 
 Expected<void> write_truth(const fs::path& folder, const Truth& truth) {
   Trajectory T_base_camera;
@@ -130,7 +122,9 @@ Expected<void> write_truth(const fs::path& folder, const Truth& truth) {
     T_base_camera.append(stamp, truth.camera.T_base_camera(stamp.seconds()));
   }
   auto written = make_folder(folder / "truth" / "objects");
-  if (written) written = write_file(folder / "truth/camera.txt", format_trajectory(T_base_camera));
+  if (written && !T_base_camera.empty()) {
+    written = write_file(folder / "truth/camera.txt", format_trajectory(T_base_camera));
+  }
   for (std::size_t i = 0; i < truth.world.boxes.size() && written; ++i) {
     written = write_file(folder / "truth/objects" / (truth.world.bodies[1 + i].name + ".txt"),
                          format_trajectory(object_trajectory(truth, i)));
@@ -141,16 +135,30 @@ Expected<void> write_truth(const fs::path& folder, const Truth& truth) {
   }
   if (!written || !truth.world.has_tool) return written;
   written = write_file(folder / "truth/phase.csv", format_phases(truth));
-  if (written) written = write_file(folder / "truth/parameters.yaml", format_parameters(truth));
+  if (written) {
+    written = write_file(folder / "truth/parameters.yaml",
+                         format_parameters(parameter_table(truth.plant.bodies)));
+  }
   return written;
 }
 
-Expected<void> write_tool_streams(RecordingWriter& writer, const Truth& truth, std::uint64_t seed) {
-  if (!truth.world.has_tool) return {};
-  const Random root(seed);
-  const auto written = writer.write_tool(reported_tool(truth, root.fork(6)));
-  if (!written) return written;
-  return writer.write_wrench(reported_wrench(truth, root.fork(7)));
+Expected<void> write_tracking(const fs::path& folder, const Truth& truth, std::uint64_t seed,
+                              const SensorFaults& faults) {
+  for (std::size_t i = 0; i < truth.plant.bodies.size(); ++i) {
+    const PlantBody& body = truth.plant.bodies[i];
+    if (!body.is_movable) continue;
+    const auto sightings = simulated_tracking(truth.run, body, i, seed, faults);
+    Trajectory T_base_object;
+    for (const SimulatedSighting& seen : sightings) {
+      if (seen.is_seen) T_base_object.append(seen.stamp, seen.T_base_object);
+    }
+    const fs::path place = folder / "tracked" / "objects" / body.name;
+    auto written = make_folder(place);
+    if (written) written = write_file(place / "tracked.txt", format_trajectory(T_base_object));
+    if (written) written = write_file(place / "tracking.csv", format_tracking(sightings));
+    if (!written) return written;
+  }
+  return {};
 }
 
 }  // namespace pcavr::simulation

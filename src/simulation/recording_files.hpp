@@ -8,10 +8,10 @@
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/stamp.hpp"
-#include "pcavr/recording/recording_writer.hpp"
+#include "pcavr/simulation/plant_case.hpp"
+#include "pcavr/simulation/sensors.hpp"
 
 #include "simulation/camera_path.hpp"
-#include "simulation/push.hpp"
 #include "simulation/world.hpp"
 
 namespace pcavr::simulation {
@@ -20,18 +20,20 @@ namespace pcavr::simulation {
 struct Truth {
   const World& world;
   const CameraPath& camera;
-  const PushRun& push;
-  std::vector<Stamp> frames;
-  double duration = 0.0;  ///< [s]
+  const PlantCase& plant;
+  const PlantRun& run;        ///< empty without a task
+  std::vector<Stamp> frames;  ///< empty without images
 };
+
+/// Poses of all of the world's bodies at `t` [s]. Without a tool, all rest where they start.
+[[nodiscard]] std::vector<Pose> body_poses(const World& world, const PlantCase& plant,
+                                           const PlantRun& run, double t);
 
 /// Writes `truth/` as the recording format has it.
 [[nodiscard]] Expected<void> write_truth(const std::filesystem::path& folder, const Truth& truth);
 
-/// Writes tool.csv and wrench.csv as an arm and its force sensor would report them: at 500 Hz, the
-/// pose with 0.05 mm and 0.2 mrad of noise; the force as mean over 2 ms, stamped at their middle,
-/// with noise, a bias that wanders by some 0.1 N, and rare spikes of one sample.
-[[nodiscard]] Expected<void> write_tool_streams(RecordingWriter& writer, const Truth& truth,
-                                                std::uint64_t seed);
+/// Writes tracked/objects/NAME/tracked.txt and tracking.csv as a replay does.
+[[nodiscard]] Expected<void> write_tracking(const std::filesystem::path& folder, const Truth& truth,
+                                            std::uint64_t seed, const SensorFaults& faults);
 
 }  // namespace pcavr::simulation

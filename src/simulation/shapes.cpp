@@ -151,6 +151,33 @@ void add_box(Surface& surface, const Eigen::Vector3d& half_extents, const Pose& 
             T_body_shape, material);
 }
 
+void add_slotted_block(Surface& surface, const Eigen::Vector3d& half_extents, double half_slot,
+                       double floor, std::uint16_t material) {
+  const double a = half_extents.x();
+  const double h = half_extents.z();
+  const double s = half_slot;
+  PCAVR_REQUIRE(s > 0.0 && s < a && floor > -h && floor < h, s, floor);
+  // Its outline in x and z, counter-clockwise seen from -y.
+  const std::vector<Eigen::Vector2d> outline{{-a, -h},   {a, -h},     {a, h},  {s, h},
+                                             {s, floor}, {-s, floor}, {-s, h}, {-a, h}};
+  std::vector<Index> front;
+  std::vector<Index> back;
+  for (const Eigen::Vector2d& p : outline) {
+    front.push_back(add_vertex(surface, Pose(), {p.x(), -half_extents.y(), p.y()}));
+    back.push_back(add_vertex(surface, Pose(), {p.x(), half_extents.y(), p.y()}));
+  }
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const std::size_t j = (i + 1) % outline.size();
+    add_face(surface, {front[i], back[i], back[j], front[j]}, material);
+  }
+  // The ends: under the slot and one piece a wall, with the outline's corners alone.
+  for (const std::array<std::size_t, 4>& c :
+       {std::array<std::size_t, 4>{0, 1, 4, 5}, {1, 2, 3, 4}, {7, 0, 5, 6}}) {
+    add_face(surface, {front[c[0]], front[c[1]], front[c[2]], front[c[3]]}, material);
+    add_face(surface, {back[c[3]], back[c[2]], back[c[1]], back[c[0]]}, material);
+  }
+}
+
 std::vector<Eigen::Vector2d> cylinder_profile(double radius, double height) {
   return {{0.0, 0.0}, {radius, 0.0}, {radius, height}, {0.0, height}};
 }

@@ -38,6 +38,11 @@ void add_prism(Surface& surface, const std::vector<Eigen::Vector2d>& polygon, do
 void add_box(Surface& surface, const Eigen::Vector3d& half_extents, const Pose& T_body_shape,
              std::uint16_t material);
 
+/// Adds a cuboid centred at the origin with a slot along its y that is open above and at both ends:
+/// from -half_slot to half_slot [m] in x, and from `floor` [m] in z up.
+void add_slotted_block(Surface& surface, const Eigen::Vector3d& half_extents, double half_slot,
+                       double floor, std::uint16_t material);
+
 /// Profiles for add_revolution; they stand on z = 0.
 [[nodiscard]] std::vector<Eigen::Vector2d> cylinder_profile(double radius, double height);
 [[nodiscard]] std::vector<Eigen::Vector2d> sphere_profile(double radius);

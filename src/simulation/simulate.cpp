@@ -13,7 +13,6 @@
 #include "simulation/depth_sensor.hpp"
 #include "simulation/hashed_noise.hpp"
 #include "simulation/layout.hpp"
-#include "simulation/push.hpp"
 #include "simulation/recording_files.hpp"
 #include "simulation/renderer.hpp"
 
@@ -32,10 +31,7 @@ void check(const SimulationCase& simulation) {
   PCAVR_REQUIRE(simulation.movable_boxes >= 0 && simulation.clutter >= 0, simulation.movable_boxes,
                 simulation.clutter);
   PCAVR_REQUIRE(simulation.base_tags >= 0 && simulation.base_tags <= 2, simulation.base_tags);
-  PCAVR_REQUIRE(!simulation.with_moving_tool ||
-                    (simulation.movable_boxes >= 1 && simulation.movable_boxes <= 2 &&
-                     simulation.duration >= 3.0 * simulation.movable_boxes),
-                simulation.movable_boxes, simulation.duration);
+  PCAVR_REQUIRE(simulation.with_images || simulation.task != ToolTask::none);
 }
 
 /// A camera as wide as the first Kinect's (62 degrees).
@@ -51,11 +47,11 @@ CameraModel camera_of(const SimulationCase& simulation) {
 }
 
 /// At whole microseconds, as the lists have them, so that truth is exact at the stamps written.
-std::vector<Stamp> frame_stamps(const SimulationCase& simulation) {
+std::vector<Stamp> frame_stamps(double duration, double frame_rate) {
   std::vector<Stamp> stamps;
-  const auto count = std::max(1L, std::lround(simulation.duration * simulation.frame_rate));
+  const auto count = std::max(1L, std::lround(duration * frame_rate));
   for (long i = 0; i < count; ++i) {
-    const auto microseconds = std::llround(1e6 * static_cast<double>(i) / simulation.frame_rate);
+    const auto microseconds = std::llround(1e6 * static_cast<double>(i) / frame_rate);
     stamps.push_back({microseconds * 1000});
   }
   return stamps;
@@ -106,7 +102,7 @@ class FrameMaker {
  private:
   [[nodiscard]] Frame make(std::size_t index) const {
     const double t = truth_.frames[index].seconds();
-    const std::vector<Pose> poses = body_poses(truth_.world, truth_.push, t);
+    const std::vector<Pose> poses = body_poses(truth_.world, truth_.plant, truth_.run, t);
     const IdealFrame ideal = renderer_.render(truth_.camera.T_base_camera(t), poses);
     return {.color = expose(color_sensor_, ideal.radiance, hash(seed_, 100, index)),
             .depth = measure_depth(depth_sensor_, camera_, ideal, hash(seed_, 101, index))};
@@ -121,6 +117,33 @@ class FrameMaker {
   ColorSensor color_sensor_;
 };
 
+SimulationCase with_tool(const std::string& name, ToolTask task, const std::string& description) {
+  SimulationCase simulation;
+  simulation.name = name;
+  simulation.description = description;
+  simulation.task = task;
+  simulation.is_camera_fixed = true;
+  simulation.frame_rate = 12.0;
+  simulation.movable_boxes = 0;
+  simulation.clutter = 4;
+  return simulation;
+}
+
+Manifest manifest_for(const SimulationCase& simulation, const World& world) {
+  Manifest manifest = manifest_of(world);
+  if (simulation.with_images) {
+    manifest.camera = camera_of(simulation);
+    manifest.depth_scale = kDepthScale;
+  } else {
+    manifest.markers.clear();
+  }
+  for (std::size_t i = 0; i < manifest.objects.size(); ++i) {
+    if (!simulation.with_images) manifest.objects[i].T_base_object = world.boxes[i].T_base_object;
+    if (!simulation.with_mass) manifest.objects[i].mass.reset();
+  }
+  return manifest;
+}
+
 }  // namespace
 
 const std::vector<SimulationCase>& simulation_cases() {
@@ -129,22 +152,25 @@ const std::vector<SimulationCase>& simulation_cases() {
     tabletop.name = "tabletop";
     tabletop.description = "a hand-held camera around a table with clutter and a tagged box";
     tabletop.duration = 3.0;
-    SimulationCase push;
-    push.name = "push";
-    push.description = "a fixed camera; a tool pushes two tagged boxes until they slide and stop";
-    push.is_camera_fixed = true;
-    push.duration = 8.0;
-    push.frame_rate = 15.0;
-    push.movable_boxes = 2;
-    push.clutter = 5;
-    push.with_moving_tool = true;
     SimulationCase room;
     room.name = "room";
     room.description = "a hand-held camera in a corner of a room; two base tags, nothing movable";
     room.movable_boxes = 0;
     room.base_tags = 2;
     room.clutter = 10;
-    return std::vector<SimulationCase>{tabletop, push, room};
+    return std::vector<SimulationCase>{
+        tabletop,
+        room,
+        with_tool("push", ToolTask::push,
+                  "a tool pushes two tagged boxes in turn until they slide and stop"),
+        with_tool("probe", ToolTask::probe,
+                  "presses, ten pushes to breakaway and a modulated slide, for identification"),
+        with_tool("press", ToolTask::press,
+                  "presses along z at seven speeds, on each of two boxes"),
+        with_tool("slot", ToolTask::slot, "along both walls of the slot in a block"),
+        with_tool("turn", ToolTask::turn, "pushes beside the centre, which turn two boxes"),
+        with_tool("paper", ToolTask::paper,
+                  "a foam-faced and a rubber-faced box: each probed, then pushed")};
   }();
   return cases;
 }
@@ -153,27 +179,33 @@ Expected<void> simulate(const SimulationCase& simulation, std::uint64_t seed,
                         const std::filesystem::path& folder, Parallelism parallelism,
                         const Observer& observer) {
   check(simulation);
-  const auto world = make_world(simulation, seed, observer);
+  const PlantCase plant = make_plant_case(simulation.task, seed);
+  const bool has_task = simulation.task != ToolTask::none;
+  const PlantRun run = has_task ? run_plant(plant.bodies, plant.tool, plant.moves) : PlantRun();
+  const auto world = make_world(simulation, plant, seed, observer);
   if (!world) return world.error();
   const CameraPath camera(simulation, seed);
-  const PushRun push = simulate_push(*world, simulation.duration, seed);
-  const Truth truth{.world = *world,
-                    .camera = camera,
-                    .push = push,
-                    .frames = frame_stamps(simulation),
-                    .duration = simulation.duration};
-  Manifest manifest = manifest_of(*world);
-  manifest.camera = camera_of(simulation);
-  manifest.depth_scale = kDepthScale;
+  Truth truth{.world = *world, .camera = camera, .plant = plant, .run = run, .frames = {}};
+  if (simulation.with_images) {
+    truth.frames =
+        frame_stamps(has_task ? run.duration() : simulation.duration, simulation.frame_rate);
+  }
+  const Manifest manifest = manifest_for(simulation, *world);
   auto written = write_truth(folder, truth);
   if (!written) return written;
   RecordingWriter writer(folder, manifest);
   for (std::size_t i = 0; i < world->boxes.size() && written; ++i) {
     written = writer.write_object_mesh(manifest.objects[i].mesh, world->bodies[1 + i].surface.mesh);
   }
-  if (written) written = write_tool_streams(writer, truth, seed);
-  if (written) {
+  if (written && has_task) written = writer.write_tool(measured_tool(run, seed));
+  if (written && has_task) {
+    written = writer.write_wrench(measured_wrench(run, seed, simulation.faults));
+  }
+  if (written && simulation.with_images) {
     written = FrameMaker(simulation, seed, truth).write_all(writer, parallelism, observer);
+  }
+  if (written && !simulation.with_images) {
+    written = write_tracking(folder, truth, seed, simulation.faults);
   }
   if (!written) return written;
   return writer.finish();

@@ -21,7 +21,7 @@ Manifest manifest_of(const World& world) {
     manifest.objects.push_back({.name = name,
                                 .mesh = "objects/" + name + ".obj",
                                 .mass = world.boxes[i].mass,
-                                .is_movable = true});
+                                .is_movable = world.boxes[i].is_movable});
   }
   if (world.has_tool) manifest.tool_radius = world.tool_radius;
   return manifest;

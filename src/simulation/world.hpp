@@ -33,10 +33,12 @@ struct Body {
   std::vector<Decal> decals;
 };
 
+/// A body with a CAD model that may move: a box, or what fits into one.
 struct Box {
   Eigen::Vector3d half_extents;  ///< [m]
   double mass = 0.0;             ///< [kg]
   Pose T_base_object;            ///< where it starts
+  bool is_movable = true;
 };
 
 /// A point-like light with some size, which makes the edges of its shadows soft.

@@ -111,7 +111,7 @@ TEST(Layout, NothingStandsInAMovableBox) {
     SimulationCase simulation;
     simulation.movable_boxes = 2;
     simulation.clutter = 12;
-    const World world = make_world(simulation, seed, {}).value();
+    const World world = make_world(simulation, {}, seed, {}).value();
     for (const Box& box : world.boxes) {
       const Pose T_object_base = box.T_base_object.inverse();
       for (const Eigen::Vector3f& vertex : world.bodies[0].surface.mesh.vertices) {
@@ -125,7 +125,7 @@ TEST(Layout, NothingStandsInAMovableBox) {
 
 TEST(Layout, TagsFitTheFacesThatTheyAreOn) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const World world = make_world(SimulationCase{}, seed, {}).value();
+    const World world = make_world(SimulationCase{}, {}, seed, {}).value();
     for (const Decal& decal : world.bodies[1].decals) {
       const double paper = 0.5 * decal.size * (decal.picture.cells + 2.0) / decal.picture.cells;
       for (const double x : {-paper, paper}) {
@@ -146,14 +146,14 @@ TEST(Layout, ClutterWithoutRoomIsLeftOutWithAWarning) {
   std::string warning;
   Observer observer;
   observer.warn = [&](std::string_view line) { warning = line; };
-  ASSERT_TRUE(make_world(crowded, 1, observer));
+  ASSERT_TRUE(make_world(crowded, {}, 1, observer));
   EXPECT_NE(warning.find("of 500 pieces of clutter"), std::string::npos) << warning;
 }
 
 TEST(Layout, TooManyBoxesAreAnError) {
   SimulationCase crowded;
   crowded.movable_boxes = 40;
-  const auto world = make_world(crowded, 1, {});
+  const auto world = make_world(crowded, {}, 1, {});
   ASSERT_FALSE(world);
   EXPECT_NE(world.error().to_string().find("no room on the table"), std::string::npos);
 }

@@ -12,33 +12,41 @@
 #include "pcavr/core/observer.hpp"
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/simulation/plant_case.hpp"
+#include "pcavr/simulation/sensors.hpp"
 
 namespace pcavr {
 
-/// A made-up recording: a table with clutter, tags and boxes before a wall.
+/// A made-up recording: a table with clutter, tags and boxes before a wall, and perhaps a tool.
 struct SimulationCase {
   std::string name;
   std::string description;  ///< a line for --help
   bool is_camera_fixed = false;
-  double duration = 4.0;          ///< [s]; with a tool, at least 3 s a box
-  double frame_rate = 20.0;       ///< [Hz]
-  int movable_boxes = 1;          ///< with a tool: 1 or 2
-  int base_tags = 1;              ///< 0 to 2: on the table, and on the wall
-  int clutter = 8;                ///< cylinders, spheres, boxes, prisms, cups
-  bool with_moving_tool = false;  ///< a tool travels through the scene and pushes the boxes
-  int width = 640;                ///< [px]
+  ToolTask task = ToolTask::none;
+  double duration = 4.0;     ///< [s]; with a task, as long as that takes
+  double frame_rate = 20.0;  ///< [Hz]
+  int movable_boxes = 1;     ///< with a task, those that it takes
+  int base_tags = 1;         ///< 0 to 2: on the table, and on the wall
+  int clutter = 8;           ///< cylinders, spheres, boxes, prisms, cups
+  int width = 640;           ///< [px]
   int height = 480;
   std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3 of the lens
   /// First Kinect; it measures nothing nearer than 0.4 m or farther than 4 m.
   DepthNoise depth_noise = {.nearest = 0.4, .farthest = 4.0};
   double corner_blur = 0.55;  ///< of the colour image [px]
+  /// Without images there is no camera and no markers either; the manifest says where the objects
+  /// start, and tracked/objects/NAME/ holds what a marker tracker would have found, as a replay
+  /// writes it.
+  bool with_images = true;
+  bool with_mass = true;  ///< in the manifest
+  SensorFaults faults = {};
 };
 
 /// The cases that `pcavr simulate` knows.
 [[nodiscard]] const std::vector<SimulationCase>& simulation_cases();
 
-/// Ray-casts the case into a recording with exact `truth/` in a folder that exists. The same seed
-/// gives the same bytes at any number of threads.
+/// Makes a recording of the case with exact `truth/` in a folder that exists. The same seed gives
+/// the same bytes at any number of threads.
 [[nodiscard]] Expected<void> simulate(const SimulationCase& simulation, std::uint64_t seed,
                                       const std::filesystem::path& folder, Parallelism parallelism,
                                       const Observer& observer = {});

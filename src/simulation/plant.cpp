@@ -1,0 +1,329 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/simulation/plant.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pcavr/core/check.hpp"
+
+#include "simulation/plant_phases.hpp"
+#include "simulation/support.hpp"
+#include "simulation/tip_contact.hpp"
+#include "simulation/tool_plan.hpp"
+
+namespace pcavr {
+namespace {
+
+using namespace simulation;
+
+/// A body that nothing touches and that is slower than that rests until it is touched again [m/s].
+constexpr double kRestingSpeed = 1e-7;
+
+/// Of a servo drive: well damped, without overshoot to speak of.
+constexpr double kArmDampingRatio = 0.8;
+
+double yaw_of(const Pose& T_base_object) {
+  const Eigen::Vector3d x = T_base_object.rotation() * Eigen::Vector3d::UnitX();
+  return std::atan2(x.y(), x.x());
+}
+
+struct MassShape {
+  double inertia_over_mass = 0.0;  ///< about the vertical through the volume's centre [m^2]
+  double height = 0.0;             ///< of that centre above the lowest face [m]
+};
+
+MassShape mass_shape(const std::vector<PlantCuboid>& parts) {
+  double volume = 0.0;
+  double bottom = 1e9;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double square = 0.0;
+  for (const PlantCuboid& part : parts) {
+    const double v = 8.0 * part.half_extents.prod();
+    volume += v;
+    sum += v * part.centre;
+    square +=
+        v * (part.centre.head<2>().squaredNorm() + part.half_extents.head<2>().squaredNorm() / 3.0);
+    bottom = std::min(bottom, part.centre.z() - part.half_extents.z());
+  }
+  const Eigen::Vector3d centre = sum / volume;
+  return {square / volume - centre.head<2>().squaredNorm(), centre.z() - bottom};
+}
+
+/// One body that slides, turns and is touched.
+class Mover {
+ public:
+  Mover(const PlantBody& body, double tip_radius)
+      : support_(body),
+        contact_(body, tip_radius),
+        mass_(body.parameters.mass),
+        height_(body.T_base_object.translation().z()),
+        is_movable_(body.is_movable),
+        centre_(body.T_base_object.translation().head<2>()) {
+    const MassShape shape = mass_shape(body.parts);
+    inertia_ = mass_ * shape.inertia_over_mass;
+    centre_height_ = shape.height;
+    yaw_ = yaw_of(body.T_base_object);
+    centre_ += Eigen::Rotation2Dd(yaw_) * support_.centre_body();
+    limit_ = body.parameters.limiting_static_friction / (mass_ * kPlantGravity);
+  }
+
+  TipLoad advance(const Tip& tip, double dt) {
+    TipLoad load = contact_.advance(tip, motion(), dt);
+    touches_ = load.is_touched;
+    normal_ = std::max(0.0, mass_ * kPlantGravity - load.force.z());
+    if (!is_movable_) return load;
+    if (!load.is_touched && is_resting_) return load;
+    const Eigen::Vector2d inertial = mass_ * centre_height_ * acceleration_;
+    friction_ = support_.advance(
+        twist_, yaw_, {.down = normal_ - mass_ * kPlantGravity, .tipping = load.tipping - inertial},
+        dt);
+    acceleration_ = (load.force.head<2>() + friction_.head<2>()) / mass_;
+    twist_.head<2>() += dt * acceleration_;
+    twist_.z() += dt * (load.moment + friction_.z()) / inertia_;
+    centre_ += dt * twist_.head<2>();
+    yaw_ += dt * twist_.z();
+    is_resting_ = !load.is_touched && speed() < kRestingSpeed;
+    if (is_resting_) {
+      twist_.setZero();
+      acceleration_.setZero();
+      friction_.setZero();
+    }
+    return load;
+  }
+
+  [[nodiscard]] Pose pose() const {
+    const BodyMotion now = motion();
+    return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_, Eigen::Vector3d::UnitZ())), now.p_base};
+  }
+
+  [[nodiscard]] PlantBodyState state() const {
+    return {
+        .p_base = motion().p_base.head<2>(), .yaw = yaw_, .twist = twist_, .friction = friction_};
+  }
+
+  /// What its phase is told by.
+  [[nodiscard]] PhaseSigns signs() const {
+    const double radius = support_.radius();
+    const double force = std::hypot(friction_.head<2>().norm(), friction_.z() / radius);
+    return {.speed = speed(),
+            .is_touched = touches_,
+            .friction_share = normal_ > 0.0 ? force / (limit_ * normal_) : 1.0};
+  }
+
+ private:
+  [[nodiscard]] double speed() const {
+    return std::hypot(twist_.head<2>().norm(), support_.radius() * twist_.z());
+  }
+
+  [[nodiscard]] BodyMotion motion() const {
+    BodyMotion motion;
+    motion.R_base_body = Eigen::AngleAxisd(yaw_, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    const Eigen::Vector2d origin =
+        centre_ - motion.R_base_body.topLeftCorner<2, 2>() * support_.centre_body();
+    motion.p_base = {origin.x(), origin.y(), height_};
+    motion.centre_base = {centre_.x(), centre_.y(), height_};
+    motion.twist = twist_;
+    return motion;
+  }
+
+  Support support_;
+  TipContact contact_;
+  double mass_;
+  double inertia_ = 0.0;
+  double centre_height_ = 0.0;  ///< of the centre of mass above the support [m]
+  double height_;               ///< of the body's origin in base [m]
+  double limit_ = 0.0;          ///< static friction over normal force
+  bool is_movable_;
+  bool is_resting_ = true;
+  bool touches_ = false;
+  double normal_ = 0.0;  ///< force on the support [N]
+  Eigen::Vector2d centre_;
+  double yaw_ = 0.0;
+  Eigen::Vector3d twist_ = Eigen::Vector3d::Zero();
+  Eigen::Vector2d acceleration_ = Eigen::Vector2d::Zero();
+  Eigen::Vector3d friction_ = Eigen::Vector3d::Zero();
+};
+
+/// The arm with its tip: a mass on a damped spring whose other end follows the command.
+class Arm {
+ public:
+  explicit Arm(const PlantTool& tool)
+      : rate_(2.0 * std::numbers::pi * tool.bandwidth),
+        mass_(tool.stiffness / (rate_ * rate_)),
+        tip_{tool.p_base_start, Eigen::Vector3d::Zero()} {}
+
+  void advance(const ToolPlan& plan, const Eigen::Vector3d& load, double dt) {
+    const Eigen::Vector3d acceleration =
+        rate_ * rate_ * (plan.p_base() - tip_.p_base) +
+        2.0 * kArmDampingRatio * rate_ * (plan.v_base() - tip_.v_base) - load / mass_;
+    tip_.v_base += dt * acceleration;
+    tip_.p_base += dt * tip_.v_base;
+  }
+
+  [[nodiscard]] const Tip& tip() const { return tip_; }
+
+ private:
+  double rate_;  ///< [rad/s]
+  double mass_;  ///< [kg] felt at the tip
+  Tip tip_;
+};
+
+void check(const std::vector<PlantBody>& bodies, const PlantTool& tool,
+           const std::vector<ToolMove>& moves, const PlantOptions& options) {
+  for (const PlantBody& body : bodies) {
+    const PlantParameters& p = body.parameters;
+    PCAVR_REQUIRE(p.mass > 0.0 && p.limiting_static_friction > 0.0, p.mass,
+                  p.limiting_static_friction);
+    PCAVR_REQUIRE(p.sliding_friction_coefficient > 0.0 &&
+                      p.sliding_friction_coefficient * p.mass * kPlantGravity <=
+                          p.limiting_static_friction * (1.0 + 1e-9),
+                  p.sliding_friction_coefficient, p.limiting_static_friction);
+    PCAVR_REQUIRE(p.contact_stiffness > 0.0 && p.contact_exponent >= 1.0, p.contact_stiffness,
+                  p.contact_exponent);
+    PCAVR_REQUIRE(p.bristle_reach > 0.0 && p.stribeck_speed > 0.0, p.bristle_reach,
+                  p.stribeck_speed);
+    PCAVR_REQUIRE(!body.parts.empty() && body.patches.size() >= 3);
+  }
+  PCAVR_REQUIRE(tool.radius > 0.0 && tool.stiffness > 0.0 && tool.bandwidth > 0.0, tool.radius,
+                tool.stiffness, tool.bandwidth);
+  for (const ToolMove& move : moves) {
+    PCAVR_REQUIRE(move.speed > 0.0 && move.acceleration > 0.0, move.speed, move.acceleration);
+    PCAVR_REQUIRE(!move.body || *move.body < bodies.size());
+    PCAVR_REQUIRE(!move.until_moved || move.body);
+  }
+  PCAVR_REQUIRE(options.substeps >= 1 && options.tail >= 0.0, options.substeps, options.tail);
+}
+
+/// What the tip felt over a step.
+struct Felt {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();
+};
+
+class Plant {
+ public:
+  Plant(const std::vector<PlantBody>& bodies, const PlantTool& tool,
+        const std::vector<ToolMove>& moves, int substeps)
+      : plan_(moves, tool.p_base_start), arm_(tool), substeps_(substeps) {
+    for (const PlantBody& body : bodies) movers_.emplace_back(body, tool.radius);
+  }
+
+  /// One PlantRun::kStep; the mean of what the tip exerts.
+  Felt step() {
+    const double dt = PlantRun::kStep / substeps_;
+    Felt sum;
+    for (int i = 0; i < substeps_; ++i) {
+      const std::optional<std::size_t> watched = plan_.watched_body();
+      plan_.advance(watched ? movers_[*watched].pose() : Pose(), load_.norm(), dt);
+      load_.setZero();
+      for (Mover& mover : movers_) {
+        const TipLoad load = mover.advance(arm_.tip(), dt);
+        load_ += load.force;
+        sum.torque += load.tip_torque / substeps_;
+      }
+      sum.force += load_ / substeps_;
+      arm_.advance(plan_, load_, dt);
+    }
+    return sum;
+  }
+
+  [[nodiscard]] const ToolPlan& plan() const { return plan_; }
+  [[nodiscard]] const Eigen::Vector3d& p_base_tip() const { return arm_.tip().p_base; }
+  [[nodiscard]] const std::vector<Mover>& movers() const { return movers_; }
+
+ private:
+  ToolPlan plan_;
+  Arm arm_;
+  int substeps_;
+  std::vector<Mover> movers_;
+  Eigen::Vector3d load_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace
+
+std::vector<PlantPatch> even_patches(const Eigen::Vector2d& half_extents, int along) {
+  PCAVR_REQUIRE(along >= 2, along);
+  std::vector<PlantPatch> patches;
+  const auto at = [along](int i) { return (2.0 * i + 1.0) / along - 1.0; };
+  for (int i = 0; i < along; ++i) {
+    for (int k = 0; k < along; ++k) {
+      patches.push_back({.p_body = half_extents.cwiseProduct(Eigen::Vector2d(at(i), at(k))),
+                         .share = 1.0 / (along * along)});
+    }
+  }
+  return patches;
+}
+
+double friction_radius(const std::vector<PlantPatch>& patches) {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  for (const PlantPatch& patch : patches) centre += patch.share * patch.p_body;
+  double radius = 0.0;
+  for (const PlantPatch& patch : patches) radius += patch.share * (patch.p_body - centre).norm();
+  return radius;
+}
+
+double PlantRun::duration() const {
+  return p_base_tip.empty() ? 0.0 : kStep * static_cast<double>(p_base_tip.size() - 1);
+}
+
+PlantRun run_plant(const std::vector<PlantBody>& bodies, const PlantTool& tool,
+                   const std::vector<ToolMove>& moves, const PlantOptions& options) {
+  check(bodies, tool, moves, options);
+  Plant plant(bodies, tool, moves, options.substeps);
+  PlantRun run;
+  run.bodies.resize(bodies.size());
+  std::vector<PhaseLog> logs;
+  for (std::size_t i = 0; i < bodies.size(); ++i) logs.emplace_back(i);
+  const auto most = static_cast<std::size_t>(options.longest_duration / PlantRun::kStep);
+  auto tail = static_cast<std::size_t>(options.tail / PlantRun::kStep) + 1;
+  for (std::size_t step = 0; step <= most && tail > 0; ++step) {
+    const double t = PlantRun::kStep * static_cast<double>(step);
+    if (plant.plan().is_done()) --tail;
+    while (run.move_begins.size() <= plant.plan().current()) run.move_begins.push_back(t);
+    run.p_base_tip.push_back(plant.p_base_tip());
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      run.bodies[i].push_back(plant.movers()[i].state());
+      logs[i].add(t, plant.movers()[i].signs());
+    }
+    const Felt felt = plant.step();
+    run.force_base.push_back(felt.force);
+    run.torque_base.push_back(felt.torque);
+  }
+  run.phases = merged(logs);
+  return run;
+}
+
+namespace {
+
+struct Place {
+  std::size_t before = 0;
+  double fraction = 0.0;
+};
+
+Place place_at(const PlantRun& run, double t) {
+  const double last = static_cast<double>(run.p_base_tip.size() - 1);
+  const double place = std::clamp(t / PlantRun::kStep, 0.0, last);
+  const auto before = std::min(static_cast<std::size_t>(place), run.p_base_tip.size() - 2);
+  return {before, place - static_cast<double>(before)};
+}
+
+}  // namespace
+
+Pose T_base_object_at(const PlantRun& run, const PlantBody& body, std::size_t index, double t) {
+  const auto [before, fraction] = place_at(run, t);
+  const PlantBodyState& a = run.bodies[index][before];
+  const PlantBodyState& b = run.bodies[index][before + 1];
+  const Eigen::Vector2d p = a.p_base + fraction * (b.p_base - a.p_base);
+  const double yaw = a.yaw + fraction * (b.yaw - a.yaw);
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
+          {p.x(), p.y(), body.T_base_object.translation().z()}};
+}
+
+Eigen::Vector3d p_base_tip_at(const PlantRun& run, double t) {
+  const auto [before, fraction] = place_at(run, t);
+  return run.p_base_tip[before] + fraction * (run.p_base_tip[before + 1] - run.p_base_tip[before]);
+}
+
+}  // namespace pcavr

@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/plant_bodies.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pcavr/core/random.hpp"
+
+namespace pcavr::simulation {
+namespace {
+
+constexpr int kPatchesAlong = 7;
+constexpr double kLaneX = 0.62;               ///< [m]: the boxes stand one behind the other along
+constexpr double kLaneY[] = {-0.34, 0.26};    ///< base y, with room to be pushed
+constexpr double kLargestYaw = 0.25;          ///< [rad]
+constexpr double kLargestOffCentre = 0.0015;  ///< [m] of a centre of mass: uneven contents
+
+/// Uniform in the logarithm, so that small values are as likely as large ones.
+double drawn_between(double low, double high, Random& random) {
+  return low * std::pow(high / low, random.uniform());
+}
+
+/// Stiffness that gives `indentation` [m] under `force` [N].
+double stiffness_for(double force, double indentation, double exponent) {
+  return force / std::pow(indentation, exponent);
+}
+
+PlantParameters drawn_parameters(Random& random) {
+  PlantParameters p;
+  p.mass = drawn_between(0.8, 6.0, random);
+  const double coefficient = drawn_between(0.2, 1.1, random);
+  p.limiting_static_friction = coefficient * p.mass * kPlantGravity;
+  p.sliding_friction_coefficient = random.uniform(0.72, 0.96) * coefficient;
+  p.viscous_friction = drawn_between(2.0, 30.0, random);
+  p.contact_exponent = random.uniform(1.3, 1.7);
+  p.contact_stiffness = stiffness_for(p.limiting_static_friction,
+                                      drawn_between(0.0002, 0.002, random), p.contact_exponent);
+  p.contact_damping = drawn_between(0.5, 6.0, random) * p.contact_stiffness;
+  p.tool_friction_coefficient = random.uniform(0.15, 0.5);
+  p.stribeck_speed = drawn_between(0.0005, 0.004, random);
+  p.bristle_reach = drawn_between(4e-6, 1.5e-5, random);
+  return p;
+}
+
+/// Makes the pressure uneven, with its centre (where the centre of mass is) at `centre`.
+void make_uneven(std::vector<PlantPatch>& patches, double unevenness, const Eigen::Vector2d& centre,
+                 Random& random) {
+  double total = 0.0;
+  for (PlantPatch& patch : patches) {
+    patch.share *= 1.0 + unevenness * random.uniform(-1.0, 1.0);
+    total += patch.share;
+  }
+  for (PlantPatch& patch : patches) patch.share /= total;
+  // Twice a linear correction: the first one shifts the second moments that it was worked out with.
+  for (int round = 0; round < 3; ++round) {
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    Eigen::Vector2d square = Eigen::Vector2d::Zero();
+    for (const PlantPatch& patch : patches) mean += patch.share * patch.p_body;
+    for (const PlantPatch& patch : patches) {
+      square += patch.share * (patch.p_body - mean).cwiseAbs2();
+    }
+    const Eigen::Vector2d slope = (centre - mean).cwiseQuotient(square);
+    for (PlantPatch& patch : patches) patch.share *= 1.0 + slope.dot(patch.p_body - mean);
+  }
+}
+
+Pose standing(double x, double y, double half_height, double yaw) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
+          {x, y, half_height}};
+}
+
+PlantBody box(const std::string& name, const Eigen::Vector3d& half) {
+  PlantBody body;
+  body.name = name;
+  body.parts.push_back({.half_extents = half});
+  body.patches = even_patches(half.head<2>(), kPatchesAlong);
+  return body;
+}
+
+/// Where the box numbered `number` stands, by seed.
+Pose drawn_place(int number, double half_height, Random& random) {
+  const double x = kLaneX + random.uniform(-0.02, 0.02);
+  const double yaw = random.uniform(-kLargestYaw, kLargestYaw);
+  return standing(x, kLaneY[number], half_height, yaw);
+}
+
+}  // namespace
+
+std::vector<PlantBody> drawn_boxes(std::uint64_t seed) {
+  std::vector<PlantBody> bodies;
+  for (int number = 0; number < 2; ++number) {
+    Random random = Random(seed).fork(20 + static_cast<std::uint64_t>(number));
+    const Eigen::Vector3d half(random.uniform(0.05, 0.125), random.uniform(0.05, 0.125),
+                               random.uniform(0.05, 0.09));
+    PlantBody body = box("box_" + std::to_string(number + 1), half);
+    body.parameters = drawn_parameters(random);
+    const double unevenness = random.uniform() < 0.5 ? 0.0 : random.uniform(0.1, 0.6);
+    const Eigen::Vector2d centre =
+        kLargestOffCentre * Eigen::Vector2d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+    if (unevenness > 0.0) make_uneven(body.patches, unevenness, centre, random);
+    body.T_base_object = drawn_place(number, half.z(), random);
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
+
+std::vector<PlantBody> paper_boxes(std::uint64_t seed) {
+  const Eigen::Vector3d half(0.0875, 0.0875, 0.0625);
+  std::vector<PlantBody> bodies{box("fp_box", half), box("r_box", half)};
+  // Mass and limiting friction are the paper's; it names no others. Foam gives by some 0.6 mm
+  // before the box goes, rubber by 0.3 mm.
+  PlantParameters& foam = bodies[0].parameters;
+  foam.mass = 3.0;
+  foam.limiting_static_friction = 9.57;
+  foam.sliding_friction_coefficient = 0.87 * 9.57 / (3.0 * kPlantGravity);
+  foam.viscous_friction = 10.0;
+  foam.contact_stiffness = stiffness_for(9.57, 0.0006, 1.5);
+  foam.contact_damping = 4.0 * foam.contact_stiffness;
+  PlantParameters& rubber = bodies[1].parameters;
+  rubber.mass = 3.5;
+  rubber.limiting_static_friction = 40.62;
+  rubber.sliding_friction_coefficient = 0.85 * 40.62 / (3.5 * kPlantGravity);
+  rubber.viscous_friction = 25.0;
+  rubber.contact_stiffness = stiffness_for(40.62, 0.0003, 1.5);
+  rubber.contact_damping = 2.5 * rubber.contact_stiffness;
+  for (int number = 0; number < 2; ++number) {
+    Random random = Random(seed).fork(30 + static_cast<std::uint64_t>(number));
+    bodies[static_cast<std::size_t>(number)].T_base_object = drawn_place(number, half.z(), random);
+  }
+  return bodies;
+}
+
+PlantBody slotted_block(std::uint64_t seed, double tip_radius) {
+  Random random = Random(seed).fork(22);
+  PlantBody body;
+  body.name = "slot_block";
+  const double slot = tip_radius + random.uniform(0.001, 0.004);  // half its width
+  const double floor = random.uniform(0.02, 0.03);
+  const double wall = random.uniform(0.03, 0.045);
+  const Eigen::Vector3d half(slot + wall, random.uniform(0.06, 0.1), random.uniform(0.035, 0.05));
+  const double wall_middle = floor - half.z() + (half.z() - 0.5 * floor);
+  const Eigen::Vector3d wall_half(0.5 * wall, half.y(), half.z() - 0.5 * floor);
+  body.parts = {{.centre = {0.0, 0.0, 0.5 * floor - half.z()},
+                 .half_extents = {half.x(), half.y(), 0.5 * floor}},
+                {.centre = {-slot - 0.5 * wall, 0.0, wall_middle}, .half_extents = wall_half},
+                {.centre = {slot + 0.5 * wall, 0.0, wall_middle}, .half_extents = wall_half}};
+  body.parameters = drawn_parameters(random);
+  body.parameters.mass = random.uniform(6.0, 9.0);
+  // It has to hold against some 40 N of rubbing.
+  body.parameters.limiting_static_friction = 1.1 * body.parameters.mass * kPlantGravity;
+  body.parameters.sliding_friction_coefficient = 0.95;
+  body.parameters.contact_stiffness =
+      stiffness_for(40.0, drawn_between(0.0003, 0.0015, random), body.parameters.contact_exponent);
+  body.parameters.contact_damping =
+      drawn_between(0.5, 6.0, random) * body.parameters.contact_stiffness;
+  body.patches = even_patches(half.head<2>(), kPatchesAlong);
+  body.T_base_object = drawn_place(0, half.z(), random);
+  return body;
+}
+
+Eigen::Vector3d half_extents_of(const PlantBody& body) {
+  Eigen::Vector3d half = Eigen::Vector3d::Zero();
+  for (const PlantCuboid& part : body.parts) {
+    half = half.cwiseMax(part.centre.cwiseAbs() + part.half_extents);
+  }
+  return half;
+}
+
+}  // namespace pcavr::simulation

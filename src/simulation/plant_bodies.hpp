@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pcavr/simulation/plant.hpp"
+
+namespace pcavr::simulation {
+
+/// Two boxes on the table, drawn wide: 0.8 to 6 kg, friction 0.2 to 1.1, 0.2 to 2 mm of give.
+[[nodiscard]] std::vector<PlantBody> drawn_boxes(std::uint64_t seed);
+
+/// The foam-faced and the rubber-faced box of paper C.
+[[nodiscard]] std::vector<PlantBody> paper_boxes(std::uint64_t seed);
+
+/// A heavy block with a slot along its y, open above, a little wider than a tip of `tip_radius`.
+[[nodiscard]] PlantBody slotted_block(std::uint64_t seed, double tip_radius);
+
+/// Half the extents of all parts together [m]; bodies here are centred on their origin.
+[[nodiscard]] Eigen::Vector3d half_extents_of(const PlantBody& body);
+
+}  // namespace pcavr::simulation

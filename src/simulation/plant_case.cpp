@@ -1,0 +1,363 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/simulation/plant_case.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/core/random.hpp"
+
+#include "simulation/plant_bodies.hpp"
+
+namespace pcavr {
+namespace {
+
+using namespace simulation;
+
+constexpr double kStandOff = 0.025;          ///< between tip and face before an approach [m]
+constexpr double kNear = 0.001;              ///< and when it begins to load [m]
+constexpr double kHasGone = 5e-5;            ///< more than a box gives before it breaks away [m]
+constexpr double kLift = 0.22;               ///< clears the highest body from any height [m]
+constexpr double kTravelSpeed = 0.5;         ///< [m/s]
+constexpr double kTravelAcceleration = 2.5;  ///< [m/s^2]
+
+/// Where a box is pushed, in its own frame: a point on a face, and what points out of it.
+struct Spot {
+  Eigen::Vector3d point;
+  Eigen::Vector3d outward;
+};
+
+/// Strings moves together.
+class Program {
+ public:
+  Program(const std::vector<PlantBody>& bodies, const PlantTool& tool)
+      : bodies_(bodies), tool_(tool) {}
+
+  /// In the middle of the face towards -y, `aside` [m] along x; as low as the box needs not to tip.
+  [[nodiscard]] Spot behind(std::size_t body, double aside = 0.0) const {
+    const Eigen::Vector3d half = half_extents_of(bodies_[body]);
+    return {{aside, -half.y(), height(body, half.y())}, -Eigen::Vector3d::UnitY()};
+  }
+
+  /// In the face towards -x.
+  [[nodiscard]] Spot beside(std::size_t body, double aside) const {
+    const Eigen::Vector3d half = half_extents_of(bodies_[body]);
+    return {{-half.x(), aside, height(body, half.x())}, -Eigen::Vector3d::UnitX()};
+  }
+
+  void wait(double seconds) { moves_.back().dwell += seconds; }
+
+  void lift() {
+    add({.target = {0.0, 0.0, kLift},
+         .is_offset = true,
+         .speed = kTravelSpeed,
+         .acceleration = kTravelAcceleration});
+  }
+
+  /// Through the air to a place in the body's frame.
+  void travel(std::size_t body, const Eigen::Vector3d& p_body) {
+    Eigen::Vector3d above = p_body;
+    above.z() = kLift - bodies_[body].T_base_object.translation().z();
+    for (const Eigen::Vector3d& p : {above, p_body}) {
+      add({.body = body, .target = p, .speed = kTravelSpeed, .acceleration = kTravelAcceleration});
+    }
+  }
+
+  /// To a spot, `gap` [m] before it touches.
+  void approach(std::size_t body, const Spot& spot, double gap, double speed) {
+    add({.body = body,
+         .target = spot.point + (tool_.radius + gap) * spot.outward,
+         .speed = speed,
+         .acceleration = 1.0});
+  }
+
+  void go(const ToolMove& move) { add(move); }
+
+  void back_off(std::size_t body, const Spot& spot, double distance, double speed) {
+    add({.body = body,
+         .target = distance * spot.outward,
+         .is_offset = true,
+         .speed = speed,
+         .acceleration = 1.0});
+  }
+
+  /// On the way to breakaway the tip goes at this speed [m/s] so that it takes `seconds`.
+  [[nodiscard]] double loading_speed(std::size_t body, double seconds) const {
+    const PlantParameters& p = bodies_[body].parameters;
+    const double give =
+        std::pow(p.limiting_static_friction / p.contact_stiffness, 1.0 / p.contact_exponent) +
+        p.limiting_static_friction / tool_.stiffness;
+    return give / seconds;
+  }
+
+  [[nodiscard]] const PlantBody& body(std::size_t index) const { return bodies_[index]; }
+  [[nodiscard]] std::vector<ToolMove> take() { return std::move(moves_); }
+
+ private:
+  /// Of a push over the body's origin [m]: its middle, or lower where friction is high, so that the
+  /// pressure's centre stays well inside of the base.
+  [[nodiscard]] double height(std::size_t body, double half_along) const {
+    const PlantBody& b = bodies_[body];
+    const double half = half_extents_of(b).z();
+    const double steep =
+        b.parameters.limiting_static_friction / (b.parameters.mass * kPlantGravity);
+    return std::max(tool_.radius + 0.005, std::min(half, 0.6 * half_along / steep)) - half;
+  }
+
+  void add(const ToolMove& move) { moves_.push_back(move); }
+
+  const std::vector<PlantBody>& bodies_;
+  const PlantTool& tool_;
+  std::vector<ToolMove> moves_;
+};
+
+/// Down on the middle of the top, and up again.
+void press(Program& program, std::size_t body, double radius, double speed, double depth,
+           double most_force) {
+  constexpr double kAbove = 0.006;  // room to reach the speed
+  const Eigen::Vector3d top(0.0, 0.0, half_extents_of(program.body(body)).z() + radius);
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  program.go({.body = body, .target = top + kAbove * up, .speed = 0.1});
+  program.wait(0.15);
+  program.go({.body = body,
+              .target = top - depth * up,
+              .speed = speed,
+              .acceleration = 2.0,
+              .until_force = most_force,
+              .dwell = 0.25});
+  program.go({.body = body, .target = top + kAbove * up, .speed = speed});
+  program.wait(0.1);
+}
+
+/// Above the middle of the top, ready to press.
+void travel_above(Program& program, std::size_t body, double radius) {
+  const double top = half_extents_of(program.body(body)).z() + radius;
+  program.lift();
+  program.travel(body, {0.0, 0.0, top + 0.01});
+}
+
+void travel_behind(Program& program, std::size_t body, const Spot& spot, double radius) {
+  program.lift();
+  program.travel(body, spot.point + (radius + kStandOff) * spot.outward);
+}
+
+/// Touches, loads so that it takes `seconds` to breakaway, and is on the way when the box goes.
+void load_until_it_goes(Program& program, std::size_t body, const Spot& spot, double seconds) {
+  constexpr double kTouchSpeed = 0.005;  // [m/s]
+  const double touch = 0.15 * program.body(body).parameters.limiting_static_friction;
+  program.approach(body, spot, kNear, 0.06);
+  const auto go = [&](double speed) -> ToolMove {
+    return {.body = body,
+            .target = 0.05 * -spot.outward,
+            .is_offset = true,
+            .speed = speed,
+            .acceleration = 0.2,
+            .flows_on = true};
+  };
+  ToolMove move = go(kTouchSpeed);
+  move.until_force = touch;
+  program.go(move);
+  move = go(program.loading_speed(body, seconds));
+  move.until_moved = kHasGone;
+  program.go(move);
+}
+
+/// Loads slowly until the box goes, follows it for some way, and lets go.
+void break_away(Program& program, std::size_t body, const Spot& spot, double seconds,
+                double follow) {
+  load_until_it_goes(program, body, spot, seconds);
+  program.go({.body = body,
+              .target = follow * -spot.outward,
+              .is_offset = true,
+              .speed = 0.015,
+              .acceleration = 0.1,
+              .dwell = 0.15});
+  program.back_off(body, spot, 0.006, 0.05);
+  program.wait(0.1);
+}
+
+void slide_modulated(Program& program, std::size_t body, const Spot& spot, double distance) {
+  program.approach(body, spot, kNear, 0.06);
+  program.go({.body = body,
+              .target = distance * -spot.outward,
+              .is_offset = true,
+              .speed = 0.06,
+              .acceleration = 0.3,
+              .swing = 0.0035,
+              .swing_frequency = 2.0,
+              .dwell = 0.3});
+  program.back_off(body, spot, 0.02, 0.08);
+}
+
+/// The operator's push; by style straight on, with a stop in the middle, or slowing down.
+void push(Program& program, std::size_t body, const Spot& spot, int style, double distance,
+          double speed) {
+  const Eigen::Vector3d onward = -spot.outward;
+  load_until_it_goes(program, body, spot, 0.35);
+  const auto go = [&](double way, double swing) {
+    program.go({.body = body,
+                .target = way * onward,
+                .is_offset = true,
+                .speed = speed,
+                .acceleration = 0.15,
+                .swing = swing,
+                .swing_frequency = 0.8});
+  };
+  if (style == 1) {
+    go(0.45 * distance, 0.0);
+    program.wait(0.6);
+    go(0.55 * distance, 0.0);
+  } else {
+    // Down to a fifth of the speed and up again.
+    go(distance, style == 2 ? 0.8 * speed / (2.0 * std::numbers::pi * 0.8) : 0.0);
+  }
+  program.wait(0.35);
+  program.back_off(body, spot, 0.03, 0.1);
+}
+
+void program_push(Program& program, double radius, Random& random) {
+  for (std::size_t body = 0; body < 2; ++body) {
+    const Spot spot = program.behind(body);
+    const int style = static_cast<int>(random.below(3));
+    travel_behind(program, body, spot, radius);
+    push(program, body, spot, style, random.uniform(0.04, 0.08), random.uniform(0.02, 0.07));
+  }
+  program.lift();
+}
+
+double press_limit(const PlantBody& body) {
+  return std::clamp(1.5 * body.parameters.limiting_static_friction, 10.0, 40.0);
+}
+
+void program_probe(Program& program, double radius) {
+  for (std::size_t body = 0; body < 2; ++body) {
+    travel_above(program, body, radius);
+    for (const double speed : {0.005, 0.015, 0.04}) {
+      press(program, body, radius, speed, 0.006, press_limit(program.body(body)));
+    }
+    const Spot spot = program.behind(body);
+    travel_behind(program, body, spot, radius);
+    for (int i = 0; i < 10; ++i) break_away(program, body, spot, 1.0, 0.003);
+    slide_modulated(program, body, spot, 0.09);
+  }
+  program.lift();
+}
+
+void program_press(Program& program, double radius) {
+  for (std::size_t body = 0; body < 2; ++body) {
+    travel_above(program, body, radius);
+    for (const double speed : {0.005, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06}) {
+      press(program, body, radius, speed, 0.002, 60.0);
+    }
+  }
+  program.lift();
+}
+
+void program_turn(Program& program, double radius, Random& random) {
+  for (std::size_t body = 0; body < 2; ++body) {
+    const Eigen::Vector3d half = half_extents_of(program.body(body));
+    // First the one way round from behind, then the other way, then from the side.
+    const double places[] = {0.75, 0.45, 0.6, -0.7, -0.4, 0.25, 0.65, -0.55};
+    for (int i = 0; i < 8; ++i) {
+      const bool is_from_side = i >= 6;
+      const double along = is_from_side ? half.y() : half.x();
+      const double aside = (places[i] + random.uniform(-0.08, 0.08)) * along;
+      const Spot spot = is_from_side ? program.beside(body, aside) : program.behind(body, aside);
+      travel_behind(program, body, spot, radius);
+      program.approach(body, spot, 0.003, 0.08);
+      program.go({.body = body,
+                  .target = random.uniform(0.012, 0.022) * -spot.outward,
+                  .is_offset = true,
+                  .speed = random.uniform(0.008, 0.03),
+                  .acceleration = 0.1,
+                  .dwell = 0.2});
+      program.back_off(body, spot, 0.02, 0.1);
+    }
+  }
+  program.lift();
+}
+
+void program_slot(Program& program, const PlantBody& block, double radius) {
+  const double floor = block.parts[0].centre.z() + block.parts[0].half_extents.z();
+  const double half_slot = block.parts[2].centre.x() - block.parts[2].half_extents.x();
+  const double along = 0.6 * block.parts[2].half_extents.y();
+  const double depth = floor + radius + 0.012;
+  const double into = half_slot - radius + 0.0012;  // 1.2 mm beyond the first touch
+  const double top = block.parts[2].centre.z() + block.parts[2].half_extents.z();
+  program.lift();
+  program.travel(0, {0.0, -along, top + radius + 0.01});
+  const auto go = [&](double x, double y, double z, double speed) {
+    program.go({.body = 0, .target = {x, y, z}, .speed = speed, .acceleration = 0.5});
+    program.wait(0.1);
+  };
+  go(0.0, -along, depth, 0.05);
+  for (const double side : {1.0, -1.0}) {
+    go(side * into, -side * along, depth, 0.01);
+    go(side * into, side * along, depth, 0.03);
+    go(0.0, side * along, depth, 0.02);
+  }
+  go(0.0, 0.0, depth, 0.05);
+  go(0.0, 0.0, floor + radius - 0.001, 0.01);
+  program.lift();
+}
+
+void program_paper(Program& program, double radius) {
+  for (std::size_t body = 0; body < 2; ++body) {
+    travel_above(program, body, radius);
+    press(program, body, radius, 0.015, 0.006, press_limit(program.body(body)));
+    const Spot spot = program.behind(body);
+    travel_behind(program, body, spot, radius);
+    for (int i = 0; i < 3; ++i) break_away(program, body, spot, 0.7, 0.002);
+    slide_modulated(program, body, spot, 0.06);
+    push(program, body, spot, 0, 0.05, 0.06);
+  }
+  program.lift();
+}
+
+std::vector<PlantBody> bodies_of(ToolTask task, std::uint64_t seed, double tip_radius) {
+  if (task == ToolTask::none) return {};
+  if (task == ToolTask::slot) return {slotted_block(seed, tip_radius)};
+  return task == ToolTask::paper ? paper_boxes(seed) : drawn_boxes(seed);
+}
+
+}  // namespace
+
+PlantCase make_plant_case(ToolTask task, std::uint64_t seed) {
+  PlantCase made;
+  made.bodies = bodies_of(task, seed, made.tool.radius);
+  if (task == ToolTask::none) return made;
+  Random arm = Random(seed).fork(40);
+  made.tool.stiffness = arm.uniform(3e4, 1e5);
+  made.tool.bandwidth = arm.uniform(10.0, 20.0);
+  made.tool.p_base_start = {0.55, -0.55, kLift};
+  Random random = Random(seed).fork(41);
+  Program program(made.bodies, made.tool);
+  switch (task) {
+    case ToolTask::push:
+      program_push(program, made.tool.radius, random);
+      break;
+    case ToolTask::probe:
+      program_probe(program, made.tool.radius);
+      break;
+    case ToolTask::press:
+      program_press(program, made.tool.radius);
+      break;
+    case ToolTask::slot:
+      program_slot(program, made.bodies[0], made.tool.radius);
+      break;
+    case ToolTask::turn:
+      program_turn(program, made.tool.radius, random);
+      break;
+    case ToolTask::paper:
+      program_paper(program, made.tool.radius);
+      break;
+    case ToolTask::none:
+      break;
+  }
+  made.moves = program.take();
+  return made;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/simulation/plant.hpp"
+
+#include "simulation/bristles.hpp"
+
+namespace pcavr::simulation {
+
+/// What presses a body on its support, but for its weight. Base axes.
+struct SupportLoad {
+  double down = 0.0;  ///< [N]
+  /// Moment that tips the body, as the force's way [N m]: pushes the pressure forward along it.
+  Eigen::Vector2d tipping = Eigen::Vector2d::Zero();
+};
+
+/// The friction under one body: bristles on patches. A tipping load moves pressure from patch to
+/// patch, linearly as an even elastic bed would; patches can't pull.
+class Support {
+ public:
+  explicit Support(const PlantBody& body);
+
+  [[nodiscard]] const Eigen::Vector2d& centre_body() const { return centre_; }
+  [[nodiscard]] double radius() const { return radius_; }  ///< see friction_radius [m]
+
+  /// Advances the bristles by dt [s]; `twist` of the centre of mass [m/s, m/s, rad/s]. Returns
+  /// the wrench on the body, base axes [N, N, N m about the centre of mass].
+  [[nodiscard]] Eigen::Vector3d advance(const Eigen::Vector3d& twist, double yaw,
+                                        const SupportLoad& load, double dt);
+
+ private:
+  struct Patch {
+    Eigen::Vector2d r_body;  ///< from the centre of mass [m]
+    double share;
+    double pressure;                                 ///< [N] at present
+    Eigen::Vector2d bend = Eigen::Vector2d::Zero();  ///< base axes [m]
+  };
+
+  void distribute(double down, const Eigen::Vector2d& tipping_body);
+
+  BristleLaw law_;
+  double weight_ = 0.0;   ///< [N]
+  double viscous_ = 0.0;  ///< [N s/m]
+  double radius_ = 0.0;
+  double reach_ = 0.0;  ///< half the smaller side of the patches' rectangle [m]
+  Eigen::Vector2d centre_;
+  std::vector<Patch> patches_;
+};
+
+}  // namespace pcavr::simulation

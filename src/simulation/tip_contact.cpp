@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/tip_contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcavr::simulation {
+namespace {
+
+/// How far the tip's surface goes along with the body before it slips: a rubber tip's shear [m].
+constexpr double kTipReach = 5e-5;
+
+struct Nearest {
+  Eigen::Vector3d point;   ///< on the cuboid
+  Eigen::Vector3d normal;  ///< unit, from the cuboid towards the ball's centre
+  double distance;         ///< of the ball's centre, negative inside [m]
+};
+
+Nearest nearest_on(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p) {
+  if (!box.contains(p)) {
+    const Eigen::Vector3d point = p.cwiseMax(box.min()).cwiseMin(box.max());
+    const double distance = (p - point).norm();
+    return {point, (p - point) / std::max(distance, 1e-12), distance};
+  }
+  // Inside: out through the nearest face.
+  Nearest best{p, Eigen::Vector3d::UnitZ(), -1e9};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const bool is_upper : {false, true}) {
+      const double out = is_upper ? p[axis] - box.max()[axis] : box.min()[axis] - p[axis];
+      if (out <= best.distance) continue;
+      best = {p, Eigen::Vector3d::Unit(axis) * (is_upper ? 1.0 : -1.0), out};
+      best.point[axis] = is_upper ? box.max()[axis] : box.min()[axis];
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+TipContact::TipContact(const PlantBody& body, double tip_radius)
+    : parameters_(body.parameters), radius_(tip_radius), bottom_body_(1e9), reach_(0.0) {
+  const double coefficient = body.parameters.tool_friction_coefficient;
+  law_ = {
+      .static_coefficient = coefficient, .sliding_coefficient = coefficient, .reach = kTipReach};
+  if (coefficient > 0.0) law_.damping = bristle_damping(law_.stiffness(), kPlantGravity);
+  for (const PlantCuboid& part : body.parts) {
+    const Eigen::Vector3d low = part.centre - part.half_extents;
+    const Eigen::Vector3d high = part.centre + part.half_extents;
+    parts_.push_back({.box_body = Eigen::AlignedBox3d(low, high)});
+    bottom_body_ = std::min(bottom_body_, low.z());
+    reach_ = std::max(reach_, low.cwiseAbs().cwiseMax(high.cwiseAbs()).norm());
+  }
+}
+
+TipLoad TipContact::advance(const Tip& tip, const BodyMotion& body, double dt) {
+  TipLoad load;
+  if ((tip.p_base - body.p_base).norm() > reach_ + radius_) {
+    for (Part& part : parts_) part.bend.setZero();
+    return load;
+  }
+  for (Part& part : parts_) add(part, tip, body, dt, load);
+  return load;
+}
+
+void TipContact::add(Part& part, const Tip& tip, const BodyMotion& body, double dt,
+                     TipLoad& load) const {
+  const Eigen::Vector3d p_body = body.R_base_body.transpose() * (tip.p_base - body.p_base);
+  const Nearest nearest = nearest_on(part.box_body, p_body);
+  const double depth = radius_ - nearest.distance;
+  if (depth <= 0.0) {
+    part.bend.setZero();
+    return;
+  }
+  const Eigen::Vector3d normal = body.R_base_body * nearest.normal;
+  const Eigen::Vector3d point = body.p_base + body.R_base_body * nearest.point;
+  const Eigen::Vector3d r = point - body.centre_base;
+  const Eigen::Vector3d v_body(body.twist.x() - body.twist.z() * r.y(),
+                               body.twist.y() + body.twist.z() * r.x(), 0.0);
+  const Eigen::Vector3d velocity = tip.v_base - v_body;
+  const double approach = -velocity.dot(normal);
+  const double power = std::pow(depth, parameters_.contact_exponent);
+  const double pressing = std::max(
+      0.0, power * (parameters_.contact_stiffness + parameters_.contact_damping * approach));
+  Eigen::Vector3d force = -pressing * normal;
+  if (parameters_.tool_friction_coefficient > 0.0) {
+    part.bend -= part.bend.dot(normal) * normal;
+    const Eigen::Vector3d along = velocity + approach * normal;
+    force += pressing * advance_bristles<3>(law_, along, dt, part.bend);
+  }
+  load.is_touched = true;
+  load.force += force;
+  load.tip_torque += (point - tip.p_base).cross(force);
+  load.moment += r.x() * force.y() - r.y() * force.x();
+  const double height = nearest.point.z() - bottom_body_;
+  load.tipping += height * force.head<2>() - force.z() * r.head<2>();
+}
+
+}  // namespace pcavr::simulation

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/geometry/pose.hpp"
+#include "pcavr/simulation/plant.hpp"
+
+namespace pcavr::simulation {
+
+/// Plays the moves of a tool, each worked out from where the bodies are when it begins.
+class ToolPlan {
+ public:
+  ToolPlan(const std::vector<ToolMove>& moves, const Eigen::Vector3d& p_base_start)
+      : moves_(moves), p_base_(p_base_start) {}
+
+  [[nodiscard]] bool is_done() const { return current_ == moves_.size(); }
+  /// Index of the move that is being made.
+  [[nodiscard]] std::size_t current() const { return current_; }
+  [[nodiscard]] std::optional<std::size_t> watched_body() const {
+    return is_done() ? std::nullopt : moves_[current_].body;
+  }
+
+  /// The command dt [s] later. `T_base_body` is the watched body's pose now, `force` [N] that of
+  /// the tip.
+  void advance(const Pose& T_base_body, double force, double dt);
+
+  [[nodiscard]] const Eigen::Vector3d& p_base() const { return p_base_; }
+  [[nodiscard]] const Eigen::Vector3d& v_base() const { return v_base_; }
+
+ private:
+  void begin(const Pose& T_base_body);
+  [[nodiscard]] bool shall_stop(const Pose& T_base_body, double force) const;
+
+  const std::vector<ToolMove>& moves_;
+  Eigen::Vector3d p_base_;
+  Eigen::Vector3d v_base_ = Eigen::Vector3d::Zero();
+  std::size_t current_ = 0;
+  bool has_begun_ = false;
+  bool is_stopping_ = false;
+  Eigen::Vector3d start_;
+  Eigen::Vector3d direction_;
+  Eigen::Vector3d body_at_start_;
+  double length_ = 0.0;  ///< [m]
+  double way_ = 0.0;     ///< without the swing [m]
+  double speed_ = 0.0;   ///< without the swing [m/s]
+  double time_ = 0.0;    ///< since the move began [s]
+  double rested_ = 0.0;  ///< since it ended [s]
+};
+
+}  // namespace pcavr::simulation
