@@ -9,6 +9,8 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/identification/signals.hpp"
 
+#include "identification/touch.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -31,11 +33,7 @@ struct Line {
 };
 
 /// A push, smoothed, and what its noise is.
-struct SmoothPush {
-  std::span<const double> t;
-  std::vector<double> raw_force;  ///< despiked
-  std::vector<SmoothedSample> tool;
-  std::vector<SmoothedSample> force;
+struct SmoothPush : TouchSignals {
   double half_width = 0.0;
   double interval = 0.0;
   double noise = 0.0;         ///< [N] of the raw force
@@ -48,10 +46,10 @@ SmoothPush smooth_push(const ForceMotion& push, const BreakawayOptions& options)
   const std::size_t count = push.t.size();
   result.interval = (push.t.back() - push.t.front()) / static_cast<double>(count - 1);
   result.half_width = std::max(options.half_width, 3.0 * result.interval);
-  result.raw_force = remove_spikes(push.force).values;
+  result.force = remove_spikes(push.force).values;
   result.tool = smooth(push.t, push.tool, push.t, result.half_width);
-  result.force = smooth(push.t, result.raw_force, push.t, result.half_width);
-  result.noise = noise_deviation(result.raw_force);
+  result.soft_force = smooth(push.t, result.force, push.t, result.half_width);
+  result.noise = noise_deviation(result.force);
   result.smooth_noise =
       result.noise / std::sqrt(correlated_samples(result.half_width, result.interval));
   return result;
@@ -60,10 +58,17 @@ SmoothPush smooth_push(const ForceMotion& push, const BreakawayOptions& options)
 std::size_t find_contact(const SmoothPush& push, double threshold) {
   int touching = 0;
   for (std::size_t i = 0; i < push.t.size(); ++i) {
-    touching = push.force[i].is_valid && push.force[i].value > threshold ? touching + 1 : 0;
+    touching =
+        push.soft_force[i].is_valid && push.soft_force[i].value > threshold ? touching + 1 : 0;
     if (touching == kInARow) return i + 1 - kInARow;
   }
   return push.t.size();
+}
+
+std::size_t highest(const SmoothPush& push) {
+  const auto at = std::max_element(push.soft_force.begin(), push.soft_force.end(),
+                                   [](const auto& a, const auto& b) { return a.value < b.value; });
+  return static_cast<std::size_t>(std::distance(push.soft_force.begin(), at));
 }
 
 struct Alarm {
@@ -77,13 +82,13 @@ Alarm find_alarm(const SmoothPush& push, std::size_t contact, const BreakawayOpt
   Line line;
   int short_of = 0;
   std::size_t oldest = contact;
-  for (std::size_t i = contact; i < push.t.size() && push.force[i].is_valid; ++i) {
+  for (std::size_t i = contact; i < push.t.size() && push.soft_force[i].is_valid; ++i) {
     for (; push.t[oldest] < push.t[i] - options.guard; ++oldest) {
-      line.add(push.tool[oldest].value - push.tool[contact].value, push.force[oldest].value);
+      line.add(push.tool[oldest].value - push.tool[contact].value, push.soft_force[oldest].value);
     }
     if (line.count < kLeastLineSamples || line.spread() <= 0.0) continue;
     const double predicted = line.at(push.tool[i].value - push.tool[contact].value);
-    const double shortfall = predicted - push.force[i].value;
+    const double shortfall = predicted - push.soft_force[i].value;
     const bool is_short = shortfall > options.alarm_deviations * push.smooth_noise &&
                           shortfall > options.alarm_share * predicted;
     short_of = is_short ? short_of + 1 : 0;
@@ -103,9 +108,9 @@ struct Peak {
 Peak follow(const SmoothPush& push, std::size_t contact, const Alarm& alarm,
             const BreakawayOptions& options) {
   Peak peak{contact, alarm.at, false};
-  for (std::size_t i = contact; i < push.t.size() && push.force[i].is_valid; ++i) {
-    const double force = push.force[i].value;
-    const double highest = push.force[peak.at].value;
+  for (std::size_t i = contact; i < push.t.size() && push.soft_force[i].is_valid; ++i) {
+    const double force = push.soft_force[i].value;
+    const double highest = push.soft_force[peak.at].value;
     if (force > highest) peak.at = i;
     if (i < alarm.at) continue;
     peak.decided = i;
@@ -115,7 +120,7 @@ Peak follow(const SmoothPush& push, std::size_t contact, const Alarm& alarm,
     const double advance = push.tool[i].value - push.tool[before].value;
     const double expected = std::abs(alarm.line.slope()) * std::abs(advance);
     const bool is_flat = push.t[i] - push.t[before] >= options.flat_time &&
-                         force - push.force[before].value < kFlatShare * expected;
+                         force - push.soft_force[before].value < kFlatShare * expected;
     peak.is_over = has_dropped || is_flat;
     if (peak.is_over) return peak;
   }
@@ -139,7 +144,7 @@ Breakaway find_breakaway(const ForceMotion& push, const BreakawayOptions& option
     found.reason = "no contact: the force never leaves the noise";
     return found;
   }
-  found.t_contact = push.t[contact];
+  found.t_contact = touch_instant(smooth, 0, contact, std::max(contact, highest(smooth)));
   const Alarm alarm = find_alarm(smooth, contact, options);
   if (alarm.at == push.t.size()) {
     found.reason = "the force follows the line to the end: the object did not give way";
@@ -152,15 +157,16 @@ Breakaway find_breakaway(const ForceMotion& push, const BreakawayOptions& option
     found.reason = "the force still rises where the push ends";
     return found;
   }
+  found.t_contact = touch_instant(smooth, 0, contact, peak.at);
   found.t_decided = push.t[peak.decided] + smooth.half_width;
   found.t = push.t[peak.at];
-  found.force = smooth.force[peak.at].value;
+  found.force = smooth.soft_force[peak.at].value;
   found.deviation = smooth.smooth_noise;
   found.stiffness = alarm.line.slope();
   found.tool_at_contact = smooth.tool[contact].value + alarm.line.d / alarm.line.count -
                           alarm.line.f / alarm.line.count / found.stiffness;
-  const double rise = found.t - found.t_contact;
-  if (rise > 0.0) found.loading_rate = (found.force - smooth.force[contact].value) / rise;
+  const double rise = found.t - push.t[contact];
+  if (rise > 0.0) found.loading_rate = (found.force - smooth.soft_force[contact].value) / rise;
   return found;
 }
 

@@ -11,11 +11,15 @@
 #include "pcavr/identification/signals.hpp"
 
 #include "identification/derivative_noise.hpp"
+#include "identification/touch.hpp"
 
 namespace pcavr {
 namespace {
 
 using Vectors = std::vector<Eigen::Vector3d>;
+
+// [s] of free time beside a contact that the fit of its touch sees.
+constexpr double kFreeTime = 0.6;
 
 struct Range {
   std::size_t begin = 0;
@@ -141,27 +145,75 @@ std::vector<SlideInterval> find_slides(const ContactEpisode& episode,
   return slides;
 }
 
-ContactEpisode describe(std::span<const double> t, const Range& range, const Vectors& force,
-                        const std::vector<double>& size, std::span<const double> t_tool,
-                        std::span<const Eigen::Vector3d> p_base_tip,
+/// The recording as contacts are looked for in it.
+struct Cleaned {
+  std::span<const double> t;
+  const Vectors& force;             ///< [N] base
+  const std::vector<double>& size;  ///< [N] of the smoothed force
+  std::span<const double> t_tool;
+  std::span<const Eigen::Vector3d> p_base_tip;
+  double half_width;  ///< [s] of the smoothing
+  double enter;       ///< [N] a force above is contact
+};
+
+/// Tool and force along `direction` at the force's stamps in [from, to].
+struct Along {
+  std::vector<double> t, tool, force;
+
+  Along(const Cleaned& all, const Eigen::Vector3d& direction, double from, double to) {
+    for (std::size_t i = 0; i < all.t.size(); ++i) {
+      if (all.t[i] < from || all.t[i] > to) continue;
+      if (all.t[i] < all.t_tool.front() || all.t[i] > all.t_tool.back()) continue;
+      t.push_back(all.t[i]);
+      tool.push_back(tip_at(all.t_tool, all.p_base_tip, all.t[i]).dot(direction));
+      force.push_back(all.force[i].dot(direction));
+    }
+  }
+};
+
+/// Carries begin and end back to where the tool met and left the surface. The fits may look at the
+/// free time up to the neighbouring contacts.
+void carry_back(const Cleaned& all, double free_from, double free_to, ContactEpisode& episode) {
+  const Along along(all, episode.direction_base, std::max(free_from, episode.begin - kFreeTime),
+                    std::min(free_to, episode.end + kFreeTime));
+  const std::size_t count = along.t.size();
+  if (count == 0) return;
+  const TouchSignals signals{along.t, along.force,
+                             smooth(along.t, along.tool, along.t, all.half_width),
+                             smooth(along.t, along.force, along.t, all.half_width)};
+  std::size_t first = count, last = 0, peak = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const SmoothedSample& force = signals.soft_force[i];
+    if (!force.is_valid || along.t[i] < episode.begin || along.t[i] > episode.end) continue;
+    if (force.value > all.enter) {
+      first = std::min(first, i);
+      last = i;
+    }
+    if (force.value > signals.soft_force[peak].value) peak = i;
+  }
+  if (first >= last) return;
+  episode.begin = std::min(episode.begin, touch_instant(signals, 0, first, peak));
+  episode.end = std::max(episode.end, parting_instant(signals, peak, last, count - 1));
+}
+
+ContactEpisode describe(const Cleaned& all, const Range& range, double free_from, double free_to,
                         const SegmentationOptions& options) {
   ContactEpisode episode;
-  episode.begin = t[range.begin];
-  episode.end = t[range.end - 1];
+  episode.begin = all.t[range.begin];
+  episode.end = all.t[range.end - 1];
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t i = range.begin; i < range.end; ++i) {
-    sum += force[i];
-    episode.peak_force = std::max(episode.peak_force, size[i]);
+    sum += all.force[i];
+    episode.peak_force = std::max(episode.peak_force, all.size[i]);
   }
   episode.direction_base = sum.normalized();
   const bool is_press = std::abs(sum.z()) > sum.head<2>().norm();
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    if (t[i] < episode.begin - options.margin || t[i] > episode.end + options.margin) continue;
-    if (t[i] < t_tool.front() || t[i] > t_tool.back()) continue;
-    episode.t.push_back(t[i]);
-    episode.tool.push_back(tip_at(t_tool, p_base_tip, t[i]).dot(episode.direction_base));
-    episode.force.push_back(force[i].dot(episode.direction_base));
-  }
+  Along along(all, episode.direction_base, episode.begin - options.margin,
+              episode.end + options.margin);
+  episode.t = std::move(along.t);
+  episode.tool = std::move(along.tool);
+  episode.force = std::move(along.force);
+  carry_back(all, free_from, free_to, episode);
   if (is_press) {
     episode.kind = ContactKind::press;
     return episode;
@@ -213,9 +265,12 @@ Segmentation segment_contacts(std::span<const double> t_force,
     }
     result.bias_base = track_bias(t_force, clean, is_free);
   }
-  for (const Range& range : contacts) {
-    result.contacts.push_back(
-        describe(t_force, range, result.force_base, size, t_tool, p_base_tip, options));
+  const Cleaned all{t_force, result.force_base, size, t_tool, p_base_tip, half_width, enter};
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const double free_from = k == 0 ? t_force.front() : t_force[contacts[k - 1].end];
+    const double free_to =
+        k + 1 == contacts.size() ? t_force.back() : t_force[contacts[k + 1].begin];
+    result.contacts.push_back(describe(all, contacts[k], free_from, free_to, options));
   }
   return result;
 }

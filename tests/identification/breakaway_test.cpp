@@ -94,7 +94,9 @@ TEST(FindBreakaway, SaysThatAnObjectHeld) {
   const Breakaway found = find_breakaway(trial.series());
   EXPECT_FALSE(found.is_found);
   EXPECT_NE(found.reason.find("did not give way"), std::string::npos);
-  EXPECT_NEAR(found.t_contact, 0.3, 0.2);  // 1 mm of soft beginning hides in the noise
+  // The noise hides 1 mm of the soft beginning, 0.19 s: carried back, a third of that is left at
+  // most (a phase boundary's 60 ms).
+  EXPECT_NEAR(found.t_contact, 0.3, 0.06);
 }
 
 TEST(FindBreakaway, SaysThatThereWasNoContact) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/identification/sliding.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -43,9 +44,9 @@ SlidingIdentification identify(const Plant& plant, double speed, double swing, s
 }
 
 TEST(IdentifySliding, FindsMassAndFrictionFromAnExcitingPush) {
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+  for (std::uint64_t seed = 5311; seed <= 5318; ++seed) {
     const Plant plant = random_plant(seed);
-    const SlidingIdentification found = identify(plant, 0.06, 0.0035, 50 + seed);
+    const SlidingIdentification found = identify(plant, 0.06, 0.0035, 500 + seed);
     ASSERT_TRUE(found.is_valid);
     ASSERT_TRUE(found.mass.is_excited) << seed;
     EXPECT_NEAR(found.mass.value, plant.mass, 0.05 * plant.mass) << seed;
@@ -79,16 +80,25 @@ TEST(IdentifySliding, SaysThatASteadyPushShowsNoMassAndProposesABetterOne) {
   }
 }
 
-TEST(IdentifySliding, LeavesOutStops) {
-  const Plant plant = random_plant(3);
-  const auto path = [](double t) {  // to and fro: stops, lost contact, goes on
-    return 0.05 * (t - 0.3) + 0.012 * std::sin(kTwoHertz * (t - 0.3));
-  };
-  const Trial trial = run(plant, {}, 6.0, 9, path);
-  const ForceMotion series = trial.series();
-  const SlidingIdentification found =
-      identify_sliding(std::span(&series, 1), {plant.stiffness, plant.damping, plant.exponent}, {});
-  EXPECT_LT(found.samples, trial.t.size() / 2);
+TEST(IdentifySliding, IsNotMisledByStopsAndLostContact) {
+  for (std::uint64_t seed = 5301; seed <= 5306; ++seed) {
+    const Plant plant = random_plant(seed);
+    const auto path = [](double t) {  // to and fro: stops, lost contact, goes on
+      return 0.05 * (t - 0.3) + 0.012 * std::sin(kTwoHertz * (t - 0.3));
+    };
+    const Trial trial = run(plant, {}, 6.0, 400 + seed, path);
+    const ForceMotion series = trial.series();
+    const SlidingIdentification found = identify_sliding(
+        std::span(&series, 1), {plant.stiffness, plant.damping, plant.exponent}, {});
+    EXPECT_LT(found.samples, trial.t.size() / 2);
+    ASSERT_TRUE(found.is_valid) << seed;
+    const double friction = plant.coulomb + plant.viscous * found.speed;
+    EXPECT_NEAR(found.coulomb.value + found.viscous.value * found.speed, friction, 0.03 * friction);
+    EXPECT_NEAR(found.coulomb.value, plant.coulomb,
+                std::max(0.03 * plant.coulomb, 3.0 * found.coulomb.deviation));
+    ASSERT_TRUE(found.mass.is_excited) << seed;
+    EXPECT_NEAR(found.mass.value, plant.mass, 0.05 * plant.mass) << seed;
+  }
 }
 
 TEST(IdentifySliding, HasNoAnswerForAnObjectThatStands) {

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "identification/touch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace pcavr {
+namespace {
+
+constexpr double kFree = 0.4;  // [s] before the first sure contact that the fit sees
+constexpr std::size_t kLeastRise = 4;
+constexpr double kGreatestExponent = 2.5;
+// Below this share of its speed at the touch, both over kPace, the tool is coming to a hold.
+constexpr double kHolds = 0.5;
+constexpr double kPace = 0.05;  // [s]
+
+/// Depth and force of the rise, in time's order of the approach.
+struct Rise {
+  std::vector<double> t, tool, force;
+  double deepest_free = 0.0;  ///< [m] the surface is no deeper
+};
+
+/// Sum of squares about F = f0 + a (d - surface)^n with the best f0 and a.
+double misfit(const Rise& rise, double surface, double exponent) {
+  const double unit = std::max(rise.tool.back() - surface, 1e-9);
+  const double n = static_cast<double>(rise.tool.size());
+  double p = 0.0, pp = 0.0, f = 0.0, pf = 0.0, ff = 0.0;
+  for (std::size_t i = 0; i < rise.tool.size(); ++i) {
+    const double depth = (rise.tool[i] - surface) / unit;
+    const double power = depth > 0.0 ? std::pow(depth, exponent) : 0.0;
+    p += power, pp += power * power;
+    f += rise.force[i], pf += power * rise.force[i], ff += rise.force[i] * rise.force[i];
+  }
+  const double spread = pp - p * p / n;
+  const double cross = pf - p * f / n;
+  return ff - f * f / n - (spread > 0.0 ? cross * cross / spread : 0.0);
+}
+
+/// Where `cost` is least in [low, high], by the golden section, and how small.
+template <typename Cost>
+std::pair<double, double> least(const Cost& cost, double low, double high, int rounds) {
+  constexpr double kGolden = 0.6180339887498949;
+  double left = high - kGolden * (high - low);
+  double right = low + kGolden * (high - low);
+  double at_left = cost(left);
+  double at_right = cost(right);
+  for (int i = 0; i < rounds; ++i) {
+    if (at_left < at_right) {
+      high = std::exchange(right, left);
+      at_right = at_left;
+      left = high - kGolden * (high - low);
+      at_left = cost(left);
+    } else {
+      low = std::exchange(left, right);
+      at_left = at_right;
+      right = low + kGolden * (high - low);
+      at_right = cost(right);
+    }
+  }
+  return at_left < at_right ? std::pair{left, at_left} : std::pair{right, at_right};
+}
+
+double fitted_instant(const Rise& rise, double fallback) {
+  if (rise.tool.size() < 2 * kLeastRise) return fallback;
+  const double shallowest = *std::min_element(rise.tool.begin(), rise.tool.end());
+  if (!(rise.deepest_free > shallowest)) return fallback;
+  const auto surface_for = [&](double exponent) {
+    return least([&](double surface) { return misfit(rise, surface, exponent); }, shallowest,
+                 rise.deepest_free, 20);  // to 1e-4 of the range
+  };
+  const double exponent =
+      least([&](double n) { return surface_for(n).second; }, 1.0, kGreatestExponent, 12).first;
+  const double surface = surface_for(exponent).first;
+  // The last crossing of the surface before the contact is sure.
+  for (std::size_t i = rise.tool.size(); i-- > 1;) {
+    if (rise.tool[i - 1] > surface || rise.tool[i] <= surface) continue;
+    const double share = (surface - rise.tool[i - 1]) / (rise.tool[i] - rise.tool[i - 1]);
+    return rise.t[i - 1] + share * (rise.t[i] - rise.t[i - 1]);
+  }
+  return fallback;
+}
+
+/// From free space to half of the peak, or to where the tool stops; `step` is 1, or -1 for a
+/// parting read backwards.
+double instant(const TouchSignals& signals, std::size_t limit, std::size_t detected,
+               std::size_t peak, int step) {
+  const auto next = [step](std::size_t i) { return step > 0 ? i + 1 : i - 1; };
+  const auto previous = [step](std::size_t i) { return step > 0 ? i - 1 : i + 1; };
+  const double sure = signals.t[detected];
+  std::size_t first = detected;
+  while (first != limit && std::abs(signals.t[first] - sure) < kFree) {
+    if (!signals.tool[previous(first)].is_valid) break;
+    first = previous(first);
+  }
+  Rise rise;
+  rise.deepest_free = signals.tool[detected].value;
+  const double half = 0.5 * signals.soft_force[peak].value;
+  const auto pace = [&](std::size_t i) {
+    std::size_t from = i;
+    while (from != first && std::abs(signals.t[i] - signals.t[from]) < kPace) from = previous(from);
+    return from == i ? 0.0
+                     : std::abs((signals.tool[i].value - signals.tool[from].value) /
+                                (signals.t[i] - signals.t[from]));
+  };
+  const double pace_at_touch = pace(detected);
+  std::size_t in_contact = 0;
+  for (std::size_t i = first; i != peak; i = next(i)) {
+    const bool is_sure = step > 0 ? i >= detected : i <= detected;
+    const bool is_over = signals.soft_force[i].value > half || pace(i) < kHolds * pace_at_touch;
+    if (!signals.tool[i].is_valid || (is_sure && is_over)) break;
+    in_contact += is_sure ? 1 : 0;
+    rise.t.push_back(signals.t[i]);
+    rise.tool.push_back(signals.tool[i].value);
+    rise.force.push_back(signals.force[i]);
+  }
+  return in_contact < kLeastRise ? sure : fitted_instant(rise, sure);
+}
+
+}  // namespace
+
+double touch_instant(const TouchSignals& signals, std::size_t earliest, std::size_t detected,
+                     std::size_t peak) {
+  return instant(signals, earliest, detected, peak, 1);
+}
+
+double parting_instant(const TouchSignals& signals, std::size_t peak, std::size_t detected,
+                       std::size_t latest) {
+  return instant(signals, latest, detected, peak, -1);
+}
+
+}  // namespace pcavr
