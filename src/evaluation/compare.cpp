@@ -215,6 +215,19 @@ void compare_surfaces(const ComparisonSide& reference, const ComparisonSide& sub
   findings.surface = std::move(surface);
 }
 
+/// The clock's zero, unless the reference begins so long after it that times would be hard to read.
+Stamp origin_of(const Findings& findings) {
+  constexpr Duration kLongAgo = std::chrono::seconds(1000);
+  std::optional<Stamp> first;
+  const auto include = [&](const Trajectory& reference) {
+    const Stamp stamp = reference.poses().front().stamp;
+    first = first ? std::min(*first, stamp) : stamp;
+  };
+  if (findings.camera) include(findings.camera->reference);
+  for (const ObjectFindings& object : findings.objects) include(object.reference);
+  return first && *first - Stamp() > kLongAgo ? *first : Stamp();
+}
+
 }  // namespace
 
 Expected<Findings> compare(const ComparisonSide& reference, const ComparisonSide& subject,
@@ -233,6 +246,9 @@ Expected<Findings> compare(const ComparisonSide& reference, const ComparisonSide
       !findings.surface) {
     return nothing_in_common(reference, subject);
   }
+  findings.origin = origin_of(findings);
+  compared = add_run(reference, subject, findings);
+  if (!compared) return compared.error();
   findings.objects_missing = missing_objects(reference, subject);
   for (const std::string& name : findings.objects_missing) {
     observer.on_warning(name + " is not in " + subject.folder.string() +

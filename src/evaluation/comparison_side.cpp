@@ -145,6 +145,10 @@ std::string name_of(SideKind kind) {
       return "scene";
     case SideKind::run:
       return "run";
+    case SideKind::tracking:
+      return "tracking";
+    case SideKind::parameters:
+      return "parameter file";
     case SideKind::truth:
       break;
   }
@@ -174,6 +178,24 @@ Expected<ComparisonSide> read_side(const fs::path& folder) {
       .message = "holds no scene.yaml, no run.yaml and no camera.txt, objects or scene.ply",
       .file = folder.string(),
       .mend = "name a scene, a run, or the truth folder of a recording"};
+}
+
+Expected<ComparisonSide> take_tracking(ComparisonSide& run) {
+  ComparisonSide tracking;
+  tracking.kind = SideKind::tracking;
+  tracking.folder = run.folder;
+  tracking.recording = run.recording;
+  tracking.tracked.swap(run.tracked);
+  run.camera = {};
+  const bool has_both =
+      std::any_of(run.predicted.begin(), run.predicted.end(),
+                  [&](const auto& object) { return tracking.tracked.contains(object.first); });
+  if (!has_both) {
+    return Error{.message = "holds no object that is both predicted and tracked",
+                 .file = run.folder.string(),
+                 .mend = "name what to hold it against: --truth, or --reference"};
+  }
+  return tracking;
 }
 
 }  // namespace pcavr

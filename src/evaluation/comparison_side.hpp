@@ -13,9 +13,15 @@
 
 namespace pcavr {
 
-enum class SideKind { truth, scene, run };
+enum class SideKind {
+  truth,
+  scene,
+  run,
+  tracking,    ///< a run's own, for its own prediction
+  parameters,  ///< a parameter file
+};
 
-/// "truth", "scene" or "run".
+/// "truth", "scene", "run", "tracking" or "parameter file".
 [[nodiscard]] std::string name_of(SideKind kind);
 
 /// Where a scene has an object at the start and at the end of its recording.
@@ -40,5 +46,9 @@ struct ComparisonSide {
 /// Reads a recording's truth folder, a scene or a run: told by scene.yaml, run.yaml, or what a
 /// truth folder holds. Anything that is there but can't be read is an Error.
 [[nodiscard]] Expected<ComparisonSide> read_side(const std::filesystem::path& folder);
+
+/// What a run's prediction can be held against where there is no truth: what its markers told.
+/// Takes it out of the run. An Error where the run has no object both tracked and predicted.
+[[nodiscard]] Expected<ComparisonSide> take_tracking(ComparisonSide& run);
 
 }  // namespace pcavr

@@ -14,6 +14,8 @@
 #include "pcavr/evaluation/trajectory_errors.hpp"
 
 #include "comparison_side.hpp"
+#include "parameter_errors.hpp"
+#include "run_findings.hpp"
 
 namespace pcavr {
 
@@ -56,7 +58,18 @@ struct Findings {
   std::vector<PlacementFindings> placements;
   std::optional<SurfaceFindings> surface;
   std::vector<std::string> objects_missing;  ///< the reference has them, the subject nowhere
+  std::optional<RunFindings> run;
+  std::vector<ParameterError> parameters;
+  bool has_true_parameters = false;  ///< false: `parameters` are the subject's alone
+  /// Plots and tables count time from here: the clock's zero, or for clocks that count from long
+  /// ago the first pose of the reference.
+  Stamp origin;
 };
+
+/// Reads what the subject holds beside trajectories if it is a run, and the truth for it, and adds
+/// what follows from them to the findings. Called last.
+[[nodiscard]] Expected<void> add_run(const ComparisonSide& reference, const ComparisonSide& subject,
+                                     Findings& findings);
 
 /// An Error where the two sides have nothing in common, or nothing at the same time.
 [[nodiscard]] Expected<Findings> compare(const ComparisonSide& reference,

@@ -11,10 +11,14 @@ namespace {
 // apart; lighter ones of the same hues on dark.
 constexpr const char* kStyle = R"(
 :root { color-scheme: light dark; --ink: #1c2126; --soft: #5b6570; --paper: #ffffff;
-  --panel: #f5f7f9; --rule: #d7dde3; --band: #f3dfb4; --c0: #0072b2; --c1: #d55e00;
+  --panel: #f5f7f9; --rule: #d7dde3; --moving: #f3dfb4; --static: #dde3e9; --critical: #f7dd93;
+  --sliding: #c9e7d8; --lane-static: #b4bfca; --lane-critical: #e8b321; --lane-sliding: #3fa57c;
+  --c0: #0072b2; --c1: #d55e00;
   --c2: #009e73; --c3: #aa4499; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e8ebee; --soft: #a2adb8; --paper: #14181c;
-  --panel: #1d2329; --rule: #39424b; --band: #4a4022; --c0: #56b4e9; --c1: #f0905a;
+  --panel: #1d2329; --rule: #39424b; --moving: #4a4022; --static: #2c353e; --critical: #574715;
+  --sliding: #1d4536; --lane-static: #66727e; --lane-critical: #c99a1c; --lane-sliding: #38a079;
+  --c0: #56b4e9; --c1: #f0905a;
   --c2: #3cc8a0; --c3: #dd99cc; } }
 * { box-sizing: border-box; }
 body { margin: 0 auto; max-width: 1180px; padding: 24px 20px 48px; color: var(--ink);
@@ -39,7 +43,13 @@ th:first-child, td:first-child { text-align: left; }
 figure { margin: 0; padding: 12px 14px 8px; background: var(--panel); border-radius: 8px;
   break-inside: avoid; }
 figure.map { grid-row: span 2; }
-.plots + .scroll { margin-top: 14px; }
+figure.wide { margin-bottom: 18px; }
+.plots + .scroll, .scroll + .scroll { margin-top: 14px; }
+h3, summary { font-size: 15px; font-weight: 600; margin: 22px 0 4px; }
+summary { cursor: pointer; }
+.below { color: var(--soft); font-size: 13px; max-width: 76ch; margin: 6px 0 0; }
+.words td { text-align: left; white-space: normal; vertical-align: top; }
+.words th { text-align: left; }
 figcaption { font-weight: 600; }
 .legend { margin: 2px 0 4px; color: var(--soft); font-size: 13px; display: flex; flex-wrap: wrap;
   gap: 2px 16px; }
@@ -53,9 +63,14 @@ figcaption { font-weight: 600; }
 .grid { stroke: var(--rule); stroke-width: 1; }
 .frame { fill: none; stroke: var(--soft); stroke-width: 1; }
 .mark { stroke: var(--soft); stroke-width: 1; stroke-dasharray: 2 3; }
-.band { fill: var(--band); }
+.band0 { fill: var(--moving); } .band1 { fill: var(--static); }
+.band2 { fill: var(--critical); } .band3 { fill: var(--sliding); }
+.lane0 { fill: var(--rule); } .lane1 { fill: var(--lane-static); }
+.lane2 { fill: var(--lane-critical); } .lane3 { fill: var(--lane-sliding); }
 path { fill: none; stroke-width: 1.8; stroke-linejoin: round; stroke-linecap: round; }
 .dashed { stroke-dasharray: 6 5; }
+path.pin { fill: var(--c3); stroke: var(--c3); stroke-width: 1; }
+path.hollow { fill: none; }
 .s0 { stroke: var(--c0); } .s1 { stroke: var(--c1); }
 .s2 { stroke: var(--c2); } .s3 { stroke: var(--c3); }
 footer { margin-top: 36px; color: var(--soft); font-size: 13px; }

@@ -2,16 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report.hpp"
 
-#include <numbers>
-
 #include "report_plots.hpp"
+#include "run_report.hpp"
 
 namespace pcavr {
 namespace {
-
-constexpr double kMillimetres = 1e3;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kPercent = 1e2;
 
 /// The rows for position and rotation of one list of errors; none where the list is empty.
 void add_rows(ReportSection& section, const std::string& name, const std::string& key,
@@ -38,8 +33,9 @@ std::vector<PoseError> first_second(const std::vector<PoseError>& errors) {
   });
 }
 
-ReportSection camera_section(const CameraFindings& camera) {
-  ReportSection section{.title = "Camera in base", .key = "camera", .plots = plots_of(camera)};
+ReportSection camera_section(const CameraFindings& camera, Stamp origin) {
+  ReportSection section{
+      .title = "Camera in base", .key = "camera", .plots = plots_of(camera, origin)};
   add_rows(section, "absolute", "absolute", camera.errors.absolute);
   add_rows(section, "absolute, aligned", "absolute_aligned", camera.errors.absolute_aligned);
   add_rows(section, "relative, over 1 s", "relative", camera.errors.relative);
@@ -47,17 +43,21 @@ ReportSection camera_section(const CameraFindings& camera) {
   return section;
 }
 
-ReportSection object_section(const ObjectFindings& object) {
+ReportSection object_section(const ObjectFindings& object, const Findings& findings) {
   const std::vector<PoseError>& absolute = object.errors.absolute;
   ReportSection section{.title = object.name + ", " + object.source,
                         .key = "object." + object.name + "." + object.source,
-                        .plots = plots_of(object)};
+                        .plots = plots_of(object, findings)};
   add_rows(section, "absolute", "absolute", absolute);
   add_rows(section, "first second", "first_second", first_second(absolute));
   add_rows(section, "at rest", "at_rest",
            chosen(absolute, [&](std::size_t i) { return !object.moving[i]; }));
   add_rows(section, "moving", "moving",
            chosen(absolute, [&](std::size_t i) { return object.moving[i]; }));
+  if (findings.run) {
+    const std::vector<ErrorRow> rows = phase_rows(absolute, findings.run->phases_of(object.name));
+    section.rows.insert(section.rows.end(), rows.begin(), rows.end());
+  }
   add_rows(section, "relative, over 1 s", "relative", object.errors.relative);
   if (object.model) {
     section.rows.push_back({"ADD", "add", "m", object.model->add});
@@ -133,13 +133,21 @@ Report make_report(const ComparisonSide& reference, const ComparisonSide& subjec
       .reference = reference.folder.string(),
       .reference_kind = name_of(reference.kind),
       .recording = (reference.recording.empty() ? subject : reference).recording.string()};
+  if (findings.run) {
+    report.headline = run_headline(findings);
+    report.sections = run_sections(reference, subject, findings);
+  } else if (!findings.parameters.empty()) {
+    report.sections = {parameter_section(findings)};
+  }
+  const std::vector<Figure> parameters = parameter_headline(findings);
+  report.headline.insert(report.headline.end(), parameters.begin(), parameters.end());
   if (findings.camera) {
     add_camera_figures(*findings.camera, report.headline);
-    report.sections.push_back(camera_section(*findings.camera));
+    report.sections.push_back(camera_section(*findings.camera, findings.origin));
   }
   for (const ObjectFindings& object : findings.objects) {
     add_object_figures(object, report.headline);
-    report.sections.push_back(object_section(object));
+    report.sections.push_back(object_section(object, findings));
   }
   for (const PlacementFindings& placed : findings.placements) {
     const std::string name = placed.name + " in the scene, at the " + placed.when;

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
+
 #include "html_page.hpp"
 #include "html_text.hpp"
 #include "report.hpp"
@@ -7,15 +9,18 @@
 namespace pcavr {
 namespace {
 
-/// SI to what the tables show: millimetres and degrees.
+/// SI to what the tables show: millimetres, degrees, milliseconds, per cent.
 struct ShownUnit {
   const char* name;
   double scale;
 };
 
 ShownUnit shown_unit(const std::string& si_unit) {
-  constexpr double kDegrees = 57.29577951308232;
-  return si_unit == "rad" ? ShownUnit{"deg", kDegrees} : ShownUnit{"mm", 1e3};
+  if (si_unit == "rad") return {"deg", kDegrees};
+  if (si_unit == "s") return {"ms", 1e3};
+  if (si_unit == "N") return {"N", 1.0};
+  if (si_unit.empty()) return {"%", kPercent};
+  return {"mm", kMillimetres};
 }
 
 std::string cell(const std::string& content) { return "<td>" + escaped(content) + "</td>"; }
@@ -33,29 +38,83 @@ std::string format_headline(const Report& report) {
   return html + "</tbody>\n</table>\n";
 }
 
-std::string format_row(const ErrorRow& row) {
+/// A column of a table of errors, in the order in which evo prints them.
+struct ErrorColumn {
+  const char* name;
+  double ErrorStatistics::*value;
+  bool is_brief;
+};
+constexpr std::array<ErrorColumn, 8> kErrorColumns = {
+    {{"max", &ErrorStatistics::max, true},
+     {"mean", &ErrorStatistics::mean, false},
+     {"median", &ErrorStatistics::median, true},
+     {"min", &ErrorStatistics::min, false},
+     {"rmse", &ErrorStatistics::rmse, true},
+     {"sse (unit²)", &ErrorStatistics::sse, false},
+     {"std", &ErrorStatistics::std, false},
+     {"95 %", &ErrorStatistics::p95, true}}};
+
+std::string format_row(const ErrorRow& row, bool is_brief) {
   const ShownUnit unit = shown_unit(row.unit);
-  const ErrorStatistics& figures = row.figures;
   std::string html = "<tr>" + cell(row.name) + cell(unit.name);
-  // The order in which evo prints them.
-  for (const double value : {figures.max, figures.mean, figures.median, figures.min, figures.rmse,
-                             figures.sse * unit.scale, figures.std, figures.p95}) {
-    html += cell(readable(value * unit.scale));
+  for (const ErrorColumn& column : kErrorColumns) {
+    if (is_brief && !column.is_brief) continue;
+    const bool is_squared = column.value == &ErrorStatistics::sse;
+    const double scale = is_squared ? unit.scale * unit.scale : unit.scale;
+    html += cell(row.figures.count > 0 ? readable(row.figures.*column.value * scale) : "-");
   }
-  return html + cell(std::to_string(figures.count)) + "</tr>\n";
+  return html + cell(std::to_string(row.figures.count)) + "</tr>\n";
+}
+
+std::string format_rows(const ReportSection& section) {
+  if (section.rows.empty()) return {};
+  std::string html = "<div class=\"scroll\"><table>\n<thead><tr><th>error</th><th>unit</th>";
+  for (const ErrorColumn& column : kErrorColumns) {
+    if (!section.is_brief || column.is_brief) html += "<th>" + std::string(column.name) + "</th>";
+  }
+  html += "<th>count</th></tr></thead>\n<tbody>\n";
+  for (const ErrorRow& row : section.rows) html += format_row(row, section.is_brief);
+  return html + "</tbody>\n</table></div>\n";
+}
+
+/// A table of sentences is set to the left, one of numbers to the right.
+bool is_of_words(const ReportTable& table) {
+  constexpr std::size_t kLongestNumber = 24;
+  for (const std::vector<std::string>& row : table.rows) {
+    if (row.back().size() > kLongestNumber) return true;
+  }
+  return false;
+}
+
+std::string format_table(const ReportTable& table) {
+  std::string html = table.is_folded ? "<details><summary>" + escaped(table.title) + "</summary>\n"
+                                     : "<h3>" + escaped(table.title) + "</h3>\n";
+  html += "<div class=\"scroll\"><table" +
+          std::string(is_of_words(table) ? " class=\"words\"" : "") + ">\n<thead><tr>";
+  for (const std::string& column : table.columns) html += "<th>" + escaped(column) + "</th>";
+  html += "</tr></thead>\n<tbody>\n";
+  for (const std::vector<std::string>& row : table.rows) {
+    html += "<tr>";
+    for (const std::string& content : row) html += cell(content);
+    html += "</tr>\n";
+  }
+  html += "</tbody>\n</table></div>\n";
+  if (!table.note.empty()) html += "<p class=\"below\">" + escaped(table.note) + "</p>\n";
+  return html + (table.is_folded ? "</details>\n" : "");
 }
 
 std::string format_section(const ReportSection& section) {
-  std::string html = "<h2>" + escaped(section.title) + "</h2>\n<div class=\"plots\">\n";
-  for (const Plot& plot : section.plots) html += format_figure(plot);
-  html += "</div>\n<div class=\"scroll\"><table>\n<thead><tr><th>error</th><th>unit</th>";
-  for (const char* column :
-       {"max", "mean", "median", "min", "rmse", "sse (unit²)", "std", "95 %", "count"}) {
-    html += "<th>" + std::string(column) + "</th>";
+  std::string html = "<h2>" + escaped(section.title) + "</h2>\n";
+  if (!section.note.empty()) html += "<p class=\"below\">" + escaped(section.note) + "</p>\n";
+  html += format_lanes(section.lanes);
+  if (!section.plots.empty()) {
+    html += "<div class=\"plots\">\n";
+    for (const Plot& plot : section.plots) html += format_figure(plot);
+    html += "</div>\n";
   }
-  html += "</tr></thead>\n<tbody>\n";
-  for (const ErrorRow& row : section.rows) html += format_row(row);
-  return html + "</tbody>\n</table></div>\n";
+  html += format_rows(section);
+  for (const ReportTable& table : section.tables) html += format_table(table);
+  return html;
 }
 
 std::string format_placements(const std::vector<PlacementFindings>& placements) {
@@ -75,8 +134,12 @@ std::string format_placements(const std::vector<PlacementFindings>& placements) 
   return html + "</tbody>\n</table></div>\n";
 }
 
+std::string title_of(const Findings& findings) {
+  return findings.run ? "How far off the run is" : "Position errors";
+}
+
 std::string format_header(const Report& report, const Findings& findings) {
-  std::string html = "<h1>Position errors</h1>\n<p class=\"inputs\">" +
+  std::string html = "<h1>" + title_of(findings) + "</h1>\n<p class=\"inputs\">" +
                      escaped(report.subject_kind) + " <b>" + escaped(report.subject) +
                      "</b><br>\nheld against the " + escaped(report.reference_kind) + " <b>" +
                      escaped(report.reference) + "</b>";
@@ -102,7 +165,7 @@ std::string format_html(const Report& report, const Findings& findings) {
       "scale. std is of the population. ADD and MSSD: mean and largest distance of the model's "
       "vertices, without symmetries. The same figures in SI units are in report.json. pcavr " +
       escaped(PCAVR_VERSION) + "</footer>\n";
-  return html_page("Position errors: " + report.subject, html);
+  return html_page(title_of(findings) + ": " + report.subject, html);
 }
 
 }  // namespace pcavr

@@ -9,17 +9,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void add_statistics(Json& json, const std::string& key, const std::string& unit,
+/// `si_unit` ends the keys; shares have none.
+void add_statistics(Json& json, const std::string& key, const std::string& si_unit,
                     const ErrorStatistics& figures) {
+  const std::string unit = si_unit.empty() ? "" : "_" + si_unit;
   json[key + ".count"] = figures.count;
-  json[key + ".max_" + unit] = figures.max;
-  json[key + ".mean_" + unit] = figures.mean;
-  json[key + ".median_" + unit] = figures.median;
-  json[key + ".min_" + unit] = figures.min;
-  json[key + ".rmse_" + unit] = figures.rmse;
-  json[key + ".sse_" + unit + "2"] = figures.sse;
-  json[key + ".std_" + unit] = figures.std;
-  json[key + ".p95_" + unit] = figures.p95;
+  json[key + ".max" + unit] = figures.max;
+  json[key + ".mean" + unit] = figures.mean;
+  json[key + ".median" + unit] = figures.median;
+  json[key + ".min" + unit] = figures.min;
+  json[key + ".rmse" + unit] = figures.rmse;
+  json[key + ".sse" + (unit.empty() ? "" : unit + "2")] = figures.sse;
+  json[key + ".std" + unit] = figures.std;
+  json[key + ".p95" + unit] = figures.p95;
 }
 
 void add_placement(Json& json, const PlacementFindings& placed) {
@@ -69,6 +71,9 @@ std::string format_json(const Report& report, const Findings& findings) {
   for (const ReportSection& section : report.sections) {
     for (const ErrorRow& row : section.rows) {
       add_statistics(json, section.key + "." + row.key, row.unit, row.figures);
+    }
+    for (const ReportValue& value : section.values) {
+      std::visit([&](const auto& content) { json[value.key] = content; }, value.value);
     }
   }
   for (const PlacementFindings& placed : findings.placements) add_placement(json, placed);

@@ -5,22 +5,21 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
+
+#include "report.hpp"
+#include "run_plots.hpp"
 
 namespace pcavr {
 namespace {
 
-constexpr double kMillimetres = 1e3;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kPercent = 1e2;
 constexpr double kBreak = std::numeric_limits<double>::quiet_NaN();
 /// More points than this can't be told apart in a plot 560 units wide.
 constexpr std::size_t kMostPoints = 2000;
 
 /// One value over time; where the estimate pauses for five usual steps, the line does too.
 PlotSeries over_time(const std::vector<PoseError>& errors, double PoseError::*value, double scale,
-                     Stamp start, const std::string& label, int color) {
+                     Stamp origin, const std::string& label, int color) {
   PlotSeries series{.label = label, .color = color};
   std::vector<double> steps;
   for (std::size_t i = 1; i < errors.size(); ++i) {
@@ -32,7 +31,7 @@ PlotSeries over_time(const std::vector<PoseError>& errors, double PoseError::*va
       series.x.push_back(kBreak);
       series.y.push_back(kBreak);
     }
-    series.x.push_back(to_seconds(errors[i].stamp - start));
+    series.x.push_back(to_seconds(errors[i].stamp - origin));
     series.y.push_back(scale * errors[i].*value);
   }
   return series;
@@ -77,16 +76,16 @@ Plot map_of(const std::string& title, const Trajectory& reference, const Traject
 }
 
 Plot error_plot(const std::string& title, const std::string& y_label) {
-  return {.title = title, .x_label = "time (s)", .y_label = y_label, .from_zero = true};
+  return {.title = title, .x_label = "time (s)", .y_label = y_label, .y_from_zero = true};
 }
 
 /// Where the reference moves.
-std::vector<PlotBand> moving_bands(const ObjectFindings& object, Stamp start) {
+std::vector<PlotBand> moving_bands(const ObjectFindings& object, Stamp origin) {
   std::vector<PlotBand> bands;
   const std::vector<PoseError>& errors = object.errors.absolute;
   for (std::size_t i = 0; i < errors.size(); ++i) {
     if (!object.moving[i]) continue;
-    const double t = to_seconds(errors[i].stamp - start);
+    const double t = to_seconds(errors[i].stamp - origin);
     if (i == 0 || !object.moving[i - 1]) bands.push_back({t, t});
     bands.back().to = t;
   }
@@ -129,17 +128,16 @@ PlotSeries histogram(const std::vector<double>& ascending, double bin, const std
 
 }  // namespace
 
-std::vector<Plot> plots_of(const CameraFindings& camera) {
-  const Stamp start = camera.reference.poses().front().stamp;
+std::vector<Plot> plots_of(const CameraFindings& camera, Stamp origin) {
   const TrajectoryErrors& errors = camera.errors;
   Plot translation = error_plot("Camera position error", "position error (mm)");
   Plot rotation = error_plot("Camera rotation error", "rotation error (deg)");
   const auto add = [&](const std::vector<PoseError>& list, const std::string& label, int color) {
     if (list.empty()) return;
     translation.series.push_back(with_peaks_kept(
-        over_time(list, &PoseError::translation, kMillimetres, start, label, color)));
+        over_time(list, &PoseError::translation, kMillimetres, origin, label, color)));
     rotation.series.push_back(
-        with_peaks_kept(over_time(list, &PoseError::rotation, kDegrees, start, label, color)));
+        with_peaks_kept(over_time(list, &PoseError::rotation, kDegrees, origin, label, color)));
   };
   add(errors.absolute, "not aligned", 0);
   add(errors.absolute_aligned, "aligned", 1);
@@ -147,18 +145,24 @@ std::vector<Plot> plots_of(const CameraFindings& camera) {
           rotation};
 }
 
-std::vector<Plot> plots_of(const ObjectFindings& object) {
-  const Stamp start = object.reference.poses().front().stamp;
+std::vector<Plot> plots_of(const ObjectFindings& object, const Findings& findings) {
+  const Stamp origin = findings.origin;
   const std::string name = object.name + ", " + object.source;
   Plot translation = error_plot(name + ": position error", "position error (mm)");
   Plot rotation = error_plot(name + ": rotation error", "rotation error (deg)");
   translation.series.push_back(with_peaks_kept(over_time(
-      object.errors.absolute, &PoseError::translation, kMillimetres, start, "position error", 0)));
+      object.errors.absolute, &PoseError::translation, kMillimetres, origin, "position error", 0)));
   rotation.series.push_back(with_peaks_kept(over_time(object.errors.absolute, &PoseError::rotation,
-                                                      kDegrees, start, "rotation error", 0)));
+                                                      kDegrees, origin, "rotation error", 0)));
+  const bool has_phases = findings.run && !findings.run->phases_of(object.name).empty();
+  if (has_phases) {
+    annotate(object, *findings.run, origin, {&translation, &rotation});
+    return {translation, map_of(name + ": path from above", object.reference, object.estimate),
+            rotation};
+  }
   for (Plot* plot : {&translation, &rotation}) {
-    plot->bands = moving_bands(object, start);
-    plot->band_label = "reference moves";
+    plot->bands = moving_bands(object, origin);
+    plot->band_labels = {"reference moves"};
   }
   return {translation, map_of(name + ": path from above", object.reference, object.estimate),
           rotation};

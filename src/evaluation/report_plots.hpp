@@ -9,9 +9,10 @@
 
 namespace pcavr {
 
-/// In the order in which the page sets them: beside two charts stands a map as high as both.
-[[nodiscard]] std::vector<Plot> plots_of(const CameraFindings& camera);
-[[nodiscard]] std::vector<Plot> plots_of(const ObjectFindings& object);
+/// In the order in which the page sets them: beside two charts stands a map as high as both. Times
+/// count from `origin`.
+[[nodiscard]] std::vector<Plot> plots_of(const CameraFindings& camera, Stamp origin);
+[[nodiscard]] std::vector<Plot> plots_of(const ObjectFindings& object, const Findings& findings);
 [[nodiscard]] std::vector<Plot> plots_of(const SurfaceFindings& surface);
 
 }  // namespace pcavr

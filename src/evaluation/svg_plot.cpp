@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "html_text.hpp"
+#include "svg_parts.hpp"
 
 namespace pcavr {
 namespace {
@@ -32,17 +33,8 @@ struct Range {
     high = std::max(high, value);
   }
   [[nodiscard]] double span() const { return high - low; }
+  [[nodiscard]] bool holds(double value) const { return value >= low && value <= high; }
 };
-
-/// 1, 2 or 5 times a power of ten, so that at most six steps make the span.
-double tick_step(double span) {
-  const double rough = span / 6.0;
-  const double power = std::pow(10.0, std::floor(std::log10(rough)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= rough) return factor * power;
-  }
-  return 10.0 * power;
-}
 
 /// From data to the drawing.
 class Canvas {
@@ -52,10 +44,8 @@ class Canvas {
       for (const double x : series.x) x_.include(x);
       for (const double y : series.y) y_.include(y);
     }
-    if (plot.from_zero) {
-      x_.include(0.0);
-      y_.include(0.0);
-    }
+    if (plot.from_zero) x_.include(0.0);
+    if (plot.from_zero || plot.y_from_zero) y_.include(0.0);
     if (plot.x_to > 0.0) x_.high = plot.x_to;
     if (plot.y_to > 0.0) y_.high = plot.y_to;
     make_wide(x_);
@@ -103,75 +93,76 @@ class Canvas {
   Range y_;
 };
 
-std::string attribute(const char* name, double value) {
-  return ' ' + std::string(name) + "=\"" + fixed(value, 1) + '"';
-}
-
-std::string line(const char* css_class, double x1, double y1, double x2, double y2) {
-  return "<line class=\"" + std::string(css_class) + '"' + attribute("x1", x1) +
-         attribute("y1", y1) + attribute("x2", x2) + attribute("y2", y2) + "/>\n";
-}
-
-std::string text(const char* css_class, double x, double y, const std::string& content,
-                 const std::string& more = {}) {
-  return "<text class=\"" + std::string(css_class) + '"' + attribute("x", x) + attribute("y", y) +
-         more + '>' + escaped(content) + "</text>\n";
-}
-
-/// Multiples of the step inside the range.
-std::vector<double> ticks_of(const Range& range, double step) {
-  std::vector<double> ticks;
-  const double first = std::ceil(range.low / step - 1e-9);
-  const double last = std::floor(range.high / step + 1e-9);
-  for (double i = first; i <= last; i += 1.0) ticks.push_back(i * step);
-  return ticks;
-}
-
-int decimals_of(double step) {
-  return std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
-}
-
 std::string format_axes(const Plot& plot, const Canvas& canvas) {
   const double bottom = canvas.height() - kBottom;
   const double x_step = tick_step(canvas.x_range().span());
   const double y_step = plot.equal_axes ? x_step : tick_step(canvas.y_range().span());
   std::string svg;
-  for (const double tick : ticks_of(canvas.x_range(), x_step)) {
-    svg += line("grid", canvas.x(tick), kTop, canvas.x(tick), bottom);
-    svg += text("tick middle", canvas.x(tick), bottom + 17.0, fixed(tick, decimals_of(x_step)));
+  for (const double tick : ticks_between(canvas.x_range().low, canvas.x_range().high, x_step)) {
+    svg += svg_line("grid", canvas.x(tick), kTop, canvas.x(tick), bottom);
+    svg += svg_text("tick middle", canvas.x(tick), bottom + 17.0, fixed(tick, decimals_of(x_step)));
   }
-  for (const double tick : ticks_of(canvas.y_range(), y_step)) {
-    svg += line("grid", kLeft, canvas.y(tick), kWidth - kRight, canvas.y(tick));
-    svg += text("tick end", kLeft - 7.0, canvas.y(tick) + 4.0, fixed(tick, decimals_of(y_step)));
+  for (const double tick : ticks_between(canvas.y_range().low, canvas.y_range().high, y_step)) {
+    svg += svg_line("grid", kLeft, canvas.y(tick), kWidth - kRight, canvas.y(tick));
+    svg +=
+        svg_text("tick end", kLeft - 7.0, canvas.y(tick) + 4.0, fixed(tick, decimals_of(y_step)));
   }
-  svg += text("label middle", kLeft + 0.5 * Canvas::inner_width(), canvas.height() - 8.0,
-              plot.x_label);
+  svg += svg_text("label middle", kLeft + 0.5 * Canvas::inner_width(), canvas.height() - 8.0,
+                  plot.x_label);
   const double middle = kTop + 0.5 * canvas.inner_height();
-  svg += text("label middle", 14.0, middle, plot.y_label,
-              " transform=\"rotate(-90 14 " + fixed(middle, 1) + ")\"");
+  svg += svg_text("label middle", 14.0, middle, plot.y_label,
+                  " transform=\"rotate(-90 14 " + fixed(middle, 1) + ")\"");
   return svg;
 }
+
+std::string band_class(int kind) { return "band" + std::to_string(kind); }
 
 std::string format_bands(const Plot& plot, const Canvas& canvas) {
   std::string svg;
   for (const PlotBand& band : plot.bands) {
-    const double from = canvas.x(band.from);
+    const Range& shown = canvas.x_range();
+    if (band.to < shown.low || band.from > shown.high) continue;
+    const double from = canvas.x(std::max(band.from, shown.low));
     // A stretch of a single frame shows all the same.
-    const double width = std::max(1.0, canvas.x(band.to) - from);
-    svg += "<rect class=\"band\"" + attribute("x", from) + attribute("y", kTop) +
-           attribute("width", width) + attribute("height", canvas.inner_height()) + "/>\n";
+    const double width = std::max(1.0, canvas.x(std::min(band.to, shown.high)) - from);
+    svg += svg_rectangle(band_class(band.kind), from, kTop, width, canvas.inner_height());
   }
   return svg;
 }
 
+/// Labels stand at the foot of their line; one that would run into the one before stands higher.
 std::string format_marks(const Plot& plot, const Canvas& canvas) {
+  constexpr double kLabelWidth = 22.0;
+  constexpr double kLabelHeight = 14.0;
   std::string svg;
+  double last = -kWidth;
+  int level = 0;
   for (const PlotMark& mark : plot.marks) {
+    if (!canvas.x_range().holds(mark.x)) continue;
     const double x = canvas.x(mark.x);
-    svg += line("mark", x, kTop, x, canvas.height() - kBottom);
-    svg += text("tick", x + 4.0, canvas.height() - kBottom - 6.0, mark.label);
+    level = x - last < kLabelWidth ? (level + 1) % 4 : 0;
+    last = x;
+    const double bottom = canvas.height() - kBottom;
+    svg += svg_line("mark", x, kTop, x, bottom);
+    svg += svg_text("tick", x + 4.0, bottom - 6.0 - level * kLabelHeight, mark.label);
   }
   return svg;
+}
+
+std::string format_pins(const Plot& plot, const Canvas& canvas) {
+  std::string svg;
+  for (const PlotPin& pin : plot.pins) {
+    if (!canvas.x_range().holds(pin.x)) continue;
+    const double x = canvas.x(pin.x);
+    svg += "<path class=\"" + std::string(pin.is_hollow ? "hollow pin" : "pin") + "\" d=\"M" +
+           fixed(x - 4.0, 1) + ' ' + fixed(kTop - 8.0, 1) + 'L' + fixed(x + 4.0, 1) + ' ' +
+           fixed(kTop - 8.0, 1) + 'L' + fixed(x, 1) + ' ' + fixed(kTop - 1.0, 1) + "Z\"/>\n";
+  }
+  return svg;
+}
+
+std::string class_of(const PlotSeries& series) {
+  return "s" + std::to_string(series.color) + (series.dashed ? " dashed" : "");
 }
 
 std::string format_series(const PlotSeries& series, const Canvas& canvas) {
@@ -186,22 +177,23 @@ std::string format_series(const PlotSeries& series, const Canvas& canvas) {
             fixed(canvas.y(series.y[i]), 1);
     pen_down = true;
   }
-  return "<path class=\"s" + std::to_string(series.color) + (series.dashed ? " dashed" : "") +
-         "\" d=\"" + path + "\"/>\n";
+  return "<path class=\"" + class_of(series) + "\" d=\"" + path + "\"/>\n";
 }
 
 std::string format_legend(const Plot& plot) {
   std::string html = "<p class=\"legend\">";
-  for (const PlotSeries& series : plot.series) {
-    html += "<span><svg class=\"key\" viewBox=\"0 0 24 8\" aria-hidden=\"true\"><path class=\"s" +
-            std::to_string(series.color) + (series.dashed ? " dashed" : "") +
-            "\" d=\"M0 4L24 4\"/></svg>" + escaped(series.label) + "</span>\n";
+  for (const PlotSeries& series : plot.series) html += legend_line(class_of(series), series.label);
+  for (std::size_t kind = 0; kind < plot.band_labels.size(); ++kind) {
+    const bool is_there = std::any_of(
+        plot.bands.begin(), plot.bands.end(),
+        [&](const PlotBand& band) { return static_cast<std::size_t>(band.kind) == kind; });
+    if (is_there) html += legend_area(band_class(static_cast<int>(kind)), plot.band_labels[kind]);
   }
-  if (!plot.bands.empty()) {
-    html +=
-        "<span><svg class=\"key\" viewBox=\"0 0 24 8\" aria-hidden=\"true\"><rect class=\"band\" "
-        "width=\"24\" height=\"8\"/></svg>" +
-        escaped(plot.band_label) + "</span>\n";
+  for (const bool is_hollow : {false, true}) {
+    const bool is_there = std::any_of(plot.pins.begin(), plot.pins.end(), [&](const PlotPin& pin) {
+      return pin.is_hollow == is_hollow;
+    });
+    if (is_there) html += legend_pin(is_hollow, is_hollow ? plot.hollow_pin_label : plot.pin_label);
   }
   return html + "</p>\n";
 }
@@ -212,16 +204,16 @@ std::string format_figure(const Plot& plot) {
   const Canvas canvas(plot);
   std::string drawing = format_bands(plot, canvas) + format_axes(plot, canvas);
   // Nested, so that what lies outside the axes is cut off.
-  drawing += "<svg" + attribute("x", kLeft) + attribute("y", kTop) +
-             attribute("width", Canvas::inner_width()) +
-             attribute("height", canvas.inner_height()) + " viewBox=\"" + fixed(kLeft, 1) + ' ' +
-             fixed(kTop, 1) + ' ' + fixed(Canvas::inner_width(), 1) + ' ' +
+  drawing += "<svg" + svg_attribute("x", kLeft) + svg_attribute("y", kTop) +
+             svg_attribute("width", Canvas::inner_width()) +
+             svg_attribute("height", canvas.inner_height()) + " viewBox=\"" + fixed(kLeft, 1) +
+             ' ' + fixed(kTop, 1) + ' ' + fixed(Canvas::inner_width(), 1) + ' ' +
              fixed(canvas.inner_height(), 1) + "\">\n";
   for (const PlotSeries& series : plot.series) drawing += format_series(series, canvas);
-  drawing += "</svg>\n" + format_marks(plot, canvas);
-  drawing += "<rect class=\"frame\"" + attribute("x", kLeft) + attribute("y", kTop) +
-             attribute("width", Canvas::inner_width()) +
-             attribute("height", canvas.inner_height()) + "/>\n";
+  drawing += "</svg>\n" + format_marks(plot, canvas) + format_pins(plot, canvas);
+  drawing += "<rect class=\"frame\"" + svg_attribute("x", kLeft) + svg_attribute("y", kTop) +
+             svg_attribute("width", Canvas::inner_width()) +
+             svg_attribute("height", canvas.inner_height()) + "/>\n";
   return "<figure" + std::string(plot.equal_axes ? " class=\"map\"" : "") + ">\n<figcaption>" +
          escaped(plot.title) + "</figcaption>\n" + format_legend(plot) +
          "<svg class=\"plot\" role=\"img\" aria-label=\"" + escaped(plot.title) +

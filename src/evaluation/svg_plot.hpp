@@ -20,6 +20,7 @@ struct PlotSeries {
 struct PlotBand {
   double from = 0.0;
   double to = 0.0;
+  int kind = 0;  ///< 0 to 3: one of the page's shades, and of the plot's band_labels
 };
 
 /// A dashed vertical line.
@@ -28,16 +29,26 @@ struct PlotMark {
   std::string label;
 };
 
+/// A small triangle at the upper edge.
+struct PlotPin {
+  double x = 0.0;
+  bool is_hollow = false;
+};
+
 struct Plot {
   std::string title;
   std::string x_label;
   std::string y_label;
   std::vector<PlotSeries> series = {};
   std::vector<PlotBand> bands = {};
-  std::string band_label = {};  ///< in the legend, where there are bands
+  std::vector<std::string> band_labels = {};  ///< in the legend, by kind, of those that are there
   std::vector<PlotMark> marks = {};
-  bool from_zero = false;   ///< both axes
-  bool equal_axes = false;  ///< a metre is as long either way: a map
+  std::vector<PlotPin> pins = {};
+  std::string pin_label = {};         ///< in the legend, where there are pins
+  std::string hollow_pin_label = {};  ///< the same for hollow ones
+  bool from_zero = false;             ///< both axes
+  bool y_from_zero = false;           ///< the y axis
+  bool equal_axes = false;            ///< a metre is as long either way: a map
   /// Cut the x or y axis at this value; at the data's largest where 0.
   double x_to = 0.0;
   double y_to = 0.0;

@@ -13,10 +13,12 @@ namespace pcavr {
 
 /// What is held against what. Everything that is there on both sides is compared.
 struct EvaluationInput {
-  /// A scene's or a run's folder (a truth folder will do, too).
+  /// A scene's or a run's folder (a truth folder will do, too), or a parameter file.
   std::filesystem::path subject;
-  /// A recording's `truth` folder, or a second scene or run.
-  std::filesystem::path reference;
+  /// A recording's `truth` folder, or a second scene or run; for a parameter file also another one.
+  /// Empty, for a run: its prediction is held against its own tracking, and the phases and forces
+  /// that it predicted against those it measured.
+  std::filesystem::path reference = {};
 };
 
 /// Compares and writes report.json and report.html (self-contained, plots inside) into a folder
@@ -31,5 +33,10 @@ struct EvaluationInput {
                                              const std::filesystem::path& report_folder,
                                              Parallelism parallelism,
                                              const Observer& observer = {});
+
+/// The text of report.json alone; nothing is written.
+[[nodiscard]] Expected<std::string> evaluation_figures(const EvaluationInput& input,
+                                                       Parallelism parallelism,
+                                                       const Observer& observer = {});
 
 }  // namespace pcavr

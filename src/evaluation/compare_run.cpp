@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <utility>
+
+#include "findings.hpp"
+#include "run_findings.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Until when the run knows an object: its last pose, force or change of phase.
+Stamp end_of(const std::string& object, const RunFiles& files, const ComparisonSide& subject) {
+  Stamp end;
+  bool is_known = false;
+  const auto include = [&](Stamp stamp) {
+    end = is_known ? std::max(end, stamp) : stamp;
+    is_known = true;
+  };
+  for (const auto* trajectories : {&subject.tracked, &subject.predicted}) {
+    const auto found = trajectories->find(object);
+    if (found != trajectories->end()) include(found->second.poses().back().stamp);
+  }
+  for (const auto* timelines : {&files.measured, &files.predicted}) {
+    const auto found = timelines->find(object);
+    if (found != timelines->end()) include(found->second.back().stamp);
+  }
+  const auto forces = files.forces.find(object);
+  if (forces != files.forces.end()) include(forces->second.back().stamp);
+  return end;
+}
+
+void compare_phases(const std::map<std::string, PhaseTimeline>& reference,
+                    const std::map<std::string, PhaseTimeline>& estimate, const RunFiles& files,
+                    const ComparisonSide& subject, PhaseComparison comparison,
+                    RunFindings& findings) {
+  for (const auto& [object, timeline] : estimate) {
+    const auto known = reference.find(object);
+    if (known == reference.end()) continue;
+    comparison.objects[object] =
+        phase_errors(known->second, timeline, end_of(object, files, subject));
+  }
+  if (!comparison.objects.empty()) findings.phase_comparisons.push_back(std::move(comparison));
+}
+
+/// When the run has the event that is the node.
+std::optional<Stamp> match_of(const TimeNode& node, const RunFindings& findings,
+                              const std::string& comparison_key) {
+  for (const PhaseComparison& comparison : findings.phase_comparisons) {
+    const auto object = comparison.objects.find(node.object);
+    if (comparison.key != comparison_key || object == comparison.objects.end()) continue;
+    for (const MatchedEvent& event : object->second.events) {
+      if (event.reference.stamp == node.event.stamp && event.reference.event == node.event.event) {
+        return event.estimate;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+void find_nodes(RunFindings& findings) {
+  const bool has_truth = !findings.true_phases.empty();
+  for (const TimeNode& node : time_nodes(findings.phases())) {
+    NodeFindings found{.node = node};
+    found.measured =
+        has_truth ? match_of(node, findings, "measured") : std::optional(node.event.stamp);
+    found.predicted = match_of(node, findings, has_truth ? "predicted" : "predicted_to_measured");
+    findings.nodes.push_back(std::move(found));
+  }
+}
+
+CorrectionFindings judge_corrections(const std::vector<RunCorrection>& corrections,
+                                     Duration round_trip,
+                                     const std::vector<ObjectFindings>& objects) {
+  CorrectionFindings found{.counts = count_corrections(corrections)};
+  found.effects.resize(corrections.size());
+  for (const ObjectFindings& object : objects) {
+    if (object.source != "predicted") continue;
+    const std::vector<PoseError>& shown = object.errors.absolute;
+    found.settling[object.name] = settling_of(object.name, corrections, shown, round_trip);
+    for (std::size_t i = 0; i < corrections.size(); ++i) {
+      if (corrections[i].object == object.name) found.effects[i] = effect_of(corrections[i], shown);
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+PhaseTimeline RunFindings::phases_of(const std::string& object) const {
+  const auto found = phases().find(object);
+  return found == phases().end() ? PhaseTimeline() : found->second;
+}
+
+RunFindings compare_run(RunFiles files, std::map<std::string, PhaseTimeline> true_phases,
+                        const ComparisonSide& subject, const std::vector<ObjectFindings>& objects) {
+  RunFindings findings;
+  findings.files = std::move(files);
+  findings.true_phases = std::move(true_phases);
+  const RunFiles& run = findings.files;
+  findings.round_trip = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(
+      run.settings.forward_delay.value_or(0.0) + run.settings.backward_delay.value_or(0.0)));
+
+  compare_phases(findings.true_phases, run.measured, run, subject,
+                 {.key = "measured", .estimate = "measured", .reference = "truth"}, findings);
+  compare_phases(findings.true_phases, run.predicted, run, subject,
+                 {.key = "predicted", .estimate = "predicted", .reference = "truth"}, findings);
+  compare_phases(run.measured, run.predicted, run, subject,
+                 {.key = "predicted_to_measured", .estimate = "predicted", .reference = "measured"},
+                 findings);
+  find_nodes(findings);
+  for (const auto& [object, samples] : run.forces) {
+    findings.forces[object] = force_errors(samples, findings.phases_of(object));
+    findings.peaks[object] = contact_peaks(samples);
+  }
+  if (run.corrections) {
+    findings.corrections = judge_corrections(*run.corrections, findings.round_trip, objects);
+  }
+  return findings;
+}
+
+Expected<void> add_run(const ComparisonSide& reference, const ComparisonSide& subject,
+                       Findings& findings) {
+  if (subject.kind != SideKind::run) return {};
+  Expected<RunFiles> files = read_run_files(subject.folder);
+  if (!files) return files.error();
+  TruthFiles truth;
+  if (reference.kind == SideKind::truth) {
+    Expected<TruthFiles> read = read_truth_files(reference.folder);
+    if (!read) return read.error();
+    truth = std::move(read).value();
+  }
+  if (files->parameters) {
+    findings.has_true_parameters = truth.parameters.has_value();
+    findings.parameters =
+        parameter_errors(truth.parameters.value_or(ParameterTable()), *files->parameters);
+  }
+  const bool is_of_tracking_alone = files->measured.empty() && files->forces.empty() &&
+                                    !files->corrections && subject.predicted.empty();
+  if (is_of_tracking_alone) return {};
+  findings.run =
+      compare_run(std::move(files).value(), std::move(truth.phases), subject, findings.objects);
+  return {};
+}
+
+}  // namespace pcavr

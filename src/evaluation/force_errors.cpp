@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "force_errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcavr {
+namespace {
+
+constexpr Duration kBetweenContacts = std::chrono::milliseconds(50);
+
+void add(const ForceSample& sample, ForceErrorList& errors) {
+  const double difference = sample.felt - sample.measured;
+  errors.difference.push_back(difference);
+  if (sample.measured >= kSmallestJudgedForce) {
+    errors.relative.push_back(std::abs(difference) / sample.measured);
+  }
+}
+
+}  // namespace
+
+std::vector<double> magnitudes(const ForceErrorList& errors) {
+  std::vector<double> values;
+  values.reserve(errors.difference.size());
+  for (const double difference : errors.difference) values.push_back(std::abs(difference));
+  return values;
+}
+
+ForceErrors force_errors(const std::vector<ForceSample>& samples, const PhaseTimeline& timeline) {
+  ForceErrors errors;
+  for (const ForceSample& sample : samples) {
+    add(sample, errors.all);
+    const std::optional<Phase> phase = phase_at(timeline, sample.stamp);
+    if (!phase) continue;
+    add(sample, errors.by_phase.at(static_cast<std::size_t>(*phase)));
+    if (*phase != Phase::free) add(sample, errors.in_contact);
+  }
+  return errors;
+}
+
+std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples) {
+  std::vector<ContactPeak> contacts;
+  for (const ForceSample& sample : samples) {
+    if (contacts.empty() || sample.stamp - contacts.back().end > kBetweenContacts) {
+      contacts.push_back({sample.stamp, sample.stamp, sample.measured, sample.felt});
+    }
+    ContactPeak& contact = contacts.back();
+    contact.end = sample.stamp;
+    contact.measured = std::max(contact.measured, sample.measured);
+    contact.felt = std::max(contact.felt, sample.felt);
+  }
+  std::erase_if(contacts,
+                [](const ContactPeak& contact) { return contact.measured < kSmallestJudgedForce; });
+  return contacts;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "parameter_errors.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace pcavr {
+namespace {
+
+struct Kind {
+  const char* name;
+  const char* unit;
+  std::optional<ParameterValue> ObjectParameters::*member;
+  bool depends_on_exponent = false;
+};
+
+const std::array kKinds = {
+    Kind{"mass", "kg", &ObjectParameters::mass},
+    Kind{"limiting_static_friction", "N", &ObjectParameters::limiting_static_friction},
+    Kind{"sliding_friction_coefficient", "", &ObjectParameters::sliding_friction_coefficient},
+    Kind{"viscous_friction", "N s/m", &ObjectParameters::viscous_friction},
+    Kind{"contact.stiffness", "N/m^n", &ObjectParameters::contact_stiffness, true},
+    Kind{"contact.damping", "N s/m^(n+1)", &ObjectParameters::contact_damping, true},
+    Kind{"contact.exponent", "", &ObjectParameters::contact_exponent},
+    Kind{"friction_radius", "m", &ObjectParameters::friction_radius},
+    Kind{"tool_friction_coefficient", "", &ObjectParameters::tool_friction_coefficient}};
+
+void compare(ParameterError& error) {
+  if (!error.estimate || !error.truth) return;
+  const double difference = error.estimate->value - *error.truth;
+  if (*error.truth != 0.0) error.relative = difference / *error.truth;
+  const std::optional<double>& deviation = error.estimate->deviation;
+  if (deviation && *deviation > 0.0) error.deviations = difference / *deviation;
+}
+
+bool same_exponent(const ObjectParameters& a, const ObjectParameters& b) {
+  return a.contact_exponent && b.contact_exponent &&
+         a.contact_exponent->value == b.contact_exponent->value;
+}
+
+/// Elastic forces at one depth; nothing where a law or the limiting friction is not known.
+std::optional<ParameterError> contact_force_error(const std::string& object,
+                                                  const ObjectParameters& truth,
+                                                  const ObjectParameters& estimate) {
+  if (!truth.limiting_static_friction || !truth.contact_stiffness || !truth.contact_exponent ||
+      !estimate.contact_stiffness || !estimate.contact_exponent) {
+    return std::nullopt;
+  }
+  const double force = truth.limiting_static_friction->value;
+  const double depth =
+      std::pow(force / truth.contact_stiffness->value, 1.0 / truth.contact_exponent->value);
+  const double estimated =
+      estimate.contact_stiffness->value * std::pow(depth, estimate.contact_exponent->value);
+  ParameterError error{.object = object,
+                       .name = "contact.force",
+                       .unit = "N",
+                       .estimate = ParameterValue{estimated},
+                       .truth = force};
+  compare(error);
+  return error;
+}
+
+std::vector<ParameterError> errors_of(const std::string& object, const ObjectParameters* truth,
+                                      const ObjectParameters& estimate) {
+  std::vector<ParameterError> errors;
+  for (const Kind& kind : kKinds) {
+    ParameterError error{.object = object, .name = kind.name, .unit = kind.unit};
+    error.estimate = estimate.*kind.member;
+    if (truth && truth->*kind.member) error.truth = (truth->*kind.member)->value;
+    if (!error.estimate && !error.truth) continue;
+    if (truth && (!kind.depends_on_exponent || same_exponent(*truth, estimate))) compare(error);
+    errors.push_back(error);
+  }
+  if (truth) {
+    if (auto force = contact_force_error(object, *truth, estimate)) errors.push_back(*force);
+  }
+  return errors;
+}
+
+}  // namespace
+
+std::vector<ParameterError> parameter_errors(const ParameterTable& truth,
+                                             const ParameterTable& estimate) {
+  std::vector<ParameterError> errors;
+  for (const auto& [object, parameters] : estimate) {
+    const auto known = truth.find(object);
+    const auto more =
+        errors_of(object, known == truth.end() ? nullptr : &known->second, parameters);
+    errors.insert(errors.end(), more.begin(), more.end());
+  }
+  return errors;
+}
+
+}  // namespace pcavr

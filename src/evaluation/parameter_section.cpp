@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "html_text.hpp"
+#include "run_report.hpp"
+
+namespace pcavr {
+namespace {
+
+std::string number_text(const std::optional<double>& value, double scale = 1.0) {
+  return value ? readable(scale * *value) : "-";
+}
+
+bool is_assumed(const Findings& findings, const ParameterError& error) {
+  if (!findings.run) return false;
+  const auto& assumed = findings.run->files.settings.assumed;
+  const auto names = assumed.find(error.object);
+  return names != assumed.end() &&
+         std::find(names->second.begin(), names->second.end(), error.name) != names->second.end();
+}
+
+void add_values(const ParameterError& error, ReportSection& section) {
+  const std::string key = "parameters." + error.object + "." + error.name;
+  const auto add = [&](const std::string& name, const std::optional<double>& value) {
+    if (value) section.values.push_back({key + "." + name, *value});
+  };
+  if (error.estimate) {
+    add("value", error.estimate->value);
+    add("std", error.estimate->deviation);
+  }
+  add("truth", error.truth);
+  add("error_relative", error.relative);
+  add("error_in_std", error.deviations);
+}
+
+}  // namespace
+
+ReportSection parameter_section(const Findings& findings) {
+  ReportSection section{.title = "Parameters", .key = "parameters"};
+  ReportTable table{.title = findings.has_true_parameters ? "Identified and true" : "Identified",
+                    .columns = {"parameter", "object", "unit", "value", "std"}};
+  if (findings.has_true_parameters) {
+    table.columns.insert(table.columns.end(), {"truth", "error (%)", "error (std)"});
+  }
+  bool has_assumed = false;
+  for (const ParameterError& error : findings.parameters) {
+    const bool assumed = is_assumed(findings, error);
+    has_assumed = has_assumed || assumed;
+    std::vector<std::string> row = {error.name + (assumed ? " *" : ""), error.object, error.unit,
+                                    error.estimate ? readable(error.estimate->value) : "not known",
+                                    error.estimate ? number_text(error.estimate->deviation) : "-"};
+    if (findings.has_true_parameters) {
+      row.insert(row.end(), {number_text(error.truth), number_text(error.relative, kPercent),
+                             number_text(error.deviations)});
+    }
+    table.rows.push_back(std::move(row));
+    add_values(error, section);
+  }
+  table.note =
+      "Contact: F = stiffness d^n + damping d^n d' (n = 1: damping d'), n the exponent; stiffness "
+      "and "
+      "damping of different exponents have different units and are not compared. contact.force: "
+      "the "
+      "elastic force at the depth where the true contact bears the limiting friction. The std of "
+      "the "
+      "limiting friction is its spread over pushes.";
+  if (has_assumed) table.note += " *: assumed at the start of the run.";
+  section.tables.push_back(std::move(table));
+  return section;
+}
+
+std::vector<Figure> parameter_headline(const Findings& findings) {
+  std::vector<Figure> headline;
+  for (const ParameterError& error : findings.parameters) {
+    const bool is_main = error.name == "mass" || error.name == "limiting_static_friction" ||
+                         error.name == "sliding_friction_coefficient";
+    if (!is_main || !error.relative) continue;
+    std::string name = error.name;
+    std::replace(name.begin(), name.end(), '_', ' ');
+    headline.push_back({error.object + ": error of the " + name, kPercent * *error.relative, "%"});
+  }
+  return headline;
+}
+
+}  // namespace pcavr

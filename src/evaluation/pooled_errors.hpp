@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "findings.hpp"
+
+namespace pcavr {
+
+/// An object's errors while it is in one of the phases that `keep` accepts.
+template <typename Keep>
+[[nodiscard]] std::vector<PoseError> errors_in(const std::vector<PoseError>& errors,
+                                               const PhaseTimeline& timeline, Keep keep) {
+  std::vector<PoseError> kept;
+  for (const PoseError& error : errors) {
+    const std::optional<Phase> phase = phase_at(timeline, error.stamp);
+    if (phase && keep(*phase)) kept.push_back(error);
+  }
+  return kept;
+}
+
+[[nodiscard]] inline bool is_touched_or_moving(Phase phase) { return phase != Phase::free; }
+
+/// The same over every predicted object.
+template <typename Keep>
+[[nodiscard]] std::vector<PoseError> predicted_errors_in(const Findings& findings, Keep keep) {
+  std::vector<PoseError> pooled;
+  for (const ObjectFindings& object : findings.objects) {
+    if (object.source != "predicted" || !findings.run) continue;
+    const std::vector<PoseError> more =
+        errors_in(object.errors.absolute, findings.run->phases_of(object.name), keep);
+    pooled.insert(pooled.end(), more.begin(), more.end());
+  }
+  return pooled;
+}
+
+/// Relative force errors in the phases static, critical and sliding, over all objects.
+[[nodiscard]] inline std::vector<double> relative_force_errors(const RunFindings& run) {
+  std::vector<double> pooled;
+  for (const auto& [object, errors] : run.forces) {
+    const std::vector<double>& more = errors.in_contact.relative;
+    pooled.insert(pooled.end(), more.begin(), more.end());
+  }
+  return pooled;
+}
+
+}  // namespace pcavr

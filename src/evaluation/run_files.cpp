@@ -1,0 +1,249 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "run_files.hpp"
+
+#include <functional>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "pcavr/core/output.hpp"
+#include "pcavr/recording/parameters_file.hpp"
+
+#include "recording/text_rows.hpp"
+
+namespace pcavr {
+namespace fs = std::filesystem;
+namespace {
+
+using Fields = std::span<const std::string_view>;
+/// What is wrong with a row, if anything.
+using Fault = std::optional<Error>;
+/// A row that is about an object: its stamp, the object, and what follows.
+using TakeRow = std::function<Fault(Stamp, const std::string& object, Fields rest)>;
+
+enum class Stamps { ascend, may_repeat };
+
+struct ObjectTable {
+  fs::path file;
+  std::vector<std::string> columns;  ///< the first two are "t" and "object"
+  Stamps stamps = Stamps::ascend;    ///< of one object
+};
+
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+std::vector<std::string_view> split_at(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (;;) {
+    const std::size_t end = text.find(separator);
+    parts.push_back(trimmed(text.substr(0, end)));
+    if (end == text.npos) return parts;
+    text.remove_prefix(end + 1);
+  }
+}
+
+std::string header_of(const ObjectTable& table) {
+  std::string header;
+  for (const std::string& column : table.columns) header += (header.empty() ? "" : ",") + column;
+  return header;
+}
+
+Fault take_row(const ObjectTable& table, std::string_view line,
+               std::map<std::string, Stamp, std::less<>>& last, const TakeRow& take) {
+  const std::vector<std::string_view> fields = split_at(line, ',');
+  if (fields.size() != table.columns.size()) {
+    return Error{.message = "has " + std::to_string(fields.size()) + " columns, not " +
+                            std::to_string(table.columns.size()),
+                 .mend = "each line holds " + header_of(table)};
+  }
+  const Expected<Stamp> stamp = parse_stamp(fields[0]);
+  if (!stamp) return stamp.error();
+  const std::string object(fields[1]);
+  if (object.empty()) {
+    return Error{.message = "names no object", .place = "object", .mend = "write its name"};
+  }
+  const auto before = last.find(object);
+  if (before != last.end() &&
+      (*stamp < before->second || (table.stamps == Stamps::ascend && *stamp == before->second))) {
+    return Error{.message = "time " + std::string(fields[0]) + " is not after the one before of " +
+                            object + ", " + format_stamp(before->second),
+                 .mend = "sort the rows by time and keep one of equal ones"};
+  }
+  last[object] = *stamp;
+  return take(*stamp, object, Fields(fields).subspan(2));
+}
+
+/// Hands on each row of a CSV file that is about objects.
+Expected<void> read_table(const ObjectTable& table, const TakeRow& take) {
+  const std::string file = table.file.string();
+  const Expected<std::string> text = read_file(table.file);
+  if (!text) return text.error();
+  LineReader lines(*text);
+  const Expected<std::vector<std::string>> header = read_header(file, lines);
+  if (!header) return header.error();
+  if (*header != table.columns) {
+    return Error{.message = "has another header",
+                 .file = file,
+                 .line = 1,
+                 .mend = "begin with " + header_of(table)};
+  }
+  std::map<std::string, Stamp, std::less<>> last;
+  while (const std::optional<std::string_view> line = lines.next()) {
+    if (trimmed(*line).empty()) continue;
+    Fault fault = take_row(table, *line, last, take);
+    if (!fault) continue;
+    fault->file = file;
+    fault->line = lines.line();
+    return *std::move(fault);
+  }
+  return {};
+}
+
+Fault take_phase(std::string_view word, const std::string& column, Stamp stamp,
+                 PhaseTimeline& timeline) {
+  const std::optional<Phase> phase = phase_named(word);
+  if (!phase) {
+    return Error{.message = "'" + std::string(word) + "' is no phase",
+                 .place = column,
+                 .mend = "write free, static, critical or sliding"};
+  }
+  if (timeline.empty() || timeline.back().phase != *phase) timeline.push_back({stamp, *phase});
+  return std::nullopt;
+}
+
+Fault take_number(std::string_view field, const std::string& column, double& number) {
+  const std::optional<double> read = parse_number(field);
+  if (!read) {
+    return Error{.message = "'" + std::string(field) + "' is not a finite number",
+                 .place = column,
+                 .mend = "write a decimal number"};
+  }
+  number = *read;
+  return std::nullopt;
+}
+
+Fault take_force(Stamp stamp, Fields rest, std::vector<ForceSample>& samples) {
+  ForceSample sample{.stamp = stamp};
+  Fault fault = take_number(rest[0], "measured", sample.measured);
+  if (!fault) fault = take_number(rest[1], "virtual", sample.felt);
+  if (!fault) samples.push_back(sample);
+  return fault;
+}
+
+Fault take_correction(Stamp stamp, const std::string& object, Fields rest,
+                      std::vector<RunCorrection>& corrections) {
+  RunCorrection correction{.stamp = stamp, .object = object, .which = std::string(rest[0])};
+  bool is_known = false;
+  for (const char* which : {"1.1", "1.2a", "1.2b", "1.3", "2"}) {
+    is_known = is_known || correction.which == which;
+  }
+  if (!is_known) {
+    return Error{.message = "'" + correction.which + "' is no case of the switch",
+                 .place = "case",
+                 .mend = "write 1.1, 1.2a, 1.2b, 1.3 or 2"};
+  }
+  for (const std::string_view word : split_at(rest[1], '+')) {
+    if (word == "lost") {
+      correction.is_lost = true;
+    } else {
+      correction.what.emplace_back(word);
+    }
+  }
+  double bytes = 0.0;
+  Fault fault = take_number(rest[2], "bytes", bytes);
+  if (!fault && bytes < 0.0) fault = Error{.message = "is less than 0", .place = "bytes"};
+  if (fault) return fault;
+  correction.bytes = static_cast<std::size_t>(bytes);
+  corrections.push_back(std::move(correction));
+  return std::nullopt;
+}
+
+Expected<void> read_forces(const fs::path& file, RunFiles& run) {
+  return read_table({file, {"t", "object", "measured", "virtual"}},
+                    [&](Stamp stamp, const std::string& object, Fields rest) {
+                      return take_force(stamp, rest, run.forces[object]);
+                    });
+}
+
+Expected<void> read_run_phases(const fs::path& file, RunFiles& run) {
+  return read_table(
+      {file, {"t", "object", "measured", "predicted"}},
+      [&](Stamp stamp, const std::string& object, Fields rest) {
+        const Fault fault = take_phase(rest[0], "measured", stamp, run.measured[object]);
+        return fault ? fault : take_phase(rest[1], "predicted", stamp, run.predicted[object]);
+      });
+}
+
+Expected<void> read_corrections(const fs::path& file, RunFiles& run) {
+  run.corrections.emplace();
+  return read_table({file, {"t", "object", "case", "what", "bytes"}, Stamps::may_repeat},
+                    [&](Stamp stamp, const std::string& object, Fields rest) {
+                      return take_correction(stamp, object, rest, *run.corrections);
+                    });
+}
+
+Expected<void> read_parameters_into(const fs::path& file, std::optional<ParameterTable>& table) {
+  Expected<ParameterTable> read = read_parameters(file);
+  if (!read) return read.error();
+  table = std::move(read).value();
+  return {};
+}
+
+Expected<void> read_settings(const fs::path& file, RunFiles& run) {
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  Expected<RunSettings> settings = parse_run_settings(*text, file.string());
+  if (!settings) return settings.error();
+  run.settings = std::move(settings).value();
+  return {};
+}
+
+/// Reads each file that is there; the first Error ends it.
+Expected<void> read_those_there(
+    const fs::path& folder,
+    const std::vector<std::pair<const char*, std::function<Expected<void>(const fs::path&)>>>&
+        readers) {
+  for (const auto& [name, read] : readers) {
+    if (!is_there(folder / name)) continue;
+    const Expected<void> done = read(folder / name);
+    if (!done) return done;
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<RunFiles> read_run_files(const fs::path& folder) {
+  RunFiles run;
+  const Expected<void> read = read_those_there(
+      folder,
+      {{"run.yaml", [&](const fs::path& file) { return read_settings(file, run); }},
+       {"force.csv", [&](const fs::path& file) { return read_forces(file, run); }},
+       {"phases.csv", [&](const fs::path& file) { return read_run_phases(file, run); }},
+       {"corrections.csv", [&](const fs::path& file) { return read_corrections(file, run); }},
+       {"parameters.yaml",
+        [&](const fs::path& file) { return read_parameters_into(file, run.parameters); }}});
+  if (!read) return read.error();
+  return run;
+}
+
+Expected<TruthFiles> read_truth_files(const fs::path& folder) {
+  TruthFiles truth;
+  const auto read_phases = [&](const fs::path& file) {
+    return read_table({file, {"t", "object", "phase"}},
+                      [&](Stamp stamp, const std::string& object, Fields rest) {
+                        return take_phase(rest[0], "phase", stamp, truth.phases[object]);
+                      });
+  };
+  const Expected<void> read = read_those_there(
+      folder, {{"phase.csv", read_phases}, {"parameters.yaml", [&](const fs::path& file) {
+                                              return read_parameters_into(file, truth.parameters);
+                                            }}});
+  if (!read) return read.error();
+  return truth;
+}
+
+}  // namespace pcavr

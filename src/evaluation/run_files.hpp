@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/core/stamp.hpp"
+#include "pcavr/identification/object_parameters.hpp"
+
+#include "phase_timeline.hpp"
+
+namespace pcavr {
+
+/// A row of `force.csv`: along the push, at a stamp of the wrench.
+struct ForceSample {
+  Stamp stamp;
+  double measured = 0.0;  ///< [N]
+  double felt = 0.0;      ///< virtual: what the operator felt then [N]
+};
+
+/// A row of `corrections.csv`.
+struct RunCorrection {
+  Stamp stamp;  ///< the instant it speaks of
+  std::string object;
+  std::string which;                   ///< "1.1", "1.2a", "1.2b", "1.3" or "2"
+  std::vector<std::string> what = {};  ///< "position", "friction parameters", ...
+  bool is_lost = false;                ///< by the network
+  std::size_t bytes = 0;
+};
+
+/// What `run.yaml` says of the two sites; each empty where it does not.
+struct RunSettings {
+  std::optional<std::string> parameters;  ///< the file with which it began, or "none"
+  std::optional<double> forward_delay;    ///< [s]
+  std::optional<double> backward_delay;   ///< [s]
+  std::optional<double> jitter;           ///< [s]
+  std::optional<double> loss;             ///< share of corrections dropped, 0 to 1
+  std::optional<bool> corrections;
+  std::optional<bool> identifies;
+  std::optional<double> correction_bytes;
+  std::optional<double> streaming_bytes;                    ///< what sending all would have cost
+  std::map<std::string, std::vector<std::string>> assumed;  ///< parameters, by object
+  std::vector<std::string> notes;
+};
+
+/// What a run holds beside trajectories; a file that is not there leaves its part empty.
+struct RunFiles {
+  RunSettings settings;
+  std::map<std::string, std::vector<ForceSample>> forces;  ///< by object, ascending
+  std::map<std::string, PhaseTimeline> measured;
+  std::map<std::string, PhaseTimeline> predicted;
+  std::optional<std::vector<RunCorrection>> corrections;
+  std::optional<ParameterTable> parameters;
+};
+
+/// What a recording's truth holds beside trajectories and surfaces.
+struct TruthFiles {
+  std::map<std::string, PhaseTimeline> phases;
+  std::optional<ParameterTable> parameters;
+};
+
+/// Reads strictly: what is there but can't be read is an Error with file and line. Stamps ascend
+/// within each object (corrections: may repeat).
+[[nodiscard]] Expected<RunFiles> read_run_files(const std::filesystem::path& run);
+[[nodiscard]] Expected<TruthFiles> read_truth_files(const std::filesystem::path& truth);
+
+/// The parts of a run.yaml that are named above; other keys are for others.
+[[nodiscard]] Expected<RunSettings> parse_run_settings(const std::string& text,
+                                                       const std::string& file);
+
+}  // namespace pcavr

@@ -1,0 +1,230 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "run_plots.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <utility>
+
+#include "report.hpp"
+
+namespace pcavr {
+namespace {
+
+/// More points than this can't be told apart in a plot 560 units wide.
+constexpr std::size_t kMostPoints = 2000;
+/// More time nodes than this would cover the plot: the table has them.
+constexpr std::size_t kMostNodes = 15;
+constexpr double kSmallestMotion = 0.001;  // [m]
+constexpr double kBreak = std::numeric_limits<double>::quiet_NaN();
+
+/// The smallest and the largest value of each bucket, in the order of time: no peak gets lost, to
+/// either side.
+PlotSeries thinned(const PlotSeries& full) {
+  const std::size_t bucket = (2 * full.x.size() + kMostPoints - 1) / kMostPoints;
+  if (bucket <= 2) return full;
+  PlotSeries thin{.label = full.label, .color = full.color, .dashed = full.dashed};
+  for (std::size_t begin = 0; begin < full.x.size(); begin += bucket) {
+    const std::size_t end = std::min(begin + bucket, full.x.size());
+    std::size_t low = begin;
+    std::size_t high = begin;
+    std::optional<std::size_t> pause;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (std::isnan(full.y[i])) pause = i;
+      if (std::isnan(full.y[low]) || full.y[i] < full.y[low]) low = i;
+      if (std::isnan(full.y[high]) || full.y[i] > full.y[high]) high = i;
+    }
+    std::vector<std::size_t> kept = {low, high};
+    if (pause) kept.push_back(*pause);
+    std::sort(kept.begin(), kept.end());
+    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+    for (const std::size_t i : kept) {
+      thin.x.push_back(full.x[i]);
+      thin.y.push_back(full.y[i]);
+    }
+  }
+  return thin;
+}
+
+std::vector<PlotBand> bands_of(const PhaseTimeline& timeline, Stamp origin) {
+  std::vector<PlotBand> bands;
+  for (std::size_t i = 0; i < timeline.size(); ++i) {
+    if (timeline[i].phase == Phase::free) continue;
+    const double from = to_seconds(timeline[i].stamp - origin);
+    // The last phase holds to the end: beyond every plot's edge, where it is cut off.
+    const double to = i + 1 < timeline.size() ? to_seconds(timeline[i + 1].stamp - origin) : 1e12;
+    bands.push_back({from, to, static_cast<int>(timeline[i].phase)});
+  }
+  return bands;
+}
+
+void shade_phases(const std::string& object, const RunFindings& run, Stamp origin, Plot& plot) {
+  plot.bands = bands_of(run.phases_of(object), origin);
+  plot.band_labels = {"", "static", "critical", "sliding"};
+}
+
+std::vector<PlotMark> marks_of(const std::string& object, const RunFindings& run, Stamp origin) {
+  std::vector<PlotMark> marks;
+  for (const NodeFindings& found : run.nodes) {
+    if (found.node.object != object) continue;
+    marks.push_back(
+        {to_seconds(found.node.event.stamp - origin), "t" + std::to_string(found.node.number)});
+  }
+  if (marks.size() > kMostNodes) marks.clear();
+  return marks;
+}
+
+/// Where both together got farthest from where the reference began.
+Eigen::Vector3d farthest_from_start(const ObjectFindings& object) {
+  const Eigen::Vector3d start = object.reference.poses().front().pose.translation();
+  Eigen::Vector3d farthest = Eigen::Vector3d::Zero();
+  for (const Trajectory* trajectory : {&object.reference, &object.estimate}) {
+    for (const TimedPose& timed : trajectory->poses()) {
+      const Eigen::Vector3d way = timed.pose.translation() - start;
+      if (way.norm() > farthest.norm()) farthest = way;
+    }
+  }
+  return farthest;
+}
+
+PlotSeries way_along(const Trajectory& trajectory, const Eigen::Vector3d& start,
+                     const Eigen::Vector3d& direction, Stamp origin, PlotSeries series) {
+  for (const TimedPose& timed : trajectory.poses()) {
+    series.x.push_back(to_seconds(timed.stamp - origin));
+    series.y.push_back(kMillimetres * direction.dot(timed.pose.translation() - start));
+  }
+  return thinned(series);
+}
+
+std::string axes_text(const Eigen::Vector3d& direction) {
+  std::string text;
+  for (const double component : direction) {
+    char number[32];
+    std::snprintf(number, sizeof number, "%s%.2f", text.empty() ? "" : ", ", component + 0.0);
+    text += number;
+  }
+  return text;
+}
+
+std::string word_for(SideKind reference) {
+  if (reference == SideKind::truth) return "true";
+  return reference == SideKind::tracking ? "tracked" : "reference";
+}
+
+/// One record of one object's phases, until `end`.
+PhaseLane lane_of(const std::string& object, const std::string& label,
+                  const PhaseTimeline& timeline, Stamp end, Stamp origin) {
+  PhaseLane lane{object, label, {}};
+  for (std::size_t i = 0; i < timeline.size(); ++i) {
+    const Stamp from = timeline[i].stamp;
+    const Stamp to = i + 1 < timeline.size() ? timeline[i + 1].stamp : std::max(end, from);
+    lane.stretches.push_back(
+        {to_seconds(from - origin), to_seconds(to - origin), static_cast<int>(timeline[i].phase)});
+  }
+  return lane;
+}
+
+/// The last instant that any trajectory or phase is about.
+Stamp last_instant(const Findings& findings) {
+  Stamp end = findings.origin;
+  for (const ObjectFindings& object : findings.objects) {
+    end = std::max(end, object.estimate.poses().back().stamp);
+  }
+  for (const auto* timelines : {&findings.run->true_phases, &findings.run->files.measured}) {
+    for (const auto& [name, timeline] : *timelines) end = std::max(end, timeline.back().stamp);
+  }
+  return end;
+}
+
+}  // namespace
+
+void annotate(const ObjectFindings& object, const RunFindings& run, Stamp origin,
+              const std::vector<Plot*>& plots) {
+  std::vector<PlotPin> pins;
+  if (object.source == "predicted" && run.files.corrections) {
+    for (const RunCorrection& correction : *run.files.corrections) {
+      if (correction.object != object.name) continue;
+      pins.push_back({to_seconds(correction.stamp + run.round_trip - origin), correction.is_lost});
+    }
+  }
+  for (Plot* plot : plots) {
+    shade_phases(object.name, run, origin, *plot);
+    plot->pins = pins;
+    plot->pin_label = "correction arrives";
+    plot->hollow_pin_label = "correction lost";
+  }
+}
+
+std::optional<Plot> motion_plot(const ObjectFindings& object, const ComparisonSide& reference,
+                                const ComparisonSide& subject, const Findings& findings) {
+  const Eigen::Vector3d way = farthest_from_start(object);
+  if (way.norm() < kSmallestMotion) return std::nullopt;
+  const Eigen::Vector3d start = object.reference.poses().front().pose.translation();
+  const Eigen::Vector3d direction = way.normalized();
+  Plot plot{.title = object.name + ": way along (" + axes_text(direction) + ") in base",
+            .x_label = "time (s)",
+            .y_label = "way from its start (mm)",
+            .marks = marks_of(object.name, *findings.run, findings.origin)};
+  shade_phases(object.name, *findings.run, findings.origin, plot);
+  const auto add = [&](const Trajectory& trajectory, PlotSeries style) {
+    plot.series.push_back(
+        way_along(trajectory, start, direction, findings.origin, std::move(style)));
+  };
+  const auto tracked = subject.tracked.find(object.name);
+  if (tracked != subject.tracked.end()) add(tracked->second, {.label = "tracked", .color = 2});
+  add(object.reference, {.label = word_for(reference.kind), .color = 1});
+  if (object.source == "predicted") {
+    add(object.estimate, {.label = "predicted", .color = 0, .dashed = true});
+  }
+  return plot;
+}
+
+Plot force_plot(const std::string& object, const Findings& findings) {
+  const RunFindings& run = *findings.run;
+  Plot plot{.title = object + ": force of the tool",
+            .x_label = "time (s)",
+            .y_label = "force along the push (N)",
+            .marks = marks_of(object, run, findings.origin),
+            .y_from_zero = true};
+  shade_phases(object, run, findings.origin, plot);
+  PlotSeries measured{.label = "measured", .color = 1};
+  PlotSeries felt{.label = "felt by the operator (virtual)", .color = 0, .dashed = true};
+  const std::vector<ForceSample>& samples = run.files.forces.at(object);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (i > 0 && samples[i].stamp - samples[i - 1].stamp > std::chrono::milliseconds(50)) {
+      for (PlotSeries* series : {&measured, &felt}) {
+        series->x.push_back(kBreak);
+        series->y.push_back(kBreak);
+      }
+    }
+    const double t = to_seconds(samples[i].stamp - findings.origin);
+    measured.x.push_back(t);
+    measured.y.push_back(samples[i].measured);
+    felt.x.push_back(t);
+    felt.y.push_back(samples[i].felt);
+  }
+  plot.series = {thinned(measured), thinned(felt)};
+  return plot;
+}
+
+std::vector<PhaseLane> phase_lanes(const Findings& findings) {
+  const RunFindings& run = *findings.run;
+  const Stamp end = last_instant(findings);
+  std::map<std::string, std::vector<PhaseLane>> by_object;
+  const auto add = [&](const std::string& label,
+                       const std::map<std::string, PhaseTimeline>& timelines) {
+    for (const auto& [object, timeline] : timelines) {
+      by_object[object].push_back(lane_of(object, label, timeline, end, findings.origin));
+    }
+  };
+  add("truth", run.true_phases);
+  add("measured", run.files.measured);
+  add("predicted", run.files.predicted);
+  std::vector<PhaseLane> lanes;
+  for (const auto& [object, more] : by_object) lanes.insert(lanes.end(), more.begin(), more.end());
+  return lanes;
+}
+
+}  // namespace pcavr

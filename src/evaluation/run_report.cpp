@@ -1,0 +1,204 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "run_report.hpp"
+
+#include <set>
+
+#include "paper_figures.hpp"
+#include "pooled_errors.hpp"
+#include "run_plots.hpp"
+
+namespace pcavr {
+namespace {
+
+void add_pose_rows(const std::string& name, const std::string& key,
+                   const std::vector<PoseError>& errors, std::vector<ErrorRow>& rows) {
+  if (errors.empty()) return;
+  rows.push_back(
+      {"position, " + name, key + ".translation", "m", statistics(translations(errors))});
+  rows.push_back({"rotation, " + name, key + ".rotation", "rad", statistics(rotations(errors))});
+}
+
+/// Split by what `errors_where` gives for a choice of phases.
+template <typename ErrorsWhere>
+std::vector<ErrorRow> rows_by_phase(ErrorsWhere errors_where) {
+  std::vector<ErrorRow> rows;
+  add_pose_rows("touched or moving", "touched", errors_where(is_touched_or_moving), rows);
+  for (const Phase phase : kPhases) {
+    const std::string word(word_of(phase));
+    add_pose_rows(word, "phase." + word, errors_where([phase](Phase is) { return is == phase; }),
+                  rows);
+  }
+  return rows;
+}
+
+std::string phases_note(const RunFindings& run) {
+  return "Phases are those of the " +
+         std::string(run.true_phases.empty() ? "robot's site, as measured." : "truth.");
+}
+
+ReportSection overview_section(const Findings& findings) {
+  const RunFindings& run = *findings.run;
+  ReportSection section{.title = "The run", .key = "run"};
+  section.lanes = phase_lanes(findings);
+  if (!run.nodes.empty()) section.tables.push_back(node_table(findings));
+  ReportTable settings = settings_table(run);
+  if (!settings.rows.empty()) section.tables.push_back(std::move(settings));
+  for (const NodeFindings& found : run.nodes) {
+    const std::string key = "nodes.t" + std::to_string(found.node.number);
+    section.values.push_back({key + ".object", found.node.object});
+    section.values.push_back({key + ".event", std::string(word_of(found.node.event.event))});
+    const auto add = [&](const std::string& name, std::optional<Stamp> stamp) {
+      if (stamp) section.values.push_back({key + "." + name + "_s", stamp->seconds()});
+    };
+    if (!run.true_phases.empty()) add("truth", found.node.event.stamp);
+    add("measured", found.measured);
+    add("predicted", found.predicted);
+  }
+  return section;
+}
+
+ReportSection pooled_section(const Findings& findings) {
+  ReportSection section{
+      .title = "Position error of the prediction, all objects",
+      .key = "predicted",
+      .rows = rows_by_phase([&](auto keep) { return predicted_errors_in(findings, keep); }),
+      .note = phases_note(*findings.run),
+      .is_brief = true};
+  return section;
+}
+
+void add_force_rows(const std::string& name, const std::string& key, const ForceErrorList& errors,
+                    std::vector<ErrorRow>& rows) {
+  if (errors.difference.empty()) return;
+  rows.push_back({"force, " + name, key + ".absolute", "N", statistics(magnitudes(errors))});
+  if (errors.relative.empty()) return;
+  rows.push_back(
+      {"force, " + name + ", relative", key + ".relative", "", statistics(errors.relative)});
+}
+
+/// An object's way and force over time, and the force's errors.
+ReportSection push_section(const std::string& name, const ComparisonSide& reference,
+                           const ComparisonSide& subject, const Findings& findings) {
+  ReportSection section{
+      .title = name + ": motion and force", .key = "force." + name, .is_brief = true};
+  const ObjectFindings* shown = nullptr;  // the prediction, or else what was tracked
+  for (const ObjectFindings& object : findings.objects) {
+    if (object.name == name && (!shown || object.source == "predicted")) shown = &object;
+  }
+  if (shown) {
+    if (auto plot = motion_plot(*shown, reference, subject, findings)) {
+      section.plots.push_back(*std::move(plot));
+    } else {
+      section.note = name + " kept within 1 mm of its start.";
+    }
+  }
+  const auto errors = findings.run->forces.find(name);
+  if (errors == findings.run->forces.end()) return section;
+  section.plots.push_back(force_plot(name, findings));
+  add_force_rows("in contact", "in_contact", errors->second.in_contact, section.rows);
+  for (const Phase phase : kPhases) {
+    const std::string word(word_of(phase));
+    add_force_rows(word, word, errors->second.by_phase.at(static_cast<std::size_t>(phase)),
+                   section.rows);
+  }
+  add_force_rows("all", "all", errors->second.all, section.rows);
+  section.values.push_back({section.key + ".in_contact.mean_difference_N",
+                            statistics(errors->second.in_contact.difference).mean});
+  return section;
+}
+
+/// Figures of how well the events of one comparison were met.
+void add_phase_values(const std::string& key, const PhaseErrors& errors, ReportSection& section) {
+  std::size_t matched = 0;
+  for (const MatchedEvent& event : errors.events) matched += event.estimate ? 1 : 0;
+  section.values.push_back({key + ".boundary.matched", matched});
+  section.values.push_back({key + ".boundary.missed", count_missed(errors)});
+  section.values.push_back({key + ".boundary.surplus", count_surplus(errors)});
+  section.values.push_back({key + ".agreement", agreement(errors, false)});
+  section.values.push_back({key + ".agreement_touched", agreement(errors, true)});
+}
+
+void add_confusion_values(const std::string& key, const PhaseErrors& errors,
+                          ReportSection& section) {
+  for (std::size_t row = 0; row < kPhaseCount; ++row) {
+    for (std::size_t column = 0; column < kPhaseCount; ++column) {
+      section.values.push_back({key + ".confusion." + std::string(word_of(kPhases.at(row))) + "." +
+                                    std::string(word_of(kPhases.at(column))) + "_s",
+                                errors.seconds.at(row).at(column)});
+    }
+  }
+}
+
+std::string counts_text(const PhaseErrors& errors, PhaseEvent event) {
+  return std::to_string(count_missed(errors, event)) + " missed, " +
+         std::to_string(count_surplus(errors, event)) + " surplus";
+}
+
+ReportSection phase_section(const PhaseComparison& comparison) {
+  ReportSection section{.title = "Phases " + comparison.estimate + " against " +
+                                 (comparison.reference == "truth" ? "the truth" : "those measured"),
+                        .key = "phases." + comparison.key,
+                        .is_brief = true};
+  std::vector<PhaseErrors> of_objects;
+  for (const auto& [object, errors] : comparison.objects) of_objects.push_back(errors);
+  const PhaseErrors all = together(of_objects);
+  section.rows.push_back({"boundaries, all", "boundary", "s", statistics(event_errors(all))});
+  for (const PhaseEvent event : kEvents) {
+    const std::vector<double> seconds = event_errors(all, event);
+    if (seconds.empty() && count_missed(all, event) + count_surplus(all, event) == 0) continue;
+    const std::string word(word_of(event));
+    section.rows.push_back({word + " (" + counts_text(all, event) + ")", "boundary." + word, "s",
+                            statistics(seconds)});
+  }
+  add_phase_values(section.key, all, section);
+  add_confusion_values(section.key, all, section);
+  for (const auto& [object, errors] : comparison.objects) {
+    const std::string key = section.key + ".object." + object;
+    add_phase_values(key, errors, section);
+    const ErrorStatistics figures = statistics(event_errors(errors));
+    section.values.push_back({key + ".boundary.median_s", figures.median});
+    section.values.push_back({key + ".boundary.max_s", figures.max});
+  }
+  section.tables.push_back(confusion_table(comparison));
+  return section;
+}
+
+std::set<std::string> object_names(const Findings& findings) {
+  std::set<std::string> names;
+  for (const ObjectFindings& object : findings.objects) names.insert(object.name);
+  for (const auto& [object, forces] : findings.run->forces) names.insert(object);
+  return names;
+}
+
+}  // namespace
+
+std::vector<ErrorRow> phase_rows(const std::vector<PoseError>& errors,
+                                 const PhaseTimeline& timeline) {
+  if (timeline.empty()) return {};
+  return rows_by_phase([&](auto keep) { return errors_in(errors, timeline, keep); });
+}
+
+std::vector<ReportSection> run_sections(const ComparisonSide& reference,
+                                        const ComparisonSide& subject, const Findings& findings) {
+  const RunFindings& run = *findings.run;
+  std::vector<ReportSection> sections = {overview_section(findings)};
+  for (const std::string& name : object_names(findings)) {
+    sections.push_back(push_section(name, reference, subject, findings));
+  }
+  ReportSection pooled = pooled_section(findings);
+  if (!pooled.rows.empty()) sections.push_back(std::move(pooled));
+  for (const PhaseComparison& comparison : run.phase_comparisons) {
+    sections.push_back(phase_section(comparison));
+  }
+  if (run.corrections) sections.push_back(correction_section(findings));
+  if (!findings.parameters.empty()) sections.push_back(parameter_section(findings));
+  ReportSection papers{.title = "Beside the papers", .key = "papers"};
+  papers.tables.push_back(paper_table(findings));
+  ReportTable contacts = contact_table(findings);
+  if (!contacts.rows.empty()) papers.tables.push_back(std::move(contacts));
+  sections.push_back(std::move(papers));
+  return sections;
+}
+
+}  // namespace pcavr
