@@ -3,8 +3,11 @@
 #include "pcavr/pipeline/replay.hpp"
 
 #include <algorithm>
+#include <cstdio>
+#include <utility>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/recording/parameters_file.hpp"
 
 #include "commands.hpp"
 #include "summary.hpp"
@@ -17,6 +20,10 @@ struct ReplayArguments {
   std::string scene;
   OutputOption output;
   std::string sensor;
+  std::string parameters;
+  std::string tracked;
+  bool without_corrections = false;
+  bool keep_parameters = false;
   ReplayOptions options;
   int threads = 1;
 };
@@ -27,16 +34,50 @@ std::size_t count_seen(const ReplayedObject& object, ObjectEvidence evidence) {
                     [&](const ObjectObservation& seen) { return seen.evidence == evidence; }));
 }
 
+void describe_teleop(const Replay& replay, CommandResult& result) {
+  const TeleopRun& run = *replay.teleop;
+  const double share = run.streaming_bytes == 0
+                           ? 0.0
+                           : 100.0 * static_cast<double>(run.correction_bytes) /
+                                 static_cast<double>(run.streaming_bytes);
+  char line[160];
+  std::snprintf(line, sizeof line,
+                "corrections %zu, %zu bytes: %.2f %% of the %zu that streaming would send\n",
+                run.corrections.size(), run.correction_bytes, share, run.streaming_bytes);
+  result.summary += line;
+  for (std::size_t i = 0; i < replay.objects.size(); ++i) {
+    if (run.assumed[i].empty()) continue;
+    result.summary += "  " + replay.objects[i].name + ": assumed at the start:";
+    for (const std::string& name : run.assumed[i]) result.summary += ' ' + name;
+    result.summary += '\n';
+  }
+  for (const std::string& note : run.notes) result.summary += "  note: " + note + '\n';
+  result.json["corrections"] = run.corrections.size();
+  result.json["correction_bytes"] = run.correction_bytes;
+  result.json["streaming_bytes"] = run.streaming_bytes;
+  result.json["notes"] = run.notes;
+}
+
 CommandResult describe(const Replay& replay, const std::string& folder) {
   CommandResult result;
-  result.summary = frames_line(replay.frames_recorded, replay.frames_used, replay.frames_dropped);
-  result.summary += std::string("camera     ") +
-                    (replay.camera_from_scene ? "from the scene\n" : "from this recording\n");
+  if (replay.tracked_folder) {
+    result.summary = "tracking   from " + replay.tracked_folder->string() + '\n';
+  } else {
+    result.summary = frames_line(replay.frames_recorded, replay.frames_used, replay.frames_dropped);
+    result.summary += std::string("camera     ") +
+                      (replay.camera_from_scene ? "from the scene\n" : "from this recording\n");
+  }
   result.json = {{"run", folder},
                  {"frames_recorded", replay.frames_recorded},
                  {"frames_used", replay.frames_used}};
   result.json["objects"] = nlohmann::ordered_json::array();
   for (const ReplayedObject& object : replay.objects) {
+    if (object.observations.empty()) {
+      result.summary +=
+          "  " + object.name + ": " + std::to_string(object.tracked.size()) + " tracked poses\n";
+      result.json["objects"].push_back({{"name", object.name}, {"tracked", object.tracked.size()}});
+      continue;
+    }
     const std::size_t tags = count_seen(object, ObjectEvidence::tags);
     const std::size_t both = count_seen(object, ObjectEvidence::tags_and_shape);
     const std::size_t shape = count_seen(object, ObjectEvidence::shape);
@@ -50,6 +91,7 @@ CommandResult describe(const Replay& replay, const std::string& folder) {
                                       {"shape", shape},
                                       {"not_seen", lost}});
   }
+  if (replay.teleop) describe_teleop(replay, result);
   result.summary += "time\n" + times_table(replay.times);
   result.summary += "next: pcavr evaluate " + folder + " --truth RECORDING/truth -o REPORT\n";
   result.json["times"] = times_json(replay.times);
@@ -67,11 +109,20 @@ Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observ
   if (!recording) return recording.error();
   const Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
   if (!scene) return scene.error();
+  options.teleop.with_corrections = !arguments.without_corrections;
+  options.teleop.identifies = !arguments.keep_parameters;
+  if (!arguments.tracked.empty()) options.tracked = arguments.tracked;
+  if (!arguments.parameters.empty()) {
+    Expected<ParameterTable> parameters = read_parameters(arguments.parameters);
+    if (!parameters) return parameters.error();
+    options.parameters = std::move(*parameters);
+    options.parameters_file = arguments.parameters;
+  }
   Expected<OutputFolder> folder =
       OutputFolder::create(arguments.output.folder, arguments.output.replace);
   if (!folder) return folder.error();
 
-  const Expected<Replay> run = replay_tracking(*recording, *scene, options, observer);
+  const Expected<Replay> run = replay_recording(*recording, *scene, options, observer);
   if (!run) return run.error();
   const Expected<void> written = write_run(*run, *recording, *scene, folder->path());
   if (!written) return written.error();
@@ -80,12 +131,40 @@ Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observ
   return describe(*run, arguments.output.folder);
 }
 
+void add_link_options(CLI::App& command, ReplayArguments& arguments) {
+  TeleopOptions& teleop = arguments.options.teleop;
+  command.add_option("--parameters", arguments.parameters,
+                     "What identify wrote; without it both sites start from the scene's knowledge");
+  command.add_option("--tracked", arguments.tracked,
+                     "Take tracking from this run instead of doing it again");
+  command.add_option("--forward-delay", teleop.forward_delay, "From operator to robot [s]")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  command.add_option("--backward-delay", teleop.backward_delay, "From robot to operator [s]")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  command.add_option("--jitter", teleop.jitter, "Standard deviation of either delay [s]")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command.add_option("--loss", teleop.loss, "Share of corrections that the network drops")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command.add_option("--seed", teleop.seed, "Of jitter and loss")->capture_default_str();
+  command.add_flag("--no-corrections", arguments.without_corrections,
+                   "Predict alone: the robot's site sends nothing");
+  command.add_flag("--keep-parameters", arguments.keep_parameters, "Learn nothing on the way");
+}
+
 }  // namespace
 
 void add_replay(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
-      "replay", "Run a recording against a scene and write each object's tracked trajectory");
-  command->footer("Example:\n  pcavr replay my_recording --scene my_scene -o my_run");
+      "replay",
+      "Run a recording against a scene: track its objects, predict them over a delayed link, "
+      "correct the prediction");
+  command->footer(
+      "Example:\n  pcavr replay my_recording --scene my_scene --parameters my_parameters.yaml "
+      "--forward-delay 0.2 --backward-delay 0.2 -o my_run");
   auto arguments = std::make_shared<ReplayArguments>();
   command->add_option("recording", arguments->recording, "Folder with a recording.yaml")
       ->required();
@@ -96,6 +175,7 @@ void add_replay(CLI::App& app, Action& action) {
                     "Take groundtruth.txt as given, not as a measurement");
   command->add_flag("--skip-bad", arguments->options.skip_bad,
                     "Leave out bad rows and frames, and count them");
+  add_link_options(*command, *arguments);
   add_threads_option(*command, arguments->threads);
   command->callback([arguments, &action] {
     action = [arguments](const Observer& observer) { return replay(*arguments, observer); };

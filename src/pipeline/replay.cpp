@@ -3,6 +3,7 @@
 #include "pcavr/pipeline/replay.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -64,6 +65,12 @@ std::optional<CameraTrack> camera_of_scene(const Recording& recording, const Tra
   return track;
 }
 
+TrackedPose tracked_pose_of(const ObjectObservation& seen) {
+  return {seen.stamp.seconds(), seen.T_base_object,
+          std::sqrt(seen.covariance.topLeftCorner<3, 3>().trace()),
+          std::sqrt(seen.covariance.bottomRightCorner<3, 3>().trace())};
+}
+
 void warn_of_unseen(const Replay& replay, const Observer& observer) {
   for (const ReplayedObject& object : replay.objects) {
     const bool is_seen = std::any_of(
@@ -76,7 +83,112 @@ void warn_of_unseen(const Replay& replay, const Observer& observer) {
   }
 }
 
+/// Tracking that was done before, for the scene's bodies.
+Expected<Replay> tracking_from(const std::filesystem::path& folder,
+                               const std::vector<MovableBody>& bodies) {
+  Replay replay;
+  replay.tracked_folder = folder;
+  bool has_any = false;
+  for (const MovableBody& body : bodies) {
+    Expected<std::vector<TrackedPose>> tracked = read_tracked_poses(folder, body.entry.name);
+    if (!tracked) return tracked.error();
+    has_any = has_any || !tracked->empty();
+    replay.objects.push_back({body.entry.name, {}, std::move(*tracked)});
+  }
+  if (!has_any) {
+    return Error{.message = "no objects/NAME/tracked.txt of the scene's objects",
+                 .file = folder.string(),
+                 .mend = "name a run, or the folder tracked of a simulated recording"};
+  }
+  return replay;
+}
+
+Expected<Replay> track(const Recording& recording, const SceneManifest& scene,
+                       const std::vector<MovableBody>& bodies, const ReplayOptions& options,
+                       const Observer& observer) {
+  if (options.tracked) return tracking_from(*options.tracked, bodies);
+  const bool has_images = recording.manifest.camera && !recording.frames.empty();
+  if (has_images || recording.tool.empty()) {
+    return replay_tracking(recording, scene, options, observer);
+  }
+  observer.on_warning("the recording holds no images: objects are predicted, and never seen");
+  Replay replay;
+  for (const MovableBody& body : bodies) replay.objects.push_back({body.entry.name, {}, {}});
+  return replay;
+}
+
+Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManifest& scene,
+                                   const std::vector<MovableBody>& bodies, const Replay& replay,
+                                   const ReplayOptions& options) {
+  TeleopInput input;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const MovableBody& body = bodies[i];
+    TeleopObject object{
+        body.entry.name, body.model, *body.entry.T_base_object, {}, replay.objects[i].tracked};
+    if (options.parameters && options.parameters->contains(body.entry.name)) {
+      object.parameters = options.parameters->at(body.entry.name);
+    }
+    if (!object.parameters.mass && body.entry.mass) {
+      object.parameters.mass = ParameterValue{*body.entry.mass};
+    }
+    input.objects.push_back(std::move(object));
+  }
+  Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
+  if (!mesh) return mesh.error();
+  input.static_mesh_base = std::move(*mesh);
+  input.tool_radius = recording.manifest.tool_radius.value_or(input.tool_radius);
+  for (const TimedPose& tool : recording.tool.poses()) {
+    input.t_tool.push_back(tool.stamp.seconds());
+    input.p_base_tip.push_back(tool.pose.translation());
+  }
+  for (const WrenchSample& sample : recording.wrench) {
+    input.t_force.push_back(sample.stamp.seconds());
+    input.force_base.push_back(sample.force);
+  }
+  return input;
+}
+
+/// A parameter file for other objects than the scene's is somebody's slip.
+Expected<void> check_names(const ReplayOptions& options, const std::vector<MovableBody>& bodies) {
+  if (!options.parameters) return {};
+  for (const auto& [name, parameters] : *options.parameters) {
+    const bool is_known = std::any_of(bodies.begin(), bodies.end(), [&](const MovableBody& body) {
+      return body.entry.name == name;
+    });
+    if (!is_known) {
+      return Error{.message = "the scene has no movable object '" + name + "'",
+                   .file = options.parameters_file,
+                   .place = name,
+                   .mend = "take it out, or name the scene that these parameters are for"};
+    }
+  }
+  return {};
+}
+
 }  // namespace
+
+Expected<Replay> replay_recording(const Recording& recording, const SceneManifest& scene,
+                                  const ReplayOptions& options, const Observer& observer) {
+  const Expected<std::vector<MovableBody>> bodies = bodies_of(recording, scene);
+  if (!bodies) return bodies.error();
+  const Expected<void> names = check_names(options, *bodies);
+  if (!names) return names.error();
+  Expected<Replay> replay = track(recording, scene, *bodies, options, observer);
+  if (!replay || recording.tool.empty()) return replay;
+  StageClock clock;
+  clock.begin("both sites");
+  Expected<TeleopInput> input = teleop_input(recording, scene, *bodies, *replay, options);
+  if (!input) return input.error();
+  Expected<TeleopRun> run = run_teleop(*input, options.teleop, observer);
+  if (!run) return run.error();
+  clock.end();
+  replay->teleop = std::move(*run);
+  replay->parameters_file = options.parameters ? options.parameters_file : "none";
+  replay->teleop_options = options.teleop;
+  const std::vector<StageTime> times = clock.times();
+  replay->times.insert(replay->times.end(), times.begin(), times.end());
+  return replay;
+}
 
 Expected<Replay> replay_tracking(const Recording& recording, const SceneManifest& scene,
                                  const ReplayOptions& options, const Observer& observer) {
@@ -108,7 +220,11 @@ Expected<Replay> replay_tracking(const Recording& recording, const SceneManifest
       recording, *bodies, *survey, survey_options, observer, [&](const FollowedFrame& followed) {
         ++replay.frames_used;
         for (std::size_t i = 0; i < replay.objects.size(); ++i) {
-          replay.objects[i].observations.push_back(followed.objects[i]);
+          const ObjectObservation& seen = followed.objects[i];
+          replay.objects[i].observations.push_back(seen);
+          if (seen.evidence != ObjectEvidence::none) {
+            replay.objects[i].tracked.push_back(tracked_pose_of(seen));
+          }
         }
       });
   if (!done) return done.error();

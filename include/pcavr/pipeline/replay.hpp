@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,8 +14,10 @@
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/core/stage_clock.hpp"
 #include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/identification/object_parameters.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/teleop/run_teleop.hpp"
 #include "pcavr/tracking/object_tracker.hpp"
 
 namespace pcavr {
@@ -24,15 +27,28 @@ struct ReplayOptions {
   bool trust_poses = false;
   bool skip_bad = false;
   Parallelism parallelism = Parallelism::max();
+  /// Holds objects/NAME/tracked.txt, such as an earlier run does: taken instead of tracking again.
+  std::optional<std::filesystem::path> tracked = {};
+  /// What was identified before; without it the robot's site starts from what the scene knows.
+  std::optional<ParameterTable> parameters = {};
+  std::string parameters_file = {};  ///< by which the run names it
+  TeleopOptions teleop = {};
 };
 
 struct ReplayedObject {
   std::string name;
-  std::vector<ObjectObservation> observations;  ///< one for each frame whose camera was placed
+  /// One for each frame whose camera was placed; empty where tracking was taken from a folder.
+  std::vector<ObjectObservation> observations;
+  std::vector<TrackedPose> tracked = {};  ///< without the frames in which it was lost
 };
 
 struct Replay {
   std::vector<ReplayedObject> objects;
+  std::optional<std::filesystem::path> tracked_folder = {};  ///< where tracking was taken from
+  /// What both sites did; empty where the recording has no tool motion.
+  std::optional<TeleopRun> teleop = {};
+  std::string parameters_file = {};
+  TeleopOptions teleop_options = {};
   bool camera_from_scene = false;  ///< the scene's own trajectory served: same recording
   std::size_t frames_recorded = 0;
   std::size_t frames_used = 0;
@@ -47,8 +63,22 @@ struct Replay {
                                                const ReplayOptions& options,
                                                const Observer& observer = {});
 
+/// Reads objects/NAME/tracked.txt of a run, with the deviations from tracking.csv beside it (1 mm
+/// and 10 mrad where that file is absent). Empty where the folder has no such object.
+[[nodiscard]] Expected<std::vector<TrackedPose>> read_tracked_poses(
+    const std::filesystem::path& folder, const std::string& name);
+
+/// The whole chain of a replay: tracking by images, from a folder or, where there is neither, none;
+/// then both sites over a delayed link, the recorded tool as the operator's command and the
+/// recording as the remote truth. Without a tool motion it ends with the tracking.
+[[nodiscard]] Expected<Replay> replay_recording(const Recording& recording,
+                                                const SceneManifest& scene,
+                                                const ReplayOptions& options,
+                                                const Observer& observer = {});
+
 /// Writes run.yaml, objects/NAME/tracked.txt and objects/NAME/tracking.csv (what carried each
-/// pose, and how well) into a folder that exists.
+/// pose, and how well) into a folder that exists; where both sites ran, also
+/// objects/NAME/predicted.txt, force.csv, phases.csv, corrections.csv and parameters.yaml.
 [[nodiscard]] Expected<void> write_run(const Replay& replay, const Recording& recording,
                                        const SceneManifest& scene,
                                        const std::filesystem::path& folder);

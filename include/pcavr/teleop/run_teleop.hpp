@@ -16,6 +16,7 @@
 #include "pcavr/geometry/mesh.hpp"
 #include "pcavr/geometry/pose.hpp"
 #include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/identification/signals.hpp"
 #include "pcavr/model/cad_model.hpp"
 #include "pcavr/prediction/predicted_world.hpp"
 
@@ -114,8 +115,10 @@ struct TeleopRun {
   std::size_t correction_bytes = 0;
   /// What sending every tracked pose and every wrench sample would have cost, in the same encoding.
   std::size_t streaming_bytes = 0;
-  std::size_t late_corrections = 0;  ///< too old for the memory when they came
-  std::vector<std::string> notes;    ///< what a reader of the report should know
+  std::size_t late_corrections = 0;              ///< too old for the memory when they came
+  std::optional<TimeOffset> tool_to_force = {};  ///< how late the force is; taken off if it matters
+  std::optional<TimeOffset> tool_to_camera = {};  ///< how late tracking is; the same
+  std::vector<std::string> notes;                 ///< what a reader of the report should know
 };
 
 /// Runs both sites in virtual time over a recording. Fails only where an object cannot be made a

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "teleop/contact_line.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcavr {
+namespace {
+
+constexpr std::size_t kLeastSamples = 20;
+// The tip must have gone this many deviations of its noise into the object.
+constexpr double kLeastSpread = 2.0;
+
+}  // namespace
+
+void ContactLine::add(double tip, double force) {
+  if (count_++ == 0) origin_ = tip;
+  const double x = tip - origin_;
+  x_ += x;
+  xx_ += x * x;
+  for (std::size_t law = 0; law < kExponents.size(); ++law) {
+    const double g = std::pow(force, 1.0 / kExponents[law]);
+    sums_[law].g += g;
+    sums_[law].gg += g * g;
+    sums_[law].gx += g * x;
+  }
+}
+
+ContactLine::Fit ContactLine::fit(std::size_t law) const {
+  const auto n = static_cast<double>(count_);
+  const Sums& s = sums_[law];
+  const double spread = s.gg - s.g * s.g / n;
+  const double both = s.gx - s.g * x_ / n;
+  Fit result;
+  if (spread > 0.0) result.slope = std::max(both / spread, 0.0);
+  result.surface = (x_ - result.slope * s.g) / n;
+  result.residual =
+      xx_ - x_ * x_ / n - 2.0 * result.slope * both + result.slope * result.slope * spread;
+  return result;
+}
+
+std::size_t ContactLine::best() const { return fit(1).residual < fit(0).residual ? 1 : 0; }
+
+bool ContactLine::is_ready(double tip_noise) const {
+  if (count_ < kLeastSamples) return false;
+  const auto n = static_cast<double>(count_);
+  const double spread = std::sqrt(std::max(xx_ / n - x_ * x_ / (n * n), 0.0));
+  return spread > kLeastSpread * tip_noise && fit(best()).slope > 0.0;
+}
+
+double ContactLine::surface() const { return origin_ + fit(best()).surface; }
+
+double ContactLine::depth(double force) const {
+  const std::size_t law = best();
+  return fit(law).slope * std::pow(std::max(force, 0.0), 1.0 / kExponents[law]);
+}
+
+}  // namespace pcavr

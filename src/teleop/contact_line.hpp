@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace pcavr {
+
+/// The contact's law as the push itself shows it while the object stands: the tip's coordinate is
+/// surface + (F / k)^(1/n), fitted over running sums for n = 1 and n = 1.5, of which the smaller
+/// residual holds. An object that moves leaves the line [paper C, SMA].
+class ContactLine {
+ public:
+  /// tip: coordinate growing into the object [m]; force > 0 [N].
+  void add(double tip, double force);
+
+  /// Enough samples over enough depth to predict anything; `tip_noise` [m].
+  [[nodiscard]] bool is_ready(double tip_noise) const;
+  [[nodiscard]] double surface() const;            ///< the tip's coordinate at first touch [m]
+  [[nodiscard]] double depth(double force) const;  ///< [m]
+  [[nodiscard]] std::size_t samples() const { return count_; }
+
+ private:
+  static constexpr std::array<double, 2> kExponents{1.0, 1.5};
+  struct Fit {
+    double slope = 0.0;     ///< depth over F^(1/n)
+    double surface = 0.0;   ///< relative to origin_
+    double residual = 0.0;  ///< [m^2]
+  };
+  struct Sums {
+    double g = 0.0, gg = 0.0, gx = 0.0;
+  };
+  [[nodiscard]] Fit fit(std::size_t law) const;
+  [[nodiscard]] std::size_t best() const;
+
+  std::array<Sums, 2> sums_{};
+  double x_ = 0.0, xx_ = 0.0;
+  double origin_ = 0.0;  ///< the first tip: keeps the sums small
+  std::size_t count_ = 0;
+};
+
+}  // namespace pcavr

@@ -1,0 +1,262 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "teleop/input_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "teleop/body_surface.hpp"
+
+namespace pcavr {
+namespace {
+
+// Tips this near count as pressing a little: tracking is no better [m].
+constexpr double kSoftEdge = 5e-4;
+// Within this the force's direction is that to the body [m].
+constexpr double kNear = 0.02;
+// Samples of the penetration a second: enough for clocks, cheap enough for long recordings.
+constexpr double kRate = 200.0;
+// A correlation below minus this is a sign turned round.
+constexpr double kTurnedRound = 0.5;
+// No support bears more, and no sliding body less, of its weight.
+constexpr double kMostFriction = 10.0;
+constexpr double kLeastFriction = 0.01;
+constexpr double kMoved = 0.005;    // [m] that an object was pushed, beyond doubt
+constexpr double kDensity = 700.0;  // [kg/m^3] where no mass is known
+constexpr double kGravity = 9.80665;
+// As many equal readings in a row at a sensor's extreme are no chance.
+constexpr int kFlatTop = 8;
+// Free time kept around a motion for the camera's offset, and the offset's range [s].
+constexpr double kAround = 1.0;
+constexpr double kRange = 0.2;
+constexpr double kQuick = 0.1;  // [m/s] between frames: a start of motion for sure
+
+struct Pressing {
+  std::vector<double> t;
+  std::vector<double> depth;                 ///< [m] >= 0
+  std::vector<Eigen::Vector3d> inward_base;  ///< zero where no body is near
+  std::vector<std::size_t> object;           ///< the nearest
+};
+
+Pose tracked_at(const TeleopObject& object, double t, std::size_t& cursor) {
+  const std::vector<TrackedPose>& tracked = object.tracked;
+  if (tracked.empty()) return object.T_base_object;
+  while (cursor + 1 < tracked.size() && tracked[cursor + 1].t <= t) ++cursor;
+  if (t <= tracked[cursor].t || cursor + 1 == tracked.size()) return tracked[cursor].T_base_object;
+  const double share = (t - tracked[cursor].t) / (tracked[cursor + 1].t - tracked[cursor].t);
+  return interpolate(tracked[cursor].T_base_object, tracked[cursor + 1].T_base_object, share);
+}
+
+Pressing press_of(const TeleopInput& input, const TipMotion& tip) {
+  Pressing pressing;
+  std::vector<BodySurface> surfaces;
+  for (const TeleopObject& object : input.objects) surfaces.emplace_back(object.model);
+  std::vector<std::size_t> cursors(surfaces.size(), 0);
+  const auto count = static_cast<std::size_t>((tip.t.back() - tip.t.front()) * kRate) + 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double t = tip.t.front() + static_cast<double>(k) / kRate;
+    const Eigen::Vector3d p_base = tip.at(t);
+    Reach nearest{.clearance = kFarAway};
+    std::size_t which = 0;
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+      const Pose T_base_object = tracked_at(input.objects[i], t, cursors[i]);
+      const Reach reach = surfaces[i].reach(T_base_object, p_base, input.tool_radius);
+      if (reach.clearance < nearest.clearance) nearest = reach, which = i;
+    }
+    pressing.t.push_back(t);
+    pressing.depth.push_back(std::max(kSoftEdge - nearest.clearance, 0.0));
+    pressing.inward_base.push_back(nearest.clearance < kNear ? nearest.direction_base
+                                                             : Eigen::Vector3d(0.0, 0.0, 0.0));
+    pressing.object.push_back(which);
+  }
+  return pressing;
+}
+
+std::string in_milliseconds(const TimeOffset& offset) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.1f +- %.1f ms", 1e3 * offset.offset, 1e3 * offset.deviation);
+  return text;
+}
+
+std::optional<double> flat_top(const TeleopInput& input) {
+  std::optional<double> ceiling;
+  for (int axis = 0; axis < 3; ++axis) {
+    double extreme = 0.0;
+    for (const auto& force : input.force_base) extreme = std::max(extreme, std::abs(force[axis]));
+    int in_a_row = 0;
+    for (std::size_t i = 1; i < input.force_base.size(); ++i) {
+      const double now = input.force_base[i][axis];
+      const bool is_flat = std::abs(now) == extreme && now == input.force_base[i - 1][axis];
+      in_a_row = is_flat ? in_a_row + 1 : 0;
+      if (in_a_row >= kFlatTop && extreme > 1.0) {
+        ceiling = std::min(ceiling.value_or(extreme), extreme);
+      }
+    }
+  }
+  return ceiling;
+}
+
+/// How far any object was seen to go.
+double longest_way(const TeleopInput& input) {
+  double longest = 0.0;
+  for (const TeleopObject& object : input.objects) {
+    if (object.tracked.empty()) continue;
+    const Eigen::Vector3d way = object.tracked.back().T_base_object.translation() -
+                                object.tracked.front().T_base_object.translation();
+    longest = std::max(longest, way.norm());
+  }
+  return longest;
+}
+
+void check_unit(const TeleopInput& input, const Pressing& pressing, InputFindings& findings) {
+  // The friction felt over the weight, at its largest while something is pressed.
+  double share = 0.0;
+  std::vector<double> friction;
+  for (std::size_t i = 0; i < input.force_base.size(); ++i) {
+    const double place = (input.t_force[i] - pressing.t.front()) * kRate;
+    if (place < 0.0 || place >= static_cast<double>(pressing.t.size())) continue;
+    const auto k = static_cast<std::size_t>(place);
+    if (pressing.depth[k] <= 0.0) continue;
+    const TeleopObject& object = input.objects[pressing.object[k]];
+    const double mass =
+        object.parameters.mass ? object.parameters.mass->value : kDensity * object.model.volume;
+    friction.push_back(input.force_base[i].head<2>().norm() / (mass * kGravity));
+  }
+  if (friction.empty()) return;
+  // Spikes are no measure: all but the last hundredth.
+  const auto high =
+      friction.begin() + static_cast<std::ptrdiff_t>(99 * (friction.size() - 1) / 100);
+  std::nth_element(friction.begin(), high, friction.end());
+  share = *high;
+  const bool is_too_weak = share < kLeastFriction && longest_way(input) > kMoved;
+  if (share <= kMostFriction && !is_too_weak) return;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the force is not used: pushes show %.3g of the pushed object's weight; "
+                "is its unit N?",
+                share);
+  findings.is_force_usable = false;
+  findings.notes.emplace_back(text);
+}
+
+void check_force(const TeleopInput& input, const Pressing& pressing, InputFindings& findings) {
+  std::vector<double> along(input.t_force.size(), 0.0);
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    const double place = (input.t_force[i] - pressing.t.front()) * kRate;
+    if (place < 0.0 || place >= static_cast<double>(pressing.t.size())) continue;
+    along[i] = input.force_base[i].dot(pressing.inward_base[static_cast<std::size_t>(place)]);
+  }
+  const TimeOffset offset = estimate_time_offset(pressing.t, pressing.depth, input.t_force, along);
+  if (offset.correlation < -kTurnedRound) {
+    findings.is_force_usable = false;
+    findings.notes.emplace_back(
+        "the force is not used: it falls where the tool presses in; its sign is turned round");
+    return;
+  }
+  if (offset.is_known) findings.tool_to_force = offset;
+  check_unit(input, pressing, findings);
+  findings.force_ceiling = flat_top(input);
+  if (findings.force_ceiling) {
+    char text[128];
+    std::snprintf(text, sizeof text,
+                  "the force sensor saturates at %.1f N: contacts that reach it teach nothing",
+                  *findings.force_ceiling);
+    findings.notes.emplace_back(text);
+  }
+}
+
+/// The frames of an object's longest uninterrupted motion.
+struct Motion {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  double way = 0.0;
+};
+Motion longest_motion(const std::vector<TrackedPose>& tracked) {
+  Motion longest;
+  Motion now;
+  for (std::size_t i = 1; i < tracked.size(); ++i) {
+    const double step =
+        (tracked[i].T_base_object.translation() - tracked[i - 1].T_base_object.translation())
+            .head<2>()
+            .norm();
+    const double passed = tracked[i].t - tracked[i - 1].t;
+    if (step < std::min(3.0 * tracked[i].position_sigma, kQuick * passed)) {
+      now = {i, i, 0.0};
+      continue;
+    }
+    now.end = i;
+    now.way += step;
+    if (now.way > longest.way) longest = now;
+  }
+  return longest;
+}
+
+/// What is pushed goes with what pushes: the tip's way, cut off at both ends by the object's.
+std::optional<TimeOffset> camera_offset(const TeleopObject& object, const TipMotion& tip) {
+  const std::vector<TrackedPose>& tracked = object.tracked;
+  if (tracked.size() < 10) return std::nullopt;
+  const Motion motion = longest_motion(tracked);
+  if (motion.way < kMoved) return std::nullopt;
+  const Eigen::Vector3d from = tracked[motion.begin].T_base_object.translation();
+  const Eigen::Vector3d way = tracked[motion.end].T_base_object.translation() - from;
+  if (way.head<2>().norm() < kMoved) return std::nullopt;
+  const Eigen::Vector3d along = Eigen::Vector3d(way.x(), way.y(), 0.0).normalized();
+  const double length = way.dot(along);
+  const double begin = tracked[motion.begin].t - kAround;
+  const double end = tracked[motion.end].t + kAround;
+  std::vector<double> t_tip, pushed, t_seen, seen;
+  double furthest = -1e300;
+  for (std::size_t i = 0; i < tip.t.size(); ++i) {
+    if (tip.t[i] < begin || tip.t[i] > end) continue;
+    t_tip.push_back(tip.t[i]);
+    pushed.push_back(tip.p_base[i].dot(along));
+    const bool is_moving = tip.t[i] > begin + kAround - kRange && tip.t[i] < end - kAround + kRange;
+    if (is_moving) furthest = std::max(furthest, pushed.back());
+  }
+  double reached = 0.0;
+  for (double& value : pushed) {
+    reached = std::max(reached, std::clamp(value - (furthest - length), 0.0, length));
+    value = reached;
+  }
+  for (const TrackedPose& pose : tracked) {
+    if (pose.t < begin || pose.t > end) continue;
+    t_seen.push_back(pose.t);
+    seen.push_back((pose.T_base_object.translation() - from).dot(along));
+  }
+  const TimeOffset offset = estimate_time_offset(t_tip, pushed, t_seen, seen, {.range = kRange});
+  if (!offset.is_known || offset.correlation < 0.9) return std::nullopt;
+  return offset;
+}
+
+}  // namespace
+
+InputFindings check_input(const TeleopInput& input, const TipMotion& tip) {
+  InputFindings findings;
+  if (tip.t.size() < 2) {
+    findings.is_force_usable = false;
+    return findings;
+  }
+  for (const TeleopObject& object : input.objects) {
+    const std::optional<TimeOffset> offset = camera_offset(object, tip);
+    if (!offset) continue;
+    const bool is_surer =
+        !findings.tool_to_camera || offset->deviation < findings.tool_to_camera->deviation;
+    if (is_surer) findings.tool_to_camera = offset;
+  }
+  if (input.t_force.empty()) {
+    findings.is_force_usable = false;
+    findings.notes.emplace_back(
+        "no wrench was recorded: contact and sliding are told by the camera alone, nothing is "
+        "identified");
+    return findings;
+  }
+  if (!input.objects.empty()) check_force(input, press_of(input, tip), findings);
+  if (findings.tool_to_force) {
+    findings.notes.push_back("the force is " + in_milliseconds(*findings.tool_to_force) +
+                             " behind the tool");
+  }
+  return findings;
+}
+
+}  // namespace pcavr

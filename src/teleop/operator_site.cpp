@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "teleop/operator_site.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "teleop/told_parameters.hpp"
+
+namespace pcavr {
+
+Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
+                                            const std::vector<BodyPhysics>& physics,
+                                            double round_trip, double start,
+                                            const Eigen::Vector3d& p_base_tip) {
+  WorldModel model;
+  model.static_mesh_base = input.static_mesh_base;
+  model.tool_radius = input.tool_radius;
+  std::vector<Known> objects;
+  for (std::size_t i = 0; i < input.objects.size(); ++i) {
+    const TeleopObject& object = input.objects[i];
+    model.bodies.push_back({object.model, object.T_base_object, physics[i]});
+    objects.push_back({object.model, object.T_base_object, told_parameters(physics[i]), 0});
+  }
+  Expected<PredictedWorld> world = PredictedWorld::create(std::move(model));
+  if (!world) return world.error();
+  PredictorOptions options;
+  // A correction speaks of a round trip ago, and of what took time to be seen.
+  options.memory = std::max(options.memory, round_trip + 1.0);
+  return OperatorSite(Predictor(std::move(*world), start, p_base_tip, options), std::move(objects),
+                      start);
+}
+
+void OperatorSite::expect(double arrival, std::vector<std::uint8_t> bytes) {
+  arriving_.push_back({arrival, std::move(bytes)});
+}
+
+void OperatorSite::step(double wall, const Eigen::Vector3d& p_base_tip) {
+  while (!arriving_.empty() && arriving_.front().at <= wall) {
+    const std::optional<CorrectionMessage> message = decode(arriving_.front().bytes, epoch_);
+    arriving_.pop_front();
+    if (message && message->object < objects_.size()) apply(*message);
+  }
+  predictor_.step(p_base_tip);
+}
+
+void OperatorSite::apply(const CorrectionMessage& message) {
+  Known& object = objects_[message.object];
+  object.received = message.sequence;
+  Correction correction;
+  correction.t = message.t;
+  correction.body = message.object;
+  if (message.place) correction.T_base_object = pose_at(*message.place, object.T_base_start);
+  correction.twist = message.twist;
+  if (!is_empty(message.parameters)) {
+    overwrite(object.parameters, message.parameters);
+    correction.physics =
+        complete_physics(object.parameters, object.model, object.T_base_start).physics;
+  }
+  if (!predictor_.correct(correction)) ++late_;
+}
+
+Prediction OperatorSite::prediction(std::size_t object) const {
+  const BodyState& state = predictor_.world().state()[object];
+  return {place_of(predictor_.world().T_base_object(object)), state.tool_force_base,
+          predictor_.shown(object).force_base, state.phase, objects_[object].received};
+}
+
+}  // namespace pcavr

@@ -1,0 +1,313 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "teleop/phase_monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcavr {
+namespace {
+
+// Samples in a row that must say the same before it counts.
+constexpr int kInARow = 3;
+// Share of the entering force below which a contact ends, and for how long [s].
+constexpr double kLeaveShare = 0.5;
+constexpr double kLeaveTime = 0.008;
+// The newest stretch, in which the object may already move, is kept out of the line [s].
+constexpr double kGuard = 0.080;
+// By then the line's beginning is known well enough to say when the tip touched [s].
+constexpr double kStampAfter = 0.150;
+// Shortest and longest stretch over which the object's speed is measured [s].
+constexpr double kShortWindow = 0.060;
+constexpr double kLongWindow = 0.120;
+// An onset is stamped by two levels of the way, this factor apart.
+constexpr double kLevels = 4.0;
+constexpr double kLeastLevel = 1e-4;  // [m]
+// After this long a slide is stamped with what there is [s].
+constexpr double kSlideSettled = 0.080;
+// The format's share of the limit from which friction counts as critical.
+constexpr double kCriticalShare = 0.9;
+
+}  // namespace
+
+PhaseMonitor::PhaseMonitor(double t_start, const MonitorOptions& options) : options_(options) {
+  changes_.push_back({t_start, MotionPhase::free});
+}
+
+void PhaseMonitor::change_to(double t, MotionPhase phase) {
+  if (changes_.back().phase == phase) return;
+  changes_.push_back({std::max(t, changes_.back().t), phase});
+}
+
+void PhaseMonitor::see(double t, bool is_moving, bool is_near) {
+  if (is_touched_) return;
+  const MotionPhase at_rest = is_near ? MotionPhase::held : MotionPhase::free;
+  change_to(t, is_moving ? MotionPhase::sliding : at_rest);
+}
+
+std::optional<double> PhaseMonitor::way_at(double t) const {
+  if (!is_touched_ || is_press_ || !line_.is_ready(options_.tip_noise)) return std::nullopt;
+  if (t < contact_.front().t || t > contact_.back().t) return std::nullopt;
+  return way(contact_[first_after(t)]);
+}
+
+void PhaseMonitor::step(const MonitorSample& sample,
+                        const std::optional<ParameterValue>& limiting_friction) {
+  const double size = sample.force_base.norm();
+  if (!is_touched_) {
+    const bool is_above = sample.is_within_reach && size > options_.enter_force;
+    if (is_above && in_a_row_ == 0) above_since_ = sample.t;
+    in_a_row_ = is_above ? in_a_row_ + 1 : 0;
+    if (in_a_row_ < kInARow) return;
+    begin_contact(sample);
+  }
+  if (size > kLeaveShare * options_.enter_force) last_loaded_ = sample.t;
+  if (sample.t - last_loaded_ > kLeaveTime) {
+    end_contact();
+    return;
+  }
+  follow({sample.t, sample.p_base_tip.dot(direction_base_), sample.force_base.dot(direction_base_),
+          sample.force_base.head<2>().norm()},
+         limiting_friction);
+}
+
+void PhaseMonitor::begin_contact(const MonitorSample& sample) {
+  is_touched_ = true;
+  in_a_row_ = 0;
+  contact_begin_ = above_since_;
+  last_loaded_ = sample.t;
+  const Eigen::Vector3d& inward = sample.direction_base;
+  is_press_ = std::abs(inward.z()) > inward.head<2>().norm();
+  direction_base_ = inward;
+  if (!is_press_) direction_base_ = Eigen::Vector3d(inward.x(), inward.y(), 0.0).normalized();
+  line_ = {};
+  is_line_final_ = is_contact_stamped_ = false;
+  next_for_line_ = 0;
+  contact_.clear();
+  speed_ = 0.0;
+  fast_in_a_row_ = critical_in_a_row_ = 0;
+  rest_since_ = above_since_;
+  change_to(above_since_, MotionPhase::held);
+}
+
+void PhaseMonitor::end_contact() {
+  if (phase() == MotionPhase::sliding) end_slide();
+  stamp_contact();
+  is_touched_ = false;
+  speed_ = 0.0;
+  double t_end = last_loaded_;
+  if (line_.is_ready(options_.tip_noise) && !contact_.empty()) {
+    // The surface lies where the object came to rest; the tip left it at about the last force.
+    const double surface = line_.surface() + rest_way_;
+    const std::size_t recent = first_after(last_loaded_ - 2.0 * kShortWindow);
+    for (std::size_t i = contact_.size(); i-- > recent;) {
+      if (contact_[i].tip > surface) break;
+      t_end = contact_[i].t;
+    }
+    t_end = std::min(t_end, last_loaded_);
+  }
+  change_to(t_end, MotionPhase::free);
+}
+
+void PhaseMonitor::follow(const Point& point,
+                          const std::optional<ParameterValue>& limiting_friction) {
+  contact_.push_back(point);
+  if (is_press_) return;
+  while (!is_line_final_ && contact_[next_for_line_].t < point.t - kGuard) {
+    const Point& past = contact_[next_for_line_++];
+    if (past.force > options_.enter_force) line_.add(past.tip, past.force);
+  }
+  if (point.t - contact_.front().t > kStampAfter) stamp_contact();
+  if (!line_.is_ready(options_.tip_noise)) {
+    judge_rest(limiting_friction);
+    return;
+  }
+  measure_speed();
+  if (phase() == MotionPhase::sliding) {
+    if (!is_slide_stamped_) stamp_slide();
+    if (speed_ < std::max(0.4 * options_.slide_speed, 2.0 * speed_noise_)) end_slide();
+    return;
+  }
+  const double fast = std::max(options_.slide_speed, 4.0 * speed_noise_);
+  // A tool that does not advance moves nothing: what seems to then is the line's misfit.
+  const bool is_fast = speed_ > fast && tip_speed_ > 0.5 * fast;
+  fast_in_a_row_ = is_fast ? fast_in_a_row_ + 1 : 0;
+  if (fast_in_a_row_ >= kInARow) begin_slide();
+  if (phase() != MotionPhase::sliding) judge_rest(limiting_friction);
+}
+
+void PhaseMonitor::judge_rest(const std::optional<ParameterValue>& limiting_friction) {
+  limit_ = limiting_friction;
+  if (!limiting_friction) return;
+  const double limit = limiting_friction->value;
+  const double band =
+      std::max(limiting_friction->deviation.value_or(0.0), (1.0 - kCriticalShare) * limit);
+  const Point& now = contact_.back();
+  critical_in_a_row_ = now.friction > limit - band ? critical_in_a_row_ + 1 : 0;
+  const double noise = options_.force_noise;
+  if (critical_in_a_row_ >= kInARow) {
+    change_to(contact_[contact_.size() - static_cast<std::size_t>(kInARow)].t,
+              MotionPhase::critical);
+  } else if (phase() == MotionPhase::critical &&
+             now.friction < limit - band - std::max(0.02 * limit, noise)) {
+    change_to(now.t, MotionPhase::held);
+  }
+}
+
+double PhaseMonitor::way(const Point& point) const {
+  return point.tip - line_.surface() - line_.depth(point.force);
+}
+
+std::size_t PhaseMonitor::first_after(double t) const {
+  const auto found = std::lower_bound(contact_.begin(), contact_.end(), t,
+                                      [](const Point& p, double at) { return p.t < at; });
+  return static_cast<std::size_t>(found - contact_.begin());
+}
+
+double PhaseMonitor::mean_way(double from, double to) const {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = first_after(from); i < contact_.size() && contact_[i].t <= to; ++i) {
+    sum += way(contact_[i]);
+    count += 1.0;
+  }
+  return count > 0.0 ? sum / count : way(contact_.back());
+}
+
+double PhaseMonitor::way_noise(double force) const {
+  // Of one raw sample: the tip's, and the force's through the line's slope.
+  const double slope = (line_.depth(force + 0.5) - line_.depth(std::max(force - 0.5, 0.0)));
+  return std::hypot(options_.tip_noise, slope * options_.force_noise);
+}
+
+void PhaseMonitor::measure_speed() {
+  const double noise = way_noise(contact_.back().force);
+  const auto deviation = [&](double window) {
+    return noise * std::sqrt(12.0 * options_.interval / window) / window;
+  };
+  // As short as the noise allows.
+  window_ = kShortWindow;
+  while (window_ < kLongWindow && 4.0 * deviation(window_) > options_.slide_speed) window_ += 0.01;
+  speed_noise_ = deviation(window_);
+  const double end = contact_.back().t;
+  double n = 0.0, t = 0.0, tt = 0.0, s = 0.0, st = 0.0, x = 0.0, xt = 0.0;
+  const double surface = contact_.back().tip;
+  for (std::size_t i = first_after(end - window_); i < contact_.size(); ++i) {
+    const double at = contact_[i].t - end;
+    const double tip = contact_[i].tip - surface;
+    const double object = tip - line_.depth(contact_[i].force);
+    n += 1.0, t += at, tt += at * at, s += object, st += object * at, x += tip, xt += tip * at;
+  }
+  const double spread = n * tt - t * t;
+  if (n < 5.0 || spread <= 0.0) return;
+  speed_ = (n * st - t * s) / spread;
+  tip_speed_ = (n * xt - t * x) / spread;
+}
+
+void PhaseMonitor::begin_slide() {
+  const double now = contact_.back().t;
+  const double rest_from = std::max(rest_since_, now - 2.0 * window_);
+  const double rest = mean_way(rest_from, std::max(rest_from, now - window_));
+  const double level = std::max(kLeastLevel, 2.0 * way_noise(contact_.back().force));
+  if (way(contact_.back()) - rest < level) return;
+  rest_way_ = rest;
+  is_line_final_ = true;
+  stamp_contact();
+  is_slide_stamped_ = false;
+  seen_since_ = now;
+  fast_in_a_row_ = 0;
+  change_to(now, MotionPhase::sliding);
+  stamp_slide();
+}
+
+void PhaseMonitor::stamp_slide() {
+  const double now = contact_.back().t;
+  const double level = std::max(kLeastLevel, 2.0 * way_noise(contact_.back().force));
+  const bool has_both = way(contact_.back()) - rest_way_ > kLevels * level;
+  if (!has_both && now - seen_since_ < kSlideSettled) return;
+  is_slide_stamped_ = true;
+  // Last time below each level, so that noise before the onset does not count.
+  double t_low = now, t_high = now;
+  for (std::size_t i = contact_.size(); i-- > 0;) {
+    const double gone = way(contact_[i]) - rest_way_;
+    if (gone > kLevels * level) t_high = contact_[i].t;
+    if (gone > level) t_low = contact_[i].t;
+    if (gone <= level || contact_[i].t < rest_since_) break;
+  }
+  // Between an even start (a third) and an accelerated one (the whole).
+  const double before = has_both ? 0.5 * (t_high - t_low) : 0.0;
+  const double t_onset = std::max(t_low - before, rest_since_);
+  const PhaseChange& previous = changes_[changes_.size() - 2];
+  changes_.back().t = std::max(t_onset, previous.t);
+  stamp_critical(t_onset);
+}
+
+void PhaseMonitor::stamp_critical(double t_onset) {
+  double peak = 0.0;
+  const std::size_t from = first_after(rest_since_);
+  for (std::size_t i = from; i < contact_.size(); ++i) {
+    peak = std::max(peak, contact_[i].friction);
+  }
+  // A known limit that the push bears out has already told it.
+  if (limit_ && std::abs(peak - limit_->value) <
+                    std::max(3.0 * limit_->deviation.value_or(0.0), 0.05 * limit_->value)) {
+    return;
+  }
+  double t_critical = t_onset;
+  for (std::size_t i = first_after(t_onset); i-- > from;) {
+    if (contact_[i].friction < kCriticalShare * peak) break;
+    t_critical = contact_[i].t;
+  }
+  const PhaseChange slide = changes_.back();
+  changes_.pop_back();
+  while (changes_.back().t > rest_since_ && changes_.back().phase != MotionPhase::sliding &&
+         changes_.size() > 1) {
+    changes_.pop_back();
+  }
+  if (t_critical < slide.t) change_to(t_critical, MotionPhase::critical);
+  change_to(slide.t, slide.phase);
+}
+
+void PhaseMonitor::end_slide() {
+  if (!is_slide_stamped_) {
+    seen_since_ = -1e300;
+    stamp_slide();
+  }
+  const double now = contact_.back().t;
+  const double level = std::max(kLeastLevel, 2.0 * way_noise(contact_.back().force));
+  const double rest = mean_way(now - 0.5 * kShortWindow, now);
+  double t_low = now, t_high = now;
+  for (std::size_t i = contact_.size(); i-- > 0;) {
+    const double left = rest - way(contact_[i]);
+    if (left < level) t_low = contact_[i].t;
+    if (left < kLevels * level) t_high = contact_[i].t;
+    if (left >= kLevels * level || contact_[i].t <= changes_.back().t) break;
+  }
+  const double t_stop = std::min(t_low + 0.5 * (t_low - t_high), now);
+  rest_way_ = rest;
+  rest_since_ = t_stop;
+  speed_ = 0.0;
+  critical_in_a_row_ = 0;
+  change_to(t_stop, MotionPhase::held);
+}
+
+void PhaseMonitor::stamp_contact() {
+  if (is_contact_stamped_ || !line_.is_ready(options_.tip_noise)) return;
+  is_contact_stamped_ = true;
+  // Back from the first sample known to be in contact to where the tip met the surface; the speed
+  // there is that of the first samples.
+  const std::size_t early = std::min<std::size_t>(contact_.size() - 1, 20);
+  const double passed = contact_[early].t - contact_.front().t;
+  const double advance = contact_[early].tip - contact_.front().tip;
+  if (passed <= 0.0 || advance <= 0.0) return;
+  const double inside = std::max(contact_.front().tip - line_.surface(), 0.0);
+  const double back = std::min(inside * passed / advance, kGuard);
+  const double t_touch = contact_.front().t - back;
+  for (std::size_t i = changes_.size(); i-- > 1;) {
+    if (changes_[i].phase != MotionPhase::held || changes_[i].t < contact_begin_) continue;
+    if (changes_[i].t == contact_begin_) {
+      changes_[i].t = std::max(std::min(t_touch, contact_begin_), changes_[i - 1].t);
+    }
+  }
+}
+
+}  // namespace pcavr

@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "teleop/recorded_signals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <span>
+
+#include "pcavr/identification/signals.hpp"
+
+namespace pcavr {
+namespace {
+
+// Faster than any arm that pushes things [m/s].
+constexpr double kAbsurdSpeed = 3.0;
+// Noise of two samples that lie close together must not look fast [m].
+constexpr double kSmallStep = 0.005;
+// A tool that stays where it jumped to for this long is there [s].
+constexpr double kBelieved = 0.1;
+// The spike filter looks at this many later samples.
+constexpr int kSpikeWindow = 3;
+
+std::vector<double> axis_of(std::span<const Eigen::Vector3d> values, int axis) {
+  std::vector<double> result(values.size());
+  std::transform(values.begin(), values.end(), result.begin(),
+                 [axis](const Eigen::Vector3d& v) { return v[axis]; });
+  return result;
+}
+
+}  // namespace
+
+Eigen::Vector3d TipMotion::at(double time) const {
+  const auto after = std::lower_bound(t.begin(), t.end(), time);
+  if (after == t.begin()) return p_base.front();
+  if (after == t.end()) return p_base.back();
+  const auto i = static_cast<std::size_t>(after - t.begin());
+  const double share = (time - t[i - 1]) / (t[i] - t[i - 1]);
+  return p_base[i - 1] + share * (p_base[i] - p_base[i - 1]);
+}
+
+TipMotion clean_tip(const TeleopInput& input) {
+  TipMotion tip;
+  for (std::size_t i = 0; i < input.t_tool.size(); ++i) {
+    const Eigen::Vector3d& p = input.p_base_tip[i];
+    if (!tip.t.empty()) {
+      const double passed = input.t_tool[i] - tip.t.back();
+      const double reach = kSmallStep + kAbsurdSpeed * passed;
+      if ((p - tip.p_base.back()).norm() > reach && passed < kBelieved) {
+        if (tip.jumps++ == 0) tip.first_jump = input.t_tool[i];
+        continue;
+      }
+    }
+    tip.t.push_back(input.t_tool[i]);
+    tip.p_base.push_back(p);
+  }
+  for (int axis = 0; axis < 3 && tip.t.size() > 2; ++axis) {
+    tip.noise = std::max(tip.noise, noise_deviation(axis_of(tip.p_base, axis)));
+  }
+  return tip;
+}
+
+std::string describe_jumps(const TipMotion& tip) {
+  char text[128];
+  std::snprintf(text, sizeof text,
+                "the tool's pose jumps (%zu samples, the first at %.3f s): left out", tip.jumps,
+                tip.first_jump);
+  return text;
+}
+
+ForceSignal smooth_force(const TeleopInput& input, const TipMotion& tip, double offset) {
+  ForceSignal signal;
+  // Without ten samples there is nothing to smooth, and no push in them.
+  if (input.t_force.size() < 10 || tip.t.size() < 2) return signal;
+  for (const double stamp : input.t_force) signal.t.push_back(stamp - offset);
+  const std::size_t count = signal.t.size();
+  const double interval = (signal.t.back() - signal.t.front()) / static_cast<double>(count - 1);
+  const double half_width = std::max(kSmoothing, 3.0 * interval);
+  signal.lag = half_width + kSpikeWindow * interval;
+  signal.clean_base.resize(count);
+  signal.smooth_base.resize(count);
+  signal.p_base_tip.resize(count);
+  for (int axis = 0; axis < 3; ++axis) {
+    const DespikedSignal clean =
+        remove_spikes(axis_of(input.force_base, axis), {.half_window = kSpikeWindow});
+    signal.spikes += clean.spikes.size();
+    signal.noise = std::max(signal.noise, noise_deviation(clean.values));
+    const std::vector<SmoothedSample> force = smooth(signal.t, clean.values, signal.t, half_width);
+    const std::vector<SmoothedSample> place =
+        smooth(tip.t, axis_of(tip.p_base, axis), signal.t, half_width);
+    for (std::size_t i = 0; i < count; ++i) {
+      signal.clean_base[i][axis] = clean.values[i];
+      signal.smooth_base[i][axis] = force[i].is_valid ? force[i].value : clean.values[i];
+      signal.p_base_tip[i][axis] = place[i].is_valid ? place[i].value : tip.at(signal.t[i])[axis];
+    }
+  }
+  signal.smooth_noise =
+      std::sqrt(3.0) * signal.noise / std::sqrt(correlated_samples(half_width, interval));
+  return signal;
+}
+
+}  // namespace pcavr

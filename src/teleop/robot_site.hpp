@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/teleop/run_teleop.hpp"
+
+#include "teleop/input_checks.hpp"
+#include "teleop/operator_site.hpp"
+#include "teleop/recorded_signals.hpp"
+#include "teleop/robot_object.hpp"
+
+namespace pcavr {
+
+/// What the operator's site predicted, by instant and object: the commands' companions.
+class PredictionLog {
+ public:
+  PredictionLog(double start, double step, std::size_t objects)
+      : start_(start), step_(step), objects_(objects) {}
+  void append(const Prediction& prediction) { rows_.push_back(prediction); }
+  /// The one for the cycle that ended nearest to `t`; the first or last outside.
+  [[nodiscard]] const Prediction& at(double t, std::size_t object) const;
+
+ private:
+  double start_;
+  double step_;
+  std::size_t objects_;
+  std::vector<Prediction> rows_;  ///< cycle by cycle, in it object by object
+};
+
+/// The site at which things happen: watches force, tip and tracking, learns, compares with what the
+/// operator's site predicted for the same instants, and says what has to be corrected.
+class RobotSite {
+ public:
+  /// Keeps references to all that is given; they must outlive it.
+  RobotSite(const TeleopInput& input, const TeleopOptions& options, const TipMotion& tip,
+            const ForceSignal& force, const InputFindings& findings,
+            const std::vector<BodyPhysics>& physics, double start);
+
+  /// All that can be known at `now` [s]; `log` reaches to then. What is to be sent comes back.
+  [[nodiscard]] std::vector<CorrectionMessage> advance(double now, const PredictionLog& log);
+
+  [[nodiscard]] const std::vector<RobotObject>& objects() const { return objects_; }
+  [[nodiscard]] const std::vector<ForceRow>& forces() const { return forces_; }
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  void note_bytes(std::size_t sent) { sent_bytes_ += sent; }
+  [[nodiscard]] std::size_t streaming_bytes() const { return streaming_bytes_; }
+
+ private:
+  void take_sample(std::size_t index, const PredictionLog& log);
+  void take_instant(const TouchSample& sample, const PredictionLog& log);
+  [[nodiscard]] std::optional<std::size_t> attribute(const TouchSample& sample,
+                                                     std::vector<Reach>& reaches);
+  void follow_bias(const TouchSample& sample, const std::vector<Reach>& reaches);
+  void confirm(RobotObject& object, const Prediction& prediction);
+  void watch_limit(RobotObject& object, const TouchSample& sample);
+  void plan_learning(RobotObject& object, MotionPhase before, bool was_touched, double t);
+  void learn(RobotObject& object, double t);
+  void record_force(std::size_t index, const TouchSample& sample, const PredictionLog& log);
+  void judge(std::size_t index, const TouchSample& sample, const Prediction& prediction);
+  [[nodiscard]] std::optional<CorrectionMessage> compose(std::size_t index, CorrectionCase which,
+                                                         const TouchSample& sample,
+                                                         const KnownPlace& place, double gap,
+                                                         bool operator_slides);
+  void see_without_force(double t);
+  void note_once(const std::string& text);
+
+  const TeleopInput& input_;
+  const TeleopOptions& options_;
+  const TipMotion& tip_;
+  const ForceSignal& force_;
+  bool has_force_;
+  MonitorOptions monitor_;
+  std::vector<RobotObject> objects_;
+  std::vector<ForceRow> forces_;
+  std::vector<std::string> notes_;
+  std::vector<CorrectionMessage> outgoing_;
+  std::size_t next_sample_ = 0;
+  double next_look_ = 0.0;
+  Eigen::Vector3d bias_base_ = Eigen::Vector3d::Zero();
+  double bias_since_ = 0.0;
+  std::size_t far_samples_ = 0;
+  double now_ = 0.0;
+  double start_;
+  std::size_t sent_bytes_ = 0;
+  std::size_t streaming_bytes_ = 0;
+  std::vector<std::size_t> streamed_frames_;
+};
+
+}  // namespace pcavr

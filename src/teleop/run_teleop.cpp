@@ -1,0 +1,206 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/teleop/run_teleop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/core/random.hpp"
+#include "pcavr/prediction/body_physics.hpp"
+
+#include "teleop/input_checks.hpp"
+#include "teleop/link.hpp"
+#include "teleop/operator_site.hpp"
+#include "teleop/recorded_signals.hpp"
+#include "teleop/robot_site.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kStep = 0.001;  // [s] the operator's cycle
+// An offset between clocks is taken off where it is beyond doubt and matters.
+constexpr double kOffsetSigmas = 3.0;
+constexpr double kForceOffset = 0.005;   // [s]
+constexpr double kCameraOffset = 0.020;  // [s]
+
+void require_sound(const TeleopInput& input, const TeleopOptions& options) {
+  PCAVR_REQUIRE(input.t_tool.size() == input.p_base_tip.size());
+  PCAVR_REQUIRE(input.t_force.size() == input.force_base.size());
+  PCAVR_REQUIRE(input.tool_radius > 0.0, input.tool_radius);
+  PCAVR_REQUIRE(input.objects.size() < 256, input.objects.size());
+  PCAVR_REQUIRE(options.forward_delay >= 0.0, options.forward_delay);
+  PCAVR_REQUIRE(options.backward_delay >= 0.0, options.backward_delay);
+  PCAVR_REQUIRE(options.force_tolerance > 0.0, options.force_tolerance);
+  PCAVR_REQUIRE(options.position_tolerance > 0.0, options.position_tolerance);
+}
+
+bool matters(const std::optional<TimeOffset>& offset, double least) {
+  return offset && std::abs(offset->offset) > std::max(kOffsetSigmas * offset->deviation, least);
+}
+
+/// The input with the clocks' offsets taken off; the tool's clock counts.
+TeleopInput on_one_clock(const TeleopInput& input, const InputFindings& findings,
+                         std::vector<std::string>& notes) {
+  TeleopInput result = input;
+  char text[128];
+  if (matters(findings.tool_to_camera, kCameraOffset)) {
+    const double late = findings.tool_to_camera->offset;
+    for (TeleopObject& object : result.objects) {
+      for (TrackedPose& pose : object.tracked) pose.t -= late;
+    }
+    std::snprintf(text, sizeof text, "tracking comes %.0f ms late by its stamps: taken off",
+                  1e3 * late);
+    notes.emplace_back(text);
+  }
+  return result;
+}
+
+struct Span {
+  double start = 0.0;
+  std::size_t cycles = 0;
+};
+
+Span span_of(const TipMotion& tip) {
+  const double length = tip.t.back() - tip.t.front();
+  return {tip.t.front(), static_cast<std::size_t>(std::floor(length / kStep))};
+}
+
+void show(const OperatorSite& site, std::size_t objects, TeleopRun& run, PredictionLog& log) {
+  for (std::size_t i = 0; i < objects; ++i) {
+    const Prediction prediction = site.prediction(i);
+    log.append(prediction);
+    run.shown[i].push_back({site.now(), site.shown(i).T_base_object});
+  }
+}
+
+void send(CorrectionMessage message, double now, double epoch, Link& link, OperatorSite& site,
+          RobotSite& robot, TeleopRun& run) {
+  std::vector<std::uint8_t> bytes = encode(message, epoch);
+  SentCorrection sent;
+  sent.t = message.t;
+  sent.object = message.object;
+  sent.which = message.which;
+  sent.what = describe(message);
+  sent.bytes = bytes.size();
+  run.correction_bytes += bytes.size();
+  robot.note_bytes(bytes.size());
+  const std::optional<double> arrival = link.arrival(now);
+  sent.is_lost = !arrival;
+  if (arrival) site.expect(*arrival, std::move(bytes));
+  run.corrections.push_back(std::move(sent));
+}
+
+/// Both sites' phases merged into rows that each state both.
+std::vector<PhaseRow> phase_rows(std::size_t object, const std::vector<PhaseChange>& measured,
+                                 const PredictionLog& log, const Span& span) {
+  std::vector<PhaseRow> rows;
+  std::size_t next = 0;
+  PhaseRow row{span.start, object, MotionPhase::free, MotionPhase::free};
+  for (std::size_t k = 0; k <= span.cycles; ++k) {
+    row.t = span.start + kStep * static_cast<double>(k);
+    const PhaseRow before = row;
+    for (; next < measured.size() && measured[next].t <= row.t + 0.5 * kStep; ++next) {
+      row.measured = measured[next].phase;
+    }
+    row.predicted = log.at(row.t, object).phase;
+    const bool is_new = row.measured != before.measured || row.predicted != before.predicted;
+    if (k == 0 || is_new) rows.push_back(row);
+  }
+  return rows;
+}
+
+void note_unseen(const TeleopInput& input, const RobotSite& robot, TeleopRun& run) {
+  for (std::size_t i = 0; i < input.objects.size(); ++i) {
+    const TeleopObject& object = input.objects[i];
+    if (object.tracked.empty()) {
+      run.notes.push_back(object.name +
+                          " was never tracked: its place is the scene's, carried on "
+                          "by what was felt");
+    }
+    if (robot.objects()[i].monitor.changes().size() == 1) {
+      run.notes.push_back(object.name + " was never touched: nothing could be learned of it");
+    }
+  }
+}
+
+void finish(const TeleopInput& input, const RobotSite& robot, const OperatorSite& site,
+            const PredictionLog& log, const Span& span, TeleopRun& run) {
+  for (std::size_t i = 0; i < input.objects.size(); ++i) {
+    const std::vector<PhaseRow> rows =
+        phase_rows(i, robot.objects()[i].monitor.changes(), log, span);
+    run.phases.insert(run.phases.end(), rows.begin(), rows.end());
+    run.parameters.push_back(robot.objects()[i].learner.known());
+  }
+  std::stable_sort(run.phases.begin(), run.phases.end(),
+                   [](const PhaseRow& a, const PhaseRow& b) { return a.t < b.t; });
+  run.forces = robot.forces();
+  run.streaming_bytes = robot.streaming_bytes();
+  run.late_corrections = site.late();
+  run.notes.insert(run.notes.end(), robot.notes().begin(), robot.notes().end());
+  note_unseen(input, robot, run);
+}
+
+}  // namespace
+
+Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions& options,
+                               const Observer& observer) {
+  require_sound(recorded, options);
+  TeleopRun run;
+  run.shown.resize(recorded.objects.size());
+  const TipMotion tip = clean_tip(recorded);
+  if (recorded.objects.empty() || tip.t.size() < 2) {
+    run.notes.emplace_back("nothing was predicted: no object to push, or no tool motion");
+    run.parameters.resize(recorded.objects.size());
+    run.assumed.resize(recorded.objects.size());
+    return run;
+  }
+  const InputFindings findings = check_input(recorded, tip);
+  run.notes = findings.notes;
+  if (tip.jumps > 0) run.notes.push_back(describe_jumps(tip));
+  run.tool_to_force = findings.tool_to_force;
+  run.tool_to_camera = findings.tool_to_camera;
+  const TeleopInput input = on_one_clock(recorded, findings, run.notes);
+  const double force_late =
+      matters(findings.tool_to_force, kForceOffset) ? findings.tool_to_force->offset : 0.0;
+  const ForceSignal force = smooth_force(input, tip, force_late);
+
+  std::vector<BodyPhysics> physics;
+  for (const TeleopObject& object : input.objects) {
+    CompletedPhysics completed =
+        complete_physics(object.parameters, object.model, object.T_base_object);
+    physics.push_back(completed.physics);
+    run.assumed.push_back(std::move(completed.assumed));
+  }
+  const Span span = span_of(tip);
+  const double round_trip = options.forward_delay + options.backward_delay;
+  Expected<OperatorSite> made =
+      OperatorSite::create(input, physics, round_trip, span.start, tip.at(span.start));
+  if (!made) return made.error();
+  OperatorSite& site = *made;
+  RobotSite robot(input, options, tip, force, findings, physics, span.start);
+  const Random random(options.seed);
+  Link backward({options.backward_delay, options.jitter, options.loss}, random.fork(1));
+  Link forward({0.0, options.jitter, 0.0}, random.fork(2));
+  PredictionLog log(span.start, kStep, input.objects.size());
+
+  for (std::size_t k = 1; k <= span.cycles; ++k) {
+    const double t = span.start + kStep * static_cast<double>(k);
+    // The command for t was given a forward delay ago; jitter lets what has come wait, too.
+    const double wall = t - options.forward_delay;
+    site.step(wall, tip.at(t));
+    show(site, input.objects.size(), run, log);
+    const double heard = *forward.arrival(t);
+    if (heard > t + kStep && k < span.cycles) continue;
+    for (CorrectionMessage& message : robot.advance(t, log)) {
+      send(std::move(message), t, span.start, backward, site, robot, run);
+    }
+    if (k % 1000 == 0) observer.on_progress("both sites", k / 1000, span.cycles / 1000);
+  }
+  finish(input, robot, site, log, span, run);
+  return run;
+}
+
+}  // namespace pcavr

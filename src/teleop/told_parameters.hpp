@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/prediction/body_physics.hpp"
+
+namespace pcavr {
+
+/// The numbers of a completed body as they are told to another site, which then needs no assumption
+/// of its own.
+[[nodiscard]] ObjectParameters told_parameters(const BodyPhysics& physics,
+                                               double gravity = 9.80665);
+
+/// What of `now` another site does not have yet; groups are left out whole where no number of them
+/// is off by more than 3 %, which no hand feels and no eye sees.
+struct ParameterDifference {
+  ObjectParameters contact;   ///< stiffness, damping, exponent
+  ObjectParameters friction;  ///< all the others
+  bool has_contact = false;
+  bool has_friction = false;
+};
+[[nodiscard]] ParameterDifference difference(const ObjectParameters& now,
+                                             const ObjectParameters& told);
+
+/// Puts every number that `news` holds into `parameters`.
+void overwrite(ObjectParameters& parameters, const ObjectParameters& news);
+[[nodiscard]] bool is_empty(const ObjectParameters& parameters);
+
+}  // namespace pcavr
