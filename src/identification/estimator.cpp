@@ -27,9 +27,10 @@ constexpr double kOneInAMillion = 4.753;
 // Share of a regressor's energy that the others must leave unexplained; below, the two parameters
 // are told apart by rounding and noise only.
 constexpr double kLeastOwnShare = 1e-4;
-// Samples over which the measured noise follows errors that grow, and that shrink.
-constexpr double kNoiseRise = 1000.0;
-constexpr double kNoiseFall = 100.0;
+// Samples that the measured noise is averaged over.
+constexpr double kNoiseMemory = 1000.0;
+// Independent samples beyond the parameters that a first measure of noise takes.
+constexpr double kNoiseFreedom = 5.0;
 
 /// The mean squared error, in variances, that noise reaches once in a million samples: of chi
 /// squared, after [Wilson & Hilferty 1931], with as many degrees as the window holds independent
@@ -109,8 +110,9 @@ struct ParameterEstimator<N>::State {
   /// Enough samples for errors to mean something: the parameters are more than determined, and the
   /// window holds errors made by them.
   [[nodiscard]] bool is_settled() const {
+    const double freedom = options.noise_deviation ? 0.0 : kNoiseFreedom;
     return static_cast<double>(seen) >
-           N * options.correlated_samples + static_cast<double>(errors.size());
+           (N + freedom) * options.correlated_samples + static_cast<double>(errors.size());
   }
 
   void remember(double error) {
@@ -127,13 +129,14 @@ struct ParameterEstimator<N>::State {
     if (!options.noise_deviation) measure_noise(squared);
   }
 
+  /// Each parameter takes one independent sample's noise into itself.
   void measure_noise(double squared) {
     if (!is_settled()) {
-      noise_variance = residual_sum / std::max(samples - N, 1.0);
+      noise_variance = residual_sum / std::max(samples - N * options.correlated_samples, 1.0);
       return;
     }
     const double change = std::min(squared, 9.0 * noise_variance) - noise_variance;
-    noise_variance += change / (change > 0.0 ? kNoiseRise : kNoiseFall);
+    noise_variance += change / std::min(static_cast<double>(seen), kNoiseMemory);
   }
 
   [[nodiscard]] double residual_variance() const {
