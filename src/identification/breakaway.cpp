@@ -9,6 +9,7 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/identification/signals.hpp"
 
+#include "identification/peak.hpp"
 #include "identification/touch.hpp"
 
 namespace pcavr {
@@ -159,9 +160,12 @@ Breakaway find_breakaway(const ForceMotion& push, const BreakawayOptions& option
   }
   found.t_contact = touch_instant(smooth, 0, contact, peak.at);
   found.t_decided = push.t[peak.decided] + smooth.half_width;
-  found.t = push.t[peak.at];
-  found.force = smooth.soft_force[peak.at].value;
-  found.deviation = smooth.smooth_noise;
+  const PeakSignals signals{smooth.t,     smooth.force,        smooth.soft_force,
+                            smooth.noise, smooth.smooth_noise, smooth.half_width};
+  const ForcePeak fitted = fit_peak(signals, first_peak(signals, contact, peak.at));
+  found.t = fitted.t;
+  found.force = fitted.force;
+  found.deviation = fitted.deviation;
   found.stiffness = alarm.line.slope();
   found.tool_at_contact = smooth.tool[contact].value + alarm.line.d / alarm.line.count -
                           alarm.line.f / alarm.line.count / found.stiffness;

@@ -35,7 +35,7 @@ Repeats push_ten_times(const Plant& plant, const Sensors& sensors, double speed,
 }
 
 TEST(FindBreakaway, MeasuresTheLimitOfTenPushesOnUnknownPlants) {
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+  for (std::uint64_t seed = 5501; seed <= 5508; ++seed) {
     Random random(seed);
     Plant plant;
     plant.mass = random.uniform(1.0, 5.0);
@@ -70,7 +70,7 @@ TEST(FrictionAtBreakaway, IsNearerToTheFrictionsOwnLimitThanThePeakOfAFastPush) 
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
       const double duration = 0.018 / speed + 0.8;
       const auto path = [=](double t) { return speed * (t - 0.3); };
-      const Trial trial = run(plant, {}, duration, 40 + seed, path);
+      const Trial trial = run(plant, {}, duration, 5540 + seed, path);
       const Breakaway found = find_breakaway(trial.series());
       ASSERT_TRUE(found.is_found);
       const IdentifiedParameter friction = friction_at_breakaway(

@@ -39,7 +39,7 @@ struct Sensors {
 struct Trial {
   std::vector<double> t, tool, force;      ///< measured
   std::vector<double> true_force, object;  ///< noise-free, at the same instants
-  double peak_before_slide = 0.0;          ///< [N] largest true force until the box has gone 2 mm
+  double peak_before_slide = 0.0;          ///< [N] true force where it first stops rising
   double friction_peak = 0.0;              ///< [N] largest friction until then
   [[nodiscard]] ForceMotion series() const { return {t, tool, force}; }
 };
@@ -78,7 +78,9 @@ inline Trial run(const Plant& plant, const Sensors& sensors, double duration, st
       x += kStep * v;
       z += kStep * dz;
     }
-    has_slid = has_slid || x > 0.002;
+    // The box breaks away when it first runs ahead of the tool; a stick-slip's later peaks differ.
+    has_slid = has_slid || (contact > 0.5 * plant.breakaway &&
+                            contact < (1.0 - 1e-4) * trial.peak_before_slide);
     if (!has_slid) trial.peak_before_slide = std::max(trial.peak_before_slide, contact);
     if (static_cast<double>(i) < next) continue;
     next += every;

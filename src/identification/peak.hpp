@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "pcavr/identification/signals.hpp"
+
+namespace pcavr {
+
+struct PeakSignals {
+  std::span<const double> t;                   ///< [s]
+  std::span<const double> force;               ///< [N] despiked, not smoothed
+  std::span<const SmoothedSample> soft_force;  ///< [N]
+  double noise = 0.0;                          ///< [N] of one raw sample
+  double soft_noise = 0.0;                     ///< [N] of one smoothed sample
+  double half_width = 0.0;                     ///< [s] of the smoothing
+};
+
+struct ForcePeak {
+  double t = 0.0;
+  double force = 0.0;
+  double deviation = 0.0;  ///< [N] from the noise
+};
+
+/// The first of the peaks that noise does not tell from the highest one, within [begin, highest]:
+/// on a plateau, or among the peaks of stick and slip, the highest is a matter of chance.
+[[nodiscard]] std::size_t first_peak(const PeakSignals& signals, std::size_t begin,
+                                     std::size_t highest);
+
+/// Time and height of the peak about a sample. The largest of many noisy values is too large, and
+/// the mean over a window too small where the peak is sharp: a parabola is fitted over the widest
+/// window that it still fits within the noise [after Lepski 1990].
+[[nodiscard]] ForcePeak fit_peak(const PeakSignals& signals, std::size_t about);
+
+}  // namespace pcavr
