@@ -14,7 +14,7 @@
 namespace pcavr::detail {
 namespace {
 
-/// Where the contact's force and the body's motion agree to this [m], a step is solved: 1 mN at
+/// Where the contacts' forces and the body's motion agree to this [m], a step is solved: 1 mN at
 /// 1 MN/m.
 constexpr double kSolved = 1e-9;
 constexpr int kMostRounds = 24;
@@ -33,19 +33,40 @@ constexpr double kNear = 1e-3;
 constexpr double kSlides = 1e-3;
 constexpr double kStops = 0.3e-3;
 
+/// All but the support's friction that acts on the body in one configuration.
+struct Load {
+  Touch touch;
+  TipForce tip;
+  Eigen::Vector3d wrench = Eigen::Vector3d::Zero();
+  /// How the wrench falls as the body moves, in the axes x, y and gyration radius times yaw.
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
+
+  [[nodiscard]] double down() const { return -tip.force.z(); }
+};
+
+/// How the body came to be where it is.
+struct Displacement {
+  Eigen::Vector2d moved = Eigen::Vector2d::Zero();
+  double turned = 0.0;
+
+  [[nodiscard]] Eigen::Vector2d at(const Eigen::Vector2d& arm) const {
+    return {moved.x() - turned * arm.y(), moved.y() + turned * arm.x()};
+  }
+};
+
 class BodyStepper {
  public:
   BodyStepper(const UprightBody& body, const BodyState& state, const TipPath& tip,
-              double dt) noexcept
-      : body_(body), state_(state), tip_(tip), dt_(dt) {
+              std::span<const SideContact> sides, double dt, const PlanarState* guess) noexcept
+      : body_(body), state_(state), tip_(tip), sides_(sides), guess_(guess), dt_(dt) {
     if ((tip.to - tip.from).norm() > kFastestTip * dt) tip_.from = tip.to;
     touch_ = touch_at(state.planar, tip_.from);
     settle();
     // How much of the step's end counts in the contact's mean depth: the middle, which is of second
     // order, for contacts that the step resolves; nearly the end for those that it does not, so
     // that they don't ring.
-    const double turned = dt * dt * body.working_stiffness() / body.physics().friction.mass;
-    end_share_ = 0.5 + 0.5 * turned / (4.0 + turned);
+    const double swing = dt * dt * body.working_stiffness() / body.physics().friction.mass;
+    end_share_ = 0.5 + 0.5 * swing / (4.0 + swing);
   }
 
   BodyState run() noexcept {
@@ -66,12 +87,12 @@ class BodyStepper {
   /// A pose or a tip that was set from outside may lie deeper than any force allows: then the body
   /// is where a slow push would have brought it.
   void settle() noexcept {
-    const double holding = holding_force(body_.physics().friction);
-    const double allowed = std::max(state_.penetration, depth_at(body_.physics().contact, holding));
-    if (!(touch_.depth > allowed + 1e-9)) return;
+    if (!(touch_.depth > 0.0)) return;
+    const double allowed = std::max(state_.penetration, body_.holding_depth());
+    if (!(touch_.depth > allowed + 1e-8)) return;
     for (int i = 0; i < 8; ++i) {  // more than one only where the surface is bent
       if (std::abs(touch_.normal.z()) > kSteepest) break;
-      const double excess = touch_.depth - body_.working_depth();
+      const double excess = touch_.depth - body_.sliding_depth();
       const Eigen::Vector2d flat = touch_.normal.head<2>();
       if (excess < 1e-7) break;
       state_.planar.position -= excess / flat.squaredNorm() * flat;
@@ -81,45 +102,71 @@ class BodyStepper {
     state_.tool_stretch_base.setZero();
   }
 
-  /// With the body still and the tip a share of its way along.
-  [[nodiscard]] TipForce force_at_rest(double share, Touch& touch) const noexcept {
+  void add_sides(const Displacement& own, double share, Load& load) const noexcept {
+    for (const SideContact& side : sides_) {
+      const Eigen::Vector2d slip = share * side.neighbour_way - own.at(side.arm);
+      const SideForce answer = side_force(side, slip, share * dt_);
+      if (answer.force.isZero(0.0)) continue;
+      load.wrench += wrench_at(side.arm, {answer.force.x(), answer.force.y(), 0.0});
+      load.stiffness += carried(answer.stiffness, side.arm);
+    }
+  }
+
+  /// A stiffness at a point, as the body's motion feels it.
+  [[nodiscard]] Eigen::Matrix3d carried(const Eigen::Matrix2d& stiffness,
+                                        const Eigen::Vector2d& arm) const noexcept {
+    const Eigen::Vector2d turning = Eigen::Vector2d(-arm.y(), arm.x()) / body_.gyration_radius();
+    const Eigen::Vector2d mixed = stiffness * turning;
+    Eigen::Matrix3d result;
+    result.topLeftCorner<2, 2>() = stiffness;
+    result.topRightCorner<2, 1>() = mixed;
+    result.bottomLeftCorner<1, 2>() = mixed.transpose();
+    result(2, 2) = turning.dot(mixed);
+    return result;
+  }
+
+  /// With the body still, and tip and neighbours a share of their way along.
+  [[nodiscard]] Load load_at_rest(double share) const noexcept {
+    Load load;
     const Eigen::Vector3d way = share * (tip_.to - tip_.from);
-    touch = touch_at(state_.planar, tip_.from + way);
+    load.touch = touch_at(state_.planar, tip_.from + way);
     const double time = share * dt_;
-    const double rate = time > 0.0 ? (touch.depth - touch_.depth) / time : 0.0;
-    const Eigen::Vector3d stretch = touch_.depth > 0.0
-                                        ? Eigen::Vector3d(state_.tool_stretch_base + way)
-                                        : Eigen::Vector3d::Zero();
-    return tip_force(body_.physics(), touch.normal, touch.depth, rate, stretch,
-                     (tip_.to - tip_.from) / dt_);
+    const double rate = time > 0.0 ? (load.touch.depth - touch_.depth) / time : 0.0;
+    Eigen::Vector3d stretch = Eigen::Vector3d::Zero();
+    if (touch_.depth > 0.0) stretch = state_.tool_stretch_base + way;
+    load.tip = tip_force(body_.physics(), load.touch.normal, load.touch.depth, rate, stretch,
+                         (tip_.to - tip_.from) / dt_);
+    load.wrench = wrench_at(load.touch.arm, load.tip.force);
+    if (time > 0.0) add_sides({}, share, load);
+    return load;
   }
 
   /// Of the load over what the support holds.
-  [[nodiscard]] double holding_share(const TipForce& tip, const Touch& touch) const noexcept {
-    const PlanarFriction friction = body_.friction_under(-tip.force.z());
-    return body_.level_of(friction, state_.planar.yaw, wrench_at(touch.arm, tip.force)) /
+  [[nodiscard]] double holding_share(const Load& load) const noexcept {
+    if (load.wrench.isZero(0.0)) return 0.0;
+    const PlanarFriction friction = body_.friction_under(load.down());
+    return body_.level_of(friction, state_.planar.yaw, load.wrench) /
            std::max(friction.holding, 1.0);
   }
 
   void hold() noexcept {
-    Touch touch;
-    const TipForce tip = force_at_rest(1.0, touch);
-    const double share = tip.force.isZero(0.0) ? 0.0 : holding_share(tip, touch);
+    const Load load = load_at_rest(1.0);
+    const double share = holding_share(load);
     if (share > 1.0 && break_loose(share)) return;
-    conclude(state_.planar, touch, tip, share);
+    conclude(state_.planar, load, share);
   }
 
   /// Finds when the load passes the limit, and slides from there. False where too little is left.
   bool break_loose(double share_at_end) noexcept {
-    Touch touch;
     double low = 0.0;
     double high = 1.0;
-    double low_excess = holding_share_at(low, touch) - 1.0;
+    double low_excess = holding_share(load_at_rest(low)) - 1.0;
     double high_excess = share_at_end - 1.0;
-    if (low_excess > 0.0) high = 0.0;
+    // Neighbours' contacts are not cut at an instant: their loads come within a few steps anyway.
+    if (low_excess > 0.0 || !sides_.empty()) high = 0.0;
     for (int i = 0; i < 6 && high - low > kLeastShareOfStep; ++i) {  // Illinois
       const double at = low + (high - low) * low_excess / (low_excess - high_excess);
-      const double excess = holding_share_at(at, touch) - 1.0;
+      const double excess = holding_share(load_at_rest(at)) - 1.0;
       if (excess > 0.0) {
         high = at;
         high_excess = excess;
@@ -132,8 +179,9 @@ class BodyStepper {
     }
     if (1.0 - high < kLeastShareOfStep) return false;
     if (high > 0.0) {
-      state_.tool_stretch_base = force_at_rest(high, touch).stretch;
-      touch_ = touch;
+      const Load load = load_at_rest(high);
+      state_.tool_stretch_base = load.tip.stretch;
+      touch_ = load.touch;
       tip_.from += high * (tip_.to - tip_.from);
       dt_ *= 1.0 - high;
     }
@@ -141,99 +189,96 @@ class BodyStepper {
     return true;
   }
 
-  [[nodiscard]] double holding_share_at(double share, Touch& touch) const noexcept {
-    const TipForce tip = force_at_rest(share, touch);
-    return tip.force.isZero(0.0) ? 0.0 : holding_share(tip, touch);
+  /// With the body's end at `planar`; `end_share` 1 for the load there, less for its mean.
+  [[nodiscard]] Load load_at(const PlanarState& planar, double end_share) const noexcept {
+    Load load;
+    const Displacement own{planar.position - state_.planar.position,
+                           planar.yaw - state_.planar.yaw};
+    load.touch = touch_at(planar, tip_.to);
+    if (load.touch.depth > 0.0 || touch_.depth > 0.0) {
+      const Touch& touch = load.touch;
+      const double begin = std::max(touch_.depth, 0.0);
+      const double end = end_share < 1.0 ? std::max(touch.depth, 0.0) : touch.depth;
+      Eigen::Vector3d slip = tip_.to - tip_.from;
+      slip.head<2>() -= own.at(touch.arm);
+      Eigen::Vector3d stretch = end_share * slip;
+      if (touch_.depth > 0.0) stretch += state_.tool_stretch_base;
+      load.tip = tip_force(body_.physics(), touch.normal, begin + end_share * (end - begin),
+                           (touch.depth - touch_.depth) / dt_, stretch, slip / dt_);
+      load.wrench = wrench_at(touch.arm, load.tip.force);
+      load.stiffness = carried(flat_stiffness(load.tip, touch.normal.head<2>()), touch.arm);
+    }
+    add_sides(own, 1.0, load);
+    return load;
   }
 
-  /// The tip's force with the body's end at `planar`: `end_share` 1 for its end, less for the mean.
-  [[nodiscard]] TipForce force_at(const PlanarState& planar, const Touch& touch,
-                                  double end_share) const noexcept {
-    const double begin = std::max(touch_.depth, 0.0);
-    const double end = end_share < 1.0 ? std::max(touch.depth, 0.0) : touch.depth;
-    const double depth = begin + end_share * (end - begin);
-    const Eigen::Vector2d moved = planar.position - state_.planar.position;
-    const double turned = planar.yaw - state_.planar.yaw;
-    Eigen::Vector3d slip = tip_.to - tip_.from;
-    slip.x() -= moved.x() - turned * touch.arm.y();
-    slip.y() -= moved.y() + turned * touch.arm.x();
-    const Eigen::Vector3d stretch = touch_.depth > 0.0 ? state_.tool_stretch_base + end_share * slip
-                                                       : Eigen::Vector3d(end_share * slip);
-    return tip_force(body_.physics(), touch.normal, depth, (touch.depth - touch_.depth) / dt_,
-                     stretch, slip / dt_);
-  }
-
-  /// How the tip's wrench falls as the body moves, in the axes x, y and gyration radius times yaw.
-  [[nodiscard]] Eigen::Matrix3d stiffness_of(const TipForce& tip,
-                                             const Touch& touch) const noexcept {
+  [[nodiscard]] Eigen::Matrix2d flat_stiffness(const TipForce& tip,
+                                               const Eigen::Vector2d& normal) const noexcept {
     const double along = end_share_ * tip.normal_stiffness + tip.normal_damping / dt_;
     const double across = end_share_ * tip.tangential_stiffness + tip.tangential_damping / dt_;
-    const Eigen::Vector2d n = touch.normal.head<2>();
-    const Eigen::Matrix2d flat =
-        across * Eigen::Matrix2d::Identity() + (along - across) * n * n.transpose();
-    const double radius = body_.gyration_radius();
-    Eigen::Matrix<double, 2, 3> motion;
-    motion << 1.0, 0.0, -touch.arm.y() / radius, 0.0, 1.0, touch.arm.x() / radius;
-    return motion.transpose() * flat * motion;
+    return across * Eigen::Matrix2d::Identity() + (along - across) * normal * normal.transpose();
   }
 
   [[nodiscard]] Eigen::Vector3d scaled(const PlanarState& planar) const noexcept {
     return {planar.position.x(), planar.position.y(), body_.gyration_radius() * planar.yaw};
   }
 
-  void slide() noexcept {
-    const FrictionParameters& parameters = body_.physics().friction;
-    // How far a constant load moves the body in the step when friction does not turn against it.
-    const double compliance = dt_ / (2.0 * parameters.mass / dt_ + parameters.viscous);
+  [[nodiscard]] PlanarState first_guess() const noexcept {
+    if (guess_ != nullptr) return *guess_;
     PlanarState guess = state_.planar;
     guess.position += dt_ * state_.planar.twist.head<2>();
     guess.yaw += dt_ * state_.planar.twist.z();
+    return guess;
+  }
+
+  /// Newton's method on: the end that the contacts' forces lead to is the end that causes them. Its
+  /// slope takes the body for free, which its friction only stiffens: so it errs to the safe side.
+  void slide() noexcept {
+    const FrictionParameters& parameters = body_.physics().friction;
+    const double compliance = dt_ / (2.0 * parameters.mass / dt_ + parameters.viscous);
+    PlanarState guess = first_guess();
     PlanarState best;
+    Load at_best;
     double best_residual = std::numeric_limits<double>::infinity();
     for (int round = 0; round < kMostRounds && best_residual > kSolved; ++round) {
-      const Touch touch = touch_at(guess, tip_.to);
-      const TipForce tip = force_at(guess, touch, end_share_);
-      PlanarFriction friction = body_.friction_under(-tip.force.z());
+      const Load load = load_at(guess, end_share_);
+      PlanarFriction friction = body_.friction_under(load.down());
       friction.holding = 1.0;  // it has broken loose
-      const PlanarStep step =
-          body_.step(friction, state_.planar, wrench_at(touch.arm, tip.force), dt_);
+      const PlanarStep step = body_.step(friction, state_.planar, load.wrench, dt_);
       const Eigen::Vector3d residual = scaled(guess) - scaled(step.state);
       if (residual.norm() < best_residual) {
         best_residual = residual.norm();
         best = step.state;
       }
-      Eigen::Matrix3d slope = compliance * stiffness_of(tip, touch);
-      slope.diagonal().array() += 1.0;
+      if (load.wrench.isZero(0.0) && free_at(step.state)) break;
+      const Eigen::Matrix3d slope = Eigen::Matrix3d::Identity() + compliance * load.stiffness;
       const Eigen::Vector3d change = slope.inverse() * residual;
       guess.position -= change.head<2>();
       guess.yaw -= change.z() / body_.gyration_radius();
     }
-    const Touch touch = touch_at(best, tip_.to);
-    const TipForce tip = force_at(best, touch, 1.0);
-    const PlanarFriction friction = body_.friction_under(-tip.force.z());
-    const double level = body_.level_of(friction, best.yaw, wrench_at(touch.arm, tip.force));
-    conclude(best, touch, tip, level / std::max(friction.holding, 1.0));
+    const Load load = load_at(best, 1.0);
+    conclude(best, load, best.twist.isZero(0.0) ? holding_share(load) : 1.0);
   }
 
-  /// `holding_share`: of what the support would hold.
-  void conclude(const PlanarState& planar, const Touch& touch, const TipForce& tip,
-                double share) noexcept {
+  [[nodiscard]] bool free_at(const PlanarState& planar) const noexcept {
+    return sides_.empty() && touch_.depth < 0.0 && !(touch_at(planar, tip_.to).depth > 0.0);
+  }
+
+  /// `share`: of what the support would hold.
+  void conclude(const PlanarState& planar, const Load& load, double share) noexcept {
     state_.planar = planar;
-    state_.penetration = touch.depth;
-    state_.tool_stretch_base = tip.stretch;
-    state_.tool_force_base = tip.force;
-    const double speed = std::max(planar.twist.head<2>().norm(),
-                                  std::abs(planar.twist.z()) * body_.gyration_radius());
-    const bool is_slow = speed < (state_.phase == MotionPhase::sliding ? kStops : kSlides);
-    const PlanarFriction friction = body_.friction_under(0.0);
-    const bool is_critical = !planar.twist.isZero(0.0) ||
-                             share >= 1.0 - friction.holding_std / std::max(friction.holding, 1.0);
+    state_.penetration = load.touch.depth;
+    state_.tool_stretch_base = load.tip.stretch;
+    state_.tool_force_base = load.tip.force;
+    const bool is_critical = share >= body_.critical_share();
     if (planar.twist.isZero(0.0)) {
       state_.planar.phase = is_critical ? FrictionPhase::critical : FrictionPhase::held;
     }
-    if (!is_slow) {
+    const double speed = std::max(planar.twist.head<2>().norm(),
+                                  std::abs(planar.twist.z()) * body_.gyration_radius());
+    if (speed >= (state_.phase == MotionPhase::sliding ? kStops : kSlides)) {
       state_.phase = MotionPhase::sliding;
-    } else if (tip.force.isZero(0.0)) {
+    } else if (load.tip.force.isZero(0.0)) {
       state_.phase = MotionPhase::free;
     } else {
       state_.phase = is_critical ? MotionPhase::critical : MotionPhase::held;
@@ -243,12 +288,15 @@ class BodyStepper {
   const UprightBody& body_;
   BodyState state_;
   TipPath tip_;
+  std::span<const SideContact> sides_;
+  const PlanarState* guess_;
   double dt_;
   Touch touch_;  ///< at the begin
   double end_share_ = 0.5;
 };
 
-/// A stiff contact swings faster than a step can follow; an impact is over within it.
+}  // namespace
+
 int parts_of_step(const UprightBody& body, const BodyState& state, const TipPath& tip,
                   double dt) noexcept {
   const double frequency =
@@ -261,20 +309,10 @@ int parts_of_step(const UprightBody& body, const BodyState& state, const TipPath
   return static_cast<int>(std::min(parts, kMostParts));
 }
 
-}  // namespace
-
 BodyState step_body(const UprightBody& body, const BodyState& state, const TipPath& tip,
-                    double dt) noexcept {
-  const int parts = parts_of_step(body, state, tip, dt);
-  if (parts == 1) return BodyStepper(body, state, tip, dt).run();
-  BodyState moved = state;
-  TipPath part = tip;
-  for (int i = 1; i <= parts; ++i) {
-    part.to = tip.from + (static_cast<double>(i) / parts) * (tip.to - tip.from);
-    moved = BodyStepper(body, moved, part, dt / parts).run();
-    part.from = part.to;
-  }
-  return moved;
+                    std::span<const SideContact> sides, double dt,
+                    const PlanarState* guess) noexcept {
+  return BodyStepper(body, state, tip, sides, dt, guess).run();
 }
 
 }  // namespace pcavr::detail

@@ -2,12 +2,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+
+#include "prediction/side_contact.hpp"
 #include "prediction/tip_contact.hpp"
 
 namespace pcavr::detail {
 
-/// Moves one body by dt [s] under the tip's contact and the support's friction.
+/// Into how many parts a step has to be cut so that the tip's contact is followed through its
+/// swing: 1 for all but the stiffest contacts of light bodies.
+[[nodiscard]] int parts_of_step(const UprightBody& body, const BodyState& state, const TipPath& tip,
+                                double dt) noexcept;
+
+/// Moves one body by dt [s] under the tip's contact, its neighbours' and the support's friction.
+/// `guess`, the end as one believes it, only saves time.
 [[nodiscard]] BodyState step_body(const UprightBody& body, const BodyState& state,
-                                  const TipPath& tip, double dt) noexcept;
+                                  const TipPath& tip, std::span<const SideContact> sides, double dt,
+                                  const PlanarState* guess = nullptr) noexcept;
 
 }  // namespace pcavr::detail

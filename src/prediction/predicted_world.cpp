@@ -7,14 +7,23 @@
 
 #include "pcavr/core/check.hpp"
 
-#include "prediction/body_step.hpp"
+#include "prediction/neighbourhood.hpp"
 
 namespace pcavr {
 
 struct PredictedWorld::Content {
   std::vector<detail::UprightBody> bodies;
   std::vector<BodyState> states;
-  double tool_radius = 0.0;
+  detail::Neighbourhood neighbourhood;
+  double tool_radius;
+
+  explicit Content(const WorldModel& model)
+      : neighbourhood(model.bodies, model.static_mesh_base), tool_radius(model.tool_radius) {
+    for (const WorldBody& body : model.bodies) {
+      bodies.emplace_back(body, model.gravity);
+      states.emplace_back().planar = bodies.back().start();
+    }
+  }
 };
 
 PredictedWorld::PredictedWorld(std::unique_ptr<Content> content) : content_(std::move(content)) {}
@@ -25,14 +34,16 @@ PredictedWorld::~PredictedWorld() = default;
 Expected<PredictedWorld> PredictedWorld::create(WorldModel model) {
   PCAVR_REQUIRE(std::isfinite(model.tool_radius) && model.tool_radius > 0.0, model.tool_radius);
   PCAVR_REQUIRE(std::isfinite(model.gravity) && model.gravity > 0.0, model.gravity);
-  auto content = std::make_unique<Content>();
-  content->tool_radius = model.tool_radius;
   for (const WorldBody& body : model.bodies) {
-    if (body.model.mesh_object.triangles.empty()) {
-      return Error{.message = "a body needs a CAD surface", .place = body.model.name};
-    }
-    content->bodies.emplace_back(body, model.gravity);
-    content->states.emplace_back().planar = content->bodies.back().start();
+    if (!body.model.mesh_object.triangles.empty()) continue;
+    return Error{.message = "a body needs a CAD surface", .place = body.model.name};
+  }
+  auto content = std::make_unique<Content>(model);
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    if (content->neighbourhood.has_shape(i)) continue;
+    return Error{.message = "its corners lie in one plane, so that it is no body",
+                 .place = model.bodies[i].model.name,
+                 .mend = "give it a closed CAD mesh"};
   }
   return PredictedWorld(std::move(content));
 }
@@ -81,9 +92,7 @@ void PredictedWorld::step(const Eigen::Vector3d& p_base_before, const Eigen::Vec
                           double dt) noexcept {
   if (!(dt > 0.0) || !p_base_tip.allFinite() || !p_base_before.allFinite()) return;
   const detail::TipPath tip{p_base_before, p_base_tip, content_->tool_radius};
-  for (std::size_t i = 0; i < content_->bodies.size(); ++i) {
-    content_->states[i] = detail::step_body(content_->bodies[i], content_->states[i], tip, dt);
-  }
+  content_->neighbourhood.step(content_->bodies, tip, dt, content_->states);
 }
 
 }  // namespace pcavr

@@ -115,9 +115,10 @@ void UprightBody::set_physics(const BodyPhysics& physics) {
   physics_ = physics;
   friction_ = friction_of(physics, gyration_radius_);
   const double holding = friction_.holding * friction_.sliding.force;
-  const double depth = depth_at(physics.contact, holding);
-  working_stiffness_ = contact_force(physics.contact, depth, 0.0).stiffness;
-  working_depth_ = depth_at(physics.contact, physics.friction.coulomb_force);
+  holding_depth_ = depth_at(physics.contact, holding);
+  working_stiffness_ = contact_force(physics.contact, holding_depth_, 0.0).stiffness;
+  sliding_depth_ = depth_at(physics.contact, physics.friction.coulomb_force);
+  critical_share_ = 1.0 - friction_.holding_std / friction_.holding;
 }
 
 Pose UprightBody::pose_of(const PlanarState& planar) const {

@@ -45,8 +45,11 @@ class UprightBody {
   [[nodiscard]] double gyration_radius() const { return gyration_radius_; }
   /// Of the tip's contact near the force at which the body breaks loose [N/m].
   [[nodiscard]] double working_stiffness() const { return working_stiffness_; }
-  /// Where the tip's contact bears the sliding friction [m].
-  [[nodiscard]] double working_depth() const { return working_depth_; }
+  /// Where the tip's contact, at rest, bears the friction of sliding, and all that holds [m].
+  [[nodiscard]] double sliding_depth() const { return sliding_depth_; }
+  [[nodiscard]] double holding_depth() const { return holding_depth_; }
+  /// Of what the support holds at rest: from here on the body is about to go.
+  [[nodiscard]] double critical_share() const { return critical_share_; }
 
  private:
   std::string name_;
@@ -59,7 +62,9 @@ class UprightBody {
   BodyPhysics physics_;
   PlanarFriction friction_;
   double working_stiffness_ = 0.0;
-  double working_depth_ = 0.0;
+  double sliding_depth_ = 0.0;
+  double holding_depth_ = 0.0;
+  double critical_share_ = 1.0;
 };
 
 }  // namespace pcavr::detail

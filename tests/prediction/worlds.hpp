@@ -68,6 +68,42 @@ inline Eigen::Vector3d touching_tip(double y = 0.0, double z = 0.06) {
   return {-0.5 * kBoxSides.x() - kTipRadius, y, z};
 }
 
+/// Boxes in a row along x, side by side with a gap [m] between them.
+inline WorldModel row_of_boxes(int count, double gap) {
+  WorldModel model;
+  model.tool_radius = kTipRadius;
+  BodyPhysics physics = foam_physics();
+  physics.contact.damping = 500.0;  // so that a row swings no longer than a test
+  for (int i = 0; i < count; ++i) {
+    model.bodies.push_back({box_model(kBoxSides, "box" + std::to_string(i)),
+                            standing_at((0.175 + gap) * i, 0.0), physics});
+  }
+  return model;
+}
+
+/// A wall across x, its face at `x`, of small triangles as a scan has them, wavy by `noise` [m].
+inline TriangleMesh wall_at(double x, double noise = 0.0) {
+  TriangleMesh mesh;
+  constexpr int kCells = 40;
+  constexpr double kSide = 0.01;
+  for (int i = 0; i <= kCells; ++i) {
+    for (int j = 0; j <= kCells; ++j) {
+      const double wave = noise * std::sin(1.7 * i) * std::cos(2.3 * j);
+      mesh.vertices.emplace_back(
+          Eigen::Vector3d(x + wave, kSide * (i - kCells / 2), kSide * (j - 5)).cast<float>());
+    }
+  }
+  for (std::uint32_t i = 0; i < kCells; ++i) {
+    for (std::uint32_t j = 0; j < kCells; ++j) {
+      const std::uint32_t a = i * (kCells + 1) + j;
+      const std::uint32_t b = a + kCells + 1;
+      mesh.triangles.push_back({a, a + 1, b});  // facing -x
+      mesh.triangles.push_back({b, a + 1, b + 1});
+    }
+  }
+  return mesh;
+}
+
 /// Runs a world along a path of the tip, p(t), from 0 to `end` [s].
 template <typename Path, typename After>
 void run(PredictedWorld& world, const Path& path, double end, double dt, const After& after) {

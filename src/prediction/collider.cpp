@@ -1,0 +1,288 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "prediction/collider.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
+#include <BulletCollision/CollisionShapes/btConvexPolyhedron.h>
+#include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
+#include <BulletCollision/NarrowPhaseCollision/btPolyhedralContactClipping.h>
+#include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
+#include <Eigen/Geometry>
+
+#include "prediction/convex_parts.hpp"
+#include "prediction/upright_body.hpp"
+
+namespace pcavr::detail {
+namespace {
+
+/// Steeper ones (sine of the normal's rise) bear weight and don't stop a slide.
+constexpr double kSteepestNormal = 0.7;
+/// What rises less above the body's foot [m] is the support and its noise.
+constexpr double kLeastRise = 0.005;
+/// A scanned surface this deep [m] inside a body is not what it leans on.
+constexpr double kDeepest = 0.01;
+/// Points nearer to each other [m] count as one.
+constexpr double kLeastApart = 1e-3;
+/// Points found in one go before they are thinned out.
+constexpr std::size_t kRoom = 2048;
+/// Corners of a clipped face: those of two hulls at most.
+constexpr int kClipRoom = 256;
+
+Eigen::Vector3d from_bullet(const btVector3& p) { return {p.x(), p.y(), p.z()}; }
+
+btTransform to_bullet(const PlanarState& planar) {
+  return btTransform(btQuaternion(btVector3(0.0, 0.0, 1.0), planar.yaw),
+                     btVector3(planar.position.x(), planar.position.y(), 0.0));
+}
+
+/// Takes what Bullet reports, up to a number.
+struct Points final : btDiscreteCollisionDetectorInterface::Result {
+  std::vector<CollisionPoint> found;
+  double deepest = std::numeric_limits<double>::infinity();
+
+  Points() { found.reserve(kRoom); }
+  void setShapeIdentifiersA(int /*part*/, int /*index*/) override {}
+  void setShapeIdentifiersB(int /*part*/, int /*index*/) override {}
+  void addContactPoint(const btVector3& normal, const btVector3& point, btScalar gap) override {
+    if (found.size() == kRoom || -gap > deepest) return;
+    found.push_back({from_bullet(point), from_bullet(normal), -gap});
+  }
+};
+
+/// The nearest axis only.
+struct Axis final : btDiscreteCollisionDetectorInterface::Result {
+  bool is_found = false;
+  btVector3 normal;
+  btScalar gap = 0.0;
+
+  void setShapeIdentifiersA(int /*part*/, int /*index*/) override {}
+  void setShapeIdentifiersB(int /*part*/, int /*index*/) override {}
+  void addContactPoint(const btVector3& the_normal, const btVector3& /*point*/,
+                       btScalar the_gap) override {
+    is_found = true;
+    normal = the_normal;
+    gap = the_gap;
+  }
+};
+
+/// In the plane a handful of points do: of each direction of the normal the deepest one, and the
+/// ones furthest to either side, where 1 mm of depth weighs as much as 10 mm to the side.
+void thin_out(std::vector<CollisionPoint>& found, std::vector<CollisionPoint>& points) {
+  std::array<bool, kRoom> is_used{};
+  std::size_t room = Collider::kMostPoints;
+  while (room > 0) {
+    std::size_t first = kRoom;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (!is_used[i] && (first == kRoom || found[i].depth > found[first].depth)) first = i;
+    }
+    if (first == kRoom) return;
+    const Eigen::Vector3d normal = found[first].normal;
+    const Eigen::Vector2d along(-normal.y(), normal.x());
+    std::array<std::size_t, 2> ends{first, first};
+    std::array<double, 2> best{-1e300, -1e300};
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (is_used[i] || found[i].normal.dot(normal) < 0.9) continue;
+      is_used[i] = true;
+      for (std::size_t side = 0; side < 2; ++side) {
+        const double way = (side == 0 ? 1.0 : -1.0) * along.dot(found[i].p_base.head<2>());
+        const double score = way + 10.0 * found[i].depth;
+        if (score > best[side]) {
+          best[side] = score;
+          ends[side] = i;
+        }
+      }
+    }
+    if (ends[1] == ends[0]) ends[1] = first;
+    points.push_back(found[first]);
+    --room;
+    for (const std::size_t i : ends) {
+      const bool is_apart = (found[i].p_base - found[first].p_base).head<2>().norm() > kLeastApart;
+      if (!is_apart || room == 0) continue;
+      points.push_back(found[i]);
+      --room;
+    }
+  }
+}
+
+}  // namespace
+
+struct Collider::Content {
+  struct Body {
+    std::vector<std::unique_ptr<btConvexHullShape>> hulls;
+    double reach = 0.0;
+    double foot = 0.0;  ///< height of its lowest point in base [m]
+  };
+  std::vector<Body> bodies;
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<int> indices;
+  std::unique_ptr<btTriangleIndexVertexArray> triangles;
+  std::unique_ptr<btBvhTriangleMeshShape> mesh;
+  // Work space, so that a search does not allocate.
+  Points found;
+  btVertexArray clip_in;
+  btVertexArray clip_out;
+  btVoronoiSimplexSolver simplex;
+
+  void add(const WorldBody& body);
+  void add(const TriangleMesh& static_mesh_base);
+  void collide(const btConvexHullShape& a, const btTransform& T_a, const btConvexHullShape& b,
+               const btTransform& T_b, double margin);
+  [[nodiscard]] Axis axis_between(const btConvexShape& a, const btTransform& T_a,
+                                  const btConvexShape& b, const btTransform& T_b, double margin);
+  void collide(const btConvexHullShape& a, const btTransform& T_a, const btVector3* triangle,
+               double margin);
+};
+
+void Collider::Content::add(const WorldBody& body) {
+  const Eigen::Vector3d centre = body.T_base_object * body.model.centre_of_mass_object;
+  const Pose T_body_object =
+      Pose::from_translation({-centre.x(), -centre.y(), 0.0}) * body.T_base_object;
+  Body& added = bodies.emplace_back();
+  added.hulls = convex_parts(body.model.mesh_object, T_body_object);
+  added.foot = std::numeric_limits<double>::infinity();
+  for (const auto& v : body.model.mesh_object.vertices) {
+    const Eigen::Vector3d p = T_body_object * v.cast<double>();
+    added.reach = std::max(added.reach, p.head<2>().norm());
+    added.foot = std::min(added.foot, p.z());
+  }
+}
+
+void Collider::Content::add(const TriangleMesh& static_mesh_base) {
+  for (const auto& v : static_mesh_base.vertices) vertices.push_back(v.cast<double>());
+  for (const auto& t : static_mesh_base.triangles) {
+    const Eigen::Vector3d normal =
+        (vertices[t[1]] - vertices[t[0]]).cross(vertices[t[2]] - vertices[t[0]]);
+    if (!(std::abs(normal.z()) < kSteepestNormal * normal.norm())) continue;
+    for (const std::uint32_t index : t) indices.push_back(static_cast<int>(index));
+  }
+  if (indices.empty()) return;
+  triangles = std::make_unique<btTriangleIndexVertexArray>(
+      static_cast<int>(indices.size() / 3), indices.data(), static_cast<int>(3 * sizeof(int)),
+      static_cast<int>(vertices.size()), vertices.front().data(),
+      static_cast<int>(sizeof(Eigen::Vector3d)));
+  mesh = std::make_unique<btBvhTriangleMeshShape>(triangles.get(), true);
+}
+
+Axis Collider::Content::axis_between(const btConvexShape& a, const btTransform& T_a,
+                                     const btConvexShape& b, const btTransform& T_b,
+                                     double margin) {
+  btGjkPairDetector detector(&a, &b, a.getShapeType(), b.getShapeType(), 0.0, 0.0, &simplex,
+                             nullptr);
+  btGjkPairDetector::ClosestPointInput input;
+  input.m_transformA = T_a;
+  input.m_transformB = T_b;
+  input.m_maximumDistanceSquared = margin * margin;
+  Axis axis;
+  detector.getClosestPoints(input, axis, nullptr);
+  return axis;
+}
+
+void Collider::Content::collide(const btConvexHullShape& a, const btTransform& T_a,
+                                const btConvexHullShape& b, const btTransform& T_b, double margin) {
+  const btConvexPolyhedron& hull_a = *a.getConvexPolyhedron();
+  const btConvexPolyhedron& hull_b = *b.getConvexPolyhedron();
+  btVector3 normal;
+  if (!btPolyhedralContactClipping::findSeparatingAxis(hull_a, hull_b, T_a, T_b, normal, found)) {
+    const Axis axis = axis_between(a, T_a, b, T_b, margin);
+    if (!axis.is_found || axis.gap > margin) return;
+    normal = axis.normal;
+  }
+  if (std::abs(normal.z()) > kSteepestNormal) return;
+  clip_in.resize(0);
+  btPolyhedralContactClipping::clipHullAgainstHull(normal, hull_a, hull_b, T_a, T_b, -1e3, margin,
+                                                   clip_in, clip_out, found);
+}
+
+void Collider::Content::collide(const btConvexHullShape& a, const btTransform& T_a,
+                                const btVector3* triangle, double margin) {
+  btVector3 normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
+  const btConvexPolyhedron& hull = *a.getConvexPolyhedron();
+  // Seen from behind it is something else's skin, or what the scan kept of this very body.
+  if (normal.fuzzyZero() || normal.dot(T_a * hull.m_localCenter - triangle[0]) <= 0.0) return;
+  normal.normalize();
+  // The triangle's own normal as the axis: a scanned wall is many small triangles, of which GJK's
+  // answer would be one point each, at ten times the cost.
+  const btVector3 nearest =
+      T_a * a.localGetSupportingVertexWithoutMargin(T_a.getBasis().transpose() * -normal);
+  const btScalar gap = normal.dot(nearest - triangle[0]);
+  if (gap > margin || gap < -kDeepest) return;
+  clip_in.resize(0);
+  for (int i = 0; i < 3; ++i) clip_in.push_back(triangle[i]);
+  btPolyhedralContactClipping::clipFaceAgainstHull(normal, hull, T_a, clip_in, clip_out, -1e3,
+                                                   margin, found);
+}
+
+Collider::Collider(const std::vector<WorldBody>& bodies, const TriangleMesh& static_mesh_base)
+    : content_(std::make_unique<Content>()) {
+  for (const WorldBody& body : bodies) content_->add(body);
+  content_->add(static_mesh_base);
+  content_->clip_in.reserve(kClipRoom);
+  content_->clip_out.reserve(kClipRoom);
+}
+Collider::~Collider() = default;
+
+bool Collider::has_shape(std::size_t body) const { return !content_->bodies[body].hulls.empty(); }
+double Collider::reach(std::size_t body) const { return content_->bodies[body].reach; }
+
+void Collider::between(std::size_t a, const PlanarState& planar_a, std::size_t b,
+                       const PlanarState& planar_b, double margin,
+                       std::vector<CollisionPoint>& points) {
+  Content& c = *content_;
+  const btTransform T_a = to_bullet(planar_a);
+  const btTransform T_b = to_bullet(planar_b);
+  c.found.found.clear();
+  c.found.deepest = std::numeric_limits<double>::infinity();
+  for (const auto& hull_a : c.bodies[a].hulls) {
+    for (const auto& hull_b : c.bodies[b].hulls) {
+      btVector3 low_a, high_a, low_b, high_b;
+      hull_a->getAabb(T_a, low_a, high_a);
+      hull_b->getAabb(T_b, low_b, high_b);
+      const btVector3 gap(margin, margin, 0.0);
+      if (!TestAabbAgainstAabb2(low_a - gap, high_a + gap, low_b, high_b)) continue;
+      c.collide(*hull_a, T_a, *hull_b, T_b, margin);
+    }
+  }
+  thin_out(c.found.found, points);
+}
+
+void Collider::with_static(std::size_t a, const PlanarState& planar_a, double margin,
+                           std::vector<CollisionPoint>& points) {
+  Content& c = *content_;
+  if (!c.mesh) return;
+  const btTransform T_a = to_bullet(planar_a);
+  c.found.found.clear();
+  c.found.deepest = kDeepest;
+  struct Callback final : btTriangleCallback {
+    Content* content = nullptr;
+    const btConvexHullShape* hull = nullptr;
+    const btTransform* T_a = nullptr;
+    double margin = 0.0;
+    double foot = 0.0;
+    void processTriangle(btVector3* triangle, int /*part*/, int /*index*/) override {
+      const double top = std::max({triangle[0].z(), triangle[1].z(), triangle[2].z()});
+      if (top < foot + kLeastRise) return;
+      content->collide(*hull, *T_a, triangle, margin);
+    }
+  };
+  for (const auto& hull : c.bodies[a].hulls) {
+    btVector3 low, high;
+    hull->getAabb(T_a, low, high);
+    Callback callback;
+    callback.content = &c;
+    callback.hull = hull.get();
+    callback.T_a = &T_a;
+    callback.margin = margin;
+    callback.foot = c.bodies[a].foot;
+    const btVector3 gap(margin, margin, 0.0);
+    c.mesh->processAllTriangles(&callback, low - gap, high + gap);
+  }
+  thin_out(c.found.found, points);
+}
+
+}  // namespace pcavr::detail

@@ -1,0 +1,209 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "prediction/neighbourhood.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcavr::detail {
+namespace {
+
+constexpr double kMargin = 1e-3;   // [m] contacts that may close within a step
+constexpr double kOverlap = 5e-5;  // [m] of two bodies under the force at which one breaks loose
+constexpr double kSettled = 1e-8;  // [m] a change that neighbours need not hear of
+constexpr int kMostSweeps = 12;
+constexpr std::size_t kMostSides = 64;  // of one body
+constexpr double kLeastCoefficient =
+    0.1;  // of friction, for the stiffness of a contact without any
+
+double turning_way(const PlanarState& from, const PlanarState& to) { return to.yaw - from.yaw; }
+
+Eigen::Vector2d way_of(const PlanarState& from, const PlanarState& to, const Eigen::Vector2d& arm) {
+  const double turned = turning_way(from, to);
+  return to.position - from.position + Eigen::Vector2d(-turned * arm.y(), turned * arm.x());
+}
+
+double speed_of(const UprightBody& body, const BodyState& state) {
+  return state.planar.twist.head<2>().norm() +
+         2.0 * body.gyration_radius() * std::abs(state.planar.twist.z());
+}
+
+/// Like that of things laid on the same support: by the larger force at which one of them breaks
+/// loose.
+double stiffness_between(const BodyPhysics& a, const BodyPhysics& b) {
+  const double light = 9.81 * kLeastCoefficient * std::min(a.friction.mass, b.friction.mass);
+  return std::max({holding_force(a.friction), holding_force(b.friction), light}) / kOverlap;
+}
+
+}  // namespace
+
+Neighbourhood::Neighbourhood(const std::vector<WorldBody>& bodies,
+                             const TriangleMesh& static_mesh_base)
+    : collider_(bodies, static_mesh_base), members_(bodies.size()) {
+  for (Member& member : members_) {
+    member.sides.reserve(kMostSides);
+    member.partners.reserve(kMostSides);
+  }
+  queue_.reserve(bodies.size());
+  points_.reserve(Collider::kMostPoints);
+}
+
+void Neighbourhood::step(const std::vector<UprightBody>& bodies, const TipPath& tip, double dt,
+                         std::vector<BodyState>& states) {
+  find_contacts(bodies, tip, dt, states);
+  bool is_together = false;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!members_[i].sides.empty()) {
+      is_together = true;
+      continue;
+    }
+    TipPath part = tip;
+    const int parts = parts_of_step(bodies[i], states[i], tip, dt);
+    for (int k = 1; k <= parts; ++k) {
+      part.to = tip.from + (static_cast<double>(k) / parts) * (tip.to - tip.from);
+      states[i] = step_body(bodies[i], states[i], part, {}, dt / parts);
+      part.from = part.to;
+    }
+  }
+  if (!is_together) return;
+  for (std::size_t i = 0; i < bodies.size(); ++i) members_[i].begin = states[i];
+  step_together(bodies, tip, dt);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!members_[i].sides.empty()) states[i] = members_[i].end;
+  }
+}
+
+/// From the bodies that move, or that the tip may move, on to those that lean on them.
+void Neighbourhood::find_contacts(const std::vector<UprightBody>& bodies, const TipPath& tip,
+                                  double dt, const std::vector<BodyState>& states) {
+  queue_.clear();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    Member& member = members_[i];
+    member.sides.clear();
+    member.partners.clear();
+    member.is_searched = false;
+    const double travel = (tip.to - tip.from).head<2>().norm();
+    const double near = collider_.reach(i) + tip.radius + travel + kMargin;
+    const double away = (tip.to.head<2>() - states[i].planar.position).norm();
+    member.is_awake = !states[i].planar.twist.isZero(0.0) || away < near;
+    if (member.is_awake) queue_.push_back(i);
+  }
+  for (std::size_t i = 0; i < queue_.size(); ++i) search(queue_[i], bodies, dt, states);
+}
+
+void Neighbourhood::search(std::size_t body, const std::vector<UprightBody>& bodies, double dt,
+                           const std::vector<BodyState>& states) {
+  const PlanarState& own = states[body].planar;
+  const double speed = speed_of(bodies[body], states[body]);
+  points_.clear();
+  collider_.with_static(body, own, kMargin + dt * speed, points_);
+  for (const CollisionPoint& point : points_) link(body, -1, point, 1.0, bodies, states);
+  for (std::size_t other = 0; other < bodies.size(); ++other) {
+    if (other == body || members_[other].is_searched) continue;
+    const double margin = kMargin + dt * (speed + speed_of(bodies[other], states[other]));
+    const double apart = (states[other].planar.position - own.position).norm();
+    if (apart > collider_.reach(body) + collider_.reach(other) + margin) continue;
+    points_.clear();
+    collider_.between(body, own, other, states[other].planar, margin, points_);
+    for (const CollisionPoint& point : points_) {
+      link(body, static_cast<std::ptrdiff_t>(other), point, 1.0, bodies, states);
+      link(other, static_cast<std::ptrdiff_t>(body), point, -1.0, bodies, states);
+    }
+    if (!points_.empty() && !members_[other].is_awake) {
+      members_[other].is_awake = true;
+      queue_.push_back(other);
+    }
+  }
+  members_[body].is_searched = true;
+}
+
+/// `sign`: 1 for the first of the two that the point was found between.
+void Neighbourhood::link(std::size_t body, std::ptrdiff_t partner, const CollisionPoint& point,
+                         double sign, const std::vector<UprightBody>& bodies,
+                         const std::vector<BodyState>& states) {
+  Member& member = members_[body];
+  if (member.sides.size() == kMostSides) return;
+  const BodyPhysics& own = bodies[body].physics();
+  const BodyPhysics& other =
+      partner < 0 ? own : bodies[static_cast<std::size_t>(partner)].physics();
+  SideContact side;
+  side.normal = (sign * point.normal.head<2>()).normalized();
+  side.arm = point.p_base.head<2>() - states[body].planar.position;
+  // Along the level, an overlap is longer than along a normal that rises.
+  side.depth = point.depth / point.normal.head<2>().norm();
+  side.stiffness = stiffness_between(own, other);
+  side.damping = 2.0 * std::sqrt(side.stiffness * std::min(own.friction.mass, other.friction.mass));
+  Partner across;
+  across.body = partner;
+  if (partner >= 0) {
+    across.arm = point.p_base.head<2>() - states[static_cast<std::size_t>(partner)].planar.position;
+  }
+  member.sides.push_back(side);
+  member.partners.push_back(across);
+}
+
+void Neighbourhood::step_together(const std::vector<UprightBody>& bodies, const TipPath& tip,
+                                  double dt) {
+  int parts = 1;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (members_[i].sides.empty()) continue;
+    parts = std::max(parts, parts_of_step(bodies[i], members_[i].begin, tip, dt));
+  }
+  const double time = dt / parts;
+  TipPath part = tip;
+  for (int k = 1; k <= parts; ++k) {
+    part.to = tip.from + (static_cast<double>(k) / parts) * (tip.to - tip.from);
+    for (Member& member : members_) {
+      member.is_dirty = !member.sides.empty();
+      member.end = member.begin;
+      member.end.planar.position += time * member.begin.planar.twist.head<2>();
+      member.end.planar.yaw += time * member.begin.planar.twist.z();
+    }
+    bool is_settled = false;
+    for (int sweep = 0; sweep < kMostSweeps && !is_settled; ++sweep) {
+      is_settled = true;
+      for (std::size_t i = 0; i < members_.size(); ++i) {  // to and fro
+        const std::size_t body = sweep % 2 == 0 ? i : members_.size() - 1 - i;
+        if (members_[body].is_dirty && solve(body, bodies, part, time)) is_settled = false;
+      }
+    }
+    for (Member& member : members_) {
+      follow_neighbours(member);
+      for (SideContact& side : member.sides) {
+        side.depth += side.normal.dot(side.neighbour_way -
+                                      way_of(member.begin.planar, member.end.planar, side.arm));
+      }
+    }
+    for (Member& member : members_) member.begin = member.end;
+    part.from = part.to;
+  }
+}
+
+/// Whether it moved enough for its neighbours to be solved again.
+bool Neighbourhood::solve(std::size_t body, const std::vector<UprightBody>& bodies,
+                          const TipPath& tip, double dt) {
+  Member& member = members_[body];
+  follow_neighbours(member);
+  const PlanarState before = member.end.planar;
+  member.end = step_body(bodies[body], member.begin, tip, member.sides, dt, &before);
+  member.is_dirty = false;
+  const double change =
+      (member.end.planar.position - before.position).norm() +
+      bodies[body].gyration_radius() * std::abs(turning_way(before, member.end.planar));
+  if (change <= kSettled) return false;
+  for (const Partner& partner : member.partners) {
+    if (partner.body >= 0) members_[static_cast<std::size_t>(partner.body)].is_dirty = true;
+  }
+  return true;
+}
+
+void Neighbourhood::follow_neighbours(Member& member) const {
+  for (std::size_t i = 0; i < member.sides.size(); ++i) {
+    const Partner& partner = member.partners[i];
+    if (partner.body < 0) continue;
+    const Member& other = members_[static_cast<std::size_t>(partner.body)];
+    member.sides[i].neighbour_way = way_of(other.begin.planar, other.end.planar, partner.arm);
+  }
+}
+
+}  // namespace pcavr::detail

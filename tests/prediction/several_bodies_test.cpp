@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "prediction/worlds.hpp"
+
+namespace pcavr {
+namespace {
+
+using test::foam_physics;
+using test::row_of_boxes;
+using test::standing_at;
+using test::touching_tip;
+using test::wall_at;
+
+PredictedWorld world_of(const WorldModel& model) { return PredictedWorld::create(model).value(); }
+
+auto push(double speed, double y = 0.0) {
+  return [=](double t) -> Eigen::Vector3d {
+    return touching_tip(y) + Eigen::Vector3d(speed * t, 0.0, 0.0);
+  };
+}
+
+TEST(SeveralBodies, OnePushesTheNext) {
+  PredictedWorld world = world_of(row_of_boxes(2, 0.02));
+  test::run(world, push(0.04), 2.0, 0.001);
+  const auto& state = world.state();
+  const double apart = state[1].planar.position.x() - state[0].planar.position.x();
+  EXPECT_NEAR(apart, 0.175, 0.0002);
+  EXPECT_NEAR(state[0].planar.twist.x(), 0.04, 0.001);
+  EXPECT_NEAR(state[1].planar.twist.x(), 0.04, 0.001);
+  // The tip bears the friction of both.
+  EXPECT_NEAR(state[0].tool_force_base.x(), 2.0 * 8.5, 0.1);
+  EXPECT_NEAR(state[0].planar.yaw, 0.0, 1e-3);
+  EXPECT_NEAR(state[1].planar.yaw, 0.0, 1e-3);
+}
+
+TEST(SeveralBodies, HoldTogetherWhatNoneHoldsAlone) {
+  PredictedWorld world = world_of(row_of_boxes(2, 0.0));
+  // 15 N: more than one box withstands, less than two.
+  const auto press = [](double t) -> Eigen::Vector3d {
+    return touching_tip() + Eigen::Vector3d(std::min(t, 1.0) * 15.0 / 8000.0, 0.0, 0.0);
+  };
+  test::run(world, press, 3.0, 0.001);
+  const BodyState early = world.state()[0];
+  EXPECT_LT(early.planar.position.x(), 1e-4);
+  EXPECT_NEAR(early.tool_force_base.x(), 15.0, 0.8);
+  test::run(
+      world, [&](double t) { return press(t + 3.0); }, 20.0, 0.001);
+  EXPECT_EQ(world.state()[0].planar.position, early.planar.position);
+  EXPECT_TRUE(world.state()[1].planar.twist.isZero(0.0));
+}
+
+TEST(SeveralBodies, ARowOfTenIsPushedWhole) {
+  PredictedWorld world = world_of(row_of_boxes(10, 0.001));
+  test::run(world, push(0.04), 2.0, 0.001);
+  const auto& state = world.state();
+  for (std::size_t i = 1; i < state.size(); ++i) {
+    const double apart = state[i].planar.position.x() - state[i - 1].planar.position.x();
+    EXPECT_GT(apart, 0.175 - 0.001) << i;
+    EXPECT_LT(apart, 0.175 + 0.0002) << i;
+    EXPECT_NEAR(state[i].planar.twist.x(), 0.04, 0.002) << i;
+  }
+  EXPECT_NEAR(state[0].tool_force_base.x(), 85.0, 2.0);
+}
+
+TEST(SeveralBodies, AnOffCentreNeighbourIsTurned) {
+  WorldModel model = row_of_boxes(2, 0.005);
+  model.bodies[1].T_base_object = standing_at(0.18, 0.12);
+  PredictedWorld world = world_of(model);
+  test::run(world, push(0.04), 2.5, 0.001);
+  EXPECT_GT(world.state()[1].planar.yaw, 0.05);
+  EXPECT_TRUE(world.state()[0].planar.position.allFinite());
+}
+
+class Wall : public testing::TestWithParam<double> {};
+
+TEST_P(Wall, OfTheScannedMeshStopsABody) {
+  WorldModel model = test::one_box();
+  model.static_mesh_base = wall_at(0.0875 + 0.03, GetParam());
+  PredictedWorld world = world_of(model);
+  // 30 mm to the wall, and 5 mm further: 40 N.
+  const auto path = [](double t) -> Eigen::Vector3d {
+    return touching_tip() + Eigen::Vector3d(std::min(0.04 * t, 0.035), 0.0, 0.0);
+  };
+  test::run(world, path, 3.0, 0.001);
+  const BodyState& state = world.state()[0];
+  EXPECT_NEAR(state.planar.position.x(), 0.03, 0.0005 + 2.0 * GetParam());
+  EXPECT_TRUE(state.planar.twist.isZero(0.0));
+  EXPECT_NEAR(state.tool_force_base.x(), 40.0, 5.0 + 8000.0 * 2.0 * GetParam());
+  EXPECT_NEAR(state.planar.yaw, 0.0, 0.01);
+}
+INSTANTIATE_TEST_SUITE_P(SeveralBodies, Wall, testing::Values(0.0, 0.0005));
+
+TEST(SeveralBodies, TheSupportInTheMeshDoesNotHoldABodyBack) {
+  WorldModel model = test::one_box();
+  TriangleMesh& mesh = model.static_mesh_base;
+  // A bumpy table, 3 mm up and down, and the body's own skin, which a scan took for static.
+  test::add_box(mesh, {-0.5, -0.5, -0.05}, {0.5, 0.5, 0.001});
+  test::add_box(mesh, {0.0, -0.05, -0.01}, {0.3, 0.05, 0.003});
+  test::add_box(mesh, {-0.088, -0.088, 0.0}, {0.088, 0.088, 0.126});
+  PredictedWorld with = world_of(model);
+  PredictedWorld without = world_of(test::one_box());
+  test::run(with, push(0.04), 1.0, 0.001);
+  test::run(without, push(0.04), 1.0, 0.001);
+  EXPECT_EQ(with.state()[0].planar.position, without.state()[0].planar.position);
+}
+
+/// A block with a slot of 40 mm across its middle, open towards -x.
+CadModel slotted_model() {
+  TriangleMesh mesh;
+  test::add_box(mesh, {0.02, -0.08, -0.04}, {0.08, 0.08, 0.04});
+  test::add_box(mesh, {-0.08, 0.02, -0.04}, {0.02, 0.08, 0.04});
+  test::add_box(mesh, {-0.08, -0.08, -0.04}, {0.02, -0.02, 0.04});
+  // Three boxes side by side share faces, not edges; as one closed surface they do for a test.
+  return make_cad_model(mesh, "slotted", "test").value();
+}
+
+TEST(SeveralBodies, ANeighbourMayStandInASlot) {
+  WorldModel model;
+  model.tool_radius = test::kTipRadius;
+  BodyPhysics physics = foam_physics();
+  model.bodies.push_back({slotted_model(), standing_at(0.0, 0.0, 0.0, 0.08), physics});
+  // A bar of 30 mm inside of the slot, clear of its end by 10 mm.
+  model.bodies.push_back(
+      {test::box_model({0.1, 0.03, 0.08}, "bar"), standing_at(-0.04, 0.0, 0.0, 0.08), physics});
+  PredictedWorld world = world_of(model);
+  const PlanarState start = world.state()[0].planar;
+  const auto path = [](double t) -> Eigen::Vector3d {
+    return {-0.09 - test::kTipRadius + 0.04 * t, 0.0, 0.04};
+  };
+  test::run(world, path, 0.2, 0.001);
+  EXPECT_EQ(world.state()[0].planar.position, start.position);
+  EXPECT_GT(world.state()[1].planar.position.x(), -0.035);
+  test::run(
+      world, [&](double t) { return path(t + 0.2); }, 0.8, 0.001);
+  // The bar took the block along: 40 mm less the 10 mm of play and the tip's indentation.
+  EXPECT_NEAR(world.state()[0].planar.position.x() - start.position.x(), 0.03 - 2.0 * 8.5 / 8000.0,
+              0.001);
+}
+
+TEST(SeveralBodies, AnOverlapIsUndoneWithoutAJump) {
+  WorldModel model = row_of_boxes(2, 0.0);
+  model.bodies[1].T_base_object = standing_at(0.165, 0.0);
+  PredictedWorld world = world_of(model);
+  double fastest = 0.0;
+  test::run(world, push(0.01), 2.0, 0.001, [&](double) {
+    fastest = std::max(fastest, world.state()[1].planar.twist.head<2>().norm());
+  });
+  EXPECT_LT(fastest, 0.12);
+  const double apart = world.state()[1].planar.position.x() - world.state()[0].planar.position.x();
+  EXPECT_NEAR(apart, 0.175, 0.003);
+}
+
+}  // namespace
+}  // namespace pcavr
