@@ -80,6 +80,29 @@ TEST(IdentifySliding, SaysThatASteadyPushShowsNoMassAndProposesABetterOne) {
   }
 }
 
+TEST(IdentifySliding, ClaimsOnlyWhatHoldsFromWeakPushesToStrongOnes) {
+  int claimed = 0;
+  for (const double swing : {0.0003, 0.001, 0.002, 0.0035}) {
+    for (std::uint64_t seed = 5651; seed <= 5653; ++seed) {
+      const Plant plant = random_plant(seed);
+      const SlidingIdentification found = identify(plant, 0.06, swing, 600 + seed);
+      ASSERT_TRUE(found.is_valid);
+      const double friction = plant.coulomb + plant.viscous * found.speed;
+      EXPECT_NEAR(found.coulomb.value + found.viscous.value * found.speed, friction,
+                  0.005 * friction);
+      if (found.mass.is_excited) {
+        ++claimed;
+        EXPECT_NEAR(found.mass.value, plant.mass, 3.0 * found.mass.deviation) << swing;
+      }
+      if (found.viscous.is_excited) {
+        ++claimed;
+        EXPECT_NEAR(found.viscous.value, plant.viscous, 3.0 * found.viscous.deviation) << swing;
+      }
+    }
+  }
+  EXPECT_GE(claimed, 8);
+}
+
 TEST(IdentifySliding, IsNotMisledByStopsAndLostContact) {
   for (std::uint64_t seed = 5301; seed <= 5306; ++seed) {
     const Plant plant = random_plant(seed);
