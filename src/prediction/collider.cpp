@@ -27,6 +27,10 @@ constexpr double kSteepestNormal = 0.7;
 constexpr double kLeastRise = 0.005;
 /// A scanned surface this deep [m] inside a body is not what it leans on.
 constexpr double kDeepest = 0.01;
+/// Beyond this [m] the static mesh is not told: 3 m/s at 1 kHz, less the grid.
+constexpr double kStaticMargin = 3e-3;
+constexpr double kGrid = 0.25e-3;      // [m]
+constexpr double kGridAngle = 2.5e-3;  // [rad]
 /// Points nearer to each other [m] count as one.
 constexpr double kLeastApart = 1e-3;
 /// Points found in one go before they are thinned out.
@@ -117,6 +121,10 @@ struct Collider::Content {
     std::vector<std::unique_ptr<btConvexHullShape>> hulls;
     double reach = 0.0;
     double foot = 0.0;  ///< height of its lowest point in base [m]
+    // The latest answer about the static mesh: a function of the grid's pose alone.
+    std::array<double, 3> grid_pose{};
+    std::vector<CollisionPoint> static_points;
+    bool has_static_points = false;
   };
   std::vector<Body> bodies;
   std::vector<Eigen::Vector3d> vertices;
@@ -137,6 +145,7 @@ struct Collider::Content {
                                   const btConvexShape& b, const btTransform& T_b, double margin);
   void collide(const btConvexHullShape& a, const btTransform& T_a, const btVector3* triangle,
                double margin);
+  void search_static(Body& body, const btTransform& T_body);
 };
 
 void Collider::Content::add(const WorldBody& body) {
@@ -144,6 +153,7 @@ void Collider::Content::add(const WorldBody& body) {
   const Pose T_body_object =
       Pose::from_translation({-centre.x(), -centre.y(), 0.0}) * body.T_base_object;
   Body& added = bodies.emplace_back();
+  added.static_points.reserve(kMostPoints);
   added.hulls = convex_parts(body.model.mesh_object, T_body_object);
   added.foot = std::numeric_limits<double>::infinity();
   for (const auto& v : body.model.mesh_object.vertices) {
@@ -218,6 +228,34 @@ void Collider::Content::collide(const btConvexHullShape& a, const btTransform& T
                                                    margin, found);
 }
 
+void Collider::Content::search_static(Body& body, const btTransform& T_body) {
+  struct Callback final : btTriangleCallback {
+    Content* content = nullptr;
+    const btConvexHullShape* hull = nullptr;
+    const btTransform* T_body = nullptr;
+    double least_top = 0.0;
+    void processTriangle(btVector3* triangle, int /*part*/, int /*index*/) override {
+      const double top = std::max({triangle[0].z(), triangle[1].z(), triangle[2].z()});
+      if (top >= least_top) content->collide(*hull, *T_body, triangle, kStaticMargin);
+    }
+  };
+  found.found.clear();
+  found.deepest = kDeepest;
+  for (const auto& hull : body.hulls) {
+    btVector3 low, high;
+    hull->getAabb(T_body, low, high);
+    Callback callback;
+    callback.content = this;
+    callback.hull = hull.get();
+    callback.T_body = &T_body;
+    callback.least_top = body.foot + kLeastRise;
+    const btVector3 gap(kStaticMargin, kStaticMargin, 0.0);
+    mesh->processAllTriangles(&callback, low - gap, high + gap);
+  }
+  body.static_points.clear();
+  thin_out(found.found, body.static_points);
+}
+
 Collider::Collider(const std::vector<WorldBody>& bodies, const TriangleMesh& static_mesh_base)
     : content_(std::make_unique<Content>()) {
   for (const WorldBody& body : bodies) content_->add(body);
@@ -251,38 +289,30 @@ void Collider::between(std::size_t a, const PlanarState& planar_a, std::size_t b
   thin_out(c.found.found, points);
 }
 
-void Collider::with_static(std::size_t a, const PlanarState& planar_a, double margin,
+void Collider::with_static(std::size_t a, const PlanarState& planar,
                            std::vector<CollisionPoint>& points) {
-  Content& c = *content_;
-  if (!c.mesh) return;
-  const btTransform T_a = to_bullet(planar_a);
-  c.found.found.clear();
-  c.found.deepest = kDeepest;
-  struct Callback final : btTriangleCallback {
-    Content* content = nullptr;
-    const btConvexHullShape* hull = nullptr;
-    const btTransform* T_a = nullptr;
-    double margin = 0.0;
-    double foot = 0.0;
-    void processTriangle(btVector3* triangle, int /*part*/, int /*index*/) override {
-      const double top = std::max({triangle[0].z(), triangle[1].z(), triangle[2].z()});
-      if (top < foot + kLeastRise) return;
-      content->collide(*hull, *T_a, triangle, margin);
-    }
-  };
-  for (const auto& hull : c.bodies[a].hulls) {
-    btVector3 low, high;
-    hull->getAabb(T_a, low, high);
-    Callback callback;
-    callback.content = &c;
-    callback.hull = hull.get();
-    callback.T_a = &T_a;
-    callback.margin = margin;
-    callback.foot = c.bodies[a].foot;
-    const btVector3 gap(margin, margin, 0.0);
-    c.mesh->processAllTriangles(&callback, low - gap, high + gap);
+  if (!content_->mesh) return;
+  Content::Body& body = content_->bodies[a];
+  const std::array<double, 3> pose{std::round(planar.position.x() / kGrid) * kGrid,
+                                   std::round(planar.position.y() / kGrid) * kGrid,
+                                   std::round(planar.yaw / kGridAngle) * kGridAngle};
+  PlanarState there;
+  there.position = {pose[0], pose[1]};
+  there.yaw = pose[2];
+  if (!body.has_static_points || body.grid_pose != pose) {
+    content_->search_static(body, to_bullet(there));
+    body.grid_pose = pose;
+    body.has_static_points = true;
   }
-  thin_out(c.found.found, points);
+  for (CollisionPoint point : body.static_points) {
+    const Eigen::Vector2d arm = point.p_base.head<2>() - there.position;
+    const double turned = planar.yaw - there.yaw;
+    const Eigen::Vector2d way =
+        planar.position - there.position + Eigen::Vector2d(-turned * arm.y(), turned * arm.x());
+    point.depth -= point.normal.head<2>().dot(way);
+    point.p_base.head<2>() += way;
+    points.push_back(point);
+  }
 }
 
 }  // namespace pcavr::detail

@@ -96,7 +96,7 @@ void Neighbourhood::search(std::size_t body, const std::vector<UprightBody>& bod
   const PlanarState& own = states[body].planar;
   const double speed = speed_of(bodies[body], states[body]);
   points_.clear();
-  collider_.with_static(body, own, kMargin + dt * speed, points_);
+  collider_.with_static(body, own, points_);
   for (const CollisionPoint& point : points_) link(body, -1, point, 1.0, bodies, states);
   for (std::size_t other = 0; other < bodies.size(); ++other) {
     if (other == body || members_[other].is_searched) continue;
