@@ -50,6 +50,7 @@ int run_command_line(int argc, char** argv) {
 
   Action action;
   add_build(app, action);
+  add_identify(app, action);
   add_replay(app, action);
   add_evaluate(app, action);
   add_simulate(app, action);

@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/pipeline/identify.hpp"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "pcavr/core/output.hpp"
+#include "pcavr/recording/parameters_file.hpp"
+
+#include "commands.hpp"
+
+namespace pcavr::app {
+namespace {
+
+struct IdentifyArguments {
+  IdentificationGoal goal = IdentificationGoal::contact;
+  std::string recording;
+  std::string scene;
+  std::string tracked;
+  std::string parameters;
+  std::string output;
+  std::string report;
+  bool replace = false;
+  bool skip_bad = false;
+  int threads = 1;
+};
+
+std::string finding_line(const ParameterFinding& finding) {
+  char line[300];
+  if (finding.is_excited) {
+    char deviation[32] = "";
+    if (finding.deviation)
+      std::snprintf(deviation, sizeof deviation, " +- %.2g", *finding.deviation);
+    std::snprintf(line, sizeof line, "    %-30s %.4g%s %s\n", finding.name.c_str(), finding.value,
+                  deviation, finding.unit.c_str());
+  } else {
+    std::snprintf(line, sizeof line, "    %-30s %s\n", finding.name.c_str(),
+                  finding.remark.c_str());
+  }
+  return line;
+}
+
+nlohmann::ordered_json object_json(const ObjectIdentification& object) {
+  nlohmann::ordered_json json{{"name", object.name}};
+  for (const ParameterFinding& finding : object.findings) {
+    json[finding.name + ".is_excited"] = finding.is_excited;
+    if (!finding.is_excited) continue;
+    json[finding.name] = finding.value;
+    if (finding.deviation) json[finding.name + "_std"] = *finding.deviation;
+  }
+  json["notes"] = object.notes;
+  return json;
+}
+
+std::string offset_line(const char* what, const TimeOffset& offset) {
+  char line[120];
+  if (!offset.is_known) return std::string(what) + " after tool: not known\n";
+  std::snprintf(line, sizeof line, "%s after tool: %.2f +- %.2f ms\n", what, offset.offset * 1e3,
+                offset.deviation * 1e3);
+  return line;
+}
+
+CommandResult describe(const Identification& found, const IdentifyArguments& arguments) {
+  CommandResult result;
+  result.summary =
+      offset_line("force   ", found.tool_to_force) + offset_line("tracking", found.tool_to_camera);
+  for (const std::string& note : found.notes) result.summary += "note: " + note + '\n';
+  result.json = {{"parameters", arguments.output}, {"report", arguments.report}};
+  result.json["objects"] = nlohmann::ordered_json::array();
+  for (const ObjectIdentification& object : found.objects) {
+    result.summary += "  " + object.name + '\n';
+    for (const ParameterFinding& finding : object.findings) result.summary += finding_line(finding);
+    for (const std::string& note : object.notes) result.summary += "    note: " + note + '\n';
+    result.json["objects"].push_back(object_json(object));
+  }
+  result.json["notes"] = found.notes;
+  result.summary += "wrote " + arguments.output + "\nopen " + arguments.report + "/report.html\n";
+  return result;
+}
+
+/// Before the long work: an output that is there already should not cost it.
+std::optional<Error> occupied(const IdentifyArguments& arguments) {
+  std::error_code code;
+  if (arguments.replace && !std::filesystem::is_directory(arguments.output, code)) {
+    return std::nullopt;
+  }
+  if (!std::filesystem::exists(arguments.output, code)) return std::nullopt;
+  return Error{.message = "is there already",
+               .file = arguments.output,
+               .mend = "choose another name, or give --force"};
+}
+
+Expected<Identification> run(const IdentifyArguments& arguments, const Observer& observer) {
+  ParameterTable known;
+  if (!arguments.parameters.empty()) {
+    Expected<ParameterTable> table = read_parameters(arguments.parameters);
+    if (!table) return table.error();
+    known = std::move(*table);
+  }
+  const Expected<Recording> recording =
+      read_recording(arguments.recording, {.skip_bad = arguments.skip_bad});
+  if (!recording) return recording.error();
+  Expected<IdentificationInput> input = identification_input(
+      *recording,
+      {.scene = arguments.scene, .tracked = arguments.tracked, .parallelism = {arguments.threads}},
+      observer);
+  if (!input) return input.error();
+  input->known = std::move(known);
+  Expected<Identification> found = identify(*input, arguments.goal);
+  if (found) return found;
+  Error error = found.error();
+  if (!error.file.empty()) error.file = (recording->folder / error.file).string();
+  return error;
+}
+
+Expected<CommandResult> identify_recording(IdentifyArguments arguments, const Observer& observer) {
+  if (arguments.report.empty()) {
+    const std::filesystem::path output = arguments.output;
+    arguments.report = (output.parent_path() / output.stem()).string() + ".report";
+  }
+  if (const auto error = occupied(arguments)) return *error;
+  Expected<OutputFolder> folder = OutputFolder::create(arguments.report, arguments.replace);
+  if (!folder) return folder.error();
+  const Expected<Identification> found = run(arguments, observer);
+  if (!found) return found.error();
+  const Expected<void> report =
+      write_identification_report(*found, arguments.recording, folder->path());
+  if (!report) return report.error();
+  // The file first: it is renamed into place, and without it the folder goes away again.
+  const Expected<void> parameters =
+      write_file(arguments.output,
+                 format_parameters(found->parameters(), "identified from " + arguments.recording));
+  if (!parameters) return parameters.error();
+  const Expected<void> committed = folder->commit();
+  if (!committed) {
+    std::error_code ignored;
+    std::filesystem::remove(arguments.output, ignored);
+    return committed.error();
+  }
+  return describe(*found, arguments);
+}
+
+void add_goal(CLI::App& app, Action& action, IdentificationGoal goal, const std::string& name,
+              const std::string& what) {
+  CLI::App* command = app.add_subcommand(name, what);
+  command->footer("Example:\n  pcavr identify " + name +
+                  " my_recording --scene my_scene -o parameters.yaml");
+  auto arguments = std::make_shared<IdentifyArguments>();
+  arguments->goal = goal;
+  command->add_option("recording", arguments->recording, "Folder with a recording.yaml")
+      ->required();
+  command->add_option(
+      "--scene", arguments->scene,
+      "Folder that pcavr build wrote; without it the manifest must place the objects");
+  command->add_option("--tracked", arguments->tracked,
+                      "Folder with objects/NAME/tracked.txt, to spare the tracking");
+  command->add_option("--parameters", arguments->parameters,
+                      "What is known already; what is found anew replaces it");
+  command->add_option("-o,--output", arguments->output, "Parameter file to write")->required();
+  command->add_option("--report", arguments->report,
+                      "Folder for the report; by default beside the parameter file");
+  command->add_flag("--force", arguments->replace, "Replace the outputs if they are there already");
+  command->add_flag("--skip-bad", arguments->skip_bad,
+                    "Leave out bad rows and frames, and count them");
+  add_threads_option(*command, arguments->threads);
+  command->callback([arguments, &action] {
+    action = [arguments](const Observer& observer) {
+      return identify_recording(*arguments, observer);
+    };
+  });
+}
+
+}  // namespace
+
+void add_identify(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "identify", "Learn from force and motion how objects yield, break away and slide");
+  command->require_subcommand(1);
+  add_goal(*command, action, IdentificationGoal::contact, "contact",
+           "Contact law from presses along z");
+  add_goal(*command, action, IdentificationGoal::friction, "friction",
+           "Limiting and sliding friction, mass and turning from pushes");
+}
+
+}  // namespace pcavr::app

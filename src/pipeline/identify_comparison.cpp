@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "identify_parts.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kHalfWidth = 0.014;    // [s] of the filter, as the estimators' own tests have it
+constexpr double kLeastForce = 0.02;    // of the largest: below, the relative error means little
+constexpr double kSettled = 0.10;       // of the force: paper C's threshold
+constexpr double kErrorWindow = 0.020;  // [s] over which an error has to last to count
+constexpr int kDrawn = 5;               // of the samples, one is kept for the picture
+
+struct FilteredSample {
+  double t = 0.0;  ///< [s] in contact
+  std::array<double, 3> regressors{};
+  double force = 0.0;
+};
+
+/// What the filter lets out while there is contact, press after press on one clock of contact time.
+std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses, const ContactFit& fit,
+                                     std::vector<double>& touches) {
+  std::vector<FilteredSample> samples;
+  double largest = 0.0;
+  for (const ForceMotion& press : presses) {
+    for (const double force : press.force) largest = std::max(largest, force);
+  }
+  double clock = 0.0;
+  for (std::size_t p = 0; p < presses.size() && p < fit.surface.size(); ++p) {
+    const ForceMotion& press = presses[p];
+    const double interval =
+        (press.t.back() - press.t.front()) / static_cast<double>(press.t.size() - 1);
+    const double noise = noise_deviation(press.force);
+    CausalFilter filter(std::max(kHalfWidth, 3.0 * interval), 1.0 / interval, noise);
+    touches.push_back(clock);
+    for (std::size_t i = 0; i < press.t.size(); ++i) {
+      const auto out = filter.step(press.t[i], press.tool[i], press.force[i]);
+      const double depth = out ? out->position - fit.surface[p] : 0.0;
+      if (depth <= 0.0 || out->force < kLeastForce * largest) continue;
+      FilteredSample& sample = samples.emplace_back();
+      const double power = std::pow(depth, fit.exponent.value);
+      const bool is_curved = fit.regressor == ContactRegressor::hunt_crossley;
+      sample.t = clock;
+      sample.regressors = {out->acceleration, is_curved ? power * out->speed : out->speed, power};
+      sample.force = out->force;
+      clock += interval;
+    }
+  }
+  return samples;
+}
+
+EstimatorOptions<3> options_of(EstimationMethod method, const std::vector<FilteredSample>& samples,
+                               double correlated) {
+  EstimatorOptions<3> options;
+  options.method = method;
+  for (std::size_t k = 0; k < 3; ++k) {
+    double squares = 0.0;
+    for (const FilteredSample& sample : samples) squares += std::pow(sample.regressors[k], 2);
+    options.scale[k] = std::sqrt(squares / static_cast<double>(samples.size())) + 1e-12;
+  }
+  options.correlated_samples = correlated;
+  return options;
+}
+
+/// [s] from the first touch to the last of its long errors; nothing where it never settles.
+std::optional<double> settling_of(const EstimatorTrace& trace, double first_press_end,
+                                  double interval) {
+  const auto lasting = static_cast<std::size_t>(std::ceil(kErrorWindow / interval));
+  double settled = 0.0;
+  std::size_t in_a_row = 0;
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < trace.t.size() && trace.t[i] < first_press_end; ++i) {
+    const double error = std::abs(trace.estimated[i] - trace.measured[i]);
+    in_a_row = error > kSettled * std::abs(trace.measured[i]) ? in_a_row + 1 : 0;
+    if (in_a_row >= lasting) settled = trace.t[i] + interval;
+    last = i;
+  }
+  if (last == 0 || settled >= trace.t[last]) return std::nullopt;
+  return settled + kHalfWidth + 2.0 * interval;
+}
+
+}  // namespace
+
+std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> presses,
+                                               const ContactFit& fit) {
+  std::vector<EstimatorTrace> traces;
+  std::vector<double> touches;
+  const std::vector<FilteredSample> samples = filtered(presses, fit, touches);
+  if (samples.size() < 100) return traces;
+  const double interval = samples[1].t - samples[0].t;
+  const double correlated = correlated_samples(kHalfWidth, interval);
+  for (const EstimationMethod method :
+       {EstimationMethod::block, EstimationMethod::exponential, EstimationMethod::adaptive}) {
+    ParameterEstimator<3> estimator(options_of(method, samples, correlated));
+    EstimatorTrace whole;
+    EstimatorTrace& trace = traces.emplace_back();
+    trace.method = method;
+    double errors = 0.0, forces = 0.0;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const EstimatorStep step = estimator.step(samples[i].regressors, samples[i].force);
+      whole.t.push_back(samples[i].t);
+      whole.measured.push_back(samples[i].force);
+      whole.estimated.push_back(step.prediction);
+      if (i >= samples.size() / 2) {
+        errors += step.error * step.error;
+        forces += samples[i].force * samples[i].force;
+      }
+      if (i % kDrawn != 0) continue;
+      const ParameterEstimate<3> now = estimator.estimate();
+      trace.t.push_back(samples[i].t);
+      trace.measured.push_back(samples[i].force);
+      trace.estimated.push_back(step.prediction);
+      for (std::size_t k = 0; k < 3; ++k) {
+        trace.value[k].push_back(now.value[k]);
+        trace.deviation[k].push_back(now.deviation[k]);
+      }
+    }
+    trace.steady_error = std::sqrt(errors / forces);
+    trace.settling = settling_of(whole, touches.size() > 1 ? touches[1] : 1e300, interval);
+  }
+  return traces;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "pcavr/contact/damping.hpp"
+#include "pcavr/contact/impact.hpp"
+
+#include "identify_parts.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Pushes on one face have normals this near to each other.
+constexpr double kSameFace = 0.98;
+/// Shorter than this a contact is an impact, if the tip came faster than that.
+constexpr double kLongestImpact = 0.08;     // [s]
+constexpr double kLeastImpactSpeed = 0.02;  // [m/s]
+
+/// All presses meet one surface where they go the same way onto the same plane.
+bool is_one_surface(const std::vector<IdentifiedContact*>& presses) {
+  return std::all_of(presses.begin(), presses.end(), [&](const IdentifiedContact* press) {
+    return press->episode.direction_base.dot(presses.front()->episode.direction_base) > 0.999999;
+  });
+}
+
+void take_parameters(const ContactFit& fit, ObjectParameters& parameters) {
+  parameters.contact_stiffness = as_value(fit.stiffness);
+  parameters.contact_exponent = as_value(fit.exponent);
+  parameters.contact_damping.reset();
+  if (fit.damping.is_excited && fit.damping.value >= 0.0) {
+    parameters.contact_damping = as_value(fit.damping);
+  }
+}
+
+/// The push until it left its line: the object stood.
+ForceMotion until_alarm(const ContactEpisode& episode) {
+  const double until = episode.breakaway.is_found ? episode.breakaway.t_alarm : episode.end;
+  const auto end = std::lower_bound(episode.t.begin(), episode.t.end(), until);
+  const auto count = static_cast<std::size_t>(end - episode.t.begin());
+  const ForceMotion all = episode.series();
+  return {all.t.first(count), all.tool.first(count), all.force.first(count)};
+}
+
+std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& pushes) {
+  std::vector<FaceContact> faces;
+  std::vector<std::vector<ForceMotion>> series;
+  for (const IdentifiedContact* push : pushes) {
+    const Eigen::Vector3d& normal = push->normal_object;
+    const auto face = std::find_if(faces.begin(), faces.end(), [&](const FaceContact& known) {
+      return known.normal_object.dot(normal) > kSameFace;
+    });
+    const auto index = static_cast<std::size_t>(face - faces.begin());
+    if (face == faces.end()) {
+      faces.push_back({normal, 0, {}});
+      series.emplace_back();
+    }
+    ++faces[index].pushes;
+    series[index].push_back(until_alarm(push->episode));
+  }
+  ContactFitOptions options;
+  options.is_surface_shared = false;  // the object has gone on between pushes
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    faces[i].contact = identify_contact(series[i], options);
+  }
+  return faces;
+}
+
+}  // namespace
+
+ParameterValue as_value(const IdentifiedParameter& parameter) {
+  return {parameter.value, parameter.deviation};
+}
+
+std::optional<Compliance> compliance_of(const ObjectParameters& parameters) {
+  if (!parameters.contact_stiffness) return std::nullopt;
+  Compliance compliance;
+  compliance.stiffness = parameters.contact_stiffness->value;
+  if (parameters.contact_damping) compliance.damping = parameters.contact_damping->value;
+  if (parameters.contact_exponent) compliance.exponent = parameters.contact_exponent->value;
+  return compliance;
+}
+
+void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
+                         ObjectIdentification& result) {
+  const auto presses = contacts_of(contacts, object, true);
+  const auto pushes = contacts_of(contacts, object, false);
+  std::vector<ForceMotion> series;
+  for (const IdentifiedContact* press : presses) series.push_back(press->episode.series());
+  result.press_count = static_cast<int>(presses.size());
+  ContactFitOptions options;
+  options.is_surface_shared = is_one_surface(presses);
+  if (!series.empty()) result.presses = identify_contact(series, options);
+  result.faces = identify_faces(pushes);
+
+  const ContactFit* best = nullptr;
+  if (result.presses.best().is_valid) {
+    best = &result.presses.best();
+    result.comparison = compare_estimators(series, *best);
+  } else {
+    // The face that was pushed most.
+    int most = 0;
+    for (const FaceContact& face : result.faces) {
+      if (face.contact.best().is_valid && face.pushes > most) {
+        most = face.pushes;
+        best = &face.contact.best();
+      }
+    }
+  }
+  if (best != nullptr) take_parameters(*best, result.parameters);
+  identify_impacts(pushes, result);
+}
+
+void identify_impacts(const std::vector<IdentifiedContact*>& pushes, ObjectIdentification& result) {
+  if (!result.parameters.mass) return;
+  const double mass = result.parameters.mass->value;
+  for (const IdentifiedContact* push : pushes) {
+    const ContactEpisode& episode = push->episode;
+    const double duration = episode.end - episode.begin;
+    const SmoothedSample before = smooth_at(episode.t, episode.tool, episode.begin - 0.03, 0.025);
+    const SmoothedSample after = smooth_at(episode.t, episode.tool, episode.end + 0.03, 0.025);
+    if (duration > kLongestImpact || !before.is_valid || !after.is_valid) continue;
+    if (before.rate < kLeastImpactSpeed) continue;
+    // The object's speed afterwards from the impulse, less what friction took.
+    double impulse = 0.0;
+    for (std::size_t i = 1; i < episode.t.size(); ++i) {
+      if (episode.t[i] < episode.begin || episode.t[i] > episode.end) continue;
+      impulse +=
+          0.5 * (episode.force[i] + episode.force[i - 1]) * (episode.t[i] - episode.t[i - 1]);
+    }
+    const auto& limit = result.parameters.limiting_static_friction;
+    if (limit) impulse -= std::min(impulse, limit->value * duration);
+    const Eigen::Vector3d along = Eigen::Vector3d::UnitX();
+    const auto restitution = measured_restitution({.normal = along,
+                                                   .tool_before = before.rate * along,
+                                                   .tool_after = after.rate * along,
+                                                   .body_after = impulse / mass * along});
+    if (!restitution || !(*restitution > 0.0 && *restitution < 1.0)) continue;
+    result.impacts.push_back(
+        {.t = episode.begin,
+         .approach_speed = before.rate,
+         .restitution = *restitution,
+         .law = best_published_damping_law(*restitution).law,
+         .damping_over_stiffness = damping_factor(DampingLaw::exact, *restitution) / before.rate});
+  }
+}
+
+}  // namespace pcavr

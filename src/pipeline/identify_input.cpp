@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <utility>
+
+#include "pcavr/pipeline/identify.hpp"
+#include "pcavr/pipeline/replay.hpp"
+#include "pcavr/scene/scene_bundle.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Where a recording does not say how thick its tip is.
+constexpr double kUsualTipRadius = 0.01;  // [m] as the recording format's example has it
+
+Expected<std::vector<IdentifiableObject>> objects_of_scene(const SceneManifest& scene) {
+  std::vector<IdentifiableObject> objects;
+  for (const SceneObjectEntry& entry : scene.objects) {
+    if (!entry.is_movable) continue;
+    Expected<CadModel> model = read_cad_model(scene.folder / entry.mesh, entry.name);
+    if (!model) return model.error();
+    objects.push_back({.name = entry.name,
+                       .model = std::move(*model),
+                       .T_base_object = entry.T_base_object_start,
+                       .mass = entry.mass});
+  }
+  return objects;
+}
+
+Expected<std::vector<IdentifiableObject>> objects_of_manifest(const Recording& recording,
+                                                              bool is_tracked) {
+  std::vector<IdentifiableObject> objects;
+  for (const ObjectEntry& entry : recording.manifest.objects) {
+    if (!entry.is_movable || entry.mesh.empty()) continue;
+    if (!entry.T_base_object && !is_tracked) {
+      return Error{.message = "does not say where object " + entry.name + " stands",
+                   .file = (recording.folder / "recording.yaml").string(),
+                   .place = "objects",
+                   .mend = "add its pose, or give --scene or --tracked"};
+    }
+    Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name);
+    if (!model) return model.error();
+    objects.push_back({.name = entry.name,
+                       .model = std::move(*model),
+                       .T_base_object = entry.T_base_object.value_or(Pose()),
+                       .mass = entry.mass});
+  }
+  return objects;
+}
+
+std::vector<TrackedPose> tracked_of(const ReplayedObject& object) {
+  std::vector<TrackedPose> tracked;
+  for (const ObjectObservation& seen : object.observations) {
+    if (seen.evidence == ObjectEvidence::none) continue;
+    tracked.push_back({seen.stamp.seconds(), seen.T_base_object,
+                       std::sqrt(seen.covariance.topLeftCorner<3, 3>().trace()),
+                       std::sqrt(seen.covariance.bottomRightCorner<3, 3>().trace())});
+  }
+  return tracked;
+}
+
+Expected<void> track(const Recording& recording, const IdentificationSources& sources,
+                     const std::optional<SceneManifest>& scene, const Observer& observer,
+                     std::vector<IdentifiableObject>& objects) {
+  if (!sources.tracked.empty()) {
+    bool has_any = false;
+    for (IdentifiableObject& object : objects) {
+      Expected<std::vector<TrackedPose>> tracked = read_tracked_poses(sources.tracked, object.name);
+      if (!tracked) return tracked.error();
+      object.tracked = std::move(*tracked);
+      has_any |= !object.tracked.empty();
+    }
+    if (!has_any) {
+      return Error{.message = "holds no objects/NAME/tracked.txt of any of the objects",
+                   .file = sources.tracked.string(),
+                   .mend = "give a folder that pcavr replay wrote"};
+    }
+    return {};
+  }
+  if (!scene || recording.frames.empty()) return {};
+  const Expected<Replay> replay =
+      replay_tracking(recording, *scene, {.parallelism = sources.parallelism}, observer);
+  if (!replay) return replay.error();
+  for (const ReplayedObject& replayed : replay->objects) {
+    for (IdentifiableObject& object : objects) {
+      if (object.name == replayed.name) object.tracked = tracked_of(replayed);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<IdentificationInput> identification_input(const Recording& recording,
+                                                   const IdentificationSources& sources,
+                                                   const Observer& observer) {
+  IdentificationInput input;
+  input.tool_radius = recording.manifest.tool_radius.value_or(kUsualTipRadius);
+  for (const auto& [stamp, pose] : recording.tool.poses()) {
+    input.t_tool.push_back(stamp.seconds());
+    input.p_base_tip.push_back(pose.translation());
+  }
+  for (const WrenchSample& sample : recording.wrench) {
+    input.t_force.push_back(sample.stamp.seconds());
+    input.force_base.push_back(sample.force);
+  }
+  // Tracking is dear: what is missing is said before.
+  if (auto error = missing_streams(input)) {
+    error->file = (recording.folder / error->file).string();
+    return *error;
+  }
+  std::optional<SceneManifest> scene;
+  if (!sources.scene.empty()) {
+    Expected<SceneManifest> manifest = read_scene_manifest(sources.scene);
+    if (!manifest) return manifest.error();
+    scene = std::move(*manifest);
+  }
+  Expected<std::vector<IdentifiableObject>> objects =
+      scene ? objects_of_scene(*scene) : objects_of_manifest(recording, !sources.tracked.empty());
+  if (!objects) return objects.error();
+  input.objects = std::move(*objects);
+  const Expected<void> tracked = track(recording, sources, scene, observer, input.objects);
+  if (!tracked) return tracked.error();
+  return input;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include <Eigen/Dense>
+
+#include "identify_signals.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kRange = 0.25;            // [s] as estimate_time_offset looks for
+constexpr double kGrid = 0.010;            // [s] well below the time in which a contact is let go
+constexpr double kHalfWidth = 0.016;       // [s] smoothing of both signals alike
+constexpr double kHold = 0.15;             // [s] of a push before it is let go
+constexpr std::size_t kMostSamples = 250;  // of a contact: more are not independent
+
+/// Instants on the force's clock at which the object stands under the tip.
+struct StandingContact {
+  Eigen::Vector3d direction_base;
+  std::vector<double> t;
+  std::vector<double> force;  ///< [N] smoothed
+};
+
+StandingContact standing(const ContactEpisode& episode) {
+  StandingContact result{episode.direction_base, {}, {}};
+  const std::vector<SmoothedSample> f = smooth(episode.t, episode.force, episode.t, kHalfWidth);
+  // A push is let go from its last high force on; before, the object may have moved.
+  double from = episode.begin;
+  const double low = 0.1 * episode.peak_force;
+  if (episode.kind != ContactKind::press) {
+    double held = 0.0;
+    for (std::size_t i = f.size(); i-- > 0;) {
+      if (!f[i].is_valid || episode.t[i] > episode.end) continue;
+      if (f[i].value > held) held = f[i].value, from = episode.t[i];
+      if (held > 0.3 * episode.peak_force && f[i].value < 0.9 * held) break;
+      if (held > 0.3 * episode.peak_force && from - episode.t[i] > kHold) break;
+    }
+    from -= kHold;
+  }
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    if (f[i].is_valid && episode.t[i] >= from && f[i].value > low) chosen.push_back(i);
+  }
+  const std::size_t step = chosen.size() / kMostSamples + 1;
+  for (std::size_t k = 0; k < chosen.size(); k += step) {
+    result.t.push_back(episode.t[chosen[k]]);
+    result.force.push_back(f[chosen[k]].value);
+  }
+  return result;
+}
+
+struct Misfit {
+  double squares = 0.0;  ///< [m^2] of the residuals
+  double slopes = 0.0;   ///< [m^2/s^2] of q' that nothing else explains
+  double pull = 0.0;     ///< [m^2/s] of the residual on it
+  double motion = 0.0;   ///< [m^2] of q about its means
+  double count = 0.0;
+};
+
+/// Everything but the offset is eliminated, contact by contact.
+Misfit misfit(const std::vector<StandingContact>& contacts, const PathView& tip, double offset,
+              double exponent) {
+  Misfit total;
+  for (const StandingContact& contact : contacts) {
+    const auto n = static_cast<Eigen::Index>(contact.t.size());
+    if (n < 12) continue;
+    Eigen::MatrixXd columns(n, 3);
+    Eigen::VectorXd q(n), rate(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double at = contact.t[k] - offset;
+      // The tip smoothed by differences over the same window as the force.
+      double sum = 0.0, weights = 0.0, slope = 0.0, spread = 0.0;
+      for (int j = -4; j <= 4; ++j) {
+        const double u = j / 5.0;
+        const double weight = (1.0 - u * u) * (1.0 - u * u);
+        const double value = tip.at(at + u * kHalfWidth).dot(contact.direction_base);
+        sum += weight * value, weights += weight;
+        slope += (1.0 - u * u) * u * value, spread += (1.0 - u * u) * u * u;
+      }
+      q[i] = sum / weights;
+      rate[i] = slope / (spread * kHalfWidth);
+      const double depth = std::pow(contact.force[k], 1.0 / exponent);
+      columns.row(i) << 1.0, depth, depth * rate[i];
+    }
+    const auto solver = columns.colPivHouseholderQr();
+    const Eigen::VectorXd left = q - columns * solver.solve(q);
+    const Eigen::VectorXd slope = rate - columns * solver.solve(rate);
+    total.squares += left.squaredNorm();
+    total.slopes += slope.squaredNorm();
+    total.pull += slope.dot(left);
+    total.motion += (q.array() - q.mean()).matrix().squaredNorm();
+    total.count += static_cast<double>(n) - 4.0;
+  }
+  return total;
+}
+
+}  // namespace
+
+TimeOffset force_offset(const Segmentation& found, std::span<const double> t_force,
+                        const PathView& tip) {
+  TimeOffset result;
+  std::vector<StandingContact> contacts;
+  for (const ContactEpisode& episode : found.contacts) {
+    if (!episode.t.empty()) contacts.push_back(standing(episode));
+  }
+  double least = std::numeric_limits<double>::infinity();
+  double exponent = 1.0;
+  bool is_at_end = false;
+  for (const double n : {1.0, 1.5, 2.0}) {
+    for (double offset = -kRange; offset < kRange + 0.5 * kGrid; offset += kGrid) {
+      const Misfit at = misfit(contacts, tip, offset, n);
+      if (!(at.count > 0.0) || at.squares >= least) continue;
+      least = at.squares;
+      result.offset = offset;
+      exponent = n;
+      is_at_end = std::abs(offset) > kRange - 0.5 * kGrid;
+    }
+  }
+  if (!std::isfinite(least)) return result;
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    const Misfit at = misfit(contacts, tip, result.offset, exponent);
+    if (!(at.slopes > 0.0)) return result;
+    // The residual is that of q(t - offset), which falls with the offset where q grows.
+    result.offset += std::clamp(at.pull / at.slopes, -kGrid, kGrid);
+  }
+  const Misfit at = misfit(contacts, tip, result.offset, exponent);
+  const double interval =
+      (t_force.back() - t_force.front()) / static_cast<double>(t_force.size() - 1);
+  const double correlated = correlated_samples(kHalfWidth, interval);
+  result.deviation = std::sqrt(at.squares / at.count * correlated / at.slopes);
+  result.correlation = std::sqrt(std::max(0.0, 1.0 - at.squares / at.motion));
+  // Where nothing changes its pace under load, any offset would do.
+  result.is_known = !is_at_end && result.correlation > 0.9 && result.deviation < kGrid;
+  return result;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,264 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "identify_parts.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Farther away a surface is no candidate.
+constexpr float kSearchRadius = 0.2F;  // [m]
+/// What poses, CAD files and a tip's radius may be off together.
+constexpr double kLargestGap = 0.015;  // [m]
+/// Nearer to each other than this, two surfaces can't be told apart as the one touched.
+constexpr double kTellsApart = 0.003;  // [m]
+/// A face's normal this near to the force gives the direction; the force itself is noisy.
+constexpr double kFaceCosine = 0.9;
+/// [m] an object that another contact moved while one was touched.
+constexpr double kMovedToo = 0.003;
+
+Pose tracked_at(const std::vector<TrackedPose>& tracked, double t) {
+  const auto after = std::lower_bound(tracked.begin(), tracked.end(), t,
+                                      [](const TrackedPose& p, double at) { return p.t < at; });
+  if (after == tracked.begin()) return tracked.front().T_base_object;
+  if (after == tracked.end()) return tracked.back().T_base_object;
+  const auto before = std::prev(after);
+  return interpolate(before->T_base_object, after->T_base_object,
+                     (t - before->t) / (after->t - before->t));
+}
+
+/// The contact's series along `direction`, which is exact where the mean force's is not.
+void lay_along(const Eigen::Vector3d& direction_base, const PathView& tip,
+               IdentifiedContact& contact) {
+  ContactEpisode& episode = contact.episode;
+  episode.direction_base = direction_base;
+  for (std::size_t i = 0; i < episode.t.size(); ++i) {
+    episode.tool[i] = tip.at(episode.t[i]).dot(direction_base);
+    episode.force[i] = contact.force_base[i].dot(direction_base);
+  }
+}
+
+/// How far the object went in this push: the tip's way less the change of depth, over the slides.
+Eigen::Vector3d way_of(const ContactEpisode& episode) {
+  double way = 0.0;
+  for (const SlideInterval& slide : episode.slides) {
+    const auto index = [&](double t) {
+      const auto at = std::lower_bound(episode.t.begin(), episode.t.end(), t);
+      return std::min(static_cast<std::size_t>(at - episode.t.begin()), episode.t.size() - 1);
+    };
+    const std::size_t a = index(slide.begin), b = index(slide.end);
+    const double give = episode.breakaway.stiffness > 0.0
+                            ? (episode.force[b] - episode.force[a]) / episode.breakaway.stiffness
+                            : 0.0;
+    way += episode.tool[b] - episode.tool[a] - give;
+  }
+  return way * episode.direction_base;
+}
+
+class Attribution {
+ public:
+  Attribution(const IdentificationInput& input, const Segmentation& found,
+              std::span<const double> t_force, const PathView& tip, ObjectPlaces& places)
+      : input_(input), found_(found), t_force_(t_force), tip_(tip), places_(places) {}
+
+  IdentifiedContact attribute(const ContactEpisode& episode) {
+    IdentifiedContact contact;
+    contact.episode = episode;
+    if (episode.t.empty()) {
+      contact.left_out = "the tool was not recorded meanwhile";
+      return contact;
+    }
+    const auto first = std::lower_bound(t_force_.begin(), t_force_.end(), episode.t.front());
+    const auto begin = found_.force_base.begin() + (first - t_force_.begin());
+    contact.force_base.assign(begin, begin + std::ssize(episode.t));
+    const Eigen::Vector3d p_base_tip = tip_.at(episode.begin);
+    std::optional<ObjectPlaces::Touch> nearest, second;
+    for (std::size_t i = 0; i < input_.objects.size(); ++i) {
+      const auto touch = places_.touch(i, episode.begin, p_base_tip, input_.tool_radius);
+      if (!touch) continue;
+      if (!nearest || touch->gap < nearest->gap) {
+        second = nearest;
+        nearest = touch;
+        contact.object = i;
+      } else if (!second || touch->gap < second->gap) {
+        second = touch;
+      }
+    }
+    if (!nearest || nearest->gap > kLargestGap) {
+      contact.object.reset();
+      contact.left_out = "no known object is where the tool touched";
+      return contact;
+    }
+    contact.gap = nearest->gap;
+    contact.normal_object = nearest->normal_object;
+    const bool is_shared = second && second->gap - nearest->gap < kTellsApart;
+    if (is_shared) contact.left_out = "two objects are where the tool touched";
+    settle(contact);
+    check_others(contact);
+    return contact;
+  }
+
+ private:
+  void settle(IdentifiedContact& contact) {
+    ContactEpisode& episode = contact.episode;
+    const std::size_t object = *contact.object;
+    const Pose T_base_object = places_.at(object, episode.begin);
+    const Eigen::Vector3d inward = -(T_base_object.rotation() * contact.normal_object);
+    if (inward.dot(episode.direction_base) > kFaceCosine) {
+      lay_along(inward, tip_, contact);
+    }
+    const Eigen::Vector3d arm =
+        tip_.at(episode.begin) - T_base_object * input_.objects[object].model.centre_of_mass_object;
+    const Eigen::Vector2d along = episode.direction_base.head<2>().normalized();
+    contact.lever = arm.x() * along.y() - arm.y() * along.x();
+    if (episode.kind == ContactKind::slide && !places_.is_tracked(object)) {
+      places_.moved(object, episode.slides.back().end, way_of(episode));
+    }
+  }
+
+  /// One push that moves two objects tells of neither alone.
+  void check_others(IdentifiedContact& contact) const {
+    for (std::size_t i = 0; i < input_.objects.size(); ++i) {
+      if (i == *contact.object || !places_.is_tracked(i)) continue;
+      const double moved = translation_distance(places_.at(i, contact.episode.begin - 0.1),
+                                                places_.at(i, contact.episode.end + 0.1));
+      if (moved > kMovedToo) {
+        contact.left_out = "it moved " + input_.objects[i].name + ", too";
+      }
+    }
+  }
+
+  const IdentificationInput& input_;
+  const Segmentation& found_;
+  std::span<const double> t_force_;
+  const PathView& tip_;
+  ObjectPlaces& places_;
+};
+
+}  // namespace
+
+ObjectPlaces::ObjectPlaces(const std::vector<IdentifiableObject>& objects)
+    : objects_(objects), steps_(objects.size()) {
+  for (const IdentifiableObject& object : objects) surfaces_.emplace_back(object.model.mesh_object);
+}
+
+bool ObjectPlaces::is_tracked(std::size_t object) const {
+  return !objects_[object].tracked.empty();
+}
+
+Pose ObjectPlaces::at(std::size_t object, double t) const {
+  if (is_tracked(object)) return tracked_at(objects_[object].tracked, t);
+  const Pose& start = objects_[object].T_base_object;
+  Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+  for (const Step& step : steps_[object]) {
+    if (step.t <= t) moved = step.total_base;
+  }
+  return Pose(start.rotation(), start.translation() + moved);
+}
+
+void ObjectPlaces::moved(std::size_t object, double t, const Eigen::Vector3d& way_base) {
+  std::vector<Step>& steps = steps_[object];
+  const Eigen::Vector3d before =
+      steps.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : steps.back().total_base;
+  // A body on its support keeps its height.
+  steps.push_back({t, before + Eigen::Vector3d(way_base.x(), way_base.y(), 0.0)});
+}
+
+std::optional<ObjectPlaces::Touch> ObjectPlaces::touch(std::size_t object, double t,
+                                                       const Eigen::Vector3d& p_base_tip,
+                                                       double tool_radius) const {
+  const Eigen::Vector3d p_object = at(object, t).inverse() * p_base_tip;
+  const auto closest = surfaces_[object].closest(p_object.cast<float>(), kSearchRadius);
+  if (!closest) return std::nullopt;
+  const Eigen::Vector3d point = closest->point.cast<double>();
+  const Eigen::Vector3d normal = closest->normal.cast<double>();
+  const bool is_inside = (p_object - point).dot(normal) < 0.0;
+  const double distance = static_cast<double>(closest->distance);
+  return Touch{(is_inside ? -distance : distance) - tool_radius, normal, point};
+}
+
+std::vector<IdentifiedContact> attribute_contacts(
+    const IdentificationInput& input, const Segmentation& found, std::span<const double> t_force,
+    const PathView& tip, const std::vector<BadStretch>& bad, ObjectPlaces& places) {
+  std::vector<IdentifiedContact> contacts;
+  Attribution attribution(input, found, t_force, tip, places);
+  for (const ContactEpisode& episode : found.contacts) {
+    IdentifiedContact& contact = contacts.emplace_back(attribution.attribute(episode));
+    for (const BadStretch& stretch : bad) {
+      if (stretch.when.end < episode.begin || stretch.when.begin > episode.end) continue;
+      contact.left_out = stretch.reason;
+    }
+  }
+  return contacts;
+}
+
+std::vector<IdentifiedContact*> contacts_of(std::vector<IdentifiedContact>& contacts,
+                                            std::size_t object, bool presses) {
+  std::vector<IdentifiedContact*> chosen;
+  for (IdentifiedContact& contact : contacts) {
+    const bool is_press = contact.episode.kind == ContactKind::press;
+    if (contact.object == object && contact.left_out.empty() && is_press == presses) {
+      chosen.push_back(&contact);
+    }
+  }
+  return chosen;
+}
+
+TimeOffset camera_offset(const IdentificationInput& input,
+                         const std::vector<IdentifiedContact>& contacts) {
+  TimeOffset result;
+  // While it slides, the object's way is the tip's: their difference is the delay times the speed.
+  double offset = 0.0;
+  for (int iteration = 0; iteration < 6; ++iteration) {
+    double slopes = 0.0, pull = 0.0, squares = 0.0, count = 0.0;
+    for (const IdentifiedContact& contact : contacts) {
+      if (!contact.object || contact.episode.slides.empty() || !contact.left_out.empty()) continue;
+      const std::vector<TrackedPose>& tracked = input.objects[*contact.object].tracked;
+      const ContactEpisode& episode = contact.episode;
+      std::vector<double> left, rate;
+      for (const TrackedPose& pose : tracked) {
+        // From before the slide until after it: a slide at one speed alone fits any delay.
+        if (pose.t < episode.begin - 0.2 || pose.t > episode.end) continue;
+        double object = 0.0, speed = 0.0;
+        const double at = pose.t - offset;
+        for (const SlideInterval& slide : episode.slides) {
+          const auto place = [&](double t) {
+            const double inside = std::clamp(t, slide.begin, slide.end);
+            const auto i = std::min<std::size_t>(
+                static_cast<std::size_t>(
+                    std::lower_bound(episode.t.begin(), episode.t.end(), inside) -
+                    episode.t.begin()),
+                episode.t.size() - 1);
+            return episode.tool[i] - (episode.breakaway.stiffness > 0.0
+                                          ? episode.force[i] / episode.breakaway.stiffness
+                                          : 0.0);
+          };
+          object += place(at) - place(slide.begin);
+          speed += (place(at + 0.02) - place(at - 0.02)) / 0.04;
+        }
+        left.push_back(pose.T_base_object.translation().dot(episode.direction_base) - object);
+        rate.push_back(speed);
+      }
+      if (left.size() < 4) continue;
+      double mean = 0.0, mean_rate = 0.0;
+      for (std::size_t i = 0; i < left.size(); ++i) mean += left[i], mean_rate += rate[i];
+      mean /= static_cast<double>(left.size()), mean_rate /= static_cast<double>(left.size());
+      for (std::size_t i = 0; i < left.size(); ++i) {
+        slopes += std::pow(rate[i] - mean_rate, 2);
+        pull -= (rate[i] - mean_rate) * (left[i] - mean);
+        squares += std::pow(left[i] - mean, 2);
+        count += 1.0;
+      }
+    }
+    if (count < 8.0 || slopes <= 0.0) return result;
+    offset += std::clamp(pull / slopes, -0.05, 0.05);
+    result.offset = offset;
+    result.deviation = std::sqrt(squares / count / slopes);
+    result.is_known = std::abs(offset) < 0.25 && result.deviation < 0.02;
+  }
+  return result;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "identify_plots.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify_parts.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kBreak = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMillimetres = 1e3;
+constexpr double kPercent = 1e2;
+
+void add_point(PlotSeries& series, double x, double y) {
+  series.x.push_back(x);
+  series.y.push_back(y);
+}
+
+/// Both edges of value +- deviation as one dashed line; where it is not known, nothing is drawn.
+PlotSeries band_of(const std::vector<double>& t, const std::vector<double>& value,
+                   const std::vector<double>& deviation, int color) {
+  PlotSeries band{.label = "± standard deviation", .color = color, .dashed = true};
+  for (const double sign : {1.0, -1.0}) {
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      add_point(band, t[i], std::isfinite(deviation[i]) ? value[i] + sign * deviation[i] : kBreak);
+    }
+    add_point(band, kBreak, kBreak);
+  }
+  return band;
+}
+
+/// The largest of |values|'s bulk: an estimator's first guesses must not squeeze the picture.
+double upper_edge(const std::vector<double>& values) {
+  std::vector<double> sorted;
+  for (const double value : values) {
+    if (std::isfinite(value)) sorted.push_back(value);
+  }
+  if (sorted.empty()) return 0.0;
+  const auto at = static_cast<std::ptrdiff_t>(0.97 * static_cast<double>(sorted.size() - 1));
+  std::nth_element(sorted.begin(), sorted.begin() + at, sorted.end());
+  return std::max(0.0, 1.3 * sorted[static_cast<std::size_t>(at)]);
+}
+
+Plot parameter_plot(const ObjectIdentification& object, std::size_t which, const char* title,
+                    const char* label) {
+  Plot plot{
+      .title = title, .x_label = "time in contact (s)", .y_label = label, .y_from_zero = true};
+  for (std::size_t m = 0; m < object.comparison.size(); ++m) {
+    const EstimatorTrace& trace = object.comparison[m];
+    const int color = static_cast<int>(m);
+    plot.series.push_back(
+        {.label = name_of(trace.method), .color = color, .x = trace.t, .y = trace.value[which]});
+    if (trace.method != EstimationMethod::adaptive) continue;
+    plot.series.push_back(band_of(trace.t, trace.value[which], trace.deviation[which], color));
+    plot.y_to = upper_edge(trace.value[which]);
+  }
+  return plot;
+}
+
+}  // namespace
+
+std::string name_of(EstimationMethod method) {
+  switch (method) {
+    case EstimationMethod::block:
+      return "BSLS";
+    case EstimationMethod::exponential:
+      return "EWRLS";
+    case EstimationMethod::adaptive:
+      break;
+  }
+  return "affRLS";
+}
+
+std::vector<Plot> contact_plots(const ObjectIdentification& object) {
+  std::vector<Plot> plots;
+  if (object.comparison.empty()) return plots;
+  const EstimatorTrace& best = object.comparison.back();
+  Plot force{.title = "Presses: force measured and estimated (affRLS)",
+             .x_label = "time in contact (s)",
+             .y_label = "force (N)",
+             .y_from_zero = true};
+  force.series.push_back({.label = "measured", .color = 1, .x = best.t, .y = best.measured});
+  force.series.push_back(
+      {.label = "estimated", .color = 0, .x = best.t, .y = best.estimated, .dashed = true});
+  plots.push_back(std::move(force));
+
+  Plot error{.title = "Presses: error of the estimated force",
+             .x_label = "time in contact (s)",
+             .y_label = "error (% of the force)",
+             .y_from_zero = true,
+             .y_to = 30.0};
+  for (std::size_t m = 0; m < object.comparison.size(); ++m) {
+    const EstimatorTrace& trace = object.comparison[m];
+    PlotSeries series{.label = name_of(trace.method), .color = static_cast<int>(m)};
+    for (std::size_t i = 0; i < trace.t.size(); ++i) {
+      add_point(series, trace.t[i],
+                kPercent * std::abs(trace.estimated[i] / trace.measured[i] - 1.0));
+    }
+    error.series.push_back(std::move(series));
+  }
+  plots.push_back(std::move(error));
+  const bool is_curved = object.presses.chosen == ContactRegressor::hunt_crossley;
+  plots.push_back(parameter_plot(object, 2, "Stiffness over time",
+                                 is_curved ? "stiffness (N/mⁿ)" : "stiffness (N/m)"));
+  plots.push_back(parameter_plot(object, 1, "Damping over time",
+                                 is_curved ? "damping (N s/mⁿ⁺¹)" : "damping (N s/m)"));
+  return plots;
+}
+
+std::vector<Plot> sliding_plots(const ObjectIdentification& object) {
+  std::vector<Plot> plots;
+  const std::vector<SlidingHistory>& history = object.sliding.history;
+  if (history.size() < 3) return plots;
+  // Several slides, one after the other: their own time, without what lies between them.
+  std::vector<double> t{0.0};
+  for (std::size_t i = 1; i < history.size(); ++i) {
+    const double step = history[i].t - history[i - 1].t;
+    t.push_back(t.back() + (step > 0.0 && step < 0.2 ? step : 0.02));
+  }
+  Plot force{.title = "Slides: force measured and estimated (affRLS)",
+             .x_label = "time of sliding (s)",
+             .y_label = "force (N)"};
+  force.series = {{.label = "measured", .color = 1, .x = t},
+                  {.label = "estimated", .color = 0, .x = t, .dashed = true}};
+  double largest = 0.0;
+  for (const SlidingHistory& point : history) {
+    force.series[0].y.push_back(point.measured);
+    force.series[1].y.push_back(point.estimated);
+    largest = std::max(largest, point.measured);
+  }
+  force.y_from_zero = true;
+  force.y_to = 1.2 * largest;
+  plots.push_back(std::move(force));
+
+  struct Row {
+    const char* title;
+    const char* label;
+    bool is_told;
+  };
+  const SlidingIdentification& sliding = object.sliding;
+  const Row rows[] = {{"Mass over time", "mass (kg)", sliding.mass.is_excited},
+                      {"Coulomb friction over time", "force (N)", sliding.coulomb.is_excited},
+                      {"Viscous friction over time", "N s/m", sliding.viscous.is_excited}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!rows[k].is_told) continue;
+    std::vector<double> value, deviation;
+    for (const SlidingHistory& point : history) {
+      value.push_back(point.value[k]);
+      deviation.push_back(point.deviation[k]);
+    }
+    Plot plot{.title = rows[k].title,
+              .x_label = "time of sliding (s)",
+              .y_label = rows[k].label,
+              .y_from_zero = true,
+              .y_to = upper_edge(value)};
+    plot.series = {{.label = "affRLS", .color = 0, .x = t, .y = value},
+                   band_of(t, value, deviation, 0)};
+    plots.push_back(std::move(plot));
+  }
+  return plots;
+}
+
+std::vector<Plot> surface_plots(const ObjectIdentification& object) {
+  if (object.surface.status != LimitSurfaceFitStatus::fitted) return {};
+  const LimitSurface& surface = object.surface.surface;
+  Plot plot{.title = "Limit surface: wrenches while it turned",
+            .x_label = "force across x and y (N), signed by y",
+            .y_label = "moment over " + std::to_string(surface.length * kMillimetres).substr(0, 4) +
+                       " mm (N)",
+            .equal_axes = true};
+  PlotSeries edge{.label = "fitted limit, force along y", .color = 0};
+  constexpr int kPoints = 120;
+  for (int i = 0; i <= kPoints; ++i) {
+    const double angle = 2.0 * 3.14159265358979 * i / kPoints;
+    const Eigen::Vector3d wrench(0.0, std::cos(angle), surface.length * std::sin(angle));
+    const double size = level(surface, wrench);
+    add_point(edge, wrench.y() / size, wrench.z() / surface.length / size);
+  }
+  PlotSeries seen{.label = "measured", .color = 1};
+  const double half = 0.01 * surface.force;
+  for (const PushSample& sample : object.turning) {
+    const double x = std::copysign(sample.wrench.head<2>().norm(), sample.wrench.y());
+    const double y = sample.wrench.z() / surface.length;
+    add_point(seen, x - half, y - half);
+    add_point(seen, x + half, y + half);
+    add_point(seen, kBreak, kBreak);
+    add_point(seen, x - half, y + half);
+    add_point(seen, x + half, y - half);
+    add_point(seen, kBreak, kBreak);
+  }
+  plot.series = {edge, seen};
+  return {plot};
+}
+
+}  // namespace pcavr

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pcavr/pipeline/identify.hpp"
+
+#include "evaluation/svg_plot.hpp"
+
+namespace pcavr {
+
+[[nodiscard]] std::string name_of(EstimationMethod method);
+
+/// Paper C's figures 8 and 9: the force and the parameters as each estimator had them.
+[[nodiscard]] std::vector<Plot> contact_plots(const ObjectIdentification& object);
+/// Force and displacement with the phases drawn over them, and each push's breakaway.
+[[nodiscard]] std::vector<Plot> push_plots(const Identification& found, std::size_t object);
+/// Sliding parameters over time with their bands.
+[[nodiscard]] std::vector<Plot> sliding_plots(const ObjectIdentification& object);
+/// The limit surface and the wrenches it was fitted to.
+[[nodiscard]] std::vector<Plot> surface_plots(const ObjectIdentification& object);
+
+}  // namespace pcavr

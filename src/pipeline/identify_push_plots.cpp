@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify_parts.hpp"
+#include "identify_plots.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kBreak = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMillimetres = 1e3;
+/// Points of one contact: more can't be told apart in the picture.
+constexpr std::size_t kMostPoints = 400;
+constexpr double kShortest = 0.020;  // [s] a phase that is drawn
+// Kinds of the page's shades.
+constexpr int kStatic = 1, kCritical = 2, kSliding = 3;
+
+double critical_from(const LimitingFriction& limit) {
+  return limit.pushes == 0 ? std::numeric_limits<double>::infinity()
+                           : limit.mean - std::max(limit.deviation, 0.1 * limit.mean);
+}
+
+void add_bands(const IdentifiedContact& contact, double critical, std::vector<PlotBand>& bands) {
+  const ContactEpisode& episode = contact.episode;
+  const std::vector<SmoothedSample> force = smooth(episode.t, episode.force, episode.t, 0.010);
+  PlotBand* open = nullptr;
+  for (std::size_t i = 0; i < episode.t.size(); ++i) {
+    const double t = episode.t[i];
+    if (t < episode.begin || t > episode.end) continue;
+    const bool slides =
+        std::any_of(episode.slides.begin(), episode.slides.end(),
+                    [t](const SlideInterval& slide) { return t >= slide.begin && t <= slide.end; });
+    const int kind = slides ? kSliding : force[i].value >= critical ? kCritical : kStatic;
+    if (open == nullptr || (open->kind != kind && open->to - open->from >= kShortest)) {
+      bands.push_back({t, t, kind});
+      open = &bands.back();
+    } else if (open->kind != kind) {
+      open->kind = kind;
+    }
+    open->to = t;
+  }
+}
+
+/// Force along the push, and how far the object went: the tip's way less the contact's give.
+struct PushSeries {
+  PlotSeries force{.label = "force along the push", .color = 1};
+  PlotSeries object{.label = "object", .color = 0};
+  PlotSeries tool{.label = "tool", .color = 2, .dashed = true};
+  double base = 0.0;  ///< [m] gone in earlier contacts
+
+  void add(const IdentifiedContact& contact, const std::optional<Compliance>& compliance) {
+    const ContactEpisode& episode = contact.episode;
+    std::vector<double> give(episode.t.size(), 0.0);
+    if (compliance) give = deformation(episode.t, episode.force, *compliance);
+    const auto first = static_cast<std::size_t>(
+        std::lower_bound(episode.t.begin(), episode.t.end(), episode.begin) - episode.t.begin());
+    const double zero = episode.tool[first] - give[first];
+    const std::size_t step = episode.t.size() / kMostPoints + 1;
+    double gone = 0.0;
+    for (std::size_t i = 0; i < episode.t.size(); i += step) {
+      const double t = episode.t[i];
+      force.x.push_back(t), force.y.push_back(episode.force[i]);
+      const double tip = episode.tool[i] - zero;
+      tool.x.push_back(t), tool.y.push_back(kMillimetres * (base + tip));
+      const bool touches = t >= episode.begin && t <= episode.end;
+      if (touches) gone = tip - give[i];
+      object.x.push_back(t), object.y.push_back(kMillimetres * (base + gone));
+    }
+    base += gone;
+    for (PlotSeries* series : {&force, &object, &tool}) {
+      series->x.push_back(kBreak), series->y.push_back(kBreak);
+    }
+  }
+};
+
+void add_figures(const std::string& what, const PushSeries& series,
+                 const std::vector<PlotBand>& bands, std::vector<Plot>& plots) {
+  const std::vector<std::string> labels{"", "static", "critical", "sliding"};
+  plots.push_back({.title = what + ": force and phases",
+                   .x_label = "time (s)",
+                   .y_label = "force (N)",
+                   .series = {series.force},
+                   .bands = bands,
+                   .band_labels = labels});
+  plots.push_back({.title = what + ": displacement and phases",
+                   .x_label = "time (s)",
+                   .y_label = "displacement (mm)",
+                   .series = {series.object, series.tool},
+                   .bands = bands,
+                   .band_labels = labels});
+}
+
+Plot breakaway_plot(const std::vector<const IdentifiedContact*>& pushes,
+                    const LimitingFriction& limit) {
+  Plot plot{.title = "Breakaway of each push",
+            .x_label = "push",
+            .y_label = "force (N)",
+            .y_from_zero = true};
+  PlotSeries peak{.label = "felt by the tool", .color = 1};
+  PlotSeries own{.label = "friction's own limit", .color = 0};
+  double number = 0.0;
+  for (const IdentifiedContact* push : pushes) {
+    if (!push->limit.is_excited) continue;
+    number += 1.0;
+    peak.x.push_back(number), peak.y.push_back(push->episode.breakaway.force);
+    own.x.push_back(number), own.y.push_back(push->limit.value);
+  }
+  plot.series = {peak, own};
+  const std::vector<double> ends{0.5, number + 0.5};
+  plot.series.push_back({.label = "F_M", .color = 2, .x = ends, .y = {limit.mean, limit.mean}});
+  const double high = limit.mean + limit.deviation, low = limit.mean - limit.deviation;
+  plot.series.push_back({.label = "± STD",
+                         .color = 2,
+                         .x = {ends[0], ends[1], kBreak, ends[0], ends[1]},
+                         .y = {high, high, kBreak, low, low},
+                         .dashed = true});
+  return plot;
+}
+
+}  // namespace
+
+std::vector<Plot> push_plots(const Identification& found, std::size_t object) {
+  std::vector<Plot> plots;
+  std::vector<const IdentifiedContact*> pushes;
+  for (const IdentifiedContact& contact : found.contacts) {
+    const bool is_push = contact.episode.kind != ContactKind::press;
+    if (contact.object == object && is_push && contact.left_out.empty()) {
+      pushes.push_back(&contact);
+    }
+  }
+  if (pushes.empty()) return plots;
+  const ObjectIdentification& of = found.objects[object];
+  const std::optional<Compliance> compliance = compliance_of(of.parameters);
+  const double critical = critical_from(of.limit);
+  PushSeries all;
+  std::vector<PlotBand> bands;
+  for (const IdentifiedContact* push : pushes) {
+    all.add(*push, compliance);
+    add_bands(*push, critical, bands);
+  }
+  add_figures("All pushes", all, bands, plots);
+  if (pushes.size() > 1) {
+    PushSeries one;
+    std::vector<PlotBand> own;
+    one.add(*pushes.front(), compliance);
+    add_bands(*pushes.front(), critical, own);
+    add_figures("The first push", one, own, plots);
+  }
+  if (of.limit.pushes > 0) plots.push_back(breakaway_plot(pushes, of.limit));
+  return plots;
+}
+
+}  // namespace pcavr

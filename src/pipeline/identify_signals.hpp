@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/identification/segmentation.hpp"
+#include "pcavr/identification/signals.hpp"
+
+namespace pcavr {
+
+/// A point series by time, read between its samples and held at its ends.
+class PathView {
+ public:
+  PathView(std::span<const double> t, std::span<const Eigen::Vector3d> points)
+      : t_(t), points_(points) {}
+  [[nodiscard]] Eigen::Vector3d at(double t) const;
+  [[nodiscard]] std::span<const double> t() const { return t_; }
+
+ private:
+  std::span<const double> t_;
+  std::span<const Eigen::Vector3d> points_;
+};
+
+/// The tip without single wild samples.
+[[nodiscard]] std::vector<Eigen::Vector3d> without_spikes(std::span<const Eigen::Vector3d> points);
+
+/// Instants [s] at which the tip leaps farther than any tip can between two samples.
+[[nodiscard]] std::vector<double> find_jumps(std::span<const double> t,
+                                             std::span<const Eigen::Vector3d> points);
+
+/// Stretches in which an axis of the force stands still at its own extreme: the sensor's end.
+[[nodiscard]] std::vector<SlideInterval> find_saturation(
+    std::span<const double> t, std::span<const Eigen::Vector3d> force_base);
+
+/// What is wrong with the force, if its direction, size or stiffness contradicts the tool's motion.
+[[nodiscard]] std::optional<Error> contradiction(const Segmentation& found, const PathView& tip);
+
+/// How much later the force's stamps are than the tool's. While a press lasts, and while a push is
+/// let go, the object stands, so that the tip's place is
+///     q(t - offset) = surface + c u + e u q',  u = F^(1/n),
+/// by the law of the contact and its damping; the offset is the one of the smallest residual, first
+/// on a grid over +-0.25 s, then by the slope of q. n of 1, 1.5 or 2 by the residual.
+[[nodiscard]] TimeOffset force_offset(const Segmentation& found, std::span<const double> t_force,
+                                      const PathView& tip);
+
+}  // namespace pcavr

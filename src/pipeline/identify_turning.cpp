@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pcavr/core/median.hpp"
+#include "pcavr/friction/limit_surface.hpp"
+#include "pcavr/prediction/body_physics.hpp"
+
+#include "identify_parts.hpp"
+
+namespace pcavr {
+namespace {
+
+/// What an object has to move for one sample of its twist: many times the noise of its tracking.
+constexpr double kLeastWay = 0.004;  // [m], a turn counting with the lever below
+constexpr double kTurnArm = 0.05;    // [m]
+/// A twist in which the turn counts at least this share of the way tells the radius.
+constexpr double kTurns = 0.2;
+
+/// The object in the plane, by its centre of mass.
+struct Planar {
+  Eigen::Vector2d p_base;
+  double heading = 0.0;
+};
+
+Planar planar_of(const Pose& T_base_object, const CadModel& model) {
+  return {(T_base_object * model.centre_of_mass_object).head<2>(), heading_of(T_base_object)};
+}
+
+/// In the planar axes half way between the two.
+PushSample sample_between(const Planar& a, const Planar& b, const Eigen::Vector2d& force_base,
+                          double moment) {
+  const double turn = std::remainder(b.heading - a.heading, 2.0 * std::numbers::pi);
+  const Eigen::Matrix2d R_body_base =
+      Eigen::Rotation2Dd(-(a.heading + 0.5 * turn)).toRotationMatrix();
+  PushSample sample;
+  sample.wrench << R_body_base * force_base, moment;
+  sample.twist << R_body_base * (b.p_base - a.p_base), turn;
+  return sample;
+}
+
+/// Mean of force and moment about the object's centre of mass over [begin, end].
+struct MeanLoad {
+  Eigen::Vector2d force = Eigen::Vector2d::Zero();
+  double moment = 0.0;
+  double count = 0.0;
+};
+
+class Turning {
+ public:
+  Turning(const IdentifiableObject& body, const PathView& tip, double tool_radius)
+      : body_(body), tip_(tip), tool_radius_(tool_radius) {}
+
+  void add(const IdentifiedContact& contact, std::vector<PushSample>& samples) const {
+    const std::vector<TrackedPose>& tracked = body_.tracked;
+    for (const SlideInterval& slide : contact.episode.slides) {
+      const TrackedPose* from = nullptr;
+      for (const TrackedPose& pose : tracked) {
+        if (pose.t < slide.begin || pose.t > slide.end) continue;
+        if (from == nullptr) from = &pose;
+        const Planar a = planar_of(from->T_base_object, body_.model);
+        const Planar b = planar_of(pose.T_base_object, body_.model);
+        const double turn = std::remainder(b.heading - a.heading, 2.0 * std::numbers::pi);
+        if (std::hypot((b.p_base - a.p_base).norm(), kTurnArm * turn) < kLeastWay) continue;
+        const MeanLoad load = mean_load(contact, *from, pose);
+        if (load.count >= 3.0) samples.push_back(sample_between(a, b, load.force, load.moment));
+        from = &pose;
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] MeanLoad mean_load(const IdentifiedContact& contact, const TrackedPose& from,
+                                   const TrackedPose& to) const {
+    const ContactEpisode& episode = contact.episode;
+    MeanLoad load;
+    for (std::size_t i = 0; i < episode.t.size(); ++i) {
+      const double t = episode.t[i];
+      if (t < from.t || t > to.t) continue;
+      const Pose T_base_object =
+          interpolate(from.T_base_object, to.T_base_object, (t - from.t) / (to.t - from.t));
+      const Eigen::Vector3d normal = T_base_object.rotation() * contact.normal_object;
+      const Eigen::Vector3d arm =
+          tip_.at(t) - tool_radius_ * normal - T_base_object * body_.model.centre_of_mass_object;
+      const Eigen::Vector3d& force = contact.force_base[i];
+      load.force += force.head<2>();
+      load.moment += arm.x() * force.y() - arm.y() * force.x();
+      load.count += 1.0;
+    }
+    load.force /= std::max(load.count, 1.0);
+    load.moment /= std::max(load.count, 1.0);
+    return load;
+  }
+
+  const IdentifiableObject& body_;
+  const PathView& tip_;
+  double tool_radius_;
+};
+
+/// Of an ellipsoid, r^2 = (m / f) (v / omega), from each sample that turns.
+std::optional<ParameterValue> radius_of(const std::vector<PushSample>& samples) {
+  std::vector<double> radii;
+  for (const PushSample& sample : samples) {
+    const double way = sample.twist.head<2>().norm();
+    if (kTurnArm * std::abs(sample.twist.z()) < kTurns * way) continue;
+    const double square =
+        sample.wrench.z() / sample.wrench.head<2>().norm() * way / sample.twist.z();
+    if (square > 0.0) radii.push_back(std::sqrt(square));
+  }
+  if (radii.size() < 3) return std::nullopt;
+  const double middle = median(radii);
+  std::vector<double> off;
+  for (const double radius : radii) off.push_back(std::abs(radius - middle));
+  // 1.4826 makes a deviation of a median of distances; 1.2533 is the median's own over the mean's.
+  const double spread = 1.4826 * median(off);
+  return ParameterValue{middle, 1.2533 * spread / std::sqrt(static_cast<double>(radii.size()))};
+}
+
+}  // namespace
+
+void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
+                         const IdentifiableObject& body, const PathView& tip, double tool_radius,
+                         ObjectIdentification& result) {
+  if (body.tracked.empty()) return;
+  const Turning turning(body, tip, tool_radius);
+  for (const IdentifiedContact* push : contacts_of(contacts, object, false)) {
+    turning.add(*push, result.turning);
+  }
+  if (const auto radius = radius_of(result.turning)) {
+    result.friction_radius = radius;
+    result.parameters.friction_radius = radius;
+  }
+  result.surface = fit_limit_surface(result.turning);
+  if (result.surface.status != LimitSurfaceFitStatus::fitted) return;
+  result.parameters.limit_surface = result.surface.surface;
+}
+
+}  // namespace pcavr
