@@ -9,12 +9,11 @@ namespace pcavr {
 namespace {
 
 constexpr std::size_t kLeastSamples = 20;
-// The tip must have gone this many deviations of its noise into the object.
-constexpr double kLeastSpread = 2.0;
+constexpr double kSlopeKnown = 0.05;
 
 }  // namespace
 
-void ContactLine::add(double tip, double force) {
+void ContactLine::add(double tip, double force, double correlated) {
   if (count_++ == 0) origin_ = tip;
   const double x = tip - origin_;
   x_ += x;
@@ -25,6 +24,10 @@ void ContactLine::add(double tip, double force) {
     sums_[law].gg += g * g;
     sums_[law].gx += g * x;
   }
+  if (is_ready_ || count_ < kLeastSamples) return;
+  const Fit line = fit(best());
+  is_ready_ =
+      line.slope > 0.0 && line.slope_deviation * std::sqrt(correlated) < kSlopeKnown * line.slope;
 }
 
 ContactLine::Fit ContactLine::fit(std::size_t law) const {
@@ -37,17 +40,13 @@ ContactLine::Fit ContactLine::fit(std::size_t law) const {
   result.surface = (x_ - result.slope * s.g) / n;
   result.residual =
       xx_ - x_ * x_ / n - 2.0 * result.slope * both + result.slope * result.slope * spread;
+  if (spread > 0.0 && n > 2.0) {
+    result.slope_deviation = std::sqrt(std::max(result.residual, 0.0) / (n - 2.0) / spread);
+  }
   return result;
 }
 
 std::size_t ContactLine::best() const { return fit(1).residual < fit(0).residual ? 1 : 0; }
-
-bool ContactLine::is_ready(double tip_noise) const {
-  if (count_ < kLeastSamples) return false;
-  const auto n = static_cast<double>(count_);
-  const double spread = std::sqrt(std::max(xx_ / n - x_ * x_ / (n * n), 0.0));
-  return spread > kLeastSpread * tip_noise && fit(best()).slope > 0.0;
-}
 
 double ContactLine::surface() const { return origin_ + fit(best()).surface; }
 

@@ -13,13 +13,13 @@ namespace pcavr {
 class ContactLine {
  public:
   /// tip: coordinate growing into the object [m]; force > 0 [N].
-  void add(double tip, double force);
+  /// `correlated`: how many successive samples count as one.
+  void add(double tip, double force, double correlated);
 
-  /// Enough samples over enough depth to predict anything; `tip_noise` [m].
-  [[nodiscard]] bool is_ready(double tip_noise) const;
+  /// Its slope is known to 5 %: before, it predicts nothing.
+  [[nodiscard]] bool is_ready() const { return is_ready_; }
   [[nodiscard]] double surface() const;            ///< the tip's coordinate at first touch [m]
   [[nodiscard]] double depth(double force) const;  ///< [m]
-  [[nodiscard]] std::size_t samples() const { return count_; }
 
  private:
   static constexpr std::array<double, 2> kExponents{1.0, 1.5};
@@ -27,6 +27,7 @@ class ContactLine {
     double slope = 0.0;     ///< depth over F^(1/n)
     double surface = 0.0;   ///< relative to origin_
     double residual = 0.0;  ///< [m^2]
+    double slope_deviation = 0.0;
   };
   struct Sums {
     double g = 0.0, gg = 0.0, gx = 0.0;
@@ -38,6 +39,7 @@ class ContactLine {
   double x_ = 0.0, xx_ = 0.0;
   double origin_ = 0.0;  ///< the first tip: keeps the sums small
   std::size_t count_ = 0;
+  bool is_ready_ = false;
 };
 
 }  // namespace pcavr

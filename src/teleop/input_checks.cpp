@@ -192,19 +192,31 @@ Motion longest_motion(const std::vector<TrackedPose>& tracked) {
   return longest;
 }
 
+Eigen::Vector3d mean_place(const std::vector<TrackedPose>& tracked, double from, double to) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0.0;
+  for (const TrackedPose& pose : tracked) {
+    if (pose.t < from || pose.t > to) continue;
+    sum += pose.T_base_object.translation();
+    count += 1.0;
+  }
+  return count > 0.0 ? Eigen::Vector3d(sum / count) : tracked.front().T_base_object.translation();
+}
+
 /// What is pushed goes with what pushes: the tip's way, cut off at both ends by the object's.
 std::optional<TimeOffset> camera_offset(const TeleopObject& object, const TipMotion& tip) {
   const std::vector<TrackedPose>& tracked = object.tracked;
   if (tracked.size() < 10) return std::nullopt;
   const Motion motion = longest_motion(tracked);
   if (motion.way < kMoved) return std::nullopt;
-  const Eigen::Vector3d from = tracked[motion.begin].T_base_object.translation();
-  const Eigen::Vector3d way = tracked[motion.end].T_base_object.translation() - from;
+  // The slow beginning and end of a motion do not stand out of the noise.
+  const double begin = tracked[motion.begin].t - kAround;
+  const double end = tracked[motion.end].t + kAround;
+  const Eigen::Vector3d from = mean_place(tracked, begin, begin + kAround - kRange);
+  const Eigen::Vector3d way = mean_place(tracked, end - kAround + kRange, end) - from;
   if (way.head<2>().norm() < kMoved) return std::nullopt;
   const Eigen::Vector3d along = Eigen::Vector3d(way.x(), way.y(), 0.0).normalized();
   const double length = way.dot(along);
-  const double begin = tracked[motion.begin].t - kAround;
-  const double end = tracked[motion.end].t + kAround;
   std::vector<double> t_tip, pushed, t_seen, seen;
   double furthest = -1e300;
   for (std::size_t i = 0; i < tip.t.size(); ++i) {

@@ -22,6 +22,7 @@ constexpr double kShortWindow = 0.060;
 constexpr double kLongWindow = 0.120;
 // An onset is stamped by two levels of the way, this factor apart.
 constexpr double kLevels = 4.0;
+constexpr double kShareOfTool = 0.35;
 constexpr double kLeastLevel = 1e-4;  // [m]
 // After this long a slide is stamped with what there is [s].
 constexpr double kSlideSettled = 0.080;
@@ -46,7 +47,7 @@ void PhaseMonitor::see(double t, bool is_moving, bool is_near) {
 }
 
 std::optional<double> PhaseMonitor::way_at(double t) const {
-  if (!is_touched_ || is_press_ || !line_.is_ready(options_.tip_noise)) return std::nullopt;
+  if (!is_touched_ || is_press_ || !line_.is_ready()) return std::nullopt;
   if (t < contact_.front().t || t > contact_.back().t) return std::nullopt;
   return way(contact_[first_after(t)]);
 }
@@ -96,7 +97,7 @@ void PhaseMonitor::end_contact() {
   is_touched_ = false;
   speed_ = 0.0;
   double t_end = last_loaded_;
-  if (line_.is_ready(options_.tip_noise) && !contact_.empty()) {
+  if (line_.is_ready() && !contact_.empty()) {
     // The surface lies where the object came to rest; the tip left it at about the last force.
     const double surface = line_.surface() + rest_way_;
     const std::size_t recent = first_after(last_loaded_ - 2.0 * kShortWindow);
@@ -115,10 +116,10 @@ void PhaseMonitor::follow(const Point& point,
   if (is_press_) return;
   while (!is_line_final_ && contact_[next_for_line_].t < point.t - kGuard) {
     const Point& past = contact_[next_for_line_++];
-    if (past.force > options_.enter_force) line_.add(past.tip, past.force);
+    if (past.force > options_.enter_force) line_.add(past.tip, past.force, options_.correlated);
   }
   if (point.t - contact_.front().t > kStampAfter) stamp_contact();
-  if (!line_.is_ready(options_.tip_noise)) {
+  if (!line_.is_ready()) {
     judge_rest(limiting_friction);
     return;
   }
@@ -129,8 +130,9 @@ void PhaseMonitor::follow(const Point& point,
     return;
   }
   const double fast = std::max(options_.slide_speed, 4.0 * speed_noise_);
-  // A tool that does not advance moves nothing: what seems to then is the line's misfit.
-  const bool is_fast = speed_ > fast && tip_speed_ > 0.5 * fast;
+  // Slower than a good part of the tool's advance is the line's misfit, not the object.
+  const bool is_fast =
+      speed_ > std::max(fast, kShareOfTool * tip_speed_) && tip_speed_ > 0.5 * fast;
   fast_in_a_row_ = is_fast ? fast_in_a_row_ + 1 : 0;
   if (fast_in_a_row_ >= kInARow) begin_slide();
   if (phase() != MotionPhase::sliding) judge_rest(limiting_friction);
@@ -291,7 +293,7 @@ void PhaseMonitor::end_slide() {
 }
 
 void PhaseMonitor::stamp_contact() {
-  if (is_contact_stamped_ || !line_.is_ready(options_.tip_noise)) return;
+  if (is_contact_stamped_ || !line_.is_ready()) return;
   is_contact_stamped_ = true;
   // Back from the first sample known to be in contact to where the tip met the surface; the speed
   // there is that of the first samples.

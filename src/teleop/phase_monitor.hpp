@@ -32,6 +32,7 @@ struct MonitorOptions {
   double interval = 0.002;      ///< between samples [s]
   double tip_noise = 5e-5;      ///< of one raw sample [m]
   double force_noise = 0.2;     ///< of one raw sample [N]
+  double correlated = 6.0;      ///< smoothed samples that count as one
   double enter_force = 0.4;     ///< smoothed force above: contact [N]
   double slide_speed = 0.0025;  ///< least speed that is told from rest [m/s]
 };

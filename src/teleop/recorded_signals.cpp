@@ -18,6 +18,8 @@ constexpr double kAbsurdSpeed = 3.0;
 constexpr double kSmallStep = 0.005;
 // A tool that stays where it jumped to for this long is there [s].
 constexpr double kBelieved = 0.1;
+// Half width [s]: a hand and an arm move below 10 Hz.
+constexpr double kCommandSmoothing = 0.020;
 // The spike filter looks at this many later samples.
 constexpr int kSpikeWindow = 3;
 
@@ -60,6 +62,22 @@ TipMotion clean_tip(const TeleopInput& input) {
   return tip;
 }
 
+std::vector<Eigen::Vector3d> command_of(const TipMotion& tip, double start, double step,
+                                        std::size_t count) {
+  std::vector<double> at(count);
+  for (std::size_t k = 0; k < count; ++k) at[k] = start + step * static_cast<double>(k);
+  const double interval = (tip.t.back() - tip.t.front()) / static_cast<double>(tip.t.size() - 1);
+  std::vector<Eigen::Vector3d> command(count);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<SmoothedSample> place =
+        smooth(tip.t, axis_of(tip.p_base, axis), at, std::max(kCommandSmoothing, 3.0 * interval));
+    for (std::size_t k = 0; k < count; ++k) {
+      command[k][axis] = place[k].is_valid ? place[k].value : tip.at(at[k])[axis];
+    }
+  }
+  return command;
+}
+
 std::string describe_jumps(const TipMotion& tip) {
   char text[128];
   std::snprintf(text, sizeof text,
@@ -94,8 +112,8 @@ ForceSignal smooth_force(const TeleopInput& input, const TipMotion& tip, double 
       signal.p_base_tip[i][axis] = place[i].is_valid ? place[i].value : tip.at(signal.t[i])[axis];
     }
   }
-  signal.smooth_noise =
-      std::sqrt(3.0) * signal.noise / std::sqrt(correlated_samples(half_width, interval));
+  signal.correlated = correlated_samples(half_width, interval);
+  signal.smooth_noise = std::sqrt(3.0) * signal.noise / std::sqrt(signal.correlated);
   return signal;
 }
 

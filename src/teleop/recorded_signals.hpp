@@ -32,6 +32,11 @@ struct TipMotion {
 /// that stays there for longer than a tenth of a second is believed.
 [[nodiscard]] TipMotion clean_tip(const TeleopInput& input);
 
+/// Where the tip is at `count` instants from `start` on, `step` [s] apart, smoothed over +-20 ms:
+/// what a pose sensor's noise adds to a hand's motion would be felt as force.
+[[nodiscard]] std::vector<Eigen::Vector3d> command_of(const TipMotion& tip, double start,
+                                                      double step, std::size_t count);
+
 /// A line for the report.
 [[nodiscard]] std::string describe_jumps(const TipMotion& tip);
 
@@ -45,6 +50,7 @@ struct ForceSignal {
   std::vector<Eigen::Vector3d> p_base_tip;   ///< smoothed alike [m]
   double noise = 0.0;                        ///< of one sample, largest axis [N]
   double smooth_noise = 0.0;                 ///< of a smoothed one's size [N]
+  double correlated = 1.0;                   ///< smoothed samples that count as one
   double lag = 0.0;                          ///< [s]
   std::size_t spikes = 0;
 

@@ -57,6 +57,7 @@ MonitorOptions monitor_options(const TipMotion& tip, const ForceSignal& force) {
   if (force.empty()) return options;
   options.interval = (force.t.back() - force.t.front()) / static_cast<double>(force.t.size() - 1);
   options.force_noise = force.noise;
+  options.correlated = force.correlated;
   options.enter_force = std::max(kEnterSigmas * force.smooth_noise, kDriftFloor);
   return options;
 }

@@ -23,6 +23,7 @@ namespace {
 constexpr double kStep = 0.001;  // [s] the operator's cycle
 // An offset between clocks is taken off where it is beyond doubt and matters.
 constexpr double kOffsetSigmas = 3.0;
+constexpr double kShortest = 0.008;      // [s] of a phase
 constexpr double kForceOffset = 0.005;   // [s]
 constexpr double kCameraOffset = 0.020;  // [s]
 
@@ -93,23 +94,43 @@ void send(CorrectionMessage message, double now, double epoch, Link& link, Opera
   run.corrections.push_back(std::move(sent));
 }
 
+/// Without stretches shorter than 8 ms, which join what was before, as the format has it.
+std::vector<PhaseChange> merged(const std::vector<PhaseChange>& changes) {
+  std::vector<PhaseChange> result;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const bool is_short = i + 1 < changes.size() && changes[i + 1].t - changes[i].t < kShortest;
+    if (is_short && !result.empty()) continue;
+    if (result.empty() || result.back().phase != changes[i].phase) result.push_back(changes[i]);
+  }
+  return result;
+}
+
+std::vector<PhaseChange> predicted_changes(std::size_t object, const PredictionLog& log,
+                                           const Span& span) {
+  std::vector<PhaseChange> changes;
+  for (std::size_t k = 0; k <= span.cycles; ++k) {
+    const double t = span.start + kStep * static_cast<double>(k);
+    const MotionPhase phase = log.at(t, object).phase;
+    if (changes.empty() || changes.back().phase != phase) changes.push_back({t, phase});
+  }
+  return merged(changes);
+}
+
 /// Both sites' phases merged into rows that each state both.
 std::vector<PhaseRow> phase_rows(std::size_t object, const std::vector<PhaseChange>& measured,
-                                 const PredictionLog& log, const Span& span) {
+                                 const std::vector<PhaseChange>& predicted) {
   std::vector<PhaseRow> rows;
-  std::size_t next = 0;
-  PhaseRow row{span.start, object, MotionPhase::free, MotionPhase::free};
-  for (std::size_t k = 0; k <= span.cycles; ++k) {
-    row.t = span.start + kStep * static_cast<double>(k);
-    const PhaseRow before = row;
-    for (; next < measured.size() && measured[next].t <= row.t + 0.5 * kStep; ++next) {
-      row.measured = measured[next].phase;
-    }
-    row.predicted = log.at(row.t, object).phase;
-    const bool is_new = row.measured != before.measured || row.predicted != before.predicted;
-    if (k == 0 || is_new) rows.push_back(row);
+  std::size_t m = 0, p = 0;
+  PhaseRow row{predicted.front().t, object, measured.front().phase, predicted.front().phase};
+  while (true) {
+    rows.push_back(row);
+    const double next_m = m + 1 < measured.size() ? measured[m + 1].t : 1e300;
+    const double next_p = p + 1 < predicted.size() ? predicted[p + 1].t : 1e300;
+    row.t = std::min(next_m, next_p);
+    if (row.t == 1e300) return rows;
+    if (next_m == row.t) row.measured = measured[++m].phase;
+    if (next_p == row.t) row.predicted = predicted[++p].phase;
   }
-  return rows;
 }
 
 void note_unseen(const TeleopInput& input, const RobotSite& robot, TeleopRun& run) {
@@ -129,8 +150,8 @@ void note_unseen(const TeleopInput& input, const RobotSite& robot, TeleopRun& ru
 void finish(const TeleopInput& input, const RobotSite& robot, const OperatorSite& site,
             const PredictionLog& log, const Span& span, TeleopRun& run) {
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
-    const std::vector<PhaseRow> rows =
-        phase_rows(i, robot.objects()[i].monitor.changes(), log, span);
+    const std::vector<PhaseRow> rows = phase_rows(i, merged(robot.objects()[i].monitor.changes()),
+                                                  predicted_changes(i, log, span));
     run.phases.insert(run.phases.end(), rows.begin(), rows.end());
     run.parameters.push_back(robot.objects()[i].learner.known());
   }
@@ -175,9 +196,10 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
     run.assumed.push_back(std::move(completed.assumed));
   }
   const Span span = span_of(tip);
+  const std::vector<Eigen::Vector3d> command = command_of(tip, span.start, kStep, span.cycles + 1);
   const double round_trip = options.forward_delay + options.backward_delay;
   Expected<OperatorSite> made =
-      OperatorSite::create(input, physics, round_trip, span.start, tip.at(span.start));
+      OperatorSite::create(input, physics, round_trip, span.start, command.front());
   if (!made) return made.error();
   OperatorSite& site = *made;
   RobotSite robot(input, options, tip, force, findings, physics, span.start);
@@ -190,7 +212,7 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
     const double t = span.start + kStep * static_cast<double>(k);
     // The command for t was given a forward delay ago; jitter lets what has come wait, too.
     const double wall = t - options.forward_delay;
-    site.step(wall, tip.at(t));
+    site.step(wall, command[k]);
     show(site, input.objects.size(), run, log);
     const double heard = *forward.arrival(t);
     if (heard > t + kStep && k < span.cycles) continue;
