@@ -77,6 +77,9 @@ void require_positive(const std::optional<ParameterValue>& given) {
 
 void require_physical(const ObjectParameters& known) {
   require_positive(known.mass);
+  if (const auto& limit = known.limiting_static_friction; limit && limit->deviation) {
+    PCAVR_REQUIRE(std::isfinite(*limit->deviation) && *limit->deviation >= 0.0);
+  }
   require_not_negative(known.limiting_static_friction);
   require_not_negative(known.sliding_friction_coefficient);
   require_not_negative(known.viscous_friction);

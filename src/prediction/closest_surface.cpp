@@ -65,7 +65,9 @@ ClosestSurface::ClosestSurface(const TriangleMesh& mesh, const Pose& T_frame_mes
   using Edge = std::pair<std::uint32_t, std::uint32_t>;
   std::map<Edge, Eigen::Vector3d> edge_normals;
   std::vector<Eigen::Vector3d> corner_normals(mesh.vertices.size(), Eigen::Vector3d::Zero());
-  const auto key = [](std::uint32_t a, std::uint32_t b) { return std::minmax(a, b); };
+  const auto key = [](std::uint32_t a, std::uint32_t b) -> Edge {
+    return {std::min(a, b), std::max(a, b)};
+  };
   triangles_.reserve(mesh.triangles.size());
   for (const auto& indices : mesh.triangles) {
     Triangle& triangle = triangles_.emplace_back();

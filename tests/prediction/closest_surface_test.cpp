@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "prediction/closest_surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/random.hpp"
+
+#include "prediction/worlds.hpp"
+
+namespace pcavr {
+namespace {
+
+using detail::ClosestSurface;
+
+const Eigen::Vector3d kHalf(0.5, 0.25, 0.125);  // exact in single precision
+
+/// Of a box about the origin, in closed form [Quilez].
+double distance_to_box(const Eigen::Vector3d& p) {
+  const Eigen::Vector3d q = p.cwiseAbs() - kHalf;
+  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+}
+
+ClosestSurface box() {
+  TriangleMesh mesh;
+  test::add_box(mesh, -kHalf, kHalf);
+  return {mesh, Pose()};
+}
+
+TEST(ClosestSurface, IsExactForABox) {
+  const ClosestSurface surface = box();
+  Random random(7);
+  for (int i = 0; i < 20000; ++i) {
+    const Eigen::Vector3d p(random.uniform(-1.0, 1.0), random.uniform(-0.7, 0.7),
+                            random.uniform(-0.5, 0.5));
+    const double expected = distance_to_box(p);
+    const auto answer = surface.closest(p, 2.0);
+    ASSERT_TRUE(answer);
+    ASSERT_NEAR(answer->distance, expected, 1e-14) << p.transpose();
+    ASSERT_NEAR(answer->normal.norm(), 1.0, 1e-12);
+    // The surface lies that far back along the outward normal.
+    ASSERT_NEAR((answer->point + expected * answer->normal - p).norm(), 0.0, 1e-12);
+  }
+}
+
+TEST(ClosestSurface, TellsOutwardEvenOnTheSurface) {
+  const ClosestSurface surface = box();
+  const auto on_face = surface.closest({0.5, 0.1, 0.05}, 0.1);
+  EXPECT_TRUE(on_face->normal.isApprox(Eigen::Vector3d::UnitX()));
+  const auto on_corner = surface.closest(kHalf, 0.1);
+  EXPECT_GE(on_corner->normal.minCoeff(), 0.0);
+  EXPECT_NEAR(on_corner->distance, 0.0, 1e-15);
+}
+
+TEST(ClosestSurface, AnswersNothingBeyondItsReachButAllOfTheInside) {
+  const ClosestSurface surface = box();
+  EXPECT_FALSE(surface.closest({0.62, 0.0, 0.0}, 0.1));
+  EXPECT_TRUE(surface.closest({0.58, 0.0, 0.0}, 0.1));
+  EXPECT_FALSE(surface.closest({0.58, 0.33, 0.0}, 0.1));
+  EXPECT_NEAR(surface.closest({0.0, 0.0, 0.0}, 0.01)->distance, -0.125, 1e-15);
+}
+
+TEST(ClosestSurface, OfManyTrianglesIsThatOfTryingAll) {
+  // A bumpy ball.
+  TriangleMesh mesh;
+  constexpr std::uint32_t kRings = 24;
+  constexpr std::uint32_t kSides = 40;
+  const auto at = [](double ring, double side) {
+    const double theta = M_PI * ring / kRings;
+    const double phi = 2.0 * M_PI * side / kSides;
+    const double r = 0.1 + 0.02 * std::sin(5.0 * phi) * std::sin(theta) * std::sin(4.0 * theta);
+    return Eigen::Vector3d(r * std::sin(theta) * std::cos(phi), r * std::sin(theta) * std::sin(phi),
+                           r * std::cos(theta));
+  };
+  mesh.vertices.emplace_back(at(0, 0).cast<float>());
+  for (std::uint32_t i = 1; i < kRings; ++i) {
+    for (std::uint32_t j = 0; j < kSides; ++j) mesh.vertices.emplace_back(at(i, j).cast<float>());
+  }
+  mesh.vertices.emplace_back(at(kRings, 0).cast<float>());
+  const std::uint32_t last = static_cast<std::uint32_t>(mesh.vertices.size()) - 1;
+  for (std::uint32_t j = 0; j < kSides; ++j) {
+    const std::uint32_t k = (j + 1) % kSides;
+    mesh.triangles.push_back({0, 1 + j, 1 + k});
+    for (std::uint32_t i = 0; i + 2 < kRings; ++i) {
+      const std::uint32_t a = 1 + i * kSides;
+      const std::uint32_t b = a + kSides;
+      mesh.triangles.push_back({a + j, b + j, b + k});
+      mesh.triangles.push_back({a + j, b + k, a + k});
+    }
+    mesh.triangles.push_back({last - kSides + j, last, last - kSides + k});
+  }
+  const ClosestSurface surface(mesh, Pose());
+  Random random(11);
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector3d p(random.uniform(-0.15, 0.15), random.uniform(-0.15, 0.15),
+                            random.uniform(-0.15, 0.15));
+    double least = 1.0;
+    double winding = 0.0;  // solid angle over 4 pi [van Oosterom & Strackee 1983]
+    for (const auto& t : mesh.triangles) {
+      TriangleMesh one;
+      for (const std::uint32_t v : t) one.vertices.push_back(mesh.vertices[v]);
+      one.triangles.push_back({0, 1, 2});
+      least = std::min(least, std::abs(ClosestSurface(one, Pose()).closest(p, 1.0)->distance));
+      const Eigen::Vector3d a = one.vertices[0].cast<double>() - p;
+      const Eigen::Vector3d b = one.vertices[1].cast<double>() - p;
+      const Eigen::Vector3d c = one.vertices[2].cast<double>() - p;
+      winding +=
+          std::atan2(a.dot(b.cross(c)), a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
+                                            b.dot(c) * a.norm() + c.dot(a) * b.norm()) /
+          (2.0 * M_PI);
+    }
+    const double expected = winding > 0.5 ? -least : least;
+    ASSERT_NEAR(surface.closest(p, 1.0)->distance, expected, 1e-14) << p.transpose();
+  }
+}
+
+}  // namespace
+}  // namespace pcavr
