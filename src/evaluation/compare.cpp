@@ -54,7 +54,7 @@ Expected<void> compare_cameras(const ComparisonSide& reference, const Comparison
 Expected<void> compare_object(const ComparisonSide& reference, const ComparisonSide& subject,
                               const std::string& name, const std::string& source,
                               const Trajectory& estimate, const EvaluatedRecording& recording,
-                              Findings& findings) {
+                              Parallelism parallelism, Findings& findings) {
   const auto true_poses = reference.tracked.find(name);
   if (true_poses == reference.tracked.end()) return {};
   ObjectFindings object{.name = name,
@@ -69,22 +69,23 @@ Expected<void> compare_object(const ComparisonSide& reference, const ComparisonS
   const auto mesh = recording.meshes_object.find(name);
   if (mesh != recording.meshes_object.end()) {
     vertices_object = mesh->second.vertices;
-    object.model = object_errors(mesh->second, object.reference, estimate);
+    object.model = object_errors(mesh->second, object.reference, estimate, {}, parallelism);
   }
   std::vector<Stamp> stamps;
   for (const PoseError& error : object.errors.absolute) stamps.push_back(error.stamp);
-  object.moving = is_moving(object.reference, vertices_object, stamps);
+  object.moving = is_moving(object.reference, vertices_object, stamps, {}, parallelism);
   findings.objects.push_back(std::move(object));
   return {};
 }
 
 Expected<void> compare_objects(const ComparisonSide& reference, const ComparisonSide& subject,
-                               const EvaluatedRecording& recording, Findings& findings) {
+                               const EvaluatedRecording& recording, Parallelism parallelism,
+                               Findings& findings) {
   for (const auto& [source, trajectories] :
        {std::pair{"tracked", &subject.tracked}, {"predicted", &subject.predicted}}) {
     for (const auto& [name, estimate] : *trajectories) {
-      const Expected<void> compared =
-          compare_object(reference, subject, name, source, estimate, recording, findings);
+      const Expected<void> compared = compare_object(reference, subject, name, source, estimate,
+                                                     recording, parallelism, findings);
       if (!compared) return compared;
     }
   }
@@ -238,7 +239,7 @@ Expected<Findings> compare(const ComparisonSide& reference, const ComparisonSide
   Findings findings;
   Expected<void> compared = compare_cameras(reference, subject, findings);
   if (!compared) return compared.error();
-  compared = compare_objects(reference, subject, *recording, findings);
+  compared = compare_objects(reference, subject, *recording, parallelism, findings);
   if (!compared) return compared.error();
   compare_placements(reference, subject, *recording, findings);
   compare_surfaces(reference, subject, *recording, parallelism, findings);

@@ -35,6 +35,7 @@ th, td { padding: 4px 12px 4px 0; border-bottom: 1px solid var(--rule); text-ali
 th { color: var(--soft); font-weight: 600; }
 th:first-child, td:first-child { text-align: left; }
 .headline { margin-top: 16px; }
+.headline td:first-child { white-space: normal; }
 .headline td:nth-child(2) { font-weight: 650; font-size: 17px; padding-left: 20px;
   padding-right: 6px; }
 .headline td:nth-child(3), .headline th:nth-child(3) { text-align: left; color: var(--soft); }
@@ -44,8 +45,12 @@ figure { margin: 0; padding: 12px 14px 8px; background: var(--panel); border-rad
   break-inside: avoid; }
 figure.map { grid-row: span 2; }
 figure.wide { margin-bottom: 18px; }
-.plots + .scroll, .scroll + .scroll { margin-top: 14px; }
-h3, summary { font-size: 15px; font-weight: 600; margin: 22px 0 4px; }
+.tables { display: flex; flex-wrap: wrap; gap: 14px 48px; align-items: flex-start; }
+.tables > * { max-width: 100%; }
+.two { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 440px), 1fr));
+  gap: 0 40px; align-items: start; }
+.plots + .tables { margin-top: 14px; }
+h3, summary { font-size: 15px; font-weight: 600; margin: 8px 0 4px; }
 summary { cursor: pointer; }
 .below { color: var(--soft); font-size: 13px; max-width: 76ch; margin: 6px 0 0; }
 .words td { text-align: left; white-space: normal; vertical-align: top; }

@@ -3,6 +3,7 @@
 #include "pcavr/evaluation/object_errors.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pcavr/core/check.hpp"
 
@@ -11,12 +12,32 @@
 namespace pcavr {
 namespace {
 
+/// Poses for one thread at a time: even a body of eight vertices keeps it busy for a while.
+constexpr std::size_t kGrain = 256;
+
+/// How far apart two poses put a body's point: difference * p_object + offset.
+struct PoseDifference {
+  Eigen::Matrix3d difference;
+  Eigen::Vector3d offset;
+
+  PoseDifference(const Pose& a, const Pose& b)
+      : difference(a.rotation().toRotationMatrix() - b.rotation().toRotationMatrix()),
+        offset(a.translation() - b.translation()) {}
+  [[nodiscard]] double squared_at(const Eigen::Vector3f& p_object) const {
+    return (difference * p_object.cast<double>() + offset).squaredNorm();
+  }
+};
+
 /// Of the fastest vertex, over the span around `stamp` [m/s].
 double speed_at(const Trajectory& reference, const std::vector<Eigen::Vector3f>& vertices_object,
                 Stamp stamp, Duration span) {
-  const Pose before = pose_near(reference, stamp + -span / 2);
-  const Pose after = pose_near(reference, stamp + span / 2);
-  return model_error(vertices_object, before, after).mssd / to_seconds(span);
+  const PoseDifference motion(pose_near(reference, stamp + -span / 2),
+                              pose_near(reference, stamp + span / 2));
+  double largest = 0.0;
+  for (const Eigen::Vector3f& vertex : vertices_object) {
+    largest = std::max(largest, motion.squared_at(vertex));
+  }
+  return std::sqrt(largest) / to_seconds(span);
 }
 
 }  // namespace
@@ -24,12 +45,11 @@ double speed_at(const Trajectory& reference, const std::vector<Eigen::Vector3f>&
 ModelError model_error(const std::vector<Eigen::Vector3f>& vertices_object,
                        const Pose& T_base_object_reference, const Pose& T_base_object_estimate) {
   PCAVR_REQUIRE(!vertices_object.empty());
+  const PoseDifference difference(T_base_object_reference, T_base_object_estimate);
   ModelError error;
   double sum = 0.0;
   for (const Eigen::Vector3f& vertex : vertices_object) {
-    const Eigen::Vector3d p_object = vertex.cast<double>();
-    const double distance =
-        (T_base_object_reference * p_object - T_base_object_estimate * p_object).norm();
+    const double distance = std::sqrt(difference.squared_at(vertex));
     sum += distance;
     error.mssd = std::max(error.mssd, distance);
   }
@@ -38,17 +58,23 @@ ModelError model_error(const std::vector<Eigen::Vector3f>& vertices_object,
 }
 
 ObjectErrors object_errors(const TriangleMesh& mesh_object, const Trajectory& reference,
-                           const Trajectory& estimate, const TrajectoryErrorOptions& options) {
+                           const Trajectory& estimate, const TrajectoryErrorOptions& options,
+                           Parallelism parallelism) {
   PCAVR_REQUIRE(!mesh_object.vertices.empty());
+  const std::vector<MatchedPose> pairs = match(reference, estimate, options.longest_gap);
   ObjectErrors errors;
+  errors.poses.resize(pairs.size());
+  parallel_for(parallelism, pairs.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      errors.poses[i] = model_error(mesh_object.vertices, pairs[i].reference, pairs[i].estimate);
+      errors.poses[i].stamp = pairs[i].stamp;
+    }
+  });
   std::vector<double> add;
   std::vector<double> mssd;
-  for (const MatchedPose& pair : match(reference, estimate, options.longest_gap)) {
-    ModelError error = model_error(mesh_object.vertices, pair.reference, pair.estimate);
-    error.stamp = pair.stamp;
+  for (const ModelError& error : errors.poses) {
     add.push_back(error.add);
     mssd.push_back(error.mssd);
-    errors.poses.push_back(error);
   }
   errors.add = statistics(std::move(add));
   errors.mssd = statistics(std::move(mssd));
@@ -57,15 +83,21 @@ ObjectErrors object_errors(const TriangleMesh& mesh_object, const Trajectory& re
 
 std::vector<bool> is_moving(const Trajectory& reference,
                             const std::vector<Eigen::Vector3f>& vertices_object,
-                            const std::vector<Stamp>& stamps, const MotionOptions& options) {
+                            const std::vector<Stamp>& stamps, const MotionOptions& options,
+                            Parallelism parallelism) {
   PCAVR_REQUIRE(!reference.empty());
   PCAVR_REQUIRE(options.span > Duration::zero());
   const std::vector<Eigen::Vector3f> origin = {Eigen::Vector3f::Zero()};
   const std::vector<Eigen::Vector3f>& vertices = vertices_object.empty() ? origin : vertices_object;
+  std::vector<double> speeds(stamps.size());
+  parallel_for(parallelism, stamps.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      speeds[i] = speed_at(reference, vertices, stamps[i], options.span);
+    }
+  });
   std::vector<bool> moving;
   bool now = false;
-  for (const Stamp stamp : stamps) {
-    const double speed = speed_at(reference, vertices, stamp, options.span);
+  for (const double speed : speeds) {
     now = speed >= (now ? options.speed_to_stop : options.speed_to_start);
     moving.push_back(now);
   }

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report.hpp"
 
+#include <set>
+
+#include "pooled_errors.hpp"
 #include "report_plots.hpp"
 #include "run_report.hpp"
 
@@ -92,14 +95,33 @@ void add_camera_figures(const CameraFindings& camera, std::vector<Figure>& headl
   }
 }
 
-void add_object_figures(const ObjectFindings& object, std::vector<Figure>& headline) {
+/// What counts of a prediction is where things happen.
+void add_touched_figures(const std::string& name, const std::vector<PoseError>& errors,
+                         std::vector<Figure>& headline) {
+  const ErrorStatistics figures = statistics(translations(errors));
+  headline.push_back({name + ": position error while touched or moving, median",
+                      kMillimetres * figures.median, "mm"});
+  headline.push_back(
+      {name + ": position error while touched or moving, 95 %", kMillimetres * figures.p95, "mm"});
+}
+
+void add_object_figures(const ObjectFindings& object, const Findings& findings,
+                        std::vector<Figure>& headline) {
   const std::vector<PoseError>& absolute = object.errors.absolute;
   const std::vector<PoseError> start = first_second(absolute);
   const std::string name = object.name + " " + object.source;
-  headline.push_back({name + ": position error, median, first second",
-                      kMillimetres * statistics(translations(start)).median, "mm"});
-  headline.push_back({name + ": rotation error, median, first second",
-                      kDegrees * statistics(rotations(start)).median, "deg"});
+  std::vector<PoseError> touched;
+  if (findings.run && object.source == "predicted") {
+    touched = errors_in(absolute, findings.run->phases_of(object.name), is_touched_or_moving);
+  }
+  if (!touched.empty()) {
+    add_touched_figures(name, touched, headline);
+  } else {
+    headline.push_back({name + ": position error, median, first second",
+                        kMillimetres * statistics(translations(start)).median, "mm"});
+    headline.push_back({name + ": rotation error, median, first second",
+                        kDegrees * statistics(rotations(start)).median, "deg"});
+  }
   headline.push_back({name + ": position error, rmse, whole run",
                       kMillimetres * statistics(translations(absolute)).rmse, "mm"});
   if (object.errors.unmatched > 0) {
@@ -123,30 +145,39 @@ void add_surface_figures(const SurfaceFindings& surface, std::vector<Figure>& he
       {"Mesh farther than 20 mm from the reference", kPercent * errors.share_not_explained, "%"});
 }
 
-}  // namespace
-
-Report make_report(const ComparisonSide& reference, const ComparisonSide& subject,
-                   const Findings& findings) {
-  Report report{
-      .subject = subject.folder.string(),
-      .subject_kind = name_of(subject.kind),
-      .reference = reference.folder.string(),
-      .reference_kind = name_of(reference.kind),
-      .recording = (reference.recording.empty() ? subject : reference).recording.string()};
-  if (findings.run) {
-    report.headline = run_headline(findings);
-    report.sections = run_sections(reference, subject, findings);
-  } else if (!findings.parameters.empty()) {
-    report.sections = {parameter_section(findings)};
+/// What concerns one object stands together.
+void add_run_objects(const ComparisonSide& reference, const ComparisonSide& subject,
+                     const Findings& findings, Report& report) {
+  std::set<std::string> names;
+  for (const ObjectFindings& object : findings.objects) names.insert(object.name);
+  for (const auto& [name, forces] : findings.run->forces) names.insert(name);
+  for (const std::string& name : names) {
+    report.sections.push_back(push_section(name, reference, subject, findings));
+    for (const ObjectFindings& object : findings.objects) {
+      if (object.name != name || object.source != "predicted") continue;
+      report.sections.push_back(object_section(object, findings));
+    }
   }
-  const std::vector<Figure> parameters = parameter_headline(findings);
-  report.headline.insert(report.headline.end(), parameters.begin(), parameters.end());
+}
+
+void add_run(const ComparisonSide& reference, const ComparisonSide& subject,
+             const Findings& findings, Report& report) {
+  report.headline = run_headline(findings);
+  report.sections = {overview_section(findings)};
+  add_run_objects(reference, subject, findings, report);
+  const std::vector<ReportSection> closing = closing_sections(findings);
+  report.sections.insert(report.sections.end(), closing.begin(), closing.end());
+}
+
+/// What a run has in common with other things that are compared: trajectories and surfaces.
+void add_geometry(const Findings& findings, Report& report) {
   if (findings.camera) {
     add_camera_figures(*findings.camera, report.headline);
     report.sections.push_back(camera_section(*findings.camera, findings.origin));
   }
   for (const ObjectFindings& object : findings.objects) {
-    add_object_figures(object, report.headline);
+    add_object_figures(object, findings, report.headline);
+    if (findings.run && object.source == "predicted") continue;  // is there already
     report.sections.push_back(object_section(object, findings));
   }
   for (const PlacementFindings& placed : findings.placements) {
@@ -158,6 +189,26 @@ Report make_report(const ComparisonSide& reference, const ComparisonSide& subjec
     add_surface_figures(*findings.surface, report.headline);
     report.sections.push_back(surface_section(*findings.surface));
   }
+}
+
+}  // namespace
+
+Report make_report(const ComparisonSide& reference, const ComparisonSide& subject,
+                   const Findings& findings) {
+  Report report{
+      .subject = subject.folder.string(),
+      .subject_kind = name_of(subject.kind),
+      .reference = reference.folder.string(),
+      .reference_kind = name_of(reference.kind),
+      .recording = (reference.recording.empty() ? subject : reference).recording.string()};
+  if (findings.run) {
+    add_run(reference, subject, findings, report);
+  } else if (!findings.parameters.empty()) {
+    report.sections = {parameter_section(findings)};
+  }
+  const std::vector<Figure> parameters = parameter_headline(findings);
+  report.headline.insert(report.headline.end(), parameters.begin(), parameters.end());
+  add_geometry(findings, report);
   return report;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <span>
 
 #include "html_page.hpp"
 #include "html_text.hpp"
@@ -25,17 +26,27 @@ ShownUnit shown_unit(const std::string& si_unit) {
 
 std::string cell(const std::string& content) { return "<td>" + escaped(content) + "</td>"; }
 
-std::string format_headline(const Report& report) {
+std::string format_figures(std::span<const Figure> figures) {
   std::string html =
       "<table class=\"headline\">\n<thead><tr><th>figure</th><th>value</th><th>unit</th></tr>"
       "</thead>\n<tbody>\n";
-  for (const Figure& figure : report.headline) {
+  for (const Figure& figure : figures) {
     const bool is_count = figure.unit.empty();
     html += "<tr>" + cell(figure.name) +
             cell(is_count ? fixed(figure.value, 0) : readable(figure.value)) + cell(figure.unit) +
             "</tr>\n";
   }
   return html + "</tbody>\n</table>\n";
+}
+
+/// A long list in two columns.
+std::string format_headline(const Report& report) {
+  constexpr std::size_t kLongestColumn = 14;
+  const std::span<const Figure> all = report.headline;
+  if (all.size() <= kLongestColumn) return format_figures(all);
+  const std::size_t half = (all.size() + 1) / 2;
+  return "<div class=\"two\">\n" + format_figures(all.first(half)) +
+         format_figures(all.subspan(half)) + "</div>\n";
 }
 
 /// A column of a table of errors, in the order in which evo prints them.
@@ -88,7 +99,7 @@ bool is_of_words(const ReportTable& table) {
 
 std::string format_table(const ReportTable& table) {
   std::string html = table.is_folded ? "<details><summary>" + escaped(table.title) + "</summary>\n"
-                                     : "<h3>" + escaped(table.title) + "</h3>\n";
+                                     : "<div><h3>" + escaped(table.title) + "</h3>\n";
   html += "<div class=\"scroll\"><table" +
           std::string(is_of_words(table) ? " class=\"words\"" : "") + ">\n<thead><tr>";
   for (const std::string& column : table.columns) html += "<th>" + escaped(column) + "</th>";
@@ -100,7 +111,7 @@ std::string format_table(const ReportTable& table) {
   }
   html += "</tbody>\n</table></div>\n";
   if (!table.note.empty()) html += "<p class=\"below\">" + escaped(table.note) + "</p>\n";
-  return html + (table.is_folded ? "</details>\n" : "");
+  return html + (table.is_folded ? "</details>\n" : "</div>\n");
 }
 
 std::string format_section(const ReportSection& section) {
@@ -112,9 +123,9 @@ std::string format_section(const ReportSection& section) {
     for (const Plot& plot : section.plots) html += format_figure(plot);
     html += "</div>\n";
   }
-  html += format_rows(section);
+  html += "<div class=\"tables\">\n" + format_rows(section);
   for (const ReportTable& table : section.tables) html += format_table(table);
-  return html;
+  return html + "</div>\n";
 }
 
 std::string format_placements(const std::vector<PlacementFindings>& placements) {

@@ -14,8 +14,8 @@ void add_positions(const Findings& findings, std::vector<Figure>& headline) {
     const ErrorStatistics figures = statistics(translations(touched));
     headline.push_back({"Predicted position while touched or moving, median error",
                         kMillimetres * figures.median, "mm"});
-    headline.push_back({"Predicted position while touched or moving, 95th percentile",
-                        kMillimetres * figures.p95, "mm"});
+    headline.push_back(
+        {"Predicted position while touched or moving, 95 %", kMillimetres * figures.p95, "mm"});
   }
   const std::vector<PoseError> sliding =
       predicted_errors_in(findings, [](Phase phase) { return phase == Phase::sliding; });
@@ -35,7 +35,7 @@ void add_forces(const RunFindings& run, std::vector<Figure>& headline) {
   headline.push_back(
       {"Force felt against measured, in contact, median error", kPercent * figures.median, "%"});
   headline.push_back(
-      {"Force felt against measured, in contact, 95th percentile", kPercent * figures.p95, "%"});
+      {"Force felt against measured, in contact, 95 %", kPercent * figures.p95, "%"});
 }
 
 void add_phases(const RunFindings& run, std::vector<Figure>& headline) {
@@ -50,7 +50,7 @@ void add_phases(const RunFindings& run, std::vector<Figure>& headline) {
     if (!seconds.empty()) {
       const ErrorStatistics figures = statistics(seconds);
       headline.push_back({name + ", median error", kMilliseconds * figures.median, "ms"});
-      headline.push_back({name + ", 95th percentile", kMilliseconds * figures.p95, "ms"});
+      headline.push_back({name + ", 95 %", kMilliseconds * figures.p95, "ms"});
     }
     headline.push_back({name + ", missed", static_cast<double>(count_missed(all)), ""});
     headline.push_back({name + ", surplus", static_cast<double>(count_surplus(all)), ""});

@@ -76,6 +76,53 @@ std::vector<PlotMark> marks_of(const std::string& object, const RunFindings& run
   return marks;
 }
 
+/// The last instant that any trajectory or phase is about.
+Stamp last_instant(const Findings& findings) {
+  Stamp end = findings.origin;
+  for (const ObjectFindings& object : findings.objects) {
+    end = std::max(end, object.estimate.poses().back().stamp);
+  }
+  for (const auto* timelines : {&findings.run->true_phases, &findings.run->files.measured}) {
+    for (const auto& [name, timeline] : *timelines) end = std::max(end, timeline.back().stamp);
+  }
+  return end;
+}
+
+/// From before the object is first touched until after it is last left, as any record has it: the
+/// same in each of its plots.
+void show_pushes_only(const std::string& object, const Findings& findings, Plot& plot) {
+  constexpr double kMargin = 0.5;  // [s] to see it at rest
+  const RunFindings& run = *findings.run;
+  std::vector<PlotBand> bands;
+  for (const auto* timelines : {&run.true_phases, &run.files.measured, &run.files.predicted}) {
+    const auto timeline = timelines->find(object);
+    if (timeline == timelines->end()) continue;
+    const std::vector<PlotBand> more = bands_of(timeline->second, findings.origin);
+    bands.insert(bands.end(), more.begin(), more.end());
+  }
+  if (bands.empty()) return;
+  double from = bands.front().from;
+  double to = bands.front().to;
+  for (const PlotBand& band : bands) {
+    from = std::min(from, band.from);
+    to = std::max(to, band.to);
+  }
+  plot.x_from = std::max(from - kMargin, 0.0);
+  plot.x_to = std::min(to + kMargin, to_seconds(last_instant(findings) - findings.origin));
+  if (plot.x_to <= *plot.x_from) plot.x_to = *plot.x_from + kMargin;
+}
+
+void pin_corrections(const std::string& object, const RunFindings& run, Stamp origin, Plot& plot) {
+  if (!run.files.corrections) return;
+  for (const RunCorrection& correction : *run.files.corrections) {
+    if (correction.object != object) continue;
+    plot.pins.push_back(
+        {to_seconds(correction.stamp + run.round_trip - origin), correction.is_lost});
+  }
+  plot.pin_label = "correction arrives";
+  plot.hollow_pin_label = "correction lost";
+}
+
 /// Where both together got farthest from where the reference began.
 Eigen::Vector3d farthest_from_start(const ObjectFindings& object) {
   const Eigen::Vector3d start = object.reference.poses().front().pose.translation();
@@ -126,34 +173,13 @@ PhaseLane lane_of(const std::string& object, const std::string& label,
   return lane;
 }
 
-/// The last instant that any trajectory or phase is about.
-Stamp last_instant(const Findings& findings) {
-  Stamp end = findings.origin;
-  for (const ObjectFindings& object : findings.objects) {
-    end = std::max(end, object.estimate.poses().back().stamp);
-  }
-  for (const auto* timelines : {&findings.run->true_phases, &findings.run->files.measured}) {
-    for (const auto& [name, timeline] : *timelines) end = std::max(end, timeline.back().stamp);
-  }
-  return end;
-}
-
 }  // namespace
 
 void annotate(const ObjectFindings& object, const RunFindings& run, Stamp origin,
               const std::vector<Plot*>& plots) {
-  std::vector<PlotPin> pins;
-  if (object.source == "predicted" && run.files.corrections) {
-    for (const RunCorrection& correction : *run.files.corrections) {
-      if (correction.object != object.name) continue;
-      pins.push_back({to_seconds(correction.stamp + run.round_trip - origin), correction.is_lost});
-    }
-  }
   for (Plot* plot : plots) {
     shade_phases(object.name, run, origin, *plot);
-    plot->pins = pins;
-    plot->pin_label = "correction arrives";
-    plot->hollow_pin_label = "correction lost";
+    if (object.source == "predicted") pin_corrections(object.name, run, origin, *plot);
   }
 }
 
@@ -167,7 +193,7 @@ std::optional<Plot> motion_plot(const ObjectFindings& object, const ComparisonSi
             .x_label = "time (s)",
             .y_label = "way from its start (mm)",
             .marks = marks_of(object.name, *findings.run, findings.origin)};
-  shade_phases(object.name, *findings.run, findings.origin, plot);
+  annotate(object, *findings.run, findings.origin, {&plot});
   const auto add = [&](const Trajectory& trajectory, PlotSeries style) {
     plot.series.push_back(
         way_along(trajectory, start, direction, findings.origin, std::move(style)));
@@ -178,6 +204,7 @@ std::optional<Plot> motion_plot(const ObjectFindings& object, const ComparisonSi
   if (object.source == "predicted") {
     add(object.estimate, {.label = "predicted", .color = 0, .dashed = true});
   }
+  show_pushes_only(object.name, findings, plot);
   return plot;
 }
 
@@ -190,7 +217,7 @@ Plot force_plot(const std::string& object, const Findings& findings) {
             .y_from_zero = true};
   shade_phases(object, run, findings.origin, plot);
   PlotSeries measured{.label = "measured", .color = 1};
-  PlotSeries felt{.label = "felt by the operator (virtual)", .color = 0, .dashed = true};
+  PlotSeries felt{.label = "felt (virtual)", .color = 0, .dashed = true};
   const std::vector<ForceSample>& samples = run.files.forces.at(object);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (i > 0 && samples[i].stamp - samples[i - 1].stamp > std::chrono::milliseconds(50)) {
@@ -206,6 +233,7 @@ Plot force_plot(const std::string& object, const Findings& findings) {
     felt.y.push_back(samples[i].felt);
   }
   plot.series = {thinned(measured), thinned(felt)};
+  show_pushes_only(object, findings, plot);
   return plot;
 }
 

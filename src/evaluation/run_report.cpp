@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run_report.hpp"
 
-#include <set>
-
 #include "paper_figures.hpp"
 #include "pooled_errors.hpp"
 #include "run_plots.hpp"
@@ -37,6 +35,94 @@ std::string phases_note(const RunFindings& run) {
          std::string(run.true_phases.empty() ? "robot's site, as measured." : "truth.");
 }
 
+ReportSection pooled_section(const Findings& findings) {
+  ReportSection section{
+      .title = "Position error of the prediction, all objects",
+      .key = "predicted",
+      .rows = rows_by_phase([&](auto keep) { return predicted_errors_in(findings, keep); }),
+      .note = phases_note(*findings.run),
+      .is_brief = true};
+  return section;
+}
+
+void add_force_rows(const std::string& name, const std::string& key, const ForceErrorList& errors,
+                    std::vector<ErrorRow>& rows) {
+  if (errors.difference.empty()) return;
+  rows.push_back({"force, " + name, key + ".absolute", "N", statistics(magnitudes(errors))});
+  if (errors.relative.empty()) return;
+  rows.push_back(
+      {"force, " + name + ", relative", key + ".relative", "", statistics(errors.relative)});
+}
+
+/// Figures of how well the events of one comparison were met.
+void add_phase_values(const std::string& key, const PhaseErrors& errors, ReportSection& section) {
+  std::size_t matched = 0;
+  for (const MatchedEvent& event : errors.events) matched += event.estimate ? 1 : 0;
+  section.values.push_back({key + ".boundary.matched", matched});
+  section.values.push_back({key + ".boundary.missed", count_missed(errors)});
+  section.values.push_back({key + ".boundary.surplus", count_surplus(errors)});
+  section.values.push_back({key + ".agreement", agreement(errors, false)});
+  section.values.push_back({key + ".agreement_touched", agreement(errors, true)});
+}
+
+void add_confusion_values(const std::string& key, const PhaseErrors& errors,
+                          ReportSection& section) {
+  for (std::size_t row = 0; row < kPhaseCount; ++row) {
+    for (std::size_t column = 0; column < kPhaseCount; ++column) {
+      section.values.push_back({key + ".confusion." + std::string(word_of(kPhases.at(row))) + "." +
+                                    std::string(word_of(kPhases.at(column))) + "_s",
+                                errors.seconds.at(row).at(column)});
+    }
+  }
+}
+
+/// "contact", and how many of them were missed or made up.
+std::string name_with_counts(const PhaseErrors& errors, PhaseEvent event) {
+  std::string name(word_of(event));
+  const std::size_t missed = count_missed(errors, event);
+  const std::size_t surplus = count_surplus(errors, event);
+  if (missed > 0) name += ", " + std::to_string(missed) + " missed";
+  if (surplus > 0) name += ", " + std::to_string(surplus) + " surplus";
+  return name;
+}
+
+ReportSection phase_section(const PhaseComparison& comparison) {
+  ReportSection section{.title = "Phases " + comparison.estimate + " against " +
+                                 (comparison.reference == "truth" ? "the truth" : "those measured"),
+                        .key = "phases." + comparison.key,
+                        .is_brief = true};
+  std::vector<PhaseErrors> of_objects;
+  for (const auto& [object, errors] : comparison.objects) of_objects.push_back(errors);
+  const PhaseErrors all = together(of_objects);
+  section.rows.push_back({"boundaries, all", "boundary", "s", statistics(event_errors(all))});
+  for (const PhaseEvent event : kEvents) {
+    const std::vector<double> seconds = event_errors(all, event);
+    if (seconds.empty() && count_missed(all, event) + count_surplus(all, event) == 0) continue;
+    const std::string word(word_of(event));
+    section.rows.push_back(
+        {name_with_counts(all, event), "boundary." + word, "s", statistics(seconds)});
+  }
+  add_phase_values(section.key, all, section);
+  add_confusion_values(section.key, all, section);
+  for (const auto& [object, errors] : comparison.objects) {
+    const std::string key = section.key + ".object." + object;
+    add_phase_values(key, errors, section);
+    const ErrorStatistics figures = statistics(event_errors(errors));
+    section.values.push_back({key + ".boundary.median_s", figures.median});
+    section.values.push_back({key + ".boundary.max_s", figures.max});
+  }
+  section.tables.push_back(confusion_table(comparison));
+  return section;
+}
+
+}  // namespace
+
+std::vector<ErrorRow> phase_rows(const std::vector<PoseError>& errors,
+                                 const PhaseTimeline& timeline) {
+  if (timeline.empty()) return {};
+  return rows_by_phase([&](auto keep) { return errors_in(errors, timeline, keep); });
+}
+
 ReportSection overview_section(const Findings& findings) {
   const RunFindings& run = *findings.run;
   ReportSection section{.title = "The run", .key = "run"};
@@ -58,26 +144,6 @@ ReportSection overview_section(const Findings& findings) {
   return section;
 }
 
-ReportSection pooled_section(const Findings& findings) {
-  ReportSection section{
-      .title = "Position error of the prediction, all objects",
-      .key = "predicted",
-      .rows = rows_by_phase([&](auto keep) { return predicted_errors_in(findings, keep); }),
-      .note = phases_note(*findings.run),
-      .is_brief = true};
-  return section;
-}
-
-void add_force_rows(const std::string& name, const std::string& key, const ForceErrorList& errors,
-                    std::vector<ErrorRow>& rows) {
-  if (errors.difference.empty()) return;
-  rows.push_back({"force, " + name, key + ".absolute", "N", statistics(magnitudes(errors))});
-  if (errors.relative.empty()) return;
-  rows.push_back(
-      {"force, " + name + ", relative", key + ".relative", "", statistics(errors.relative)});
-}
-
-/// An object's way and force over time, and the force's errors.
 ReportSection push_section(const std::string& name, const ComparisonSide& reference,
                            const ComparisonSide& subject, const Findings& findings) {
   ReportSection section{
@@ -108,84 +174,9 @@ ReportSection push_section(const std::string& name, const ComparisonSide& refere
   return section;
 }
 
-/// Figures of how well the events of one comparison were met.
-void add_phase_values(const std::string& key, const PhaseErrors& errors, ReportSection& section) {
-  std::size_t matched = 0;
-  for (const MatchedEvent& event : errors.events) matched += event.estimate ? 1 : 0;
-  section.values.push_back({key + ".boundary.matched", matched});
-  section.values.push_back({key + ".boundary.missed", count_missed(errors)});
-  section.values.push_back({key + ".boundary.surplus", count_surplus(errors)});
-  section.values.push_back({key + ".agreement", agreement(errors, false)});
-  section.values.push_back({key + ".agreement_touched", agreement(errors, true)});
-}
-
-void add_confusion_values(const std::string& key, const PhaseErrors& errors,
-                          ReportSection& section) {
-  for (std::size_t row = 0; row < kPhaseCount; ++row) {
-    for (std::size_t column = 0; column < kPhaseCount; ++column) {
-      section.values.push_back({key + ".confusion." + std::string(word_of(kPhases.at(row))) + "." +
-                                    std::string(word_of(kPhases.at(column))) + "_s",
-                                errors.seconds.at(row).at(column)});
-    }
-  }
-}
-
-std::string counts_text(const PhaseErrors& errors, PhaseEvent event) {
-  return std::to_string(count_missed(errors, event)) + " missed, " +
-         std::to_string(count_surplus(errors, event)) + " surplus";
-}
-
-ReportSection phase_section(const PhaseComparison& comparison) {
-  ReportSection section{.title = "Phases " + comparison.estimate + " against " +
-                                 (comparison.reference == "truth" ? "the truth" : "those measured"),
-                        .key = "phases." + comparison.key,
-                        .is_brief = true};
-  std::vector<PhaseErrors> of_objects;
-  for (const auto& [object, errors] : comparison.objects) of_objects.push_back(errors);
-  const PhaseErrors all = together(of_objects);
-  section.rows.push_back({"boundaries, all", "boundary", "s", statistics(event_errors(all))});
-  for (const PhaseEvent event : kEvents) {
-    const std::vector<double> seconds = event_errors(all, event);
-    if (seconds.empty() && count_missed(all, event) + count_surplus(all, event) == 0) continue;
-    const std::string word(word_of(event));
-    section.rows.push_back({word + " (" + counts_text(all, event) + ")", "boundary." + word, "s",
-                            statistics(seconds)});
-  }
-  add_phase_values(section.key, all, section);
-  add_confusion_values(section.key, all, section);
-  for (const auto& [object, errors] : comparison.objects) {
-    const std::string key = section.key + ".object." + object;
-    add_phase_values(key, errors, section);
-    const ErrorStatistics figures = statistics(event_errors(errors));
-    section.values.push_back({key + ".boundary.median_s", figures.median});
-    section.values.push_back({key + ".boundary.max_s", figures.max});
-  }
-  section.tables.push_back(confusion_table(comparison));
-  return section;
-}
-
-std::set<std::string> object_names(const Findings& findings) {
-  std::set<std::string> names;
-  for (const ObjectFindings& object : findings.objects) names.insert(object.name);
-  for (const auto& [object, forces] : findings.run->forces) names.insert(object);
-  return names;
-}
-
-}  // namespace
-
-std::vector<ErrorRow> phase_rows(const std::vector<PoseError>& errors,
-                                 const PhaseTimeline& timeline) {
-  if (timeline.empty()) return {};
-  return rows_by_phase([&](auto keep) { return errors_in(errors, timeline, keep); });
-}
-
-std::vector<ReportSection> run_sections(const ComparisonSide& reference,
-                                        const ComparisonSide& subject, const Findings& findings) {
+std::vector<ReportSection> closing_sections(const Findings& findings) {
   const RunFindings& run = *findings.run;
-  std::vector<ReportSection> sections = {overview_section(findings)};
-  for (const std::string& name : object_names(findings)) {
-    sections.push_back(push_section(name, reference, subject, findings));
-  }
+  std::vector<ReportSection> sections;
   ReportSection pooled = pooled_section(findings);
   if (!pooled.rows.empty()) sections.push_back(std::move(pooled));
   for (const PhaseComparison& comparison : run.phase_comparisons) {

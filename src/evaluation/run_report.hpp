@@ -6,10 +6,15 @@
 
 namespace pcavr {
 
-/// What a run tells beside trajectories. The sections in the order of the page.
-[[nodiscard]] std::vector<ReportSection> run_sections(const ComparisonSide& reference,
-                                                      const ComparisonSide& subject,
-                                                      const Findings& findings);
+/// Phases over time, time nodes, settings.
+[[nodiscard]] ReportSection overview_section(const Findings& findings);
+
+/// One object's way and force over time, and the force's errors.
+[[nodiscard]] ReportSection push_section(const std::string& name, const ComparisonSide& reference,
+                                         const ComparisonSide& subject, const Findings& findings);
+
+/// All objects' position errors by phase, phases, corrections, parameters, the papers.
+[[nodiscard]] std::vector<ReportSection> closing_sections(const Findings& findings);
 
 /// The figures that say first how good a run is; positions, forces, phases, corrections.
 [[nodiscard]] std::vector<Figure> run_headline(const Findings& findings);

@@ -46,6 +46,7 @@ class Canvas {
     }
     if (plot.from_zero) x_.include(0.0);
     if (plot.from_zero || plot.y_from_zero) y_.include(0.0);
+    if (plot.x_from) x_.low = *plot.x_from;
     if (plot.x_to > 0.0) x_.high = plot.x_to;
     if (plot.y_to > 0.0) y_.high = plot.y_to;
     make_wide(x_);
@@ -130,7 +131,7 @@ std::string format_bands(const Plot& plot, const Canvas& canvas) {
   return svg;
 }
 
-/// Labels stand at the foot of their line; one that would run into the one before stands higher.
+/// Labels stand at the head of their line; one that would run into the one before stands lower.
 std::string format_marks(const Plot& plot, const Canvas& canvas) {
   constexpr double kLabelWidth = 22.0;
   constexpr double kLabelHeight = 14.0;
@@ -144,7 +145,7 @@ std::string format_marks(const Plot& plot, const Canvas& canvas) {
     last = x;
     const double bottom = canvas.height() - kBottom;
     svg += svg_line("mark", x, kTop, x, bottom);
-    svg += svg_text("tick", x + 4.0, bottom - 6.0 - level * kLabelHeight, mark.label);
+    svg += svg_text("tick", x + 4.0, kTop + 13.0 + level * kLabelHeight, mark.label);
   }
   return svg;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,8 @@ struct Plot {
   bool from_zero = false;             ///< both axes
   bool y_from_zero = false;           ///< the y axis
   bool equal_axes = false;            ///< a metre is as long either way: a map
+  /// Where the x axis begins; at the data's smallest where empty.
+  std::optional<double> x_from = {};
   /// Cut the x or y axis at this value; at the data's largest where 0.
   double x_to = 0.0;
   double y_to = 0.0;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "pcavr/core/parallel.hpp"
 #include "pcavr/evaluation/trajectory_errors.hpp"
 #include "pcavr/geometry/mesh.hpp"
 #include "pcavr/geometry/trajectory.hpp"
@@ -30,10 +31,12 @@ struct ObjectErrors {
   ErrorStatistics mssd;
 };
 
-/// Of a trajectory: the reference is interpolated at the estimate's stamps.
+/// Of a trajectory: the reference is interpolated at the estimate's stamps. The same bits for any
+/// Parallelism.
 [[nodiscard]] ObjectErrors object_errors(const TriangleMesh& mesh_object,
                                          const Trajectory& reference, const Trajectory& estimate,
-                                         const TrajectoryErrorOptions& options = {});
+                                         const TrajectoryErrorOptions& options = {},
+                                         Parallelism parallelism = {});
 
 /// What counts as moving: the same hysteresis as that of the phases in `truth/`.
 struct MotionOptions {
@@ -49,6 +52,7 @@ struct MotionOptions {
 [[nodiscard]] std::vector<bool> is_moving(const Trajectory& reference,
                                           const std::vector<Eigen::Vector3f>& vertices_object,
                                           const std::vector<Stamp>& stamps,
-                                          const MotionOptions& options = {});
+                                          const MotionOptions& options = {},
+                                          Parallelism parallelism = {});
 
 }  // namespace pcavr

@@ -1,0 +1,252 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "pcavr/core/output.hpp"
+#include "pcavr/evaluation/evaluate.hpp"
+#include "pcavr/recording/recording.hpp"
+
+#include "run_samples.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace pcavr {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// Positions in text files have seven decimals.
+constexpr double kFileRounding = 2e-7;
+
+/// Where the box of one_push() is: it slides by 50 mm along y from 1.5 to 2 s.
+double true_y(double t) { return 0.05 * std::clamp((t - 1.5) / 0.5, 0.0, 1.0); }
+
+/// 100 poses a second for 4 s, off by `off(t)` along x.
+template <typename Off>
+Trajectory a_box(Off off) {
+  Trajectory box;
+  for (int i = 0; i <= 400; ++i) {
+    const double t = 0.01 * i;
+    box.append(at(t), Pose::from_translation({off(t), true_y(t), 0.0}));
+  }
+  return box;
+}
+
+/// A recording with a truth, and a run of it whose every error is known: what is predicted is 4 mm
+/// off until 1.45 s and 1 mm from then on; it is felt 10 % too strong; phases are measured 10 ms
+/// late and predicted 30 ms late.
+class EvaluateRun : public testing::Test {
+ protected:
+  void SetUp() override {
+    write(truth() / "objects/box.txt", format_trajectory(a_box([](double) { return 0.0; })));
+    write(truth() / "phase.csv",
+          "t,object,phase\n0,box,free\n1.0,box,static\n1.2,box,critical\n1.5,box,sliding\n"
+          "2.0,box,static\n2.5,box,free\n");
+    write(truth() / "parameters.yaml", "box:\n  mass: 3\n  limiting_static_friction: 10\n");
+    write(run() / "run.yaml",
+          "format: pcavr-run/1\nrecording: nowhere\nforward_delay: 0.2\nbackward_delay: 0.2\n"
+          "traffic: {correction_bytes: 200, streaming_bytes: 20000}\n");
+    write(run() / "objects/box/predicted.txt",
+          format_trajectory(a_box([](double t) { return t < 1.445 ? 0.004 : 0.001; })));
+    write(run() / "objects/box/tracked.txt",
+          format_trajectory(a_box([](double) { return 0.0005; })));
+    write(run() / "phases.csv",
+          "t,object,measured,predicted\n0,box,free,free\n1.01,box,static,free\n"
+          "1.03,box,static,static\n1.21,box,critical,static\n1.23,box,critical,critical\n"
+          "1.51,box,sliding,critical\n1.53,box,sliding,sliding\n2.01,box,static,sliding\n"
+          "2.03,box,static,static\n2.51,box,free,static\n2.53,box,free,free\n");
+    write(run() / "force.csv", forces());
+    write(run() / "corrections.csv",
+          "t,object,case,what,bytes\n1.05,box,2,position,120\n1.1,box,1.1,contact "
+          "parameters+lost,80\n");
+    write(run() / "parameters.yaml", "box:\n  mass: 3.3\n  mass_std: 0.1\n");
+    fs::create_directories(report());
+  }
+
+  static std::string forces() {
+    std::string text = "t,object,measured,virtual\n";
+    for (int i = 0; i <= 300; ++i) {
+      const double t = 1.0 + 0.005 * i;
+      const double force = 10.0 * std::min(1.0, (t - 1.0) / 0.2);
+      text += std::to_string(t) + ",box," + std::to_string(force) + ',' +
+              std::to_string(1.1 * force) + '\n';
+    }
+    return text;
+  }
+
+  static void write(const fs::path& file, const std::string& content) {
+    fs::create_directories(file.parent_path());
+    ASSERT_TRUE(write_file(file, content).has_value());
+  }
+
+  [[nodiscard]] Json figures_against(const fs::path& reference) const {
+    const auto json = evaluate({run(), reference}, report(), Parallelism{2});
+    if (json) return Json::parse(*json);
+    ADD_FAILURE() << json.error().to_string();
+    return {};
+  }
+
+  [[nodiscard]] fs::path truth() const { return folder_.path() / "recording/truth"; }
+  [[nodiscard]] fs::path run() const { return folder_.path() / "run"; }
+  [[nodiscard]] fs::path report() const { return folder_.path() / "report"; }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(EvaluateRun, SplitsPositionErrorsByPhase) {
+  const Json figures = figures_against(truth());
+  const std::string key = "object.box.predicted.";
+  EXPECT_NEAR(figures[key + "phase.static.translation.median_m"], 0.001, kFileRounding);
+  EXPECT_NEAR(figures[key + "phase.static.translation.max_m"], 0.004, kFileRounding);
+  EXPECT_NEAR(figures[key + "phase.critical.translation.median_m"], 0.004, kFileRounding);
+  EXPECT_NEAR(figures[key + "phase.sliding.translation.rmse_m"], 0.001, kFileRounding);
+  EXPECT_NEAR(figures[key + "moving.translation.median_m"], 0.001, kFileRounding);
+  EXPECT_EQ(figures[key + "touched.translation.count"], 150);
+  EXPECT_EQ(figures[key + "touched.rotation.max_rad"], 0.0);
+  // 45 of the 150 poses are 4 mm off.
+  EXPECT_NEAR(figures["predicted.touched.translation.p95_m"], 0.004, kFileRounding);
+  EXPECT_NEAR(figures["predicted.touched.translation.mean_m"], (45 * 0.004 + 105 * 0.001) / 150,
+              kFileRounding);
+  EXPECT_NEAR(figures["object.box.tracked.phase.sliding.translation.median_m"], 0.0005,
+              kFileRounding);
+}
+
+TEST_F(EvaluateRun, ComparesForcesPhasesAndNodes) {
+  const Json figures = figures_against(truth());
+  EXPECT_NEAR(figures["force.box.sliding.relative.median"], 0.1, 1e-6);
+  EXPECT_NEAR(figures["force.box.sliding.absolute.rmse_N"], 1.0, 1e-6);
+  EXPECT_NEAR(figures["force.box.in_contact.relative.max"], 0.1, 1e-6);
+  EXPECT_NEAR(figures["phases.measured.boundary.median_s"], 0.01, 1e-9);
+  EXPECT_NEAR(figures["phases.predicted.boundary.p95_s"], 0.03, 1e-9);
+  EXPECT_NEAR(figures["phases.predicted_to_measured.boundary.max_s"], 0.02, 1e-9);
+  EXPECT_EQ(figures["phases.predicted.boundary.missed"], 0);
+  EXPECT_EQ(figures["phases.measured.boundary.surplus"], 0);
+  EXPECT_NEAR(figures["phases.measured.agreement"], 1.0 - 0.05 / 4.0, 1e-9);
+  EXPECT_NEAR(figures["phases.measured.confusion.sliding.critical_s"], 0.01, 1e-9);
+  EXPECT_EQ(figures["nodes.t3.event"], "sliding");
+  EXPECT_NEAR(figures["nodes.t3.truth_s"], 1.5, 1e-9);
+  EXPECT_NEAR(figures["nodes.t3.predicted_s"], 1.53, 1e-9);
+  EXPECT_FALSE(figures.contains("nodes.t6.event"));
+}
+
+TEST_F(EvaluateRun, CountsCorrectionsAndWhatTheyDid) {
+  const Json figures = figures_against(truth());
+  EXPECT_EQ(figures["corrections.count"], 2);
+  EXPECT_EQ(figures["corrections.lost"], 1);
+  EXPECT_EQ(figures["corrections.bytes"], 200);
+  EXPECT_NEAR(figures["corrections.share_of_streaming"], 0.01, 1e-12);
+  EXPECT_EQ(figures["corrections.bytes_saved"], 19800.0);
+  EXPECT_EQ(figures["corrections.case.1.1"], 1);
+  EXPECT_EQ(figures["corrections.what.position"], 1);
+  // Good from 1.45 s on; the one that spoke of 1.05 s arrived at that instant.
+  EXPECT_NEAR(figures["corrections.recovery.median_s"], 0.4, 1e-9);
+  EXPECT_EQ(figures["corrections.object.box.until_good.count"], 1);
+  EXPECT_EQ(figures["corrections.object.box.until_settled.count"], 0);
+}
+
+TEST_F(EvaluateRun, ComparesParameters) {
+  const Json figures = figures_against(truth());
+  EXPECT_NEAR(figures["parameters.box.mass.error_relative"], 0.1, 1e-12);
+  EXPECT_NEAR(figures["parameters.box.mass.error_in_std"], 3.0, 1e-9);
+  EXPECT_EQ(figures["parameters.box.limiting_static_friction.truth"], 10.0);
+  EXPECT_FALSE(figures.contains("parameters.box.limiting_static_friction.value"));
+
+  const auto alone = evaluate({run() / "parameters.yaml", truth()}, report(), Parallelism{1});
+  ASSERT_TRUE(alone.has_value()) << alone.error().to_string();
+  const Json file = Json::parse(*alone);
+  EXPECT_EQ(file["subject_kind"], "parameter file");
+  EXPECT_NEAR(file["parameters.box.mass.error_relative"], 0.1, 1e-12);
+  const auto nothing = evaluate({run() / "parameters.yaml"}, report(), Parallelism{1});
+  ASSERT_FALSE(nothing.has_value());
+  EXPECT_NE(nothing.error().mend.find("--truth"), std::string::npos);
+}
+
+TEST_F(EvaluateRun, WithoutTruthHoldsThePredictionAgainstTheTracking) {
+  const Json figures = figures_against({});
+  EXPECT_EQ(figures["reference_kind"], "tracking");
+  EXPECT_NEAR(figures["object.box.predicted.phase.sliding.translation.median_m"], 0.0005,
+              kFileRounding);
+  EXPECT_FALSE(figures.contains("object.box.tracked.absolute.translation.max_m"));
+  EXPECT_FALSE(figures.contains("phases.measured.boundary.median_s"));
+  EXPECT_NEAR(figures["phases.predicted_to_measured.boundary.median_s"], 0.02, 1e-9);
+  EXPECT_NEAR(figures["nodes.t1.measured_s"], 1.01, 1e-9);
+  EXPECT_FALSE(figures.contains("nodes.t1.truth_s"));
+  EXPECT_EQ(figures["parameters.box.mass.value"], 3.3);
+  EXPECT_FALSE(figures.contains("parameters.box.mass.error_relative"));
+}
+
+TEST_F(EvaluateRun, BearsAnObjectThatIsNeverTouchedAndNoCorrections) {
+  write(truth() / "phase.csv", "t,object,phase\n0,box,free\n");
+  write(run() / "phases.csv", "t,object,measured,predicted\n0,box,free,free\n");
+  write(run() / "corrections.csv", "t,object,case,what,bytes\n");
+  fs::remove(run() / "force.csv");
+  const Json figures = figures_against(truth());
+  EXPECT_EQ(figures["corrections.count"], 0);
+  EXPECT_EQ(figures["phases.measured.agreement"], 1.0);
+  EXPECT_EQ(figures["phases.measured.boundary.count"], 0);
+  EXPECT_FALSE(figures.contains("object.box.predicted.touched.translation.max_m"));
+  EXPECT_FALSE(figures.contains("nodes.t1.event"));
+  EXPECT_EQ((*read_file(report() / "report.html")).find("nan"), std::string::npos);
+}
+
+TEST_F(EvaluateRun, BearsATruthThatLacksAnObject) {
+  write(run() / "objects/ball/predicted.txt", format_trajectory(a_box([](double) { return 0.0; })));
+  write(run() / "phases.csv",
+        "t,object,measured,predicted\n0,ball,free,free\n0,box,free,free\n1,ball,static,static\n");
+  write(run() / "force.csv", "t,object,measured,virtual\n1,ball,5,6\n");
+  const Json figures = figures_against(truth());
+  EXPECT_FALSE(figures.contains("object.ball.predicted.absolute.translation.max_m"));
+  EXPECT_NEAR(figures["force.ball.all.relative.median"], 0.2, 1e-12);
+  EXPECT_EQ(figures["phases.measured.object.box.boundary.missed"], 5);
+}
+
+TEST_F(EvaluateRun, GivesItsFiguresWithoutWritingThem) {
+  const auto figures = evaluation_figures({run(), truth()}, Parallelism{1});
+  ASSERT_TRUE(figures.has_value());
+  EXPECT_TRUE(fs::is_empty(report()));
+  EXPECT_EQ(*evaluate({run(), truth()}, report(), Parallelism{4}), *figures);
+}
+
+TEST_F(EvaluateRun, DrawsAPageWithoutForeignParts) {
+  (void)figures_against(truth());
+  const std::string page = *read_file(report() / "report.html");
+  for (const char* expected : {"Phases over time", "t3", "correction arrives", "correction lost",
+                               "Beside the papers", "1.85 ± 0.85 %"}) {
+    EXPECT_NE(page.find(expected), std::string::npos) << expected;
+  }
+  for (const char* foreign : {"http:", "https:", "src=", "href=", "@import", "url(", "nan"}) {
+    EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
+  }
+}
+
+TEST_F(EvaluateRun, IsTheSameBytesForAnyNumberOfThreads) {
+  (void)figures_against(truth());
+  const std::string page = *read_file(report() / "report.html");
+  for (const int threads : {1, 4}) {
+    ASSERT_TRUE(evaluate({run(), truth()}, report(), Parallelism{threads}).has_value());
+    EXPECT_EQ(*read_file(report() / "report.html"), page);
+  }
+}
+
+TEST_F(EvaluateRun, NamesTheLineOfABadFile) {
+  write(run() / "force.csv", "t,object,measured,virtual\n1,box,5,soft\n");
+  const auto result = evaluate({run(), truth()}, report(), Parallelism{1});
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().line, 2);
+  EXPECT_EQ(result.error().file, (run() / "force.csv").string());
+}
+
+TEST_F(EvaluateRun, WithoutTruthNeedsAPrediction) {
+  fs::remove(run() / "objects/box/predicted.txt");
+  const auto result = evaluate({run()}, report(), Parallelism{1});
+  ASSERT_FALSE(result.has_value());
+  EXPECT_NE(result.error().mend.find("--truth"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pcavr

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "evaluation/parameter_errors.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+namespace pcavr {
+namespace {
+
+constexpr double kRounding = 1e-12;
+
+ParameterError find(const std::vector<ParameterError>& errors, const std::string& name) {
+  const auto found = std::find_if(errors.begin(), errors.end(),
+                                  [&](const ParameterError& error) { return error.name == name; });
+  return found == errors.end() ? ParameterError() : *found;
+}
+
+ObjectParameters a_true_box() {
+  ObjectParameters box;
+  box.mass = ParameterValue{3.0};
+  box.limiting_static_friction = ParameterValue{8.0};
+  box.contact_stiffness = ParameterValue{1000.0};
+  box.contact_exponent = ParameterValue{1.5};
+  return box;
+}
+
+TEST(ParameterErrors, AreRelativeAndInDeviations) {
+  ObjectParameters estimate;
+  estimate.mass = ParameterValue{3.3, 0.1};
+  const ParameterError mass =
+      find(parameter_errors({{"box", a_true_box()}}, {{"box", estimate}}), "mass");
+  EXPECT_EQ(mass.unit, "kg");
+  EXPECT_EQ(mass.truth, 3.0);
+  ASSERT_TRUE(mass.relative.has_value() && mass.deviations.has_value());
+  EXPECT_NEAR(*mass.relative, 0.1, kRounding);
+  EXPECT_NEAR(*mass.deviations, 3.0, kRounding);
+}
+
+TEST(ParameterErrors, NameWhatIsNotKnown) {
+  const auto errors = parameter_errors({{"box", a_true_box()}}, {{"box", ObjectParameters()}});
+  const ParameterError mass = find(errors, "mass");
+  EXPECT_FALSE(mass.estimate.has_value());
+  EXPECT_EQ(mass.truth, 3.0);
+  EXPECT_FALSE(mass.relative.has_value());
+  EXPECT_TRUE(find(errors, "viscous_friction").name.empty());  // neither knows it
+}
+
+TEST(ParameterErrors, DoNotCompareStiffnessesOfDifferentExponents) {
+  // At the depth where the true contact bears 8 N, (8 / 1000)^(2/3) = 0.04 m, 220 N/m give 8.8 N.
+  ObjectParameters estimate;
+  estimate.contact_stiffness = ParameterValue{220.0, 2.0};
+  estimate.contact_exponent = ParameterValue{1.0};
+  const auto errors = parameter_errors({{"box", a_true_box()}}, {{"box", estimate}});
+  EXPECT_FALSE(find(errors, "contact.stiffness").relative.has_value());
+  const ParameterError force = find(errors, "contact.force");
+  ASSERT_TRUE(force.relative.has_value());
+  EXPECT_NEAR(force.estimate->value, 8.8, 1e-9);
+  EXPECT_NEAR(*force.relative, 0.1, 1e-9);
+
+  estimate.contact_exponent = ParameterValue{1.5};
+  estimate.contact_stiffness = ParameterValue{900.0};
+  const auto same = parameter_errors({{"box", a_true_box()}}, {{"box", estimate}});
+  EXPECT_NEAR(*find(same, "contact.stiffness").relative, -0.1, kRounding);
+}
+
+TEST(ParameterErrors, OfAnObjectThatTheTruthLacksAreItsValues) {
+  ObjectParameters estimate;
+  estimate.mass = ParameterValue{3.3, 0.1};
+  const auto errors = parameter_errors({{"box", a_true_box()}}, {{"ball", estimate}});
+  ASSERT_EQ(errors.size(), 1U);
+  EXPECT_EQ(errors[0].object, "ball");
+  EXPECT_EQ(errors[0].estimate->value, 3.3);
+  EXPECT_FALSE(errors[0].truth.has_value());
+  EXPECT_TRUE(parameter_errors({{"box", a_true_box()}}, {}).empty());
+}
+
+TEST(ParameterErrors, HaveNoRelativePartOfATrueZero) {
+  ObjectParameters truth;
+  truth.viscous_friction = ParameterValue{0.0};
+  ObjectParameters estimate;
+  estimate.viscous_friction = ParameterValue{0.5, 0.25};
+  const ParameterError error =
+      find(parameter_errors({{"box", truth}}, {{"box", estimate}}), "viscous_friction");
+  EXPECT_FALSE(error.relative.has_value());
+  EXPECT_EQ(error.deviations, 2.0);
+}
+
+}  // namespace
+}  // namespace pcavr

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "evaluation/correction_figures.hpp"
+#include "evaluation/phase_timeline.hpp"
+
+namespace pcavr {
+
+inline Stamp at(double seconds) { return Stamp::from_seconds(seconds); }
+
+inline PhaseTimeline timeline(const std::vector<std::pair<double, Phase>>& changes) {
+  PhaseTimeline result;
+  for (const auto& [seconds, phase] : changes) result.push_back({at(seconds), phase});
+  return result;
+}
+
+/// Contact at 1 s, critical at 1.2 s, sliding from 1.5 to 2 s, left at 2.5 s; `late` shifts all but
+/// the beginning.
+inline PhaseTimeline one_push(double late = 0.0) {
+  return timeline({{0.0, Phase::free},
+                   {1.0 + late, Phase::held},
+                   {1.2 + late, Phase::critical},
+                   {1.5 + late, Phase::sliding},
+                   {2.0 + late, Phase::held},
+                   {2.5 + late, Phase::free}});
+}
+
+/// A position error for each tenth of a second from 0 on.
+inline std::vector<PoseError> errors_every_tenth(const std::vector<double>& metres) {
+  std::vector<PoseError> errors;
+  for (std::size_t i = 0; i < metres.size(); ++i) {
+    errors.push_back({at(0.1 * static_cast<double>(i)), metres[i], 0.0});
+  }
+  return errors;
+}
+
+}  // namespace pcavr
