@@ -32,7 +32,7 @@ struct ContactFitOptions {
 struct ContactFit {
   ContactRegressor regressor = ContactRegressor::mass_damper_spring;
   bool is_valid = false;          ///< enough samples, and the stiffness came out positive
-  IdentifiedParameter mass;       ///< m [kg]; mass_damper_spring only
+  IdentifiedParameter mass;       ///< m [kg]; mass_damper_spring only, left out where not told
   IdentifiedParameter damping;    ///< b [N s/m] or lambda [N s/m^(n+1)]
   IdentifiedParameter stiffness;  ///< k [N/m^n]
   IdentifiedParameter exponent;   ///< n; 1 for mass_damper_spring

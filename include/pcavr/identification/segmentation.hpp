@@ -28,8 +28,8 @@ struct SlideInterval {
 /// One contact, from first touch to parting; its series are on the force's stamps.
 struct ContactEpisode {
   ContactKind kind = ContactKind::push;
-  double begin = 0.0;                                        ///< [s]
-  double end = 0.0;                                          ///< [s]
+  double begin = 0.0;                                        ///< [s] carried back to the surface
+  double end = 0.0;                                          ///< [s] likewise
   Eigen::Vector3d direction_base = Eigen::Vector3d::Zero();  ///< unit, of the mean force
   double peak_force = 0.0;                                   ///< [N] smoothed
   Breakaway breakaway;                                       ///< pushes and slides only
