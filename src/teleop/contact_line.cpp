@@ -55,4 +55,9 @@ double ContactLine::depth(double force) const {
   return fit(law).slope * std::pow(std::max(force, 0.0), 1.0 / kExponents[law]);
 }
 
+double ContactLine::force(double depth) const {
+  const std::size_t law = best();
+  return std::pow(std::max(depth, 0.0) / fit(law).slope, kExponents[law]);
+}
+
 }  // namespace pcavr

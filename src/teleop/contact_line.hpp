@@ -19,7 +19,9 @@ class ContactLine {
   /// Its slope is known to 5 %: before, it predicts nothing.
   [[nodiscard]] bool is_ready() const { return is_ready_; }
   [[nodiscard]] double surface() const;            ///< the tip's coordinate at first touch [m]
-  [[nodiscard]] double depth(double force) const;  ///< [m]
+  [[nodiscard]] double depth(double force) const;  ///< under a resting force [m]
+  /// Inverse of depth(): the resting force [N].
+  [[nodiscard]] double force(double depth) const;
 
  private:
   static constexpr std::array<double, 2> kExponents{1.0, 1.5};

@@ -15,6 +15,9 @@ constexpr double kPhaseStands = 0.060;
 constexpr double kForceStands = 0.040;
 // Two frames of an ordinary camera [s].
 constexpr double kGapStands = 0.030;
+// A predicted phase may flicker; a difference stands through lapses this short [s].
+constexpr double kLapse = 0.020;
+constexpr double kAskAgain = 0.1;  // [s]
 constexpr double kMargin = 0.060;  // [s] after a round trip
 constexpr double kGrown = 2.0;
 constexpr double kMostPatience = 3.0;
@@ -55,29 +58,27 @@ std::optional<CorrectionSwitch::Finding> CorrectionSwitch::find(const SiteCompar
 std::optional<CorrectionCase> CorrectionSwitch::judge(const SiteComparison& seen, double traffic) {
   const double factor = std::clamp(traffic, 1.0, kMostPatience);
   const std::optional<Finding> finding = find(seen, factor);
-  if (!finding) {
-    // A gap is known at frames only: between them its case neither stands nor falls.
-    if (seen.position_gap || !standing_) standing_.reset();
+  if (!finding) return std::nullopt;
+  Matter& matter = matters_[static_cast<std::size_t>(finding->which)];
+  if (seen.t - matter.last > kLapse) matter.since = seen.t;
+  matter.last = seen.t;
+  matter.size = finding->size;
+  if (seen.t - matter.since < finding->persistence || seen.t < matter.silent_until)
     return std::nullopt;
-  }
-  if (standing_ != finding->which) {
-    standing_ = finding->which;
-    standing_since_ = seen.t;
-  }
-  standing_size_ = finding->size;
-  if (seen.t - standing_since_ < finding->persistence || seen.t < silent_until_) {
-    return std::nullopt;
-  }
-  const bool is_on_its_way = on_its_way_ == finding->which && seen.t < on_its_way_until_;
-  if (is_on_its_way && finding->size < kGrown * size_on_its_way_) return std::nullopt;
+  const bool is_on_its_way = seen.t < matter.on_its_way_until;
+  if (is_on_its_way && matter.size < kGrown * matter.size_sent) return std::nullopt;
   return finding->which;
 }
 
+void CorrectionSwitch::note_silent(CorrectionCase which, double t) {
+  matters_[static_cast<std::size_t>(which)].silent_until = t + kAskAgain;
+}
+
 void CorrectionSwitch::note_sent(CorrectionCase which, double t_sent) {
-  on_its_way_ = which;
-  on_its_way_until_ = t_sent + options_.round_trip + kMargin;
-  size_on_its_way_ = std::max(standing_size_, 1.0);
-  standing_.reset();
+  Matter& matter = matters_[static_cast<std::size_t>(which)];
+  matter.on_its_way_until = t_sent + options_.round_trip + kMargin;
+  matter.size_sent = std::max(matter.size, 1.0);
+  matter.last = -1e300;
 }
 
 }  // namespace pcavr

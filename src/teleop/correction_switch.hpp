@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 
@@ -43,8 +44,8 @@ class CorrectionSwitch {
   [[nodiscard]] std::optional<CorrectionCase> judge(const SiteComparison& seen, double traffic);
   /// A correction of that case left at `t_sent` [s].
   void note_sent(CorrectionCase which, double t_sent);
-  /// Nothing new was there to say: asks again a round trip later.
-  void note_silent(double t) { silent_until_ = t + options_.round_trip; }
+  /// Nothing new was there to say of that case: it is asked for again a tenth of a second later.
+  void note_silent(CorrectionCase which, double t);
 
  private:
   struct Finding {
@@ -54,14 +55,18 @@ class CorrectionSwitch {
   };
   [[nodiscard]] std::optional<Finding> find(const SiteComparison& seen, double factor) const;
 
+  /// One case: since when it has stood, with lapses shorter than a flicker; and what was sent.
+  struct Matter {
+    double since = 0.0;
+    double last = -1e300;
+    double size = 0.0;
+    double on_its_way_until = -1e300;
+    double silent_until = -1e300;
+    double size_sent = 0.0;
+  };
+
   SwitchOptions options_;
-  std::optional<CorrectionCase> standing_ = {};
-  double standing_since_ = 0.0;
-  double standing_size_ = 0.0;
-  std::optional<CorrectionCase> on_its_way_ = {};
-  double on_its_way_until_ = 0.0;
-  double size_on_its_way_ = 0.0;
-  double silent_until_ = -1e300;
+  std::array<Matter, 5> matters_{};
 };
 
 }  // namespace pcavr

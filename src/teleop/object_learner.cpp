@@ -184,7 +184,8 @@ void ObjectLearner::learn_breakaway() {
   const double spread = limit.pushes > 1 ? std::max(limit.deviation, noise)
                                          : std::max(noise, kOneBreakaway * limit.mean);
   accept(&ObjectParameters::limiting_static_friction, {limit.mean, spread});
-  known_.loading_rate = ParameterValue{limit.loading_rate, limit.loading_rate_deviation};
+  known_.loading_rate = ParameterValue{limit.loading_rate};
+  if (limit.pushes > 1) known_.loading_rate->deviation = limit.loading_rate_deviation;
 }
 
 void ObjectLearner::learn_sliding() {

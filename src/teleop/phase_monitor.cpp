@@ -17,6 +17,8 @@ constexpr double kLeaveTime = 0.008;
 constexpr double kGuard = 0.080;
 // By then the line's beginning is known well enough to say when the tip touched [s].
 constexpr double kStampAfter = 0.150;
+// Over which the tip's speed is taken where damping is looked at [s].
+constexpr double kRateWindow = 0.012;
 // Shortest and longest stretch over which the object's speed is measured [s].
 constexpr double kShortWindow = 0.060;
 constexpr double kLongWindow = 0.120;
@@ -53,7 +55,7 @@ std::optional<double> PhaseMonitor::way_at(double t) const {
 }
 
 void PhaseMonitor::step(const MonitorSample& sample,
-                        const std::optional<ParameterValue>& limiting_friction) {
+                        const std::optional<ParameterValue>& limiting_friction, double damping) {
   const double size = sample.force_base.norm();
   if (!is_touched_) {
     const bool is_above = sample.is_within_reach && size > options_.enter_force;
@@ -67,9 +69,38 @@ void PhaseMonitor::step(const MonitorSample& sample,
     end_contact();
     return;
   }
-  follow({sample.t, sample.p_base_tip.dot(direction_base_), sample.force_base.dot(direction_base_),
+  const double tip = sample.p_base_tip.dot(direction_base_);
+  const double force = sample.force_base.dot(direction_base_);
+  follow({sample.t, tip, without_damping(sample.t, tip, force, damping),
           sample.force_base.head<2>().norm()},
          limiting_friction);
+}
+
+double PhaseMonitor::without_damping(double t, double tip, double force, double damping) const {
+  if (damping <= 0.0 || force <= 0.0 || contact_.empty()) return force;
+  if (!line_.is_ready()) {
+    // The object stands, as far as is known: the depth grows as the tip goes.
+    const Point& past = contact_[first_after(t - kRateWindow)];
+    const double rate = t > past.t ? (tip - past.tip) / (t - past.t) : 0.0;
+    return force / std::max(1.0 + damping * rate, 0.5);
+  }
+  // Implicit in the depth d: line(d) (1 + damping (d - before) / dt) = force; the left side grows
+  // with d, and d lies between the depth before and the one that the whole force would hold.
+  const double before = line_.depth(contact_.back().force);
+  const double per_step = damping / std::max(t - contact_.back().t, 1e-6);
+  double low = std::min(before, line_.depth(force));
+  double high = std::max(before, line_.depth(force));
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (low + high);
+    const bool is_above =
+        line_.force(middle) * std::max(1.0 + per_step * (middle - before), 0.0) > force;
+    (is_above ? high : low) = middle;
+  }
+  return line_.force(0.5 * (low + high));
+}
+
+double PhaseMonitor::resting_force() const {
+  return contact_.empty() ? 0.0 : contact_.back().force;
 }
 
 void PhaseMonitor::begin_contact(const MonitorSample& sample) {
@@ -246,12 +277,15 @@ void PhaseMonitor::stamp_slide() {
 void PhaseMonitor::stamp_critical(double t_onset) {
   double peak = 0.0;
   const std::size_t from = first_after(rest_since_);
-  for (std::size_t i = from; i < contact_.size(); ++i) {
+  // Not beyond the onset: what accelerates the object is no friction.
+  for (std::size_t i = from; i < contact_.size() && contact_[i].t <= t_onset; ++i) {
     peak = std::max(peak, contact_[i].friction);
   }
   // A known limit that the push bears out has already told it.
-  if (limit_ && std::abs(peak - limit_->value) <
-                    std::max(3.0 * limit_->deviation.value_or(0.0), 0.05 * limit_->value)) {
+  const bool was_told = changes_[changes_.size() - 2].phase == MotionPhase::critical;
+  if (was_told && limit_ &&
+      std::abs(peak - limit_->value) <
+          std::max(3.0 * limit_->deviation.value_or(0.0), 0.05 * limit_->value)) {
     return;
   }
   double t_critical = t_onset;

@@ -46,7 +46,10 @@ class PhaseMonitor {
  public:
   PhaseMonitor(double t_start, const MonitorOptions& options);
 
-  void step(const MonitorSample& sample, const std::optional<ParameterValue>& limiting_friction);
+  /// `damping`: what the contact's damping is over its stiffness, chi in k d^n (1 + chi d') [s/m];
+  /// 0 where it is not known.
+  void step(const MonitorSample& sample, const std::optional<ParameterValue>& limiting_friction,
+            double damping);
   /// What the camera alone shows of an object that no force speaks of.
   void see(double t, bool is_moving, bool is_near);
 
@@ -57,6 +60,8 @@ class PhaseMonitor {
   [[nodiscard]] bool is_press() const { return is_press_; }
   /// Of the object along the push [m/s]; 0 unless it slides.
   [[nodiscard]] double speed() const { return speed_; }
+  /// The force along the push less what damping adds [N]: what tells the depth.
+  [[nodiscard]] double resting_force() const;
   /// How far the object has gone in this contact [m], on the line as it is known now. Nothing
   /// before the line is, and for times outside the contact.
   [[nodiscard]] std::optional<double> way_at(double t) const;
@@ -65,9 +70,13 @@ class PhaseMonitor {
 
  private:
   struct Point {
-    double t = 0.0, tip = 0.0, force = 0.0, friction = 0.0;
+    double t = 0.0;
+    double tip = 0.0;       ///< [m]
+    double force = 0.0;     ///< less damping [N]
+    double friction = 0.0;  ///< what the support bears [N]
   };
   void begin_contact(const MonitorSample& sample);
+  [[nodiscard]] double without_damping(double t, double tip, double force, double damping) const;
   void end_contact();
   void stamp_contact();
   void follow(const Point& point, const std::optional<ParameterValue>& limiting_friction);

@@ -100,7 +100,7 @@ KnownPlace RobotObject::place_at(const TouchSample& sample) {
   place.is_current = !is_moving || is_carried;
 
   const ObjectParameters& law = learner.known();
-  const double force = sample.force_base.dot(monitor.direction_base());
+  const double force = monitor.resting_force();
   if (is_carried && law.contact_stiffness && force > kLeastForce) {
     const double stiffness = law.contact_stiffness->value;
     const double exponent = law.contact_exponent ? law.contact_exponent->value : 1.0;

@@ -51,6 +51,14 @@ std::string at_time(double t) {
   return text;
 }
 
+/// Damping over stiffness [s/m]; of a linear law, at the depth of a millimetre.
+double relative_damping(const ObjectParameters& known) {
+  if (!known.contact_stiffness || !known.contact_damping) return 0.0;
+  const double ratio = known.contact_damping->value / known.contact_stiffness->value;
+  const bool is_linear = !known.contact_exponent || known.contact_exponent->value == 1.0;
+  return is_linear ? ratio / 1e-3 : ratio;
+}
+
 MonitorOptions monitor_options(const TipMotion& tip, const ForceSignal& force) {
   MonitorOptions options;
   options.tip_noise = std::max(tip.noise, 1e-6);
@@ -194,7 +202,7 @@ void RobotSite::take_sample(std::size_t index, const PredictionLog& log) {
     const bool was_touched = object.monitor.is_touched();
     object.monitor.step(
         {sample.t, sample.p_base_tip, sample.force_base, reaches[i].direction_base, touched == i},
-        object.learner.known().limiting_static_friction);
+        object.learner.known().limiting_static_friction, relative_damping(object.learner.known()));
     if (touched != i) object.monitor.see(sample.t, object.is_seen_moving(), false);
     plan_learning(object, before, was_touched, sample.t);
   }
@@ -314,7 +322,7 @@ void RobotSite::judge(std::size_t index, const TouchSample& sample, const Predic
   std::optional<CorrectionMessage> message =
       compose(index, *which, sample, place, gap, seen.operator_slides);
   if (!message) {
-    object.gate.note_silent(sample.t);
+    object.gate.note_silent(*which, sample.t);
     return;
   }
   object.gate.note_sent(*which, now_);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "teleop/told_parameters.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 
@@ -11,6 +12,9 @@ namespace {
 constexpr double kWorthTelling = 0.03;
 // Numbers of a group that is told stay out where they are as they were.
 constexpr double kSame = 1e-3;
+
+constexpr double kLeastForce = 1.0;  // [N] below which no contact matters
+constexpr double kRate = 0.02;       // [m/s] at which damping is compared
 
 using Field = std::optional<ParameterValue> ObjectParameters::*;
 constexpr std::initializer_list<Field> kContactFields{&ObjectParameters::contact_stiffness,
@@ -31,15 +35,35 @@ bool differs(const ObjectParameters& now, const ObjectParameters& told, Field fi
   return std::abs((now.*field)->value - (told.*field)->value) > share * scale;
 }
 
-bool collect(const ObjectParameters& now, const ObjectParameters& told,
-             std::initializer_list<Field> fields, ObjectParameters& news) {
-  bool is_news = false;
-  for (const Field field : fields) is_news = is_news || differs(now, told, field, kWorthTelling);
-  if (!is_news) return false;
+/// Numbers that are not the same, to be told.
+ObjectParameters changed(const ObjectParameters& now, const ObjectParameters& told,
+                         std::initializer_list<Field> fields) {
+  ObjectParameters news;
   for (const Field field : fields) {
     if (differs(now, told, field, kSame)) news.*field = now.*field;
   }
-  return true;
+  return news;
+}
+
+double force_at(const ObjectParameters& law, double depth, double rate) {
+  const double exponent = law.contact_exponent->value;
+  const double power = std::pow(depth, exponent);
+  const double drag = law.contact_damping->value * (exponent == 1.0 ? 1.0 : power);
+  return law.contact_stiffness->value * power + drag * rate;
+}
+
+/// Stiffness and exponent are bound to each other: what counts is the force.
+bool feels_different(const ObjectParameters& now, const ObjectParameters& told) {
+  const double most = std::max(now.limiting_static_friction->value, kLeastForce);
+  for (const double share : {0.3, 1.0}) {
+    const double depth =
+        std::pow(share * most / now.contact_stiffness->value, 1.0 / now.contact_exponent->value);
+    for (const double rate : {0.0, kRate}) {
+      const double force = force_at(now, depth, rate);
+      if (std::abs(force_at(told, depth, rate) - force) > kWorthTelling * force) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace
@@ -64,8 +88,12 @@ ObjectParameters told_parameters(const BodyPhysics& physics, double gravity) {
 
 ParameterDifference difference(const ObjectParameters& now, const ObjectParameters& told) {
   ParameterDifference result;
-  result.has_contact = collect(now, told, kContactFields, result.contact);
-  result.has_friction = collect(now, told, kFrictionFields, result.friction);
+  result.has_contact = feels_different(now, told);
+  if (result.has_contact) result.contact = changed(now, told, kContactFields);
+  for (const Field field : kFrictionFields) {
+    result.has_friction = result.has_friction || differs(now, told, field, kWorthTelling);
+  }
+  if (result.has_friction) result.friction = changed(now, told, kFrictionFields);
   if (now.limit_surface && !told.limit_surface) {
     result.friction.limit_surface = now.limit_surface;
     result.has_friction = true;

@@ -12,14 +12,16 @@ namespace pcavr {
 [[nodiscard]] ObjectParameters told_parameters(const BodyPhysics& physics,
                                                double gravity = 9.80665);
 
-/// What of `now` another site does not have yet; groups are left out whole where no number of them
-/// is off by more than 3 %, which no hand feels and no eye sees.
+/// What of `now` another site does not have yet; groups are left out whole where they make no
+/// difference of 3 % in what they are for: friction's numbers, and the force at the depths that the
+/// object's friction lets the tip reach. No hand feels less, and no eye sees it.
 struct ParameterDifference {
   ObjectParameters contact;   ///< stiffness, damping, exponent
   ObjectParameters friction;  ///< all the others
   bool has_contact = false;
   bool has_friction = false;
 };
+/// Both complete, as told_parameters makes them.
 [[nodiscard]] ParameterDifference difference(const ObjectParameters& now,
                                              const ObjectParameters& told);
 
