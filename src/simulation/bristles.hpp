@@ -22,7 +22,7 @@ struct BristleLaw {
 };
 
 /// Below this share of what they can bear, bristles don't slip.
-inline constexpr double kElasticShare = 0.9;
+inline constexpr double kElasticShare = 0.97;
 
 /// Bristles damp only slow motion [m/s]; a damping that stayed would add to the viscous friction
 /// whenever the load changes.

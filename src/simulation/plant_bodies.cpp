@@ -39,7 +39,7 @@ PlantParameters drawn_parameters(Random& random) {
                                       drawn_between(0.0002, 0.002, random), p.contact_exponent);
   p.contact_damping = drawn_between(0.5, 6.0, random) * p.contact_stiffness;
   p.tool_friction_coefficient = random.uniform(0.15, 0.5);
-  p.stribeck_speed = drawn_between(0.0005, 0.004, random);
+  p.stribeck_speed = drawn_between(0.0005, 0.002, random);
   p.bristle_reach = drawn_between(4e-6, 1.5e-5, random);
   return p;
 }
@@ -64,6 +64,11 @@ void make_uneven(std::vector<PlantPatch>& patches, double unevenness, const Eige
     const Eigen::Vector2d slope = (centre - mean).cwiseQuotient(square);
     for (PlantPatch& patch : patches) patch.share *= 1.0 + slope.dot(patch.p_body - mean);
   }
+}
+
+Eigen::Vector2d drawn_centre(Random& random) {
+  const double x = random.uniform(-kLargestOffCentre, kLargestOffCentre);
+  return {x, random.uniform(-kLargestOffCentre, kLargestOffCentre)};
 }
 
 Pose standing(double x, double y, double half_height, double yaw) {
@@ -109,25 +114,27 @@ std::vector<PlantBody> drawn_boxes(std::uint64_t seed) {
 std::vector<PlantBody> paper_boxes(std::uint64_t seed) {
   const Eigen::Vector3d half(0.0875, 0.0875, 0.0625);
   std::vector<PlantBody> bodies{box("fp_box", half), box("r_box", half)};
-  // Mass and limiting friction are the paper's; it names no others. Foam gives by some 0.6 mm
-  // before the box goes, rubber by 0.3 mm.
+  // Mass and limiting friction are the paper's. It names no others: soft foam gives by 6 mm before
+  // the box goes, rubber by 3 mm.
   PlantParameters& foam = bodies[0].parameters;
   foam.mass = 3.0;
   foam.limiting_static_friction = 9.57;
-  foam.sliding_friction_coefficient = 0.87 * 9.57 / (3.0 * kPlantGravity);
+  foam.sliding_friction_coefficient = 0.283;
   foam.viscous_friction = 10.0;
-  foam.contact_stiffness = stiffness_for(9.57, 0.0006, 1.5);
-  foam.contact_damping = 4.0 * foam.contact_stiffness;
+  foam.contact_stiffness = 20600.0;
+  foam.contact_damping = 82400.0;
   PlantParameters& rubber = bodies[1].parameters;
   rubber.mass = 3.5;
   rubber.limiting_static_friction = 40.62;
-  rubber.sliding_friction_coefficient = 0.85 * 40.62 / (3.5 * kPlantGravity);
+  rubber.sliding_friction_coefficient = 1.006;
   rubber.viscous_friction = 25.0;
-  rubber.contact_stiffness = stiffness_for(40.62, 0.0003, 1.5);
-  rubber.contact_damping = 2.5 * rubber.contact_stiffness;
+  rubber.contact_stiffness = 247000.0;
+  rubber.contact_damping = 617500.0;
   for (int number = 0; number < 2; ++number) {
     Random random = Random(seed).fork(30 + static_cast<std::uint64_t>(number));
-    bodies[static_cast<std::size_t>(number)].T_base_object = drawn_place(number, half.z(), random);
+    PlantBody& body = bodies[static_cast<std::size_t>(number)];
+    body.T_base_object = drawn_place(number, half.z(), random);
+    make_uneven(body.patches, 0.3, drawn_centre(random), random);
   }
   return bodies;
 }

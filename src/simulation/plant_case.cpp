@@ -17,11 +17,11 @@ namespace {
 using namespace simulation;
 
 constexpr double kStandOff = 0.025;          ///< between tip and face before an approach [m]
-constexpr double kNear = 0.001;              ///< and when it begins to load [m]
+constexpr double kNear = 0.0005;             ///< and when it begins to load [m]
 constexpr double kHasGone = 5e-5;            ///< more than a box gives before it breaks away [m]
-constexpr double kLift = 0.22;               ///< clears the highest body from any height [m]
-constexpr double kTravelSpeed = 0.5;         ///< [m/s]
-constexpr double kTravelAcceleration = 2.5;  ///< [m/s^2]
+constexpr double kClearance = 0.025;         ///< of the tip over the highest body [m]
+constexpr double kTravelSpeed = 0.9;         ///< [m/s]
+constexpr double kTravelAcceleration = 5.0;  ///< [m/s^2]
 
 /// Where a box is pushed, in its own frame: a point on a face, and what points out of it.
 struct Spot {
@@ -33,7 +33,14 @@ struct Spot {
 class Program {
  public:
   Program(const std::vector<PlantBody>& bodies, const PlantTool& tool)
-      : bodies_(bodies), tool_(tool) {}
+      : bodies_(bodies), tool_(tool), high_(high_above(bodies, tool)) {}
+
+  /// Height of the tip in base that clears all bodies [m].
+  static double high_above(const std::vector<PlantBody>& bodies, const PlantTool& tool) {
+    double top = 0.0;
+    for (const PlantBody& body : bodies) top = std::max(top, 2.0 * half_extents_of(body).z());
+    return top + tool.radius + kClearance;
+  }
 
   /// In the middle of the face towards -y, `aside` [m] along x; as low as the box needs not to tip.
   [[nodiscard]] Spot behind(std::size_t body, double aside = 0.0) const {
@@ -50,7 +57,7 @@ class Program {
   void wait(double seconds) { moves_.back().dwell += seconds; }
 
   void lift() {
-    add({.target = {0.0, 0.0, kLift},
+    add({.target = {0.0, 0.0, high_ - tool_.radius},
          .is_offset = true,
          .speed = kTravelSpeed,
          .acceleration = kTravelAcceleration});
@@ -59,7 +66,7 @@ class Program {
   /// Through the air to a place in the body's frame.
   void travel(std::size_t body, const Eigen::Vector3d& p_body) {
     Eigen::Vector3d above = p_body;
-    above.z() = kLift - bodies_[body].T_base_object.translation().z();
+    above.z() = high_ - bodies_[body].T_base_object.translation().z();
     for (const Eigen::Vector3d& p : {above, p_body}) {
       add({.body = body, .target = p, .speed = kTravelSpeed, .acceleration = kTravelAcceleration});
     }
@@ -110,6 +117,7 @@ class Program {
 
   const std::vector<PlantBody>& bodies_;
   const PlantTool& tool_;
+  double high_;
   std::vector<ToolMove> moves_;
 };
 
@@ -127,47 +135,47 @@ void press(Program& program, std::size_t body, double radius, double speed, doub
               .acceleration = 2.0,
               .until_force = most_force,
               .dwell = 0.25});
-  program.go({.body = body, .target = top + kAbove * up, .speed = speed});
-  program.wait(0.1);
+  program.go({.body = body, .target = top + kAbove * up, .speed = std::max(speed, 0.03)});
 }
 
 /// Above the middle of the top, ready to press.
 void travel_above(Program& program, std::size_t body, double radius) {
   const double top = half_extents_of(program.body(body)).z() + radius;
-  program.lift();
   program.travel(body, {0.0, 0.0, top + 0.01});
 }
 
 void travel_behind(Program& program, std::size_t body, const Spot& spot, double radius) {
-  program.lift();
   program.travel(body, spot.point + (radius + kStandOff) * spot.outward);
 }
 
-/// Touches, loads so that it takes `seconds` to breakaway, and is on the way when the box goes.
-void load_until_it_goes(Program& program, std::size_t body, const Spot& spot, double seconds) {
-  constexpr double kTouchSpeed = 0.005;  // [m/s]
+/// Touches, loads so that it takes `seconds` to breakaway, and is on the way when the box goes; the
+/// next move takes over after `reaction` [s].
+void load_until_it_goes(Program& program, std::size_t body, const Spot& spot, double seconds,
+                        double reaction) {
+  const double speed = program.loading_speed(body, seconds);
   const double touch = 0.15 * program.body(body).parameters.limiting_static_friction;
-  program.approach(body, spot, kNear, 0.06);
-  const auto go = [&](double speed) -> ToolMove {
+  program.approach(body, spot, kNear, 0.1);
+  const auto go = [&](double at_speed) -> ToolMove {
     return {.body = body,
             .target = 0.05 * -spot.outward,
             .is_offset = true,
-            .speed = speed,
+            .speed = at_speed,
             .acceleration = 0.2,
             .flows_on = true};
   };
-  ToolMove move = go(kTouchSpeed);
+  ToolMove move = go(std::max(0.005, speed));
   move.until_force = touch;
   program.go(move);
-  move = go(program.loading_speed(body, seconds));
+  move = go(speed);
   move.until_moved = kHasGone;
+  move.reaction = reaction;
   program.go(move);
 }
 
 /// Loads slowly until the box goes, follows it for some way, and lets go.
 void break_away(Program& program, std::size_t body, const Spot& spot, double seconds,
-                double follow) {
-  load_until_it_goes(program, body, spot, seconds);
+                double reaction, double follow) {
+  load_until_it_goes(program, body, spot, seconds, reaction);
   program.go({.body = body,
               .target = follow * -spot.outward,
               .is_offset = true,
@@ -178,24 +186,25 @@ void break_away(Program& program, std::size_t body, const Spot& spot, double sec
   program.wait(0.1);
 }
 
-void slide_modulated(Program& program, std::size_t body, const Spot& spot, double distance) {
-  program.approach(body, spot, kNear, 0.06);
+void slide_modulated(Program& program, std::size_t body, const Spot& spot, double distance,
+                     double swing) {
+  load_until_it_goes(program, body, spot, 0.5, 0.0);
   program.go({.body = body,
               .target = distance * -spot.outward,
               .is_offset = true,
               .speed = 0.06,
               .acceleration = 0.3,
-              .swing = 0.0035,
+              .swing = swing,
               .swing_frequency = 2.0,
-              .dwell = 0.3});
-  program.back_off(body, spot, 0.02, 0.08);
+              .dwell = 0.2});
+  program.back_off(body, spot, 0.01, 0.08);
 }
 
 /// The operator's push; by style straight on, with a stop in the middle, or slowing down.
 void push(Program& program, std::size_t body, const Spot& spot, int style, double distance,
           double speed) {
   const Eigen::Vector3d onward = -spot.outward;
-  load_until_it_goes(program, body, spot, 0.35);
+  load_until_it_goes(program, body, spot, 0.35, 0.0);
   const auto go = [&](double way, double swing) {
     program.go({.body = body,
                 .target = way * onward,
@@ -213,36 +222,39 @@ void push(Program& program, std::size_t body, const Spot& spot, int style, doubl
     // Down to a fifth of the speed and up again.
     go(distance, style == 2 ? 0.8 * speed / (2.0 * std::numbers::pi * 0.8) : 0.0);
   }
-  program.wait(0.35);
+  program.wait(0.3);
   program.back_off(body, spot, 0.03, 0.1);
 }
 
+/// Whoever aims at the middle of a face misses it by as much [m].
+double aim_error(Random& random) { return 0.001 * random.normal(); }
+
 void program_push(Program& program, double radius, Random& random) {
   for (std::size_t body = 0; body < 2; ++body) {
-    const Spot spot = program.behind(body);
+    const Spot spot = program.behind(body, aim_error(random));
     const int style = static_cast<int>(random.below(3));
     travel_behind(program, body, spot, radius);
     push(program, body, spot, style, random.uniform(0.04, 0.08), random.uniform(0.02, 0.07));
+    program.lift();
   }
-  program.lift();
 }
 
 double press_limit(const PlantBody& body) {
   return std::clamp(1.5 * body.parameters.limiting_static_friction, 10.0, 40.0);
 }
 
-void program_probe(Program& program, double radius) {
+void program_probe(Program& program, double radius, Random& random) {
   for (std::size_t body = 0; body < 2; ++body) {
     travel_above(program, body, radius);
     for (const double speed : {0.005, 0.015, 0.04}) {
       press(program, body, radius, speed, 0.006, press_limit(program.body(body)));
     }
-    const Spot spot = program.behind(body);
+    const Spot spot = program.behind(body, aim_error(random));
     travel_behind(program, body, spot, radius);
-    for (int i = 0; i < 10; ++i) break_away(program, body, spot, 1.0, 0.003);
-    slide_modulated(program, body, spot, 0.09);
+    for (int i = 0; i < 10; ++i) break_away(program, body, spot, 1.0, 0.15, 0.003);
+    slide_modulated(program, body, spot, 0.09, 0.0035);
+    program.lift();
   }
-  program.lift();
 }
 
 void program_press(Program& program, double radius) {
@@ -252,7 +264,6 @@ void program_press(Program& program, double radius) {
       press(program, body, radius, speed, 0.002, 60.0);
     }
   }
-  program.lift();
 }
 
 void program_turn(Program& program, double radius, Random& random) {
@@ -266,17 +277,17 @@ void program_turn(Program& program, double radius, Random& random) {
       const double aside = (places[i] + random.uniform(-0.08, 0.08)) * along;
       const Spot spot = is_from_side ? program.beside(body, aside) : program.behind(body, aside);
       travel_behind(program, body, spot, radius);
-      program.approach(body, spot, 0.003, 0.08);
+      load_until_it_goes(program, body, spot, 0.4, 0.0);
       program.go({.body = body,
-                  .target = random.uniform(0.012, 0.022) * -spot.outward,
+                  .target = random.uniform(0.02, 0.04) * -spot.outward,
                   .is_offset = true,
-                  .speed = random.uniform(0.008, 0.03),
+                  .speed = random.uniform(0.01, 0.04),
                   .acceleration = 0.1,
                   .dwell = 0.2});
       program.back_off(body, spot, 0.02, 0.1);
+      program.lift();
     }
   }
-  program.lift();
 }
 
 void program_slot(Program& program, const PlantBody& block, double radius) {
@@ -286,7 +297,6 @@ void program_slot(Program& program, const PlantBody& block, double radius) {
   const double depth = floor + radius + 0.012;
   const double into = half_slot - radius + 0.0012;  // 1.2 mm beyond the first touch
   const double top = block.parts[2].centre.z() + block.parts[2].half_extents.z();
-  program.lift();
   program.travel(0, {0.0, -along, top + radius + 0.01});
   const auto go = [&](double x, double y, double z, double speed) {
     program.go({.body = 0, .target = {x, y, z}, .speed = speed, .acceleration = 0.5});
@@ -303,17 +313,18 @@ void program_slot(Program& program, const PlantBody& block, double radius) {
   program.lift();
 }
 
-void program_paper(Program& program, double radius) {
+void program_paper(Program& program, double radius, Random& random) {
   for (std::size_t body = 0; body < 2; ++body) {
     travel_above(program, body, radius);
-    press(program, body, radius, 0.015, 0.006, press_limit(program.body(body)));
-    const Spot spot = program.behind(body);
+    press(program, body, radius, 0.02, 0.006, press_limit(program.body(body)));
+    const Spot spot = program.behind(body, aim_error(random));
     travel_behind(program, body, spot, radius);
-    for (int i = 0; i < 3; ++i) break_away(program, body, spot, 0.7, 0.002);
-    slide_modulated(program, body, spot, 0.06);
-    push(program, body, spot, 0, 0.05, 0.06);
+    for (int i = 0; i < 3; ++i) break_away(program, body, spot, 0.7, 0.05, 0.002);
+    // Foam and box swing at 4.5 Hz: 3.5 mm would stop the box.
+    slide_modulated(program, body, spot, 0.06, 0.0025);
+    push(program, body, spot, 0, 0.04, 0.06);
+    program.lift();
   }
-  program.lift();
 }
 
 std::vector<PlantBody> bodies_of(ToolTask task, std::uint64_t seed, double tip_radius) {
@@ -331,7 +342,7 @@ PlantCase make_plant_case(ToolTask task, std::uint64_t seed) {
   Random arm = Random(seed).fork(40);
   made.tool.stiffness = arm.uniform(3e4, 1e5);
   made.tool.bandwidth = arm.uniform(10.0, 20.0);
-  made.tool.p_base_start = {0.55, -0.55, kLift};
+  made.tool.p_base_start = {0.55, -0.55, Program::high_above(made.bodies, made.tool)};
   Random random = Random(seed).fork(41);
   Program program(made.bodies, made.tool);
   switch (task) {
@@ -339,7 +350,7 @@ PlantCase make_plant_case(ToolTask task, std::uint64_t seed) {
       program_push(program, made.tool.radius, random);
       break;
     case ToolTask::probe:
-      program_probe(program, made.tool.radius);
+      program_probe(program, made.tool.radius, random);
       break;
     case ToolTask::press:
       program_press(program, made.tool.radius);
@@ -351,7 +362,7 @@ PlantCase make_plant_case(ToolTask task, std::uint64_t seed) {
       program_turn(program, made.tool.radius, random);
       break;
     case ToolTask::paper:
-      program_paper(program, made.tool.radius);
+      program_paper(program, made.tool.radius, random);
       break;
     case ToolTask::none:
       break;

@@ -19,7 +19,7 @@ void ToolPlan::begin(const Pose& T_base_body) {
                              : Eigen::Vector3d(Eigen::Vector3d::UnitX());
   body_at_start_ = T_base_body.translation();
   has_begun_ = true;
-  is_stopping_ = false;
+  noticed_.reset();
   way_ = time_ = rested_ = 0.0;
 }
 
@@ -36,15 +36,16 @@ void ToolPlan::advance(const Pose& T_base_body, double force, double dt) {
   if (!has_begun_) begin(T_base_body);
   const ToolMove& move = moves_[current_];
   time_ += dt;
-  is_stopping_ = is_stopping_ || shall_stop(T_base_body, force);
-  if (is_stopping_ && move.flows_on) {
+  if (!noticed_ && shall_stop(T_base_body, force)) noticed_ = time_;
+  const bool is_stopping = noticed_ && time_ >= *noticed_ + move.reaction;
+  if (is_stopping && move.flows_on) {
     ++current_;
     has_begun_ = false;
     return;
   }
   const double left = std::max(0.0, length_ - way_);
   const double braking = std::sqrt(2.0 * move.acceleration * left);
-  const double goal = is_stopping_ ? 0.0 : std::min(move.speed, braking);
+  const double goal = is_stopping ? 0.0 : std::min(move.speed, braking);
   const double change = move.acceleration * dt;
   speed_ = std::clamp(goal, speed_ - change, speed_ + change);
   way_ = std::min(length_, way_ + speed_ * dt);
@@ -54,7 +55,7 @@ void ToolPlan::advance(const Pose& T_base_body, double force, double dt) {
   const Eigen::Vector3d next = start_ + (way_ + swing) * direction_;
   v_base_ = (next - p_base_) / dt;
   p_base_ = next;
-  const bool has_ended = is_stopping_ ? speed_ <= 0.0 : length_ - way_ < 1e-7;
+  const bool has_ended = is_stopping ? speed_ <= 0.0 : length_ - way_ < 1e-7;
   if (!has_ended) return;
   rested_ += dt;
   if (rested_ < move.dwell) return;

@@ -42,7 +42,7 @@ class ToolPlan {
   Eigen::Vector3d v_base_ = Eigen::Vector3d::Zero();
   std::size_t current_ = 0;
   bool has_begun_ = false;
-  bool is_stopping_ = false;
+  std::optional<double> noticed_;  ///< `time_` at which there was reason to stop
   Eigen::Vector3d start_;
   Eigen::Vector3d direction_;
   Eigen::Vector3d body_at_start_;

@@ -37,7 +37,7 @@ struct PlantParameters {
   double contact_damping = 6e4;               ///< [N s/m^(n+1)]
   double contact_exponent = 1.5;              ///< n, >= 1
   double tool_friction_coefficient = 0.3;     ///< between tip and body
-  double stribeck_speed = 0.002;              ///< [m/s] over which F_M falls to Coulomb's part
+  double stribeck_speed = 0.001;              ///< [m/s] over which F_M falls to Coulomb's part
   double bristle_reach = 1e-5;                ///< [m] that the body gives before it breaks away
 };
 
@@ -86,6 +86,7 @@ struct ToolMove {
   double swing_frequency = 2.0;  ///< [Hz]
   std::optional<double> until_force = {};  ///< [N]: stops early when the tip presses harder
   std::optional<double> until_moved = {};  ///< [m]: stops early when `body` has moved that far
+  double reaction = 0.0;                   ///< [s] from what stops it early until it does stop
   bool flows_on = false;  ///< stopped early, it hands its speed to the next move instead
   double dwell = 0.0;     ///< [s] at rest afterwards
 };
