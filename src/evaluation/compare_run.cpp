@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "pcavr/core/output.hpp"
+
 #include "findings.hpp"
+#include "recording/time_series.hpp"
 #include "run_findings.hpp"
 
 namespace pcavr {
@@ -85,6 +88,28 @@ CorrectionFindings judge_corrections(const std::vector<RunCorrection>& correctio
   return found;
 }
 
+/// How the tool moved, if the recording behind the run is at hand and says so.
+Expected<Trajectory> read_tool(const std::filesystem::path& recording) {
+  std::error_code ignored;
+  const std::filesystem::path file = recording / "tool.csv";
+  if (recording.empty() || !std::filesystem::exists(file, ignored)) return Trajectory();
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  // A replay may have left out bad rows, too; what is judged here does not hang on them.
+  Expected<Series<Trajectory>> tool =
+      parse_tool({.file = file.string(), .text = *text, .skip_bad = true});
+  if (!tool) return tool.error();
+  return std::move(tool).value().content;
+}
+
+void add_speeds(const Trajectory& T_base_tool, RunFindings& findings) {
+  for (auto& [object, peaks] : findings.peaks) {
+    for (ContactPeak& peak : peaks) {
+      peak.approach_speed = approach_speed(T_base_tool, peak.begin);
+    }
+  }
+}
+
 }  // namespace
 
 PhaseTimeline RunFindings::phases_of(const std::string& object) const {
@@ -140,6 +165,10 @@ Expected<void> add_run(const ComparisonSide& reference, const ComparisonSide& su
   if (is_of_tracking_alone) return {};
   findings.run =
       compare_run(std::move(files).value(), std::move(truth.phases), subject, findings.objects);
+  const Expected<Trajectory> T_base_tool =
+      read_tool((reference.recording.empty() ? subject : reference).recording);
+  if (!T_base_tool) return T_base_tool.error();
+  add_speeds(*T_base_tool, *findings.run);
   return {};
 }
 

@@ -55,4 +55,12 @@ std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples) 
   return contacts;
 }
 
+std::optional<double> approach_speed(const Trajectory& T_base_tool, Stamp contact) {
+  constexpr Duration kBefore = std::chrono::milliseconds(50);
+  const std::optional<Pose> from = T_base_tool.at(contact + -kBefore);
+  const std::optional<Pose> to = T_base_tool.at(contact);
+  if (!from || !to) return std::nullopt;
+  return translation_distance(*from, *to) / to_seconds(kBefore);
+}
+
 }  // namespace pcavr

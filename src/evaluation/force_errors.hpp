@@ -3,7 +3,10 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
+
+#include "pcavr/geometry/trajectory.hpp"
 
 #include "phase_timeline.hpp"
 #include "run_files.hpp"
@@ -39,13 +42,18 @@ struct ForceErrors {
 struct ContactPeak {
   Stamp begin;
   Stamp end;
-  double measured = 0.0;  ///< [N]
-  double felt = 0.0;      ///< [N]
+  double measured = 0.0;                      ///< [N]
+  double felt = 0.0;                          ///< [N]
+  std::optional<double> approach_speed = {};  ///< of the tip before it [m/s], where it was recorded
 };
 
 /// Samples further apart than 50 ms are of different contacts: rows come at the wrench's rate, and
 /// the slowest force sensors in use give 100 Hz. Contacts that never reach kSmallestJudgedForce, a
 /// tool that grazes or noise, are left out.
 [[nodiscard]] std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples);
+
+/// The tip's mean speed [m/s] over the 50 ms before `contact`; nothing where the tool's motion does
+/// not cover them. Shorter: the noise of the tool's pose (some 0.1 mm) is taken for motion.
+[[nodiscard]] std::optional<double> approach_speed(const Trajectory& T_base_tool, Stamp contact);
 
 }  // namespace pcavr

@@ -112,6 +112,16 @@ std::string peak_error_text(const RunFindings& run) {
          " of " + std::to_string(errors.size()) + " contacts";
 }
 
+/// Nothing ever slides: only then is a contact one as paper B's.
+bool is_of_presses(const RunFindings& run) {
+  for (const auto& [object, timeline] : run.phases()) {
+    for (const PhaseChange& change : timeline) {
+      if (change.phase == Phase::sliding) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<double> peak_errors(const RunFindings& run) {
@@ -144,15 +154,16 @@ ReportTable paper_table(const Findings& findings) {
   add(kPeakError, peak_error_text(run));
   add(kSlotting, largest_forces(run));
   table.note =
-      "B and C: the papers that docs/ names. Their boxes and robots are real; where ours are "
-      "simulated, the comparison is of methods under stated noise, not of hardware. The numbers "
-      "inside C's tables 1 and 2 are not in the text that was at hand; ours stand under "
-      "Parameters. C's figures 8 and 9, the comparison of estimators, are in the report of pcavr "
-      "identify.";
+      "B: haptic augmented reality with seven damping laws; C: movable objects in a point-cloud "
+      "augmented virtual environment. Their boxes and robots are real; where a run is of a "
+      "simulated recording, methods are compared under stated noise, not hardware. The text of C "
+      "at hand lacks the numbers of its tables 1 and 2; this run's stand under Parameters. C's "
+      "figures 8 and 9, the comparison of estimators, are in the report of pcavr identify.";
   return table;
 }
 
 ReportTable contact_table(const Findings& findings) {
+  const RunFindings& run = *findings.run;
   ReportTable table{.title = "Largest force of each contact",
                     .columns = {"contact", "speed (mm/s)", "measured (N)", "felt (N)", "error (%)"},
                     .is_folded = true};
@@ -161,13 +172,16 @@ ReportTable contact_table(const Findings& findings) {
     table.rows.push_back({name, speed, readable(measured), readable(felt),
                           readable(kPercent * std::abs(felt - measured) / measured)});
   };
-  for (const auto& [object, peaks] : findings.run->peaks) {
+  for (const auto& [object, peaks] : run.peaks) {
     for (const ContactPeak& peak : peaks) {
       const std::string t = fixed(to_seconds(peak.begin - findings.origin), 3);
-      add(object + ", from " + t + " s", "-", peak.measured, peak.felt);
+      const std::optional<double>& speed = peak.approach_speed;
+      add(object + ", from " + t + " s", speed ? readable(kMillimetres * *speed) : "-",
+          peak.measured, peak.felt);
     }
   }
-  if (table.rows.empty()) return table;
+  if (table.rows.empty() || !is_of_presses(run)) return table;
+  table.is_folded = false;
   for (const PrintedContact& contact : kContactsOfB) {
     add("paper B, table 3", fixed(contact.speed, 0), contact.measured, contact.felt);
   }

@@ -11,7 +11,8 @@ namespace pcavr {
 /// people: the table shows how far one is from the other, it does not rank them.
 [[nodiscard]] ReportTable paper_table(const Findings& findings);
 
-/// Paper B's table 3: the largest force of each contact, really and in the virtual scene.
+/// The largest force of each contact, measured and felt; where nothing slides, with paper B's table
+/// 3 below.
 [[nodiscard]] ReportTable contact_table(const Findings& findings);
 
 /// |felt - measured| / measured of the largest forces, over all objects' contacts.

@@ -50,7 +50,8 @@ ReportSection object_section(const ObjectFindings& object, const Findings& findi
   const std::vector<PoseError>& absolute = object.errors.absolute;
   ReportSection section{.title = object.name + ", " + object.source,
                         .key = "object." + object.name + "." + object.source,
-                        .plots = plots_of(object, findings)};
+                        .plots = plots_of(object, findings),
+                        .is_brief = findings.run.has_value()};
   add_rows(section, "absolute", "absolute", absolute);
   add_rows(section, "first second", "first_second", first_second(absolute));
   add_rows(section, "at rest", "at_rest",

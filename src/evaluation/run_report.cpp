@@ -54,6 +54,18 @@ void add_force_rows(const std::string& name, const std::string& key, const Force
       {"force, " + name + ", relative", key + ".relative", "", statistics(errors.relative)});
 }
 
+void add_peaks(const std::vector<ContactPeak>& peaks, ReportSection& section) {
+  for (std::size_t i = 0; i < peaks.size(); ++i) {
+    const std::string key = section.key + ".contact." + std::to_string(i + 1) + ".";
+    section.values.push_back({key + "t_s", peaks[i].begin.seconds()});
+    section.values.push_back({key + "largest_measured_N", peaks[i].measured});
+    section.values.push_back({key + "largest_felt_N", peaks[i].felt});
+    if (peaks[i].approach_speed) {
+      section.values.push_back({key + "approach_speed_m_s", *peaks[i].approach_speed});
+    }
+  }
+}
+
 /// Figures of how well the events of one comparison were met.
 void add_phase_values(const std::string& key, const PhaseErrors& errors, ReportSection& section) {
   std::size_t matched = 0;
@@ -171,6 +183,7 @@ ReportSection push_section(const std::string& name, const ComparisonSide& refere
   add_force_rows("all", "all", errors->second.all, section.rows);
   section.values.push_back({section.key + ".in_contact.mean_difference_N",
                             statistics(errors->second.in_contact.difference).mean});
+  add_peaks(findings.run->peaks.at(name), section);
   return section;
 }
 

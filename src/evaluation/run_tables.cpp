@@ -88,8 +88,7 @@ ReportTable confusion_table(const PhaseComparison& comparison) {
   std::vector<PhaseErrors> all;
   for (const auto& [object, errors] : comparison.objects) all.push_back(errors);
   const PhaseErrors sum = together(all);
-  ReportTable table{.title = "Phases " + comparison.estimate + ", against " +
-                             (comparison.reference == "truth" ? "the truth" : "those measured"),
+  ReportTable table{.title = "Where the time went",
                     .columns = {comparison.reference + " says", "for (s)"}};
   for (const Phase phase : kPhases) {
     table.columns.push_back(std::string(word_of(phase)) + " (%)");

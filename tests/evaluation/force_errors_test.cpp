@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "evaluation/force_errors.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "run_samples.hpp"
@@ -59,6 +61,18 @@ TEST(ContactPeaks, AreTheLargestForcesOfEachContact) {
 TEST(ContactPeaks, LeaveOutWhatOnlyGrazes) {
   EXPECT_TRUE(contact_peaks({{at(1.0), 0.3, 4.0}, {at(1.01), 1.9, 4.0}}).empty());
   EXPECT_TRUE(contact_peaks({}).empty());
+}
+
+TEST(ApproachSpeed, IsThatOfTheTipBeforeTheContact) {
+  Trajectory tool;  // 20 mm/s until 1 s, then at rest; 100 poses a second
+  for (int i = 0; i <= 200; ++i) {
+    tool.append(at(0.01 * i), Pose::from_translation({0, 0, -0.02 * std::min(0.01 * i, 1.0)}));
+  }
+  ASSERT_TRUE(approach_speed(tool, at(1.0)).has_value());
+  EXPECT_NEAR(*approach_speed(tool, at(1.0)), 0.02, 1e-9);
+  EXPECT_NEAR(*approach_speed(tool, at(1.5)), 0.0, 1e-9);
+  EXPECT_FALSE(approach_speed(tool, at(0.01)).has_value());
+  EXPECT_FALSE(approach_speed({}, at(1.0)).has_value());
 }
 
 }  // namespace
