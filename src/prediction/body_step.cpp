@@ -62,6 +62,10 @@ class BodyStepper {
     if ((tip.to - tip.from).norm() > kFastestTip * dt) tip_.from = tip.to;
     touch_ = touch_at(state.planar, tip_.from);
     settle();
+    // By the force at the begin: over a step it hardly changes, and in a round of the search for
+    // the end it would cost as much as the rest.
+    friction_ =
+        body.friction_under(state_.tool_force_base, touch_.arm, touch_.height, state_.planar.yaw);
     // How much of the step's end counts in the contact's mean depth: the middle, which is of second
     // order, for contacts that the step resolves; nearly the end for those that it does not, so
     // that they don't ring.
@@ -144,9 +148,8 @@ class BodyStepper {
   /// Of the load over what the support holds.
   [[nodiscard]] double holding_share(const Load& load) const noexcept {
     if (load.wrench.isZero(0.0)) return 0.0;
-    const PlanarFriction friction = body_.friction_under(load.down());
-    return body_.level_of(friction, state_.planar.yaw, load.wrench) /
-           std::max(friction.holding, 1.0);
+    return body_.level_of(friction_, state_.planar.yaw, load.wrench) /
+           (body_.weight_share(load.down()) * std::max(friction_.holding, 1.0));
   }
 
   void hold() noexcept {
@@ -237,13 +240,13 @@ class BodyStepper {
     const FrictionParameters& parameters = body_.physics().friction;
     const double compliance = dt_ / (2.0 * parameters.mass / dt_ + parameters.viscous);
     PlanarState guess = first_guess();
+    PlanarFriction friction = friction_;
+    friction.holding = 1.0;  // it has broken loose
     PlanarState best;
-    Load at_best;
     double best_residual = std::numeric_limits<double>::infinity();
     for (int round = 0; round < kMostRounds && best_residual > kSolved; ++round) {
       const Load load = load_at(guess, end_share_);
-      PlanarFriction friction = body_.friction_under(load.down());
-      friction.holding = 1.0;  // it has broken loose
+      friction.sliding.force = friction_.sliding.force * body_.weight_share(load.down());
       const PlanarStep step = body_.step(friction, state_.planar, load.wrench, dt_);
       const Eigen::Vector3d residual = scaled(guess) - scaled(step.state);
       if (residual.norm() < best_residual) {
@@ -291,7 +294,8 @@ class BodyStepper {
   std::span<const SideContact> sides_;
   const PlanarState* guess_;
   double dt_;
-  Touch touch_;  ///< at the begin
+  Touch touch_;              ///< at the begin
+  PlanarFriction friction_;  ///< under the weight alone
   double end_share_ = 0.5;
 };
 

@@ -33,6 +33,7 @@ std::optional<Touch> touch_of(const UprightBody& body, const PlanarState& planar
   touch.normal = closest->normal;
   touch.normal.head<2>() = turn * closest->normal.head<2>();
   touch.arm = turn * closest->point.head<2>();
+  touch.height = closest->point.z();
   return touch;
 }
 

@@ -27,6 +27,7 @@ struct Touch {
   double depth = -kClearance;  ///< how deep the undeformed shapes overlap [m]; negative: clearance
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< out of the body
   Eigen::Vector2d arm = Eigen::Vector2d::Zero();      ///< from the centre of mass to the surface
+  double height = 0.0;                                ///< of that point in base [m]
 };
 
 /// Nothing where they are further apart than kClearance.

@@ -12,6 +12,7 @@
 #include "pcavr/core/check.hpp"
 
 #include "prediction/contact_force.hpp"
+#include "prediction/shifted_surface.hpp"
 
 namespace pcavr::detail {
 namespace {
@@ -20,6 +21,9 @@ namespace {
 constexpr double kLeastFriction = 1e-6;
 /// A body held down by less than this share of its weight slides as if by that much.
 constexpr double kLeastShare = 1e-3;
+/// How far the pressure's centre can shift, over the friction radius: on the edge of the patch the
+/// body would tip, which it does not do here.
+constexpr double kFurthestPressure = 1.0;
 /// The least band below F_M that counts as about to go, as a share of it: phases.csv's 0.9.
 constexpr double kCriticalShare = 0.1;
 
@@ -106,7 +110,8 @@ UprightBody::UprightBody(const WorldBody& body, double gravity)
       heading_(heading_of(T_base_object_start_)),
       gyration_radius_(gyration_radius_of(
           body.model.mesh_object, to_body_axes(T_base_object_start_, centre_of_mass_object_))),
-      gravity_(gravity) {
+      gravity_(gravity),
+      foot_(surface_.bounds().min().z()) {
   set_physics(body.physics);
 }
 
@@ -138,10 +143,20 @@ PlanarState UprightBody::at_rest_in(const Pose& T_base_object, double yaw_near) 
   return planar;
 }
 
-PlanarFriction UprightBody::friction_under(double down) const noexcept {
+double UprightBody::weight_share(double down) const noexcept {
+  return std::max(kLeastShare, 1.0 + down / (friction_.mass * gravity_));
+}
+
+PlanarFriction UprightBody::friction_under(const Eigen::Vector3d& force, const Eigen::Vector2d& arm,
+                                           double height, double yaw) const noexcept {
   PlanarFriction friction = friction_;
-  if (down == 0.0) return friction;
-  friction.sliding.force *= std::max(kLeastShare, 1.0 + down / (friction_.mass * gravity_));
+  if (force.isZero(0.0)) return friction;
+  const double bearing = friction_.mass * gravity_ * weight_share(-force.z());
+  Eigen::Vector2d centre = ((height - foot_) * force.head<2>() - force.z() * arm) / bearing;
+  const double most = kFurthestPressure * physics_.friction_radius;
+  const double away = centre.norm();
+  if (away > most) centre *= most / away;
+  friction.sliding = shifted(friction.sliding, Eigen::Rotation2Dd(-yaw - heading_) * centre);
   return friction;
 }
 

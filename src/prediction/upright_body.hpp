@@ -33,8 +33,14 @@ class UprightBody {
   [[nodiscard]] PlanarState at_rest_in(const Pose& T_base_object, double yaw_near) const;
   [[nodiscard]] PlanarState start() const { return at_rest_in(T_base_object_start_, 0.0); }
 
-  /// The support's friction under a force `down` [N] beside the weight.
-  [[nodiscard]] PlanarFriction friction_under(double down) const noexcept;
+  /// The support's friction under a `force` [N] on the body, base axes, at `arm` [m] from the
+  /// centre of mass and `height` [m] in base: what presses down adds to the weight, and what pushes
+  /// above the support shifts the pressure ahead.
+  [[nodiscard]] PlanarFriction friction_under(const Eigen::Vector3d& force,
+                                              const Eigen::Vector2d& arm, double height,
+                                              double yaw) const noexcept;
+  /// How many times the weight bears on the support under a force `down` [N] beside it.
+  [[nodiscard]] double weight_share(double down) const noexcept;
   /// step_planar, with the yaw that its surface is stated in.
   [[nodiscard]] PlanarStep step(const PlanarFriction& friction, const PlanarState& state,
                                 const Eigen::Vector3d& load, double dt) const noexcept;
@@ -59,6 +65,7 @@ class UprightBody {
   double heading_;          ///< of the friction's axes at the start [rad]
   double gyration_radius_;  ///< about the vertical through the centre of mass [m]
   double gravity_;
+  double foot_;  ///< height of the lowest point in base [m]
   BodyPhysics physics_;
   PlanarFriction friction_;
   double working_stiffness_ = 0.0;
