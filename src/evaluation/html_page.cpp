@@ -55,6 +55,7 @@ summary { cursor: pointer; }
 .below { color: var(--soft); font-size: 13px; max-width: 76ch; margin: 6px 0 0; }
 .words td { text-align: left; white-space: normal; vertical-align: top; }
 .words th { text-align: left; }
+.words td:first-child { min-width: 22ch; }
 figcaption { font-weight: 600; }
 .legend { margin: 2px 0 4px; color: var(--soft); font-size: 13px; display: flex; flex-wrap: wrap;
   gap: 2px 16px; }

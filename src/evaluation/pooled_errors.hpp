@@ -23,7 +23,18 @@ template <typename Keep>
 
 [[nodiscard]] inline bool is_touched_or_moving(Phase phase) { return phase != Phase::free; }
 
-/// The same over every predicted object.
+/// Every predicted object's errors, whatever happens to it.
+[[nodiscard]] inline std::vector<PoseError> predicted_errors(const Findings& findings) {
+  std::vector<PoseError> pooled;
+  for (const ObjectFindings& object : findings.objects) {
+    if (object.source != "predicted") continue;
+    const std::vector<PoseError>& more = object.errors.absolute;
+    pooled.insert(pooled.end(), more.begin(), more.end());
+  }
+  return pooled;
+}
+
+/// Every predicted object's errors while it is in one of the phases that `keep` accepts.
 template <typename Keep>
 [[nodiscard]] std::vector<PoseError> predicted_errors_in(const Findings& findings, Keep keep) {
   std::vector<PoseError> pooled;

@@ -26,6 +26,11 @@ void add_positions(const Findings& findings, std::vector<Figure>& headline) {
     headline.push_back(
         {"Predicted position while sliding, worst", kMillimetres * figures.max, "mm"});
   }
+  const std::vector<PoseError> all = predicted_errors(findings);
+  if (!all.empty()) {
+    headline.push_back({"Predicted position over the whole run, worst",
+                        kMillimetres * statistics(translations(all)).max, "mm"});
+  }
 }
 
 void add_forces(const RunFindings& run, std::vector<Figure>& headline) {

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
+#include "html_text.hpp"
 #include "report.hpp"
 
 namespace pcavr {
@@ -147,11 +147,7 @@ PlotSeries way_along(const Trajectory& trajectory, const Eigen::Vector3d& start,
 
 std::string axes_text(const Eigen::Vector3d& direction) {
   std::string text;
-  for (const double component : direction) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%s%.2f", text.empty() ? "" : ", ", component + 0.0);
-    text += number;
-  }
+  for (const double component : direction) text += (text.empty() ? "" : ", ") + fixed(component, 2);
   return text;
 }
 

@@ -36,12 +36,12 @@ std::string phases_note(const RunFindings& run) {
 }
 
 ReportSection pooled_section(const Findings& findings) {
-  ReportSection section{
-      .title = "Position error of the prediction, all objects",
-      .key = "predicted",
-      .rows = rows_by_phase([&](auto keep) { return predicted_errors_in(findings, keep); }),
-      .note = phases_note(*findings.run),
-      .is_brief = true};
+  ReportSection section{.title = "Position error of the prediction, all objects",
+                        .key = "predicted",
+                        .note = phases_note(*findings.run),
+                        .is_brief = true};
+  section.rows = rows_by_phase([&](auto keep) { return predicted_errors_in(findings, keep); });
+  add_pose_rows("whole run", "all", predicted_errors(findings), section.rows);
   return section;
 }
 

@@ -112,6 +112,7 @@ TEST_F(EvaluateRun, SplitsPositionErrorsByPhase) {
   EXPECT_NEAR(figures["predicted.touched.translation.p95_m"], 0.004, kFileRounding);
   EXPECT_NEAR(figures["predicted.touched.translation.mean_m"], (45 * 0.004 + 105 * 0.001) / 150,
               kFileRounding);
+  EXPECT_EQ(figures["predicted.all.translation.count"], 401);
   EXPECT_NEAR(figures["object.box.tracked.phase.sliding.translation.median_m"], 0.0005,
               kFileRounding);
 }
