@@ -155,7 +155,9 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
   }
   const ContactFit& linear = found.mass_damper_spring;
   const ContactFit& curved = found.hunt_crossley;
-  if (curved.is_valid && (!linear.is_valid || curved.residual < (1.0 - kTie) * linear.residual)) {
+  if (curved.is_valid &&
+      (!linear.is_valid ||
+       normalised_misfit(samples, curved) < (1.0 - kTie) * normalised_misfit(samples, linear))) {
     found.chosen = ContactRegressor::hunt_crossley;
   }
   found.proposal = proposal_for(found);

@@ -50,15 +50,20 @@ PressSamples press_samples(const ForceMotion& press, const ContactFitOptions& op
   const std::vector<double> force = remove_spikes(press.force).values;
   std::vector<SmoothedSample> x = smooth(press.t, press.tool, press.t, result.half_width);
   std::vector<SmoothedSample> f = smooth(press.t, force, press.t, result.half_width);
+  result.position_noise = noise_deviation(press.tool);
+  result.force_noise = noise_deviation(force);
   const DerivativeNoise noise =
-      derivative_noise(noise_deviation(press.tool), result.half_width, result.interval);
+      derivative_noise(result.position_noise, result.half_width, result.interval);
   result.speed_noise = noise.rate;
   result.acceleration_noise = noise.acceleration;
 
   const double force_noise =
-      noise_deviation(force) / std::sqrt(correlated_samples(result.half_width, result.interval));
+      result.force_noise / std::sqrt(correlated_samples(result.half_width, result.interval));
   auto [begin, end] = longest_contact(f, options.contact_deviations * force_noise);
   if (end > begin) result.onset = x[begin].value;
+  for (std::size_t i = begin; i < end; ++i) {
+    result.raw.push_back({press.tool[i], x[i].rate, x[i].acceleration, force[i]});
+  }
   // The window must not reach across the impact or the parting: the law has a kink there.
   const auto margin = static_cast<std::size_t>(std::ceil(result.half_width / result.interval));
   if (options.drift_half_width > 0.0) {

@@ -7,8 +7,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "pcavr/identification/signals.hpp"
-
 #include "identification/contact_samples.hpp"
 
 namespace pcavr {
@@ -26,11 +24,12 @@ class Problem {
   Problem(const std::vector<PressSamples>& presses, bool is_surface_shared)
       : presses_(presses), is_surface_shared_(is_surface_shared) {
     for (const PressSamples& press : presses) {
-      for (const ContactSample& sample : press.samples) {
+      for (const ContactSample& sample : press.raw) {
         depth_ = std::max(depth_, sample.position - press.onset);
-        energy_ += sample.force * sample.force;
         ++count_;
       }
+      position_variance_ = std::max(position_variance_, std::pow(press.position_noise, 2));
+      force_variance_ = std::max(force_variance_, std::pow(press.force_noise, 2));
     }
   }
 
@@ -40,13 +39,14 @@ class Problem {
     double force = 0.0;
     for (std::size_t p = 0; p < presses_.size(); ++p) {
       theta[surface_column(p)] = presses_[p].onset - 0.02 * depth_;
-      for (const ContactSample& sample : presses_[p].samples) force = std::max(force, sample.force);
+      for (const ContactSample& sample : presses_[p].raw) force = std::max(force, sample.force);
     }
     theta.head<3>() << force, 0.0, 1.5;
     return theta;
   }
 
-  /// Sum of squares; with `normal` and `pull`, those of the linearised problem, too.
+  /// Sum of squared distances in units of the noise; with `normal` and `pull`, those of the
+  /// linearised problem, too.
   double evaluate(const Eigen::VectorXd& theta, Eigen::MatrixXd* normal,
                   Eigen::VectorXd* pull) const {
     if (normal != nullptr) {
@@ -56,23 +56,17 @@ class Problem {
     double sum = 0.0;
     for (std::size_t p = 0; p < presses_.size(); ++p) {
       const Eigen::Index column = surface_column(p);
-      for (const ContactSample& sample : presses_[p].samples) {
-        const double u = (sample.position - theta[column]) / depth_;
-        const double power = u > 0.0 ? std::pow(u, theta[2]) : 0.0;
-        const double drag = 1.0 + theta[1] * sample.speed;
-        const double error = sample.force - theta[0] * power * drag;
-        sum += error * error;
-        if (normal == nullptr || u <= 0.0) continue;
-        const Eigen::Vector4d row(power * drag, theta[0] * power * sample.speed,
-                                  theta[0] * power * std::log(u) * drag,
-                                  -theta[0] * theta[2] * power / u * drag / depth_);
-        const Eigen::Vector3d shared = row.head<3>();
+      for (const ContactSample& sample : presses_[p].raw) {
+        const Row row = row_of(theta, theta[column], sample);
+        sum += row.error * row.error;
+        if (normal == nullptr) continue;
+        const Eigen::Vector3d shared = row.by.head<3>();
         normal->topLeftCorner<3, 3>() += shared * shared.transpose();
-        normal->col(column).head<3>() += shared * row[3];
-        normal->row(column).head<3>() += shared.transpose() * row[3];
-        (*normal)(column, column) += row[3] * row[3];
-        pull->head<3>() += shared * error;
-        (*pull)[column] += row[3] * error;
+        normal->col(column).head<3>() += shared * row.by[3];
+        normal->row(column).head<3>() += shared.transpose() * row.by[3];
+        (*normal)(column, column) += row.by[3] * row.by[3];
+        pull->head<3>() += shared * row.error;
+        (*pull)[column] += row.by[3] * row.error;
       }
     }
     return sum;
@@ -85,14 +79,47 @@ class Problem {
     return 3 + (is_surface_shared_ ? 0 : static_cast<Eigen::Index>(press));
   }
   [[nodiscard]] double depth() const { return depth_; }
-  [[nodiscard]] double energy() const { return energy_; }
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
+  struct Row {
+    double error = 0.0;
+    Eigen::Vector4d by = Eigen::Vector4d::Zero();  ///< model's change by force, c, n, surface
+  };
+
+  /// One sample's distance from the curve, measured in its noises, at the curve's nearest place
+  /// [York 1966; Britt & Luecke 1973].
+  [[nodiscard]] Row row_of(const Eigen::VectorXd& theta, double surface,
+                           const ContactSample& sample) const {
+    constexpr int kSteps = 3;  // towards the nearest place; the curve is nearly straight there
+    const double drag = 1.0 + theta[1] * sample.speed;
+    double place = sample.position;
+    Row row;
+    for (int step = 0; step < kSteps; ++step) {
+      const double u = (place - surface) / depth_;
+      const double power = u > 0.0 ? std::pow(u, theta[2]) : 0.0;
+      const double slope = u > 0.0 ? theta[0] * theta[2] * power / u * drag / depth_ : 0.0;
+      const double left =
+          sample.force - theta[0] * power * drag - slope * (sample.position - place);
+      const double variance = force_variance_ + slope * slope * position_variance_;
+      const double scale = 1.0 / std::sqrt(variance);
+      row.error = scale * left;
+      row.by.setZero();
+      if (u > 0.0) {
+        row.by << power * drag, theta[0] * power * sample.speed,
+            theta[0] * power * std::log(u) * drag, -slope;
+        row.by *= scale;
+      }
+      place = sample.position + position_variance_ * slope * left / variance;
+    }
+    return row;
+  }
+
   const std::vector<PressSamples>& presses_;
   bool is_surface_shared_;
   double depth_ = 0.0;
-  double energy_ = 0.0;
+  double position_variance_ = 0.0;
+  double force_variance_ = 0.0;
   std::size_t count_ = 0;
 };
 
@@ -139,7 +166,47 @@ void state_parameters(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covar
   fit.exponent = told(theta[2], shared(2, 2));
 }
 
+/// Of the smoothed force, as the linear law has it.
+void state_residual(const std::vector<PressSamples>& presses, ContactFit& fit) {
+  double errors = 0.0, energy = 0.0, count = 0.0;
+  for (std::size_t p = 0; p < presses.size(); ++p) {
+    for (const ContactSample& sample : presses[p].samples) {
+      const double depth = std::max(0.0, sample.position - fit.surface[p]);
+      const double estimated = std::pow(depth, fit.exponent.value) *
+                               (fit.stiffness.value + fit.damping.value * sample.speed);
+      errors += std::pow(sample.force - estimated, 2);
+      energy += sample.force * sample.force;
+      count += 1.0;
+    }
+  }
+  fit.residual = std::sqrt(errors / std::max(count, 1.0));
+  fit.relative_error = energy > 0.0 ? std::sqrt(errors / energy) : 0.0;
+}
+
 }  // namespace
+
+double normalised_misfit(const std::vector<PressSamples>& presses, const ContactFit& fit) {
+  double sum = 0.0, count = 0.0;
+  const double n = fit.exponent.value;
+  const bool is_curved = fit.regressor == ContactRegressor::hunt_crossley;
+  for (std::size_t p = 0; p < presses.size(); ++p) {
+    const PressSamples& press = presses[p];
+    for (const ContactSample& sample : press.raw) {
+      const double depth = std::max(0.0, sample.position - fit.surface[p]);
+      const double power = std::pow(depth, n);
+      const double drag = fit.damping.value * sample.speed;
+      const double slope =
+          depth > 0.0 ? n * power / depth * (fit.stiffness.value + (is_curved ? drag : 0.0)) : 0.0;
+      double estimated = power * (fit.stiffness.value + (is_curved ? drag : 0.0));
+      if (!is_curved && depth > 0.0) estimated += drag + fit.mass.value * sample.acceleration;
+      const double variance =
+          std::pow(press.force_noise, 2) + std::pow(slope * press.position_noise, 2);
+      sum += std::pow(sample.force - estimated, 2) / std::max(variance, 1e-300);
+      count += 1.0;
+    }
+  }
+  return sum / std::max(count, 1.0);
+}
 
 ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses, bool is_surface_shared) {
   ContactFit fit;
@@ -154,17 +221,15 @@ ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses, bool is_s
   Eigen::MatrixXd normal;
   Eigen::VectorXd pull;
   problem.evaluate(theta, &normal, &pull);
-  const double correlated =
-      correlated_samples(presses.front().half_width, presses.front().interval);
-  const double variance = sum / static_cast<double>(problem.count() - unknowns) * correlated;
+  // Above 1 where the law is not quite the surface's.
+  const double variance = sum / static_cast<double>(problem.count() - unknowns);
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(theta.size(), theta.size());
   const Eigen::MatrixXd covariance = variance * normal.ldlt().solve(identity);
   state_parameters(theta, covariance, problem.depth(), fit);
   for (std::size_t p = 0; p < presses.size(); ++p) {
     fit.surface.push_back(theta[problem.surface_column(p)]);
   }
-  fit.residual = std::sqrt(sum / static_cast<double>(problem.count()));
-  fit.relative_error = std::sqrt(sum / problem.energy());
+  state_residual(presses, fit);
   fit.is_valid = fit.stiffness.value > 0.0 && std::isfinite(fit.stiffness.deviation);
   return fit;
 }
