@@ -104,9 +104,14 @@ Misfit misfit(const std::vector<StandingContact>& contacts, const PathView& tip,
 TimeOffset force_offset(const Segmentation& found, std::span<const double> t_force,
                         const PathView& tip) {
   TimeOffset result;
+  // Presses tell it, being loaded and let go; pushes speak where there are none.
+  const bool has_presses =
+      std::any_of(found.contacts.begin(), found.contacts.end(),
+                  [](const ContactEpisode& e) { return e.kind == ContactKind::press; });
   std::vector<StandingContact> contacts;
   for (const ContactEpisode& episode : found.contacts) {
-    if (!episode.t.empty()) contacts.push_back(standing(episode));
+    const bool is_press = episode.kind == ContactKind::press;
+    if (!episode.t.empty() && is_press == has_presses) contacts.push_back(standing(episode));
   }
   double least = std::numeric_limits<double>::infinity();
   double exponent = 1.0;
@@ -135,7 +140,7 @@ TimeOffset force_offset(const Segmentation& found, std::span<const double> t_for
   result.deviation = std::sqrt(at.squares / at.count * correlated / at.slopes);
   result.correlation = std::sqrt(std::max(0.0, 1.0 - at.squares / at.motion));
   // Where nothing changes its pace under load, any offset would do.
-  result.is_known = !is_at_end && result.correlation > 0.9 && result.deviation < kGrid;
+  result.is_known = !is_at_end && result.correlation > 0.9 && result.deviation < 0.5 * kGrid;
   return result;
 }
 

@@ -16,6 +16,7 @@ constexpr double kLargestGap = 0.015;  // [m]
 constexpr double kTellsApart = 0.003;  // [m]
 /// A face's normal this near to the force gives the direction; the force itself is noisy.
 constexpr double kFaceCosine = 0.9;
+constexpr double kSameDirection = 0.9998;  // 1 degree
 /// [m] an object that another contact moved while one was touched.
 constexpr double kMovedToo = 0.003;
 
@@ -61,7 +62,12 @@ class Attribution {
  public:
   Attribution(const IdentificationInput& input, const Segmentation& found,
               std::span<const double> t_force, const PathView& tip, ObjectPlaces& places)
-      : input_(input), found_(found), t_force_(t_force), tip_(tip), places_(places) {}
+      : input_(input),
+        found_(found),
+        t_force_(t_force),
+        tip_(tip),
+        places_(places),
+        directions_(input.objects.size()) {}
 
   IdentifiedContact attribute(const ContactEpisode& episode) {
     IdentifiedContact contact;
@@ -105,8 +111,14 @@ class Attribution {
     ContactEpisode& episode = contact.episode;
     const std::size_t object = *contact.object;
     const Pose T_base_object = places_.at(object, episode.begin);
-    const Eigen::Vector3d inward = -(T_base_object.rotation() * contact.normal_object);
+    Eigen::Vector3d inward = -(T_base_object.rotation() * contact.normal_object);
     if (inward.dot(episode.direction_base) > kFaceCosine) {
+      // Tracked anew at each contact, a face's direction shakes: at an arm of half a metre, 0.1
+      // degrees would put each press's surface a millimetre elsewhere.
+      for (const Eigen::Vector3d& known : directions_[object]) {
+        if (known.dot(inward) > kSameDirection) inward = known;
+      }
+      directions_[object].push_back(inward);
       lay_along(inward, tip_, contact);
     }
     const Eigen::Vector3d arm =
@@ -135,6 +147,7 @@ class Attribution {
   std::span<const double> t_force_;
   const PathView& tip_;
   ObjectPlaces& places_;
+  std::vector<std::vector<Eigen::Vector3d>> directions_;  ///< by object: those of earlier contacts
 };
 
 }  // namespace
