@@ -1,9 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
+
+#include "pcavr/core/random.hpp"
+#include "pcavr/friction/point_push.hpp"
 
 #include "prediction/worlds.hpp"
 
@@ -64,6 +68,155 @@ TEST(OneBody, SlidesAtTheCoulombForceAndStopsWithTheTip) {
   EXPECT_NE(world.state()[0].phase, MotionPhase::sliding);
   EXPECT_NEAR(world.state()[0].planar.position.y(), 0.0, 1e-6);
   EXPECT_NEAR(world.state()[0].planar.yaw, 0.0, 1e-5);
+}
+
+TEST(OneBody, DoesNotCreepInAMinuteUnderNineTenthsOfTheLimit) {
+  for (const double stiffness : {2000.0, 8000.0, 1e6}) {
+    BodyPhysics physics = foam_physics();
+    physics.contact.stiffness = stiffness;
+    PredictedWorld world = world_of(one_box(physics));
+    const double depth = 0.9 * 9.57 / stiffness;
+    const auto press = [=](double t) -> Eigen::Vector3d {
+      const double ripple = 1.0 + 0.01 * std::sin(20.0 * t);
+      return touching_tip(0.02) + Eigen::Vector3d(std::min(t, 1.0) * depth / 1.01 * ripple, 0, 0);
+    };
+    test::run(world, press, 60.0, 0.002);
+    EXPECT_EQ(world.state()[0].planar.position, Eigen::Vector2d::Zero()) << stiffness;
+    EXPECT_EQ(world.state()[0].planar.yaw, 0.0) << stiffness;
+    EXPECT_GT(world.state()[0].tool_force_base.x(), 8.3) << stiffness;
+  }
+}
+
+TEST(OneBody, IsCriticalInTheBandBelowTheLimitingForce) {
+  PredictedWorld world = world_of(one_box());
+  double first = 0.0;
+  test::run(world, push(0.001), 1.15, 0.001, [&](double) {
+    const BodyState& state = world.state()[0];
+    if (state.phase == MotionPhase::critical && first == 0.0) first = state.tool_force_base.x();
+  });
+  // A tenth of F_M is more than its STD of 0.5 N.
+  EXPECT_NEAR(first, 0.9 * 9.57, 0.02);
+  EXPECT_EQ(world.state()[0].phase, MotionPhase::critical);
+}
+
+TEST(OneBody, LetsTheTipGoAndFeelsNothingThen) {
+  PredictedWorld world = world_of(one_box());
+  test::run(world, push(0.04), 1.0, 0.001);
+  const auto away = [](double t) -> Eigen::Vector3d {
+    return touching_tip() + Eigen::Vector3d(0.04 - 0.1 * t, 0.0, 0.0);
+  };
+  double largest_pull = 0.0;
+  test::run(world, away, 1.0, 0.001, [&](double) {
+    largest_pull = std::min(largest_pull, world.state()[0].tool_force_base.x());
+  });
+  const BodyState& state = world.state()[0];
+  EXPECT_EQ(largest_pull, 0.0);
+  EXPECT_EQ(state.phase, MotionPhase::free);
+  EXPECT_TRUE(state.tool_force_base.isZero(0.0));
+  EXPECT_TRUE(state.planar.twist.isZero(0.0));
+  EXPECT_NEAR(state.penetration, -0.05, 1e-12);  // further is not told
+}
+
+TEST(OneBody, GlidesToAStopByItsFriction) {
+  PredictedWorld world = world_of(one_box());
+  std::vector<BodyState> state = world.state();
+  state[0].planar.twist = {0.3, 0.4, 0.0};
+  world.set_state(state);
+  const Eigen::Vector3d far(5.0, 5.0, 1.0);
+  test::run(
+      world, [&](double) { return far; }, 1.0, 0.001);
+  // v^2 M / (2 mu M g)
+  EXPECT_NEAR(world.state()[0].planar.position.norm(), 0.25 * 3.0 / (2.0 * 8.5), 1e-5);
+  EXPECT_EQ(world.state()[0].phase, MotionPhase::free);
+}
+
+TEST(OneBody, PressedFromAboveItSlidesHarder) {
+  PredictedWorld world = world_of(one_box());
+  // 20 N down in the middle of the top, then dragged along: the tip slips at 0.3 of 20 N = 6 N.
+  const auto drag = [](double t) -> Eigen::Vector3d {
+    const double down = std::min(t, 0.5) * 2.0 * 20.0 / 8000.0;
+    return {std::max(0.0, t - 0.6) * 0.02, 0.0, 0.125 + test::kTipRadius - down};
+  };
+  test::run(world, drag, 1.5, 0.001);
+  EXPECT_NEAR(world.state()[0].tool_force_base.z(), -20.0, 0.1);
+  EXPECT_NEAR(world.state()[0].tool_force_base.x(), 6.0, 0.05);
+  EXPECT_TRUE(world.state()[0].planar.position.isZero(0.0));
+  // A tip that does not slip takes it along, against the friction of weight and press.
+  BodyPhysics sticky = foam_physics();
+  sticky.tool_friction = 2.0;
+  sticky.contact.damping = 500.0;
+  PredictedWorld dragged = world_of(one_box(sticky));
+  test::run(dragged, drag, 2.5, 0.001);
+  const double expected = 8.5 * (1.0 + 20.0 / (3.0 * 9.80665));
+  EXPECT_NEAR(dragged.state()[0].tool_force_base.x(), expected, 0.3);
+  EXPECT_GT(dragged.state()[0].planar.position.x(), 0.03);
+}
+
+TEST(OneBody, TurnsUnderAnOffCentrePushAsWithoutInertia) {
+  // Slow, so that inertia is small; at the support's level, so that no pressure shifts.
+  BodyPhysics physics = foam_physics();
+  physics.friction.limiting_force = physics.friction.coulomb_force;
+  physics.contact = {1e5, 2000.0, 1.0};
+  for (const double offset : {-0.06, 0.02, 0.05}) {
+    PredictedWorld world = world_of(one_box(physics));
+    const auto path = [&](double t) -> Eigen::Vector3d {
+      return touching_tip(offset, 0.001) + Eigen::Vector3d(0.01 * t, 0.0, 0.0);
+    };
+    test::run(world, path, 0.6, 0.001);
+    const PlanarState& planar = world.state()[0].planar;
+    PointPush at;
+    at.point = {-0.0875, offset};
+    at.friction_coefficient = physics.tool_friction;
+    at.velocity = {0.01, 0.0};
+    const LimitSurface surface = ellipsoid_surface(8.5, 8.5 * physics.friction_radius);
+    const PushMotion expected = push_at_point(surface, at);
+    EXPECT_LT(twist_angle(planar.twist, expected.twist, 0.06), 0.1) << offset;
+    EXPECT_NEAR(planar.twist.norm() / expected.twist.norm(), 1.0, 0.1) << offset;
+  }
+}
+
+TEST(OneBody, NeverBecomesSenselessWhateverTheTipDoes) {
+  Random random(3);
+  for (int round = 0; round < 60; ++round) {
+    BodyPhysics physics = foam_physics();
+    physics.friction.mass = std::exp(random.uniform(-3.0, 2.0));
+    physics.friction.coulomb_force = physics.friction.mass * random.uniform(0.0, 8.0);
+    physics.friction.limiting_force = physics.friction.coulomb_force * random.uniform(0.5, 1.5);
+    physics.contact.stiffness = std::exp(random.uniform(6.0, 14.5));
+    physics.contact.damping = random.uniform() < 0.3 ? 0.0 : random.uniform(0.0, 1000.0);
+    physics.contact.exponent = random.uniform() < 0.5 ? 1.0 : random.uniform(1.0, 2.0);
+    PredictedWorld world = world_of(one_box(physics));
+    Eigen::Vector3d tip = touching_tip();
+    double energy_of_tip = 0.0;
+    for (int i = 0; i < 400; ++i) {
+      const Eigen::Vector3d before = tip;
+      const double what = random.uniform();
+      const double size = what < 0.9 ? 0.002 : what < 0.99 ? 0.02 : 1.0;
+      tip += Eigen::Vector3d(random.uniform(-size, size), random.uniform(-size, size),
+                             0.3 * random.uniform(-size, size));
+      if (random.uniform() < 0.02) tip = touching_tip(0.0, 0.03) + Eigen::Vector3d(0.02, 0.0, 0.0);
+      world.step(before, tip, random.uniform(0.0005, 0.002));
+      const BodyState& state = world.state()[0];
+      energy_of_tip = std::max(energy_of_tip, state.planar.twist.head<2>().norm());
+      ASSERT_TRUE(state.planar.position.allFinite() && std::isfinite(state.planar.yaw));
+      ASSERT_TRUE(state.tool_force_base.allFinite() && std::isfinite(state.penetration));
+      ASSERT_LE(state.tool_force_base.norm(), 2000.0 * 1.05);
+    }
+    EXPECT_LT(energy_of_tip, 50.0);
+  }
+}
+
+TEST(OneBody, IgnoresATipThatNobodyCanPlace) {
+  PredictedWorld world = world_of(one_box());
+  test::run(world, push(0.04), 0.5, 0.001);
+  const PlanarState before = world.state()[0].planar;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinite = std::numeric_limits<double>::infinity();
+  world.step({nan, 0.0, 0.0}, touching_tip(), 0.001);
+  world.step(touching_tip(), {infinite, 0.0, 0.0}, 0.001);
+  world.step(touching_tip(), touching_tip(), nan);
+  world.step(touching_tip(), touching_tip(), -1.0);
+  EXPECT_EQ(world.state()[0].planar.position, before.position);
 }
 
 /// Press, push with a modulation, stop, reverse off it, come again.
