@@ -10,6 +10,7 @@
 #include "pcavr/core/output.hpp"
 
 #include "follow_objects.hpp"
+#include "identify_signals.hpp"
 #include "survey.hpp"
 
 namespace pcavr {
@@ -133,9 +134,12 @@ Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManife
     }
     input.objects.push_back(std::move(object));
   }
-  Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
-  if (!mesh) return mesh.error();
-  input.static_mesh_base = std::move(*mesh);
+  // A scene of a recording without images is what the manifest stated: nothing was scanned.
+  if (scene.quality.frames_used > 0) {
+    Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
+    if (!mesh) return mesh.error();
+    input.static_mesh_base = std::move(*mesh);
+  }
   input.tool_radius = recording.manifest.tool_radius.value_or(input.tool_radius);
   for (const TimedPose& tool : recording.tool.poses()) {
     input.t_tool.push_back(tool.stamp.seconds());
@@ -144,6 +148,12 @@ Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManife
   for (const WrenchSample& sample : recording.wrench) {
     input.t_force.push_back(sample.stamp.seconds());
     input.force_base.push_back(sample.force);
+  }
+  if (input.t_tool.size() > 1 && !input.t_force.empty()) {
+    const Segmentation contacts =
+        segment_contacts(input.t_force, input.force_base, input.t_tool, input.p_base_tip);
+    input.tool_to_force =
+        force_offset(contacts, input.t_force, PathView(input.t_tool, input.p_base_tip));
   }
   return input;
 }

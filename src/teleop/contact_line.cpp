@@ -9,12 +9,15 @@ namespace pcavr {
 namespace {
 
 constexpr std::size_t kLeastSamples = 20;
-constexpr double kSlopeKnown = 0.05;
+constexpr double kSlopeKnown = 0.1;
+// A chord of nothing would hold any force [m/N].
+constexpr double kStiffest = 1e-7;
 
 }  // namespace
 
 void ContactLine::add(double tip, double force, double correlated) {
   if (count_++ == 0) origin_ = tip;
+  chord_ = std::max((tip - touch_) / force, kStiffest);
   const double x = tip - origin_;
   x_ += x;
   xx_ += x * x;
@@ -48,14 +51,16 @@ ContactLine::Fit ContactLine::fit(std::size_t law) const {
 
 std::size_t ContactLine::best() const { return fit(1).residual < fit(0).residual ? 1 : 0; }
 
-double ContactLine::surface() const { return origin_ + fit(best()).surface; }
+double ContactLine::surface() const { return is_ready_ ? origin_ + fit(best()).surface : touch_; }
 
 double ContactLine::depth(double force) const {
+  if (!is_ready_) return chord_ * std::max(force, 0.0);
   const std::size_t law = best();
   return fit(law).slope * std::pow(std::max(force, 0.0), 1.0 / kExponents[law]);
 }
 
 double ContactLine::force(double depth) const {
+  if (!is_ready_) return std::max(depth, 0.0) / chord_;
   const std::size_t law = best();
   return std::pow(std::max(depth, 0.0) / fit(law).slope, kExponents[law]);
 }

@@ -9,15 +9,23 @@ namespace pcavr {
 
 /// The contact's law as the push itself shows it while the object stands: the tip's coordinate is
 /// surface + (F / k)^(1/n), fitted over running sums for n = 1 and n = 1.5, of which the smaller
-/// residual holds. An object that moves leaves the line [paper C, SMA].
+/// residual holds. An object that moves leaves the line [paper C, SMA]. Until the fit is sure of
+/// its slope, and on contacts so stiff that it never is, the straight line from first touch to the
+/// latest sample stands in: it bends less than any law with n >= 1, so it takes no compression for
+/// motion.
 class ContactLine {
  public:
+  /// `touch`: the tip's coordinate at first touch, as the force showed it [m].
+  explicit ContactLine(double touch = 0.0) : touch_(touch) {}
+
   /// tip: coordinate growing into the object [m]; force > 0 [N].
   /// `correlated`: how many successive samples count as one.
   void add(double tip, double force, double correlated);
 
-  /// Its slope is known to 5 %: before, it predicts nothing.
+  /// The fit's slope is known to a tenth.
   [[nodiscard]] bool is_ready() const { return is_ready_; }
+  /// There is at least the straight line.
+  [[nodiscard]] bool is_usable() const { return count_ > 0; }
   [[nodiscard]] double surface() const;            ///< the tip's coordinate at first touch [m]
   [[nodiscard]] double depth(double force) const;  ///< under a resting force [m]
   /// Inverse of depth(): the resting force [N].
@@ -40,6 +48,8 @@ class ContactLine {
   std::array<Sums, 2> sums_{};
   double x_ = 0.0, xx_ = 0.0;
   double origin_ = 0.0;  ///< the first tip: keeps the sums small
+  double touch_;
+  double chord_ = 0.0;  ///< of the straight line [m/N]
   std::size_t count_ = 0;
   bool is_ready_ = false;
 };

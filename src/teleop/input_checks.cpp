@@ -73,12 +73,6 @@ Pressing press_of(const TeleopInput& input, const TipMotion& tip) {
   return pressing;
 }
 
-std::string in_milliseconds(const TimeOffset& offset) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.1f +- %.1f ms", 1e3 * offset.offset, 1e3 * offset.deviation);
-  return text;
-}
-
 std::optional<double> flat_top(const TeleopInput& input) {
   std::optional<double> ceiling;
   for (int axis = 0; axis < 3; ++axis) {
@@ -154,7 +148,6 @@ void check_force(const TeleopInput& input, const Pressing& pressing, InputFindin
         "the force is not used: it falls where the tool presses in; its sign is turned round");
     return;
   }
-  if (offset.is_known) findings.tool_to_force = offset;
   check_unit(input, pressing, findings);
   findings.force_ceiling = flat_top(input);
   if (findings.force_ceiling) {
@@ -264,10 +257,6 @@ InputFindings check_input(const TeleopInput& input, const TipMotion& tip) {
     return findings;
   }
   if (!input.objects.empty()) check_force(input, press_of(input, tip), findings);
-  if (findings.tool_to_force) {
-    findings.notes.push_back("the force is " + in_milliseconds(*findings.tool_to_force) +
-                             " behind the tool");
-  }
   return findings;
 }
 

@@ -62,7 +62,7 @@ std::optional<Compliance> compliance_of(const ObjectParameters& known) {
 ObjectLearner::ObjectLearner(const ObjectParameters& given, std::optional<double> force_ceiling)
     : known_(given), given_(given), force_ceiling_(force_ceiling) {}
 
-bool ObjectLearner::learn(const ContactRecord& record, double begin) {
+bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_slid) {
   has_changed_ = false;
   const Segmentation found =
       segment_contacts(record.t_force, record.force_base, record.t_tool, record.p_base_tip);
@@ -77,7 +77,7 @@ bool ObjectLearner::learn(const ContactRecord& record, double begin) {
   if (!is_same) contacts_.emplace_back();
   contacts_.back() = *nearest;
   learn_contact();
-  if (nearest->kind != ContactKind::press) {
+  if (nearest->kind != ContactKind::press && has_slid) {
     learn_breakaway();
     learn_sliding();
   }

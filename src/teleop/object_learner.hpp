@@ -34,9 +34,10 @@ class ObjectLearner {
   /// `force_ceiling` [N]: at which the sensor saturates; contacts that reach it teach nothing.
   ObjectLearner(const ObjectParameters& given, std::optional<double> force_ceiling);
 
-  /// Looks at a contact that began at `begin` [s], again if it has been shown before. True where
-  /// something was learned.
-  bool learn(const ContactRecord& record, double begin);
+  /// Looks at a contact that began at `begin` [s], again if it has been shown before. A contact in
+  /// which the object has not slid yet tells nothing of friction: a tool that stops looks like a
+  /// breakaway that goes flat. True where something was learned.
+  bool learn(const ContactRecord& record, double begin, bool has_slid);
 
   /// The object stood still under `friction` [N], where its physics let it go: what was said of its
   /// friction is not true, and is forgotten. Until it breaks away it counts as rougher by half than

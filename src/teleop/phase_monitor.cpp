@@ -49,7 +49,7 @@ void PhaseMonitor::see(double t, bool is_moving, bool is_near) {
 }
 
 std::optional<double> PhaseMonitor::way_at(double t) const {
-  if (!is_touched_ || is_press_ || !line_.is_ready()) return std::nullopt;
+  if (!is_touched_ || is_press_ || !line_.is_usable()) return std::nullopt;
   if (t < contact_.front().t || t > contact_.back().t) return std::nullopt;
   return way(contact_[first_after(t)]);
 }
@@ -112,7 +112,7 @@ void PhaseMonitor::begin_contact(const MonitorSample& sample) {
   is_press_ = std::abs(inward.z()) > inward.head<2>().norm();
   direction_base_ = inward;
   if (!is_press_) direction_base_ = Eigen::Vector3d(inward.x(), inward.y(), 0.0).normalized();
-  line_ = {};
+  line_ = ContactLine(sample.p_base_tip.dot(direction_base_));
   is_line_final_ = is_contact_stamped_ = false;
   next_for_line_ = 0;
   contact_.clear();
@@ -150,7 +150,7 @@ void PhaseMonitor::follow(const Point& point,
     if (past.force > options_.enter_force) line_.add(past.tip, past.force, options_.correlated);
   }
   if (point.t - contact_.front().t > kStampAfter) stamp_contact();
-  if (!line_.is_ready()) {
+  if (!line_.is_usable()) {
     judge_rest(limiting_friction);
     return;
   }

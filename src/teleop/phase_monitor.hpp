@@ -58,6 +58,8 @@ class PhaseMonitor {
   [[nodiscard]] double contact_begin() const { return contact_begin_; }
   [[nodiscard]] const Eigen::Vector3d& direction_base() const { return direction_base_; }
   [[nodiscard]] bool is_press() const { return is_press_; }
+  /// In the present or the last contact.
+  [[nodiscard]] bool has_slid() const { return is_line_final_; }
   /// Of the object along the push [m/s]; 0 unless it slides.
   [[nodiscard]] double speed() const { return speed_; }
   /// The force along the push less what damping adds [N]: what tells the depth.

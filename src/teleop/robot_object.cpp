@@ -20,8 +20,6 @@ constexpr double kMovedSpeed = 0.005;
 constexpr double kTouchSigma = 1e-4;
 // Of a contact law's depth, where nobody said how sure it is [share].
 constexpr double kDepthShare = 0.1;
-// Of the way that an object went unseen [share].
-constexpr double kUnseenShare = 0.05;
 // Less force says little of a depth [N].
 constexpr double kLeastForce = 1.0;
 // How fast the offset between camera and touch is followed.

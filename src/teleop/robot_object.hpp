@@ -28,6 +28,9 @@ struct TouchSample {
   Eigen::Vector3d force_base = Eigen::Vector3d::Zero();  ///< bias removed [N]
 };
 
+/// By which the place of an object that moves unseen becomes less sure: of its way.
+inline constexpr double kUnseenShare = 0.05;
+
 /// Where the robot's site holds an object to be, and how surely.
 struct KnownPlace {
   Pose T_base_object;

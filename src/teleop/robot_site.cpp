@@ -271,7 +271,7 @@ void RobotSite::learn(RobotObject& object, double t) {
                         std::span(force_.clean_base).subspan(first, count),
                         std::span(tip_.t).subspan(first_tool, tools),
                         std::span(tip_.p_base).subspan(first_tool, tools)},
-                       begin);
+                       begin, object.monitor.has_slid());
 }
 
 void RobotSite::record_force(std::size_t index, const TouchSample& sample,

@@ -23,6 +23,7 @@ namespace {
 constexpr double kStep = 0.001;  // [s] the operator's cycle
 // An offset between clocks is taken off where it is beyond doubt and matters.
 constexpr double kOffsetSigmas = 3.0;
+constexpr double kLongGap = 0.2;         // [s] without a frame of an object
 constexpr double kShortest = 0.008;      // [s] of a phase
 constexpr double kForceOffset = 0.005;   // [s]
 constexpr double kCameraOffset = 0.020;  // [s]
@@ -42,20 +43,22 @@ bool matters(const std::optional<TimeOffset>& offset, double least) {
   return offset && std::abs(offset->offset) > std::max(kOffsetSigmas * offset->deviation, least);
 }
 
+std::string late(const char* what, const TimeOffset& offset) {
+  char text[128];
+  std::snprintf(text, sizeof text, "%s comes %.0f +- %.0f ms late by its stamps: taken off", what,
+                1e3 * offset.offset, 1e3 * offset.deviation);
+  return text;
+}
+
 /// The input with the clocks' offsets taken off; the tool's clock counts.
 TeleopInput on_one_clock(const TeleopInput& input, const InputFindings& findings,
                          std::vector<std::string>& notes) {
   TeleopInput result = input;
-  char text[128];
-  if (matters(findings.tool_to_camera, kCameraOffset)) {
-    const double late = findings.tool_to_camera->offset;
-    for (TeleopObject& object : result.objects) {
-      for (TrackedPose& pose : object.tracked) pose.t -= late;
-    }
-    std::snprintf(text, sizeof text, "tracking comes %.0f ms late by its stamps: taken off",
-                  1e3 * late);
-    notes.emplace_back(text);
+  if (!matters(findings.tool_to_camera, kCameraOffset)) return result;
+  for (TeleopObject& object : result.objects) {
+    for (TrackedPose& pose : object.tracked) pose.t -= findings.tool_to_camera->offset;
   }
+  notes.push_back(late("tracking", *findings.tool_to_camera));
   return result;
 }
 
@@ -133,9 +136,27 @@ std::vector<PhaseRow> phase_rows(std::size_t object, const std::vector<PhaseChan
   }
 }
 
+/// Where the camera lost an object: what was shown then was prediction, and how far it may be off.
+void note_gaps(const TeleopObject& object, TeleopRun& run) {
+  for (std::size_t i = 1; i < object.tracked.size(); ++i) {
+    const TrackedPose& before = object.tracked[i - 1];
+    const TrackedPose& after = object.tracked[i];
+    if (after.t - before.t < kLongGap) continue;
+    const double way = translation_distance(before.T_base_object, after.T_base_object);
+    char text[160];
+    std::snprintf(
+        text, sizeof text,
+        " was not seen from %.2f to %.2f s: prediction went on alone, and its uncertainty "
+        "grew to %.1f mm",
+        before.t, after.t, 1e3 * (before.position_sigma + kUnseenShare * way));
+    run.notes.push_back(object.name + text);
+  }
+}
+
 void note_unseen(const TeleopInput& input, const RobotSite& robot, TeleopRun& run) {
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const TeleopObject& object = input.objects[i];
+    note_gaps(object, run);
     if (object.tracked.empty()) {
       run.notes.push_back(object.name +
                           " was never tracked: its place is the scene's, carried on "
@@ -181,11 +202,12 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
   const InputFindings findings = check_input(recorded, tip);
   run.notes = findings.notes;
   if (tip.jumps > 0) run.notes.push_back(describe_jumps(tip));
-  run.tool_to_force = findings.tool_to_force;
+  run.tool_to_force = recorded.tool_to_force;
   run.tool_to_camera = findings.tool_to_camera;
   const TeleopInput input = on_one_clock(recorded, findings, run.notes);
-  const double force_late =
-      matters(findings.tool_to_force, kForceOffset) ? findings.tool_to_force->offset : 0.0;
+  const bool is_force_late = matters(recorded.tool_to_force, kForceOffset);
+  const double force_late = is_force_late ? recorded.tool_to_force->offset : 0.0;
+  if (is_force_late) run.notes.push_back(late("the force", *recorded.tool_to_force));
   const ForceSignal force = smooth_force(input, tip, force_late);
 
   std::vector<BodyPhysics> physics;

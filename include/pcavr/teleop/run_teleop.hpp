@@ -51,6 +51,9 @@ struct TeleopInput {
   std::vector<Eigen::Vector3d> p_base_tip;
   std::vector<double> t_force;              ///< may be empty: no wrench was recorded
   std::vector<Eigen::Vector3d> force_base;  ///< that the tool exerts [N]
+  /// How much later the force's stamps are than the tool's, where that was measured beforehand;
+  /// taken off if it is beyond doubt.
+  std::optional<TimeOffset> tool_to_force = {};
 };
 
 struct TeleopOptions {
