@@ -14,9 +14,10 @@
 namespace pcavr::detail {
 namespace {
 
-/// Where the contacts' forces and the body's motion agree to this [m], a step is solved: 1 mN at
-/// 1 MN/m.
-constexpr double kSolved = 1e-9;
+/// A step is solved where the contacts' forces and the motion that they cause agree to this share
+/// of F_M, far below what a force sensor tells; or the motion to this [m].
+constexpr double kSolvedForce = 3e-4;
+constexpr double kSolvedWay = 1e-10;
 constexpr int kMostRounds = 24;
 /// Of a step: less is left for the next one.
 constexpr double kLeastShareOfStep = 1e-3;
@@ -193,13 +194,13 @@ class BodyStepper {
   }
 
   /// With the body's end at `planar`; `end_share` 1 for the load there, less for its mean.
-  [[nodiscard]] Load load_at(const PlanarState& planar, double end_share) const noexcept {
+  [[nodiscard]] Load load_at(const PlanarState& planar, const Touch& touch,
+                             double end_share) const noexcept {
     Load load;
+    load.touch = touch;
     const Displacement own{planar.position - state_.planar.position,
                            planar.yaw - state_.planar.yaw};
-    load.touch = touch_at(planar, tip_.to);
-    if (load.touch.depth > 0.0 || touch_.depth > 0.0) {
-      const Touch& touch = load.touch;
+    if (touch.depth > 0.0 || touch_.depth > 0.0) {
       const double begin = std::max(touch_.depth, 0.0);
       const double end = end_share < 1.0 ? std::max(touch.depth, 0.0) : touch.depth;
       Eigen::Vector3d slip = tip_.to - tip_.from;
@@ -242,29 +243,34 @@ class BodyStepper {
     PlanarState guess = first_guess();
     PlanarFriction friction = friction_;
     friction.holding = 1.0;  // it has broken loose
+    const double enough = kSolvedForce * holding_force(parameters);
     PlanarState best;
-    double best_residual = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < kMostRounds && best_residual > kSolved; ++round) {
-      const Load load = load_at(guess, end_share_);
+    Load at_best;
+    Eigen::Vector3d gap = Eigen::Vector3d::Zero();  // from where the best guess leads to it
+    double least = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kMostRounds; ++round) {
+      const Load load = load_at(guess, touch_at(guess, tip_.to), end_share_);
       friction.sliding.force = friction_.sliding.force * body_.weight_share(load.down());
       const PlanarStep step = body_.step(friction, state_.planar, load.wrench, dt_);
       const Eigen::Vector3d residual = scaled(guess) - scaled(step.state);
-      if (residual.norm() < best_residual) {
-        best_residual = residual.norm();
+      if (residual.norm() < least) {
+        least = residual.norm();
         best = step.state;
+        at_best = load;
+        gap = residual;
       }
-      if (load.wrench.isZero(0.0) && free_at(step.state)) break;
+      if (least <= kSolvedWay || (load.stiffness * residual).norm() <= enough) break;
       const Eigen::Matrix3d slope = Eigen::Matrix3d::Identity() + compliance * load.stiffness;
       const Eigen::Vector3d change = slope.inverse() * residual;
       guess.position -= change.head<2>();
       guess.yaw -= change.z() / body_.gyration_radius();
     }
-    const Load load = load_at(best, 1.0);
+    // The gap is so small that the surface is as good as flat over it.
+    Touch touch = at_best.touch;
+    const Displacement rest{-gap.head<2>(), -gap.z() / body_.gyration_radius()};
+    touch.depth += touch.normal.head<2>().dot(rest.at(touch.arm));
+    const Load load = load_at(best, touch, 1.0);
     conclude(best, load, best.twist.isZero(0.0) ? holding_share(load) : 1.0);
-  }
-
-  [[nodiscard]] bool free_at(const PlanarState& planar) const noexcept {
-    return sides_.empty() && touch_.depth < 0.0 && !(touch_at(planar, tip_.to).depth > 0.0);
   }
 
   /// `share`: of what the support would hold.
