@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "pooled_errors.hpp"
 #include "run_report.hpp"
 
@@ -35,12 +37,19 @@ void add_positions(const Findings& findings, std::vector<Figure>& headline) {
 
 void add_forces(const RunFindings& run, std::vector<Figure>& headline) {
   const std::vector<double> relative = relative_force_errors(run);
-  if (relative.empty()) return;
-  const ErrorStatistics figures = statistics(relative);
-  headline.push_back(
-      {"Force felt against measured, in contact, median error", kPercent * figures.median, "%"});
-  headline.push_back(
-      {"Force felt against measured, in contact, 95 %", kPercent * figures.p95, "%"});
+  if (!relative.empty()) {
+    const ErrorStatistics figures = statistics(relative);
+    headline.push_back(
+        {"Force felt against measured, in contact, median error", kPercent * figures.median, "%"});
+    headline.push_back(
+        {"Force felt against measured, in contact, 95 %", kPercent * figures.p95, "%"});
+  }
+  if (run.forces.empty()) return;
+  double largest = 0.0;
+  for (const auto& [object, errors] : run.forces) {
+    largest = std::max(largest, statistics(magnitudes(errors.all)).max);
+  }
+  headline.push_back({"Force felt against measured, whole run, worst", largest, "N"});
 }
 
 void add_phases(const RunFindings& run, std::vector<Figure>& headline) {

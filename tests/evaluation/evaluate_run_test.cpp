@@ -135,6 +135,25 @@ TEST_F(EvaluateRun, ComparesForcesPhasesAndNodes) {
   EXPECT_FALSE(figures.contains("nodes.t6.event"));
 }
 
+TEST_F(EvaluateRun, BeginsWithTheFiguresThatMatterMost) {
+  const Json headline = figures_against(truth())["headline"];
+  const auto value_of = [&](const std::string& name) {
+    for (const Json& figure : headline) {
+      if (figure["name"] == name) return figure["value"].get<double>();
+    }
+    ADD_FAILURE() << "no " << name;
+    return 0.0;
+  };
+  EXPECT_EQ(headline[0]["name"], "Predicted position while touched or moving, median error");
+  EXPECT_NEAR(headline[0]["value"], 1.0, 1e3 * kFileRounding);
+  EXPECT_NEAR(value_of("Predicted position over the whole run, worst"), 4.0, 1e3 * kFileRounding);
+  EXPECT_NEAR(value_of("Force felt against measured, in contact, median error"), 10.0, 1e-4);
+  EXPECT_NEAR(value_of("Force felt against measured, whole run, worst"), 1.0, 1e-5);
+  EXPECT_NEAR(value_of("Phase boundaries predicted, 95 %"), 30.0, 1e-6);
+  EXPECT_NEAR(value_of("Corrections, share of what streaming would send"), 1.0, 1e-9);
+  EXPECT_NEAR(value_of("box: error of the mass"), 10.0, 1e-9);
+}
+
 TEST_F(EvaluateRun, CountsCorrectionsAndWhatTheyDid) {
   const Json figures = figures_against(truth());
   EXPECT_EQ(figures["corrections.count"], 2);
