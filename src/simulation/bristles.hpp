@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Core>
@@ -33,6 +34,12 @@ inline constexpr double kBristleDampedSpeed = 0.005;
   return std::sqrt(stiffness / gravity);
 }
 
+/// exp(-x) for x >= 0, to 5e-9, without the cost where it is nearly 1 or 0.
+[[nodiscard]] inline double bell(double x) {
+  if (x < 1e-4) return 1.0 - x;
+  return x > 40.0 ? 0.0 : std::exp(-x);
+}
+
 /// Moves bristles bent by `bend` [m] on for dt [s] at a relative velocity [m/s]; returns the
 /// friction over the normal force, along +velocity (what resists is its opposite). Implicit in what
 /// slips, so that any dt is stable.
@@ -41,26 +48,24 @@ Eigen::Matrix<double, N, 1> advance_bristles(const BristleLaw& law,
                                              const Eigen::Matrix<double, N, 1>& velocity, double dt,
                                              Eigen::Matrix<double, N, 1>& bend) {
   const double square = velocity.squaredNorm();
-  const auto fading = [square](double scale) {
-    const double ratio = square / (scale * scale);
-    return ratio > 40.0 ? 0.0 : std::exp(-ratio);
-  };
-  const double coefficient =
-      law.sliding_coefficient +
-      (law.static_coefficient - law.sliding_coefficient) * fading(law.stribeck_speed);
-  const double limit = coefficient / law.stiffness();
   const double length = bend.norm();
-  const double place = (length / limit - kElasticShare) / (1.0 - kElasticShare);
   const double onward = bend.dot(velocity);
   double slip_rate = 0.0;  // [1/s]
-  if (place > 0.0 && onward > 0.0) {
-    const double slipping = place >= 1.0 ? 1.0 : place * place * (3.0 - 2.0 * place);
-    slip_rate = slipping * onward / (length * limit);
+  // Whatever the speed, the limit is not below Coulomb's: most bristles of a body at rest end here.
+  if (onward > 0.0 && length * law.stiffness() > kElasticShare * law.sliding_coefficient) {
+    const double coefficient =
+        law.sliding_coefficient + (law.static_coefficient - law.sliding_coefficient) *
+                                      bell(square / (law.stribeck_speed * law.stribeck_speed));
+    const double limit = coefficient / law.stiffness();
+    const double place =
+        std::clamp((length / limit - kElasticShare) / (1.0 - kElasticShare), 0.0, 1.0);
+    slip_rate = place * place * (3.0 - 2.0 * place) * onward / (length * limit);
   }
   const Eigen::Matrix<double, N, 1> bent = (bend + dt * velocity) / (1.0 + dt * slip_rate);
   const Eigen::Matrix<double, N, 1> rate = (bent - bend) / dt;
   bend = bent;
-  return law.stiffness() * bend + law.damping * fading(kBristleDampedSpeed) * rate;
+  return law.stiffness() * bend +
+         law.damping * bell(square / (kBristleDampedSpeed * kBristleDampedSpeed)) * rate;
 }
 
 }  // namespace pcavr::simulation

@@ -205,23 +205,24 @@ void push(Program& program, std::size_t body, const Spot& spot, int style, doubl
           double speed) {
   const Eigen::Vector3d onward = -spot.outward;
   load_until_it_goes(program, body, spot, 0.35, 0.0);
-  const auto go = [&](double way, double swing) {
-    program.go({.body = body,
-                .target = way * onward,
+  ToolMove move{.body = body,
+                .target = distance * onward,
                 .is_offset = true,
                 .speed = speed,
                 .acceleration = 0.15,
-                .swing = swing,
-                .swing_frequency = 0.8});
-  };
+                .swing_frequency = 0.8};
   if (style == 1) {
-    go(0.45 * distance, 0.0);
+    move.target = 0.45 * distance * onward;
+    program.go(move);
     program.wait(0.6);
-    go(0.55 * distance, 0.0);
-  } else {
-    // Down to a fifth of the speed and up again.
-    go(distance, style == 2 ? 0.8 * speed / (2.0 * std::numbers::pi * 0.8) : 0.0);
+    move.target = 0.55 * distance * onward;
   }
+  if (style == 2) {
+    // Down to a fifth of the speed and up again; the swing takes 0.8 s to grow and to fade.
+    move.swing = 0.8 * speed / (2.0 * std::numbers::pi * move.swing_frequency);
+    move.acceleration = speed / 0.8;
+  }
+  program.go(move);
   program.wait(0.3);
   program.back_off(body, spot, 0.03, 0.1);
 }
@@ -295,7 +296,7 @@ void program_slot(Program& program, const PlantBody& block, double radius) {
   const double half_slot = block.parts[2].centre.x() - block.parts[2].half_extents.x();
   const double along = 0.6 * block.parts[2].half_extents.y();
   const double depth = floor + radius + 0.012;
-  const double into = half_slot - radius + 0.0012;  // 1.2 mm beyond the first touch
+  const double into = half_slot - radius + 0.0009;  // 0.9 mm beyond the first touch
   const double top = block.parts[2].centre.z() + block.parts[2].half_extents.z();
   program.travel(0, {0.0, -along, top + radius + 0.01});
   const auto go = [&](double x, double y, double z, double speed) {

@@ -2,19 +2,302 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/simulation/plant.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include <gtest/gtest.h>
 
+#include "pcavr/core/check.hpp"
+#include "pcavr/friction/limit_surface.hpp"
+#include "pcavr/friction/point_push.hpp"
 #include "pcavr/simulation/plant_case.hpp"
 
 namespace pcavr {
 namespace {
 
-TEST(Plant, TheSameSeedGivesTheSameRun) {
-  const PlantCase plant = make_plant_case(ToolTask::paper, 3);
-  const PlantRun a = run_plant(plant.bodies, plant.tool, plant.moves);
-  const PlantRun b = run_plant(plant.bodies, plant.tool, plant.moves);
-  EXPECT_EQ(a.p_base_tip, b.p_base_tip);
-  EXPECT_EQ(a.force_base, b.force_base);
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// A box in the middle of nowhere, its sides along base, evenly borne.
+PlantBody a_box() {
+  PlantBody body;
+  body.name = "box";
+  const Eigen::Vector3d half(0.08, 0.06, 0.05);
+  body.parts.push_back({.half_extents = half});
+  body.T_base_object = Pose::from_translation({0.0, 0.0, half.z()});
+  body.patches = even_patches(half.head<2>(), 8);
+  body.parameters.mass = 2.0;
+  body.parameters.limiting_static_friction = 8.0;
+  body.parameters.sliding_friction_coefficient = 0.35;
+  body.parameters.contact_stiffness = 5e5;
+  body.parameters.contact_damping = 1e6;
+  return body;
+}
+
+/// Behind the box's face towards -y, `aside` along x, just above the table.
+PlantTool a_tool_behind(double aside = 0.0) {
+  PlantTool tool;
+  tool.p_base_start = {aside, -0.06 - tool.radius - 0.0005, 0.015};
+  return tool;
+}
+
+ToolMove along_y(double way, double speed) {
+  return {.target = {0.0, way, 0.0}, .is_offset = true, .speed = speed, .acceleration = 0.2};
+}
+
+std::size_t step_of(double t) { return static_cast<std::size_t>(std::lround(t / PlantRun::kStep)); }
+
+double highest_force(const PlantRun& run) {
+  double most = 0.0;
+  for (const Eigen::Vector3d& force : run.force_base) most = std::max(most, force.norm());
+  return most;
+}
+
+/// Work that the tip did on the bodies from one step to another [J].
+double work(const PlantRun& run, std::size_t from, std::size_t to) {
+  double sum = 0.0;
+  for (std::size_t i = from; i < to; ++i) {
+    sum += run.force_base[i].dot(run.p_base_tip[i + 1] - run.p_base_tip[i]);
+  }
+  return sum;
+}
+
+TEST(Plant, ASlowPushBreaksAwayAtTheLimit) {
+  for (const double limit : {7.2, 8.0, 10.0}) {
+    PlantBody body = a_box();
+    body.parameters.limiting_static_friction = limit;
+    const PlantRun run = run_plant({body}, a_tool_behind(), {along_y(0.004, 0.001)});
+    // The friction itself stays within 1 % below; the tool feels up to 3 % more, because the box
+    // has to be accelerated.
+    EXPECT_GT(highest_force(run), 0.99 * limit);
+    EXPECT_LT(highest_force(run), 1.03 * limit);
+  }
+}
+
+TEST(Plant, AFasterPushNeedsMoreForceToBreakAway) {
+  double before = 0.0;
+  for (const double speed : {0.001, 0.01, 0.05}) {
+    const PlantRun run =
+        run_plant({a_box()}, a_tool_behind(), {along_y(0.002 + 0.1 * speed, speed)});
+    EXPECT_GT(highest_force(run), before);
+    before = highest_force(run);
+  }
+  EXPECT_GT(before, 1.1 * 8.0);
+}
+
+TEST(Plant, SlidingTakesCoulombsForceAndTheViscousPart) {
+  const PlantBody body = a_box();
+  const PlantParameters& p = body.parameters;
+  for (const double speed : {0.02, 0.05, 0.1}) {
+    const PlantRun run = run_plant({body}, a_tool_behind(), {along_y(0.1, speed)});
+    const std::size_t middle = step_of(0.05 / speed + 0.5 * speed / 0.2);
+    double force = 0.0;
+    for (std::size_t i = middle; i < middle + 200; ++i) force += run.force_base[i].y() / 200.0;
+    const double expected =
+        p.sliding_friction_coefficient * p.mass * kPlantGravity + p.viscous_friction * speed;
+    // What is left swings by some 0.1 %.
+    EXPECT_NEAR(force, expected, 0.003 * expected) << speed;
+  }
+}
+
+TEST(Plant, UnderNineTenthsOfTheLimitNothingCreepsInAMinute) {
+  // An arm so soft that its force hardly depends on how the box yields: 0.5 mm of way before the
+  // touch, 0.6 mm of give, and the rest is the arm's.
+  PlantTool tool = a_tool_behind();
+  tool.stiffness = 400.0;
+  tool.bandwidth = 5.0;
+  ToolMove lean = along_y(0.0005 + 0.0006 + 0.9 * 8.0 / 400.0, 0.02);
+  lean.dwell = 60.0;
+  const PlantRun run = run_plant({a_box()}, tool, {lean});
+  EXPECT_GT(run.force_base.back().y(), 0.88 * 8.0);
+  const auto y = [&](double t) { return run.bodies[0][step_of(t)].p_base.y(); };
+  EXPECT_LT(run.bodies[0].back().p_base.y(), 5e-5);
+  EXPECT_NEAR(y(60.0), y(3.0), 1e-8);  // [m] at rest after the settling
+}
+
+TEST(Plant, APressOnTheTopRaisesTheLimit) {
+  PlantBody body = a_box();
+  body.parameters.tool_friction_coefficient = 1.0;
+  PlantTool tool;
+  tool.p_base_start = {0.0, 0.0, 0.1 + tool.radius + 0.001};
+  // Down until some 30 N press, then sideways: the tip holds 30 N, the support 0.41 (19.6 + 30).
+  const ToolMove down{
+      .target = {0.0, 0.0, -0.005}, .is_offset = true, .speed = 0.01, .until_force = 30.0};
+  const PlantRun run = run_plant({body}, tool, {down, along_y(0.002, 0.001)});
+  double most = 0.0;
+  double normal = 0.0;
+  for (std::size_t i = 0; i < run.force_base.size(); ++i) {
+    if (run.bodies[0][i].p_base.y() > 1e-4) break;
+    most = run.force_base[i].y() > most ? run.force_base[i].y() : most;
+    normal = -run.force_base[i].z();
+  }
+  const double weight = body.parameters.mass * kPlantGravity;
+  EXPECT_GT(normal, 25.0);
+  EXPECT_NEAR(most, 8.0 / weight * (weight + normal), 0.03 * most);
+}
+
+/// A box with one coefficient of friction and no viscous part, as quasi-static theory has it.
+PlantBody a_dry_box() {
+  PlantBody body = a_box();
+  body.parameters.limiting_static_friction =
+      body.parameters.sliding_friction_coefficient * body.parameters.mass * kPlantGravity;
+  body.parameters.viscous_friction = 0.0;
+  return body;
+}
+
+/// How a dry box moves while the tip goes slowly along y, `aside` of the middle, and as low as the
+/// support, so that it tips nothing.
+Eigen::Vector3d slow_twist(const PlantBody& body, double aside) {
+  PlantTool tool = a_tool_behind(aside);
+  tool.p_base_start.z() = 0.0;
+  const PlantRun run = run_plant({body}, tool, {along_y(0.006, 0.004)});
+  const PlantBodyState& a = run.bodies[0][step_of(0.9)];
+  const PlantBodyState& b = run.bodies[0][step_of(1.2)];
+  return {b.p_base.x() - a.p_base.x(), b.p_base.y() - a.p_base.y(), b.yaw - a.yaw};
+}
+
+/// The moment that Coulomb friction on the patches has left over about the point that is pushed
+/// along y, when the box turns at `omega` about it [friction per share of the weight].
+double moment_left(const PlantBody& body, const Eigen::Vector2d& point, double omega) {
+  double moment = 0.0;
+  for (const PlantPatch& patch : body.patches) {
+    const Eigen::Vector2d r = patch.p_body - point;
+    const Eigen::Vector2d v = Eigen::Vector2d(-omega * r.y(), 1.0 + omega * r.x()).normalized();
+    moment += patch.share * (r.x() * v.y() - r.y() * v.x());
+  }
+  return moment;
+}
+
+TEST(Plant, APushBesideTheCentreTurnsTheBoxAsCoulombsLawSays) {
+  PlantBody body = a_dry_box();
+  body.parameters.tool_friction_coefficient = 1.0;
+  const double radius = friction_radius(body.patches);
+  for (const double aside : {-0.05, -0.03, -0.01, 0.0, 0.02}) {
+    // The tip sticks: the box turns about it so that friction has no moment about it.
+    const Eigen::Vector2d point(aside, -0.06);
+    double low = -100.0;
+    double high = 100.0;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (low + high);
+      (moment_left(body, point, middle) > 0.0 ? high : low) = middle;
+    }
+    const Eigen::Vector3d expected(0.06 * -low, 1.0 - low * aside, low);
+    // Some tenths of a degree: the box has turned by one or two before it is measured.
+    EXPECT_LT(twist_angle(slow_twist(body, aside), expected, radius), 1.5 * kDegree) << aside;
+  }
+}
+
+TEST(Plant, APushBesideTheCentreIsNearTheEllipsoidsAnswer) {
+  const PlantBody body = a_dry_box();
+  const double force = body.parameters.limiting_static_friction;
+  const double radius = friction_radius(body.patches);
+  for (const double aside : {-0.06, -0.03, -0.01, 0.02, 0.05}) {
+    const PushMotion expected =
+        push_at_point(ellipsoid_surface(force, force * radius),
+                      {.point = {aside, -0.06},
+                       .normal = Eigen::Vector2d::UnitY(),
+                       .friction_coefficient = body.parameters.tool_friction_coefficient,
+                       .velocity = Eigen::Vector2d::UnitY()});
+    // Measured: 1 to 8.5 degrees. The plant is within 1 of Coulomb's law (above): the difference
+    // is what an ellipsoid leaves out of a rectangle's true limit surface.
+    EXPECT_LT(twist_angle(slow_twist(body, aside), expected.twist, radius), 10.0 * kDegree)
+        << aside;
+  }
+}
+
+TEST(Plant, HalfTheStepChangesLittle) {
+  const PlantCase plant = make_plant_case(ToolTask::push, 5);
+  const PlantRun coarse = run_plant(plant.bodies, plant.tool, plant.moves);
+  const PlantRun fine = run_plant(plant.bodies, plant.tool, plant.moves, {.substeps = 40});
+  for (std::size_t i = 0; i < plant.bodies.size(); ++i) {
+    const PlantBodyState& a = coarse.bodies[i].back();
+    const PlantBodyState& b = fine.bodies[i].back();
+    EXPECT_LT((a.p_base - b.p_base).norm(), 5e-5);  // [m], of 40 to 80 mm
+    EXPECT_NEAR(a.yaw, b.yaw, 0.05 * kDegree);
+  }
+  EXPECT_NEAR(highest_force(coarse), highest_force(fine), 0.005 * highest_force(fine));
+}
+
+TEST(Plant, NoEnergyIsGained) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const PlantCase plant = make_plant_case(ToolTask::push, seed);
+    const PlantRun run = run_plant(plant.bodies, plant.tool, plant.moves);
+    // Each push begins and ends with all at rest and nothing touched.
+    double total = 0.0;
+    for (std::size_t i = 0; i + 1 < run.p_base_tip.size(); ++i) {
+      total += work(run, i, i + 1);
+      // What comes back is what was put in before: bristles and the tip's give.
+      EXPECT_GE(total, -1e-4) << "seed " << seed << " at step " << i;
+      if (total < -1e-4) break;
+    }
+    EXPECT_GT(total, 0.05);  // [J]: newtons over decimetres
+  }
+}
+
+TEST(Plant, TheTipGivesWayByTheArmsStiffness) {
+  const PlantBody body = a_box();
+  PlantTool tool = a_tool_behind();
+  tool.stiffness = 5000.0;
+  ToolMove lean = along_y(0.0015, 0.005);
+  lean.dwell = 1.0;
+  const PlantRun run = run_plant({body}, tool, {lean});
+  const double behind = tool.p_base_start.y() + 0.0015 - run.p_base_tip.back().y();
+  EXPECT_NEAR(behind, run.force_base.back().y() / tool.stiffness, 1e-6);
+  EXPECT_GT(behind, 2e-4);
+}
+
+TEST(Plant, TheTorqueIsAboutTheTip) {
+  // A push through the tip's centre has none; the friction at its surface has radius times force.
+  PlantBody body = a_box();
+  body.parameters.tool_friction_coefficient = 0.4;
+  const PlantRun run = run_plant({body}, a_tool_behind(0.06), {along_y(0.01, 0.01)});
+  double most = 0.0;
+  double worst = 0.0;
+  for (std::size_t i = 0; i < run.force_base.size(); ++i) {
+    // The contact lies where the tip's surface meets the face, which turns with the box.
+    const double yaw = run.bodies[0][i].yaw;
+    const Eigen::Vector2d arm = 0.01 * Eigen::Vector2d(-std::sin(yaw), std::cos(yaw));
+    const Eigen::Vector3d& force = run.force_base[i];
+    const double expected = arm.x() * force.y() - arm.y() * force.x();
+    worst = std::max(worst, std::abs(run.torque_base[i].z() - expected));
+    most = std::max(most, std::abs(expected));
+  }
+  EXPECT_GT(most, 0.005);
+  // The face lies up to a millimetre inside of the tip's surface.
+  EXPECT_LT(worst, 0.1 * most);
+}
+
+TEST(Plant, AFixedBodyHolds) {
+  PlantBody body = a_box();
+  body.is_movable = false;
+  const PlantRun run = run_plant({body}, a_tool_behind(), {along_y(0.004, 0.01)});
+  EXPECT_GT(highest_force(run), 20.0);
+  EXPECT_EQ(run.bodies[0].back().p_base, Eigen::Vector2d(0.0, 0.0));
+}
+
+TEST(Plant, PhasesFollowOneAnotherInAPush) {
+  ToolMove push = along_y(0.01, 0.005);
+  push.dwell = 0.3;
+  const PlantRun run = run_plant({a_box()}, a_tool_behind(), {push, along_y(-0.02, 0.05)});
+  std::vector<PlantPhase> phases;
+  for (const PlantPhaseChange& change : run.phases) phases.push_back(change.phase);
+  const std::vector<PlantPhase> expected{
+      PlantPhase::free,    PlantPhase::static_friction, PlantPhase::critical,
+      PlantPhase::sliding, PlantPhase::static_friction, PlantPhase::free};
+  EXPECT_EQ(phases, expected);
+}
+
+TEST(Plant, RefusesWhatMakesNoSense) {
+  PlantBody massless = a_box();
+  massless.parameters.mass = 0.0;
+  EXPECT_THROW((void)run_plant({massless}, a_tool_behind(), {}), ContractError);
+  PlantBody slippery_at_rest = a_box();
+  slippery_at_rest.parameters.limiting_static_friction = 1.0;
+  EXPECT_THROW((void)run_plant({slippery_at_rest}, a_tool_behind(), {}), ContractError);
+  EXPECT_THROW((void)run_plant({a_box()}, a_tool_behind(), {along_y(0.1, 0.0)}), ContractError);
+  ToolMove watches_nobody = along_y(0.1, 0.1);
+  watches_nobody.until_moved = 0.01;
+  EXPECT_THROW((void)run_plant({a_box()}, a_tool_behind(), {watches_nobody}), ContractError);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "pcavr/marker/tag_detector.hpp"
 #include "pcavr/model/cad_model.hpp"
 #include "pcavr/recording/frame_reader.hpp"
+#include "pcavr/recording/parameters_file.hpp"
 #include "pcavr/recording/recording.hpp"
 
 #include "support/temporary_folder.hpp"
@@ -89,6 +90,8 @@ TEST(Simulate, AnotherSeedGivesAnotherRecording) {
 
 TEST(Simulate, EveryCaseIsARecordingThatTheReaderTakes) {
   for (const SimulationCase& known : simulation_cases()) {
+    // A minute each, and no other files than the rest: plant_case_test.cpp runs them.
+    if (known.task == ToolTask::probe || known.task == ToolTask::turn) continue;
     const TemporaryFolder folder;
     const Recording recording = simulated(tiny(known.name), 1, folder.path());
     EXPECT_EQ(recording.frames.size(), 6U) << known.name;
@@ -108,6 +111,49 @@ TEST(Simulate, EveryCaseIsARecordingThatTheReaderTakes) {
       }
     }
   }
+}
+
+TEST(Simulate, WithoutImagesTheManifestSaysWhereObjectsStartAndATrackerFollowsThem) {
+  SimulationCase simulation = case_named("push");
+  simulation.with_images = false;
+  simulation.with_mass = false;
+  const TemporaryFolder folder;
+  const Recording recording = simulated(simulation, 2, folder.path());
+  EXPECT_FALSE(recording.manifest.camera);
+  EXPECT_TRUE(recording.frames.empty());
+  EXPECT_TRUE(recording.manifest.markers.empty());
+  ASSERT_EQ(recording.manifest.objects.size(), 2U);
+  for (const ObjectEntry& object : recording.manifest.objects) {
+    ASSERT_TRUE(object.T_base_object) << object.name;
+    EXPECT_FALSE(object.mass) << object.name;
+    const Trajectory truth =
+        read_trajectory(folder.path() / "truth/objects" / (object.name + ".txt")).value();
+    EXPECT_LT(translation_distance(*object.T_base_object, truth.poses().front().pose), 1e-9);
+    const fs::path tracked = folder.path() / "tracked/objects" / object.name;
+    EXPECT_TRUE(fs::exists(tracked / "tracking.csv"));
+    const Trajectory followed = read_trajectory(tracked / "tracked.txt").value();
+    EXPECT_GT(followed.size(), 200U);
+    for (const TimedPose& seen : followed.poses()) {
+      const auto exact = truth.at(seen.stamp);
+      ASSERT_TRUE(exact);
+      // Outliers reach a millimetre and a little more.
+      EXPECT_LT(translation_distance(*exact, seen.pose), 0.003);
+    }
+  }
+  EXPECT_FALSE(fs::exists(folder.path() / "truth/camera.txt"));
+}
+
+TEST(Simulate, TruthOfATaskIsAParameterFile) {
+  SimulationCase simulation = case_named("paper");
+  simulation.with_images = false;
+  const TemporaryFolder folder;
+  ASSERT_TRUE(simulate(simulation, 1, folder.path(), {1}));
+  const ParameterTable truth = read_parameters(folder.path() / "truth/parameters.yaml").value();
+  EXPECT_EQ(truth.at("fp_box").mass->value, 3.0);
+  EXPECT_EQ(truth.at("fp_box").limiting_static_friction->value, 9.57);
+  EXPECT_EQ(truth.at("r_box").mass->value, 3.5);
+  EXPECT_EQ(truth.at("r_box").limiting_static_friction->value, 40.62);
+  EXPECT_TRUE(truth.at("r_box").contact_stiffness && truth.at("r_box").friction_radius);
 }
 
 /// Distances of a frame's points from the true surfaces, sorted, in sigmas of the depth noise.

@@ -56,6 +56,10 @@ TEST(Shapes, AreClosedAndHaveTheVolumeOfTheirFormula) {
   add_box(box, {0.1, 0.2, 0.3}, Pose(), 0);
   EXPECT_TRUE(is_closed(box.mesh));
   EXPECT_NEAR(signed_volume(box.mesh), 0.048, 1e-7);
+  Surface slotted;
+  add_slotted_block(slotted, {0.05, 0.1, 0.04}, 0.012, -0.02, 0);
+  EXPECT_TRUE(is_closed(slotted.mesh));
+  EXPECT_NEAR(signed_volume(slotted.mesh), 0.1 * 0.2 * 0.08 - 0.024 * 0.2 * 0.06, 1e-7);
 }
 
 TEST(Shapes, ShadingNormalsFollowTheSurface) {
@@ -117,6 +121,26 @@ TEST(Layout, NothingStandsInAMovableBox) {
       for (const Eigen::Vector3f& vertex : world.bodies[0].surface.mesh.vertices) {
         const Eigen::Vector3d p = T_object_base * vertex.cast<double>().eval();
         // 1 um: the box stands on the table.
+        EXPECT_FALSE(((box.half_extents - p.cwiseAbs()).array() > 1e-6).all()) << "seed " << seed;
+      }
+    }
+  }
+}
+
+TEST(Layout, NothingStandsInTheWayOfBodiesThatArePushed) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    SimulationCase simulation;
+    simulation.task = ToolTask::push;
+    simulation.is_camera_fixed = true;
+    const PlantCase plant = make_plant_case(simulation.task, seed);
+    const World world = make_world(simulation, plant, seed, {}).value();
+    ASSERT_EQ(world.boxes.size(), plant.bodies.size());
+    for (const Box& box : world.boxes) {
+      const Pose T_object_base = box.T_base_object.inverse();
+      for (const Eigen::Vector3f& vertex : world.bodies[0].surface.mesh.vertices) {
+        // Anywhere from where it starts to 0.2 m ahead, which is along its y.
+        Eigen::Vector3d p = T_object_base * vertex.cast<double>().eval();
+        p.y() -= std::clamp(p.y(), 0.0, 0.2);
         EXPECT_FALSE(((box.half_extents - p.cwiseAbs()).array() > 1e-6).all()) << "seed " << seed;
       }
     }

@@ -1,0 +1,197 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/simulation/plant_case.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+namespace pcavr {
+namespace {
+
+PlantRun run_of(const PlantCase& plant) { return run_plant(plant.bodies, plant.tool, plant.moves); }
+
+std::size_t step_of(double t) { return static_cast<std::size_t>(std::lround(t / PlantRun::kStep)); }
+
+/// How often a body began to slide after nothing had touched it.
+int slides(const PlantRun& run, std::size_t body) {
+  int count = 0;
+  bool was_free = false;
+  for (const PlantPhaseChange& change : run.phases) {
+    if (change.body != body) continue;
+    was_free = was_free || change.phase == PlantPhase::free;
+    if (change.phase != PlantPhase::sliding || !was_free) continue;
+    was_free = false;
+    ++count;
+  }
+  return count;
+}
+
+TEST(PlantCase, TheSameSeedHasTheSameBoxesInEveryTask) {
+  const PlantCase push = make_plant_case(ToolTask::push, 9);
+  for (const ToolTask task : {ToolTask::probe, ToolTask::press, ToolTask::turn}) {
+    const PlantCase other = make_plant_case(task, 9);
+    ASSERT_EQ(other.bodies.size(), push.bodies.size());
+    for (std::size_t i = 0; i < push.bodies.size(); ++i) {
+      EXPECT_EQ(other.bodies[i].name, push.bodies[i].name);
+      EXPECT_EQ(other.bodies[i].parts[0].half_extents, push.bodies[i].parts[0].half_extents);
+      EXPECT_EQ(other.bodies[i].parameters.mass, push.bodies[i].parameters.mass);
+      EXPECT_EQ(other.bodies[i].parameters.contact_stiffness,
+                push.bodies[i].parameters.contact_stiffness);
+    }
+  }
+  EXPECT_NE(make_plant_case(ToolTask::push, 10).bodies[0].parameters.mass,
+            push.bodies[0].parameters.mass);
+}
+
+TEST(PlantCase, BodiesAreDrawnWideAndArePhysical) {
+  double lightest = 1e9;
+  double heaviest = 0.0;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    for (const PlantBody& body : make_plant_case(ToolTask::push, seed).bodies) {
+      const PlantParameters& p = body.parameters;
+      const double weight = p.mass * kPlantGravity;
+      lightest = std::min(lightest, p.mass);
+      heaviest = std::max(heaviest, p.mass);
+      EXPECT_GE(p.limiting_static_friction, 0.2 * weight * 0.999);
+      EXPECT_LE(p.limiting_static_friction, 1.1 * weight * 1.001);
+      EXPECT_LT(p.sliding_friction_coefficient * weight, p.limiting_static_friction);
+      const double give =
+          std::pow(p.limiting_static_friction / p.contact_stiffness, 1.0 / p.contact_exponent);
+      EXPECT_GE(give, 0.00019);
+      EXPECT_LE(give, 0.00201);
+      // Pressure: all positive, adding up to the weight, its centre near the middle.
+      double sum = 0.0;
+      Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+      for (const PlantPatch& patch : body.patches) {
+        EXPECT_GT(patch.share, 0.0);
+        sum += patch.share;
+        centre += patch.share * patch.p_body;
+      }
+      EXPECT_NEAR(sum, 1.0, 1e-12);
+      EXPECT_LT(centre.norm(), 0.0025);
+    }
+  }
+  EXPECT_LT(lightest, 1.0);
+  EXPECT_GT(heaviest, 5.0);
+}
+
+TEST(PlantCase, PushesSlideBothBoxesByDecimetresParts) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const PlantCase plant = make_plant_case(ToolTask::push, seed);
+    const PlantRun run = run_of(plant);
+    EXPECT_LT(run.duration(), 20.0);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double way = (run.bodies[i].back().p_base - run.bodies[i].front().p_base).norm();
+      EXPECT_GT(way, 0.035) << "seed " << seed << ", body " << i;
+      EXPECT_LT(way, 0.085) << "seed " << seed << ", body " << i;
+      EXPECT_EQ(slides(run, i), 1) << "seed " << seed << ", body " << i;
+    }
+  }
+}
+
+TEST(PlantCase, AProbeHoldsTenBreakawaysAndASlideThatNeverStops) {
+  const PlantCase plant = make_plant_case(ToolTask::probe, 4);
+  const PlantRun run = run_of(plant);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(slides(run, i), 11) << i;
+    // The last one is the longest: 90 mm at some 60 mm/s without a stop.
+    double longest = 0.0;
+    double began = 0.0;
+    PlantPhase before = PlantPhase::free;
+    for (const PlantPhaseChange& change : run.phases) {
+      if (change.body != i) continue;
+      if (before == PlantPhase::sliding) longest = std::max(longest, change.t - began);
+      before = change.phase;
+      began = change.t;
+    }
+    EXPECT_GT(longest, 1.2);
+    EXPECT_LT(run.duration(), 75.0);
+  }
+}
+
+TEST(PlantCase, SlowPushesOfAProbeBreakAwayWithinThreePerCentOfTheLimit) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const PlantCase plant = make_plant_case(ToolTask::probe, seed);
+    // Long enough for the first push of the first box.
+    const PlantRun run =
+        run_plant(plant.bodies, plant.tool, plant.moves, {.longest_duration = 12.0});
+    const double limit = plant.bodies[0].parameters.limiting_static_friction;
+    const auto first =
+        std::find_if(run.phases.begin(), run.phases.end(), [](const PlantPhaseChange& change) {
+          return change.body == 0 && change.phase == PlantPhase::sliding;
+        });
+    ASSERT_NE(first, run.phases.end()) << seed;
+    double most = 0.0;
+    for (std::size_t k = step_of(first->t - 0.5); k < step_of(first->t + 0.03); ++k) {
+      most = std::max(most, run.force_base[k].head<2>().norm());
+    }
+    EXPECT_GT(most, 0.995 * limit) << "seed " << seed;
+    EXPECT_LT(most, 1.03 * limit) << "seed " << seed;
+  }
+}
+
+TEST(PlantCase, PressesDontMoveTheBoxes) {
+  const PlantCase plant = make_plant_case(ToolTask::press, 2);
+  const PlantRun run = run_of(plant);
+  for (const auto& states : run.bodies) {
+    EXPECT_LT((states.back().p_base - states.front().p_base).norm(), 1e-5);
+  }
+  double most = 0.0;
+  for (const Eigen::Vector3d& force : run.force_base) most = std::max(most, -force.z());
+  EXPECT_GT(most, 10.0);
+  EXPECT_LT(most, 90.0);
+}
+
+TEST(PlantCase, TheSlotPressesOnBothWallsAndHolds) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const PlantCase plant = make_plant_case(ToolTask::slot, seed);
+    const PlantRun run = run_of(plant);
+    const Eigen::Vector3d across =
+        plant.bodies[0].T_base_object.rotation() * Eigen::Vector3d::UnitX();
+    double one = 0.0;
+    double other = 0.0;
+    for (const Eigen::Vector3d& force : run.force_base) {
+      one = std::max(one, force.dot(across));
+      other = std::max(other, -force.dot(across));
+    }
+    EXPECT_GT(one, 5.0) << seed;
+    EXPECT_GT(other, 5.0) << seed;
+    EXPECT_LT((run.bodies[0].back().p_base - run.bodies[0].front().p_base).norm(), 1e-3) << seed;
+  }
+}
+
+TEST(PlantCase, TurnsTurn) {
+  const PlantCase plant = make_plant_case(ToolTask::turn, 1);
+  const PlantRun run = run_of(plant);
+  for (const auto& states : run.bodies) {
+    double turned = 0.0;
+    for (std::size_t i = 1; i < states.size(); ++i) {
+      turned += std::abs(states[i].yaw - states[i - 1].yaw);
+    }
+    EXPECT_GT(turned, 20.0 / 180.0 * std::numbers::pi);
+  }
+}
+
+TEST(PlantCase, ThePapersRunIsShortAndHasItsTenTimeNodes) {
+  const PlantCase plant = make_plant_case(ToolTask::paper, 1);
+  const PlantRun run = run_of(plant);
+  EXPECT_LT(run.duration(), 26.0);
+  for (std::size_t i = 0; i < 2; ++i) {
+    std::vector<PlantPhase> last;
+    for (const PlantPhaseChange& change : run.phases) {
+      if (change.body == i) last.push_back(change.phase);
+    }
+    ASSERT_GE(last.size(), 5U);
+    last.erase(last.begin(), last.end() - 5);
+    const std::vector<PlantPhase> expected{PlantPhase::static_friction, PlantPhase::critical,
+                                           PlantPhase::sliding, PlantPhase::static_friction,
+                                           PlantPhase::free};
+    EXPECT_EQ(last, expected) << plant.bodies[i].name;
+  }
+}
+
+}  // namespace
+}  // namespace pcavr
