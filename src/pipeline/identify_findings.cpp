@@ -7,6 +7,7 @@
 namespace pcavr {
 namespace {
 
+const std::string kKnownBefore = "known before; to learn it anew: ";
 constexpr char kBetterPress[] = "press along z at 5, 15 and 40 mm/s, 2 mm deep";
 constexpr char kBetterPush[] = "push slowly through the middle until it goes, ten times";
 constexpr char kBetterSlide[] = "modulate the push at 2 Hz, 3 mm, on 60 mm/s, without stopping";
@@ -27,7 +28,9 @@ class Findings {
       row.value = value->value;
       row.deviation = value->deviation;
     }
-    row.remark = row.is_excited ? source : better;
+    row.remark = row.is_excited              ? source
+                 : value && value->deviation ? kKnownBefore + better
+                                             : better;
   }
 
  private:
@@ -40,12 +43,10 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
   bool by_face = false;
   for (const FaceContact& face : found.faces) by_face |= face.contact.best().is_valid;
   const bool is_told = by_presses || by_face;
-  const bool was_sought = found.press_count > 0 || !found.faces.empty();
   const std::string source = by_presses ? std::to_string(found.press_count) + " presses"
                              : by_face  ? "pushes before they broke away"
                                         : "";
-  std::string better = kBetterPress;
-  if (!was_sought && p.contact_stiffness) better = "known before";
+  const std::string better = kBetterPress;
   findings.add("contact.stiffness", "N/m^n", p.contact_stiffness, is_told, source, better);
   findings.add("contact.damping", "N s/m^(n+1)", p.contact_damping, is_told, source, better);
   findings.add("contact.exponent", "", p.contact_exponent, is_told, source, better);

@@ -46,6 +46,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
         if (limit.is_excited) push->limit = limit;
       }
       breakaway.force = push->limit.value;
+      breakaway.deviation = push->limit.deviation;
     }
     breakaways.push_back(breakaway);
   }

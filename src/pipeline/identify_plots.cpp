@@ -33,16 +33,20 @@ PlotSeries band_of(const std::vector<double>& t, const std::vector<double>& valu
   return band;
 }
 
-/// The largest of |values|'s bulk: an estimator's first guesses must not squeeze the picture.
+/// What the second half of the values keeps to: first guesses must not squeeze the picture.
 double upper_edge(const std::vector<double>& values) {
-  std::vector<double> sorted;
-  for (const double value : values) {
-    if (std::isfinite(value)) sorted.push_back(value);
+  double largest = 0.0;
+  for (std::size_t i = values.size() / 2; i < values.size(); ++i) {
+    if (std::isfinite(values[i])) largest = std::max(largest, std::abs(values[i]));
   }
-  if (sorted.empty()) return 0.0;
-  const auto at = static_cast<std::ptrdiff_t>(0.97 * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), sorted.begin() + at, sorted.end());
-  return std::max(0.0, 1.3 * sorted[static_cast<std::size_t>(at)]);
+  return 1.5 * largest;
+}
+
+/// Breaks the line where it leaves the picture.
+void keep_inside(double edge, PlotSeries& series) {
+  for (double& y : series.y) {
+    if (!(y <= edge && y >= -0.3 * edge)) y = kBreak;
+  }
 }
 
 Plot parameter_plot(const ObjectIdentification& object, std::size_t which, const char* title,
@@ -56,8 +60,9 @@ Plot parameter_plot(const ObjectIdentification& object, std::size_t which, const
         {.label = name_of(trace.method), .color = color, .x = trace.t, .y = trace.value[which]});
     if (trace.method != EstimationMethod::adaptive) continue;
     plot.series.push_back(band_of(trace.t, trace.value[which], trace.deviation[which], color));
-    plot.y_to = upper_edge(trace.value[which]);
   }
+  const double edge = upper_edge(object.comparison.back().value[which]);
+  for (PlotSeries& series : plot.series) keep_inside(edge, series);
   return plot;
 }
 
@@ -155,10 +160,10 @@ std::vector<Plot> sliding_plots(const ObjectIdentification& object) {
     Plot plot{.title = rows[k].title,
               .x_label = "time of sliding (s)",
               .y_label = rows[k].label,
-              .y_from_zero = true,
-              .y_to = upper_edge(value)};
+              .y_from_zero = true};
     plot.series = {{.label = "affRLS", .color = 0, .x = t, .y = value},
                    band_of(t, value, deviation, 0)};
+    for (PlotSeries& series : plot.series) keep_inside(upper_edge(value), series);
     plots.push_back(std::move(plot));
   }
   return plots;

@@ -95,10 +95,7 @@ void add_figures(const std::string& what, const PushSeries& series,
 
 Plot breakaway_plot(const std::vector<const IdentifiedContact*>& pushes,
                     const LimitingFriction& limit) {
-  Plot plot{.title = "Breakaway of each push",
-            .x_label = "push",
-            .y_label = "force (N)",
-            .y_from_zero = true};
+  Plot plot{.title = "Breakaway of each push", .x_label = "push", .y_label = "force (N)"};
   PlotSeries peak{.label = "felt by the tool", .color = 1};
   PlotSeries own{.label = "friction's own limit", .color = 0};
   double number = 0.0;

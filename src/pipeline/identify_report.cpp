@@ -42,8 +42,9 @@ std::string findings_table(const ObjectIdentification& object) {
     const bool is_known = row.is_excited || row.value != 0.0;
     html += "<tr>" + cell(row.name) + cell(is_known ? figure(row.value) : "-") +
             cell(row.deviation ? figure(*row.deviation) : "-") + cell(row.unit) +
-            cell(row.is_excited ? "yes" : "no") + "<td style=\"text-align:left\">" +
-            escaped(row.remark) + "</td></tr>\n";
+            cell(row.is_excited ? "yes" : "no") +
+            "<td style=\"text-align:left;white-space:normal\">" + escaped(row.remark) +
+            "</td></tr>\n";
   }
   return html + "</tbody>\n</table></div>\n";
 }
