@@ -17,7 +17,9 @@ constexpr double kStiffest = 1e-7;
 
 void ContactLine::add(double tip, double force, double correlated) {
   if (count_++ == 0) origin_ = tip;
-  chord_ = std::max((tip - touch_) / force, kStiffest);
+  if (force > 2.0 * touch_force_) {
+    chord_ = std::max((tip - touch_) / (force - touch_force_), kStiffest);
+  }
   const double x = tip - origin_;
   x_ += x;
   xx_ += x * x;
@@ -54,13 +56,13 @@ std::size_t ContactLine::best() const { return fit(1).residual < fit(0).residual
 double ContactLine::surface() const { return is_ready_ ? origin_ + fit(best()).surface : touch_; }
 
 double ContactLine::depth(double force) const {
-  if (!is_ready_) return chord_ * std::max(force, 0.0);
+  if (!is_ready_) return chord_ * std::max(force - touch_force_, 0.0);
   const std::size_t law = best();
   return fit(law).slope * std::pow(std::max(force, 0.0), 1.0 / kExponents[law]);
 }
 
 double ContactLine::force(double depth) const {
-  if (!is_ready_) return std::max(depth, 0.0) / chord_;
+  if (!is_ready_) return touch_force_ + std::max(depth, 0.0) / chord_;
   const std::size_t law = best();
   return std::pow(std::max(depth, 0.0) / fit(law).slope, kExponents[law]);
 }

@@ -15,8 +15,9 @@ namespace pcavr {
 /// motion.
 class ContactLine {
  public:
-  /// `touch`: the tip's coordinate at first touch, as the force showed it [m].
-  explicit ContactLine(double touch = 0.0) : touch_(touch) {}
+  /// The tip's coordinate [m] and the force [N] when the touch was noticed.
+  explicit ContactLine(double touch = 0.0, double touch_force = 0.0)
+      : touch_(touch), touch_force_(touch_force) {}
 
   /// tip: coordinate growing into the object [m]; force > 0 [N].
   /// `correlated`: how many successive samples count as one.
@@ -24,8 +25,8 @@ class ContactLine {
 
   /// The fit's slope is known to a tenth.
   [[nodiscard]] bool is_ready() const { return is_ready_; }
-  /// There is at least the straight line.
-  [[nodiscard]] bool is_usable() const { return count_ > 0; }
+  /// There is at least the straight line: the force has doubled since the touch was noticed.
+  [[nodiscard]] bool is_usable() const { return is_ready_ || chord_ > 0.0; }
   [[nodiscard]] double surface() const;            ///< the tip's coordinate at first touch [m]
   [[nodiscard]] double depth(double force) const;  ///< under a resting force [m]
   /// Inverse of depth(): the resting force [N].
@@ -49,6 +50,7 @@ class ContactLine {
   double x_ = 0.0, xx_ = 0.0;
   double origin_ = 0.0;  ///< the first tip: keeps the sums small
   double touch_;
+  double touch_force_;
   double chord_ = 0.0;  ///< of the straight line [m/N]
   std::size_t count_ = 0;
   bool is_ready_ = false;

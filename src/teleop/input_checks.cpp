@@ -25,6 +25,8 @@ constexpr double kLeastFriction = 0.01;
 constexpr double kMoved = 0.005;    // [m] that an object was pushed, beyond doubt
 constexpr double kDensity = 700.0;  // [kg/m^3] where no mass is known
 constexpr double kGravity = 9.80665;
+// By which a force may follow a depth without any fault of the clocks [s].
+constexpr double kLoading = 0.015;
 // As many equal readings in a row at a sensor's extreme are no chance.
 constexpr int kFlatTop = 8;
 // Free time kept around a motion for the camera's offset, and the offset's range [s].
@@ -134,6 +136,13 @@ void check_unit(const TeleopInput& input, const Pressing& pressing, InputFinding
   findings.notes.emplace_back(text);
 }
 
+TimeOffset surer(TimeOffset rough, const std::optional<TimeOffset>& measured) {
+  rough.deviation = std::hypot(rough.deviation, kLoading);
+  if (!measured || !measured->is_known || measured->deviation >= rough.deviation) return rough;
+  const double apart = std::abs(measured->offset - rough.offset);
+  return apart < 2.0 * std::hypot(measured->deviation, rough.deviation) ? *measured : rough;
+}
+
 void check_force(const TeleopInput& input, const Pressing& pressing, InputFindings& findings) {
   std::vector<double> along(input.t_force.size(), 0.0);
   for (std::size_t i = 0; i < along.size(); ++i) {
@@ -148,6 +157,7 @@ void check_force(const TeleopInput& input, const Pressing& pressing, InputFindin
         "the force is not used: it falls where the tool presses in; its sign is turned round");
     return;
   }
+  if (offset.is_known) findings.tool_to_force = surer(offset, input.tool_to_force);
   check_unit(input, pressing, findings);
   findings.force_ceiling = flat_top(input);
   if (findings.force_ceiling) {

@@ -13,10 +13,11 @@
 
 namespace pcavr {
 
-/// What is wrong with a recording's force and camera clock, as far as they tell by themselves.
+/// What is wrong with a recording's force and clocks, as far as they tell by themselves.
 struct InputFindings {
   bool is_force_usable = true;
   std::optional<double> force_ceiling = {};       ///< [N] where the sensor saturates
+  std::optional<TimeOffset> tool_to_force = {};   ///< the force is this much late
   std::optional<TimeOffset> tool_to_camera = {};  ///< tracking is this much late
   std::vector<std::string> notes;
 };

@@ -13,6 +13,8 @@ constexpr int kInARow = 3;
 // Share of the entering force below which a contact ends, and for how long [s].
 constexpr double kLeaveShare = 0.5;
 constexpr double kLeaveTime = 0.008;
+// A tip has gone back from where it pressed [m].
+constexpr double kRetreat = 1e-4;
 // The newest stretch, in which the object may already move, is kept out of the line [s].
 constexpr double kGuard = 0.080;
 // By then the line's beginning is known well enough to say when the tip touched [s].
@@ -64,12 +66,18 @@ void PhaseMonitor::step(const MonitorSample& sample,
     if (in_a_row_ < kInARow) return;
     begin_contact(sample);
   }
-  if (size > kLeaveShare * options_.enter_force) last_loaded_ = sample.t;
-  if (sample.t - last_loaded_ > kLeaveTime) {
+  const double tip = sample.p_base_tip.dot(direction_base_);
+  if (size > kLeaveShare * options_.enter_force) {
+    last_loaded_ = sample.t;
+    loaded_tip_ = tip;
+  }
+  // A tip that stays where it last pressed still touches, if with less than the noise.
+  const bool has_left = tip < loaded_tip_ - std::max(kRetreat, options_.tip_noise);
+  if (!has_left) last_near_ = sample.t;
+  if (has_left && sample.t - last_loaded_ > kLeaveTime) {
     end_contact();
     return;
   }
-  const double tip = sample.p_base_tip.dot(direction_base_);
   const double force = sample.force_base.dot(direction_base_);
   follow({sample.t, tip, without_damping(sample.t, tip, force, damping),
           sample.force_base.head<2>().norm()},
@@ -107,18 +115,20 @@ void PhaseMonitor::begin_contact(const MonitorSample& sample) {
   is_touched_ = true;
   in_a_row_ = 0;
   contact_begin_ = above_since_;
-  last_loaded_ = sample.t;
+  last_loaded_ = last_near_ = sample.t;
   const Eigen::Vector3d& inward = sample.direction_base;
   is_press_ = std::abs(inward.z()) > inward.head<2>().norm();
   direction_base_ = inward;
   if (!is_press_) direction_base_ = Eigen::Vector3d(inward.x(), inward.y(), 0.0).normalized();
-  line_ = ContactLine(sample.p_base_tip.dot(direction_base_));
+  line_ = ContactLine(sample.p_base_tip.dot(direction_base_),
+                      std::max(sample.force_base.dot(direction_base_), options_.enter_force));
   is_line_final_ = is_contact_stamped_ = false;
   next_for_line_ = 0;
   contact_.clear();
   speed_ = 0.0;
   fast_in_a_row_ = critical_in_a_row_ = 0;
   rest_since_ = above_since_;
+  loaded_tip_ = sample.p_base_tip.dot(direction_base_);
   change_to(above_since_, MotionPhase::held);
 }
 
@@ -127,18 +137,7 @@ void PhaseMonitor::end_contact() {
   stamp_contact();
   is_touched_ = false;
   speed_ = 0.0;
-  double t_end = last_loaded_;
-  if (line_.is_ready() && !contact_.empty()) {
-    // The surface lies where the object came to rest; the tip left it at about the last force.
-    const double surface = line_.surface() + rest_way_;
-    const std::size_t recent = first_after(last_loaded_ - 2.0 * kShortWindow);
-    for (std::size_t i = contact_.size(); i-- > recent;) {
-      if (contact_[i].tip > surface) break;
-      t_end = contact_[i].t;
-    }
-    t_end = std::min(t_end, last_loaded_);
-  }
-  change_to(t_end, MotionPhase::free);
+  change_to(std::max(last_loaded_, last_near_), MotionPhase::free);
 }
 
 void PhaseMonitor::follow(const Point& point,

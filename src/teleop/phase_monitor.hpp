@@ -101,6 +101,8 @@ class PhaseMonitor {
   int in_a_row_ = 0;
   double above_since_ = 0.0;
   double last_loaded_ = 0.0;  ///< [s]
+  double last_near_ = 0.0;    ///< [s] that the tip was where it last pressed
+  double loaded_tip_ = 0.0;   ///< [m] there
   double contact_begin_ = 0.0;
   bool is_contact_stamped_ = false;
   Eigen::Vector3d direction_base_ = Eigen::Vector3d::UnitX();

@@ -202,12 +202,12 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
   const InputFindings findings = check_input(recorded, tip);
   run.notes = findings.notes;
   if (tip.jumps > 0) run.notes.push_back(describe_jumps(tip));
-  run.tool_to_force = recorded.tool_to_force;
+  run.tool_to_force = findings.tool_to_force;
   run.tool_to_camera = findings.tool_to_camera;
   const TeleopInput input = on_one_clock(recorded, findings, run.notes);
-  const bool is_force_late = matters(recorded.tool_to_force, kForceOffset);
-  const double force_late = is_force_late ? recorded.tool_to_force->offset : 0.0;
-  if (is_force_late) run.notes.push_back(late("the force", *recorded.tool_to_force));
+  const bool is_force_late = matters(findings.tool_to_force, kForceOffset);
+  const double force_late = is_force_late ? findings.tool_to_force->offset : 0.0;
+  if (is_force_late) run.notes.push_back(late("the force", *findings.tool_to_force));
   const ForceSignal force = smooth_force(input, tip, force_late);
 
   std::vector<BodyPhysics> physics;

@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "teleop/phase_monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/random.hpp"
+
+#include "teleop/plant_input.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kInterval = 0.002;
+
+/// A push with a known law: the tip advances at 15 mm/s, F = 20600 d^1.5, until the object gives
+/// way at 9 N and then goes along; it stops with the tool.
+struct MadePush {
+  double t_touch = 0.5, t_slide = 0.0, t_stop = 0.0;
+  std::vector<MonitorSample> samples;
+};
+
+MadePush made_push(double noise) {
+  MadePush push;
+  Random random(11);
+  double tip = -0.0075;
+  double object = 0.0;
+  for (double t = 0.0; t < 2.5; t += kInterval) {
+    const double speed = t < 1.8 ? 0.015 : 0.0;
+    tip += speed * kInterval;
+    double depth = std::max(tip - object, 0.0);
+    double force = 20600.0 * std::pow(depth, 1.5);
+    if (force > 9.0) {
+      if (push.t_slide == 0.0) push.t_slide = t;
+      object = tip - std::pow(9.0 / 20600.0, 1.0 / 1.5);
+      force = 9.0;
+      push.t_stop = t;
+    }
+    MonitorSample sample;
+    sample.t = t;
+    sample.is_within_reach = true;
+    sample.p_base_tip.x() = tip + noise * 2e-5 * random.normal();
+    sample.force_base.x() = force + noise * 0.08 * random.normal();
+    push.samples.push_back(sample);
+  }
+  return push;
+}
+
+double time_of(const PhaseMonitor& monitor, MotionPhase phase, int which = 0) {
+  for (const PhaseChange& change : monitor.changes()) {
+    if (change.phase == phase && which-- == 0) return change.t;
+  }
+  return -1.0;
+}
+
+TEST(PhaseMonitor, StampsTouchSlideAndStopWhereTheyHappened) {
+  for (const double noise : {0.0, 1.0}) {
+    const MadePush push = made_push(noise);
+    PhaseMonitor monitor(0.0, {});
+    for (const MonitorSample& sample : push.samples) monitor.step(sample, std::nullopt, 0.0);
+    EXPECT_NEAR(time_of(monitor, MotionPhase::held), push.t_touch, 0.025) << noise;
+    EXPECT_NEAR(time_of(monitor, MotionPhase::sliding), push.t_slide, 0.025) << noise;
+    EXPECT_NEAR(time_of(monitor, MotionPhase::held, 1), push.t_stop, 0.025) << noise;
+  }
+}
+
+TEST(PhaseMonitor, CallsAPushCriticalFromNineTenthsOfAKnownLimit) {
+  const MadePush push = made_push(0.0);
+  PhaseMonitor monitor(0.0, {});
+  for (const MonitorSample& sample : push.samples) {
+    monitor.step(sample, ParameterValue{9.0, 0.1}, 0.0);
+  }
+  const double depth = std::pow(8.1 / 20600.0, 1.0 / 1.5);
+  EXPECT_NEAR(time_of(monitor, MotionPhase::critical), push.t_touch + depth / 0.015, 0.010);
+}
+
+TEST(PhaseMonitor, StaysFreeWhereNothingIsNear) {
+  MadePush push = made_push(1.0);
+  PhaseMonitor monitor(0.0, {});
+  for (MonitorSample& sample : push.samples) {
+    sample.is_within_reach = false;
+    monitor.step(sample, std::nullopt, 0.0);
+  }
+  EXPECT_EQ(monitor.changes().size(), 1U);
+}
+
+TEST(PhaseMonitor, TakesNoPressForAPush) {
+  MadePush push = made_push(1.0);
+  PhaseMonitor monitor(0.0, {});
+  for (MonitorSample& sample : push.samples) {
+    sample.direction_base = -Eigen::Vector3d::UnitZ();
+    sample.force_base = Eigen::Vector3d(0.0, 0.0, -sample.force_base.x());
+    sample.p_base_tip = Eigen::Vector3d(0.0, 0.0, -sample.p_base_tip.x());
+    monitor.step(sample, std::nullopt, 0.0);
+  }
+  EXPECT_TRUE(monitor.is_press());
+  EXPECT_EQ(time_of(monitor, MotionPhase::sliding), -1.0);
+}
+
+TEST(PhaseMonitor, BelievesTheCameraWhereNoForceSpeaks) {
+  PhaseMonitor monitor(0.0, {});
+  monitor.see(1.0, true, false);
+  EXPECT_EQ(monitor.phase(), MotionPhase::sliding);
+  monitor.see(2.0, false, true);
+  EXPECT_EQ(monitor.phase(), MotionPhase::held);
+}
+
+/// Over simulated pushes of boxes that nothing here was chosen on.
+TEST(PhaseMonitor, FindsThePlantsBoundaries) {
+  int boundaries = 0, near = 0;
+  for (const std::uint64_t seed : {31, 32, 33}) {
+    const PlantInput made = plant_input(seed, true);
+    const TeleopRun run = run_teleop(made.input, {.with_corrections = false}).value();
+    for (const PlantPhaseChange& change : made.run.phases) {
+      if (change.t <= 0.0) continue;
+      const auto word = static_cast<MotionPhase>(change.phase);
+      double nearest = 1e300;
+      for (const PhaseRow& row : run.phases) {
+        if (row.object != change.body || row.measured != word) continue;
+        nearest = std::min(nearest, std::abs(row.t - change.t));
+      }
+      ++boundaries;
+      near += nearest < 0.060 ? 1 : 0;
+    }
+  }
+  EXPECT_GE(boundaries, 30);
+  EXPECT_GE(near, boundaries * 9 / 10);
+}
+
+}  // namespace
+}  // namespace pcavr

@@ -1,0 +1,179 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/teleop/run_teleop.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "teleop/plant_input.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr std::uint64_t kSeed = 2;
+
+double at_share(const std::vector<double>& sorted, double share) {
+  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+}
+
+TEST(RunTeleop, ShowsWithinMillimetresWhatHappensFourTenthsLater) {
+  const PlantInput made = plant_input(kSeed, true);
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
+    const std::vector<double> errors = position_errors(made, run, i);
+    ASSERT_FALSE(errors.empty());
+    EXPECT_LT(at_share(errors, 0.5), 0.0015) << i;
+    EXPECT_LT(at_share(errors, 0.95), 0.004) << i;
+  }
+  EXPECT_LT(static_cast<double>(run.correction_bytes),
+            0.03 * static_cast<double>(run.streaming_bytes));
+  EXPECT_EQ(run.late_corrections, 0U);
+}
+
+TEST(RunTeleop, RepeatsItselfToTheBit) {
+  const PlantInput made = plant_input(kSeed, false);
+  const TeleopOptions options{.jitter = 0.02, .loss = 0.2, .seed = 4};
+  const TeleopRun one = run_teleop(made.input, options).value();
+  const TeleopRun two = run_teleop(made.input, options).value();
+  ASSERT_EQ(one.shown[0].size(), two.shown[0].size());
+  for (std::size_t k = 0; k < one.shown[0].size(); ++k) {
+    ASSERT_EQ(one.shown[0][k].T_base_object.translation(),
+              two.shown[0][k].T_base_object.translation());
+  }
+  EXPECT_EQ(one.correction_bytes, two.correction_bytes);
+  EXPECT_EQ(one.corrections.size(), two.corrections.size());
+}
+
+TEST(RunTeleop, RecoversFromWrongParametersAndPlaces) {
+  PlantInput made = plant_input(kSeed, true);
+  for (TeleopObject& object : made.input.objects) {
+    object.parameters.mass->value *= 2.0;
+    object.parameters.limiting_static_friction->value *= 0.5;
+    object.parameters.sliding_friction_coefficient->value *= 0.5;
+    object.T_base_object = Pose::from_translation({0.008, 0.006, 0.0}) * object.T_base_object;
+  }
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
+    const std::vector<double> errors = position_errors(made, run, i);
+    EXPECT_LT(at_share(errors, 0.95), 0.003) << i;
+  }
+}
+
+TEST(RunTeleop, SendsNothingWhereItIsToldNotTo) {
+  const PlantInput made = plant_input(kSeed, true);
+  const TeleopRun run = run_teleop(made.input, {.with_corrections = false}).value();
+  EXPECT_TRUE(run.corrections.empty());
+  EXPECT_EQ(run.correction_bytes, 0U);
+  EXPECT_GT(run.streaming_bytes, 0U);
+}
+
+TEST(RunTeleop, KeepsParametersWhereItIsToldTo) {
+  const PlantInput made = plant_input(kSeed, false);
+  const TeleopRun run = run_teleop(made.input, {.identifies = false}).value();
+  for (const ObjectParameters& known : run.parameters) {
+    EXPECT_FALSE(known.limiting_static_friction);
+    EXPECT_FALSE(known.contact_stiffness);
+  }
+}
+
+TEST(RunTeleop, ReplaysTrackingWithoutAWrench) {
+  PlantInput made = plant_input(kSeed, true);
+  made.input.t_force.clear();
+  made.input.force_base.clear();
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  EXPECT_TRUE(has_note(run, "no wrench"));
+  EXPECT_TRUE(run.forces.empty());
+  EXPECT_LT(at_share(position_errors(made, run, 0), 0.95), 0.006);
+}
+
+TEST(RunTeleop, DoesNotUseAForceOfTheWrongSign) {
+  const PlantInput made = plant_input(kSeed, true, {.is_force_flipped = true});
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  EXPECT_TRUE(has_note(run, "sign"));
+}
+
+TEST(RunTeleop, DoesNotUseAForceInMillinewtons) {
+  PlantInput made = plant_input(kSeed, true);
+  for (Eigen::Vector3d& force : made.input.force_base) force *= 1000.0;
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  EXPECT_TRUE(has_note(run, "unit"));
+}
+
+TEST(RunTeleop, SaysThatTheSensorSaturates) {
+  const PlantInput made = plant_input(kSeed, false, {.saturation = 3.0});
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  EXPECT_TRUE(has_note(run, "saturates"));
+  for (const ObjectParameters& known : run.parameters) {
+    EXPECT_FALSE(known.limiting_static_friction);
+  }
+}
+
+TEST(RunTeleop, SurvivesAToolThatJumps) {
+  PlantInput made = plant_input(kSeed, true);
+  for (std::size_t i = 300; i < 310; ++i)
+    made.input.p_base_tip[i] += Eigen::Vector3d(0.4, 0.3, 0.0);
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  EXPECT_TRUE(has_note(run, "jumps"));
+  EXPECT_LT(at_share(position_errors(made, run, 0), 0.95), 0.004);
+}
+
+TEST(RunTeleop, GoesOnWhereTheCameraLosesTheObject) {
+  const PlantInput made = plant_input(kSeed, true, {.lost_tracking = SensorFaults::Gap{1.6, 2.6}});
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  EXPECT_TRUE(has_note(run, "not seen from"));
+  EXPECT_LT(at_share(position_errors(made, run, 0), 0.95), 0.004);
+}
+
+TEST(RunTeleop, SaysThatAnObjectWasNeverTouched) {
+  PlantInput made = plant_input(kSeed, true);
+  const double end = 4.0;  // before the tool reaches the second box
+  while (made.input.t_tool.back() > end) {
+    made.input.t_tool.pop_back();
+    made.input.p_base_tip.pop_back();
+  }
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  EXPECT_TRUE(has_note(run, made.input.objects[1].name + " was never touched"));
+}
+
+TEST(RunTeleop, FindsClocksThatAreATenthOfASecondApart) {
+  PlantInput made = plant_input(kSeed, true, {.clock_offset = 0.1});
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  EXPECT_TRUE(has_note(run, "the force comes"));
+  ASSERT_TRUE(run.tool_to_force);
+  EXPECT_NEAR(run.tool_to_force->offset, 0.1, 3.0 * run.tool_to_force->deviation);
+  const auto is_first_touch = [](const PhaseRow& row) {
+    return row.object == 0 && row.measured == MotionPhase::held;
+  };
+  const auto touch = std::find_if(run.phases.begin(), run.phases.end(), is_first_touch);
+  const auto truth = std::find_if(
+      made.run.phases.begin(), made.run.phases.end(), [](const PlantPhaseChange& change) {
+        return change.body == 0 && change.phase == PlantPhase::static_friction;
+      });
+  ASSERT_NE(touch, run.phases.end());
+  EXPECT_NEAR(touch->t, truth->t, 0.045);
+}
+
+TEST(RunTeleop, StatesBothPhasesFromTheStart) {
+  const PlantInput made = plant_input(kSeed, true);
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  ASSERT_GE(run.phases.size(), 2U);
+  EXPECT_EQ(run.phases[0].t, made.input.t_tool.front());
+  EXPECT_EQ(run.phases[1].t, made.input.t_tool.front());
+  for (std::size_t i = 1; i < run.phases.size(); ++i) {
+    EXPECT_GE(run.phases[i].t, run.phases[i - 1].t);
+  }
+}
+
+TEST(RunTeleop, TakesNoToolForNothingToDo) {
+  PlantInput made = plant_input(kSeed, true);
+  made.input.t_tool.clear();
+  made.input.p_base_tip.clear();
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  EXPECT_TRUE(run.shown[0].empty());
+  EXPECT_FALSE(run.notes.empty());
+}
+
+}  // namespace
+}  // namespace pcavr
