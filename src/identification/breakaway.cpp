@@ -174,32 +174,4 @@ Breakaway find_breakaway(const ForceMotion& push, const BreakawayOptions& option
   return found;
 }
 
-LimitingFriction limiting_friction(std::span<const Breakaway> pushes) {
-  LimitingFriction result;
-  double sum = 0.0, rate = 0.0;
-  for (const Breakaway& push : pushes) {
-    if (!push.is_found) {
-      ++result.missed;
-      continue;
-    }
-    ++result.pushes;
-    sum += push.force;
-    rate += push.loading_rate;
-  }
-  if (result.pushes == 0) return result;
-  result.mean = sum / result.pushes;
-  result.loading_rate = rate / result.pushes;
-  if (result.pushes < 2) return result;
-  double spread = 0.0, rate_spread = 0.0;
-  for (const Breakaway& push : pushes) {
-    if (!push.is_found) continue;
-    spread += std::pow(push.force - result.mean, 2);
-    rate_spread += std::pow(push.loading_rate - result.loading_rate, 2);
-  }
-  result.deviation = std::sqrt(spread / (result.pushes - 1));
-  result.loading_rate_deviation = std::sqrt(rate_spread / (result.pushes - 1));
-  result.deviation_of_mean = result.deviation / std::sqrt(result.pushes);
-  return result;
-}
-
 }  // namespace pcavr

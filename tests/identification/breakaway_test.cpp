@@ -119,6 +119,33 @@ TEST(FindBreakaway, DecidesFromThePastAlone) {
   EXPECT_EQ(then.t, whole.t);
 }
 
+std::vector<Breakaway> pushes_of(std::initializer_list<std::pair<double, double>> limits) {
+  std::vector<Breakaway> pushes;
+  for (const auto& [force, deviation] : limits) {
+    Breakaway& push = pushes.emplace_back();
+    push.is_found = true;
+    push.force = force;
+    push.deviation = deviation;
+  }
+  return pushes;
+}
+
+TEST(LimitingFriction, ListensToAPushAsFarAsItCanTell) {
+  const auto slow = pushes_of({{9.5, 0.1}, {9.7, 0.1}, {9.6, 0.1}});
+  const auto with_fast = pushes_of({{9.5, 0.1}, {9.7, 0.1}, {9.6, 0.1}, {7.9, 1.5}, {11.0, 1.5}});
+  EXPECT_NEAR(limiting_friction(slow).mean, 9.6, 1e-12);
+  EXPECT_NEAR(limiting_friction(slow).deviation, 0.1, 1e-12);
+  EXPECT_NEAR(limiting_friction(with_fast).mean, 9.6, 0.02);
+  EXPECT_LT(limiting_friction(with_fast).deviation, 0.2);
+}
+
+TEST(LimitingFriction, WeighsPushesEquallyThatScatterByMoreThanTheirDeviations) {
+  const auto scattered = pushes_of({{9.0, 0.01}, {10.0, 0.02}, {11.0, 0.1}, {12.0, 0.05}});
+  const LimitingFriction found = limiting_friction(scattered);
+  EXPECT_NEAR(found.mean, 10.5, 0.02);
+  EXPECT_NEAR(found.deviation, std::sqrt(5.0 / 3.0), 0.02);
+}
+
 TEST(LimitingFriction, GivesMeanAndDeviationOfWhatBrokeAway) {
   std::vector<Breakaway> pushes(4);
   for (std::size_t i = 0; i < 3; ++i) {

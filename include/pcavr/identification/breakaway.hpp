@@ -59,7 +59,10 @@ struct Breakaway {
                                                         const Breakaway& breakaway,
                                                         const Compliance& compliance, double mass);
 
-/// F_M of repeated pushes [paper C, eq. 9, 10].
+/// F_M of repeated pushes [paper C, eq. 9, 10], each weighted by what it is worth: a fast push
+/// tells the friction's own limit many times worse than a slow one. Weights by random effects
+/// [Paule & Mandel 1982]; pushes of equal deviations get equal weights, and the paper's mean and
+/// STD.
 struct LimitingFriction {
   double mean = 0.0;                    ///< F_M [N]
   double deviation = 0.0;               ///< STD over the pushes [N]: half the critical band
