@@ -7,7 +7,8 @@
 #include <limits>
 
 #include "pcavr/core/check.hpp"
-#include "pcavr/friction/patch.hpp"
+
+#include "prediction/support_patch.hpp"
 
 namespace pcavr {
 namespace {
@@ -20,53 +21,7 @@ constexpr double kToolFriction = 0.3;        // a smooth metal tip on most thing
 constexpr double kIndentation = 1e-3;        // [m] of the tip when the body breaks loose
 constexpr double kHertzExponent = 1.5;       // of a sphere on a flat face
 constexpr double kDampingRatio = 0.2;        // of the body on the contact's spring
-constexpr double kPatchHeight = 1e-3;        // [m] what lies so near the lowest point bears
 constexpr double kSteep = 0.5;               // cosine of 60 degrees
-
-double cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return (a - o).x() * (b - o).y() - (a - o).y() * (b - o).x();
-}
-
-/// Counter-clockwise convex outline [Andrew 1979].
-std::vector<Eigen::Vector2d> convex_outline(std::vector<Eigen::Vector2d> points) {
-  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
-    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
-  });
-  std::vector<Eigen::Vector2d> outline;
-  for (int half = 0; half < 2; ++half) {
-    const std::size_t begin = outline.size();
-    for (const Eigen::Vector2d& p : points) {
-      while (outline.size() >= begin + 2 &&
-             cross(outline[outline.size() - 2], outline.back(), p) <= 0.0) {
-        outline.pop_back();
-      }
-      outline.push_back(p);
-    }
-    outline.pop_back();
-    std::reverse(points.begin(), points.end());
-  }
-  return outline;
-}
-
-/// Of the convex outline of what touches the support, about the centre of mass.
-double radius_of_patch(const CadModel& model, const Pose& T_base_object) {
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const auto& v : model.mesh_object.vertices) {
-    lowest = std::min(lowest, (T_base_object * v.cast<double>()).z());
-  }
-  std::vector<Eigen::Vector2d> patch;
-  std::vector<Eigen::Vector2d> shadow;
-  for (const auto& v : model.mesh_object.vertices) {
-    const Eigen::Vector3d p = T_base_object * v.cast<double>();
-    shadow.push_back(p.head<2>());
-    if (p.z() <= lowest + kPatchHeight) patch.push_back(p.head<2>());
-  }
-  const Eigen::Vector2d centre = (T_base_object * model.centre_of_mass_object).head<2>();
-  const double radius = mean_radius(convex_outline(std::move(patch)), centre);
-  if (radius > 0.0) return radius;
-  // It stands on an edge or a point, which in truth is a small patch: between it and the shadow.
-  return 0.5 * mean_radius(convex_outline(std::move(shadow)), centre);
-}
 
 void require_not_negative(const std::optional<ParameterValue>& given) {
   if (given) PCAVR_REQUIRE(std::isfinite(given->value) && given->value >= 0.0, given->value);
@@ -161,9 +116,14 @@ CompletedPhysics complete_physics(const ObjectParameters& known, const CadModel&
   physics.contact = complete_contact(known, physics.friction, value_of);
   physics.tool_friction =
       value_of(known.tool_friction_coefficient, kToolFriction, "tool_friction_coefficient");
+  const detail::SupportPatch patch = detail::support_patch(model, T_base_object);
   physics.friction_radius =
-      value_of(known.friction_radius, radius_of_patch(model, T_base_object), "friction_radius");
+      value_of(known.friction_radius, detail::radius_of(patch), "friction_radius");
   physics.limit_surface = known.limit_surface;
+  if (!physics.limit_surface) {
+    physics.limit_surface =
+        detail::surface_of(patch, physics.friction_radius, heading_of(T_base_object));
+  }
   return completed;
 }
 

@@ -28,7 +28,8 @@ struct BodyPhysics {
 
 /// Completes what was identified by what is usual, and says what it assumed. The defaults are
 /// cautious: friction rather too high, so that nothing moves in the picture before it does in
-/// truth.
+/// truth. A limit surface that is not known is that of even pressure on the convex outline of the
+/// lowest face, stretched to the friction radius.
 struct CompletedPhysics {
   BodyPhysics physics;
   std::vector<std::string> assumed;  ///< names of the parameters that were not known

@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "prediction/support_patch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+#include "pcavr/friction/limit_surface_fit.hpp"
+#include "pcavr/friction/patch.hpp"
+#include "pcavr/friction/point_push.hpp"
+
+namespace pcavr::detail {
+namespace {
+
+constexpr double kPatchHeight = 1e-3;  // [m] what lies so near the lowest point bears
+constexpr int kCells = 16;             // across the patch: its surface is then right to 1 %
+constexpr int kTwists = 200;           // a dozen for each of a quartic's coefficients
+
+double cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return (a - o).x() * (b - o).y() - (a - o).y() * (b - o).x();
+}
+
+/// Andrew's [1979].
+std::vector<Eigen::Vector2d> convex_outline(std::vector<Eigen::Vector2d> points) {
+  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
+  });
+  std::vector<Eigen::Vector2d> outline;
+  for (int half = 0; half < 2; ++half) {
+    const std::size_t begin = outline.size();
+    for (const Eigen::Vector2d& p : points) {
+      while (outline.size() >= begin + 2 &&
+             cross(outline[outline.size() - 2], outline.back(), p) <= 0.0) {
+        outline.pop_back();
+      }
+      outline.push_back(p);
+    }
+    outline.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  return outline;
+}
+
+/// The middles of the cells of a grid that lie inside a convex outline.
+std::vector<Eigen::Vector2d> cells_of(const std::vector<Eigen::Vector2d>& outline) {
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& corner : outline) box.extend(corner);
+  std::vector<Eigen::Vector2d> cells;
+  for (int i = 0; i < kCells; ++i) {
+    for (int j = 0; j < kCells; ++j) {
+      const Eigen::Vector2d share((i + 0.5) / kCells, (j + 0.5) / kCells);
+      const Eigen::Vector2d p = box.min() + share.cwiseProduct(box.sizes());
+      bool is_inside = true;
+      for (std::size_t k = 0; k < outline.size() && is_inside; ++k) {
+        is_inside = cross(outline[k], outline[(k + 1) % outline.size()], p) >= 0.0;
+      }
+      if (is_inside) cells.push_back(p);
+    }
+  }
+  return cells;
+}
+
+}  // namespace
+
+SupportPatch support_patch(const CadModel& model, const Pose& T_base_object) {
+  const Eigen::Vector3d centre = T_base_object * model.centre_of_mass_object;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const auto& v : model.mesh_object.vertices) {
+    lowest = std::min(lowest, (T_base_object * v.cast<double>()).z());
+  }
+  SupportPatch patch;
+  for (const auto& v : model.mesh_object.vertices) {
+    const Eigen::Vector3d p = T_base_object * v.cast<double>();
+    patch.shadow.emplace_back((p - centre).head<2>());
+    if (p.z() <= lowest + kPatchHeight) patch.outline.push_back(patch.shadow.back());
+  }
+  patch.outline = convex_outline(std::move(patch.outline));
+  patch.shadow = convex_outline(std::move(patch.shadow));
+  return patch;
+}
+
+double radius_of(const SupportPatch& patch) {
+  const double radius = mean_radius(patch.outline, Eigen::Vector2d::Zero());
+  if (radius > 0.0) return radius;
+  // It stands on an edge or a point, which in truth is a small patch: between it and the shadow.
+  return 0.5 * mean_radius(patch.shadow, Eigen::Vector2d::Zero());
+}
+
+std::optional<LimitSurface> surface_of(const SupportPatch& patch, double radius, double heading) {
+  std::vector<Eigen::Vector2d> cells = cells_of(patch.outline);
+  double mean = 0.0;
+  for (const Eigen::Vector2d& cell : cells) mean += cell.norm() / static_cast<double>(cells.size());
+  if (!(mean > 0.0)) return std::nullopt;
+  const Eigen::Matrix2d placing = radius / mean * Eigen::Rotation2Dd(-heading).toRotationMatrix();
+  for (Eigen::Vector2d& cell : cells) cell = placing * cell;
+
+  std::vector<PushSample> pushes(kTwists);
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (int i = 0; i < kTwists; ++i) {  // a Fibonacci spiral over the sphere of twists
+    const double turning = 1.0 - (2.0 * i + 1.0) / kTwists;
+    const double moving = std::sqrt(1.0 - turning * turning);
+    PushSample& push = pushes[static_cast<std::size_t>(i)];
+    push.twist = {moving * std::cos(golden * i), moving * std::sin(golden * i), turning / radius};
+    for (const Eigen::Vector2d& cell : cells) {
+      const Eigen::Vector2d force = velocity_of(cell, push.twist).normalized();
+      push.wrench += wrench_of(force, cell) / static_cast<double>(cells.size());
+    }
+  }
+  const LimitSurfaceFit fit = fit_limit_surface(pushes);
+  if (fit.status != LimitSurfaceFitStatus::fitted) return std::nullopt;
+  return fit.surface;
+}
+
+}  // namespace pcavr::detail
