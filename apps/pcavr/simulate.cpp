@@ -93,15 +93,18 @@ void add_simulate(CLI::App& app, Action& action) {
                     "No frames: the objects' start is in the manifest, and tracked/ holds what a "
                     "marker tracker would have found");
   command->add_flag("--without-mass", arguments->without_mass, "No masses in the manifest");
-  command->add_option("--clock-offset", arguments->faults.clock_offset,
-                      "The wrench's stamps are late by this [s]");
+  command
+      ->add_option("--clock-offset", arguments->faults.clock_offset,
+                   "The wrench's stamps are late by this [s]; early where negative")
+      ->check(CLI::Range(-10.0, 10.0));
   command->add_flag("--flip-force", arguments->faults.is_force_flipped,
                     "The wrench has the wrong sign");
   command->add_option("--saturate", arguments->saturation, "The force sensor's end of range [N]")
       ->check(CLI::PositiveNumber);
   command
       ->add_option("--lose-tracking", arguments->lost,
-                   "With --no-images: no object is seen between these times, A:B [s]")
+                   "No object is seen between these times, A:B [s]")
+      ->needs("--no-images")
       ->check([](const std::string& text) {
         return gap_of(text) ? std::string() : "give two times in seconds, as 2.5:3.5";
       });

@@ -158,6 +158,9 @@ const std::vector<SimulationCase>& simulation_cases() {
     room.movable_boxes = 0;
     room.base_tags = 2;
     room.clutter = 10;
+    SimulationCase paper = with_tool(
+        "paper", ToolTask::paper, "a foam-faced and a rubber-faced box: each probed, then pushed");
+    paper.frame_rate = 10.0;
     return std::vector<SimulationCase>{
         tabletop,
         room,
@@ -169,8 +172,7 @@ const std::vector<SimulationCase>& simulation_cases() {
                   "presses along z at seven speeds, on each of two boxes"),
         with_tool("slot", ToolTask::slot, "along both walls of the slot in a block"),
         with_tool("turn", ToolTask::turn, "pushes beside the centre, which turn two boxes"),
-        with_tool("paper", ToolTask::paper,
-                  "a foam-faced and a rubber-faced box: each probed, then pushed")};
+        paper};
   }();
   return cases;
 }
