@@ -9,6 +9,35 @@
 namespace pcavr {
 namespace {
 
+/// A push that tells its limit this many times worse than the middle one was of another kind, as a
+/// fast one among slow ones is: what biases it then is not in its deviation.
+constexpr double kComparable = 3.0;
+
+/// What the pushes that can be compared told.
+struct Limits {
+  std::vector<double> forces, deviations, rates;
+};
+
+Limits comparable(std::span<const Breakaway> pushes) {
+  std::vector<double> deviations;
+  for (const Breakaway& push : pushes) {
+    if (push.is_found) deviations.push_back(push.deviation);
+  }
+  if (deviations.empty()) return {};
+  // The lower one of two in the middle: of a slow and a fast push, the slow one is believed.
+  const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>((deviations.size() - 1) / 2);
+  std::nth_element(deviations.begin(), middle, deviations.end());
+  const double largest = kComparable * *middle;
+  Limits limits;
+  for (const Breakaway& push : pushes) {
+    if (!push.is_found || push.deviation > largest) continue;
+    limits.forces.push_back(push.force);
+    limits.deviations.push_back(push.deviation);
+    limits.rates.push_back(push.loading_rate);
+  }
+  return limits;
+}
+
 /// Weighted mean, and the spread about it that a sample of as many equal weights would have.
 struct Weighted {
   double mean = 0.0;
@@ -70,17 +99,11 @@ double scatter_between(const std::vector<double>& values, const std::vector<doub
 
 LimitingFriction limiting_friction(std::span<const Breakaway> pushes) {
   LimitingFriction result;
-  std::vector<double> forces, deviations, rates;
-  for (const Breakaway& push : pushes) {
-    if (!push.is_found) {
-      ++result.missed;
-      continue;
-    }
-    forces.push_back(push.force);
-    deviations.push_back(push.deviation);
-    rates.push_back(push.loading_rate);
-  }
+  result.missed = static_cast<int>(std::count_if(
+      pushes.begin(), pushes.end(), [](const Breakaway& push) { return !push.is_found; }));
+  const auto& [forces, deviations, rates] = comparable(pushes);
   result.pushes = static_cast<int>(forces.size());
+  result.left_out = static_cast<int>(pushes.size()) - result.missed - result.pushes;
   if (forces.empty()) return result;
   const std::vector<double> weights = weights_of(deviations, scatter_between(forces, deviations));
   const Weighted force = weigh(forces, weights);

@@ -137,10 +137,18 @@ TEST(LimitingFriction, ListensToAPushAsFarAsItCanTell) {
   EXPECT_NEAR(limiting_friction(slow).deviation, 0.1, 1e-12);
   EXPECT_NEAR(limiting_friction(with_fast).mean, 9.6, 0.02);
   EXPECT_LT(limiting_friction(with_fast).deviation, 0.2);
+  EXPECT_EQ(limiting_friction(with_fast).pushes, 3);
+  EXPECT_EQ(limiting_friction(with_fast).left_out, 2);
+}
+
+TEST(LimitingFriction, BelievesTheSlowerOneOfTwo) {
+  const LimitingFriction found = limiting_friction(pushes_of({{7.9, 0.9}, {9.6, 0.1}}));
+  EXPECT_EQ(found.mean, 9.6);
+  EXPECT_EQ(found.pushes, 1);
 }
 
 TEST(LimitingFriction, WeighsPushesEquallyThatScatterByMoreThanTheirDeviations) {
-  const auto scattered = pushes_of({{9.0, 0.01}, {10.0, 0.02}, {11.0, 0.1}, {12.0, 0.05}});
+  const auto scattered = pushes_of({{9.0, 0.04}, {10.0, 0.04}, {11.0, 0.1}, {12.0, 0.05}});
   const LimitingFriction found = limiting_friction(scattered);
   EXPECT_NEAR(found.mean, 10.5, 0.02);
   EXPECT_NEAR(found.deviation, std::sqrt(5.0 / 3.0), 0.02);

@@ -69,8 +69,9 @@ struct LimitingFriction {
   double deviation_of_mean = 0.0;       ///< [N]
   double loading_rate = 0.0;            ///< [N/s] mean; F_M holds at about this rate
   double loading_rate_deviation = 0.0;  ///< [N/s]
-  int pushes = 0;                       ///< that broke away
-  int missed = 0;                       ///< that did not
+  int pushes = 0;                       ///< that broke away and count
+  int left_out = 0;                     ///< that broke away, but tell the limit far worse
+  int missed = 0;                       ///< that did not break away
 };
 
 [[nodiscard]] LimitingFriction limiting_friction(std::span<const Breakaway> pushes);
