@@ -25,7 +25,6 @@ struct SwitchOptions {
   double force_floor = 0.3;           ///< [N] least difference: the sensor's noise and drift
   double position_tolerance = 0.003;  ///< [m] the most that is let pass
   double round_trip = 0.4;            ///< [s]
-  double budget = 0.01;               ///< share of streaming's bytes that corrections may take
 };
 
 /// The correction switch of one object [paper C; methods of section 5]: says which case, if any,
@@ -40,7 +39,7 @@ class CorrectionSwitch {
  public:
   explicit CorrectionSwitch(const SwitchOptions& options) : options_(options) {}
 
-  /// `traffic` is the share of streaming's bytes sent lately, over the budget. Instants ascend.
+  /// `traffic` is what corrections have cost so far, over what they may. Instants ascend.
   [[nodiscard]] std::optional<CorrectionCase> judge(const SiteComparison& seen, double traffic);
   /// A correction of that case left at `t_sent` [s].
   void note_sent(CorrectionCase which, double t_sent);

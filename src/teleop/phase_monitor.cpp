@@ -26,10 +26,12 @@ constexpr double kShortWindow = 0.060;
 constexpr double kLongWindow = 0.120;
 // An onset is stamped by two levels of the way, this factor apart.
 constexpr double kLevels = 4.0;
+constexpr double kLately = 0.020;  // [s]
 constexpr double kShareOfTool = 0.35;
 constexpr double kLeastLevel = 1e-4;  // [m]
 // After this long a slide is stamped with what there is [s].
 constexpr double kSlideSettled = 0.080;
+constexpr double kInertialShare = 0.2;
 // The format's share of the limit from which friction counts as critical.
 constexpr double kCriticalShare = 0.9;
 
@@ -161,8 +163,10 @@ void PhaseMonitor::follow(const Point& point,
   }
   const double fast = std::max(options_.slide_speed, 4.0 * speed_noise_);
   // Slower than a good part of the tool's advance is the line's misfit, not the object.
-  const bool is_fast =
-      speed_ > std::max(fast, kShareOfTool * tip_speed_) && tip_speed_ > 0.5 * fast;
+  // A tip that has just come to rest relaxes the contact, which looks like a way, too.
+  const Point& lately = contact_[first_after(point.t - kLately)];
+  const bool advances = point.tip - lately.tip > 0.5 * fast * (point.t - lately.t);
+  const bool is_fast = speed_ > std::max(fast, kShareOfTool * tip_speed_) && advances;
   fast_in_a_row_ = is_fast ? fast_in_a_row_ + 1 : 0;
   if (fast_in_a_row_ >= kInARow) begin_slide();
   if (phase() != MotionPhase::sliding) judge_rest(limiting_friction);
@@ -172,16 +176,14 @@ void PhaseMonitor::judge_rest(const std::optional<ParameterValue>& limiting_fric
   limit_ = limiting_friction;
   if (!limiting_friction) return;
   const double limit = limiting_friction->value;
-  const double band =
-      std::max(limiting_friction->deviation.value_or(0.0), (1.0 - kCriticalShare) * limit);
   const Point& now = contact_.back();
-  critical_in_a_row_ = now.friction > limit - band ? critical_in_a_row_ + 1 : 0;
+  critical_in_a_row_ = now.friction > critical_force() ? critical_in_a_row_ + 1 : 0;
   const double noise = options_.force_noise;
   if (critical_in_a_row_ >= kInARow) {
     change_to(contact_[contact_.size() - static_cast<std::size_t>(kInARow)].t,
               MotionPhase::critical);
   } else if (phase() == MotionPhase::critical &&
-             now.friction < limit - band - std::max(0.02 * limit, noise)) {
+             now.friction < critical_force() - std::max(0.02 * limit, noise)) {
     change_to(now.t, MotionPhase::held);
   }
 }
@@ -281,12 +283,12 @@ void PhaseMonitor::stamp_critical(double t_onset) {
     peak = std::max(peak, contact_[i].friction);
   }
   // A known limit that the push bears out has already told it.
+  // A known limit has already told it, unless the push speaks against it by more than the force
+  // that accelerates an object adds to a fast one [identification's README: 12 to 18 %].
   const bool was_told = changes_[changes_.size() - 2].phase == MotionPhase::critical;
-  if (was_told && limit_ &&
-      std::abs(peak - limit_->value) <
-          std::max(3.0 * limit_->deviation.value_or(0.0), 0.05 * limit_->value)) {
-    return;
-  }
+  const bool is_borne_out = limit_ && peak > (1.0 - kInertialShare) * limit_->value &&
+                            peak < (1.0 + kInertialShare) * limit_->value;
+  if (was_told && is_borne_out) return;
   double t_critical = t_onset;
   for (std::size_t i = first_after(t_onset); i-- > from;) {
     if (contact_[i].friction < kCriticalShare * peak) break;
@@ -323,6 +325,29 @@ void PhaseMonitor::end_slide() {
   speed_ = 0.0;
   critical_in_a_row_ = 0;
   change_to(t_stop, MotionPhase::held);
+  stamp_rest(t_stop);
+}
+
+/// The stop was noticed late: what the force has said since.
+void PhaseMonitor::stamp_rest(double t_stop) {
+  if (!limit_) return;
+  for (std::size_t i = first_after(t_stop); i < contact_.size(); ++i) {
+    const bool is_critical = contact_[i].friction > critical_force();
+    if (is_critical && contact_[i].t - t_stop < kLately) {
+      if (changes_.back().phase == MotionPhase::held && changes_.back().t == t_stop) {
+        changes_.back().phase = MotionPhase::critical;
+      }
+    } else if (!is_critical && changes_.back().phase == MotionPhase::critical) {
+      change_to(contact_[i].t, MotionPhase::held);
+      return;
+    }
+  }
+}
+
+double PhaseMonitor::critical_force() const {
+  const double band =
+      std::max(limit_->deviation.value_or(0.0), (1.0 - kCriticalShare) * limit_->value);
+  return limit_->value - band;
 }
 
 void PhaseMonitor::stamp_contact() {

@@ -88,6 +88,8 @@ class PhaseMonitor {
   void stamp_slide();
   void end_slide();
   void stamp_critical(double t_onset);
+  void stamp_rest(double t_stop);
+  [[nodiscard]] double critical_force() const;
   void change_to(double t, MotionPhase phase);
   [[nodiscard]] double way(const Point& point) const;
   [[nodiscard]] double mean_way(double from, double to) const;

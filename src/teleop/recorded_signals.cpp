@@ -64,15 +64,23 @@ TipMotion clean_tip(const TeleopInput& input) {
 
 std::vector<Eigen::Vector3d> command_of(const TipMotion& tip, double start, double step,
                                         std::size_t count) {
-  std::vector<double> at(count);
-  for (std::size_t k = 0; k < count; ++k) at[k] = start + step * static_cast<double>(k);
+  // At every other instant: in between, a hand bends the way by less than a micrometre.
+  std::vector<double> at(count / 2 + 1);
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    at[k] = start + 2.0 * step * static_cast<double>(k);
+  }
   const double interval = (tip.t.back() - tip.t.front()) / static_cast<double>(tip.t.size() - 1);
+  const double half_width = std::max(kCommandSmoothing, 3.0 * interval);
   std::vector<Eigen::Vector3d> command(count);
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<SmoothedSample> place =
-        smooth(tip.t, axis_of(tip.p_base, axis), at, std::max(kCommandSmoothing, 3.0 * interval));
+        smooth(tip.t, axis_of(tip.p_base, axis), at, half_width);
+    const auto value = [&](std::size_t k) {
+      return place[k].is_valid ? place[k].value : tip.at(at[k])[axis];
+    };
     for (std::size_t k = 0; k < count; ++k) {
-      command[k][axis] = place[k].is_valid ? place[k].value : tip.at(at[k])[axis];
+      const bool is_between = k % 2 == 1 && k / 2 + 1 < at.size();
+      command[k][axis] = is_between ? 0.5 * (value(k / 2) + value(k / 2 + 1)) : value(k / 2);
     }
   }
   return command;

@@ -38,6 +38,8 @@ constexpr double kWithstood = 0.05;  // [s]
 constexpr double kPlaceMatters = 1e-4;
 // A turn counts as the way of a point this far out [m].
 constexpr double kTurnRadius = 0.07;
+// Share of streaming's bytes that corrections may take.
+constexpr double kBudget = 0.01;
 // Bytes that may be sent before the budget counts: a few corrections at the start.
 constexpr double kBurst = 400.0;
 
@@ -310,7 +312,7 @@ void RobotSite::judge(std::size_t index, const TouchSample& sample, const Predic
   if (!has_force_) seen.robot_touches = seen.operator_touches = false;
   if (place.is_current) seen.position_gap = gap;
   seen.position_sigma = place.sigma;
-  const double allowed = kBurst + 0.01 * static_cast<double>(streaming_bytes_);
+  const double allowed = kBurst + kBudget * static_cast<double>(streaming_bytes_);
   const std::optional<CorrectionCase> which =
       object.gate.judge(seen, static_cast<double>(sent_bytes_) / allowed);
   if (!which) return;
