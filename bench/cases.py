@@ -1,0 +1,226 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The pcavr authors
+# SPDX-License-Identifier: Apache-2.0
+"""How well pushes are identified, predicted and corrected over many simulated cases.
+
+    bench/cases.py --pcavr build/release/apps/pcavr/pcavr --seeds 5001-5020 --work out/cases
+
+Each seed makes its own pair of boxes (size, mass, friction, stiffness, pressure). `probe` is
+identified; the parameters found there are then judged on another recording, `push`, three times:
+predicted alone, corrected over 200 + 200 ms, and corrected from wrong parameters and a start that
+is 10 mm off; `press` judges the estimators. Needs python3 and nothing else.
+"""
+import argparse
+import json
+import pathlib
+import re
+import statistics
+import subprocess
+import sys
+
+
+# figure: (unit, what is promised at the least, what is aimed at); both are upper limits.
+FIGURES = {
+    "limiting friction, bias of the mean": ("%", 2.0, 0.5),
+    "limiting friction, STD over the pushes": ("% of F_M", None, None),
+    "mass, error": ("%", 5.0, 2.0),
+    "sliding friction, error": ("%", 3.0, 0.5),
+    "contact force at F_M's depth, error": ("%", None, None),
+    "contact force while pressed, steady error": ("%", 2.0, 0.2),
+    "predicted alone, sliding, rms": ("mm", 1.0, 0.5),
+    "predicted alone, sliding, worst": ("mm", 4.0, 2.0),
+    "200 + 200 ms, touched or moving, median": ("mm", 1.5, 0.8),
+    "200 + 200 ms, touched or moving, 95 %": ("mm", 4.0, 2.0),
+    "200 + 200 ms, whole run, worst": ("mm", None, None),
+    "from wrong parameters, corrections until under 3 mm": ("", 2.0, 1.0),
+    "from wrong parameters, objects never under 3 mm": ("", 0.0, 0.0),
+    "phase boundaries measured, median": ("ms", 60.0, 25.0),
+    "phase boundaries measured, 95 %": ("ms", None, None),
+    "phase boundaries predicted, median": ("ms", 60.0, 25.0),
+    "phase boundaries predicted, 95 %": ("ms", None, None),
+    "phases predicted, missed and surplus": ("", None, None),
+    "corrections, share of streaming": ("%", 3.0, 1.0),
+}
+
+
+class Cases:
+    """Runs the command on one seed after the other and keeps what it measured."""
+
+    def __init__(self, pcavr, work):
+        self.pcavr = pcavr
+        self.work = work
+        self.samples = {figure: [] for figure in FIGURES}
+
+    def run(self, *words):
+        words = [str(word) for word in words]
+        done = subprocess.run([self.pcavr, *words, "--json"], capture_output=True, text=True)
+        if done.returncode != 0:
+            raise RuntimeError(f"pcavr {' '.join(words)}: {done.stderr.strip()}")
+        return json.loads(done.stdout)
+
+    def add(self, figure, value, where):
+        if value is not None:
+            self.samples[figure].append((value, str(where)))
+
+    def prepare(self, case, seed):
+        """A recording without images and its scene."""
+        recording = self.work / f"{case}-{seed}"
+        scene = self.work / f"{case}-{seed}-scene"
+        self.run("simulate", case, "--seed", seed, "--no-images", "-o", recording, "--force")
+        self.run("build", recording, "-o", scene, "--force")
+        return recording, scene
+
+    def identify(self, goal, case, seed):
+        """The parameter file, and the folder of its report."""
+        recording, scene = self.prepare(case, seed)
+        parameters = self.work / f"{case}-{seed}.yaml"
+        self.run("identify", goal, recording, "--scene", scene, "--tracked", recording / "tracked",
+                 "-o", parameters, "--force")
+        return parameters, recording
+
+    def judge_identification(self, parameters, recording, seed):
+        report = self.run("evaluate", parameters, "--truth", recording / "truth", "-o",
+                          self.work / f"probe-{seed}-report", "--force")
+        words = {"mass": "mass, error", "sliding_friction_coefficient": "sliding friction, error",
+                 "limiting_static_friction": "limiting friction, bias of the mean",
+                 "contact.force": "contact force at F_M's depth, error"}
+        for key, value in report.items():
+            match = re.fullmatch(r"parameters\.(\w+)\.([\w.]+)\.error_relative", key)
+            if match and match[2] in words:
+                self.add(words[match[2]], 1e2 * abs(value), f"{seed} {match[1]}")
+            match = re.fullmatch(r"parameters\.(\w+)\.limiting_static_friction\.std", key)
+            if match:
+                limit = report[key[: -len("std")] + "truth"]
+                self.add("limiting friction, STD over the pushes", 1e2 * value / limit,
+                         f"{seed} {match[1]}")
+
+    def judge_presses(self, seed):
+        parameters, _ = self.identify("contact", "press", seed)
+        report = json.loads((parameters.with_suffix(".report") / "report.json").read_text())
+        for key, value in report.items():
+            match = re.fullmatch(r"object\.(\w+)\.estimator\.affRLS\.steady_error", key)
+            if match:
+                self.add("contact force while pressed, steady error", 1e2 * value,
+                         f"{seed} {match[1]}")
+
+    def replay(self, label, recording, scene, parameters, *words):
+        run = self.work / f"{recording.name}-{label}"
+        self.run("replay", recording, "--scene", scene, "--parameters", parameters, "--tracked",
+                 recording / "tracked", "-o", run, "--force", *words)
+        return self.run("evaluate", run, "--truth", recording / "truth", "-o",
+                        self.work / f"{recording.name}-{label}-report", "--force")
+
+    def judge(self, seed):
+        self.judge_presses(seed)
+        parameters, probe = self.identify("friction", "probe", seed)
+        self.judge_identification(parameters, probe, seed)
+        recording, scene = self.prepare("push", seed)
+        alone = self.replay("alone", recording, scene, parameters, "--no-corrections",
+                            "--keep-parameters")
+        sliding = "predicted.phase.sliding.translation."
+        self.add("predicted alone, sliding, rms", 1e3 * alone[sliding + "rmse_m"], seed)
+        self.add("predicted alone, sliding, worst", 1e3 * alone[sliding + "max_m"], seed)
+        self.judge_corrected(self.replay("corrected", recording, scene, parameters), seed)
+        wrong = self.replay("wrong", recording, moved(scene, 0.010), spoilt(parameters))
+        self.add("from wrong parameters, objects never under 3 mm",
+                 wrong.get("corrections.never_good"), seed)
+        for key, value in wrong.items():
+            match = re.fullmatch(r"corrections\.object\.(\w+)\.until_good\.count", key)
+            if match:
+                self.add("from wrong parameters, corrections until under 3 mm", value,
+                         f"{seed} {match[1]}")
+
+    def judge_corrected(self, report, seed):
+        touched = "predicted.touched.translation."
+        self.add("200 + 200 ms, touched or moving, median", 1e3 * report[touched + "median_m"], seed)
+        self.add("200 + 200 ms, touched or moving, 95 %", 1e3 * report[touched + "p95_m"], seed)
+        self.add("200 + 200 ms, whole run, worst",
+                 1e3 * report["predicted.all.translation.max_m"], seed)
+        for side in ("measured", "predicted"):
+            boundary = f"phases.{side}.boundary."
+            self.add(f"phase boundaries {side}, median", 1e3 * report[boundary + "median_s"], seed)
+            self.add(f"phase boundaries {side}, 95 %", 1e3 * report[boundary + "p95_s"], seed)
+        self.add("phases predicted, missed and surplus",
+                 report[boundary + "missed"] + report[boundary + "surplus"], seed)
+        self.add("corrections, share of streaming",
+                 1e2 * report["corrections.share_of_streaming"], seed)
+
+
+def moved(scene, distance):
+    """The scene with its objects starting beside their place."""
+    other = scene.with_name(scene.name + "-moved")
+    subprocess.run(["rm", "-rf", other], check=True)
+    subprocess.run(["cp", "-r", scene, other], check=True)
+    file = other / "scene.yaml"
+    text = file.read_text()
+
+    def shift(match):
+        x, rest = match[2].split(",", 1)
+        return f"{match[1]}{float(x) + distance:.9f},{rest}"
+
+    text, count = re.subn(r"(start: *\{t: *\[)([^\]]*)", shift, text)
+    if count == 0:
+        raise RuntimeError(f"{file}: no pose at the start to move")
+    file.write_text(text)
+    return other
+
+
+def spoilt(parameters):
+    """The file with twice the mass and half the friction."""
+    factors = {"mass": 2.0, "limiting_static_friction": 0.5, "sliding_friction_coefficient": 0.25,
+               "viscous_friction": 0.5}
+    lines = []
+    for line in parameters.read_text().splitlines():
+        match = re.fullmatch(r"(  (\w+): )(\S+)", line)
+        if match and match[2] in factors:
+            line = f"{match[1]}{float(match[3]) * factors[match[2]]:.9g}"
+        lines.append(line)
+    other = parameters.with_suffix(".spoilt.yaml")
+    other.write_text("\n".join(lines) + "\n")
+    return other
+
+
+def verdict(value, least, aim):
+    if least is None:
+        return ""
+    return "aim" if value <= aim else "least" if value <= least else "MISSED"
+
+
+def table(samples):
+    print(f"{'figure':<52} {'unit':<9} {'least':>6} {'aim':>6} {'n':>3} {'median':>9} {'worst':>9}"
+          "  worst at          reached by the worst")
+    for figure, (unit, least, aim) in FIGURES.items():
+        if not samples[figure]:
+            continue
+        worst, where = max(samples[figure])
+        middle = statistics.median(value for value, _ in samples[figure])
+        limits = ["" if limit is None else f"{limit:g}" for limit in (least, aim)]
+        print(f"{figure:<52} {unit:<9} {limits[0]:>6} {limits[1]:>6} {len(samples[figure]):>3} "
+              f"{middle:>9.3g} {worst:>9.3g}  {where:<17} {verdict(worst, least, aim)}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--pcavr", default="build/release/apps/pcavr/pcavr")
+    parser.add_argument("--seeds", default="5001-5020")
+    parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/cases"))
+    arguments = parser.parse_args()
+    first, _, last = arguments.seeds.partition("-")
+    arguments.work.mkdir(parents=True, exist_ok=True)
+    cases = Cases(arguments.pcavr, arguments.work)
+    failures = []
+    for seed in range(int(first), int(last or first) + 1):
+        print(f"seed {seed}", file=sys.stderr, flush=True)
+        try:
+            cases.judge(seed)
+        except (RuntimeError, OSError) as error:
+            failures.append(f"seed {seed}: {error}")
+            print(failures[-1], file=sys.stderr, flush=True)
+    table(cases.samples)
+    for failure in failures:
+        print(failure)
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
