@@ -18,6 +18,10 @@ namespace {
 /// A mass that force and motion make, against the one that somebody weighed: beyond this factor
 /// the force is in another unit (a kilogram-force is 9.8 N, a pound-force 4.4 N).
 constexpr double kMassFactor = 3.0;
+/// Below polished PTFE and above soft rubber.
+constexpr double kLeastCoefficient = 0.03;
+constexpr double kGreatestCoefficient = 3.0;
+constexpr double kGravity = 9.80665;  // [m/s^2]
 /// An offset counts where it is this many of its deviations, ...
 constexpr double kOffsetDeviations = 3.0;
 constexpr double kLeastOffset = 0.0005;  // [s] ... and worth a shift: a quarter of a sample
@@ -115,16 +119,28 @@ ObjectIdentification begin_object(const IdentifiableObject& object, const Parame
   return result;
 }
 
-std::optional<Error> wrong_mass(const IdentifiableObject& object,
+/// The mass that somebody weighed tells the force's unit: by the accelerations where they are told,
+/// else by the friction that the weight makes.
+std::optional<Error> wrong_unit(const IdentifiableObject& object,
                                 const ObjectIdentification& found) {
-  if (!object.mass || !found.sliding.mass.is_excited) return std::nullopt;
-  const double factor = found.sliding.mass.value / *object.mass;
-  if (factor < kMassFactor && factor > 1.0 / kMassFactor) return std::nullopt;
+  if (!object.mass) return std::nullopt;
   char text[200];
-  std::snprintf(text, sizeof text,
-                "by force and motion %s weighs %.3g kg, by the manifest %.3g kg: the force is in "
-                "another unit",
-                object.name.c_str(), found.sliding.mass.value, *object.mass);
+  if (found.sliding.mass.is_excited) {
+    const double factor = found.sliding.mass.value / *object.mass;
+    if (factor < kMassFactor && factor > 1.0 / kMassFactor) return std::nullopt;
+    std::snprintf(text, sizeof text,
+                  "by force and motion %s weighs %.3g kg, by the manifest %.3g kg: the force is in "
+                  "another unit",
+                  object.name.c_str(), found.sliding.mass.value, *object.mass);
+  } else {
+    if (found.limit.pushes == 0) return std::nullopt;
+    const double coefficient = found.limit.mean / (*object.mass * kGravity);
+    if (coefficient > kLeastCoefficient && coefficient < kGreatestCoefficient) return std::nullopt;
+    std::snprintf(text, sizeof text,
+                  "%s would break away at %.2g of its weight, which nothing on a table does: the "
+                  "force is in another unit",
+                  object.name.c_str(), coefficient);
+  }
   return Error{.message = text, .file = "wrench.csv", .mend = "write newtons, or correct the mass"};
 }
 
@@ -209,7 +225,7 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
     if (goal == IdentificationGoal::friction) {
       identify_friction_of(result.contacts, i, object.mass, found);
       identify_turning_of(result.contacts, i, object, tip, input.tool_radius, found);
-      if (const auto error = wrong_mass(object, found)) return *error;
+      if (const auto error = wrong_unit(object, found)) return *error;
     }
     state_findings(goal, object, found);
   }

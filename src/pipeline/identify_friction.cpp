@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+
+#include "pcavr/core/median.hpp"
 
 #include "identify_parts.hpp"
 
@@ -11,6 +14,12 @@ namespace {
 /// A push past the centre by more than this meets less friction, because the object turns, too:
 /// 1.5 % at a friction radius of 60 mm.
 constexpr double kCentred = 0.010;  // [m]
+
+/// Share of the force that acceleration may take before the onset is looked for instead.
+constexpr double kMuch = 0.05;
+// Robust deviations, and share of the middle, beyond which a push is not one of the others.
+constexpr double kFarOut = 5.0;
+constexpr double kLeastFarOut = 0.05;
 
 bool is_centred(const IdentifiedContact* push) { return std::abs(push->lever) <= kCentred; }
 
@@ -32,6 +41,46 @@ void take_sliding(std::optional<double> weighed, ObjectIdentification& result) {
   }
 }
 
+/// The friction's own limit: the force at the peak less what accelerated the object. While the
+/// contact, of stiffness k, is loaded at a rate r, an object under constant friction swings out by
+/// r sqrt(M / k) of force; friction that falls at once lets the force fall, too. The truth lies
+/// between: in the middle, with the deviation of a value that is somewhere in there. Where that is
+/// much, the instant at which the object began to move says it better.
+IdentifiedParameter own_limit(const IdentifiedContact& push, const Compliance& compliance,
+                              double mass) {
+  const Breakaway& breakaway = push.episode.breakaway;
+  const double excess = breakaway.stiffness > 0.0 ? std::max(0.0, breakaway.loading_rate) *
+                                                        std::sqrt(mass / breakaway.stiffness)
+                                                  : 0.0;
+  if (excess > kMuch * breakaway.force) {
+    const IdentifiedParameter limit =
+        friction_at_breakaway(push.episode.series(), breakaway, compliance, mass);
+    if (limit.is_excited) return limit;
+  }
+  return {breakaway.force - 0.5 * excess, std::hypot(breakaway.deviation, excess / std::sqrt(12.0)),
+          true};
+}
+
+/// Pushes that tell of something else than the others: loaded in another way, or a creep that was
+/// taken for the breakaway.
+std::vector<bool> outliers(const std::vector<Breakaway>& pushes) {
+  std::vector<double> forces;
+  for (const Breakaway& push : pushes) {
+    if (push.is_found) forces.push_back(push.force);
+  }
+  std::vector<bool> is_out(pushes.size(), false);
+  if (forces.size() < 4) return is_out;
+  const double middle = median(forces);
+  std::vector<double> off;
+  for (const double force : forces) off.push_back(std::abs(force - middle));
+  // 1.4826 makes a standard deviation of a median of distances.
+  const double far = std::max(kFarOut * 1.4826 * median(off), kLeastFarOut * middle);
+  for (std::size_t i = 0; i < pushes.size(); ++i) {
+    is_out[i] = pushes[i].is_found && std::abs(pushes[i].force - middle) > far;
+  }
+  return is_out;
+}
+
 /// F_M of each push: the friction's own limit, which needs the mass; else the force at the peak.
 void find_limits(const std::vector<IdentifiedContact*>& pushes,
                  const std::optional<Compliance>& compliance, ObjectIdentification& result) {
@@ -41,14 +90,22 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
     if (breakaway.is_found) {
       push->limit = {breakaway.force, breakaway.deviation, true};
       if (compliance && result.parameters.mass) {
-        const IdentifiedParameter limit = friction_at_breakaway(
-            push->episode.series(), breakaway, *compliance, result.parameters.mass->value);
-        if (limit.is_excited) push->limit = limit;
+        push->limit = own_limit(*push, *compliance, result.parameters.mass->value);
       }
       breakaway.force = push->limit.value;
-      breakaway.deviation = push->limit.deviation;
     }
     breakaways.push_back(breakaway);
+  }
+  const std::vector<bool> is_out = outliers(breakaways);
+  for (std::size_t i = pushes.size(); i-- > 0;) {
+    if (!is_out[i]) continue;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the push at t = %.2f s seems to break away at %.2f N, far from the others: not "
+                  "counted",
+                  pushes[i]->episode.begin, breakaways[i].force);
+    result.notes.push_back(text);
+    breakaways.erase(breakaways.begin() + static_cast<std::ptrdiff_t>(i));
   }
   result.limit = limiting_friction(breakaways);
   if (result.limit.pushes == 0) return;

@@ -134,7 +134,15 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   }
   result.surface = fit_limit_surface(result.turning);
   if (result.surface.status != LimitSurfaceFitStatus::fitted) return;
-  result.parameters.limit_surface = result.surface.surface;
+  const LimitSurface& surface = result.surface.surface;
+  result.parameters.limit_surface = surface;
+  if (!result.friction_radius) return;
+  // An ellipsoid takes the turn of a nearly straight push for the whole surface's: of a square
+  // patch its radius is a quarter too small. The fitted surface has its own.
+  const double force = 0.5 * (sliding_load(surface, {1.0, 0.0, 0.0}).x() +
+                              sliding_load(surface, {0.0, 1.0, 0.0}).y());
+  result.friction_radius->value = sliding_load(surface, {0.0, 0.0, 1.0}).z() / force;
+  result.parameters.friction_radius = result.friction_radius;
 }
 
 }  // namespace pcavr

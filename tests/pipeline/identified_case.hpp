@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "pcavr/pipeline/identify.hpp"
+#include "pcavr/simulation/plant_case.hpp"
+#include "pcavr/simulation/sensors.hpp"
+
+namespace pcavr {
+
+/// A plant's run and what its sensors made of it, without any file.
+struct IdentifiedCase {
+  PlantCase plant;
+  IdentificationInput input;
+};
+
+inline CadModel model_of(const PlantBody& body) {
+  TriangleMesh mesh;
+  for (const PlantCuboid& part : body.parts) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d side((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1,
+                                 (corner & 4) != 0 ? 1 : -1);
+      mesh.vertices.push_back((part.centre + side.cwiseProduct(part.half_extents)).cast<float>());
+    }
+    constexpr std::uint32_t kFaces[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
+                                             {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
+                                             {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    for (const auto& [a, b, c] : kFaces) {
+      mesh.triangles.push_back({first + a, first + b, first + c});
+    }
+  }
+  return make_cad_model(mesh, body.name, "test").value();
+}
+
+/// The first `duration` seconds of a task, with the marker tracking of a recording without images.
+inline IdentifiedCase identified_case(ToolTask task, std::uint64_t seed, double duration,
+                                      const SensorFaults& faults = {}) {
+  IdentifiedCase made{make_plant_case(task, seed), {}};
+  PlantOptions options;
+  options.longest_duration = duration;
+  const PlantRun run = run_plant(made.plant.bodies, made.plant.tool, made.plant.moves, options);
+  IdentificationInput& input = made.input;
+  const Trajectory tool = measured_tool(run, seed);
+  for (const auto& [stamp, pose] : tool.poses()) {
+    input.t_tool.push_back(stamp.seconds());
+    input.p_base_tip.push_back(pose.translation());
+  }
+  for (const WrenchSample& sample : measured_wrench(run, seed, faults)) {
+    input.t_force.push_back(sample.stamp.seconds());
+    input.force_base.push_back(sample.force);
+  }
+  input.tool_radius = made.plant.tool.radius;
+  for (std::size_t i = 0; i < made.plant.bodies.size(); ++i) {
+    const PlantBody& body = made.plant.bodies[i];
+    IdentifiableObject object{
+        body.name, model_of(body), body.T_base_object, body.parameters.mass, {}};
+    for (const SimulatedSighting& seen : simulated_tracking(run, body, i, seed, faults)) {
+      if (!seen.is_seen) continue;
+      object.tracked.push_back(
+          {seen.stamp.seconds(), seen.T_base_object, seen.position_sigma, seen.rotation_sigma});
+    }
+    input.objects.push_back(std::move(object));
+  }
+  return made;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,280 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/pipeline/identify.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/output.hpp"
+#include "pcavr/recording/parameters_file.hpp"
+
+#include "pipeline/identified_case.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Both boxes' first probe ends here: presses, ten breakaways and a slide of the first.
+constexpr double kFirstProbe = 27.5;  // [s]
+
+/// Made once: a plant at 20 kHz takes a second.
+const IdentifiedCase& probe() {
+  static const IdentifiedCase made = identified_case(ToolTask::probe, 2, kFirstProbe);
+  return made;
+}
+
+const PlantParameters& truth() { return probe().plant.bodies[0].parameters; }
+
+std::string error_of(const IdentificationInput& input,
+                     IdentificationGoal goal = IdentificationGoal::friction) {
+  const Expected<Identification> found = identify(input, goal);
+  return found ? std::string("no error") : found.error().to_string();
+}
+
+bool says(const std::vector<std::string>& notes, const std::string& word) {
+  return std::any_of(notes.begin(), notes.end(),
+                     [&](const std::string& note) { return note.find(word) != std::string::npos; });
+}
+
+void expect_friction(const ObjectIdentification& found) {
+  EXPECT_NEAR(found.parameters.limiting_static_friction->value, truth().limiting_static_friction,
+              0.02 * truth().limiting_static_friction);
+  ASSERT_TRUE(found.sliding.mass.is_excited);
+  EXPECT_NEAR(found.parameters.mass->value, truth().mass, 0.05 * truth().mass);
+  const double coulomb = truth().sliding_friction_coefficient * truth().mass * kPlantGravity;
+  EXPECT_NEAR(found.sliding.coulomb.value, coulomb, 0.03 * coulomb);
+}
+
+TEST(Identify, FindsFrictionAndMassOfAWholeRecordingWithoutBeingToldWhen) {
+  const auto found = identify(probe().input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  const ObjectIdentification& box = found->objects[0];
+  EXPECT_EQ(box.press_count, 3);
+  EXPECT_GE(box.limit.pushes, 10);
+  EXPECT_LT(box.limit.deviation, 0.3);
+  expect_friction(box);
+  EXPECT_LT(std::abs(found->tool_to_force.offset), 0.002);
+  EXPECT_FALSE(found->is_offset_applied);
+  EXPECT_TRUE(says(found->objects[1].notes, "never touched"));
+}
+
+TEST(Identify, FindsTheContactLawFromPresses) {
+  const auto found = identify(probe().input, IdentificationGoal::contact);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  const ObjectParameters& p = found->objects[0].parameters;
+  // What a hand feels: how deep the tip is at a force. The tip's noise is 0.05 mm.
+  const auto depth = [](double force, double k, double n) { return std::pow(force / k, 1.0 / n); };
+  for (const double force : {2.0, 5.0, 10.0}) {
+    const double exact = depth(force, truth().contact_stiffness, truth().contact_exponent);
+    EXPECT_NEAR(depth(force, p.contact_stiffness->value, p.contact_exponent->value), exact,
+                std::max(0.02e-3, 0.05 * exact));
+  }
+  EXPECT_EQ(found->objects[0].comparison.size(), 3U);
+  EXPECT_FALSE(p.limiting_static_friction.has_value());
+}
+
+TEST(Identify, TakesOffClocksATenthOfASecondApart) {
+  for (const double late : {0.1, -0.1}) {
+    IdentificationInput input = probe().input;
+    for (double& t : input.t_force) t += late;
+    const auto found = identify(input, IdentificationGoal::friction);
+    ASSERT_TRUE(found.has_value()) << found.error().to_string();
+    EXPECT_TRUE(found->is_offset_applied);
+    EXPECT_NEAR(found->tool_to_force.offset, late, 4.0 * found->tool_to_force.deviation);
+    EXPECT_LT(found->tool_to_force.deviation, 0.002);
+    expect_friction(found->objects[0]);
+  }
+}
+
+TEST(Identify, RefusesAForceOfTheWrongSign) {
+  IdentificationInput input = probe().input;
+  for (Eigen::Vector3d& force : input.force_base) force = -force;
+  EXPECT_NE(error_of(input).find("wrong sign"), std::string::npos) << error_of(input);
+}
+
+TEST(Identify, RefusesAForceInOtherAxes) {
+  IdentificationInput input = probe().input;
+  for (Eigen::Vector3d& force : input.force_base) force = {force.y(), -force.x(), force.z()};
+  EXPECT_NE(error_of(input).find("motion"), std::string::npos) << error_of(input);
+}
+
+TEST(Identify, RefusesAForceInAnotherUnit) {
+  const auto scaled = [](double factor) {
+    IdentificationInput input = probe().input;
+    for (Eigen::Vector3d& force : input.force_base) force *= factor;
+    return error_of(input);
+  };
+  EXPECT_NE(scaled(1e3).find("millinewtons"), std::string::npos) << scaled(1e3);
+  EXPECT_NE(scaled(1e-3).find("wrench.csv"), std::string::npos) << scaled(1e-3);
+  // Kilograms-force make the friction a tenth of what its weight can have.
+  EXPECT_NE(scaled(1.0 / 9.80665).find("another unit"), std::string::npos) << scaled(1 / 9.80665);
+}
+
+TEST(Identify, SaysWhatIsMissing) {
+  IdentificationInput input = probe().input;
+  input.t_force.clear();
+  input.force_base.clear();
+  EXPECT_NE(error_of(input).find("wrench.csv: identification needs"), std::string::npos);
+  input = probe().input;
+  input.t_tool.clear();
+  input.p_base_tip.clear();
+  EXPECT_NE(error_of(input).find("tool.csv"), std::string::npos);
+  input = probe().input;
+  input.objects.clear();
+  EXPECT_NE(error_of(input).find("objects"), std::string::npos);
+  input = probe().input;
+  for (double& t : input.t_force) t += 1000.0;
+  EXPECT_NE(error_of(input).find("same time"), std::string::npos);
+  input = probe().input;
+  for (Eigen::Vector3d& force : input.force_base) force = Eigen::Vector3d::Zero();
+  EXPECT_NE(error_of(input), "no error");
+}
+
+TEST(Identify, LeavesOutWhatASaturatedSensorMeasured) {
+  IdentificationInput input = probe().input;
+  for (Eigen::Vector3d& force : input.force_base) {
+    force = force.cwiseMax(-9.0).cwiseMin(9.0);  // the presses go beyond, the slow pushes do not
+  }
+  const auto found = identify(input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  EXPECT_TRUE(says(found->notes, "sensor was at its end"));
+  EXPECT_EQ(found->objects[0].press_count, 0);
+  // The contact law comes from the pushes instead.
+  EXPECT_TRUE(found->objects[0].parameters.contact_stiffness.has_value());
+}
+
+TEST(Identify, LeavesOutAPushInWhichTheToolsPoseJumps) {
+  IdentificationInput input = probe().input;
+  const auto clean = identify(input, IdentificationGoal::friction);
+  ASSERT_TRUE(clean.has_value());
+  const IdentifiedContact& push = clean->contacts[4];
+  const double middle = 0.5 * (push.episode.begin + push.episode.end);
+  for (std::size_t i = 0; i < input.t_tool.size(); ++i) {
+    if (input.t_tool[i] > middle) input.p_base_tip[i].x() += 0.004;
+  }
+  const auto found = identify(input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  EXPECT_TRUE(says(found->notes, "tool's pose jumps"));
+  EXPECT_EQ(found->objects[0].limit.pushes, clean->objects[0].limit.pushes - 1);
+}
+
+TEST(Identify, BearsSpikesOfTenTimesTheForceAndDrift) {
+  IdentificationInput input = probe().input;
+  for (std::size_t i = 0; i < input.force_base.size(); ++i) {
+    if (i % 701 == 350) input.force_base[i] *= 10.0;
+    input.force_base[i] += Eigen::Vector3d::Constant(0.3 * std::sin(0.5 * input.t_force[i]));
+  }
+  const auto found = identify(input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  expect_friction(found->objects[0]);
+}
+
+TEST(Identify, LearnsNothingFromAPushThatCouldBeOfTwoObjects) {
+  IdentificationInput input = probe().input;
+  IdentifiableObject twin = input.objects[0];
+  twin.name = "twin";
+  input.objects.push_back(twin);
+  const auto found = identify(input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  EXPECT_TRUE(says(found->notes, "two objects"));
+  EXPECT_EQ(found->objects[0].limit.pushes, 0);
+}
+
+TEST(Identify, SaysThatNoKnownObjectWasWhereTheToolTouched) {
+  IdentificationInput input = probe().input;
+  input.objects.erase(input.objects.begin());
+  const auto found = identify(input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  EXPECT_TRUE(says(found->notes, "no known object"));
+}
+
+TEST(Identify, FollowsAnUntrackedObjectByItsPushes) {
+  IdentificationInput input = probe().input;
+  for (IdentifiableObject& object : input.objects) object.tracked.clear();
+  const auto found = identify(input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  expect_friction(found->objects[0]);
+  for (const IdentifiedContact& contact : found->contacts) {
+    if (!contact.left_out.empty()) continue;
+    EXPECT_LT(std::abs(contact.gap), 0.003);
+  }
+}
+
+TEST(Identify, SaysThatSlowPushesShowNoMassAndProposesABetterMotion) {
+  // Without the modulated slide at the end.
+  const IdentifiedCase slow = identified_case(ToolTask::probe, 2, 16.0);
+  const auto found = identify(slow.input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  const ObjectIdentification& box = found->objects[0];
+  const auto mass = std::find_if(box.findings.begin(), box.findings.end(),
+                                 [](const ParameterFinding& row) { return row.name == "mass"; });
+  ASSERT_NE(mass, box.findings.end());
+  EXPECT_FALSE(mass->is_excited);
+  EXPECT_NE(mass->remark.find("2 Hz, 3 mm"), std::string::npos);
+  // What the scale said is kept, without a deviation.
+  EXPECT_EQ(box.parameters.mass->value, truth().mass);
+  EXPECT_FALSE(box.parameters.mass->deviation.has_value());
+}
+
+TEST(Identify, KeepsWhatWasKnownAndDoesNotLearnTheContactAgain) {
+  IdentificationInput input = probe().input;
+  input.known["box_1"].contact_stiffness = ParameterValue{truth().contact_stiffness, 1.0};
+  input.known["box_1"].contact_exponent = ParameterValue{truth().contact_exponent, {}};
+  input.known["box_1"].contact_damping = ParameterValue{truth().contact_damping, {}};
+  input.known["elsewhere"].mass = ParameterValue{2.0, {}};
+  const auto found = identify(input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  const ParameterTable table = found->parameters();
+  EXPECT_EQ(table.at("box_1").contact_stiffness->value, truth().contact_stiffness);
+  EXPECT_EQ(table.at("elsewhere").mass->value, 2.0);
+  EXPECT_TRUE(table.at("box_1").limiting_static_friction.has_value());
+}
+
+TEST(Identify, GivesTheSameBytesEachTime) {
+  const auto one = identify(probe().input, IdentificationGoal::friction);
+  const auto two = identify(probe().input, IdentificationGoal::friction);
+  ASSERT_TRUE(one && two);
+  EXPECT_EQ(format_parameters(one->parameters()), format_parameters(two->parameters()));
+}
+
+TEST(IdentificationReport, IsOnePageThatNeedsNoNetworkAndAFlatFile) {
+  const TemporaryFolder folder;
+  const auto found = identify(probe().input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value());
+  ASSERT_TRUE(write_identification_report(*found, "a <recording>", folder.path()).has_value());
+  const auto html = read_file(folder.path() / "report.html");
+  const auto json = read_file(folder.path() / "report.json");
+  ASSERT_TRUE(html && json);
+  EXPECT_NE(html->find("a &lt;recording&gt;"), std::string::npos);
+  EXPECT_EQ(html->find("http"), std::string::npos);
+  EXPECT_EQ(html->find("nan"), std::string::npos);
+  for (const char* title : {"Stiffness over time", "All pushes: force and phases",
+                            "Breakaway of each push", "Mass over time"}) {
+    EXPECT_NE(html->find(title), std::string::npos) << title;
+  }
+  EXPECT_NE(json->find("\"object.box_1.limiting_static_friction_std\""), std::string::npos);
+}
+
+TEST(IdentificationInputOf, AnObjectWithoutAPlaceIsAnErrorThatNamesIt) {
+  Recording recording;
+  recording.folder = "/somewhere";
+  for (int i = 0; i < 500; ++i) {
+    const Stamp stamp = Stamp::from_seconds(0.002 * i);
+    recording.tool.append(stamp, Pose());
+    recording.wrench.push_back({stamp, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
+  }
+  recording.manifest.objects.push_back({.name = "cup", .mesh = "cup.obj"});
+  const auto input = identification_input(recording, {});
+  ASSERT_FALSE(input.has_value());
+  EXPECT_NE(input.error().to_string().find("cup"), std::string::npos);
+  recording.wrench.clear();
+  const auto lacking = identification_input(recording, {});
+  ASSERT_FALSE(lacking.has_value());
+  EXPECT_NE(lacking.error().to_string().find("/somewhere/wrench.csv"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pcavr
