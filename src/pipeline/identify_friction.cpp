@@ -93,6 +93,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
         push->limit = own_limit(*push, *compliance, result.parameters.mass->value);
       }
       breakaway.force = push->limit.value;
+      breakaway.deviation = push->limit.deviation;
     }
     breakaways.push_back(breakaway);
   }
