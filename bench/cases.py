@@ -25,7 +25,8 @@ FIGURES = {
     "limiting friction, STD over the pushes": ("% of F_M", None, None),
     "mass, error": ("%", 5.0, 2.0),
     "sliding friction, error": ("%", 3.0, 0.5),
-    "contact force at F_M's depth, error": ("%", None, None),
+    "contact force at F_M's depth, from presses, error": ("%", None, None),
+    "contact force at F_M's depth, from probes, error": ("%", None, None),
     "contact force while pressed, steady error": ("%", 2.0, 0.2),
     "predicted alone, sliding, rms": ("mm", 1.0, 0.5),
     "predicted alone, sliding, worst": ("mm", 4.0, 2.0),
@@ -83,7 +84,7 @@ class Cases:
                           self.work / f"probe-{seed}-report", "--force")
         words = {"mass": "mass, error", "sliding_friction_coefficient": "sliding friction, error",
                  "limiting_static_friction": "limiting friction, bias of the mean",
-                 "contact.force": "contact force at F_M's depth, error"}
+                 "contact.force": "contact force at F_M's depth, from probes, error"}
         for key, value in report.items():
             match = re.fullmatch(r"parameters\.(\w+)\.([\w.]+)\.error_relative", key)
             if match and match[2] in words:
@@ -95,7 +96,14 @@ class Cases:
                          f"{seed} {match[1]}")
 
     def judge_presses(self, seed):
-        parameters, _ = self.identify("contact", "press", seed)
+        parameters, recording = self.identify("contact", "press", seed)
+        judged = self.run("evaluate", parameters, "--truth", recording / "truth", "-o",
+                          self.work / f"press-{seed}-report", "--force")
+        for key, value in judged.items():
+            match = re.fullmatch(r"parameters\.(\w+)\.contact\.force\.error_relative", key)
+            if match:
+                self.add("contact force at F_M's depth, from presses, error", 1e2 * abs(value),
+                         f"{seed} {match[1]}")
         report = json.loads((parameters.with_suffix(".report") / "report.json").read_text())
         for key, value in report.items():
             match = re.fullmatch(r"object\.(\w+)\.estimator\.affRLS\.steady_error", key)

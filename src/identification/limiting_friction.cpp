@@ -110,7 +110,8 @@ LimitingFriction limiting_friction(std::span<const Breakaway> pushes) {
   const Weighted rate = weigh(rates, weights);
   result.mean = force.mean;
   result.deviation = force.deviation;
-  result.deviation_of_mean = force.deviation / std::sqrt(force.effective_count);
+  result.deviation_of_mean =
+      forces.size() > 1 ? force.deviation / std::sqrt(force.effective_count) : deviations.front();
   result.loading_rate = rate.mean;
   result.loading_rate_deviation = rate.deviation;
   return result;

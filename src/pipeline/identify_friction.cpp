@@ -110,7 +110,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
   }
   result.limit = limiting_friction(breakaways);
   if (result.limit.pushes == 0) return;
-  ParameterValue limit{result.limit.mean, {}};
+  ParameterValue limit{result.limit.mean, result.limit.deviation_of_mean};
   ParameterValue rate{result.limit.loading_rate, {}};
   if (result.limit.pushes > 1) {
     limit.deviation = result.limit.deviation;

@@ -230,7 +230,11 @@ TEST(PositionError, OfTwoBoxesPushedAcrossADelayedLink) {
   const std::string recording = shared_data("push_two_boxes").string();
   const auto place = [&](const char* name) { return (folder.path() / name).string(); };
   run_json({"build", recording, "-o", place("scene")});
-  run_json({"replay", recording, "--scene", place("scene"), "-o", place("run")});
+  run_json({"replay", recording, "--scene", place("scene"), "-o", place("tracking")});
+  run_json({"identify", "friction", recording, "--scene", place("scene"), "--tracked",
+            place("tracking"), "-o", place("parameters.yaml")});
+  run_json({"replay", recording, "--scene", place("scene"), "--tracked", place("tracking"),
+            "--parameters", place("parameters.yaml"), "-o", place("run")});
   const json report =
       run_json({"evaluate", place("run"), "--truth", recording + "/truth", "-o", place("report")});
   expect_below(report, "predicted.touched.translation.median_m", 0.0015);

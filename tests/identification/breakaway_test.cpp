@@ -145,6 +145,7 @@ TEST(LimitingFriction, BelievesTheSlowerOneOfTwo) {
   const LimitingFriction found = limiting_friction(pushes_of({{7.9, 0.9}, {9.6, 0.1}}));
   EXPECT_EQ(found.mean, 9.6);
   EXPECT_EQ(found.pushes, 1);
+  EXPECT_EQ(found.deviation_of_mean, 0.1);
 }
 
 TEST(LimitingFriction, WeighsPushesEquallyThatScatterByMoreThanTheirDeviations) {

@@ -66,7 +66,7 @@ struct Breakaway {
 struct LimitingFriction {
   double mean = 0.0;                    ///< F_M [N]
   double deviation = 0.0;               ///< STD over the pushes [N]: half the critical band
-  double deviation_of_mean = 0.0;       ///< [N]
+  double deviation_of_mean = 0.0;       ///< [N] of a single push: its own
   double loading_rate = 0.0;            ///< [N/s] mean; F_M holds at about this rate
   double loading_rate_deviation = 0.0;  ///< [N/s]
   int pushes = 0;                       ///< that broke away and count
