@@ -37,13 +37,17 @@ class Findings {
   std::vector<ParameterFinding>& rows_;
 };
 
+std::string counted(int count, const char* word, const char* plural) {
+  return std::to_string(count) + ' ' + word + (count == 1 ? "" : plural);
+}
+
 void state_contact(ObjectIdentification& found, Findings& findings) {
   const ObjectParameters& p = found.parameters;
   const bool by_presses = found.presses.best().is_valid;
   bool by_face = false;
   for (const FaceContact& face : found.faces) by_face |= face.contact.best().is_valid;
   const bool is_told = by_presses || by_face;
-  const std::string source = by_presses ? std::to_string(found.press_count) + " presses"
+  const std::string source = by_presses ? counted(found.press_count, "press", "es")
                              : by_face  ? "pushes before they broke away"
                                         : "";
   const std::string better = kBetterPress;
@@ -61,9 +65,11 @@ void state_friction(const IdentifiableObject& object, ObjectIdentification& foun
   if (object.mass) mass_remark += "; the weighed mass is used";
   findings.add("mass", "kg", p.mass, sliding.mass.is_excited, "accelerations while it slid",
                mass_remark);
-  findings.add("limiting_static_friction", "N", p.limiting_static_friction, found.limit.pushes > 0,
-               std::to_string(found.limit.pushes) + " pushes; +- is the spread over them",
-               kBetterPush);
+  findings.add(
+      "limiting_static_friction", "N", p.limiting_static_friction, found.limit.pushes > 0,
+      counted(found.limit.pushes, "push", "es") +
+          (found.limit.pushes > 1 ? "; +- is the spread over them" : "; +- is its own deviation"),
+      kBetterPush);
   findings.add("loading_rate", "N/s", p.loading_rate, found.limit.pushes > 0,
                "at which the limit was measured", kBetterPush);
   findings.add("sliding_friction_coefficient", "", p.sliding_friction_coefficient,

@@ -17,6 +17,8 @@ constexpr double kCentred = 0.010;  // [m]
 
 /// Share of the force that acceleration may take before the onset is looked for instead.
 constexpr double kMuch = 0.05;
+constexpr double kQuiet = 0.01;  // smoothed noise over force: a third of the drop that ends a peak
+constexpr double kWidestSmoothing = 0.030;  // [s] half width; the peak is wider than that
 // Robust deviations, and share of the middle, beyond which a push is not one of the others.
 constexpr double kFarOut = 5.0;
 constexpr double kLeastFarOut = 0.05;
@@ -61,6 +63,20 @@ IdentifiedParameter own_limit(const IdentifiedContact& push, const Compliance& c
           true};
 }
 
+/// A weak push is smoothed for longer: where the sensor's noise is some per cent of the force, it
+/// looks like the drop that ends the peak. Slow loading keeps a wider window from cutting the peak.
+void smooth_longer(ContactEpisode& episode) {
+  const Breakaway& found = episode.breakaway;
+  const double noise_share = found.deviation / std::max(episode.peak_force, 1e-9);
+  if (!found.is_found || noise_share <= kQuiet) return;
+  // The noise falls with the root of the width.
+  BreakawayOptions options;
+  options.half_width =
+      std::min(options.half_width * std::pow(noise_share / kQuiet, 2), kWidestSmoothing);
+  const Breakaway smoother = find_breakaway(episode.series(), options);
+  if (smoother.is_found) episode.breakaway = smoother;
+}
+
 /// Pushes that tell of something else than the others: loaded in another way, or a creep that was
 /// taken for the breakaway.
 std::vector<bool> outliers(const std::vector<Breakaway>& pushes) {
@@ -86,6 +102,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
                  const std::optional<Compliance>& compliance, ObjectIdentification& result) {
   std::vector<Breakaway> breakaways;
   for (IdentifiedContact* push : pushes) {
+    smooth_longer(push->episode);
     Breakaway breakaway = push->episode.breakaway;
     if (breakaway.is_found) {
       push->limit = {breakaway.force, breakaway.deviation, true};

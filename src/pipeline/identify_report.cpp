@@ -77,10 +77,12 @@ std::string faces_table(const ObjectIdentification& object) {
     };
     html += "<tr>" + cell(fixed(n.x(), 2) + " " + fixed(n.y(), 2) + " " + fixed(n.z(), 2)) +
             cell(std::to_string(face.pushes));
-    html += fit.is_valid ? cell(told(fit.stiffness)) +
-                               cell(fit.damping.is_excited ? told(fit.damping) : "not excited") +
-                               cell(told(fit.exponent))
-                         : cell("-") + cell("-") + cell("-");
+    html += fit.is_valid
+                ? cell(told(fit.stiffness)) +
+                      cell(fit.damping.is_excited && fit.damping.value > 0.0 ? told(fit.damping)
+                                                                             : "not told") +
+                      cell(told(fit.exponent))
+                : cell("-") + cell("-") + cell("-");
     html += "</tr>\n";
   }
   return html + "</tbody>\n</table></div>\n";

@@ -25,8 +25,9 @@ constexpr double kLawError = 0.1;
 constexpr double kLeastPeak = 1.0;
 // Over what an object has withstood: the next newton must not be its last.
 constexpr double kRougher = 1.5;
-constexpr double kSameContact = 0.15;  // [s]
-constexpr double kGravity = 9.80665;   // [m/s^2]
+// Of a contact that has just begun, the begin may still move by this much as more is seen [s].
+constexpr double kSameContact = 0.25;
+constexpr double kGravity = 9.80665;  // [m/s^2]
 
 ParameterValue value_of(const IdentifiedParameter& parameter) {
   return {parameter.value, parameter.deviation};

@@ -45,6 +45,7 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
       told(told_parameters(assumed)),
       source_(&object),
       surface_(object.model),
+      limit_surface_(assumed.limit_surface),
       tool_radius_(tool_radius),
       latest_{start, object.T_base_object, std::sqrt(3.0) * kUnseenSigma, 0.0},
       frame_interval_(median_interval(object.tracked)) {}
@@ -137,7 +138,9 @@ Eigen::Vector3d RobotObject::twist() const {
 }
 
 BodyPhysics RobotObject::physics() const {
-  return complete_physics(learner.supposed(), source_->model, source_->T_base_object).physics;
+  ObjectParameters supposed = learner.supposed();
+  if (!supposed.limit_surface) supposed.limit_surface = limit_surface_;
+  return complete_physics(supposed, source_->model, source_->T_base_object).physics;
 }
 
 }  // namespace pcavr

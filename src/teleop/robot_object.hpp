@@ -85,6 +85,8 @@ class RobotObject {
 
   const TeleopObject* source_;
   BodySurface surface_;
+  /// As assumed at the start: its shape does not change on the way, and is dear to find.
+  std::optional<LimitSurface> limit_surface_;
   double tool_radius_;
   std::size_t frames_ = 0;  ///< looked at
   TrackedPose latest_;

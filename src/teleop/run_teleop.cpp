@@ -24,6 +24,7 @@ constexpr double kStep = 0.001;  // [s] the operator's cycle
 // An offset between clocks is taken off where it is beyond doubt and matters.
 constexpr double kOffsetSigmas = 3.0;
 constexpr double kLongGap = 0.2;         // [s] without a frame of an object
+constexpr double kSameInstant = 5e-7;    // [s] half the last digit that is written
 constexpr double kShortest = 0.008;      // [s] of a phase
 constexpr double kForceOffset = 0.005;   // [s]
 constexpr double kCameraOffset = 0.020;  // [s]
@@ -131,8 +132,8 @@ std::vector<PhaseRow> phase_rows(std::size_t object, const std::vector<PhaseChan
     const double next_p = p + 1 < predicted.size() ? predicted[p + 1].t : 1e300;
     row.t = std::min(next_m, next_p);
     if (row.t == 1e300) return rows;
-    if (next_m == row.t) row.measured = measured[++m].phase;
-    if (next_p == row.t) row.predicted = predicted[++p].phase;
+    if (next_m < row.t + kSameInstant) row.measured = measured[++m].phase;
+    if (next_p < row.t + kSameInstant) row.predicted = predicted[++p].phase;
   }
 }
 
