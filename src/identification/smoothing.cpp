@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 
@@ -15,23 +16,40 @@ namespace {
 // A quadratic has three coefficients; two more samples make it a fit.
 constexpr std::size_t kLeastSamples = 5;
 
-/// A weighted fit of 1, u, u^2.
-struct LocalFit {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d pull = Eigen::Vector3d::Zero();
+/// Sums of powers of u, and of value times powers of u: all that the three fits need. The weights
+/// 1, 1 - u^2 and (1 - u^2)^2 are polynomials, so that their sums are differences of these.
+struct Moments {
+  std::array<double, 7> powers{};
+  std::array<double, 6> values{};
 
-  void add(double weight, double u, double value) {
-    const Eigen::Vector3d row(1.0, u, u * u);
-    normal.noalias() += weight * row * row.transpose();
-    pull += weight * value * row;
-  }
-  [[nodiscard]] Eigen::Vector3d quadratic() const { return solve_positive<3>(normal, pull); }
-  [[nodiscard]] double line_value() const {
-    const Eigen::Matrix2d A = normal.topLeftCorner<2, 2>();
-    const Eigen::Vector2d b = pull.head<2>();
-    return solve_positive<2>(A, b)[0];
+  void add(double u, double value) {
+    double power = 1.0;
+    for (std::size_t k = 0; k < values.size(); ++k, power *= u) {
+      powers[k] += power;
+      values[k] += power * value;
+    }
+    powers[values.size()] += power;
   }
 };
+
+using Sums = std::span<const double>;
+double flat(Sums m, std::size_t k) { return m[k]; }
+double round(Sums m, std::size_t k) { return m[k] - m[k + 2]; }
+double hump(Sums m, std::size_t k) { return m[k] - 2.0 * m[k + 2] + m[k + 4]; }
+
+/// Coefficients of 1, u, ... that fit best under the weight given.
+template <int N>
+Eigen::Matrix<double, N, 1> fit(const Moments& moments, double (*weighted)(Sums, std::size_t)) {
+  Eigen::Matrix<double, N, N> normal;
+  Eigen::Matrix<double, N, 1> pull;
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j < N; ++j) {
+      normal(i, j) = weighted(moments.powers, static_cast<std::size_t>(i + j));
+    }
+    pull(i) = weighted(moments.values, static_cast<std::size_t>(i));
+  }
+  return solve_positive<N>(normal, pull);
+}
 
 /// The window is full when no stretch longer than half its half is without a sample.
 bool is_covered(std::span<const double> t, double at, double half_width) {
@@ -46,20 +64,16 @@ bool is_covered(std::span<const double> t, double at, double half_width) {
 SmoothedSample fit_window(std::span<const double> t, std::span<const double> values, double at,
                           double half_width) {
   if (t.size() < kLeastSamples || !is_covered(t, at, half_width)) return {};
-  LocalFit flat, round, smooth;
+  Moments moments;
   const double middle = values[values.size() / 2];  // keeps digits where the value is large
   for (std::size_t i = 0; i < t.size(); ++i) {
     const double u = (t[i] - at) / half_width;
-    const double hat = 1.0 - u * u;
-    const double value = values[i] - middle;
-    flat.add(1.0, u, value);
-    round.add(hat, u, value);
-    smooth.add(hat * hat, u, value);
+    moments.add(u, values[i] - middle);
   }
   SmoothedSample sample;
-  sample.value = middle + smooth.line_value();
-  sample.rate = round.quadratic()[1] / half_width;
-  sample.acceleration = 2.0 * flat.quadratic()[2] / (half_width * half_width);
+  sample.value = middle + fit<2>(moments, hump)[0];
+  sample.rate = fit<3>(moments, round)[1] / half_width;
+  sample.acceleration = 2.0 * fit<3>(moments, flat)[2] / (half_width * half_width);
   sample.is_valid = true;
   return sample;
 }

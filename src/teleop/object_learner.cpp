@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "pcavr/identification/contact_fit.hpp"
 
@@ -28,6 +29,9 @@ constexpr double kRougher = 1.5;
 // Of a contact that has just begun, the begin may still move by this much as more is seen [s].
 constexpr double kSameContact = 0.25;
 constexpr double kGravity = 9.80665;  // [m/s^2]
+// Contacts that are learned from together: work must not grow with what was recorded. What older
+// ones told stays known until newer ones contradict it.
+constexpr std::ptrdiff_t kNewest = 6;
 
 ParameterValue value_of(const IdentifiedParameter& parameter) {
   return {parameter.value, parameter.deviation};
@@ -130,6 +134,9 @@ void ObjectLearner::learn_contact() {
     if (contact.peak_force < kLeastPeak || part.t.size() < 30) continue;
     (contact.kind == ContactKind::press ? presses : standing).push_back(part);
   }
+  for (std::vector<ForceMotion>* parts : {&presses, &standing}) {
+    if (std::ssize(*parts) > kNewest) parts->erase(parts->begin(), parts->end() - kNewest);
+  }
   const bool has_presses = !presses.empty();
   if (!has_presses && standing.empty()) return;
   const ContactIdentification identified =
@@ -197,6 +204,7 @@ void ObjectLearner::learn_sliding() {
     if (!contact.slides.empty()) pushes.push_back(contact.series());
   }
   if (pushes.empty()) return;
+  if (std::ssize(pushes) > kNewest) pushes.erase(pushes.begin(), pushes.end() - kNewest);
   SlidingOptions options;
   if (known_.mass) options.mass = known_.mass->value;
   const SlidingIdentification found = identify_sliding(pushes, *compliance, options);
