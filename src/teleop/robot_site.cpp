@@ -153,18 +153,19 @@ void RobotSite::see_without_force(double t) {
 
 std::optional<std::size_t> RobotSite::attribute(const TouchSample& sample,
                                                 std::vector<Reach>& reaches) {
-  std::optional<std::size_t> nearest;
+  std::optional<std::size_t> nearest, held;
   std::size_t touching = 0;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     reaches.push_back(objects_[i].reach(sample.p_base_tip));
     if (reaches[i].clearance < kTouchClearance) ++touching;
     if (!nearest || reaches[i].clearance < reaches[*nearest].clearance) nearest = i;
-    // What is touched stays so until it is let go.
-    if (objects_[i].monitor.is_touched()) return i;
+    if (!held && objects_[i].monitor.is_touched()) held = i;
   }
-  if (!nearest || reaches[*nearest].clearance > kReach) return std::nullopt;
+  // What is touched stays so until it is let go.
+  if (held) nearest = held;
+  if (!nearest || (!held && reaches[*nearest].clearance > kReach)) return std::nullopt;
   const bool has_force = sample.force_base.norm() > monitor_.enter_force;
-  if (touching > 1 && has_force) {
+  if (touching > 1 && has_force && !objects_[*nearest].is_shared) {
     note_once("the tip lies at " + std::to_string(touching) + " objects at " + at_time(sample.t) +
               ": the force is not one object's and teaches nothing");
     objects_[*nearest].is_shared = true;
@@ -198,7 +199,6 @@ void RobotSite::take_sample(std::size_t index, const PredictionLog& log) {
   std::vector<Reach> reaches;
   const std::optional<std::size_t> touched = attribute(sample, reaches);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (reaches.size() <= i) reaches.push_back(objects_[i].reach(sample.p_base_tip));
     RobotObject& object = objects_[i];
     const MotionPhase before = object.monitor.phase();
     const bool was_touched = object.monitor.is_touched();

@@ -6,8 +6,9 @@
 
 namespace pcavr::fuzz {
 
-/// One target for each kind of outside bytes that the recording module reads. Each checks more than
-/// survival: what is accepted can be written and read again, what is refused says where and why.
+/// One target for each kind of outside bytes that are read: files, and messages between the sites.
+/// Each checks more than survival: what is accepted can be written and read again, what is refused
+/// says where and why.
 /// They throw (ContractError) where that does not hold.
 void manifest(std::string_view bytes);
 void camera_file(std::string_view bytes);
@@ -17,5 +18,7 @@ void series(std::string_view bytes);
 /// JPEG and PNG of 16 x 12 pixels; and the bytes taken as the filtered rows of a PNG.
 void image(std::string_view bytes);
 void parameters(std::string_view bytes);
+/// A correction from the robot's site.
+void message(std::string_view bytes);
 
 }  // namespace pcavr::fuzz

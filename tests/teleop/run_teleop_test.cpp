@@ -137,6 +137,43 @@ TEST(RunTeleop, SaysThatAnObjectWasNeverTouched) {
   EXPECT_TRUE(has_note(run, made.input.objects[1].name + " was never touched"));
 }
 
+/// Two boxes side by side at rest, and a tip that presses on the seam between them.
+TeleopInput pressed_seam() {
+  constexpr double kHalf = 0.05;
+  TeleopInput input;
+  for (const double x : {-kHalf, kHalf}) {
+    TeleopObject object{x < 0.0 ? "left" : "right",
+                        box_model("box", Eigen::Vector3d::Constant(kHalf)),
+                        Pose::from_translation({x, 0.1, kHalf}),
+                        {},
+                        {}};
+    object.parameters.mass = ParameterValue{3.0};
+    for (int i = 0; i < 90; ++i) {
+      object.tracked.push_back({i / 30.0, object.T_base_object, 1e-4, 1e-3});
+    }
+    input.objects.push_back(std::move(object));
+  }
+  for (int i = 0; i < 1500; ++i) {
+    const double t = 0.002 * i;
+    const double depth = 0.002 * std::clamp(t - 1.0, -1.0, 1.0);
+    input.t_tool.push_back(t);
+    input.t_force.push_back(t);
+    input.p_base_tip.emplace_back(0.0, 0.05 - input.tool_radius + depth, kHalf);
+    // A repeated pattern stands for the sensor's noise.
+    input.force_base.emplace_back(0.0, 4000.0 * std::max(depth, 0.0) + 0.05 * (i % 3 - 1), 0.0);
+  }
+  return input;
+}
+
+TEST(RunTeleop, SaysThatTheTipLiesAtTwoObjectsAtOnce) {
+  const TeleopRun run = run_teleop(pressed_seam(), {}).value();
+  EXPECT_TRUE(has_note(run, "the tip lies at 2 objects"));
+  EXPECT_LT(run.notes.size(), 10U);  // once a contact, not once a sample
+  for (const ObjectParameters& learned : run.parameters) {
+    EXPECT_FALSE(learned.contact_stiffness.has_value());
+  }
+}
+
 TEST(RunTeleop, FindsClocksThatAreATenthOfASecondApart) {
   PlantInput made = plant_input(kSeed, true, {.clock_offset = 0.1});
   const TeleopRun run = run_teleop(made.input, {}).value();

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/output.hpp"
+
+#include "fuzz/targets.hpp"
+#include "teleop/message.hpp"
+
+namespace pcavr {
+namespace {
+
+/// The fuzzer's seeds, and what it once found, hold in every build; at least one is a whole
+/// message.
+TEST(MessageCorpus, HoldsForEveryFile) {
+  int whole = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(
+           std::filesystem::path(PCAVR_SOURCE_DIR) / "tests/fuzz/corpus/message")) {
+    const Expected<std::string> bytes = read_file(entry.path());
+    ASSERT_TRUE(bytes.has_value());
+    EXPECT_NO_THROW(fuzz::message(*bytes)) << entry.path();
+    const std::vector<std::uint8_t> content(bytes->begin(), bytes->end());
+    whole += decode(content, 0.0).has_value() ? 1 : 0;
+  }
+  EXPECT_GT(whole, 0);
+}
+
+}  // namespace
+}  // namespace pcavr
