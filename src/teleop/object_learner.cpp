@@ -22,6 +22,8 @@ constexpr double kWorse = 1.2;
 constexpr double kOneBreakaway = 0.03;
 // A contact fit that misses the force by more is no law [share].
 constexpr double kLawError = 0.1;
+// A fit that does not know a depth any better than this is no law either [share].
+constexpr double kUnsure = 0.25;
 // Less force shows no law [N].
 constexpr double kLeastPeak = 1.0;
 // Over what an object has withstood: the next newton must not be its last.
@@ -144,20 +146,16 @@ void ObjectLearner::learn_contact() {
                   : identify_contact(standing, {.is_surface_shared = false});
   const ContactFit& fit = identified.best();
   if (!fit.is_valid || !fit.stiffness.is_excited || fit.relative_error > kLawError) return;
-  // The three numbers belong together; what counts is the force they give where they were fitted.
-  const double depth =
-      std::pow(contacts_.back().peak_force / fit.stiffness.value, 1.0 / fit.exponent.value);
-  const auto force_at = [&](const Compliance& law) {
-    return law.stiffness * std::pow(depth, law.exponent);
-  };
+  // The three numbers belong together; what counts is how deep they let the tip in.
+  const double unsure = fit.stiffness.deviation / fit.stiffness.value / fit.exponent.value;
+  if (unsure > kUnsure) return;
   const std::optional<Compliance> old = compliance_of(known_);
-  const bool was_given = given_.contact_stiffness.has_value();
-  if (old && was_given) {
-    const double now = contacts_.back().peak_force;
-    const double deviation = std::hypot(
-        kUnstatedDeviation, fit.stiffness.deviation / fit.stiffness.value / fit.exponent.value);
-    const double gap = std::abs(force_at(*old) - now) / now;
-    if (gap < kContradiction * deviation) return;
+  if (old && given_.contact_stiffness) {
+    const double force = contacts_.back().peak_force;
+    const double depth = std::pow(force / fit.stiffness.value, 1.0 / fit.exponent.value);
+    const double old_depth = std::pow(force / old->stiffness, 1.0 / old->exponent);
+    const double deviation = std::hypot(kUnstatedDeviation, unsure);
+    if (std::abs(old_depth - depth) < kContradiction * deviation * depth) return;
   }
   known_.contact_stiffness = value_of(fit.stiffness);
   known_.contact_exponent = value_of(fit.exponent);

@@ -61,7 +61,6 @@ class ObjectLearner {
   std::optional<double> force_ceiling_;
   std::optional<double> supposed_limit_;  ///< [N]
   std::vector<ContactEpisode> contacts_;
-  bool has_learned_contact_ = false;
   bool has_changed_ = false;
 };
 
