@@ -24,7 +24,8 @@ FIGURES = {
     "limiting friction, bias of the mean": ("%", 2.0, 0.5),
     "limiting friction, STD over the pushes": ("% of F_M", None, None),
     "mass, error": ("%", 5.0, 2.0),
-    "sliding friction, error": ("%", 3.0, 0.5),
+    "sliding friction, force at standstill, error": ("%", 3.0, 0.5),
+    "sliding friction, coefficient, error": ("%", 3.0, 0.5),
     "contact force at F_M's depth, from presses, error": ("%", None, None),
     "contact force at F_M's depth, from probes, error": ("%", None, None),
     "contact force while pressed, steady error": ("%", 2.0, 0.2),
@@ -82,13 +83,19 @@ class Cases:
     def judge_identification(self, parameters, recording, seed):
         report = self.run("evaluate", parameters, "--truth", recording / "truth", "-o",
                           self.work / f"probe-{seed}-report", "--force")
-        words = {"mass": "mass, error", "sliding_friction_coefficient": "sliding friction, error",
+        words = {"mass": "mass, error", "sliding_friction_coefficient": "sliding friction, coefficient, error",
                  "limiting_static_friction": "limiting friction, bias of the mean",
                  "contact.force": "contact force at F_M's depth, from probes, error"}
         for key, value in report.items():
             match = re.fullmatch(r"parameters\.(\w+)\.([\w.]+)\.error_relative", key)
             if match and match[2] in words:
                 self.add(words[match[2]], 1e2 * abs(value), f"{seed} {match[1]}")
+            match = re.fullmatch(r"parameters\.(\w+)\.mass\.error_relative", key)
+            coefficient = f"parameters.{match[1]}.sliding_friction_coefficient" if match else None
+            if match and f"{coefficient}.error_relative" in report:
+                force = (1.0 + value) * (1.0 + report[f"{coefficient}.error_relative"]) - 1.0
+                self.add("sliding friction, force at standstill, error", 1e2 * abs(force),
+                         f"{seed} {match[1]}")
             match = re.fullmatch(r"parameters\.(\w+)\.limiting_static_friction\.std", key)
             if match:
                 limit = report[key[: -len("std")] + "truth"]
