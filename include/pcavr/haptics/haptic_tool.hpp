@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pcavr/haptics/rendered_force.hpp"
+#include "pcavr/haptics/surface_proxy.hpp"
+
+namespace pcavr {
+
+struct HapticState {
+  Eigen::Vector3d proxy = Eigen::Vector3d::Zero();  ///< [m] centre of the tool's ball
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] on the device, until the next step
+  bool is_in_contact = false;                       ///< the tip is inside: there is a force
+};
+
+/// A tool's ball on a scanned surface, and what the hand feels of it: the two parts as one cycle.
+class HapticTool {
+ public:
+  HapticTool(const TriangleMesh& mesh, const ProxyOptions& proxy, const ForceOptions& force)
+      : proxy_(mesh, proxy), force_(force) {}
+
+  /// As SurfaceProxy::reset.
+  [[nodiscard]] bool reset(const Eigen::Vector3d& tip) noexcept { return proxy_.reset(tip); }
+
+  /// One cycle of `dt` [s] > 0 that ended with the device's tip at `tip` [m], in the mesh's frame.
+  HapticState step(const Eigen::Vector3d& tip, double dt) noexcept {
+    const ProxyState there = proxy_.step(tip);
+    const Eigen::Vector3d force = force_.step(tip, there.centre, there.is_inside, dt);
+    return {there.centre, force, there.is_inside};
+  }
+
+  [[nodiscard]] double available_work() const { return force_.available_work(); }
+
+ private:
+  SurfaceProxy proxy_;
+  RenderedForce force_;
+};
+
+}  // namespace pcavr

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/haptics/rendered_force.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pcavr/core/check.hpp"
+
+namespace pcavr {
+
+RenderedForce::RenderedForce(const ForceOptions& options) : options_(options) {
+  const Compliance& law = options.compliance;
+  PCAVR_REQUIRE(std::isfinite(law.stiffness) && law.stiffness > 0.0, law.stiffness);
+  PCAVR_REQUIRE(std::isfinite(law.damping) && law.damping >= 0.0, law.damping);
+  PCAVR_REQUIRE(std::isfinite(law.exponent) && law.exponent >= 1.0, law.exponent);
+  PCAVR_REQUIRE(std::isfinite(options.most_force) && options.most_force > 0.0, options.most_force);
+  PCAVR_REQUIRE(std::isfinite(options.most_rate) && options.most_rate > 0.0, options.most_rate);
+  PCAVR_REQUIRE(std::isfinite(options.most_acceleration) && options.most_acceleration > 0.0,
+                options.most_acceleration);
+  PCAVR_REQUIRE(options.least_force > 0.0 && options.least_force <= options.most_force,
+                options.least_force);
+}
+
+double RenderedForce::wanted(double depth, double dt) const noexcept {
+  const Compliance& law = options_.compliance;
+  const double deepened = depth - depth_;
+  // The law of n = 1 damps without the depth's power (see Compliance).
+  const double ahead = std::pow(std::max(depth + 0.5 * deepened, 0.0), law.exponent);
+  const double damping = law.exponent == 1.0 ? law.damping : law.damping * ahead;
+  return law.stiffness * ahead + damping * deepened / dt;
+}
+
+Eigen::Vector3d RenderedForce::step(const Eigen::Vector3d& tip, const Eigen::Vector3d& proxy,
+                                    bool is_inside, double dt) noexcept {
+  if (!tip.allFinite() || !proxy.allFinite() || !std::isfinite(dt) || dt <= 0.0) {
+    force_.setZero();
+    has_tip_ = false;
+    return force_;
+  }
+  const Eigen::Vector3d moved = has_tip_ ? Eigen::Vector3d(tip - tip_) : Eigen::Vector3d::Zero();
+  tip_ = tip;
+  has_tip_ = true;
+  work_ -= force_.dot(moved);
+  const double depth = is_inside ? (proxy - tip).norm() : 0.0;
+  const Eigen::Vector3d out =
+      depth > 0.0 ? Eigen::Vector3d((proxy - tip) / depth) : Eigen::Vector3d::Zero();
+  const double size = std::clamp(wanted(depth, dt), options_.least_force, options_.most_force);
+  depth_ = depth;
+  const Eigen::Vector3d change = size * out - force_;
+  const double most_change = options_.most_rate * dt;
+  const double grown = change.norm();
+  force_ += grown > most_change ? Eigen::Vector3d(most_change / grown * change) : change;
+  spend_no_more_than_there_is(moved, dt);
+  if (force_.norm() < options_.least_force) force_ = options_.least_force * out;
+  if (force_.isZero(0.0)) work_ = std::min(work_, 0.0);
+  return force_;
+}
+
+void RenderedForce::spend_no_more_than_there_is(const Eigen::Vector3d& moved, double dt) noexcept {
+  const double strength = force_.norm();
+  if (strength <= 0.0) return;
+  // How far the force can push the hand before the next cycle.
+  const double farthest = force_.dot(moved) / strength + options_.most_acceleration * dt * dt;
+  if (farthest <= 0.0) return;
+  const double affordable = std::max(work_, 0.0) / farthest;
+  if (affordable < strength) force_ *= affordable / strength;
+}
+
+}  // namespace pcavr

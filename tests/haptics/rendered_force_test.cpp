@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/haptics/rendered_force.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/check.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kCycle = 0.001;  // [s]
+
+/// The force after each cycle of a press down to -`depth` [m] of a floor at 0 at `speed` [m/s].
+std::vector<Eigen::Vector3d> press(RenderedForce& rendered, double depth, double speed) {
+  std::vector<Eigen::Vector3d> forces;
+  for (double z = 0.01; z > -depth; z -= speed * kCycle) {
+    forces.push_back(
+        rendered.step({0.0, 0.0, z}, Eigen::Vector3d(0.0, 0.0, std::max(z, 0.0)), z < 0.0, kCycle));
+  }
+  return forces;
+}
+
+TEST(RenderedForce, IsTheLawsForceOfATipThatRests) {
+  ForceOptions options;
+  options.compliance = {800.0, 1.0, 1.0};
+  RenderedForce rendered(options);
+  (void)press(rendered, 0.003, 0.05);
+  Eigen::Vector3d force;
+  for (int i = 0; i < 5; ++i)
+    force = rendered.step({0.0, 0.0, -0.003}, {0.0, 0.0, 0.0}, true, kCycle);
+  EXPECT_NEAR((force - Eigen::Vector3d(0.0, 0.0, 2.4)).norm(), 0.0, 1e-12);
+}
+
+TEST(RenderedForce, FollowsTheExponent) {
+  ForceOptions options;
+  options.compliance = {20'000.0, 0.0, 1.5};
+  RenderedForce rendered(options);
+  (void)press(rendered, 0.003, 0.05);
+  Eigen::Vector3d force;
+  for (int i = 0; i < 5; ++i)
+    force = rendered.step({0.0, 0.0, -0.003}, {0.0, 0.0, 0.0}, true, kCycle);
+  EXPECT_NEAR(force.z(), 20'000.0 * std::pow(0.003, 1.5), 1e-12);
+}
+
+TEST(RenderedForce, IsBoundedInSizeAndInRate) {
+  ForceOptions options;
+  options.compliance.stiffness = 1e5;
+  RenderedForce rendered(options);
+  Eigen::Vector3d before = Eigen::Vector3d::Zero();
+  double largest = 0.0;
+  for (const Eigen::Vector3d& force : press(rendered, 0.01, 0.2)) {
+    EXPECT_LE((force - before).norm(), options.most_rate * kCycle + options.least_force);
+    largest = std::max(largest, force.norm());
+    before = force;
+  }
+  EXPECT_NEAR(largest, options.most_force, 1e-12);
+}
+
+TEST(RenderedForce, IsNeverZeroInsideHoweverSlowTheTouch) {
+  RenderedForce rendered{ForceOptions{}};
+  for (int i = 1; i <= 1000; ++i) {
+    const Eigen::Vector3d force =
+        rendered.step({0.0, 0.0, -1e-7 * i}, {0.0, 0.0, 0.0}, true, kCycle);
+    ASSERT_GT(force.z(), 0.0) << i;
+  }
+}
+
+TEST(RenderedForce, ForgetsTheTipWhenANumberIsMissing) {
+  RenderedForce rendered{ForceOptions{}};
+  (void)press(rendered, 0.003, 0.05);
+  const double work = rendered.available_work();
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(rendered.step({none, 0.0, 0.0}, {0.0, 0.0, 0.0}, true, kCycle),
+            Eigen::Vector3d::Zero());
+  EXPECT_EQ(rendered.step({0.0, 0.0, -0.003}, {0.0, 0.0, 0.0}, true, 0.0), Eigen::Vector3d::Zero());
+  EXPECT_EQ(rendered.available_work(), work);
+}
+
+TEST(RenderedForce, SaysWhichOptionIsWrong) {
+  ForceOptions options;
+  options.compliance.stiffness = 0.0;
+  EXPECT_THROW(RenderedForce{options}, ContractError);
+  options = {};
+  options.least_force = 2.0 * options.most_force;
+  EXPECT_THROW(RenderedForce{options}, ContractError);
+}
+
+}  // namespace
+}  // namespace pcavr
