@@ -19,13 +19,15 @@ namespace {
 /// is walked in shorter stretches.
 constexpr std::size_t kMostTriangles = 192;
 /// Stretches of one cycle: what is not walked in them is left for the next. Bounds the time.
-constexpr int kMostStretches = 12;
+constexpr int kMostStretches = 6;
 /// How often the half-spaces are drawn anew in a stretch, as the ball rolls over a triangle's rim.
 constexpr int kMostDrawings = 4;
 /// [m] A tip that reaches less deep than this is not inside: it is rounding.
 constexpr double kInside = 1e-10;
-/// [m] A motion that is not worth another drawing.
-constexpr double kNegligible = 1e-8;
+/// [m] A motion that is not worth another drawing: a hundredth of what a device resolves.
+constexpr double kNegligible = 1e-7;
+/// [m] What is nearer than this bears the ball.
+constexpr double kBearing = 1e-8;
 
 }  // namespace
 
@@ -57,7 +59,7 @@ struct SurfaceProxy::Impl {
   std::size_t gather(const Eigen::Vector3d& at, double& stretch) noexcept {
     for (int halvings = 0; halvings < 12; ++halvings) {
       // A little more than the path, so that what touches is among them in spite of rounding.
-      const double reach = options.radius + stretch + kNegligible;
+      const double reach = options.radius + stretch + kBearing;
       const auto nearby = tree.nearer_than(reach, at, places);
       if (nearby.is_complete) return nearby.count;
       stretch *= 0.5;
@@ -72,13 +74,13 @@ struct SurfaceProxy::Impl {
     contact_normal.setZero();
     for (std::size_t i = 0; i < count; ++i) {
       const detail::HalfSpace& there = half_spaces[i];
-      if (there.slack <= kNegligible && there.normal.dot(tip - centre) < 0.0) {
+      if (there.slack <= kBearing && there.normal.dot(tip - centre) < 0.0) {
         contact_normal += there.normal;
       }
     }
     contact_normal.stableNormalize();
   }
-  void follow(const Eigen::Vector3d& goal, double budget) noexcept;
+  void follow(const Eigen::Vector3d& goal, double moved) noexcept;
   [[nodiscard]] bool is_kept_apart() const noexcept;
 };
 
@@ -95,9 +97,10 @@ Eigen::Vector3d SurfaceProxy::Impl::goal() const noexcept {
                         : Eigen::Vector3d(tip - held / length * along);
 }
 
-void SurfaceProxy::Impl::follow(const Eigen::Vector3d& goal, double budget) noexcept {
-  for (int stretches = 0; stretches < kMostStretches && budget > kNegligible; ++stretches) {
-    double stretch = std::min(budget, (goal - centre).norm());
+void SurfaceProxy::Impl::follow(const Eigen::Vector3d& goal, double moved) noexcept {
+  double budget = options.most_motion * moved;
+  for (int stretches = 0; stretches < kMostStretches && budget > 0.0; ++stretches) {
+    double stretch = std::min({budget, moved, (goal - centre).norm()});
     const std::size_t count = gather(centre, stretch);
     const double gathered_for = stretch;
     double last = stretch;
@@ -148,7 +151,7 @@ ProxyState SurfaceProxy::step(const Eigen::Vector3d& tip) noexcept {
   }
   const double moved = (tip - impl_->tip).norm();
   impl_->tip = tip;
-  impl_->follow(impl_->goal(), impl_->options.most_motion * moved);
+  impl_->follow(impl_->goal(), moved);
   const bool is_inside = impl_->is_kept_apart();
   return {impl_->centre, is_inside};
 }

@@ -1,15 +1,18 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
 #include <gtest/gtest.h>
 
 #include "pcavr/haptics/haptic_tool.hpp"
 
+#include "haptics/closed_paths.hpp"
 #include "haptics/scanned_bumps.hpp"
 
 namespace pcavr {
 namespace {
 
-constexpr double kCycle = 0.001;  // [s]
+using test::kCycle;
 constexpr int kSteps = 250'000;
 
 struct Count {
@@ -80,6 +83,19 @@ TEST(MillionSteps, NeitherFallNorLoseForceNorJumpWithFriction) {
 }
 TEST(MillionSteps, NeitherFallNorLoseForceNorJumpWithATinyBall) {
   expect_sound(press_and_slide(0.0003, 0.0001, 0.0));
+}
+
+TEST(ClosedPaths, TakeWorkTenThousandTimesOver) {
+  const test::ScannedBumps bumps(200, 0.0003, 3);
+  for (const double friction : {0.0, 0.5}) {
+    HapticTool tool(bumps.mesh(), {0.001, friction}, {});
+    const test::Work work = test::over_closed_paths(tool, 5000);
+    std::printf("friction %.1f: %ld paths touched, mean work %.3g J, least %.3g J, %ld below 0\n",
+                friction, work.touched, work.sum / static_cast<double>(work.touched), work.least,
+                work.gave);
+    EXPECT_GT(work.touched, 4000);
+    EXPECT_GE(work.least, -test::kRounding);
+  }
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ struct ForceOptions {
   /// [m/s^2] of the hand: what lets the next cycle's motion be told from the last one's. A hand
   /// that holds a device's handle stays under 2 g.
   double most_acceleration = 20.0;
-  double least_force = 0.001;  ///< [N] while inside: where a force grows from; not to be felt
+  /// [N] while inside, paid for or not: what a force grows from. Too small to be felt.
+  double least_force = 1e-4;
 };
 
 /// The force on the device from how far its tip has sunk in, held until the next cycle.
