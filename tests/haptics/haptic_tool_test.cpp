@@ -13,7 +13,7 @@ namespace {
 
 using test::kCycle;
 
-TEST(HapticTool, GivesNoMoreWorkThanItTookOverThousandsOfClosedPaths) {
+TEST(HapticTool, GivesNoMoreWorkThanItTookOverClosedPaths) {
   const test::ScannedBumps bumps(200, 0.0003, 2);
   for (const double friction : {0.0, 0.5}) {
     for (const Compliance law : {Compliance{1000.0, 0.0, 1.0}, Compliance{3000.0, 2.0, 1.0},
@@ -21,8 +21,8 @@ TEST(HapticTool, GivesNoMoreWorkThanItTookOverThousandsOfClosedPaths) {
       ForceOptions options;
       options.compliance = law;
       HapticTool tool(bumps.mesh(), {0.001, friction}, options);
-      const test::Work work = test::over_closed_paths(tool, 500);
-      EXPECT_GT(work.touched, 250);
+      const test::Work work = test::over_closed_paths(tool, 200);
+      EXPECT_GT(work.touched, 100);
       EXPECT_GE(work.least, -test::kRounding) << friction << ' ' << law.stiffness;
       EXPECT_GT(work.sum, 0.0);
     }

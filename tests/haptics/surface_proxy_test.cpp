@@ -123,5 +123,29 @@ TEST(SurfaceProxy, LagsLittleOnSmoothBumps) {
   }
 }
 
+// Twice the tip's motion is enough to be where the tip is nearest; no more is taken.
+TEST(SurfaceProxy, LagsLessWhereItMayMoveFartherThanTheTip) {
+  const test::ScannedBumps bumps(150, 0.0, 1);
+  const test::PressAndSlide hand(3);
+  double lag[2] = {};
+  for (const int motion : {1, 2}) {
+    SurfaceProxy proxy(bumps.mesh(), {0.001, 0.0, static_cast<double>(motion)});
+    Eigen::Vector3d tip = hand(0.0) + Eigen::Vector3d(0.0, 0.0, 0.02);
+    ASSERT_TRUE(proxy.reset(tip));
+    Eigen::Vector3d centre = tip;
+    for (int i = 0; i < 10'000; ++i) {
+      const double t = i * 0.001;
+      const Eigen::Vector3d next =
+          hand(t) + Eigen::Vector3d(0.0, 0.0, std::max(0.0, 0.02 - 0.1 * t));
+      const Eigen::Vector3d there = proxy.step(next).centre;
+      ASSERT_LE((there - centre).norm(), motion * (next - tip).norm() + 1e-12) << i;
+      tip = next;
+      centre = there;
+      lag[motion - 1] += (centre - tip).head<2>().norm();
+    }
+  }
+  EXPECT_LT(lag[1], lag[0]);
+}
+
 }  // namespace
 }  // namespace pcavr
