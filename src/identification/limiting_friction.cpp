@@ -66,6 +66,7 @@ std::vector<double> weights_of(const std::vector<double>& deviations, double sca
   const double largest = *std::max_element(deviations.begin(), deviations.end());
   const double floor = largest > 0.0 ? 1e-6 * largest * largest : 1.0;
   std::vector<double> weights;
+  weights.reserve(deviations.size());
   for (const double deviation : deviations) {
     weights.push_back(1.0 / (scatter * scatter + std::max(floor, deviation * deviation)));
   }

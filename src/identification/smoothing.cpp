@@ -44,7 +44,8 @@ Eigen::Matrix<double, N, 1> fit(const Moments& moments, double (*weighted)(Sums,
   Eigen::Matrix<double, N, 1> pull;
   for (int i = 0; i < N; ++i) {
     for (int j = 0; j < N; ++j) {
-      normal(i, j) = weighted(moments.powers, static_cast<std::size_t>(i + j));
+      normal(i, j) =
+          weighted(moments.powers, static_cast<std::size_t>(i) + static_cast<std::size_t>(j));
     }
     pull(i) = weighted(moments.values, static_cast<std::size_t>(i));
   }

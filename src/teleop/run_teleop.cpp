@@ -81,8 +81,8 @@ void show(const OperatorSite& site, std::size_t objects, TeleopRun& run, Predict
   }
 }
 
-void send(CorrectionMessage message, double now, double epoch, Link& link, OperatorSite& site,
-          RobotSite& robot, TeleopRun& run) {
+void send(const CorrectionMessage& message, double now, double epoch, Link& link,
+          OperatorSite& site, RobotSite& robot, TeleopRun& run) {
   std::vector<std::uint8_t> bytes = encode(message, epoch);
   SentCorrection sent;
   sent.t = message.t;
@@ -239,8 +239,8 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
     show(site, input.objects.size(), run, log);
     const double heard = *forward.arrival(t);
     if (heard > t + kStep && k < span.cycles) continue;
-    for (CorrectionMessage& message : robot.advance(t, log)) {
-      send(std::move(message), t, span.start, backward, site, robot, run);
+    for (const CorrectionMessage& message : robot.advance(t, log)) {
+      send(message, t, span.start, backward, site, robot, run);
     }
     if (k % 1000 == 0) observer.on_progress("both sites", k / 1000, span.cycles / 1000);
   }
