@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/geometry/pose.hpp"
+#include "pcavr/haptics/rendered_force.hpp"
+#include "pcavr/haptics/surface_proxy.hpp"
+#include "pcavr/prediction/predicted_world.hpp"
+
+namespace pcavr {
+
+struct HapticWorldModel {
+  WorldModel world;  ///< bodies, what does not move, the tool's radius
+  /// Convex outlines [m] of what the bodies stand on, base frame, counter-clockwise from above. A
+  /// body whose centre of mass leaves all of them falls. Empty: the support has no edge.
+  std::vector<std::vector<Eigen::Vector3d>> supports_base;
+  double scan_friction = 0.2;  ///< Coulomb's, between tip and scan
+  ForceOptions force;          ///< of the scan; most_force and most_rate bound the whole force
+};
+
+/// What the hand asks for, once a cycle.
+struct ToolCommand {
+  Eigen::Vector3d p_base_tip = Eigen::Vector3d::Zero();  ///< [m] where the device's tip is: the HIP
+  bool is_engaged = false;  ///< the clutch is held: the tool follows the tip
+};
+
+struct HapticBodyState {
+  Pose T_base_object;
+  Eigen::Vector3d tool_force_base = Eigen::Vector3d::Zero();  ///< [N] of the tip on the body
+  MotionPhase phase = MotionPhase::free;
+  bool is_outside_model = false;  ///< it left its support: it falls, and nothing more is claimed
+};
+
+struct HapticWorldState {
+  Eigen::Vector3d p_base_hip = Eigen::Vector3d::Zero();  ///< [m] where the hand is
+  Eigen::Vector3d p_base_proxy =
+      Eigen::Vector3d::Zero();                           ///< [m] the ball's centre, outside of all
+  Eigen::Vector3d force_base = Eigen::Vector3d::Zero();  ///< [N] on the hand
+  bool is_engaged = false;
+  bool touches_scan = false;
+  int touched_body = -1;                ///< -1: none
+  std::vector<HapticBodyState> bodies;  ///< as in the model
+};
+
+/// A room to push in: the proxy on the scan, the predicted bodies, and one force from both.
+///
+/// One thread at a time; `step` neither allocates, locks nor throws; same inputs, same bits.
+class HapticWorld {
+ public:
+  /// Fails where a body cannot be made a collision shape.
+  [[nodiscard]] static Expected<HapticWorld> create(HapticWorldModel model);
+  HapticWorld(HapticWorld&&) noexcept;
+  HapticWorld& operator=(HapticWorld&&) noexcept;
+  ~HapticWorld();
+
+  [[nodiscard]] std::size_t size() const;
+  [[nodiscard]] const std::string& name(std::size_t body) const;
+
+  /// Everything back to where it was at the start; the tool where `p_base_tip` [m] is, or as near
+  /// above it as there is room.
+  void reset(const Eigen::Vector3d& p_base_tip) noexcept;
+
+  /// One cycle of `dt` [s] > 0. Let go, the HIP goes back to the proxy, and pushes nothing.
+  void step(const ToolCommand& command, double dt) noexcept;
+
+  [[nodiscard]] const HapticWorldState& state() const;
+
+ private:
+  struct Content;
+  explicit HapticWorld(std::unique_ptr<Content> content);
+  std::unique_ptr<Content> content_;
+};
+
+}  // namespace pcavr
