@@ -6,12 +6,14 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Geometry>
 
 #include "pcavr/friction/limit_surface_fit.hpp"
 #include "pcavr/friction/patch.hpp"
 #include "pcavr/friction/point_push.hpp"
+#include "pcavr/geometry/convex_hull.hpp"
 
 namespace pcavr::detail {
 namespace {
@@ -20,29 +22,22 @@ constexpr double kPatchHeight = 1e-3;  // [m] what lies so near the lowest point
 constexpr int kCells = 16;             // across the patch: its surface is then right to 1 %
 constexpr int kTwists = 200;           // a dozen for each of a quartic's coefficients
 
-double cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return (a - o).x() * (b - o).y() - (a - o).y() * (b - o).x();
-}
-
-/// Andrew's [1979].
-std::vector<Eigen::Vector2d> convex_outline(std::vector<Eigen::Vector2d> points) {
-  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
-    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
-  });
+/// The convex hull of points with z = 0.
+std::vector<Eigen::Vector2d> flat_hull(std::vector<Eigen::Vector3d> points) {
   std::vector<Eigen::Vector2d> outline;
-  for (int half = 0; half < 2; ++half) {
-    const std::size_t begin = outline.size();
-    for (const Eigen::Vector2d& p : points) {
-      while (outline.size() >= begin + 2 &&
-             cross(outline[outline.size() - 2], outline.back(), p) <= 0.0) {
-        outline.pop_back();
-      }
-      outline.push_back(p);
-    }
-    outline.pop_back();
-    std::reverse(points.begin(), points.end());
+  for (const Eigen::Vector3d& p : convex_hull_from_above(std::move(points))) {
+    outline.emplace_back(p.head<2>());
   }
   return outline;
+}
+
+bool is_inside(const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d& p) {
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const Eigen::Vector2d edge = outline[(k + 1) % outline.size()] - outline[k];
+    const Eigen::Vector2d way = p - outline[k];
+    if (edge.x() * way.y() - edge.y() * way.x() < 0.0) return false;
+  }
+  return true;
 }
 
 /// The middles of the cells of a grid that lie inside a convex outline.
@@ -54,11 +49,7 @@ std::vector<Eigen::Vector2d> cells_of(const std::vector<Eigen::Vector2d>& outlin
     for (int j = 0; j < kCells; ++j) {
       const Eigen::Vector2d share((i + 0.5) / kCells, (j + 0.5) / kCells);
       const Eigen::Vector2d p = box.min() + share.cwiseProduct(box.sizes());
-      bool is_inside = true;
-      for (std::size_t k = 0; k < outline.size() && is_inside; ++k) {
-        is_inside = cross(outline[k], outline[(k + 1) % outline.size()], p) >= 0.0;
-      }
-      if (is_inside) cells.push_back(p);
+      if (is_inside(outline, p)) cells.push_back(p);
     }
   }
   return cells;
@@ -72,14 +63,15 @@ SupportPatch support_patch(const CadModel& model, const Pose& T_base_object) {
   for (const auto& v : model.mesh_object.vertices) {
     lowest = std::min(lowest, (T_base_object * v.cast<double>()).z());
   }
-  SupportPatch patch;
+  std::vector<Eigen::Vector3d> all, bearing;
   for (const auto& v : model.mesh_object.vertices) {
     const Eigen::Vector3d p = T_base_object * v.cast<double>();
-    patch.shadow.emplace_back((p - centre).head<2>());
-    if (p.z() <= lowest + kPatchHeight) patch.outline.push_back(patch.shadow.back());
+    all.emplace_back(p.x() - centre.x(), p.y() - centre.y(), 0.0);
+    if (p.z() <= lowest + kPatchHeight) bearing.push_back(all.back());
   }
-  patch.outline = convex_outline(std::move(patch.outline));
-  patch.shadow = convex_outline(std::move(patch.shadow));
+  SupportPatch patch;
+  patch.outline = flat_hull(std::move(bearing));
+  patch.shadow = flat_hull(std::move(all));
   return patch;
 }
 
