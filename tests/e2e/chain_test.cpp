@@ -5,32 +5,14 @@
 #include <map>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
-#include "support/command.hpp"
+#include "support/json_command.hpp"
 
 namespace pcavr {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-/// Name and content of every file below a folder.
-std::map<std::string, std::string> contents(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    files[fs::relative(entry.path(), folder).string()] = read_file(entry.path()).value();
-  }
-  return files;
-}
-
-json run_json(std::vector<std::string> words) {
-  words.emplace_back("--json");
-  const CommandOutcome outcome = run_pcavr(words);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.standard_error;
-  return json::parse(outcome.standard_output, nullptr, false);
-}
 
 /// Simulated and built once for all tests of this file.
 class Chain : public testing::Test {

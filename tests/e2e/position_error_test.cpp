@@ -6,13 +6,12 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "pcavr/core/median.hpp"
 #include "pcavr/model/cad_model.hpp"
 #include "pcavr/recording/frame_reader.hpp"
 
-#include "support/command.hpp"
+#include "support/json_command.hpp"
 #include "support/shared_data.hpp"
 
 namespace pcavr {
@@ -24,20 +23,6 @@ using nlohmann::json;
 constexpr double kDegree = 3.14159265358979 / 180.0;
 constexpr double kMillimetre = 1e-3;
 
-/// Runs the command and expects it to succeed.
-json run_json(std::vector<std::string> words) {
-  words.emplace_back("--json");
-  const CommandOutcome outcome = run_pcavr(words);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.standard_error;
-  return json::parse(outcome.standard_output, nullptr, false);
-}
-
-void expect_below(const json& report, const std::string& key, double bound) {
-  ASSERT_TRUE(report.contains(key)) << key;
-  std::printf("  %-62s %.6g (at most %.6g)\n", key.c_str(), report[key].get<double>(), bound);
-  EXPECT_LE(report[key].get<double>(), bound) << key;
-}
-
 TEST(PositionError, TabletopByAHandHeldCamera) {
   PCAVR_NEEDS_SHARED_DATA("tabletop/truth/camera.txt");
   const TemporaryFolder folder;
@@ -48,11 +33,11 @@ TEST(PositionError, TabletopByAHandHeldCamera) {
 
   const json report = run_json({"evaluate", scene, "--truth", recording + "/truth", "-o",
                                 (folder.path() / "report").string()});
-  expect_below(report, "camera.absolute.translation.rmse_m", 5.0 * kMillimetre);
-  expect_below(report, "camera.absolute.rotation.rmse_rad", 0.4 * kDegree);
-  expect_below(report, "mesh.accuracy.mean_m", 2.0 * kMillimetre);
-  expect_below(report, "mesh.share_left_behind", 0.001);
-  expect_below(report, "mesh.share_not_explained", 0.001);
+  expect_within(report, "camera.absolute.translation.rmse_m", 5.0 * kMillimetre);
+  expect_within(report, "camera.absolute.rotation.rmse_rad", 0.4 * kDegree);
+  expect_within(report, "mesh.accuracy.mean_m", 2.0 * kMillimetre);
+  expect_within(report, "mesh.share_left_behind", 0.001);
+  expect_within(report, "mesh.share_not_explained", 0.001);
   EXPECT_GE(report["mesh.completeness_10mm"].get<double>(), 0.95);
 }
 
@@ -67,15 +52,15 @@ TEST(PositionError, TwoBoxesThatAToolPushes) {
 
   const json built = run_json({"evaluate", scene, "--truth", recording + "/truth", "-o",
                                (folder.path() / "scene-report").string()});
-  expect_below(built, "mesh.share_left_behind", 0.001);
-  expect_below(built, "mesh.share_not_explained", 0.001);
+  expect_within(built, "mesh.share_left_behind", 0.001);
+  expect_within(built, "mesh.share_not_explained", 0.001);
   const json tracked = run_json({"evaluate", run, "--truth", recording + "/truth", "-o",
                                  (folder.path() / "run-report").string()});
   for (const std::string name : {"fp_box", "r_box"}) {
     const std::string key = "object." + name + ".tracked.";
-    expect_below(tracked, key + "first_second.translation.median_m", 1.5 * kMillimetre);
-    expect_below(tracked, key + "first_second.rotation.median_rad", 0.5 * kDegree);
-    expect_below(tracked, key + "absolute.translation.rmse_m", 2.0 * kMillimetre);
+    expect_within(tracked, key + "first_second.translation.median_m", 1.5 * kMillimetre);
+    expect_within(tracked, key + "first_second.rotation.median_rad", 0.5 * kDegree);
+    expect_within(tracked, key + "absolute.translation.rmse_m", 2.0 * kMillimetre);
   }
 }
 

@@ -7,9 +7,8 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
-#include "support/command.hpp"
+#include "support/json_command.hpp"
 #include "support/shared_data.hpp"
 
 namespace pcavr {
@@ -17,19 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-json run_json(std::vector<std::string> words) {
-  words.emplace_back("--json");
-  const CommandOutcome outcome = run_pcavr(words);
-  EXPECT_EQ(outcome.exit_code, 0) << words[0] << ' ' << words[1] << ": " << outcome.standard_error;
-  return json::parse(outcome.standard_output, nullptr, false);
-}
-
-void expect_below(const json& report, const std::string& key, double bound) {
-  ASSERT_TRUE(report.contains(key)) << key;
-  std::printf("  %-62s %.6g (at most %.6g)\n", key.c_str(), report[key].get<double>(), bound);
-  EXPECT_LE(report[key].get<double>(), bound) << key;
-}
 
 /// One line on standard error that holds the words, and exit code 1.
 void expect_refused(const CommandOutcome& outcome, const std::vector<std::string>& words) {
@@ -46,15 +32,6 @@ void edit(const fs::path& file, const std::string& from, const std::string& to) 
   const std::size_t at = text.find(from);
   ASSERT_NE(at, std::string::npos) << from << " is not in " << file;
   ASSERT_TRUE(write_file(file, text.replace(at, from.size(), to)));
-}
-
-std::map<std::string, std::string> contents(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    files[fs::relative(entry.path(), folder).string()] = read_file(entry.path()).value();
-  }
-  return files;
 }
 
 /// One seed's boxes: probed, identified, and pushed in another recording.
@@ -114,9 +91,7 @@ TEST_F(PushedObjects, AreIdentified) {
          std::map<std::string, double>{{"limiting_static_friction", 0.02},
                                        {"sliding_friction_coefficient", 0.03},
                                        {"mass", 0.05}}) {
-      const std::string error = key + name + ".error_relative";
-      ASSERT_TRUE(report.contains(error)) << error;
-      EXPECT_LE(std::abs(report[error].get<double>()), bound) << error;
+      expect_within(report, key + name + ".error_relative", bound);
     }
   }
 }
@@ -125,24 +100,24 @@ TEST_F(PushedObjects, ArePredictedAloneWhileTheySlide) {
   const json report = replay_and_evaluate(
       "push", "alone",
       {"--parameters", place("parameters.yaml"), "--no-corrections", "--keep-parameters"});
-  expect_below(report, "predicted.phase.sliding.translation.rmse_m", 0.001);
-  expect_below(report, "predicted.phase.sliding.translation.max_m", 0.004);
+  expect_within(report, "predicted.phase.sliding.translation.rmse_m", 0.001);
+  expect_within(report, "predicted.phase.sliding.translation.max_m", 0.004);
 }
 
 TEST_F(PushedObjects, AreShownWhereTheyAreAcrossADelayedLink) {
   const json report =
       replay_and_evaluate("push", "delayed", {"--parameters", place("parameters.yaml")});
-  expect_below(report, "predicted.touched.translation.median_m", 0.0015);
-  expect_below(report, "predicted.touched.translation.p95_m", 0.004);
-  expect_below(report, "phases.measured.boundary.median_s", 0.060);
-  expect_below(report, "phases.predicted.boundary.median_s", 0.060);
-  expect_below(report, "corrections.share_of_streaming", 0.03);
+  expect_within(report, "predicted.touched.translation.median_m", 0.0015);
+  expect_within(report, "predicted.touched.translation.p95_m", 0.004);
+  expect_within(report, "phases.measured.boundary.median_s", 0.060);
+  expect_within(report, "phases.predicted.boundary.median_s", 0.060);
+  expect_within(report, "corrections.share_of_streaming", 0.03);
 }
 
 TEST_F(PushedObjects, AreLearntOnTheWayWhereNothingIsKnown) {
   const json report = replay_and_evaluate("push", "unknown", {});
-  expect_below(report, "predicted.touched.translation.median_m", 0.0015);
-  expect_below(report, "corrections.share_of_streaming", 0.03);
+  expect_within(report, "predicted.touched.translation.median_m", 0.0015);
+  expect_within(report, "corrections.share_of_streaming", 0.03);
 }
 
 TEST_F(PushedObjects, AreReplayedToTheSameBytes) {
@@ -158,7 +133,7 @@ TEST_F(PushedObjects, MayBeLostByTheCameraInMidPush) {
   simulate("push", "lost", {"--lose-tracking", "2:4"});
   const json report =
       replay_and_evaluate("lost", "lost-run", {"--parameters", place("parameters.yaml")});
-  expect_below(report, "predicted.touched.translation.p95_m", 0.004);
+  expect_within(report, "predicted.touched.translation.p95_m", 0.004);
   EXPECT_NE(read_file(fs::path(place("lost-run")) / "run.yaml")->find("lost"), std::string::npos);
 }
 
@@ -192,7 +167,7 @@ TEST_F(PushedObjects, AreIdentifiedThoughTheClocksAreATenthOfASecondApart) {
             place("late/tracked"), "-o", place("late.yaml")});
   const json report = run_json(
       {"evaluate", place("late.yaml"), "--truth", place("late/truth"), "-o", place("late-report")});
-  expect_below(report, "parameters.box_1.limiting_static_friction.error_relative", 0.02);
+  expect_within(report, "parameters.box_1.limiting_static_friction.error_relative", 0.02);
 }
 
 TEST_F(PushedObjects, AreKeptThoughTheToolsPoseJumps) {
@@ -211,7 +186,7 @@ TEST_F(PushedObjects, AreKeptThoughTheToolsPoseJumps) {
   ASSERT_TRUE(write_file(file, text));
   const json report =
       replay_and_evaluate("jumps", "jumps-run", {"--parameters", place("parameters.yaml")});
-  expect_below(report, "predicted.all.translation.max_m", 0.02);
+  expect_within(report, "predicted.all.translation.max_m", 0.02);
 }
 
 TEST_F(PushedObjects, AreNotPredictedFromAbsurdParameters) {
@@ -237,10 +212,10 @@ TEST(PositionError, OfTwoBoxesPushedAcrossADelayedLink) {
             "--parameters", place("parameters.yaml"), "-o", place("run")});
   const json report =
       run_json({"evaluate", place("run"), "--truth", recording + "/truth", "-o", place("report")});
-  expect_below(report, "predicted.touched.translation.median_m", 0.0015);
-  expect_below(report, "predicted.touched.translation.p95_m", 0.004);
-  expect_below(report, "phases.measured.boundary.median_s", 0.060);
-  expect_below(report, "corrections.share_of_streaming", 0.03);
+  expect_within(report, "predicted.touched.translation.median_m", 0.0015);
+  expect_within(report, "predicted.touched.translation.p95_m", 0.004);
+  expect_within(report, "phases.measured.boundary.median_s", 0.060);
+  expect_within(report, "corrections.share_of_streaming", 0.03);
 }
 
 }  // namespace
