@@ -20,6 +20,8 @@ constexpr double kSmoothing = 0.008;  // [s] half width for the force at the ons
 // Share of peak minus onset by which the onset is off where the object creeps before it goes: seen
 // on LuGre plants from 5 to 30 mm/s (0.2 to 0.4).
 constexpr double kCreepShare = 0.3;
+/// Share of the force that acceleration may take before the onset is looked for instead.
+constexpr double kMuch = 0.05;
 constexpr double kTellsApart = 4.0;  // rise of chi squared that two deviations make
 
 struct Track {
@@ -98,6 +100,21 @@ IdentifiedParameter friction_at_breakaway(const ForceMotion& push, const Breakaw
                                   kCreepShare * (breakaway.force - force.value));
   friction.is_excited = force.is_valid;
   return friction;
+}
+
+IdentifiedParameter limit_of_push(const ForceMotion& push, const Breakaway& breakaway,
+                                  const Compliance& compliance, double mass) {
+  PCAVR_REQUIRE(mass > 0.0, mass);
+  if (!breakaway.is_found) return {};
+  const double excess = breakaway.stiffness > 0.0 ? std::max(0.0, breakaway.loading_rate) *
+                                                        std::sqrt(mass / breakaway.stiffness)
+                                                  : 0.0;
+  if (excess > kMuch * breakaway.force) {
+    const IdentifiedParameter limit = friction_at_breakaway(push, breakaway, compliance, mass);
+    if (limit.is_excited) return limit;
+  }
+  return {breakaway.force - 0.5 * excess, std::hypot(breakaway.deviation, excess / std::sqrt(12.0)),
+          true};
 }
 
 }  // namespace pcavr

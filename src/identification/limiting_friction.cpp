@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <vector>
 
+#include "pcavr/core/median.hpp"
 #include "pcavr/identification/breakaway.hpp"
 
 namespace pcavr {
@@ -13,29 +15,43 @@ namespace {
 /// fast one among slow ones is: what biases it then is not in its deviation.
 constexpr double kComparable = 3.0;
 
-/// What the pushes that can be compared told.
-struct Limits {
-  std::vector<double> forces, deviations, rates;
-};
+// Robust deviations, and share of the middle, beyond which a push is not one of the others.
+constexpr double kFarOut = 5.0;
+constexpr double kLeastFarOut = 0.05;
+constexpr std::size_t kOutliersFrom = 4;  ///< of fewer, nobody can say which one is wrong
 
-Limits comparable(std::span<const Breakaway> pushes) {
+using Indices = std::vector<std::size_t>;
+
+Indices as_sure_as_most(std::span<const Breakaway> pushes, const Indices& found) {
+  if (found.empty()) return {};
   std::vector<double> deviations;
-  for (const Breakaway& push : pushes) {
-    if (push.is_found) deviations.push_back(push.deviation);
-  }
-  if (deviations.empty()) return {};
+  deviations.reserve(found.size());
+  for (const std::size_t i : found) deviations.push_back(pushes[i].deviation);
   // The lower one of two in the middle: of a slow and a fast push, the slow one is believed.
   const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>((deviations.size() - 1) / 2);
   std::nth_element(deviations.begin(), middle, deviations.end());
-  const double largest = kComparable * *middle;
-  Limits limits;
-  for (const Breakaway& push : pushes) {
-    if (!push.is_found || push.deviation > largest) continue;
-    limits.forces.push_back(push.force);
-    limits.deviations.push_back(push.deviation);
-    limits.rates.push_back(push.loading_rate);
+  Indices kept;
+  for (const std::size_t i : found) {
+    if (pushes[i].deviation <= kComparable * *middle) kept.push_back(i);
   }
-  return limits;
+  return kept;
+}
+
+Indices near_the_middle(std::span<const Breakaway> pushes, const Indices& found) {
+  if (found.size() < kOutliersFrom) return found;
+  std::vector<double> forces, off;
+  forces.reserve(found.size());
+  off.reserve(found.size());
+  for (const std::size_t i : found) forces.push_back(pushes[i].force);
+  const double middle = median(forces);
+  for (const double force : forces) off.push_back(std::abs(force - middle));
+  // 1.4826 makes a standard deviation of a median of distances.
+  const double far = std::max(kFarOut * 1.4826 * median(off), kLeastFarOut * middle);
+  Indices kept;
+  for (const std::size_t i : found) {
+    if (std::abs(pushes[i].force - middle) <= far) kept.push_back(i);
+  }
+  return kept;
 }
 
 /// Weighted mean, and the spread about it that a sample of as many equal weights would have.
@@ -100,12 +116,22 @@ double scatter_between(const std::vector<double>& values, const std::vector<doub
 
 LimitingFriction limiting_friction(std::span<const Breakaway> pushes) {
   LimitingFriction result;
-  result.missed = static_cast<int>(std::count_if(
-      pushes.begin(), pushes.end(), [](const Breakaway& push) { return !push.is_found; }));
-  const auto& [forces, deviations, rates] = comparable(pushes);
-  result.pushes = static_cast<int>(forces.size());
-  result.left_out = static_cast<int>(pushes.size()) - result.missed - result.pushes;
-  if (forces.empty()) return result;
+  Indices found;
+  for (std::size_t i = 0; i < pushes.size(); ++i) {
+    if (pushes[i].is_found) found.push_back(i);
+  }
+  const Indices counted = near_the_middle(pushes, as_sure_as_most(pushes, found));
+  std::set_difference(found.begin(), found.end(), counted.begin(), counted.end(),
+                      std::back_inserter(result.left_out));
+  result.missed = static_cast<int>(pushes.size() - found.size());
+  result.pushes = static_cast<int>(counted.size());
+  if (counted.empty()) return result;
+  std::vector<double> forces, deviations, rates;
+  for (const std::size_t i : counted) {
+    forces.push_back(pushes[i].force);
+    deviations.push_back(pushes[i].deviation);
+    rates.push_back(pushes[i].loading_rate);
+  }
   const std::vector<double> weights = weights_of(deviations, scatter_between(forces, deviations));
   const Weighted force = weigh(forces, weights);
   const Weighted rate = weigh(rates, weights);

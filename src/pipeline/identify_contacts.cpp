@@ -72,15 +72,6 @@ ParameterValue as_value(const IdentifiedParameter& parameter) {
   return {parameter.value, parameter.deviation};
 }
 
-std::optional<Compliance> compliance_of(const ObjectParameters& parameters) {
-  if (!parameters.contact_stiffness) return std::nullopt;
-  Compliance compliance;
-  compliance.stiffness = parameters.contact_stiffness->value;
-  if (parameters.contact_damping) compliance.damping = parameters.contact_damping->value;
-  if (parameters.contact_exponent) compliance.exponent = parameters.contact_exponent->value;
-  return compliance;
-}
-
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          ObjectIdentification& result) {
   const auto presses = contacts_of(contacts, object, true);

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "pcavr/core/median.hpp"
-
 #include "identify_parts.hpp"
 
 namespace pcavr {
@@ -15,13 +13,8 @@ namespace {
 /// 1.5 % at a friction radius of 60 mm.
 constexpr double kCentred = 0.010;  // [m]
 
-/// Share of the force that acceleration may take before the onset is looked for instead.
-constexpr double kMuch = 0.05;
 constexpr double kQuiet = 0.01;  // smoothed noise over force: a third of the drop that ends a peak
 constexpr double kWidestSmoothing = 0.030;  // [s] half width; the peak is wider than that
-// Robust deviations, and share of the middle, beyond which a push is not one of the others.
-constexpr double kFarOut = 5.0;
-constexpr double kLeastFarOut = 0.05;
 
 bool is_centred(const IdentifiedContact* push) { return std::abs(push->lever) <= kCentred; }
 
@@ -43,26 +36,6 @@ void take_sliding(std::optional<double> weighed, ObjectIdentification& result) {
   }
 }
 
-/// The friction's own limit: the force at the peak less what accelerated the object. While the
-/// contact, of stiffness k, is loaded at a rate r, an object under constant friction swings out by
-/// r sqrt(M / k) of force; friction that falls at once lets the force fall, too. The truth lies
-/// between: in the middle, with the deviation of a value that is somewhere in there. Where that is
-/// much, the instant at which the object began to move says it better.
-IdentifiedParameter own_limit(const IdentifiedContact& push, const Compliance& compliance,
-                              double mass) {
-  const Breakaway& breakaway = push.episode.breakaway;
-  const double excess = breakaway.stiffness > 0.0 ? std::max(0.0, breakaway.loading_rate) *
-                                                        std::sqrt(mass / breakaway.stiffness)
-                                                  : 0.0;
-  if (excess > kMuch * breakaway.force) {
-    const IdentifiedParameter limit =
-        friction_at_breakaway(push.episode.series(), breakaway, compliance, mass);
-    if (limit.is_excited) return limit;
-  }
-  return {breakaway.force - 0.5 * excess, std::hypot(breakaway.deviation, excess / std::sqrt(12.0)),
-          true};
-}
-
 /// A weak push is smoothed for longer: where the sensor's noise is some per cent of the force, it
 /// looks like the drop that ends the peak. Slow loading keeps a wider window from cutting the peak.
 void smooth_longer(ContactEpisode& episode) {
@@ -77,26 +50,6 @@ void smooth_longer(ContactEpisode& episode) {
   if (smoother.is_found) episode.breakaway = smoother;
 }
 
-/// Pushes that tell of something else than the others: loaded in another way, or a creep that was
-/// taken for the breakaway.
-std::vector<bool> outliers(const std::vector<Breakaway>& pushes) {
-  std::vector<double> forces;
-  for (const Breakaway& push : pushes) {
-    if (push.is_found) forces.push_back(push.force);
-  }
-  std::vector<bool> is_out(pushes.size(), false);
-  if (forces.size() < 4) return is_out;
-  const double middle = median(forces);
-  std::vector<double> off;
-  for (const double force : forces) off.push_back(std::abs(force - middle));
-  // 1.4826 makes a standard deviation of a median of distances.
-  const double far = std::max(kFarOut * 1.4826 * median(off), kLeastFarOut * middle);
-  for (std::size_t i = 0; i < pushes.size(); ++i) {
-    is_out[i] = pushes[i].is_found && std::abs(pushes[i].force - middle) > far;
-  }
-  return is_out;
-}
-
 /// F_M of each push: the friction's own limit, which needs the mass; else the force at the peak.
 void find_limits(const std::vector<IdentifiedContact*>& pushes,
                  const std::optional<Compliance>& compliance, ObjectIdentification& result) {
@@ -107,25 +60,23 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
     if (breakaway.is_found) {
       push->limit = {breakaway.force, breakaway.deviation, true};
       if (compliance && result.parameters.mass) {
-        push->limit = own_limit(*push, *compliance, result.parameters.mass->value);
+        push->limit = limit_of_push(push->episode.series(), breakaway, *compliance,
+                                    result.parameters.mass->value);
       }
       breakaway.force = push->limit.value;
       breakaway.deviation = push->limit.deviation;
     }
     breakaways.push_back(breakaway);
   }
-  const std::vector<bool> is_out = outliers(breakaways);
-  for (std::size_t i = pushes.size(); i-- > 0;) {
-    if (!is_out[i]) continue;
+  result.limit = limiting_friction(breakaways);
+  for (const std::size_t i : result.limit.left_out) {
     char text[160];
     std::snprintf(text, sizeof text,
-                  "the push at t = %.2f s seems to break away at %.2f N, far from the others: not "
-                  "counted",
-                  pushes[i]->episode.begin, breakaways[i].force);
+                  "the push at t = %.2f s (%.2f N +- %.2f N) is not counted for the limiting "
+                  "friction: it is unlike the others",
+                  pushes[i]->episode.begin, breakaways[i].force, breakaways[i].deviation);
     result.notes.push_back(text);
-    breakaways.erase(breakaways.begin() + static_cast<std::ptrdiff_t>(i));
   }
-  result.limit = limiting_friction(breakaways);
   if (result.limit.pushes == 0) return;
   ParameterValue limit{result.limit.mean, result.limit.deviation_of_mean};
   ParameterValue rate{result.limit.loading_rate, {}};

@@ -73,8 +73,6 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
                          const IdentifiableObject& body, const PathView& tip, double tool_radius,
                          ObjectIdentification& result);
 
-/// The contact law that is known, if it is.
-[[nodiscard]] std::optional<Compliance> compliance_of(const ObjectParameters& parameters);
 [[nodiscard]] ParameterValue as_value(const IdentifiedParameter& parameter);
 
 /// How much later the tracked poses are than the tool: while the object slides it keeps with it.

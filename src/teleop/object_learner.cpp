@@ -55,15 +55,6 @@ ForceMotion part_until(const ContactEpisode& contact, double until) {
           std::span(contact.force).first(count)};
 }
 
-std::optional<Compliance> compliance_of(const ObjectParameters& known) {
-  if (!known.contact_stiffness) return std::nullopt;
-  Compliance compliance;
-  compliance.stiffness = known.contact_stiffness->value;
-  if (known.contact_damping) compliance.damping = known.contact_damping->value;
-  if (known.contact_exponent) compliance.exponent = known.contact_exponent->value;
-  return compliance;
-}
-
 }  // namespace
 
 ObjectLearner::ObjectLearner(const ObjectParameters& given, std::optional<double> force_ceiling)
@@ -176,7 +167,7 @@ void ObjectLearner::learn_breakaway() {
     Breakaway breakaway = contact.breakaway;
     if (compliance && known_.mass) {
       const IdentifiedParameter own =
-          friction_at_breakaway(contact.series(), breakaway, *compliance, known_.mass->value);
+          limit_of_push(contact.series(), breakaway, *compliance, known_.mass->value);
       if (own.is_excited && own.value > 0.0) {
         breakaway.force = own.value;
         breakaway.deviation = own.deviation;

@@ -138,7 +138,13 @@ TEST(LimitingFriction, ListensToAPushAsFarAsItCanTell) {
   EXPECT_NEAR(limiting_friction(with_fast).mean, 9.6, 0.02);
   EXPECT_LT(limiting_friction(with_fast).deviation, 0.2);
   EXPECT_EQ(limiting_friction(with_fast).pushes, 3);
-  EXPECT_EQ(limiting_friction(with_fast).left_out, 2);
+  EXPECT_EQ(limiting_friction(with_fast).left_out, (std::vector<std::size_t>{3, 4}));
+}
+
+TEST(LimitingFriction, LeavesOutWhatIsFarFromTheOthers) {
+  const auto pushes = pushes_of({{9.5, 0.1}, {9.7, 0.1}, {3.6, 0.1}, {9.6, 0.1}, {9.55, 0.1}});
+  EXPECT_EQ(limiting_friction(pushes).left_out, std::vector<std::size_t>{2});
+  EXPECT_NEAR(limiting_friction(pushes).mean, 9.59, 0.01);
 }
 
 TEST(LimitingFriction, BelievesTheSlowerOneOfTwo) {

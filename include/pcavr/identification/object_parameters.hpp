@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pcavr/friction/limit_surface.hpp"
+#include "pcavr/identification/sliding.hpp"
 
 namespace pcavr {
 
@@ -36,6 +37,9 @@ struct ObjectParameters {
   /// Where pushes turned the object enough. Axes: planar axes of the object, see heading_of.
   std::optional<LimitSurface> limit_surface = {};
 };
+
+/// The contact law that is known, if it is. A stiffness without its exponent is meant in N/m.
+[[nodiscard]] std::optional<Compliance> compliance_of(const ObjectParameters& known);
 
 /// By the object's name.
 using ParameterTable = std::map<std::string, ObjectParameters>;
