@@ -2,7 +2,7 @@
 # no third-party library but Eigen.
 cmake_minimum_required(VERSION 3.25)
 
-set(modules core geometry contact friction identification recording model prediction haptics teleop marker tracking
+set(modules core geometry contact friction identification recording model prediction haptics devices teleop marker tracking
             reconstruction scene simulation evaluation pipeline)
 # What a heavy library's header is called when it is included.
 set(heavy "opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|yaml-cpp/|nlohmann/|tbb/|bullet/|btBullet|png\\.h")

@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/devices/remote_device.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+#include "pcavr/core/check.hpp"
+
+#include "devices/sample_ring.hpp"
+#include "devices/tip_bounds.hpp"
+#include "devices/tip_playback.hpp"
+
+namespace pcavr {
+namespace {
+
+/// 0.7 s at 90 Hz: longer than the silence after which the tool is let go.
+constexpr std::uint32_t kRoom = 64;
+/// [s] 500 Hz: the fastest mice send at twice that, pages at a fifth.
+constexpr double kLeastInterval = 0.002;
+
+bool is_sound(const RemoteSample& sample) {
+  return is_plausible_tip(sample.p_base_tip) && is_rotation(sample.q_base_tool) &&
+         std::isfinite(sample.sender_clock) && std::isfinite(sample.arrival);
+}
+
+}  // namespace
+
+struct RemoteDevice::Content {
+  RemoteDeviceOptions options;
+  SampleRing<RemoteSample, kRoom> ring;
+  std::atomic<std::uint64_t> left_out{0};
+  // The writer's.
+  RemoteSample last;
+  bool has_last = false;
+  // The reader's.
+  TipPlayback playback;
+  DeviceSample said;
+  Eigen::Vector3d grip = Eigen::Vector3d::Zero();  ///< [m] from the tip to the tool, while held
+  double closed_at = 0.0;                          ///< [s] sender's clock
+  bool is_closing = false;
+  bool must_open = false;  ///< let go by silence: to be opened before it can close again
+  double age = 0.0;
+
+  [[nodiscard]] bool follows(const RemoteSample& sample) const noexcept {
+    if (!has_last || sample.sender != last.sender) return true;
+    if (sample.arrival - last.arrival > options.most_silence) return true;
+    const double since = sample.sender_clock - last.sender_clock;
+    return sample.is_engaged == last.is_engaged ? since >= kLeastInterval : since > 0.0;
+  }
+  void forget() noexcept {
+    playback.clear();
+    said = {};
+    is_closing = false;
+    must_open = false;
+    age = 0.0;
+  }
+  void take(RemoteSample sample) noexcept;
+  void close(const DeviceFeedback& feedback) noexcept;
+  void fall_silent() noexcept;
+  void move(double dt) noexcept;
+};
+
+/// One sample from the ring, in order.
+void RemoteDevice::Content::take(RemoteSample sample) noexcept {
+  if (!playback.is_empty() && sample.sender != playback.newest().sender) forget();
+  sample.q_base_tool.normalize();
+  const bool restarts = playback.add(sample);
+  if (restarts || !sample.is_engaged) said.is_engaged = is_closing = false;
+  if (!sample.is_engaged) must_open = false;
+  if (!sample.is_engaged || must_open || said.is_engaged || is_closing) return;
+  is_closing = true;
+  closed_at = sample.sender_clock;
+}
+
+void RemoteDevice::Content::close(const DeviceFeedback& feedback) noexcept {
+  is_closing = false;
+  if (!is_plausible_tip(feedback.p_base_tool)) return;
+  grip = feedback.p_base_tool - playback.at(closed_at).p_base_tip;
+  said.p_base_tip = feedback.p_base_tool;
+  said.is_engaged = true;
+}
+
+void RemoteDevice::Content::fall_silent() noexcept {
+  said.is_present = false;
+  if (playback.newest().is_engaged) must_open = true;
+  said.is_engaged = is_closing = false;
+}
+
+/// What the hand did before the clutch closed does not move the tool.
+void RemoteDevice::Content::move(double dt) noexcept {
+  const double clock = said.is_engaged ? std::max(playback.shown(), closed_at) : playback.shown();
+  const TipPlayback::Place place = playback.at(clock);
+  said.q_base_tool = place.q_base_tool;
+  if (said.is_engaged) {
+    said.p_base_tip =
+        within_reach(said.p_base_tip, place.p_base_tip + grip, options.most_speed * dt);
+  } else {
+    said.p_base_tip = place.p_base_tip;
+  }
+}
+
+RemoteDevice::RemoteDevice(RemoteDeviceOptions options) : content_(std::make_unique<Content>()) {
+  PCAVR_REQUIRE(std::isfinite(options.most_speed) && options.most_speed > 0.0, options.most_speed);
+  PCAVR_REQUIRE(std::isfinite(options.most_silence) && options.most_silence > 0.0,
+                options.most_silence);
+  content_->options = std::move(options);
+}
+
+RemoteDevice::~RemoteDevice() = default;
+
+bool RemoteDevice::push(const RemoteSample& sample) noexcept {
+  Content& own = *content_;
+  if (!is_sound(sample) || !own.follows(sample) || !own.ring.push(sample)) {
+    own.left_out.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  own.last = sample;
+  own.has_last = true;
+  return true;
+}
+
+void RemoteDevice::let_go() noexcept {
+  content_->has_last = false;
+  content_->ring.forget();
+}
+
+std::uint64_t RemoteDevice::left_out() const noexcept {
+  return content_->left_out.load(std::memory_order_relaxed);
+}
+
+std::string_view RemoteDevice::name() const noexcept { return content_->options.name; }
+
+DeviceSample RemoteDevice::exchange(double t, double dt, const DeviceFeedback& feedback) noexcept {
+  Content& own = *content_;
+  if (own.ring.forgets()) own.forget();
+  // What comes while this runs is the next cycle's, so that a flood does not hold it up.
+  for (std::uint32_t i = 0; i < kRoom; ++i) {
+    const std::optional<RemoteSample> sample = own.ring.pop();
+    if (!sample) break;
+    own.take(*sample);
+  }
+  if (own.playback.is_empty()) return own.said;
+  own.age = std::max(0.0, t - own.playback.newest().arrival);
+  own.said.is_present = own.age <= own.options.most_silence;
+  if (!own.said.is_present) own.fall_silent();
+  own.playback.advance(t, dt);
+  if (own.is_closing) own.close(feedback);
+  own.move(dt);
+  return own.said;
+}
+
+RemoteUse RemoteDevice::use() const noexcept {
+  const Content& own = *content_;
+  if (own.playback.is_empty()) return {};
+  return {own.playback.newest().sender_clock, own.playback.shown(), own.age, own.playback.delay(),
+          own.playback.newest().sender};
+}
+
+}  // namespace pcavr
