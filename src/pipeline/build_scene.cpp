@@ -181,6 +181,7 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
               .occupancy = std::move(fusion.occupancy),
               .support_planes = {},
               .objects = {},
+              .tags = scene_tags(recording.manifest),
               .camera_trajectory = std::move(fusion.camera_trajectory),
               .quality = {},
               .recording = recording.folder.string(),

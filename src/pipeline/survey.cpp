@@ -156,6 +156,18 @@ Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recordin
   return bodies;
 }
 
+std::vector<MarkerEntry> scene_tags(const Manifest& manifest) {
+  std::vector<MarkerEntry> tags = manifest.markers;
+  std::erase_if(tags, [&](const MarkerEntry& tag) {
+    return tag.role == MarkerRole::object &&
+           std::any_of(manifest.objects.begin(), manifest.objects.end(),
+                       [&](const ObjectEntry& object) {
+                         return object.name == tag.object && !object.is_movable;
+                       });
+  });
+  return tags;
+}
+
 Expected<Survey> survey_recording(const Recording& recording,
                                   const std::vector<MovableBody>& bodies,
                                   const SurveyOptions& options, const Observer& observer,

@@ -29,6 +29,9 @@ struct MovableBody {
 /// the place of its points.
 [[nodiscard]] Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recording);
 
+/// The tags that a scene keeps: those of base and of the movable objects.
+[[nodiscard]] std::vector<MarkerEntry> scene_tags(const Manifest& manifest);
+
 struct SurveyOptions {
   DepthNoise depth_noise = {};
   bool trust_poses = false;

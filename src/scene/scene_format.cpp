@@ -57,6 +57,16 @@ void emit_object(YAML::Emitter& out, const SceneObjectEntry& object) {
   out << YAML::EndMap;
 }
 
+void emit_tag(YAML::Emitter& out, const MarkerEntry& tag) {
+  out << YAML::Flow << YAML::BeginMap;
+  emit(out, "family", tag.id.family);
+  emit(out, "id", tag.id.id);
+  emit(out, "size", tag.size);
+  if (tag.role == MarkerRole::object) emit(out, "object", tag.object);
+  emit_pose(out, "pose", tag.T_parent_marker);
+  out << YAML::EndMap;
+}
+
 void emit_plane(YAML::Emitter& out, const SupportPlane& plane) {
   out << YAML::BeginMap << YAML::Key << "normal" << YAML::Value;
   emit_list(out, plane.plane_base.normal);
@@ -138,6 +148,7 @@ SceneManifest manifest_of(const Scene& scene) {
                                 .mass = object.mass,
                                 .is_movable = object.is_movable});
   }
+  manifest.tags = scene.tags;
   manifest.support_planes = scene.support_planes;
   manifest.levels_of_detail.push_back(kDisplayFile);
   for (std::size_t level = 1; level < scene.levels_of_detail_base.size(); ++level) {
@@ -165,6 +176,10 @@ std::string format_scene_manifest(const SceneManifest& manifest) {
   emit_section(out, "objects");
   out << YAML::BeginSeq;
   for (const SceneObjectEntry& object : manifest.objects) emit_object(out, object);
+  out << YAML::EndSeq;
+  emit_section(out, "tags");
+  out << YAML::BeginSeq;
+  for (const MarkerEntry& tag : manifest.tags) emit_tag(out, tag);
   out << YAML::EndSeq;
   emit_section(out, "support_planes");
   out << YAML::BeginSeq;

@@ -82,6 +82,11 @@ class Inspection {
         if (!names.contains(name)) complaint = "a plane bears " + name + ", which is no object";
       }
     }
+    for (const MarkerEntry& tag : manifest_.tags) {
+      if (tag.role == MarkerRole::object && !names.contains(tag.object)) {
+        complaint = "tag " + tag.id.to_string() + " is on " + tag.object + ", which is no object";
+      }
+    }
     if (manifest_.quality.frames_used > manifest_.quality.frames_recorded) {
       complaint = "more frames used than recorded";
     }

@@ -72,6 +72,21 @@ SceneObjectEntry object_of(const YamlValue& value) {
   return object;
 }
 
+/// A tag of base, unless it names its object.
+MarkerEntry tag_of(const YamlValue& value) {
+  value.expect_keys({"family", "id", "size", "object", "pose"});
+  MarkerEntry tag;
+  tag.id.family = value.at("family").text();
+  tag.id.id = value.at("id").integer(0, std::numeric_limits<int>::max());
+  tag.size = value.at("size").positive_number();
+  if (const auto object = value.find("object")) {
+    tag.role = MarkerRole::object;
+    tag.object = object->text();
+  }
+  tag.T_parent_marker = pose_of(value.at("pose"));
+  return tag;
+}
+
 SupportPlane plane_of(const YamlValue& value) {
   value.expect_keys({"normal", "offset", "rms", "objects", "outline"});
   SupportPlane plane;
@@ -141,7 +156,7 @@ std::vector<std::filesystem::path> levels_of(const YamlValue& files) {
 
 SceneManifest manifest_of_yaml(const YamlValue& root) {
   root.expect_keys({"format", "made_by", "recording", "camera", "voxel_size", "files", "objects",
-                    "support_planes", "quality"});
+                    "tags", "support_planes", "quality"});
   const YamlValue format = root.at("format");
   if (format.text() != kFormat) {
     format.fail("is '" + format.text() + "'", std::string("this version reads ") + kFormat);
@@ -157,6 +172,9 @@ SceneManifest manifest_of_yaml(const YamlValue& root) {
   manifest.levels_of_detail = levels_of(root.at("files"));
   for (const YamlValue& object : root.at("objects").items()) {
     manifest.objects.push_back(object_of(object));
+  }
+  if (const auto tags = root.find("tags")) {
+    for (const YamlValue& tag : tags->items()) manifest.tags.push_back(tag_of(tag));
   }
   for (const YamlValue& plane : root.at("support_planes").items()) {
     manifest.support_planes.push_back(plane_of(plane));

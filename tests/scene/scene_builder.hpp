@@ -89,6 +89,9 @@ inline Scene a_box_on_a_table() {
   scene.levels_of_detail_base = {scene.mesh_base, a_level_square({0.5, 0.0, 0.0}, 1.0, 5)};
   scene.cloud_base = {scene.mesh_base.vertices, scene.mesh_base.normals, scene.mesh_base.colors};
   scene.objects.push_back(an_object("box", {0.6, 0.05, 0.04}));
+  scene.tags = {
+      {{"tag36h11", 0}, 0.1, MarkerRole::base, "", Pose::from_translation({0.2, 0, 0})},
+      {{"tag36h11", 5}, 0.05, MarkerRole::object, "box", Pose::from_translation({0, 0, 0.04})}};
   scene.support_planes.push_back(
       {.plane_base = {},
        .outline_base = {{0, -0.5, 0}, {1, -0.5, 0}, {1, 0.5, 0}, {0, 0.5, 0}},

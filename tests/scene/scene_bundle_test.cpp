@@ -138,6 +138,36 @@ TEST_F(SceneBundle, ReadsItsPlanesAndQualityBack) {
   EXPECT_EQ(manifest->quality.tag_reprojection_rms, 0.21);
 }
 
+TEST_F(SceneBundle, ReadsItsTagsBack) {
+  const auto manifest = read_scene_manifest(folder_.path());
+  ASSERT_TRUE(manifest) << manifest.error().to_string();
+  ASSERT_EQ(manifest->tags.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(manifest->tags[i].id, scene_.tags[i].id);
+    EXPECT_EQ(manifest->tags[i].size, scene_.tags[i].size);
+    EXPECT_EQ(manifest->tags[i].role, scene_.tags[i].role);
+    EXPECT_EQ(manifest->tags[i].object, scene_.tags[i].object);
+    EXPECT_LT(
+        translation_distance(manifest->tags[i].T_parent_marker, scene_.tags[i].T_parent_marker),
+        1e-9);
+  }
+}
+
+TEST_F(SceneBundle, ReadsAManifestFromBeforeTagsWereKept) {
+  const std::string text = *read_file(folder_.path() / "scene.yaml");
+  const std::size_t at = text.find("tags:\n");
+  const std::size_t end = text.find("support_planes:");
+  ASSERT_TRUE(write_file(folder_.path() / "scene.yaml", text.substr(0, at) + text.substr(end)));
+  const auto manifest = read_scene_manifest(folder_.path());
+  ASSERT_TRUE(manifest) << manifest.error().to_string();
+  EXPECT_TRUE(manifest->tags.empty());
+}
+
+TEST_F(SceneBundle, FindsATagOnAnObjectThatIsNotThere) {
+  replace("scene.yaml", "object: box", "object: fox");
+  EXPECT_EQ(unsound(), std::vector<std::string>{"scene.yaml"});
+}
+
 TEST_F(SceneBundle, RefusesAKeyThatItDoesNotKnowAndNamesItsLine) {
   replace("scene.yaml", "voxel_size: 0.02", "voxel_size: 0.02\nvoxels: 3");
   const auto manifest = read_scene_manifest(folder_.path());

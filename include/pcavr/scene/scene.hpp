@@ -12,6 +12,7 @@
 #include "pcavr/geometry/mesh.hpp"
 #include "pcavr/geometry/trajectory.hpp"
 #include "pcavr/model/cad_model.hpp"
+#include "pcavr/recording/manifest.hpp"
 #include "pcavr/scene/occupancy_map.hpp"
 
 namespace pcavr {
@@ -65,6 +66,8 @@ struct Scene {
   OccupancyMap occupancy;
   std::vector<SupportPlane> support_planes;
   std::vector<SceneObject> objects;
+  /// The printed tags: of base, and of the objects above.
+  std::vector<MarkerEntry> tags = {};
   Trajectory camera_trajectory;  ///< T_base_camera of the frames used
   SceneQuality quality;
   std::string recording;    ///< what it was built from, as named by the user

@@ -42,6 +42,7 @@ struct SceneManifest {
   std::string recording;    ///< as the user named it
   double voxel_size = 0.0;  ///< [m]
   std::vector<SceneObjectEntry> objects;
+  std::vector<MarkerEntry> tags;  ///< empty in scenes that were built before tags were kept
   std::vector<SupportPlane> support_planes;
   /// Relative to the folder, finest first; the first is scene.glb.
   std::vector<std::filesystem::path> levels_of_detail;
