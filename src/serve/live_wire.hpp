@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "pcavr/core/bytes.hpp"
+#include "pcavr/core/expected.hpp"
+#include "pcavr/serve/live_protocol.hpp"
+
+namespace pcavr {
+
+enum class LiveType : std::uint8_t {
+  welcome = 1,
+  state = 2,
+  notice = 3,
+  pong = 4,
+  hello = 16,
+  tool = 17,
+  command = 18,
+  ping = 19,
+};
+
+/// A message whose head was found sound; `body` lies in the bytes it was read from.
+struct LiveFrame {
+  LiveHead head;
+  std::uint8_t type = 0;
+  std::span<const std::uint8_t> body;
+};
+[[nodiscard]] Expected<LiveFrame> read_frame(std::span<const std::uint8_t> bytes);
+
+/// Replaces `bytes` by a head and what `write_body` puts behind it.
+void write_frame(LiveType type, const LiveHead& head, std::vector<std::uint8_t>& bytes,
+                 const std::function<void(ByteWriter&)>& write_body);
+
+[[nodiscard]] inline Eigen::Vector3f read_vector(ByteReader& reader) {
+  const float x = reader.f32();
+  const float y = reader.f32();
+  return {x, y, reader.f32()};
+}
+/// Stored x y z w.
+[[nodiscard]] inline Eigen::Quaternionf read_quaternion(ByteReader& reader) {
+  const Eigen::Vector3f vector = read_vector(reader);
+  return {reader.f32(), vector.x(), vector.y(), vector.z()};
+}
+inline void write_vector(const Eigen::Vector3f& vector, ByteWriter& writer) {
+  for (const float value : vector) writer.f32(value);
+}
+inline void write_quaternion(const Eigen::Quaternionf& quaternion, ByteWriter& writer) {
+  for (const float value : quaternion.coeffs()) writer.f32(value);
+}
+inline void write_text(std::string_view text, ByteWriter& writer) {
+  for (const char letter : text) writer.whole(static_cast<std::uint8_t>(letter));
+}
+
+}  // namespace pcavr

@@ -1,0 +1,250 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/serve/live_protocol.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/random.hpp"
+
+namespace pcavr {
+namespace {
+
+float number(Random& random) { return static_cast<float>(random.uniform(-2.0, 2.0)); }
+Eigen::Vector3f vector(Random& random) {
+  const float x = number(random);
+  const float y = number(random);
+  return {x, y, number(random)};
+}
+Eigen::Quaternionf turn(Random& random) {
+  return Eigen::Quaternionf(number(random), number(random), number(random), 3.0F).normalized();
+}
+
+PageMessage a_tool(Random& random) {
+  LiveTool tool;
+  tool.p_base_tip = vector(random);
+  tool.q_base_tool = turn(random);
+  tool.is_engaged = random.below(2) == 1;
+  tool.hand = static_cast<LiveHand>(random.below(4));
+  return {{static_cast<std::uint32_t>(1 + random.below(1000)), random.uniform(0.0, 1e6)}, tool};
+}
+
+LiveState a_state(Random& random, std::size_t objects) {
+  LiveState state;
+  state.t = random.uniform(0.0, 1e4);
+  state.page_clock = random.uniform(0.0, 1e4);
+  state.is_engaged = random.below(2) == 1;
+  state.is_on_hold = random.below(2) == 1;
+  state.touches_scan = random.below(2) == 1;
+  state.has_tool = random.below(2) == 1;
+  state.tool_taken = random.below(2) == 1;
+  state.touched_object = static_cast<int>(random.below(5)) - 1;
+  state.p_base_hip = vector(random);
+  state.p_base_proxy = vector(random);
+  state.force_base = vector(random);
+  state.pulse = number(random);
+  state.pulses = 7;
+  state.cycles = 4'000'000'000U;
+  state.late_cycles = 3;
+  state.cycle_longest = 1e-4F;
+  state.tool_age = 0.003F;
+  state.state_age = 0.001F;
+  state.queue_age = 0.002F;
+  for (std::size_t i = 0; i < objects; ++i) {
+    state.objects.push_back({vector(random), turn(random), vector(random),
+                             static_cast<MotionPhase>(random.below(4)), random.below(2) == 1,
+                             number(random)});
+  }
+  return state;
+}
+
+std::vector<PageMessage> one_of_each(Random& random) {
+  return {{{1, 0.5}, LiveHello{kLiveProtocol, "0.1.0"}},
+          a_tool(random),
+          {{3, 0.5}, LiveCommand::take_tool},
+          {{4, 0.5}, LivePing{}}};
+}
+
+TEST(LiveProtocol, WhatAPageSaysComesBackAsItWas) {
+  Random random(1);
+  for (int i = 0; i < 1000; ++i) {
+    const PageMessage message = a_tool(random);
+    const auto& tool = std::get<LiveTool>(message.content);
+    const auto read = decode_page_message(encode(message));
+    ASSERT_TRUE(read) << read.error().to_string();
+    const auto& same = std::get<LiveTool>(read->content);
+    EXPECT_EQ(read->head.sequence, message.head.sequence);
+    EXPECT_EQ(read->head.clock, message.head.clock);
+    EXPECT_EQ(same.p_base_tip, tool.p_base_tip);
+    EXPECT_EQ(same.q_base_tool.coeffs(), tool.q_base_tool.coeffs());
+    EXPECT_EQ(same.is_engaged, tool.is_engaged);
+    EXPECT_EQ(same.hand, tool.hand);
+  }
+  for (const auto command : {LiveCommand::hold, LiveCommand::go_on, LiveCommand::reset,
+                             LiveCommand::take_tool, LiveCommand::give_tool_back}) {
+    const auto read = decode_page_message(encode(PageMessage{{9, 1.0}, command}));
+    ASSERT_TRUE(read);
+    EXPECT_EQ(std::get<LiveCommand>(read->content), command);
+  }
+}
+
+TEST(LiveProtocol, AStateComesBackAsItWas) {
+  Random random(2);
+  for (const std::size_t objects : {0U, 1U, 3U, 200U}) {
+    const LiveState state = a_state(random, objects);
+    const auto bytes = encode(ServerMessage{{5, 2.0}, state});
+    EXPECT_EQ(bytes.size(), 24 + 104 + 48 * objects);
+    std::vector<std::uint8_t> again{1, 2, 3};
+    encode_state({5, 2.0}, state, again);
+    EXPECT_EQ(again, bytes);
+    const auto read = decode_server_message(bytes);
+    ASSERT_TRUE(read) << read.error().to_string();
+    const auto& same = std::get<LiveState>(read->content);
+    EXPECT_EQ(encode(*read), bytes);
+    EXPECT_EQ(same.touched_object, state.touched_object);
+    EXPECT_EQ(same.cycles, state.cycles);
+    ASSERT_EQ(same.objects.size(), objects);
+    if (objects > 0) {
+      EXPECT_EQ(same.objects.back().position, state.objects.back().position);
+    }
+  }
+}
+
+TEST(LiveProtocol, FieldsStandWhereTheDocumentSaysTheyDo) {
+  LiveState state;
+  state.t = 1.0;
+  state.page_clock = 2.0;
+  state.is_on_hold = true;
+  state.tool_taken = true;
+  state.force_base = {3.0F, 0.0F, 0.0F};
+  state.pulses = 0x01020304;
+  state.objects.resize(1);
+  state.objects[0].phase = MotionPhase::sliding;
+  state.objects[0].speed = 1.0F;
+  const auto bytes = encode(ServerMessage{{0x0a0b0c0d, 1.0}, state});
+  const std::vector<std::uint8_t> head(bytes.begin(), bytes.begin() + 24);
+  EXPECT_EQ(head,
+            (std::vector<std::uint8_t>{'P', 'C', 'V', 'R', 1, 2, 0, 0, 0x0d, 0x0c, 0x0b, 0x0a,
+                                       152, 0,   0,   0,   0, 0, 0, 0, 0,    0,    0xf0, 0x3f}));
+  const std::uint8_t* body = bytes.data() + 24;
+  EXPECT_EQ(body[6], 0xf0);
+  EXPECT_EQ(body[15], 0x40);
+  EXPECT_EQ(body[16], 2 + 16);
+  EXPECT_EQ(body[20], 0xff);
+  EXPECT_EQ(body[50], 0x40);
+  EXPECT_EQ(body[64], 0x04);
+  EXPECT_EQ(body[67], 0x01);
+  EXPECT_EQ(body[100], 1);
+  EXPECT_EQ(body[104 + 40], 3);
+  EXPECT_EQ(body[104 + 47], 0x3f);
+}
+
+TEST(LiveProtocol, WordsComeBackAsTheyWere) {
+  const LiveWelcome welcome{kLiveProtocol,  "0.1.0", true, "tisch \xc3\xbc\xf0\x9f",
+                            {"box", "can"}, 0.01,    72.0, "page"};
+  const auto read = decode_server_message(encode(ServerMessage{{1, 0.0}, welcome}));
+  ASSERT_TRUE(read) << read.error().to_string();
+  const auto& same = std::get<LiveWelcome>(read->content);
+  EXPECT_TRUE(same.is_replay);
+  EXPECT_EQ(same.objects, welcome.objects);
+  EXPECT_EQ(same.scene.substr(0, 8), "tisch \xc3\xbc");
+  const LiveNotice notice{LiveLevel::warning, "a \"word\"\n"};
+  const auto heard = decode_server_message(encode(ServerMessage{{2, 0.0}, notice}));
+  ASSERT_TRUE(heard);
+  EXPECT_EQ(std::get<LiveNotice>(heard->content).text, notice.text);
+  EXPECT_EQ(std::get<LiveNotice>(heard->content).level, LiveLevel::warning);
+  const auto pong = decode_server_message(encode(ServerMessage{{3, 0.0}, LivePong{4.5}}));
+  ASSERT_TRUE(pong);
+  EXPECT_EQ(std::get<LivePong>(pong->content).clock, 4.5);
+}
+
+TEST(LiveProtocol, EveryTruncationAndEveryByteTooManyIsRefused) {
+  Random random(3);
+  for (const PageMessage& message : one_of_each(random)) {
+    auto bytes = encode(message);
+    for (std::size_t length = 0; length < bytes.size(); ++length) {
+      EXPECT_FALSE(decode_page_message(std::span(bytes.data(), length)));
+    }
+    bytes.push_back(0);
+    EXPECT_FALSE(decode_page_message(bytes));
+  }
+  auto state = encode(ServerMessage{{1, 0.0}, a_state(random, 2)});
+  for (std::size_t length = 0; length < state.size(); ++length) {
+    EXPECT_FALSE(decode_server_message(std::span(state.data(), length)));
+  }
+}
+
+TEST(LiveProtocol, AStateThatClaimsMoreObjectsThanItHoldsIsRefused) {
+  Random random(4);
+  auto bytes = encode(ServerMessage{{1, 0.0}, a_state(random, 2)});
+  for (std::size_t i = 0; i < 4; ++i) bytes[24 + 100 + i] = 0xff;
+  EXPECT_FALSE(decode_server_message(bytes));
+}
+
+TEST(LiveProtocol, NumbersOutOfTheirRangeAreRefused) {
+  const auto is_refused = [](LiveTool tool, LiveHead head = {1, 0.0}) {
+    return !decode_page_message(encode(PageMessage{head, tool}));
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(is_refused({}));
+  EXPECT_TRUE(is_refused({.p_base_tip = {0.0F, nan, 0.0F}}));
+  EXPECT_TRUE(is_refused({.q_base_tool = {nan, 0.0F, 0.0F, 0.0F}}));
+  EXPECT_TRUE(is_refused({.q_base_tool = {0.0F, 0.0F, 0.0F, 0.0F}}));
+  EXPECT_TRUE(is_refused({.q_base_tool = {2.0F, 0.0F, 0.0F, 0.0F}}));
+  EXPECT_TRUE(is_refused({.hand = static_cast<LiveHand>(4)}));
+  EXPECT_TRUE(is_refused({}, {0, 0.0}));
+  EXPECT_TRUE(is_refused({}, {1, std::numeric_limits<double>::infinity()}));
+  for (const std::uint32_t command : {0U, 6U, 0xffffffffU}) {
+    EXPECT_FALSE(
+        decode_page_message(encode(PageMessage{{1, 0.0}, static_cast<LiveCommand>(command)})));
+  }
+}
+
+TEST(LiveProtocol, AnotherVersionIsNamedInTheRefusal) {
+  auto bytes = encode(PageMessage{{1, 0.0}, LivePing{}});
+  bytes[4] = 7;
+  const auto read = decode_page_message(bytes);
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find("protocol 7"), std::string::npos);
+}
+
+TEST(LiveProtocol, AHelloOfAnotherProtocolIsReadSoThatItCanBeAnswered) {
+  const auto read = decode_page_message(encode(PageMessage{{1, 0.0}, LiveHello{2, "9.9"}}));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(std::get<LiveHello>(read->content).protocol, 2);
+}
+
+TEST(LiveProtocol, WhatAServerSaysIsNoneOfAPagesWords) {
+  Random random(5);
+  EXPECT_FALSE(decode_page_message(encode(ServerMessage{{1, 0.0}, a_state(random, 1)})));
+  EXPECT_FALSE(decode_server_message(encode(PageMessage{{1, 0.0}, LivePing{}})));
+}
+
+TEST(LiveProtocol, NoBytesAtRandomBringItDown) {
+  Random random(6);
+  std::vector<std::uint8_t> bytes;
+  for (int i = 0; i < 20'000; ++i) {
+    bytes = encode(a_tool(random));
+    const std::size_t changes = 1 + random.below(4);
+    for (std::size_t k = 0; k < changes; ++k) {
+      bytes[random.below(bytes.size())] = static_cast<std::uint8_t>(random.below(256));
+    }
+    const auto read = decode_page_message(bytes);
+    if (!read) continue;
+    // Whatever is let through says again what it said.
+    EXPECT_TRUE(decode_page_message(encode(*read)));
+  }
+}
+
+TEST(LiveProtocol, NoMessageIsLongerThan64KiB) {
+  std::vector<std::uint8_t> bytes = encode(PageMessage{{1, 0.0}, LivePing{}});
+  bytes.resize(kLiveMostBytes + 1);
+  const auto read = decode_page_message(bytes);
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find("64 KiB"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pcavr
