@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+
+// All JavaScript that the page may ever download, as it goes over the wire.
+import { readdirSync, readFileSync } from 'node:fs';
+import { gzipSync } from 'node:zlib';
+
+const most = 250_000; // [bytes]
+const folder = new URL('../dist/assets/', import.meta.url);
+let total = 0;
+for (const name of readdirSync(folder).filter((file) => file.endsWith('.js'))) {
+  const bytes = gzipSync(readFileSync(new URL(name, folder)), { level: 9 }).length;
+  total += bytes;
+  console.log(`${String(bytes).padStart(8)}  ${name}`);
+}
+console.log(`${String(total).padStart(8)}  bytes of JavaScript gzipped, of at most ${most}`);
+if (total > most) process.exitCode = 1;

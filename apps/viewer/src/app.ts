@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import {
+  SRGBColorSpace,
+  WebGLRenderer,
+  type Group,
+  type PerspectiveCamera,
+  type Scene,
+} from 'three';
+import { SceneView } from './scene/view';
+import { pageClock } from './session/clock';
+import type { Session } from './session/session';
+import type { Notice } from './protocol';
+
+export type FrameCallback = (time: number, frame?: XRFrame) => void;
+
+const mostPixelRatio = 2; // beyond, an eye sees no more and a graphics card does four times the work
+const staleSeconds = 0.05; // a state older than this is not worth a frame if a newer one waits
+
+/// One picture after the other: asks everybody before each, and draws only where something changed.
+export class App {
+  readonly renderer: WebGLRenderer;
+  readonly view = new SceneView();
+  readonly scene: Scene = this.view.scene;
+  readonly camera: PerspectiveCamera = this.view.camera;
+  readonly base: Group = this.view.base;
+  readonly isSoftwareRendered: boolean;
+  frames = 0;
+  private callbacks: FrameCallback[] = [];
+  private drawnCallbacks: (() => void)[] = [];
+  private isDirty = true;
+  private lastSequence = -1;
+  private hasWaited = false;
+
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    readonly session: Session,
+    /// Where buttons such as "Enter VR" go.
+    readonly actions: HTMLElement,
+    readonly notify: (notice: Notice) => void,
+  ) {
+    this.renderer = new WebGLRenderer({
+      canvas,
+      antialias: true,
+      powerPreference: 'high-performance',
+    });
+    this.renderer.outputColorSpace = SRGBColorSpace;
+    this.isSoftwareRendered = /llvmpipe|swiftshader|software/i.test(this.rendererName());
+    const ratio = Math.min(window.devicePixelRatio, mostPixelRatio);
+    this.renderer.setPixelRatio(this.isSoftwareRendered ? 1 : ratio);
+    this.renderer.xr.enabled = true;
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
+    this.resize();
+  }
+
+  start(): void {
+    this.renderer.setAnimationLoop((time, frame) => this.frame(time, frame));
+  }
+
+  /// Called before each frame with its time [ms] and, in VR, its XRFrame; gives back what ends it.
+  onFrame(callback: FrameCallback): () => void {
+    this.callbacks.push(callback);
+    return () => void (this.callbacks = this.callbacks.filter((c) => c !== callback));
+  }
+
+  onDrawn(callback: () => void): void {
+    this.drawnCallbacks.push(callback);
+  }
+
+  /// The next frame has something new to show.
+  invalidate(): void {
+    this.isDirty = true;
+  }
+
+  rendererName(): string {
+    const gl = this.renderer.getContext();
+    const info = gl.getExtension('WEBGL_debug_renderer_info');
+    return String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  }
+
+  private frame(time: number, frame?: XRFrame): void {
+    const isInVr = this.renderer.xr.isPresenting;
+    if (!isInVr && this.shouldWait()) return;
+    const state = this.session.latest();
+    if (state && state.sequence !== this.lastSequence) {
+      this.lastSequence = state.sequence;
+      this.view.showState(state);
+      this.isDirty = true;
+    }
+    for (const callback of this.callbacks) callback(time, frame);
+    if (!this.isDirty && !isInVr) return;
+    this.isDirty = false;
+    this.renderer.render(this.scene, this.camera);
+    ++this.frames;
+    this.session.drawn();
+    for (const callback of this.drawnCallbacks) callback();
+  }
+
+  /// A busy browser prefers frames to messages: one frame given up lets the newest state in.
+  private shouldWait(): boolean {
+    const age = this.session.latency.age(pageClock());
+    this.hasWaited = !this.hasWaited && age > staleSeconds;
+    return this.hasWaited;
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.canvas.parentElement!;
+    if (this.renderer.xr.isPresenting || clientWidth === 0 || clientHeight === 0) return;
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.camera.aspect = clientWidth / clientHeight;
+    this.camera.updateProjectionMatrix();
+    this.isDirty = true;
+  }
+}

@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import {
+  Color,
+  EdgesGeometry,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshLambertMaterial,
+  type Object3D,
+} from 'three';
+import type { Phase, Quaternion, Vector } from '../protocol';
+import type { GlbPart } from './glb';
+import type { SceneObject } from './scene_model';
+
+// Apart from each other, from a scan's browns and greys, and for colour-blind eyes.
+const bodyColors = ['#3273dc', '#e2711d', '#129e86', '#b14aa3', '#c9a013', '#6650c9'];
+const fixedColor = '#8b96a5';
+export const phaseColors: Record<Phase, string> = {
+  free: '#7d8896',
+  static: '#2b7de9',
+  critical: '#e0a100',
+  sliding: '#d9480f',
+};
+const outsideColor = '#c92a2a';
+const edgeAngle = 25; // [degrees] between faces: a rounded edge of a CAD body shows no lines
+
+export function bodyColor(index: number, movable: boolean): string {
+  return movable ? bodyColors[index % bodyColors.length] : fixedColor;
+}
+
+/// A CAD body: solid where it is believed to be; its ghost where it was seen.
+export class Body {
+  readonly solid = new Group();
+  readonly ghost = new Group();
+  readonly color: string;
+  phase: Phase = 'free';
+  isOutsideModel = false;
+  private fill: MeshLambertMaterial;
+  private edges = new LineBasicMaterial({ color: '#10151b' });
+
+  constructor(
+    readonly object: SceneObject,
+    index: number,
+  ) {
+    this.color = bodyColor(index, object.movable);
+    // Pushed back a little in depth, so that the edges lie on it unbroken.
+    this.fill = new MeshLambertMaterial({
+      color: this.color,
+      polygonOffset: true,
+      polygonOffsetFactor: 1,
+      polygonOffsetUnits: 1,
+    });
+    this.solid.name = object.name;
+    this.ghost.name = `${object.name} (tracked)`;
+    this.ghost.visible = false;
+    this.place(object.position, object.quaternion);
+  }
+
+  addParts(parts: readonly GlbPart[]): void {
+    const ghostFill = new MeshLambertMaterial({
+      color: '#ffffff',
+      transparent: true,
+      opacity: 0.35,
+      depthWrite: false,
+    });
+    const ghostEdges = new LineBasicMaterial({ color: '#ffffff', transparent: true, opacity: 0.9 });
+    for (const { geometry, matrix } of parts) {
+      const edges = new EdgesGeometry(geometry, edgeAngle);
+      this.add(this.solid, new Mesh(geometry, this.fill), matrix);
+      this.add(this.solid, new LineSegments(edges, this.edges), matrix);
+      this.add(this.ghost, new Mesh(geometry, ghostFill), matrix);
+      this.add(this.ghost, new LineSegments(edges, ghostEdges), matrix);
+    }
+  }
+
+  place(position: Readonly<Vector>, quaternion: Readonly<Quaternion>): void {
+    this.solid.position.fromArray(position);
+    this.solid.quaternion.fromArray(quaternion);
+  }
+
+  placeGhost(position: Readonly<Vector>, quaternion: Readonly<Quaternion>): void {
+    this.ghost.position.fromArray(position);
+    this.ghost.quaternion.fromArray(quaternion);
+    this.ghost.visible = true;
+  }
+
+  setPhase(phase: Phase, isOutsideModel: boolean): void {
+    if (phase === this.phase && isOutsideModel === this.isOutsideModel) return;
+    this.phase = phase;
+    this.isOutsideModel = isOutsideModel;
+    this.edges.color = new Color(
+      isOutsideModel ? outsideColor : phase === 'free' ? '#10151b' : phaseColors[phase],
+    );
+    this.fill.transparent = isOutsideModel;
+    this.fill.opacity = isOutsideModel ? 0.4 : 1;
+    this.fill.needsUpdate = true;
+  }
+
+  private add(group: Group, child: Object3D, matrix: GlbPart['matrix']): void {
+    child.matrixAutoUpdate = false;
+    child.matrix.copy(matrix);
+    group.add(child);
+  }
+}

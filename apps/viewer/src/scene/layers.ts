@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import { Group } from 'three';
+
+export const layerNames = [
+  'mesh',
+  'cloud',
+  'occupancy',
+  'bodies',
+  'ghosts',
+  'labels',
+  'tags',
+  'frames',
+  'planes',
+  'cameras',
+] as const;
+export type LayerName = (typeof layerNames)[number];
+
+export const layerTitles: Record<LayerName, string> = {
+  mesh: 'Scanned mesh',
+  cloud: 'Point cloud',
+  occupancy: 'Occupied cells',
+  bodies: 'CAD bodies',
+  ghosts: 'Tracked ghosts',
+  labels: 'Labels',
+  tags: 'Tags',
+  frames: 'Frames',
+  planes: 'Support planes',
+  cameras: 'Camera path',
+};
+
+const shownAtFirst: readonly LayerName[] = ['mesh', 'bodies', 'ghosts', 'labels'];
+
+/// What can be switched on and off: a group each, all in base.
+export class Layers {
+  private groups = new Map<LayerName, Group>();
+  private listeners: ((name: LayerName, isShown: boolean) => void)[] = [];
+
+  constructor(base: Group) {
+    for (const name of layerNames) {
+      const group = new Group();
+      group.name = name;
+      group.visible = shownAtFirst.includes(name);
+      this.groups.set(name, group);
+      base.add(group);
+    }
+  }
+
+  group(name: LayerName): Group {
+    return this.groups.get(name)!;
+  }
+
+  isShown(name: LayerName): boolean {
+    return this.group(name).visible;
+  }
+
+  show(name: LayerName, isShown: boolean): void {
+    if (this.isShown(name) === isShown) return;
+    this.group(name).visible = isShown;
+    this.listeners.forEach((listener) => listener(name, isShown));
+  }
+
+  onChange(listener: (name: LayerName, isShown: boolean) => void): void {
+    this.listeners.push(listener);
+  }
+
+  all(): Record<LayerName, boolean> {
+    return Object.fromEntries(layerNames.map((n) => [n, this.isShown(n)])) as Record<
+      LayerName,
+      boolean
+    >;
+  }
+}

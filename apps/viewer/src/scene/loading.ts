@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import { Mesh, MeshLambertMaterial, DoubleSide, type Group } from 'three';
+import { readGlb } from './glb';
+import { fetchBytes, type MeshLevel } from './scene_model';
+import type { SceneView } from './view';
+
+export interface Progress {
+  loaded: number; // [bytes]
+  total: number;
+  what: string;
+}
+
+/// Which level to end with: the finest of at most `triangles`, or else the coarsest.
+export function levelWithin(levels: readonly MeshLevel[], triangles: number): number {
+  const index = levels.findIndex((level) => level.triangles <= triangles);
+  return index >= 0 ? index : levels.length - 1;
+}
+
+/// Loads bodies and the scan's coarsest level first, then the level the device can carry.
+export class SceneLoader {
+  level = -1; // of the scan shown now; -1: none
+  objectsLoaded = 0;
+  isComplete = false;
+  failures: string[] = [];
+  private loaded = 0;
+  private total = 0;
+
+  constructor(
+    private readonly view: SceneView,
+    private readonly onProgress: (progress: Progress) => void,
+    private readonly onPart: () => void,
+  ) {}
+
+  /// `triangles`: how many of the scan's the device can carry.
+  async load(triangles: number): Promise<void> {
+    const model = this.view.model!;
+    const coarsest = model.mesh.length - 1;
+    const last = levelWithin(model.mesh, triangles);
+    const levels = coarsest < 0 ? [] : last === coarsest ? [last] : [coarsest, last];
+    this.total =
+      model.objects.reduce((sum, object) => sum + object.bytes, 0) +
+      levels.reduce((sum, level) => sum + model.mesh[level].bytes, 0);
+    await Promise.all([
+      ...this.view.bodies.map((b) => this.loadBody(b)),
+      this.showLevel(levels[0]),
+    ]);
+    if (levels.length > 1) await this.showLevel(levels[1]);
+    this.isComplete = true;
+    this.onProgress({ loaded: this.total, total: this.total, what: '' });
+  }
+
+  /// Another level in the place of the one shown.
+  async showLevel(level: number | undefined): Promise<void> {
+    if (level === undefined || level === this.level) return;
+    const { path, triangles } = this.view.model!.mesh[level];
+    const what = `scan, ${triangles.toLocaleString('en')} triangles`;
+    await this.attempt(path, async () => {
+      const parts = await readGlb(await fetchBytes(path, (bytes) => this.advance(bytes, what)));
+      this.replaceScan(parts);
+      this.level = level;
+    });
+  }
+
+  private replaceScan(parts: Awaited<ReturnType<typeof readGlb>>): void {
+    const group: Group = this.view.layers.group('mesh');
+    const old = [...group.children] as Mesh[];
+    for (const { geometry, matrix, color } of parts) {
+      const material = new MeshLambertMaterial({
+        vertexColors: geometry.hasAttribute('color'),
+        side: DoubleSide,
+      });
+      if (color && !material.vertexColors) material.color = color;
+      const mesh = new Mesh(geometry, material);
+      mesh.matrixAutoUpdate = false;
+      mesh.matrix.copy(matrix);
+      group.add(mesh);
+    }
+    for (const mesh of old) {
+      group.remove(mesh);
+      mesh.geometry.dispose();
+      (mesh.material as MeshLambertMaterial).dispose();
+    }
+  }
+
+  private async loadBody(body: SceneView['bodies'][number]): Promise<void> {
+    const { path, name } = body.object;
+    await this.attempt(path, async () => {
+      body.addParts(await readGlb(await fetchBytes(path, (bytes) => this.advance(bytes, name))));
+      ++this.objectsLoaded;
+    });
+  }
+
+  /// A file that fails leaves a gap in the scene, and a word about it; the rest is shown.
+  private async attempt(path: string, action: () => Promise<void>): Promise<void> {
+    try {
+      await action();
+    } catch (error) {
+      this.failures.push(`${path}: ${error instanceof Error ? error.message : String(error)}`);
+    }
+    this.onPart();
+  }
+
+  private advance(bytes: number, what: string): void {
+    this.loaded = Math.min(this.loaded + bytes, this.total);
+    this.onProgress({ loaded: this.loaded, total: this.total, what });
+  }
+}

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import {
+  BufferAttribute,
+  BufferGeometry,
+  ConeGeometry,
+  CylinderGeometry,
+  Group,
+  Line,
+  LineBasicMaterial,
+  Mesh,
+  MeshBasicMaterial,
+  MeshLambertMaterial,
+  SphereGeometry,
+  TorusGeometry,
+  Vector3,
+} from 'three';
+import type { LiveState, Vector } from '../protocol';
+
+const proxyColor = '#f5f7fa';
+const touchColor = '#ffb300';
+const hipColor = '#d6336c';
+const forceColor = '#d6336c';
+const metresPerNewton = 0.01; // an arrow of 10 cm at 10 N
+const longestArrow = 0.3; // [m]
+const leastForce = 0.05; // [N] below, an arrow is only noise
+const pulseSeconds = 0.35;
+
+/// The tool: the proxy (a ball of the tool's size, outside of everything), the HIP (where the hand
+/// is), the line between them, the force on the hand, and its pulses.
+export class ToolView {
+  readonly group = new Group();
+  readonly proxy = new Mesh(
+    new SphereGeometry(1, 32, 20),
+    new MeshLambertMaterial({ color: proxyColor }),
+  );
+  readonly hip = new Mesh(
+    new SphereGeometry(1, 20, 12),
+    new MeshBasicMaterial({ color: hipColor, transparent: true, opacity: 0.85, depthTest: false }),
+  );
+  force: Vector = [0, 0, 0];
+  private spring = new Line(
+    new BufferGeometry(),
+    new LineBasicMaterial({ color: hipColor, depthTest: false }),
+  );
+  private arrow = new Group();
+  private shaft: Mesh;
+  private head: Mesh;
+  private ring = new Mesh(
+    new TorusGeometry(1, 0.06, 8, 48),
+    new MeshBasicMaterial({ color: touchColor, transparent: true, depthWrite: false }),
+  );
+  private radius = 0.01;
+  private pulses = -1;
+  private pulseStart = -Infinity;
+
+  constructor(base: Group) {
+    this.group.name = 'tool';
+    this.group.visible = false;
+    this.spring.geometry.setAttribute('position', new BufferAttribute(new Float32Array(6), 3));
+    this.spring.frustumCulled = false;
+    const material = new MeshLambertMaterial({ color: forceColor });
+    this.shaft = new Mesh(new CylinderGeometry(1, 1, 1, 12).translate(0, 0.5, 0), material);
+    this.head = new Mesh(new ConeGeometry(1, 1, 20).translate(0, 0.5, 0), material);
+    this.arrow.add(this.shaft, this.head);
+    this.ring.visible = false;
+    this.hip.renderOrder = 2;
+    this.spring.renderOrder = 1;
+    this.group.add(this.proxy, this.hip, this.spring, this.arrow, this.ring);
+    base.add(this.group);
+    this.setRadius(this.radius);
+  }
+
+  /// [m]
+  setRadius(radius: number): void {
+    this.radius = radius;
+    this.proxy.scale.setScalar(radius);
+    this.hip.scale.setScalar(0.45 * radius);
+  }
+
+  showState(state: LiveState): void {
+    this.show(state.proxy, state.hip, state.force);
+    const touches = state.touchesScan || state.touchedObject >= 0;
+    this.proxy.material.color.set(touches ? touchColor : proxyColor);
+    if (this.pulses >= 0 && state.pulses !== this.pulses)
+      this.pulseStart = performance.now() / 1000;
+    this.pulses = state.pulses;
+  }
+
+  show(proxy: Readonly<Vector>, hip: Readonly<Vector>, force: Readonly<Vector>): void {
+    this.group.visible = true;
+    this.proxy.position.fromArray(proxy);
+    this.hip.position.fromArray(hip);
+    const ends = this.spring.geometry.getAttribute('position') as BufferAttribute;
+    ends.setXYZ(0, ...hip);
+    ends.setXYZ(1, ...proxy);
+    ends.needsUpdate = true;
+    this.force = [...force];
+    this.showForce();
+  }
+
+  hide(): void {
+    this.group.visible = false;
+  }
+
+  /// Lets a pulse fade; true while there is one to draw. `calm`: a change of colour, no motion.
+  animate(now: number, calm: boolean): boolean {
+    const part = (now - this.pulseStart) / pulseSeconds;
+    const isOn = part >= 0 && part < 1;
+    const wasOn = this.ring.visible;
+    this.ring.visible = isOn;
+    if (isOn) {
+      this.ring.position.copy(this.proxy.position);
+      this.ring.scale.setScalar(this.radius * (calm ? 1.8 : 1.2 + 2.2 * part));
+      this.ring.material.opacity = 1 - part;
+    }
+    return isOn || wasOn;
+  }
+
+  private showForce(): void {
+    const force = new Vector3(...this.force);
+    const newtons = force.length();
+    this.arrow.visible = newtons > leastForce;
+    if (!this.arrow.visible) return;
+    const length = Math.min(newtons * metresPerNewton, longestArrow);
+    const headLength = Math.min(0.4 * length, 0.03);
+    this.arrow.position.copy(this.proxy.position);
+    this.arrow.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), force.normalize());
+    this.shaft.scale.set(0.003, length - headLength, 0.003);
+    this.head.scale.set(0.35 * headLength, headLength, 0.35 * headLength);
+    this.head.position.y = length - headLength;
+  }
+}

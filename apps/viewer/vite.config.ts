@@ -1,0 +1,14 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import { defineConfig } from 'vite';
+
+// `npm run dev` shows the page with a server beside it: `pcavr serve SCENE --port 8080`.
+const server = 'http://127.0.0.1:8080';
+
+export default defineConfig({
+  build: { target: 'es2022', modulePreload: { polyfill: false }, chunkSizeWarningLimit: 700 },
+  worker: { format: 'es' },
+  server: {
+    proxy: { '/api': server, '/scene': server, '/live': { target: server, ws: true } },
+  },
+});
