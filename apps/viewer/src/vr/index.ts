@@ -1,6 +1,31 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+import { Box3, Vector3 } from 'three';
 import type { App } from '../app';
+import { vrButton } from './button';
+import type { Ground } from './start';
+import { VrMode } from './vr_mode';
 
 /// Adds the way into VR to the page.
-export function attachVr(_app: App): void {}
+export function attachVr(app: App): VrMode {
+  const vr = new VrMode(app, () => groundOf(app));
+  app.actions.append(vrButton(vr, (text) => app.notify({ level: 'error', text })));
+  app.onFrame((time, frame) => {
+    if (frame && vr.isPresenting) vr.update(time, frame);
+  });
+  return vr;
+}
+
+/// Where one can stand in the scene that is shown.
+function groundOf(app: App): Ground {
+  const { model, bodies, layers, base } = app.view;
+  const supports = (model?.support_planes ?? []).map(({ outline }) => ({
+    z: outline.reduce((sum, p) => sum + p[2] / outline.length, 0),
+    outline: outline.map((p) => new Vector3(...p)),
+  }));
+  const scan = new Box3().setFromObject(layers.group('mesh'));
+  // The scan's box is three.js's, y up; base has its origin in the same place.
+  const lowest = scan.isEmpty() ? undefined : scan.min.y - base.position.y;
+  const things = bodies.filter((b) => b.object.movable).map((b) => b.solid.position.clone());
+  return { supports, lowest, things };
+}

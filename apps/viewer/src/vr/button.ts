@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import { VrMode } from './vr_mode';
+
+/// The button that enters and leaves. Where there is no way into a headset it says why.
+export function vrButton(vr: VrMode, onError: (words: string) => void): HTMLButtonElement {
+  const button = document.createElement('button');
+  button.type = 'button';
+  button.id = 'vr-button';
+  button.disabled = true;
+  const label = (isPresenting: boolean) => {
+    button.textContent = isPresenting ? 'Leave VR' : 'Enter VR';
+    button.setAttribute('aria-pressed', String(isPresenting));
+  };
+  label(false);
+  vr.onChange(label);
+  button.addEventListener('click', () => {
+    const turn = vr.isPresenting ? vr.leave() : vr.enter();
+    turn.catch((error: unknown) =>
+      onError(`VR: ${error instanceof Error ? error.message : error}`),
+    );
+  });
+  const look = async () => {
+    button.disabled = !(await VrMode.isSupported());
+    button.title = button.disabled ? whyNot() : 'Stand in the scene with a headset';
+  };
+  navigator.xr?.addEventListener('devicechange', () => void look());
+  void look();
+  return button;
+}
+
+function whyNot(): string {
+  if (!window.isSecureContext) return 'VR needs https or localhost: start the server with --tls';
+  return navigator.xr ? 'No headset is connected' : 'This browser knows no WebXR';
+}

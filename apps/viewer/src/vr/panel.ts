@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import {
+  CanvasTexture,
+  Mesh,
+  MeshBasicMaterial,
+  PlaneGeometry,
+  SRGBColorSpace,
+  type Vector3,
+} from 'three';
+
+/// What the panel says.
+export interface PanelText {
+  object: string; // touched: a body's name, "scan", or empty
+  phase: string;
+  force: number; // [N]
+  age: number; // [s] of the newest state; NaN before the first
+  isOnHold: boolean;
+  note: string; // why the tool does not follow, or empty
+  scale: number;
+}
+
+export type PanelButton = 'hold' | 'reset';
+
+const width = 512;
+const height = 336;
+// As wide as a hand, 0.3 mm a pixel: readable at arm's length in a headset [m].
+const metres = 0.16;
+// What a state may be old before the number turns red: six frames at 60 Hz [s].
+const staleAge = 0.1;
+// The buttons, in pixels from the panel's upper left corner.
+const buttonTop = 236;
+const buttonHeight = 84;
+const buttons: { name: PanelButton; x: number; width: number }[] = [
+  { name: 'hold', x: 16, width: 264 },
+  { name: 'reset', x: 296, width: 200 },
+];
+// A fingertip this near to a button presses it, and has to go this far before the next time [m].
+const pressDistance = 0.012;
+const releaseDistance = 0.035;
+
+/// A small sheet beside the free hand, with two buttons for fingertips.
+export class Panel {
+  readonly mesh: Mesh;
+  private readonly texture: CanvasTexture;
+  private readonly context: CanvasRenderingContext2D;
+  private shown = '';
+  private isPressed = false;
+
+  constructor() {
+    const canvas = document.createElement('canvas');
+    canvas.width = width;
+    canvas.height = height;
+    const context = canvas.getContext('2d');
+    if (context === null) throw new Error('no 2D canvas');
+    this.context = context;
+    this.texture = new CanvasTexture(canvas);
+    this.texture.colorSpace = SRGBColorSpace;
+    this.mesh = new Mesh(
+      new PlaneGeometry(metres, (metres * height) / width),
+      new MeshBasicMaterial({ map: this.texture, toneMapped: false }),
+    );
+    this.mesh.name = 'panel';
+  }
+
+  /// Above a hand at `place`, turned towards `head`; all in the headset's space.
+  placeBy(place: Vector3, head: Vector3): void {
+    this.mesh.position.copy(place);
+    this.mesh.position.y += 0.12;
+    const towards = head.clone().sub(this.mesh.position);
+    const flat = Math.hypot(towards.x, towards.z);
+    this.mesh.rotation.set(
+      -Math.atan2(towards.y, flat),
+      Math.atan2(towards.x, towards.z),
+      0,
+      'YXZ',
+    );
+    this.mesh.updateMatrix();
+  }
+
+  /// Draws the text anew where it changed.
+  show(text: PanelText): void {
+    const force = text.force.toFixed(1);
+    const age = Math.round(text.age * 100);
+    const key = JSON.stringify({ ...text, force, age });
+    if (key === this.shown) return;
+    this.shown = key;
+    this.draw(text);
+    this.texture.needsUpdate = true;
+  }
+
+  /// The button that a fingertip (headset) has come to; each time once.
+  pressedBy(tips: Vector3[]): PanelButton | undefined {
+    const near = tips.map((tip) => this.buttonAt(tip, pressDistance)).find((b) => b !== undefined);
+    const isClose = tips.some((tip) => this.buttonAt(tip, releaseDistance) !== undefined);
+    const isNew = near !== undefined && !this.isPressed;
+    this.isPressed = near !== undefined || (this.isPressed && isClose);
+    return isNew ? near : undefined;
+  }
+
+  private buttonAt(tip: Vector3, distance: number): PanelButton | undefined {
+    const local = tip.clone().applyMatrix4(this.mesh.matrix.clone().invert());
+    const x = (local.x / metres + 0.5) * width;
+    const y = height / 2 - (local.y / metres) * width;
+    if (Math.abs(local.z) > distance || y < buttonTop || y > buttonTop + buttonHeight) {
+      return undefined;
+    }
+    return buttons.find((b) => x > b.x && x < b.x + b.width)?.name;
+  }
+
+  private draw(text: PanelText): void {
+    const c = this.context;
+    c.fillStyle = text.isOnHold ? '#5a1e00' : '#10161d';
+    c.fillRect(0, 0, width, height);
+    this.line(text.object || 'touches nothing', 48, 34, '#9fb3c8');
+    this.line(text.phase, 116, 56, '#ffffff');
+    this.line(`${text.force.toFixed(1)} N`, 116, 56, '#ffffff', 'right');
+    const isStale = !(text.age < staleAge);
+    const age = Number.isNaN(text.age) ? 'no state' : `${Math.round(text.age * 1000)} ms old`;
+    this.line(age, 164, 28, isStale ? '#ff6b5e' : '#9fb3c8');
+    this.line(`world ${text.scale} : 1`, 164, 28, '#9fb3c8', 'right');
+    this.line(text.note, 212, 28, '#ffc14d');
+    this.button(0, text.isOnHold ? 'ON HOLD' : 'HOLD', text.isOnHold);
+    this.button(1, 'RESET', false);
+  }
+
+  private line(words: string, y: number, size: number, colour: string, align = 'left'): void {
+    const c = this.context;
+    c.font = `600 ${size}px system-ui, sans-serif`;
+    c.textAlign = align === 'left' ? 'left' : 'right';
+    c.fillStyle = colour;
+    c.fillText(words, align === 'left' ? 20 : width - 20, y, width - 40);
+  }
+
+  private button(index: number, words: string, isLit: boolean): void {
+    const c = this.context;
+    const { x, width: wide } = buttons[index];
+    c.fillStyle = isLit ? '#ff8a1f' : '#24425c';
+    c.fillRect(x, buttonTop, wide, buttonHeight);
+    c.fillStyle = isLit ? '#10161d' : '#ffffff';
+    c.font = '700 44px system-ui, sans-serif';
+    c.textAlign = 'center';
+    c.fillText(words, x + wide / 2, buttonTop + 58, wide - 16);
+  }
+}

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Group,
+  Line,
+  LineBasicMaterial,
+  Mesh,
+  MeshBasicMaterial,
+  RingGeometry,
+  Vector3,
+} from 'three';
+
+/// A level surface in base to stand over; without an outline it has no edge.
+export interface Level {
+  z: number;
+  outline: Vector3[];
+}
+
+// A thrown ball's path: quick enough to cross a room, slow enough to aim at one's feet [m/s].
+const throwSpeed = 5;
+const gravity = 9.81;
+const pathSteps = 40;
+const flightTime = 2; // [s]
+
+/// The path of a ball thrown from `from` along `along` (unit, base), in a world shown `scale` times
+/// larger.
+export function throwPath(from: Vector3, along: Vector3, scale: number): Vector3[] {
+  const path: Vector3[] = [];
+  for (let i = 0; i <= pathSteps; ++i) {
+    const t = (flightTime * i) / pathSteps;
+    const point = from.clone().addScaledVector(along, (throwSpeed * t) / scale);
+    point.z -= (0.5 * gravity * t * t) / scale;
+    path.push(point);
+  }
+  return path;
+}
+
+/// Where a path first comes down through a level, and the path up to there.
+export function landing(
+  path: Vector3[],
+  levels: Level[],
+): { place: Vector3; path: Vector3[] } | undefined {
+  for (let i = 1; i < path.length; ++i) {
+    const before = path[i - 1];
+    const after = path[i];
+    let best: Vector3 | undefined;
+    for (const level of levels) {
+      if (before.z < level.z || after.z >= level.z) continue;
+      const share = (before.z - level.z) / (before.z - after.z);
+      const place = before.clone().lerp(after, share);
+      if (!isWithin(place, level.outline)) continue;
+      if (best === undefined || place.z > best.z) best = place;
+    }
+    if (best !== undefined) return { place: best, path: [...path.slice(0, i), best] };
+  }
+  return undefined;
+}
+
+function isWithin(place: Vector3, outline: Vector3[]): boolean {
+  if (outline.length === 0) return true;
+  let inside = false;
+  for (let i = 0, j = outline.length - 1; i < outline.length; j = i++) {
+    const a = outline[i];
+    const b = outline[j];
+    if (a.y > place.y === b.y > place.y) continue;
+    if (place.x < a.x + ((b.x - a.x) * (place.y - a.y)) / (b.y - a.y)) inside = !inside;
+  }
+  return inside;
+}
+
+/// The arc, and the ring where it lands.
+export class TeleportView {
+  readonly group = new Group();
+  private readonly points = new BufferAttribute(new Float32Array(3 * (pathSteps + 2)), 3);
+  private readonly ring: Mesh;
+
+  constructor() {
+    const arc = new BufferGeometry();
+    arc.setAttribute('position', this.points);
+    const line = new Line(arc, new LineBasicMaterial({ color: 0x39a0ff }));
+    line.frustumCulled = false;
+    this.ring = new Mesh(
+      new RingGeometry(0.16, 0.2, 48),
+      new MeshBasicMaterial({ color: 0x39a0ff, side: 2, transparent: true, opacity: 0.8 }),
+    );
+    this.group.add(line, this.ring);
+    this.group.visible = false;
+    this.group.name = 'teleport';
+  }
+
+  show(path: Vector3[], place: Vector3, scale: number): void {
+    path.forEach((p, i) => this.points.setXYZ(i, p.x, p.y, p.z));
+    this.points.needsUpdate = true;
+    const line = this.group.children[0] as Line;
+    line.geometry.setDrawRange(0, path.length);
+    // Above the surface it lies on, so that the two do not fight for the same pixels.
+    this.ring.position.copy(place).z += 0.004 / scale;
+    this.ring.scale.setScalar(1 / scale);
+    this.group.visible = true;
+  }
+
+  hide(): void {
+    this.group.visible = false;
+  }
+}
