@@ -12,9 +12,11 @@ namespace {
 constexpr double kUsualInterval = 1.0 / 60.0;
 /// [s] 30 Hz and half an interval of jitter. A hand that is shown later than that can't steer.
 constexpr double kMostDelay = 0.05;
-/// Of the last 32 arrivals these may be late: one stutter of the page is not worth a delay of half
-/// a second.
-constexpr std::size_t kLateAllowed = 2;
+/// Of the last 32 arrivals so many may be late: a single stutter of the page is waited for once,
+/// but not worth half a second of delay.
+constexpr std::size_t kLateAllowed = 1;
+/// [s] After its arrival a sample lies for up to a cycle.
+constexpr double kLies = 0.001;
 /// [s] Within which a late sample is caught up: 10 ms late makes the tip a fifth faster.
 constexpr double kCatchUp = 0.05;
 /// [s] No way over a network changes by so much between two samples: the clock does.
@@ -45,10 +47,10 @@ void TipPlayback::judge_arrivals() noexcept {
   }
   kept_back_ = fastest_ + kUsualInterval;
   if (n > 0) {
-    const std::size_t allowed = n * kLateAllowed / kKept;
+    const std::size_t allowed = n + 1 == kKept ? kLateAllowed : 0;
     const auto enough = waits.begin() + static_cast<std::ptrdiff_t>(n - 1 - allowed);
     std::nth_element(waits.begin(), enough, waits.begin() + static_cast<std::ptrdiff_t>(n));
-    kept_back_ = std::min(*enough, fastest_ + kMostDelay);
+    kept_back_ = std::min(*enough + kLies, fastest_ + kMostDelay);
   }
 }
 

@@ -32,8 +32,10 @@ double RenderedForce::wanted(double depth, double dt) const noexcept {
 }
 
 Eigen::Vector3d RenderedForce::step(const Eigen::Vector3d& tip, const Eigen::Vector3d& proxy,
-                                    bool is_inside, double dt) noexcept {
-  if (!tip.allFinite() || !proxy.allFinite() || !std::isfinite(dt) || dt <= 0.0) {
+                                    bool is_inside, double dt,
+                                    const Eigen::Vector3d& beside) noexcept {
+  if (!tip.allFinite() || !proxy.allFinite() || !beside.allFinite() || !std::isfinite(dt) ||
+      dt <= 0.0) {
     force_.setZero();
     has_tip_ = false;
     return force_;
@@ -47,12 +49,18 @@ Eigen::Vector3d RenderedForce::step(const Eigen::Vector3d& tip, const Eigen::Vec
       depth > 0.0 ? Eigen::Vector3d((proxy - tip) / depth) : Eigen::Vector3d::Zero();
   const double size = std::clamp(wanted(depth, dt), options_.least_force, options_.most_force);
   depth_ = depth;
-  const Eigen::Vector3d change = size * out - force_;
+  const Eigen::Vector3d both = size * out + beside;
+  const double strength = both.norm();
+  const Eigen::Vector3d wished =
+      strength > options_.most_force ? Eigen::Vector3d(options_.most_force / strength * both) : both;
+  const Eigen::Vector3d change = wished - force_;
   const double most_change = options_.most_rate * dt;
   const double grown = change.norm();
   force_ += grown > most_change ? Eigen::Vector3d(most_change / grown * change) : change;
   spend_no_more_than_there_is(moved, dt);
-  if (force_.norm() < options_.least_force) force_ = options_.least_force * out;
+  if (force_.norm() < options_.least_force) {
+    force_ = options_.least_force * wished.stableNormalized();
+  }
   if (force_.isZero(0.0)) work_ = std::min(work_, 0.0);
   return force_;
 }

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/core/gravity.hpp"
 
 #include "identify_findings.hpp"
 #include "identify_parts.hpp"
@@ -21,7 +22,6 @@ constexpr double kMassFactor = 3.0;
 /// Below polished PTFE and above soft rubber.
 constexpr double kLeastCoefficient = 0.03;
 constexpr double kGreatestCoefficient = 3.0;
-constexpr double kGravity = 9.80665;  // [m/s^2]
 /// An offset counts where it is this many of its deviations, ...
 constexpr double kOffsetDeviations = 3.0;
 constexpr double kLeastOffset = 0.0005;  // [s] ... and worth a shift: a quarter of a sample
@@ -134,7 +134,7 @@ std::optional<Error> wrong_unit(const IdentifiableObject& object,
                   object.name.c_str(), found.sliding.mass.value, *object.mass);
   } else {
     if (found.limit.pushes == 0) return std::nullopt;
-    const double coefficient = found.limit.mean / (*object.mass * kGravity);
+    const double coefficient = found.limit.mean / (*object.mass * kStandardGravity);
     if (coefficient > kLeastCoefficient && coefficient < kGreatestCoefficient) return std::nullopt;
     std::snprintf(text, sizeof text,
                   "%s would break away at %.2g of its weight, which nothing on a table does: the "

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcavr/core/gravity.hpp"
+
 namespace pcavr::detail {
 namespace {
 
@@ -31,7 +33,8 @@ double speed_of(const UprightBody& body, const BodyState& state) {
 /// Like that of things laid on the same support: by the larger force at which one of them breaks
 /// loose.
 double stiffness_between(const BodyPhysics& a, const BodyPhysics& b) {
-  const double light = 9.81 * kLeastCoefficient * std::min(a.friction.mass, b.friction.mass);
+  const double light =
+      kStandardGravity * kLeastCoefficient * std::min(a.friction.mass, b.friction.mass);
   return std::max({holding_force(a.friction), holding_force(b.friction), light}) / kOverlap;
 }
 

@@ -203,4 +203,16 @@ std::string format_parameters(const ParameterTable& table, const std::string& co
   return as_comment(comment) + out.c_str() + '\n';
 }
 
+std::vector<std::pair<std::string, ParameterValue>> listed_parameters(
+    const ObjectParameters& parameters) {
+  std::vector<std::pair<std::string, ParameterValue>> listed;
+  const auto list = [&](const Field& field, const std::string& prefix) {
+    const std::optional<ParameterValue>& parameter = parameters.*field.member;
+    if (parameter) listed.emplace_back(prefix + field.key, *parameter);
+  };
+  for (const Field& field : kFields) list(field, "");
+  for (const Field& field : kContactFields) list(field, "contact_");
+  return listed;
+}
+
 }  // namespace pcavr

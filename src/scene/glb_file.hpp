@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -44,6 +45,9 @@ class GlbWriter {
   std::string buffer_;
 };
 
+/// The bytes of a file with this JSON and this binary part, which must be padded to 4 bytes.
+[[nodiscard]] std::string assemble_glb(const nlohmann::json& document, std::string_view buffer);
+
 /// The rotation that turns z-up coordinates into glTF's y-up ones.
 [[nodiscard]] Pose glb_root_pose();
 
@@ -61,5 +65,13 @@ struct GlbContent {
 /// Opens a file that GlbWriter wrote, and checks lengths, offsets and indices. Any other content
 /// is an Error.
 [[nodiscard]] Expected<GlbContent> read_glb(const std::filesystem::path& file);
+
+/// The static mesh of such a file as a file of its own, in base: without the objects and without
+/// the turn to y-up. No bytes where the file has no static mesh. The binary part stays whole.
+struct StaticMeshGlb {
+  std::string bytes;
+  std::size_t triangles = 0;
+};
+[[nodiscard]] Expected<StaticMeshGlb> read_static_mesh_glb(const std::filesystem::path& file);
 
 }  // namespace pcavr

@@ -100,19 +100,42 @@ GlbContent content_of(const Chunks& chunks) {
   return content;
 }
 
-}  // namespace
+StaticMeshGlb static_mesh_of(Chunks chunks) {
+  json& document = chunks.document;
+  for (const json& node : document.at("nodes")) {
+    if (node.at("name") != "static_mesh") continue;
+    const auto mesh = node.at("mesh").get<std::size_t>();
+    const std::size_t triangles = triangles_of(chunks, mesh);
+    document["nodes"] = json::array({{{"name", "static_mesh"}, {"mesh", mesh}}});
+    document["scenes"] = json::array({{{"nodes", json::array({0})}}});
+    return {assemble_glb(document, chunks.buffer), triangles};
+  }
+  return {};
+}
 
-Expected<GlbContent> read_glb(const std::filesystem::path& file) {
+/// What `make` makes of a file's parts; its faults as Errors.
+template <typename Result, typename Make>
+Expected<Result> read_parts(const std::filesystem::path& file, Make make) {
   const Expected<std::string> bytes = read_file(file);
   if (!bytes) return bytes.error();
   try {
-    return content_of(chunks_of(*bytes));
+    return make(chunks_of(*bytes));
   } catch (const NotSound& reason) {
     return Error{.message = reason.why, .file = file.string()};
   } catch (const json::exception&) {
     return Error{.message = "lacks a part of a scene's glTF, or has it in another form",
                  .file = file.string()};
   }
+}
+
+}  // namespace
+
+Expected<GlbContent> read_glb(const std::filesystem::path& file) {
+  return read_parts<GlbContent>(file, content_of);
+}
+
+Expected<StaticMeshGlb> read_static_mesh_glb(const std::filesystem::path& file) {
+  return read_parts<StaticMeshGlb>(file, static_mesh_of);
 }
 
 }  // namespace pcavr

@@ -161,12 +161,15 @@ std::string GlbWriter::finish(int root, const std::vector<int>& children) {
   if (!buffer_.empty()) {
     document_["buffers"] = json::array({{{"byteLength", buffer_.size()}}});
   }
-  // A name that is not UTF-8 is no reason to fail.
-  std::string text = document_.dump(-1, ' ', false, json::error_handler_t::replace);
-  pad(text, ' ');
+  return assemble_glb(document_, buffer_);
+}
 
+std::string assemble_glb(const json& document, std::string_view buffer) {
+  // A name that is not UTF-8 is no reason to fail.
+  std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
+  pad(text, ' ');
   std::string file;
-  const std::size_t binary_size = buffer_.empty() ? 0 : 8 + buffer_.size();
+  const std::size_t binary_size = buffer.empty() ? 0 : 8 + buffer.size();
   file.reserve(20 + text.size() + binary_size);
   append_bytes(file, kGlbMagic);
   append_bytes(file, std::uint32_t{2});
@@ -174,10 +177,10 @@ std::string GlbWriter::finish(int root, const std::vector<int>& children) {
   append_bytes(file, static_cast<std::uint32_t>(text.size()));
   append_bytes(file, kGlbJsonChunk);
   file += text;
-  if (buffer_.empty()) return file;
-  append_bytes(file, static_cast<std::uint32_t>(buffer_.size()));
+  if (buffer.empty()) return file;
+  append_bytes(file, static_cast<std::uint32_t>(buffer.size()));
   append_bytes(file, kGlbBinaryChunk);
-  return file += buffer_;
+  return file += buffer;
 }
 
 Pose glb_root_pose() {

@@ -12,30 +12,32 @@ namespace pcavr {
 namespace {
 
 constexpr int kLevels = 16;
-constexpr double kCentralKey = 32768.0;
+constexpr int kCentralKey = 32768;
 
 /// Two bits for each of eight children: unknown (0), free (1), occupied (2) or with children (3)
 /// [Hornung et al. 2013, sec. 3.5].
 class TreeWalker {
  public:
-  TreeWalker(std::string_view bytes, OctomapContent& content) : bytes_(bytes), content_(content) {}
+  TreeWalker(std::string_view bytes, OctomapContent& content,
+             const std::function<void(const OctomapLeaf&)>& on_leaf)
+      : bytes_(bytes), content_(content), on_leaf_(on_leaf) {}
 
   /// False where the bytes end too early, or lead deeper than a tree can be.
-  bool walk(int level, const Eigen::Vector3d& corner) {
+  bool walk(int level, const Eigen::Vector3i& corner) {
     if (level == kLevels || bytes_.size() < 2) return false;
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes_[i]); };
     const unsigned children = byte(0) | static_cast<unsigned>(byte(1)) << 8;
     bytes_.remove_prefix(2);
-    const double edge = std::ldexp(1.0, kLevels - level - 1);
-    for (unsigned child = 0; child < 8; ++child) {
+    const int edge = 1 << (kLevels - level - 1);
+    for (int child = 0; child < 8; ++child) {
       const unsigned kind = children >> (2 * child) & 3;
       if (kind == 0) continue;
-      const Eigen::Vector3d at =
-          corner + edge * Eigen::Vector3d(child & 1, child >> 1 & 1, child >> 2 & 1);
+      const Eigen::Vector3i at =
+          corner + edge * Eigen::Vector3i(child & 1, child >> 1 & 1, child >> 2 & 1);
       if (kind == 3) {
         if (!walk(level + 1, at)) return false;
       } else {
-        add_leaf(kind == 2, at, edge);
+        add_leaf({at, edge, kind == 2});
       }
     }
     return true;
@@ -44,21 +46,26 @@ class TreeWalker {
   [[nodiscard]] bool is_at_end() const { return bytes_.empty(); }
 
  private:
-  void add_leaf(bool is_occupied, const Eigen::Vector3d& corner, double edge) {
+  void add_leaf(const OctomapLeaf& leaf) {
     // A tree is at most 2^48 cells large.
-    const auto cells = static_cast<std::uint64_t>(edge * edge * edge);
-    (is_occupied ? content_.occupied : content_.free) += cells;
+    const auto edge = static_cast<std::uint64_t>(leaf.edge);
+    (leaf.is_occupied ? content_.occupied : content_.free) += edge * edge * edge;
+    const Eigen::Vector3d corner = leaf.corner.cast<double>();
     content_.known_base.extend(corner * content_.resolution);
-    content_.known_base.extend((corner + Eigen::Vector3d::Constant(edge)) * content_.resolution);
+    content_.known_base.extend((corner + Eigen::Vector3d::Constant(leaf.edge)) *
+                               content_.resolution);
+    if (on_leaf_) on_leaf_(leaf);
   }
 
   std::string_view bytes_;
   OctomapContent& content_;
+  const std::function<void(const OctomapLeaf&)>& on_leaf_;
 };
 
 }  // namespace
 
-Expected<OctomapContent> read_octomap(const std::filesystem::path& file) {
+Expected<OctomapContent> read_octomap(const std::filesystem::path& file,
+                                      const std::function<void(const OctomapLeaf& leaf)>& on_leaf) {
   const Expected<std::string> bytes = read_file(file);
   if (!bytes) return bytes.error();
   const auto not_sound = [&](const std::string& message) {
@@ -82,8 +89,8 @@ Expected<OctomapContent> read_octomap(const std::filesystem::path& file) {
   if (!(content.resolution > 0.0) || !std::isfinite(content.resolution)) {
     return not_sound("has no cell size");
   }
-  TreeWalker walker(std::string_view(*bytes).substr(end + kEnd.size()), content);
-  const bool is_sound = nodes == 0 || walker.walk(0, Eigen::Vector3d::Constant(-kCentralKey));
+  TreeWalker walker(std::string_view(*bytes).substr(end + kEnd.size()), content, on_leaf);
+  const bool is_sound = nodes == 0 || walker.walk(0, Eigen::Vector3i::Constant(-kCentralKey));
   if (!is_sound) return not_sound("is cut short");
   if (!walker.is_at_end()) return not_sound("holds more than its tree");
   return content;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 
 #include <Eigen/Geometry>
 
@@ -19,8 +20,19 @@ struct OctomapContent {
   Eigen::AlignedBox3d known_base;  ///< box around all cells that are known [m]
 };
 
+/// A cube of cells that are alike: `edge` cells wide, from the cell whose lowest corner lies at
+/// `corner` times the resolution.
+struct OctomapLeaf {
+  Eigen::Vector3i corner = Eigen::Vector3i::Zero();
+  int edge = 1;
+  bool is_occupied = false;
+};
+
 /// Walks through the file with every step checked, which OctoMap's own reader leaves to luck: a
-/// file that is cut short or holds more than its tree is an Error.
-[[nodiscard]] Expected<OctomapContent> read_octomap(const std::filesystem::path& file);
+/// file that is cut short or holds more than its tree is an Error. Hands out each leaf in the
+/// file's order.
+[[nodiscard]] Expected<OctomapContent> read_octomap(
+    const std::filesystem::path& file,
+    const std::function<void(const OctomapLeaf& leaf)>& on_leaf = {});
 
 }  // namespace pcavr

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/core/gravity.hpp"
 
 #include "simulation/plant_phases.hpp"
 #include "simulation/support.hpp"
@@ -66,19 +67,19 @@ class Mover {
     centre_height_ = shape.height;
     yaw_ = yaw_of(body.T_base_object);
     centre_ += Eigen::Rotation2Dd(yaw_) * support_.centre_body();
-    limit_ = body.parameters.limiting_static_friction / (mass_ * kPlantGravity);
+    limit_ = body.parameters.limiting_static_friction / (mass_ * kStandardGravity);
   }
 
   TipLoad advance(const Tip& tip, double dt) {
     TipLoad load = contact_.advance(tip, motion(), dt);
     touches_ = load.is_touched;
-    normal_ = std::max(0.0, mass_ * kPlantGravity - load.force.z());
+    normal_ = std::max(0.0, mass_ * kStandardGravity - load.force.z());
     if (!is_movable_) return load;
     if (!load.is_touched && is_resting_) return load;
     const Eigen::Vector2d inertial = mass_ * centre_height_ * acceleration_;
     friction_ = support_.advance(
-        twist_, yaw_, {.down = normal_ - mass_ * kPlantGravity, .tipping = load.tipping - inertial},
-        dt);
+        twist_, yaw_,
+        {.down = normal_ - mass_ * kStandardGravity, .tipping = load.tipping - inertial}, dt);
     acceleration_ = (load.force.head<2>() + friction_.head<2>()) / mass_;
     twist_.head<2>() += dt * acceleration_;
     twist_.z() += dt * (load.moment + friction_.z()) / inertia_;
@@ -177,7 +178,7 @@ void check(const std::vector<PlantBody>& bodies, const PlantTool& tool,
     PCAVR_REQUIRE(p.mass > 0.0 && p.limiting_static_friction > 0.0, p.mass,
                   p.limiting_static_friction);
     PCAVR_REQUIRE(p.sliding_friction_coefficient > 0.0 &&
-                      p.sliding_friction_coefficient * p.mass * kPlantGravity <=
+                      p.sliding_friction_coefficient * p.mass * kStandardGravity <=
                           p.limiting_static_friction * (1.0 + 1e-9),
                   p.sliding_friction_coefficient, p.limiting_static_friction);
     PCAVR_REQUIRE(p.contact_stiffness > 0.0 && p.contact_exponent >= 1.0, p.contact_stiffness,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pcavr/core/gravity.hpp"
 #include "pcavr/core/random.hpp"
 
 namespace pcavr::simulation {
@@ -31,7 +32,7 @@ PlantParameters drawn_parameters(Random& random) {
   PlantParameters p;
   p.mass = drawn_between(0.8, 6.0, random);
   const double coefficient = drawn_between(0.2, 1.1, random);
-  p.limiting_static_friction = coefficient * p.mass * kPlantGravity;
+  p.limiting_static_friction = coefficient * p.mass * kStandardGravity;
   p.sliding_friction_coefficient = random.uniform(0.72, 0.96) * coefficient;
   p.viscous_friction = drawn_between(2.0, 30.0, random);
   p.contact_exponent = random.uniform(1.3, 1.7);
@@ -156,7 +157,7 @@ PlantBody slotted_block(std::uint64_t seed, double tip_radius) {
   body.parameters = drawn_parameters(random);
   body.parameters.mass = random.uniform(6.0, 9.0);
   // It has to hold against some 40 N of rubbing.
-  body.parameters.limiting_static_friction = 1.1 * body.parameters.mass * kPlantGravity;
+  body.parameters.limiting_static_friction = 1.1 * body.parameters.mass * kStandardGravity;
   body.parameters.sliding_friction_coefficient = 0.95;
   body.parameters.contact_stiffness =
       stiffness_for(40.0, drawn_between(0.0003, 0.0015, random), body.parameters.contact_exponent);

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/core/gravity.hpp"
 #include "pcavr/core/random.hpp"
 
 #include "simulation/plant_bodies.hpp"
@@ -109,7 +110,7 @@ class Program {
     const PlantBody& b = bodies_[body];
     const double half = half_extents_of(b).z();
     const double steep =
-        b.parameters.limiting_static_friction / (b.parameters.mass * kPlantGravity);
+        b.parameters.limiting_static_friction / (b.parameters.mass * kStandardGravity);
     return std::max(tool_.radius + 0.005, std::min(half, 0.6 * half_along / steep)) - half;
   }
 

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/core/gravity.hpp"
 
 namespace pcavr::simulation {
 namespace {
@@ -22,12 +23,12 @@ Eigen::Vector2d centre_of(const std::vector<PlantPatch>& patches) {
 
 Support::Support(const PlantBody& body) {
   const PlantParameters& p = body.parameters;
-  weight_ = p.mass * kPlantGravity;
+  weight_ = p.mass * kStandardGravity;
   law_ = {.static_coefficient = p.limiting_static_friction / weight_,
           .sliding_coefficient = p.sliding_friction_coefficient,
           .stribeck_speed = p.stribeck_speed,
           .reach = p.bristle_reach};
-  law_.damping = bristle_damping(law_.stiffness(), kPlantGravity);
+  law_.damping = bristle_damping(law_.stiffness(), kStandardGravity);
   viscous_ = p.viscous_friction;
   radius_ = friction_radius(body.patches);
   centre_ = centre_of(body.patches);

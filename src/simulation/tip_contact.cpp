@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcavr/core/gravity.hpp"
+
 namespace pcavr::simulation {
 namespace {
 
@@ -43,7 +45,7 @@ TipContact::TipContact(const PlantBody& body, double tip_radius)
   const double coefficient = body.parameters.tool_friction_coefficient;
   law_ = {
       .static_coefficient = coefficient, .sliding_coefficient = coefficient, .reach = kTipReach};
-  if (coefficient > 0.0) law_.damping = bristle_damping(law_.stiffness(), kPlantGravity);
+  if (coefficient > 0.0) law_.damping = bristle_damping(law_.stiffness(), kStandardGravity);
   for (const PlantCuboid& part : body.parts) {
     const Eigen::Vector3d low = part.centre - part.half_extents;
     const Eigen::Vector3d high = part.centre + part.half_extents;

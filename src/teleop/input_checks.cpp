@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "pcavr/core/gravity.hpp"
+
 #include "teleop/body_surface.hpp"
 
 namespace pcavr {
@@ -24,7 +26,6 @@ constexpr double kMostFriction = 10.0;
 constexpr double kLeastFriction = 0.01;
 constexpr double kMoved = 0.005;    // [m] that an object was pushed, beyond doubt
 constexpr double kDensity = 700.0;  // [kg/m^3] where no mass is known
-constexpr double kGravity = 9.80665;
 // By which a force may follow a depth without any fault of the clocks [s].
 constexpr double kLoading = 0.015;
 // As many equal readings in a row at a sensor's extreme are no chance.
@@ -117,7 +118,7 @@ void check_unit(const TeleopInput& input, const Pressing& pressing, InputFinding
     const TeleopObject& object = input.objects[pressing.object[k]];
     const double mass =
         object.parameters.mass ? object.parameters.mass->value : kDensity * object.model.volume;
-    friction.push_back(input.force_base[i].head<2>().norm() / (mass * kGravity));
+    friction.push_back(input.force_base[i].head<2>().norm() / (mass * kStandardGravity));
   }
   if (friction.empty()) return;
   // Spikes are no measure: all but the last hundredth.

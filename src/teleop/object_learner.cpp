@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "pcavr/core/gravity.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 
 namespace pcavr {
@@ -30,7 +31,6 @@ constexpr double kLeastPeak = 1.0;
 constexpr double kRougher = 1.5;
 // Of a contact that has just begun, the begin may still move by this much as more is seen [s].
 constexpr double kSameContact = 0.25;
-constexpr double kGravity = 9.80665;  // [m/s^2]
 // Contacts that are learned from together: work must not grow with what was recorded. What older
 // ones told stays known until newer ones contradict it.
 constexpr std::ptrdiff_t kNewest = 6;
@@ -207,7 +207,7 @@ void ObjectLearner::learn_sliding() {
   // What is carried at this speed is known; how it splits is the viscous friction's business.
   if (found.viscous.is_excited) coulomb += found.viscous.value * found.speed;
   if (known_.viscous_friction) coulomb -= known_.viscous_friction->value * found.speed;
-  const double weight = known_.mass->value * kGravity;
+  const double weight = known_.mass->value * kStandardGravity;
   if (coulomb <= 0.0) return;
   accept(&ObjectParameters::sliding_friction_coefficient,
          {coulomb / weight, found.coulomb.deviation / weight});

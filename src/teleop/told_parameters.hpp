@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pcavr/core/gravity.hpp"
 #include "pcavr/identification/object_parameters.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 
@@ -10,7 +11,7 @@ namespace pcavr {
 /// The numbers of a completed body as they are told to another site, which then needs no assumption
 /// of its own.
 [[nodiscard]] ObjectParameters told_parameters(const BodyPhysics& physics,
-                                               double gravity = 9.80665);
+                                               double gravity = kStandardGravity);
 
 /// What of `now` another site does not have yet; groups are left out whole where they make no
 /// difference of 3 % in what they are for: friction's numbers, and the force at the depths that the

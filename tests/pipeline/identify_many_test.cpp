@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/gravity.hpp"
 #include "pcavr/friction/limit_surface.hpp"
 #include "pcavr/pipeline/identify.hpp"
 
@@ -28,7 +29,7 @@ TEST(IdentifyMany, ReachesItsBoundsOnDrawnBoxes) {
       RecordProperty("limit_percent_" + at, std::to_string(100.0 * limit));
       RecordProperty("limit_std_" + at, std::to_string(box.limit.deviation));
       EXPECT_LT(std::abs(limit), 0.02) << at;
-      const double friction = truth.sliding_friction_coefficient * truth.mass * kPlantGravity +
+      const double friction = truth.sliding_friction_coefficient * truth.mass * kStandardGravity +
                               truth.viscous_friction * box.sliding.speed;
       const double sliding =
           (box.sliding.coulomb.value + box.sliding.viscous.value * box.sliding.speed) / friction -

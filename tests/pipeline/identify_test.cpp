@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/gravity.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/parameters_file.hpp"
 
@@ -44,7 +45,7 @@ void expect_friction(const ObjectIdentification& found) {
               0.02 * truth().limiting_static_friction);
   ASSERT_TRUE(found.sliding.mass.is_excited);
   EXPECT_NEAR(found.parameters.mass->value, truth().mass, 0.05 * truth().mass);
-  const double coulomb = truth().sliding_friction_coefficient * truth().mass * kPlantGravity;
+  const double coulomb = truth().sliding_friction_coefficient * truth().mass * kStandardGravity;
   EXPECT_NEAR(found.sliding.coulomb.value, coulomb, 0.03 * coulomb);
 }
 

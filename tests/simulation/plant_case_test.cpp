@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/gravity.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -52,7 +54,7 @@ TEST(PlantCase, BodiesAreDrawnWideAndArePhysical) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     for (const PlantBody& body : make_plant_case(ToolTask::push, seed).bodies) {
       const PlantParameters& p = body.parameters;
-      const double weight = p.mass * kPlantGravity;
+      const double weight = p.mass * kStandardGravity;
       lightest = std::min(lightest, p.mass);
       heaviest = std::max(heaviest, p.mass);
       EXPECT_GE(p.limiting_static_friction, 0.2 * weight * 0.999);

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/core/gravity.hpp"
 #include "pcavr/friction/limit_surface.hpp"
 #include "pcavr/friction/point_push.hpp"
 #include "pcavr/simulation/plant_case.hpp"
@@ -94,7 +95,7 @@ TEST(Plant, SlidingTakesCoulombsForceAndTheViscousPart) {
     double force = 0.0;
     for (std::size_t i = middle; i < middle + 200; ++i) force += run.force_base[i].y() / 200.0;
     const double expected =
-        p.sliding_friction_coefficient * p.mass * kPlantGravity + p.viscous_friction * speed;
+        p.sliding_friction_coefficient * p.mass * kStandardGravity + p.viscous_friction * speed;
     // What is left swings by some 0.1 %.
     EXPECT_NEAR(force, expected, 0.003 * expected) << speed;
   }
@@ -131,7 +132,7 @@ TEST(Plant, APressOnTheTopRaisesTheLimit) {
     most = run.force_base[i].y() > most ? run.force_base[i].y() : most;
     normal = -run.force_base[i].z();
   }
-  const double weight = body.parameters.mass * kPlantGravity;
+  const double weight = body.parameters.mass * kStandardGravity;
   EXPECT_GT(normal, 25.0);
   EXPECT_NEAR(most, 8.0 / weight * (weight + normal), 0.03 * most);
 }
@@ -140,7 +141,7 @@ TEST(Plant, APressOnTheTopRaisesTheLimit) {
 PlantBody a_dry_box() {
   PlantBody body = a_box();
   body.parameters.limiting_static_friction =
-      body.parameters.sliding_friction_coefficient * body.parameters.mass * kPlantGravity;
+      body.parameters.sliding_friction_coefficient * body.parameters.mass * kStandardGravity;
   body.parameters.viscous_friction = 0.0;
   return body;
 }

@@ -33,10 +33,11 @@ class RenderedForce {
 
   /// The force [N] on the device after a cycle of `dt` [s] > 0 that ended with the device at `tip`
   /// and the proxy at `proxy` [m]. Not more than most_force; it does not grow or turn faster than
-  /// most_rate, but falls faster where the work runs out. Zero, and the account as before, where an
-  /// argument is not finite.
+  /// most_rate, but falls faster where the work runs out. `beside` [N] is what something else would
+  /// have the hand feel: it is added to the law's force before all that. Zero, and the account as
+  /// before, where an argument is not finite.
   Eigen::Vector3d step(const Eigen::Vector3d& tip, const Eigen::Vector3d& proxy, bool is_inside,
-                       double dt) noexcept;
+                       double dt, const Eigen::Vector3d& beside = Eigen::Vector3d::Zero()) noexcept;
 
   /// The work [J] that the hand has put in and may get back. Once the force is zero what is left
   /// counts as dissipated; a debt is kept.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pcavr/core/gravity.hpp"
 #include "pcavr/identification/parameter.hpp"
 
 namespace pcavr {
@@ -32,8 +33,8 @@ struct SlidingOptions {
   double least_acceleration = 0.3;    ///< [m/s^2] rms; below, the mass is not excited
   double least_speed_change = 0.005;  ///< [m/s] rms of the speed beyond what acceleration explains
   double settle = 0.050;  ///< [s] left out after a stop: friction is not yet what it will be
-  std::optional<double> mass = {};  ///< [kg] where known; used for mu where it is not excited
-  double gravity = 9.80665;         ///< [m/s^2]
+  std::optional<double> mass = {};    ///< [kg] where known; used for mu where it is not excited
+  double gravity = kStandardGravity;  ///< [m/s^2]
 };
 
 /// The parameters as they came, for a picture over time.

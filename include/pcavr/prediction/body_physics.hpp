@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pcavr/core/gravity.hpp"
 #include "pcavr/friction/limit_surface.hpp"
 #include "pcavr/friction/slider.hpp"
 #include "pcavr/geometry/pose.hpp"
@@ -38,7 +39,7 @@ struct CompletedPhysics {
 /// the patch). Throws ContractError where a given parameter is not physical.
 [[nodiscard]] CompletedPhysics complete_physics(const ObjectParameters& known,
                                                 const CadModel& model, const Pose& T_base_object,
-                                                double gravity = 9.80665);
+                                                double gravity = kStandardGravity);
 
 /// The turn [rad] about base z of a body's planar axes: its object frame's x axis laid on the
 /// horizontal plane, or its y axis where x stands steeper than 60 degrees. Origin of the planar

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "pcavr/core/expected.hpp"
+#include "pcavr/core/gravity.hpp"
 #include "pcavr/friction/planar_slider.hpp"
 #include "pcavr/geometry/mesh.hpp"
 #include "pcavr/geometry/pose.hpp"
@@ -37,9 +38,9 @@ struct WorldBody {
 
 struct WorldModel {
   std::vector<WorldBody> bodies;
-  TriangleMesh static_mesh_base;  ///< may be empty
-  double tool_radius = 0.01;      ///< of the spherical tip [m], > 0
-  double gravity = 9.80665;       ///< [m/s^2]
+  TriangleMesh static_mesh_base;      ///< may be empty
+  double tool_radius = 0.01;          ///< of the spherical tip [m], > 0
+  double gravity = kStandardGravity;  ///< [m/s^2]
 };
 
 /// How one body is, at one instant. A plain value: copying it all is how the past is kept.

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/identification/object_parameters.hpp"
@@ -22,5 +24,10 @@ namespace pcavr {
 /// The text that parse_parameters reads back to the same table. `comment` lines come first.
 [[nodiscard]] std::string format_parameters(const ParameterTable& table,
                                             const std::string& comment = {});
+
+/// What is known of an object as pairs of key and value, in the file's order: the file's keys, and
+/// contact_stiffness, contact_damping and contact_exponent. The limit surface is left out.
+[[nodiscard]] std::vector<std::pair<std::string, ParameterValue>> listed_parameters(
+    const ObjectParameters& parameters);
 
 }  // namespace pcavr

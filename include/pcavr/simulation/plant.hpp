@@ -19,8 +19,6 @@
 /// Plain functions of their arguments: any thread may call them, same input gives the same bits.
 namespace pcavr {
 
-inline constexpr double kPlantGravity = 9.80665;  ///< [m/s^2]
-
 /// A cuboid with axes along its body's.
 struct PlantCuboid {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< in the body's frame [m]
