@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/core/observer.hpp"
+#include "pcavr/core/parallel.hpp"
+#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/serve/content.hpp"
+
+namespace pcavr {
+
+/// A scene as a page loads it (docs/live-protocol.md): /api/scene.json, the static mesh's levels of
+/// detail, the CAD bodies, the cloud and the occupied cells, all compressed once and kept in
+/// memory. Knows these paths only: nothing else of the disk can be asked for. Const and
+/// thread-safe.
+class SceneContent : public ContentSource {
+ public:
+  /// Reads and compresses the whole scene; a file that is missing or unsound is an Error. Where
+  /// gltfpack is missing or fails, meshes are served as they are, and the observer hears of it.
+  /// `parameters` are shown beside the objects. Deterministic.
+  [[nodiscard]] static Expected<SceneContent> create(
+      const SceneManifest& scene, const std::optional<ParameterTable>& parameters = {},
+      const Observer& observer = {}, Parallelism parallelism = Parallelism::max());
+
+  /// `path` as in a request's first line, percent-encoded or not, without its query.
+  [[nodiscard]] Expected<std::shared_ptr<const Content>> find(std::string_view path) const override;
+
+ private:
+  std::map<std::string, std::shared_ptr<const Content>, std::less<>> contents_;
+};
+
+}  // namespace pcavr

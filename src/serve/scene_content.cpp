@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/serve/scene_content.hpp"
+
+#include <functional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "pcavr/core/output.hpp"
+#include "pcavr/recording/recording.hpp"
+
+#include "content_text.hpp"
+#include "packed_mesh.hpp"
+#include "scene/glb_file.hpp"
+#include "scene/scene_text.hpp"
+#include "scene_json.hpp"
+#include "scene_points.hpp"
+
+namespace pcavr {
+namespace {
+
+/// One file of a page, made by itself so that several can be made at a time.
+struct Item {
+  std::string path;  ///< as find() knows it: not encoded
+  std::function<Expected<void>(Item&)> make = {};
+  std::shared_ptr<const Content> content = {};
+  std::size_t bytes = 0;  ///< before gzip
+  std::size_t count = 0;  ///< triangles, points or cells; 0: nothing to be served
+  double edge = 0.0;      ///< [m] of an occupied cell
+  std::optional<Error> error = {};
+  std::optional<Error> warning = {};
+};
+
+void keep(Item& item, const char* media_type, std::string body) {
+  item.bytes = body.size();
+  item.content = std::make_shared<const Content>(make_content(media_type, std::move(body)));
+}
+
+void keep_mesh(Item& item, std::string glb) {
+  Expected<std::string> packed = packed_mesh(glb);
+  if (!packed) item.warning = packed.error();
+  keep(item, kGlbMedia, packed ? std::move(*packed) : std::move(glb));
+}
+
+Expected<void> make_level(Item& item, const std::filesystem::path& file) {
+  Expected<StaticMeshGlb> mesh = read_static_mesh_glb(file);
+  if (!mesh) return mesh.error();
+  item.count = mesh->triangles;
+  if (item.count > 0) keep_mesh(item, std::move(mesh.value().bytes));
+  return {};
+}
+
+Expected<void> make_object(Item& item, const std::filesystem::path& file) {
+  const Expected<GlbContent> sound = read_glb(file);
+  if (!sound) return sound.error();
+  Expected<std::string> glb = read_file(file);
+  if (!glb) return glb.error();
+  keep_mesh(item, std::move(*glb));
+  return {};
+}
+
+Expected<void> make_cloud(Item& item, const std::filesystem::path& file) {
+  Expected<PageCloud> cloud = page_cloud(file);
+  if (!cloud) return cloud.error();
+  item.count = cloud->points;
+  keep(item, kBinaryMedia, std::move(cloud.value().bytes));
+  return {};
+}
+
+Expected<void> make_occupancy(Item& item, const std::filesystem::path& file) {
+  Expected<PageOccupancy> occupancy = page_occupancy(file);
+  if (!occupancy) return occupancy.error();
+  item.count = occupancy->cells;
+  item.edge = occupancy->edge;
+  keep(item, kBinaryMedia, std::move(occupancy.value().bytes));
+  return {};
+}
+
+/// Levels of detail first, then cloud, occupancy and the objects.
+std::vector<Item> items_of(const SceneManifest& scene) {
+  std::vector<Item> items;
+  const auto add = [&](const std::string& path, const std::filesystem::path& file, auto make) {
+    items.push_back({.path = path, .make = [make, file = scene.folder / file](Item& item) {
+                       return make(item, file);
+                     }});
+  };
+  for (std::size_t level = 0; level < scene.levels_of_detail.size(); ++level) {
+    add("/scene/lod/" + std::to_string(level) + ".glb", scene.levels_of_detail[level], make_level);
+  }
+  add("/scene/cloud.bin", kCloudFile, make_cloud);
+  add("/scene/occupancy.bin", kOccupancyFile, make_occupancy);
+  for (const SceneObjectEntry& object : scene.objects) {
+    add("/scene/objects/" + object.name + ".glb", object.mesh, make_object);
+  }
+  return items;
+}
+
+PageFile page_file(const Item& item) { return {item.path, item.bytes, item.count}; }
+
+PageFiles page_files(const std::vector<Item>& items, const SceneManifest& scene) {
+  PageFiles files;
+  const std::size_t levels = scene.levels_of_detail.size();
+  for (std::size_t i = 0; i < levels; ++i) {
+    if (items[i].content) files.mesh.push_back(page_file(items[i]));
+  }
+  files.cloud = page_file(items[levels]);
+  files.occupancy = page_file(items[levels + 1]);
+  files.occupancy_edge = items[levels + 1].edge;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    files.objects.push_back(page_file(items[levels + 2 + i]));
+    files.objects.back().path = "/scene/objects/" + percent_encoded(scene.objects[i].name) + ".glb";
+  }
+  return files;
+}
+
+/// The first Error, in the items' order; what was merely not compressed is told once.
+Expected<void> check(const std::vector<Item>& items, const Observer& observer) {
+  std::set<std::string> told;
+  for (const Item& item : items) {
+    if (item.error) return *item.error;
+    if (!item.warning) continue;
+    const std::string line = item.warning->to_string();
+    if (told.insert(line).second) {
+      observer.on_warning("meshes are served without compression: " + line);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<SceneContent> SceneContent::create(const SceneManifest& scene,
+                                            const std::optional<ParameterTable>& parameters,
+                                            const Observer& observer, Parallelism parallelism) {
+  const Expected<Trajectory> camera = read_trajectory(scene.folder / kTrajectoryFile);
+  if (!camera) return camera.error();
+  std::vector<Item> items = items_of(scene);
+  parallel_for(parallelism, items.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Expected<void> made = items[i].make(items[i]);
+      if (!made) items[i].error = made.error();
+    }
+  });
+  if (const auto sound = check(items, observer); !sound) return sound.error();
+  SceneContent content;
+  const std::string text =
+      json_text(scene_json(scene, page_files(items, scene), parameters, *camera));
+  content.contents_["/api/scene.json"] =
+      std::make_shared<const Content>(make_content(kJsonMedia, text));
+  for (Item& item : items) {
+    if (item.content) content.contents_[item.path] = std::move(item.content);
+  }
+  return content;
+}
+
+Expected<std::shared_ptr<const Content>> SceneContent::find(std::string_view path) const {
+  auto found = contents_.find(path);
+  if (found == contents_.end()) found = contents_.find(percent_decoded(path));
+  return found == contents_.end() ? nullptr : found->second;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "scene_json.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "pcavr/recording/parameters_file.hpp"
+
+namespace pcavr {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kProtocol = 1;
+/// Of a moving camera, so many poses show the way it took.
+constexpr std::size_t kMostCameras = 100;
+
+Json vector_json(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+std::string name_of(const SceneManifest& scene) {
+  const std::filesystem::path folder =
+      (std::filesystem::absolute(scene.folder) / "").lexically_normal();
+  return folder.parent_path().filename().string();
+}
+
+Json file_json(const PageFile& file, const char* count) {
+  return {{"path", file.path}, {count, file.count}, {"bytes", file.bytes}};
+}
+
+Json parameters_json(const ObjectParameters& known) {
+  Json json = Json::object();
+  for (const auto& [key, parameter] : listed_parameters(known)) {
+    json[key] = parameter.value;
+    if (parameter.deviation && std::isfinite(*parameter.deviation)) {
+      json[key + "_std"] = *parameter.deviation;
+    }
+  }
+  return json;
+}
+
+Json object_json(const SceneObjectEntry& object, const PageFile& file,
+                 const ObjectParameters& known) {
+  Json json = {{"name", object.name}, {"path", file.path}, {"bytes", file.bytes}};
+  add_pose(json, object.T_base_object);
+  json["mass"] = nullptr;
+  if (known.mass) json["mass"] = known.mass->value;
+  if (object.mass) json["mass"] = *object.mass;
+  json["movable"] = object.is_movable;
+  json["evidence"] = object.evidence;
+  json["parameters"] = parameters_json(known);
+  return json;
+}
+
+Json tag_json(const MarkerEntry& tag) {
+  Json json = {{"family", tag.id.family}, {"id", tag.id.id}, {"size", tag.size}};
+  json["object"] = nullptr;
+  if (tag.role == MarkerRole::object) json["object"] = tag.object;
+  add_pose(json, tag.T_parent_marker);
+  return json;
+}
+
+Json plane_json(const SupportPlane& plane) {
+  Json outline = Json::array();
+  for (const Eigen::Vector3d& corner : plane.outline_base) outline.push_back(vector_json(corner));
+  return {{"outline", outline}};
+}
+
+/// One pose where the camera stood still, else poses spread evenly over its frames.
+Json cameras_json(const Trajectory& camera, bool is_fixed) {
+  Json cameras = Json::array();
+  const std::size_t count =
+      is_fixed ? std::min<std::size_t>(1, camera.size()) : std::min(kMostCameras, camera.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    Json json = Json::object();
+    add_pose(json, camera.poses()[i * camera.size() / count].pose);
+    cameras.push_back(json);
+  }
+  return cameras;
+}
+
+}  // namespace
+
+void add_pose(Json& to, const Pose& pose) {
+  const Eigen::Quaterniond& q = pose.rotation();
+  to["position"] = vector_json(pose.translation());
+  to["quaternion"] = Json::array({q.x(), q.y(), q.z(), q.w()});
+}
+
+std::string json_text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json scene_json(const SceneManifest& scene, const PageFiles& files,
+                const std::optional<ParameterTable>& parameters, const Trajectory& camera) {
+  Json json = {{"name", name_of(scene)}, {"protocol", kProtocol}, {"up", {0, 0, 1}}};
+  json["mesh"] = Json::array();
+  for (const PageFile& level : files.mesh) json["mesh"].push_back(file_json(level, "triangles"));
+  json["cloud"] = file_json(files.cloud, "points");
+  json["occupancy"] = file_json(files.occupancy, "cells");
+  json["occupancy"]["edge"] = files.occupancy_edge;
+  json["objects"] = Json::array();
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObjectEntry& object = scene.objects[i];
+    const bool is_known = parameters && parameters->contains(object.name);
+    json["objects"].push_back(object_json(
+        object, files.objects[i], is_known ? parameters->at(object.name) : ObjectParameters{}));
+  }
+  json["tags"] = Json::array();
+  for (const MarkerEntry& tag : scene.tags) json["tags"].push_back(tag_json(tag));
+  json["support_planes"] = Json::array();
+  for (const SupportPlane& plane : scene.support_planes) {
+    json["support_planes"].push_back(plane_json(plane));
+  }
+  json["cameras"] = cameras_json(camera, scene.is_fixed_camera);
+  return json;
+}
+
+}  // namespace pcavr

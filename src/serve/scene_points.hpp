@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+#include "pcavr/core/expected.hpp"
+
+namespace pcavr {
+
+/// cloud.bin of docs/live-protocol.md, from a scene's cloud.ply.
+struct PageCloud {
+  std::string bytes;
+  std::size_t points = 0;
+};
+/// Points lie within half a step of where they were. Ordered along a curve through space [Morton
+/// 1966], which compresses better; of more than 500 000 points, which is what a headset carries at
+/// 72 Hz, every n-th along that curve is kept.
+[[nodiscard]] Expected<PageCloud> page_cloud(const std::filesystem::path& cloud_ply);
+
+/// occupancy.bin of docs/live-protocol.md, from a scene's occupancy.bt.
+struct PageOccupancy {
+  std::string bytes;
+  std::size_t cells = 0;
+  double edge = 0.0;  ///< [m]
+};
+/// An Error where there are more cells than a page can draw (4 million).
+[[nodiscard]] Expected<PageOccupancy> page_occupancy(const std::filesystem::path& occupancy_bt);
+
+}  // namespace pcavr
