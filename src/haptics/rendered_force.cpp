@@ -51,8 +51,9 @@ Eigen::Vector3d RenderedForce::step(const Eigen::Vector3d& tip, const Eigen::Vec
   depth_ = depth;
   const Eigen::Vector3d both = size * out + beside;
   const double strength = both.norm();
-  const Eigen::Vector3d wished =
-      strength > options_.most_force ? Eigen::Vector3d(options_.most_force / strength * both) : both;
+  const Eigen::Vector3d wished = strength > options_.most_force
+                                     ? Eigen::Vector3d(options_.most_force / strength * both)
+                                     : both;
   const Eigen::Vector3d change = wished - force_;
   const double most_change = options_.most_rate * dt;
   const double grown = change.norm();

@@ -54,8 +54,8 @@ ProxyState SurfaceProxy::step(const Eigen::Vector3d& tip) noexcept {
   const double moved = (tip - impl.tip).norm();
   impl.tip = tip;
   if (moved > 0.0) {
-    const Eigen::Vector3d goal = detail::held_back(tip, impl.ball.centre(), impl.contact_normal,
-                                                   impl.options.friction);
+    const Eigen::Vector3d goal =
+        detail::held_back(tip, impl.ball.centre(), impl.contact_normal, impl.options.friction);
     impl.ball.follow(goal, moved, impl.options.most_motion * moved);
     impl.contact_normal = impl.ball.static_normal(tip);
   }

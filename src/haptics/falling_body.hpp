@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "pcavr/geometry/pose.hpp"
+
+#include "haptics/supports.hpp"
+
+namespace pcavr::detail {
+
+/// A body whose centre of mass has left its support: it tips over the edge, as a pendulum that
+/// stands on it, and then falls freely until it is out of sight. Nothing is met on the way.
+class FallingBody {
+ public:
+  struct Start {
+    Pose T_base_object;
+    Eigen::Vector3d centre_of_mass_object = Eigen::Vector3d::Zero();
+    Eigen::Vector2d v_base = Eigen::Vector2d::Zero();  ///< [m/s] of the centre of mass
+    double gyration_radius = 0.05;                     ///< [m], > 0
+    Supports::Edge edge;
+  };
+  explicit FallingBody(const Start& start) noexcept;
+
+  void step(double gravity, double dt) noexcept;
+  [[nodiscard]] Pose T_base_object() const;
+
+ private:
+  void tip_over(double gravity, double dt) noexcept;
+
+  Eigen::Vector3d centre_of_mass_object_;
+  Eigen::Vector3d edge_;
+  Eigen::Vector3d along_;
+  double gyration_radius_;
+  double start_height_;
+  bool is_free_ = false;
+  Eigen::Vector3d centre_;  ///< of mass, in base
+  Eigen::Vector3d v_;       ///< [m/s]
+  Eigen::Quaterniond q_base_object_;
+  double tilt_ = 0.0;     ///< [rad] about the edge
+  double tilting_ = 0.0;  ///< [rad/s]
+};
+
+}  // namespace pcavr::detail

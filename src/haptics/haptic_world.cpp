@@ -1,0 +1,367 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/haptics/haptic_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "pcavr/core/check.hpp"
+
+#include "haptics/ball.hpp"
+#include "haptics/body_shape.hpp"
+#include "haptics/falling_body.hpp"
+#include "haptics/friction_cone.hpp"
+#include "haptics/supports.hpp"
+#include "prediction/contact_force.hpp"
+
+namespace pcavr {
+namespace {
+
+/// The ball's surfaces: the scan, the supports, and then the bodies.
+constexpr std::size_t kFirstBody = 2;
+/// [m/s] at which the tool sinks into a body at most: a hand that was put somewhere else pushes a
+/// body away, and does not hit it.
+constexpr double kSinking = 1.0;
+/// Of what all bodies together are held by: a tool that pushes harder moves nothing that it did not
+/// move before.
+constexpr double kPushing = 2.0;
+/// Of a body's thickness, beyond which its other side would be the nearer one.
+constexpr double kHalf = 0.45;
+/// [m] Where the tool of the prediction is while it pushes nothing: far from everything.
+const Eigen::Vector3d kAway(0.0, 0.0, 1e3);
+/// [m] Where a body that fell lies in the prediction, and how far from the next one.
+constexpr double kAside = 1e4;
+/// How often the ball is moved out of bodies that came upon it.
+constexpr int kMostEvasions = 4;
+
+}  // namespace
+
+struct HapticWorld::Content {
+  struct Body {
+    explicit Body(detail::BodyShape body_shape) : shape(std::move(body_shape)) {}
+
+    detail::BodyShape shape;
+    double most_depth = 0.0;     ///< [m] to which the tool sinks in
+    bool has_support = false;    ///< it stood above one at the start
+    bool is_under_tool = false;  ///< the ball rests on it
+    Pose T_base_object;          ///< after the latest step
+    std::optional<detail::FallingBody> fall;
+  };
+
+  Content(const HapticWorldModel& model, PredictedWorld predicted);
+
+  void reset(const Eigen::Vector3d& tip) noexcept;
+  void step(const ToolCommand& command, double dt) noexcept;
+
+ private:
+  [[nodiscard]] bool has_room(const Eigen::Vector3d& centre) const noexcept;
+  [[nodiscard]] bool is_near(const Body& body, const Eigen::Vector3d& p) const noexcept;
+  [[nodiscard]] std::optional<detail::ClosestSurface::Answer> closest(
+      const Body& body, const Eigen::Vector3d& p) const noexcept;
+  void follow(double moved) noexcept;
+  void sink_in(double dt) noexcept;
+  void let_go() noexcept;
+  void move_bodies(double dt) noexcept;
+  void drop(std::size_t i) noexcept;
+  void evade() noexcept;
+  void feel(const Eigen::Vector3d& device, double dt) noexcept;
+  void publish_bodies() noexcept;
+
+ public:
+  PredictedWorld world;
+  std::vector<BodyState> start;
+  std::vector<BodyState> work;  ///< so that a body can be put aside without the heap
+  detail::Supports supports;
+  detail::Ball ball;
+  RenderedForce force;
+  double gravity;
+  double friction;
+  double least_force;
+  double top = 0.0;  ///< [m] above everything
+  std::vector<Body> bodies;
+  HapticWorldState state;
+
+  bool is_placed = false;
+  bool is_resting_on_body = false;
+  double carried = 0.0;  ///< [m] by which bodies under the tool moved in the latest step
+  double sunk = 0.0;     ///< [m] from the ball to the tip that the prediction knows
+  Eigen::Vector3d scan_normal = Eigen::Vector3d::Zero();
+  Eigen::Vector3d hip = Eigen::Vector3d::Zero();
+  Eigen::Vector3d goal = Eigen::Vector3d::Zero();
+  Eigen::Vector3d tip = kAway;                        ///< of the prediction
+  Eigen::Vector3d tip_before = kAway;                 ///< a step earlier
+  Eigen::Vector3d on_scan = Eigen::Vector3d::Zero();  ///< where the scan alone would hold the hand
+};
+
+HapticWorld::Content::Content(const HapticWorldModel& model, PredictedWorld predicted)
+    : world(std::move(predicted)),
+      start(world.state()),
+      work(start),
+      supports(model.supports_base),
+      ball(model.world.tool_radius),
+      force(model.force),
+      gravity(model.world.gravity),
+      friction(model.scan_friction),
+      least_force(model.force.least_force) {
+  ball.add_static(model.world.static_mesh_base);
+  const TriangleMesh level = supports.surface_base();
+  ball.add_static(level);
+  for (const TriangleMesh* mesh : {&model.world.static_mesh_base, &level}) {
+    for (const Eigen::Vector3f& v : mesh->vertices) top = std::max(top, static_cast<double>(v.z()));
+  }
+  double held = 0.0;
+  for (const WorldBody& body : model.world.bodies) held += holding_force(body.physics.friction);
+  for (const WorldBody& body : model.world.bodies) {
+    ball.add_moving(body.model.mesh_object);
+    Body& added = bodies.emplace_back(detail::shape_of(body));
+    const double pushed = detail::depth_at(body.physics.contact, kPushing * held);
+    added.most_depth = std::min(pushed, ball.radius() + kHalf * added.shape.thinnest);
+    const Eigen::Vector3d centre = body.T_base_object * added.shape.centre_of_mass;
+    added.has_support = supports.bear(centre.head<2>(), added.shape.foot);
+    const Eigen::Vector3d middle = body.T_base_object * added.shape.middle;
+    top = std::max(top, middle.z() + added.shape.reach);
+  }
+  top += 2.0 * ball.radius();
+  state.bodies.resize(bodies.size());
+  reset({0.0, 0.0, top});
+}
+
+bool HapticWorld::Content::is_near(const Body& body, const Eigen::Vector3d& p) const noexcept {
+  if (body.fall) return false;
+  const double reach = body.shape.reach + 2.0 * ball.radius();
+  return (body.T_base_object * body.shape.middle - p).squaredNorm() < reach * reach;
+}
+
+/// The body's surface seen from `p`, in base, where the ball would overlap it there.
+std::optional<detail::ClosestSurface::Answer> HapticWorld::Content::closest(
+    const Body& body, const Eigen::Vector3d& p) const noexcept {
+  if (!is_near(body, p)) return std::nullopt;
+  const Pose& T = body.T_base_object;
+  const Eigen::Vector3d p_object = T.rotation().conjugate() * (p - T.translation());
+  auto answer = body.shape.surface.closest(p_object, ball.radius());
+  if (answer) {
+    answer->point = T * answer->point;
+    answer->normal = T.rotation() * answer->normal;
+  }
+  return answer;
+}
+
+bool HapticWorld::Content::has_room(const Eigen::Vector3d& centre) const noexcept {
+  return ball.has_room(centre) && std::none_of(bodies.begin(), bodies.end(), [&](const Body& body) {
+           return closest(body, centre).has_value();
+         });
+}
+
+void HapticWorld::Content::reset(const Eigen::Vector3d& wanted) noexcept {
+  world.set_state(start);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    bodies[i].fall.reset();
+    bodies[i].is_under_tool = false;
+    bodies[i].T_base_object = world.T_base_object(i);
+    ball.place(kFirstBody + i, bodies[i].T_base_object);
+  }
+  is_placed = wanted.allFinite();
+  Eigen::Vector3d centre = is_placed ? wanted : Eigen::Vector3d(0.0, 0.0, top);
+  while (centre.z() < top && !has_room(centre)) centre.z() += 0.5 * ball.radius();
+  ball.put(centre);
+  hip = centre;
+  let_go();
+  state.force_base.setZero();
+  state.is_engaged = false;
+  state.touches_scan = false;
+  state.touched_body = -1;
+  state.p_base_hip = hip;
+  state.p_base_proxy = centre;
+  publish_bodies();
+}
+
+/// The ball after the hand, which `moved` [m].
+void HapticWorld::Content::follow(double moved) noexcept {
+  goal = detail::held_back(hip, ball.centre(), scan_normal, friction);
+  const double budget = moved + carried;
+  if (!(budget > 0.0)) return;
+  ball.follow(goal, budget, budget);
+  scan_normal = ball.static_normal(hip);
+  is_resting_on_body = false;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    Body& body = bodies[i];
+    body.is_under_tool = is_near(body, ball.centre()) && ball.rests_on(kFirstBody + i, goal);
+    is_resting_on_body |= body.is_under_tool;
+  }
+}
+
+/// Where the prediction's tip is: at the ball, or sunk from there into what the ball rests on.
+void HapticWorld::Content::sink_in(double dt) noexcept {
+  tip_before = tip;
+  tip = ball.centre();
+  on_scan = ball.centre();
+  if (!is_resting_on_body) {
+    sunk = 0.0;
+  } else {
+    double deepest = std::numeric_limits<double>::infinity();
+    for (const Body& body : bodies) {
+      if (body.is_under_tool) deepest = std::min(deepest, body.most_depth);
+    }
+    double left = deepest;
+    on_scan = ball.beyond_the_moving(goal, left);
+    const Eigen::Vector3d way = on_scan - ball.centre();
+    const double length = way.norm();
+    sunk = std::min({length, sunk + kSinking * dt, deepest});
+    if (length > 0.0) {
+      tip += sunk / length * way;
+      // What the hand is deeper than a body lets the tool sink in is not the scan's to bear.
+      const double beyond = (hip - on_scan).dot(way) / length;
+      if (left <= 0.0 && beyond > 0.0) on_scan += beyond / length * way;
+    }
+  }
+  if (tip_before == kAway) tip_before = tip;
+}
+
+void HapticWorld::Content::let_go() noexcept {
+  hip = ball.centre();
+  goal = hip;
+  on_scan = hip;
+  scan_normal.setZero();
+  tip = kAway;
+  tip_before = kAway;
+  sunk = 0.0;
+  carried = 0.0;
+  is_resting_on_body = false;
+  for (Body& body : bodies) body.is_under_tool = false;
+}
+
+void HapticWorld::Content::drop(std::size_t i) noexcept {
+  Body& body = bodies[i];
+  const Eigen::Vector3d centre = body.T_base_object * body.shape.centre_of_mass;
+  const auto edge = supports.nearest_edge(centre.head<2>(), body.shape.foot);
+  if (!edge) return;
+  const BodyState& last = world.state()[i];
+  body.fall.emplace(detail::FallingBody::Start{body.T_base_object, body.shape.centre_of_mass,
+                                               last.planar.twist.head<2>(),
+                                               body.shape.gyration_radius, *edge});
+  body.is_under_tool = false;
+  ball.remove(kFirstBody + i);
+  std::copy(world.state().begin(), world.state().end(), work.begin());
+  work[i] = BodyState{};
+  work[i].planar.position = {kAside * static_cast<double>(i + 1), kAside};
+  world.set_state(work);
+}
+
+void HapticWorld::Content::move_bodies(double dt) noexcept {
+  world.step(tip_before, tip, dt);
+  carried = 0.0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    Body& body = bodies[i];
+    if (body.fall) {
+      body.fall->step(gravity, dt);
+      body.T_base_object = body.fall->T_base_object();
+      continue;
+    }
+    const Pose T_before = body.T_base_object;
+    body.T_base_object = world.T_base_object(i);
+    ball.place(kFirstBody + i, body.T_base_object);
+    if (body.is_under_tool) {
+      const Eigen::Vector3d carried_to = body.T_base_object * (T_before.inverse() * ball.centre());
+      carried = std::max(carried, (carried_to - ball.centre()).norm());
+    }
+    const Eigen::Vector2d centre = world.state()[i].planar.position;
+    if (body.has_support && !supports.bear(centre, body.shape.foot)) drop(i);
+  }
+}
+
+/// Out of the way of bodies that came upon the ball.
+void HapticWorld::Content::evade() noexcept {
+  for (int round = 0; round < kMostEvasions; ++round) {
+    bool is_clear = true;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const auto answer = closest(bodies[i], ball.centre());
+      if (!answer) continue;
+      const double overlap = ball.radius() - answer->distance;
+      if (overlap <= detail::kTouching) continue;
+      const Eigen::Vector3d before = ball.centre();
+      ball.evade(before + (overlap + detail::kTouching) * answer->normal, kFirstBody + i);
+      carried = std::max(carried, (ball.centre() - before).norm());
+      is_clear = false;
+    }
+    if (is_clear) return;
+  }
+}
+
+void HapticWorld::Content::feel(const Eigen::Vector3d& device, double dt) noexcept {
+  Eigen::Vector3d of_bodies = Eigen::Vector3d::Zero();
+  double strongest = -1.0;
+  bool is_in_body = false;
+  state.touched_body = -1;
+  for (std::size_t i = 0; i < bodies.size() && state.is_engaged; ++i) {
+    const Eigen::Vector3d& there = world.state()[i].tool_force_base;
+    of_bodies -= there;
+    is_in_body |= closest(bodies[i], hip).has_value();
+    if (!bodies[i].is_under_tool || there.norm() <= strongest) continue;
+    strongest = there.norm();
+    state.touched_body = static_cast<int>(i);
+  }
+  const Eigen::Vector3d out = ball.centre() - hip;
+  if (is_in_body && of_bodies.norm() < least_force)
+    of_bodies = least_force * out.stableNormalized();
+  const Eigen::Vector3d lift = on_scan - hip;
+  state.touches_scan =
+      state.is_engaged && lift.norm() > detail::kTouching && ball.is_kept_apart(hip);
+  state.force_base = force.step(device, device + lift, state.touches_scan, dt, of_bodies);
+}
+
+void HapticWorld::Content::publish_bodies() noexcept {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const BodyState& last = world.state()[i];
+    HapticBodyState& shown = state.bodies[i];
+    shown.T_base_object = bodies[i].T_base_object;
+    shown.tool_force_base = last.tool_force_base;
+    shown.phase = last.phase;
+    shown.is_outside_model = bodies[i].fall.has_value();
+  }
+}
+
+void HapticWorld::Content::step(const ToolCommand& command, double dt) noexcept {
+  if (!(dt > 0.0) || !std::isfinite(dt)) return;
+  if (!is_placed && command.p_base_tip.allFinite()) reset(command.p_base_tip);
+  state.is_engaged = command.is_engaged && command.p_base_tip.allFinite();
+  if (state.is_engaged) {
+    const double moved = (command.p_base_tip - hip).norm();
+    hip = command.p_base_tip;
+    follow(moved);
+    sink_in(dt);
+  } else {
+    let_go();
+  }
+  move_bodies(dt);
+  evade();
+  if (!state.is_engaged) hip = ball.centre();
+  feel(command.p_base_tip, dt);
+  state.p_base_hip = hip;
+  state.p_base_proxy = ball.centre();
+  publish_bodies();
+}
+
+HapticWorld::HapticWorld(std::unique_ptr<Content> content) : content_(std::move(content)) {}
+HapticWorld::HapticWorld(HapticWorld&&) noexcept = default;
+HapticWorld& HapticWorld::operator=(HapticWorld&&) noexcept = default;
+HapticWorld::~HapticWorld() = default;
+
+Expected<HapticWorld> HapticWorld::create(HapticWorldModel model) {
+  PCAVR_REQUIRE(std::isfinite(model.scan_friction) && model.scan_friction >= 0.0,
+                model.scan_friction);
+  auto predicted = PredictedWorld::create(model.world);
+  if (!predicted) return predicted.error();
+  return HapticWorld(std::make_unique<Content>(model, std::move(predicted).value()));
+}
+
+std::size_t HapticWorld::size() const { return content_->bodies.size(); }
+const std::string& HapticWorld::name(std::size_t body) const { return content_->world.name(body); }
+void HapticWorld::reset(const Eigen::Vector3d& p_base_tip) noexcept { content_->reset(p_base_tip); }
+void HapticWorld::step(const ToolCommand& command, double dt) noexcept {
+  content_->step(command, dt);
+}
+const HapticWorldState& HapticWorld::state() const { return content_->state; }
+
+}  // namespace pcavr

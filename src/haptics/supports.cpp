@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "haptics/supports.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "pcavr/core/check.hpp"
+
+namespace pcavr::detail {
+namespace {
+
+/// A support farther above or below a body's foot [m] is another shelf. More than what a scan's
+/// plane and a body's pose are off together.
+constexpr double kSameHeight = 0.02;
+
+Eigen::Vector2d slope_of(const Supports::Outline& corners, const Eigen::Vector3d& middle) {
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d rise = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector3d& corner : corners) {
+    const Eigen::Vector3d d = corner - middle;
+    spread += d.head<2>() * d.head<2>().transpose();
+    rise += d.z() * d.head<2>();
+  }
+  return spread.inverse() * rise;
+}
+
+}  // namespace
+
+Supports::Supports(const std::vector<Outline>& outlines_base) {
+  for (const Outline& outline : outlines_base) {
+    PCAVR_REQUIRE(outline.size() >= 3, outline.size());
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& corner : outline) {
+      middle += corner / static_cast<double>(outline.size());
+    }
+    supports_.push_back({outline, middle, slope_of(outline, middle)});
+    PCAVR_REQUIRE(supports_.back().slope.allFinite(), middle.transpose());
+  }
+}
+
+bool Supports::Support::is_level_with(const Eigen::Vector2d& p, double foot) const noexcept {
+  const double height = middle.z() + slope.dot(p - middle.head<2>());
+  return std::abs(height - foot) <= kSameHeight;
+}
+
+bool Supports::Support::contains(const Eigen::Vector2d& p) const noexcept {
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d a = corners[i].head<2>();
+    const Eigen::Vector2d side = corners[(i + 1) % corners.size()].head<2>() - a;
+    const Eigen::Vector2d to_p = p - a;
+    if (side.x() * to_p.y() - side.y() * to_p.x() < 0.0) return false;
+  }
+  return true;
+}
+
+bool Supports::bear(const Eigen::Vector2d& p_base, double foot) const noexcept {
+  return std::any_of(supports_.begin(), supports_.end(), [&](const Support& support) {
+    return support.is_level_with(p_base, foot) && support.contains(p_base);
+  });
+}
+
+std::optional<Supports::Edge> Supports::nearest_edge(const Eigen::Vector2d& p_base,
+                                                     double foot) const noexcept {
+  std::optional<Edge> edge;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Support& support : supports_) {
+    if (!support.is_level_with(p_base, foot)) continue;
+    for (std::size_t i = 0; i < support.corners.size(); ++i) {
+      const Eigen::Vector3d& a = support.corners[i];
+      const Eigen::Vector3d side = support.corners[(i + 1) % support.corners.size()] - a;
+      const double length2 = side.head<2>().squaredNorm();
+      if (!(length2 > 0.0)) continue;
+      const double share = (p_base - a.head<2>()).dot(side.head<2>()) / length2;
+      const Eigen::Vector3d nearest = a + std::clamp(share, 0.0, 1.0) * side;
+      const double distance2 = (nearest.head<2>() - p_base).squaredNorm();
+      if (distance2 >= least) continue;
+      least = distance2;
+      edge = Edge{nearest, side.normalized()};
+    }
+  }
+  return edge;
+}
+
+TriangleMesh Supports::surface_base() const {
+  TriangleMesh mesh;
+  for (const Support& support : supports_) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const Eigen::Vector3d& corner : support.corners) {
+      mesh.vertices.emplace_back(corner.cast<float>());
+    }
+    for (std::uint32_t i = 2; i < support.corners.size(); ++i) {
+      mesh.triangles.push_back({first, first + i - 1, first + i});
+    }
+  }
+  return mesh;
+}
+
+}  // namespace pcavr::detail
