@@ -69,6 +69,7 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
   const CameraModel& camera = *recording.manifest.camera;
   std::vector<Followed> all = start_following(recording, bodies, survey, options.depth_noise);
   FrameReader reader(recording, {.skip_bad = options.skip_bad});
+  ToolMask tool(recording);
   std::size_t next_placement = 0;
 
   const auto follow_next = [&]() -> Expected<std::optional<FollowedFrame>> {
@@ -94,7 +95,7 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
         mask_body(body.tracker.surface(), T_camera_base * *body.T_base_object, camera, image.depth,
                   options.depth_noise, kBodyMarginPixels, followed.is_dynamic);
       }
-      mask_tool(recording, image, followed.T_base_camera, followed.is_dynamic);
+      tool.mark(image, followed.T_base_camera, followed.is_dynamic);
       return std::optional<FollowedFrame>(std::move(followed));
     }
   };

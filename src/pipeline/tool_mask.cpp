@@ -22,6 +22,8 @@ constexpr Duration kLongestToolGap = std::chrono::milliseconds(100);
 constexpr float kLargestStep = 0.02F;
 /// The rim of what was found is grown by this much, for pixels that mix tool and background [px].
 constexpr int kRimPixels = 3;
+/// Of the pixels one in so many each way is remembered: the cells are no finer.
+constexpr int kStride = 3;
 
 struct Disc {
   Eigen::Vector2d centre;
@@ -78,16 +80,34 @@ std::vector<Pixel> grow(std::vector<Pixel> region, const RgbdFrame& frame,
   return region;
 }
 
+/// Readings of the tool's remembered shape that agree in depth, and that nothing marked yet.
+std::vector<Pixel> seeds_of(const ToolShape& shape, const RgbdFrame& frame,
+                            const CameraModel& camera, const Pose& T_camera_tool,
+                            const MaskImage& mask) {
+  std::vector<Pixel> seeds;
+  for (const Eigen::Vector3d& p_tool : shape.points()) {
+    const Eigen::Vector3d p_camera = T_camera_tool * p_tool;
+    if (p_camera.z() <= ToolShape::kEdge) continue;
+    const Eigen::Vector2d pixel = camera.project(p_camera);
+    if (!(pixel.cwiseAbs().maxCoeff() < 1e6)) continue;
+    const int x = static_cast<int>(std::lround(pixel.x()));
+    const int y = static_cast<int>(std::lround(pixel.y()));
+    if (!frame.depth.contains(x, y) || mask(x, y) != 0 || frame.depth(x, y) <= 0.0F) continue;
+    if (std::abs(frame.depth(x, y) - p_camera.z()) <= ToolShape::kEdge) seeds.emplace_back(x, y);
+  }
+  return seeds;
+}
+
 }  // namespace
 
-void mask_tool(const Recording& recording, const RgbdFrame& frame, const Pose& T_base_camera,
-               MaskImage& mask) {
-  if (!recording.manifest.tool_radius || recording.tool.empty()) return;
-  const std::optional<Pose> T_base_tool = recording.tool.at(frame.depth_stamp, kLongestToolGap);
+void ToolMask::mark(const RgbdFrame& frame, const Pose& T_base_camera, MaskImage& mask) {
+  if (!recording_.manifest.tool_radius || recording_.tool.empty()) return;
+  const std::optional<Pose> T_base_tool = recording_.tool.at(frame.depth_stamp, kLongestToolGap);
   if (!T_base_tool) return;
-  const CameraModel& camera = *recording.manifest.camera;
-  const Eigen::Vector3d p_camera = T_base_camera.inverse() * T_base_tool->translation();
-  const double reach = *recording.manifest.tool_radius + kTipMargin;
+  const CameraModel& camera = *recording_.manifest.camera;
+  const Pose T_camera_tool = T_base_camera.inverse() * *T_base_tool;
+  const Eigen::Vector3d p_camera = T_camera_tool.translation();
+  const double reach = *recording_.manifest.tool_radius + kTipMargin;
   if (p_camera.z() <= reach) return;
   const Disc disc{camera.project(p_camera), camera.fx * reach / p_camera.z()};
 
@@ -101,9 +121,16 @@ void mask_tool(const Recording& recording, const RgbdFrame& frame, const Pose& T
       seeds.emplace_back(x, y);
     }
   });
+  const bool is_tip_seen = !seeds.empty();
+  for (const Pixel& seed : seeds_of(shape_, frame, camera, T_camera_tool, mask)) {
+    seeds.push_back(seed);
+  }
   for_disc(disc, camera, [&](int x, int y) { mask(x, y) = 1; });
   for (const auto& [x, y] : grow(std::move(seeds), frame, camera, T_base_camera, lowest)) {
     for_disc({Eigen::Vector2d(x, y), kRimPixels}, camera, [&](int u, int v) { mask(u, v) = 1; });
+    if (!is_tip_seen || x % kStride != 0 || y % kStride != 0) continue;
+    const Eigen::Vector3d p = camera.unproject(Eigen::Vector2d(x, y), frame.depth(x, y));
+    shape_.remember(T_camera_tool.inverse() * p, T_base_tool->translation());
   }
 }
 
