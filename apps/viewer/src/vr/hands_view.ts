@@ -33,7 +33,7 @@ class HandView {
   );
 
   constructor() {
-    // The grip's -y points out of the fist's thumb side, so the handle lies along its z axis.
+    // A rod held in the fist lies along the grip's z axis.
     const stick = new Mesh(
       new CapsuleGeometry(0.013, 0.09, 4, 12).rotateX(Math.PI / 2),
       this.material,

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import { type Object3D, type PerspectiveCamera, Vector3 } from 'three';
+import { Vector3 } from 'three';
 import type { App } from '../app';
 
 import { Command, Device, type LiveState, type Quaternion, type Vector } from '../protocol';
@@ -11,6 +11,7 @@ import { Moving } from './moving';
 import { Panel } from './panel';
 import { Person } from './person';
 import { Pulses } from './pulses';
+import { floorGrid, lend } from './stage';
 import { floorOf, type Ground, startingPlace } from './start';
 
 /// A person in the scene with a headset: enters, leaves, pushes, feels, moves about.
@@ -25,6 +26,7 @@ export class VrMode {
   private readonly panel = new Panel();
   private readonly pulses = new Pulses();
   private readonly moving: Moving;
+  private readonly floor = floorGrid();
   private listeners: ((isPresenting: boolean) => void)[] = [];
   private xr: XRSession | undefined;
   private toolSide: Side = 'right';
@@ -84,7 +86,7 @@ export class VrMode {
     this.isPlaced = false;
     this.pulses.reset();
     this.giveCameraBack = lend(this.app.camera, this.person.rig);
-    this.app.base.add(this.person.rig, this.hands.thread, this.moving.view.group);
+    this.app.base.add(this.person.rig, this.hands.thread, this.moving.view.group, this.floor);
     await this.app.renderer.xr.setSession(xr);
     this.xr = xr;
     this.listeners.forEach((listener) => listener(true));
@@ -119,6 +121,7 @@ export class VrMode {
   private placePerson(head: Vector3): void {
     const { foot, heading } = startingPlace(this.ground());
     this.person.standAt(foot, heading, head);
+    this.floor.position.copy(foot);
     this.isPlaced = true;
   }
 
@@ -243,21 +246,8 @@ export class VrMode {
     this.person.rig.removeFromParent();
     this.hands.thread.removeFromParent();
     this.moving.view.group.removeFromParent();
+    this.floor.removeFromParent();
     this.listeners.forEach((listener) => listener(false));
     this.app.invalidate();
   }
-}
-
-/// Hangs a camera on the rig, where the headset leads it; what is given back puts it where it was.
-function lend(camera: PerspectiveCamera, rig: Object3D): () => void {
-  const { parent, fov, zoom, aspect } = camera;
-  const before = camera.matrix.clone();
-  rig.add(camera);
-  return () => {
-    if (parent) parent.add(camera);
-    else camera.removeFromParent();
-    Object.assign(camera, { fov, zoom, aspect });
-    before.decompose(camera.position, camera.quaternion, camera.scale);
-    camera.updateProjectionMatrix();
-  };
 }
