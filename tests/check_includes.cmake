@@ -5,7 +5,7 @@ cmake_minimum_required(VERSION 3.25)
 set(modules core geometry contact friction identification recording model prediction haptics devices teleop marker tracking
             reconstruction scene simulation evaluation pipeline serve)
 # What a heavy library's header is called when it is included.
-set(heavy "opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|yaml-cpp/|nlohmann/|tbb/|bullet/|btBullet|png\\.h|boost/|openssl/")
+set(heavy "opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|yaml-cpp/|nlohmann/|tbb/|bullet/|btBullet|png\\.h|SDL|spnav|boost/|openssl/")
 
 set(faults 0)
 foreach(module IN LISTS modules)

@@ -9,8 +9,8 @@
 
 #include "pcavr/core/check.hpp"
 
+#include "devices/clutch.hpp"
 #include "devices/sample_ring.hpp"
-#include "devices/tip_bounds.hpp"
 #include "devices/tip_playback.hpp"
 
 namespace pcavr {
@@ -37,9 +37,8 @@ struct RemoteDevice::Content {
   bool has_last = false;
   // The reader's.
   TipPlayback playback;
-  DeviceSample said;
-  Eigen::Vector3d grip = Eigen::Vector3d::Zero();  ///< [m] from the tip to the tool, while held
-  double closed_at = 0.0;                          ///< [s] sender's clock
+  Clutch clutch;
+  double closed_at = 0.0;  ///< [s] sender's clock
   bool is_closing = false;
   bool must_open = false;  ///< let go by silence: to be opened before it can close again
   double age = 0.0;
@@ -52,15 +51,16 @@ struct RemoteDevice::Content {
   }
   void forget() noexcept {
     playback.clear();
-    said = {};
-    is_closing = false;
+    open();
     must_open = false;
     age = 0.0;
   }
+  void open() noexcept {
+    clutch.open();
+    is_closing = false;
+  }
   void take(RemoteSample sample) noexcept;
-  void close(const DeviceFeedback& feedback) noexcept;
-  void fall_silent() noexcept;
-  void move(double dt) noexcept;
+  [[nodiscard]] DeviceSample move(double dt, const DeviceFeedback& feedback) noexcept;
 };
 
 /// One sample from the ring, in order.
@@ -68,38 +68,26 @@ void RemoteDevice::Content::take(RemoteSample sample) noexcept {
   if (!playback.is_empty() && sample.sender != playback.newest().sender) forget();
   sample.q_base_tool.normalize();
   const bool restarts = playback.add(sample);
-  if (restarts || !sample.is_engaged) said.is_engaged = is_closing = false;
+  if (restarts || !sample.is_engaged) open();
   if (!sample.is_engaged) must_open = false;
-  if (!sample.is_engaged || must_open || said.is_engaged || is_closing) return;
+  if (!sample.is_engaged || must_open || clutch.is_closed() || is_closing) return;
   is_closing = true;
   closed_at = sample.sender_clock;
 }
 
-void RemoteDevice::Content::close(const DeviceFeedback& feedback) noexcept {
-  is_closing = false;
-  if (!is_plausible_tip(feedback.p_base_tool)) return;
-  grip = feedback.p_base_tool - playback.at(closed_at).p_base_tip;
-  said.p_base_tip = feedback.p_base_tool;
-  said.is_engaged = true;
-}
-
-void RemoteDevice::Content::fall_silent() noexcept {
-  said.is_present = false;
-  if (playback.newest().is_engaged) must_open = true;
-  said.is_engaged = is_closing = false;
-}
-
-/// What the hand did before the clutch closed does not move the tool.
-void RemoteDevice::Content::move(double dt) noexcept {
-  const double clock = said.is_engaged ? std::max(playback.shown(), closed_at) : playback.shown();
-  const TipPlayback::Place place = playback.at(clock);
-  said.q_base_tool = place.q_base_tool;
-  if (said.is_engaged) {
-    said.p_base_tip =
-        within_reach(said.p_base_tip, place.p_base_tip + grip, options.most_speed * dt);
-  } else {
-    said.p_base_tip = place.p_base_tip;
+DeviceSample RemoteDevice::Content::move(double dt, const DeviceFeedback& feedback) noexcept {
+  if (is_closing && is_plausible_tip(feedback.p_base_tool)) {
+    clutch.close(playback.at(closed_at).p_base_tip, feedback.p_base_tool);
+    is_closing = false;
   }
+  // What the hand did before the clutch closed does not move the tool.
+  const double clock =
+      clutch.is_closed() ? std::max(playback.shown(), closed_at) : playback.shown();
+  const TipPlayback::Place place = playback.at(clock);
+  const Eigen::Vector3d p_base_tip = clutch.is_closed()
+                                         ? clutch.follow(place.p_base_tip, options.most_speed * dt)
+                                         : place.p_base_tip;
+  return {p_base_tip, place.q_base_tool, clutch.is_closed(), true};
 }
 
 RemoteDevice::RemoteDevice(RemoteDeviceOptions options) : content_(std::make_unique<Content>()) {
@@ -142,14 +130,17 @@ DeviceSample RemoteDevice::exchange(double t, double dt, const DeviceFeedback& f
     if (!sample) break;
     own.take(*sample);
   }
-  if (own.playback.is_empty()) return own.said;
+  if (own.playback.is_empty()) return {};
   own.age = std::max(0.0, t - own.playback.newest().arrival);
-  own.said.is_present = own.age <= own.options.most_silence;
-  if (!own.said.is_present) own.fall_silent();
+  const bool is_silent = own.age > own.options.most_silence;
+  if (is_silent) {
+    own.must_open = own.playback.newest().is_engaged;
+    own.open();
+  }
   own.playback.advance(t, dt);
-  if (own.is_closing) own.close(feedback);
-  own.move(dt);
-  return own.said;
+  DeviceSample said = own.move(dt, feedback);
+  said.is_present = !is_silent;
+  return said;
 }
 
 RemoteUse RemoteDevice::use() const noexcept {

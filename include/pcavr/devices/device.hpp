@@ -22,6 +22,7 @@ struct DeviceFeedback {
   Eigen::Vector3d p_base_tool =
       Eigen::Vector3d::Zero();  ///< [m] where the tool is: a clutch starts here
   Eigen::Vector3d force_base = Eigen::Vector3d::Zero();  ///< [N] on the hand
+  double pulse = 0.0;  ///< 0 to 1: what a device that has no force shakes with instead
 };
 
 /// What an operator holds. `exchange` is called by one thread at 1 kHz, and neither allocates,

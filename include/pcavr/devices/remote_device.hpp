@@ -44,10 +44,10 @@ struct RemoteUse {
 ///
 /// The tip runs along the straight lines between samples, by the sender's clock, kept back by the
 /// least that lets a line be known before it is run along: an interval, and the jitter of the
-/// arrivals, and a cycle. Just before a sample comes, the newest known is an interval old; less delay would take
-/// a guess, and a tip that is guessed goes on into the wall when the hand has stopped. So the tip
-/// is never where the hand was not, and never jumps: where a sample is late it waits, then catches
-/// up smoothly.
+/// arrivals, and a cycle. Just before a sample comes, the newest known is an interval old; less
+/// delay would take a guess, and a tip that is guessed goes on into the wall when the hand has
+/// stopped. So the tip is never where the hand was not, and never jumps: where a sample is late it
+/// waits, then catches up smoothly.
 ///
 /// A clutch that closes keeps the difference between tip and tool until it opens. It closes and
 /// opens as soon as the sample is here; what was not yet run along when it opens is left out. After

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/devices/device.hpp"
+
+namespace pcavr {
+
+/// A hand at one moment of a trace.
+struct TraceSample {
+  double t = 0.0;                                        ///< [s] since the trace's first row
+  Eigen::Vector3d p_base_tip = Eigen::Vector3d::Zero();  ///< [m]
+  Eigen::Quaterniond q_base_tool = Eigen::Quaterniond::Identity();
+  bool is_engaged = true;
+};
+
+/// Reads a trace: rows of a TUM trajectory (`t x y z qx qy qz qw`, `#` comments), or CSV whose
+/// header is `t,x,y,z`, with `,qx,qy,qz,qw` (a recording's tool.csv), `,engaged` (0 or 1) or both
+/// after it. Times [s] ascend; positions [m] in base, within 100 m of it. At least one row.
+[[nodiscard]] Expected<std::vector<TraceSample>> parse_trace(std::string_view text,
+                                                             const std::string& file);
+
+struct TraceDeviceOptions {
+  double most_speed = 2.0;  ///< [m/s] > 0 of the tip; see RemoteDeviceOptions
+};
+
+/// A trace, played back from the first exchange on, along straight lines between its rows. Where
+/// it is engaged the tool goes where it says in base, from where it was with at most_speed along a
+/// straight line. At its end it is let go and not present.
+class TraceDevice final : public Device {
+ public:
+  /// The whole file is read.
+  [[nodiscard]] static Expected<std::unique_ptr<TraceDevice>> open(
+      const std::filesystem::path& file, const TraceDeviceOptions& options = {});
+  /// Not empty, times ascending from 0, all finite: PCAVR_REQUIRE.
+  explicit TraceDevice(std::vector<TraceSample> samples, const TraceDeviceOptions& options = {});
+
+  /// [s] from its first row to its last.
+  [[nodiscard]] double duration() const noexcept { return samples_.back().t; }
+
+  [[nodiscard]] std::string_view name() const noexcept override { return "trace"; }
+  [[nodiscard]] DeviceSample exchange(double t, double dt,
+                                      const DeviceFeedback& feedback) noexcept override;
+
+ private:
+  [[nodiscard]] TraceSample at(double t) const noexcept;
+
+  std::vector<TraceSample> samples_;
+  TraceDeviceOptions options_;
+  bool has_begun_ = false;
+  double begin_ = 0.0;  ///< [s] of exchange's clock
+  DeviceSample said_;
+};
+
+}  // namespace pcavr

@@ -1,0 +1,172 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/devices/gamepad_device.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <thread>
+
+#define SDL_MAIN_HANDLED
+#include <SDL.h>
+
+#include "devices/newest.hpp"
+#include "devices/rate_tip.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr std::chrono::milliseconds kPeriod(4);  // 250 Hz: the fastest that gamepads send
+/// [ms] A rumble that is not renewed ends: longer than a hitch of the thread, too short to annoy.
+constexpr std::uint32_t kRumbleLasts = 100;
+/// Of full deflection: worn sticks rest that far off; 0.24 is what XInput takes for its left one.
+constexpr double kDeadZone = 0.24;
+constexpr double kFull = 32767.0;
+
+using Controller = std::unique_ptr<SDL_GameController, decltype(&SDL_GameControllerClose)>;
+
+/// SDL's own count keeps the subsystem up for others.
+class Subsystem {
+ public:
+  Subsystem() {
+    // Without these SDL would take Ctrl-C away, and be deaf for want of a window.
+    SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
+    SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
+    is_up_ = SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) == 0;
+  }
+  ~Subsystem() {
+    if (is_up_) SDL_QuitSubSystem(SDL_INIT_GAMECONTROLLER);
+  }
+  Subsystem(const Subsystem&) = delete;
+  Subsystem& operator=(const Subsystem&) = delete;
+  [[nodiscard]] bool is_up() const { return is_up_; }
+
+ private:
+  bool is_up_ = false;
+};
+
+Controller first_controller() {
+  for (int i = 0; i < SDL_NumJoysticks(); ++i) {
+    if (!SDL_IsGameController(i)) continue;
+    if (SDL_GameController* found = SDL_GameControllerOpen(i)) {
+      return {found, SDL_GameControllerClose};
+    }
+  }
+  return {nullptr, SDL_GameControllerClose};
+}
+
+double axis(SDL_GameController* controller, SDL_GameControllerAxis which) {
+  return std::max(-1.0, SDL_GameControllerGetAxis(controller, which) / kFull);
+}
+
+/// Nothing within the dead zone, and from its rim on as if it were not there.
+Eigen::Vector2d outside_dead_zone(const Eigen::Vector2d& stick) {
+  const double length = stick.norm();
+  if (length <= kDeadZone) return Eigen::Vector2d::Zero();
+  return stick / length * std::min(1.0, (length - kDeadZone) / (1.0 - kDeadZone));
+}
+
+RateCommand command_of(SDL_GameController* controller) {
+  // SDL's y axes point down, or towards the operator.
+  const Eigen::Vector2d level = outside_dead_zone(
+      {-axis(controller, SDL_CONTROLLER_AXIS_LEFTY), -axis(controller, SDL_CONTROLLER_AXIS_LEFTX)});
+  const Eigen::Vector2d upright =
+      outside_dead_zone({0.0, -axis(controller, SDL_CONTROLLER_AXIS_RIGHTY)});
+  const bool is_engaged =
+      SDL_GameControllerGetButton(controller, SDL_CONTROLLER_BUTTON_RIGHTSHOULDER) != 0 ||
+      axis(controller, SDL_CONTROLLER_AXIS_TRIGGERRIGHT) > 0.5;
+  return {{level.x(), level.y(), upright.y()}, is_engaged, true};
+}
+
+std::uint16_t strength(double part) {
+  return static_cast<std::uint16_t>(std::lround(std::clamp(part, 0.0, 1.0) * 65535.0));
+}
+
+}  // namespace
+
+struct GamepadDevice::Content {
+  explicit Content(const GamepadOptions& given) : options(given), tip(given.rate) {}
+  ~Content() {
+    is_ending = true;
+    if (thread.joinable()) thread.join();
+  }
+  Content(const Content&) = delete;
+  Content& operator=(const Content&) = delete;
+
+  void run() noexcept;
+  void rumble() noexcept;
+
+  GamepadOptions options;
+  Subsystem subsystem;
+  Controller controller{nullptr, SDL_GameControllerClose};  ///< the thread's, once it runs
+  std::string name = "gamepad";
+  RateTip tip;
+  Newest<RateCommand> newest;
+  std::atomic<float> heavy{0.0F};  ///< 0 to 1
+  std::atomic<float> light{0.0F};  ///< 0 to 1
+  std::atomic<bool> is_ending{false};
+  std::thread thread;
+};
+
+void GamepadDevice::Content::rumble() noexcept {
+  SDL_GameControllerRumble(controller.get(), strength(heavy), strength(light), kRumbleLasts);
+}
+
+void GamepadDevice::Content::run() noexcept {
+  while (!is_ending) {
+    SDL_GameControllerUpdate();
+    if (controller && SDL_GameControllerGetAttached(controller.get()) == SDL_FALSE) {
+      controller.reset();
+    }
+    if (!controller) controller = first_controller();
+    newest.put(controller ? command_of(controller.get()) : RateCommand{});
+    if (controller) rumble();
+    std::this_thread::sleep_for(kPeriod);
+  }
+  if (controller) SDL_GameControllerRumble(controller.get(), 0, 0, 0);
+}
+
+GamepadDevice::GamepadDevice(std::unique_ptr<Content> content) : content_(std::move(content)) {}
+
+GamepadDevice::~GamepadDevice() = default;
+
+Expected<std::unique_ptr<GamepadDevice>> GamepadDevice::open(const GamepadOptions& options) {
+  PCAVR_REQUIRE(std::isfinite(options.most_force) && options.most_force > 0.0, options.most_force);
+  auto content = std::make_unique<Content>(options);
+  if (!content->subsystem.is_up()) {
+    return Error{.message = std::string("no gamepad: SDL does not start: ") + SDL_GetError(),
+                 .mend = "look at who may read /dev/input"};
+  }
+  SDL_GameControllerUpdate();
+  content->controller = first_controller();
+  if (!content->controller) {
+    return Error{.message = "no gamepad among " + std::to_string(SDL_NumJoysticks()) + " joysticks",
+                 .mend =
+                     "plug one in; one that SDL does not know wants its mapping in the "
+                     "environment's SDL_GAMECONTROLLERCONFIG"};
+  }
+  if (const char* product = SDL_GameControllerName(content->controller.get())) {
+    content->name += std::string(" (") + product + ")";
+  }
+  content->thread = std::thread([own = content.get()] { own->run(); });
+  return std::unique_ptr<GamepadDevice>(new GamepadDevice(std::move(content)));
+}
+
+std::string_view GamepadDevice::name() const noexcept { return content_->name; }
+
+DeviceSample GamepadDevice::exchange(double /*t*/, double dt,
+                                     const DeviceFeedback& feedback) noexcept {
+  Content& own = *content_;
+  const DeviceSample said = own.tip.step(own.newest.get(), dt, feedback.p_base_tool);
+  // Nobody pushes while the clutch is open: what the world still says is not the hand's to feel.
+  const double force = said.is_engaged ? feedback.force_base.norm() / own.options.most_force : 0.0;
+  const double pulse = said.is_engaged ? feedback.pulse : 0.0;
+  own.heavy.store(std::isfinite(force) ? static_cast<float>(force) : 0.0F);
+  own.light.store(std::isfinite(pulse) ? static_cast<float>(pulse) : 0.0F);
+  return said;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/devices/open_device.hpp"
+
+#include <string>
+#include <utility>
+
+#include "pcavr/devices/gamepad_device.hpp"
+#include "pcavr/devices/plugin_device.hpp"
+#include "pcavr/devices/simulated_force_device.hpp"
+#include "pcavr/devices/space_mouse_device.hpp"
+#include "pcavr/devices/trace_device.hpp"
+
+namespace pcavr {
+namespace {
+
+using Opened = Expected<std::unique_ptr<Device>>;
+
+template <typename Kind>
+Opened as_device(Expected<std::unique_ptr<Kind>> opened) {
+  if (!opened) return opened.error();
+  return std::unique_ptr<Device>(*std::move(opened));
+}
+
+}  // namespace
+
+Opened open_device(std::string_view description) {
+  const std::size_t colon = description.find(':');
+  const std::string_view word = description.substr(0, colon);
+  const std::string_view rest =
+      colon == description.npos ? std::string_view() : description.substr(colon + 1);
+  const bool has_rest = colon != description.npos;
+  if (word == "spacemouse" && !has_rest) return as_device(SpaceMouseDevice::open());
+  if (word == "gamepad" && !has_rest) return as_device(GamepadDevice::open());
+  if (word == "simulated" && !has_rest) {
+    return std::unique_ptr<Device>(std::make_unique<SimulatedForceDevice>());
+  }
+  if (word == "trace" && !rest.empty()) return as_device(TraceDevice::open(rest));
+  if (word == "plugin" && !rest.empty()) {
+    const std::size_t comma = rest.find(',');
+    PluginDeviceOptions options;
+    if (comma != rest.npos) options.text = rest.substr(comma + 1);
+    return as_device(PluginDevice::open(rest.substr(0, comma), options));
+  }
+  return Error{.message = "'" + std::string(description) + "' is no device",
+               .mend = "choose " + std::string(kDeviceChoices)};
+}
+
+}  // namespace pcavr

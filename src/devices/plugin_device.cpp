@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/devices/plugin_device.hpp"
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <dlfcn.h>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/devices/device_plugin.h"
+
+#include "devices/clutch.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr char kEntry[] = "pcavr_get_device_plugin";
+/// [s] A tenth of a cycle: what is left has to do for the world.
+constexpr double kSlow = 1e-4;
+
+struct Unload {
+  void operator()(void* library) const { dlclose(library); }
+};
+using Library = std::unique_ptr<void, Unload>;
+
+Expected<Library> load(const std::filesystem::path& file) {
+  std::error_code unreadable;
+  if (!std::filesystem::exists(file, unreadable)) {
+    return Error{
+        .message = "does not exist", .file = file.string(), .mend = "name the plugin's .so"};
+  }
+  // Absolute: a bare name would be looked for among the system's libraries.
+  const std::filesystem::path absolute = std::filesystem::absolute(file, unreadable);
+  Library library(dlopen(absolute.c_str(), RTLD_NOW | RTLD_LOCAL));
+  if (library) return library;
+  const char* why = dlerror();
+  return Error{.message = std::string("is no library that can be loaded: ") + (why ? why : "?"),
+               .file = file.string(),
+               .mend = "build it as a shared library for this machine"};
+}
+
+Expected<const pcavr_device_plugin*> plugin_of(void* library, const std::string& file) {
+  const auto get = reinterpret_cast<const pcavr_device_plugin* (*)()>(dlsym(library, kEntry));
+  if (get == nullptr) {
+    return Error{.message = std::string("is no device plugin: it lacks ") + kEntry,
+                 .file = file,
+                 .mend = "export it as pcavr/devices/device_plugin.h declares it"};
+  }
+  const pcavr_device_plugin* plugin = get();
+  if (plugin == nullptr) return Error{.message = "gives no plugin", .file = file};
+  if (plugin->abi != PCAVR_DEVICE_PLUGIN_ABI || plugin->size < sizeof(pcavr_device_plugin)) {
+    return Error{.message = "has plugin ABI " + std::to_string(plugin->abi) + " of " +
+                            std::to_string(plugin->size) + " bytes, not " +
+                            std::to_string(PCAVR_DEVICE_PLUGIN_ABI) + " of " +
+                            std::to_string(sizeof(pcavr_device_plugin)),
+                 .file = file,
+                 .mend = "build it with this version's device_plugin.h"};
+  }
+  if (plugin->open == nullptr || plugin->close == nullptr || plugin->exchange == nullptr) {
+    return Error{.message = "lacks one of open, close and exchange",
+                 .file = file,
+                 .mend = "fill all three in"};
+  }
+  return plugin;
+}
+
+bool is_sound(const pcavr_device_sample& said) {
+  return is_plausible_tip(Eigen::Vector3d(said.tip)) &&
+         is_rotation(Eigen::Quaterniond(said.quaternion));
+}
+
+}  // namespace
+
+struct PluginDevice::Content {
+  explicit Content(const PluginDeviceOptions& given)
+      : options(given),
+        q_base_operator(Eigen::AngleAxisd(given.facing, Eigen::Vector3d::UnitZ())) {}
+  ~Content() {
+    if (device != nullptr) plugin->close(device);
+  }
+  Content(const Content&) = delete;
+  Content& operator=(const Content&) = delete;
+
+  /// The plugin's answer, if it can be used.
+  std::optional<pcavr_device_sample> ask(double t, double dt,
+                                         const DeviceFeedback& feedback) noexcept;
+
+  PluginDeviceOptions options;
+  Eigen::Quaterniond q_base_operator;
+  Library library;  // unloaded after the device was closed
+  const pcavr_device_plugin* plugin = nullptr;
+  void* device = nullptr;
+  std::string name;
+  Clutch clutch;
+  std::atomic<double> slowest{0.0};
+  std::atomic<std::uint64_t> slow{0};
+  std::atomic<std::uint64_t> faults{0};
+};
+
+std::optional<pcavr_device_sample> PluginDevice::Content::ask(
+    double t, double dt, const DeviceFeedback& feedback) noexcept {
+  pcavr_device_feedback told{.size = sizeof told,
+                             .is_engaged = clutch.is_closed(),
+                             .force = {},
+                             .pulse = clutch.is_closed() ? feedback.pulse : 0.0};
+  if (clutch.is_closed()) {
+    Eigen::Map<Eigen::Vector3d>(told.force) = q_base_operator.conjugate() * feedback.force_base;
+  }
+  pcavr_device_sample said{};
+  said.size = sizeof said;
+  said.quaternion[3] = 1.0;
+  bool is_answer = false;
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    is_answer = plugin->exchange(device, t, dt, &told, &said) == 0;
+  } catch (...) {
+    is_answer = false;
+  }
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  if (took.count() > slowest) slowest = took.count();
+  if (took.count() > kSlow) ++slow;
+  if (is_answer && (said.is_present == 0 || is_sound(said))) return said;
+  ++faults;
+  return std::nullopt;
+}
+
+PluginDevice::PluginDevice(std::unique_ptr<Content> content) : content_(std::move(content)) {}
+
+PluginDevice::~PluginDevice() = default;
+
+Expected<std::unique_ptr<PluginDevice>> PluginDevice::open(const std::filesystem::path& library,
+                                                           const PluginDeviceOptions& options) {
+  PCAVR_REQUIRE(std::isfinite(options.facing), options.facing);
+  PCAVR_REQUIRE(std::isfinite(options.most_speed) && options.most_speed > 0.0, options.most_speed);
+  auto content = std::make_unique<Content>(options);
+  Expected<Library> loaded = load(library);
+  if (!loaded) return loaded.error();
+  content->library = *std::move(loaded);
+  const auto plugin = plugin_of(content->library.get(), library.string());
+  if (!plugin) return plugin.error();
+  content->plugin = *plugin;
+  std::array<char, 256> why{};
+  content->device = content->plugin->open(options.text.c_str(), why.data(), why.size() - 1);
+  if (content->device == nullptr) {
+    return Error{.message = std::string("does not open its device: ") +
+                            (why[0] != '\0' ? why.data() : "it does not say why"),
+                 .file = library.string()};
+  }
+  content->name = content->plugin->name != nullptr ? content->plugin->name : "plugin";
+  return std::unique_ptr<PluginDevice>(new PluginDevice(std::move(content)));
+}
+
+PluginHealth PluginDevice::health() const noexcept {
+  return {content_->slowest, content_->slow, content_->faults};
+}
+
+std::string_view PluginDevice::name() const noexcept { return content_->name; }
+
+DeviceSample PluginDevice::exchange(double t, double dt, const DeviceFeedback& feedback) noexcept {
+  Content& own = *content_;
+  const std::optional<pcavr_device_sample> said = own.ask(t, dt, feedback);
+  if (!said || said->is_present == 0) {
+    own.clutch.open();
+    return {};
+  }
+  const Eigen::Vector3d p_hand = own.q_base_operator * Eigen::Vector3d(said->tip);
+  if (said->is_engaged == 0) own.clutch.open();
+  if (said->is_engaged != 0 && !own.clutch.is_closed() && is_plausible_tip(feedback.p_base_tool)) {
+    own.clutch.close(p_hand, feedback.p_base_tool);
+  }
+  const bool is_engaged = own.clutch.is_closed();
+  return {
+      .p_base_tip = is_engaged ? own.clutch.follow(p_hand, own.options.most_speed * dt) : p_hand,
+      .q_base_tool = own.q_base_operator * Eigen::Quaterniond(said->quaternion).normalized(),
+      .is_engaged = is_engaged,
+      .is_present = true};
+}
+
+}  // namespace pcavr

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/devices/simulated_force_device.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "pcavr/core/check.hpp"
+
+#include "devices/tip_bounds.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kSway = 0.05;              // [m]
+constexpr double kTurn = 2.0 * M_PI / 4.0;  // [rad/s]
+
+Eigen::Vector3d sway_and_dip(double t) {
+  return {kSway * std::sin(kTurn * t), 0.0, -0.5 * kSway * (1.0 - std::cos(kTurn * t))};
+}
+
+bool is_positive(double value) { return std::isfinite(value) && value > 0.0; }
+bool is_not_negative(double value) { return std::isfinite(value) && value >= 0.0; }
+
+}  // namespace
+
+SimulatedForceDevice::SimulatedForceDevice(SimulatedForceDeviceOptions options)
+    : options_(std::move(options)), random_(options_.seed) {
+  PCAVR_REQUIRE(is_positive(options_.hand_stiffness), options_.hand_stiffness);
+  PCAVR_REQUIRE(is_not_negative(options_.hand_damping), options_.hand_damping);
+  PCAVR_REQUIRE(is_positive(options_.mass), options_.mass);
+  PCAVR_REQUIRE(is_not_negative(options_.friction), options_.friction);
+  PCAVR_REQUIRE(is_not_negative(options_.force_noise), options_.force_noise);
+  PCAVR_REQUIRE(is_positive(options_.most_force), options_.most_force);
+  if (!options_.target) options_.target = sway_and_dip;
+}
+
+Eigen::Vector3d SimulatedForceDevice::motor_force(const Eigen::Vector3d& asked) noexcept {
+  if (!asked.allFinite()) return Eigen::Vector3d::Zero();
+  Eigen::Vector3d force = within_reach(Eigen::Vector3d::Zero(), asked, options_.most_force);
+  for (double& axis : force) axis += options_.force_noise * random_.normal();
+  return force;
+}
+
+DeviceSample SimulatedForceDevice::exchange(double t, double dt,
+                                            const DeviceFeedback& feedback) noexcept {
+  if (!has_begun_) {
+    if (!is_plausible_tip(feedback.p_base_tool)) return {};
+    has_begun_ = true;
+    begin_ = t;
+    p_base_tip_ = p_base_start_ = feedback.p_base_tool;
+  }
+  const Eigen::Vector3d target = p_base_start_ + options_.target(t - begin_);
+  const Eigen::Vector3d force = motor_force(feedback.force_base);
+  // v' = v + dt / m (k (target - x - dt v') - (b + f) v' + F), solved for v'.
+  const double k = options_.hand_stiffness;
+  const double b = options_.hand_damping + options_.friction;
+  const Eigen::Vector3d impulse = dt * (k * (target - p_base_tip_) + force);
+  v_base_tip_ = (options_.mass * v_base_tip_ + impulse) / (options_.mass + dt * b + dt * dt * k);
+  p_base_tip_ += dt * v_base_tip_;
+  motor_work_ += dt * force.dot(v_base_tip_);
+  return {p_base_tip_, Eigen::Quaterniond::Identity(), true, true};
+}
+
+}  // namespace pcavr

@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/devices/space_mouse_device.hpp"
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <string>
+#include <thread>
+
+#include <poll.h>
+#include <spnav.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "devices/newest.hpp"
+#include "devices/rate_tip.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Counts at full deflection: what a cap pushed to its stop gives at the daemon's sensitivity of 1.
+constexpr double kFullDeflection = 350.0;
+constexpr int kLeftButton = 0;
+
+Eigen::Vector3d deflection_of(const spnav_event_motion& motion) {
+  // The daemon's x is to the right, y up, z away from the operator.
+  return Eigen::Vector3d(motion.z, -motion.x, motion.y) / kFullDeflection;
+}
+
+/// libspnav keeps one connection, in variables of its own: one of these at a time.
+class Connection {
+ public:
+  Connection() : was_taken_(is_taken_.exchange(true)) {
+    if (was_taken_) return;
+    is_open_ = spnav_open() == 0;
+    if (!is_open_) is_taken_ = false;
+  }
+  ~Connection() {
+    if (!is_open_) return;
+    spnav_close();
+    is_taken_ = false;
+  }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  [[nodiscard]] bool is_open() const { return is_open_; }
+  [[nodiscard]] bool was_taken() const { return was_taken_; }
+
+ private:
+  inline static std::atomic<bool> is_taken_{false};
+  bool was_taken_;
+  bool is_open_ = false;
+};
+
+bool has_ended(int socket) {
+  char byte = 0;
+  const ssize_t there = recv(socket, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+  return there == 0 || (there < 0 && errno != EAGAIN && errno != EINTR);
+}
+
+}  // namespace
+
+struct SpaceMouseDevice::Content {
+  explicit Content(const RateOptions& options) : tip(options) {}
+  ~Content() {
+    if (reader.joinable()) {
+      eventfd_write(wake, 1);
+      reader.join();
+    }
+    if (wake >= 0) ::close(wake);
+  }
+  Content(const Content&) = delete;
+  Content& operator=(const Content&) = delete;
+
+  void read() noexcept;
+  void take(const spnav_event& event) noexcept;
+
+  Connection connection;  // closed after the thread has ended
+  std::string name = "SpaceMouse";
+  RateTip tip;
+  Newest<RateCommand> newest;
+  RateCommand command{.is_present = true};  ///< the thread's
+  int wake = eventfd(0, EFD_CLOEXEC);       ///< ends the thread
+  std::thread reader;
+};
+
+void SpaceMouseDevice::Content::take(const spnav_event& event) noexcept {
+  if (event.type == SPNAV_EVENT_MOTION) command.deflection = deflection_of(event.motion);
+  if (event.type == SPNAV_EVENT_BUTTON && event.button.bnum == kLeftButton) {
+    command.is_engaged = event.button.press != 0;
+  }
+  if (event.type == SPNAV_EVENT_DEV) {
+    command = {.is_present = event.dev.op == SPNAV_DEV_ADD};
+  }
+  newest.put(command);
+}
+
+void SpaceMouseDevice::Content::read() noexcept {
+  newest.put(command);
+  std::array<pollfd, 2> files{{{spnav_fd(), POLLIN, 0}, {wake, POLLIN, 0}}};
+  for (;;) {
+    if (poll(files.data(), files.size(), -1) < 0) continue;
+    if (files[1].revents != 0) return;
+    if (has_ended(files[0].fd)) break;
+    spnav_event event;
+    if (spnav_poll_event(&event) != 0) take(event);
+  }
+  newest.put({});
+}
+
+SpaceMouseDevice::SpaceMouseDevice(std::unique_ptr<Content> content)
+    : content_(std::move(content)) {}
+
+SpaceMouseDevice::~SpaceMouseDevice() = default;
+
+Expected<std::unique_ptr<SpaceMouseDevice>> SpaceMouseDevice::open(const RateOptions& options) {
+  auto content = std::make_unique<Content>(options);
+  if (content->connection.was_taken()) {
+    return Error{.message = "the SpaceMouse is open already", .mend = "use the device there is"};
+  }
+  if (!content->connection.is_open()) {
+    return Error{.message = "no SpaceMouse: its daemon, spacenavd, does not answer",
+                 .mend =
+                     "apt-get install spacenavd and start it, or name its socket in the "
+                     "environment's SPNAV_SOCKET"};
+  }
+  std::array<char, 64> product{};
+  // Daemons before 1.0 (protocol 0) cannot be asked.
+  if (spnav_protocol() >= 1) {
+    if (spnav_dev_name(product.data(), static_cast<int>(product.size())) < 0) {
+      return Error{.message = "no SpaceMouse: its daemon, spacenavd, knows of no device",
+                   .mend = "plug it in"};
+    }
+    product.back() = '\0';
+    content->name += std::string(" (") + product.data() + ")";
+  }
+  content->reader = std::thread([own = content.get()] { own->read(); });
+  return std::unique_ptr<SpaceMouseDevice>(new SpaceMouseDevice(std::move(content)));
+}
+
+std::string_view SpaceMouseDevice::name() const noexcept { return content_->name; }
+
+DeviceSample SpaceMouseDevice::exchange(double /*t*/, double dt,
+                                        const DeviceFeedback& feedback) noexcept {
+  return content_->tip.step(content_->newest.get(), dt, feedback.p_base_tool);
+}
+
+}  // namespace pcavr

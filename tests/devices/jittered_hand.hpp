@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "pcavr/core/random.hpp"
+#include "pcavr/devices/remote_device.hpp"
+
+namespace pcavr::test {
+
+inline constexpr double kCycle = 0.001;  // [s]
+
+/// A hand that goes round a circle of 10 cm: 0.31 m/s, 0.99 m/s^2.
+struct CirclingHand {
+  static constexpr double kRadius = 0.1;  // [m]
+  static constexpr double kTurn = M_PI;   // [rad/s]
+  static constexpr double kSpeed = kRadius * kTurn;
+  static constexpr double kAcceleration = kRadius * kTurn * kTurn;
+
+  Eigen::Vector3d operator()(double t) const {
+    return {kRadius * std::cos(kTurn * t), kRadius * std::sin(kTurn * t), 0.3};
+  }
+};
+
+struct Link {
+  double interval = 1.0 / 60.0;  // [s]
+  double way = 0.002;            // [s] the fastest
+  double jitter = 0.006;         // [s] on top, uniform
+  double clock_offset = 1000.0;  // [s] sender's clock - ours
+};
+
+/// What CirclingHand sends over `duration` [s], in the order in which it comes.
+inline std::vector<RemoteSample> sent_over(const Link& link, double duration, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<RemoteSample> samples;
+  double last_arrival = 0.0;
+  for (int i = 0; i * link.interval < duration; ++i) {
+    const double t = i * link.interval;
+    // A stream keeps its order.
+    last_arrival = std::max(last_arrival, t + link.way + random.uniform(0.0, link.jitter));
+    samples.push_back({.p_base_tip = CirclingHand()(t),
+                       .is_engaged = true,
+                       .sender_clock = t + link.clock_offset,
+                       .arrival = last_arrival});
+  }
+  return samples;
+}
+
+/// A cycle every millisecond, each sample pushed when it has come; `at_cycle(t, said)`.
+template <typename AtCycle>
+void run(RemoteDevice& device, const std::vector<RemoteSample>& samples, double duration,
+         const DeviceFeedback& feedback, const AtCycle& at_cycle) {
+  std::size_t next = 0;
+  for (int i = 0; i * kCycle < duration; ++i) {
+    const double t = i * kCycle;
+    while (next < samples.size() && samples[next].arrival <= t) (void)device.push(samples[next++]);
+    at_cycle(t, device.exchange(t, kCycle, feedback));
+  }
+}
+
+}  // namespace pcavr::test

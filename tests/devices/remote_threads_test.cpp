@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Two threads on one RemoteDevice; the thread sanitizer looks on where the build has it.
+#include <atomic>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "devices/jittered_hand.hpp"
+#include "devices/sample_ring.hpp"
+
+namespace pcavr {
+namespace {
+
+TEST(SampleRing, HandsEverythingOnInOrderBetweenTwoThreads) {
+  struct Item {
+    std::uint64_t number = 0;
+    std::uint64_t inverse = 0;  ///< tells a torn one
+  };
+  constexpr std::uint64_t kItems = 20'000;
+  SampleRing<Item, 8> ring;
+  std::thread writer([&] {
+    for (std::uint64_t i = 0; i < kItems;) {
+      if (ring.push({i, ~i})) ++i;
+    }
+  });
+  for (std::uint64_t i = 0; i < kItems;) {
+    const std::optional<Item> item = ring.pop();
+    if (!item) continue;
+    EXPECT_EQ(item->number, i);
+    EXPECT_EQ(item->inverse, ~i);
+    ++i;
+  }
+  writer.join();
+  EXPECT_FALSE(ring.pop());
+}
+
+TEST(SampleRing, ForgetsOnlyWhatWasThere) {
+  SampleRing<int, 4> ring;
+  ASSERT_TRUE(ring.push(1));
+  ring.forget();
+  ASSERT_TRUE(ring.push(2));
+  EXPECT_TRUE(ring.forgets());
+  EXPECT_EQ(ring.pop(), 2);
+  EXPECT_FALSE(ring.forgets());
+  // Told after the reader had gone on: it does not go back.
+  ring.forget();
+  ASSERT_TRUE(ring.push(3));
+  EXPECT_EQ(ring.pop(), 3);
+  EXPECT_TRUE(ring.forgets());
+  EXPECT_EQ(ring.pop(), std::nullopt);
+}
+
+TEST(RemoteDevice, IsFedByOneThreadAndAskedByAnother) {
+  RemoteDevice device;
+  std::atomic<bool> is_done{false};
+  std::thread network([&] {
+    const std::vector<RemoteSample> samples = test::sent_over({}, 20.0, 6);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      (void)device.push(samples[i]);
+      if (i % 97 == 96) device.let_go();
+      std::this_thread::yield();
+    }
+    is_done = true;
+  });
+  DeviceFeedback feedback;
+  Eigen::Vector3d before = Eigen::Vector3d::Zero();
+  for (int i = 0; !is_done; ++i) {
+    const DeviceSample said = device.exchange(i * test::kCycle, test::kCycle, feedback);
+    if (!said.is_engaged) continue;
+    EXPECT_LE((said.p_base_tip - before).norm(), 2.0 * test::kCycle + 1e-12);
+    before = feedback.p_base_tool = said.p_base_tip;
+  }
+  network.join();
+}
+
+}  // namespace
+}  // namespace pcavr
