@@ -13,7 +13,7 @@ export class Clutch {
     return this.closed;
   }
 
-  /// Why it was last opened against the person's wish; empty after they let go.
+  /// Why it is open against the person's wish; empty after they let go.
   get openedBecause(): string {
     return this.reason;
   }
@@ -22,6 +22,7 @@ export class Clutch {
   update(isHeld: boolean, doubt: string): boolean {
     if (doubt !== '') {
       this.open(doubt);
+      if (isHeld) this.reason = doubt;
     } else if (!isHeld) {
       this.closed = false;
       this.waitsForRelease = false;

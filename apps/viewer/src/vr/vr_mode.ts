@@ -33,6 +33,7 @@ export class VrMode {
   private isPlaced = false;
   private wasHold = false;
   private wasSwap = false;
+  private hadTool = false;
   private giveCameraBack = () => {};
   private sent: { tip: Vector; quaternion: Quaternion; device: Device } | undefined;
 
@@ -157,8 +158,9 @@ export class VrMode {
   private follow(tool: Hand | undefined, state: LiveState | null): void {
     const was = this.clutch.isClosed;
     const is = this.clutch.update(tool?.isClutchHeld ?? false, this.doubt(tool, state));
+    this.hadTool = is && (state?.hasTool ?? false);
     if (is && tool) {
-      if (!was) this.app.session.command(Command.take);
+      if (!was && !state?.hasTool) this.app.session.command(Command.take);
       const tip = this.person.toBase(tool.place);
       const turn = this.person.rotationToBase(tool.rotation);
       this.sent = {
@@ -176,6 +178,8 @@ export class VrMode {
   private doubt(tool: Hand | undefined, state: LiveState | null): string {
     if (this.app.session.connection !== 'open' || !state) return 'no connection';
     if (state.isOnHold) return 'on hold';
+    if (state.isToolTaken && !state.hasTool) return 'another page has the tool';
+    if (this.clutch.isClosed && this.hadTool && !state.hasTool) return 'the world let the tool go';
     if (!tool) return 'the hand is not seen';
     if (this.xr?.visibilityState !== 'visible') return 'the headset shows something else';
     return '';
@@ -225,14 +229,13 @@ export class VrMode {
   private words(state: LiveState | null) {
     const body = state && state.touchedObject >= 0 ? state.touchedObject : undefined;
     const name = body === undefined ? undefined : this.app.session.welcome?.objects[body];
-    const isElsewhere = state?.isToolTaken && !state.hasTool;
     return {
       object: name ?? (state?.touchesScan ? 'scan' : ''),
       phase: body === undefined ? '' : (state?.objects[body]?.phase ?? ''),
       force: state ? Math.hypot(...state.force) : 0,
       age: this.app.session.figures().age,
       isOnHold: state?.isOnHold ?? false,
-      note: this.clutch.openedBecause || (isElsewhere ? 'another page has the tool' : ''),
+      note: this.clutch.openedBecause,
       scale: this.person.scale,
     };
   }
