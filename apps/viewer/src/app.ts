@@ -10,7 +10,8 @@ import {
 import { SceneView } from './scene/view';
 import { pageClock } from './session/clock';
 import type { Session } from './session/session';
-import type { Notice } from './protocol';
+import type { LiveState, Notice } from './protocol';
+import { looksDifferent } from './session/state_change';
 
 export type FrameCallback = (time: number, frame?: XRFrame) => void;
 
@@ -29,7 +30,7 @@ export class App {
   private callbacks: FrameCallback[] = [];
   private drawnCallbacks: (() => void)[] = [];
   private isDirty = true;
-  private lastSequence = -1;
+  private lastShown: LiveState | null = null;
   private hasWaited = false;
 
   constructor(
@@ -82,8 +83,8 @@ export class App {
     const isInVr = this.renderer.xr.isPresenting;
     if (!isInVr && this.shouldWait()) return;
     const state = this.session.latest();
-    if (state && state.sequence !== this.lastSequence) {
-      this.lastSequence = state.sequence;
+    if (state && this.isNews(state)) {
+      this.lastShown = state;
       this.view.showState(state);
       this.isDirty = true;
     }
@@ -94,6 +95,12 @@ export class App {
     ++this.frames;
     this.session.drawn();
     for (const callback of this.drawnCallbacks) callback();
+  }
+
+  /// At rest nothing is drawn again and again; while the tool is held, everything is, at once.
+  private isNews(state: LiveState): boolean {
+    if (state === this.lastShown) return false;
+    return !this.lastShown || state.isEngaged || looksDifferent(this.lastShown, state);
   }
 
   /// A busy browser prefers frames to messages: one frame given up lets the newest state in.

@@ -1,29 +1,36 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import { App } from './app';
-import { fetchScene } from './scene/scene_model';
-import { SceneLoader } from './scene/loading';
+import { fetchScene, type SessionInfo } from './scene/scene_model';
 import { Session } from './session/session';
+import { byId } from './ui/dom';
+import { Messages } from './ui/messages';
+import { pair } from './ui/pairing';
+import { Page } from './page';
 
+/// The page from its start: pair, fetch the scene, draw, listen.
 async function main(): Promise<void> {
+  const messages = new Messages();
+  try {
+    const info = await pair();
+    await open(info, messages);
+  } catch (error) {
+    messages.show({ level: 'error', text: error instanceof Error ? error.message : String(error) });
+  }
+}
+
+async function open(info: SessionInfo, messages: Messages): Promise<void> {
+  const model = await fetchScene();
   const session = new Session(`${location.protocol.replace('http', 'ws')}//${location.host}/live`);
   const canvas = document.querySelector('canvas')!;
-  const app = new App(canvas, session, document.body, (notice) => console.info(notice.text));
-  app.view.setModel(await fetchScene());
-  session.onWelcome((welcome) => {
-    app.view.setObjectOrder(welcome.objects);
-    app.view.tool.setRadius(welcome.tool_radius);
-  });
-  const loader = new SceneLoader(
-    app.view,
-    () => {},
-    () => app.invalidate(),
-  );
+  const actions = byId('actions', HTMLDivElement);
+  const app = new App(canvas, session, actions, (notice) => messages.show(notice));
+  app.view.setModel(model);
+  const page = new Page(app, model, info, messages);
   app.start();
-  await loader.load(1e6);
-  app.view.frameAll();
-  app.invalidate();
+  const loaded = page.load();
   if (navigator.xr) (await import('./vr/index')).attachVr(app);
+  await loaded;
 }
 
 void main();

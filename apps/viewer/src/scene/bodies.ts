@@ -35,6 +35,7 @@ export class Body {
   readonly solid = new Group();
   readonly ghost = new Group();
   readonly color: string;
+  readonly marks = [new Group(), new Group()] as const; // its tags, its frame: in their own layers
   phase: Phase = 'free';
   isOutsideModel = false;
   private fill: MeshLambertMaterial;
@@ -76,8 +77,10 @@ export class Body {
   }
 
   place(position: Readonly<Vector>, quaternion: Readonly<Quaternion>): void {
-    this.solid.position.fromArray(position);
-    this.solid.quaternion.fromArray(quaternion);
+    for (const group of [this.solid, ...this.marks]) {
+      group.position.fromArray(position);
+      group.quaternion.fromArray(quaternion);
+    }
   }
 
   placeGhost(position: Readonly<Vector>, quaternion: Readonly<Quaternion>): void {

@@ -103,6 +103,13 @@ export class ToolView {
     this.group.visible = false;
   }
 
+  /// Where the force's arrow ends, in the world; null where there is none to draw.
+  arrowTip(): Vector3 | null {
+    if (!this.group.visible || !this.arrow.visible) return null;
+    this.arrow.updateWorldMatrix(true, false);
+    return this.arrow.localToWorld(new Vector3(0, this.head.position.y + this.head.scale.y, 0));
+  }
+
   /// Lets a pulse fade; true while there is one to draw. `calm`: a change of colour, no motion.
   animate(now: number, calm: boolean): boolean {
     const part = (now - this.pulseStart) / pulseSeconds;

@@ -16,6 +16,8 @@ import { Layers } from './layers';
 import type { SceneModel } from './scene_model';
 import { ToolView } from './tool_view';
 
+const viewingElevation = 0.6; // [rad] table tops are seen well so, and what stands on them too
+const leastRadius = 0.15; // [m]
 const backgrounds = { light: '#e9edf1', dark: '#15191e' };
 
 /// The drawn world. three.js has y up, the base frame z: `base` stands between them, and whatever
@@ -73,27 +75,38 @@ export class SceneView {
     this.scene.background = new Color(backgrounds[theme]);
   }
 
-  /// Looks at everything from the operator's side: behind the robot's base, a little from above.
+  /// Looks at what there is to push, from the side that it was scanned from: there the scan has the
+  /// fewest holes. Gives back the point looked at.
   frameAll(): Vector3 {
     this.scene.updateMatrixWorld(true);
-    const box = new Box3();
-    for (const name of ['mesh', 'bodies'] as const) box.expandByObject(this.layers.group(name));
-    if (box.isEmpty()) box.set(new Vector3(-0.5, 0, -0.5), new Vector3(0.5, 0.5, 0.5));
-    const center = this.interest(box);
-    const size = box.getSize(new Vector3()).length();
-    const distance = (0.55 * size) / Math.tan((this.camera.fov * Math.PI) / 360);
-    // x of base runs away from the robot: from behind it, and from its right.
-    const direction = new Vector3(-0.62, 0.62, 0.5).normalize();
-    this.camera.position.copy(center).addScaledVector(direction, Math.min(distance, 6));
+    const box = this.interest();
+    const center = box.getCenter(new Vector3());
+    const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), leastRadius);
+    const narrow = Math.min(1, this.camera.aspect);
+    const distance = radius / (narrow * Math.sin((this.camera.fov * Math.PI) / 360));
+    this.camera.position.copy(center).addScaledVector(this.viewingSide(center), distance);
     this.camera.lookAt(center);
     return center;
   }
 
-  /// What there is to push, or else the middle of it all.
-  private interest(all: Box3): Vector3 {
+  /// The bodies to push and the plane they stand on, or else everything.
+  private interest(): Box3 {
     const box = new Box3();
     for (const body of this.bodies) if (body.object.movable) box.expandByObject(body.solid);
-    return (box.isEmpty() ? all : box).getCenter(new Vector3());
+    if (!box.isEmpty()) return box.expandByScalar(0.1);
+    for (const name of ['bodies', 'mesh'] as const) box.expandByObject(this.layers.group(name));
+    return box.isEmpty() ? box.set(new Vector3(-1, 0, -1), new Vector3(1, 1, 1)) : box;
+  }
+
+  /// From the point towards the eye: where the camera was, but never flat nor steep; without one
+  /// from behind the robot's base, along its x.
+  private viewingSide(center: Vector3): Vector3 {
+    const camera = this.model?.cameras[0];
+    const side = camera
+      ? this.base.localToWorld(new Vector3(...camera.position)).sub(center)
+      : new Vector3(-1, 0, 0.5);
+    const level = side.setY(0).length() > 1e-3 ? side.normalize() : new Vector3(-1, 0, 0);
+    return level.setY(Math.tan(viewingElevation)).normalize();
   }
 
   /// Scans bring their own light and shadow: mostly even light, and some from the eye for shape.

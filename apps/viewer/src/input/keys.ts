@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+
+/// Which keys are held, as long as one of `elements` has the focus. Losing it lets go of all.
+export class HeldKeys {
+  private readonly held = new Set<string>();
+  private listeners: ((code: string, event: KeyboardEvent) => void)[] = [];
+
+  /// `codes`: the keys to watch; these the page doesn't scroll or click by.
+  constructor(elements: readonly HTMLElement[], codes: readonly string[]) {
+    for (const element of elements) {
+      element.addEventListener('keydown', (event) => {
+        if (!codes.includes(event.code) || event.ctrlKey || event.metaKey || event.altKey) return;
+        event.preventDefault();
+        if (event.repeat) return;
+        this.held.add(event.code);
+        this.listeners.forEach((listener) => listener(event.code, event));
+      });
+      element.addEventListener('keyup', (event) => {
+        if (codes.includes(event.code)) event.preventDefault();
+        this.held.delete(event.code);
+      });
+      element.addEventListener('blur', () => this.held.clear());
+    }
+    window.addEventListener('blur', () => this.held.clear());
+  }
+
+  has(code: string): boolean {
+    return this.held.has(code);
+  }
+
+  /// +1, -1 or 0 of two keys that work against each other.
+  axis(positive: string, negative: string): number {
+    return Number(this.has(positive)) - Number(this.has(negative));
+  }
+
+  onPress(listener: (code: string, event: KeyboardEvent) => void): void {
+    this.listeners.push(listener);
+  }
+}

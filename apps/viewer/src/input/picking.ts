@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import {
+  BufferGeometry,
+  Group,
+  Line,
+  LineBasicMaterial,
+  Mesh,
+  MeshBasicMaterial,
+  Raycaster,
+  SphereGeometry,
+  Vector2,
+  Vector3,
+  type Object3D,
+} from 'three';
+import type { Body } from '../scene/bodies';
+import type { SceneView } from '../scene/view';
+
+const clickPixels = 4; // further apart, press and release are a drag
+const markColor = '#00a3a3';
+const markAngle = 0.004; // [rad] a mark's radius as the eye sees it
+
+/// A click: on a body it chooses it; while measuring, two of them give a distance.
+export class Picking {
+  isMeasuring = false;
+  points: Vector3[] = []; // in base
+  onPick: (body: Body | null) => void = () => {};
+  onMeasure: (metres: number | null) => void = () => {};
+  private readonly ray = new Raycaster();
+  private readonly marks = new Group();
+  private pressed = new Vector2();
+
+  constructor(
+    private readonly view: SceneView,
+    private readonly canvas: HTMLCanvasElement,
+    private readonly invalidate: () => void,
+  ) {
+    this.ray.params.Points.threshold = 0.005;
+    view.base.add(this.marks);
+    canvas.addEventListener('pointerdown', (e) => this.pressed.set(e.clientX, e.clientY));
+    canvas.addEventListener('pointerup', (event) => {
+      const isClick = this.pressed.distanceTo(new Vector2(event.clientX, event.clientY));
+      if (event.button === 0 && isClick < clickPixels) this.click(event.clientX, event.clientY);
+    });
+  }
+
+  setMeasuring(isMeasuring: boolean): void {
+    this.isMeasuring = isMeasuring;
+    this.points = [];
+    this.drawMarks();
+  }
+
+  /// The ray through a point of the window.
+  rayAt(clientX: number, clientY: number): Raycaster {
+    const box = this.canvas.getBoundingClientRect();
+    const at = new Vector2(
+      (2 * (clientX - box.left)) / box.width - 1,
+      1 - (2 * (clientY - box.top)) / box.height,
+    );
+    this.ray.setFromCamera(at, this.view.camera);
+    return this.ray;
+  }
+
+  private click(clientX: number, clientY: number): void {
+    const ray = this.rayAt(clientX, clientY);
+    const layers = (['bodies', 'mesh', 'cloud', 'occupancy'] as const).filter((name) =>
+      this.view.layers.isShown(name),
+    );
+    const hits = ray.intersectObjects(layers.map((name) => this.view.layers.group(name)));
+    const hit = hits.find(({ object }) => object instanceof Mesh || object.type === 'Points');
+    if (this.isMeasuring) {
+      if (hit) this.addPoint(this.view.base.worldToLocal(hit.point.clone()));
+    } else {
+      this.onPick(hit ? this.bodyOf(hit.object) : null);
+    }
+  }
+
+  private addPoint(point: Vector3): void {
+    if (this.points.length === 2) this.points = [];
+    this.points.push(point);
+    this.drawMarks();
+    const [a, b] = this.points;
+    this.onMeasure(b ? a.distanceTo(b) : null);
+  }
+
+  private drawMarks(): void {
+    for (const mark of [...this.marks.children] as (Mesh | Line)[]) {
+      mark.geometry.dispose();
+      this.marks.remove(mark);
+    }
+    const eye = this.view.base.worldToLocal(this.view.camera.position.clone());
+    for (const point of this.points) {
+      const ball = new SphereGeometry(markAngle * eye.distanceTo(point), 12, 8);
+      const mark = new Mesh(ball, new MeshBasicMaterial({ color: markColor, depthTest: false }));
+      mark.position.copy(point);
+      mark.renderOrder = 3;
+      this.marks.add(mark);
+    }
+    if (this.points.length === 2) {
+      const material = new LineBasicMaterial({ color: markColor, depthTest: false });
+      const line = new Line(new BufferGeometry().setFromPoints(this.points), material);
+      line.renderOrder = 3;
+      this.marks.add(line);
+    }
+    this.invalidate();
+  }
+
+  private bodyOf(object: Object3D): Body | null {
+    for (let node: Object3D | null = object; node; node = node.parent) {
+      const body = this.view.bodies.find((b) => b.solid === node);
+      if (body) return body;
+    }
+    return null;
+  }
+}

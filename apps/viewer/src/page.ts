@@ -1,0 +1,254 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import type { App } from './app';
+import { DesktopTool } from './input/desktop_tool';
+import { Navigation } from './input/navigation';
+import { Picking } from './input/picking';
+import type { ReplayPlayer } from './replay/replay';
+import { makeCloud, makeOccupancy } from './scene/cells';
+import { SceneLoader, type Progress } from './scene/loading';
+import { addMarks } from './scene/marks';
+import { fetchBytes, type SceneModel, type SessionInfo } from './scene/scene_model';
+import { TestHook } from './test_hook';
+import { byId, setPressed, setText } from './ui/dom';
+import { length, megabytes } from './ui/format';
+import { Hud } from './ui/hud';
+import { Labels } from './ui/labels';
+import { fillDetail, fillLayersPanel, presentLayers } from './ui/layers_panel';
+import type { LivePlot } from './ui/live_plot';
+import type { Messages } from './ui/messages';
+import { distanceText, ObjectsPanel } from './ui/objects_panel';
+import { ThemeSwitch } from './ui/theme';
+import { ToolPanel } from './ui/tool_panel';
+
+const figuresSeconds = 0.25; // between two readings of the figures: faster, nobody can read them
+const vibrationMs = 30;
+// Triangles of the scan that a device draws smoothly: a graphics card, a headset or telephone, a
+// processor alone.
+const budgets = { card: 2_000_000, mobile: 400_000, software: 150_000 };
+
+/// What is on the page besides the picture, and what connects it.
+export class Page {
+  private readonly hook: TestHook;
+  private readonly loader: SceneLoader;
+  private readonly navigation: Navigation;
+  private readonly picking: Picking;
+  private readonly objects: ObjectsPanel;
+  private readonly labels: Labels;
+  private readonly hud: Hud;
+  private readonly isReplay: boolean;
+  private readonly showDetail: (level: number) => void;
+  private readonly calm = matchMedia('(prefers-reduced-motion: reduce)');
+  private tool: DesktopTool | null = null;
+  private toolPanel: ToolPanel | null = null;
+  private replay: ReplayPlayer | null = null;
+  private plot: LivePlot | null = null;
+  private lastFrame = NaN; // [ms]
+  private lastFigures = -Infinity; // [ms]
+  private pulses = -1;
+  private hasPicture = false;
+
+  constructor(
+    private readonly app: App,
+    private readonly model: SceneModel,
+    info: SessionInfo,
+    private readonly messages: Messages,
+  ) {
+    const { view, session } = app;
+    this.isReplay = info.mode === 'replay';
+    this.loader = new SceneLoader(
+      view,
+      (progress) => this.showProgress(progress),
+      () => this.partLoaded(),
+    );
+    this.hook = window.__pcavr = new TestHook(app, this.loader, messages);
+    this.hook.mode = info.mode;
+    this.navigation = new Navigation(app.camera, app.canvas, () => app.invalidate());
+    this.picking = this.hook.picking = new Picking(view, app.canvas, () => app.invalidate());
+    this.objects = new ObjectsPanel(view.bodies, (text) => messages.announce(text));
+    this.labels = new Labels(view, byId('stage', HTMLElement));
+    this.hud = new Hud(session);
+    addMarks(view, model);
+    fillLayersPanel(view.layers, presentLayers(model, this.isReplay));
+    view.layers.onChange(() => app.invalidate());
+    this.showDetail = fillDetail(model, (level) => void this.loader.showLevel(level));
+    this.loadOnDemand();
+    this.fillHead(info);
+    this.connectView();
+    this.connectSession();
+    new ThemeSwitch((theme) => this.setTheme(theme));
+    app.onFrame((time) => this.frame(time));
+    app.onDrawn(() => this.drawn());
+  }
+
+  async load(): Promise<void> {
+    const loading = this.loader.load(this.triangleBudget());
+    if (this.isReplay) await this.loadReplay();
+    else await this.addTool();
+    await loading;
+    this.loader.failures.forEach((text) => this.messages.show({ level: 'error', text }));
+  }
+
+  private triangleBudget(): number {
+    const asked = Number(new URLSearchParams(location.search).get('triangles'));
+    if (asked > 0) return asked;
+    if (this.app.isSoftwareRendered) return budgets.software;
+    return /Android|Mobile|Quest/i.test(navigator.userAgent) ? budgets.mobile : budgets.card;
+  }
+
+  private async loadReplay(): Promise<void> {
+    const { ReplayPlayer } = await import('./replay/replay');
+    this.replay = this.hook.replay = await ReplayPlayer.load(this.app);
+  }
+
+  private async addTool(): Promise<void> {
+    const handle = byId('handle', HTMLButtonElement);
+    this.tool = this.hook.tool = new DesktopTool(this.app, this.picking, handle);
+    this.tool.isEnabled = true;
+    this.toolPanel = new ToolPanel(this.app, this.tool, handle);
+    const { LivePlot } = await import('./ui/live_plot');
+    byId('dock', HTMLElement).hidden = false;
+    this.plot = new LivePlot(byId('plots', HTMLDivElement));
+  }
+
+  private fillHead(info: SessionInfo): void {
+    setText(byId('scene-name', HTMLSpanElement), this.model.name || info.scene);
+    const chip = byId('mode', HTMLSpanElement);
+    chip.hidden = false;
+    chip.textContent = info.mode;
+    document.title = `${this.model.name || info.scene} · pcavr`;
+    const panel = byId('panel', HTMLElement);
+    const toggle = byId('panel-toggle', HTMLButtonElement);
+    const show = (isShown: boolean) => {
+      panel.hidden = !isShown;
+      toggle.setAttribute('aria-expanded', String(isShown));
+    };
+    toggle.addEventListener('click', () => show(panel.hidden));
+    show(!matchMedia('(width <= 720px)').matches);
+  }
+
+  private connectView(): void {
+    for (const radio of document.querySelectorAll<HTMLInputElement>('[name=navigation]'))
+      radio.addEventListener('change', () =>
+        this.navigation.setMode(radio.value as 'orbit' | 'walk'),
+      );
+    byId('frame-all', HTMLButtonElement).addEventListener('click', () => this.frameAll());
+    const measure = byId('measure', HTMLButtonElement);
+    const distance = byId('distance', HTMLOutputElement);
+    measure.addEventListener('click', () => {
+      this.picking.setMeasuring(!this.picking.isMeasuring);
+      setPressed(measure, this.picking.isMeasuring);
+      setText(distance, this.picking.isMeasuring ? 'click two points' : 'two points, in mm');
+    });
+    this.picking.onMeasure = (metres) => setText(distance, distanceText(metres));
+    this.picking.onPick = (body) => {
+      if (body || this.objects.selected) this.objects.select(body ?? this.objects.selected);
+    };
+  }
+
+  private connectSession(): void {
+    const { session, view } = this.app;
+    const status = byId('connection', HTMLSpanElement);
+    session.onWelcome((welcome) => {
+      view.setObjectOrder(welcome.objects);
+      view.tool.setRadius(welcome.tool_radius);
+    });
+    session.onNotice((notice) => this.messages.show(notice));
+    session.onConnection((connection, reason) => {
+      status.dataset.state = connection;
+      setText(
+        status,
+        {
+          open: 'connected',
+          lost: 'lost, trying again',
+          refused: 'refused',
+          connecting: 'connecting',
+        }[connection],
+      );
+      if (reason && connection === 'refused') this.messages.show({ level: 'error', text: reason });
+    });
+  }
+
+  /// Clouds and cells are fetched when they are first to be seen.
+  private loadOnDemand(): void {
+    const { layers } = this.app.view;
+    const { cloud, occupancy } = this.model;
+    const sources = {
+      cloud: cloud && { path: cloud.path, make: makeCloud },
+      occupancy: occupancy && { path: occupancy.path, make: makeOccupancy },
+    };
+    layers.onChange(async (name, isShown) => {
+      if (!isShown || (name !== 'cloud' && name !== 'occupancy')) return;
+      const source = sources[name];
+      if (!source) return;
+      sources[name] = null;
+      try {
+        layers.group(name).add(source.make(await fetchBytes(source.path, () => {})));
+        this.app.invalidate();
+      } catch (error) {
+        this.messages.show({ level: 'error', text: `${source.path}: ${(error as Error).message}` });
+      }
+    });
+  }
+
+  private setTheme(theme: 'light' | 'dark'): void {
+    this.app.view.setTheme(theme);
+    this.plot?.redraw();
+    this.replay?.redraw();
+    this.app.invalidate();
+  }
+
+  private frameAll(): void {
+    this.navigation.lookAt(this.app.view.frameAll());
+    this.app.invalidate();
+  }
+
+  private partLoaded(): void {
+    if (!this.hasPicture && this.loader.level >= 0) {
+      this.hasPicture = true;
+      this.frameAll();
+    }
+    if (this.loader.level >= 0) this.showDetail(this.loader.level);
+    this.app.invalidate();
+  }
+
+  private showProgress({ loaded, total, what }: Progress): void {
+    const bar = byId('progress', HTMLProgressElement);
+    bar.value = total > 0 ? loaded / total : 1;
+    bar.classList.toggle('done', what === '');
+    const text = what === '' ? '' : `${what}: ${megabytes(loaded)} of ${megabytes(total)}`;
+    setText(byId('loading-text', HTMLDivElement), text);
+  }
+
+  private frame(time: number): void {
+    const seconds = Number.isFinite(this.lastFrame) ? (time - this.lastFrame) / 1000 : 0;
+    this.lastFrame = time;
+    this.navigation.update(seconds);
+    this.tool?.update(seconds);
+    const state = this.app.session.latest();
+    if (state) {
+      this.plot?.add(state, time / 1000);
+      if (this.pulses >= 0 && state.pulses > this.pulses) navigator.vibrate?.(vibrationMs);
+      this.pulses = state.pulses;
+    }
+    if (this.app.view.tool.animate(time / 1000, this.calm.matches)) this.app.invalidate();
+    if (time - this.lastFigures < 1000 * figuresSeconds) return;
+    this.lastFigures = time;
+    this.hud.update();
+    this.objects.update((body) => this.forceOn(body.object.name));
+  }
+
+  private forceOn(name: string): number {
+    if (this.replay) return this.replay.force(name);
+    const index = this.app.session.welcome?.objects.indexOf(name) ?? -1;
+    const object = this.app.session.latest()?.objects[index];
+    return object ? length(object.force) : 0;
+  }
+
+  private drawn(): void {
+    if (this.hasPicture && Number.isNaN(this.hook.firstPicture))
+      this.hook.firstPicture = performance.now();
+    this.labels.update();
+    this.toolPanel?.update();
+  }
+}

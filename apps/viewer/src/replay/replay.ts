@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import type { App } from '../app';
+import { fetchBytes, fetchJson } from '../scene/scene_model';
+import { byId, create } from '../ui/dom';
+import { PicturePanel } from './picture_panel';
+import { phasesAt, poseAt, readReplay, type Replay, type ReplayModel } from './replay_data';
+import { ReplayPlots } from './replay_plots';
+import { Timeline } from './timeline';
+import { TimelineBar } from './timeline_bar';
+
+/// A recording replayed: the predicted bodies solid, the tracked ones as ghosts, all by one timeline.
+export class ReplayPlayer {
+  readonly timeline: Timeline;
+  readonly picture: PicturePanel;
+  private readonly bar: TimelineBar;
+  private readonly plots: ReplayPlots;
+  private lastFrame = NaN; // [ms]
+
+  private constructor(
+    private readonly app: App,
+    private readonly replay: Replay,
+  ) {
+    this.timeline = new Timeline(replay.model.duration);
+    byId('dock', HTMLElement).hidden = false;
+    this.bar = new TimelineBar(this.timeline, app.canvas, () => this.show());
+    this.plots = new ReplayPlots(byId('plots', HTMLDivElement), replay, (t) => this.bar.seek(t));
+    this.picture = new PicturePanel(replay.model.frames.t);
+    this.choosePlotted();
+    app.onFrame((time) => this.frame(time));
+    this.show();
+  }
+
+  static async load(app: App): Promise<ReplayPlayer> {
+    const [model, binary] = await Promise.all([
+      fetchJson<ReplayModel>('/api/replay.json'),
+      fetchBytes('/api/replay.bin', () => {}),
+    ]);
+    return new ReplayPlayer(app, readReplay(model, binary));
+  }
+
+  redraw(): void {
+    this.plots.redraw();
+  }
+
+  /// The measured force [N] on an object now.
+  force(name: string): number {
+    const object = this.replay.objects.find((o) => o.name === name);
+    return object?.force.at(this.timeline.time)?.[1] ?? 0;
+  }
+
+  private choosePlotted(): void {
+    const select = byId('plotted', HTMLSelectElement);
+    const { objects } = this.replay;
+    select.append(
+      ...objects.map(({ name }) => create('option', { value: name, textContent: name })),
+    );
+    select.hidden = objects.length < 2;
+    const show = () => {
+      const object = objects.find(({ name }) => name === select.value) ?? objects[0];
+      if (object) this.plots.show(object);
+      this.plots.setPlayhead(this.timeline.time);
+    };
+    select.addEventListener('change', show);
+    show();
+  }
+
+  private frame(time: number): void {
+    const seconds = Number.isFinite(this.lastFrame) ? (time - this.lastFrame) / 1000 : 0;
+    this.lastFrame = time;
+    if (this.timeline.advance(seconds)) this.show();
+  }
+
+  private show(): void {
+    const { time } = this.timeline;
+    for (const object of this.replay.objects) {
+      const body = this.app.view.body(object.name);
+      if (!body) continue;
+      const predicted = poseAt(object.predicted, time);
+      const tracked = poseAt(object.tracked, time);
+      if (predicted) body.place(predicted.position, predicted.quaternion);
+      if (tracked) body.placeGhost(tracked.position, tracked.quaternion);
+      else body.ghost.visible = false;
+      body.setPhase(phasesAt(object, time).predicted, false);
+    }
+    this.showTool(time);
+    this.bar.update();
+    this.plots.setPlayhead(time);
+    this.picture.setTime(time);
+    this.app.invalidate();
+  }
+
+  private showTool(time: number): void {
+    const row = this.replay.tool.at(time);
+    const { tool } = this.app.view;
+    if (!row) return tool.hide();
+    const [, x, y, z, fx, fy, fz] = row;
+    tool.show([x, y, z], [x, y, z], [fx, fy, fz]);
+  }
+}

@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import type { Phase, Quaternion, Vector } from '../protocol';
+
+interface TableAt {
+  at: number; // [bytes] from the start of replay.bin
+  rows: number;
+}
+
+/// `/api/replay.json`; times [s] from `start`.
+export interface ReplayModel {
+  duration: number;
+  start: number;
+  delays: { forward: number; backward: number };
+  parameters: string | null;
+  objects: {
+    name: string;
+    predicted: TableAt;
+    tracked: TableAt;
+    force: TableAt;
+    error: TableAt;
+    phases: { t: number; measured: Phase; predicted: Phase }[];
+  }[];
+  tool: TableAt;
+  corrections: { t: number; object: string; case: number | string; what: string; bytes: number }[];
+  frames: { t: number[]; width: number; height: number };
+}
+
+/// Rows of numbers, the first of each its time, ascending.
+export class Table {
+  constructor(
+    readonly values: Float32Array,
+    readonly width: number,
+  ) {}
+
+  get rows(): number {
+    return this.values.length / this.width;
+  }
+
+  time(row: number): number {
+    return this.values[row * this.width];
+  }
+
+  column(index: number): Float64Array {
+    return Float64Array.from(
+      { length: this.rows },
+      (_, row) => this.values[row * this.width + index],
+    );
+  }
+
+  /// The last row not after `time`; -1 where all are.
+  rowAt(time: number): number {
+    let [low, high] = [0, this.rows];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.time(middle) <= time) low = middle + 1;
+      else high = middle;
+    }
+    return low - 1;
+  }
+
+  /// Values at `time`, between two rows in proportion; null outside of them all.
+  at(time: number): number[] | null {
+    const row = this.rowAt(time);
+    if (row < 0) return null;
+    const from = this.row(row);
+    if (row + 1 === this.rows) return time <= from[0] + longestHold ? from : null;
+    const to = this.row(row + 1);
+    const part = (time - from[0]) / (to[0] - from[0]);
+    return from.map((value, i) => value + (to[i] - value) * part);
+  }
+
+  private row(row: number): number[] {
+    return Array.from(this.values.subarray(row * this.width, (row + 1) * this.width));
+  }
+}
+
+const longestHold = 0.5; // [s] that a last value is shown for: beyond, nothing is known
+
+export interface PoseAt {
+  position: Vector;
+  quaternion: Quaternion;
+}
+
+/// A pose of rows t, position, quaternion: the shorter way round between two.
+export function poseAt(table: Table, time: number): PoseAt | null {
+  const row = table.rowAt(time);
+  const values = table.at(time);
+  if (!values) return null;
+  const position: Vector = [values[1], values[2], values[3]];
+  const from = table.values.subarray(row * 8 + 4, row * 8 + 8);
+  const next = Math.min(row + 1, table.rows - 1);
+  const to = table.values.subarray(next * 8 + 4, next * 8 + 8);
+  const dot = from[0] * to[0] + from[1] * to[1] + from[2] * to[2] + from[3] * to[3];
+  const span = table.time(next) - table.time(row);
+  const part = span > 0 ? Math.min(1, (time - table.time(row)) / span) : 0;
+  const mixed = Array.from(from, (q, i) => q + ((dot < 0 ? -to[i] : to[i]) - q) * part);
+  const size = Math.hypot(...mixed) || 1;
+  return { position, quaternion: mixed.map((q) => q / size) as Quaternion };
+}
+
+export interface ReplayObject {
+  name: string;
+  predicted: Table;
+  tracked: Table;
+  force: Table;
+  error: Table;
+  phases: { t: number; measured: Phase; predicted: Phase }[];
+}
+
+export interface Replay {
+  model: ReplayModel;
+  objects: ReplayObject[];
+  tool: Table;
+}
+
+/// Takes replay.bin apart; an Error where it is too short for what replay.json says.
+export function readReplay(model: ReplayModel, binary: ArrayBuffer): Replay {
+  const table = ({ at, rows }: TableAt, width: number) => {
+    if (at % 4 !== 0 || at + 4 * rows * width > binary.byteLength)
+      throw new Error('replay.bin is shorter than replay.json says');
+    return new Table(new Float32Array(binary, at, rows * width), width);
+  };
+  return {
+    model,
+    tool: table(model.tool, 7),
+    objects: model.objects.map((object) => ({
+      name: object.name,
+      phases: object.phases,
+      predicted: table(object.predicted, 8),
+      tracked: table(object.tracked, 8),
+      force: table(object.force, 3),
+      error: table(object.error, 3),
+    })),
+  };
+}
+
+/// The phases that hold at `time`.
+export function phasesAt(
+  object: ReplayObject,
+  time: number,
+): { measured: Phase; predicted: Phase } {
+  let found: { measured: Phase; predicted: Phase } = { measured: 'free', predicted: 'free' };
+  for (const phase of object.phases) if (phase.t <= time) found = phase;
+  return found;
+}
+
+/// The last of ascending `times` not after `time`; the first where all are after it; -1 of none.
+export function indexAt(times: readonly number[], time: number): number {
+  let found = times.length > 0 ? 0 : -1;
+  for (let i = 0; i < times.length && times[i] <= time; ++i) found = i;
+  return found;
+}

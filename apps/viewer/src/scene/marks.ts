@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import {
+  AxesHelper,
+  BufferGeometry,
+  CanvasTexture,
+  DoubleSide,
+  Group,
+  Line,
+  LineBasicMaterial,
+  LineLoop,
+  LineSegments,
+  Mesh,
+  MeshBasicMaterial,
+  PlaneGeometry,
+  Shape,
+  ShapeGeometry,
+  SRGBColorSpace,
+  Vector3,
+} from 'three';
+import type { SceneModel, SceneTag } from './scene_model';
+import type { SceneView } from './view';
+
+const lift = 0.001; // [m] above what it lies on, or both would flicker
+const cameraSize = 0.02; // [m]
+const mostCameras = 60; // drawn as pyramids: more would hide the path they lie on
+
+/// Tags, frames, support planes and the camera's path: what explains a scene.
+export function addMarks(view: SceneView, model: SceneModel): void {
+  const { layers } = view;
+  layers.group('frames').add(axes(0.2));
+  for (const { marks } of view.bodies) {
+    const [tags, frame] = marks;
+    frame.add(axes(0.08));
+    layers.group('tags').add(tags);
+    layers.group('frames').add(frame);
+  }
+  for (const tag of model.tags) addTag(view, tag);
+  for (const { outline } of model.support_planes)
+    if (outline.length > 2) layers.group('planes').add(supportPlane(outline));
+  layers.group('cameras').add(...cameraPath(model.cameras));
+}
+
+function axes(length: number): AxesHelper {
+  return new AxesHelper(length);
+}
+
+function addTag(view: SceneView, tag: SceneTag): void {
+  const mark = new Group();
+  const square = new Mesh(
+    new PlaneGeometry(tag.size, tag.size),
+    new MeshBasicMaterial({ map: tagPicture(tag), side: DoubleSide }),
+  );
+  square.position.z = lift;
+  mark.add(square, axes(0.6 * tag.size));
+  mark.position.fromArray(tag.position);
+  mark.quaternion.fromArray(tag.quaternion);
+  if (tag.object === null) view.layers.group('tags').add(mark);
+  else view.body(tag.object)?.marks[0].add(mark);
+}
+
+/// A tag's family and number, in a frame: its pattern is no concern of the page.
+function tagPicture(tag: SceneTag): CanvasTexture {
+  const canvas = document.createElement('canvas');
+  canvas.width = canvas.height = 128;
+  const pen = canvas.getContext('2d')!;
+  pen.fillStyle = '#ffffff';
+  pen.fillRect(0, 0, 128, 128);
+  pen.lineWidth = 12;
+  pen.strokeRect(10, 10, 108, 108);
+  pen.fillStyle = '#000000';
+  pen.textAlign = 'center';
+  pen.font = '600 52px sans-serif';
+  pen.fillText(String(tag.id), 64, 78);
+  pen.font = '14px sans-serif';
+  pen.fillText(tag.family, 64, 102);
+  const texture = new CanvasTexture(canvas);
+  texture.colorSpace = SRGBColorSpace;
+  return texture;
+}
+
+/// In its own plane the outline is a flat polygon: two axes in it, and the height of each corner.
+function supportPlane(outline: SceneModel['support_planes'][number]['outline']): Group {
+  const corners = outline.map((corner) => new Vector3(...corner));
+  const shape = new Shape();
+  corners.forEach(({ x, y }, i) => (i === 0 ? shape.moveTo(x, y) : shape.lineTo(x, y)));
+  const face = new Mesh(
+    new ShapeGeometry(shape),
+    new MeshBasicMaterial({
+      color: '#2f9e6e',
+      transparent: true,
+      opacity: 0.25,
+      depthWrite: false,
+      side: DoubleSide,
+    }),
+  );
+  face.position.z = corners.reduce((sum, { z }) => sum + z, 0) / corners.length + lift;
+  const edge = new LineLoop(
+    new BufferGeometry().setFromPoints(corners),
+    new LineBasicMaterial({ color: '#2f9e6e' }),
+  );
+  edge.position.z = lift;
+  return new Group().add(face, edge);
+}
+
+function cameraPath(cameras: SceneModel['cameras']): (Line | LineSegments)[] {
+  const material = new LineBasicMaterial({ color: '#b8860b' });
+  const path = cameras.map(({ position }) => new Vector3(...position));
+  const parts: (Line | LineSegments)[] = [];
+  if (path.length > 1) parts.push(new Line(new BufferGeometry().setFromPoints(path), material));
+  const pyramid = new BufferGeometry().setFromPoints(pyramidEdges(cameraSize));
+  const every = Math.ceil(cameras.length / mostCameras);
+  for (let i = 0; i < cameras.length; i += every) {
+    const camera = new LineSegments(pyramid, material);
+    camera.position.fromArray(cameras[i].position);
+    camera.quaternion.fromArray(cameras[i].quaternion);
+    parts.push(camera);
+  }
+  return parts;
+}
+
+/// A camera looks along its z, with x to the right and y down.
+function pyramidEdges(size: number): Vector3[] {
+  const corner = (x: number, y: number) => new Vector3(x * size, y * size * 0.75, 1.5 * size);
+  const corners = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+  return corners.flatMap((c, i) => [new Vector3(), c, c, corners[(i + 1) % 4]]);
+}

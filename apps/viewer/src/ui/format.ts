@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+
+/// Numbers as a person reads them; a dash where there is none.
+
+export function milliseconds(seconds: number): string {
+  if (!Number.isFinite(seconds)) return '–';
+  const ms = seconds * 1e3;
+  return `${ms < 10 ? ms.toFixed(1) : ms.toFixed(0)} ms`;
+}
+
+export function microseconds(seconds: number): string {
+  return Number.isFinite(seconds) ? `${(seconds * 1e6).toFixed(0)} µs` : '–';
+}
+
+export function newtons(force: number): string {
+  return Number.isFinite(force) ? `${force.toFixed(1)} N` : '–';
+}
+
+export function millimetres(metres: number): string {
+  return Number.isFinite(metres) ? `${(metres * 1e3).toFixed(1)} mm` : '–';
+}
+
+export function length(vector: readonly number[]): number {
+  return Math.hypot(...vector);
+}
+
+/// With about `digits` digits that mean something, and no more.
+export function significant(value: number, digits = 3): string {
+  return Number.isFinite(value) ? String(Number(value.toPrecision(digits))) : '–';
+}
+
+export function megabytes(bytes: number): string {
+  return `${(bytes / 1e6).toFixed(1)} MB`;
+}
+
+/// The angle [degrees] that a unit quaternion turns by, and about the vertical.
+export function heading([x, y, z, w]: readonly number[]): string {
+  const yaw = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
+  return `${((yaw * 180) / Math.PI).toFixed(1)}°`;
+}

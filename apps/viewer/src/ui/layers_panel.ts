@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import { layerNames, layerTitles, type LayerName, type Layers } from '../scene/layers';
+import type { SceneModel } from '../scene/scene_model';
+import { byId, create } from './dom';
+
+/// A checkbox for each layer; greyed where the scene has nothing for it.
+export function fillLayersPanel(layers: Layers, present: readonly LayerName[]): void {
+  const panel = byId('layers', HTMLDivElement);
+  const boxes = new Map<LayerName, HTMLInputElement>();
+  for (const name of layerNames) {
+    const box = create('input', { type: 'checkbox', id: `layer-${name}` });
+    box.checked = layers.isShown(name) && present.includes(name);
+    box.disabled = !present.includes(name);
+    box.addEventListener('change', () => layers.show(name, box.checked));
+    boxes.set(name, box);
+    const label = create('label', {}, box, layerTitles[name]);
+    label.classList.toggle('absent', box.disabled);
+    panel.append(label);
+  }
+  layers.onChange((name, isShown) => (boxes.get(name)!.checked = isShown));
+}
+
+/// Which layers the scene has something for.
+export function presentLayers(model: SceneModel, isReplay: boolean): LayerName[] {
+  const has: Record<LayerName, boolean> = {
+    mesh: model.mesh.length > 0,
+    cloud: model.cloud !== null,
+    occupancy: model.occupancy !== null,
+    bodies: model.objects.length > 0,
+    ghosts: isReplay,
+    labels: model.objects.length > 0,
+    tags: model.tags.length > 0,
+    frames: true,
+    planes: model.support_planes.length > 0,
+    cameras: model.cameras.length > 0,
+  };
+  return layerNames.filter((name) => has[name]);
+}
+
+/// The scan's levels of detail, to choose by hand.
+export function fillDetail(model: SceneModel, onChoice: (level: number) => void) {
+  const select = byId('detail', HTMLSelectElement);
+  select.replaceChildren(
+    ...model.mesh.map(({ triangles }, level) =>
+      create('option', {
+        value: String(level),
+        textContent: `${triangles.toLocaleString('en')} triangles`,
+      }),
+    ),
+  );
+  select.disabled = model.mesh.length < 2;
+  select.addEventListener('change', () => onChoice(Number(select.value)));
+  return (level: number) => (select.value = String(level));
+}

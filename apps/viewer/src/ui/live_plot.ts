@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import type { LiveState } from '../protocol';
+import { Plot } from './plot';
+import { length } from './format';
+
+const shownSeconds = 10;
+const redrawSeconds = 1 / 12; // an eye follows a curve so; drawing faster only costs
+const mostSamples = 2000;
+const leastSpan = 2; // [N]
+
+/// The force of the last seconds.
+export class LivePlot {
+  private readonly plot: Plot;
+  private times: number[] = [];
+  private forces: number[] = [];
+  private lastDrawn = -Infinity;
+
+  constructor(parent: HTMLElement) {
+    this.plot = new Plot(parent, {
+      title: 'Force on the hand',
+      unit: 'N',
+      series: [{ title: 'magnitude', color: '#d6336c' }],
+      height: 110,
+      leastSpan,
+    });
+    this.plot.setData([0, shownSeconds], [[NaN, NaN]], 0, shownSeconds);
+  }
+
+  /// Takes a new state in; `now` [s] only paces the drawing.
+  add(state: LiveState, now: number): void {
+    const last = this.times[this.times.length - 1] ?? -Infinity;
+    if (state.worldTime < last) this.clear();
+    if (state.worldTime === last) return;
+    this.times.push(state.worldTime);
+    this.forces.push(length(state.force));
+    let old = Math.max(0, this.times.length - mostSamples);
+    while (this.times[old] < state.worldTime - shownSeconds) ++old;
+    if (old > 64 || old === this.times.length) this.forget(old);
+    if (now - this.lastDrawn < redrawSeconds) return;
+    this.lastDrawn = now;
+    const to = Math.max(state.worldTime, shownSeconds);
+    this.plot.setData(this.times, [this.forces], to - shownSeconds, to);
+  }
+
+  redraw(): void {
+    this.plot.redraw();
+  }
+
+  private clear(): void {
+    this.forget(this.times.length);
+  }
+
+  private forget(rows: number): void {
+    this.times.splice(0, rows);
+    this.forces.splice(0, rows);
+  }
+}

@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import { phaseColors, type Body } from '../scene/bodies';
+import type { SceneObject } from '../scene/scene_model';
+import { byId, create, fillList, setPressed, setText } from './dom';
+import { heading, millimetres, newtons, significant } from './format';
+
+interface Row {
+  button: HTMLButtonElement;
+  phase: HTMLElement;
+  number: HTMLElement;
+}
+
+export function phaseWord(body: Body): string {
+  if (!body.object.movable) return 'fixed';
+  return body.isOutsideModel ? 'outside the model' : body.phase;
+}
+
+/// The objects with their phases, and all that is known of the one chosen.
+export class ObjectsPanel {
+  selected: Body | null = null;
+  private readonly rows = new Map<Body, Row>();
+  private readonly details = byId('details', HTMLElement);
+  private readonly name = byId('details-name', HTMLHeadingElement);
+  private readonly list = byId('details-list', HTMLElement);
+
+  constructor(
+    bodies: readonly Body[],
+    private readonly announce: (text: string) => void,
+  ) {
+    const list = byId('objects', HTMLUListElement);
+    for (const body of bodies) list.append(create('li', {}, this.addRow(body)));
+    if (bodies.length === 0) list.append(create('li', { className: 'muted' }, 'none'));
+  }
+
+  select(body: Body | null): void {
+    this.selected = body === this.selected ? null : body;
+    for (const [other, row] of this.rows) setPressed(row.button, other === this.selected);
+    this.details.hidden = this.selected === null;
+    this.showDetails();
+  }
+
+  /// `force` [N] of the tool on each body, by name.
+  update(force: (body: Body) => number): void {
+    for (const [body, row] of this.rows) {
+      const word = phaseWord(body);
+      if (row.phase.textContent !== word) {
+        if (row.phase.textContent) this.announce(`${body.object.name}: ${word}`);
+        row.phase.textContent = word;
+        row.phase.style.setProperty('--phase', phaseColors[body.phase]);
+      }
+      const newton = force(body);
+      setText(row.number, newton > 0.05 ? newtons(newton) : '');
+    }
+    this.showDetails();
+  }
+
+  private addRow(body: Body): HTMLButtonElement {
+    const swatch = create('span', { className: 'swatch' });
+    swatch.style.background = body.color;
+    const row: Row = {
+      phase: create('span', { className: 'phase' }),
+      number: create('span', { className: 'number' }),
+      button: create('button', { type: 'button' }),
+    };
+    row.button.append(
+      swatch,
+      create('span', { className: 'name', textContent: body.object.name }),
+      row.phase,
+      row.number,
+    );
+    row.button.setAttribute('aria-pressed', 'false');
+    row.button.addEventListener('click', () => this.select(body));
+    this.rows.set(body, row);
+    return row.button;
+  }
+
+  private showDetails(): void {
+    const body = this.selected;
+    if (!body) return;
+    setText(this.name, body.object.name);
+    const { x, y, z } = body.solid.position;
+    const rows: [string, string][] = [
+      ['Phase', phaseWord(body)],
+      ['Position', [x, y, z].map((v) => (v * 1e3).toFixed(1)).join(', ') + ' mm'],
+      ['Heading', heading(body.solid.quaternion.toArray())],
+      ...factsOf(body.object),
+    ];
+    const text = JSON.stringify(rows);
+    if (this.list.dataset.shown === text) return;
+    this.list.dataset.shown = text;
+    fillList(this.list, rows);
+  }
+}
+
+/// What the scene says of an object, each value with its deviation where it has one.
+export function factsOf(object: SceneObject): [string, string][] {
+  const rows: [string, string][] = [];
+  if (object.mass !== null) rows.push(['Mass', `${significant(object.mass)} kg`]);
+  if (object.evidence) rows.push(['Pose from', object.evidence.replaceAll('_', ' ')]);
+  const values = object.parameters ?? {};
+  for (const [key, value] of Object.entries(values)) {
+    if (key.endsWith('_std') || typeof value !== 'number') continue;
+    const deviation = values[`${key}_std`];
+    const title = key.replaceAll('_', ' ');
+    const spread = Number.isFinite(deviation) ? ` ± ${significant(deviation, 2)}` : '';
+    rows.push([title[0].toUpperCase() + title.slice(1), `${significant(value)}${spread}`]);
+  }
+  return rows;
+}
+
+export function distanceText(metres: number | null): string {
+  return metres === null ? 'click the second point' : millimetres(metres);
+}

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import { fetchJson, type SessionInfo } from '../scene/scene_model';
+import { byId } from './dom';
+
+/// Asks for the pairing code until the server takes it; done at once where it needs none.
+export async function pair(): Promise<SessionInfo> {
+  const session = await fetchJson<SessionInfo>('/api/session');
+  if (session.paired) return session;
+  const dialog = byId('pairing', HTMLDialogElement);
+  const code = byId('pairing-code', HTMLInputElement);
+  const error = byId('pairing-error', HTMLParagraphElement);
+  dialog.addEventListener('cancel', (event) => event.preventDefault());
+  dialog.showModal();
+  return new Promise((resolve) => {
+    byId('pairing-form', HTMLFormElement).addEventListener('submit', async (event) => {
+      event.preventDefault();
+      error.textContent = await tryCode(code.value.trim());
+      if (error.textContent !== '') return code.select();
+      dialog.close();
+      resolve(await fetchJson<SessionInfo>('/api/session'));
+    });
+  });
+}
+
+/// What was wrong with it, in words; nothing where it was right.
+async function tryCode(code: string): Promise<string> {
+  try {
+    const headers = { 'content-type': 'application/json' };
+    const body = JSON.stringify({ code });
+    const { ok, status } = await fetch('/api/pair', { method: 'POST', headers, body });
+    if (ok) return '';
+    if (status === 429) return 'Too many tries: wait a minute.';
+    return status === 403 ? 'That is not the code.' : `The server answers ${status}.`;
+  } catch {
+    return 'The server does not answer.';
+  }
+}

@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import uPlot from 'uplot';
+import 'uplot/dist/uPlot.min.css';
+import { create } from './dom';
+
+export interface PlotSeries {
+  title: string;
+  color: string;
+  scale?: string; // a second axis, on the right
+}
+
+export interface PlotOptions {
+  title: string;
+  unit: string;
+  rightUnit?: string;
+  series: PlotSeries[];
+  height: number; // [CSS pixels]
+  onSeek?: (time: number) => void;
+  /// Draws below the curves, in the pixels of the canvas.
+  drawBelow?: (plot: uPlot) => void;
+  leastSpan: number; // of the left axis: noise about zero is not blown up to fill the plot
+}
+
+/// A plot over time [s], in the page's colours and as wide as its place.
+export class Plot {
+  readonly element = create('div', { className: 'plot' });
+  private readonly plot: uPlot;
+  private readonly playhead = create('div', { className: 'playhead', hidden: true });
+  private readonly observer: ResizeObserver;
+
+  constructor(parent: HTMLElement, options: PlotOptions) {
+    this.element.append(this.heading(options));
+    parent.append(this.element);
+    this.plot = new uPlot(
+      this.settings(options),
+      [[0], ...options.series.map(() => [null])],
+      this.element,
+    );
+    this.plot.over.append(this.playhead);
+    if (options.onSeek) this.seekByPointer(options.onSeek);
+    this.observer = new ResizeObserver(() =>
+      this.plot.setSize({ width: this.element.clientWidth, height: options.height }),
+    );
+    this.observer.observe(this.element);
+  }
+
+  setData(times: ArrayLike<number>, columns: ArrayLike<number>[], from: number, to: number): void {
+    this.plot.setData([times, ...columns] as uPlot.AlignedData, false);
+    this.plot.batch(() => {
+      this.plot.setScale('x', { min: from, max: to });
+      this.plot.redraw(true, true);
+    });
+  }
+
+  setPlayhead(time: number): void {
+    this.playhead.hidden = false;
+    this.playhead.style.transform = `translateX(${this.plot.valToPos(time, 'x').toFixed(1)}px)`;
+  }
+
+  /// The colours of the page have changed.
+  redraw(): void {
+    this.plot.redraw(false, true);
+  }
+
+  remove(): void {
+    this.observer.disconnect();
+    this.plot.destroy();
+    this.element.remove();
+  }
+
+  private heading({ title, series }: PlotOptions): HTMLElement {
+    const keys = series.map(({ title: text, color }) => {
+      const key = create('span', { className: 'key', textContent: text });
+      key.style.setProperty('--key', color);
+      return key;
+    });
+    return create('h3', {}, create('span', { textContent: title }), ...keys);
+  }
+
+  private settings(options: PlotOptions): uPlot.Options {
+    const axis = (unit: string, scale: string, side: number): uPlot.Axis => ({
+      scale,
+      side,
+      size: 46,
+      stroke: () => cssColor('--muted'),
+      grid: { show: side === 3, stroke: () => cssColor('--grid'), width: 1 },
+      ticks: { show: false },
+      font: '11px system-ui, sans-serif',
+      values: (_, values) =>
+        values.map((value, i) => (i === values.length - 1 ? `${value} ${unit}` : `${value}`)),
+    });
+    const right = options.rightUnit ? [axis(options.rightUnit, 'right', 1)] : [];
+    const range: uPlot.Range.Function = (_, least, most) => [
+      Math.min(0, least ?? 0),
+      Math.max(options.leastSpan, (most ?? 0) * 1.08),
+    ];
+    return {
+      width: this.element.clientWidth || 300,
+      height: options.height,
+      padding: [6, options.rightUnit ? 0 : 12, 0, 0],
+      cursor: {
+        y: false,
+        drag: { x: false, y: false },
+        sync: { key: 'pcavr' },
+        points: { show: false },
+      },
+      legend: { show: false },
+      scales: { x: { time: false }, y: { range }, right: { range } },
+      axes: [
+        { ...axis('s', 'x', 2), size: 24, grid: { stroke: () => cssColor('--grid'), width: 1 } },
+        axis(options.unit, 'y', 3),
+        ...right,
+      ],
+      series: [
+        {},
+        ...options.series.map(({ color, scale }) => ({
+          stroke: color,
+          width: 1.4,
+          scale: scale ?? 'y',
+          points: { show: false },
+        })),
+      ],
+      hooks: { drawAxes: options.drawBelow ? [options.drawBelow] : [] },
+    };
+  }
+
+  private seekByPointer(onSeek: (time: number) => void): void {
+    const seek = (event: PointerEvent) => {
+      const box = this.plot.over.getBoundingClientRect();
+      onSeek(this.plot.posToVal(event.clientX - box.left, 'x'));
+    };
+    this.plot.over.addEventListener('pointerdown', (event) => {
+      this.plot.over.setPointerCapture(event.pointerId);
+      seek(event);
+    });
+    this.plot.over.addEventListener('pointermove', (event) => {
+      if (event.buttons & 1) seek(event);
+    });
+  }
+}
+
+export function cssColor(name: string): string {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import { byId } from './dom';
+
+export type Theme = 'light' | 'dark';
+const key = 'pcavr-theme';
+
+/// Light or dark: as the system has it, until the user says otherwise.
+export class ThemeSwitch {
+  private readonly button = byId('theme', HTMLButtonElement);
+  private readonly system = matchMedia('(prefers-color-scheme: dark)');
+  private chosen = localStorage.getItem(key);
+
+  constructor(private readonly onChange: (theme: Theme) => void) {
+    this.system.addEventListener('change', () => this.apply());
+    this.button.addEventListener('click', () => {
+      this.chosen = this.theme() === 'dark' ? 'light' : 'dark';
+      localStorage.setItem(key, this.chosen);
+      this.apply();
+    });
+    this.apply();
+  }
+
+  theme(): Theme {
+    if (this.chosen === 'light' || this.chosen === 'dark') return this.chosen;
+    return this.system.matches ? 'dark' : 'light';
+  }
+
+  private apply(): void {
+    const theme = this.theme();
+    document.documentElement.dataset.theme = theme;
+    this.button.textContent = theme === 'dark' ? 'Light' : 'Dark';
+    this.onChange(theme);
+  }
+}
