@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -53,6 +54,16 @@ class Connection {
   bool was_taken_;
   bool is_open_ = false;
 };
+
+/// The product's name; nothing where the daemon has no device. A cap that moves meanwhile garbles
+/// libspnav's answers, so it is asked again.
+std::optional<std::string> product_name() {
+  std::array<char, 64> name{};
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    if (spnav_dev_name(name.data(), static_cast<int>(name.size()) - 1) >= 0) return name.data();
+  }
+  return std::nullopt;
+}
 
 bool has_ended(int socket) {
   char byte = 0;
@@ -126,15 +137,14 @@ Expected<std::unique_ptr<SpaceMouseDevice>> SpaceMouseDevice::open(const RateOpt
                      "apt-get install spacenavd and start it, or name its socket in the "
                      "environment's SPNAV_SOCKET"};
   }
-  std::array<char, 64> product{};
   // Daemons before 1.0 (protocol 0) cannot be asked.
   if (spnav_protocol() >= 1) {
-    if (spnav_dev_name(product.data(), static_cast<int>(product.size())) < 0) {
+    const std::optional<std::string> product = product_name();
+    if (!product) {
       return Error{.message = "no SpaceMouse: its daemon, spacenavd, knows of no device",
                    .mend = "plug it in"};
     }
-    product.back() = '\0';
-    content->name += std::string(" (") + product.data() + ")";
+    content->name += " (" + *product + ")";
   }
   content->reader = std::thread([own = content.get()] { own->read(); });
   return std::unique_ptr<SpaceMouseDevice>(new SpaceMouseDevice(std::move(content)));

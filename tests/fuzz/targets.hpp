@@ -18,6 +18,8 @@ void series(std::string_view bytes);
 /// JPEG and PNG of 16 x 12 pixels; and the bytes taken as the filtered rows of a PNG.
 void image(std::string_view bytes);
 void parameters(std::string_view bytes);
+/// What an operator's hand did.
+void trace(std::string_view bytes);
 /// A correction from the robot's site.
 void message(std::string_view bytes);
 

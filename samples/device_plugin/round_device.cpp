@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// How does a force device of a vendor become one of pcavr? As a shared library with the functions
+// below, here round a device that is a weight of 0.1 kg led round a circle by a spring. Give it as
+// `plugin:libround_device.so` or, for another radius in millimetres,
+// `plugin:libround_device.so,50`.
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <new>
+
+#include "pcavr/devices/device_plugin.h"
+
+namespace {
+
+constexpr double kMass = 0.1;         // [kg]
+constexpr double kStiffness = 200.0;  // [N/m]
+constexpr double kDamping = 9.0;      // [N s/m] critical
+constexpr double kTurn = 1.0;         // [rad/s]
+
+struct RoundDevice {
+  double radius = 0.03;  // [m]
+  double tip[3] = {};
+  double velocity[3] = {};
+};
+
+// Here a vendor's SDK would be started, and asked for the device.
+void* open(const char* options, char* error, size_t error_size) {
+  const double millimetres = *options == '\0' ? 30.0 : std::strtod(options, nullptr);
+  if (!(millimetres > 0.0 && millimetres <= 100.0)) {
+    std::snprintf(error, error_size, "'%s' is no radius from 0 to 100 mm", options);
+    return nullptr;
+  }
+  auto* device = new (std::nothrow) RoundDevice;
+  if (device != nullptr) device->radius = 1e-3 * millimetres;
+  return device;
+}
+
+void close(void* device) { delete static_cast<RoundDevice*>(device); }
+
+// Here the SDK would be told the force and asked for the tip.
+int exchange(void* given, double t, double dt, const pcavr_device_feedback* feedback,
+             pcavr_device_sample* sample) {
+  auto& device = *static_cast<RoundDevice*>(given);
+  const double target[3] = {device.radius * std::sin(kTurn * t),
+                            device.radius * std::cos(kTurn * t), 0.0};
+  for (int i = 0; i < 3; ++i) {
+    const double force = kStiffness * (target[i] - device.tip[i]) - kDamping * device.velocity[i] +
+                         feedback->force[i];
+    device.velocity[i] += dt / kMass * force;
+    device.tip[i] += dt * device.velocity[i];
+    sample->tip[i] = device.tip[i];
+  }
+  sample->is_present = 1;
+  sample->is_engaged = 1;
+  return 0;
+}
+
+constexpr pcavr_device_plugin kPlugin = {
+    sizeof(pcavr_device_plugin), PCAVR_DEVICE_PLUGIN_ABI, "round device", open, close, exchange};
+
+}  // namespace
+
+const pcavr_device_plugin* pcavr_get_device_plugin(void) { return &kPlugin; }

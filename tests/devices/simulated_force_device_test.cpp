@@ -1,0 +1,155 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/devices/simulated_force_device.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/haptics/haptic_tool.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kCycle = 0.001;   // [s]
+constexpr double kRadius = 0.001;  // [m] of the tool's ball
+const Eigen::Vector3d kStart(0.0, 0.0, 0.02);
+
+TriangleMesh floor_mesh() {
+  TriangleMesh mesh;
+  mesh.vertices = {
+      {-1.0F, -1.0F, 0.0F}, {1.0F, -1.0F, 0.0F}, {1.0F, 1.0F, 0.0F}, {-1.0F, 1.0F, 0.0F}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return mesh;
+}
+
+/// Device and floor, each told what the other said in the cycle before.
+struct ClosedLoop {
+  SimulatedForceDevice device;
+  HapticTool tool;
+  DeviceFeedback feedback{.p_base_tool = kStart};
+  DeviceSample said;
+  double t = 0.0;
+
+  ClosedLoop(SimulatedForceDeviceOptions hand, double stiffness, double friction = 0.0)
+      : device(std::move(hand)),
+        tool(floor_mesh(), {kRadius, friction},
+             {.compliance = {stiffness, 0.0, 1.0}, .most_force = 100.0, .most_rate = 1e5}) {
+    EXPECT_TRUE(tool.reset(kStart));
+  }
+  void step() {
+    said = device.exchange(t, kCycle, feedback);
+    const HapticState state = tool.step(said.p_base_tip, kCycle);
+    feedback = {.p_base_tool = state.proxy, .force_base = state.force};
+    t += kCycle;
+  }
+};
+
+/// Wants to be 1 cm deep in the floor.
+Eigen::Vector3d into_the_floor(double) { return {0.0, 0.0, -0.03}; }
+
+TEST(SimulatedForceDevice, GoesWhereItsHandWantsItInFreeAir) {
+  SimulatedForceDevice device({.target = into_the_floor, .force_noise = 0.0});
+  DeviceSample said;
+  for (int i = 0; i < 1000; ++i)
+    said = device.exchange(i * kCycle, kCycle, {.p_base_tool = kStart});
+  EXPECT_TRUE(said.is_engaged && said.is_present);
+  EXPECT_LT((said.p_base_tip - Eigen::Vector3d(0.0, 0.0, -0.01)).norm(), 1e-6);
+  EXPECT_EQ(device.motor_work(), 0.0);
+}
+
+TEST(SimulatedForceDevice, ComesToRestOnAFloorOfAnyStiffnessInAnyHand) {
+  for (const double stiffness : {200.0, 1000.0, 3000.0}) {
+    for (const double hand_stiffness : {100.0, 400.0, 1000.0}) {
+      for (const double mass : {0.1, 0.3}) {
+        ClosedLoop loop({.target = into_the_floor,
+                         .hand_stiffness = hand_stiffness,
+                         .mass = mass,
+                         .force_noise = 0.0,
+                         .most_force = 100.0},
+                        stiffness);
+        for (int i = 0; i < 4000; ++i) loop.step();
+        // Where the two springs balance; the ball's radius keeps its centre off the floor.
+        const double rest =
+            (hand_stiffness * -0.01 + stiffness * kRadius) / (hand_stiffness + stiffness);
+        EXPECT_NEAR(loop.said.p_base_tip.z(), rest, 1e-5)
+            << stiffness << ' ' << hand_stiffness << ' ' << mass;
+        EXPECT_LT(loop.device.v_base_tip().norm(), 1e-4);
+      }
+    }
+  }
+}
+
+TEST(SimulatedForceDevice, GetsNoEnergyFromAFloorThatItIsPushedIntoAndTakenFrom) {
+  for (const double stiffness : {200.0, 1000.0, 3000.0}) {
+    for (const double turn : {1.0, 5.0, 20.0}) {
+      ClosedLoop loop({.target =
+                           [turn](double t) {
+                             return Eigen::Vector3d(0.0, 0.0, -0.015 * (1.0 - std::cos(turn * t)));
+                           },
+                       .force_noise = 0.0,
+                       .most_force = 100.0},
+                      stiffness);
+      double most = -1e9;
+      for (int i = 0; i < 10'000; ++i) {
+        loop.step();
+        most = std::max(most, loop.device.motor_work());
+      }
+      // The least force, which nothing pays for, over the millimetres that it acts on.
+      EXPECT_LT(most, 1e-6) << stiffness << ' ' << turn;
+      EXPECT_LT(loop.device.motor_work(), 0.0);
+    }
+  }
+}
+
+TEST(SimulatedForceDevice, StaysOnAFloorThroughNoiseAndSaturation) {
+  ClosedLoop loop({.target = into_the_floor, .force_noise = 0.05, .most_force = 3.0}, 1000.0, 0.3);
+  double fastest = 0.0;
+  for (int i = 0; i < 10'000; ++i) {
+    loop.step();
+    if (i > 2000) fastest = std::max(fastest, loop.device.v_base_tip().norm());
+  }
+  // Noise of 0.05 N a cycle on 0.2 kg is 0.25 mm/s a cycle, which the hand damps: no buzzing.
+  EXPECT_GT(fastest, 0.0);
+  EXPECT_LT(fastest, 0.01);
+  // 400 N/m against at most 3 N: the motors cannot hold more than 7.5 mm of spring.
+  EXPECT_LT(loop.said.p_base_tip.z(), -0.001);
+}
+
+TEST(SimulatedForceDevice, SaysTheSameBitsAgain) {
+  ClosedLoop first({}, 1000.0);
+  ClosedLoop second({}, 1000.0);
+  ClosedLoop other({.seed = 2}, 1000.0);
+  bool differs = false;
+  for (int i = 0; i < 3000; ++i) {
+    first.step();
+    second.step();
+    other.step();
+    ASSERT_EQ(first.said.p_base_tip, second.said.p_base_tip);
+    differs = differs || first.said.p_base_tip != other.said.p_base_tip;
+  }
+  EXPECT_TRUE(differs);
+}
+
+TEST(SimulatedForceDevice, WaitsForAToolThatIsSomewhereAndFeelsNoForceThatIsNone) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  SimulatedForceDevice device;
+  DeviceFeedback feedback{.p_base_tool = Eigen::Vector3d::Constant(kNan)};
+  EXPECT_FALSE(device.exchange(0.0, kCycle, feedback).is_present);
+  feedback.p_base_tool = kStart;
+  feedback.force_base = Eigen::Vector3d::Constant(kNan);
+  const DeviceSample said = device.exchange(kCycle, kCycle, feedback);
+  EXPECT_TRUE(said.is_present);
+  EXPECT_TRUE(said.p_base_tip.allFinite());
+}
+
+TEST(SimulatedForceDevice, RefusesOptionsThatAreNoHand) {
+  EXPECT_THROW(SimulatedForceDevice({.mass = 0.0}), ContractError);
+  EXPECT_THROW(SimulatedForceDevice({.hand_stiffness = -1.0}), ContractError);
+  EXPECT_THROW(SimulatedForceDevice({.most_force = INFINITY}), ContractError);
+}
+
+}  // namespace
+}  // namespace pcavr

@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/devices/space_mouse_device.hpp"
+
+#include <gtest/gtest.h>
+
+#include "devices/eventually.hpp"
+#include "devices/fake_spacenavd.hpp"
+
+namespace pcavr {
+namespace {
+
+using test::eventually;
+using test::FakeSpacenavd;
+
+constexpr double kCycle = 0.001;  // [s]
+const DeviceFeedback kFeedback{.p_base_tool = {0.5, 0.1, 0.2}};
+
+/// Whether the tip comes to move by `v` [m/s] in base.
+bool comes_to_move_by(Device& device, const Eigen::Vector3d& v) {
+  DeviceFeedback feedback = kFeedback;
+  Eigen::Vector3d before = feedback.p_base_tool;
+  return eventually([&] {
+    const DeviceSample said = device.exchange(0.0, kCycle, feedback);
+    feedback.p_base_tool = said.p_base_tip;
+    const Eigen::Vector3d moved = said.p_base_tip - before;
+    before = said.p_base_tip;
+    return said.is_engaged && (moved / kCycle - v).norm() < 1e-9;
+  });
+}
+
+bool comes_to_be(Device& device, bool is_present, bool is_engaged) {
+  return eventually([&] {
+    const DeviceSample said = device.exchange(0.0, kCycle, kFeedback);
+    return said.is_present == is_present && said.is_engaged == is_engaged;
+  });
+}
+
+TEST(SpaceMouseDevice, MovesTheTipAsTheCapIsPushedWhileTheLeftButtonIsHeld) {
+  FakeSpacenavd daemon;
+  auto device = SpaceMouseDevice::open({.most_speed = 0.1});
+  ASSERT_TRUE(device) << device.error().to_string();
+  EXPECT_EQ((*device)->name(), "SpaceMouse (FakeNavigator)");
+  ASSERT_TRUE(comes_to_be(**device, true, false));
+  daemon.motion(0, 0, 175);
+  daemon.button(1, true);
+  ASSERT_TRUE(comes_to_be(**device, true, false));
+  daemon.button(0, true);
+  EXPECT_TRUE(comes_to_move_by(**device, {0.05, 0.0, 0.0})) << "away";
+  daemon.motion(350, 0, 0);
+  EXPECT_TRUE(comes_to_move_by(**device, {0.0, -0.1, 0.0})) << "to the right";
+  daemon.motion(0, -350, 0);
+  EXPECT_TRUE(comes_to_move_by(**device, {0.0, 0.0, -0.1})) << "down";
+  daemon.motion(0, 1 << 30, 0);
+  EXPECT_TRUE(comes_to_move_by(**device, {0.0, 0.0, 0.1})) << "bounded";
+  daemon.button(0, false);
+  EXPECT_TRUE(comes_to_be(**device, true, false));
+}
+
+TEST(SpaceMouseDevice, MovesAsTheOperatorFaces) {
+  FakeSpacenavd daemon;
+  auto device = SpaceMouseDevice::open({.most_speed = 0.1, .facing = M_PI / 2.0});
+  ASSERT_TRUE(device) << device.error().to_string();
+  daemon.motion(0, 0, 350);
+  daemon.button(0, true);
+  EXPECT_TRUE(comes_to_move_by(**device, {0.0, 0.1, 0.0}));
+}
+
+TEST(SpaceMouseDevice, IsAbsentWhileUnplugged) {
+  FakeSpacenavd daemon;
+  auto device = SpaceMouseDevice::open();
+  ASSERT_TRUE(device) << device.error().to_string();
+  daemon.button(0, true);
+  ASSERT_TRUE(comes_to_be(**device, true, true));
+  daemon.unplug();
+  EXPECT_TRUE(comes_to_be(**device, false, false));
+  daemon.plug_in();
+  EXPECT_TRUE(comes_to_be(**device, true, false));
+}
+
+TEST(SpaceMouseDevice, IsAbsentOnceItsDaemonEnds) {
+  FakeSpacenavd daemon;
+  auto device = SpaceMouseDevice::open();
+  ASSERT_TRUE(device) << device.error().to_string();
+  daemon.button(0, true);
+  ASSERT_TRUE(comes_to_be(**device, true, true));
+  daemon.end();
+  EXPECT_TRUE(comes_to_be(**device, false, false));
+}
+
+TEST(SpaceMouseDevice, PassesOverPacketsThatItDoesNotKnow) {
+  FakeSpacenavd daemon;
+  auto device = SpaceMouseDevice::open();
+  ASSERT_TRUE(device) << device.error().to_string();
+  daemon.send({99, -1, -1, -1, -1, -1, -1, -1});
+  daemon.send({-7});
+  daemon.button(0, true);
+  EXPECT_TRUE(comes_to_be(**device, true, true));
+}
+
+TEST(SpaceMouseDevice, SaysWhenItIsOpenAlready) {
+  FakeSpacenavd daemon;
+  auto device = SpaceMouseDevice::open();
+  ASSERT_TRUE(device) << device.error().to_string();
+  const auto second = SpaceMouseDevice::open();
+  ASSERT_FALSE(second);
+  EXPECT_NE(second.error().message.find("open already"), std::string::npos);
+}
+
+TEST(SpaceMouseDevice, SaysWhenNothingIsPluggedIn) {
+  FakeSpacenavd daemon(false);
+  const auto device = SpaceMouseDevice::open();
+  ASSERT_FALSE(device);
+  EXPECT_NE(device.error().message.find("knows of no device"), std::string::npos);
+  EXPECT_EQ(device.error().mend, "plug it in");
+}
+
+TEST(SpaceMouseDevice, CanBeOpenedAgainWhenItWasClosed) {
+  FakeSpacenavd daemon;
+  for (int i = 0; i < 3; ++i) {
+    auto device = SpaceMouseDevice::open();
+    ASSERT_TRUE(device) << device.error().to_string();
+    EXPECT_TRUE(comes_to_be(**device, true, false));
+  }
+}
+
+}  // namespace
+}  // namespace pcavr

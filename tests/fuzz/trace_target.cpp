@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/core/check.hpp"
+#include "pcavr/devices/trace_device.hpp"
+
+#include "fuzz/targets.hpp"
+
+namespace pcavr::fuzz {
+
+void trace(std::string_view bytes) {
+  const Expected<std::vector<TraceSample>> samples = parse_trace(bytes, "the-file");
+  if (!samples) {
+    const Error& error = samples.error();
+    PCAVR_REQUIRE(error.file == "the-file" && !error.message.empty() && !error.mend.empty(),
+                  error.to_string());
+    PCAVR_REQUIRE(error.line > 0 || error.message == "is empty" || error.message == "has no rows");
+    return;
+  }
+  // The device holds what is read to its own rules, and plays it back.
+  TraceDevice device(*samples);
+  const double end = device.duration();
+  for (const double t : {0.0, 0.001, 0.5 * end, end, 2.0 * end + 1.0}) {
+    const DeviceSample said = device.exchange(t, 0.001, {});
+    PCAVR_REQUIRE(said.p_base_tip.allFinite() && said.q_base_tool.coeffs().allFinite());
+    PCAVR_REQUIRE(said.is_present == (t <= end), t, end);
+  }
+}
+
+}  // namespace pcavr::fuzz
