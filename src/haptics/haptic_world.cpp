@@ -24,17 +24,24 @@ constexpr std::size_t kFirstBody = 2;
 /// [m/s] at which the tool sinks into a body at most: a hand that was put somewhere else pushes a
 /// body away, and does not hit it.
 constexpr double kSinking = 1.0;
+/// [m/s] by which the ball is faster than the hand while it lags behind it and nothing is between
+/// them: it fell back where its way over a rough surface or around a body was the longer one.
+constexpr double kCatchingUp = 0.5;
 /// Of what all bodies together are held by: a tool that pushes harder moves nothing that it did not
 /// move before.
 constexpr double kPushing = 2.0;
 /// Of a body's thickness, beyond which its other side would be the nearer one.
 constexpr double kHalf = 0.45;
 /// [m] Where the tool of the prediction is while it pushes nothing: far from everything.
-const Eigen::Vector3d kAway(0.0, 0.0, 1e3);
+const Eigen::Vector3d kAway(0.0, 0.0, 1e4);
 /// [m] Where a body that fell lies in the prediction, and how far from the next one.
 constexpr double kAside = 1e4;
+/// [m] A tip that is farther from base along any axis is taken for an error.
+constexpr double kFarthest = 1e3;
 /// How often the ball is moved out of bodies that came upon it.
 constexpr int kMostEvasions = 4;
+
+bool is_told(const Eigen::Vector3d& p) noexcept { return (p.array().abs() <= kFarthest).all(); }
 
 }  // namespace
 
@@ -60,7 +67,9 @@ struct HapticWorld::Content {
   [[nodiscard]] bool is_near(const Body& body, const Eigen::Vector3d& p) const noexcept;
   [[nodiscard]] std::optional<detail::ClosestSurface::Answer> closest(
       const Body& body, const Eigen::Vector3d& p) const noexcept;
-  void follow(double moved) noexcept;
+  [[nodiscard]] bool is_resting_on_body() const noexcept;
+  [[nodiscard]] bool may_catch_up() const noexcept;
+  void follow(double moved, double dt) noexcept;
   void sink_in(double dt) noexcept;
   void let_go() noexcept;
   void move_bodies(double dt) noexcept;
@@ -84,7 +93,6 @@ struct HapticWorld::Content {
   HapticWorldState state;
 
   bool is_placed = false;
-  bool is_resting_on_body = false;
   double carried = 0.0;  ///< [m] by which bodies under the tool moved in the latest step
   double sunk = 0.0;     ///< [m] from the ball to the tip that the prediction knows
   Eigen::Vector3d scan_normal = Eigen::Vector3d::Zero();
@@ -162,7 +170,7 @@ void HapticWorld::Content::reset(const Eigen::Vector3d& wanted) noexcept {
     bodies[i].T_base_object = world.T_base_object(i);
     ball.place(kFirstBody + i, bodies[i].T_base_object);
   }
-  is_placed = wanted.allFinite();
+  is_placed = is_told(wanted);
   Eigen::Vector3d centre = is_placed ? wanted : Eigen::Vector3d(0.0, 0.0, top);
   while (centre.z() < top && !has_room(centre)) centre.z() += 0.5 * ball.radius();
   ball.put(centre);
@@ -177,19 +185,29 @@ void HapticWorld::Content::reset(const Eigen::Vector3d& wanted) noexcept {
   publish_bodies();
 }
 
+/// Whether the tool would be free where the hand is, and could go there straight.
+bool HapticWorld::Content::may_catch_up() const noexcept {
+  if (is_resting_on_body() || ball.centre() == hip || ball.is_kept_apart(hip)) return false;
+  return std::none_of(bodies.begin(), bodies.end(),
+                      [&](const Body& body) { return closest(body, hip).has_value(); });
+}
+
 /// The ball after the hand, which `moved` [m].
-void HapticWorld::Content::follow(double moved) noexcept {
+void HapticWorld::Content::follow(double moved, double dt) noexcept {
   goal = detail::held_back(hip, ball.centre(), scan_normal, friction);
-  const double budget = moved + carried;
+  const double budget = moved + carried + (may_catch_up() ? kCatchingUp * dt : 0.0);
   if (!(budget > 0.0)) return;
   ball.follow(goal, budget, budget);
   scan_normal = ball.static_normal(hip);
-  is_resting_on_body = false;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     Body& body = bodies[i];
     body.is_under_tool = is_near(body, ball.centre()) && ball.rests_on(kFirstBody + i, goal);
-    is_resting_on_body |= body.is_under_tool;
   }
+}
+
+bool HapticWorld::Content::is_resting_on_body() const noexcept {
+  return std::any_of(bodies.begin(), bodies.end(),
+                     [](const Body& body) { return body.is_under_tool; });
 }
 
 /// Where the prediction's tip is: at the ball, or sunk from there into what the ball rests on.
@@ -197,7 +215,7 @@ void HapticWorld::Content::sink_in(double dt) noexcept {
   tip_before = tip;
   tip = ball.centre();
   on_scan = ball.centre();
-  if (!is_resting_on_body) {
+  if (!is_resting_on_body()) {
     sunk = 0.0;
   } else {
     double deepest = std::numeric_limits<double>::infinity();
@@ -228,7 +246,6 @@ void HapticWorld::Content::let_go() noexcept {
   tip_before = kAway;
   sunk = 0.0;
   carried = 0.0;
-  is_resting_on_body = false;
   for (Body& body : bodies) body.is_under_tool = false;
 }
 
@@ -292,19 +309,18 @@ void HapticWorld::Content::evade() noexcept {
 void HapticWorld::Content::feel(const Eigen::Vector3d& device, double dt) noexcept {
   Eigen::Vector3d of_bodies = Eigen::Vector3d::Zero();
   double strongest = -1.0;
-  bool is_in_body = false;
+  Eigen::Vector3d out = Eigen::Vector3d::Zero();
   state.touched_body = -1;
   for (std::size_t i = 0; i < bodies.size() && state.is_engaged; ++i) {
     const Eigen::Vector3d& there = world.state()[i].tool_force_base;
     of_bodies -= there;
-    is_in_body |= closest(bodies[i], hip).has_value();
+    if (const auto answer = closest(bodies[i], hip)) out = answer->normal;
     if (!bodies[i].is_under_tool || there.norm() <= strongest) continue;
     strongest = there.norm();
     state.touched_body = static_cast<int>(i);
   }
-  const Eigen::Vector3d out = ball.centre() - hip;
-  if (is_in_body && of_bodies.norm() < least_force)
-    of_bodies = least_force * out.stableNormalized();
+  // A body that runs away from the tool, or that the ball has not reached yet.
+  if (of_bodies.norm() < least_force) of_bodies = least_force * out;
   const Eigen::Vector3d lift = on_scan - hip;
   state.touches_scan =
       state.is_engaged && lift.norm() > detail::kTouching && ball.is_kept_apart(hip);
@@ -324,12 +340,12 @@ void HapticWorld::Content::publish_bodies() noexcept {
 
 void HapticWorld::Content::step(const ToolCommand& command, double dt) noexcept {
   if (!(dt > 0.0) || !std::isfinite(dt)) return;
-  if (!is_placed && command.p_base_tip.allFinite()) reset(command.p_base_tip);
-  state.is_engaged = command.is_engaged && command.p_base_tip.allFinite();
+  if (!is_placed && is_told(command.p_base_tip)) reset(command.p_base_tip);
+  state.is_engaged = command.is_engaged && is_told(command.p_base_tip);
   if (state.is_engaged) {
     const double moved = (command.p_base_tip - hip).norm();
     hip = command.p_base_tip;
-    follow(moved);
+    follow(moved, dt);
     sink_in(dt);
   } else {
     let_go();

@@ -2,57 +2,211 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/haptics/haptic_world.hpp"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
+#include "pcavr/core/check.hpp"
+
+#include "haptics/judge.hpp"
 #include "haptics/tabletop.hpp"
 
 namespace pcavr {
 namespace {
 
 using test::kCycle;
+using test::one_box_on_a_table;
+using test::touching_tip;
+
+constexpr double kHalfBox = 0.5 * 0.175;  // [m]
+constexpr double kFloat = 1e-8;           // [m] of the meshes' corners, near 0.1
 
 HapticWorld world_of(const HapticWorldModel& model) { return HapticWorld::create(model).value(); }
 
-TEST(HapticWorld, PushesABodyThatTheVisibleToolDoesNotEnter) {
-  HapticWorld world = world_of(test::one_box_on_a_table());
-  const Eigen::Vector3d start = test::touching_tip() - Eigen::Vector3d(0.02, 0.0, 0.0);
-  world.reset(start);
-  for (int i = 1; i <= 3000; ++i) {
-    const Eigen::Vector3d tip = start + Eigen::Vector3d(0.04 * kCycle * i, 0.0, 0.0);
-    world.step({tip, true}, kCycle);
-    const HapticWorldState& state = world.state();
-    const double face = state.bodies[0].T_base_object.translation().x() - 0.5 * 0.175;
-    ASSERT_LE(state.p_base_proxy.x(), face - 0.01 + 1e-8) << i;  // the mesh is in floats
-    ASSERT_LE(state.force_base.norm(), 5.0 + 1e-12);
+/// Steps with the hand engaged from where it was to `to`, at `speed` [m/s].
+template <typename After>
+Eigen::Vector3d move(HapticWorld& world, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                     double speed, const After& after) {
+  const auto steps = static_cast<int>(std::ceil((to - from).norm() / (speed * kCycle)));
+  for (int i = 1; i <= steps; ++i) {
+    world.step({from + (static_cast<double>(i) / steps) * (to - from), true}, kCycle);
+    after();
   }
-  EXPECT_EQ(world.state().touched_body, 0);
-  EXPECT_FALSE(world.state().touches_scan);
-  // Sunk in by what the friction of sliding needs: 8.5 N at 8 kN/m.
-  const double face = world.state().bodies[0].T_base_object.translation().x() - 0.5 * 0.175;
-  EXPECT_NEAR(world.state().p_base_hip.x() + 0.01 - face, 8.5 / 8000.0, 5e-5);
-  EXPECT_NEAR(world.state().force_base.x(), -5.0, 1e-9);
-  EXPECT_NEAR(world.state().bodies[0].tool_force_base.x(), 8.5, 0.1);
+  return to;
+}
+Eigen::Vector3d move(HapticWorld& world, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                     double speed) {
+  return move(world, from, to, speed, [] {});
+}
+
+TEST(HapticWorld, PushesABodyThatTheVisibleToolDoesNotEnter) {
+  HapticWorld world = world_of(one_box_on_a_table());
+  const Eigen::Vector3d start = touching_tip() - Eigen::Vector3d(0.02, 0.0, 0.0);
+  world.reset(start);
+  const auto face = [&] {
+    return world.state().bodies[0].T_base_object.translation().x() - kHalfBox;
+  };
+  move(world, start, start + Eigen::Vector3d(0.12, 0.0, 0.0), 0.04, [&] {
+    const HapticWorldState& state = world.state();
+    ASSERT_LE(state.p_base_proxy.x(), face() - 0.01 + kFloat);
+    ASSERT_LE(state.force_base.norm(), 5.0 + 1e-12);
+  });
+  const HapticWorldState& state = world.state();
+  EXPECT_EQ(state.touched_body, 0);
+  EXPECT_FALSE(state.touches_scan);
+  EXPECT_EQ(state.bodies[0].phase, MotionPhase::sliding);
+  // The hand is sunk in by what the friction of sliding needs: 8.5 N at 8 kN/m.
+  EXPECT_NEAR(state.p_base_hip.x() + 0.01 - face(), 8.5 / 8000.0, 5e-5);
+  EXPECT_NEAR(state.bodies[0].tool_force_base.x(), 8.5, 0.1);
+  EXPECT_NEAR(state.force_base.x(), -5.0, 1e-9);
+}
+
+TEST(HapticWorld, GivesTheHandWhatTheBodyResistsWith) {
+  HapticWorldModel model = one_box_on_a_table();
+  model.force.most_force = 50.0;
+  HapticWorld world = world_of(model);
+  world.reset(touching_tip());
+  // 0.5 mm deep: 4 N, less than the box withstands.
+  move(world, touching_tip(), touching_tip() + Eigen::Vector3d(0.0005, 0.0, 0.0), 0.01);
+  EXPECT_NEAR(world.state().force_base.x(), -4.0, 0.3);
+  for (int i = 0; i < 5; ++i) {
+    world.step({touching_tip() + Eigen::Vector3d(0.0005, 0.0, 0.0), true}, kCycle);
+  }
+  EXPECT_NEAR(world.state().force_base.x(), -4.0, 1e-3);
+  EXPECT_EQ(world.state().bodies[0].phase, MotionPhase::held);
+}
+
+TEST(HapticWorld, PushesAlongTheTableThatTheHandPressesInto) {
+  HapticWorld world = world_of(one_box_on_a_table(0.0005));
+  const Eigen::Vector3d above(-0.12, 0.0, 0.02);
+  world.reset(above);
+  const Eigen::Vector3d below = move(world, above, {-0.12, 0.0, 0.005}, 0.05);
+  move(world, below, below + Eigen::Vector3d(0.06, 0.0, 0.0), 0.05);
+  const HapticWorldState& state = world.state();
+  EXPECT_TRUE(state.touches_scan);
+  EXPECT_EQ(state.touched_body, 0);
+  EXPECT_GT(state.bodies[0].T_base_object.translation().x(), 0.03);
+  EXPECT_GE(state.p_base_proxy.z(), 0.01 - 1e-9);
+  EXPECT_GT(state.force_base.z(), 0.0);
+  EXPECT_LT(state.force_base.x(), 0.0);
 }
 
 TEST(HapticWorld, LetGoPushesNothingAndReturnsToTheProxy) {
-  HapticWorld world = world_of(test::one_box_on_a_table());
-  const Eigen::Vector3d start = test::touching_tip() - Eigen::Vector3d(0.002, 0.0, 0.0);
+  HapticWorld world = world_of(one_box_on_a_table());
+  const Eigen::Vector3d start = touching_tip() - Eigen::Vector3d(0.002, 0.0, 0.0);
   world.reset(start);
-  Eigen::Vector3d tip = start;
-  for (int i = 1; i <= 100; ++i) {
-    tip.x() += 0.04 * kCycle;
-    world.step({tip, true}, kCycle);
-  }
-  EXPECT_GT(world.state().force_base.norm(), 4.0);
+  const Eigen::Vector3d tip = move(world, start, start + Eigen::Vector3d(0.004, 0.0, 0.0), 0.04);
   double before = world.state().force_base.norm();
+  EXPECT_GT(before, 4.0);
   for (int i = 0; i < 10; ++i) {
     world.step({tip, false}, kCycle);
+    EXPECT_FALSE(world.state().is_engaged);
     EXPECT_GE(world.state().force_base.norm(), before - 2000.0 * kCycle - 1e-12);
     EXPECT_EQ(world.state().p_base_hip, world.state().p_base_proxy);
     EXPECT_EQ(world.state().bodies[0].tool_force_base, Eigen::Vector3d::Zero());
     before = world.state().force_base.norm();
   }
   EXPECT_EQ(before, 0.0);
+  EXPECT_EQ(world.state().touched_body, -1);
+}
+
+TEST(HapticWorld, TakesATipThatIsNoNumberForAHandThatLetGo) {
+  HapticWorld world = world_of(one_box_on_a_table());
+  world.reset(touching_tip());
+  for (const double wrong :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e200}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Eigen::Vector3d tip = touching_tip();
+      tip[axis] = wrong;
+      world.step({tip, true}, kCycle);
+      EXPECT_FALSE(world.state().is_engaged);
+      EXPECT_EQ(world.state().p_base_proxy, touching_tip());
+      world.reset(tip);
+      EXPECT_TRUE(world.state().p_base_proxy.allFinite());
+      world.reset(touching_tip());
+    }
+  }
+}
+
+TEST(HapticWorld, PutsTheToolAboveWhereThereIsNoRoom) {
+  HapticWorld world = world_of(one_box_on_a_table());
+  world.reset({0.0, 0.0, 0.06});  // in the middle of the box, farther than a radius from its faces
+  EXPECT_GE(world.state().p_base_proxy.z(), 0.125 + 0.01 - kFloat);
+  EXPECT_LE(world.state().p_base_proxy.z(), 0.125 + 0.015);
+  EXPECT_EQ(world.state().p_base_proxy.head<2>(), Eigen::Vector2d::Zero());
+  world.reset({-0.3, 0.0, 0.003});
+  EXPECT_GE(world.state().p_base_proxy.z(), 0.01 - kFloat);
+  world.reset({-0.3, 0.0, 0.3});
+  EXPECT_EQ(world.state().p_base_proxy, Eigen::Vector3d(-0.3, 0.0, 0.3));
+}
+
+TEST(HapticWorld, ResetPutsAllBack) {
+  HapticWorld world = world_of(one_box_on_a_table());
+  const Eigen::Vector3d start = touching_tip() - Eigen::Vector3d(0.01, 0.0, 0.0);
+  const auto run = [&] {
+    world.reset(start);
+    move(world, start, start + Eigen::Vector3d(0.06, 0.01, 0.0), 0.1);
+    return world.state();
+  };
+  const HapticWorldState first = run();
+  const HapticWorldState second = run();
+  EXPECT_EQ(first.force_base, second.force_base);
+  EXPECT_EQ(first.bodies[0].T_base_object.translation(),
+            second.bodies[0].T_base_object.translation());
+  EXPECT_EQ(first.p_base_proxy, second.p_base_proxy);
+}
+
+// The hand goes on through a box that stands against a wall, and through the wall.
+TEST(HapticWorld, KeepsTheToolOnItsSideOfABodyThatCannotMove) {
+  HapticWorldModel model = one_box_on_a_table();
+  const TriangleMesh wall = test::wall_at(kHalfBox);
+  TriangleMesh& mesh = model.world.static_mesh_base;
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), wall.vertices.begin(), wall.vertices.end());
+  for (const auto& t : wall.triangles) {
+    mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  HapticWorld world = world_of(model);
+  test::Judge judge(model);
+  const Eigen::Vector3d start = touching_tip() - Eigen::Vector3d(0.01, 0.0, 0.0);
+  world.reset(start);
+  const Eigen::Vector3d end = start + Eigen::Vector3d(0.4, 0.0, 0.0);
+  move(world, start, end, 0.2, [&] {
+    judge.see(world.state(), kCycle);
+    ASSERT_LE(world.state().p_base_proxy.x(), -kHalfBox - 0.01 + 0.001);
+    ASSERT_LE(world.state().bodies[0].T_base_object.translation().x(), 0.001);
+  });
+  EXPECT_NEAR(world.state().force_base.norm(), 5.0, 1e-9);
+  move(world, end, start, 0.2, [&] { judge.see(world.state(), kCycle); });
+  EXPECT_EQ(world.state().force_base, Eigen::Vector3d::Zero());
+  EXPECT_EQ(judge.count().in_bodies, 0);
+  EXPECT_EQ(judge.count().in_scan, 0);
+  EXPECT_EQ(judge.count().jumps, 0);
+  EXPECT_EQ(judge.count().without_force, 0);
+}
+
+TEST(HapticWorld, IsNotPassedByAHandThatJumps) {
+  HapticWorld world = world_of(one_box_on_a_table());
+  const Eigen::Vector3d start = touching_tip() - Eigen::Vector3d(0.05, 0.0, 0.0);
+  world.reset(start);
+  for (int i = 0; i < 200; ++i) {
+    world.step({{0.3, 0.0, 0.06}, true}, kCycle);
+    const double face = world.state().bodies[0].T_base_object.translation().x() - kHalfBox;
+    ASSERT_LE(world.state().p_base_proxy.x(), face - 0.01 + kFloat) << i;
+  }
+  EXPECT_GT(world.state().bodies[0].T_base_object.translation().x(), 0.01);
+}
+
+TEST(HapticWorld, SaysWhatItWasGivenWrong) {
+  HapticWorldModel model = one_box_on_a_table();
+  model.scan_friction = -0.1;
+  EXPECT_THROW((void)HapticWorld::create(model), ContractError);
+  model = one_box_on_a_table();
+  model.supports_base = {{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}};
+  EXPECT_THROW((void)HapticWorld::create(model), ContractError);
+  model = one_box_on_a_table();
+  model.world.bodies[0].model.mesh_object.triangles.clear();
+  EXPECT_FALSE(HapticWorld::create(model).has_value());
 }
 
 }  // namespace
