@@ -38,7 +38,7 @@ export function addMarks(view: SceneView, model: SceneModel): void {
   for (const tag of model.tags) addTag(view, tag);
   for (const { outline } of model.support_planes)
     if (outline.length > 2) layers.group('planes').add(supportPlane(outline));
-  layers.group('cameras').add(...cameraPath(model.cameras));
+  for (const part of cameraPath(model.cameras)) layers.group('cameras').add(part);
 }
 
 function axes(length: number): AxesHelper {

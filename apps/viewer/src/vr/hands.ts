@@ -133,10 +133,10 @@ function readButtons(gamepad: Gamepad, hand: Hand): void {
   hand.actuator = (gamepad as unknown as { hapticActuators?: Actuator[] }).hapticActuators?.[0];
 }
 
-function toVector(p: DOMPointReadOnly): Vector3 {
+export function toVector(p: DOMPointReadOnly): Vector3 {
   return new Vector3(p.x, p.y, p.z);
 }
 
-function toQuaternion(q: DOMPointReadOnly): Quaternion {
+export function toQuaternion(q: DOMPointReadOnly): Quaternion {
   return new Quaternion(q.x, q.y, q.z, q.w);
 }

@@ -7,13 +7,13 @@ import type { Ground } from './start';
 import { VrMode } from './vr_mode';
 
 /// Adds the way into VR to the page.
-export function attachVr(app: App): VrMode {
+export function attachVr(app: App): void {
   const vr = new VrMode(app, () => groundOf(app));
   app.actions.append(vrButton(vr, (text) => app.notify({ level: 'error', text })));
   app.onFrame((time, frame) => {
     if (frame && vr.isPresenting) vr.update(time, frame);
   });
-  return vr;
+  if (window.__pcavr) window.__pcavr.vr = vr;
 }
 
 /// Where one can stand in the scene that is shown.

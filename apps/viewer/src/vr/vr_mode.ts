@@ -5,8 +5,9 @@ import type { App } from '../app';
 
 import { Command, Device, type LiveState, type Quaternion, type Vector } from '../protocol';
 import { Clutch } from './clutch';
-import { type Hand, HandReader, type Side } from './hands';
+import { type Hand, HandReader, type Side, toQuaternion, toVector } from './hands';
 import { HandsView } from './hands_view';
+import { HoldSign } from './hold_sign';
 import { Moving } from './moving';
 import { Panel } from './panel';
 import { Person } from './person';
@@ -24,6 +25,7 @@ export class VrMode {
   private readonly reader = new HandReader();
   private readonly hands = new HandsView();
   private readonly panel = new Panel();
+  private readonly sign = new HoldSign();
   private readonly pulses = new Pulses();
   private readonly moving: Moving;
   private readonly floor = floorGrid();
@@ -42,7 +44,7 @@ export class VrMode {
     private readonly ground: () => Ground,
   ) {
     this.moving = new Moving(this.person, () => this.levels());
-    this.person.rig.add(this.hands.group, this.panel.mesh);
+    this.person.rig.add(this.hands.group, this.panel.mesh, this.sign.mesh);
     app.renderer.xr.setReferenceSpaceType('local-floor');
     document.addEventListener('visibilitychange', () => {
       if (document.hidden) this.letGo('the page is hidden');
@@ -105,8 +107,12 @@ export class VrMode {
       this.letGo('the headset does not know where it is');
       return;
     }
-    const { x, y, z } = viewer.transform.position;
-    const head = new Vector3(x, y, z);
+    const head = toVector(viewer.transform.position);
+    this.sign.show(
+      this.app.session.latest()?.isOnHold ?? false,
+      head,
+      toQuaternion(viewer.transform.orientation),
+    );
     if (!this.isPlaced) this.placePerson(head);
     const hands = this.reader.read(frame, space);
     const tool = hands.find((h) => h.side === this.toolSide);
@@ -177,6 +183,7 @@ export class VrMode {
   /// Why the tool may not follow; empty where it may.
   private doubt(tool: Hand | undefined, state: LiveState | null): string {
     if (this.app.session.connection !== 'open' || !state) return 'no connection';
+    if (this.app.session.welcome?.mode === 'replay') return 'a replay is shown';
     if (state.isOnHold) return 'on hold';
     if (state.isToolTaken && !state.hasTool) return 'another page has the tool';
     if (this.clutch.isClosed && this.hadTool && !state.hasTool) return 'the world let the tool go';
