@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "devices/jittered_hand.hpp"
-#include "support/heap_counter.hpp"
 
 namespace pcavr {
 namespace {
@@ -234,17 +233,6 @@ TEST(RemoteDevice, DoesNotCloseOnAToolThatIsNowhere) {
   const DeviceSample said = device.exchange(0.0, kCycle, nowhere);
   EXPECT_FALSE(said.is_engaged);
   EXPECT_TRUE(said.p_base_tip.allFinite());
-}
-
-TEST(RemoteDevice, NeverAsksForMemory) {
-  RemoteDevice device;
-  Session session;
-  const long before = heap_allocations;
-  session.go_on(2.0, true, along_x);
-  session.go_on(0.1, false, along_x);
-  session.device.let_go();
-  session.go_on(0.1, true, along_x);
-  EXPECT_EQ(heap_allocations, before);
 }
 
 }  // namespace
