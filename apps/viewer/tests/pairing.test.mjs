@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import assert from 'node:assert/strict';
+import { get } from 'node:https';
+import { networkInterfaces } from 'node:os';
+import { after, before, test } from 'node:test';
+import { openBrowser, openPage, picture } from './support/browser.mjs';
+import { loaded } from './support/drawn.mjs';
+import { Live } from './support/live.mjs';
+import { makeScene, serve } from './support/pcavr.mjs';
+
+// Who asks from this machine's own loopback address needs no code: another address is needed.
+const address = Object.values(networkInterfaces())
+  .flat()
+  .find(({ family, internal }) => family === 'IPv4' && !internal)?.address;
+const skip = address ? false : 'this machine has no address but loopback';
+const limit = { timeout: 60_000, skip }; // [ms]
+
+let browser, scene, server;
+
+before(async () => {
+  if (skip) return;
+  scene = makeScene();
+  server = await serve(scene.scene, '--parameters', scene.parameters, '--host', address, '--tls');
+  browser = await openBrowser();
+}, limit);
+
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+  scene?.remove();
+});
+
+function statusOf(path) {
+  return new Promise((resolve, reject) => {
+    get(new URL(path, server.url), { rejectUnauthorized: false }, (response) => {
+      response.resume();
+      resolve(response.statusCode);
+    }).on('error', reject);
+  });
+}
+
+test('who is not paired gets the page, and nothing of the scene', limit, async () => {
+  assert.match(server.code, /^[A-Z0-9]{3}-?[A-Z0-9]{3}$/);
+  assert.equal(await statusOf('/'), 200);
+  assert.equal(await statusOf('/api/session'), 200);
+  for (const path of [
+    '/api/scene.json',
+    '/scene/scene.glb',
+    '/api/replay.bin',
+    '/api/frames/0.jpg',
+  ])
+    assert.equal(await statusOf(path), 401, path);
+  const stranger = new Live(server.url);
+  assert.equal(await stranger.ended, 401);
+  assert.equal(stranger.state, null);
+});
+
+test('a wrong code gets nothing, the right one gets in', limit, async () => {
+  const { page, seen } = await openPage(browser.context, server.url);
+  await page.locator('#pairing[open]').waitFor();
+  await picture(page, 'pairing');
+  const wrong = server.code.replace(/^./, (c) => (c === 'A' ? 'B' : 'A'));
+  await page.fill('#pairing-code', wrong);
+  await page.click('#pairing-form button');
+  await page.locator('#pairing-error', { hasText: 'not the code' }).waitFor();
+  assert.equal(await page.evaluate(() => window.__pcavr), undefined);
+  assert.ok(!seen.requests.some((r) => /scene|live/.test(new URL(r).pathname)));
+  await page.fill('#pairing-code', server.code);
+  await page.click('#pairing-form button');
+  await loaded(page);
+  await page.waitForFunction(() => window.__pcavr.state !== null);
+  await page.close();
+});
+
+test(
+  'a code is not to be guessed: after a few tries the server stops listening',
+  limit,
+  async () => {
+    const { page } = await openPage(browser.context, server.url);
+    await page.context().clearCookies();
+    const statuses = await page.evaluate(async () => {
+      const answers = [];
+      for (let i = 0; i < 8; ++i) {
+        const answer = await fetch('/api/pair', {
+          method: 'POST',
+          headers: { 'content-type': 'application/json' },
+          body: JSON.stringify({ code: `AAAAA${i}` }),
+        });
+        answers.push(answer.status);
+      }
+      return answers;
+    });
+    assert.equal(statuses.at(-1), 429);
+    assert.ok(!statuses.includes(200));
+    await page.close();
+  },
+);

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { openBrowser, openPage, picture } from './support/browser.mjs';
+import { drawnBodies } from './support/drawn.mjs';
+import { distance } from './support/live.mjs';
+import { makeScene, serve } from './support/pcavr.mjs';
+
+const limit = { timeout: 60_000 }; // [ms]
+const poseBytes = 32; // of a row t, position, quaternion
+const rounding = 1e-6; // [m] of numbers in single precision near 1
+
+let browser, scene, server, model, binary;
+
+before(async () => {
+  scene = makeScene();
+  server = await serve(scene.scene, '--replay', scene.recording, '--parameters', scene.parameters);
+  browser = await openBrowser();
+  model = await (await fetch(`${server.url}api/replay.json`)).json();
+  binary = new DataView(await (await fetch(`${server.url}api/replay.bin`)).arrayBuffer());
+}, limit);
+
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+  scene?.remove();
+});
+
+/// Time and position of a row of poses.
+function row({ at }, index) {
+  const value = (i) => binary.getFloat32(at + index * poseBytes + 4 * i, true);
+  return { t: value(0), position: [value(1), value(2), value(3)] };
+}
+
+/// The position at a time, between two rows in proportion.
+function positionAt(table, time) {
+  let i = 0;
+  while (i + 2 < table.rows && row(table, i + 1).t <= time) ++i;
+  const [a, b] = [row(table, i), row(table, i + 1)];
+  const part = (time - a.t) / (b.t - a.t);
+  return a.position.map((value, k) => value + part * (b.position[k] - value));
+}
+
+/// A time at which an object is on its way.
+function pushed({ predicted }) {
+  const first = row(predicted, 0).position;
+  for (let i = 0; i < predicted.rows; ++i) {
+    const { t, position } = row(predicted, i);
+    if (distance(position, first) > 0.01) return t;
+  }
+  throw new Error('nothing is pushed in this replay');
+}
+
+async function open() {
+  const opened = await openPage(browser.context, server.url);
+  await opened.page.waitForFunction(
+    () => window.__pcavr?.replay && window.__pcavr.scene.isComplete,
+  );
+  return opened;
+}
+
+const timeline = (page) =>
+  page.evaluate(() => {
+    const { time, isPlaying, duration } = window.__pcavr.timeline;
+    return { time, isPlaying, duration };
+  });
+
+test('a replay plays, and stands still while it is paused', limit, async () => {
+  const { page, seen } = await open();
+  assert.ok(Math.abs((await timeline(page)).duration - model.duration) < rounding);
+  await page.click('#play');
+  await page.waitForFunction(() => window.__pcavr.timeline.time > 0.3);
+  await page.click('#play');
+  const { time, isPlaying } = await timeline(page);
+  assert.equal(isPlaying, false);
+  await page.waitForTimeout(200);
+  assert.equal((await timeline(page)).time, time);
+  assert.deepEqual(seen.errors, []);
+  await page.close();
+});
+
+test('scrubbed to any time, bodies and ghosts are where the replay has them', limit, async () => {
+  const { page, seen } = await open();
+  for (const wanted of [...model.objects.map(pushed), 0.5 * model.duration, 1]) {
+    await page.locator('#scrub').fill(String(wanted.toFixed(2)));
+    const { time } = await timeline(page);
+    assert.ok(Math.abs(time - wanted) <= 0.01, `${time} is not ${wanted}`);
+    const bodies = await drawnBodies(page);
+    for (const { name, predicted, tracked } of model.objects) {
+      const body = bodies.find((b) => b.name === name);
+      assert.ok(distance(body.position, positionAt(predicted, time)) < rounding, name);
+      if (body.ghost) assert.ok(distance(body.ghost, positionAt(tracked, time)) < rounding, name);
+    }
+    if (wanted === pushed(model.objects[0])) await picture(page, 'replay');
+  }
+  assert.deepEqual(seen.errors, []);
+  await page.close();
+});
+
+test('at twice the speed it is done in half the time', limit, async () => {
+  const { page } = await open();
+  await page.selectOption('#speed', '2');
+  const ratio = await page.evaluate(
+    () =>
+      new Promise((resolve) => {
+        const { timeline, app } = window.__pcavr;
+        let first;
+        document.querySelector('#play').click();
+        // Counted in the frames' own time: how long a frame takes does not matter.
+        app.onFrame((now) => {
+          first ??= { now, time: timeline.time };
+          const seconds = (now - first.now) / 1000;
+          if (seconds > 0.5) resolve((timeline.time - first.time) / seconds);
+        });
+      }),
+  );
+  assert.ok(Math.abs(ratio - 2) < 0.1, `${ratio} times`);
+  await page.close();
+});

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Leads an emulated controller from a test, in the headset's own space: y up, -z ahead.
+
+/// Moves a controller by `delta` [m], at `speed` [m/s] of the clock, whatever the frame rate.
+export function moveBy(page, side, delta, speed) {
+  return page.evaluate(
+    ([hand, by, metresPerSecond]) =>
+      new Promise((resolve) => {
+        const { position } = window.__headset.controllers[hand];
+        const start = [position.x, position.y, position.z];
+        const seconds = Math.hypot(...by) / metresPerSecond;
+        const begin = performance.now();
+        const timer = setInterval(() => {
+          const part = Math.min(1, (performance.now() - begin) / 1000 / seconds);
+          position.set(...start.map((value, i) => value + part * by[i]));
+          if (part < 1) return;
+          clearInterval(timer);
+          resolve();
+        }, 5);
+      }),
+    [side, delta, speed],
+  );
+}
+
+/// A direction of base as the headset has it, where straight ahead is `heading` [rad] about z.
+export function toHeadset([x, y, z], heading) {
+  const c = Math.cos(heading);
+  const s = Math.sin(heading);
+  return [s * x - c * y, z, -c * x - s * y];
+}
+
+/// Draws a button ("squeeze", "trigger", "a-button", ...) or lets it go; seen by the next frame.
+export async function press(page, side, button, isPressed) {
+  await page.evaluate(
+    ([hand, name, value]) => window.__headset.controllers[hand].updateButtonValue(name, value),
+    [side, button, isPressed ? 1 : 0],
+  );
+  await frames(page, 3);
+}
+
+/// Pushes a thumbstick, and lets it come back.
+export async function flick(page, side, x, y) {
+  const set = (to) =>
+    page.evaluate(
+      ([hand, axes]) => window.__headset.controllers[hand].updateAxes('thumbstick', ...axes),
+      [side, to],
+    );
+  await set([x, y]);
+  await frames(page, 4);
+  await set([0, 0]);
+  await frames(page, 4);
+}
+
+/// Waits until the headset has shown so many more frames.
+export function frames(page, count) {
+  return page.evaluate(
+    (n) =>
+      new Promise((resolve) => {
+        const next = () => (n-- > 0 ? session.requestAnimationFrame(next) : resolve());
+        const session = window.__headset.activeSession;
+        next();
+      }),
+    count,
+  );
+}

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { openBrowser, openPage } from './support/browser.mjs';
+import { Live, until } from './support/live.mjs';
+import { makeScene, serve } from './support/pcavr.mjs';
+import { between } from './support/relay.mjs';
+
+const limit = { timeout: 60_000 }; // [ms]
+
+let browser, scene, server;
+
+before(async () => {
+  scene = makeScene();
+  server = await serve(scene.scene, '--parameters', scene.parameters);
+  browser = await openBrowser();
+}, limit);
+
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+  scene?.remove();
+});
+
+test('a page of another protocol is told so, and sent away', limit, async () => {
+  const stranger = new Live(server.url, { protocol: 2 });
+  await stranger.ended;
+  assert.equal(stranger.state, null);
+  assert.ok(stranger.notices.some((n) => n.level === 'error' && /protocol/.test(n.text)));
+});
+
+test('a page that another server speaks to says so, and shows no state', limit, async () => {
+  const relay = await between(server.url, (message) => {
+    // The version of every message from the server, as a later one would have it.
+    message[4] = 2;
+    return message;
+  });
+  const { page } = await openPage(browser.context, relay.url);
+  await page.locator('#toasts', { hasText: /version 2/ }).waitFor();
+  assert.equal(await page.evaluate(() => window.__pcavr.connection), 'refused');
+  assert.equal(await page.evaluate(() => window.__pcavr.state), null);
+  await page.close();
+  relay.close();
+});
+
+test('a page that lost its server finds it again', limit, async () => {
+  const relay = await between(server.url, (message) => message);
+  const { page } = await openPage(browser.context, relay.url);
+  await page.waitForFunction(() => window.__pcavr?.state);
+  relay.drop();
+  await page.waitForFunction(() => window.__pcavr.connection !== 'open');
+  assert.equal(await page.evaluate(() => window.__pcavr.state), null);
+  await page.waitForFunction(() => window.__pcavr.state !== null);
+  await until(() => page.evaluate(() => window.__pcavr.connection === 'open'), 'connected again');
+  await page.close();
+  relay.close();
+});
