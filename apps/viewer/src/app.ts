@@ -1,12 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import {
-  SRGBColorSpace,
-  WebGLRenderer,
-  type Group,
-  type PerspectiveCamera,
-  type Scene,
-} from 'three';
+import { WebGLRenderer, type Group, type PerspectiveCamera, type Scene } from 'three';
 import { SceneView } from './scene/view';
 import { pageClock } from './session/clock';
 import type { Session } from './session/session';
@@ -40,13 +34,10 @@ export class App {
     readonly actions: HTMLElement,
     readonly notify: (notice: Notice) => void,
   ) {
-    this.renderer = new WebGLRenderer({
-      canvas,
-      antialias: true,
-      powerPreference: 'high-performance',
-    });
-    this.renderer.outputColorSpace = SRGBColorSpace;
-    this.isSoftwareRendered = /llvmpipe|swiftshader|software/i.test(this.rendererName());
+    this.isSoftwareRendered = /llvmpipe|swiftshader|software/i.test(graphicsName());
+    // A processor that draws has no time for smooth edges.
+    const antialias = !this.isSoftwareRendered;
+    this.renderer = new WebGLRenderer({ canvas, antialias, powerPreference: 'high-performance' });
     const ratio = Math.min(window.devicePixelRatio, mostPixelRatio);
     this.renderer.setPixelRatio(this.isSoftwareRendered ? 1 : ratio);
     this.renderer.xr.enabled = true;
@@ -71,12 +62,6 @@ export class App {
   /// The next frame has something new to show.
   invalidate(): void {
     this.isDirty = true;
-  }
-
-  rendererName(): string {
-    const gl = this.renderer.getContext();
-    const info = gl.getExtension('WEBGL_debug_renderer_info');
-    return String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
   }
 
   private frame(time: number, frame?: XRFrame): void {
@@ -118,4 +103,13 @@ export class App {
     this.camera.updateProjectionMatrix();
     this.isDirty = true;
   }
+}
+
+/// What draws here, as the browser calls it.
+function graphicsName(): string {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const info = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = gl ? String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER)) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return name;
 }

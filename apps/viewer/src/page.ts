@@ -25,7 +25,7 @@ const figuresSeconds = 0.25; // between two readings of the figures: faster, nob
 const vibrationMs = 30;
 // Triangles of the scan that a device draws smoothly: a graphics card, a headset or telephone, a
 // processor alone.
-const budgets = { card: 2_000_000, mobile: 400_000, software: 150_000 };
+const budgets = { card: 2_000_000, mobile: 400_000, software: 50_000 };
 
 /// What is on the page besides the picture, and what connects it.
 export class Page {
@@ -86,6 +86,7 @@ export class Page {
     if (this.isReplay) await this.loadReplay();
     else await this.addTool();
     await loading;
+    if (!this.navigation.hasMoved) this.frameAll();
     this.loader.failures.forEach((text) => this.messages.show({ level: 'error', text }));
   }
 

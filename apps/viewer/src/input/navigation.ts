@@ -11,6 +11,7 @@ const lookDistance = 0.05; // [m] turning about a point so near is turning on th
 export class Navigation {
   readonly controls: OrbitControls;
   mode: 'orbit' | 'walk' = 'orbit';
+  hasMoved = false; // by the user's hand
   private readonly keys: HeldKeys;
 
   constructor(
@@ -22,6 +23,7 @@ export class Navigation {
     this.controls.minDistance = 0.02;
     this.controls.maxDistance = 30;
     this.controls.addEventListener('change', onChange);
+    this.controls.addEventListener('start', () => (this.hasMoved = true));
     this.keys = new HeldKeys([canvas], ['KeyW', 'KeyA', 'KeyS', 'KeyD', 'KeyQ', 'KeyE']);
   }
 
@@ -51,6 +53,7 @@ export class Navigation {
     const aside = this.keys.axis('KeyD', 'KeyA');
     const up = this.keys.axis('KeyE', 'KeyQ');
     if (ahead === 0 && aside === 0 && up === 0) return;
+    this.hasMoved = true;
     const forward = levelDirection(this.camera);
     const right = new Vector3(-forward.z, 0, forward.x);
     const step = forward

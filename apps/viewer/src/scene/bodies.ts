@@ -63,7 +63,7 @@ export class Body {
     const ghostFill = new MeshLambertMaterial({
       color: '#ffffff',
       transparent: true,
-      opacity: 0.35,
+      opacity: 0.14,
       depthWrite: false,
     });
     const ghostEdges = new LineBasicMaterial({ color: '#ffffff', transparent: true, opacity: 0.9 });

@@ -1,6 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import { Mesh, MeshLambertMaterial, DoubleSide, type Group } from 'three';
+import {
+  DoubleSide,
+  Mesh,
+  MeshBasicMaterial,
+  MeshLambertMaterial,
+  type Color,
+  type Group,
+  type Material,
+} from 'three';
 import { readGlb } from './glb';
 import { fetchBytes, type MeshLevel } from './scene_model';
 import type { SceneView } from './view';
@@ -15,6 +23,12 @@ export interface Progress {
 export function levelWithin(levels: readonly MeshLevel[], triangles: number): number {
   const index = levels.findIndex((level) => level.triangles <= triangles);
   return index >= 0 ? index : levels.length - 1;
+}
+
+/// Captured colours bring their own light and shadow; a plain surface needs ours to be seen.
+function scanMaterial(hasColors: boolean, color: Color | null): Material {
+  if (hasColors) return new MeshBasicMaterial({ vertexColors: true, side: DoubleSide });
+  return new MeshLambertMaterial({ color: color ?? '#b8bec6', side: DoubleSide });
 }
 
 /// Loads bodies and the scan's coarsest level first, then the level the device can carry.
@@ -66,11 +80,7 @@ export class SceneLoader {
     const group: Group = this.view.layers.group('mesh');
     const old = [...group.children] as Mesh[];
     for (const { geometry, matrix, color } of parts) {
-      const material = new MeshLambertMaterial({
-        vertexColors: geometry.hasAttribute('color'),
-        side: DoubleSide,
-      });
-      if (color && !material.vertexColors) material.color = color;
+      const material = scanMaterial(geometry.hasAttribute('color'), color);
       const mesh = new Mesh(geometry, material);
       mesh.matrixAutoUpdate = false;
       mesh.matrix.copy(matrix);
@@ -79,7 +89,7 @@ export class SceneLoader {
     for (const mesh of old) {
       group.remove(mesh);
       mesh.geometry.dispose();
-      (mesh.material as MeshLambertMaterial).dispose();
+      (mesh.material as Material).dispose();
     }
   }
 

@@ -109,7 +109,7 @@ export class SceneView {
     return level.setY(Math.tan(viewingElevation)).normalize();
   }
 
-  /// Scans bring their own light and shadow: mostly even light, and some from the eye for shape.
+  /// Mostly even light, and some from the eye for shape.
   private addLights(): void {
     this.scene.add(new AmbientLight('#ffffff', 1.9));
     const sun = new DirectionalLight('#ffffff', 1.1);

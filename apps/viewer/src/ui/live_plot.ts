@@ -24,7 +24,7 @@ export class LivePlot {
       height: 110,
       leastSpan,
     });
-    this.plot.setData([0, shownSeconds], [[NaN, NaN]], 0, shownSeconds);
+    this.plot.setData([-shownSeconds, 0], [[NaN, NaN]], -shownSeconds, 0);
   }
 
   /// Takes a new state in; `now` [s] only paces the drawing.
@@ -39,8 +39,8 @@ export class LivePlot {
     if (old > 64 || old === this.times.length) this.forget(old);
     if (now - this.lastDrawn < redrawSeconds) return;
     this.lastDrawn = now;
-    const to = Math.max(state.worldTime, shownSeconds);
-    this.plot.setData(this.times, [this.forces], to - shownSeconds, to);
+    const ago = this.times.map((time) => time - state.worldTime);
+    this.plot.setData(ago, [this.forces], -shownSeconds, 0);
   }
 
   redraw(): void {

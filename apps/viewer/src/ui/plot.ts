@@ -26,6 +26,7 @@ export interface PlotOptions {
 export class Plot {
   readonly element = create('div', { className: 'plot' });
   private readonly plot: uPlot;
+  private span: [number, number] = [0, 1]; // [s] shown
   private readonly playhead = create('div', { className: 'playhead', hidden: true });
   private readonly observer: ResizeObserver;
 
@@ -46,11 +47,8 @@ export class Plot {
   }
 
   setData(times: ArrayLike<number>, columns: ArrayLike<number>[], from: number, to: number): void {
-    this.plot.setData([times, ...columns] as uPlot.AlignedData, false);
-    this.plot.batch(() => {
-      this.plot.setScale('x', { min: from, max: to });
-      this.plot.redraw(true, true);
-    });
+    this.span = [from, to];
+    this.plot.setData([times, ...columns] as uPlot.AlignedData);
   }
 
   setPlayhead(time: number): void {
@@ -106,7 +104,7 @@ export class Plot {
         points: { show: false },
       },
       legend: { show: false },
-      scales: { x: { time: false }, y: { range }, right: { range } },
+      scales: { x: { time: false, range: () => this.span }, y: { range }, right: { range } },
       axes: [
         { ...axis('s', 'x', 2), size: 24, grid: { stroke: () => cssColor('--grid'), width: 1 } },
         axis(options.unit, 'y', 3),

@@ -39,6 +39,10 @@ export class ToolPanel {
     });
     const plane = byId('drag-plane', HTMLSelectElement);
     plane.addEventListener('change', () => (tool.planeKind = plane.value as 'level' | 'view'));
+    // The ring lies over the scene, and passes on what is meant for it.
+    handle.addEventListener('wheel', (event) =>
+      app.canvas.dispatchEvent(new WheelEvent('wheel', event)),
+    );
     app.canvas.addEventListener('keydown', (event) => {
       if (event.code === 'KeyH' && !event.repeat) this.toggleHold();
     });

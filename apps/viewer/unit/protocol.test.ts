@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import {
+  Command,
+  Device,
+  headBytes,
+  MessageType,
+  readHead,
+  readJson,
+  readPong,
+  readState,
+  readVersion,
+  writeCommand,
+  writeJson,
+  writePing,
+  writePong,
+  writeState,
+  writeTool,
+  type LiveState,
+} from '../src/protocol';
+
+// Numbers that a float holds exactly, so that what comes back is what went.
+const state: LiveState = {
+  clock: 12.5,
+  sequence: 7,
+  worldTime: 3.25,
+  toolClock: 1700000000.125,
+  isEngaged: true,
+  isOnHold: false,
+  touchesScan: true,
+  hasTool: false,
+  isToolTaken: true,
+  touchedObject: -1,
+  hip: [0.5, -0.25, 0.125],
+  proxy: [0.5, -0.25, 0.25],
+  force: [0, 0, 8],
+  pulse: 0.5,
+  pulses: 3,
+  cycles: 4_000_000_000,
+  lateCycles: 2,
+  cycleTime: { median: 2 ** -15, p99: 2 ** -13, longest: 2 ** -12 },
+  age: { tool: 2 ** -10, state: 2 ** -11, queue: 0 },
+  objects: [
+    {
+      position: [1, 2, 3],
+      quaternion: [0, 0, 0.5, 0.75],
+      force: [1, 0, -1],
+      phase: 'critical',
+      isOutsideModel: true,
+      speed: 0.0625,
+    },
+    {
+      position: [0, 0, 0],
+      quaternion: [0, 0, 0, 1],
+      force: [0, 0, 0],
+      phase: 'free',
+      isOutsideModel: false,
+      speed: 0,
+    },
+  ],
+};
+
+test('a state that is written is read back as it was', () => {
+  assert.deepEqual(readState(writeState(7, 12.5, state)), state);
+});
+
+test('a state before the first tool sample has no clock of it', () => {
+  const read = readState(writeState(1, 0, { ...state, toolClock: NaN }));
+  assert.ok(Number.isNaN(read?.toolClock));
+});
+
+test('a state lies byte for byte where the protocol says', () => {
+  const view = new DataView(writeState(7, 12.5, state));
+  assert.equal(String.fromCharCode(...new Uint8Array(view.buffer, 0, 4)), 'PCVR');
+  assert.equal(view.getUint8(4), 1);
+  assert.equal(view.getUint8(5), 2);
+  assert.equal(view.getUint32(12, true), 104 + 2 * 48);
+  assert.equal(view.getFloat64(16, true), 12.5);
+  assert.equal(view.getUint32(24 + 16, true), 1 | 4 | 16);
+  assert.equal(view.getInt32(24 + 20, true), -1);
+  assert.equal(view.getFloat32(24 + 24, true), 0.5);
+  assert.equal(view.getFloat32(24 + 56, true), 8);
+  assert.equal(view.getUint32(24 + 68, true), 4_000_000_000);
+  assert.equal(view.getUint32(24 + 100, true), 2);
+  assert.equal(view.getFloat32(24 + 104 + 8, true), 3);
+  assert.equal(view.getUint8(24 + 104 + 40), 2);
+  assert.equal(view.getUint8(24 + 104 + 41), 1);
+});
+
+test('a tool sample lies byte for byte where the protocol says', () => {
+  const sample = { tip: [1, 2, 3], quaternion: [0, 0, 0, 1], clutch: true, device: Device.hand };
+  const view = new DataView(writeTool(9, 2.5, sample as Parameters<typeof writeTool>[2]));
+  assert.equal(view.byteLength, headBytes + 32);
+  assert.equal(view.getUint8(5), 17);
+  assert.equal(view.getUint32(8, true), 9);
+  const floats = [0, 1, 2, 3, 4, 5, 6].map((i) => view.getFloat32(24 + 4 * i, true));
+  assert.deepEqual(floats, [1, 2, 3, 0, 0, 0, 1]);
+  assert.equal(view.getUint8(24 + 28), 1);
+  assert.equal(view.getUint8(24 + 29), 3);
+  assert.equal(view.getUint16(24 + 30, true), 0);
+});
+
+test('commands, pings and pongs are as long as the protocol says', () => {
+  const command = new DataView(writeCommand(1, 0, Command.giveBack));
+  assert.equal(command.byteLength, headBytes + 4);
+  assert.equal(command.getUint32(24, true), 5);
+  assert.equal(writePing(2, 0).byteLength, headBytes);
+  assert.equal(readPong(writePong(3, 0, 1.5)), 1.5);
+  assert.equal(readPong(writePing(3, 0)), null);
+});
+
+test('JSON comes back with every letter', () => {
+  const notice = { level: 'warning', text: 'Böx übér 5 µm' };
+  assert.deepEqual(readJson(writeJson(MessageType.notice, 1, 0, notice)), notice);
+});
+
+test('JSON that is none is no message', () => {
+  const broken = writeJson(MessageType.notice, 1, 0, {});
+  new Uint8Array(broken)[headBytes] = 0x5b;
+  assert.equal(readJson(broken), null);
+});
+
+test('a message cut at any byte is refused', () => {
+  const whole = writeState(7, 12.5, state);
+  for (let length = 0; length < whole.byteLength; ++length)
+    assert.equal(readState(whole.slice(0, length)), null);
+});
+
+test('a state whose number of objects is a lie is refused', () => {
+  for (const count of [0, 1, 3, 0xffffffff]) {
+    const lie = writeState(7, 12.5, state);
+    new DataView(lie).setUint32(headBytes + 100, count, true);
+    assert.equal(readState(lie), null);
+  }
+});
+
+test('another version is no message, but says which it is', () => {
+  const other = writePing(1, 0);
+  new DataView(other).setUint8(4, 2);
+  assert.equal(readHead(other), null);
+  assert.equal(readVersion(other), 2);
+  new DataView(other).setUint8(0, 0);
+  assert.equal(readVersion(other), null);
+});

@@ -1,0 +1,155 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { PerspectiveCamera, Ray, Vector3 } from 'three';
+import { DragPlane } from '../src/input/drag_plane';
+import { linearColors, readGrid } from '../src/scene/cells';
+import { readGlb } from '../src/scene/glb';
+import { levelWithin } from '../src/scene/loading';
+
+function gridFile(points: number[][], extra: number[]): ArrayBuffer {
+  const file = new ArrayBuffer(20 + 6 * points.length + extra.length);
+  const view = new DataView(file);
+  [1, 2, 3, 0.5].forEach((value, i) => view.setFloat32(4 * i, value, true));
+  view.setUint32(16, points.length, true);
+  points.flat().forEach((value, i) => view.setUint16(20 + 2 * i, value, true));
+  new Uint8Array(file).set(extra, 20 + 6 * points.length);
+  return file;
+}
+
+test('a grid of points is read as it was written', () => {
+  const file = gridFile([[0, 1, 65535]], [10, 20, 30]);
+  const grid = readGrid(file, 3);
+  assert.deepEqual(grid.origin, [1, 2, 3]);
+  assert.equal(grid.step, 0.5);
+  assert.deepEqual([...grid.steps], [0, 1, 65535]);
+});
+
+test('a grid of another length than its head says is refused', () => {
+  const file = gridFile([[0, 1, 2]], []);
+  assert.throws(() => readGrid(file, 3));
+  assert.throws(() => readGrid(file.slice(0, 25), 0));
+  assert.throws(() => readGrid(new ArrayBuffer(3), 0));
+});
+
+test('colours become linear: black stays, white stays, middle grey is a fifth', () => {
+  const [black, grey, white] = linearColors(Uint8Array.of(0, 128, 255));
+  assert.equal(black, 0);
+  assert.equal(white, 65535);
+  assert.ok(Math.abs(grey / 65535 - 0.2159) < 1e-4); // IEC 61966-2-1
+});
+
+test('a device gets the finest level that it can carry, or else the coarsest', () => {
+  const levels = [900, 300, 50].map((triangles) => ({ path: '', triangles, bytes: 0 }));
+  assert.equal(levelWithin(levels, 1000), 0);
+  assert.equal(levelWithin(levels, 300), 1);
+  assert.equal(levelWithin(levels, 10), 2);
+  assert.equal(levelWithin([], 10), -1);
+});
+
+function glb(json: object, binary: Uint8Array): ArrayBuffer {
+  const text = new TextEncoder().encode(JSON.stringify(json));
+  const padded = text.length + ((4 - (text.length % 4)) % 4);
+  const file = new ArrayBuffer(28 + padded + binary.length);
+  const view = new DataView(file);
+  view.setUint32(0, 0x46546c67, true);
+  view.setUint32(12, padded, true);
+  new Uint8Array(file, 20, padded).fill(0x20);
+  new Uint8Array(file).set(text, 20);
+  view.setUint32(20 + padded, binary.length, true);
+  new Uint8Array(file).set(binary, 28 + padded);
+  return file;
+}
+
+const triangle = {
+  scenes: [{ nodes: [0] }],
+  nodes: [
+    { translation: [0, 0, 5], children: [1] },
+    { mesh: 0, scale: [2, 2, 2] },
+  ],
+  meshes: [{ primitives: [{ attributes: { POSITION: 0, COLOR_0: 1 } }] }],
+  accessors: [
+    { bufferView: 0, componentType: 5126, count: 3, type: 'VEC3' },
+    {
+      bufferView: 0,
+      componentType: 5121,
+      byteOffset: 12,
+      count: 3,
+      type: 'VEC4',
+      normalized: true,
+    },
+  ],
+  bufferViews: [{ buffer: 0, byteLength: 48, byteStride: 16 }],
+};
+
+function triangleBytes(): Uint8Array {
+  const bytes = new Uint8Array(48);
+  const view = new DataView(bytes.buffer);
+  view.setFloat32(16, 1, true);
+  view.setFloat32(36, 1, true);
+  bytes[12] = 255;
+  return bytes;
+}
+
+test('a triangle of interleaved numbers is read, with all its nodes above it', async () => {
+  const [part] = await readGlb(glb(triangle, triangleBytes()));
+  const position = part.geometry.getAttribute('position');
+  assert.deepEqual([position.getX(1), position.getY(2), position.count], [1, 1, 3]);
+  assert.equal(part.geometry.getAttribute('color').getX(0), 1);
+  const corner = new Vector3(1, 0, 0).applyMatrix4(part.matrix);
+  assert.deepEqual(corner.toArray(), [2, 0, 5]);
+  // It had no normals: they come from the triangle itself.
+  assert.equal(part.geometry.getAttribute('normal').getZ(0), 1);
+});
+
+test('what is no glTF is refused in words', async () => {
+  await assert.rejects(readGlb(new ArrayBuffer(4)), /not a binary glTF/);
+  await assert.rejects(readGlb(new TextEncoder().encode('x'.repeat(40)).buffer), /not a binary/);
+  const empty = { ...triangle, accessors: [] };
+  await assert.rejects(readGlb(glb(empty, triangleBytes())), /has no data/);
+});
+
+function cameraAt(position: Vector3, target: Vector3): PerspectiveCamera {
+  const camera = new PerspectiveCamera();
+  camera.position.copy(position);
+  camera.lookAt(target);
+  camera.updateMatrixWorld();
+  return camera;
+}
+
+function rayTo(camera: PerspectiveCamera, target: Vector3): Ray {
+  return new Ray(camera.position.clone(), target.clone().sub(camera.position).normalize());
+}
+
+test('dragged on a level plane the tool keeps its height, and its place below the pointer', () => {
+  const tool = new Vector3(0, 0.1, 0);
+  const camera = cameraAt(new Vector3(0, 1, 2), tool);
+  const plane = DragPlane.through(tool, 'level', camera, rayTo(camera, tool));
+  const moved = plane.move(rayTo(camera, new Vector3(0.3, 0.1, -0.2)))!;
+  assert.ok(moved.distanceTo(new Vector3(0.3, 0.1, -0.2)) < 1e-9);
+});
+
+test('dragged upright the tool moves up and aside only', () => {
+  const tool = new Vector3(0, 0.1, 0);
+  const camera = cameraAt(new Vector3(0, 1, 2), tool);
+  const plane = DragPlane.through(tool, 'upright', camera, rayTo(camera, tool));
+  const moved = plane.move(rayTo(camera, new Vector3(0.2, 0.4, 0)))!;
+  assert.ok(moved.distanceTo(new Vector3(0.2, 0.4, 0)) < 1e-9);
+});
+
+test('a level plane seen from its edge does not fling the tool away', () => {
+  const tool = new Vector3(0, 0.1, 0);
+  const camera = cameraAt(new Vector3(0, 0.12, 2), tool);
+  const plane = DragPlane.through(tool, 'level', camera, rayTo(camera, tool));
+  const moved = plane.move(rayTo(camera, new Vector3(0, 0.13, 0)))!;
+  assert.ok(moved.distanceTo(tool) < 0.05);
+});
+
+test('a pointer above the horizon moves the tool nowhere', () => {
+  const tool = new Vector3(0, 0, 0);
+  const camera = cameraAt(new Vector3(0, 1, 2), tool);
+  const plane = DragPlane.through(tool, 'level', camera, rayTo(camera, tool));
+  assert.equal(plane.move(rayTo(camera, new Vector3(0, 2, 0))), null);
+  assert.equal(plane.move(rayTo(camera, new Vector3(0, 0.9, -1))), null);
+});
