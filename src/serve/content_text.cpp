@@ -4,32 +4,14 @@
 
 #include <cctype>
 #include <charconv>
-#include <memory>
-#include <new>
 #include <utility>
 
-#include <libdeflate.h>
+#include "gzip.hpp"
 
 namespace pcavr {
-namespace {
-
-/// Of 12: higher ones cost several times as much for a percent or two.
-constexpr int kLevel = 6;
-
-}  // namespace
-
-std::string gzipped(std::string_view bytes) {
-  const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
-      libdeflate_alloc_compressor(kLevel), libdeflate_free_compressor);
-  if (!compressor) throw std::bad_alloc();
-  std::string packed(libdeflate_gzip_compress_bound(compressor.get(), bytes.size()), '\0');
-  packed.resize(libdeflate_gzip_compress(compressor.get(), bytes.data(), bytes.size(),
-                                         packed.data(), packed.size()));
-  return packed;
-}
 
 Content make_content(std::string media_type, std::string body) {
-  std::string packed = gzipped(body);
+  std::string packed = gzip(body);
   const bool is_smaller = packed.size() < body.size();
   return {.media_type = std::move(media_type),
           .body = is_smaller ? std::move(packed) : std::move(body),

@@ -13,10 +13,7 @@ inline constexpr char kJsonMedia[] = "application/json";
 inline constexpr char kBinaryMedia[] = "application/octet-stream";
 inline constexpr char kGlbMedia[] = "model/gltf-binary";
 
-/// The gzip member of these bytes [RFC 1952], without time or name: the same bytes each time.
-[[nodiscard]] std::string gzipped(std::string_view bytes);
-
-/// Compressed where that saves anything.
+/// Gzipped where that saves anything.
 [[nodiscard]] Content make_content(std::string media_type, std::string body);
 
 /// A name as one segment of a path: everything but letters, digits and -._~ as %XX [RFC 3986].

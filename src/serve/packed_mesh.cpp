@@ -78,8 +78,9 @@ Expected<void> run(const fs::path& input, const fs::path& output) {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     ::posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
   }
-  std::vector<std::string> words{kProgram,        "-i",  input.string(), "-o",
-                                 output.string(), "-cc", "-noq",         "-kn"};
+  // Colours in 12 bits: they are linear, where 8 would show as bands in the dark.
+  std::vector<std::string> words{kProgram, "-i",   input.string(), "-o",  output.string(),
+                                 "-cc",    "-noq", "-kn",          "-vc", "12"};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);

@@ -10,8 +10,8 @@ namespace pcavr {
 
 /// A binary glTF file with its meshes compressed (EXT_meshopt_compression) by gltfpack, which runs
 /// as a child process in a temporary folder of its own that is gone afterwards. Names and
-/// coordinates stay. An Error where gltfpack is missing, fails, or takes longer than 30 s.
-/// Thread-safe.
+/// coordinates stay, colours to 12 bits. An Error where gltfpack is missing, fails, or takes longer
+/// than 30 s. Thread-safe.
 [[nodiscard]] Expected<std::string> packed_mesh(const std::string& glb);
 
 }  // namespace pcavr
