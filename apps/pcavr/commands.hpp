@@ -17,6 +17,7 @@ void add_evaluate(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_identify(CLI::App& app, Action& action);
 void add_import(CLI::App& app, Action& action);
+void add_serve(CLI::App& app, Action& action);
 void add_inspect(CLI::App& app, Action& action);
 void add_tags(CLI::App& app, Action& action);
 

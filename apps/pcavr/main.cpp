@@ -55,6 +55,7 @@ int run_command_line(int argc, char** argv) {
   add_evaluate(app, action);
   add_simulate(app, action);
   add_import(app, action);
+  add_serve(app, action);
   add_inspect(app, action);
   add_tags(app, action);
   try {

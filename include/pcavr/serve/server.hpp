@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/serve/content.hpp"
+#include "pcavr/serve/live_world.hpp"
+
+namespace pcavr {
+
+/// PEM files.
+struct TlsFiles {
+  std::filesystem::path certificate;  ///< with its chain, the server's own first
+  std::filesystem::path key;
+};
+
+struct ServerOptions {
+  std::string host = "127.0.0.1";  ///< an address of this machine, or "localhost"
+  std::uint16_t port = 8080;       ///< 0: one that is free
+  std::filesystem::path page;      ///< folder with the page's index.html
+  std::optional<TlsFiles> tls = {};
+  double rate = 72.0;  ///< [Hz] 60 to 90: states to each page
+  std::string version;
+  std::string scene;                   ///< as pages name it
+  bool is_replay = false;              ///< what a page shows first
+  double tool_radius = 0.01;           ///< [m]
+  std::size_t most_pages = 32;         ///< the next one is told so, and sent away
+  std::size_t most_connections = 256;  ///< of all kinds
+  double most_write_time = 5.0;        ///< [s] that a page may take for one message, > 0
+  bool ends_on_signals = false;        ///< SIGINT and SIGTERM end run()
+};
+
+/// One port: the page, the scene's files, and the live state (docs/live-protocol.md). One thread of
+/// its own speaks to the network, another one fetches files; neither ever holds up the world. A
+/// page that reads too slowly gets fewer states, always the newest; one that does not read is let
+/// go.
+class LiveServer {
+ public:
+  /// Listens, but answers nothing yet. `world` and `content` must outlive it. Errors: a port in
+  /// use, an address that is not this machine's, a page that was not built, a bad certificate.
+  [[nodiscard]] static Expected<LiveServer> open(const ServerOptions& options, LiveWorld& world,
+                                                 const ContentSource& content);
+  LiveServer(LiveServer&&) noexcept;
+  LiveServer& operator=(LiveServer&&) noexcept;
+  ~LiveServer();
+
+  [[nodiscard]] std::uint16_t port() const;
+  /// What a page that is not on this machine has to be told once.
+  [[nodiscard]] const std::string& pairing_code() const;
+
+  /// Answers until stop(), or a signal. Call once.
+  void run();
+  /// From any thread, also before run().
+  void stop();
+
+ private:
+  struct Impl;
+  explicit LiveServer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pcavr

@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "live_cycle.hpp"
+
+#include <cmath>
+
+#include "pcavr/core/check.hpp"
+
+namespace pcavr {
+namespace {
+
+std::vector<std::string> names_of(const HapticWorld& world) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < world.size(); ++i) names.push_back(world.name(i));
+  return names;
+}
+
+WorldSnapshot first_snapshot(const HapticWorld& world) {
+  WorldSnapshot snapshot;
+  snapshot.world = world.state();
+  snapshot.speeds.assign(world.size(), 0.0);
+  return snapshot;
+}
+
+std::uint32_t tenth_of_a_second(double cycle) {
+  PCAVR_REQUIRE(cycle > 0.0 && cycle <= 0.1, cycle);
+  return static_cast<std::uint32_t>(std::lround(0.1 / cycle));
+}
+
+}  // namespace
+
+LiveCycle::LiveCycle(HapticWorld world, std::unique_ptr<Device> device,
+                     const LiveWorldOptions& options)
+    : world_(std::move(world)),
+      device_(std::move(device)),
+      page_device_(dynamic_cast<RemoteDevice*>(device_.get())),
+      options_(options),
+      names_(names_of(world_)),
+      pulse_(world_.size(), options.most_force),
+      histogram_(tenth_of_a_second(options.cycle)),
+      buffer_((world_.reset(options.p_base_tool_start), first_snapshot(world_))),
+      speeds_(world_.size(), 0.0) {
+  PCAVR_REQUIRE(device_ != nullptr);
+  command_.p_base_tip = options.p_base_tool_start;
+  for (const HapticBodyState& body : world_.state().bodies) {
+    positions_.push_back(body.T_base_object.translation());
+  }
+}
+
+ToolCommand LiveCycle::command_from(const DeviceSample& sample, bool is_on_hold) noexcept {
+  if (!sample.is_present || !sample.is_engaged) {
+    p_tip_offset_.setZero();
+    return {world_.state().p_base_hip, false};
+  }
+  if (!is_on_hold) return {sample.p_base_tip + p_tip_offset_, true};
+  // A clutch that closes on hold takes hold of nothing; and whatever the hand does meanwhile, the
+  // tool goes on from where it is.
+  const Eigen::Vector3d frozen =
+      command_.is_engaged ? command_.p_base_tip : world_.state().p_base_hip;
+  p_tip_offset_ = frozen - sample.p_base_tip;
+  return {frozen, command_.is_engaged};
+}
+
+void LiveCycle::reset_if_asked(const DeviceSample& sample) noexcept {
+  const std::uint32_t asked = resets_.load(std::memory_order_relaxed);
+  if (asked == resets_done_) return;
+  resets_done_ = asked;
+  world_.reset(options_.p_base_tool_start);
+  pulse_.reset();
+  command_.p_base_tip = world_.state().p_base_hip;
+  p_tip_offset_ = command_.p_base_tip - sample.p_base_tip;
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    positions_[i] = world_.state().bodies[i].T_base_object.translation();
+  }
+}
+
+void LiveCycle::measure_speeds() noexcept {
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    const Eigen::Vector3d& now = world_.state().bodies[i].T_base_object.translation();
+    speeds_[i] = (now - positions_[i]).norm() / options_.cycle;
+    positions_[i] = now;
+  }
+}
+
+void LiveCycle::step(double t) noexcept {
+  const HapticWorldState& state = world_.state();
+  const DeviceSample sample =
+      device_->exchange(t, options_.cycle, {state.p_base_proxy, state.force_base});
+  reset_if_asked(sample);
+  was_on_hold_ = is_on_hold_.load(std::memory_order_relaxed);
+  command_ = command_from(sample, was_on_hold_);
+  world_.step(command_, options_.cycle);
+  ++cycles_;
+  pulse_.step(state, options_.cycle);
+  measure_speeds();
+}
+
+void LiveCycle::publish(double duration, std::uint32_t late_cycles, double now) noexcept {
+  histogram_.add(duration);
+  WorldSnapshot& snapshot = buffer_.back();
+  snapshot.t = options_.cycle * static_cast<double>(cycles_);
+  snapshot.published = now;
+  snapshot.world = world_.state();
+  snapshot.speeds = speeds_;
+  snapshot.is_on_hold = was_on_hold_;
+  snapshot.pulse = pulse_.amplitude();
+  snapshot.pulses = pulse_.count();
+  snapshot.cycles = cycles_;
+  snapshot.late_cycles = late_cycles;
+  snapshot.cycle_median = histogram_.times().median;
+  snapshot.cycle_p99 = histogram_.times().p99;
+  snapshot.cycle_longest = histogram_.times().longest;
+  if (page_device_ != nullptr) snapshot.page = page_device_->use();
+  buffer_.publish();
+}
+
+}  // namespace pcavr

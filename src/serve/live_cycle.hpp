@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "pcavr/serve/live_world.hpp"
+
+#include "cycle_histogram.hpp"
+#include "pulse_meter.hpp"
+#include "triple_buffer.hpp"
+
+namespace pcavr {
+
+/// What a live world does in one cycle, without a clock: device, world, pulses, publish.
+class LiveCycle {
+ public:
+  LiveCycle(HapticWorld world, std::unique_ptr<Device> device, const LiveWorldOptions& options);
+
+  /// One thread; neither allocates, locks, waits nor throws. `t` [s] is the clock's for the device.
+  void step(double t) noexcept;
+  /// Ends a cycle that took `duration` [s]: what was reckoned becomes the newest at `now`.
+  void publish(double duration, std::uint32_t late_cycles, double now) noexcept;
+
+  void hold(bool is_on_hold) noexcept { is_on_hold_.store(is_on_hold, std::memory_order_relaxed); }
+  void reset() noexcept { resets_.fetch_add(1, std::memory_order_relaxed); }
+  [[nodiscard]] const WorldSnapshot& newest() noexcept { return buffer_.newest(); }
+
+  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+  [[nodiscard]] Device& device() noexcept { return *device_; }
+  [[nodiscard]] RemoteDevice* page_device() noexcept { return page_device_; }
+
+ private:
+  [[nodiscard]] ToolCommand command_from(const DeviceSample& sample, bool is_on_hold) noexcept;
+  void reset_if_asked(const DeviceSample& sample) noexcept;
+  void measure_speeds() noexcept;
+
+  HapticWorld world_;
+  std::unique_ptr<Device> device_;
+  RemoteDevice* page_device_;
+  LiveWorldOptions options_;
+  std::vector<std::string> names_;
+  PulseMeter pulse_;
+  CycleHistogram histogram_;
+  TripleBuffer<WorldSnapshot> buffer_;
+  std::vector<Eigen::Vector3d> positions_;  ///< of the bodies, a cycle ago
+  std::vector<double> speeds_;
+  std::atomic<bool> is_on_hold_{false};
+  std::atomic<std::uint32_t> resets_{0};
+  std::uint32_t resets_done_ = 0;
+  std::uint32_t cycles_ = 0;
+  bool was_on_hold_ = false;
+  ToolCommand command_;                                     ///< of the last cycle
+  Eigen::Vector3d p_tip_offset_ = Eigen::Vector3d::Zero();  ///< from the device's tip to the HIP
+};
+
+}  // namespace pcavr

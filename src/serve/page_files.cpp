@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "page_files.hpp"
+
+#include <algorithm>
+#include <array>
+#include <system_error>
+#include <utility>
+
+#include "pcavr/core/output.hpp"
+
+#include "gzip.hpp"
+
+namespace pcavr {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct MediaType {
+  std::string_view ending;
+  std::string_view name;
+  bool is_text;  ///< worth compressing
+};
+constexpr std::array kMediaTypes{
+    MediaType{".html", "text/html; charset=utf-8", true},
+    MediaType{".js", "text/javascript; charset=utf-8", true},
+    MediaType{".mjs", "text/javascript; charset=utf-8", true},
+    MediaType{".css", "text/css; charset=utf-8", true},
+    MediaType{".json", "application/json", true},
+    MediaType{".webmanifest", "application/manifest+json", true},
+    MediaType{".map", "application/json", true},
+    MediaType{".txt", "text/plain; charset=utf-8", true},
+    MediaType{".svg", "image/svg+xml", true},
+    MediaType{".wasm", "application/wasm", true},
+    MediaType{".png", "image/png", false},
+    MediaType{".jpg", "image/jpeg", false},
+    MediaType{".ico", "image/x-icon", false},
+    MediaType{".woff2", "font/woff2", false},
+    MediaType{".glb", "model/gltf-binary", true},
+};
+
+const MediaType* known_type(const fs::path& file) {
+  const std::string ending = file.extension().string();
+  const auto* const found = std::find_if(kMediaTypes.begin(), kMediaTypes.end(),
+                                         [&](const MediaType& t) { return t.ending == ending; });
+  return found == kMediaTypes.end() ? nullptr : found;
+}
+
+/// Names, one after the other, that neither lead upward nor are hidden.
+bool is_plain(std::string_view path) {
+  constexpr std::string_view kOthers = "._-/";
+  const bool has_odd_sign = std::any_of(path.begin(), path.end(), [&](char sign) {
+    const bool is_common = (sign >= 'a' && sign <= 'z') || (sign >= 'A' && sign <= 'Z') ||
+                           (sign >= '0' && sign <= '9');
+    return !is_common && kOthers.find(sign) == std::string_view::npos;
+  });
+  return path.starts_with('/') && !has_odd_sign && path.find("/.") == std::string_view::npos &&
+         path.find("//") == std::string_view::npos && path.size() < 256;
+}
+
+bool is_inside(const fs::path& file, const fs::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first ==
+         folder.end();
+}
+
+}  // namespace
+
+std::string media_type_of(const fs::path& file) {
+  const MediaType* type = known_type(file);
+  return type == nullptr ? "application/octet-stream" : std::string(type->name);
+}
+
+PageFiles::PageFiles(fs::path folder) {
+  std::error_code ignored;
+  folder_ = fs::weakly_canonical(folder, ignored);
+}
+
+Expected<std::shared_ptr<const Content>> PageFiles::find(std::string_view path) const {
+  const std::shared_ptr<const Content> nothing;
+  const std::string name = path == "/" ? "/index.html" : std::string(path);
+  if (!is_plain(name)) return nothing;
+  std::error_code fault;
+  const fs::path file = fs::canonical(folder_ / name.substr(1), fault);
+  if (fault || !is_inside(file, folder_) || !fs::is_regular_file(file, fault)) return nothing;
+  const auto changed = fs::last_write_time(file, fault);
+  const std::lock_guard lock(mutex_);
+  const auto kept = kept_.find(name);
+  if (kept != kept_.end() && kept->second.changed == changed) return kept->second.content;
+  Expected<std::string> bytes = read_file(file);
+  if (!bytes) return bytes.error();
+  const MediaType* type = known_type(file);
+  Content content{media_type_of(file), std::move(*bytes), false};
+  if (type != nullptr && type->is_text) {
+    std::string packed = gzip(content.body);
+    content.is_gzipped = packed.size() < content.body.size();
+    if (content.is_gzipped) content.body = std::move(packed);
+  }
+  auto shared = std::make_shared<const Content>(std::move(content));
+  kept_[name] = {changed, shared};
+  return shared;
+}
+
+}  // namespace pcavr

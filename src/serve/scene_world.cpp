@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/serve/scene_world.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "pcavr/model/cad_model.hpp"
+#include "pcavr/prediction/body_physics.hpp"
+#include "pcavr/scene/scene.hpp"
+
+namespace pcavr {
+namespace {
+
+/// What the proxy is measured to walk on at 1 kHz.
+constexpr std::size_t kMostTriangles = 1'000'000;
+/// [m] over what can be pushed: clear of it, and in view.
+constexpr double kWaitingHeight = 0.1;
+/// [s] in which the force may grow to its bound: a stroke, not a knock.
+constexpr double kRiseTime = 0.0025;
+
+bool is_seen(const SceneObjectEntry& object) { return object.evidence != kNotSeen; }
+
+/// A scene of a recording without images is what the manifest stated: nothing was scanned.
+bool is_scanned(const SceneManifest& scene) { return scene.quality.frames_used > 0; }
+
+Expected<TriangleMesh> static_mesh(const SceneManifest& scene, SceneWorld& world) {
+  if (!is_scanned(scene)) return TriangleMesh{};
+  Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
+  // The first level is for the eye, and holds the objects too.
+  for (std::size_t i = 1; mesh && mesh->triangles.size() > kMostTriangles; ++i) {
+    if (i >= scene.levels_of_detail.size()) {
+      return Error{.message = "more than a million triangles, and no coarser level",
+                   .file = (scene.folder / "mesh.ply").string(),
+                   .mend = "build the scene again with a larger --voxel"};
+    }
+    world.notes.push_back("the hand feels " + scene.levels_of_detail[i].string() +
+                          ": mesh.ply has more than a million triangles");
+    mesh = read_mesh(scene.folder / scene.levels_of_detail[i]);
+  }
+  return mesh;
+}
+
+void append(const TriangleMesh& more, TriangleMesh& mesh) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
+  for (const auto& corners : more.triangles) {
+    mesh.triangles.push_back({corners[0] + first, corners[1] + first, corners[2] + first});
+  }
+}
+
+ObjectParameters known_of(const SceneObjectEntry& object, const SceneWorldOptions& options) {
+  ObjectParameters known;
+  if (options.parameters && options.parameters->contains(object.name)) {
+    known = options.parameters->at(object.name);
+  }
+  if (!known.mass && object.mass) known.mass = ParameterValue{*object.mass};
+  return known;
+}
+
+Expected<void> add_object(const SceneManifest& scene, const SceneObjectEntry& object,
+                          const SceneWorldOptions& options, SceneWorld& world) {
+  Expected<CadModel> model = read_cad_model(scene.folder / object.mesh, object.name);
+  if (!model) return model.error();
+  if (!object.is_movable) {
+    append(transformed(object.T_base_object, model->mesh_object),
+           world.model.world.static_mesh_base);
+    return {};
+  }
+  CompletedPhysics completed =
+      complete_physics(known_of(object, options), *model, object.T_base_object);
+  world.assumed.push_back({object.name, std::move(completed.assumed)});
+  world.model.world.bodies.push_back(
+      {std::move(*model), object.T_base_object, std::move(completed.physics)});
+  return {};
+}
+
+Eigen::Vector3d waiting_place(const WorldModel& world) {
+  Eigen::AlignedBox3f box;
+  for (const WorldBody& body : world.bodies) {
+    box.extend(bounds(transformed(body.T_base_object, body.model.mesh_object).vertices));
+  }
+  if (box.isEmpty()) box = bounds(world.static_mesh_base.vertices);
+  if (box.isEmpty()) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3f middle = box.center();
+  return {middle.x(), middle.y(), box.max().z() + kWaitingHeight};
+}
+
+Expected<void> check_names(const SceneManifest& scene, const SceneWorldOptions& options) {
+  if (!options.parameters) return {};
+  for (const auto& [name, parameters] : *options.parameters) {
+    const bool is_known =
+        std::any_of(scene.objects.begin(), scene.objects.end(),
+                    [&](const auto& object) { return object.is_movable && object.name == name; });
+    if (!is_known) {
+      return Error{.message = "the scene has no movable object '" + name + "'",
+                   .file = options.parameters_file,
+                   .place = name,
+                   .mend = "take it out, or name the scene that these parameters are for"};
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
+                                      const SceneWorldOptions& options) {
+  const Expected<void> names = check_names(scene, options);
+  if (!names) return names.error();
+  SceneWorld world;
+  Expected<TriangleMesh> mesh = static_mesh(scene, world);
+  if (!mesh) return mesh.error();
+  world.model.world.static_mesh_base = {
+      std::move(mesh->vertices), {}, {}, std::move(mesh->triangles)};
+  world.model.world.tool_radius = options.tool_radius;
+  world.model.force.most_force = options.most_force;
+  world.model.force.most_rate = options.most_force / kRiseTime;
+  for (const SceneObjectEntry& object : scene.objects) {
+    if (!is_seen(object)) {
+      world.notes.push_back(object.name + " was not seen when the scene was built: left out");
+      continue;
+    }
+    const Expected<void> added = add_object(scene, object, options, world);
+    if (!added) return added.error();
+  }
+  for (const SupportPlane& plane : scene.support_planes) {
+    world.model.supports_base.push_back(plane.outline_base);
+  }
+  world.triangles = world.model.world.static_mesh_base.triangles.size();
+  world.p_base_tool_start = waiting_place(world.model.world);
+  return world;
+}
+
+}  // namespace pcavr
