@@ -39,7 +39,7 @@ constexpr double kAside = 1e4;
 /// [m] A tip that is farther from base along any axis is taken for an error.
 constexpr double kFarthest = 1e3;
 /// How often the ball is moved out of bodies that came upon it.
-constexpr int kMostEvasions = 4;
+constexpr int kMostEvasions = 12;
 
 bool is_told(const Eigen::Vector3d& p) noexcept { return (p.array().abs() <= kFarthest).all(); }
 
@@ -279,12 +279,12 @@ void HapticWorld::Content::move_bodies(double dt) noexcept {
     const Pose T_before = body.T_base_object;
     body.T_base_object = world.T_base_object(i);
     ball.place(kFirstBody + i, body.T_base_object);
+    const Eigen::Vector2d centre = world.state()[i].planar.position;
+    if (body.has_support && !supports.bear(centre, body.shape.foot)) drop(i);
     if (body.is_under_tool) {
       const Eigen::Vector3d carried_to = body.T_base_object * (T_before.inverse() * ball.centre());
       carried = std::max(carried, (carried_to - ball.centre()).norm());
     }
-    const Eigen::Vector2d centre = world.state()[i].planar.position;
-    if (body.has_support && !supports.bear(centre, body.shape.foot)) drop(i);
   }
 }
 

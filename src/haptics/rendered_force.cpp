@@ -8,6 +8,13 @@
 #include "pcavr/core/check.hpp"
 
 namespace pcavr {
+namespace {
+
+/// Of the least force, for a hand on its way out that has no work to its credit: from deep inside
+/// the whole of it would be worth some microjoules.
+constexpr double kUnpaid = 1e-3;
+
+}  // namespace
 
 RenderedForce::RenderedForce(const ForceOptions& options) : options_(options) {
   const Compliance& law = options.compliance;
@@ -60,7 +67,8 @@ Eigen::Vector3d RenderedForce::step(const Eigen::Vector3d& tip, const Eigen::Vec
   force_ += grown > most_change ? Eigen::Vector3d(most_change / grown * change) : change;
   spend_no_more_than_there_is(moved, dt);
   if (force_.norm() < options_.least_force) {
-    force_ = options_.least_force * wished.stableNormalized();
+    const bool is_unpaid = work_ <= 0.0 && wished.dot(moved) > 0.0;
+    force_ = (is_unpaid ? kUnpaid : 1.0) * options_.least_force * wished.stableNormalized();
   }
   if (force_.isZero(0.0)) work_ = std::min(work_, 0.0);
   return force_;

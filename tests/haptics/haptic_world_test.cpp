@@ -159,13 +159,7 @@ TEST(HapticWorld, ResetPutsAllBack) {
 // The hand goes on through a box that stands against a wall, and through the wall.
 TEST(HapticWorld, KeepsTheToolOnItsSideOfABodyThatCannotMove) {
   HapticWorldModel model = one_box_on_a_table();
-  const TriangleMesh wall = test::wall_at(kHalfBox);
-  TriangleMesh& mesh = model.world.static_mesh_base;
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), wall.vertices.begin(), wall.vertices.end());
-  for (const auto& t : wall.triangles) {
-    mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
-  }
+  test::append(model.world.static_mesh_base, test::wall_at(kHalfBox));
   HapticWorld world = world_of(model);
   test::Judge judge(model);
   const Eigen::Vector3d start = touching_tip() - Eigen::Vector3d(0.01, 0.0, 0.0);

@@ -34,6 +34,14 @@ inline TriangleMesh scanned_table(double noise, double pitch = 0.005, std::uint6
   return mesh;
 }
 
+inline void append(TriangleMesh& mesh, const TriangleMesh& other) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const auto& t : other.triangles) {
+    mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+}
+
 inline std::vector<Eigen::Vector3d> table_outline() {
   return {{-0.5, -0.4, 0.0}, {0.5, -0.4, 0.0}, {0.5, 0.4, 0.0}, {-0.5, 0.4, 0.0}};
 }

@@ -15,7 +15,8 @@ struct ForceOptions {
   /// [m/s^2] of the hand: what lets the next cycle's motion be told from the last one's. A hand
   /// that holds a device's handle stays under 2 g.
   double most_acceleration = 20.0;
-  /// [N] while inside, paid for or not: what a force grows from. Too small to be felt.
+  /// [N] while inside, paid for or not: what a force grows from. Too small to be felt. A hand on
+  /// its way out that has not paid gets a thousandth of it.
   double least_force = 1e-4;
 };
 

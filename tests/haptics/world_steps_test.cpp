@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
+#include <gtest/gtest.h>
+
+#include "haptics/judge.hpp"
+#include "haptics/tabletop.hpp"
+#include "haptics/world_paths.hpp"
+
+namespace pcavr {
+namespace {
+
+using test::kCycle;
+
+/// Three boxes, one of them held fast, and a wall, all scanned with noise but the boxes.
+HapticWorldModel room(double noise, double radius) {
+  HapticWorldModel model = test::one_box_on_a_table(noise);
+  model.world.tool_radius = radius;
+  std::vector<WorldBody>& bodies = model.world.bodies;
+  bodies = test::row_of_boxes(3, 0.01).bodies;
+  bodies[1].T_base_object = test::standing_at(0.05, 0.2, 0.4);
+  bodies[2].physics.friction.limiting_force = 1000.0;
+  test::append(model.world.static_mesh_base, test::wall_at(0.45, noise));
+  return model;
+}
+
+/// Hands that wander about the boxes, 10 s each, and follow what they push.
+test::Judge::Count wander(const HapticWorldModel& model, int hands, std::uint64_t seed) {
+  HapticWorld world = HapticWorld::create(model).value();
+  test::Judge judge(model);
+  Random random(seed);
+  for (int k = 0; k < hands; ++k) {
+    const test::WanderingHand hand(random);
+    const std::size_t target = random.below(model.world.bodies.size());
+    Eigen::Vector3d about = model.world.bodies[target].T_base_object.translation();
+    about.z() = 0.0;
+    double t = 0.0;
+    while (hand(about, t).z() < 0.17 && t < 100.0) t += 0.01;
+    world.reset(hand(about, t));
+    judge.forget();
+    for (int i = 0; i < 10'000; ++i) {
+      t += kCycle;
+      const HapticBodyState& body = world.state().bodies[target];
+      const Eigen::Vector2d to = body.T_base_object.translation().head<2>();
+      if (!body.is_outside_model) about.head<2>() += 0.005 * (to - about.head<2>());
+      world.step({hand(about, t), true}, kCycle);
+      judge.see(world.state(), kCycle);
+    }
+  }
+  return judge.count();
+}
+
+void expect_sound(const test::Judge::Count& count) {
+  std::printf("%ld steps, %ld inside, %ld in a body; free of all the tool lags %.2f mm\n",
+              count.steps, count.inside, count.in_body,
+              1e3 * count.lag / static_cast<double>(std::max(count.free, 1L)));
+  EXPECT_GT(count.in_body, count.steps / 20);
+  EXPECT_GT(count.inside, count.in_body);
+  EXPECT_EQ(count.fallen, 0);
+  EXPECT_EQ(count.without_force, 0);
+  EXPECT_EQ(count.jumps, 0) << count.longest_jump;
+  EXPECT_EQ(count.in_scan, 0) << count.deepest_in_scan;
+  EXPECT_EQ(count.in_bodies, 0) << count.deepest_in_bodies;
+  EXPECT_EQ(count.too_strong, 0);
+  EXPECT_EQ(count.too_sudden, 0);
+  EXPECT_EQ(count.not_finite, 0);
+}
+
+// A million steps in all.
+TEST(MillionStepsAmongBodies, NeitherFallNorEnterNorLoseForceNorJump) {
+  expect_sound(wander(room(0.0003, 0.01), 50, 21));
+}
+TEST(MillionStepsAmongBodies, NeitherDoSoOnATableWithAMillimetreOfNoise) {
+  expect_sound(wander(room(0.001, 0.01), 30, 22));
+}
+TEST(MillionStepsAmongBodies, NeitherDoSoWithASmallTool) {
+  expect_sound(wander(room(0.001, 0.003), 20, 23));
+}
+
+TEST(ClosedPathsAmongBodies, TakeWorkTenThousandTimesOver) {
+  for (int which = 0; which < 3; ++which) {
+    HapticWorld world = HapticWorld::create(test::contact_case(which)).value();
+    const test::Work work = test::over_closed_paths(world, 4200, 11);
+    std::printf("case %d: %ld paths touched, mean work %.3g J, least %.3g J, %ld below 0\n", which,
+                work.touched, work.sum / static_cast<double>(work.touched), work.least, work.gave);
+    EXPECT_GT(work.touched, 3333);
+    EXPECT_GE(work.least, -test::kRounding);
+  }
+}
+
+}  // namespace
+}  // namespace pcavr
