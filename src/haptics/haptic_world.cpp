@@ -319,11 +319,12 @@ void HapticWorld::Content::feel(const Eigen::Vector3d& device, double dt) noexce
     strongest = there.norm();
     state.touched_body = static_cast<int>(i);
   }
-  // A body that runs away from the tool, or that the ball has not reached yet.
+  const bool is_apart = state.is_engaged && ball.is_kept_apart(hip);
+  if (is_apart && out.isZero(0.0)) out = (ball.centre() - hip).stableNormalized();
+  // A body that runs away from the tool, or what the ball has not reached yet.
   if (of_bodies.norm() < least_force) of_bodies = least_force * out;
   const Eigen::Vector3d lift = on_scan - hip;
-  state.touches_scan =
-      state.is_engaged && lift.norm() > detail::kTouching && ball.is_kept_apart(hip);
+  state.touches_scan = is_apart && lift.norm() > detail::kTouching;
   state.force_base = force.step(device, device + lift, state.touches_scan, dt, of_bodies);
 }
 
