@@ -27,7 +27,8 @@ double offset(const RemoteSample& sample) { return sample.arrival - sample.sende
 }  // namespace
 
 bool TipPlayback::add(const RemoteSample& sample) noexcept {
-  const bool restarts = count_ == 0 || std::abs(offset(sample) - offset(newest())) > kClockJump;
+  const bool restarts = count_ == 0 || sample.sender_clock <= newest().sender_clock ||
+                        std::abs(offset(sample) - offset(newest())) > kClockJump;
   if (restarts) clear();
   samples_[count_ % kKept] = sample;
   ++count_;

@@ -226,6 +226,19 @@ TEST(RemoteDevice, TakesAClockThatJumpsForAMotionThatStartsAnew) {
   EXPECT_LT(session.device.use().delay, 0.05);
 }
 
+TEST(RemoteDevice, TakesAClockThatStoodStillOverASilenceForAMotionThatStartsAnew) {
+  RemoteDevice device;
+  const DeviceFeedback feedback{.p_base_tool = {0.5, 0.1, 0.2}};
+  ASSERT_TRUE(device.push(sample_at(1.0, {0.0, 0.0, 0.0}, false)));
+  (void)device.exchange(1.0, kCycle, feedback);
+  RemoteSample again = sample_at(1.0, {1.0, 0.0, 0.0}, true);
+  again.arrival = 1.6;
+  ASSERT_TRUE(device.push(again));
+  const DeviceSample said = device.exchange(1.6, kCycle, feedback);
+  EXPECT_TRUE(said.is_engaged);
+  EXPECT_LT((said.p_base_tip - feedback.p_base_tool).norm(), 1e-12);
+}
+
 TEST(RemoteDevice, DoesNotCloseOnAToolThatIsNowhere) {
   RemoteDevice device;
   ASSERT_TRUE(device.push(sample_at(0.0, {1.0, 2.0, 3.0}, true)));
