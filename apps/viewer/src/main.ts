@@ -6,27 +6,29 @@ import { Session } from './session/session';
 import { byId } from './ui/dom';
 import { Messages } from './ui/messages';
 import { pair } from './ui/pairing';
+import { ThemeSwitch } from './ui/theme';
 import { Page } from './page';
 
 /// The page from its start: pair, fetch the scene, draw, listen.
 async function main(): Promise<void> {
   const messages = new Messages();
+  const theme = new ThemeSwitch();
   try {
     const info = await pair();
-    await open(info, messages);
+    await open(info, messages, theme);
   } catch (error) {
     messages.show({ level: 'error', text: error instanceof Error ? error.message : String(error) });
   }
 }
 
-async function open(info: SessionInfo, messages: Messages): Promise<void> {
+async function open(info: SessionInfo, messages: Messages, theme: ThemeSwitch): Promise<void> {
   const model = await fetchScene();
   const session = new Session(`${location.protocol.replace('http', 'ws')}//${location.host}/live`);
-  const canvas = document.querySelector('canvas')!;
+  const canvas = byId('view', HTMLCanvasElement);
   const actions = byId('actions', HTMLDivElement);
   const app = new App(canvas, session, actions, (notice) => messages.show(notice));
   app.view.setModel(model);
-  const page = new Page(app, model, info, messages);
+  const page = new Page(app, model, info, messages, theme);
   app.start();
   const loaded = page.load();
   if (navigator.xr) (await import('./vr/index')).attachVr(app);

@@ -18,7 +18,7 @@ import { fillDetail, fillLayersPanel, presentLayers } from './ui/layers_panel';
 import type { LivePlot } from './ui/live_plot';
 import type { Messages } from './ui/messages';
 import { distanceText, ObjectsPanel } from './ui/objects_panel';
-import { ThemeSwitch } from './ui/theme';
+import type { Theme, ThemeSwitch } from './ui/theme';
 import { ToolPanel } from './ui/tool_panel';
 
 const figuresSeconds = 0.25; // between two readings of the figures: faster, nobody can read them
@@ -53,6 +53,7 @@ export class Page {
     private readonly model: SceneModel,
     info: SessionInfo,
     private readonly messages: Messages,
+    theme: ThemeSwitch,
   ) {
     const { view, session } = app;
     this.isReplay = info.mode === 'replay';
@@ -76,7 +77,8 @@ export class Page {
     this.fillHead(info);
     this.connectView();
     this.connectSession();
-    new ThemeSwitch((theme) => this.setTheme(theme));
+    this.setTheme(theme.theme());
+    theme.onChange = (chosen) => this.setTheme(chosen);
     app.onFrame((time) => this.frame(time));
     app.onDrawn(() => this.drawn());
   }
@@ -192,7 +194,7 @@ export class Page {
     });
   }
 
-  private setTheme(theme: 'light' | 'dark'): void {
+  private setTheme(theme: Theme): void {
     this.app.view.setTheme(theme);
     this.plot?.redraw();
     this.replay?.redraw();
@@ -205,7 +207,10 @@ export class Page {
   }
 
   private partLoaded(): void {
-    if (!this.hasPicture && this.loader.level >= 0) {
+    // A scene without a scan has its bodies to show.
+    const hasScan = this.model.mesh.length > 0;
+    const isThere = hasScan ? this.loader.level >= 0 : this.loader.objectsLoaded > 0;
+    if (!this.hasPicture && isThere) {
       this.hasPicture = true;
       this.frameAll();
     }

@@ -11,7 +11,9 @@ export class ThemeSwitch {
   private readonly system = matchMedia('(prefers-color-scheme: dark)');
   private chosen = localStorage.getItem(key);
 
-  constructor(private readonly onChange: (theme: Theme) => void) {
+  onChange: (theme: Theme) => void = () => {};
+
+  constructor() {
     this.system.addEventListener('change', () => this.apply());
     this.button.addEventListener('click', () => {
       this.chosen = this.theme() === 'dark' ? 'light' : 'dark';
