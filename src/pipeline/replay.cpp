@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/pipeline/known_parameters.hpp"
 
 #include "follow_objects.hpp"
 #include "identify_signals.hpp"
@@ -120,19 +121,12 @@ Expected<Replay> track(const Recording& recording, const SceneManifest& scene,
 
 Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManifest& scene,
                                    const std::vector<MovableBody>& bodies, const Replay& replay,
-                                   const ReplayOptions& options) {
+                                   const ParameterTable& known) {
   TeleopInput input;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovableBody& body = bodies[i];
-    TeleopObject object{
-        body.entry.name, body.model, *body.entry.T_base_object, {}, replay.objects[i].tracked};
-    if (options.parameters && options.parameters->contains(body.entry.name)) {
-      object.parameters = options.parameters->at(body.entry.name);
-    }
-    if (!object.parameters.mass && body.entry.mass) {
-      object.parameters.mass = ParameterValue{*body.entry.mass};
-    }
-    input.objects.push_back(std::move(object));
+    input.objects.push_back({body.entry.name, body.model, *body.entry.T_base_object,
+                             known.at(body.entry.name), replay.objects[i].tracked});
   }
   // A scene of a recording without images is what the manifest stated: nothing was scanned.
   if (scene.quality.frames_used > 0) {
@@ -158,36 +152,20 @@ Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManife
   return input;
 }
 
-/// A parameter file for other objects than the scene's is somebody's slip.
-Expected<void> check_names(const ReplayOptions& options, const std::vector<MovableBody>& bodies) {
-  if (!options.parameters) return {};
-  for (const auto& [name, parameters] : *options.parameters) {
-    const bool is_known = std::any_of(bodies.begin(), bodies.end(), [&](const MovableBody& body) {
-      return body.entry.name == name;
-    });
-    if (!is_known) {
-      return Error{.message = "the scene has no movable object '" + name + "'",
-                   .file = options.parameters_file,
-                   .place = name,
-                   .mend = "take it out, or name the scene that these parameters are for"};
-    }
-  }
-  return {};
-}
-
 }  // namespace
 
 Expected<Replay> replay_recording(const Recording& recording, const SceneManifest& scene,
                                   const ReplayOptions& options, const Observer& observer) {
   const Expected<std::vector<MovableBody>> bodies = bodies_of(recording, scene);
   if (!bodies) return bodies.error();
-  const Expected<void> names = check_names(options, *bodies);
-  if (!names) return names.error();
+  const Expected<ParameterTable> known =
+      known_parameters(scene, options.parameters, options.parameters_file);
+  if (!known) return known.error();
   Expected<Replay> replay = track(recording, scene, *bodies, options, observer);
   if (!replay || recording.tool.empty()) return replay;
   StageClock clock;
   clock.begin("both sites");
-  Expected<TeleopInput> input = teleop_input(recording, scene, *bodies, *replay, options);
+  Expected<TeleopInput> input = teleop_input(recording, scene, *bodies, *replay, *known);
   if (!input) return input.error();
   Expected<TeleopRun> run = run_teleop(*input, options.teleop, observer);
   if (!run) return run.error();

@@ -49,6 +49,13 @@ bool is_same_word(const std::string& a, const std::string& b) {
   });
 }
 
+/// `known` may begin with "*.", as a certificate's names do: any one word there.
+bool is_host(const std::string& name, const std::string& known) {
+  if (!known.starts_with("*.")) return is_same_word(name, known);
+  const std::size_t dot = name.find('.');
+  return dot != std::string::npos && is_same_word(name.substr(dot), known.substr(1));
+}
+
 std::string token_in(const std::string& cookie) {
   const std::size_t place = cookie.find(kCookie);
   if (place == std::string::npos) return {};
@@ -95,10 +102,9 @@ bool FrontDesk::is_paired(const HttpRequest& request) const {
 /// that it had point here.
 std::optional<HttpAnswer> FrontDesk::refuse_stranger(const HttpRequest& request) const {
   const std::string name = name_of_host(request.host);
-  const bool is_ours =
-      is_address(name) || is_same_word(name, "localhost") ||
-      std::any_of(facts_.host_names.begin(), facts_.host_names.end(),
-                  [&](const std::string& known) { return is_same_word(name, known); });
+  const bool is_ours = is_address(name) || is_same_word(name, "localhost") ||
+                       std::any_of(facts_.host_names.begin(), facts_.host_names.end(),
+                                   [&](const std::string& known) { return is_host(name, known); });
   if (!is_ours) return refusal(421, "no such host here: use the address that the server printed");
   const std::string own = (request.is_encrypted ? "https://" : "http://") + request.host;
   if (!request.origin.empty() && !is_same_word(request.origin, own)) {

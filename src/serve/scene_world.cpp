@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pcavr/model/cad_model.hpp"
+#include "pcavr/pipeline/known_parameters.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 #include "pcavr/scene/scene.hpp"
 
@@ -49,17 +50,8 @@ void append(const TriangleMesh& more, TriangleMesh& mesh) {
   }
 }
 
-ObjectParameters known_of(const SceneObjectEntry& object, const SceneWorldOptions& options) {
-  ObjectParameters known;
-  if (options.parameters && options.parameters->contains(object.name)) {
-    known = options.parameters->at(object.name);
-  }
-  if (!known.mass && object.mass) known.mass = ParameterValue{*object.mass};
-  return known;
-}
-
 Expected<void> add_object(const SceneManifest& scene, const SceneObjectEntry& object,
-                          const SceneWorldOptions& options, SceneWorld& world) {
+                          const ParameterTable& known, SceneWorld& world) {
   Expected<CadModel> model = read_cad_model(scene.folder / object.mesh, object.name);
   if (!model) return model.error();
   if (!object.is_movable) {
@@ -68,7 +60,7 @@ Expected<void> add_object(const SceneManifest& scene, const SceneObjectEntry& ob
     return {};
   }
   CompletedPhysics completed =
-      complete_physics(known_of(object, options), *model, object.T_base_object);
+      complete_physics(known.at(object.name), *model, object.T_base_object);
   world.assumed.push_back({object.name, std::move(completed.assumed)});
   world.model.world.bodies.push_back(
       {std::move(*model), object.T_base_object, std::move(completed.physics)});
@@ -86,28 +78,13 @@ Eigen::Vector3d waiting_place(const WorldModel& world) {
   return {middle.x(), middle.y(), box.max().z() + kWaitingHeight};
 }
 
-Expected<void> check_names(const SceneManifest& scene, const SceneWorldOptions& options) {
-  if (!options.parameters) return {};
-  for (const auto& [name, parameters] : *options.parameters) {
-    const bool is_known =
-        std::any_of(scene.objects.begin(), scene.objects.end(),
-                    [&](const auto& object) { return object.is_movable && object.name == name; });
-    if (!is_known) {
-      return Error{.message = "the scene has no movable object '" + name + "'",
-                   .file = options.parameters_file,
-                   .place = name,
-                   .mend = "take it out, or name the scene that these parameters are for"};
-    }
-  }
-  return {};
-}
-
 }  // namespace
 
 Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
                                       const SceneWorldOptions& options) {
-  const Expected<void> names = check_names(scene, options);
-  if (!names) return names.error();
+  const Expected<ParameterTable> known =
+      known_parameters(scene, options.parameters, options.parameters_file);
+  if (!known) return known.error();
   SceneWorld world;
   Expected<TriangleMesh> mesh = static_mesh(scene, world);
   if (!mesh) return mesh.error();
@@ -121,7 +98,7 @@ Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
       world.notes.push_back(object.name + " was not seen when the scene was built: left out");
       continue;
     }
-    const Expected<void> added = add_object(scene, object, options, world);
+    const Expected<void> added = add_object(scene, object, *known, world);
     if (!added) return added.error();
   }
   for (const SupportPlane& plane : scene.support_planes) {

@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include <boost/asio/ip/host_name.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/beast/core/detect_ssl.hpp>
 
@@ -57,6 +56,14 @@ class Doorman final : public std::enable_shared_from_this<Doorman> {
   beast::flat_buffer buffer_;
 };
 
+Expected<void> check_page(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  if (std::filesystem::exists(folder / "index.html", ignored)) return {};
+  return Error{.message = "the page is not there: no index.html",
+               .file = folder.string(),
+               .mend = "build apps/viewer, or name its folder by --page"};
+}
+
 Error cannot_listen(const ServerOptions& options, const error_code& fault) {
   Error error{.message = "can't listen: " + fault.message(),
               .place = options.host + ':' + std::to_string(options.port)};
@@ -75,18 +82,26 @@ Expected<tcp::endpoint> endpoint_of(const ServerOptions& options) {
                .mend = "a number such as 192.168.1.5, or 0.0.0.0 for all of this machine's"};
 }
 
-Expected<void> load(const TlsFiles& files, asio::ssl::context& context) {
+/// Loads the files, and hands back the names that the certificate is for.
+Expected<std::vector<std::string>> load(const TlsFiles& files, asio::ssl::context& context) {
+  const Expected<CertificateFacts> facts = read_certificate(files.certificate);
+  if (!facts) return facts.error();
   error_code fault;
   context.set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_sslv2 |
-                      asio::ssl::context::no_sslv3 | asio::ssl::context::no_tlsv1 |
-                      asio::ssl::context::no_tlsv1_1);
-  context.use_certificate_chain_file(files.certificate.string(), fault);
-  if (fault)
-    return Error{.message = "no certificate: " + fault.message(), .file = files.certificate};
+                          asio::ssl::context::no_sslv3 | asio::ssl::context::no_tlsv1 |
+                          asio::ssl::context::no_tlsv1_1,
+                      fault);
+  if (!fault) context.use_certificate_chain_file(files.certificate.string(), fault);
+  if (fault) {
+    return Error{.message = "not a certificate: " + fault.message(),
+                 .file = files.certificate.string()};
+  }
   context.use_private_key_file(files.key.string(), asio::ssl::context::pem, fault);
-  if (fault)
-    return Error{.message = "not the certificate's key: " + fault.message(), .file = files.key};
-  return {};
+  if (fault) {
+    return Error{.message = "not the certificate's key: " + fault.message(),
+                 .file = files.key.string()};
+  }
+  return facts->names;
 }
 
 }  // namespace
@@ -206,27 +221,28 @@ Expected<LiveServer> LiveServer::open(const ServerOptions& options, LiveWorld& w
   PCAVR_REQUIRE(options.most_write_time > 0.0, options.most_write_time);
   const Expected<tcp::endpoint> endpoint = endpoint_of(options);
   if (!endpoint) return endpoint.error();
-  if (!std::filesystem::exists(options.page / "index.html")) {
-    return Error{.message = "the page is not there: no index.html",
-                 .file = options.page.string(),
-                 .mend = "build apps/viewer, or name its folder by --page"};
+  const bool is_private = endpoint->address().is_loopback();
+  if (!is_private && !options.tls) {
+    return Error{.message = "others can reach " + options.host + ": that wants TLS",
+                 .place = "host",
+                 .mend = "add --tls, or leave --host away"};
   }
+  const Expected<void> page = check_page(options.page);
+  if (!page) return page.error();
   Expected<Pairing> pairing = Pairing::create();
   if (!pairing) return pairing.error();
-  HouseFacts facts{options.version,
-                   options.scene,
-                   options.is_replay,
-                   {asio::ip::host_name()},
-                   !endpoint->address().is_loopback()};
-  facts.host_names.push_back(facts.host_names.front() + ".local");
+  HouseFacts facts{options.version, options.scene, options.is_replay, machine_names(), !is_private};
+  std::optional<asio::ssl::context> tls;
+  if (options.tls) {
+    tls.emplace(asio::ssl::context::tls_server);
+    const Expected<std::vector<std::string>> names = load(*options.tls, *tls);
+    if (!names) return names.error();
+    facts.host_names.insert(facts.host_names.end(), names->begin(), names->end());
+  }
   auto impl = std::make_unique<Impl>(
       options, world,
       std::make_unique<FrontDesk>(std::move(facts), content, options.page, std::move(*pairing)));
-  if (options.tls) {
-    impl->tls.emplace(asio::ssl::context::tls_server);
-    const Expected<void> loaded = load(*options.tls, *impl->tls);
-    if (!loaded) return loaded.error();
-  }
+  impl->tls = std::move(tls);
   const Expected<void> listening = impl->listen(*endpoint);
   if (!listening) return listening.error();
   return LiveServer(std::move(impl));

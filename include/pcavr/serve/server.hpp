@@ -10,16 +10,11 @@
 #include <string>
 
 #include "pcavr/core/expected.hpp"
+#include "pcavr/serve/certificate.hpp"
 #include "pcavr/serve/content.hpp"
 #include "pcavr/serve/live_world.hpp"
 
 namespace pcavr {
-
-/// PEM files.
-struct TlsFiles {
-  std::filesystem::path certificate;  ///< with its chain, the server's own first
-  std::filesystem::path key;
-};
 
 struct ServerOptions {
   std::string host = "127.0.0.1";  ///< an address of this machine, or "localhost"
@@ -44,7 +39,8 @@ struct ServerOptions {
 class LiveServer {
  public:
   /// Listens, but answers nothing yet. `world` and `content` must outlive it. Errors: a port in
-  /// use, an address that is not this machine's, a page that was not built, a bad certificate.
+  /// use, an address that is not this machine's, one that others can reach without TLS, a page that
+  /// was not built, a bad certificate.
   [[nodiscard]] static Expected<LiveServer> open(const ServerOptions& options, LiveWorld& world,
                                                  const ContentSource& content);
   LiveServer(LiveServer&&) noexcept;
