@@ -100,6 +100,14 @@ TEST(RemoteMotion, WaitsForALateSampleAndCatchesUpWithoutAJump) {
   EXPECT_LT(device.use().delay, 0.03);
 }
 
+TEST(RemoteMotion, IsKeptBackBy50MillisecondsAtMostHoweverBadThePageIs) {
+  const Link bad{.interval = 0.1, .way = 0.01, .jitter = 0.3};
+  RemoteDevice device;
+  test::run(device, test::sent_over(bad, kDuration, 8), kDuration, {},
+            [&](double, const DeviceSample&) { EXPECT_LE(device.use().delay, 0.05 + 1e-9); });
+  EXPECT_GT(device.use().delay, 0.049);
+}
+
 TEST(RemoteMotion, NeverGoesWhereTheHandWasNot) {
   // A hand that runs at 1 m/s and stops dead.
   RemoteDevice device;
