@@ -50,7 +50,7 @@ export class ToolView {
     new TorusGeometry(1, 0.06, 8, 48),
     new MeshBasicMaterial({ color: touchColor, transparent: true, depthWrite: false }),
   );
-  private radius = 0.01;
+  radius = 0.01; // [m]
   private pulses = -1;
   private pulseStart = -Infinity;
 

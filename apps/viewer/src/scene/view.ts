@@ -10,9 +10,10 @@ import {
   Scene,
   Vector3,
 } from 'three';
-import type { LiveState } from '../protocol';
+import type { LiveState, Vector } from '../protocol';
 import { Body } from './bodies';
 import { Layers } from './layers';
+import { PlumbLine } from './plumb_line';
 import type { SceneModel } from './scene_model';
 import { ToolView } from './tool_view';
 
@@ -30,6 +31,8 @@ export class SceneView {
   readonly tool: ToolView;
   bodies: Body[] = [];
   model: SceneModel | null = null;
+  private readonly plumbLine: PlumbLine;
+  private supports: Vector[][] = [];
   private byName = new Map<string, Body>();
   private order: (Body | undefined)[] = []; // as the server's state has them
 
@@ -39,11 +42,13 @@ export class SceneView {
     this.scene.add(this.base);
     this.layers = new Layers(this.base);
     this.tool = new ToolView(this.base);
+    this.plumbLine = new PlumbLine(this.tool.group);
     this.addLights();
   }
 
   setModel(model: SceneModel): void {
     this.model = model;
+    this.supports = model.support_planes.map(({ outline }) => outline);
     let movable = 0;
     this.bodies = model.objects.map((o) => new Body(o, o.movable ? movable++ : 0));
     for (const body of this.bodies) {
@@ -69,6 +74,7 @@ export class SceneView {
       body?.setPhase(object.phase, object.isOutsideModel);
     });
     this.tool.showState(state);
+    this.plumbLine.show(state.proxy, this.tool.radius, this.bodies, this.supports);
   }
 
   setTheme(theme: 'light' | 'dark'): void {

@@ -34,7 +34,7 @@ export class Hud {
       ['States', `${figures.stateRate} Hz, ${this.session.counters.skipped} skipped`],
       ['Pictures', `${figures.drawRate} Hz`],
       ['Age of the newest state', milliseconds(figures.age)],
-      ['Command to world', milliseconds(figures.commandToWorld)],
+      ['Age of the command used', milliseconds(figures.commandToWorld)],
       ['World to page', milliseconds(figures.worldToPage)],
       ['In the send queue', milliseconds(state.age.queue)],
       ['Command to picture', milliseconds(figures.commandToDrawn)],

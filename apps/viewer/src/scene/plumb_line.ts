@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import {
+  BufferAttribute,
+  BufferGeometry,
+  DoubleSide,
+  Group,
+  Line,
+  LineBasicMaterial,
+  Mesh,
+  MeshBasicMaterial,
+  Raycaster,
+  RingGeometry,
+} from 'three';
+import type { Vector } from '../protocol';
+import type { Body } from './bodies';
+
+const color = '#ffffff';
+const lift = 0.001; // [m] of the foot above what it lies on, or both would flicker
+
+/// A line from the tool straight down, to the body or the support below it: on a flat screen it says
+/// how far away the tool is. All in base.
+export class PlumbLine {
+  readonly group = new Group();
+  private readonly line: Line;
+  private readonly foot: Mesh;
+  private readonly ray = new Raycaster();
+
+  constructor(private readonly base: Group) {
+    const ends = new BufferGeometry();
+    ends.setAttribute('position', new BufferAttribute(new Float32Array(6), 3));
+    const faint = { color, transparent: true, opacity: 0.7 };
+    this.line = new Line(ends, new LineBasicMaterial(faint));
+    this.line.frustumCulled = false;
+    const ring = new RingGeometry(0.7, 1, 32);
+    this.foot = new Mesh(ring, new MeshBasicMaterial({ ...faint, side: DoubleSide }));
+    this.group.add(this.line, this.foot);
+    base.add(this.group);
+  }
+
+  /// `radius` [m] of the tool.
+  show(
+    tool: Readonly<Vector>,
+    radius: number,
+    bodies: readonly Body[],
+    supports: Vector[][],
+  ): void {
+    const [x, y, z] = tool;
+    const below = Math.max(this.bodyBelow(tool, bodies), supportBelow(tool, supports));
+    this.group.visible = Number.isFinite(below) && z - below > radius;
+    if (!this.group.visible) return;
+    const ends = this.line.geometry.getAttribute('position') as BufferAttribute;
+    ends.setXYZ(0, x, y, z);
+    ends.setXYZ(1, x, y, below);
+    ends.needsUpdate = true;
+    this.foot.position.set(x, y, below + lift);
+    this.foot.scale.setScalar(radius);
+  }
+
+  private bodyBelow(tool: Readonly<Vector>, bodies: readonly Body[]): number {
+    this.base.updateWorldMatrix(true, false);
+    this.ray.ray.origin.fromArray(tool).applyMatrix4(this.base.matrixWorld);
+    this.ray.ray.direction.set(0, 0, -1).transformDirection(this.base.matrixWorld);
+    const hits = this.ray.intersectObjects(bodies.map((body) => body.solid));
+    const hit = hits.find(({ object }) => object instanceof Mesh);
+    return hit ? this.base.worldToLocal(hit.point.clone()).z : -Infinity;
+  }
+}
+
+/// The height [m] of the highest support below a point; -Infinity where it is beside them all.
+export function supportBelow(point: Readonly<Vector>, outlines: readonly Vector[][]): number {
+  let highest = -Infinity;
+  for (const outline of outlines) {
+    const height = outline.reduce((sum, corner) => sum + corner[2], 0) / outline.length;
+    if (height < point[2] && height > highest && isInside(point, outline)) highest = height;
+  }
+  return highest;
+}
+
+/// Whether a point lies in an outline, seen from above: a ray along x leaves it once more than it
+/// enters.
+function isInside([x, y]: Readonly<Vector>, outline: readonly Vector[]): boolean {
+  let isIn = false;
+  outline.forEach((a, i) => {
+    const b = outline[(i + 1) % outline.length];
+    if (a[1] > y !== b[1] > y && x < a[0] + ((b[0] - a[0]) * (y - a[1])) / (b[1] - a[1]))
+      isIn = !isIn;
+  });
+  return isIn;
+}
