@@ -67,6 +67,14 @@ std::optional<CameraTrack> camera_of_scene(const Recording& recording, const Tra
   return track;
 }
 
+Trajectory placed_frames(const CameraTrack& camera) {
+  Trajectory placed;
+  for (const FramePlacement& frame : camera.frames) {
+    if (frame.status == PlacementStatus::placed) placed.append(frame.stamp, frame.T_base_camera);
+  }
+  return placed;
+}
+
 TrackedPose tracked_pose_of(const ObjectObservation& seen) {
   return {seen.stamp.seconds(), seen.T_base_object,
           std::sqrt(seen.covariance.topLeftCorner<3, 3>().trace()),
@@ -108,7 +116,15 @@ Expected<Replay> tracking_from(const std::filesystem::path& folder,
 Expected<Replay> track(const Recording& recording, const SceneManifest& scene,
                        const std::vector<MovableBody>& bodies, const ReplayOptions& options,
                        const Observer& observer) {
-  if (options.tracked) return tracking_from(*options.tracked, bodies);
+  if (options.tracked) {
+    Expected<Replay> replay = tracking_from(*options.tracked, bodies);
+    if (!replay || recording.frames.empty()) return replay;
+    const Expected<Trajectory> camera = read_trajectory(scene.folder / "camera_trajectory.txt");
+    if (!camera) return camera.error();
+    const auto known = camera_of_scene(recording, *camera, scene.quality);
+    if (known) replay->camera_trajectory = placed_frames(*known);
+    return replay;
+  }
   const bool has_images = recording.manifest.camera && !recording.frames.empty();
   if (has_images || recording.tool.empty()) {
     return replay_tracking(recording, scene, options, observer);
@@ -220,6 +236,7 @@ Expected<Replay> replay_tracking(const Recording& recording, const SceneManifest
   clock.end();
   replay.frames_recorded = recording.frames.size() + recording.unpaired_color;
   replay.frames_dropped = dropped_frames(recording, *survey);
+  replay.camera_trajectory = placed_frames(survey->camera);
   replay.times = clock.times();
   return replay;
 }

@@ -14,6 +14,7 @@
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/core/stage_clock.hpp"
 #include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/geometry/trajectory.hpp"
 #include "pcavr/identification/object_parameters.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
@@ -50,6 +51,9 @@ struct Replay {
   std::string parameters_file = {};
   TeleopOptions teleop_options = {};
   bool camera_from_scene = false;  ///< the scene's own trajectory served: same recording
+  /// T_base_camera at the depth images' stamps. Where tracking was taken from a folder, the
+  /// scene's, if it was built from this recording; else empty.
+  Trajectory camera_trajectory = {};
   std::size_t frames_recorded = 0;
   std::size_t frames_used = 0;
   std::vector<std::pair<std::string, std::size_t>> frames_dropped;  ///< reason, count

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/core/observer.hpp"
+#include "pcavr/core/parallel.hpp"
+#include "pcavr/geometry/image.hpp"
+#include "pcavr/pipeline/replay.hpp"
+#include "pcavr/recording/recording.hpp"
+#include "pcavr/scene/scene_bundle.hpp"
+
+namespace pcavr {
+
+/// The augmented picture [paper B]: recorded colour images with the predicted bodies drawn over
+/// them, and the tracked ones as a thin line, so that the eye can judge how well they agree. Where
+/// nothing was predicted, the tracked bodies are drawn solid. Const and thread-safe.
+class AugmentedFrames {
+ public:
+  /// Copies what it needs. Fails where the recording has no images, or a CAD body can't be read.
+  [[nodiscard]] static Expected<AugmentedFrames> create(const Recording& recording,
+                                                        const SceneManifest& scene,
+                                                        const Replay& replay);
+  AugmentedFrames(AugmentedFrames&&) noexcept;
+  AugmentedFrames& operator=(AugmentedFrames&&) noexcept;
+  ~AugmentedFrames();
+
+  /// Of the recording: one picture for each.
+  [[nodiscard]] std::size_t size() const;
+  /// Those whose camera is placed: the others are shown as they were recorded.
+  [[nodiscard]] std::size_t placed() const;
+  /// The median number of frames in a second; 1 for a single frame.
+  [[nodiscard]] double rate() const;
+
+  /// Decodes and draws frame `index` < size(). An Error where an image does not decode. The same
+  /// bits for any Parallelism.
+  [[nodiscard]] Expected<ColorImage> render(std::size_t index, Parallelism parallelism = {}) const;
+
+ private:
+  struct Content;
+  explicit AugmentedFrames(std::unique_ptr<const Content> content);
+  std::unique_ptr<const Content> content_;
+};
+
+struct AugmentedVideo {
+  std::size_t pictures = 0;
+  std::size_t left_out = 0;  ///< did not decode
+  double rate = 0.0;         ///< [1/s]
+  bool is_h264 = false;      ///< else MPEG-4 part 2, which browsers don't play
+};
+
+struct AugmentedVideoOptions {
+  bool replace = false;   ///< a file that is there already
+  bool skip_bad = false;  ///< leave out frames that don't decode, and count them
+  Parallelism parallelism = Parallelism::max();
+};
+
+/// What would keep write_augmented_video from writing there, before the long work is done.
+[[nodiscard]] Expected<void> check_video_target(const std::filesystem::path& file, bool replace);
+
+/// Writes all frames as an .mp4, which appears whole or not at all: H.264 where this machine's
+/// libraries have it. Fails where no frame is placed.
+[[nodiscard]] Expected<AugmentedVideo> write_augmented_video(
+    const AugmentedFrames& frames, const std::filesystem::path& file,
+    const AugmentedVideoOptions& options = {}, const Observer& observer = {});
+
+}  // namespace pcavr
