@@ -10,17 +10,20 @@
 
 namespace pcavr::test {
 
-/// A table of 1 x 0.8 m at height 0 as a scan has it: vertices `pitch` [m] apart, off by `noise`
-/// [m] upward or downward.
-inline TriangleMesh scanned_table(double noise, double pitch = 0.005, std::uint64_t seed = 1) {
-  Random random(seed);
+/// A table at height 0 as a scan has it: vertices `pitch` [m] apart, off by `noise` [m] upward or
+/// downward.
+inline TriangleMesh scanned_table(double noise, double pitch = 0.005,
+                                  const Eigen::Vector2d& low = {-0.5, -0.4},
+                                  const Eigen::Vector2d& high = {0.5, 0.4}) {
+  Random random(1);
   TriangleMesh mesh;
-  const auto columns = static_cast<std::uint32_t>(std::lround(1.0 / pitch));
-  const auto rows = static_cast<std::uint32_t>(std::lround(0.8 / pitch));
+  const auto columns = static_cast<std::uint32_t>(std::lround((high.x() - low.x()) / pitch));
+  const auto rows = static_cast<std::uint32_t>(std::lround((high.y() - low.y()) / pitch));
   for (std::uint32_t j = 0; j <= rows; ++j) {
     for (std::uint32_t i = 0; i <= columns; ++i) {
       mesh.vertices.emplace_back(
-          Eigen::Vector3d(pitch * i - 0.5, pitch * j - 0.4, noise * random.normal()).cast<float>());
+          Eigen::Vector3d(low.x() + pitch * i, low.y() + pitch * j, noise * random.normal())
+              .cast<float>());
     }
   }
   for (std::uint32_t j = 0; j < rows; ++j) {
