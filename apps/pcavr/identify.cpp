@@ -101,10 +101,12 @@ Expected<Identification> run(const IdentifyArguments& arguments, const Observer&
   const Expected<Recording> recording =
       read_recording(arguments.recording, {.skip_bad = arguments.skip_bad});
   if (!recording) return recording.error();
-  Expected<IdentificationInput> input = identification_input(
-      *recording,
-      {.scene = arguments.scene, .tracked = arguments.tracked, .parallelism = {arguments.threads}},
-      observer);
+  Expected<IdentificationInput> input = identification_input(*recording,
+                                                             {.scene = arguments.scene,
+                                                              .tracked = arguments.tracked,
+                                                              .skip_bad = arguments.skip_bad,
+                                                              .parallelism = {arguments.threads}},
+                                                             observer);
   if (!input) return input.error();
   input->known = std::move(known);
   Expected<Identification> found = identify(*input, arguments.goal);

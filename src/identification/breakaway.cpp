@@ -167,8 +167,6 @@ Breakaway find_breakaway(const ForceMotion& push, const BreakawayOptions& option
   found.force = fitted.force;
   found.deviation = fitted.deviation;
   found.stiffness = alarm.line.slope();
-  found.tool_at_contact = smooth.tool[contact].value + alarm.line.d / alarm.line.count -
-                          alarm.line.f / alarm.line.count / found.stiffness;
   const double rise = found.t - push.t[contact];
   if (rise > 0.0) found.loading_rate = (found.force - smooth.soft_force[contact].value) / rise;
   return found;

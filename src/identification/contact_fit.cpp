@@ -141,9 +141,11 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
                                        const ContactFitOptions& options) {
   ContactIdentification found;
   std::vector<PressSamples> samples;
-  for (const ForceMotion& press : presses) {
-    PressSamples cut = press_samples(press, options);
-    if (!cut.samples.empty()) samples.push_back(std::move(cut));
+  for (std::size_t i = 0; i < presses.size(); ++i) {
+    PressSamples cut = press_samples(presses[i], options);
+    if (cut.samples.empty()) continue;
+    samples.push_back(std::move(cut));
+    found.touched.push_back(i);
   }
   if (samples.empty()) {
     found.proposal = proposal_for(found);

@@ -16,6 +16,7 @@ namespace {
 constexpr double kLeastExponent = 1.0;
 constexpr double kGreatestExponent = 3.0;
 constexpr int kIterations = 60;
+constexpr double kLeastNoise = 1e-6;  // of the largest force
 
 /// F = force (d / depth)^n (1 + c d'), with d = x - surface: the parameters are then nearly
 /// independent of each other, which k, lambda and n are not.
@@ -23,6 +24,7 @@ class Problem {
  public:
   Problem(const std::vector<PressSamples>& presses, bool is_surface_shared)
       : presses_(presses), is_surface_shared_(is_surface_shared) {
+    double peak = 0.0;
     for (const PressSamples& press : presses) {
       for (const ContactSample& sample : press.raw) {
         depth_ = std::max(depth_, sample.position - press.onset);
@@ -30,7 +32,10 @@ class Problem {
       }
       position_variance_ = std::max(position_variance_, std::pow(press.position_noise, 2));
       force_variance_ = std::max(force_variance_, std::pow(press.force_noise, 2));
+      for (const ContactSample& sample : press.raw) peak = std::max(peak, sample.force);
     }
+    // A made-up force may have none: distances need a measure all the same.
+    force_variance_ = std::max(force_variance_, std::pow(kLeastNoise * peak, 2));
   }
 
   /// force, c, n, then the surfaces.

@@ -88,7 +88,7 @@ ParameterEstimate<3> fit(const SlidingSamples& all, Model model, const SlidingOp
   const double known_mass = options.mass.value_or(0.0);
   result.history.clear();
   double errors = 0.0, forces = 0.0;
-  // A tenth of a second between points draws a curve; each costs its deviations.
+  // A curve needs no more points than this; each costs its deviations.
   double drawn = -1e300;
   for (const SlidingSample& sample : all.samples) {
     const double carried = model.has_mass ? 0.0 : known_mass * sample.acceleration;

@@ -69,9 +69,9 @@ void find_bad_stretches(const IdentificationInput& input, Prepared& prepared,
     notes.push_back("the tool's pose jumps " + std::to_string(jumps.size()) +
                     " times, first at t = " + std::to_string(jumps.front()).substr(0, 6) + " s");
   }
-  const std::vector<SlideInterval> flat = find_saturation(prepared.t_force, input.force_base);
-  for (const SlideInterval& stretch : flat) {
-    prepared.bad.push_back({stretch, "the force sensor was at its end"});
+  const std::vector<SaturatedStretch> flat = find_saturation(prepared.t_force, input.force_base);
+  for (const SaturatedStretch& stretch : flat) {
+    prepared.bad.push_back({{stretch.begin, stretch.end}, "the force sensor was at its end"});
   }
   if (!flat.empty()) {
     notes.push_back("the force sensor was at its end " + std::to_string(flat.size()) +

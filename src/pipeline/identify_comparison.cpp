@@ -12,6 +12,7 @@ constexpr double kHalfWidth = 0.014;    // [s] of the filter, as the estimators'
 constexpr double kLeastForce = 0.02;    // of the largest: below, the relative error means little
 constexpr double kSettled = 0.10;       // of the force: paper C's threshold
 constexpr double kErrorWindow = 0.020;  // [s] over which an error has to last to count
+constexpr double kLeastNoise = 1e-6;    // of the largest force: a made-up one may have none
 constexpr int kDrawn = 5;               // of the samples, one is kept for the picture
 
 struct FilteredSample {
@@ -21,24 +22,27 @@ struct FilteredSample {
 };
 
 /// What the filter lets out while there is contact, press after press on one clock of contact time.
-std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses, const ContactFit& fit,
-                                     std::vector<double>& touches) {
+std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses,
+                                     const ContactIdentification& found,
+                                     std::vector<double>& touches, double& half_width) {
+  const ContactFit& fit = found.best();
   std::vector<FilteredSample> samples;
   double largest = 0.0;
   for (const ForceMotion& press : presses) {
     for (const double force : press.force) largest = std::max(largest, force);
   }
   double clock = 0.0;
-  for (std::size_t p = 0; p < presses.size() && p < fit.surface.size(); ++p) {
-    const ForceMotion& press = presses[p];
+  for (std::size_t k = 0; k < found.touched.size(); ++k) {
+    const ForceMotion& press = presses[found.touched[k]];
     const double interval =
         (press.t.back() - press.t.front()) / static_cast<double>(press.t.size() - 1);
-    const double noise = noise_deviation(press.force);
-    CausalFilter filter(std::max(kHalfWidth, 3.0 * interval), 1.0 / interval, noise);
+    const double noise = std::max(noise_deviation(press.force), kLeastNoise * largest);
+    half_width = std::max(kHalfWidth, 3.0 * interval);
+    CausalFilter filter(half_width, 1.0 / interval, noise);
     touches.push_back(clock);
     for (std::size_t i = 0; i < press.t.size(); ++i) {
       const auto out = filter.step(press.t[i], press.tool[i], press.force[i]);
-      const double depth = out ? out->position - fit.surface[p] : 0.0;
+      const double depth = out ? out->position - fit.surface[k] : 0.0;
       if (depth <= 0.0 || out->force < kLeastForce * largest) continue;
       FilteredSample& sample = samples.emplace_back();
       const double power = std::pow(depth, fit.exponent.value);
@@ -67,7 +71,7 @@ EstimatorOptions<3> options_of(EstimationMethod method, const std::vector<Filter
 
 /// [s] from the first touch to the last of its long errors; nothing where it never settles.
 std::optional<double> settling_of(const EstimatorTrace& trace, double first_press_end,
-                                  double interval) {
+                                  double interval, double half_width) {
   const auto lasting = static_cast<std::size_t>(std::ceil(kErrorWindow / interval));
   double settled = 0.0;
   std::size_t in_a_row = 0;
@@ -79,19 +83,20 @@ std::optional<double> settling_of(const EstimatorTrace& trace, double first_pres
     last = i;
   }
   if (last == 0 || settled >= trace.t[last]) return std::nullopt;
-  return settled + kHalfWidth + 2.0 * interval;
+  return settled + half_width + 2.0 * interval;  // the filter's delay
 }
 
 }  // namespace
 
 std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> presses,
-                                               const ContactFit& fit) {
+                                               const ContactIdentification& found) {
   std::vector<EstimatorTrace> traces;
   std::vector<double> touches;
-  const std::vector<FilteredSample> samples = filtered(presses, fit, touches);
+  double half_width = kHalfWidth;
+  const std::vector<FilteredSample> samples = filtered(presses, found, touches, half_width);
   if (samples.size() < 100) return traces;
   const double interval = samples[1].t - samples[0].t;
-  const double correlated = correlated_samples(kHalfWidth, interval);
+  const double correlated = correlated_samples(half_width, interval);
   for (const EstimationMethod method :
        {EstimationMethod::block, EstimationMethod::exponential, EstimationMethod::adaptive}) {
     ParameterEstimator<3> estimator(options_of(method, samples, correlated));
@@ -119,7 +124,8 @@ std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> pres
       }
     }
     trace.steady_error = std::sqrt(errors / forces);
-    trace.settling = settling_of(whole, touches.size() > 1 ? touches[1] : 1e300, interval);
+    trace.settling =
+        settling_of(whole, touches.size() > 1 ? touches[1] : 1e300, interval, half_width);
   }
   return traces;
 }

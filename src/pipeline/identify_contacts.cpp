@@ -87,7 +87,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   const ContactFit* best = nullptr;
   if (result.presses.best().is_valid) {
     best = &result.presses.best();
-    result.comparison = compare_estimators(series, *best);
+    result.comparison = compare_estimators(series, result.presses);
   } else {
     // The face that was pushed most.
     int most = 0;

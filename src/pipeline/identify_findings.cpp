@@ -74,7 +74,9 @@ void state_friction(const IdentifiableObject& object, ObjectIdentification& foun
                "at which the limit was measured", kBetterPush);
   findings.add("sliding_friction_coefficient", "", p.sliding_friction_coefficient,
                sliding.coefficient.is_excited,
-               sliding.mass.is_excited ? "with the identified mass" : "with the weighed mass",
+               sliding.mass.is_excited ? "with the identified mass"
+               : object.mass           ? "with the weighed mass"
+                                       : "with the mass that was known before",
                sliding.is_valid ? "the friction is known, the mass is not: weigh the object"
                                 : std::string("push on for a second or more at 40 mm/s"));
   findings.add("viscous_friction", "N s/m", p.viscous_friction, sliding.viscous.is_excited,

@@ -109,6 +109,7 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
     }
     SlidingOptions options;
     options.mass = weighed;
+    if (!weighed && result.parameters.mass) options.mass = result.parameters.mass->value;
     result.sliding = identify_sliding(slides, *compliance, options);
     take_sliding(weighed, result);
   } else if (!pushes.empty()) {

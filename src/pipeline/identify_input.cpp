@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
 #include <utility>
 
 #include "pcavr/pipeline/identify.hpp"
@@ -48,17 +47,6 @@ Expected<std::vector<IdentifiableObject>> objects_of_manifest(const Recording& r
   return objects;
 }
 
-std::vector<TrackedPose> tracked_of(const ReplayedObject& object) {
-  std::vector<TrackedPose> tracked;
-  for (const ObjectObservation& seen : object.observations) {
-    if (seen.evidence == ObjectEvidence::none) continue;
-    tracked.push_back({seen.stamp.seconds(), seen.T_base_object,
-                       std::sqrt(seen.covariance.topLeftCorner<3, 3>().trace()),
-                       std::sqrt(seen.covariance.bottomRightCorner<3, 3>().trace())});
-  }
-  return tracked;
-}
-
 Expected<void> track(const Recording& recording, const IdentificationSources& sources,
                      const std::optional<SceneManifest>& scene, const Observer& observer,
                      std::vector<IdentifiableObject>& objects) {
@@ -79,11 +67,12 @@ Expected<void> track(const Recording& recording, const IdentificationSources& so
   }
   if (!scene || recording.frames.empty()) return {};
   const Expected<Replay> replay =
-      replay_tracking(recording, *scene, {.parallelism = sources.parallelism}, observer);
+      replay_tracking(recording, *scene,
+                      {.skip_bad = sources.skip_bad, .parallelism = sources.parallelism}, observer);
   if (!replay) return replay.error();
   for (const ReplayedObject& replayed : replay->objects) {
     for (IdentifiableObject& object : objects) {
-      if (object.name == replayed.name) object.tracked = tracked_of(replayed);
+      if (object.name == replayed.name) object.tracked = replayed.tracked;
     }
   }
   return {};

@@ -61,8 +61,9 @@ struct BadStretch {
 /// Presses, faces and impacts, and the estimators' comparison.
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          ObjectIdentification& result);
+/// `found` of these presses.
 [[nodiscard]] std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> presses,
-                                                             const ContactFit& fit);
+                                                             const ContactIdentification& found);
 void identify_impacts(const std::vector<IdentifiedContact*>& pushes, ObjectIdentification& result);
 
 /// Breakaway and sliding.

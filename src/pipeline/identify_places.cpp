@@ -72,7 +72,7 @@ class Attribution {
   IdentifiedContact attribute(const ContactEpisode& episode) {
     IdentifiedContact contact;
     contact.episode = episode;
-    if (episode.t.empty()) {
+    if (episode.t.empty() || episode.t.front() > episode.end || episode.t.back() < episode.begin) {
       contact.left_out = "the tool was not recorded meanwhile";
       return contact;
     }

@@ -14,8 +14,6 @@ namespace {
 
 /// No tip is thrown about like this: at 500 Hz it makes a millimetre off the way.
 constexpr double kLargestAcceleration = 250.0;  // [m/s^2]
-/// Samples in a row at the very same extreme: noise repeats itself now and then.
-constexpr int kFlatSamples = 8;
 // Between the softest foam and what no arm holds against [N/m].
 constexpr double kLeastStiffness = 20.0;
 constexpr double kGreatestStiffness = 5e6;
@@ -97,29 +95,6 @@ std::vector<double> find_jumps(std::span<const double> t, std::span<const Eigen:
     if (excess.norm() > allowed && !is_known) jumps.push_back(t[i]);
   }
   return jumps;
-}
-
-std::vector<SlideInterval> find_saturation(std::span<const double> t,
-                                           std::span<const Eigen::Vector3d> force_base) {
-  std::vector<SlideInterval> stretches;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<double> force = axis_of(force_base, axis);
-    const double noise = noise_deviation(force);
-    const auto [least, most] = std::minmax_element(force.begin(), force.end());
-    for (const double extreme : {*least, *most}) {
-      // A quiet or unused axis has no end to reach.
-      if (!(std::abs(extreme) > 20.0 * noise) || noise == 0.0) continue;
-      for (std::size_t i = 0; i < force.size(); ++i) {
-        std::size_t end = i;
-        while (end < force.size() && force[end] == extreme) ++end;
-        if (end - i >= kFlatSamples) stretches.push_back({t[i], t[end - 1]});
-        i = std::max(i, end);
-      }
-    }
-  }
-  std::sort(stretches.begin(), stretches.end(),
-            [](const SlideInterval& a, const SlideInterval& b) { return a.begin < b.begin; });
-  return stretches;
 }
 
 std::optional<Error> contradiction(const Segmentation& found, const PathView& tip) {

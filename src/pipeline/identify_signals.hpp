@@ -35,10 +35,6 @@ class PathView {
 [[nodiscard]] std::vector<double> find_jumps(std::span<const double> t,
                                              std::span<const Eigen::Vector3d> points);
 
-/// Stretches in which an axis of the force stands still at its own extreme: the sensor's end.
-[[nodiscard]] std::vector<SlideInterval> find_saturation(
-    std::span<const double> t, std::span<const Eigen::Vector3d> force_base);
-
 /// What is wrong with the force, if its direction, size or stiffness contradicts the tool's motion.
 [[nodiscard]] std::optional<Error> contradiction(const Segmentation& found, const PathView& tip);
 

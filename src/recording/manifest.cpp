@@ -134,9 +134,13 @@ Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folde
 }  // namespace
 
 void expect_object_name(const std::string& name, const YamlValue& key) {
-  if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos ||
-      name.find('\0') != std::string::npos) {
-    key.fail("'" + name + "' can't be the name of a file", "choose a plain word");
+  const auto is_odd = [](char c) {
+    return c == '/' || c == ',' || c == '"' || (c >= 0 && c < ' ');
+  };
+  const bool is_plain = std::none_of(name.begin(), name.end(), is_odd);
+  if (name.empty() || name == "." || name == ".." || !is_plain || name.front() == ' ' ||
+      name.back() == ' ') {
+    key.fail("'" + name + "' can't be the name of a file and a column", "choose a plain word");
   }
 }
 

@@ -282,7 +282,6 @@ PlantRun run_plant(const std::vector<PlantBody>& bodies, const PlantTool& tool,
   for (std::size_t step = 0; step <= most && tail > 0; ++step) {
     const double t = PlantRun::kStep * static_cast<double>(step);
     if (plant.plan().is_done()) --tail;
-    while (run.move_begins.size() <= plant.plan().current()) run.move_begins.push_back(t);
     run.p_base_tip.push_back(plant.p_base_tip());
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       run.bodies[i].push_back(plant.movers()[i].state());

@@ -26,8 +26,9 @@ constexpr double kMostPatience = 3.0;
 
 std::optional<CorrectionSwitch::Finding> CorrectionSwitch::find(const SiteComparison& seen,
                                                                 double factor) const {
-  const double gap_limit =
-      factor * std::clamp(kSigmas * seen.position_sigma, kLeastGap, options_.position_tolerance);
+  const double gap_limit = factor * std::clamp(kSigmas * seen.position_sigma,
+                                               std::min(kLeastGap, options_.position_tolerance),
+                                               options_.position_tolerance);
   const double gap =
       seen.position_gap.value_or(0.0) / std::min(gap_limit, options_.position_tolerance);
   const double force_limit =

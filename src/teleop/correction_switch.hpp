@@ -30,10 +30,10 @@ struct SwitchOptions {
 /// The correction switch of one object [paper C; methods of section 5]: says which case, if any,
 /// calls for a correction now.
 ///
-/// Thresholds adapt. Position: three deviations of what the robot knows of the place, between 0.5
-/// mm and `position_tolerance`, times 1 to 3 as the traffic exceeds its budget. Force: 10 % of the
-/// real one, at least `force_floor`, times the same. A difference counts when it has stood for 40
-/// to 60 ms, longer than the two sites' clocks of a phase may be apart. While a correction is on
+/// Thresholds adapt. Position: three deviations of what the robot knows of the place, at least 0.5
+/// mm, times 1 to 3 as the traffic exceeds its budget, at most `position_tolerance`. Force: 10 % of
+/// the real one, at least `force_floor`, times the same. A difference counts when it has stood for
+/// 30 to 60 ms, longer than the two sites' clocks of a phase may be apart. While a correction is on
 /// its way (a round trip and a margin), the same case is not sent again unless it has doubled.
 class CorrectionSwitch {
  public:

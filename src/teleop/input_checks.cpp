@@ -28,8 +28,6 @@ constexpr double kMoved = 0.005;    // [m] that an object was pushed, beyond dou
 constexpr double kDensity = 700.0;  // [kg/m^3] where no mass is known
 // By which a force may follow a depth without any fault of the clocks [s].
 constexpr double kLoading = 0.015;
-// As many equal readings in a row at a sensor's extreme are no chance.
-constexpr int kFlatTop = 8;
 // Free time kept around a motion for the camera's offset, and the offset's range [s].
 constexpr double kAround = 1.0;
 constexpr double kRange = 0.2;
@@ -76,20 +74,11 @@ Pressing press_of(const TeleopInput& input, const TipMotion& tip) {
   return pressing;
 }
 
-std::optional<double> flat_top(const TeleopInput& input) {
+/// The least force at which an axis was at its end [N].
+std::optional<double> force_ceiling(const TeleopInput& input) {
   std::optional<double> ceiling;
-  for (int axis = 0; axis < 3; ++axis) {
-    double extreme = 0.0;
-    for (const auto& force : input.force_base) extreme = std::max(extreme, std::abs(force[axis]));
-    int in_a_row = 0;
-    for (std::size_t i = 1; i < input.force_base.size(); ++i) {
-      const double now = input.force_base[i][axis];
-      const bool is_flat = std::abs(now) == extreme && now == input.force_base[i - 1][axis];
-      in_a_row = is_flat ? in_a_row + 1 : 0;
-      if (in_a_row >= kFlatTop && extreme > 1.0) {
-        ceiling = std::min(ceiling.value_or(extreme), extreme);
-      }
-    }
+  for (const SaturatedStretch& stretch : find_saturation(input.t_force, input.force_base)) {
+    ceiling = std::min(ceiling.value_or(stretch.force), stretch.force);
   }
   return ceiling;
 }
@@ -160,7 +149,7 @@ void check_force(const TeleopInput& input, const Pressing& pressing, InputFindin
   }
   if (offset.is_known) findings.tool_to_force = surer(offset, input.tool_to_force);
   check_unit(input, pressing, findings);
-  findings.force_ceiling = flat_top(input);
+  findings.force_ceiling = force_ceiling(input);
   if (findings.force_ceiling) {
     char text[128];
     std::snprintf(text, sizeof text,

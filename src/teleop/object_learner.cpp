@@ -34,6 +34,8 @@ constexpr double kSameContact = 0.25;
 // Contacts that are learned from together: work must not grow with what was recorded. What older
 // ones told stays known until newer ones contradict it.
 constexpr std::ptrdiff_t kNewest = 6;
+// A spread wants more of them.
+constexpr std::size_t kRemembered = 20;
 
 ParameterValue value_of(const IdentifiedParameter& parameter) {
   return {parameter.value, parameter.deviation};
@@ -68,11 +70,13 @@ bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_sl
       found.contacts.begin(), found.contacts.end(), [&](const auto& a, const auto& b) {
         return std::abs(a.begin - begin) < std::abs(b.begin - begin);
       });
-  if (nearest == found.contacts.end()) return false;
+  // Empty: the tool was not recorded meanwhile.
+  if (nearest == found.contacts.end() || nearest->t.empty()) return false;
   if (force_ceiling_ && nearest->peak_force >= 0.98 * *force_ceiling_) return false;
   const bool is_same =
       !contacts_.empty() && std::abs(contacts_.back().begin - nearest->begin) < kSameContact;
   if (!is_same) contacts_.emplace_back();
+  if (contacts_.size() > kRemembered) contacts_.erase(contacts_.begin());
   contacts_.back() = *nearest;
   learn_contact();
   if (nearest->kind != ContactKind::press && has_slid) {

@@ -270,7 +270,7 @@ void PhaseMonitor::stamp_slide() {
   // Between an even start (a third) and an accelerated one (the whole).
   const double before = has_both ? 0.5 * (t_high - t_low) : 0.0;
   const double t_onset = std::max(t_low - before, rest_since_);
-  const PhaseChange& previous = changes_[changes_.size() - 2];
+  const MonitoredPhase& previous = changes_[changes_.size() - 2];
   changes_.back().t = std::max(t_onset, previous.t);
   stamp_critical(t_onset);
 }
@@ -282,7 +282,6 @@ void PhaseMonitor::stamp_critical(double t_onset) {
   for (std::size_t i = from; i < contact_.size() && contact_[i].t <= t_onset; ++i) {
     peak = std::max(peak, contact_[i].friction);
   }
-  // A known limit that the push bears out has already told it.
   // A known limit has already told it, unless the push speaks against it by more than the force
   // that accelerates an object adds to a fast one [identification's README: 12 to 18 %].
   const bool was_told = changes_[changes_.size() - 2].phase == MotionPhase::critical;
@@ -294,7 +293,7 @@ void PhaseMonitor::stamp_critical(double t_onset) {
     if (contact_[i].friction < kCriticalShare * peak) break;
     t_critical = contact_[i].t;
   }
-  const PhaseChange slide = changes_.back();
+  const MonitoredPhase slide = changes_.back();
   changes_.pop_back();
   while (changes_.back().t > rest_since_ && changes_.back().phase != MotionPhase::sliding &&
          changes_.size() > 1) {

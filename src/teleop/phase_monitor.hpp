@@ -23,7 +23,7 @@ struct MonitorSample {
   bool is_within_reach = false;  ///< so near that the force may be this object's
 };
 
-struct PhaseChange {
+struct MonitoredPhase {
   double t = 0.0;  ///< [s] when it happened, which is before it was known
   MotionPhase phase = MotionPhase::free;
 };
@@ -68,7 +68,7 @@ class PhaseMonitor {
   /// before the line is, and for times outside the contact.
   [[nodiscard]] std::optional<double> way_at(double t) const;
   /// The latest stamps may still move by some 30 ms as more is seen.
-  [[nodiscard]] const std::vector<PhaseChange>& changes() const { return changes_; }
+  [[nodiscard]] const std::vector<MonitoredPhase>& changes() const { return changes_; }
 
  private:
   struct Point {
@@ -97,7 +97,7 @@ class PhaseMonitor {
   [[nodiscard]] double way_noise(double force) const;
 
   MonitorOptions options_;
-  std::vector<PhaseChange> changes_;
+  std::vector<MonitoredPhase> changes_;
   bool is_touched_ = false;
   bool is_press_ = false;
   int in_a_row_ = 0;

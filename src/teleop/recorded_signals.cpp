@@ -109,7 +109,6 @@ ForceSignal smooth_force(const TeleopInput& input, const TipMotion& tip, double 
   for (int axis = 0; axis < 3; ++axis) {
     const DespikedSignal clean =
         remove_spikes(axis_of(input.force_base, axis), {.half_window = kSpikeWindow});
-    signal.spikes += clean.spikes.size();
     signal.noise = std::max(signal.noise, noise_deviation(clean.values));
     const std::vector<SmoothedSample> force = smooth(signal.t, clean.values, signal.t, half_width);
     const std::vector<SmoothedSample> place =

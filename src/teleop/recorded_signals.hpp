@@ -52,7 +52,6 @@ struct ForceSignal {
   double smooth_noise = 0.0;                 ///< of a smoothed one's size [N]
   double correlated = 1.0;                   ///< smoothed samples that count as one
   double lag = 0.0;                          ///< [s]
-  std::size_t spikes = 0;
 
   [[nodiscard]] bool empty() const { return t.empty(); }
 };

@@ -61,7 +61,8 @@ void RobotObject::look(double t) {
     const double sigma = std::hypot(seen.position_sigma, before.position_sigma) / std::sqrt(3.0);
     is_seen_moving_ = has_seen_before && passed > 0.0 &&
                       way > std::max(kMovedSigmas * sigma, kMovedWay) && way > kMovedSpeed * passed;
-    const double turn = heading_of(seen.T_base_object) - heading_of(before.T_base_object);
+    const double turn = std::remainder(
+        heading_of(seen.T_base_object) - heading_of(before.T_base_object), 2.0 * M_PI);
     const double turn_sigma = std::hypot(seen.rotation_sigma, before.rotation_sigma);
     turn_rate_ = has_seen_before && std::abs(turn) > 3.0 * turn_sigma && std::abs(turn) < 1.0
                      ? turn / passed

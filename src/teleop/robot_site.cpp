@@ -116,7 +116,6 @@ std::vector<CorrectionMessage> RobotSite::advance(double now, const PredictionLo
   outgoing_.clear();
   now_ = now;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    objects_[i].look(now - kTrackingTime);
     const std::vector<TrackedPose>& tracked = input_.objects[i].tracked;
     std::size_t& streamed = streamed_frames_[i];
     for (; streamed < tracked.size() && tracked[streamed].t <= now; ++streamed) {
@@ -128,14 +127,22 @@ std::vector<CorrectionMessage> RobotSite::advance(double now, const PredictionLo
        ++next_sample_) {
     if (force_.t[next_sample_] < start_) continue;
     streaming_bytes_ += bytes_of_wrench_sample();
-    if (has_force_) take_sample(next_sample_, log);
+    if (!has_force_) continue;
+    // No frame that is newer than the force: its way would count twice.
+    look(std::min(now - kTrackingTime, force_.t[next_sample_]));
+    take_sample(next_sample_, log);
   }
   if (!has_force_ && now >= next_look_) {
     next_look_ += kLookInterval;
+    look(now - kTrackingTime);
     see_without_force(now - kTrackingTime);
     take_instant({now - kTrackingTime, tip_.at(now - kTrackingTime), Eigen::Vector3d::Zero()}, log);
   }
   return std::move(outgoing_);
+}
+
+void RobotSite::look(double t) {
+  for (RobotObject& object : objects_) object.look(t);
 }
 
 void RobotSite::confirm(RobotObject& object, const Prediction& prediction) {

@@ -60,6 +60,7 @@ class RobotSite {
   [[nodiscard]] std::optional<std::size_t> attribute(const TouchSample& sample,
                                                      std::vector<Reach>& reaches);
   void follow_bias(const TouchSample& sample, const std::vector<Reach>& reaches);
+  void look(double t);
   void confirm(RobotObject& object, const Prediction& prediction);
   void watch_limit(RobotObject& object, const TouchSample& sample);
   void plan_learning(RobotObject& object, MotionPhase before, bool was_touched, double t);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <deque>
+#include <optional>
 #include <utility>
 
 #include "pcavr/core/check.hpp"
@@ -81,6 +83,22 @@ void show(const OperatorSite& site, std::size_t objects, TeleopRun& run, Predict
   }
 }
 
+/// A command on its way to the robot's site, by the instant that it is for.
+struct Command {
+  double arrival = 0.0;  ///< [s]
+  double t = 0.0;        ///< [s]
+};
+
+/// Takes what has come by `now`, or all of it, and returns the newest.
+std::optional<double> newest_by(double now, bool all, std::deque<Command>& on_the_way) {
+  std::optional<double> newest;
+  while (!on_the_way.empty() && (all || on_the_way.front().arrival <= now)) {
+    newest = on_the_way.front().t;
+    on_the_way.pop_front();
+  }
+  return newest;
+}
+
 void send(const CorrectionMessage& message, double now, double epoch, Link& link,
           OperatorSite& site, RobotSite& robot, TeleopRun& run) {
   std::vector<std::uint8_t> bytes = encode(message, epoch);
@@ -98,20 +116,22 @@ void send(const CorrectionMessage& message, double now, double epoch, Link& link
   run.corrections.push_back(std::move(sent));
 }
 
-/// Without stretches shorter than 8 ms, which join what was before, as the format has it.
-std::vector<PhaseChange> merged(const std::vector<PhaseChange>& changes) {
-  std::vector<PhaseChange> result;
+/// Without stretches shorter than 8 ms, which join what was before, as the format has it; the first
+/// joins what comes after.
+std::vector<MonitoredPhase> merged(const std::vector<MonitoredPhase>& changes) {
+  std::vector<MonitoredPhase> result;
   for (std::size_t i = 0; i < changes.size(); ++i) {
     const bool is_short = i + 1 < changes.size() && changes[i + 1].t - changes[i].t < kShortest;
-    if (is_short && !result.empty()) continue;
+    if (is_short) continue;
     if (result.empty() || result.back().phase != changes[i].phase) result.push_back(changes[i]);
   }
+  if (!result.empty()) result.front().t = changes.front().t;
   return result;
 }
 
-std::vector<PhaseChange> predicted_changes(std::size_t object, const PredictionLog& log,
-                                           const Span& span) {
-  std::vector<PhaseChange> changes;
+std::vector<MonitoredPhase> predicted_changes(std::size_t object, const PredictionLog& log,
+                                              const Span& span) {
+  std::vector<MonitoredPhase> changes;
   for (std::size_t k = 0; k <= span.cycles; ++k) {
     const double t = span.start + kStep * static_cast<double>(k);
     const MotionPhase phase = log.at(t, object).phase;
@@ -121,8 +141,8 @@ std::vector<PhaseChange> predicted_changes(std::size_t object, const PredictionL
 }
 
 /// Both sites' phases merged into rows that each state both.
-std::vector<PhaseRow> phase_rows(std::size_t object, const std::vector<PhaseChange>& measured,
-                                 const std::vector<PhaseChange>& predicted) {
+std::vector<PhaseRow> phase_rows(std::size_t object, const std::vector<MonitoredPhase>& measured,
+                                 const std::vector<MonitoredPhase>& predicted) {
   std::vector<PhaseRow> rows;
   std::size_t m = 0, p = 0;
   PhaseRow row{predicted.front().t, object, measured.front().phase, predicted.front().phase};
@@ -194,7 +214,7 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
   TeleopRun run;
   run.shown.resize(recorded.objects.size());
   const TipMotion tip = clean_tip(recorded);
-  if (recorded.objects.empty() || tip.t.size() < 2) {
+  if (recorded.objects.empty() || tip.t.size() < 2 || span_of(tip).cycles == 0) {
     run.notes.emplace_back("nothing was predicted: no object to push, or no tool motion");
     run.parameters.resize(recorded.objects.size());
     run.assumed.resize(recorded.objects.size());
@@ -230,16 +250,18 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
   Link backward({options.backward_delay, options.jitter, options.loss}, random.fork(1));
   Link forward({0.0, options.jitter, 0.0}, random.fork(2));
   PredictionLog log(span.start, kStep, input.objects.size());
+  std::deque<Command> on_the_way;
 
   for (std::size_t k = 1; k <= span.cycles; ++k) {
     const double t = span.start + kStep * static_cast<double>(k);
-    // The command for t was given a forward delay ago; jitter lets what has come wait, too.
+    // The command for t was given a forward delay ago; jitter holds it, and those behind it, up.
     const double wall = t - options.forward_delay;
     site.step(wall, command[k]);
     show(site, input.objects.size(), run, log);
-    const double heard = *forward.arrival(t);
-    if (heard > t + kStep && k < span.cycles) continue;
-    for (const CorrectionMessage& message : robot.advance(t, log)) {
+    on_the_way.push_back({*forward.arrival(t), t});
+    const std::optional<double> heard = newest_by(t, k == span.cycles, on_the_way);
+    if (!heard) continue;
+    for (const CorrectionMessage& message : robot.advance(*heard, log)) {
       send(message, t, span.start, backward, site, robot, run);
     }
     if (k % 1000 == 0) observer.on_progress("both sites", k / 1000, span.cycles / 1000);

@@ -133,10 +133,9 @@ TEST(PushTwoBoxes, GivesWhatOnePushEachCanTell) {
                 0.03 * friction);
     const IdentifiedParameter limit =
         friction_at_breakaway(series, episode.breakaway, truth.compliance, truth.mass);
-    // The first box is pushed from a hold just below its limit, fast: its peak is 29 % above it,
-    // and one such push tells no more than its own deviation says.
+    // The first box is pushed from a hold just below its limit, fast: its peak is 29 % above it.
+    EXPECT_NEAR(limit.value, truth.limit, 0.15 * truth.limit);
     EXPECT_NEAR(limit.value, truth.limit, 2.0 * limit.deviation);
-    EXPECT_LT(limit.deviation, 0.3 * (episode.breakaway.force - limit.value) + 0.02 * truth.limit);
     const std::string name = truth.name;
     RecordProperty(name + "_limit", std::to_string(limit.value));
     RecordProperty(name + "_limit_deviation", std::to_string(limit.deviation));

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/core/random.hpp"
+#include "pcavr/identification/segmentation.hpp"
 
 namespace pcavr {
 namespace {
@@ -44,8 +45,10 @@ TEST(ObjectLearner, KeepsAGivenLawAgainstTheFirstMomentsOfAContact) {
   given.contact_stiffness = ParameterValue{kStiffness, 1e4};
   given.contact_exponent = ParameterValue{kExponent, 0.01};
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    for (const double pressed_for : {0.02, 0.03, 0.04, 0.06}) {
+    for (const double pressed_for : {0.08, 0.1, 0.15}) {
       const YoungContact contact(seed, pressed_for);
+      ASSERT_EQ(segment_contacts(contact.t, contact.force, contact.t, contact.tip).contacts.size(),
+                1U);
       ObjectLearner learner(given, {});
       learner.learn({contact.t, contact.force, contact.t, contact.tip}, 0.0, false);
       EXPECT_NEAR(depth_of(learner.known()) / depth_of(given), 1.0, 0.4)

@@ -49,7 +49,7 @@ MadePush made_push(double noise) {
 }
 
 double time_of(const PhaseMonitor& monitor, MotionPhase phase, int which = 0) {
-  for (const PhaseChange& change : monitor.changes()) {
+  for (const MonitoredPhase& change : monitor.changes()) {
     if (change.phase == phase && which-- == 0) return change.t;
   }
   return -1.0;

@@ -61,6 +61,70 @@ TEST(RunTeleop, RecoversFromWrongParametersAndPlaces) {
   }
 }
 
+TEST(RunTeleop, GoesOnCorrectingOverALinkThatHoldsMessagesUp) {
+  const PlantInput made = plant_input(kSeed, false);
+  const TeleopRun even = run_teleop(made.input, {}).value();
+  const TeleopRun held_up = run_teleop(made.input, {.jitter = 0.02, .seed = 4}).value();
+  EXPECT_GE(2 * held_up.corrections.size(), even.corrections.size());
+  for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
+    EXPECT_LT(at_share(position_errors(made, held_up, i), 0.95),
+              0.002 + at_share(position_errors(made, even, i), 0.95));
+  }
+}
+
+TEST(RunTeleop, CountsNoWayTwiceWhereTheForceIsSampledSlowly) {
+  PlantInput made = plant_input(kSeed, true);
+  PlantInput slow = made;
+  slow.input.t_force.clear();
+  slow.input.force_base.clear();
+  for (std::size_t i = 0; i < made.input.t_force.size(); i += 4) {  // 125 Hz
+    slow.input.t_force.push_back(made.input.t_force[i]);
+    slow.input.force_base.push_back(made.input.force_base[i]);
+  }
+  const TeleopRun run = run_teleop(slow.input, {}).value();
+  for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
+    EXPECT_LT(at_share(position_errors(made, run, i), 0.95), 0.003);
+  }
+}
+
+TEST(RunTeleop, StatesOnePhaseAnInstantWhereARecordingBeginsInContact) {
+  PlantInput made = plant_input(kSeed, true);
+  const auto touch = std::find_if(
+      made.run.phases.begin(), made.run.phases.end(), [](const PlantPhaseChange& change) {
+        return change.body == 0 && change.phase == PlantPhase::static_friction;
+      });
+  ASSERT_NE(touch, made.run.phases.end());
+  TeleopInput& input = made.input;
+  const auto cut = std::lower_bound(input.t_tool.begin(), input.t_tool.end(), touch->t + 0.05);
+  const auto first = cut - input.t_tool.begin();
+  input.t_tool.erase(input.t_tool.begin(), cut);
+  input.p_base_tip.erase(input.p_base_tip.begin(), input.p_base_tip.begin() + first);
+  for (const bool has_wrench : {true, false}) {
+    if (!has_wrench) {
+      input.t_force.clear();
+      input.force_base.clear();
+    }
+    const TeleopRun run = run_teleop(input, {}).value();
+    for (std::size_t object = 0; object < input.objects.size(); ++object) {
+      double last = -1e300;
+      for (const PhaseRow& row : run.phases) {
+        if (row.object != object) continue;
+        EXPECT_GT(row.t, last) << object;
+        last = row.t;
+      }
+    }
+  }
+}
+
+TEST(RunTeleop, TakesAMotionOfHalfAMillisecondForNone) {
+  PlantInput made = plant_input(kSeed, true);
+  made.input.t_tool.resize(2);
+  made.input.p_base_tip.resize(2);
+  made.input.t_tool[1] = made.input.t_tool[0] + 5e-4;
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  EXPECT_TRUE(run.shown[0].empty());
+}
+
 TEST(RunTeleop, SendsNothingWhereItIsToldNotTo) {
   const PlantInput made = plant_input(kSeed, true);
   const TeleopRun run = run_teleop(made.input, {.with_corrections = false}).value();

@@ -32,12 +32,11 @@ struct Breakaway {
   double t_alarm = 0.0;    ///< [s] the force left the line
   double t_decided = 0.0;  ///< [s] when it was known: drop or flatness seen, filter delay included
   double t = 0.0;  ///< [s] the force's peak; of several that noise does not tell apart, the first
-  double force = 0.0;            ///< [N] there: the limiting static friction as the tool feels it
-  double deviation = 0.0;        ///< [N] of that force, from the sensor's noise
-  double loading_rate = 0.0;     ///< [N/s] on the way up; breakaway depends on it
-  double stiffness = 0.0;        ///< [N/m] slope of the line
-  double tool_at_contact = 0.0;  ///< [m] where the line meets zero force
-  std::string reason;            ///< why none was found
+  double force = 0.0;         ///< [N] there: the limiting static friction as the tool feels it
+  double deviation = 0.0;     ///< [N] of that force, from the sensor's noise
+  double loading_rate = 0.0;  ///< [N/s] on the way up; breakaway depends on it
+  double stiffness = 0.0;     ///< [N/m] slope of the line
+  std::string reason;         ///< why none was found
 };
 
 /// Stress mutation analysis [paper C, SMA], without a hand and without a press. The line of an

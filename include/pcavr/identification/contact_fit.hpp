@@ -47,6 +47,7 @@ struct ContactIdentification {
   ContactFit mass_damper_spring;
   ContactFit hunt_crossley;
   ContactRegressor chosen = ContactRegressor::mass_damper_spring;  ///< by the residual
+  std::vector<std::size_t> touched;  ///< the presses that did, as the fits' `surface` has them
   std::string proposal;  ///< a better motion, where something was not excited; else empty
 
   [[nodiscard]] const ContactFit& best() const {

@@ -34,6 +34,15 @@ struct DespikedSignal {
 /// spikes, blind to motion slower than a few samples.
 [[nodiscard]] double noise_deviation(std::span<const double> values);
 
+struct SaturatedStretch {
+  double begin = 0.0, end = 0.0;  ///< [s]
+  double force = 0.0;             ///< [N] > 0: how far the axis reaches
+};
+
+/// Stretches in which an axis of a force stands still at its own extreme: the sensor's end.
+[[nodiscard]] std::vector<SaturatedStretch> find_saturation(std::span<const double> t,
+                                                            std::span<const Eigen::Vector3d> force);
+
 /// A signal and its derivatives at one instant.
 struct SmoothedSample {
   double value = 0.0;
@@ -76,7 +85,6 @@ class CausalFilter {
   /// number is not finite, the sample is left out. Empty until the window has filled.
   std::optional<Output> step(double t, double position, double force) noexcept;
   [[nodiscard]] double delay() const { return half_width_ + 2.0 * interval_; }
-  void reset() noexcept { count_ = 0; }
 
  private:
   double half_width_;

@@ -153,6 +153,7 @@ struct Identification {
 struct IdentificationSources {
   std::filesystem::path scene = {};    ///< bodies and places from there; else the manifest's
   std::filesystem::path tracked = {};  ///< holds objects/NAME/tracked.txt; else images are tracked
+  bool skip_bad = false;               ///< leave out images that don't decode
   Parallelism parallelism = Parallelism::max();
 };
 

@@ -117,7 +117,6 @@ struct PlantRun {
   std::vector<Eigen::Vector3d> torque_base;         ///< the same about the tip's centre [N m]
   std::vector<std::vector<PlantBodyState>> bodies;  ///< by body
   std::vector<PlantPhaseChange> phases;             ///< ascending in time
-  std::vector<double> move_begins;                  ///< [s], by move
   [[nodiscard]] double duration() const;            ///< [s]
 };
 
