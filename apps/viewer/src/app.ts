@@ -10,7 +10,8 @@ import { looksDifferent } from './session/state_change';
 export type FrameCallback = (time: number, frame?: XRFrame) => void;
 
 const mostPixelRatio = 2; // beyond, an eye sees no more and a graphics card does four times the work
-const staleSeconds = 0.05; // a state older than this is not worth a frame if a newer one waits
+const staleSeconds = 0.04; // two to three states: a picture of one so late is not worth drawing
+const mostWaits = 3; // frames given up in a row: if then nothing newer has come, nothing has
 
 /// One picture after the other: asks everybody before each, and draws only where something changed.
 export class App {
@@ -25,7 +26,7 @@ export class App {
   private drawnCallbacks: (() => void)[] = [];
   private isDirty = true;
   private lastShown: LiveState | null = null;
-  private hasWaited = false;
+  private waits = 0; // frames given up since the last one
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -88,11 +89,12 @@ export class App {
     return !this.lastShown || state.isEngaged || looksDifferent(this.lastShown, state);
   }
 
-  /// A busy browser prefers frames to messages: one frame given up lets the newest state in.
+  /// A busy browser prefers frames to messages: a few frames given up let the newest state in.
   private shouldWait(): boolean {
-    const age = this.session.latency.age(pageClock());
-    this.hasWaited = !this.hasWaited && age > staleSeconds;
-    return this.hasWaited;
+    const isStale =
+      this.session.latest() !== null && this.session.latency.lag(pageClock()) > staleSeconds;
+    this.waits = isStale && this.waits < mostWaits ? this.waits + 1 : 0;
+    return this.waits > 0;
   }
 
   private resize(): void {

@@ -6,7 +6,7 @@ export interface LatencyFigures {
   stateRate: number; // [Hz] states taken in over the last second
   drawRate: number; // [Hz]
   age: number; // [s] of the newest state now, on the server's clock; NaN before the first
-  commandToWorld: number; // [s] age of the newest tool sample when the world used it
+  commandToWorld: number; // [s] age of the tool sample that the world used; NaN with the clutch open
   worldToPage: number; // [s] median from the world's state to this page
   commandToDrawn: number; // [s] median over the last seconds; NaN where no command was drawn
   oldestDrawn: number; // [s] the oldest state drawn in the last seconds
@@ -89,11 +89,16 @@ export class Latency {
       stateRate: this.arrivals.at(now).length,
       drawRate: this.draws.at(now).length,
       age: this.age(now),
-      commandToWorld: this.newest ? this.newest.age.tool : NaN,
+      commandToWorld: this.newest?.isEngaged ? this.newest.age.tool : NaN,
       worldToPage: median(this.underway.at(now)),
       commandToDrawn: median(this.commandToDrawn.at(now)),
       oldestDrawn: largest(this.drawnAges.at(now)),
     };
+  }
+
+  /// By how much the newest state is older at `now` than one is at best when it comes [s].
+  lag(now: number): number {
+    return this.age(now) - this.underway.at(now).reduce((a, b) => Math.min(a, b), Infinity);
   }
 
   /// [s] of the newest state at `now`; NaN before the first.
