@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -12,13 +11,18 @@
 #include "pcavr/devices/open_device.hpp"
 #include "pcavr/devices/remote_device.hpp"
 #include "pcavr/haptics/haptic_world.hpp"
+#include "pcavr/pipeline/replay.hpp"
 #include "pcavr/recording/parameters_file.hpp"
+#include "pcavr/recording/recording.hpp"
+#include "pcavr/serve/certificate.hpp"
 #include "pcavr/serve/live_world.hpp"
+#include "pcavr/serve/replay_content.hpp"
 #include "pcavr/serve/scene_content.hpp"
 #include "pcavr/serve/scene_world.hpp"
 #include "pcavr/serve/server.hpp"
 
 #include "commands.hpp"
+#include "serve_words.hpp"
 
 namespace pcavr::app {
 namespace {
@@ -26,20 +30,52 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kPageDevice[] = "page";
-/// [N] What is shown of the force where no motor makes it: more than any table-top push.
+/// [N] What is shown of the force where no motor makes it: more than any push on a table.
 constexpr double kMostShownForce = 100.0;
 /// [N] of a device of which nothing else is known: what the weakest of them bear.
 constexpr double kMostDeviceForce = 5.0;
 
 struct ServeArguments {
   std::string scene;
+  std::string recording;
+  std::string tracked;
   std::string parameters;
   std::string page;
   std::string device = kPageDevice;
+  std::string certificate;
+  std::string key;
+  bool with_tls = false;
   double tool_radius = 0.0;  ///< [m]; 0: not said
   double most_force = 0.0;   ///< [N]; 0: not said
   ServerOptions server;
   bool as_json = false;
+};
+
+/// What was read and made before anything is served.
+struct Stage {
+  SceneManifest scene;
+  std::optional<ParameterTable> parameters;
+  std::optional<Recording> recording;
+};
+
+/// The replay's paths where there is one, the scene's for the rest.
+class StageContent final : public ContentSource {
+ public:
+  StageContent(SceneContent scene, std::optional<ReplayContent> replay)
+      : scene_(std::move(scene)), replay_(std::move(replay)) {}
+
+  [[nodiscard]] Expected<std::shared_ptr<const Content>> find(
+      std::string_view path) const override {
+    if (replay_) {
+      Expected<std::shared_ptr<const Content>> found = replay_->find(path);
+      if (!found || *found) return found;
+    }
+    return scene_.find(path);
+  }
+
+ private:
+  SceneContent scene_;
+  std::optional<ReplayContent> replay_;
 };
 
 /// Beside the command as it was built, or where it was installed to.
@@ -54,25 +90,64 @@ Expected<fs::path> find_page() {
                .mend = "npm ci && npm run build in apps/viewer, or name its folder by --page"};
 }
 
-Expected<std::unique_ptr<Device>> device_of(const std::string& name) {
-  if (name == kPageDevice) {
-    return std::unique_ptr<Device>(
-        std::make_unique<RemoteDevice>(RemoteDeviceOptions{.name = kPageDevice}));
+Expected<std::optional<TlsFiles>> tls_files(const ServeArguments& arguments) {
+  if (arguments.certificate.empty() != arguments.key.empty()) {
+    return Error{.message = "--certificate and --key go together"};
   }
-  return open_device(name);
+  if (!arguments.key.empty()) return std::optional(TlsFiles{arguments.certificate, arguments.key});
+  if (!arguments.with_tls) return std::optional<TlsFiles>();
+  Expected<TlsFiles> own = own_certificate(data_folder());
+  if (!own) return own.error();
+  return std::optional(std::move(*own));
 }
 
-Expected<SceneWorld> scene_world(const SceneManifest& scene, const ServeArguments& arguments,
-                                 const std::optional<ParameterTable>& parameters,
-                                 const Observer& observer) {
-  SceneWorldOptions options;
-  options.parameters = parameters;
+Expected<Stage> read_stage(const ServeArguments& arguments) {
+  Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
+  if (!scene) return scene.error();
+  Stage stage{std::move(*scene), {}, {}};
+  if (!arguments.parameters.empty()) {
+    Expected<ParameterTable> parameters = read_parameters(arguments.parameters);
+    if (!parameters) return parameters.error();
+    stage.parameters = std::move(*parameters);
+  }
+  if (!arguments.recording.empty()) {
+    Expected<Recording> recording = read_recording(arguments.recording);
+    if (!recording) return recording.error();
+    stage.recording = std::move(*recording);
+  }
+  return stage;
+}
+
+Expected<StageContent> make_content(const Stage& stage, const ServeArguments& arguments,
+                                    const Observer& observer) {
+  Expected<SceneContent> scene = SceneContent::create(stage.scene, stage.parameters, observer);
+  if (!scene) return scene.error();
+  if (!stage.recording) return StageContent(std::move(*scene), {});
+  ReplayOptions options;
+  options.parameters = stage.parameters;
   options.parameters_file = arguments.parameters;
+  if (!arguments.tracked.empty()) options.tracked = arguments.tracked;
+  const Expected<Replay> replay =
+      replay_recording(*stage.recording, stage.scene, options, observer);
+  if (!replay) return replay.error();
+  Expected<ReplayContent> shown =
+      ReplayContent::create(*stage.recording, stage.scene, *replay, observer);
+  if (!shown) return shown.error();
+  return StageContent(std::move(*scene), std::move(*shown));
+}
+
+Expected<SceneWorld> make_world(const Stage& stage, const ServeArguments& arguments,
+                                const Observer& observer) {
+  SceneWorldOptions options;
+  options.parameters = stage.parameters;
+  options.parameters_file = arguments.parameters;
+  if (stage.recording) {
+    options.tool_radius = stage.recording->manifest.tool_radius.value_or(options.tool_radius);
+  }
   if (arguments.tool_radius > 0.0) options.tool_radius = arguments.tool_radius;
-  const bool is_shown_only = arguments.device == kPageDevice;
-  options.most_force = is_shown_only ? kMostShownForce : kMostDeviceForce;
+  options.most_force = arguments.device == kPageDevice ? kMostShownForce : kMostDeviceForce;
   if (arguments.most_force > 0.0) options.most_force = arguments.most_force;
-  Expected<SceneWorld> world = make_scene_world(scene, options);
+  Expected<SceneWorld> world = make_scene_world(stage.scene, options);
   if (!world) return world;
   for (const std::string& note : world->notes) observer.on_warning(note);
   for (const AssumedNumbers& body : world->assumed) {
@@ -84,90 +159,151 @@ Expected<SceneWorld> scene_world(const SceneManifest& scene, const ServeArgument
   return world;
 }
 
-void print_ready(const LiveServer& server, const ServeArguments& arguments) {
-  const std::string scheme = arguments.server.tls ? "https" : "http";
-  const std::string address =
-      scheme + "://" + arguments.server.host + ':' + std::to_string(server.port()) + '/';
-  if (arguments.as_json) {
-    const nlohmann::ordered_json line{{"port", server.port()}, {"address", address}};
-    std::cout << line.dump() << std::endl;
-    return;
+Expected<std::unique_ptr<LiveWorld>> make_live(SceneWorld& scene, const std::string& device_name) {
+  Expected<HapticWorld> haptic = HapticWorld::create(std::move(scene.model));
+  if (!haptic) return haptic.error();
+  std::unique_ptr<Device> device =
+      std::make_unique<RemoteDevice>(RemoteDeviceOptions{.name = kPageDevice});
+  if (device_name != kPageDevice) {
+    Expected<std::unique_ptr<Device>> opened = open_device(device_name);
+    if (!opened) return opened.error();
+    device = std::move(*opened);
   }
-  std::cout << "serving    " << address << "\n" << std::flush;
+  return std::make_unique<LiveWorld>(std::move(*haptic), std::move(device),
+                                     LiveWorldOptions{.p_base_tool_start = scene.p_base_tool_start,
+                                                      .full_force = scene.full_force});
 }
 
-Expected<CommandResult> serve(ServeArguments arguments, const Observer& observer) {
-  if (arguments.page.empty()) {
-    const Expected<fs::path> page = find_page();
-    if (!page) return page.error();
-    arguments.page = page->string();
+/// Where a browser finds it: all of the machine's addresses where it listens at all of them.
+std::vector<std::string> addresses_of(const LiveServer& server, const ServerOptions& options) {
+  const bool is_all = options.host == "0.0.0.0" || options.host == "::";
+  std::vector<std::string> hosts = is_all ? machine_addresses() : std::vector{options.host};
+  if (hosts.empty()) hosts.emplace_back("localhost");
+  std::vector<std::string> addresses;
+  for (const std::string& host : hosts) {
+    const bool is_long = host.find(':') != std::string::npos;
+    if (is_long && options.host == "0.0.0.0") continue;
+    addresses.push_back((options.tls ? "https://" : "http://") +
+                        (is_long ? '[' + host + ']' : host) + ':' + std::to_string(server.port()) +
+                        '/');
   }
-  const Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
-  if (!scene) return scene.error();
-  std::optional<ParameterTable> parameters;
-  if (!arguments.parameters.empty()) {
-    Expected<ParameterTable> read = read_parameters(arguments.parameters);
-    if (!read) return read.error();
-    parameters = std::move(*read);
-  }
-  Expected<SceneWorld> model = scene_world(*scene, arguments, parameters, observer);
-  if (!model) return model.error();
-  const LiveWorldOptions world_options{.p_base_tool_start = model->p_base_tool_start,
-                                       .most_force = model->model.force.most_force};
-  const double tool_radius = model->model.world.tool_radius;
-  Expected<HapticWorld> haptic = HapticWorld::create(std::move(model->model));
-  if (!haptic) return haptic.error();
-  Expected<std::unique_ptr<Device>> device = device_of(arguments.device);
-  if (!device) return device.error();
-  const Expected<SceneContent> content = SceneContent::create(*scene, parameters, observer);
-  if (!content) return content.error();
+  return addresses;
+}
 
-  LiveWorld world(std::move(*haptic), std::move(*device), world_options);
-  arguments.server.page = arguments.page;
-  arguments.server.version = PCAVR_VERSION;
-  arguments.server.scene = fs::weakly_canonical(arguments.scene).filename().string();
-  arguments.server.tool_radius = tool_radius;
-  arguments.server.ends_on_signals = true;
-  Expected<LiveServer> server = LiveServer::open(arguments.server, world, *content);
-  if (!server) return server.error();
+Expected<void> announce(const LiveServer& server, const LiveWorld& world,
+                        const ServeArguments& arguments, std::size_t triangles) {
+  ServeFacts facts{.addresses = addresses_of(server, arguments.server),
+                   .port = server.port(),
+                   .scene = arguments.server.scene,
+                   .mode = arguments.server.is_replay ? "replay" : "live",
+                   .device = std::string(world.device_name()),
+                   .objects = world.names(),
+                   .triangles = triangles,
+                   .code = server.pairing_code(),
+                   .is_local = server.pairing_code().empty(),
+                   .is_tls = arguments.server.tls.has_value()};
+  if (arguments.server.tls) {
+    const Expected<CertificateFacts> certificate =
+        read_certificate(arguments.server.tls->certificate);
+    if (!certificate) return certificate.error();
+    facts.fingerprint = certificate->fingerprint;
+  }
+  std::cout << (arguments.as_json ? ready_json(facts).dump() + '\n' : ready_words(facts))
+            << std::flush;
+  return {};
+}
+
+Expected<CommandResult> run(LiveServer& server, LiveWorld& world, const ServeArguments& arguments,
+                            std::size_t triangles, const Observer& observer) {
   const Expected<std::vector<std::string>> notes = world.start();
   if (!notes) return notes.error();
   for (const std::string& note : *notes) observer.on_warning(note);
-  print_ready(*server, arguments);
-  server->run();
+  const Expected<void> announced = announce(server, world, arguments, triangles);
+  if (!announced) return announced.error();
+  server.run();
   world.stop();
   const WorldSnapshot& last = world.newest();
   CommandResult result;
-  result.summary = "ended: " + std::to_string(last.cycles) + " cycles, " +
-                   std::to_string(last.late_cycles) + " late\n";
+  result.summary = "ended after " + std::to_string(last.cycles) + " cycles, " +
+                   std::to_string(last.late_cycles) + " of them late\n";
   result.json = {{"cycles", last.cycles}, {"late_cycles", last.late_cycles}};
   return result;
+}
+
+Expected<CommandResult> serve(ServeArguments arguments, const Observer& observer) {
+  Expected<std::optional<TlsFiles>> tls = tls_files(arguments);
+  if (!tls) return tls.error();
+  const Expected<fs::path> page =
+      arguments.page.empty() ? find_page() : Expected<fs::path>(arguments.page);
+  if (!page) return page.error();
+  ServerOptions& options = arguments.server;
+  options.tls = std::move(*tls);
+  options.page = *page;
+  options.version = PCAVR_VERSION;
+  options.scene = fs::weakly_canonical(arguments.scene).filename().string();
+  options.is_replay = !arguments.recording.empty();
+  options.ends_on_signals = true;
+  // Before anything that takes long.
+  const Expected<void> possible = check_server(options);
+  if (!possible) return possible.error();
+  const Expected<Stage> stage = read_stage(arguments);
+  if (!stage) return stage.error();
+  Expected<SceneWorld> scene = make_world(*stage, arguments, observer);
+  if (!scene) return scene.error();
+  options.tool_radius = scene->model.world.tool_radius;
+  Expected<std::unique_ptr<LiveWorld>> world = make_live(*scene, arguments.device);
+  if (!world) return world.error();
+  const Expected<StageContent> content = make_content(*stage, arguments, observer);
+  if (!content) return content.error();
+  Expected<LiveServer> server = LiveServer::open(options, **world, *content);
+  if (!server) return server.error();
+  return run(*server, **world, arguments, scene->triangles, observer);
+}
+
+void add_network_options(CLI::App& command, ServeArguments& arguments) {
+  command.add_option("--port", arguments.server.port, "0: any that is free")->capture_default_str();
+  command
+      .add_option("--host", arguments.server.host,
+                  "Address to listen at; others than this machine's own want --tls, and then "
+                  "a code that is shown here")
+      ->capture_default_str();
+  command.add_flag("--tls", arguments.with_tls,
+                   "https, with a certificate that is made for this machine and kept");
+  command.add_option("--certificate", arguments.certificate, "https with your own: PEM, its chain");
+  command.add_option("--key", arguments.key, "The certificate's key: PEM");
+  command.add_option("--rate", arguments.server.rate, "States to each page [Hz]")
+      ->check(CLI::Range(60.0, 90.0))
+      ->capture_default_str();
+  command.add_option("--page", arguments.page, "Folder of the built page");
 }
 
 }  // namespace
 
 void add_serve(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("serve", "Stand in a scene: a page in a browser or a headset, with force");
-  command->footer("Example:\n  pcavr serve my_scene --parameters my_parameters.yaml");
+  CLI::App* command = app.add_subcommand(
+      "serve",
+      "Stand in a scene and push: a page for browsers and headsets, the world at 1 kHz behind it");
+  command->footer(
+      "Example:\n  pcavr serve my_scene --parameters my_parameters.yaml\n"
+      "With --json: a line with port and addresses once it answers, and a result at the end.");
   auto arguments = std::make_shared<ServeArguments>();
   command->add_option("scene", arguments->scene, "Folder that pcavr build wrote")->required();
+  command->add_option("--replay", arguments->recording, "Show this recording, replayed");
+  command->add_option("--tracked", arguments->tracked,
+                      "Take the replay's tracking from this run instead of doing it again");
   command->add_option("--parameters", arguments->parameters, "What identify wrote");
-  command->add_option("--port", arguments->server.port, "0: any that is free")
-      ->capture_default_str();
-  command->add_option("--host", arguments->server.host, "Address of this machine to listen at")
-      ->capture_default_str();
-  command->add_option("--page", arguments->page, "Folder of another page than the one built in");
+  add_network_options(*command, *arguments);
   command
       ->add_option("--device", arguments->device,
                    "What moves the tool: page, " + std::string(kDeviceChoices))
       ->capture_default_str();
-  command->add_option("--rate", arguments->server.rate, "States to each page [Hz]")
-      ->check(CLI::Range(60.0, 90.0))
-      ->capture_default_str();
-  command->add_option("--tool-radius", arguments->tool_radius, "Of the tool's ball [m]")
+  command
+      ->add_option("--tool-radius", arguments->tool_radius,
+                   "Of the tool's ball [m]; else the replay's, or 0.01")
       ->check(CLI::Range(0.0005, 0.1));
-  command->add_option("--most-force", arguments->most_force, "That the hand may feel [N]")
+  command
+      ->add_option("--most-force", arguments->most_force,
+                   "On the hand [N]; else 5 for a device, and 100 where a page shows it")
       ->check(CLI::Range(0.1, 1000.0));
   command->callback([arguments, &action, &app] {
     arguments->as_json = app.get_option("--json")->count() > 0;

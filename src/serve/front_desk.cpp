@@ -81,7 +81,8 @@ FrontDesk::FrontDesk(HouseFacts facts, const ContentSource& scene, std::filesyst
     : facts_(std::move(facts)),
       scene_(scene),
       page_(std::move(page)),
-      pairing_(std::move(pairing)) {}
+      pairing_(std::move(pairing)),
+      code_(facts_.needs_pairing ? pairing_.code() : std::string()) {}
 
 HttpAnswer FrontDesk::refusal(unsigned status, const std::string& why) {
   return json_answer(status, {{"error", why}});

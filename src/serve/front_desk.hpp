@@ -59,7 +59,8 @@ class FrontDesk {
   /// A line for a person and for a program.
   [[nodiscard]] static HttpAnswer refusal(unsigned status, const std::string& why);
 
-  [[nodiscard]] const std::string& code() const { return pairing_.code(); }
+  /// Empty where nobody needs one.
+  [[nodiscard]] const std::string& code() const { return code_; }
 
  private:
   [[nodiscard]] std::optional<HttpAnswer> refuse_stranger(const HttpRequest& request) const;
@@ -73,6 +74,7 @@ class FrontDesk {
   const ContentSource& scene_;
   PageFiles page_;
   Pairing pairing_;
+  std::string code_;
 };
 
 }  // namespace pcavr

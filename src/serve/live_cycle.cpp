@@ -36,7 +36,7 @@ LiveCycle::LiveCycle(HapticWorld world, std::unique_ptr<Device> device,
       page_device_(dynamic_cast<RemoteDevice*>(device_.get())),
       options_(options),
       names_(names_of(world_)),
-      pulse_(world_.size(), options.most_force),
+      pulse_(world_.size(), options.full_force),
       histogram_(tenth_of_a_second(options.cycle)),
       buffer_((world_.reset(options.p_base_tool_start), first_snapshot(world_))),
       speeds_(world_.size(), 0.0) {

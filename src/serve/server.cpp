@@ -56,14 +56,6 @@ class Doorman final : public std::enable_shared_from_this<Doorman> {
   beast::flat_buffer buffer_;
 };
 
-Expected<void> check_page(const std::filesystem::path& folder) {
-  std::error_code ignored;
-  if (std::filesystem::exists(folder / "index.html", ignored)) return {};
-  return Error{.message = "the page is not there: no index.html",
-               .file = folder.string(),
-               .mend = "build apps/viewer, or name its folder by --page"};
-}
-
 Error cannot_listen(const ServerOptions& options, const error_code& fault) {
   Error error{.message = "can't listen: " + fault.message(),
               .place = options.host + ':' + std::to_string(options.port)};
@@ -104,6 +96,44 @@ Expected<std::vector<std::string>> load(const TlsFiles& files, asio::ssl::contex
   return facts->names;
 }
 
+struct Certified {
+  std::optional<asio::ssl::context> tls;
+  std::vector<std::string> names;
+};
+
+/// All that can be said against the options without listening.
+Expected<Certified> check(const ServerOptions& options, const tcp::endpoint& endpoint) {
+  if (!endpoint.address().is_loopback() && !options.tls) {
+    return Error{.message = "others can reach " + options.host + ": that wants TLS",
+                 .place = "host",
+                 .mend = "add --tls, or leave --host away"};
+  }
+  std::error_code ignored;
+  if (!std::filesystem::exists(options.page / "index.html", ignored)) {
+    return Error{.message = "the page is not there: no index.html",
+                 .file = options.page.string(),
+                 .mend = "build apps/viewer, or name its folder by --page"};
+  }
+  Certified certified;
+  if (!options.tls) return certified;
+  certified.tls.emplace(asio::ssl::context::tls_server);
+  Expected<std::vector<std::string>> names = load(*options.tls, *certified.tls);
+  if (!names) return names.error();
+  certified.names = std::move(*names);
+  return certified;
+}
+
+Expected<void> listen(tcp::acceptor& acceptor, const tcp::endpoint& endpoint,
+                      const ServerOptions& options) {
+  error_code fault;
+  acceptor.open(endpoint.protocol(), fault);
+  if (!fault) acceptor.set_option(asio::socket_base::reuse_address(true), fault);
+  if (!fault) acceptor.bind(endpoint, fault);
+  if (!fault) acceptor.listen(asio::socket_base::max_listen_connections, fault);
+  if (fault) return cannot_listen(options, fault);
+  return {};
+}
+
 }  // namespace
 
 struct LiveServer::Impl {
@@ -112,17 +142,6 @@ struct LiveServer::Impl {
   ~Impl() {
     hub.files.stop();
     hub.files.join();
-  }
-
-  Expected<void> listen(const tcp::endpoint& endpoint) {
-    error_code fault;
-    acceptor.open(endpoint.protocol(), fault);
-    if (!fault) acceptor.set_option(asio::socket_base::reuse_address(true), fault);
-    if (!fault) acceptor.bind(endpoint, fault);
-    if (!fault) acceptor.listen(asio::socket_base::max_listen_connections, fault);
-    if (fault) return cannot_listen(hub.options, fault);
-    port = acceptor.local_endpoint(fault).port();
-    return {};
   }
 
   void accept() {
@@ -212,8 +231,17 @@ struct LiveServer::Impl {
   asio::steady_timer retry{hub.io};
   asio::signal_set signals{hub.io};
   std::chrono::steady_clock::time_point next_tick = std::chrono::steady_clock::now();
-  std::uint16_t port = 0;
 };
+
+Expected<void> check_server(const ServerOptions& options) {
+  const Expected<tcp::endpoint> endpoint = endpoint_of(options);
+  if (!endpoint) return endpoint.error();
+  const Expected<Certified> certified = check(options, *endpoint);
+  if (!certified) return certified.error();
+  asio::io_context io;
+  tcp::acceptor acceptor(io);
+  return listen(acceptor, *endpoint, options);
+}
 
 Expected<LiveServer> LiveServer::open(const ServerOptions& options, LiveWorld& world,
                                       const ContentSource& content) {
@@ -221,29 +249,18 @@ Expected<LiveServer> LiveServer::open(const ServerOptions& options, LiveWorld& w
   PCAVR_REQUIRE(options.most_write_time > 0.0, options.most_write_time);
   const Expected<tcp::endpoint> endpoint = endpoint_of(options);
   if (!endpoint) return endpoint.error();
-  const bool is_private = endpoint->address().is_loopback();
-  if (!is_private && !options.tls) {
-    return Error{.message = "others can reach " + options.host + ": that wants TLS",
-                 .place = "host",
-                 .mend = "add --tls, or leave --host away"};
-  }
-  const Expected<void> page = check_page(options.page);
-  if (!page) return page.error();
+  Expected<Certified> certified = check(options, *endpoint);
+  if (!certified) return certified.error();
   Expected<Pairing> pairing = Pairing::create();
   if (!pairing) return pairing.error();
-  HouseFacts facts{options.version, options.scene, options.is_replay, machine_names(), !is_private};
-  std::optional<asio::ssl::context> tls;
-  if (options.tls) {
-    tls.emplace(asio::ssl::context::tls_server);
-    const Expected<std::vector<std::string>> names = load(*options.tls, *tls);
-    if (!names) return names.error();
-    facts.host_names.insert(facts.host_names.end(), names->begin(), names->end());
-  }
+  HouseFacts facts{options.version, options.scene, options.is_replay, machine_names(),
+                   !endpoint->address().is_loopback()};
+  facts.host_names.insert(facts.host_names.end(), certified->names.begin(), certified->names.end());
   auto impl = std::make_unique<Impl>(
       options, world,
       std::make_unique<FrontDesk>(std::move(facts), content, options.page, std::move(*pairing)));
-  impl->tls = std::move(tls);
-  const Expected<void> listening = impl->listen(*endpoint);
+  impl->tls = std::move(certified->tls);
+  const Expected<void> listening = listen(impl->acceptor, *endpoint, options);
   if (!listening) return listening.error();
   return LiveServer(std::move(impl));
 }
@@ -253,7 +270,10 @@ LiveServer::LiveServer(LiveServer&&) noexcept = default;
 LiveServer& LiveServer::operator=(LiveServer&&) noexcept = default;
 LiveServer::~LiveServer() = default;
 
-std::uint16_t LiveServer::port() const { return impl_->port; }
+std::uint16_t LiveServer::port() const {
+  error_code ignored;
+  return impl_->acceptor.local_endpoint(ignored).port();
+}
 const std::string& LiveServer::pairing_code() const { return impl_->hub.desk->code(); }
 void LiveServer::run() { impl_->run(); }
 void LiveServer::stop() {

@@ -39,7 +39,7 @@ struct LiveWorldOptions {
   double cycle = 0.001;  ///< [s] > 0
   /// [m] base frame: where the tool is at the start, and after a reset.
   Eigen::Vector3d p_base_tool_start = Eigen::Vector3d::Zero();
-  double most_force = 5.0;  ///< [N] > 0: at which a controller's pulses are strongest
+  double full_force = 5.0;  ///< [N] > 0: at which a controller's pulses are strongest
 };
 
 /// A haptic world that runs by itself: a thread of its own, a cycle each millisecond, device to

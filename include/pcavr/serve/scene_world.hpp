@@ -32,6 +32,8 @@ struct SceneWorld {
   HapticWorldModel model;
   /// Where the tool waits: above the middle of what can be pushed.
   Eigen::Vector3d p_base_tool_start = Eigen::Vector3d::Zero();
+  /// [N] at which a controller's pulses are strongest: what the body that holds best bears.
+  double full_force = 5.0;
   std::vector<AssumedNumbers> assumed;  ///< by body
   std::size_t triangles = 0;            ///< of what does not move
   std::vector<std::string> notes;       ///< what a user should know

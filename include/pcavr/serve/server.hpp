@@ -32,6 +32,10 @@ struct ServerOptions {
   bool ends_on_signals = false;        ///< SIGINT and SIGTERM end run()
 };
 
+/// Whether such a server could be opened now; the same errors as LiveServer::open. For asking
+/// before what it is to serve is made.
+[[nodiscard]] Expected<void> check_server(const ServerOptions& options);
+
 /// One port: the page, the scene's files, and the live state (docs/live-protocol.md). One thread of
 /// its own speaks to the network, another one fetches files; neither ever holds up the world. A
 /// page that reads too slowly gets fewer states, always the newest; one that does not read is let
@@ -48,7 +52,7 @@ class LiveServer {
   ~LiveServer();
 
   [[nodiscard]] std::uint16_t port() const;
-  /// What a page that is not on this machine has to be told once.
+  /// What a page that is not on this machine has to be told once; empty where none can come.
   [[nodiscard]] const std::string& pairing_code() const;
 
   /// Answers until stop(), or a signal. Call once.
