@@ -64,7 +64,7 @@ class LiveSession final : public LivePage,
 
   void tick(double now) override {
     heard_since_tick_ = 0;
-    if (is_waiting_to_read_) read();
+    if (const auto self = std::exchange(waits_to_read_, nullptr)) read();
     if (is_writing_) {
       if (now - write_began_ > hub_.options.most_write_time) drop();
       return;
@@ -77,6 +77,7 @@ class LiveSession final : public LivePage,
   void end() override {
     is_ending_ = true;
     write_next();
+    waits_to_read_.reset();
   }
 
  private:
@@ -93,8 +94,11 @@ class LiveSession final : public LivePage,
   }
 
   void read() {
-    is_waiting_to_read_ = heard_since_tick_ >= kMostMessagesPerTick;
-    if (is_waiting_to_read_) return;
+    if (heard_since_tick_ >= kMostMessagesPerTick) {
+      // Until then nothing else may hold the session.
+      waits_to_read_ = this->shared_from_this();
+      return;
+    }
     socket_.async_read(buffer_, [self = this->shared_from_this()](error_code fault, std::size_t) {
       if (!fault) self->hear();
     });
@@ -149,7 +153,7 @@ class LiveSession final : public LivePage,
   double write_began_ = 0.0;           ///< [s]
   double last_write_ = 0.0;            ///< [s] that the last message took to go
   int heard_since_tick_ = 0;
-  bool is_waiting_to_read_ = false;
+  std::shared_ptr<LiveSession> waits_to_read_;  ///< itself, until the next tick
   bool is_open_ = false;
   bool is_writing_ = false;
   bool is_ending_ = false;
