@@ -52,12 +52,16 @@ Projection project_fast(const LimitSurface& surface, const Eigen::Vector3d& metr
   const double enough = 1e-11 * (1.0 + target.norm());
   Residual residual(surface, metric, target, p.u, p.multiplier);
   for (int i = 0; i < 30 && residual.value.norm() > enough; ++i) {
-    Eigen::Matrix4d jacobian = Eigen::Matrix4d::Zero();
-    jacobian.topLeftCorner<3, 3>() = p.multiplier * residual.quartic.hessian;
-    jacobian.topLeftCorner<3, 3>().diagonal() += metric;
-    jacobian.topRightCorner<3, 1>() = residual.quartic.gradient;
-    jacobian.bottomLeftCorner<1, 3>() = residual.quartic.gradient.transpose();
-    Eigen::Vector4d step = jacobian.partialPivLu().solve(residual.value);
+    // The multiplier is eliminated: what is left is small, and positive definite.
+    Eigen::Matrix3d curvature = p.multiplier * residual.quartic.hessian;
+    curvature.diagonal() += metric;
+    const Eigen::Matrix3d inverse = curvature.inverse();
+    const Eigen::Vector3d& gradient = residual.quartic.gradient;
+    const Eigen::Vector3d along = inverse * gradient;
+    const Eigen::Vector3d across = inverse * residual.value.head<3>();
+    Eigen::Vector4d step;
+    step[3] = (gradient.dot(across) - residual.value[3]) / gradient.dot(along);
+    step.head<3>() = across - step[3] * along;
     const double size = residual.value.norm();
     for (int halving = 0; halving < 12; ++halving, step *= 0.5) {
       residual = Residual(surface, metric, target, p.u + step.head<3>(), p.multiplier + step[3]);

@@ -19,6 +19,9 @@ namespace {
 constexpr double kSolvedForce = 3e-4;
 constexpr double kSolvedWay = 1e-10;
 constexpr int kMostRounds = 24;
+/// One that begins from a guess is solved again when its neighbours have moved: more would be spent
+/// on what is not their last word.
+constexpr int kRoundsFromGuess = 2;
 /// Of a step: less is left for the next one.
 constexpr double kLeastShareOfStep = 1e-3;
 /// A tip that is faster [m/s] was put elsewhere: no arm that is guided by hand moves so.
@@ -236,7 +239,8 @@ class BodyStepper {
   }
 
   /// Newton's method on: the end that the contacts' forces lead to is the end that causes them. Its
-  /// slope takes the body for free, which its friction only stiffens: so it errs to the safe side.
+  /// slope takes the body for free, which its friction only stiffens: so it errs to the safe side,
+  /// and learns the rest on the way.
   void slide() noexcept {
     const FrictionParameters& parameters = body_.physics().friction;
     const double compliance = dt_ / (2.0 * parameters.mass / dt_ + parameters.viscous);
@@ -248,11 +252,20 @@ class BodyStepper {
     Load at_best;
     Eigen::Vector3d gap = Eigen::Vector3d::Zero();  // from where the best guess leads to it
     double least = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < kMostRounds; ++round) {
+    // What the slope lacks, as the changes so far showed it [Broyden 1965].
+    Eigen::Matrix3d lacking = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d change = Eigen::Vector3d::Zero();
+    const int most_rounds = guess_ != nullptr ? kRoundsFromGuess : kMostRounds;
+    for (int round = 0; round < most_rounds; ++round) {
       const Load load = load_at(guess, touch_at(guess, tip_.to), end_share_);
       friction.sliding.force = friction_.sliding.force * body_.weight_share(load.down());
       const PlanarStep step = body_.step(friction, state_.planar, load.wrench, dt_);
       const Eigen::Vector3d residual = scaled(guess) - scaled(step.state);
+      if (residual.norm() >= least) {
+        lacking.setZero();
+      } else if (!change.isZero(0.0)) {
+        lacking -= residual * change.transpose() / change.squaredNorm();
+      }
       if (residual.norm() < least) {
         least = residual.norm();
         best = step.state;
@@ -260,8 +273,9 @@ class BodyStepper {
         gap = residual;
       }
       if (least <= kSolvedWay || (load.stiffness * residual).norm() <= enough) break;
-      const Eigen::Matrix3d slope = Eigen::Matrix3d::Identity() + compliance * load.stiffness;
-      const Eigen::Vector3d change = slope.inverse() * residual;
+      const Eigen::Matrix3d slope =
+          Eigen::Matrix3d::Identity() + compliance * load.stiffness + lacking;
+      change = slope.inverse() * residual;
       guess.position -= change.head<2>();
       guess.yaw -= change.z() / body_.gyration_radius();
     }

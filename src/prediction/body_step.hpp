@@ -15,7 +15,8 @@ namespace pcavr::detail {
                                 double dt) noexcept;
 
 /// Moves one body by dt [s] under the tip's contact, its neighbours' and the support's friction.
-/// `guess`, the end as one believes it, only saves time.
+/// `guess` is the end as one believes it: then two rounds are spent on bettering it, and whoever
+/// finds that it changed comes again.
 [[nodiscard]] BodyState step_body(const UprightBody& body, const BodyState& state,
                                   const TipPath& tip, std::span<const SideContact> sides, double dt,
                                   const PlanarState* guess = nullptr) noexcept;

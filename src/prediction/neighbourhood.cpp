@@ -182,7 +182,7 @@ void Neighbourhood::step_together(const std::vector<UprightBody>& bodies, const 
   }
 }
 
-/// Whether it moved enough for its neighbours to be solved again.
+/// Whether it moved enough for itself and its neighbours to be solved again.
 bool Neighbourhood::solve(std::size_t body, const std::vector<UprightBody>& bodies,
                           const TipPath& tip, double dt) {
   Member& member = members_[body];
@@ -194,6 +194,7 @@ bool Neighbourhood::solve(std::size_t body, const std::vector<UprightBody>& bodi
       (member.end.planar.position - before.position).norm() +
       bodies[body].gyration_radius() * std::abs(turning_way(before, member.end.planar));
   if (change <= kSettled) return false;
+  member.is_dirty = true;
   for (const Partner& partner : member.partners) {
     if (partner.body >= 0) members_[static_cast<std::size_t>(partner.body)].is_dirty = true;
   }
