@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/pipeline/augmented_frames.hpp"
 #include "pcavr/recording/parameters_file.hpp"
 
 #include "commands.hpp"
@@ -22,6 +23,7 @@ struct ReplayArguments {
   std::string sensor;
   std::string parameters;
   std::string tracked;
+  std::string video;
   bool without_corrections = false;
   bool keep_parameters = false;
   ReplayOptions options;
@@ -98,6 +100,44 @@ CommandResult describe(const Replay& replay, const std::string& folder) {
   return result;
 }
 
+/// Before the long work: what would keep the video from being made.
+Expected<void> check_video(const ReplayArguments& arguments, const Recording& recording) {
+  if (arguments.video.empty()) return {};
+  if (!recording.manifest.camera || recording.frames.empty()) {
+    return Error{.message = "the recording holds no images to draw over",
+                 .file = arguments.recording,
+                 .mend = "leave --video out"};
+  }
+  return check_video_target(arguments.video, arguments.output.replace);
+}
+
+Expected<void> make_video(const ReplayArguments& arguments, const Recording& recording,
+                          const SceneManifest& scene, const Replay& run, const Observer& observer,
+                          CommandResult& result) {
+  const Expected<AugmentedFrames> frames = AugmentedFrames::create(recording, scene, run);
+  if (!frames) return frames.error();
+  const AugmentedVideoOptions options{.replace = arguments.output.replace,
+                                      .skip_bad = arguments.options.skip_bad,
+                                      .parallelism = {arguments.threads}};
+  const Expected<AugmentedVideo> video =
+      write_augmented_video(*frames, arguments.video, options, observer);
+  if (!video) return video.error();
+  if (!video->is_h264) {
+    observer.on_warning(arguments.video +
+                        " is MPEG-4 part 2, which browsers don't play: this machine's FFmpeg has "
+                        "no H.264 encoder");
+  }
+  char line[96];
+  std::snprintf(line, sizeof line, ": %zu pictures, %.4g a second\n", video->pictures, video->rate);
+  result.summary += "video      " + arguments.video + line;
+  result.json["video"] = {{"file", arguments.video},
+                          {"pictures", video->pictures},
+                          {"left_out", video->left_out},
+                          {"rate", video->rate},
+                          {"h264", video->is_h264}};
+  return {};
+}
+
 Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observer) {
   ReplayOptions& options = arguments.options;
   options.parallelism = {arguments.threads};
@@ -107,6 +147,8 @@ Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observ
   const Expected<Recording> recording =
       read_recording(arguments.recording, {.skip_bad = options.skip_bad});
   if (!recording) return recording.error();
+  const Expected<void> has_video = check_video(arguments, *recording);
+  if (!has_video) return has_video.error();
   const Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
   if (!scene) return scene.error();
   options.teleop.with_corrections = !arguments.without_corrections;
@@ -128,7 +170,11 @@ Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observ
   if (!written) return written.error();
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
-  return describe(*run, arguments.output.folder);
+  CommandResult result = describe(*run, arguments.output.folder);
+  if (arguments.video.empty()) return result;
+  const Expected<void> filmed = make_video(arguments, *recording, *scene, *run, observer, result);
+  if (!filmed) return filmed.error();
+  return result;
 }
 
 void add_link_options(CLI::App& command, ReplayArguments& arguments) {
@@ -170,6 +216,8 @@ void add_replay(CLI::App& app, Action& action) {
       ->required();
   command->add_option("--scene", arguments->scene, "Folder that pcavr build wrote")->required();
   add_output_option(*command, arguments->output, "Folder for the run");
+  command->add_option("--video", arguments->video,
+                      "Write the predicted bodies, drawn over the recorded images, as an .mp4");
   add_sensor_option(*command, arguments->sensor);
   command->add_flag("--trust-poses", arguments->options.trust_poses,
                     "Take groundtruth.txt as given, not as a measurement");

@@ -133,19 +133,31 @@ Json replay_json(const Recording& recording, const Replay& replay, ReplaySpan sp
 
 }  // namespace
 
-ReplayContent ReplayContent::create(const Recording& recording, const Replay& replay) {
+Expected<ReplayContent> ReplayContent::create(const Recording& recording,
+                                              const SceneManifest& scene, const Replay& replay,
+                                              const Observer& observer) {
   const ReplaySpan span = span_of(recording, replay);
   ReplayTables tables(span.start);
   const Json json = replay_json(recording, replay, span, tables);
   ReplayContent content;
   content.json_ = std::make_shared<const Content>(make_content(kJsonMedia, json_text(json)));
   content.bytes_ = std::make_shared<const Content>(make_content(kBinaryMedia, tables.bytes()));
+  if (!recording.manifest.camera || recording.frames.empty()) return content;
+  Expected<AugmentedFrames> frames = AugmentedFrames::create(recording, scene, replay);
+  if (!frames) return frames.error();
+  if (frames->placed() == 0) {
+    observer.on_warning(
+        "no frame's camera is known, so nothing is drawn over the pictures: leave --tracked out to "
+        "have it found");
+  }
+  content.frames_.emplace(std::move(*frames));
   return content;
 }
 
 Expected<std::shared_ptr<const Content>> ReplayContent::find(std::string_view path) const {
   if (path == "/api/replay.json") return json_;
   if (path == "/api/replay.bin") return bytes_;
+  if (frames_) return frames_->find(path);
   return std::shared_ptr<const Content>();
 }
 

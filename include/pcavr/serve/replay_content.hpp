@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "pcavr/core/expected.hpp"
@@ -11,21 +12,29 @@
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 #include "pcavr/serve/content.hpp"
+#include "pcavr/serve/frame_content.hpp"
 
 namespace pcavr {
 
 /// A replayed recording as a page loads it (docs/live-protocol.md): /api/replay.json and
-/// /api/replay.bin, made once and kept in memory. Const and thread-safe.
+/// /api/replay.bin, made once and kept in memory, and the augmented pictures /api/frames/N.jpg.
+/// Const and thread-safe.
 class ReplayContent : public ContentSource {
  public:
-  /// From what replay_recording() gave for this recording. Deterministic.
-  [[nodiscard]] static ReplayContent create(const Recording& recording, const Replay& replay);
+  /// From what replay_recording() gave for this recording and scene; copies what it needs. The
+  /// observer hears where the camera's place is not known, so that pictures stay as recorded.
+  /// Fails where a CAD body can't be read. Deterministic.
+  [[nodiscard]] static Expected<ReplayContent> create(const Recording& recording,
+                                                      const SceneManifest& scene,
+                                                      const Replay& replay,
+                                                      const Observer& observer = {});
 
   [[nodiscard]] Expected<std::shared_ptr<const Content>> find(std::string_view path) const override;
 
  private:
   std::shared_ptr<const Content> json_;
   std::shared_ptr<const Content> bytes_;
+  std::optional<FrameContent> frames_;  ///< nothing where the recording has no images
 };
 
 }  // namespace pcavr

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/pipeline/augmented_frames.hpp"
+#include "pcavr/serve/content.hpp"
+
+namespace pcavr {
+
+/// /api/frames/N.jpg: the augmented picture of frame N, drawn on one thread when it is asked for
+/// (some 0.1 s at 640 x 480); the latest ones are kept. Const and thread-safe.
+class FrameContent : public ContentSource {
+ public:
+  explicit FrameContent(AugmentedFrames frames);
+  FrameContent(FrameContent&&) noexcept;
+  FrameContent& operator=(FrameContent&&) noexcept;
+  ~FrameContent() override;
+
+  /// An Error where the recorded image does not decode.
+  [[nodiscard]] Expected<std::shared_ptr<const Content>> find(std::string_view path) const override;
+
+ private:
+  struct Store;
+  std::unique_ptr<Store> store_;
+};
+
+}  // namespace pcavr

@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/serve/frame_content.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "recording/image_codec.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Enough for going back and forth around a moment; at 640 x 480 some 5 MB.
+constexpr std::size_t kMostKept = 32;
+
+/// The N of "/api/frames/N.jpg", written as a plain number.
+std::optional<std::size_t> frame_of(std::string_view path) {
+  constexpr std::string_view kStart = "/api/frames/";
+  constexpr std::string_view kEnd = ".jpg";
+  if (!path.starts_with(kStart) || !path.ends_with(kEnd)) return std::nullopt;
+  path.remove_prefix(kStart.size());
+  if (path.size() <= kEnd.size()) return std::nullopt;
+  path.remove_suffix(kEnd.size());
+  std::size_t frame = 0;
+  const auto read = std::from_chars(path.data(), path.data() + path.size(), frame);
+  const bool is_plain = read.ec == std::errc() && read.ptr == path.data() + path.size();
+  if (!is_plain || (path.size() > 1 && path.front() == '0')) return std::nullopt;
+  return frame;
+}
+
+}  // namespace
+
+struct FrameContent::Store {
+  explicit Store(AugmentedFrames given) : frames(std::move(given)) {}
+
+  AugmentedFrames frames;
+  std::mutex mutex;
+  /// Latest last.
+  std::deque<std::pair<std::size_t, std::shared_ptr<const Content>>> kept;
+
+  std::shared_ptr<const Content> recall(std::size_t frame) {
+    const std::lock_guard lock(mutex);
+    const auto found = std::find_if(kept.begin(), kept.end(),
+                                    [&](const auto& item) { return item.first == frame; });
+    return found == kept.end() ? nullptr : found->second;
+  }
+  void keep(std::size_t frame, std::shared_ptr<const Content> picture) {
+    const std::lock_guard lock(mutex);
+    kept.emplace_back(frame, std::move(picture));
+    if (kept.size() > kMostKept) kept.pop_front();
+  }
+};
+
+FrameContent::FrameContent(AugmentedFrames frames)
+    : store_(std::make_unique<Store>(std::move(frames))) {}
+FrameContent::FrameContent(FrameContent&&) noexcept = default;
+FrameContent& FrameContent::operator=(FrameContent&&) noexcept = default;
+FrameContent::~FrameContent() = default;
+
+Expected<std::shared_ptr<const Content>> FrameContent::find(std::string_view path) const {
+  const std::optional<std::size_t> frame = frame_of(path);
+  if (!frame || *frame >= store_->frames.size()) return std::shared_ptr<const Content>();
+  if (auto picture = store_->recall(*frame)) return picture;
+  // One thread: the world's own may not wait for a picture.
+  const Expected<ColorImage> drawn = store_->frames.render(*frame);
+  if (!drawn) return drawn.error();
+  Expected<std::string> jpeg = encode_color(*drawn);
+  if (!jpeg) return jpeg.error();
+  const auto picture =
+      std::make_shared<const Content>(Content{"image/jpeg", std::move(*jpeg), false});
+  store_->keep(*frame, picture);
+  return picture;
+}
+
+}  // namespace pcavr
