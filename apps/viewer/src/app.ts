@@ -22,6 +22,7 @@ export class App {
   readonly base: Group = this.view.base;
   readonly isSoftwareRendered: boolean;
   frames = 0;
+  followsWorld = true; // false: something else, such as a replay, places bodies and tool
   private callbacks: FrameCallback[] = [];
   private drawnCallbacks: (() => void)[] = [];
   private isDirty = true;
@@ -69,7 +70,7 @@ export class App {
     const isInVr = this.renderer.xr.isPresenting;
     if (!isInVr && this.shouldWait()) return;
     const state = this.session.latest();
-    if (state && this.isNews(state)) {
+    if (state && this.followsWorld && this.isNews(state)) {
       this.lastShown = state;
       this.view.showState(state);
       this.isDirty = true;

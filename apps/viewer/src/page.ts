@@ -18,6 +18,7 @@ import { fillDetail, fillLayersPanel, presentLayers } from './ui/layers_panel';
 import type { LivePlot } from './ui/live_plot';
 import type { Messages } from './ui/messages';
 import { distanceText, ObjectsPanel } from './ui/objects_panel';
+import { pair } from './ui/pairing';
 import type { Theme, ThemeSwitch } from './ui/theme';
 import { ToolPanel } from './ui/tool_panel';
 
@@ -57,6 +58,7 @@ export class Page {
   ) {
     const { view, session } = app;
     this.isReplay = info.mode === 'replay';
+    app.followsWorld = !this.isReplay;
     this.loader = new SceneLoader(
       view,
       (progress) => this.showProgress(progress),
@@ -169,6 +171,8 @@ export class Page {
         }[connection],
       );
       if (reason && connection === 'refused') this.messages.show({ level: 'error', text: reason });
+      // A server that was started anew has a new code. One that is gone says nothing: we try again.
+      if (connection === 'lost') pair().catch(() => undefined);
     });
   }
 

@@ -92,9 +92,8 @@ export class ReplayPlayer {
 
   private showTool(time: number): void {
     const row = this.replay.tool.at(time);
-    const { tool } = this.app.view;
-    if (!row) return tool.hide();
+    if (!row) return this.app.view.tool.hide();
     const [, x, y, z, fx, fy, fz] = row;
-    tool.show([x, y, z], [x, y, z], [fx, fy, fz]);
+    this.app.view.showTool([x, y, z], [x, y, z], [fx, fy, fz]);
   }
 }

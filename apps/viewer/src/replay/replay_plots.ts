@@ -28,6 +28,7 @@ export class ReplayPlots {
     const error = new Plot(this.parent, {
       ...common,
       title: 'Predicted against tracked',
+      note: corrections.length > 0 ? 'dashed: corrections' : '',
       unit: 'mm',
       rightUnit: '°',
       leastSpan: 1,
@@ -44,6 +45,7 @@ export class ReplayPlots {
     const force = new Plot(this.parent, {
       ...common,
       title: 'Force',
+      note: 'bands: phase measured, predicted',
       unit: 'N',
       leastSpan: 2,
       series: [

@@ -78,8 +78,7 @@ export class ToolView {
     this.hip.scale.setScalar(0.45 * radius);
   }
 
-  showState(state: LiveState): void {
-    this.show(state.proxy, state.hip, state.force);
+  showContact(state: LiveState): void {
     const touches = state.touchesScan || state.touchedObject >= 0;
     this.proxy.material.color.set(touches ? touchColor : proxyColor);
     if (this.pulses >= 0 && state.pulses !== this.pulses)

@@ -73,8 +73,13 @@ export class SceneView {
       body?.place(object.position, object.quaternion);
       body?.setPhase(object.phase, object.isOutsideModel);
     });
-    this.tool.showState(state);
-    this.plumbLine.show(state.proxy, this.tool.radius, this.bodies, this.supports);
+    this.tool.showContact(state);
+    this.showTool(state.proxy, state.hip, state.force);
+  }
+
+  showTool(proxy: Readonly<Vector>, hip: Readonly<Vector>, force: Readonly<Vector>): void {
+    this.tool.show(proxy, hip, force);
+    this.plumbLine.show(proxy, this.tool.radius, this.bodies, this.supports);
   }
 
   setTheme(theme: 'light' | 'dark'): void {

@@ -21,10 +21,9 @@ export function create<K extends keyof HTMLElementTagNameMap>(
 /// Fills a <dl> with rows of name and value.
 export function fillList(list: HTMLElement, rows: readonly (readonly [string, string])[]): void {
   list.replaceChildren(
-    ...rows.flatMap(([name, value]) => [
-      create('dt', { textContent: name }),
-      create('dd', { textContent: value }),
-    ]),
+    ...rows.map(([name, value]) =>
+      create('div', {}, create('dt', { textContent: name }), create('dd', { textContent: value })),
+    ),
   );
 }
 

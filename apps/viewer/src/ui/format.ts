@@ -27,7 +27,10 @@ export function length(vector: readonly number[]): number {
 
 /// With about `digits` digits that mean something, and no more.
 export function significant(value: number, digits = 3): string {
-  return Number.isFinite(value) ? String(Number(value.toPrecision(digits))) : '–';
+  if (!Number.isFinite(value)) return '–';
+  return Number(value.toPrecision(digits)).toLocaleString('en', {
+    maximumSignificantDigits: digits,
+  });
 }
 
 export function megabytes(bytes: number): string {

@@ -93,18 +93,31 @@ export class ObjectsPanel {
   }
 }
 
+// As pcavr identify has them; n is the contact's exponent.
+const units: Record<string, string> = {
+  mass: 'kg',
+  limiting_static_friction: 'N',
+  viscous_friction: 'N s/m',
+  loading_rate: 'N/s',
+  contact_stiffness: 'N/mⁿ',
+  contact_damping: 'N s/mⁿ⁺¹',
+  friction_radius: 'm',
+};
+
 /// What the scene says of an object, each value with its deviation where it has one.
 export function factsOf(object: SceneObject): [string, string][] {
-  const rows: [string, string][] = [];
-  if (object.mass !== null) rows.push(['Mass', `${significant(object.mass)} kg`]);
-  if (object.evidence) rows.push(['Pose from', object.evidence.replaceAll('_', ' ')]);
   const values = object.parameters ?? {};
+  const rows: [string, string][] = [];
+  if (object.mass !== null && values.mass === undefined)
+    rows.push(['Mass', `${significant(object.mass)} kg`]);
+  if (object.evidence) rows.push(['Pose from', object.evidence.replaceAll('_', ' ')]);
   for (const [key, value] of Object.entries(values)) {
     if (key.endsWith('_std') || typeof value !== 'number') continue;
     const deviation = values[`${key}_std`];
-    const title = key.replaceAll('_', ' ');
     const spread = Number.isFinite(deviation) ? ` ± ${significant(deviation, 2)}` : '';
-    rows.push([title[0].toUpperCase() + title.slice(1), `${significant(value)}${spread}`]);
+    const title = key.replaceAll('_', ' ');
+    const text = `${significant(value)}${spread} ${units[key] ?? ''}`;
+    rows.push([title[0].toUpperCase() + title.slice(1), text.trimEnd()]);
   }
   return rows;
 }

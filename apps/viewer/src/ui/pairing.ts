@@ -10,16 +10,16 @@ export async function pair(): Promise<SessionInfo> {
   const dialog = byId('pairing', HTMLDialogElement);
   const code = byId('pairing-code', HTMLInputElement);
   const error = byId('pairing-error', HTMLParagraphElement);
-  dialog.addEventListener('cancel', (event) => event.preventDefault());
-  dialog.showModal();
+  dialog.oncancel = (event) => event.preventDefault();
+  if (!dialog.open) dialog.showModal();
   return new Promise((resolve) => {
-    byId('pairing-form', HTMLFormElement).addEventListener('submit', async (event) => {
+    byId('pairing-form', HTMLFormElement).onsubmit = async (event) => {
       event.preventDefault();
       error.textContent = await tryCode(code.value.trim());
       if (error.textContent !== '') return code.select();
       dialog.close();
       resolve(await fetchJson<SessionInfo>('/api/session'));
-    });
+    };
   });
 }
 

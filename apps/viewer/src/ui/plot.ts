@@ -12,6 +12,7 @@ export interface PlotSeries {
 
 export interface PlotOptions {
   title: string;
+  note?: string; // what else is drawn
   unit: string;
   rightUnit?: string;
   series: PlotSeries[];
@@ -67,13 +68,14 @@ export class Plot {
     this.element.remove();
   }
 
-  private heading({ title, series }: PlotOptions): HTMLElement {
+  private heading({ title, note, series }: PlotOptions): HTMLElement {
     const keys = series.map(({ title: text, color }) => {
       const key = create('span', { className: 'key', textContent: text });
       key.style.setProperty('--key', color);
       return key;
     });
-    return create('h3', {}, create('span', { textContent: title }), ...keys);
+    const words = note ? [create('span', { className: 'note', textContent: note })] : [];
+    return create('h3', {}, create('span', { textContent: title }), ...keys, ...words);
   }
 
   private settings(options: PlotOptions): uPlot.Options {
