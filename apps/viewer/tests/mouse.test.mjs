@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
+import { after, afterEach, before, test } from 'node:test';
 import { openBrowser, openPage, picture } from './support/browser.mjs';
 import { drawnBodies, loaded, onScreen, openPanel } from './support/drawn.mjs';
 import { distance, Live, until } from './support/live.mjs';
@@ -19,6 +19,8 @@ before(async () => {
   world = new Live(server.url);
   await until(() => world.state, 'the first state');
 }, limit);
+
+afterEach(() => browser?.closePages());
 
 after(async () => {
   world?.close();
@@ -87,7 +89,6 @@ test('keys move the tool while Space is held, and hold freezes it', limit, async
   assert.ok(distance(world.state.hip, held) < 2e-5, 'on hold');
   await page.keyboard.press('h');
   await until(() => !world.state.isOnHold, 'go on');
-  await page.close();
 });
 
 test('a second page cannot move the tool of the first, and is told so', limit, async () => {
@@ -114,5 +115,4 @@ test('a second page cannot move the tool of the first, and is told so', limit, a
   assert.ok(distance(world.state.hip, before) < 2e-5);
   await first.page.close();
   await until(() => !world.state.isToolTaken, 'the tool given back by a page that is closed');
-  await page.close();
 });

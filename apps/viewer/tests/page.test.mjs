@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
+import { after, afterEach, before, test } from 'node:test';
 import { elsewhere, openBrowser, openPage, picture } from './support/browser.mjs';
 import { loaded, openPanel } from './support/drawn.mjs';
 import { makeScene, serve } from './support/pcavr.mjs';
@@ -15,6 +15,8 @@ before(async () => {
   server = await serve(scene.scene, '--parameters', scene.parameters);
   browser = await openBrowser();
 }, limit);
+
+afterEach(() => browser?.closePages());
 
 after(async () => {
   await browser?.close();
@@ -36,7 +38,6 @@ test('the page loads from this server alone, and without an error', limit, async
     bodies.map((body) => body.name),
     ['box_1', 'box_2'],
   );
-  await page.close();
 });
 
 test(
@@ -61,7 +62,7 @@ test(
     assert.ok(switched >= 4, `${switched} layers could be switched`);
     for (const colorScheme of ['light', 'dark']) {
       await page.emulateMedia({ colorScheme });
-      assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), colorScheme);
+      await page.waitForFunction((t) => document.documentElement.dataset.theme === t, colorScheme);
       await picture(page, `page-${colorScheme}`);
     }
     assert.deepEqual(seen.errors, []);
@@ -77,5 +78,4 @@ test('a file that the scene lacks is named, and the rest is shown', limit, async
   await page.locator('#toasts', { hasText: objects[0].path }).waitFor();
   const { objectsLoaded } = await page.evaluate(() => window.__pcavr.scene);
   assert.equal(objectsLoaded, objects.length - 1);
-  await page.close();
 });

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { get } from 'node:https';
 import { networkInterfaces } from 'node:os';
-import { after, before, test } from 'node:test';
+import { after, afterEach, before, test } from 'node:test';
 import { openBrowser, openPage, picture } from './support/browser.mjs';
 import { loaded } from './support/drawn.mjs';
 import { Live } from './support/live.mjs';
@@ -25,6 +25,8 @@ before(async () => {
   browser = await openBrowser();
 }, limit);
 
+afterEach(() => browser?.closePages());
+
 after(async () => {
   await browser?.close();
   await server?.stop();
@@ -41,7 +43,7 @@ function statusOf(path) {
 }
 
 test('who is not paired gets the page, and nothing of the scene', limit, async () => {
-  assert.match(server.code, /^[A-Z0-9]{3}-?[A-Z0-9]{3}$/);
+  assert.match(server.code, /^[A-Z0-9]{6}$/);
   assert.equal(await statusOf('/'), 200);
   assert.equal(await statusOf('/api/session'), 200);
   for (const path of [
@@ -70,7 +72,6 @@ test('a wrong code gets nothing, the right one gets in', limit, async () => {
   await page.click('#pairing-form button');
   await loaded(page);
   await page.waitForFunction(() => window.__pcavr.state !== null);
-  await page.close();
 });
 
 test(

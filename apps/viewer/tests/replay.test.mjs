@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
+import { after, afterEach, before, test } from 'node:test';
 import { openBrowser, openPage, picture } from './support/browser.mjs';
 import { drawnBodies } from './support/drawn.mjs';
 import { distance } from './support/live.mjs';
@@ -20,6 +20,8 @@ before(async () => {
   model = await (await fetch(`${server.url}api/replay.json`)).json();
   binary = new DataView(await (await fetch(`${server.url}api/replay.bin`)).arrayBuffer());
 }, limit);
+
+afterEach(() => browser?.closePages());
 
 after(async () => {
   await browser?.close();
@@ -77,13 +79,12 @@ test('a replay plays, and stands still while it is paused', limit, async () => {
   await page.waitForTimeout(200);
   assert.equal((await timeline(page)).time, time);
   assert.deepEqual(seen.errors, []);
-  await page.close();
 });
 
 test('scrubbed to any time, bodies and ghosts are where the replay has them', limit, async () => {
   const { page, seen } = await open();
   for (const wanted of [...model.objects.map(pushed), 0.5 * model.duration, 1]) {
-    await page.locator('#scrub').fill(String(wanted.toFixed(2)));
+    await page.locator('#scrub').fill(String(Number(wanted.toFixed(2))));
     const { time } = await timeline(page);
     assert.ok(Math.abs(time - wanted) <= 0.01, `${time} is not ${wanted}`);
     const bodies = await drawnBodies(page);
@@ -95,7 +96,6 @@ test('scrubbed to any time, bodies and ghosts are where the replay has them', li
     if (wanted === pushed(model.objects[0])) await picture(page, 'replay');
   }
   assert.deepEqual(seen.errors, []);
-  await page.close();
 });
 
 test('at twice the speed it is done in half the time', limit, async () => {
@@ -116,5 +116,4 @@ test('at twice the speed it is done in half the time', limit, async () => {
       }),
   );
   assert.ok(Math.abs(ratio - 2) < 0.1, `${ratio} times`);
-  await page.close();
 });

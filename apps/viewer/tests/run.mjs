@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Runs one browser test, or says what it lacks: `node run.mjs NAME`, 77 where it is skipped.
-// PCAVR_COMMAND: the command. PCAVR_PAGE: the built page. PCAVR_PICTURES: where screenshots go.
+// PCAVR_COMMAND: the command. PCAVR_PICTURES: where screenshots go. PCAVR_PAGE: another page than
+// the one that was built beside the sources.
 import { spawnSync } from 'node:child_process';
 import { existsSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -10,6 +11,7 @@ import { fileURLToPath } from 'node:url';
 
 const test = fileURLToPath(new URL(`${process.argv[2]}.test.mjs`, import.meta.url));
 const chromium = process.env.PCAVR_CHROMIUM ?? '/usr/bin/chromium';
+const page = process.env.PCAVR_PAGE ?? fileURLToPath(new URL('../dist', import.meta.url));
 const skipped = 77;
 
 function hasPackage(name) {
@@ -24,7 +26,7 @@ function hasPackage(name) {
 const lacking = [
   [existsSync(chromium), `a browser at ${chromium}: apt-get install chromium`],
   [existsSync(process.env.PCAVR_COMMAND ?? ''), 'the pcavr command in PCAVR_COMMAND'],
-  [existsSync(`${process.env.PCAVR_PAGE}/index.html`), 'the built page in PCAVR_PAGE'],
+  [existsSync(`${page}/index.html`), `the built page in ${page}: npm run build`],
   ...['playwright-core', 'iwer', 'ws'].map((name) => [hasPackage(name), `${name}: npm ci`]),
 ].filter(([isThere]) => !isThere);
 
@@ -32,6 +34,7 @@ if (lacking.length > 0) {
   console.log(`skipped: ${process.argv[2]} needs ${lacking.map(([, what]) => what).join('; ')}`);
   process.exitCode = skipped;
 } else {
-  const run = spawnSync(process.execPath, ['--test', test], { stdio: 'inherit' });
+  const env = { ...process.env, PCAVR_PAGE: page };
+  const run = spawnSync(process.execPath, ['--test', test], { stdio: 'inherit', env });
   process.exitCode = run.status ?? 1;
 }

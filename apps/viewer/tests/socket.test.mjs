@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
+import { after, afterEach, before, test } from 'node:test';
 import { openBrowser, openPage } from './support/browser.mjs';
 import { Live, until } from './support/live.mjs';
 import { makeScene, serve } from './support/pcavr.mjs';
@@ -16,6 +16,8 @@ before(async () => {
   server = await serve(scene.scene, '--parameters', scene.parameters);
   browser = await openBrowser();
 }, limit);
+
+afterEach(() => browser?.closePages());
 
 after(async () => {
   await browser?.close();
@@ -40,7 +42,6 @@ test('a page that another server speaks to says so, and shows no state', limit, 
   await page.locator('#toasts', { hasText: /version 2/ }).waitFor();
   assert.equal(await page.evaluate(() => window.__pcavr.connection), 'refused');
   assert.equal(await page.evaluate(() => window.__pcavr.state), null);
-  await page.close();
   relay.close();
 });
 
@@ -53,6 +54,29 @@ test('a page that lost its server finds it again', limit, async () => {
   assert.equal(await page.evaluate(() => window.__pcavr.state), null);
   await page.waitForFunction(() => window.__pcavr.state !== null);
   await until(() => page.evaluate(() => window.__pcavr.connection === 'open'), 'connected again');
-  await page.close();
   relay.close();
+});
+
+test('a page that says much at once, after a pause of its own, is still heard', limit, async () => {
+  const page = new Live(server.url);
+  await until(() => page.state, 'the first state');
+  for (let i = 0; i < 60; ++i) page.tool(page.state.hip, false);
+  const { cycles } = page.state;
+  await until(() => page.isClosed || page.state.cycles > cycles + 300, 'later states');
+  assert.equal(page.isClosed, false);
+  page.command(4);
+  await until(() => page.state.hasTool, 'the tool taken');
+  page.close();
+});
+
+test('what is no message ends that page alone', limit, async () => {
+  const page = new Live(server.url);
+  const stranger = new Live(server.url);
+  await until(() => page.state && stranger.state, 'the first states');
+  stranger.socket.send(Buffer.from('PCVR and nonsense that is longer than a head'));
+  await stranger.ended;
+  assert.ok(stranger.notices.some((n) => n.level === 'error'));
+  const { cycles } = page.state;
+  await until(() => page.state.cycles > cycles + 100, 'later states');
+  page.close();
 });

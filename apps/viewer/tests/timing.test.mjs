@@ -3,7 +3,7 @@
 
 // Figures for a person to read, printed; held only to what no machine may miss.
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
+import { after, afterEach, before, test } from 'node:test';
 import { openBrowser, openPage, picture } from './support/browser.mjs';
 import { loaded } from './support/drawn.mjs';
 import { makeScene, serve } from './support/pcavr.mjs';
@@ -23,6 +23,8 @@ before(async () => {
   browser = await openBrowser();
 }, limit);
 
+afterEach(() => browser?.closePages());
+
 after(async () => {
   await browser?.close();
   await server?.stop();
@@ -40,7 +42,6 @@ test('the first picture', limit, async (t) => {
   assert.ok(firstPicture < 20_000);
   await page.waitForTimeout(500);
   await picture(page, 'first-picture');
-  await page.close();
 });
 
 test('from a command to the picture that shows it', limit, async (t) => {
@@ -58,7 +59,6 @@ test('from a command to the picture that shows it', limit, async (t) => {
       `${counters.skipped} states skipped`,
   );
   assert.ok(latency.commandToDrawn < 1);
-  await page.close();
 });
 
 test('an overloaded page draws only new states', limit, async (t) => {
@@ -80,5 +80,4 @@ test('an overloaded page draws only new states', limit, async (t) => {
   assert.ok(counters.skipped > 20);
   // Twice what is aimed at: a machine that does other work stops a page for a moment.
   assert.ok(latency.oldestDrawn < 0.2, ms(latency.oldestDrawn));
-  await page.close();
 });

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
+import { after, afterEach, before, test } from 'node:test';
 import { openBrowser, openPage, picture } from './support/browser.mjs';
 import { flick, frames, moveBy, press, toHeadset } from './support/controller.mjs';
 import { wearHeadset } from './support/headset.mjs';
@@ -24,6 +24,8 @@ before(async () => {
   await until(() => world.state, 'the first state');
 });
 
+afterEach(() => browser?.closePages());
+
 after(async () => {
   world?.close();
   await browser?.close();
@@ -40,11 +42,25 @@ async function enter() {
   return { page, seen };
 }
 
-/// Leads the tool, with the clutch closed, to a place in base.
+/// Leads the tool to a place in base. A machine that is busy elsewhere may let it go under way:
+/// then the hand takes hold anew.
 async function leadTo(page, place, speed) {
-  const by = place.map((value, i) => value - world.state.hip[i]);
-  await moveBy(page, 'right', toHeadset(by, heading()), speed);
-  await until(() => distance(world.state.hip, place) < 2e-3, `the tool at ${place}`);
+  await until(async () => {
+    if (!world.state.isEngaged) await takeHold(page);
+    const by = place.map((value, i) => value - world.state.hip[i]);
+    await moveBy(page, 'right', toHeadset(by, heading()), speed);
+    await frames(page, 10);
+    return distance(world.state.hip, place) < 2e-3;
+  }, `the tool at ${place}`);
+}
+
+async function takeHold(page) {
+  await press(page, 'right', 'squeeze', false);
+  await press(page, 'right', 'squeeze', true);
+  const why = () => page.evaluate(() => window.__pcavr.vr.clutch.openedBecause);
+  await until(() => world.state.isEngaged, 'the clutch closed').catch(async (error) => {
+    throw new Error(`${error.message}; ${await why()}`);
+  });
 }
 
 /// Where a person looks at the start: from the base to the middle of what can be pushed.
@@ -199,5 +215,4 @@ test('both eyes see the scene, each from its own side', { timeout: 60 * seconds 
   assert.equal(eyes.length, 2);
   assert.ok(Math.abs(distance(...eyes) - 0.063) < 1e-3);
   assert.deepEqual(seen.errors, []);
-  await page.close();
 });

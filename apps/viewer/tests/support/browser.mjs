@@ -34,6 +34,14 @@ export async function openBrowser() {
   });
   return {
     context,
+    // But for the empty one that it opened with: without any, the browser would end.
+    closePages: () =>
+      Promise.all(
+        context
+          .pages()
+          .slice(1)
+          .map((page) => page.close()),
+      ),
     close: async () => {
       await context.close();
       rmSync(profile, { recursive: true, force: true });

@@ -28,28 +28,23 @@ export function makeScene() {
 
 /// A server on a free port. `url` ends with a slash; `code` is empty where nobody asks for one.
 export async function serve(...words) {
-  const page = process.env.PCAVR_PAGE ? ['--page', process.env.PCAVR_PAGE] : [];
-  const server = spawn(command, ['serve', ...words, '--port', '0', ...page]);
-  let said = '';
-  server.stdout.on('data', (text) => (said += text));
-  server.stderr.on('data', (text) => (said += text));
+  const page = ['--page', process.env.PCAVR_PAGE];
+  const server = spawn(command, ['--json', 'serve', ...words, '--port', '0', ...page]);
   const ended = new Promise((resolve) => server.on('exit', resolve));
-  const url = await new Promise((resolve, reject) => {
-    const look = setInterval(() => {
-      const found = said.match(/https?:\/\/[^\s/]+:\d+\//);
-      if (!found) return;
-      clearInterval(look);
-      resolve(found[0]);
-    }, 20);
-    ended.then((code) => {
-      clearInterval(look);
-      reject(new Error(`pcavr serve ended with ${code}: ${said}`));
+  let said = '';
+  let complaints = '';
+  server.stderr.on('data', (text) => (complaints += text));
+  const ready = await new Promise((resolve, reject) => {
+    server.stdout.on('data', (text) => {
+      said += text;
+      // The first line, once it is whole, says where; a last one follows at the end.
+      if (said.includes('\n')) resolve(JSON.parse(said.split('\n')[0]));
     });
+    ended.then((code) => reject(new Error(`pcavr serve ended with ${code}: ${complaints}`)));
   });
   return {
-    url,
-    said: () => said,
-    code: said.match(/code\D*?\b([A-Z0-9]{3}-?[A-Z0-9]{3})\b/)?.[1] ?? '',
+    url: ready.addresses[0],
+    code: ready.code,
     stop: async () => {
       server.kill('SIGTERM');
       return ended;
