@@ -80,7 +80,9 @@ void Neighbourhood::step(const std::vector<UprightBody>& bodies, const TipPath& 
 void Neighbourhood::find_contacts(const std::vector<UprightBody>& bodies, const TipPath& tip,
                                   double dt, const std::vector<BodyState>& states) {
   queue_.clear();
+  strongest_ = 0.0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
+    strongest_ = std::max(strongest_, holding_force(bodies[i].physics().friction));
     Member& member = members_[i];
     member.sides.clear();
     member.partners.clear();
@@ -135,6 +137,8 @@ void Neighbourhood::link(std::size_t body, std::ptrdiff_t partner, const Collisi
   // Along the level, an overlap is longer than along a normal that rises.
   side.depth = point.depth / point.normal.head<2>().norm();
   side.stiffness = stiffness_between(own, other);
+  // What stands still bears a light body that a heavy one, or who can push that, presses on it.
+  if (partner < 0) side.stiffness = std::max(side.stiffness, strongest_ / kOverlap);
   side.damping = 2.0 * std::sqrt(side.stiffness * std::min(own.friction.mass, other.friction.mass));
   Partner across;
   across.body = partner;

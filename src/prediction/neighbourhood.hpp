@@ -52,6 +52,7 @@ class Neighbourhood {
   std::vector<Member> members_;
   std::vector<std::size_t> queue_;
   std::vector<CollisionPoint> points_;
+  double strongest_ = 0.0;  ///< [N] that any of the bodies withstands
 };
 
 }  // namespace pcavr::detail

@@ -90,6 +90,27 @@ TEST(AtRest, PushedAgainstAWallABodyDoesNotSinkIn) {
   EXPECT_LT(world.state().bodies[0].T_base_object.translation().x(), 0.006);
 }
 
+TEST(AtRest, NorDoesALightBodyWhereTheToolCouldPushAHeavyOne) {
+  HapticWorldModel model = one_box_on_a_table(0.0);
+  test::append(model.world.static_mesh_base, test::wall_at(0.5 * 0.175));
+  BodyPhysics light = test::foam_physics();
+  light.friction.mass = 0.3;
+  light.friction.limiting_force = 1.0;
+  light.friction.coulomb_force = 0.9;
+  model.world.bodies[0].physics = light;
+  BodyPhysics heavy = test::foam_physics();
+  heavy.friction.limiting_force = 60.0;
+  model.world.bodies.push_back(
+      {test::box_model(test::kBoxSides, "heavy"), test::standing_at(-0.3, 0.25), heavy});
+  HapticWorld world = HapticWorld::create(model).value();
+  world.reset(touching_tip());
+  for (int i = 0; i < 2000; ++i) {
+    world.step({touching_tip() + Eigen::Vector3d(0.2, 0.0, 0.0) * i * kCycle, true}, kCycle);
+    ASSERT_LT(world.state().bodies[0].T_base_object.translation().x(), 0.0003) << i;
+  }
+  EXPECT_GT(world.state().bodies[0].tool_force_base.x(), 60.0);
+}
+
 TEST(ClosedPaths, AtABoxOnATableGiveNoMoreWorkThanTheyTook) {
   for (int which = 0; which < 3; ++which) {
     HapticWorld world = HapticWorld::create(test::contact_case(which)).value();
