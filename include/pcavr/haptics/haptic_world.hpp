@@ -50,12 +50,19 @@ struct HapticWorldState {
   std::vector<HapticBodyState> bodies;  ///< as in the model
 };
 
-/// A room to push in: the proxy on the scan, the predicted bodies, and one force from both.
+/// A room to push in: the proxy on scan, supports and bodies, the predicted bodies, and one force
+/// from all of it on the hand, bounded and passive (see RenderedForce).
+///
+/// In a cycle the proxy moves no farther than the HIP and the body that it rests on do, and by 0.5
+/// m/s more where it lags behind the HIP with nothing in between. It enters neither the scan nor,
+/// unless squeezed, a body; a hand that goes through a body that cannot move stays felt on the side
+/// it came from.
 ///
 /// One thread at a time; `step` neither allocates, locks nor throws; same inputs, same bits.
 class HapticWorld {
  public:
-  /// Fails where a body cannot be made a collision shape.
+  /// Fails where a body cannot be made a collision shape. Throws ContractError for numbers out of
+  /// their range, and for outlines of fewer than three corners.
   [[nodiscard]] static Expected<HapticWorld> create(HapticWorldModel model);
   HapticWorld(HapticWorld&&) noexcept;
   HapticWorld& operator=(HapticWorld&&) noexcept;
@@ -65,10 +72,12 @@ class HapticWorld {
   [[nodiscard]] const std::string& name(std::size_t body) const;
 
   /// Everything back to where it was at the start; the tool where `p_base_tip` [m] is, or as near
-  /// above it as there is room.
+  /// above it as there is room (to half its radius). Without it, the first tip that is told places
+  /// the tool.
   void reset(const Eigen::Vector3d& p_base_tip) noexcept;
 
-  /// One cycle of `dt` [s] > 0. Let go, the HIP goes back to the proxy, and pushes nothing.
+  /// One cycle of `dt` [s] > 0. Let go, the HIP goes back to the proxy, pushes nothing, and the
+  /// force fades at its rate. So it is where the tip is not finite, or farther than 1 km off.
   void step(const ToolCommand& command, double dt) noexcept;
 
   [[nodiscard]] const HapticWorldState& state() const;
