@@ -36,7 +36,10 @@ export class App {
     readonly actions: HTMLElement,
     readonly notify: (notice: Notice) => void,
   ) {
-    this.isSoftwareRendered = /llvmpipe|swiftshader|software/i.test(graphicsName());
+    const graphics = graphicsName();
+    if (graphics === '')
+      throw new Error('This browser draws nothing in 3D: WebGL 2 is missing or off.');
+    this.isSoftwareRendered = /llvmpipe|swiftshader|software/i.test(graphics);
     // A processor that draws has no time for smooth edges.
     const antialias = !this.isSoftwareRendered;
     this.renderer = new WebGLRenderer({ canvas, antialias, powerPreference: 'high-performance' });

@@ -17,7 +17,8 @@ async function main(): Promise<void> {
     const info = await pair();
     await open(info, messages, theme);
   } catch (error) {
-    messages.show({ level: 'error', text: error instanceof Error ? error.message : String(error) });
+    const text = error instanceof Error ? error.message : String(error);
+    messages.show({ level: 'error', text }, true);
   }
 }
 

@@ -161,6 +161,7 @@ export class Page {
     session.onNotice((notice) => this.messages.show(notice));
     session.onConnection((connection, reason) => {
       status.dataset.state = connection;
+      this.app.invalidate(); // what the tool's buttons say may have changed
       setText(
         status,
         {

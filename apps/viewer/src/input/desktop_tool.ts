@@ -38,7 +38,11 @@ export class DesktopTool {
       handle.addEventListener(name, () => this.endDrag());
     window.addEventListener('blur', () => this.letGo());
     document.addEventListener('visibilitychange', () => this.letGo());
-    app.canvas.addEventListener('keydown', (event) => event.key === 'Escape' && this.letGo());
+    // The scene keeps the focus, and with it the keys to walk by.
+    handle.addEventListener('mousedown', (event) => event.preventDefault());
+    const focusable: HTMLElement[] = [app.canvas, handle];
+    for (const element of focusable)
+      element.addEventListener('keydown', (event) => event.key === 'Escape' && this.letGo());
   }
 
   get isHeld(): boolean {
@@ -89,6 +93,7 @@ export class DesktopTool {
     const state = this.app.session.latest();
     if (!state) return;
     this.handle.setPointerCapture(event.pointerId);
+    this.app.canvas.focus({ preventScroll: true });
     this.pointer = { x: event.clientX, y: event.clientY };
     this.tip ??= new Vector3(...state.proxy);
     this.device = Device.mouse;

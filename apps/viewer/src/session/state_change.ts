@@ -10,8 +10,8 @@ const leastForce = 1e-2; // [N]
 /// True if a picture of `b` would be another than one of `a`.
 export function looksDifferent(a: LiveState, b: LiveState): boolean {
   if (a.objects.length !== b.objects.length || a.pulses !== b.pulses) return true;
-  if (a.isOnHold !== b.isOnHold || a.hasTool !== b.hasTool || a.isToolTaken !== b.isToolTaken)
-    return true;
+  if (a.isEngaged !== b.isEngaged || a.isOnHold !== b.isOnHold) return true;
+  if (a.hasTool !== b.hasTool || a.isToolTaken !== b.isToolTaken) return true;
   if (a.touchesScan !== b.touchesScan || a.touchedObject !== b.touchedObject) return true;
   return (
     differ(a.hip, b.hip, leastMotion) ||

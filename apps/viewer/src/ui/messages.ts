@@ -12,13 +12,15 @@ export class Messages {
   private readonly toasts = byId('toasts', HTMLDivElement);
   private readonly announcer = byId('announcer', HTMLDivElement);
 
-  show(notice: Notice): void {
+  /// `stays`: without what it says is wrong there is no page to speak of.
+  show(notice: Notice, stays = false): void {
     this.seen.push(notice);
     const toast = create('div', { className: notice.level, textContent: notice.text });
     if (notice.level === 'error') toast.setAttribute('role', 'alert');
     this.toasts.append(toast);
     while (this.toasts.children.length > mostShown) this.toasts.firstElementChild!.remove();
-    setTimeout(() => toast.remove(), 1000 * (shownSeconds[notice.level] ?? shownSeconds.info));
+    if (!stays)
+      setTimeout(() => toast.remove(), 1000 * (shownSeconds[notice.level] ?? shownSeconds.info));
   }
 
   /// For screen readers only; what is said again at once replaces what was not said yet.

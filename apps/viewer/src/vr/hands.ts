@@ -32,8 +32,8 @@ const upperButton = 5;
 // How far a trigger or squeeze is drawn to count: a finger at rest on it does not.
 const drawnEnough = 0.5;
 // Tips this near to each other pinch, and must part further to let go [m].
-const pinchClosesAt = 0.015;
-const pinchOpensAt = 0.03;
+const pinchClosesAt = 0.02;
+const pinchOpensAt = 0.035;
 
 /// Reads hands and controllers, frame by frame.
 export class HandReader {

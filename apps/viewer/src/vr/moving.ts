@@ -16,7 +16,8 @@ export class Moving {
   readonly view = new TeleportView();
   private isTurned = false;
   private wasExtra = false;
-  private target: Vector3 | undefined;
+  /// Where a teleport would go [m], in base, while one is aimed.
+  target: Vector3 | undefined;
 
   constructor(
     private readonly person: Person,

@@ -112,6 +112,9 @@ export class Panel {
     const c = this.context;
     c.fillStyle = text.isOnHold ? '#5a1e00' : '#10161d';
     c.fillRect(0, 0, width, height);
+    c.strokeStyle = '#48627a';
+    c.lineWidth = 6;
+    c.strokeRect(3, 3, width - 6, height - 6);
     this.line(text.object || 'touches nothing', 48, 34, '#9fb3c8');
     this.line(text.phase, 116, 56, '#ffffff');
     this.line(`${text.force.toFixed(1)} N`, 116, 56, '#ffffff', 'right');

@@ -66,6 +66,11 @@ export class VrMode {
     return this.sent?.tip;
   }
 
+  /// Where the ring lies [m], in base, while a teleport is aimed.
+  get teleportTarget(): Vector | undefined {
+    return this.moving.target?.toArray();
+  }
+
   onChange(listener: (isPresenting: boolean) => void): void {
     this.listeners.push(listener);
   }
