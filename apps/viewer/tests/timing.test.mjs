@@ -78,6 +78,6 @@ test('an overloaded page draws only new states', limit, async (t) => {
   const { latency, counters } = await page.evaluate(() => window.__pcavr.summary());
   t.diagnostic(`oldest drawn ${ms(latency.oldestDrawn)}, ${counters.skipped} states skipped`);
   assert.ok(counters.skipped > 20);
-  // Twice what is aimed at: a machine that does other work stops a page for a moment.
-  assert.ok(latency.oldestDrawn < 0.2, ms(latency.oldestDrawn));
+  // Where states pile up it is seconds; aimed at is 0.1 s, which a machine with other work may miss.
+  assert.ok(latency.oldestDrawn < 0.5, ms(latency.oldestDrawn));
 });

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import { after, afterEach, before, test } from 'node:test';
-import { openBrowser, openPage, picture } from './support/browser.mjs';
+import { openBrowser, picture } from './support/browser.mjs';
 import { flick, frames, moveBy, press, toHeadset } from './support/controller.mjs';
-import { wearHeadset } from './support/headset.mjs';
+import { enterVr, wearHeadset } from './support/headset.mjs';
 import { distance, Live, until } from './support/live.mjs';
 import { makeScene, serve } from './support/pcavr.mjs';
 import { drawnBodies } from './support/drawn.mjs';
@@ -32,15 +32,6 @@ after(async () => {
   await server?.stop();
   scene?.remove();
 });
-
-/// A page in VR with the world as at the start, a controller in each hand.
-async function enter() {
-  const { page, seen } = await openPage(browser.context, server.url);
-  await page.click('#vr-button:enabled');
-  await until(() => page.evaluate(() => window.__pcavr.vr.isPresenting), 'VR');
-  await frames(page, 3);
-  return { page, seen };
-}
 
 /// Leads the tool to a place in base. A machine that is busy elsewhere may let it go under way:
 /// then the hand takes hold anew.
@@ -83,7 +74,7 @@ test(
   { timeout: 60 * seconds },
   async () => {
     await resetWorld();
-    const { page, seen } = await enter();
+    const { page, seen } = await enterVr(browser.context, server.url);
     const [x, y, z] = start[0];
     await press(page, 'right', 'squeeze', true);
     await until(() => world.state.isEngaged, 'the clutch closed');
@@ -121,7 +112,7 @@ test(
   { timeout: 60 * seconds },
   async () => {
     await resetWorld();
-    const { page } = await enter();
+    const { page } = await enterVr(browser.context, server.url);
     const before = world.state.hip;
     const stays = (what) => assert.ok(distance(world.state.hip, before) < stillness, what);
 
@@ -181,7 +172,7 @@ test(
     };
     for (const [name, lose] of Object.entries(ways)) {
       await resetWorld();
-      const { page } = await enter();
+      const { page } = await enterVr(browser.context, server.url);
       await press(page, 'right', 'squeeze', true);
       await until(() => world.state.isEngaged, `${name}: the clutch closed`);
       await lose(page);
@@ -199,7 +190,7 @@ test(
 
 test('both eyes see the scene, each from its own side', { timeout: 60 * seconds }, async () => {
   await resetWorld();
-  const { page, seen } = await enter();
+  const { page, seen } = await enterVr(browser.context, server.url);
   await page.evaluate(() => {
     window.__headset.quaternion.set(Math.sin(-0.35), 0, 0, Math.cos(-0.35));
     window.__headset.controllers.left.position.set(-0.2, 1.25, -0.4);

@@ -3,6 +3,8 @@
 
 // An emulated headset with two controllers, led by a test.
 import { createRequire } from 'node:module';
+import { openPage } from './browser.mjs';
+import { frames } from './controller.mjs';
 
 const iwer = createRequire(import.meta.url).resolve('iwer/build/iwer.min.js');
 
@@ -28,5 +30,30 @@ export async function wearHeadset(context) {
         };
       }
     }
+  });
+}
+
+/// A page in VR that is connected, at the start.
+export async function enterVr(context, url) {
+  const opened = await openPage(context, url);
+  const { page } = opened;
+  await page.waitForFunction(() => window.__pcavr?.state);
+  await page.click('#vr-button:enabled');
+  await page.waitForFunction(() => window.__pcavr.vr?.isPresenting);
+  await frames(page, 3);
+  return opened;
+}
+
+/// Where the person is: the head [m] in base, and the heading [rad] of straight ahead.
+export function placeOf(page) {
+  return page.evaluate(() => {
+    const { app, vr } = window.__pcavr;
+    const head = app.view.tool.proxy.position.clone();
+    const { x, y, z } = window.__headset.position;
+    const ahead = head.clone().set(0, 0, -1).applyQuaternion(vr.person.rig.quaternion);
+    return {
+      head: vr.person.toBase(head.set(x, y, z)).toArray(),
+      heading: Math.atan2(ahead.y, ahead.x),
+    };
   });
 }
