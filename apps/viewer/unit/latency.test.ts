@@ -35,6 +35,16 @@ test('the age of a state counts on the clock of the server', () => {
   close(latency.figures(10.01).worldToPage, 0.004);
 });
 
+test('a state lags by what it is older than one that just came', () => {
+  const latency = new Latency();
+  assert.ok(Number.isNaN(latency.lag(0)));
+  latency.received(stateAt(0, NaN), 0.02, 0); // a network of 20 ms
+  latency.received(stateAt(1, NaN), 1.09, 0); // held up
+  close(latency.lag(1.1), 0.08);
+  latency.received(stateAt(1.09, NaN), 1.11, 0);
+  close(latency.lag(1.11), 0);
+});
+
 test('a command counts once, when its effect is drawn first', () => {
   const latency = new Latency();
   for (const [toolClock, drawn] of [
@@ -77,6 +87,7 @@ const still = {
   proxy: [0, 0, 0],
   force: [0, 0, 0],
   pulses: 0,
+  isEngaged: false,
   objects: [{ position: [0, 0, 0], quaternion: [0, 0, 0, 1], phase: 'free' }],
 } as unknown as LiveState;
 
@@ -89,5 +100,6 @@ test('a state at rest looks like the one before, a moved one does not', () => {
   assert.equal(looksDifferent(still, moved(1e-4) as LiveState), true);
   assert.equal(looksDifferent(still, moved(NaN) as LiveState), true);
   assert.equal(looksDifferent(still, { ...still, pulses: 1 }), true);
+  assert.equal(looksDifferent(still, { ...still, isEngaged: true }), true);
   assert.equal(looksDifferent(still, { ...still, objects: [] }), true);
 });

@@ -7,6 +7,8 @@ import { DragPlane } from '../src/input/drag_plane';
 import { linearColors, readGrid } from '../src/scene/cells';
 import { readGlb } from '../src/scene/glb';
 import { levelWithin } from '../src/scene/loading';
+import { supportBelow } from '../src/scene/plumb_line';
+import type { Vector } from '../src/protocol';
 
 function gridFile(points: number[][], extra: number[]): ArrayBuffer {
   const file = new ArrayBuffer(20 + 6 * points.length + extra.length);
@@ -152,4 +154,33 @@ test('a pointer above the horizon moves the tool nowhere', () => {
   const plane = DragPlane.through(tool, 'level', camera, rayTo(camera, tool));
   assert.equal(plane.move(rayTo(camera, new Vector3(0, 2, 0))), null);
   assert.equal(plane.move(rayTo(camera, new Vector3(0, 0.9, -1))), null);
+});
+
+const table: Vector[] = [
+  [0, 0, 0.5],
+  [2, 0, 0.5],
+  [2, 1, 0.5],
+  [0, 1, 0.5],
+];
+
+test('below a tool is the highest support that it is over', () => {
+  const floor = table.map(([x, y]) => [4 * x - 4, 4 * y - 2, 0] as Vector);
+  assert.equal(supportBelow([1, 0.5, 1], [floor, table]), 0.5);
+  assert.equal(supportBelow([1, 0.5, 0.2], [floor, table]), 0);
+  assert.equal(supportBelow([-1, 0.5, 1], [floor, table]), 0);
+  assert.equal(supportBelow([1, 0.5, -1], [floor, table]), -Infinity);
+  assert.equal(supportBelow([1, 0.5, 1], []), -Infinity);
+});
+
+test('a support that turns inward is not below what is in the turn', () => {
+  const corner: Vector[] = [
+    [0, 0, 0],
+    [2, 0, 0],
+    [2, 1, 0],
+    [1, 1, 0],
+    [1, 2, 0],
+    [0, 2, 0],
+  ];
+  assert.equal(supportBelow([0.5, 1.5, 1], [corner]), 0);
+  assert.equal(supportBelow([1.5, 1.5, 1], [corner]), -Infinity);
 });
