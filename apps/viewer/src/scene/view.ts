@@ -7,6 +7,7 @@ import {
   DirectionalLight,
   Group,
   PerspectiveCamera,
+  Quaternion,
   Scene,
   Vector3,
 } from 'three';
@@ -87,17 +88,34 @@ export class SceneView {
   }
 
   /// Looks at what there is to push, from the side that it was scanned from: there the scan has the
-  /// fewest holes. Gives back the point looked at.
+  /// fewest holes. With nothing to push, from where the first camera was. Gives back the point
+  /// looked at.
   frameAll(): Vector3 {
     this.scene.updateMatrixWorld(true);
     const box = this.interest();
     const center = box.getCenter(new Vector3());
+    const first = this.model?.cameras[0];
+    if (first && !this.bodies.some((body) => body.object.movable))
+      return this.lookAsCamera(first, center);
     const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), leastRadius);
     const narrow = Math.min(1, this.camera.aspect);
     const distance = radius / (narrow * Math.sin((this.camera.fov * Math.PI) / 360));
     this.camera.position.copy(center).addScaledVector(this.viewingSide(center), distance);
     this.camera.lookAt(center);
     return center;
+  }
+
+  /// A camera looks along its z. How far is told by `center`, the middle of what it saw.
+  private lookAsCamera(camera: SceneModel['cameras'][number], center: Vector3): Vector3 {
+    const eye = this.base.localToWorld(new Vector3(...camera.position));
+    const ahead = new Vector3(0, 0, 1).applyQuaternion(new Quaternion(...camera.quaternion));
+    ahead.transformDirection(this.base.matrixWorld);
+    const target = eye
+      .clone()
+      .addScaledVector(ahead, Math.max(eye.distanceTo(center), leastRadius));
+    this.camera.position.copy(eye);
+    this.camera.lookAt(target);
+    return target;
   }
 
   /// The bodies to push and the plane they stand on, or else everything.
