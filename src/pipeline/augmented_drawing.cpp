@@ -137,8 +137,10 @@ class BodySamples {
   }
 
   [[nodiscard]] bool is_border(int x, int y, int x_next, int y_next) const {
-    const Sample& here = at(x, y);
-    const Sample& next = at(x_next, y_next);
+    // The window is wider than the bodies, unless the picture ends there.
+    if (!samples_.contains(x_next, y_next)) return false;
+    const Sample& here = samples_(x, y);
+    const Sample& next = samples_(x_next, y_next);
     if (next.body != here.body) return here.depth <= next.depth;
     if (here.normal_camera.dot(next.normal_camera) < kEdgeCosine) return true;
     // Where this sample's plane would be at the next ray.
@@ -242,6 +244,8 @@ void draw_bodies(ColorImage& picture, const DepthImage& depth, const CameraModel
 void draw_legend(ColorImage& picture, bool has_solid, bool has_ghosts) {
   constexpr double kFromLeft = 60.0;
   constexpr double kLine = 30.0;
+  constexpr int kLeastHeight = 240;  // in a smaller picture, words would cover what they explain
+  if (picture.height() < kLeastHeight) return;
   double y = picture.height() - 10.0;
   if (has_ghosts) {
     draw_label(picture, {kFromLeft, y}, "tracked", kGhost);
