@@ -59,6 +59,19 @@ test('a command counts once, when its effect is drawn first', () => {
   close(latency.figures(1.1).commandToDrawn, 0.025);
 });
 
+test('the stages of a command add up to its way', () => {
+  const latency = new Latency();
+  // Sent at 1.000 of the page, which is 51.000 of the server; used and sent on at 51.006; here at
+  // 1.008, drawn at 1.020.
+  latency.received(stateAt(51.006, 1), 1.008, 50);
+  latency.drawn(stateAt(51.006, 1), 1.02);
+  const figures = latency.figures(1.1);
+  close(figures.commandToWorld, 0.006);
+  close(figures.worldToPage, 0.002);
+  close(figures.pageToPicture, 0.012);
+  close(figures.commandToDrawn, 0.02);
+});
+
 test('figures without a state are no numbers', () => {
   const figures = new Latency().figures(0);
   assert.equal(figures.stateRate, 0);

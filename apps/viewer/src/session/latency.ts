@@ -6,9 +6,12 @@ export interface LatencyFigures {
   stateRate: number; // [Hz] states taken in over the last second
   drawRate: number; // [Hz]
   age: number; // [s] of the newest state now, on the server's clock; NaN before the first
-  commandToWorld: number; // [s] age of the tool sample that the world used; NaN with the clutch open
-  worldToPage: number; // [s] median from the world's state to this page
-  commandToDrawn: number; // [s] median over the last seconds; NaN where no command was drawn
+  // The way of a command [s], medians over the last seconds, NaN where nothing went it; its stages
+  // add up to the whole.
+  commandToWorld: number; // until a state of the world shows that it was used
+  worldToPage: number; // until that state is here
+  pageToPicture: number; // until it is drawn
+  commandToDrawn: number;
   oldestDrawn: number; // [s] the oldest state drawn in the last seconds
 }
 
@@ -59,11 +62,15 @@ export class Latency {
   private arrivals = new RecentValues(1);
   private draws = new RecentValues(1);
   private underway = new RecentValues(keepSeconds);
+  private commandToWorld = new RecentValues(keepSeconds);
+  private pageToPicture = new RecentValues(keepSeconds);
   private commandToDrawn = new RecentValues(keepSeconds);
   private drawnAges = new RecentValues(keepSeconds);
   private newest: LiveState | null = null;
   private clockOffset = NaN; // server's clock less ours
-  private lastToolClock = NaN;
+  private receivedAt = NaN;
+  private receivedToolClock = NaN;
+  private drawnToolClock = NaN;
 
   received(state: LiveState, now: number, clockOffset: number): void {
     this.newest = state;
@@ -71,6 +78,12 @@ export class Latency {
     this.arrivals.add(now, 1);
     const underway = now + clockOffset - state.clock + state.age.state;
     if (Number.isFinite(underway)) this.underway.add(now, Math.max(0, underway));
+    this.receivedAt = now;
+    const { toolClock } = state;
+    if (!Number.isFinite(toolClock) || toolClock === this.receivedToolClock) return;
+    this.receivedToolClock = toolClock;
+    const toWorld = state.clock - state.age.state - (toolClock + clockOffset);
+    if (Number.isFinite(toWorld)) this.commandToWorld.add(now, Math.max(0, toWorld));
   }
 
   drawn(state: LiveState, now: number): void {
@@ -78,10 +91,10 @@ export class Latency {
     const age = this.age(now);
     if (Number.isFinite(age)) this.drawnAges.add(now, age);
     // Each sample counts once, when a picture shows it first.
-    if (Number.isFinite(state.toolClock) && state.toolClock !== this.lastToolClock) {
-      this.lastToolClock = state.toolClock;
-      this.commandToDrawn.add(now, now - state.toolClock);
-    }
+    if (!Number.isFinite(state.toolClock) || state.toolClock === this.drawnToolClock) return;
+    this.drawnToolClock = state.toolClock;
+    this.commandToDrawn.add(now, now - state.toolClock);
+    this.pageToPicture.add(now, now - this.receivedAt);
   }
 
   figures(now: number): LatencyFigures {
@@ -89,8 +102,9 @@ export class Latency {
       stateRate: this.arrivals.at(now).length,
       drawRate: this.draws.at(now).length,
       age: this.age(now),
-      commandToWorld: this.newest?.isEngaged ? this.newest.age.tool : NaN,
+      commandToWorld: median(this.commandToWorld.at(now)),
       worldToPage: median(this.underway.at(now)),
+      pageToPicture: median(this.pageToPicture.at(now)),
       commandToDrawn: median(this.commandToDrawn.at(now)),
       oldestDrawn: largest(this.drawnAges.at(now)),
     };
