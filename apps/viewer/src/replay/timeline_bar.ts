@@ -10,7 +10,7 @@ const largeStep = 1; // [s]
 export class TimelineBar {
   private readonly play = byId('play', HTMLButtonElement);
   private readonly scrub = byId('scrub', HTMLInputElement);
-  private readonly clock = byId('clock', HTMLOutputElement);
+  private readonly clock = byId('clock', HTMLSpanElement);
 
   constructor(
     private readonly timeline: Timeline,

@@ -29,7 +29,7 @@ export function moveTo(element: HTMLElement, x: number, y: number): void {
 /// Names and phases above the bodies, and the force beside its arrow.
 export class Labels {
   private readonly folder = byId('labels', HTMLDivElement);
-  private readonly force = byId('force-value', HTMLOutputElement);
+  private readonly force = byId('force-value', HTMLSpanElement);
   private readonly labels = new Map<Body, HTMLSpanElement>();
   private readonly heights = new Map<Body, number>();
 

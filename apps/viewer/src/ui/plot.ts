@@ -27,6 +27,7 @@ export interface PlotOptions {
 export class Plot {
   readonly element = create('div', { className: 'plot' });
   private readonly plot: uPlot;
+  private playheadTime = NaN; // [s]; NaN: there is none
   private span: [number, number] = [0, 1]; // [s] shown
   private readonly playhead = create('div', { className: 'playhead', hidden: true });
   private readonly observer: ResizeObserver;
@@ -53,8 +54,8 @@ export class Plot {
   }
 
   setPlayhead(time: number): void {
-    this.playhead.hidden = false;
-    this.playhead.style.transform = `translateX(${this.plot.valToPos(time, 'x').toFixed(1)}px)`;
+    this.playheadTime = time;
+    this.placePlayhead();
   }
 
   /// The colours of the page have changed.
@@ -121,8 +122,18 @@ export class Plot {
           points: { show: false },
         })),
       ],
-      hooks: { drawAxes: options.drawBelow ? [options.drawBelow] : [] },
+      hooks: {
+        drawAxes: options.drawBelow ? [options.drawBelow] : [],
+        draw: [() => this.placePlayhead()],
+      },
     };
+  }
+
+  /// Again after each drawing: before the first, the plot does not know where its times lie.
+  private placePlayhead(): void {
+    const x = this.plot.valToPos(this.playheadTime, 'x');
+    this.playhead.hidden = !Number.isFinite(x);
+    this.playhead.style.transform = `translateX(${x.toFixed(1)}px)`;
   }
 
   private seekByPointer(onSeek: (time: number) => void): void {
