@@ -30,8 +30,15 @@ constexpr double kCatchingUp = 0.5;
 /// Of what all bodies together are held by: a tool that pushes harder moves nothing that it did not
 /// move before.
 constexpr double kPushing = 2.0;
+/// [N] that a hand pushes with at most.
+constexpr double kStrongestHand = 200.0;
 /// Of a body's thickness, beyond which its other side would be the nearer one.
 constexpr double kHalf = 0.45;
+/// Cosine between the normals where the tip is nearest and where the ball rests: of one face.
+constexpr double kSameFace = 0.7;
+/// A tip that is too deep is drawn back in such steps.
+constexpr double kLess = 0.9;
+constexpr int kMostTries = 8;
 /// [m] Where the tool of the prediction is while it pushes nothing: far from everything.
 const Eigen::Vector3d kAway(0.0, 0.0, 1e4);
 /// [m] Where a body that fell lies in the prediction, and how far from the next one.
@@ -65,12 +72,18 @@ struct HapticWorld::Content {
  private:
   [[nodiscard]] bool has_room(const Eigen::Vector3d& centre) const noexcept;
   [[nodiscard]] bool is_near(const Body& body, const Eigen::Vector3d& p) const noexcept;
-  [[nodiscard]] std::optional<detail::ClosestSurface::Answer> closest(
-      const Body& body, const Eigen::Vector3d& p) const noexcept;
+  [[nodiscard]] std::optional<detail::ClosestSurface::Answer> closest(const Body& body,
+                                                                      const Eigen::Vector3d& p,
+                                                                      double reach) const noexcept;
+  [[nodiscard]] auto closest(const Body& body, const Eigen::Vector3d& p) const noexcept {
+    return closest(body, p, ball.radius());
+  }
   [[nodiscard]] bool is_resting_on_body() const noexcept;
   [[nodiscard]] bool may_catch_up() const noexcept;
   void follow(double moved, double dt) noexcept;
   void sink_in(double dt) noexcept;
+  [[nodiscard]] double depth_along(const Eigen::Vector3d& along, double wanted) const noexcept;
+  [[nodiscard]] bool is_through_its_face(const Eigen::Vector3d& p) const noexcept;
   void let_go() noexcept;
   void move_bodies(double dt) noexcept;
   void drop(std::size_t i) noexcept;
@@ -124,7 +137,8 @@ HapticWorld::Content::Content(const HapticWorldModel& model, PredictedWorld pred
   for (const WorldBody& body : model.world.bodies) {
     ball.add_moving(body.model.mesh_object);
     Body& added = bodies.emplace_back(detail::shape_of(body));
-    const double pushed = detail::depth_at(body.physics.contact, kPushing * held);
+    const double push = std::min(kPushing * held, kStrongestHand);
+    const double pushed = detail::depth_at(body.physics.contact, push);
     added.most_depth = std::min(pushed, ball.radius() + kHalf * added.shape.thinnest);
     const Eigen::Vector3d centre = body.T_base_object * added.shape.centre_of_mass;
     added.has_support = supports.bear(centre.head<2>(), added.shape.foot);
@@ -142,13 +156,13 @@ bool HapticWorld::Content::is_near(const Body& body, const Eigen::Vector3d& p) c
   return (body.T_base_object * body.shape.middle - p).squaredNorm() < reach * reach;
 }
 
-/// The body's surface seen from `p`, in base, where the ball would overlap it there.
+/// The body's surface seen from `p`, in base, where it is nearer than `reach`, or `p` inside.
 std::optional<detail::ClosestSurface::Answer> HapticWorld::Content::closest(
-    const Body& body, const Eigen::Vector3d& p) const noexcept {
+    const Body& body, const Eigen::Vector3d& p, double reach) const noexcept {
   if (!is_near(body, p)) return std::nullopt;
   const Pose& T = body.T_base_object;
   const Eigen::Vector3d p_object = T.rotation().conjugate() * (p - T.translation());
-  auto answer = body.shape.surface.closest(p_object, ball.radius());
+  auto answer = body.shape.surface.closest(p_object, reach);
   if (answer) {
     answer->point = T * answer->point;
     answer->normal = T.rotation() * answer->normal;
@@ -226,15 +240,38 @@ void HapticWorld::Content::sink_in(double dt) noexcept {
     on_scan = ball.beyond_the_moving(goal, left);
     const Eigen::Vector3d way = on_scan - ball.centre();
     const double length = way.norm();
-    sunk = std::min({length, sunk + kSinking * dt, deepest});
+    const Eigen::Vector3d along = way.stableNormalized();
+    sunk = depth_along(along, std::min({length, sunk + kSinking * dt, deepest}));
     if (length > 0.0) {
-      tip += sunk / length * way;
+      tip += sunk * along;
       // What the hand is deeper than a body lets the tool sink in is not the scan's to bear.
       const double beyond = (hip - on_scan).dot(way) / length;
       if (left <= 0.0 && beyond > 0.0) on_scan += beyond / length * way;
     }
   }
   if (tip_before == kAway) tip_before = tip;
+}
+
+/// How deep, up to `wanted` [m], the tip can sink in along a direction so that what it came through
+/// is still what is nearest: near an edge that is less than in the middle of a face. It does not
+/// waver there, for it stays as deep as it was.
+double HapticWorld::Content::depth_along(const Eigen::Vector3d& along,
+                                         double wanted) const noexcept {
+  double depth = wanted;
+  for (int tries = 0; tries < kMostTries && depth > ball.radius(); ++tries) {
+    if (is_through_its_face(ball.centre() + depth * along)) return depth;
+    depth = depth > sunk ? sunk : kLess * depth;
+  }
+  return std::min(depth, ball.radius());
+}
+
+bool HapticWorld::Content::is_through_its_face(const Eigen::Vector3d& p) const noexcept {
+  return std::all_of(bodies.begin(), bodies.end(), [&](const Body& body) {
+    if (!body.is_under_tool) return true;
+    const auto at_tip = closest(body, p);
+    const auto at_ball = closest(body, ball.centre(), 2.0 * ball.radius());
+    return !at_tip || !at_ball || at_tip->normal.dot(at_ball->normal) > kSameFace;
+  });
 }
 
 void HapticWorld::Content::let_go() noexcept {

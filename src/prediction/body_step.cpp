@@ -19,9 +19,6 @@ namespace {
 constexpr double kSolvedForce = 3e-4;
 constexpr double kSolvedWay = 1e-10;
 constexpr int kMostRounds = 24;
-/// One that begins from a guess is solved again when its neighbours have moved: more would be spent
-/// on what is not their last word.
-constexpr int kRoundsFromGuess = 2;
 /// Of a step: less is left for the next one.
 constexpr double kLeastShareOfStep = 1e-3;
 /// A tip that is faster [m/s] was put elsewhere: no arm that is guided by hand moves so.
@@ -61,8 +58,15 @@ struct Displacement {
 class BodyStepper {
  public:
   BodyStepper(const UprightBody& body, const BodyState& state, const TipPath& tip,
-              std::span<const SideContact> sides, double dt, const PlanarState* guess) noexcept
-      : body_(body), state_(state), tip_(tip), sides_(sides), guess_(guess), dt_(dt) {
+              std::span<const SideContact> sides, double dt, const PlanarState* guess,
+              double share) noexcept
+      : body_(body),
+        state_(state),
+        tip_(tip),
+        sides_(sides),
+        guess_(guess),
+        enough_share_(share),
+        dt_(dt) {
     if ((tip.to - tip.from).norm() > kFastestTip * dt) tip_.from = tip.to;
     touch_ = touch_at(state.planar, tip_.from);
     settle();
@@ -255,8 +259,8 @@ class BodyStepper {
     // What the slope lacks, as the changes so far showed it [Broyden 1965].
     Eigen::Matrix3d lacking = Eigen::Matrix3d::Zero();
     Eigen::Vector3d change = Eigen::Vector3d::Zero();
-    const int most_rounds = guess_ != nullptr ? kRoundsFromGuess : kMostRounds;
-    for (int round = 0; round < most_rounds; ++round) {
+    double bettered = 0.0;  // a residual that is enough for now
+    for (int round = 0; round < kMostRounds; ++round) {
       const Load load = load_at(guess, touch_at(guess, tip_.to), end_share_);
       friction.sliding.force = friction_.sliding.force * body_.weight_share(load.down());
       const PlanarStep step = body_.step(friction, state_.planar, load.wrench, dt_);
@@ -272,7 +276,9 @@ class BodyStepper {
         at_best = load;
         gap = residual;
       }
-      if (least <= kSolvedWay || (load.stiffness * residual).norm() <= enough) break;
+      if (round == 0) bettered = enough_share_ * least;
+      if (least <= std::max(kSolvedWay, bettered)) break;
+      if ((load.stiffness * residual).norm() <= enough) break;
       const Eigen::Matrix3d slope =
           Eigen::Matrix3d::Identity() + compliance * load.stiffness + lacking;
       change = slope.inverse() * residual;
@@ -313,6 +319,7 @@ class BodyStepper {
   TipPath tip_;
   std::span<const SideContact> sides_;
   const PlanarState* guess_;
+  double enough_share_;
   double dt_;
   Touch touch_;              ///< at the begin
   PlanarFriction friction_;  ///< under the weight alone
@@ -334,9 +341,9 @@ int parts_of_step(const UprightBody& body, const BodyState& state, const TipPath
 }
 
 BodyState step_body(const UprightBody& body, const BodyState& state, const TipPath& tip,
-                    std::span<const SideContact> sides, double dt,
-                    const PlanarState* guess) noexcept {
-  return BodyStepper(body, state, tip, sides, dt, guess).run();
+                    std::span<const SideContact> sides, double dt, const PlanarState* guess,
+                    double enough_share) noexcept {
+  return BodyStepper(body, state, tip, sides, dt, guess, enough_share).run();
 }
 
 }  // namespace pcavr::detail

@@ -15,10 +15,11 @@ namespace pcavr::detail {
                                 double dt) noexcept;
 
 /// Moves one body by dt [s] under the tip's contact, its neighbours' and the support's friction.
-/// `guess` is the end as one believes it: then two rounds are spent on bettering it, and whoever
-/// finds that it changed comes again.
+/// `guess`, the end as one believes it, only saves time. Where `enough_share` is not zero, an end
+/// that is so much nearer to the solution than the guess will do.
 [[nodiscard]] BodyState step_body(const UprightBody& body, const BodyState& state,
                                   const TipPath& tip, std::span<const SideContact> sides, double dt,
-                                  const PlanarState* guess = nullptr) noexcept;
+                                  const PlanarState* guess = nullptr,
+                                  double enough_share = 0.0) noexcept;
 
 }  // namespace pcavr::detail

@@ -14,6 +14,12 @@ constexpr double kMargin = 1e-3;   // [m] contacts that may close within a step
 constexpr double kOverlap = 5e-5;  // [m] of two bodies under the force at which one breaks loose
 constexpr double kSettled = 1e-8;  // [m] a change that neighbours need not hear of
 constexpr int kMostSweeps = 12;
+/// In the first sweeps, what betters a body's end this much is enough: its neighbours will move.
+constexpr int kRoughSweeps = 6;
+constexpr double kRough = 0.1;
+/// [m/s] Nothing that an arm pushes goes faster: where that comes out, the contacts had no solution
+/// that was found.
+constexpr double kFastestBody = 5.0;
 constexpr std::size_t kMostSides = 64;  // of one body
 constexpr double kLeastCoefficient =
     0.1;  // of friction, for the stiffness of a contact without any
@@ -28,6 +34,17 @@ Eigen::Vector2d way_of(const PlanarState& from, const PlanarState& to, const Eig
 double speed_of(const UprightBody& body, const BodyState& state) {
   return state.planar.twist.head<2>().norm() +
          2.0 * body.gyration_radius() * std::abs(state.planar.twist.z());
+}
+
+/// Where a step's end is out of reach, the body stays where it was, and stands.
+void forbid_leaps(const UprightBody& body, const BodyState& begin, double dt, BodyState& end) {
+  const double way = (end.planar.position - begin.planar.position).norm() +
+                     body.gyration_radius() * std::abs(turning_way(begin.planar, end.planar));
+  const double speed =
+      end.planar.twist.head<2>().norm() + body.gyration_radius() * std::abs(end.planar.twist.z());
+  if (way <= kFastestBody * dt && speed <= kFastestBody) return;
+  end = begin;
+  end.planar.twist.setZero();
 }
 
 /// Like that of things laid on the same support: by the larger force at which one of them breaks
@@ -171,8 +188,13 @@ void Neighbourhood::step_together(const std::vector<UprightBody>& bodies, const 
       is_settled = true;
       for (std::size_t i = 0; i < members_.size(); ++i) {  // to and fro
         const std::size_t body = sweep % 2 == 0 ? i : members_.size() - 1 - i;
-        if (members_[body].is_dirty && solve(body, bodies, part, time)) is_settled = false;
+        const double enough_share = sweep < kRoughSweeps ? kRough : 0.0;
+        if (!members_[body].is_dirty) continue;
+        if (solve(body, bodies, part, time, enough_share)) is_settled = false;
       }
+    }
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      forbid_leaps(bodies[i], members_[i].begin, time, members_[i].end);
     }
     for (Member& member : members_) {
       follow_neighbours(member);
@@ -188,11 +210,11 @@ void Neighbourhood::step_together(const std::vector<UprightBody>& bodies, const 
 
 /// Whether it moved enough for itself and its neighbours to be solved again.
 bool Neighbourhood::solve(std::size_t body, const std::vector<UprightBody>& bodies,
-                          const TipPath& tip, double dt) {
+                          const TipPath& tip, double dt, double enough_share) {
   Member& member = members_[body];
   follow_neighbours(member);
   const PlanarState before = member.end.planar;
-  member.end = step_body(bodies[body], member.begin, tip, member.sides, dt, &before);
+  member.end = step_body(bodies[body], member.begin, tip, member.sides, dt, &before, enough_share);
   member.is_dirty = false;
   const double change =
       (member.end.planar.position - before.position).norm() +

@@ -45,7 +45,7 @@ class Neighbourhood {
             const std::vector<UprightBody>& bodies, const std::vector<BodyState>& states);
   void step_together(const std::vector<UprightBody>& bodies, const TipPath& tip, double dt);
   [[nodiscard]] bool solve(std::size_t body, const std::vector<UprightBody>& bodies,
-                           const TipPath& tip, double dt);
+                           const TipPath& tip, double dt, double enough_share);
   void follow_neighbours(Member& member) const;
 
   Collider collider_;
