@@ -16,14 +16,14 @@
 namespace pcavr {
 
 struct HttpRequest {
-  std::string method;  ///< in capitals
-  std::string target;  ///< as it came
-  std::string host;
-  std::string origin;  ///< empty: none was named
-  std::string cookie;
-  std::string known_tag;  ///< If-None-Match
-  std::string body;
-  std::string address;  ///< of who asks
+  std::string method = {};  ///< in capitals
+  std::string target = {};  ///< as it came
+  std::string host = {};
+  std::string origin = {};  ///< empty: none was named
+  std::string cookie = {};
+  std::string known_tag = {};  ///< If-None-Match
+  std::string body = {};
+  std::string address = {};  ///< of who asks
   bool accepts_gzip = false;
   bool is_loopback = false;  ///< asked from this machine
   bool is_encrypted = false;

@@ -22,5 +22,7 @@ void parameters(std::string_view bytes);
 void trace(std::string_view bytes);
 /// A correction from the robot's site.
 void message(std::string_view bytes);
+/// A message of page or server over the WebSocket.
+void live(std::string_view bytes);
 
 }  // namespace pcavr::fuzz

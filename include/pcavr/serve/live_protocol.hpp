@@ -35,7 +35,7 @@ struct LiveHead {
 /// The first message. Of another protocol it is read, so that it can be answered.
 struct LiveHello {
   int protocol = kLiveProtocol;
-  std::string version;
+  std::string version = {};
 };
 
 enum class LiveHand : std::uint8_t { mouse, keyboard, controller, hand };
@@ -65,13 +65,13 @@ struct PageMessage {
 
 struct LiveWelcome {
   int protocol = kLiveProtocol;
-  std::string version;
+  std::string version = {};
   bool is_replay = false;
-  std::string scene;
-  std::vector<std::string> objects;
+  std::string scene = {};
+  std::vector<std::string> objects = {};
   double tool_radius = 0.01;  ///< [m]
   double rate = 72.0;         ///< [Hz] of the states
-  std::string device;         ///< what moves the tool
+  std::string device = {};    ///< what moves the tool
 };
 
 struct LiveObject {

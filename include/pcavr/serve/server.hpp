@@ -17,13 +17,13 @@
 namespace pcavr {
 
 struct ServerOptions {
-  std::string host = "127.0.0.1";  ///< an address of this machine, or "localhost"
-  std::uint16_t port = 8080;       ///< 0: one that is free
-  std::filesystem::path page;      ///< folder with the page's index.html
+  std::string host = "127.0.0.1";   ///< an address of this machine, or "localhost"
+  std::uint16_t port = 8080;        ///< 0: one that is free
+  std::filesystem::path page = {};  ///< folder with the page's index.html
   std::optional<TlsFiles> tls = {};
   double rate = 72.0;  ///< [Hz] 60 to 90: states to each page
-  std::string version;
-  std::string scene;                   ///< as pages name it
+  std::string version = {};
+  std::string scene = {};              ///< as pages name it
   bool is_replay = false;              ///< what a page shows first
   double tool_radius = 0.01;           ///< [m]
   std::size_t most_pages = 32;         ///< the next one is told so, and sent away

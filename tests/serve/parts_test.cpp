@@ -1,0 +1,157 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/random.hpp"
+
+#include "serve/cycle_histogram.hpp"
+#include "serve/gzip.hpp"
+#include "serve/pulse_meter.hpp"
+#include "serve/triple_buffer.hpp"
+
+namespace pcavr {
+namespace {
+
+TEST(TripleBuffer, TheReaderGetsTheNewestAndKeepsIt) {
+  TripleBuffer<int> buffer(0);
+  EXPECT_EQ(buffer.newest(), 0);
+  for (const int value : {1, 2, 3}) {
+    buffer.back() = value;
+    buffer.publish();
+  }
+  const int& seen = buffer.newest();
+  EXPECT_EQ(seen, 3);
+  for (const int value : {4, 5, 6, 7}) {
+    buffer.back() = value;
+    buffer.publish();
+    EXPECT_EQ(seen, 3);
+  }
+  EXPECT_EQ(buffer.newest(), 7);
+  EXPECT_EQ(buffer.newest(), 7);
+}
+
+TEST(TripleBuffer, WhatIsReadIsWholeAndNeverOlderThanBefore) {
+  struct Pair {
+    std::uint64_t a = 0;
+    std::uint64_t b = 0;
+  };
+  TripleBuffer<Pair> buffer(Pair{});
+  constexpr std::uint64_t kLast = 200'000;
+  std::thread writer([&] {
+    for (std::uint64_t i = 1; i <= kLast; ++i) {
+      buffer.back() = {i, ~i};
+      buffer.publish();
+    }
+  });
+  std::uint64_t before = 0;
+  while (before < kLast) {
+    const Pair seen = buffer.newest();
+    if (seen.a != 0) {
+      ASSERT_EQ(seen.b, ~seen.a);
+    }
+    ASSERT_GE(seen.a, before);
+    before = seen.a;
+  }
+  writer.join();
+}
+
+TEST(CycleHistogram, QuantilesAreRightToABin) {
+  Random random(1);
+  CycleHistogram histogram(100);
+  std::vector<double> durations;
+  for (int i = 0; i < 1000; ++i) {
+    durations.push_back(1e-6 * std::exp(random.uniform(0.0, 7.0)));
+    histogram.add(durations.back());
+  }
+  std::sort(durations.begin(), durations.end());
+  // An eighth of an octave, upward: 9 %.
+  EXPECT_NEAR(histogram.times().median / durations[500], 1.045, 0.06);
+  EXPECT_NEAR(histogram.times().p99 / durations[990], 1.045, 0.06);
+  EXPECT_EQ(histogram.times().longest, durations.back());
+}
+
+TEST(CycleHistogram, ForgetsWhatIsTenSlicesAgo) {
+  CycleHistogram histogram(10);
+  histogram.add(0.5);
+  for (int i = 0; i < 99; ++i) histogram.add(1e-5);
+  EXPECT_EQ(histogram.times().longest, 0.5);
+  for (int i = 0; i < 10; ++i) histogram.add(1e-5);
+  EXPECT_EQ(histogram.times().longest, 1e-5);
+}
+
+TEST(CycleHistogram, TakesAnyNumber) {
+  CycleHistogram histogram(1);
+  for (const double odd : {0.0, -1.0, std::nan(""), 1e9}) histogram.add(odd);
+  EXPECT_EQ(histogram.times().longest, 1e9);
+}
+
+HapticWorldState touching(MotionPhase phase, double force) {
+  HapticWorldState state;
+  state.bodies.resize(1);
+  state.bodies[0].phase = phase;
+  state.touched_body = phase == MotionPhase::free ? -1 : 0;
+  state.force_base = {force, 0.0, 0.0};
+  return state;
+}
+
+TEST(PulseMeter, StrikesAtTheFirstTouchAndAtTheBreakaway) {
+  PulseMeter meter(1, 10.0);
+  meter.step(touching(MotionPhase::free, 0.0), 0.001);
+  EXPECT_EQ(meter.count(), 0U);
+  EXPECT_LT(meter.amplitude(), 1e-6);
+  meter.step(touching(MotionPhase::held, 1.0), 0.001);
+  EXPECT_EQ(meter.count(), 1U);
+  EXPECT_EQ(meter.amplitude(), 1.0);
+  for (int i = 0; i < 500; ++i) meter.step(touching(MotionPhase::critical, 8.0), 0.001);
+  EXPECT_EQ(meter.count(), 1U);
+  EXPECT_NEAR(meter.amplitude(), 0.4, 1e-6);
+  meter.step(touching(MotionPhase::sliding, 7.0), 0.001);
+  EXPECT_EQ(meter.count(), 2U);
+  EXPECT_EQ(meter.amplitude(), 1.0);
+}
+
+TEST(PulseMeter, ATipThatTremblesTouchesOnce) {
+  PulseMeter meter(1, 10.0);
+  for (int i = 0; i < 100; ++i) {
+    meter.step(touching(i % 3 == 0 ? MotionPhase::free : MotionPhase::held, 1.0), 0.001);
+  }
+  EXPECT_EQ(meter.count(), 1U);
+  for (int i = 0; i < 60; ++i) meter.step(touching(MotionPhase::free, 0.0), 0.001);
+  meter.step(touching(MotionPhase::held, 1.0), 0.001);
+  EXPECT_EQ(meter.count(), 2U);
+}
+
+TEST(PulseMeter, TheHumGrowsWithTheForceAndStaysUnderAStroke) {
+  PulseMeter meter(1, 10.0);
+  double before = -1.0;
+  for (const double force : {0.0, 2.0, 5.0, 10.0, 1000.0}) {
+    for (int i = 0; i < 1000; ++i) meter.step(touching(MotionPhase::held, force), 0.001);
+    EXPECT_GE(meter.amplitude(), before);
+    EXPECT_LE(meter.amplitude(), 0.5);
+    before = meter.amplitude();
+  }
+}
+
+TEST(Gzip, WhatWasPackedComesBack) {
+  for (const std::string& text : {std::string(), std::string("a"), std::string(100'000, 'x')}) {
+    EXPECT_EQ(gunzip(gzip(text), 1 << 20), text);
+  }
+}
+
+TEST(Gzip, WhatIsTooLargeOrNoGzipIsRefused) {
+  EXPECT_FALSE(gunzip(gzip(std::string(1000, 'x')), 999));
+  EXPECT_FALSE(gunzip("", 1000));
+  EXPECT_FALSE(gunzip(std::string(40, '\0'), 1000));
+  std::string cut = gzip("some words that were cut");
+  cut.erase(cut.size() / 2, 2);
+  EXPECT_FALSE(gunzip(cut, 1000));
+}
+
+}  // namespace
+}  // namespace pcavr

@@ -1,0 +1,282 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/serve/server.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/output.hpp"
+
+#include "serve/a_world.hpp"
+#include "serve/page_client.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace pcavr {
+namespace {
+
+namespace asio = boost::asio;
+using test::answer_to;
+using test::PageClient;
+using test::tcp;
+
+class NoScene final : public ContentSource {
+ public:
+  [[nodiscard]] Expected<std::shared_ptr<const Content>> find(
+      std::string_view path) const override {
+    if (path != "/api/scene.json") return std::shared_ptr<const Content>();
+    return std::make_shared<const Content>(Content{"application/json", "{}", false});
+  }
+};
+
+class ServerTest : public testing::Test {
+ protected:
+  ServerTest() { EXPECT_TRUE(write_file(page_.path() / "index.html", "<title>pcavr</title>")); }
+  ~ServerTest() override {
+    if (!server_) return;
+    server_->stop();
+    thread_.join();
+  }
+
+  void open(ServerOptions options = {}) {
+    options.port = 0;
+    options.page = page_.path();
+    auto server = LiveServer::open(options, *world_, scene_);
+    ASSERT_TRUE(server) << server.error().to_string();
+    server_ = std::make_unique<LiveServer>(std::move(*server));
+    ASSERT_TRUE(world_->start());
+    thread_ = std::thread([this] { server_->run(); });
+  }
+  [[nodiscard]] std::uint16_t port() const { return server_->port(); }
+  [[nodiscard]] std::string get(const std::string& path, const std::string& header = {}) const {
+    return answer_to(port(), "GET " + path + " HTTP/1.1\r\nHost: localhost\r\n" + header +
+                                 "Connection: close\r\n\r\n");
+  }
+  /// The world goes on, whatever was done to the server: waits until it did.
+  void expect_world_goes_on() {
+    PageClient page(port());
+    ASSERT_TRUE(page.is_open);
+    ASSERT_TRUE(page.greet());
+    const auto first = page.hear_a<LiveState>();
+    ASSERT_TRUE(first);
+    for (int i = 0; i < 1000; ++i) {
+      const auto state = page.hear_a<LiveState>();
+      ASSERT_TRUE(state);
+      if (state->cycles > first->cycles + 100) return;
+    }
+    FAIL() << "the world stands still";
+  }
+
+  TemporaryFolder page_;
+  NoScene scene_;
+  std::unique_ptr<LiveWorld> world_ = test::a_live_world();
+  std::unique_ptr<LiveServer> server_;
+  std::thread thread_;
+};
+
+TEST_F(ServerTest, APageGetsItsFilesAndTheSceneWithItsPolicy) {
+  open();
+  const std::string index = get("/");
+  EXPECT_EQ(index.substr(0, 15), "HTTP/1.1 200 OK");
+  EXPECT_NE(index.find("<title>pcavr</title>"), std::string::npos);
+  for (const char* header : {"Content-Security-Policy: default-src 'self'", "nosniff",
+                             "Content-Type: text/html", "ETag: "}) {
+    EXPECT_NE(index.find(header), std::string::npos) << header;
+  }
+  EXPECT_NE(get("/api/scene.json").find("200 OK"), std::string::npos);
+  EXPECT_NE(get("/nothing").find("404"), std::string::npos);
+  EXPECT_NE(get("/", "Origin: http://evil.example\r\n").find("403"), std::string::npos);
+}
+
+TEST_F(ServerTest, AScriptedPagePushesTheBoxAndSeesItMove) {
+  open();
+  PageClient page(port());
+  ASSERT_TRUE(page.greet());
+  ASSERT_TRUE(page.say(LiveCommand::take_tool));
+  auto state = page.hear_a<LiveState>();
+  ASSERT_TRUE(state);
+  const float before = state->objects.at(0).position.x();
+  LiveTool tool{.p_base_tip = state->p_base_hip};
+  // The clutch closes where the hand is; then it goes at 0.15 m/s into the box, by the server's
+  // own clock, for as long as it takes.
+  for (int i = 0; i < 2000 && state->objects[0].position.x() < before + 0.02F; ++i) {
+    tool.is_engaged = i > 5;
+    if (tool.is_engaged) tool.p_base_tip.x() += 0.15F / 72.0F;
+    ASSERT_TRUE(page.say(tool));
+    state = page.hear_a<LiveState>();
+    ASSERT_TRUE(state);
+  }
+  EXPECT_GT(state->objects[0].position.x(), before + 0.02F);
+  EXPECT_TRUE(state->has_tool);
+  EXPECT_GE(state->pulses, 2U);
+  EXPECT_FALSE(std::isnan(state->page_clock));
+}
+
+TEST_F(ServerTest, MalformedAndHugeMessagesGetAWordAndTheEnd) {
+  open();
+  for (const std::size_t length : {std::size_t{1}, std::size_t{24}, std::size_t{60'000}}) {
+    PageClient page(port());
+    ASSERT_TRUE(page.greet());
+    ASSERT_TRUE(page.send(std::vector<std::uint8_t>(length, 0xff)));
+    const auto notice = page.hear_a<LiveNotice>();
+    ASSERT_TRUE(notice);
+    EXPECT_EQ(notice->level, LiveLevel::error);
+    while (page.hear()) {
+    }
+  }
+  PageClient page(port());
+  ASSERT_TRUE(page.greet());
+  page.send(std::vector<std::uint8_t>(1'000'000, 0));
+  while (page.hear()) {
+  }
+  expect_world_goes_on();
+}
+
+TEST_F(ServerTest, APageOfAnotherVersionIsToldSo) {
+  open();
+  PageClient page(port());
+  ASSERT_TRUE(page.say(LiveHello{2, "9.9"}));
+  const auto notice = page.hear_a<LiveNotice>();
+  ASSERT_TRUE(notice);
+  EXPECT_NE(notice->text.find("protocol 2"), std::string::npos);
+  EXPECT_FALSE(page.hear());
+}
+
+TEST_F(ServerTest, APageOfAnotherSiteGetsNoSocket) {
+  open();
+  EXPECT_FALSE(PageClient(port(), "http://evil.example").is_open);
+  EXPECT_TRUE(PageClient(port(), "http://127.0.0.1:" + std::to_string(port())).is_open);
+  EXPECT_NE(get("/live", "Origin: http://evil.example\r\n").find("403"), std::string::npos);
+}
+
+TEST_F(ServerTest, WhatIsNotHttpGetsAWord) {
+  open();
+  EXPECT_NE(answer_to(port(), "nonsense\r\n\r\n").find("400"), std::string::npos);
+  EXPECT_NE(get("/", "X: " + std::string(20'000, 'x') + "\r\n").find("431"), std::string::npos);
+  EXPECT_NE(answer_to(port(),
+                      "POST /api/pair HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999\r\n\r\n")
+                .find("413"),
+            std::string::npos);
+  expect_world_goes_on();
+}
+
+TEST_F(ServerTest, AHundredPagesAtOnceAreServedOrTurnedAwayWithAWord) {
+  open();
+  std::vector<std::unique_ptr<PageClient>> pages;
+  for (int i = 0; i < 100; ++i) pages.push_back(std::make_unique<PageClient>(port()));
+  int served = 0;
+  int told = 0;
+  for (const auto& page : pages) {
+    page->greet();
+    while (const auto message = page->hear()) {
+      if (const auto* notice = std::get_if<LiveNotice>(&message->content)) {
+        told += notice->text.find("pages are open") != std::string::npos ? 1 : 0;
+      }
+      if (!std::holds_alternative<LiveState>(message->content)) continue;
+      ++served;
+      break;
+    }
+  }
+  EXPECT_EQ(served, 32);
+  EXPECT_EQ(told, 68);
+  pages.clear();
+  expect_world_goes_on();
+}
+
+TEST_F(ServerTest, ConnectionsAreBounded) {
+  ServerOptions options;
+  options.most_connections = 3;
+  open(options);
+  asio::io_context io;
+  std::vector<tcp::socket> idle;
+  for (int i = 0; i < 3; ++i) idle.emplace_back(io).connect(test::local(port()));
+  EXPECT_NE(get("/").find("503"), std::string::npos);
+}
+
+TEST_F(ServerTest, AClientThatNeverReadsIsLetGoAndTheOthersSeeTheNewest) {
+  ServerOptions options;
+  options.most_write_time = 0.5;
+  options.rate = 90.0;
+  open(options);
+  PageClient deaf(port());
+  deaf.transport().set_option(asio::socket_base::receive_buffer_size(4096));
+  ASSERT_TRUE(deaf.greet());
+  ASSERT_TRUE(deaf.say(LiveCommand::take_tool));
+  PageClient page(port());
+  ASSERT_TRUE(page.greet());
+  bool was_taken = false;
+  for (int i = 0; i < 10'000; ++i) {
+    const auto state = page.hear_a<LiveState>();
+    ASSERT_TRUE(state);
+    was_taken = was_taken || state->tool_taken;
+    // Nobody has the tool any more: the deaf one is gone.
+    if (was_taken && !state->tool_taken) return;
+  }
+  FAIL() << "it is still there";
+}
+
+TEST_F(ServerTest, APageThatReadsSlowlySeesTheNewestState) {
+  open({.rate = 90.0});
+  PageClient page(port());
+  ASSERT_TRUE(page.greet());
+  ASSERT_TRUE(page.hear_a<LiveState>());
+  // Some 60 states behind, if they piled up.
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  std::uint32_t before = 0;
+  for (int i = 0; i < 200; ++i) {
+    const auto state = page.hear_a<LiveState>();
+    ASSERT_TRUE(state);
+    EXPECT_GE(state->cycles, before);
+    before = state->cycles;
+    // What is sent is never made before it can go.
+    EXPECT_LT(state->state_age, 0.1F);
+  }
+}
+
+TEST_F(ServerTest, RepliesPileUpForNobody) {
+  open({.most_write_time = 0.5});
+  {
+    PageClient page(port());
+    ASSERT_TRUE(page.greet());
+    // Pings without reading a single pong.
+    for (int i = 0; i < 20'000 && page.say(LivePing{}); ++i) {
+    }
+  }
+  expect_world_goes_on();
+}
+
+TEST(LiveServer, ServesOnlyWhatIsSafeToServe) {
+  const TemporaryFolder folder;
+  const NoScene scene;
+  const auto world = test::a_live_world();
+  ServerOptions options{.port = 0, .page = folder.path()};
+  const auto message = [&] { return LiveServer::open(options, *world, scene).error().to_string(); };
+  EXPECT_NE(message().find("index.html"), std::string::npos);
+  ASSERT_TRUE(write_file(folder.path() / "index.html", ""));
+  options.host = "0.0.0.0";
+  EXPECT_NE(message().find("--tls"), std::string::npos);
+  options.host = "not.an.address";
+  EXPECT_NE(message().find("not an address"), std::string::npos);
+  options.host = "localhost";
+  options.tls = TlsFiles{folder.path() / "index.html", folder.path() / "index.html"};
+  EXPECT_NE(message().find("not a certificate"), std::string::npos);
+}
+
+TEST(LiveServer, APortInUseIsSaidSo) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_file(folder.path() / "index.html", ""));
+  const NoScene scene;
+  const auto world = test::a_live_world();
+  ServerOptions options{.port = 0, .page = folder.path()};
+  const auto first = LiveServer::open(options, *world, scene);
+  ASSERT_TRUE(first);
+  options.port = first->port();
+  EXPECT_NE(LiveServer::open(options, *world, scene).error().mend.find("--port"),
+            std::string::npos);
+  EXPECT_FALSE(check_server(options));
+}
+
+}  // namespace
+}  // namespace pcavr
