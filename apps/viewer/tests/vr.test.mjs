@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, afterEach, before, test } from 'node:test';
 import { openBrowser, picture } from './support/browser.mjs';
-import { flick, frames, moveBy, press, toHeadset } from './support/controller.mjs';
+import { flick, frames, moveBy, press, takeHold, toHeadset } from './support/controller.mjs';
 import { enterVr, wearHeadset } from './support/headset.mjs';
 import { distance, Live, until } from './support/live.mjs';
 import { makeScene, serve } from './support/pcavr.mjs';
@@ -37,21 +37,12 @@ after(async () => {
 /// then the hand takes hold anew.
 async function leadTo(page, place, speed) {
   await until(async () => {
-    if (!world.state.isEngaged) await takeHold(page);
+    if (!world.state.isEngaged) await takeHold(page, world);
     const by = place.map((value, i) => value - world.state.hip[i]);
     await moveBy(page, 'right', toHeadset(by, heading()), speed);
     await frames(page, 10);
     return distance(world.state.hip, place) < 2e-3;
   }, `the tool at ${place}`);
-}
-
-async function takeHold(page) {
-  await press(page, 'right', 'squeeze', false);
-  await press(page, 'right', 'squeeze', true);
-  const why = () => page.evaluate(() => window.__pcavr.vr.clutch.openedBecause);
-  await until(() => world.state.isEngaged, 'the clutch closed').catch(async (error) => {
-    throw new Error(`${error.message}; ${await why()}`);
-  });
 }
 
 /// Where a person looks at the start: from the base to the middle of what can be pushed.
@@ -76,8 +67,7 @@ test(
     await resetWorld();
     const { page, seen } = await enterVr(browser.context, server.url);
     const [x, y, z] = start[0];
-    await press(page, 'right', 'squeeze', true);
-    await until(() => world.state.isEngaged, 'the clutch closed');
+    await takeHold(page, world);
     await leadTo(page, [world.state.hip[0], world.state.hip[1], 0.3], 0.4);
     await leadTo(page, [x - 0.25, y, 0.3], 0.4);
     await leadTo(page, [x - 0.25, y, z], 0.4);
@@ -95,8 +85,12 @@ test(
     assert.ok(distance(drawn[1].position, world.state.objects[1].position) < sameAsWorld);
     const felt = await page.evaluate(() => window.__felt);
     assert.ok(
-      felt.some((f) => f.side === 'right' && f.value === 1),
+      felt.some((f) => f.value === 1 && f.milliseconds === 25),
       'a crisp pulse',
+    );
+    assert.ok(
+      felt.some((f) => f.milliseconds === 40),
+      'a rumble while it slides',
     );
     assert.ok(
       felt.every((f) => f.side === 'right'),
@@ -127,8 +121,7 @@ test(
     await press(page, 'left', 'y-button', false);
     stays('the person moved, not the tool');
 
-    await press(page, 'right', 'squeeze', true);
-    await until(() => world.state.isEngaged, 'the clutch closed');
+    await takeHold(page, world);
     await page.evaluate(() => window.__headset.position.set(0, 1.6, 0));
     await flick(page, 'left', 1, 0);
     stays('the head moved while the clutch was closed');
@@ -145,9 +138,7 @@ test(
     await moveBy(page, 'right', [0, 0.1, 0], 0.5);
     stays('after hold the hand has to take hold anew');
 
-    await press(page, 'right', 'squeeze', false);
-    await press(page, 'right', 'squeeze', true);
-    await until(() => world.state.isEngaged, 'the clutch closed again');
+    await takeHold(page, world);
     await moveBy(page, 'right', [0, 0.05, 0], 0.5);
     await until(() => world.state.hip[2] > before[2] + 0.01, 'the tool follows again');
     await page.close();
@@ -173,8 +164,7 @@ test(
     for (const [name, lose] of Object.entries(ways)) {
       await resetWorld();
       const { page } = await enterVr(browser.context, server.url);
-      await press(page, 'right', 'squeeze', true);
-      await until(() => world.state.isEngaged, `${name}: the clutch closed`);
+      await takeHold(page, world);
       await lose(page);
       await until(() => !world.state.isEngaged, `${name}: let go`, 2 * seconds);
       const before = world.state.hip;

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, afterEach, before, test } from 'node:test';
 import { openBrowser, picture } from './support/browser.mjs';
-import { flick, frames, moveBy, press } from './support/controller.mjs';
+import { flick, frames, moveBy, press, takeHold } from './support/controller.mjs';
 import { enterVr, placeOf, wearHeadset } from './support/headset.mjs';
 import { distance, Live, until } from './support/live.mjs';
 import { makeScene, serve } from './support/pcavr.mjs';
@@ -71,8 +71,7 @@ test('in a world shown larger the tool moves as much less', limit, async () => {
   for (const scale of [2, 4, 0.5, 1]) {
     await press(page, 'left', 'y-button', true);
     await press(page, 'left', 'y-button', false);
-    await press(page, 'right', 'squeeze', true);
-    await until(() => world.state.isEngaged, 'the clutch closed');
+    await takeHold(page, world);
     const before = world.state.hip;
     await moveBy(page, 'right', [0, 0.06, 0], 0.3);
     const moved = () => world.state.hip[2] - before[2];
@@ -114,4 +113,33 @@ test('a bare hand holds the tool by a pinch', limit, async () => {
   await pinch(0);
   await until(() => !world.state.isEngaged, 'let go');
   assert.deepEqual(seen.errors, []);
+});
+
+test('a fingertip on the panel beside the other hand holds, and goes on', limit, async () => {
+  const { page } = await enterVr(browser.context, server.url);
+  await page.evaluate(() => window.__headset.controllers.left.position.set(-0.1, 1.2, -0.4));
+  await frames(page, 3);
+  // The button's middle, in front of the sheet and on it.
+  const reach = (away) =>
+    page.evaluate((z) => {
+      const { mesh } = window.__pcavr.vr.panel;
+      const {
+        x,
+        y,
+        z: depth,
+      } = mesh.position.clone().set(-0.034, -0.034, z).applyMatrix4(mesh.matrix);
+      window.__headset.controllers.right.position.set(x, y, depth);
+    }, away);
+  const touch = async () => {
+    await reach(0.1);
+    await frames(page, 3);
+    await reach(0.005);
+    await frames(page, 3);
+  };
+  await touch();
+  await until(() => world.state.isOnHold, 'hold');
+  await frames(page, 10);
+  assert.equal(world.state.isOnHold, true, 'a finger that stays presses once');
+  await touch();
+  await until(() => !world.state.isOnHold, 'go on');
 });

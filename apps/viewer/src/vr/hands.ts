@@ -19,7 +19,8 @@ export interface Hand {
   isHoldPressed: boolean;
   isExtraPressed: boolean;
   stick: { x: number; y: number };
-  fingertip: Vector3 | undefined; // of the index finger
+  /// What presses buttons: the index finger's tip, or a controller's.
+  fingertip: Vector3;
   joints: Vector3[];
   actuator: Actuator | undefined;
 }
@@ -104,18 +105,19 @@ function jointAt(
 
 function fromPoses(side: Side, grip: XRRigidTransform, aim: XRRigidTransform): Hand {
   const turn = toQuaternion(aim.orientation);
+  const aimFrom = toVector(aim.position);
   return {
     side,
     isHand: false,
     place: toVector(grip.position),
     rotation: toQuaternion(grip.orientation),
-    aimFrom: toVector(aim.position),
+    aimFrom,
     aimAlong: new Vector3(0, 0, -1).applyQuaternion(turn),
     isClutchHeld: false,
     isHoldPressed: false,
     isExtraPressed: false,
     stick: { x: 0, y: 0 },
-    fingertip: undefined,
+    fingertip: aimFrom,
     joints: [],
     actuator: undefined,
   };

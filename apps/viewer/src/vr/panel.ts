@@ -28,6 +28,8 @@ const height = 336;
 const metres = 0.16;
 // What a state may be old before the number turns red: six frames at 60 Hz [s].
 const staleAge = 0.1;
+// Numbers that change faster than this can't be read, and each time costs a texture [ms].
+const readableMs = 150;
 // The buttons, in pixels from the panel's upper left corner.
 const buttonTop = 236;
 const buttonHeight = 84;
@@ -44,7 +46,9 @@ export class Panel {
   readonly mesh: Mesh;
   private readonly texture: CanvasTexture;
   private readonly context: CanvasRenderingContext2D;
-  private shown = '';
+  private words = '';
+  private numbers = '';
+  private drawnAt = 0; // [ms]
   private isPressed = false;
 
   constructor() {
@@ -78,19 +82,22 @@ export class Panel {
     this.mesh.updateMatrix();
   }
 
-  /// Draws the text anew where it changed.
-  show(text: PanelText): void {
-    const force = text.force.toFixed(1);
-    const age = Math.round(text.age * 100);
-    const key = JSON.stringify({ ...text, force, age });
-    if (key === this.shown) return;
-    this.shown = key;
+  /// Draws the text anew where it changed: words at once, numbers as fast as they can be read. `now`
+  /// in milliseconds.
+  show(text: PanelText, now: number): void {
+    const words = JSON.stringify({ ...text, force: 0, age: 0 });
+    const numbers = `${text.force.toFixed(1)} ${Math.round(text.age * 100)}`;
+    const isDue = now - this.drawnAt > readableMs && numbers !== this.numbers;
+    if (words === this.words && !isDue) return;
+    this.words = words;
+    this.numbers = numbers;
+    this.drawnAt = now;
     this.draw(text);
     this.texture.needsUpdate = true;
   }
 
   /// The button that a fingertip (headset) has come to; each time once.
-  pressedBy(tips: Vector3[]): PanelButton | undefined {
+  pressedBy(tips: readonly Vector3[]): PanelButton | undefined {
     const near = tips.map((tip) => this.buttonAt(tip, pressDistance)).find((b) => b !== undefined);
     const isClose = tips.some((tip) => this.buttonAt(tip, releaseDistance) !== undefined);
     const isNew = near !== undefined && !this.isPressed;

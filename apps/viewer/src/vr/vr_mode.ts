@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Vector3 } from 'three';
 import type { App } from '../app';
-
 import { Command, Device, type LiveState, type Quaternion, type Vector } from '../protocol';
 import { Clutch } from './clutch';
 import { type Hand, HandReader, type Side, toQuaternion, toVector } from './hands';
@@ -95,8 +94,11 @@ export class VrMode {
     this.pulses.reset();
     this.giveCameraBack = lend(this.app.camera, this.person.rig);
     this.app.base.add(this.person.rig, this.hands.thread, this.moving.view.group, this.floor);
-    await this.app.renderer.xr.setSession(xr);
     this.xr = xr;
+    await this.app.renderer.xr.setSession(xr).catch(async (error: unknown) => {
+      await xr.end();
+      throw error;
+    });
     this.listeners.forEach((listener) => listener(true));
   }
 
@@ -127,7 +129,7 @@ export class VrMode {
     this.follow(tool, state);
     this.move(tool, free, head);
     if (state) this.pulses.update(now, state, this.clutch.isClosed ? tool?.actuator : undefined);
-    this.show(hands, tool, free, head, state);
+    this.show(now, hands, tool, free, head, state);
   }
 
   private placePerson(head: Vector3): void {
@@ -149,7 +151,8 @@ export class VrMode {
     free: Hand | undefined,
     state: LiveState | null,
   ): void {
-    const tips = hands.filter((h) => h !== free || !tool).flatMap((h) => h.fingertip ?? []);
+    // The panel is beside the free hand; and a hand that leads the tool presses nothing by the way.
+    const tips = tool?.fingertip && free && !this.clutch.isClosed ? [tool.fingertip] : [];
     const touched = this.panel.pressedBy(tips);
     const isHold = hands.some((h) => h.isHoldPressed);
     if ((isHold && !this.wasHold) || touched === 'hold') this.toggleHold(state);
@@ -220,6 +223,7 @@ export class VrMode {
   }
 
   private show(
+    now: number,
     hands: Hand[],
     tool: Hand | undefined,
     free: Hand | undefined,
@@ -235,7 +239,7 @@ export class VrMode {
     const beside = free ?? tool;
     this.panel.mesh.visible = beside !== undefined;
     if (beside) this.panel.placeBy(beside.place, head);
-    this.panel.show(this.words(state));
+    this.panel.show(this.words(state), now);
   }
 
   private words(state: LiveState | null) {

@@ -3,6 +3,8 @@
 
 // Leads an emulated controller from a test, in the headset's own space: y up, -z ahead.
 
+import { until } from './live.mjs';
+
 /// Moves a controller by `delta` [m], at `speed` [m/s] of the clock, whatever the frame rate.
 export function moveBy(page, side, delta, speed) {
   return page.evaluate(
@@ -38,6 +40,18 @@ export async function press(page, side, button, isPressed) {
     [side, button, isPressed ? 1 : 0],
   );
   await frames(page, 3);
+}
+
+/// Closes the right hand's clutch. A page that is just being opened may lose the focus once more, and
+/// lets go then, as it should: the hand takes hold anew.
+export async function takeHold(page, world) {
+  const why = () => page.evaluate(() => window.__pcavr.vr.clutch.openedBecause);
+  for (let i = 0; i < 3 && !world.state.isEngaged; ++i) {
+    await press(page, 'right', 'squeeze', false);
+    await press(page, 'right', 'squeeze', true);
+    await until(() => world.state.isEngaged, 'the clutch', 3000).catch(() => {});
+  }
+  if (!world.state.isEngaged) throw new Error(`the clutch does not close: ${await why()}`);
 }
 
 /// Pushes a thumbstick, and lets it come back.
