@@ -61,7 +61,7 @@ class Judge {
     const bool rests = gap - radius_ < kFloat;
     if (rests) ++count_.on_scan;
     const double body_gap = bodies_gap(now, now.p_base_proxy);
-    note(body_gap - radius_ < -kFloat, radius_ - body_gap, count_.in_bodies,
+    note(body_gap - radius_ < -kSqueezed, radius_ - body_gap, count_.in_bodies,
          count_.deepest_in_bodies);
     const bool is_in_body = bodies_gap(now, now.p_base_hip) < radius_ - kFloat;
     const bool is_inside = is_in_body || scan_gap(now.p_base_hip) < radius_ - kFloat;
@@ -87,6 +87,8 @@ class Judge {
   static constexpr double kNear = 0.01;   ///< [m] farther bodies do not meet the proxy in a cycle
   static constexpr double kFloat = 2e-6;  ///< [m] Embree's and the meshes' single precision
 
+  /// [m] by which a body that squeezes the ball against the scan may be in it: what it gives.
+  static constexpr double kSqueezed = 1e-4;
   /// [m/s] by which the proxy may be faster than the hand, to catch up with it.
   static constexpr double kCatchingUp = 0.5;
 

@@ -21,7 +21,7 @@ HapticWorldModel room(double noise, double radius) {
   bodies = test::row_of_boxes(3, 0.01).bodies;
   bodies[1].T_base_object = test::standing_at(0.05, 0.2, 0.4);
   bodies[2].physics.friction.limiting_force = 1000.0;
-  test::append(model.world.static_mesh_base, test::wall_at(0.45, noise));
+  test::append(model.world.static_mesh_base, test::wall_at(0.47, noise));
   return model;
 }
 
