@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { VrMode } from './vr_mode';
 
-/// The button that enters and leaves. Where there is no way into a headset it says why.
+/// The button that enters and leaves; grey as long as no headset is connected.
 export function vrButton(vr: VrMode, onError: (words: string) => void): HTMLButtonElement {
   const button = document.createElement('button');
   button.type = 'button';
@@ -22,14 +22,11 @@ export function vrButton(vr: VrMode, onError: (words: string) => void): HTMLButt
   });
   const look = async () => {
     button.disabled = !(await VrMode.isSupported());
-    button.title = button.disabled ? whyNot() : 'Stand in the scene with a headset';
+    button.title = button.disabled
+      ? 'No headset is connected'
+      : 'Stand in the scene with a headset';
   };
   navigator.xr?.addEventListener('devicechange', () => void look());
   void look();
   return button;
-}
-
-function whyNot(): string {
-  if (!window.isSecureContext) return 'VR needs https or localhost: start the server with --tls';
-  return navigator.xr ? 'No headset is connected' : 'This browser knows no WebXR';
 }
