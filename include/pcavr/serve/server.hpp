@@ -21,7 +21,7 @@ struct ServerOptions {
   std::uint16_t port = 8080;        ///< 0: one that is free
   std::filesystem::path page = {};  ///< folder with the page's index.html
   std::optional<TlsFiles> tls = {};
-  double rate = 72.0;  ///< [Hz] 60 to 90: states to each page
+  double rate = 90.0;  ///< [Hz] 60 to 90: states to each page; what waits for the next is late
   std::string version = {};
   std::string scene = {};              ///< as pages name it
   bool is_replay = false;              ///< what a page shows first
