@@ -226,7 +226,10 @@ Expected<CommandResult> run(LiveServer& server, LiveWorld& world, const ServeArg
   CommandResult result;
   result.summary = "ended after " + std::to_string(last.cycles) + " cycles, " +
                    std::to_string(last.late_cycles) + " of them late\n";
-  result.json = {{"cycles", last.cycles}, {"late_cycles", last.late_cycles}};
+  const CycleTimes times = world.times();
+  result.json = {{"cycles", last.cycles},       {"late_cycles", last.late_cycles},
+                 {"cycle_p50_s", times.median}, {"cycle_p99_s", times.p99},
+                 {"cycle_p999_s", times.p999},  {"cycle_longest_s", times.longest}};
   return result;
 }
 

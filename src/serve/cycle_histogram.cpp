@@ -26,37 +26,42 @@ std::size_t CycleHistogram::bin_of(double duration) noexcept {
   return static_cast<std::size_t>(std::min(place, static_cast<double>(kBins - 1)));
 }
 
+void CycleHistogram::Slice::add(std::size_t bin, double duration) noexcept {
+  ++counts[bin];
+  ++total;
+  longest = std::max(longest, duration);
+}
+
 void CycleHistogram::add(double duration) noexcept {
-  Slice& slice = slices_[slice_];
-  ++slice.counts[bin_of(duration)];
-  slice.longest = std::max(slice.longest, duration);
+  const std::size_t bin = bin_of(duration);
+  slices_[slice_].add(bin, duration);
+  all_.add(bin, duration);
   if (++in_slice_ >= cycles_per_slice_) close_slice();
 }
 
-double CycleHistogram::quantile(double share, std::uint32_t total) const noexcept {
-  const double wanted = share * static_cast<double>(total);
+double CycleHistogram::quantile(const Slice& slice, double share) noexcept {
+  const double wanted = share * static_cast<double>(slice.total);
   double seen = 0.0;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
-    seen += static_cast<double>(sums_[bin]);
-    if (seen >= wanted) return kLeast * std::exp2(static_cast<double>(bin) / kBinsPerOctave);
+    seen += static_cast<double>(slice.counts[bin]);
+    if (seen < wanted) continue;
+    return std::min(slice.longest, kLeast * std::exp2(static_cast<double>(bin) / kBinsPerOctave));
   }
-  return times_.longest;
+  return slice.longest;
+}
+
+CycleTimes CycleHistogram::times_of(const Slice& slice) noexcept {
+  return {quantile(slice, 0.5), quantile(slice, 0.99), quantile(slice, 0.999), slice.longest};
 }
 
 void CycleHistogram::close_slice() noexcept {
-  std::uint32_t total = 0;
-  double longest = 0.0;
-  sums_.fill(0);
+  Slice sum;
   for (const Slice& slice : slices_) {
-    for (std::size_t bin = 0; bin < kBins; ++bin) {
-      sums_[bin] += slice.counts[bin];
-      total += slice.counts[bin];
-    }
-    longest = std::max(longest, slice.longest);
+    for (std::size_t bin = 0; bin < kBins; ++bin) sum.counts[bin] += slice.counts[bin];
+    sum.total += slice.total;
+    sum.longest = std::max(sum.longest, slice.longest);
   }
-  times_.longest = longest;
-  times_.median = std::min(longest, quantile(0.5, total));
-  times_.p99 = std::min(longest, quantile(0.99, total));
+  times_ = times_of(sum);
   slice_ = (slice_ + 1) % kSlices;
   slices_[slice_] = {};
   in_slice_ = 0;

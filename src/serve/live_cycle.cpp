@@ -107,9 +107,7 @@ void LiveCycle::publish(double duration, std::uint32_t late_cycles, double now) 
   snapshot.pulses = pulse_.count();
   snapshot.cycles = cycles_;
   snapshot.late_cycles = late_cycles;
-  snapshot.cycle_median = histogram_.times().median;
-  snapshot.cycle_p99 = histogram_.times().p99;
-  snapshot.cycle_longest = histogram_.times().longest;
+  snapshot.times = histogram_.times();
   if (page_device_ != nullptr) snapshot.page = page_device_->use();
   buffer_.publish();
 }

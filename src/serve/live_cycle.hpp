@@ -29,6 +29,7 @@ class LiveCycle {
   void reset() noexcept { resets_.fetch_add(1, std::memory_order_relaxed); }
   [[nodiscard]] const WorldSnapshot& newest() noexcept { return buffer_.newest(); }
 
+  [[nodiscard]] CycleTimes times() const noexcept { return histogram_.times_of_all(); }
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
   [[nodiscard]] Device& device() noexcept { return *device_; }
   [[nodiscard]] RemoteDevice* page_device() noexcept { return page_device_; }

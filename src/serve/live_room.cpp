@@ -38,9 +38,9 @@ void copy_world(const WorldSnapshot& snapshot, LiveState& state) {
   state.pulses = snapshot.pulses;
   state.cycles = snapshot.cycles;
   state.late_cycles = snapshot.late_cycles;
-  state.cycle_median = static_cast<float>(snapshot.cycle_median);
-  state.cycle_p99 = static_cast<float>(snapshot.cycle_p99);
-  state.cycle_longest = static_cast<float>(snapshot.cycle_longest);
+  state.cycle_median = static_cast<float>(snapshot.times.median);
+  state.cycle_p99 = static_cast<float>(snapshot.times.p99);
+  state.cycle_longest = static_cast<float>(snapshot.times.longest);
   copy_bodies(snapshot, state);
 }
 

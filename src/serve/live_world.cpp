@@ -44,21 +44,20 @@ double in_seconds(std::int64_t nanoseconds) noexcept {
   return static_cast<double>(nanoseconds) * 1e-9;
 }
 
-std::vector<std::string> ask_for_real_time(std::thread& thread) {
-  std::vector<std::string> notes;
+/// What is there already stays; what comes later does not count against the limit.
+void keep_memory(std::vector<std::string>& notes) {
+  if (::mlockall(MCL_CURRENT | MCL_ONFAULT) == 0) return;
+  notes.push_back(std::string("the world's memory may be paged out (") + std::strerror(errno) +
+                  "); ulimit -l unlimited permits to keep it");
+}
+
+void ask_for_real_time(std::thread& thread, std::vector<std::string>& notes) {
   const sched_param priority{.sched_priority = kPriority};
   const int refused = ::pthread_setschedparam(thread.native_handle(), SCHED_FIFO, &priority);
-  if (refused != 0) {
-    notes.push_back(std::string("the world runs without real-time priority (") +
-                    std::strerror(refused) + "); ulimit -r " + std::to_string(kPriority) +
-                    " permits it");
-  }
-  // What is there already stays; what comes later does not count against the limit.
-  if (::mlockall(MCL_CURRENT | MCL_ONFAULT) != 0) {
-    notes.push_back(std::string("the world's memory may be paged out (") + std::strerror(errno) +
-                    "); ulimit -l unlimited permits to keep it");
-  }
-  return notes;
+  if (refused == 0) return;
+  notes.push_back(std::string("the world runs without real-time priority (") +
+                  std::strerror(refused) + "); ulimit -r " + std::to_string(kPriority) +
+                  " permits it");
 }
 
 }  // namespace
@@ -105,12 +104,16 @@ double LiveWorld::clock() noexcept { return in_seconds(now_in_nanoseconds()); }
 
 Expected<std::vector<std::string>> LiveWorld::start() {
   PCAVR_REQUIRE(!content_->thread.joinable());
+  std::vector<std::string> notes;
+  // First: it takes long, and holds up whoever touches new memory meanwhile.
+  keep_memory(notes);
   try {
     content_->thread = std::thread([content = content_.get()] { content->run(); });
   } catch (const std::system_error& error) {
     return Error{.message = std::string("no thread for the world: ") + error.what()};
   }
-  return ask_for_real_time(content_->thread);
+  ask_for_real_time(content_->thread, notes);
+  return notes;
 }
 
 void LiveWorld::stop() noexcept {
@@ -118,6 +121,7 @@ void LiveWorld::stop() noexcept {
   if (content_->thread.joinable()) content_->thread.join();
 }
 
+CycleTimes LiveWorld::times() const { return content_->cycle.times(); }
 const std::vector<std::string>& LiveWorld::names() const { return content_->cycle.names(); }
 std::string_view LiveWorld::device_name() const { return content_->cycle.device().name(); }
 RemoteDevice* LiveWorld::page_device() noexcept { return content_->cycle.page_device(); }

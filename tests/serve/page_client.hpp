@@ -38,6 +38,7 @@ class PageClient {
   explicit PageClient(std::uint16_t port, const std::string& origin = {}) {
     beast::error_code fault;
     socket_.next_layer().connect(local(port), fault);
+    if (!fault) socket_.next_layer().set_option(tcp::no_delay(true), fault);
     socket_.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
       if (!origin.empty()) request.set(http::field::origin, origin);
     }));

@@ -18,6 +18,14 @@
 
 namespace pcavr {
 
+/// How long cycles took [s], from their begin to their end.
+struct CycleTimes {
+  double median = 0.0;
+  double p99 = 0.0;
+  double p999 = 0.0;
+  double longest = 0.0;
+};
+
 /// The world at the end of one cycle, with what is told about it.
 struct WorldSnapshot {
   double t = 0.0;          ///< [s] of the world: its cycles, one after the other
@@ -29,9 +37,7 @@ struct WorldSnapshot {
   std::uint32_t pulses = 0;  ///< first touches and breakaways so far
   std::uint32_t cycles = 0;
   std::uint32_t late_cycles = 0;  ///< began a whole cycle late or more, or never
-  double cycle_median = 0.0;      ///< [s] over the last second
-  double cycle_p99 = 0.0;         ///< [s]
-  double cycle_longest = 0.0;     ///< [s]
+  CycleTimes times = {};          ///< over the last second
   RemoteUse page = {};            ///< where a page moves the tool: what was used of it
 };
 
@@ -64,6 +70,9 @@ class LiveWorld {
   [[nodiscard]] Expected<std::vector<std::string>> start();
   /// Ends the thread. The destructor does it too.
   void stop() noexcept;
+
+  /// Of all cycles so far. Before start(), or after stop().
+  [[nodiscard]] CycleTimes times() const;
 
   [[nodiscard]] const std::vector<std::string>& names() const;
   [[nodiscard]] std::string_view device_name() const;
