@@ -34,6 +34,7 @@ function(pcavr_add_module name)
 endfunction()
 
 # pcavr_add_tests(NAME SOURCES file... LINK library... [LABELS label...])
+# Those labelled fast are built by the target pcavr_fast_tests, too: sanitizers need no more.
 # One executable; each TEST becomes a CTest case with the labels given, or with AS_ONE all of them
 # together: for tests that share what is costly to set up.
 function(pcavr_add_tests name)
@@ -47,6 +48,9 @@ function(pcavr_add_tests name)
                              ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(pcavr_${name}_tests PRIVATE ${arg_LINK} pcavr_test_support
                         GTest::gtest_main)
+  if("fast" IN_LIST arg_LABELS)
+    add_dependencies(pcavr_fast_tests pcavr_${name}_tests)
+  endif()
   if(arg_AS_ONE)
     add_test(NAME ${name} COMMAND pcavr_${name}_tests)
     set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})
