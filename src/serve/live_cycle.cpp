@@ -84,8 +84,8 @@ void LiveCycle::measure_speeds() noexcept {
 
 void LiveCycle::step(double t) noexcept {
   const HapticWorldState& state = world_.state();
-  const DeviceSample sample =
-      device_->exchange(t, options_.cycle, {state.p_base_proxy, state.force_base});
+  const DeviceSample sample = device_->exchange(
+      t, options_.cycle, {state.p_base_proxy, state.force_base, pulse_.amplitude()});
   reset_if_asked(sample);
   was_on_hold_ = is_on_hold_.load(std::memory_order_relaxed);
   command_ = command_from(sample, was_on_hold_);

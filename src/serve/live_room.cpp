@@ -184,7 +184,7 @@ void LiveRoom::write_state(PageId id, double now, double queue_age,
       is_its_own ? snapshot.page.sender_clock : std::numeric_limits<double>::quiet_NaN();
   state_.has_tool = holder_ == id;
   state_.tool_taken = holder_.has_value() || world_.page_device() == nullptr;
-  state_.tool_age = is_its_own ? static_cast<float>(snapshot.page.age) : 0.0F;
+  state_.tool_age = is_its_own ? static_cast<float>(snapshot.page.age + snapshot.page.delay) : 0.0F;
   state_.state_age = static_cast<float>(now - snapshot.published);
   state_.queue_age = static_cast<float>(queue_age);
   encode_state({++pages_.at(id).said, now}, state_, bytes);

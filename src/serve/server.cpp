@@ -211,14 +211,16 @@ struct LiveServer::Impl {
     retry.async_wait([this](error_code) { hub.io.stop(); });
   }
 
+  /// Before anybody is told that there is a server: a signal may follow at once.
+  void heed_signals() {
+    signals.add(SIGINT);
+    signals.add(SIGTERM);
+    signals.async_wait([this](error_code fault, int) {
+      if (!fault) say_farewell();
+    });
+  }
+
   void run() {
-    if (hub.options.ends_on_signals) {
-      signals.add(SIGINT);
-      signals.add(SIGTERM);
-      signals.async_wait([this](error_code fault, int) {
-        if (!fault) say_farewell();
-      });
-    }
     accept();
     tick();
     hub.io.run();
@@ -262,6 +264,7 @@ Expected<LiveServer> LiveServer::open(const ServerOptions& options, LiveWorld& w
   impl->tls = std::move(certified->tls);
   const Expected<void> listening = listen(impl->acceptor, *endpoint, options);
   if (!listening) return listening.error();
+  if (options.ends_on_signals) impl->heed_signals();
   return LiveServer(std::move(impl));
 }
 

@@ -103,7 +103,7 @@ struct LiveState {
   float cycle_median = 0.0F;   ///< [s]
   float cycle_p99 = 0.0F;      ///< [s]
   float cycle_longest = 0.0F;  ///< [s]
-  float tool_age = 0.0F;       ///< [s] of the newest sample when the world used it
+  float tool_age = 0.0F;       ///< [s] of the hand's motion that the tool shows
   float state_age = 0.0F;      ///< [s] of this state when it was sent
   float queue_age = 0.0F;      ///< [s] that the last message waited to go out
   std::vector<LiveObject> objects;

@@ -29,7 +29,7 @@ struct ServerOptions {
   std::size_t most_pages = 32;         ///< the next one is told so, and sent away
   std::size_t most_connections = 256;  ///< of all kinds
   double most_write_time = 5.0;        ///< [s] that a page may take for one message, > 0
-  bool ends_on_signals = false;        ///< SIGINT and SIGTERM end run()
+  bool ends_on_signals = false;        ///< SIGINT and SIGTERM end run(), also one before it
 };
 
 /// Whether such a server could be opened now; the same errors as LiveServer::open. For asking
