@@ -78,6 +78,12 @@ test('a pose turns the shorter way, whatever the sign of its quaternion', () => 
   assert.ok(Math.abs(Math.hypot(...half.quaternion) - 1) < 1e-12);
 });
 
+test('before its first row a body is where it begins', () => {
+  const poses = new Table(Float32Array.of(0.2, 1, 2, 3, 0, 0, 0, 1, 1, 3, 0, 0, 0, 0, 0, 1), 8);
+  assert.deepEqual(poseAt(poses, 0)!.position, [1, 2, 3]);
+  assert.equal(poseAt(poses, -1), null);
+});
+
 test('a replay shorter than it says is refused', () => {
   const empty = { at: 0, rows: 0 };
   const model = { tool: { at: 4, rows: 1 }, objects: [] } as unknown as ReplayModel;

@@ -84,6 +84,9 @@ export interface PoseAt {
 
 /// A pose of rows t, position, quaternion: the shorter way round between two.
 export function poseAt(table: Table, time: number): PoseAt | null {
+  // A prediction begins with the first cycle: until then a body is where it begins.
+  const first = table.rows > 0 ? table.time(0) : Infinity;
+  if (time < first && first - time <= longestHold) time = first;
   const row = table.rowAt(time);
   const values = table.at(time);
   if (!values) return null;
