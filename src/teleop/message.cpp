@@ -3,9 +3,10 @@
 #include "teleop/message.hpp"
 
 #include <array>
-#include <bit>
 #include <cmath>
+#include <concepts>
 
+#include "pcavr/core/bytes.hpp"
 #include "pcavr/core/check.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 
@@ -35,50 +36,37 @@ constexpr std::array<Field, 10> kFields{&ObjectParameters::mass,
                                         &ObjectParameters::loading_rate};
 constexpr std::size_t kLimitingFriction = 1;
 
-class Writer {
- public:
-  template <typename Unsigned>
-  void whole(Unsigned value) {
-    for (std::size_t i = 0; i < sizeof(Unsigned); ++i) {
-      bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
-    }
-  }
-  void real(double value) { whole(std::bit_cast<std::uint32_t>(static_cast<float>(value))); }
-  std::vector<std::uint8_t> bytes;
-};
+void write_real(double value, ByteWriter& writer) { writer.f32(static_cast<float>(value)); }
 
+void write_vector(const Eigen::Vector3d& vector, ByteWriter& writer) {
+  for (const double value : vector) write_real(value, writer);
+}
+
+/// Numbers of a message; one that is not finite makes the whole unsound.
 class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
-  template <typename Unsigned>
-  Unsigned whole() {
-    Unsigned value = 0;
-    if (bytes_.size() < sizeof(Unsigned)) {
-      is_sound_ = false;
-      return value;
-    }
-    for (std::size_t i = 0; i < sizeof(Unsigned); ++i) {
-      value = static_cast<Unsigned>(value | (static_cast<std::uint64_t>(bytes_[i]) << (8 * i)));
-    }
-    bytes_ = bytes_.subspan(sizeof(Unsigned));
+  template <std::unsigned_integral Whole>
+  [[nodiscard]] Whole whole() {
+    return bytes_.whole<Whole>();
+  }
+  [[nodiscard]] double real() {
+    const double value = bytes_.f32();
+    is_finite_ = is_finite_ && std::isfinite(value);
     return value;
   }
-  double real() {
-    const double value = std::bit_cast<float>(whole<std::uint32_t>());
-    is_sound_ = is_sound_ && std::isfinite(value);
-    return value;
-  }
-  Eigen::Vector3d vector() {
+  [[nodiscard]] Eigen::Vector3d vector() {
     const double x = real();
     const double y = real();
     return {x, y, real()};
   }
-  [[nodiscard]] bool is_sound() const { return is_sound_; }
-  [[nodiscard]] bool is_at_end() const { return bytes_.empty(); }
+  [[nodiscard]] bool took_all() const {
+    return is_finite_ && bytes_.is_sound() && bytes_.is_at_end();
+  }
 
  private:
-  std::span<const std::uint8_t> bytes_;
-  bool is_sound_ = true;
+  ByteReader bytes_;
+  bool is_finite_ = true;
 };
 
 std::uint16_t fields_of(const ObjectParameters& parameters) {
@@ -89,23 +77,31 @@ std::uint16_t fields_of(const ObjectParameters& parameters) {
   return static_cast<std::uint16_t>(present);
 }
 
-void write(const ObjectParameters& parameters, Writer& writer) {
+void write(const ObjectParameters& parameters, ByteWriter& writer) {
   writer.whole(fields_of(parameters));
   for (std::size_t i = 0; i < kFields.size(); ++i) {
     const std::optional<ParameterValue>& value = parameters.*kFields[i];
     if (!value) continue;
-    writer.real(value->value);
-    if (i == kLimitingFriction) writer.real(value->deviation.value_or(0.0));
+    write_real(value->value, writer);
+    if (i == kLimitingFriction) write_real(value->deviation.value_or(0.0), writer);
   }
   if (!parameters.limit_surface) return;
-  writer.real(parameters.limit_surface->force);
-  writer.real(parameters.limit_surface->length);
-  for (const double coefficient : parameters.limit_surface->coefficients) writer.real(coefficient);
+  write_real(parameters.limit_surface->force, writer);
+  write_real(parameters.limit_surface->length, writer);
+  for (const double coefficient : parameters.limit_surface->coefficients) {
+    write_real(coefficient, writer);
+  }
 }
 
-ObjectParameters read_parameters(Reader& reader) {
+bool are_known_fields(std::uint16_t present) {
+  constexpr unsigned kKnown = ((1U << kFields.size()) - 1U) | kHasLimitSurface;
+  return present != 0 && (present & ~kKnown) == 0;
+}
+
+std::optional<ObjectParameters> read_parameters(Reader& reader) {
   ObjectParameters parameters;
   const auto present = reader.whole<std::uint16_t>();
+  if (!are_known_fields(present)) return std::nullopt;
   for (std::size_t i = 0; i < kFields.size(); ++i) {
     if ((present >> i & 1U) == 0) continue;
     parameters.*kFields[i] = ParameterValue{reader.real(), std::nullopt};
@@ -119,7 +115,7 @@ ObjectParameters read_parameters(Reader& reader) {
   return parameters;
 }
 
-bool are_known(std::uint8_t flags) {
+bool are_known_flags(std::uint8_t flags) {
   const bool has_lone_twist = (flags & kHasTwist) != 0 && (flags & kHasPlace) == 0;
   return (flags & ~kKnownFlags) == 0 && (flags & kCaseMask) < kCases && !has_lone_twist;
 }
@@ -166,29 +162,24 @@ std::vector<std::uint8_t> encode(const CorrectionMessage& message, double epoch)
   if (message.twist) flags |= kHasTwist;
   if (message.lead_out) flags |= kHasLeadOut;
   if (has_parameters) flags |= kHasParameters;
-  Writer writer;
+  std::vector<std::uint8_t> bytes;
+  ByteWriter writer(bytes);
   writer.whole(static_cast<std::uint8_t>(flags));
   writer.whole(static_cast<std::uint8_t>(message.object));
   writer.whole(message.sequence);
   writer.whole(static_cast<std::uint32_t>(units));
-  if (message.place) {
-    for (const double value : {message.place->x, message.place->y, message.place->yaw}) {
-      writer.real(value);
-    }
-  }
-  for (const auto& vector : {message.twist, message.lead_out}) {
-    if (!vector) continue;
-    for (const double value : *vector) writer.real(value);
-  }
+  if (const auto& place = message.place) write_vector({place->x, place->y, place->yaw}, writer);
+  if (message.twist) write_vector(*message.twist, writer);
+  if (message.lead_out) write_vector(*message.lead_out, writer);
   if (has_parameters) write(message.parameters, writer);
-  return writer.bytes;
+  return bytes;
 }
 
 std::optional<CorrectionMessage> decode(std::span<const std::uint8_t> bytes, double epoch) {
   Reader reader(bytes);
   CorrectionMessage message;
   const auto flags = reader.whole<std::uint8_t>();
-  if (!are_known(flags)) return std::nullopt;
+  if (!are_known_flags(flags)) return std::nullopt;
   message.which = static_cast<CorrectionCase>(flags & kCaseMask);
   message.object = reader.whole<std::uint8_t>();
   message.sequence = reader.whole<std::uint8_t>();
@@ -199,8 +190,12 @@ std::optional<CorrectionMessage> decode(std::span<const std::uint8_t> bytes, dou
   }
   if ((flags & kHasTwist) != 0) message.twist = reader.vector();
   if ((flags & kHasLeadOut) != 0) message.lead_out = reader.vector();
-  if ((flags & kHasParameters) != 0) message.parameters = read_parameters(reader);
-  if (!reader.is_sound() || !reader.is_at_end()) return std::nullopt;
+  if ((flags & kHasParameters) != 0) {
+    const std::optional<ObjectParameters> parameters = read_parameters(reader);
+    if (!parameters) return std::nullopt;
+    message.parameters = *parameters;
+  }
+  if (!reader.took_all()) return std::nullopt;
   return message;
 }
 

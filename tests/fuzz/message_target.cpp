@@ -15,9 +15,7 @@ void message(std::string_view bytes) {
   const std::vector<std::uint8_t> content(bytes.begin(), bytes.end());
   const std::optional<CorrectionMessage> message = decode(content, 0.0);
   if (!message) return;
-  const std::vector<std::uint8_t> written = encode(*message, 0.0);
-  PCAVR_REQUIRE(written.size() == content.size());
-  PCAVR_REQUIRE(decode(written, 0.0).has_value());
+  PCAVR_REQUIRE(encode(*message, 0.0) == content);  // there is one way to say it
 }
 
 }  // namespace pcavr::fuzz
