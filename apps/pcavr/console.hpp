@@ -21,6 +21,9 @@ struct CommandResult {
   bool is_failure = false;      ///< done, but what was looked at is not sound: exit code 1
 };
 
+/// `indent` below 0: in one line. A path may hold bytes that are no UTF-8: they become U+FFFD.
+[[nodiscard]] std::string json_text(const nlohmann::ordered_json& json, int indent);
+
 /// Set by the subcommand that was chosen, run after the whole command line was read.
 using Action = std::function<Expected<CommandResult>(const Observer&)>;
 

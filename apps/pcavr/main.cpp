@@ -30,7 +30,7 @@ int run(const Action& action, bool as_json) {
   const Expected<CommandResult> result = action(console.observer());
   if (!result) return report_error(result.error().to_string());
   if (as_json) {
-    std::cout << result->json.dump(2) << '\n';
+    std::cout << json_text(result->json, 2);
   } else {
     std::cout << result->summary;
   }

@@ -174,41 +174,46 @@ Expected<std::unique_ptr<LiveWorld>> make_live(SceneWorld& scene, const std::str
                                                       .full_force = scene.full_force});
 }
 
+bool is_long(const std::string& host) { return host.find(':') != std::string::npos; }
+
+bool is_everywhere(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
+
 /// Where a browser finds it: all of the machine's addresses where it listens at all of them.
 std::vector<std::string> addresses_of(const LiveServer& server, const ServerOptions& options) {
-  const bool is_all = options.host == "0.0.0.0" || options.host == "::";
-  std::vector<std::string> hosts = is_all ? machine_addresses() : std::vector{options.host};
+  std::vector<std::string> hosts{options.host};
+  if (is_everywhere(options.host)) hosts = machine_addresses();
+  if (options.host == "0.0.0.0") std::erase_if(hosts, is_long);
   if (hosts.empty()) hosts.emplace_back("localhost");
   std::vector<std::string> addresses;
   for (const std::string& host : hosts) {
-    const bool is_long = host.find(':') != std::string::npos;
-    if (is_long && options.host == "0.0.0.0") continue;
     addresses.push_back((options.tls ? "https://" : "http://") +
-                        (is_long ? '[' + host + ']' : host) + ':' + std::to_string(server.port()) +
-                        '/');
+                        (is_long(host) ? '[' + host + ']' : host) + ':' +
+                        std::to_string(server.port()) + '/');
   }
   return addresses;
 }
 
 Expected<void> announce(const LiveServer& server, const LiveWorld& world,
                         const ServeArguments& arguments, std::size_t triangles) {
-  ServeFacts facts{.addresses = addresses_of(server, arguments.server),
-                   .port = server.port(),
-                   .scene = arguments.server.scene,
-                   .mode = arguments.server.is_replay ? "replay" : "live",
-                   .device = std::string(world.device_name()),
-                   .objects = world.names(),
-                   .triangles = triangles,
-                   .code = server.pairing_code(),
-                   .is_local = server.pairing_code().empty(),
-                   .is_tls = arguments.server.tls.has_value()};
+  ServeFacts facts{
+      .addresses = addresses_of(server, arguments.server),
+      .port = server.port(),
+      .scene = arguments.server.scene,
+      .mode = arguments.server.is_replay ? "replay" : "live",
+      .device = std::string(world.device_name()),
+      .objects = world.names(),
+      .triangles = triangles,
+      .code = server.pairing_code(),
+      .is_local = server.pairing_code().empty(),
+      .is_at_localhost = server.pairing_code().empty() || is_everywhere(arguments.server.host),
+      .is_tls = arguments.server.tls.has_value()};
   if (arguments.server.tls) {
     const Expected<CertificateFacts> certificate =
         read_certificate(arguments.server.tls->certificate);
     if (!certificate) return certificate.error();
     facts.fingerprint = certificate->fingerprint;
   }
-  std::cout << (arguments.as_json ? ready_json(facts).dump() + '\n' : ready_words(facts))
+  std::cout << (arguments.as_json ? json_text(ready_json(facts), -1) : ready_words(facts))
             << std::flush;
   return {};
 }
@@ -243,7 +248,6 @@ Expected<CommandResult> serve(ServeArguments arguments, const Observer& observer
   options.tls = std::move(*tls);
   options.page = *page;
   options.version = PCAVR_VERSION;
-  options.scene = fs::weakly_canonical(arguments.scene).filename().string();
   options.is_replay = !arguments.recording.empty();
   options.ends_on_signals = true;
   // Before anything that takes long.
@@ -251,6 +255,7 @@ Expected<CommandResult> serve(ServeArguments arguments, const Observer& observer
   if (!possible) return possible.error();
   const Expected<Stage> stage = read_stage(arguments);
   if (!stage) return stage.error();
+  options.scene = scene_name(stage->scene);
   Expected<SceneWorld> scene = make_world(*stage, arguments, observer);
   if (!scene) return scene.error();
   options.tool_radius = scene->model.world.tool_radius;
@@ -292,8 +297,10 @@ void add_serve(CLI::App& app, Action& action) {
   auto arguments = std::make_shared<ServeArguments>();
   command->add_option("scene", arguments->scene, "Folder that pcavr build wrote")->required();
   command->add_option("--replay", arguments->recording, "Show this recording, replayed");
-  command->add_option("--tracked", arguments->tracked,
-                      "Take the replay's tracking from this run instead of doing it again");
+  command
+      ->add_option("--tracked", arguments->tracked,
+                   "Take the replay's tracking from this run instead of doing it again")
+      ->needs("--replay");
   command->add_option("--parameters", arguments->parameters, "What identify wrote");
   add_network_options(*command, *arguments);
   command

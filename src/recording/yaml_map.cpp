@@ -7,6 +7,7 @@
 #include <set>
 
 #include "recording/text_rows.hpp"
+#include "recording/utf8.hpp"
 
 namespace pcavr {
 
@@ -17,6 +18,7 @@ void YamlValue::fail(const std::string& message, const std::string& mend) const 
 
 std::string YamlValue::text() const {
   if (!node_.IsScalar()) fail("is not a text", "write one value");
+  if (!is_utf8_text(node_.Scalar())) fail("is not UTF-8 text", "save the file as UTF-8");
   return node_.Scalar();
 }
 

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "recording/utf8.hpp"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/recording/parameters_file.hpp"
+
+namespace pcavr {
+namespace {
+
+TEST(Utf8, TakesTextOfAnyLanguage) {
+  for (const char* text : {"", "box", "Würfel", "箱", "коробка", "\xf0\x9f\x93\xa6"}) {
+    EXPECT_TRUE(is_utf8_text(text)) << text;
+  }
+}
+
+TEST(Utf8, RefusesWhatIsNot) {
+  for (const char* bytes : {
+           "W\xfcrfel",             // Latin-1
+           "\xc3",                  // cut off
+           "\x80",                  // goes on with nothing
+           "\xc0\xaf",              // '/' in two bytes
+           "\xe0\x80\xaf",          // and in three
+           "\xed\xa0\x80",          // half of a pair
+           "\xf4\x90\x80\x80",      // beyond the last
+           "\xef\xbf\xbe",          // U+FFFE
+           "\xef\xb7\x90",          // U+FDD0
+           "\xf8\x88\x80\x80\x80",  // five bytes
+           "\xff",
+       }) {
+    EXPECT_FALSE(is_utf8_text(bytes)) << bytes;
+  }
+}
+
+TEST(Utf8, IsAskedOfEveryNameInAFile) {
+  const auto latin = parse_parameters("W\xfcrfel: {mass: 2}\n", "p.yaml");
+  ASSERT_FALSE(latin.has_value());
+  EXPECT_EQ(latin.error().message, "is not UTF-8 text");
+  EXPECT_EQ(latin.error().line, 1);
+  EXPECT_FALSE(parse_parameters("\"\\uFFFE\": {mass: 2}\n", "p.yaml").has_value());
+  EXPECT_TRUE(parse_parameters("Würfel: {mass: 2}\n", "p.yaml").has_value());
+}
+
+}  // namespace
+}  // namespace pcavr
