@@ -106,28 +106,28 @@ test('events without an actuator are not given later', () => {
 
 test('a thrown ball lands where a parabola meets the floor, and on a table before the floor', () => {
   const path = throwPath(new Vector3(0, 0, 1), new Vector3(1, 0, 0), 1);
-  const floor = { z: 0, outline: [] };
+  const floor = { z: 0, outline: null };
   const reach = 5 * Math.sqrt(2 / 9.81);
   // The path is drawn in straight pieces of 50 ms: within 1 mm of the curve, flat to its slope.
   near(landing(path, [floor])!.place, new Vector3(reach, 0, 0), 0.005);
-  const outline = [
+  const outline: [number, number, number][] = [
     [1, -1],
     [3, -1],
     [3, 1],
     [1, 1],
-  ].map(([x, y]) => new Vector3(x, y, 0.5));
+  ].map(([x, y]) => [x, y, 0.5]);
   assert.equal(landing(path, [floor, { z: 0.5, outline }])!.place.z, 0.5);
-  const beside = outline.map((p) => p.clone().add(new Vector3(0, 5, 0)));
+  const beside = outline.map(([x, y, z]): [number, number, number] => [x, y + 5, z]);
   assert.equal(landing(path, [floor, { z: 0.5, outline: beside }])!.place.z, 0);
 });
 
 test('a throw that meets nothing lands nowhere', () => {
   const path = throwPath(new Vector3(0, 0, 1), new Vector3(0, 0, 1), 1);
-  assert.equal(landing(path, [{ z: 30, outline: [] }]), undefined);
+  assert.equal(landing(path, [{ z: 30, outline: null }]), undefined);
 });
 
 test('the floor is where the scan ends, or a table below what things stand on', () => {
-  const supports = [{ z: 0.02, outline: [] }];
+  const supports = [{ z: 0.02, outline: null }];
   assert.equal(floorOf({ supports, lowest: -0.7, things: [] }), -0.7);
   assert.equal(floorOf({ supports, lowest: -0.05, things: [] }), 0.02 - 0.75);
   assert.equal(floorOf({ supports: [], lowest: undefined, things: [] }), -0.75);

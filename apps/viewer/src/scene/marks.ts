@@ -3,7 +3,7 @@
 import {
   AxesHelper,
   BufferGeometry,
-  CanvasTexture,
+  type CanvasTexture,
   DoubleSide,
   Group,
   Line,
@@ -15,9 +15,10 @@ import {
   PlaneGeometry,
   Shape,
   ShapeGeometry,
-  SRGBColorSpace,
   Vector3,
 } from 'three';
+import { drawnTexture } from './drawn_texture';
+import { heightOf, type Outline } from './outline';
 import type { SceneModel, SceneTag } from './scene_model';
 import type { SceneView } from './view';
 
@@ -61,9 +62,7 @@ function addTag(view: SceneView, tag: SceneTag): void {
 
 /// A tag's family and number, in a frame: its pattern is no concern of the page.
 function tagPicture(tag: SceneTag): CanvasTexture {
-  const canvas = document.createElement('canvas');
-  canvas.width = canvas.height = 128;
-  const pen = canvas.getContext('2d')!;
+  const { pen, texture } = drawnTexture(128, 128);
   pen.fillStyle = '#ffffff';
   pen.fillRect(0, 0, 128, 128);
   pen.lineWidth = 12;
@@ -74,13 +73,11 @@ function tagPicture(tag: SceneTag): CanvasTexture {
   pen.fillText(String(tag.id), 64, 78);
   pen.font = '14px sans-serif';
   pen.fillText(tag.family, 64, 102);
-  const texture = new CanvasTexture(canvas);
-  texture.colorSpace = SRGBColorSpace;
   return texture;
 }
 
 /// In its own plane the outline is a flat polygon: two axes in it, and the height of each corner.
-function supportPlane(outline: SceneModel['support_planes'][number]['outline']): Group {
+function supportPlane(outline: Outline): Group {
   const corners = outline.map((corner) => new Vector3(...corner));
   const shape = new Shape();
   corners.forEach(({ x, y }, i) => (i === 0 ? shape.moveTo(x, y) : shape.lineTo(x, y)));
@@ -94,7 +91,7 @@ function supportPlane(outline: SceneModel['support_planes'][number]['outline']):
       side: DoubleSide,
     }),
   );
-  face.position.z = corners.reduce((sum, { z }) => sum + z, 0) / corners.length + lift;
+  face.position.z = heightOf(outline) + lift;
   const edge = new LineLoop(
     new BufferGeometry().setFromPoints(corners),
     new LineBasicMaterial({ color: '#2f9e6e' }),

@@ -14,6 +14,7 @@ import {
 } from 'three';
 import type { Vector } from '../protocol';
 import type { Body } from './bodies';
+import { heightOf, isInside, type Outline } from './outline';
 
 const color = '#ffffff';
 const lift = 0.001; // [m] of the foot above what it lies on, or both would flicker
@@ -43,7 +44,7 @@ export class PlumbLine {
     tool: Readonly<Vector>,
     radius: number,
     bodies: readonly Body[],
-    supports: Vector[][],
+    supports: readonly Outline[],
   ): void {
     const [x, y, z] = tool;
     const below = Math.max(this.bodyBelow(tool, bodies), supportBelow(tool, supports));
@@ -68,23 +69,12 @@ export class PlumbLine {
 }
 
 /// The height [m] of the highest support below a point; -Infinity where it is beside them all.
-export function supportBelow(point: Readonly<Vector>, outlines: readonly Vector[][]): number {
+export function supportBelow(point: Readonly<Vector>, outlines: readonly Outline[]): number {
   let highest = -Infinity;
   for (const outline of outlines) {
-    const height = outline.reduce((sum, corner) => sum + corner[2], 0) / outline.length;
-    if (height < point[2] && height > highest && isInside(point, outline)) highest = height;
+    const height = heightOf(outline);
+    if (height < point[2] && height > highest && isInside(point[0], point[1], outline))
+      highest = height;
   }
   return highest;
-}
-
-/// Whether a point lies in an outline, seen from above: a ray along x leaves it once more than it
-/// enters.
-function isInside([x, y]: Readonly<Vector>, outline: readonly Vector[]): boolean {
-  let isIn = false;
-  outline.forEach((a, i) => {
-    const b = outline[(i + 1) % outline.length];
-    if (a[1] > y !== b[1] > y && x < a[0] + ((b[0] - a[0]) * (y - a[1])) / (b[1] - a[1]))
-      isIn = !isIn;
-  });
-  return isIn;
 }

@@ -14,6 +14,7 @@ import {
 import type { LiveState, Vector } from '../protocol';
 import { Body } from './bodies';
 import { Layers } from './layers';
+import type { Outline } from './outline';
 import { PlumbLine } from './plumb_line';
 import type { SceneModel } from './scene_model';
 import { ToolView } from './tool_view';
@@ -33,7 +34,7 @@ export class SceneView {
   bodies: Body[] = [];
   model: SceneModel | null = null;
   private readonly plumbLine: PlumbLine;
-  private supports: Vector[][] = [];
+  private supports: Outline[] = [];
   private byName = new Map<string, Body>();
   private order: (Body | undefined)[] = []; // as the server's state has them
 

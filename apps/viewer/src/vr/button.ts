@@ -8,10 +8,8 @@ export function vrButton(vr: VrMode, onError: (words: string) => void): HTMLButt
   button.type = 'button';
   button.id = 'vr-button';
   button.disabled = true;
-  const label = (isPresenting: boolean) => {
-    button.textContent = isPresenting ? 'Leave VR' : 'Enter VR';
-    button.setAttribute('aria-pressed', String(isPresenting));
-  };
+  const label = (isPresenting: boolean) =>
+    void (button.textContent = isPresenting ? 'Leave VR' : 'Enter VR');
   label(false);
   vr.onChange(label);
   button.addEventListener('click', () => {

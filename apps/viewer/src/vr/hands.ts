@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Quaternion, Vector3 } from 'three';
 
+import { Press } from './press';
 import type { Actuator } from './pulses';
 
 export type Side = 'left' | 'right';
@@ -16,8 +17,8 @@ export interface Hand {
   aimFrom: Vector3;
   aimAlong: Vector3; // unit
   isClutchHeld: boolean; // squeeze, trigger or pinch
-  isHoldPressed: boolean;
-  isExtraPressed: boolean;
+  beginsHold: boolean; // the lower button, in the frame in which it is pressed
+  beginsExtra: boolean; // the upper one
   stick: { x: number; y: number };
   /// What presses buttons: the index finger's tip, or a controller's.
   fingertip: Vector3;
@@ -36,9 +37,16 @@ const drawnEnough = 0.5;
 const pinchClosesAt = 0.02;
 const pinchOpensAt = 0.035;
 
+/// What one hand holds down from frame to frame.
+class HandPresses {
+  readonly pinch = new Press();
+  readonly hold = new Press();
+  readonly extra = new Press();
+}
+
 /// Reads hands and controllers, frame by frame.
 export class HandReader {
-  private readonly pinching = new Map<Side, boolean>();
+  private readonly presses = { left: new HandPresses(), right: new HandPresses() };
 
   /// Those that are tracked in this frame; a guessed place is not tracked.
   read(frame: XRFrame, space: XRReferenceSpace): Hand[] {
@@ -64,7 +72,7 @@ export class HandReader {
       hand.isHand = true;
       if (!this.readFingers(frame, space, source.hand, hand)) return undefined;
     } else if (source.gamepad) {
-      readButtons(source.gamepad, hand);
+      readButtons(source.gamepad, this.presses[hand.side], hand);
     }
     return hand;
   }
@@ -83,9 +91,9 @@ export class HandReader {
     const index = jointAt(frame, space, fingers, 'index-finger-tip');
     if (thumb === undefined || index === undefined) return false;
     const gap = thumb.distanceTo(index);
-    const was = this.pinching.get(hand.side) ?? false;
-    hand.isClutchHeld = gap < (was ? pinchOpensAt : pinchClosesAt);
-    this.pinching.set(hand.side, hand.isClutchHeld);
+    const { pinch } = this.presses[hand.side];
+    pinch.update(gap < pinchClosesAt, gap < pinchOpensAt);
+    hand.isClutchHeld = pinch.isDown;
     hand.place.copy(thumb).add(index).multiplyScalar(0.5);
     hand.fingertip = index;
     return true;
@@ -114,8 +122,8 @@ function fromPoses(side: Side, grip: XRRigidTransform, aim: XRRigidTransform): H
     aimFrom,
     aimAlong: new Vector3(0, 0, -1).applyQuaternion(turn),
     isClutchHeld: false,
-    isHoldPressed: false,
-    isExtraPressed: false,
+    beginsHold: false,
+    beginsExtra: false,
     stick: { x: 0, y: 0 },
     fingertip: aimFrom,
     joints: [],
@@ -123,11 +131,11 @@ function fromPoses(side: Side, grip: XRRigidTransform, aim: XRRigidTransform): H
   };
 }
 
-function readButtons(gamepad: Gamepad, hand: Hand): void {
+function readButtons(gamepad: Gamepad, presses: HandPresses, hand: Hand): void {
   const drawn = (at: number): number => gamepad.buttons[at]?.value ?? 0;
   hand.isClutchHeld = drawn(trigger) > drawnEnough || drawn(squeeze) > drawnEnough;
-  hand.isHoldPressed = drawn(lowerButton) > drawnEnough;
-  hand.isExtraPressed = drawn(upperButton) > drawnEnough;
+  hand.beginsHold = presses.hold.update(drawn(lowerButton) > drawnEnough);
+  hand.beginsExtra = presses.extra.update(drawn(upperButton) > drawnEnough);
   // 2 and 3 are a thumbstick's; 0 and 1 a touchpad's.
   const hasStick = gamepad.axes.length >= 4;
   hand.stick.x = gamepad.axes[hasStick ? 2 : 0] ?? 0;

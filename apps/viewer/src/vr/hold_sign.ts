@@ -1,14 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import {
-  CanvasTexture,
-  Mesh,
-  MeshBasicMaterial,
-  PlaneGeometry,
-  type Quaternion,
-  SRGBColorSpace,
-  Vector3,
-} from 'three';
+import { Mesh, MeshBasicMaterial, PlaneGeometry, type Quaternion, Vector3 } from 'three';
+import { drawnTexture } from '../scene/drawn_texture';
 
 // Below the line of sight, out of the way of what is looked at, near enough to be read [m].
 const ahead = new Vector3(0, -0.22, -0.9);
@@ -19,19 +12,13 @@ export class HoldSign {
   readonly mesh: Mesh;
 
   constructor() {
-    const canvas = document.createElement('canvas');
-    canvas.width = 640;
-    canvas.height = 128;
-    const context = canvas.getContext('2d');
-    if (context === null) throw new Error('no 2D canvas');
-    context.fillStyle = '#ff8a1f';
-    context.fillRect(0, 0, canvas.width, canvas.height);
-    context.fillStyle = '#10161d';
-    context.font = '700 72px system-ui, sans-serif';
-    context.textAlign = 'center';
-    context.fillText('ON HOLD', canvas.width / 2, 90);
-    const texture = new CanvasTexture(canvas);
-    texture.colorSpace = SRGBColorSpace;
+    const { pen, texture } = drawnTexture(640, 128);
+    pen.fillStyle = '#ff8a1f';
+    pen.fillRect(0, 0, 640, 128);
+    pen.fillStyle = '#10161d';
+    pen.font = '700 72px system-ui, sans-serif';
+    pen.textAlign = 'center';
+    pen.fillText('ON HOLD', 320, 90);
     this.mesh = new Mesh(
       new PlaneGeometry(size.x, size.y),
       // In front of everything: it has to be seen also with the head in a wall.

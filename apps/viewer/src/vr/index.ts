@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import { Box3, Vector3 } from 'three';
+import { Box3 } from 'three';
 import type { App } from '../app';
+import { heightOf } from '../scene/outline';
 import { vrButton } from './button';
 import type { Ground } from './start';
 import { VrMode } from './vr_mode';
@@ -20,8 +21,8 @@ export function attachVr(app: App): void {
 function groundOf(app: App): Ground {
   const { model, bodies, layers, base } = app.view;
   const supports = (model?.support_planes ?? []).map(({ outline }) => ({
-    z: outline.reduce((sum, p) => sum + p[2] / outline.length, 0),
-    outline: outline.map((p) => new Vector3(...p)),
+    z: heightOf(outline),
+    outline,
   }));
   const scan = new Box3().setFromObject(layers.group('mesh'));
   // The scan's box is three.js's, y up; base has its origin in the same place.

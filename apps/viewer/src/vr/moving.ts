@@ -4,6 +4,7 @@ import type { Vector3 } from 'three';
 
 import type { Hand } from './hands';
 import { worldScales, type Person } from './person';
+import { Press } from './press';
 import { landing, type Level, TeleportView, throwPath } from './teleport';
 
 const snapAngle = Math.PI / 6;
@@ -14,8 +15,7 @@ const backAt = 0.3;
 /// Moves the person by the free hand: teleport, snap turn, scale. Never the tool.
 export class Moving {
   readonly view = new TeleportView();
-  private isTurned = false;
-  private wasExtra = false;
+  private readonly turned = new Press();
   /// Where a teleport would go [m], in base, while one is aimed.
   target: Vector3 | undefined;
 
@@ -31,7 +31,7 @@ export class Moving {
       return;
     }
     this.turn(hand, head);
-    this.rescale(hand, pivot);
+    if (hand.beginsExtra) this.person.scaleTo(nextScale(this.person.scale), pivot);
     this.teleport(hand, head);
   }
 
@@ -42,16 +42,9 @@ export class Moving {
   }
 
   private turn(hand: Hand, head: Vector3): void {
-    if (Math.abs(hand.stick.x) < backAt) this.isTurned = false;
-    if (this.isTurned || Math.abs(hand.stick.x) < pushedAt) return;
-    this.isTurned = true;
-    this.person.turnBy(hand.stick.x > 0 ? -snapAngle : snapAngle, head);
-  }
-
-  private rescale(hand: Hand, pivot: Vector3): void {
-    const isPressed = hand.isExtraPressed && !this.wasExtra;
-    this.wasExtra = hand.isExtraPressed;
-    if (isPressed) this.person.scaleTo(nextScale(this.person.scale), pivot);
+    const aside = Math.abs(hand.stick.x);
+    if (this.turned.update(aside >= pushedAt, aside >= backAt))
+      this.person.turnBy(hand.stick.x > 0 ? -snapAngle : snapAngle, head);
   }
 
   private teleport(hand: Hand, head: Vector3): void {

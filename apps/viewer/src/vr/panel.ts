@@ -1,13 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import {
-  CanvasTexture,
-  Mesh,
-  MeshBasicMaterial,
-  PlaneGeometry,
-  SRGBColorSpace,
-  type Vector3,
-} from 'three';
+import { Mesh, MeshBasicMaterial, PlaneGeometry, type Vector3 } from 'three';
+import { drawnTexture } from '../scene/drawn_texture';
+import { Press } from './press';
 
 /// What the panel says.
 export interface PanelText {
@@ -44,25 +39,16 @@ const releaseDistance = 0.035;
 /// A small sheet beside the free hand, with two buttons for fingertips.
 export class Panel {
   readonly mesh: Mesh;
-  private readonly texture: CanvasTexture;
-  private readonly context: CanvasRenderingContext2D;
+  private readonly sheet = drawnTexture(width, height);
+  private readonly pressed = new Press();
   private words = '';
   private numbers = '';
   private drawnAt = 0; // [ms]
-  private isPressed = false;
 
   constructor() {
-    const canvas = document.createElement('canvas');
-    canvas.width = width;
-    canvas.height = height;
-    const context = canvas.getContext('2d');
-    if (context === null) throw new Error('no 2D canvas');
-    this.context = context;
-    this.texture = new CanvasTexture(canvas);
-    this.texture.colorSpace = SRGBColorSpace;
     this.mesh = new Mesh(
       new PlaneGeometry(metres, (metres * height) / width),
-      new MeshBasicMaterial({ map: this.texture, toneMapped: false }),
+      new MeshBasicMaterial({ map: this.sheet.texture, toneMapped: false }),
     );
     this.mesh.name = 'panel';
   }
@@ -93,16 +79,14 @@ export class Panel {
     this.numbers = numbers;
     this.drawnAt = now;
     this.draw(text);
-    this.texture.needsUpdate = true;
+    this.sheet.texture.needsUpdate = true;
   }
 
-  /// The button that a fingertip (headset) has come to; each time once.
-  pressedBy(tips: readonly Vector3[]): PanelButton | undefined {
-    const near = tips.map((tip) => this.buttonAt(tip, pressDistance)).find((b) => b !== undefined);
-    const isClose = tips.some((tip) => this.buttonAt(tip, releaseDistance) !== undefined);
-    const isNew = near !== undefined && !this.isPressed;
-    this.isPressed = near !== undefined || (this.isPressed && isClose);
-    return isNew ? near : undefined;
+  /// The button that a fingertip (headset), if there is one, has come to; each time once.
+  pressedBy(tip: Vector3 | undefined): PanelButton | undefined {
+    const near = tip && this.buttonAt(tip, pressDistance);
+    const isClose = tip !== undefined && this.buttonAt(tip, releaseDistance) !== undefined;
+    return this.pressed.update(near !== undefined, isClose) ? near : undefined;
   }
 
   private buttonAt(tip: Vector3, distance: number): PanelButton | undefined {
@@ -116,7 +100,7 @@ export class Panel {
   }
 
   private draw(text: PanelText): void {
-    const c = this.context;
+    const c = this.sheet.pen;
     c.fillStyle = text.isOnHold ? '#5a1e00' : '#10161d';
     c.fillRect(0, 0, width, height);
     c.strokeStyle = '#48627a';
@@ -135,7 +119,7 @@ export class Panel {
   }
 
   private line(words: string, y: number, size: number, colour: string, align = 'left'): void {
-    const c = this.context;
+    const c = this.sheet.pen;
     c.font = `600 ${size}px system-ui, sans-serif`;
     c.textAlign = align === 'left' ? 'left' : 'right';
     c.fillStyle = colour;
@@ -143,7 +127,7 @@ export class Panel {
   }
 
   private button(index: number, words: string, isLit: boolean): void {
-    const c = this.context;
+    const c = this.sheet.pen;
     const { x, width: wide } = buttons[index];
     c.fillStyle = isLit ? '#ff8a1f' : '#24425c';
     c.fillRect(x, buttonTop, wide, buttonHeight);

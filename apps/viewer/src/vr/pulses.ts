@@ -41,7 +41,7 @@ export class Pulses {
     }
   }
 
-  /// Forgets what was counted: at the start of a session, and after the world's reset.
+  /// Forgets what was counted: what was while nobody held it is not felt later.
   reset(): void {
     this.seen = undefined;
     this.quietUntil = 0;

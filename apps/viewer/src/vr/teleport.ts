@@ -11,11 +11,12 @@ import {
   RingGeometry,
   Vector3,
 } from 'three';
+import { isInside, type Outline } from '../scene/outline';
 
 /// A level surface in base to stand over; without an outline it has no edge.
 export interface Level {
   z: number;
-  outline: Vector3[];
+  outline: Outline | null;
 }
 
 // A thrown ball's path: quick enough to cross a room, slow enough to aim at one's feet [m/s].
@@ -50,7 +51,7 @@ export function landing(
       if (before.z < level.z || after.z >= level.z) continue;
       const share = (before.z - level.z) / (before.z - after.z);
       const place = before.clone().lerp(after, share);
-      if (!isWithin(place, level.outline)) continue;
+      if (level.outline && !isInside(place.x, place.y, level.outline)) continue;
       if (best === undefined || place.z > best.z) best = place;
     }
     if (best !== undefined) return { place: best, path: [...path.slice(0, i), best] };
@@ -58,28 +59,16 @@ export function landing(
   return undefined;
 }
 
-function isWithin(place: Vector3, outline: Vector3[]): boolean {
-  if (outline.length === 0) return true;
-  let inside = false;
-  for (let i = 0, j = outline.length - 1; i < outline.length; j = i++) {
-    const a = outline[i];
-    const b = outline[j];
-    if (a.y > place.y === b.y > place.y) continue;
-    if (place.x < a.x + ((b.x - a.x) * (place.y - a.y)) / (b.y - a.y)) inside = !inside;
-  }
-  return inside;
-}
-
 /// The arc, and the ring where it lands.
 export class TeleportView {
   readonly group = new Group();
   private readonly points = new BufferAttribute(new Float32Array(3 * (pathSteps + 2)), 3);
+  private readonly arc = new BufferGeometry();
   private readonly ring: Mesh;
 
   constructor() {
-    const arc = new BufferGeometry();
-    arc.setAttribute('position', this.points);
-    const line = new Line(arc, new LineBasicMaterial({ color: 0x39a0ff }));
+    this.arc.setAttribute('position', this.points);
+    const line = new Line(this.arc, new LineBasicMaterial({ color: 0x39a0ff }));
     line.frustumCulled = false;
     this.ring = new Mesh(
       new RingGeometry(0.16, 0.2, 48),
@@ -93,8 +82,7 @@ export class TeleportView {
   show(path: Vector3[], place: Vector3, scale: number): void {
     path.forEach((p, i) => this.points.setXYZ(i, p.x, p.y, p.z));
     this.points.needsUpdate = true;
-    const line = this.group.children[0] as Line;
-    line.geometry.setDrawRange(0, path.length);
+    this.arc.setDrawRange(0, path.length);
     // Above the surface it lies on, so that the two do not fight for the same pixels.
     this.ring.position.copy(place).z += 0.004 / scale;
     this.ring.scale.setScalar(1 / scale);

@@ -32,8 +32,6 @@ export class VrMode {
   private xr: XRSession | undefined;
   private toolSide: Side = 'right';
   private isPlaced = false;
-  private wasHold = false;
-  private wasSwap = false;
   private hadTool = false;
   private giveCameraBack = () => {};
   private sent: { tip: Vector; quaternion: Quaternion; device: Device } | undefined;
@@ -141,7 +139,7 @@ export class VrMode {
 
   private levels() {
     const ground = this.ground();
-    return [...ground.supports, { z: floorOf(ground), outline: [] }];
+    return [...ground.supports, { z: floorOf(ground), outline: null }];
   }
 
   /// Buttons: hold and go on, reset, the other hand for the tool.
@@ -152,15 +150,11 @@ export class VrMode {
     state: LiveState | null,
   ): void {
     // The panel is beside the free hand; and a hand that leads the tool presses nothing by the way.
-    const tips = tool?.fingertip && free && !this.clutch.isClosed ? [tool.fingertip] : [];
-    const touched = this.panel.pressedBy(tips);
-    const isHold = hands.some((h) => h.isHoldPressed);
-    if ((isHold && !this.wasHold) || touched === 'hold') this.toggleHold(state);
+    const tip = free && !this.clutch.isClosed ? tool?.fingertip : undefined;
+    const touched = this.panel.pressedBy(tip);
+    if (touched === 'hold' || hands.some((h) => h.beginsHold)) this.toggleHold(state);
     if (touched === 'reset') this.app.session.command(Command.reset);
-    this.wasHold = isHold;
-    const isSwap = tool?.isExtraPressed ?? false;
-    if (isSwap && !this.wasSwap && free && !this.clutch.isClosed) this.toolSide = free.side;
-    this.wasSwap = isSwap;
+    if (tool?.beginsExtra && free && !this.clutch.isClosed) this.toolSide = free.side;
   }
 
   private toggleHold(state: LiveState | null): void {
