@@ -1,37 +1,19 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
-import { after, afterEach, before, test } from 'node:test';
-import { openBrowser, picture } from './support/browser.mjs';
+import { test } from 'node:test';
+import { picture } from './support/browser.mjs';
 import { flick, frames, moveBy, press, takeHold, toHeadset } from './support/controller.mjs';
-import { enterVr, wearHeadset } from './support/headset.mjs';
-import { distance, Live, until } from './support/live.mjs';
-import { makeScene, serve } from './support/pcavr.mjs';
+import { enterVr } from './support/headset.mjs';
+import { distance, until } from './support/live.mjs';
+import { limit, setStage } from './support/stage.mjs';
 import { drawnBodies } from './support/drawn.mjs';
 
 const sameAsWorld = 1e-4; // [m] as the page is asked to be
 const stillness = 2e-5; // [m] of numbers in single precision that stand still
-const seconds = 1000;
 
-let browser, scene, server, world;
-
-before(async () => {
-  scene = makeScene();
-  server = await serve(scene.scene, '--parameters', scene.parameters);
-  browser = await openBrowser();
-  await wearHeadset(browser.context);
-  world = new Live(server.url);
-  await until(() => world.state, 'the first state');
-});
-
-afterEach(() => browser?.closePages());
-
-after(async () => {
-  world?.close();
-  await browser?.close();
-  await server?.stop();
-  scene?.remove();
-});
+let world;
+const stage = setStage({ headset: true, world: true }, () => ({ world } = stage));
 
 /// Leads the tool to a place in base. A machine that is busy elsewhere may let it go under way:
 /// then the hand takes hold anew.
@@ -62,10 +44,10 @@ async function resetWorld() {
 
 test(
   'a controller pushes a box, the picture shows what the world says, and the hand feels it',
-  { timeout: 60 * seconds },
+  limit,
   async () => {
     await resetWorld();
-    const { page, seen } = await enterVr(browser.context, server.url);
+    const { page, seen } = await enterVr(stage);
     const [x, y, z] = start[0];
     await takeHold(page, world);
     await leadTo(page, [world.state.hip[0], world.state.hip[1], 0.3], 0.4);
@@ -101,53 +83,49 @@ test(
   },
 );
 
-test(
-  'without the clutch, on hold, and by the head alone nothing moves',
-  { timeout: 60 * seconds },
-  async () => {
-    await resetWorld();
-    const { page } = await enterVr(browser.context, server.url);
-    const before = world.state.hip;
-    const stays = (what) => assert.ok(distance(world.state.hip, before) < stillness, what);
+test('without the clutch, on hold, and by the head alone nothing moves', limit, async () => {
+  await resetWorld();
+  const { page } = await enterVr(stage);
+  const before = world.state.hip;
+  const stays = (what) => assert.ok(distance(world.state.hip, before) < stillness, what);
 
-    await moveBy(page, 'right', [0.1, 0.1, 0], 0.5);
-    stays('the clutch is open');
-    assert.equal(world.state.isEngaged, false);
+  await moveBy(page, 'right', [0.1, 0.1, 0], 0.5);
+  stays('the clutch is open');
+  assert.equal(world.state.isEngaged, false);
 
-    await page.evaluate(() => window.__headset.position.set(0.5, 1.2, 0.3));
-    await flick(page, 'left', 1, 0);
-    await flick(page, 'left', 0, -1);
-    await press(page, 'left', 'y-button', true);
-    await press(page, 'left', 'y-button', false);
-    stays('the person moved, not the tool');
+  await page.evaluate(() => window.__headset.position.set(0.5, 1.2, 0.3));
+  await flick(page, 'left', 1, 0);
+  await flick(page, 'left', 0, -1);
+  await press(page, 'left', 'y-button', true);
+  await press(page, 'left', 'y-button', false);
+  stays('the person moved, not the tool');
 
-    await takeHold(page, world);
-    await page.evaluate(() => window.__headset.position.set(0, 1.6, 0));
-    await flick(page, 'left', 1, 0);
-    stays('the head moved while the clutch was closed');
+  await takeHold(page, world);
+  await page.evaluate(() => window.__headset.position.set(0, 1.6, 0));
+  await flick(page, 'left', 1, 0);
+  stays('the head moved while the clutch was closed');
 
-    await press(page, 'right', 'a-button', true);
-    await press(page, 'right', 'a-button', false);
-    await until(() => world.state.isOnHold, 'hold');
-    await moveBy(page, 'right', [0, 0.1, 0], 0.5);
-    stays('on hold');
-    await picture(page, 'vr-hold');
-    await press(page, 'right', 'a-button', true);
-    await press(page, 'right', 'a-button', false);
-    await until(() => !world.state.isOnHold, 'go on');
-    await moveBy(page, 'right', [0, 0.1, 0], 0.5);
-    stays('after hold the hand has to take hold anew');
+  await press(page, 'right', 'a-button', true);
+  await press(page, 'right', 'a-button', false);
+  await until(() => world.state.isOnHold, 'hold');
+  await moveBy(page, 'right', [0, 0.1, 0], 0.5);
+  stays('on hold');
+  await picture(page, 'vr-hold');
+  await press(page, 'right', 'a-button', true);
+  await press(page, 'right', 'a-button', false);
+  await until(() => !world.state.isOnHold, 'go on');
+  await moveBy(page, 'right', [0, 0.1, 0], 0.5);
+  stays('after hold the hand has to take hold anew');
 
-    await takeHold(page, world);
-    await moveBy(page, 'right', [0, 0.05, 0], 0.5);
-    await until(() => world.state.hip[2] > before[2] + 0.01, 'the tool follows again');
-    await page.close();
-  },
-);
+  await takeHold(page, world);
+  await moveBy(page, 'right', [0, 0.05, 0], 0.5);
+  await until(() => world.state.hip[2] > before[2] + 0.01, 'the tool follows again');
+  await page.close();
+});
 
 test(
   'a lost controller, a hidden page, a page that is closed: each lets the tool go',
-  { timeout: 60 * seconds },
+  limit,
   async () => {
     const ways = {
       'a controller that is gone': (page) =>
@@ -163,10 +141,10 @@ test(
     };
     for (const [name, lose] of Object.entries(ways)) {
       await resetWorld();
-      const { page } = await enterVr(browser.context, server.url);
+      const { page } = await enterVr(stage);
       await takeHold(page, world);
       await lose(page);
-      await until(() => !world.state.isEngaged, `${name}: let go`, 2 * seconds);
+      await until(() => !world.state.isEngaged, `${name}: let go`, 2000);
       const before = world.state.hip;
       if (!page.isClosed()) {
         await page.evaluate(() => window.__headset.controllers.right.position.set(0, 1, -1));
@@ -178,9 +156,9 @@ test(
   },
 );
 
-test('both eyes see the scene, each from its own side', { timeout: 60 * seconds }, async () => {
+test('both eyes see the scene, each from its own side', limit, async () => {
   await resetWorld();
-  const { page, seen } = await enterVr(browser.context, server.url);
+  const { page, seen } = await enterVr(stage);
   await page.evaluate(() => {
     window.__headset.quaternion.set(Math.sin(-0.35), 0, 0, Math.cos(-0.35));
     window.__headset.controllers.left.position.set(-0.2, 1.25, -0.4);
@@ -188,6 +166,7 @@ test('both eyes see the scene, each from its own side', { timeout: 60 * seconds 
   });
   await frames(page, 5);
   await picture(page, 'vr-both-eyes');
+  assert.ok(await page.locator('#labels').isHidden(), 'labels are for the flat picture');
   const eyes = await page.evaluate(() =>
     window.__pcavr.app.renderer.xr
       .getCamera()

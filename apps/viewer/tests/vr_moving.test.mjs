@@ -1,41 +1,23 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
-import { after, afterEach, before, test } from 'node:test';
-import { openBrowser, picture } from './support/browser.mjs';
+import { test } from 'node:test';
+import { picture } from './support/browser.mjs';
 import { flick, frames, moveBy, press, takeHold } from './support/controller.mjs';
-import { enterVr, placeOf, wearHeadset } from './support/headset.mjs';
-import { distance, Live, until } from './support/live.mjs';
-import { makeScene, serve } from './support/pcavr.mjs';
+import { enterVr, placeOf } from './support/headset.mjs';
+import { distance, until } from './support/live.mjs';
+import { limit, setStage } from './support/stage.mjs';
 
-const limit = { timeout: 60_000 }; // [ms]
 const rounding = 1e-5; // [m] of numbers in single precision near 1
 
-let browser, scene, server, world;
-
-before(async () => {
-  scene = makeScene();
-  server = await serve(scene.scene, '--parameters', scene.parameters);
-  browser = await openBrowser();
-  await wearHeadset(browser.context);
-  world = new Live(server.url);
-  await until(() => world.state, 'the first state');
-}, limit);
-
-afterEach(() => browser?.closePages());
-
-after(async () => {
-  world?.close();
-  await browser?.close();
-  await server?.stop();
-  scene?.remove();
-});
+let world;
+const stage = setStage({ headset: true, world: true }, () => ({ world } = stage));
 
 test(
   'a snap turn is 30 degrees about the head, and a stick that stays turns once',
   limit,
   async () => {
-    const { page } = await enterVr(browser.context, server.url);
+    const { page } = await enterVr(stage);
     const before = await placeOf(page);
     await flick(page, 'left', -1, 0);
     const after = await placeOf(page);
@@ -47,7 +29,7 @@ test(
 );
 
 test('a teleport goes to the ring, and keeps height and heading', limit, async () => {
-  const { page } = await enterVr(browser.context, server.url);
+  const { page } = await enterVr(stage);
   const before = await placeOf(page);
   // Down and ahead: the ring is on the floor, or on what things stand on.
   await page.evaluate(() => {
@@ -67,7 +49,7 @@ test('a teleport goes to the ring, and keeps height and heading', limit, async (
 });
 
 test('in a world shown larger the tool moves as much less', limit, async () => {
-  const { page } = await enterVr(browser.context, server.url);
+  const { page } = await enterVr(stage);
   for (const scale of [2, 4, 0.5, 1]) {
     await press(page, 'left', 'y-button', true);
     await press(page, 'left', 'y-button', false);
@@ -83,9 +65,11 @@ test('in a world shown larger the tool moves as much less', limit, async () => {
 });
 
 test('the hands change, and then the left one has the tool', limit, async () => {
-  const { page } = await enterVr(browser.context, server.url);
+  const { page } = await enterVr(stage);
   await press(page, 'right', 'b-button', true);
   await press(page, 'right', 'b-button', false);
+  // The button is now the free hand's, whose press scales the world: this one was the swap's.
+  assert.equal(await page.evaluate(() => window.__pcavr.vr.person.scale), 1);
   await press(page, 'right', 'squeeze', true);
   await page.waitForTimeout(200);
   assert.equal(world.state.isEngaged, false);
@@ -94,7 +78,7 @@ test('the hands change, and then the left one has the tool', limit, async () => 
 });
 
 test('a bare hand holds the tool by a pinch', limit, async () => {
-  const { page, seen } = await enterVr(browser.context, server.url);
+  const { page, seen } = await enterVr(stage);
   await page.evaluate(() => {
     window.__headset.primaryInputMode = 'hand';
     window.__headset.hands.left.position.set(-0.2, 1.2, -0.4);
@@ -116,7 +100,7 @@ test('a bare hand holds the tool by a pinch', limit, async () => {
 });
 
 test('a fingertip on the panel beside the other hand holds, and goes on', limit, async () => {
-  const { page } = await enterVr(browser.context, server.url);
+  const { page } = await enterVr(stage);
   await page.evaluate(() => window.__headset.controllers.left.position.set(-0.1, 1.2, -0.4));
   await frames(page, 3);
   // The button's middle, in front of the sheet and on it.

@@ -3,7 +3,6 @@
 
 // An emulated headset with two controllers, led by a test.
 import { createRequire } from 'node:module';
-import { openPage } from './browser.mjs';
 import { frames } from './controller.mjs';
 
 const iwer = createRequire(import.meta.url).resolve('iwer/build/iwer.min.js');
@@ -34,8 +33,8 @@ export async function wearHeadset(context) {
 }
 
 /// A page in VR that is connected, at the start.
-export async function enterVr(context, url) {
-  const opened = await openPage(context, url);
+export async function enterVr(stage) {
+  const opened = await stage.open();
   const { page } = opened;
   await page.waitForFunction(() => window.__pcavr?.state);
   await page.click('#vr-button:enabled');
