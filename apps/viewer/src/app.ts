@@ -21,7 +21,6 @@ export class App {
   readonly camera: PerspectiveCamera = this.view.camera;
   readonly base: Group = this.view.base;
   readonly isSoftwareRendered: boolean;
-  frames = 0;
   followsWorld = true; // false: something else, such as a replay, places bodies and tool
   private callbacks: FrameCallback[] = [];
   private drawnCallbacks: (() => void)[] = [];
@@ -82,7 +81,6 @@ export class App {
     if (!this.isDirty && !isInVr) return;
     this.isDirty = false;
     this.renderer.render(this.scene, this.camera);
-    ++this.frames;
     this.session.drawn();
     for (const callback of this.drawnCallbacks) callback();
   }

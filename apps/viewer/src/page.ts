@@ -63,18 +63,20 @@ export class Page {
       view,
       (progress) => this.showProgress(progress),
       () => this.partLoaded(),
+      (text) => messages.show({ level: 'error', text }),
     );
-    this.hook = window.__pcavr = new TestHook(app, this.loader, messages);
-    this.hook.mode = info.mode;
+    this.hook = window.__pcavr = new TestHook(app, this.loader);
     this.navigation = new Navigation(app.camera, app.canvas, () => app.invalidate());
-    this.picking = this.hook.picking = new Picking(view, app.canvas, () => app.invalidate());
+    this.picking = new Picking(view, app.canvas, () => app.invalidate());
     this.objects = new ObjectsPanel(view.bodies, (text) => messages.announce(text));
     this.labels = new Labels(view, byId('stage', HTMLElement));
     this.hud = new Hud(session);
     addMarks(view, model);
+    // Without a scan, the supports are all that says what the bodies stand on.
+    if (model.mesh.length === 0) view.layers.show('planes', true);
     fillLayersPanel(view.layers, presentLayers(model, this.isReplay));
     view.layers.onChange(() => app.invalidate());
-    this.showDetail = fillDetail(model, (level) => void this.loader.showLevel(level));
+    this.showDetail = fillDetail(model, (level) => void this.loader.choose(level));
     this.loadOnDemand();
     this.fillHead(info);
     this.connectView();
@@ -91,7 +93,6 @@ export class Page {
     else await this.addTool();
     await loading;
     if (!this.navigation.hasMoved) this.frameAll();
-    this.loader.failures.forEach((text) => this.messages.show({ level: 'error', text }));
   }
 
   private triangleBudget(): number {
@@ -108,7 +109,7 @@ export class Page {
 
   private async addTool(): Promise<void> {
     const handle = byId('handle', HTMLButtonElement);
-    this.tool = this.hook.tool = new DesktopTool(this.app, this.picking, handle);
+    this.tool = new DesktopTool(this.app, this.picking, handle);
     this.tool.isEnabled = true;
     this.toolPanel = new ToolPanel(this.app, this.tool, handle);
     const { LivePlot } = await import('./ui/live_plot');
@@ -259,7 +260,7 @@ export class Page {
   private drawn(): void {
     if (this.hasPicture && Number.isNaN(this.hook.firstPicture))
       this.hook.firstPicture = performance.now();
-    this.labels.update();
+    this.labels.update(!this.app.renderer.xr.isPresenting);
     this.toolPanel?.update();
   }
 }

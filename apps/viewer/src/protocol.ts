@@ -185,8 +185,8 @@ function readObject(view: DataView, at: number): ObjectState {
   };
 }
 
-/// A message with room for `length` bytes after its head.
-function message(type: number, sequence: number, clock: number, length: number): DataView {
+/// A message with its head, and room for `length` bytes after its head.
+export function message(type: number, sequence: number, clock: number, length: number): DataView {
   const view = new DataView(new ArrayBuffer(headBytes + length));
   view.setUint32(0, magic, true);
   view.setUint8(4, protocolVersion);
@@ -223,53 +223,4 @@ export function writeCommand(sequence: number, clock: number, command: Command):
 
 export function writePing(sequence: number, clock: number): ArrayBuffer {
   return message(MessageType.ping, sequence, clock, 0).buffer as ArrayBuffer;
-}
-
-/// What the server sends to a ping; here for a server in tests.
-export function writePong(sequence: number, clock: number, pingClock: number): ArrayBuffer {
-  const view = message(MessageType.pong, sequence, clock, 8);
-  view.setFloat64(headBytes, pingClock, true);
-  return view.buffer as ArrayBuffer;
-}
-
-/// What the server sends as its state; here for a server in tests.
-export function writeState(sequence: number, clock: number, state: LiveState): ArrayBuffer {
-  const view = message(
-    MessageType.state,
-    sequence,
-    clock,
-    stateBytes + objectBytes * state.objects.length,
-  );
-  const f32 = (at: number, values: readonly number[]) =>
-    values.forEach((value, i) => view.setFloat32(headBytes + at + 4 * i, value, true));
-  const u32 = (at: number, value: number) => view.setUint32(headBytes + at, value, true);
-  view.setFloat64(headBytes, state.worldTime, true);
-  view.setFloat64(headBytes + 8, state.toolClock, true);
-  const flags = [
-    state.isEngaged,
-    state.isOnHold,
-    state.touchesScan,
-    state.hasTool,
-    state.isToolTaken,
-  ];
-  u32(
-    16,
-    flags.reduce((bits, flag, i) => bits | (flag ? 1 << i : 0), 0),
-  );
-  view.setInt32(headBytes + 20, state.touchedObject, true);
-  f32(24, [...state.hip, ...state.proxy, ...state.force, state.pulse]);
-  u32(64, state.pulses);
-  u32(68, state.cycles);
-  u32(72, state.lateCycles);
-  f32(76, [state.cycleTime.median, state.cycleTime.p99, state.cycleTime.longest]);
-  f32(88, [state.age.tool, state.age.state, state.age.queue]);
-  u32(100, state.objects.length);
-  state.objects.forEach((object, i) => {
-    const at = stateBytes + i * objectBytes;
-    f32(at, [...object.position, ...object.quaternion, ...object.force]);
-    view.setUint8(headBytes + at + 40, phaseNames.indexOf(object.phase));
-    view.setUint8(headBytes + at + 41, object.isOutsideModel ? 1 : 0);
-    f32(at + 44, [object.speed]);
-  });
-  return view.buffer as ArrayBuffer;
 }

@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import type { App } from './app';
-import type { DesktopTool } from './input/desktop_tool';
-import type { Picking } from './input/picking';
 import type { ReplayPlayer } from './replay/replay';
 import type { SceneLoader } from './scene/loading';
-import type { Messages } from './ui/messages';
 
 declare global {
   interface Window {
@@ -15,33 +12,26 @@ declare global {
 }
 
 export class TestHook {
-  mode: 'live' | 'replay' | '' = '';
   firstPicture = NaN; // [ms] from the start of the page to the first picture with something in it
   replay: ReplayPlayer | null = null;
-  tool: DesktopTool | null = null;
-  picking: Picking | null = null;
   vr: unknown = null; // src/vr puts here what its tests look at
 
   constructor(
     readonly app: App,
     private readonly loader: SceneLoader,
-    readonly messages: Messages,
   ) {}
 
   get state() {
     return this.app.session.latest();
   }
 
-  get welcome() {
-    return this.app.session.welcome;
-  }
-
   get connection() {
     return this.app.session.connection;
   }
 
-  get counters() {
-    return { ...this.app.session.counters, frames: this.app.frames };
+  /// States that were never taken in.
+  get skipped() {
+    return this.app.session.skipped;
   }
 
   get latency() {
@@ -76,7 +66,7 @@ export class TestHook {
 
   /// All of it that is plain data.
   summary() {
-    const { mode, connection, counters, latency, scene, layers, bodies } = this;
-    return { mode, connection, counters, latency, scene, layers, bodies };
+    const { skipped, latency, scene, bodies } = this;
+    return { skipped, latency, scene, bodies };
   }
 }

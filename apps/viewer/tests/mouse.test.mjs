@@ -1,33 +1,16 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
-import { after, afterEach, before, test } from 'node:test';
-import { openBrowser, openPage, picture } from './support/browser.mjs';
+import { test } from 'node:test';
+import { picture } from './support/browser.mjs';
 import { drawnBodies, loaded, onScreen, openPanel } from './support/drawn.mjs';
-import { distance, Live, until } from './support/live.mjs';
-import { makeScene, serve } from './support/pcavr.mjs';
+import { distance, until } from './support/live.mjs';
+import { limit, setStage } from './support/stage.mjs';
 
-const limit = { timeout: 60_000 }; // [ms]
 const sameAsWorld = 1e-4; // [m]
 
-let browser, scene, server, world;
-
-before(async () => {
-  scene = makeScene();
-  server = await serve(scene.scene, '--parameters', scene.parameters);
-  browser = await openBrowser();
-  world = new Live(server.url);
-  await until(() => world.state, 'the first state');
-}, limit);
-
-afterEach(() => browser?.closePages());
-
-after(async () => {
-  world?.close();
-  await browser?.close();
-  await server?.stop();
-  scene?.remove();
-});
+let world;
+const stage = setStage({ world: true }, () => ({ world } = stage));
 
 /// Leads the pointer in small steps to where a place in base is drawn.
 async function dragTo(page, place) {
@@ -45,7 +28,7 @@ test(
   'a dragged handle pushes a box, and the picture shows what the world says',
   limit,
   async () => {
-    const { page, seen } = await openPage(browser.context, server.url);
+    const { page, seen } = await stage.open();
     await loaded(page);
     await page.locator('#handle').waitFor();
     const [x, y, z] = world.state.objects[0].position;
@@ -73,7 +56,7 @@ test(
 );
 
 test('keys move the tool while Space is held, and hold freezes it', limit, async () => {
-  const { page } = await openPage(browser.context, server.url);
+  const { page } = await stage.open();
   await loaded(page);
   const before = world.state.hip;
   await page.locator('#stage canvas').focus();
@@ -85,19 +68,20 @@ test('keys move the tool while Space is held, and hold freezes it', limit, async
   await page.keyboard.press('h');
   await until(() => world.state.isOnHold, 'hold');
   const held = world.state.hip;
-  await page.waitForTimeout(200);
+  await page.waitForTimeout(600); // longer than a held key takes to the end of its reach
   assert.ok(distance(world.state.hip, held) < 2e-5, 'on hold');
   await page.keyboard.press('h');
   await until(() => !world.state.isOnHold, 'go on');
+  await until(() => world.state.hip[2] > held[2] + 0.01, 'the tool goes on, by the same key');
 });
 
 test('a second page cannot move the tool of the first, and is told so', limit, async () => {
-  const first = await openPage(browser.context, server.url);
+  const first = await stage.open();
   await loaded(first.page);
   await openPanel(first.page);
   await first.page.click('#take');
   await until(() => world.state.isToolTaken, 'the tool taken');
-  const { page } = await openPage(browser.context, server.url);
+  const { page } = await stage.open();
   await loaded(page);
   await page.waitForFunction(() => window.__pcavr.state?.isToolTaken);
   assert.equal(await page.evaluate(() => window.__pcavr.state.hasTool), false);
@@ -106,6 +90,11 @@ test('a second page cannot move the tool of the first, and is told so', limit, a
   await page.mouse.move(100, 100, { steps: 10 });
   await page.mouse.up();
   await page.locator('#toasts', { hasText: 'Another page has the tool' }).waitFor();
+  await page.locator('#stage canvas').focus();
+  await page.keyboard.down('Space');
+  await page.waitForTimeout(300);
+  const told = page.locator('#toasts > div', { hasText: 'Another page has the tool' });
+  assert.equal(await told.count(), 2, 'once for the pointer, once for the key');
   world.command(4);
   for (let i = 0; i < 20; ++i) {
     world.tool([0.1 * i, 0, 0.5], i > 0);

@@ -1,34 +1,19 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
-import { after, afterEach, before, test } from 'node:test';
-import { elsewhere, openBrowser, openPage, picture } from './support/browser.mjs';
+import { test } from 'node:test';
+import { elsewhere, picture } from './support/browser.mjs';
 import { loaded, openPanel } from './support/drawn.mjs';
-import { makeScene, serve } from './support/pcavr.mjs';
+import { distance, until } from './support/live.mjs';
+import { limit, setStage } from './support/stage.mjs';
 
-const limit = { timeout: 60_000 }; // [ms]
-
-let browser, scene, server;
-
-before(async () => {
-  scene = makeScene();
-  server = await serve(scene.scene, '--parameters', scene.parameters);
-  browser = await openBrowser();
-}, limit);
-
-afterEach(() => browser?.closePages());
-
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-  scene?.remove();
-});
+const stage = setStage();
 
 test('the page loads from this server alone, and without an error', limit, async () => {
-  const { page, seen } = await openPage(browser.context, server.url);
+  const { page, seen } = await stage.open();
   await loaded(page);
   await page.waitForFunction(() => window.__pcavr.state !== null);
-  assert.deepEqual(elsewhere(seen.requests, server.url), []);
+  assert.deepEqual(elsewhere(seen.requests, stage.server.url), []);
   assert.ok(seen.requests.some((r) => r.includes('/api/scene.json')));
   assert.deepEqual(seen.errors, []);
   const { scene: shown, bodies } = await page.evaluate(() => window.__pcavr.summary());
@@ -44,7 +29,7 @@ test(
   'each layer switches on and off, and light and dark are pictures of their own',
   limit,
   async () => {
-    const { page, seen } = await openPage(browser.context, server.url);
+    const { page, seen } = await stage.open();
     await loaded(page);
     await openPanel(page);
     const names = await page.evaluate(() => Object.keys(window.__pcavr.layers));
@@ -70,11 +55,64 @@ test(
   },
 );
 
+test('by keyboard alone one gets to the scene, turns it, and walks', limit, async () => {
+  const { page } = await stage.open();
+  await loaded(page);
+  await page.keyboard.press('Tab');
+  await page.keyboard.press('Enter');
+  assert.equal(await page.evaluate(() => document.activeElement.id), 'view');
+  const eye = () => page.evaluate(() => window.__pcavr.app.camera.position.toArray());
+  for (const key of ['j', 'i', 'w']) {
+    const before = await eye();
+    await page.keyboard.down(key);
+    await until(async () => distance(await eye(), before) > 0.01, `${key} moves the eye`);
+    await page.keyboard.up(key);
+  }
+});
+
+test('without a scan the bodies stand on a support that is shown', limit, async () => {
+  const { page } = await stage.open();
+  await loaded(page);
+  assert.equal(await page.evaluate(() => window.__pcavr.layers.planes), true);
+  assert.equal(await page.locator('#layer-planes').isChecked(), true);
+});
+
+test(
+  'another level of detail is shown once it is there, and then no longer waited for',
+  limit,
+  async () => {
+    const page = await stage.browser.context.newPage();
+    const scene = await (await fetch(`${stage.server.url}api/scene.json`)).json();
+    const [fine, coarse] = scene.objects.map(({ path, bytes }) => ({ path, bytes, triangles: 12 }));
+    scene.mesh = [{ ...fine, triangles: 1e9 }, coarse];
+    await page.route('**/api/scene.json', (route) => route.fulfill({ json: scene }));
+    await page.goto(stage.server.url);
+    await loaded(page);
+    await openPanel(page);
+    assert.equal(await page.evaluate(() => window.__pcavr.scene.level), 1);
+    await page.selectOption('#detail', '0');
+    await page.waitForFunction(() => window.__pcavr.scene.level === 0);
+    await page.locator('#progress.done').waitFor({ state: 'attached' });
+    assert.equal(await page.locator('#loading-text').textContent(), '');
+    // Of two choices the later holds, whichever file comes first.
+    await page.route(`**${coarse.path}`, async (route) => {
+      await new Promise((resolve) => setTimeout(resolve, 500));
+      await route.continue();
+    });
+    const late = page.waitForResponse(`**${coarse.path}`);
+    await page.selectOption('#detail', '1');
+    await page.selectOption('#detail', '0');
+    await (await late).finished();
+    await page.waitForTimeout(200);
+    assert.equal(await page.evaluate(() => window.__pcavr.scene.level), 0);
+  },
+);
+
 test('a file that the scene lacks is named, and the rest is shown', limit, async () => {
-  const page = await browser.context.newPage();
-  const { objects } = await (await fetch(`${server.url}api/scene.json`)).json();
+  const page = await stage.browser.context.newPage();
+  const { objects } = await (await fetch(`${stage.server.url}api/scene.json`)).json();
   await page.route(`**${objects[0].path}`, (route) => route.fulfill({ status: 404 }));
-  await page.goto(server.url);
+  await page.goto(stage.server.url);
   await page.locator('#toasts', { hasText: objects[0].path }).waitFor();
   const { objectsLoaded } = await page.evaluate(() => window.__pcavr.scene);
   assert.equal(objectsLoaded, objects.length - 1);

@@ -1,64 +1,54 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
-import { after, afterEach, before, test } from 'node:test';
-import { openBrowser, openPage } from './support/browser.mjs';
+import { test } from 'node:test';
 import { Live, until } from './support/live.mjs';
-import { makeScene, serve } from './support/pcavr.mjs';
+import { limit, setStage } from './support/stage.mjs';
 import { between } from './support/relay.mjs';
 
-const limit = { timeout: 60_000 }; // [ms]
-
-let browser, scene, server;
-
-before(async () => {
-  scene = makeScene();
-  server = await serve(scene.scene, '--parameters', scene.parameters);
-  browser = await openBrowser();
-}, limit);
-
-afterEach(() => browser?.closePages());
-
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-  scene?.remove();
-});
+const stage = setStage();
 
 test('a page of another protocol is told so, and sent away', limit, async () => {
-  const stranger = new Live(server.url, { protocol: 2 });
+  const stranger = new Live(stage.server.url, { protocol: 2 });
   await stranger.ended;
   assert.equal(stranger.state, null);
   assert.ok(stranger.notices.some((n) => n.level === 'error' && /protocol/.test(n.text)));
 });
 
-test('a page that another server speaks to says so, and shows no state', limit, async () => {
-  const relay = await between(server.url, (message) => {
+test('a page that another server speaks to says so, and shows no state', limit, async (t) => {
+  const relay = await between(stage.server.url, (message) => {
     // The version of every message from the server, as a later one would have it.
     message[4] = 2;
     return message;
   });
-  const { page } = await openPage(browser.context, relay.url);
+  t.after(relay.close);
+  const { page } = await stage.open(relay.url);
   await page.locator('#toasts', { hasText: /version 2/ }).waitFor();
   assert.equal(await page.evaluate(() => window.__pcavr.connection), 'refused');
   assert.equal(await page.evaluate(() => window.__pcavr.state), null);
-  relay.close();
 });
 
-test('a page that lost its server finds it again', limit, async () => {
-  const relay = await between(server.url, (message) => message);
-  const { page } = await openPage(browser.context, relay.url);
+test('a page that lost its server finds it again', limit, async (t) => {
+  const relay = await between(stage.server.url, (message) => message);
+  t.after(relay.close);
+  const { page } = await stage.open(relay.url);
   await page.waitForFunction(() => window.__pcavr?.state);
+  await page.evaluate(() => {
+    const status = document.querySelector('#connection');
+    const note = () => (window.__said ??= []).push(status.textContent);
+    new MutationObserver(note).observe(status, { childList: true });
+  });
   relay.drop();
   await page.waitForFunction(() => window.__pcavr.connection !== 'open');
   assert.equal(await page.evaluate(() => window.__pcavr.state), null);
   await page.waitForFunction(() => window.__pcavr.state !== null);
   await until(() => page.evaluate(() => window.__pcavr.connection === 'open'), 'connected again');
-  relay.close();
+  // Once, however often it tries: a screen reader reads each of them out.
+  assert.deepEqual(await page.evaluate(() => window.__said), ['lost, trying again', 'connected']);
 });
 
 test('a page that says much at once, after a pause of its own, is still heard', limit, async () => {
-  const page = new Live(server.url);
+  const page = new Live(stage.server.url);
   await until(() => page.state, 'the first state');
   for (let i = 0; i < 60; ++i) page.tool(page.state.hip, false);
   const { cycles } = page.state;
@@ -70,8 +60,8 @@ test('a page that says much at once, after a pause of its own, is still heard', 
 });
 
 test('what is no message ends that page alone', limit, async () => {
-  const page = new Live(server.url);
-  const stranger = new Live(server.url);
+  const page = new Live(stage.server.url);
+  const stranger = new Live(stage.server.url);
   await until(() => page.state && stranger.state, 'the first states');
   stranger.socket.send(Buffer.from('PCVR and nonsense that is longer than a head'));
   await stranger.ended;

@@ -3,36 +3,19 @@
 
 // Figures for a person to read, printed; held only to what no machine may miss.
 import assert from 'node:assert/strict';
-import { after, afterEach, before, test } from 'node:test';
-import { openBrowser, openPage, picture } from './support/browser.mjs';
+import { test } from 'node:test';
+import { picture } from './support/browser.mjs';
 import { loaded } from './support/drawn.mjs';
-import { makeScene, serve } from './support/pcavr.mjs';
+import { limit, ofScene, setStage } from './support/stage.mjs';
 
-const limit = { timeout: 60_000 }; // [ms]
 const ms = (seconds) => `${(1000 * seconds).toFixed(1)} ms`;
 
-let browser, scene, server;
-
-before(async () => {
-  scene = makeScene();
-  // Another scene's figures: PCAVR_BROWSER_SCENE names its folder.
-  const folder = process.env.PCAVR_BROWSER_SCENE;
-  server = folder
-    ? await serve(folder)
-    : await serve(scene.scene, '--parameters', scene.parameters);
-  browser = await openBrowser();
-}, limit);
-
-afterEach(() => browser?.closePages());
-
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-  scene?.remove();
-});
+// Another scene's figures: PCAVR_BROWSER_SCENE names its folder.
+const other = process.env.PCAVR_BROWSER_SCENE;
+const stage = setStage({ words: other ? () => [other] : ofScene });
 
 test('the first picture', limit, async (t) => {
-  const { page } = await openPage(browser.context, server.url);
+  const { page } = await stage.open();
   await loaded(page);
   const { firstPicture, level } = await page.evaluate(() => window.__pcavr.scene);
   const complete = await page.evaluate(() => performance.now());
@@ -45,24 +28,24 @@ test('the first picture', limit, async (t) => {
 });
 
 test('from a command to the picture that shows it', limit, async (t) => {
-  const { page } = await openPage(browser.context, server.url);
+  const { page } = await stage.open();
   await loaded(page);
   await page.waitForFunction(() => window.__pcavr.state !== null);
   await page.locator('#stage canvas').focus();
   await page.keyboard.down('Space');
   await page.keyboard.down('PageUp');
   await page.waitForTimeout(4000);
-  const { latency, counters } = await page.evaluate(() => window.__pcavr.summary());
+  const { latency, skipped } = await page.evaluate(() => window.__pcavr.summary());
   t.diagnostic(
     `command to picture ${ms(latency.commandToDrawn)} (median), to world ${ms(latency.commandToWorld)}, ` +
       `states ${latency.stateRate} Hz, pictures ${latency.drawRate} Hz, oldest drawn ${ms(latency.oldestDrawn)}, ` +
-      `${counters.skipped} states skipped`,
+      `${skipped} states skipped`,
   );
   assert.ok(latency.commandToDrawn < 1);
 });
 
 test('an overloaded page draws only new states', limit, async (t) => {
-  const { page } = await openPage(browser.context, server.url);
+  const { page } = await stage.open();
   await loaded(page);
   await page.waitForFunction(() => window.__pcavr.state !== null);
   // A tenth of a second of work after each picture: ten states wait where one would.
@@ -75,9 +58,9 @@ test('an overloaded page draws only new states', limit, async (t) => {
     app.onFrame(() => app.invalidate());
   });
   await page.waitForTimeout(8000); // longer than figures are kept
-  const { latency, counters } = await page.evaluate(() => window.__pcavr.summary());
-  t.diagnostic(`oldest drawn ${ms(latency.oldestDrawn)}, ${counters.skipped} states skipped`);
-  assert.ok(counters.skipped > 20);
+  const { latency, skipped } = await page.evaluate(() => window.__pcavr.summary());
+  t.diagnostic(`oldest drawn ${ms(latency.oldestDrawn)}, ${skipped} states skipped`);
+  assert.ok(skipped > 20);
   // Where states pile up it is seconds; aimed at is 0.1 s, which a machine with other work may miss.
   assert.ok(latency.oldestDrawn < 0.5, ms(latency.oldestDrawn));
 });

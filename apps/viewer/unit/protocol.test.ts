@@ -15,11 +15,10 @@ import {
   writeCommand,
   writeJson,
   writePing,
-  writePong,
-  writeState,
   writeTool,
   type LiveState,
 } from '../src/protocol';
+import { writePong, writeState } from './server_messages';
 
 // Numbers that a float holds exactly, so that what comes back is what went.
 const state: LiveState = {

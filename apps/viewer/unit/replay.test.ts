@@ -125,6 +125,19 @@ test('decimated, a peak of a single row is still there', () => {
   );
 });
 
+test('decimated, an interruption interrupts, and hides no peak beside it', () => {
+  const column = new Float64Array(100_000);
+  for (const row of [0, 200, 50_000]) column[row] = NaN;
+  column[50_001] = 7;
+  const rows = decimate([column], 500);
+  assert.deepEqual(
+    rows.filter((row) => Number.isNaN(column[row])),
+    [0, 200, 50_000],
+  );
+  assert.ok(rows.includes(50_001));
+  assert.ok(rows.length <= 1503);
+});
+
 test('what is short enough is not decimated', () => {
   assert.deepEqual(decimate([Float64Array.of(1, 2, 3)], 10), [0, 1, 2]);
   assert.deepEqual(decimate([], 10), []);

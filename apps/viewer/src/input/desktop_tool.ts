@@ -25,6 +25,7 @@ export class DesktopTool {
   private pointer = { x: 0, y: 0 };
   private tip: Vector3 | null = null; // in base, while the clutch is closed
   private device: Device = Device.mouse;
+  private isToldOfOther = false; // that another page has the tool: once each time it is wanted
 
   constructor(
     private readonly app: App,
@@ -61,9 +62,11 @@ export class DesktopTool {
     const isWanted =
       this.isEnabled &&
       state !== null &&
+      !state.isOnHold &&
       !this.app.renderer.xr.isPresenting &&
       (this.drag !== null || this.keys.has('Space') || this.isClutchLocked);
-    if (!isWanted || !state || !this.ask(state)) return this.open(state);
+    if (!isWanted) this.isToldOfOther = false;
+    if (!isWanted || !this.ask(state)) return this.open(state);
     this.tip ??= new Vector3(...state.proxy);
     if (this.drag) this.moveByPointer();
     else this.moveByKeys(seconds, new Vector3(...state.proxy));
@@ -75,7 +78,9 @@ export class DesktopTool {
     if (state.hasTool) return true;
     if (state.isToolTaken) {
       this.letGo();
-      this.app.notify({ level: 'warning', text: 'Another page has the tool.' });
+      if (!this.isToldOfOther)
+        this.app.notify({ level: 'warning', text: 'Another page has the tool.' });
+      this.isToldOfOther = true;
     } else {
       this.app.session.command(Command.take);
     }

@@ -4,7 +4,6 @@
 /// Which keys are held, as long as one of `elements` has the focus. Losing it lets go of all.
 export class HeldKeys {
   private readonly held = new Set<string>();
-  private listeners: ((code: string, event: KeyboardEvent) => void)[] = [];
 
   /// `codes`: the keys to watch; these the page doesn't scroll or click by.
   constructor(elements: readonly HTMLElement[], codes: readonly string[]) {
@@ -12,9 +11,7 @@ export class HeldKeys {
       element.addEventListener('keydown', (event) => {
         if (!codes.includes(event.code) || event.ctrlKey || event.metaKey || event.altKey) return;
         event.preventDefault();
-        if (event.repeat) return;
-        this.held.add(event.code);
-        this.listeners.forEach((listener) => listener(event.code, event));
+        if (!event.repeat) this.held.add(event.code);
       });
       element.addEventListener('keyup', (event) => {
         if (codes.includes(event.code)) event.preventDefault();
@@ -32,9 +29,5 @@ export class HeldKeys {
   /// +1, -1 or 0 of two keys that work against each other.
   axis(positive: string, negative: string): number {
     return Number(this.has(positive)) - Number(this.has(negative));
-  }
-
-  onPress(listener: (code: string, event: KeyboardEvent) => void): void {
-    this.listeners.push(listener);
   }
 }

@@ -5,9 +5,11 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { HeldKeys } from './keys';
 
 const walkSpeed = 0.8; // [m/s] a slow walk: a scene is a table and what is around it
+const turnSpeed = 1; // [rad/s]
 const lookDistance = 0.05; // [m] turning about a point so near is turning on the spot
 
-/// Moving the eye: orbit about a point, or look around from where one stands; W A S D walks.
+/// Moving the eye: orbit about a point, or look around from where one stands; W A S D walks, I J K L
+/// turns.
 export class Navigation {
   readonly controls: OrbitControls;
   mode: 'orbit' | 'walk' = 'orbit';
@@ -24,7 +26,10 @@ export class Navigation {
     this.controls.maxDistance = 30;
     this.controls.addEventListener('change', onChange);
     this.controls.addEventListener('start', () => (this.hasMoved = true));
-    this.keys = new HeldKeys([canvas], ['KeyW', 'KeyA', 'KeyS', 'KeyD', 'KeyQ', 'KeyE']);
+    this.keys = new HeldKeys(
+      [canvas],
+      [...'WASDQEIJKL'].map((letter) => `Key${letter}`),
+    );
   }
 
   lookAt(target: Vector3): void {
@@ -49,6 +54,22 @@ export class Navigation {
 
   /// `seconds` since the frame before.
   update(seconds: number): void {
+    this.walk(seconds);
+    this.turn(seconds);
+  }
+
+  private turn(seconds: number): void {
+    const left = this.keys.axis('KeyJ', 'KeyL');
+    const up = this.keys.axis('KeyI', 'KeyK');
+    if (left === 0 && up === 0) return;
+    this.hasMoved = true;
+    // Looking round turns the view as orbiting turns the scene: the other way about.
+    const angle = (this.mode === 'walk' ? -turnSpeed : turnSpeed) * seconds;
+    this.controls.rotateLeft(left * angle);
+    this.controls.rotateUp(up * angle);
+  }
+
+  private walk(seconds: number): void {
     const ahead = this.keys.axis('KeyW', 'KeyS');
     const aside = this.keys.axis('KeyD', 'KeyA');
     const up = this.keys.axis('KeyE', 'KeyQ');

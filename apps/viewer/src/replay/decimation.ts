@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /// Which rows to draw of many: of each of `buckets` runs of rows its least and its greatest value of
-/// each column, in order. A peak of one row stays a peak.
+/// each column, and the first that is none (NaN), in order. A peak of one row stays a peak, and an
+/// interruption one.
 export function decimate(columns: readonly Float64Array[], buckets: number): number[] {
   const rows = columns[0]?.length ?? 0;
   if (rows <= 2 * columns.length * buckets) return Array.from({ length: rows }, (_, i) => i);
@@ -11,12 +12,16 @@ export function decimate(columns: readonly Float64Array[], buckets: number): num
     const from = Math.floor((bucket * rows) / buckets);
     const to = Math.floor(((bucket + 1) * rows) / buckets);
     for (const column of columns) {
-      let [least, most] = [from, from];
+      let [least, most, none] = [-1, -1, -1];
       for (let row = from; row < to; ++row) {
-        if (column[row] < column[least]) least = row;
-        if (column[row] > column[most]) most = row;
+        if (Number.isNaN(column[row])) {
+          if (none < 0) none = row;
+        } else {
+          if (least < 0 || column[row] < column[least]) least = row;
+          if (most < 0 || column[row] > column[most]) most = row;
+        }
       }
-      kept.add(least).add(most);
+      for (const row of [least, most, none]) if (row >= 0) kept.add(row);
     }
   }
   return [...kept].sort((a, b) => a - b);

@@ -11,13 +11,13 @@ export class PicturePanel {
   private readonly caption = this.figure.querySelector('figcaption')!;
   private readonly toggle = byId('picture-toggle', HTMLButtonElement);
   private wanted = -1;
-  private isLoading = false;
+  private loading = -1;
 
   constructor(private readonly times: readonly number[]) {
     this.toggle.hidden = times.length === 0;
     this.toggle.addEventListener('click', () => this.show(this.figure.hidden));
-    this.image.addEventListener('load', () => this.arrived(this.image.dataset.frame));
-    this.image.addEventListener('error', () => this.arrived(undefined));
+    this.image.addEventListener('load', () => this.arrived(true));
+    this.image.addEventListener('error', () => this.arrived(false));
   }
 
   show(isShown: boolean): void {
@@ -32,20 +32,19 @@ export class PicturePanel {
   }
 
   private load(): void {
-    if (this.isLoading || this.figure.hidden || this.wanted < 0 || this.wanted === this.shown)
+    if (this.loading >= 0 || this.figure.hidden || this.wanted < 0 || this.wanted === this.shown)
       return;
-    this.isLoading = true;
-    this.image.dataset.frame = String(this.wanted);
-    this.image.src = `/api/frames/${this.wanted}.jpg`;
+    this.loading = this.wanted;
+    this.image.src = `/api/frames/${this.loading}.jpg`;
   }
 
-  private arrived(frame: string | undefined): void {
-    this.isLoading = false;
-    this.shown = frame === undefined ? this.wanted : Number(frame);
+  private arrived(isThere: boolean): void {
+    this.shown = this.loading;
+    this.loading = -1;
     const time = this.times[this.shown]?.toFixed(2);
     setText(
       this.caption,
-      frame === undefined ? `no picture at ${time} s` : `Recorded at ${time} s, prediction over it`,
+      isThere ? `Recorded at ${time} s, prediction over it` : `no picture at ${time} s`,
     );
     this.load();
   }

@@ -94,6 +94,7 @@ export class ReplayPlayer {
     const row = this.replay.tool.at(time);
     if (!row) return this.app.view.tool.hide();
     const [, x, y, z, fx, fy, fz] = row;
-    this.app.view.showTool([x, y, z], [x, y, z], [fx, fy, fz]);
+    // Recorded is what the tool exerts; shown is what it feels, as a hand does live.
+    this.app.view.showTool([x, y, z], [x, y, z], [-fx, -fy, -fz]);
   }
 }

@@ -117,10 +117,12 @@ function takeApart(file: ArrayBuffer): { gltf: Gltf; binary: Uint8Array } {
   return { gltf: JSON.parse(json) as Gltf, binary };
 }
 
+function compressionOf({ extensions }: BufferView): Compressed | undefined {
+  return extensions?.EXT_meshopt_compression ?? extensions?.KHR_meshopt_compression;
+}
+
 /// Every buffer view as bytes of its own buffer, so that arrays of any type may start there.
 async function unpackViews(gltf: Gltf, binary: Uint8Array): Promise<ArrayBuffer[]> {
-  const compressionOf = (view: BufferView) =>
-    view.extensions?.EXT_meshopt_compression ?? view.extensions?.KHR_meshopt_compression;
   const bytesAt = (part: { byteOffset?: number; byteLength: number }) =>
     binary.slice(part.byteOffset ?? 0, (part.byteOffset ?? 0) + part.byteLength);
   const views = gltf.bufferViews ?? [];
@@ -178,7 +180,7 @@ function readAccessor(
   if (!size || !maker) throw new Error(`glTF: accessor ${index} is of an unknown type`);
   const data = views[accessor.bufferView!];
   const each = new maker(new ArrayBuffer(8), 0, 1).BYTES_PER_ELEMENT;
-  const stride = view.byteStride ?? view.extensions?.EXT_meshopt_compression?.byteStride ?? 0;
+  const stride = view.byteStride ?? compressionOf(view)?.byteStride ?? 0;
   const at = accessor.byteOffset ?? 0;
   if (stride <= size * each)
     return new BufferAttribute(

@@ -37,6 +37,8 @@ export class SceneLoader {
   objectsLoaded = 0;
   isComplete = false;
   failures: string[] = [];
+  private wanted = -1; // the level asked for last
+  private isChosen = false; // by the user
   private loaded = 0;
   private total = 0;
 
@@ -44,6 +46,7 @@ export class SceneLoader {
     private readonly view: SceneView,
     private readonly onProgress: (progress: Progress) => void,
     private readonly onPart: () => void,
+    private readonly onFailure: (text: string) => void,
   ) {}
 
   /// `triangles`: how many of the scan's the device can carry.
@@ -59,18 +62,29 @@ export class SceneLoader {
       ...this.view.bodies.map((b) => this.loadBody(b)),
       this.showLevel(levels[0]),
     ]);
-    if (levels.length > 1) await this.showLevel(levels[1]);
+    if (levels.length > 1 && !this.isChosen) await this.showLevel(levels[1]);
     this.isComplete = true;
-    this.onProgress({ loaded: this.total, total: this.total, what: '' });
+    this.finish();
   }
 
-  /// Another level in the place of the one shown.
-  async showLevel(level: number | undefined): Promise<void> {
-    if (level === undefined || level === this.level) return;
+  /// The level that the user wants, from now on.
+  async choose(level: number): Promise<void> {
+    this.isChosen = true;
+    this.total += this.view.model!.mesh[level].bytes;
+    await this.showLevel(level);
+    this.finish();
+  }
+
+  /// Another level in the place of the one shown; of several on their way, the one asked for last.
+  private async showLevel(level: number | undefined): Promise<void> {
+    if (level === undefined) return;
+    this.wanted = level;
+    if (level === this.level) return;
     const { path, triangles } = this.view.model!.mesh[level];
     const what = `scan, ${triangles.toLocaleString('en')} triangles`;
     await this.attempt(path, async () => {
       const parts = await readGlb(await fetchBytes(path, (bytes) => this.advance(bytes, what)));
+      if (level !== this.wanted) return;
       this.replaceScan(parts);
       this.level = level;
     });
@@ -106,9 +120,15 @@ export class SceneLoader {
     try {
       await action();
     } catch (error) {
-      this.failures.push(`${path}: ${error instanceof Error ? error.message : String(error)}`);
+      const text = `${path}: ${error instanceof Error ? error.message : String(error)}`;
+      this.failures.push(text);
+      this.onFailure(text);
     }
     this.onPart();
+  }
+
+  private finish(): void {
+    this.onProgress({ loaded: this.total, total: this.total, what: '' });
   }
 
   private advance(bytes: number, what: string): void {

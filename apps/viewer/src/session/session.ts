@@ -14,9 +14,8 @@ export type Connection = 'connecting' | 'open' | 'lost' | 'refused';
 export class Session {
   readonly latency = new Latency();
   connection: Connection = 'connecting';
-  reason = ''; // why the connection was lost or refused
   welcome: Welcome | null = null;
-  counters = { states: 0, skipped: 0, toolsSent: 0, reconnects: 0 };
+  skipped = 0; // states that were never taken in, as newer ones came
   private state: LiveState | null = null;
   private worker: Worker;
   private welcomeListeners: ((welcome: Welcome) => void)[] = [];
@@ -37,7 +36,6 @@ export class Session {
   /// Says where the hand is: `tip` [m] in base. To be called once a frame while the clutch is held,
   /// and once more when it was let go.
   sendTool(tip: Vector, quaternion: Quaternion, clutch: boolean, device: Device): void {
-    ++this.counters.toolsSent;
     this.post({ kind: 'tool', clock: pageClock(), sample: { tip, quaternion, clutch, device } });
   }
 
@@ -71,8 +69,7 @@ export class Session {
       case 'state':
         this.post({ kind: 'taken' });
         this.state = message.state;
-        ++this.counters.states;
-        this.counters.skipped += message.skipped;
+        this.skipped += message.skipped;
         this.latency.received(message.state, pageClock(), message.clockOffset);
         break;
       case 'welcome':
@@ -84,8 +81,6 @@ export class Session {
         break;
       case 'connection':
         this.connection = message.connection;
-        this.reason = message.reason;
-        if (message.connection === 'lost') ++this.counters.reconnects;
         if (message.connection !== 'open') this.state = null;
         this.connectionListeners.forEach((l) => l(message.connection, message.reason));
     }

@@ -33,7 +33,7 @@ export type FromWorker =
   | { kind: 'state'; state: LiveState; skipped: number; clockOffset: number }
   | { kind: 'welcome'; welcome: Welcome }
   | { kind: 'notice'; notice: Notice }
-  | { kind: 'connection'; connection: 'connecting' | 'open' | 'lost' | 'refused'; reason: string };
+  | { kind: 'connection'; connection: 'open' | 'lost' | 'refused'; reason: string };
 
 const pingSeconds = 1;
 const firstRetrySeconds = 0.5;
@@ -66,7 +66,8 @@ self.onmessage = (event: MessageEvent<ToWorker>) => {
       passOn();
       break;
     case 'tool':
-      if (socket && socket.bufferedAmount > mostBuffered) break;
+      // To let go is never old.
+      if (message.sample.clutch && socket && socket.bufferedAmount > mostBuffered) break;
       send(writeTool(++sequence, message.clock, message.sample));
       break;
     case 'command':
@@ -75,7 +76,6 @@ self.onmessage = (event: MessageEvent<ToWorker>) => {
 };
 
 function connect(): void {
-  tell({ kind: 'connection', connection: 'connecting', reason: '' });
   sequence = 0;
   newestSequence = 0;
   offset = new ClockOffset();

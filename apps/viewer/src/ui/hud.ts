@@ -31,7 +31,7 @@ export class Hud {
     const figures = this.session.figures();
     const { median, p99, longest } = state.cycleTime;
     return [
-      ['States', `${figures.stateRate} Hz, ${this.session.counters.skipped} skipped`],
+      ['States', `${figures.stateRate} Hz, ${this.session.skipped} skipped`],
       ['Pictures', `${figures.drawRate} Hz`],
       ['Age of the newest state', milliseconds(figures.age)],
       ['Command to world', milliseconds(figures.commandToWorld)],

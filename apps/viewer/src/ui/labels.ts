@@ -44,12 +44,15 @@ export class Labels {
     }
   }
 
-  update(): void {
+  /// `isFlat`: on the page; in a headset they would be beside what they name.
+  update(isFlat: boolean): void {
     const { clientWidth: width, clientHeight: height } = this.stage;
-    const isShown = this.view.layers.isShown('labels') && this.view.layers.isShown('bodies');
+    const { layers } = this.view;
+    const isShown = isFlat && layers.isShown('labels') && layers.isShown('bodies');
     this.folder.hidden = !isShown;
+    this.force.hidden = true;
     if (isShown) for (const [body, label] of this.labels) this.place(body, label, width, height);
-    this.placeForce(width, height);
+    if (isFlat) this.placeForce(width, height);
   }
 
   private place(body: Body, label: HTMLSpanElement, width: number, height: number): void {
@@ -79,9 +82,18 @@ export class Labels {
     const newton = length(tool.force);
     const tip = tool.arrowTip();
     const at = tip && project(tip, this.view.camera, width, height);
-    this.force.hidden = !tool.group.visible || newton < leastForceShown || !at;
-    if (this.force.hidden || !at) return;
+    if (!tool.group.visible || newton < leastForceShown || !at) return;
+    this.force.hidden = false;
     setText(this.force, newtons(newton));
-    moveTo(this.force, at.x + 10, at.y - 10);
+    // Beyond the tip, on whichever side that is: it would hide the arrow.
+    const ball = project(
+      tool.proxy.getWorldPosition(new Vector3()),
+      this.view.camera,
+      width,
+      height,
+    );
+    const isLeft = ball !== null && at.x < ball.x;
+    moveTo(this.force, at.x + (isLeft ? -10 : 10), at.y - 10);
+    this.force.style.translate = isLeft ? '-100%' : 'none';
   }
 }

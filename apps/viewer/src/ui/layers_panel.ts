@@ -25,8 +25,8 @@ export function fillLayersPanel(layers: Layers, present: readonly LayerName[]): 
 export function presentLayers(model: SceneModel, isReplay: boolean): LayerName[] {
   const has: Record<LayerName, boolean> = {
     mesh: model.mesh.length > 0,
-    cloud: model.cloud !== null,
-    occupancy: model.occupancy !== null,
+    cloud: (model.cloud?.points ?? 0) > 0,
+    occupancy: (model.occupancy?.cells ?? 0) > 0,
     bodies: model.objects.length > 0,
     ghosts: isReplay,
     labels: model.objects.length > 0,

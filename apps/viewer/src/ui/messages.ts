@@ -8,13 +8,11 @@ const mostShown = 4;
 
 /// Notices, for eyes and for screen readers.
 export class Messages {
-  readonly seen: Notice[] = [];
   private readonly toasts = byId('toasts', HTMLDivElement);
   private readonly announcer = byId('announcer', HTMLDivElement);
 
   /// `stays`: without what it says is wrong there is no page to speak of.
   show(notice: Notice, stays = false): void {
-    this.seen.push(notice);
     const toast = create('div', { className: notice.level, textContent: notice.text });
     if (notice.level === 'error') toast.setAttribute('role', 'alert');
     this.toasts.append(toast);

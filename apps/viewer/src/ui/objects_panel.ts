@@ -42,16 +42,18 @@ export class ObjectsPanel {
 
   /// `force` [N] of the tool on each body, by name.
   update(force: (body: Body) => number): void {
+    const news: string[] = [];
     for (const [body, row] of this.rows) {
       const word = phaseWord(body);
       if (row.phase.textContent !== word) {
-        if (row.phase.textContent) this.announce(`${body.object.name}: ${word}`);
+        if (row.phase.textContent) news.push(`${body.object.name}: ${word}`);
         row.phase.textContent = word;
         row.phase.style.setProperty('--phase', phaseColors[body.phase]);
       }
       const newton = force(body);
       setText(row.number, newton > 0.05 ? newtons(newton) : '');
     }
+    if (news.length > 0) this.announce(news.join(', '));
     this.showDetails();
   }
 

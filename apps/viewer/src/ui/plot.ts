@@ -48,9 +48,11 @@ export class Plot {
     this.observer.observe(this.element);
   }
 
-  setData(times: ArrayLike<number>, columns: ArrayLike<number>[], from: number, to: number): void {
+  /// A NaN interrupts its curve.
+  setData(times: readonly number[], columns: ArrayLike<number>[], from: number, to: number): void {
     this.span = [from, to];
-    this.plot.setData([times, ...columns] as uPlot.AlignedData);
+    const curves = columns.map((column) => Array.from(column, (v) => (Number.isNaN(v) ? null : v)));
+    this.plot.setData([times as number[], ...curves]);
   }
 
   setPlayhead(time: number): void {

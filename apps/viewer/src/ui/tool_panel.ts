@@ -43,9 +43,10 @@ export class ToolPanel {
     handle.addEventListener('wheel', (event) =>
       app.canvas.dispatchEvent(new WheelEvent('wheel', event)),
     );
-    app.canvas.addEventListener('keydown', (event) => {
-      if (event.code === 'KeyH' && !event.repeat) this.toggleHold();
-    });
+    for (const element of [app.canvas, handle] as HTMLElement[])
+      element.addEventListener('keydown', (event) => {
+        if (event.code === 'KeyH' && !event.repeat) this.toggleHold();
+      });
   }
 
   /// Once a drawn frame.
