@@ -7,7 +7,8 @@ import type { Session } from './session/session';
 import type { LiveState, Notice } from './protocol';
 import { looksDifferent } from './session/state_change';
 
-export type FrameCallback = (time: number, frame?: XRFrame) => void;
+/// A frame's time [ms], the seconds since the one before, and in VR its XRFrame.
+type FrameCallback = (time: number, seconds: number, frame?: XRFrame) => void;
 
 const mostPixelRatio = 2; // beyond, an eye sees no more and a graphics card does four times the work
 const staleSeconds = 0.04; // two to three states: a picture of one so late is not worth drawing
@@ -25,6 +26,7 @@ export class App {
   private callbacks: FrameCallback[] = [];
   private drawnCallbacks: (() => void)[] = [];
   private isDirty = true;
+  private lastFrame = NaN; // [ms]
   private lastShown: LiveState | null = null;
   private waits = 0; // frames given up since the last one
 
@@ -53,10 +55,9 @@ export class App {
     this.renderer.setAnimationLoop((time, frame) => this.frame(time, frame));
   }
 
-  /// Called before each frame with its time [ms] and, in VR, its XRFrame; gives back what ends it.
-  onFrame(callback: FrameCallback): () => void {
+  /// Called before each frame.
+  onFrame(callback: FrameCallback): void {
     this.callbacks.push(callback);
-    return () => void (this.callbacks = this.callbacks.filter((c) => c !== callback));
   }
 
   onDrawn(callback: () => void): void {
@@ -77,7 +78,9 @@ export class App {
       this.view.showState(state);
       this.isDirty = true;
     }
-    for (const callback of this.callbacks) callback(time, frame);
+    const seconds = Number.isFinite(this.lastFrame) ? (time - this.lastFrame) / 1000 : 0;
+    this.lastFrame = time;
+    for (const callback of this.callbacks) callback(time, seconds, frame);
     if (!this.isDirty && !isInVr) return;
     this.isDirty = false;
     this.renderer.render(this.scene, this.camera);

@@ -44,7 +44,6 @@ export class Page {
   private toolPanel: ToolPanel | null = null;
   private replay: ReplayPlayer | null = null;
   private plot: LivePlot | null = null;
-  private lastFrame = NaN; // [ms]
   private lastFigures = -Infinity; // [ms]
   private pulses = -1;
   private hasPicture = false;
@@ -83,7 +82,7 @@ export class Page {
     this.connectSession();
     this.setTheme(theme.theme());
     theme.onChange = (chosen) => this.setTheme(chosen);
-    app.onFrame((time) => this.frame(time));
+    app.onFrame((time, seconds) => this.frame(time, seconds));
     app.onDrawn(() => this.drawn());
   }
 
@@ -232,9 +231,7 @@ export class Page {
     setText(byId('loading-text', HTMLDivElement), text);
   }
 
-  private frame(time: number): void {
-    const seconds = Number.isFinite(this.lastFrame) ? (time - this.lastFrame) / 1000 : 0;
-    this.lastFrame = time;
+  private frame(time: number, seconds: number): void {
     this.navigation.update(seconds);
     this.tool?.update(seconds);
     const state = this.app.session.latest();

@@ -15,7 +15,6 @@ export class ReplayPlayer {
   readonly picture: PicturePanel;
   private readonly bar: TimelineBar;
   private readonly plots: ReplayPlots;
-  private lastFrame = NaN; // [ms]
 
   private constructor(
     private readonly app: App,
@@ -27,7 +26,9 @@ export class ReplayPlayer {
     this.plots = new ReplayPlots(byId('plots', HTMLDivElement), replay, (t) => this.bar.seek(t));
     this.picture = new PicturePanel(replay.model.frames.t);
     this.choosePlotted();
-    app.onFrame((time) => this.frame(time));
+    app.onFrame((_, seconds) => {
+      if (this.timeline.advance(seconds)) this.show();
+    });
     this.show();
   }
 
@@ -63,12 +64,6 @@ export class ReplayPlayer {
     };
     select.addEventListener('change', show);
     show();
-  }
-
-  private frame(time: number): void {
-    const seconds = Number.isFinite(this.lastFrame) ? (time - this.lastFrame) / 1000 : 0;
-    this.lastFrame = time;
-    if (this.timeline.advance(seconds)) this.show();
   }
 
   private show(): void {

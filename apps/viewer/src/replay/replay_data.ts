@@ -26,6 +26,17 @@ export interface ReplayModel {
   frames: { t: number[]; width: number; height: number };
 }
 
+/// The last of `count` ascending times not after `time`; -1 where all are.
+function lastNotAfter(time: number, count: number, timeOf: (index: number) => number): number {
+  let [low, high] = [0, count];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (timeOf(middle) <= time) low = middle + 1;
+    else high = middle;
+  }
+  return low - 1;
+}
+
 /// Rows of numbers, the first of each its time, ascending.
 export class Table {
   constructor(
@@ -50,13 +61,7 @@ export class Table {
 
   /// The last row not after `time`; -1 where all are.
   rowAt(time: number): number {
-    let [low, high] = [0, this.rows];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (this.time(middle) <= time) low = middle + 1;
-      else high = middle;
-    }
-    return low - 1;
+    return lastNotAfter(time, this.rows, (row) => this.time(row));
   }
 
   /// Values at `time`, between two rows in proportion; null outside of them all.
@@ -143,14 +148,13 @@ export function phasesAt(
   object: ReplayObject,
   time: number,
 ): { measured: Phase; predicted: Phase } {
-  let found: { measured: Phase; predicted: Phase } = { measured: 'free', predicted: 'free' };
-  for (const phase of object.phases) if (phase.t <= time) found = phase;
-  return found;
+  const { phases } = object;
+  const found = phases[lastNotAfter(time, phases.length, (i) => phases[i].t)];
+  return found ?? { measured: 'free', predicted: 'free' };
 }
 
 /// The last of ascending `times` not after `time`; the first where all are after it; -1 of none.
 export function indexAt(times: readonly number[], time: number): number {
-  let found = times.length > 0 ? 0 : -1;
-  for (let i = 0; i < times.length && times[i] <= time; ++i) found = i;
-  return found;
+  const found = lastNotAfter(time, times.length, (i) => times[i]);
+  return Math.max(found, Math.min(0, times.length - 1));
 }

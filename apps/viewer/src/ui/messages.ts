@@ -15,6 +15,7 @@ export class Messages {
   show(notice: Notice, stays = false): void {
     const toast = create('div', { className: notice.level, textContent: notice.text });
     if (notice.level === 'error') toast.setAttribute('role', 'alert');
+    else this.announce(notice.text);
     this.toasts.append(toast);
     while (this.toasts.children.length > mostShown) this.toasts.firstElementChild!.remove();
     if (!stays)

@@ -11,7 +11,7 @@ import { VrMode } from './vr_mode';
 export function attachVr(app: App): void {
   const vr = new VrMode(app, () => groundOf(app));
   app.actions.append(vrButton(vr, (text) => app.notify({ level: 'error', text })));
-  app.onFrame((time, frame) => {
+  app.onFrame((time, _, frame) => {
     if (frame && vr.isPresenting) vr.update(time, frame);
   });
   if (window.__pcavr) window.__pcavr.vr = vr;
