@@ -119,11 +119,14 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream
     return asked;
   }
 
-  /// Files are read and packed elsewhere: states go out meanwhile.
+  /// Files are read and packed elsewhere: states go out meanwhile. The session itself goes there
+  /// and back: were it still held there, it could end on that thread.
   void fetch(HttpRequest asked) {
-    asio::post(hub_.files, [self = this->shared_from_this(), asked = std::move(asked)] {
-      HttpAnswer answer = self->hub_.desk->answer(asked);
-      asio::post(self->hub_.io, [self, answer = std::move(answer)] { self->write(answer); });
+    asio::post(hub_.files, [self = this->shared_from_this(), asked = std::move(asked)]() mutable {
+      Hub& hub = self->hub_;
+      HttpAnswer answer = hub.desk->answer(asked);
+      asio::post(hub.io,
+                 [self = std::move(self), answer = std::move(answer)] { self->write(answer); });
     });
   }
 

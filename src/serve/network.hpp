@@ -72,10 +72,11 @@ struct Hub {
   LiveRoom room;
   std::map<LiveRoom::PageId, LivePage*> pages;
   std::size_t connections = 0;
-  /// Reads and packs files; one thread, so that two never do the same work.
-  asio::thread_pool files{1};
-  /// Last, and so destroyed first: what it still holds refers to all of the above.
+  /// After all of the above: what it holds at the end refers to that.
   asio::io_context io{1};
+  /// Reads and packs files; one thread, so that two never do the same work. Last, and so ended
+  /// first: whoever still waits for a file has a socket of `io`.
+  asio::thread_pool files{1};
 };
 
 /// Counts a connection for as long as it lives.

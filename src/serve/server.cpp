@@ -139,10 +139,6 @@ Expected<void> listen(tcp::acceptor& acceptor, const tcp::endpoint& endpoint,
 struct LiveServer::Impl {
   Impl(const ServerOptions& options, LiveWorld& world, std::unique_ptr<FrontDesk> desk)
       : hub(options, world, std::move(desk)) {}
-  ~Impl() {
-    hub.files.stop();
-    hub.files.join();
-  }
 
   void accept() {
     acceptor.async_accept([this](error_code fault, tcp::socket socket) {

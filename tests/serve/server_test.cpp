@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/serve/server.hpp"
 
+#include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <thread>
@@ -31,19 +33,34 @@ class NoScene final : public ContentSource {
   }
 };
 
+/// Takes its time, as a picture that has to be drawn does.
+class SlowScene final : public ContentSource {
+ public:
+  [[nodiscard]] Expected<std::shared_ptr<const Content>> find(std::string_view) const override {
+    ++asked;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    return std::make_shared<const Content>(Content{"image/jpeg", "a picture", false});
+  }
+  mutable std::atomic<int> asked{0};
+};
+
 class ServerTest : public testing::Test {
  protected:
   ServerTest() { EXPECT_TRUE(write_file(page_.path() / "index.html", "<title>pcavr</title>")); }
-  ~ServerTest() override {
+  ~ServerTest() override { end(); }
+
+  void end() {
     if (!server_) return;
     server_->stop();
     thread_.join();
+    server_.reset();
   }
 
-  void open(ServerOptions options = {}) {
+  void open(ServerOptions options = {}) { open(options, scene_); }
+  void open(ServerOptions options, const ContentSource& scene) {
     options.port = 0;
     options.page = page_.path();
-    auto server = LiveServer::open(options, *world_, scene_);
+    auto server = LiveServer::open(options, *world_, scene);
     ASSERT_TRUE(server) << server.error().to_string();
     server_ = std::make_unique<LiveServer>(std::move(*server));
     ASSERT_TRUE(world_->start());
@@ -245,6 +262,24 @@ TEST_F(ServerTest, RepliesPileUpForNobody) {
     }
   }
   expect_world_goes_on();
+}
+
+TEST_F(ServerTest, EndsAtOnceWhileFilesAreAskedFor) {
+  const SlowScene scene;
+  open({}, scene);
+  asio::io_context io;
+  std::vector<tcp::socket> waiting;
+  for (int i = 0; i < 20; ++i) {
+    waiting.emplace_back(io).connect(test::local(port()));
+    asio::write(waiting.back(),
+                asio::buffer(std::string("GET /scene/a HTTP/1.1\r\nHost: localhost\r\n\r\n")));
+  }
+  // Who comes last is heard last: by then all of them wait for the first.
+  PageClient page(port());
+  ASSERT_TRUE(page.greet());
+  ASSERT_TRUE(page.hear_a<LiveWelcome>());
+  end();
+  EXPECT_LT(scene.asked, 20);
 }
 
 TEST(LiveServer, ServesOnlyWhatIsSafeToServe) {
