@@ -20,8 +20,12 @@ std::string headset_words(const ServeFacts& facts) {
     words += "  network    open " + facts.addresses.front() +
              " there, accept the certificate, type the code\n";
   }
-  words += "  cable      adb reverse tcp:" + port + " tcp:" + port + ", then " + scheme +
-           "://localhost:" + port + "/ there\n";
+  if (facts.is_at_localhost) {
+    words += "  cable      adb reverse tcp:" + port + " tcp:" + port + ", then " + scheme +
+             "://localhost:" + port + "/ there\n";
+  } else {
+    words += "  cable      end this, leave --host away, and do as is said then\n";
+  }
   words += "  your own   --host ADDRESS --certificate FILE --key FILE, both PEM\n";
   return words;
 }

@@ -22,6 +22,7 @@ struct ServeFacts {
   std::string code = {};         ///< empty where nobody needs one
   std::string fingerprint = {};  ///< of the certificate; empty without TLS
   bool is_local = true;          ///< this machine alone can reach it
+  bool is_at_localhost = true;   ///< a cable ends there
   bool is_tls = false;
 };
 

@@ -184,9 +184,25 @@ std::string fingerprint_of(X509* certificate) {
   return text;
 }
 
+Owned<X509> read_pem(const std::string& text) {
+  const Owned<BIO> bytes(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
+  return Owned<X509>(bytes ? PEM_read_bio_X509(bytes.get(), nullptr, nullptr, nullptr) : nullptr);
+}
+
+/// They are not where two servers made them at the same time.
+bool belong_together(const TlsFiles& files) {
+  const Expected<std::string> shown = read_file(files.certificate);
+  const Expected<std::string> secret = read_file(files.key);
+  if (!shown || !secret) return false;
+  const Owned<BIO> bytes(BIO_new_mem_buf(secret->data(), static_cast<int>(secret->size())));
+  const Owned<EVP_PKEY> key(bytes ? PEM_read_bio_PrivateKey(bytes.get(), nullptr, nullptr, nullptr)
+                                  : nullptr);
+  const Owned<X509> certificate = read_pem(*shown);
+  return key && certificate && X509_check_private_key(certificate.get(), key.get()) == 1;
+}
+
 bool still_serves(const TlsFiles& files) {
-  std::error_code ignored;
-  if (!fs::exists(files.key, ignored) || !fs::exists(files.certificate, ignored)) return false;
+  if (!belong_together(files)) return false;
   const Expected<CertificateFacts> facts = read_certificate(files.certificate);
   if (!facts || facts->days_left < kDaysToSpare) return false;
   std::vector<std::string> wanted = machine_addresses();
@@ -253,9 +269,7 @@ Expected<TlsFiles> own_certificate(const fs::path& folder) {
 Expected<CertificateFacts> read_certificate(const fs::path& file) {
   const Expected<std::string> text = read_file(file);
   if (!text) return text.error();
-  const Owned<BIO> bytes(BIO_new_mem_buf(text->data(), static_cast<int>(text->size())));
-  const Owned<X509> certificate(bytes ? PEM_read_bio_X509(bytes.get(), nullptr, nullptr, nullptr)
-                                      : nullptr);
+  const Owned<X509> certificate = read_pem(*text);
   int days = 0;
   int seconds = 0;
   if (!certificate ||

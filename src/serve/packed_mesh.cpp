@@ -29,9 +29,7 @@ constexpr char kGlbStart[] = "glTF";
 constexpr auto kLongest = std::chrono::seconds(30);
 constexpr auto kBetweenLooks = std::chrono::milliseconds(2);
 
-Error not_packed(const std::string& why) {
-  return {.message = why, .file = kProgram, .mend = "apt-get install gltfpack"};
-}
+Error not_packed(const std::string& why) { return {.message = why, .file = kProgram}; }
 
 /// A folder that only this user sees, gone with its content at the end.
 class ScratchFolder {
@@ -88,7 +86,11 @@ Expected<void> run(const fs::path& input, const fs::path& output) {
   const int failure =
       ::posix_spawnp(&child, kProgram, &actions, nullptr, arguments.data(), ::environ);
   ::posix_spawn_file_actions_destroy(&actions);
-  if (failure != 0) return not_packed(std::string("can't be run: ") + std::strerror(failure));
+  if (failure != 0) {
+    Error error = not_packed(std::string("can't be run: ") + std::strerror(failure));
+    error.mend = "apt-get install gltfpack";
+    return error;
+  }
   const std::optional<int> status = wait_for(child);
   if (!status) return not_packed("did not end in time");
   if (!WIFEXITED(*status) || WEXITSTATUS(*status) != 0) return not_packed("failed on a mesh");

@@ -244,6 +244,20 @@ TEST(OwnCertificate, IsForThisMachineAndKeptWithItsKeyPrivate) {
   EXPECT_EQ(read_certificate(again->certificate)->fingerprint, facts->fingerprint);
 }
 
+TEST(OwnCertificate, OneWithAnotherKeyIsMadeAnew) {
+  const TemporaryFolder folder;
+  const auto files = own_certificate(folder.path() / "one");
+  const auto others = own_certificate(folder.path() / "other");
+  ASSERT_TRUE(files && others);
+  const std::string before = read_certificate(files->certificate)->fingerprint;
+  for (const std::string& key : {read_file(others->key).value(), std::string()}) {
+    EXPECT_TRUE(write_file(files->key, key));
+    ASSERT_TRUE(own_certificate(folder.path() / "one"));
+    EXPECT_NE(read_certificate(files->certificate)->fingerprint, before);
+    EXPECT_NE(read_file(files->key).value(), key);
+  }
+}
+
 TEST(OwnCertificate, OneThatIsNoneIsMadeAnew) {
   const TemporaryFolder folder;
   EXPECT_TRUE(write_file(folder.path() / "certificate.pem", "nonsense"));
