@@ -8,12 +8,13 @@
 #include <functional>
 
 #include <arpa/inet.h>
-#include <nlohmann/json.hpp>
 
 #include "pcavr/serve/live_protocol.hpp"
 #include "pcavr/serve/live_world.hpp"
 
+#include "content_text.hpp"
 #include "gzip.hpp"
+#include "json_text.hpp"
 
 namespace pcavr {
 namespace {
@@ -25,10 +26,9 @@ constexpr char kCookie[] = "pcavr_session=";
 constexpr std::size_t kMostUnpacked = std::size_t{1} << 30;
 
 HttpAnswer json_answer(unsigned status, const ordered_json& json) {
-  const Content content{"application/json",
-                        json.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + '\n',
-                        false};
-  return {status, {{"Cache-Control", "no-store"}}, std::make_shared<const Content>(content)};
+  return {status,
+          {{"Cache-Control", "no-store"}},
+          std::make_shared<const Content>(Content{kJsonMedia, json_text(json) + '\n', false})};
 }
 
 /// "host:port" without the port; an IPv6 address without its brackets.

@@ -6,10 +6,9 @@
 #include <cmath>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
 #include "pcavr/core/bytes.hpp"
 
+#include "json_text.hpp"
 #include "live_wire.hpp"
 
 namespace pcavr {
@@ -22,21 +21,15 @@ constexpr std::size_t kHeadBytes = 24;
 // A unit quaternion in single precision is one to 1e-6; what is farther off was never one.
 constexpr float kNotAUnit = 1e-3F;
 constexpr std::uint8_t kHands = 4;
+// A number that is larger names no protocol.
+constexpr std::uint64_t kMostProtocol = 1'000'000;
 constexpr std::uint32_t kCommands = 5;
-
-Error refused(std::string why) { return Error{.message = std::move(why), .place = "message"}; }
-
-bool is_finite(const Eigen::Vector3f& vector) { return vector.allFinite(); }
 
 Expected<PageMessage> read_hello(const LiveFrame& frame) {
   const auto json = ordered_json::parse(frame.body.begin(), frame.body.end(), nullptr, false);
-  if (!json.is_object() || !json.contains("protocol") || !json["protocol"].is_number_integer()) {
-    return refused("the hello is not JSON with a whole number \"protocol\"");
-  }
-  LiveHello hello;
-  const auto protocol = json["protocol"].get<std::int64_t>();
-  if (protocol < 0 || protocol > 1'000'000) return refused("no such protocol");
-  hello.protocol = static_cast<int>(protocol);
+  const std::optional<int> protocol = protocol_in(json);
+  if (!protocol) return refused("the hello is not JSON with a whole number \"protocol\"");
+  LiveHello hello{*protocol, {}};
   if (json.contains("version") && json["version"].is_string()) hello.version = json["version"];
   return PageMessage{frame.head, std::move(hello)};
 }
@@ -50,7 +43,7 @@ Expected<PageMessage> read_tool(const LiveFrame& frame) {
   const auto hand = reader.whole<std::uint8_t>();
   const auto padding = reader.whole<std::uint16_t>();
   if (!reader.is_sound() || !reader.is_at_end()) return refused("a tool of another length");
-  if (!is_finite(tool.p_base_tip) || !tool.q_base_tool.coeffs().allFinite()) {
+  if (!tool.p_base_tip.allFinite() || !tool.q_base_tool.coeffs().allFinite()) {
     return refused("a tool that is not finite");
   }
   if (std::abs(tool.q_base_tool.norm() - 1.0F) > kNotAUnit) {
@@ -83,13 +76,22 @@ struct PageBody {
   void operator()(const LiveCommand& command) { writer.whole(static_cast<std::uint32_t>(command)); }
   void operator()(const LivePing&) {}
   void operator()(const LiveHello& hello) {
-    write_text(ordered_json{{"protocol", hello.protocol}, {"version", hello.version}}.dump(
-                   -1, ' ', false, ordered_json::error_handler_t::replace),
-               writer);
+    write_text(json_text({{"protocol", hello.protocol}, {"version", hello.version}}), writer);
   }
 };
 
 }  // namespace
+
+Error refused(std::string why) { return Error{.message = std::move(why), .place = "message"}; }
+
+std::optional<int> protocol_in(const ordered_json& json) {
+  if (!json.is_object() || !json.contains("protocol")) return std::nullopt;
+  const ordered_json& protocol = json["protocol"];
+  if (!protocol.is_number_unsigned() || protocol.get<std::uint64_t>() > kMostProtocol) {
+    return std::nullopt;
+  }
+  return protocol.get<int>();
+}
 
 Expected<LiveFrame> read_frame(std::span<const std::uint8_t> bytes) {
   if (bytes.size() > kLiveMostBytes) return refused("longer than 64 KiB");

@@ -4,9 +4,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include "pcavr/core/bytes.hpp"
 #include "pcavr/core/expected.hpp"
@@ -32,6 +36,11 @@ struct LiveFrame {
   std::span<const std::uint8_t> body;
 };
 [[nodiscard]] Expected<LiveFrame> read_frame(std::span<const std::uint8_t> bytes);
+
+/// What is said of a message that is not understood.
+[[nodiscard]] Error refused(std::string why);
+/// What `json` says under "protocol"; nothing where it says no number that could be one.
+[[nodiscard]] std::optional<int> protocol_in(const nlohmann::ordered_json& json);
 
 /// Replaces `bytes` by a head and what `write_body` puts behind it.
 void write_frame(LiveType type, const LiveHead& head, std::vector<std::uint8_t>& bytes,

@@ -9,7 +9,7 @@
 
 #include "pcavr/core/output.hpp"
 
-#include "gzip.hpp"
+#include "content_text.hpp"
 
 namespace pcavr {
 namespace {
@@ -18,17 +18,18 @@ namespace fs = std::filesystem;
 
 struct MediaType {
   std::string_view ending;
-  std::string_view name;
+  const char* name;
   bool is_text;  ///< worth compressing
 };
+constexpr MediaType kAnyBytes{"", kBinaryMedia, false};
 constexpr std::array kMediaTypes{
     MediaType{".html", "text/html; charset=utf-8", true},
     MediaType{".js", "text/javascript; charset=utf-8", true},
     MediaType{".mjs", "text/javascript; charset=utf-8", true},
     MediaType{".css", "text/css; charset=utf-8", true},
-    MediaType{".json", "application/json", true},
+    MediaType{".json", kJsonMedia, true},
     MediaType{".webmanifest", "application/manifest+json", true},
-    MediaType{".map", "application/json", true},
+    MediaType{".map", kJsonMedia, true},
     MediaType{".txt", "text/plain; charset=utf-8", true},
     MediaType{".svg", "image/svg+xml", true},
     MediaType{".wasm", "application/wasm", true},
@@ -36,14 +37,14 @@ constexpr std::array kMediaTypes{
     MediaType{".jpg", "image/jpeg", false},
     MediaType{".ico", "image/x-icon", false},
     MediaType{".woff2", "font/woff2", false},
-    MediaType{".glb", "model/gltf-binary", true},
+    MediaType{".glb", kGlbMedia, true},
 };
 
-const MediaType* known_type(const fs::path& file) {
+const MediaType& media_type_of(const fs::path& file) {
   const std::string ending = file.extension().string();
   const auto* const found = std::find_if(kMediaTypes.begin(), kMediaTypes.end(),
                                          [&](const MediaType& t) { return t.ending == ending; });
-  return found == kMediaTypes.end() ? nullptr : found;
+  return found == kMediaTypes.end() ? kAnyBytes : *found;
 }
 
 /// Names, one after the other, that neither lead upward nor are hidden.
@@ -65,11 +66,6 @@ bool is_inside(const fs::path& file, const fs::path& folder) {
 
 }  // namespace
 
-std::string media_type_of(const fs::path& file) {
-  const MediaType* type = known_type(file);
-  return type == nullptr ? "application/octet-stream" : std::string(type->name);
-}
-
 PageFiles::PageFiles(fs::path folder) {
   std::error_code ignored;
   folder_ = fs::weakly_canonical(folder, ignored);
@@ -88,14 +84,10 @@ Expected<std::shared_ptr<const Content>> PageFiles::find(std::string_view path) 
   if (kept != kept_.end() && kept->second.changed == changed) return kept->second.content;
   Expected<std::string> bytes = read_file(file);
   if (!bytes) return bytes.error();
-  const MediaType* type = known_type(file);
-  Content content{media_type_of(file), std::move(*bytes), false};
-  if (type != nullptr && type->is_text) {
-    std::string packed = gzip(content.body);
-    content.is_gzipped = packed.size() < content.body.size();
-    if (content.is_gzipped) content.body = std::move(packed);
-  }
-  auto shared = std::make_shared<const Content>(std::move(content));
+  const MediaType& type = media_type_of(file);
+  auto shared =
+      std::make_shared<const Content>(type.is_text ? make_content(type.name, std::move(*bytes))
+                                                   : Content{type.name, std::move(*bytes), false});
   kept_[name] = {changed, shared};
   return shared;
 }

@@ -30,7 +30,4 @@ class PageFiles final : public ContentSource {
   mutable std::map<std::string, Kept, std::less<>> kept_;
 };
 
-/// By the name's ending: "text/html; charset=utf-8", ...
-[[nodiscard]] std::string media_type_of(const std::filesystem::path& file);
-
 }  // namespace pcavr

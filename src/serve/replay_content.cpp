@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "content_text.hpp"
+#include "json_text.hpp"
 #include "replay_rows.hpp"
-#include "scene_json.hpp"
 
 namespace pcavr {
 namespace {

@@ -7,22 +7,24 @@
 #include <filesystem>
 
 #include "pcavr/recording/parameters_file.hpp"
+#include "pcavr/serve/live_protocol.hpp"
+#include "pcavr/serve/scene_content.hpp"
 
 namespace pcavr {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kProtocol = 1;
 /// Of a moving camera, so many poses show the way it took.
 constexpr std::size_t kMostCameras = 100;
 
 Json vector_json(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
-std::string name_of(const SceneManifest& scene) {
-  const std::filesystem::path folder =
-      (std::filesystem::absolute(scene.folder) / "").lexically_normal();
-  return folder.parent_path().filename().string();
+/// [x, y, z] and [x, y, z, w], under the names that all of the protocol's JSON uses.
+void add_pose(Json& to, const Pose& pose) {
+  const Eigen::Quaterniond& q = pose.rotation();
+  to["position"] = vector_json(pose.translation());
+  to["quaternion"] = Json::array({q.x(), q.y(), q.z(), q.w()});
 }
 
 Json file_json(const PageFile& file, const char* count) {
@@ -82,19 +84,15 @@ Json cameras_json(const Trajectory& camera, bool is_fixed) {
 
 }  // namespace
 
-void add_pose(Json& to, const Pose& pose) {
-  const Eigen::Quaterniond& q = pose.rotation();
-  to["position"] = vector_json(pose.translation());
-  to["quaternion"] = Json::array({q.x(), q.y(), q.z(), q.w()});
-}
-
-std::string json_text(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+std::string scene_name(const SceneManifest& scene) {
+  const std::filesystem::path folder =
+      (std::filesystem::absolute(scene.folder) / "").lexically_normal();
+  return folder.parent_path().filename().string();
 }
 
 Json scene_json(const SceneManifest& scene, const PageFiles& files,
                 const std::optional<ParameterTable>& parameters, const Trajectory& camera) {
-  Json json = {{"name", name_of(scene)}, {"protocol", kProtocol}, {"up", {0, 0, 1}}};
+  Json json = {{"name", scene_name(scene)}, {"protocol", kLiveProtocol}, {"up", {0, 0, 1}}};
   json["mesh"] = Json::array();
   for (const PageFile& level : files.mesh) json["mesh"].push_back(file_json(level, "triangles"));
   json["cloud"] = file_json(files.cloud, "points");

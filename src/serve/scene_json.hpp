@@ -32,12 +32,6 @@ struct PageFiles {
   std::vector<PageFile> objects;  ///< as in the scene
 };
 
-/// [x, y, z] and [x, y, z, w] of a pose, under the names that all of the protocol's JSON uses.
-void add_pose(nlohmann::ordered_json& to, const Pose& pose);
-
-/// The text, whatever bytes names hold.
-[[nodiscard]] std::string json_text(const nlohmann::ordered_json& json);
-
 /// /api/scene.json of docs/live-protocol.md.
 [[nodiscard]] nlohmann::ordered_json scene_json(const SceneManifest& scene, const PageFiles& files,
                                                 const std::optional<ParameterTable>& parameters,

@@ -4,10 +4,9 @@
 #include <array>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
 #include "pcavr/serve/live_protocol.hpp"
 
+#include "json_text.hpp"
 #include "live_wire.hpp"
 
 namespace pcavr {
@@ -26,12 +25,6 @@ enum StateFlag : std::uint32_t {
   kHasTool = 8,
   kToolTaken = 16,
 };
-
-Error refused(std::string why) { return Error{.message = std::move(why), .place = "message"}; }
-
-std::string text_of(const ordered_json& json) {
-  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-}
 
 void write_object(const LiveObject& object, ByteWriter& writer) {
   write_vector(object.position, writer);
@@ -134,39 +127,39 @@ Expected<ServerMessage> read_welcome(const LiveFrame& frame, const ordered_json&
   };
   const auto text = [](const ordered_json& value) { return value.is_string(); };
   const auto number = [](const ordered_json& value) { return value.is_number(); };
-  const auto whole = [](const ordered_json& value) { return value.is_number_unsigned(); };
   const auto names = [](const ordered_json& value) {
     return value.is_array() && std::all_of(value.begin(), value.end(),
                                            [](const auto& name) { return name.is_string(); });
   };
-  if (!has("protocol", whole) || !has("version", text) || !has("mode", text) ||
-      !has("scene", text) || !has("objects", names) || !has("tool_radius", number) ||
-      !has("rate", number) || !has("device", text)) {
+  const std::optional<int> protocol = protocol_in(json);
+  if (!protocol || !has("version", text) || !has("mode", text) || !has("scene", text) ||
+      !has("objects", names) || !has("tool_radius", number) || !has("rate", number) ||
+      !has("device", text)) {
     return refused("a welcome that lacks something");
   }
-  LiveWelcome welcome{json["protocol"], json["version"], json["mode"] == "replay",
-                      json["scene"],    json["objects"], json["tool_radius"],
-                      json["rate"],     json["device"]};
+  LiveWelcome welcome{*protocol,     json["version"], json["mode"] == "replay",
+                      json["scene"], json["objects"], json["tool_radius"],
+                      json["rate"],  json["device"]};
   return ServerMessage{frame.head, std::move(welcome)};
 }
 
 struct ServerBody {
   ByteWriter& writer;
   void operator()(const LiveWelcome& welcome) {
-    write_text(text_of({{"protocol", welcome.protocol},
-                        {"version", welcome.version},
-                        {"mode", welcome.is_replay ? "replay" : "live"},
-                        {"scene", welcome.scene},
-                        {"objects", welcome.objects},
-                        {"tool_radius", welcome.tool_radius},
-                        {"rate", welcome.rate},
-                        {"device", welcome.device}}),
+    write_text(json_text({{"protocol", welcome.protocol},
+                          {"version", welcome.version},
+                          {"mode", welcome.is_replay ? "replay" : "live"},
+                          {"scene", welcome.scene},
+                          {"objects", welcome.objects},
+                          {"tool_radius", welcome.tool_radius},
+                          {"rate", welcome.rate},
+                          {"device", welcome.device}}),
                writer);
   }
   void operator()(const LiveState& state) { write_state(state, writer); }
   void operator()(const LiveNotice& notice) {
-    write_text(text_of({{"level", kLevels[static_cast<std::size_t>(notice.level)]},
-                        {"text", notice.text}}),
+    write_text(json_text({{"level", kLevels[static_cast<std::size_t>(notice.level)]},
+                          {"text", notice.text}}),
                writer);
   }
   void operator()(const LivePong& pong) { writer.f64(pong.clock); }

@@ -2,17 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <stdexcept>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "pcavr/serve/content.hpp"
 
-#include "scene/bytes.hpp"
 #include "serve/gzip.hpp"
 
 namespace pcavr {
@@ -37,23 +36,9 @@ inline bool has_path(const ContentSource& source, std::string_view path) {
   return content && *content;
 }
 
-/// Reads numbers one after the other; at the end it throws.
-class ByteReader {
- public:
-  explicit ByteReader(std::string bytes) : bytes_(std::move(bytes)) {}
-
-  template <typename Value>
-  Value next() {
-    if (at_ + sizeof(Value) > bytes_.size()) throw std::out_of_range("the bytes end too early");
-    const auto value = value_at<Value>(bytes_.data(), at_);
-    at_ += sizeof(Value);
-    return value;
-  }
-  [[nodiscard]] bool is_at_end() const { return at_ == bytes_.size(); }
-
- private:
-  std::string bytes_;
-  std::size_t at_ = 0;
-};
+/// As ByteReader takes them; they must outlive it.
+inline std::span<const std::uint8_t> bytes_of(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
 
 }  // namespace pcavr

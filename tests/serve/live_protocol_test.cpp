@@ -216,6 +216,13 @@ TEST(LiveProtocol, AHelloOfAnotherProtocolIsReadSoThatItCanBeAnswered) {
   EXPECT_EQ(std::get<LiveHello>(read->content).protocol, 2);
 }
 
+TEST(LiveProtocol, AProtocolThatIsNoneIsRefusedInAHelloAndInAWelcome) {
+  for (const int none : {-1, 2'000'000, std::numeric_limits<int>::max()}) {
+    EXPECT_FALSE(decode_page_message(encode(PageMessage{{1, 0.0}, LiveHello{none, "9.9"}})));
+    EXPECT_FALSE(decode_server_message(encode(ServerMessage{{1, 0.0}, LiveWelcome{none}})));
+  }
+}
+
 TEST(LiveProtocol, WhatAServerSaysIsNoneOfAPagesWords) {
   Random random(5);
   EXPECT_FALSE(decode_page_message(encode(ServerMessage{{1, 0.0}, a_state(random, 1)})));

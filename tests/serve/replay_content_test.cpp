@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/bytes.hpp"
+
 #include "pipeline/small_replay.hpp"
 #include "serve/decoded_content.hpp"
 #include "support/temporary_folder.hpp"
@@ -66,11 +68,12 @@ using Rows = std::vector<std::vector<float>>;
 
 /// A table of replay.bin, by what replay.json says of it.
 Rows rows_of(const std::string& bytes, const nlohmann::json& table, std::size_t columns) {
-  ByteReader reader(bytes.substr(table["at"].get<std::size_t>()));
+  ByteReader reader(bytes_of(bytes).subspan(table["at"].get<std::size_t>()));
   Rows rows(table["rows"].get<std::size_t>(), std::vector<float>(columns));
   for (std::vector<float>& row : rows) {
-    for (float& number : row) number = reader.next<float>();
+    for (float& number : row) number = reader.f32();
   }
+  EXPECT_TRUE(reader.is_sound());
   return rows;
 }
 

@@ -8,8 +8,10 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/bytes.hpp"
 #include "pcavr/core/output.hpp"
 
+#include "scene/bytes.hpp"
 #include "scene/ply_file.hpp"
 #include "scene/scene_builder.hpp"
 #include "serve/content_text.hpp"
@@ -100,22 +102,23 @@ TEST_F(SceneContentTest, CountsBytesAsThePageReceivesThem) {
 TEST_F(SceneContentTest, HoldsTheCloudWithinHalfAStep) {
   const auto cloud = read_ply(whole_->path() / "cloud.ply");
   ASSERT_TRUE(cloud);
-  ByteReader bytes(body_of(*content_, "/scene/cloud.bin"));
+  const std::string body = body_of(*content_, "/scene/cloud.bin");
+  ByteReader bytes(bytes_of(body));
   Eigen::Vector3f origin;
-  for (float& coordinate : origin) coordinate = bytes.next<float>();
-  const auto step = bytes.next<float>();
-  const auto count = bytes.next<std::uint32_t>();
+  for (float& coordinate : origin) coordinate = bytes.f32();
+  const auto step = bytes.f32();
+  const auto count = bytes.whole<std::uint32_t>();
   ASSERT_EQ(count, cloud->vertices.size());
   EXPECT_LE(step, 0.001F);
   std::vector<Eigen::Vector3f> points(count);
   for (Eigen::Vector3f& point : points) {
     for (int axis = 0; axis < 3; ++axis) {
-      point[axis] = origin[axis] + step * static_cast<float>(bytes.next<std::uint16_t>());
+      point[axis] = origin[axis] + step * static_cast<float>(bytes.whole<std::uint16_t>());
     }
   }
   for (const Eigen::Vector3f& point : points) {
-    const Rgb8 color{bytes.next<std::uint8_t>(), bytes.next<std::uint8_t>(),
-                     bytes.next<std::uint8_t>()};
+    const Rgb8 color{bytes.whole<std::uint8_t>(), bytes.whole<std::uint8_t>(),
+                     bytes.whole<std::uint8_t>()};
     // Points stand 2 cm apart: the nearest is the one that was meant.
     std::size_t nearest = 0;
     for (std::size_t i = 0; i < cloud->vertices.size(); ++i) {
@@ -126,17 +129,18 @@ TEST_F(SceneContentTest, HoldsTheCloudWithinHalfAStep) {
     ASSERT_LE(off, 0.5F * step + 1e-6F);  // and what single precision rounds
     ASSERT_EQ(color, cloud->colors[nearest]);
   }
-  EXPECT_TRUE(bytes.is_at_end());
+  EXPECT_TRUE(bytes.is_sound() && bytes.is_at_end());
 }
 
 TEST_F(SceneContentTest, HoldsTheCellsThatAreOccupiedAndNoOthers) {
   const Scene scene = a_scene();
-  ByteReader bytes(body_of(*content_, "/scene/occupancy.bin"));
+  const std::string body = body_of(*content_, "/scene/occupancy.bin");
+  ByteReader bytes(bytes_of(body));
   Eigen::Vector3f origin;
-  for (float& coordinate : origin) coordinate = bytes.next<float>();
-  const auto edge = bytes.next<float>();
+  for (float& coordinate : origin) coordinate = bytes.f32();
+  const auto edge = bytes.f32();
   EXPECT_FLOAT_EQ(edge, static_cast<float>(scene.occupancy.options().resolution));
-  const auto count = bytes.next<std::uint32_t>();
+  const auto count = bytes.whole<std::uint32_t>();
   EXPECT_EQ(count, scene.occupancy.counts().occupied);
   EXPECT_GT(count, 0U);
   std::set<std::array<std::uint16_t, 3>> cells;
@@ -144,13 +148,13 @@ TEST_F(SceneContentTest, HoldsTheCellsThatAreOccupiedAndNoOthers) {
     std::array<std::uint16_t, 3> cell{};
     Eigen::Vector3d middle = origin.cast<double>();
     for (int axis = 0; axis < 3; ++axis) {
-      cell[static_cast<std::size_t>(axis)] = bytes.next<std::uint16_t>();
+      cell[static_cast<std::size_t>(axis)] = bytes.whole<std::uint16_t>();
       middle[axis] += edge * (cell[static_cast<std::size_t>(axis)] + 0.5);
     }
     EXPECT_EQ(scene.occupancy.at(middle), OccupancyMap::Cell::occupied);
     EXPECT_TRUE(cells.insert(cell).second);
   }
-  EXPECT_TRUE(bytes.is_at_end());
+  EXPECT_TRUE(bytes.is_sound() && bytes.is_at_end());
 }
 
 TEST_F(SceneContentTest, EscapesANameThatAUrlCanNotHold) {

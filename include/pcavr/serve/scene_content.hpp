@@ -17,6 +17,9 @@
 
 namespace pcavr {
 
+/// As pages name it: its folder's name.
+[[nodiscard]] std::string scene_name(const SceneManifest& scene);
+
 /// A scene as a page loads it (docs/live-protocol.md): /api/scene.json, the static mesh's levels of
 /// detail, the CAD bodies, the cloud and the occupied cells, all compressed once and kept in
 /// memory. Knows these paths only: nothing else of the disk can be asked for. Const and

@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/serve/scene_world.hpp"
+
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "scene/scene_builder.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace pcavr {
+namespace {
+
+class SceneWorldTest : public testing::Test {
+ protected:
+  Expected<SceneWorld> world_of(const Scene& scene, const SceneWorldOptions& options = {}) {
+    EXPECT_TRUE(write_scene(scene, folder_.path(), {1}));
+    const auto manifest = read_scene_manifest(folder_.path());
+    if (!manifest) return manifest.error();
+    return make_scene_world(*manifest, options);
+  }
+  const TemporaryFolder folder_;
+};
+
+TEST_F(SceneWorldTest, ABoxCanBePushedWhereItStandsAndTheToolWaitsAboveIt) {
+  const auto world = world_of(a_box_on_a_table(), {.tool_radius = 0.02, .most_force = 7.0});
+  ASSERT_TRUE(world) << world.error().to_string();
+  const WorldModel& model = world->model.world;
+  ASSERT_EQ(model.bodies.size(), 1U);
+  EXPECT_EQ(model.bodies[0].model.name, "box");
+  EXPECT_LT((model.bodies[0].T_base_object.translation() - Eigen::Vector3d(0.6, 0.05, 0.04)).norm(),
+            1e-8);  // a nanometre a coordinate is what scene.yaml keeps
+  EXPECT_EQ(model.tool_radius, 0.02);
+  EXPECT_EQ(world->model.force.most_force, 7.0);
+  EXPECT_EQ(world->model.supports_base.size(), 1U);
+  EXPECT_EQ(world->triangles, 5000U);
+  EXPECT_EQ(model.static_mesh_base.triangles.size(), 5000U);
+  EXPECT_GT(world->p_base_tool_start.z(), 0.08 + 0.09);
+  EXPECT_NEAR(world->p_base_tool_start.x(), 0.6, 1e-6);
+  EXPECT_TRUE(world->notes.empty());
+}
+
+TEST_F(SceneWorldTest, WhatDoesNotMoveIsFeltAndWhatWasNotSeenIsLeftOutWithAWord) {
+  Scene scene = a_box_on_a_table();
+  scene.objects.push_back(an_object("rail", {0.2, 0.2, 0.04}));
+  scene.objects.back().is_movable = false;
+  scene.objects.push_back(an_object("lost", {0.0, 0.0, 0.0}));
+  scene.objects.back().evidence = kNotSeen;
+  const auto world = world_of(scene);
+  ASSERT_TRUE(world) << world.error().to_string();
+  ASSERT_EQ(world->model.world.bodies.size(), 1U);
+  EXPECT_EQ(world->triangles, 5000U + 12U);
+  ASSERT_EQ(world->notes.size(), 1U);
+  EXPECT_NE(world->notes[0].find("lost"), std::string::npos);
+  // The rail's corners, turned by 0.3 rad, lie where the scene has it.
+  const Eigen::Vector3f& corner = world->model.world.static_mesh_base.vertices.back();
+  EXPECT_NEAR((corner.head<2>() - Eigen::Vector2f(0.2F, 0.2F)).norm(), std::hypot(0.05, 0.1), 1e-5);
+}
+
+TEST_F(SceneWorldTest, WhatNothingToldIsNamedAndWhatWasToldIsTaken) {
+  ObjectParameters known;
+  known.mass = ParameterValue{2.5, 0.1};
+  known.contact_stiffness = ParameterValue{20000.0};
+  const auto world = world_of(a_box_on_a_table(), {.parameters = ParameterTable{{"box", known}}});
+  ASSERT_TRUE(world) << world.error().to_string();
+  ASSERT_EQ(world->assumed.size(), 1U);
+  EXPECT_EQ(world->assumed[0].object, "box");
+  EXPECT_FALSE(world->assumed[0].names.empty());
+  for (const std::string& name : world->assumed[0].names) {
+    EXPECT_NE(name, "mass");
+    EXPECT_NE(name, "contact_stiffness");
+  }
+  EXPECT_EQ(world->model.world.bodies[0].physics.contact.stiffness, 20000.0);
+}
+
+TEST_F(SceneWorldTest, ParametersOfAnObjectThatIsNotThereAreAnErrorThatNamesTheirFile) {
+  const auto world = world_of(a_box_on_a_table(), {.parameters = ParameterTable{{"bx", {}}},
+                                                   .parameters_file = "told.yaml"});
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().to_string().find("told.yaml"), std::string::npos);
+  EXPECT_NE(world.error().to_string().find("bx"), std::string::npos);
+}
+
+TEST_F(SceneWorldTest, AFileThatIsMissingIsNamed) {
+  for (const char* file : {"mesh.ply", "objects/box.glb"}) {
+    EXPECT_TRUE(write_scene(a_box_on_a_table(), folder_.path(), {1}));
+    const auto manifest = read_scene_manifest(folder_.path());
+    ASSERT_TRUE(manifest);
+    std::filesystem::remove(folder_.path() / file);
+    const auto world = make_scene_world(*manifest, {});
+    ASSERT_FALSE(world) << file;
+    EXPECT_NE(world.error().to_string().find(file), std::string::npos) << world.error().to_string();
+  }
+}
+
+}  // namespace
+}  // namespace pcavr
