@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
+import { loaded, openPanel } from './support/drawn.mjs';
 import { Live, until } from './support/live.mjs';
 import { limit, setStage } from './support/stage.mjs';
 import { between } from './support/relay.mjs';
@@ -32,7 +33,10 @@ test('a page that lost its server finds it again', limit, async (t) => {
   const relay = await between(stage.server.url, (message) => message);
   t.after(relay.close);
   const { page } = await stage.open(relay.url);
-  await page.waitForFunction(() => window.__pcavr?.state);
+  await loaded(page);
+  await openPanel(page);
+  await page.click('#clutch');
+  await page.waitForFunction(() => window.__pcavr.state?.isEngaged);
   await page.evaluate(() => {
     const status = document.querySelector('#connection');
     const note = () => (window.__said ??= []).push(status.textContent);
@@ -43,6 +47,8 @@ test('a page that lost its server finds it again', limit, async (t) => {
   assert.equal(await page.evaluate(() => window.__pcavr.state), null);
   await page.waitForFunction(() => window.__pcavr.state !== null);
   await until(() => page.evaluate(() => window.__pcavr.connection === 'open'), 'connected again');
+  await page.waitForTimeout(200);
+  assert.equal(await page.evaluate(() => window.__pcavr.state.isEngaged), false, 'takes hold anew');
   // Once, however often it tries: a screen reader reads each of them out.
   assert.deepEqual(await page.evaluate(() => window.__said), ['lost, trying again', 'connected']);
 });

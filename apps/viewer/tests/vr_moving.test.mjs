@@ -53,14 +53,18 @@ test('in a world shown larger the tool moves as much less', limit, async () => {
   for (const scale of [2, 4, 0.5, 1]) {
     await press(page, 'left', 'y-button', true);
     await press(page, 'left', 'y-button', false);
-    await takeHold(page, world);
-    const before = world.state.hip;
-    await moveBy(page, 'right', [0, 0.06, 0], 0.3);
-    const moved = () => world.state.hip[2] - before[2];
-    await until(() => Math.abs(moved() - 0.06 / scale) < rounding, `6 cm at ${scale}`);
-    await moveBy(page, 'right', [0, -0.06, 0], 0.3);
-    await press(page, 'right', 'squeeze', false);
-    await until(() => !world.state.isEngaged, 'the clutch open');
+    // Again, where a machine that is busy elsewhere lets the tool go under way.
+    await until(async () => {
+      await takeHold(page, world);
+      const before = world.state.hip;
+      await moveBy(page, 'right', [0, 0.06, 0], 0.3);
+      const isThere = () => Math.abs(world.state.hip[2] - before[2] - 0.06 / scale) < rounding;
+      const wasThere = await until(isThere, '6 cm', 1000).catch(() => false);
+      await moveBy(page, 'right', [0, -0.06, 0], 0.3);
+      await press(page, 'right', 'squeeze', false);
+      await until(() => !world.state.isEngaged, 'the clutch open');
+      return wasThere;
+    }, `6 cm at ${scale}`);
   }
 });
 

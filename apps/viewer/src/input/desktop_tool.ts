@@ -59,6 +59,7 @@ export class DesktopTool {
   /// Once a frame, `seconds` after the one before.
   update(seconds: number): void {
     const state = this.app.session.latest();
+    if (!state) this.letGo(); // whoever finds the world again takes hold anew
     const isWanted =
       this.isEnabled &&
       state !== null &&

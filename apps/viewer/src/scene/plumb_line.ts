@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import {
-  BufferAttribute,
-  BufferGeometry,
   DoubleSide,
   Group,
-  Line,
   LineBasicMaterial,
   Mesh,
   MeshBasicMaterial,
@@ -15,6 +12,7 @@ import {
 import type { Vector } from '../protocol';
 import type { Body } from './bodies';
 import { heightOf, isInside, type Outline } from './outline';
+import { Segment } from './segment';
 
 const color = '#ffffff';
 const lift = 0.001; // [m] of the foot above what it lies on, or both would flicker
@@ -23,16 +21,13 @@ const lift = 0.001; // [m] of the foot above what it lies on, or both would flic
 /// how far away the tool is. All in base.
 export class PlumbLine {
   readonly group = new Group();
-  private readonly line: Line;
+  private readonly line: Segment;
   private readonly foot: Mesh;
   private readonly ray = new Raycaster();
 
   constructor(private readonly base: Group) {
-    const ends = new BufferGeometry();
-    ends.setAttribute('position', new BufferAttribute(new Float32Array(6), 3));
     const faint = { color, transparent: true, opacity: 0.7 };
-    this.line = new Line(ends, new LineBasicMaterial(faint));
-    this.line.frustumCulled = false;
+    this.line = new Segment(new LineBasicMaterial(faint));
     const ring = new RingGeometry(0.7, 1, 32);
     this.foot = new Mesh(ring, new MeshBasicMaterial({ ...faint, side: DoubleSide }));
     this.group.add(this.line, this.foot);
@@ -50,10 +45,7 @@ export class PlumbLine {
     const below = Math.max(this.bodyBelow(tool, bodies), supportBelow(tool, supports));
     this.group.visible = Number.isFinite(below) && z - below > radius;
     if (!this.group.visible) return;
-    const ends = this.line.geometry.getAttribute('position') as BufferAttribute;
-    ends.setXYZ(0, x, y, z);
-    ends.setXYZ(1, x, y, below);
-    ends.needsUpdate = true;
+    this.line.join(tool, [x, y, below]);
     this.foot.position.set(x, y, below + lift);
     this.foot.scale.setScalar(radius);
   }

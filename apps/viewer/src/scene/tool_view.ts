@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import {
-  BufferAttribute,
-  BufferGeometry,
   ConeGeometry,
   CylinderGeometry,
   Group,
-  Line,
   LineBasicMaterial,
   Mesh,
   MeshBasicMaterial,
@@ -16,6 +13,7 @@ import {
   Vector3,
 } from 'three';
 import type { LiveState, Vector } from '../protocol';
+import { Segment } from './segment';
 
 const proxyColor = '#f5f7fa';
 const touchColor = '#ffb300';
@@ -39,10 +37,7 @@ export class ToolView {
     new MeshBasicMaterial({ color: hipColor, transparent: true, opacity: 0.85, depthTest: false }),
   );
   force: Vector = [0, 0, 0];
-  private spring = new Line(
-    new BufferGeometry(),
-    new LineBasicMaterial({ color: hipColor, depthTest: false }),
-  );
+  private spring = new Segment(new LineBasicMaterial({ color: hipColor, depthTest: false }));
   private arrow = new Group();
   private shaft: Mesh;
   private head: Mesh;
@@ -57,8 +52,6 @@ export class ToolView {
   constructor(base: Group) {
     this.group.name = 'tool';
     this.group.visible = false;
-    this.spring.geometry.setAttribute('position', new BufferAttribute(new Float32Array(6), 3));
-    this.spring.frustumCulled = false;
     const material = new MeshLambertMaterial({ color: forceColor });
     this.shaft = new Mesh(new CylinderGeometry(1, 1, 1, 12).translate(0, 0.5, 0), material);
     this.head = new Mesh(new ConeGeometry(1, 1, 20).translate(0, 0.5, 0), material);
@@ -90,10 +83,7 @@ export class ToolView {
     this.group.visible = true;
     this.proxy.position.fromArray(proxy);
     this.hip.position.fromArray(hip);
-    const ends = this.spring.geometry.getAttribute('position') as BufferAttribute;
-    ends.setXYZ(0, ...hip);
-    ends.setXYZ(1, ...proxy);
-    ends.needsUpdate = true;
+    this.spring.join(hip, proxy);
     this.force = [...force];
     this.showForce();
   }

@@ -5,6 +5,8 @@ import type { SceneObject } from '../scene/scene_model';
 import { byId, create, fillList, setPressed, setText } from './dom';
 import { heading, millimetres, newtons, significant } from './format';
 
+const quietSeconds = 1; // between two announcements: a push has four phases in less
+
 interface Row {
   button: HTMLButtonElement;
   phase: HTMLElement;
@@ -20,6 +22,8 @@ export function phaseWord(body: Body): string {
 export class ObjectsPanel {
   selected: Body | null = null;
   private readonly rows = new Map<Body, Row>();
+  private readonly unsaid = new Set<Body>(); // whose phase has changed since it was read out
+  private lastSaid = -Infinity; // [s]
   private readonly details = byId('details', HTMLElement);
   private readonly name = byId('details-name', HTMLHeadingElement);
   private readonly list = byId('details-list', HTMLElement);
@@ -42,19 +46,27 @@ export class ObjectsPanel {
 
   /// `force` [N] of the tool on each body, by name.
   update(force: (body: Body) => number): void {
-    const news: string[] = [];
     for (const [body, row] of this.rows) {
       const word = phaseWord(body);
       if (row.phase.textContent !== word) {
-        if (row.phase.textContent) news.push(`${body.object.name}: ${word}`);
+        if (row.phase.textContent) this.unsaid.add(body);
         row.phase.textContent = word;
         row.phase.style.setProperty('--phase', phaseColors[body.phase]);
       }
       const newton = force(body);
       setText(row.number, newton > 0.05 ? newtons(newton) : '');
     }
-    if (news.length > 0) this.announce(news.join(', '));
+    this.sayPhases();
     this.showDetails();
+  }
+
+  private sayPhases(): void {
+    const now = performance.now() / 1000;
+    if (this.unsaid.size === 0 || now - this.lastSaid < quietSeconds) return;
+    this.lastSaid = now;
+    const phases = [...this.unsaid].map((body) => `${body.object.name}: ${phaseWord(body)}`);
+    this.announce(phases.join(', '));
+    this.unsaid.clear();
   }
 
   private addRow(body: Body): HTMLButtonElement {

@@ -1,20 +1,17 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import {
-  BufferAttribute,
-  BufferGeometry,
   CapsuleGeometry,
   Group,
   InstancedMesh,
-  Line,
   LineBasicMaterial,
   Matrix4,
   Mesh,
   MeshStandardMaterial,
   SphereGeometry,
-  type Vector3,
 } from 'three';
-
+import type { Vector } from '../protocol';
+import { Segment } from '../scene/segment';
 import type { Hand, Side } from './hands';
 
 const mostJoints = 25; // of an XRHand
@@ -64,16 +61,12 @@ class HandView {
 /// Both hands (headset), and the thread from the hand that holds the tool to the tool (base).
 export class HandsView {
   readonly group = new Group(); // hangs on the person's rig
-  readonly thread: Line; // hangs in base
+  /// Hangs in base.
+  readonly thread = new Segment(new LineBasicMaterial({ color: toolColour }));
   private readonly views: Record<Side, HandView> = { left: new HandView(), right: new HandView() };
-  private readonly ends = new BufferAttribute(new Float32Array(6), 3);
 
   constructor() {
     this.group.add(this.views.left.group, this.views.right.group);
-    const geometry = new BufferGeometry();
-    geometry.setAttribute('position', this.ends);
-    this.thread = new Line(geometry, new LineBasicMaterial({ color: toolColour }));
-    this.thread.frustumCulled = false;
     this.thread.visible = false;
   }
 
@@ -87,11 +80,8 @@ export class HandsView {
   }
 
   /// From the hand to what it leads; both in base. Hidden without one of them.
-  showThread(hand: Vector3 | undefined, tool: Vector3 | undefined): void {
+  showThread(hand: Vector | undefined, tool: Vector | undefined): void {
     this.thread.visible = hand !== undefined && tool !== undefined;
-    if (hand === undefined || tool === undefined) return;
-    this.ends.setXYZ(0, hand.x, hand.y, hand.z);
-    this.ends.setXYZ(1, tool.x, tool.y, tool.z);
-    this.ends.needsUpdate = true;
+    if (hand && tool) this.thread.join(hand, tool);
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import { Vector3 } from 'three';
+import type { Vector3 } from 'three';
 import type { App } from '../app';
 import { Command, Device, type LiveState, type Quaternion, type Vector } from '../protocol';
 import { Clutch } from './clutch';
@@ -227,8 +227,8 @@ export class VrMode {
     this.hands.show(hands, this.toolSide);
     const isLed = this.clutch.isClosed && tool && state;
     this.hands.showThread(
-      isLed ? this.person.toBase(tool.place) : undefined,
-      isLed ? new Vector3(...state.hip) : undefined,
+      isLed ? this.person.toBase(tool.place).toArray() : undefined,
+      isLed ? state.hip : undefined,
     );
     const beside = free ?? tool;
     this.panel.mesh.visible = beside !== undefined;
