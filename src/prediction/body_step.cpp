@@ -15,14 +15,14 @@ namespace pcavr::detail {
 namespace {
 
 /// A step is solved where the contacts' forces and the motion that they cause agree to this share
-/// of F_M, far below what a force sensor tells; or the motion to this [m].
+/// of F_M, far below what a force sensor tells; or the motion to this [m]. Forces tell nothing of
+/// contacts that the motion is yet to close: so it has to agree to a little, in any case.
 constexpr double kSolvedForce = 3e-4;
 constexpr double kSolvedWay = 1e-10;
+constexpr double kNearlySolved = 1e-6;
 constexpr int kMostRounds = 24;
 /// Of a step: less is left for the next one.
 constexpr double kLeastShareOfStep = 1e-3;
-/// A tip that is faster [m/s] was put elsewhere: no arm that is guided by hand moves so.
-constexpr double kFastestTip = 5.0;
 /// Normals that rise less than this (sine) can push a body out sideways.
 constexpr double kSteepest = 0.87;
 /// Of the contact's swing, in radians, that a step may take at once; the parts that this makes of a
@@ -81,13 +81,13 @@ class BodyStepper {
     end_share_ = 0.5 + 0.5 * swing / (4.0 + swing);
   }
 
-  BodyState run() noexcept {
+  BodyStep run() noexcept {
     if (state_.planar.twist.isZero(0.0)) {
       hold();
     } else {
       slide();
     }
-    return state_;
+    return {state_, gap_};
   }
 
  private:
@@ -234,6 +234,11 @@ class BodyStepper {
     return {planar.position.x(), planar.position.y(), body_.gyration_radius() * planar.yaw};
   }
 
+  void move(PlanarState& planar, const Eigen::Vector3d& way) const noexcept {
+    planar.position += way.head<2>();
+    planar.yaw += way.z() / body_.gyration_radius();
+  }
+
   [[nodiscard]] PlanarState first_guess() const noexcept {
     if (guess_ != nullptr) return *guess_;
     PlanarState guess = state_.planar;
@@ -254,41 +259,39 @@ class BodyStepper {
     const double enough = kSolvedForce * holding_force(parameters);
     PlanarState best;
     Load at_best;
-    Eigen::Vector3d gap = Eigen::Vector3d::Zero();  // from where the best guess leads to it
-    double least = std::numeric_limits<double>::infinity();
+    double least = std::numeric_limits<double>::infinity();  // [m] from the solution, as it seems
     // What the slope lacks, as the changes so far showed it [Broyden 1965].
     Eigen::Matrix3d lacking = Eigen::Matrix3d::Zero();
     Eigen::Vector3d change = Eigen::Vector3d::Zero();
+    bool learns = false;
     double bettered = 0.0;  // a residual that is enough for now
     for (int round = 0; round < kMostRounds; ++round) {
       const Load load = load_at(guess, touch_at(guess, tip_.to), end_share_);
       friction.sliding.force = friction_.sliding.force * body_.weight_share(load.down());
       const PlanarStep step = body_.step(friction, state_.planar, load.wrench, dt_);
       const Eigen::Vector3d residual = scaled(guess) - scaled(step.state);
-      if (residual.norm() >= least) {
+      const Eigen::Matrix3d slope = Eigen::Matrix3d::Identity() + compliance * load.stiffness;
+      const double away = (slope.inverse() * residual).norm();
+      if (away >= least) {  // a contact came or went on the way: half of it back
         lacking.setZero();
-      } else if (!change.isZero(0.0)) {
-        lacking -= residual * change.transpose() / change.squaredNorm();
+        learns = false;
+        change *= 0.5;
+        move(guess, change);
+        continue;
       }
-      if (residual.norm() < least) {
-        least = residual.norm();
-        best = step.state;
-        at_best = load;
-        gap = residual;
-      }
-      if (round == 0) bettered = enough_share_ * least;
-      if (least <= std::max(kSolvedWay, bettered)) break;
-      if ((load.stiffness * residual).norm() <= enough) break;
-      const Eigen::Matrix3d slope =
-          Eigen::Matrix3d::Identity() + compliance * load.stiffness + lacking;
-      change = slope.inverse() * residual;
-      guess.position -= change.head<2>();
-      guess.yaw -= change.z() / body_.gyration_radius();
+      if (learns) lacking -= residual * change.transpose() / change.squaredNorm();
+      least = away;
+      best = step.state;
+      at_best = load;
+      gap_ = residual.norm();
+      if (round == 0) bettered = enough_share_ * away;
+      if (gap_ <= std::max(kSolvedWay, bettered)) break;
+      if (gap_ <= kNearlySolved && (load.stiffness * residual).norm() <= enough) break;
+      change = (slope + lacking).inverse() * residual;
+      learns = true;
+      move(guess, -change);
     }
-    // The gap is so small that the surface is as good as flat over it.
-    Touch touch = at_best.touch;
-    const Displacement rest{-gap.head<2>(), -gap.z() / body_.gyration_radius()};
-    touch.depth += touch.normal.head<2>().dot(rest.at(touch.arm));
+    const Touch touch = touch_at(best, tip_.to);
     const Load load = load_at(best, touch, 1.0);
     conclude(best, load, best.twist.isZero(0.0) ? holding_share(load) : 1.0);
   }
@@ -324,6 +327,7 @@ class BodyStepper {
   Touch touch_;              ///< at the begin
   PlanarFriction friction_;  ///< under the weight alone
   double end_share_ = 0.5;
+  double gap_ = 0.0;  ///< see BodyStep
 };
 
 }  // namespace
@@ -340,9 +344,9 @@ int parts_of_step(const UprightBody& body, const BodyState& state, const TipPath
   return static_cast<int>(std::min(parts, kMostParts));
 }
 
-BodyState step_body(const UprightBody& body, const BodyState& state, const TipPath& tip,
-                    std::span<const SideContact> sides, double dt, const PlanarState* guess,
-                    double enough_share) noexcept {
+BodyStep step_body(const UprightBody& body, const BodyState& state, const TipPath& tip,
+                   std::span<const SideContact> sides, double dt, const PlanarState* guess,
+                   double enough_share) noexcept {
   return BodyStepper(body, state, tip, sides, dt, guess, enough_share).run();
 }
 

@@ -14,12 +14,19 @@ namespace pcavr::detail {
 [[nodiscard]] int parts_of_step(const UprightBody& body, const BodyState& state, const TipPath& tip,
                                 double dt) noexcept;
 
+struct BodyStep {
+  BodyState state;
+  /// [m] by which the body's motion is off what its contacts' forces lead to: large where no end of
+  /// the step suits both.
+  double gap = 0.0;
+};
+
 /// Moves one body by dt [s] under the tip's contact, its neighbours' and the support's friction.
 /// `guess`, the end as one believes it, only saves time. Where `enough_share` is not zero, an end
 /// that is so much nearer to the solution than the guess will do.
-[[nodiscard]] BodyState step_body(const UprightBody& body, const BodyState& state,
-                                  const TipPath& tip, std::span<const SideContact> sides, double dt,
-                                  const PlanarState* guess = nullptr,
-                                  double enough_share = 0.0) noexcept;
+[[nodiscard]] BodyStep step_body(const UprightBody& body, const BodyState& state,
+                                 const TipPath& tip, std::span<const SideContact> sides, double dt,
+                                 const PlanarState* guess = nullptr,
+                                 double enough_share = 0.0) noexcept;
 
 }  // namespace pcavr::detail

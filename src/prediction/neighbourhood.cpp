@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pcavr/core/gravity.hpp"
+#include "pcavr/friction/point_push.hpp"
 
 namespace pcavr::detail {
 namespace {
@@ -17,9 +18,9 @@ constexpr int kMostSweeps = 12;
 /// In the first sweeps, what betters a body's end this much is enough: its neighbours will move.
 constexpr int kRoughSweeps = 6;
 constexpr double kRough = 0.1;
-/// [m/s] Nothing that an arm pushes goes faster: where that comes out, the contacts had no solution
+/// [m] Where the motions and the forces in a step disagree by more, they have no common solution
 /// that was found.
-constexpr double kFastestBody = 5.0;
+constexpr double kUnsolved = 1e-5;
 constexpr std::size_t kMostSides = 64;  // of one body
 constexpr double kLeastCoefficient =
     0.1;  // of friction, for the stiffness of a contact without any
@@ -36,15 +37,12 @@ double speed_of(const UprightBody& body, const BodyState& state) {
          2.0 * body.gyration_radius() * std::abs(state.planar.twist.z());
 }
 
-/// Where a step's end is out of reach, the body stays where it was, and stands.
-void forbid_leaps(const UprightBody& body, const BodyState& begin, double dt, BodyState& end) {
-  const double way = (end.planar.position - begin.planar.position).norm() +
-                     body.gyration_radius() * std::abs(turning_way(begin.planar, end.planar));
-  const double speed =
-      end.planar.twist.head<2>().norm() + body.gyration_radius() * std::abs(end.planar.twist.z());
-  if (way <= kFastestBody * dt && speed <= kFastestBody) return;
-  end = begin;
+/// As it was, and stands.
+BodyState stopped(const UprightBody& body, const BodyState& begin, const TipPath& tip) {
+  BodyState end = begin;
   end.planar.twist.setZero();
+  end.penetration = touch_of(body, end.planar, tip.to, tip.radius).value_or(Touch{}).depth;
+  return end;
 }
 
 /// Like that of things laid on the same support: by the larger force at which one of them breaks
@@ -81,7 +79,7 @@ void Neighbourhood::step(const std::vector<UprightBody>& bodies, const TipPath& 
     const int parts = parts_of_step(bodies[i], states[i], tip, dt);
     for (int k = 1; k <= parts; ++k) {
       part.to = tip.from + (static_cast<double>(k) / parts) * (tip.to - tip.from);
-      states[i] = step_body(bodies[i], states[i], part, {}, dt / parts);
+      states[i] = step_body(bodies[i], states[i], part, {}, dt / parts).state;
       part.from = part.to;
     }
   }
@@ -183,6 +181,7 @@ void Neighbourhood::step_together(const std::vector<UprightBody>& bodies, const 
       member.end.planar.position += time * member.begin.planar.twist.head<2>();
       member.end.planar.yaw += time * member.begin.planar.twist.z();
     }
+    for (Member& member : members_) tell_speeds(member);
     bool is_settled = false;
     for (int sweep = 0; sweep < kMostSweeps && !is_settled; ++sweep) {
       is_settled = true;
@@ -194,7 +193,9 @@ void Neighbourhood::step_together(const std::vector<UprightBody>& bodies, const 
       }
     }
     for (std::size_t i = 0; i < members_.size(); ++i) {
-      forbid_leaps(bodies[i], members_[i].begin, time, members_[i].end);
+      Member& member = members_[i];
+      if (member.sides.empty() || member.unsolved <= kUnsolved) continue;
+      member.end = stopped(bodies[i], member.begin, part);
     }
     for (Member& member : members_) {
       follow_neighbours(member);
@@ -214,17 +215,33 @@ bool Neighbourhood::solve(std::size_t body, const std::vector<UprightBody>& bodi
   Member& member = members_[body];
   follow_neighbours(member);
   const PlanarState before = member.end.planar;
-  member.end = step_body(bodies[body], member.begin, tip, member.sides, dt, &before, enough_share);
+  const BodyStep step =
+      step_body(bodies[body], member.begin, tip, member.sides, dt, &before, enough_share);
+  member.end = step.state;
   member.is_dirty = false;
   const double change =
       (member.end.planar.position - before.position).norm() +
       bodies[body].gyration_radius() * std::abs(turning_way(before, member.end.planar));
+  member.unsolved = std::max(step.gap, change);
   if (change <= kSettled) return false;
   member.is_dirty = true;
   for (const Partner& partner : member.partners) {
     if (partner.body >= 0) members_[static_cast<std::size_t>(partner.body)].is_dirty = true;
   }
   return true;
+}
+
+void Neighbourhood::tell_speeds(Member& member) const {
+  for (std::size_t i = 0; i < member.sides.size(); ++i) {
+    const Partner& partner = member.partners[i];
+    SideContact& side = member.sides[i];
+    Eigen::Vector2d slip = -velocity_of(side.arm, member.begin.planar.twist);
+    if (partner.body >= 0) {
+      const Member& other = members_[static_cast<std::size_t>(partner.body)];
+      slip += velocity_of(partner.arm, other.begin.planar.twist);
+    }
+    side.closing = side.normal.dot(slip);
+  }
 }
 
 void Neighbourhood::follow_neighbours(Member& member) const {

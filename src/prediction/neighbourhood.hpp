@@ -31,6 +31,7 @@ class Neighbourhood {
     bool is_awake = false;     ///< it moves, or something may move it
     bool is_searched = false;  ///< its contacts are known
     bool is_dirty = false;     ///< a neighbour moved since it was solved
+    double unsolved = 0.0;     ///< [m] by which its motion is not that of the forces on it
     BodyState begin;
     BodyState end;
     std::vector<SideContact> sides;
@@ -46,6 +47,7 @@ class Neighbourhood {
   void step_together(const std::vector<UprightBody>& bodies, const TipPath& tip, double dt);
   [[nodiscard]] bool solve(std::size_t body, const std::vector<UprightBody>& bodies,
                            const TipPath& tip, double dt, double enough_share);
+  void tell_speeds(Member& member) const;
   void follow_neighbours(Member& member) const;
 
   Collider collider_;

@@ -12,6 +12,7 @@ struct SideContact {
   Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  ///< into the body
   Eigen::Vector2d arm = Eigen::Vector2d::Zero();      ///< from the body's centre of mass [m]
   double depth = 0.0;                                 ///< at the step's begin [m]; negative: a gap
+  double closing = 0.0;  ///< how fast it deepened at the step's begin [m/s]
   Eigen::Vector2d neighbour_way = Eigen::Vector2d::Zero();  ///< of its point in the step [m]
   double stiffness = 0.0;                                   ///< [N/m]
   double damping = 0.0;                                     ///< [N s/m]

@@ -14,6 +14,8 @@ namespace pcavr::detail {
 
 /// Beyond this the clearance between tip and body is not told [m].
 constexpr double kClearance = 0.05;
+/// A tip that is faster [m/s] was put elsewhere: no arm that is guided by hand moves so.
+constexpr double kFastestTip = 5.0;
 
 /// The tip's sphere and where its centre goes during a step, in base.
 struct TipPath {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "prediction/closest_surface.hpp"
 #include "prediction/worlds.hpp"
 
 namespace pcavr {
@@ -94,6 +95,57 @@ TEST_P(Wall, OfTheScannedMeshStopsABody) {
   EXPECT_NEAR(state.planar.yaw, 0.0, 0.01);
 }
 INSTANTIATE_TEST_SUITE_P(SeveralBodies, Wall, testing::Values(0.0, 0.0005));
+
+// As heavy and as hard to move as what is on a table, and more so; the step takes the body 1 mm.
+TEST(SeveralBodies, AWallDoesNotThrowABodyBack) {
+  for (const double holding_force : {9.57, 40.0, 1000.0}) {
+    for (const double mass : {0.3, 3.0}) {
+      WorldModel model = test::one_box();
+      model.bodies[0].physics.friction.limiting_force = holding_force;
+      model.bodies[0].physics.friction.mass = mass;
+      model.static_mesh_base = wall_at(0.0875 + 0.01);
+      PredictedWorld world = world_of(model);
+      std::vector<BodyState> state = world.state();
+      state[0].planar.twist.x() = 1.0;
+      world.set_state(state);
+      const Eigen::Vector3d far(5.0, 0.0, 0.0);
+      for (int i = 0; i < 100; ++i) {
+        world.step(far, far, 0.001);
+        const PlanarState& planar = world.state()[0].planar;
+        ASSERT_LE(planar.position.x(), 0.01 + 0.001) << holding_force << ' ' << mass << ' ' << i;
+        ASSERT_GE(planar.twist.x(), -0.05) << holding_force << ' ' << mass << ' ' << i;
+      }
+    }
+  }
+}
+
+// A tip that no body gives way to, as fast as a hand, off the middle: bodies, wall and tip find
+// hardly a common solution.
+TEST(SeveralBodies, ThatArePressedAgainstAWallDoNotLeap) {
+  for (const double y : {0.0, 0.03, 0.06, 0.08}) {
+    WorldModel model = row_of_boxes(2, 0.002);
+    model.bodies[1].T_base_object = standing_at(0.18, 0.05, 0.3);
+    model.bodies[1].physics.friction.limiting_force = 40.0;
+    model.static_mesh_base = wall_at(0.32, 0.001);
+    PredictedWorld world = world_of(model);
+    const detail::ClosestSurface surface(model.bodies[0].model.mesh_object, Pose());
+    const auto path = [&](double t) -> Eigen::Vector3d {
+      const double pressed = std::min(0.5 * t, 0.06 + 0.02 * std::sin(20.0 * t));
+      return touching_tip(y) + Eigen::Vector3d(pressed, 0.02 * std::sin(7.0 * t), 0.0);
+    };
+    std::vector<BodyState> before = world.state();
+    test::run(world, path, 2.0, 0.001, [&](double t) {
+      for (std::size_t i = 0; i < world.size(); ++i) {
+        const Eigen::Vector2d way = world.state()[i].planar.position - before[i].planar.position;
+        ASSERT_LT(way.norm(), 0.001 * 2.0) << y << ' ' << t << ' ' << i;
+      }
+      const auto there = surface.closest(world.T_base_object(0).inverse() * path(t), 0.06);
+      ASSERT_TRUE(there);
+      ASSERT_NEAR(world.state()[0].penetration, test::kTipRadius - there->distance, 1e-9) << t;
+      before = world.state();
+    });
+  }
+}
 
 TEST(SeveralBodies, TheSupportInTheMeshDoesNotHoldABodyBack) {
   WorldModel model = test::one_box();
