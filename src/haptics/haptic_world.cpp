@@ -15,6 +15,7 @@
 #include "haptics/friction_cone.hpp"
 #include "haptics/supports.hpp"
 #include "prediction/contact_force.hpp"
+#include "prediction/tip_contact.hpp"
 
 namespace pcavr {
 namespace {
@@ -82,7 +83,8 @@ struct HapticWorld::Content {
   [[nodiscard]] bool may_catch_up() const noexcept;
   void follow(double moved, double dt) noexcept;
   void sink_in(double dt) noexcept;
-  [[nodiscard]] double depth_along(const Eigen::Vector3d& along, double wanted) const noexcept;
+  [[nodiscard]] Eigen::Vector3d sunk_towards(const Eigen::Vector3d& along, double deep,
+                                             double most) const noexcept;
   [[nodiscard]] bool is_through_its_face(const Eigen::Vector3d& p) const noexcept;
   void let_go() noexcept;
   void move_bodies(double dt) noexcept;
@@ -107,7 +109,7 @@ struct HapticWorld::Content {
 
   bool is_placed = false;
   double carried = 0.0;  ///< [m] by which bodies under the tool moved in the latest step
-  double sunk = 0.0;     ///< [m] from the ball to the tip that the prediction knows
+  Eigen::Vector3d sunk = Eigen::Vector3d::Zero();  ///< from the ball to the prediction's tip
   Eigen::Vector3d scan_normal = Eigen::Vector3d::Zero();
   Eigen::Vector3d hip = Eigen::Vector3d::Zero();
   Eigen::Vector3d goal = Eigen::Vector3d::Zero();
@@ -230,7 +232,7 @@ void HapticWorld::Content::sink_in(double dt) noexcept {
   tip = ball.centre();
   on_scan = ball.centre();
   if (!is_resting_on_body()) {
-    sunk = 0.0;
+    sunk.setZero();
   } else {
     double deepest = std::numeric_limits<double>::infinity();
     for (const Body& body : bodies) {
@@ -240,29 +242,37 @@ void HapticWorld::Content::sink_in(double dt) noexcept {
     on_scan = ball.beyond_the_moving(goal, left);
     const Eigen::Vector3d way = on_scan - ball.centre();
     const double length = way.norm();
-    const Eigen::Vector3d along = way.stableNormalized();
-    sunk = depth_along(along, std::min({length, sunk + kSinking * dt, deepest}));
-    if (length > 0.0) {
-      tip += sunk * along;
-      // What the hand is deeper than a body lets the tool sink in is not the scan's to bear.
-      const double beyond = (hip - on_scan).dot(way) / length;
-      if (left <= 0.0 && beyond > 0.0) on_scan += beyond / length * way;
-    }
+    sunk = sunk_towards(way, std::min(length, deepest), kSinking * dt);
+    // The prediction would take the tip for one that was put there, and the body out of its way.
+    const Eigen::Vector3d moved = ball.centre() + sunk - tip_before;
+    if (moved.norm() > detail::kFastestTip * dt) sunk.setZero();
+    tip += sunk;
+    // What the hand is deeper than a body lets the tool sink in is not the scan's to bear.
+    const double beyond = length > 0.0 ? (hip - on_scan).dot(way) / length : 0.0;
+    if (left <= 0.0 && beyond > 0.0) on_scan += beyond / length * way;
   }
   if (tip_before == kAway) tip_before = tip;
 }
 
-/// How deep, up to `wanted` [m], the tip can sink in along a direction so that what it came through
-/// is still what is nearest: near an edge that is less than in the middle of a face. It does not
-/// waver there, for it stays as deep as it was.
-double HapticWorld::Content::depth_along(const Eigen::Vector3d& along,
-                                         double wanted) const noexcept {
-  double depth = wanted;
+/// How the tip is sunk when it would be so deep [m] along a direction: it turns and sinks by `most`
+/// [m] in this cycle, so that where the direction swings the tip does not leap. Only so far that
+/// what it came through is still what is nearest: near an edge that is less than in the middle of a
+/// face. It does not waver there, for it stays as deep as it was.
+Eigen::Vector3d HapticWorld::Content::sunk_towards(const Eigen::Vector3d& along, double deep,
+                                                   double most) const noexcept {
+  const double before = sunk.norm();
+  const Eigen::Vector3d held = before > deep ? Eigen::Vector3d(deep / before * sunk) : sunk;
+  const Eigen::Vector3d change = deep * along.stableNormalized() - held;
+  const double size = change.norm();
+  const Eigen::Vector3d wanted = held + (size > most ? most / size : 1.0) * change;
+  double depth = wanted.norm();
+  if (depth <= ball.radius()) return wanted;
+  const Eigen::Vector3d direction = wanted / depth;
   for (int tries = 0; tries < kMostTries && depth > ball.radius(); ++tries) {
-    if (is_through_its_face(ball.centre() + depth * along)) return depth;
-    depth = depth > sunk ? sunk : kLess * depth;
+    if (is_through_its_face(ball.centre() + depth * direction)) return depth * direction;
+    depth = depth > before ? before : kLess * depth;
   }
-  return std::min(depth, ball.radius());
+  return std::min(depth, ball.radius()) * direction;
 }
 
 bool HapticWorld::Content::is_through_its_face(const Eigen::Vector3d& p) const noexcept {
@@ -281,7 +291,7 @@ void HapticWorld::Content::let_go() noexcept {
   scan_normal.setZero();
   tip = kAway;
   tip_before = kAway;
-  sunk = 0.0;
+  sunk.setZero();
   carried = 0.0;
   for (Body& body : bodies) body.is_under_tool = false;
 }

@@ -176,6 +176,7 @@ TEST(HapticWorld, KeepsTheToolOnItsSideOfABodyThatCannotMove) {
   EXPECT_EQ(judge.count().in_bodies, 0);
   EXPECT_EQ(judge.count().in_scan, 0);
   EXPECT_EQ(judge.count().jumps, 0);
+  EXPECT_EQ(judge.count().leaps, 0);
   EXPECT_EQ(judge.count().without_force, 0);
 }
 

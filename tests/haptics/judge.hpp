@@ -40,12 +40,14 @@ class Judge {
     long in_bodies = 0;
     long fallen = 0;  ///< the proxy went through the scan or a support
     long jumps = 0;
+    long leaps = 0;  ///< of a body
     long too_strong = 0;
     long too_sudden = 0;
     long not_finite = 0;
     double deepest_in_scan = 0.0;    ///< [m]
     double deepest_in_bodies = 0.0;  ///< [m]
     double longest_jump = 0.0;       ///< [m] beyond what the hand and the bodies did
+    double longest_leap = 0.0;       ///< [m]
     double lag = 0.0;                ///< [m] sum of the distances while touching nothing
     double largest_lag = 0.0;
     long free = 0;
@@ -91,6 +93,8 @@ class Judge {
   static constexpr double kSqueezed = 1e-4;
   /// [m/s] by which the proxy may be faster than the hand, to catch up with it.
   static constexpr double kCatchingUp = 0.5;
+  /// [m/s] Nothing that a hand pushes over a table goes faster.
+  static constexpr double kFastestBody = 5.0;
 
   static TriangleMesh with_supports(const HapticWorldModel& model) {
     TriangleMesh mesh = model.world.static_mesh_base;
@@ -124,6 +128,8 @@ class Judge {
       const Pose& to = now.bodies[i].T_base_object;
       const Pose& from = last_.bodies[i].T_base_object;
       if (now.bodies[i].is_outside_model) continue;
+      const double way = (to.translation() - from.translation()).norm();
+      note(way > kFastestBody * dt, way, count_.leaps, count_.longest_leap);
       const Eigen::Vector3d& p = last_.p_base_proxy;
       if (body_gap(i, from, p) > radius_ + kNear) continue;
       carried = std::max(carried, (to * (from.inverse() * p) - p).norm());
