@@ -44,8 +44,7 @@ struct SmoothPush : TouchSignals {
 SmoothPush smooth_push(const ForceMotion& push, const BreakawayOptions& options) {
   SmoothPush result;
   result.t = push.t;
-  const std::size_t count = push.t.size();
-  result.interval = (push.t.back() - push.t.front()) / static_cast<double>(count - 1);
+  result.interval = mean_interval(push.t);
   result.half_width = std::max(options.half_width, 3.0 * result.interval);
   result.force = remove_spikes(push.force).values;
   result.tool = smooth(push.t, push.tool, push.t, result.half_width);

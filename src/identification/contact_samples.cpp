@@ -45,7 +45,7 @@ PressSamples press_samples(const ForceMotion& press, const ContactFitOptions& op
   PressSamples result;
   const std::size_t count = press.t.size();
   if (count < 20) return result;
-  result.interval = (press.t.back() - press.t.front()) / static_cast<double>(count - 1);
+  result.interval = mean_interval(press.t);
   result.half_width = std::max(options.half_width, 3.0 * result.interval);
   const std::vector<double> force = remove_spikes(press.force).values;
   std::vector<SmoothedSample> x = smooth(press.t, press.tool, press.t, result.half_width);

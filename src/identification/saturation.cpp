@@ -31,10 +31,8 @@ std::vector<SaturatedStretch> find_saturation(std::span<const double> t,
   PCAVR_REQUIRE(t.size() == force.size());
   std::vector<SaturatedStretch> stretches;
   if (force.empty()) return stretches;
-  std::vector<double> values(force.size());
   for (int axis = 0; axis < 3; ++axis) {
-    std::transform(force.begin(), force.end(), values.begin(),
-                   [axis](const Eigen::Vector3d& f) { return f[axis]; });
+    const std::vector<double> values = axis_of(force, axis);
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
     const double noise = noise_between(values, *least, *most);
     for (const double extreme : {*least, *most}) {

@@ -8,6 +8,7 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/median.hpp"
+#include "pcavr/identification/path_view.hpp"
 #include "pcavr/identification/signals.hpp"
 
 #include "identification/derivative_noise.hpp"
@@ -26,17 +27,11 @@ struct Range {
   std::size_t end = 0;  ///< one past the last
 };
 
-double mean_interval(std::span<const double> t) {
-  return (t.back() - t.front()) / static_cast<double>(t.size() - 1);
-}
-
 /// Spikes out, axis by axis.
 Vectors despike(std::span<const Eigen::Vector3d> force, Segmentation& result) {
   Vectors clean(force.begin(), force.end());
-  std::vector<double> axis(force.size());
   for (int k = 0; k < 3; ++k) {
-    std::transform(force.begin(), force.end(), axis.begin(), [k](const auto& f) { return f[k]; });
-    const DespikedSignal signal = remove_spikes(axis);
+    const DespikedSignal signal = remove_spikes(axis_of(force, k));
     result.spikes += signal.spikes.size();
     result.noise = std::max(result.noise, noise_deviation(signal.values));
     for (std::size_t i = 0; i < clean.size(); ++i) clean[i][k] = signal.values[i];
@@ -71,10 +66,8 @@ Eigen::Vector3d first_bias(const Vectors& force, std::size_t window, double near
 std::vector<double> smooth_size(std::span<const double> t, const Vectors& force,
                                 double half_width) {
   std::vector<double> size(t.size(), 0.0);
-  std::vector<double> axis(t.size());
   for (int k = 0; k < 3; ++k) {
-    std::transform(force.begin(), force.end(), axis.begin(), [k](const auto& f) { return f[k]; });
-    const std::vector<SmoothedSample> samples = smooth(t, axis, t, half_width);
+    const std::vector<SmoothedSample> samples = smooth(t, axis_of(force, k), t, half_width);
     for (std::size_t i = 0; i < t.size(); ++i) size[i] += samples[i].value * samples[i].value;
   }
   for (double& value : size) value = std::sqrt(value);
@@ -99,15 +92,6 @@ std::vector<Range> find_contacts(std::span<const double> t, const std::vector<do
   }
   std::erase_if(found, [&](const Range& r) { return t[r.end - 1] - t[r.begin] < least_duration; });
   return found;
-}
-
-Eigen::Vector3d tip_at(std::span<const double> t, std::span<const Eigen::Vector3d> p, double at) {
-  const auto after = std::lower_bound(t.begin(), t.end(), at);
-  if (after == t.begin()) return p.front();
-  if (after == t.end()) return p.back();
-  const auto i = static_cast<std::size_t>(after - t.begin());
-  const double share = (at - t[i - 1]) / (t[i] - t[i - 1]);
-  return p[i - 1] + share * (p[i] - p[i - 1]);
 }
 
 /// The object's speed along the push: the tool's less that of the compression, which during sliding
@@ -150,8 +134,7 @@ struct Cleaned {
   std::span<const double> t;
   const Vectors& force;             ///< [N] base
   const std::vector<double>& size;  ///< [N] of the smoothed force
-  std::span<const double> t_tool;
-  std::span<const Eigen::Vector3d> p_base_tip;
+  PathView tip;
   double half_width;  ///< [s] of the smoothing
   double enter;       ///< [N] a force above is contact
 };
@@ -163,9 +146,9 @@ struct Along {
   Along(const Cleaned& all, const Eigen::Vector3d& direction, double from, double to) {
     for (std::size_t i = 0; i < all.t.size(); ++i) {
       if (all.t[i] < from || all.t[i] > to) continue;
-      if (all.t[i] < all.t_tool.front() || all.t[i] > all.t_tool.back()) continue;
+      if (all.t[i] < all.tip.t().front() || all.t[i] > all.tip.t().back()) continue;
       t.push_back(all.t[i]);
-      tool.push_back(tip_at(all.t_tool, all.p_base_tip, all.t[i]).dot(direction));
+      tool.push_back(all.tip.at(all.t[i]).dot(direction));
       force.push_back(all.force[i].dot(direction));
     }
   }
@@ -265,7 +248,8 @@ Segmentation segment_contacts(std::span<const double> t_force,
     }
     result.bias_base = track_bias(t_force, clean, is_free);
   }
-  const Cleaned all{t_force, result.force_base, size, t_tool, p_base_tip, half_width, enter};
+  const PathView tip(t_tool, p_base_tip);
+  const Cleaned all{t_force, result.force_base, size, tip, half_width, enter};
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const double free_from = k == 0 ? t_force.front() : t_force[contacts[k - 1].end];
     const double free_to =

@@ -43,7 +43,7 @@ void collect(const ForceMotion& push, const Compliance& compliance, const Slidin
   PCAVR_REQUIRE(push.t.size() == push.tool.size() && push.t.size() == push.force.size());
   const std::size_t count = push.t.size();
   if (count < 20) return;
-  const double interval = (push.t.back() - push.t.front()) / static_cast<double>(count - 1);
+  const double interval = mean_interval(push.t);
   const double half_width = std::max(options.half_width, 3.0 * interval);
   result.correlated = std::max(result.correlated, correlated_samples(half_width, interval));
   const std::vector<double> force = remove_spikes(push.force).values;

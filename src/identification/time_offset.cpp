@@ -60,10 +60,6 @@ double slope_energy(const std::vector<double>& a, double interval) {
   return sum;
 }
 
-double mean_interval(std::span<const double> t) {
-  return (t.back() - t.front()) / static_cast<double>(t.size() - 1);
-}
-
 }  // namespace
 
 TimeOffset estimate_time_offset(std::span<const double> t_a, std::span<const double> a,

@@ -16,22 +16,6 @@ constexpr double kLongestStep = 0.05;
 constexpr int kIterations = 8;
 constexpr double kLeastPoses = 8.0;
 
-/// How far the object has gone in this contact at `t` by the tip's way less the contact's give.
-double way_at(const ContactEpisode& episode, double t) {
-  const auto place = [&](double at) {
-    const auto after = std::lower_bound(episode.t.begin(), episode.t.end(), at);
-    const auto i =
-        std::min(static_cast<std::size_t>(after - episode.t.begin()), episode.t.size() - 1);
-    const double stiffness = episode.breakaway.stiffness;
-    return episode.tool[i] - (stiffness > 0.0 ? episode.force[i] / stiffness : 0.0);
-  };
-  double way = 0.0;
-  for (const SlideInterval& slide : episode.slides) {
-    way += place(std::clamp(t, slide.begin, slide.end)) - place(slide.begin);
-  }
-  return way;
-}
-
 /// Sums of a straight fit of the misfit on the speed, contact by contact about their means.
 struct Sums {
   double slopes = 0.0;   ///< [m^2/s^2]

@@ -34,8 +34,7 @@ std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses,
   double clock = 0.0;
   for (std::size_t k = 0; k < found.touched.size(); ++k) {
     const ForceMotion& press = presses[found.touched[k]];
-    const double interval =
-        (press.t.back() - press.t.front()) / static_cast<double>(press.t.size() - 1);
+    const double interval = mean_interval(press.t);
     const double noise = std::max(noise_deviation(press.force), kLeastNoise * largest);
     half_width = std::max(kHalfWidth, 3.0 * interval);
     CausalFilter filter(half_width, 1.0 / interval, noise);

@@ -134,9 +134,7 @@ TimeOffset force_offset(const Segmentation& found, std::span<const double> t_for
     result.offset += std::clamp(at.pull / at.slopes, -kGrid, kGrid);
   }
   const Misfit at = misfit(contacts, tip, result.offset, exponent);
-  const double interval =
-      (t_force.back() - t_force.front()) / static_cast<double>(t_force.size() - 1);
-  const double correlated = correlated_samples(kHalfWidth, interval);
+  const double correlated = correlated_samples(kHalfWidth, mean_interval(t_force));
   result.deviation = std::sqrt(at.squares / at.count * correlated / at.slopes);
   result.correlation = std::sqrt(std::max(0.0, 1.0 - at.squares / at.motion));
   // Where nothing changes its pace under load, any offset would do.

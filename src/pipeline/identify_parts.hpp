@@ -44,12 +44,16 @@ class ObjectPlaces {
   std::vector<std::vector<Step>> steps_;
 };
 
-/// Whose contact each one is, along which direction, and which ones tell nothing. `bad` are
-/// stretches of time in which force or tool are not to be trusted, with the reason.
+/// How far the object has gone in this contact [m] at `t` [s], along its direction: the tip's way
+/// less the contact's give, over the slides.
+[[nodiscard]] double way_at(const ContactEpisode& episode, double t);
+
+/// A stretch of time in which force or tool are not to be trusted.
 struct BadStretch {
   SlideInterval when;
   std::string reason;
 };
+/// Whose contact each one is, along which direction, and which ones tell nothing.
 [[nodiscard]] std::vector<IdentifiedContact> attribute_contacts(
     const IdentificationInput& input, const Segmentation& found, std::span<const double> t_force,
     const PathView& tip, const std::vector<BadStretch>& bad, ObjectPlaces& places);

@@ -20,16 +20,6 @@ constexpr double kSameDirection = 0.9998;  // 1 degree
 /// [m] an object that another contact moved while one was touched.
 constexpr double kMovedToo = 0.003;
 
-Pose tracked_at(const std::vector<TrackedPose>& tracked, double t) {
-  const auto after = std::lower_bound(tracked.begin(), tracked.end(), t,
-                                      [](const TrackedPose& p, double at) { return p.t < at; });
-  if (after == tracked.begin()) return tracked.front().T_base_object;
-  if (after == tracked.end()) return tracked.back().T_base_object;
-  const auto before = std::prev(after);
-  return interpolate(before->T_base_object, after->T_base_object,
-                     (t - before->t) / (after->t - before->t));
-}
-
 /// The contact's series along `direction`, which is exact where the mean force's is not.
 void lay_along(const Eigen::Vector3d& direction_base, const PathView& tip,
                IdentifiedContact& contact) {
@@ -39,23 +29,6 @@ void lay_along(const Eigen::Vector3d& direction_base, const PathView& tip,
     episode.tool[i] = tip.at(episode.t[i]).dot(direction_base);
     episode.force[i] = contact.force_base[i].dot(direction_base);
   }
-}
-
-/// How far the object went in this push: the tip's way less the change of depth, over the slides.
-Eigen::Vector3d way_of(const ContactEpisode& episode) {
-  double way = 0.0;
-  for (const SlideInterval& slide : episode.slides) {
-    const auto index = [&](double t) {
-      const auto at = std::lower_bound(episode.t.begin(), episode.t.end(), t);
-      return std::min(static_cast<std::size_t>(at - episode.t.begin()), episode.t.size() - 1);
-    };
-    const std::size_t a = index(slide.begin), b = index(slide.end);
-    const double give = episode.breakaway.stiffness > 0.0
-                            ? (episode.force[b] - episode.force[a]) / episode.breakaway.stiffness
-                            : 0.0;
-    way += episode.tool[b] - episode.tool[a] - give;
-  }
-  return way * episode.direction_base;
 }
 
 class Attribution {
@@ -126,7 +99,8 @@ class Attribution {
     const Eigen::Vector2d along = episode.direction_base.head<2>().normalized();
     contact.lever = arm.x() * along.y() - arm.y() * along.x();
     if (episode.kind == ContactKind::slide && !places_.is_tracked(object)) {
-      places_.moved(object, episode.slides.back().end, way_of(episode));
+      places_.moved(object, episode.slides.back().end,
+                    way_at(episode, episode.slides.back().end) * episode.direction_base);
     }
   }
 
@@ -152,6 +126,21 @@ class Attribution {
 
 }  // namespace
 
+double way_at(const ContactEpisode& episode, double t) {
+  const auto place = [&](double at) {
+    const auto after = std::lower_bound(episode.t.begin(), episode.t.end(), at);
+    const auto i =
+        std::min(static_cast<std::size_t>(after - episode.t.begin()), episode.t.size() - 1);
+    const double stiffness = episode.breakaway.stiffness;
+    return episode.tool[i] - (stiffness > 0.0 ? episode.force[i] / stiffness : 0.0);
+  };
+  double way = 0.0;
+  for (const SlideInterval& slide : episode.slides) {
+    way += place(std::clamp(t, slide.begin, slide.end)) - place(slide.begin);
+  }
+  return way;
+}
+
 ObjectPlaces::ObjectPlaces(const std::vector<IdentifiableObject>& objects)
     : objects_(objects), steps_(objects.size()) {
   for (const IdentifiableObject& object : objects) surfaces_.emplace_back(object.model.mesh_object);
@@ -162,7 +151,7 @@ bool ObjectPlaces::is_tracked(std::size_t object) const {
 }
 
 Pose ObjectPlaces::at(std::size_t object, double t) const {
-  if (is_tracked(object)) return tracked_at(objects_[object].tracked, t);
+  if (is_tracked(object)) return pose_at(objects_[object].tracked, t);
   const Pose& start = objects_[object].T_base_object;
   Eigen::Vector3d moved = Eigen::Vector3d::Zero();
   for (const Step& step : steps_[object]) {

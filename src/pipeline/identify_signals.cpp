@@ -21,13 +21,6 @@ constexpr double kGreatestForce = 2000.0;  // [N] beyond what tools are pushed w
 /// Mean cosine between force and motion below which the two do not belong together.
 constexpr double kLeastAgreement = 0.5;
 
-std::vector<double> axis_of(std::span<const Eigen::Vector3d> points, int axis) {
-  std::vector<double> values(points.size());
-  std::transform(points.begin(), points.end(), values.begin(),
-                 [axis](const Eigen::Vector3d& p) { return p[axis]; });
-  return values;
-}
-
 std::string printed(const char* format, double a, double b = 0.0) {
   char text[160];
   std::snprintf(text, sizeof text, format, a, b);
@@ -56,15 +49,6 @@ std::optional<Loading> loading_of(const ContactEpisode& episode, const PathView&
 }
 
 }  // namespace
-
-Eigen::Vector3d PathView::at(double t) const {
-  const auto after = std::lower_bound(t_.begin(), t_.end(), t);
-  if (after == t_.begin()) return points_.front();
-  if (after == t_.end()) return points_.back();
-  const auto i = static_cast<std::size_t>(after - t_.begin());
-  const double share = (t - t_[i - 1]) / (t_[i] - t_[i - 1]);
-  return points_[i - 1] + share * (points_[i] - points_[i - 1]);
-}
 
 std::vector<Eigen::Vector3d> without_spikes(std::span<const Eigen::Vector3d> points) {
   // Only what is far out: a tip's way bends, and its noise is taken care of by the smoothing.

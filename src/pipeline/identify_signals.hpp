@@ -10,23 +10,11 @@
 #include <Eigen/Core>
 
 #include "pcavr/core/expected.hpp"
+#include "pcavr/identification/path_view.hpp"
 #include "pcavr/identification/segmentation.hpp"
 #include "pcavr/identification/signals.hpp"
 
 namespace pcavr {
-
-/// A point series by time, read between its samples and held at its ends.
-class PathView {
- public:
-  PathView(std::span<const double> t, std::span<const Eigen::Vector3d> points)
-      : t_(t), points_(points) {}
-  [[nodiscard]] Eigen::Vector3d at(double t) const;
-  [[nodiscard]] std::span<const double> t() const { return t_; }
-
- private:
-  std::span<const double> t_;
-  std::span<const Eigen::Vector3d> points_;
-};
 
 /// The tip without single wild samples.
 [[nodiscard]] std::vector<Eigen::Vector3d> without_spikes(std::span<const Eigen::Vector3d> points);

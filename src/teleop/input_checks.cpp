@@ -40,20 +40,10 @@ struct Pressing {
   std::vector<std::size_t> object;           ///< the nearest
 };
 
-Pose tracked_at(const TeleopObject& object, double t, std::size_t& cursor) {
-  const std::vector<TrackedPose>& tracked = object.tracked;
-  if (tracked.empty()) return object.T_base_object;
-  while (cursor + 1 < tracked.size() && tracked[cursor + 1].t <= t) ++cursor;
-  if (t <= tracked[cursor].t || cursor + 1 == tracked.size()) return tracked[cursor].T_base_object;
-  const double share = (t - tracked[cursor].t) / (tracked[cursor + 1].t - tracked[cursor].t);
-  return interpolate(tracked[cursor].T_base_object, tracked[cursor + 1].T_base_object, share);
-}
-
 Pressing press_of(const TeleopInput& input, const TipMotion& tip) {
   Pressing pressing;
   std::vector<BodySurface> surfaces;
   for (const TeleopObject& object : input.objects) surfaces.emplace_back(object.model);
-  std::vector<std::size_t> cursors(surfaces.size(), 0);
   const auto count = static_cast<std::size_t>((tip.t.back() - tip.t.front()) * kRate) + 1;
   for (std::size_t k = 0; k < count; ++k) {
     const double t = tip.t.front() + static_cast<double>(k) / kRate;
@@ -61,7 +51,9 @@ Pressing press_of(const TeleopInput& input, const TipMotion& tip) {
     Reach nearest{.clearance = kFarAway};
     std::size_t which = 0;
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
-      const Pose T_base_object = tracked_at(input.objects[i], t, cursors[i]);
+      const TeleopObject& object = input.objects[i];
+      const Pose T_base_object =
+          object.tracked.empty() ? object.T_base_object : pose_at(object.tracked, t);
       const Reach reach = surfaces[i].reach(T_base_object, p_base, input.tool_radius);
       if (reach.clearance < nearest.clearance) nearest = reach, which = i;
     }

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <span>
 
+#include "pcavr/identification/path_view.hpp"
 #include "pcavr/identification/signals.hpp"
 
 namespace pcavr {
@@ -23,23 +24,9 @@ constexpr double kCommandSmoothing = 0.020;
 // The spike filter looks at this many later samples.
 constexpr int kSpikeWindow = 3;
 
-std::vector<double> axis_of(std::span<const Eigen::Vector3d> values, int axis) {
-  std::vector<double> result(values.size());
-  std::transform(values.begin(), values.end(), result.begin(),
-                 [axis](const Eigen::Vector3d& v) { return v[axis]; });
-  return result;
-}
-
 }  // namespace
 
-Eigen::Vector3d TipMotion::at(double time) const {
-  const auto after = std::lower_bound(t.begin(), t.end(), time);
-  if (after == t.begin()) return p_base.front();
-  if (after == t.end()) return p_base.back();
-  const auto i = static_cast<std::size_t>(after - t.begin());
-  const double share = (time - t[i - 1]) / (t[i] - t[i - 1]);
-  return p_base[i - 1] + share * (p_base[i] - p_base[i - 1]);
-}
+Eigen::Vector3d TipMotion::at(double time) const { return PathView(t, p_base).at(time); }
 
 TipMotion clean_tip(const TeleopInput& input) {
   TipMotion tip;
@@ -69,7 +56,7 @@ std::vector<Eigen::Vector3d> command_of(const TipMotion& tip, double start, doub
   for (std::size_t k = 0; k < at.size(); ++k) {
     at[k] = start + 2.0 * step * static_cast<double>(k);
   }
-  const double interval = (tip.t.back() - tip.t.front()) / static_cast<double>(tip.t.size() - 1);
+  const double interval = mean_interval(tip.t);
   const double half_width = std::max(kCommandSmoothing, 3.0 * interval);
   std::vector<Eigen::Vector3d> command(count);
   for (int axis = 0; axis < 3; ++axis) {
@@ -100,7 +87,7 @@ ForceSignal smooth_force(const TeleopInput& input, const TipMotion& tip, double 
   if (input.t_force.size() < 10 || tip.t.size() < 2) return signal;
   for (const double stamp : input.t_force) signal.t.push_back(stamp - offset);
   const std::size_t count = signal.t.size();
-  const double interval = (signal.t.back() - signal.t.front()) / static_cast<double>(count - 1);
+  const double interval = mean_interval(signal.t);
   const double half_width = std::max(kSmoothing, 3.0 * interval);
   signal.lag = half_width + kSpikeWindow * interval;
   signal.clean_base.resize(count);

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "pcavr/core/median.hpp"
 
 #include "teleop/told_parameters.hpp"
 
@@ -28,10 +31,7 @@ constexpr double kOffsetGain = 0.05;
 double median_interval(const std::vector<TrackedPose>& tracked) {
   std::vector<double> gaps;
   for (std::size_t i = 1; i < tracked.size(); ++i) gaps.push_back(tracked[i].t - tracked[i - 1].t);
-  if (gaps.empty()) return 1.0 / 30.0;
-  std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2),
-                   gaps.end());
-  return gaps[gaps.size() / 2];
+  return gaps.empty() ? 1.0 / 30.0 : median(std::move(gaps));
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ MonitorOptions monitor_options(const TipMotion& tip, const ForceSignal& force) {
   MonitorOptions options;
   options.tip_noise = std::max(tip.noise, 1e-6);
   if (force.empty()) return options;
-  options.interval = (force.t.back() - force.t.front()) / static_cast<double>(force.t.size() - 1);
+  options.interval = mean_interval(force.t);
   options.force_noise = force.noise;
   options.correlated = force.correlated;
   options.enter_force = std::max(kEnterSigmas * force.smooth_noise, kDriftFloor);

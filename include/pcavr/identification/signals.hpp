@@ -15,6 +15,12 @@ namespace pcavr {
 /// numbers (readers refuse others) and throw ContractError where lengths differ. Threads: pure
 /// functions.
 
+/// The mean time between two of at least two stamps [s].
+[[nodiscard]] double mean_interval(std::span<const double> t);
+
+/// One component, 0 to 2, of a vector signal.
+[[nodiscard]] std::vector<double> axis_of(std::span<const Eigen::Vector3d> values, int axis);
+
 struct SpikeOptions {
   int half_window = 3;      ///< samples on either side that the middle one is held against, >= 1
   double deviations = 5.0;  ///< from the median, in robust standard deviations

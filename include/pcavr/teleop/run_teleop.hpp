@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,6 +34,10 @@ struct TrackedPose {
   double position_sigma = 0.0;  ///< [m]
   double rotation_sigma = 0.0;  ///< [rad]
 };
+
+/// T_base_object at `t` [s]: interpolated between frames, held before the first and after the last.
+/// `tracked` is not empty.
+[[nodiscard]] Pose pose_at(std::span<const TrackedPose> tracked, double t);
 
 struct TeleopObject {
   std::string name;

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+
+namespace pcavr {
+
+/// Points by time, strictly ascending: read on straight lines between samples, held at the ends.
+/// Views series that must outlive it; not empty where it is read.
+class PathView {
+ public:
+  PathView(std::span<const double> t, std::span<const Eigen::Vector3d> points)
+      : t_(t), points_(points) {}
+  [[nodiscard]] Eigen::Vector3d at(double t) const;
+  [[nodiscard]] std::span<const double> t() const { return t_; }
+
+ private:
+  std::span<const double> t_;
+  std::span<const Eigen::Vector3d> points_;
+};
+
+}  // namespace pcavr
