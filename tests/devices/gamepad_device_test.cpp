@@ -4,37 +4,18 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/eventually.hpp"
+#include "devices/comes_to.hpp"
 #include "devices/virtual_gamepad.hpp"
 
 namespace pcavr {
 namespace {
 
+using test::comes_to_be;
+using test::comes_to_move_by;
 using test::eventually;
+using test::kCycle;
+using test::kPushed;
 using test::VirtualGamepad;
-
-constexpr double kCycle = 0.001;  // [s]
-const DeviceFeedback kFeedback{
-    .p_base_tool = {0.5, 0.1, 0.2}, .force_base = {0.0, 0.0, 2.5}, .pulse = 1.0};
-
-bool comes_to_be(Device& device, bool is_present, bool is_engaged) {
-  return eventually([&] {
-    const DeviceSample said = device.exchange(0.0, kCycle, kFeedback);
-    return said.is_present == is_present && said.is_engaged == is_engaged;
-  });
-}
-
-bool comes_to_move_by(Device& device, const Eigen::Vector3d& v) {
-  DeviceFeedback feedback = kFeedback;
-  Eigen::Vector3d before = feedback.p_base_tool;
-  return eventually([&] {
-    const DeviceSample said = device.exchange(0.0, kCycle, feedback);
-    feedback.p_base_tool = said.p_base_tip;
-    const Eigen::Vector3d moved = said.p_base_tip - before;
-    before = said.p_base_tip;
-    return said.is_engaged && (moved / kCycle - v).norm() < 1e-9;
-  });
-}
 
 TEST(GamepadDevice, MovesTheTipAsTheSticksArePushedWhileTheShoulderIsHeld) {
   VirtualGamepad pad;
@@ -73,12 +54,12 @@ TEST(GamepadDevice, ShakesWithTheForceAndThePulseWhileEngaged) {
   pad.button(SDL_CONTROLLER_BUTTON_RIGHTSHOULDER, true);
   // 2.5 of 5 N, and a pulse of 1.
   EXPECT_TRUE(eventually([&] {
-    (void)(*device)->exchange(0.0, kCycle, kFeedback);
+    (void)(*device)->exchange(0.0, kCycle, kPushed);
     return pad.heavy == 32768 && pad.light == 65535;
   })) << pad.heavy;
   pad.button(SDL_CONTROLLER_BUTTON_RIGHTSHOULDER, false);
   EXPECT_TRUE(eventually([&] {
-    (void)(*device)->exchange(0.0, kCycle, kFeedback);
+    (void)(*device)->exchange(0.0, kCycle, kPushed);
     return pad.heavy == 0 && pad.light == 0;
   }));
 }

@@ -4,37 +4,15 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/eventually.hpp"
+#include "devices/comes_to.hpp"
 #include "devices/fake_spacenavd.hpp"
 
 namespace pcavr {
 namespace {
 
-using test::eventually;
+using test::comes_to_be;
+using test::comes_to_move_by;
 using test::FakeSpacenavd;
-
-constexpr double kCycle = 0.001;  // [s]
-const DeviceFeedback kFeedback{.p_base_tool = {0.5, 0.1, 0.2}};
-
-/// Whether the tip comes to move by `v` [m/s] in base.
-bool comes_to_move_by(Device& device, const Eigen::Vector3d& v) {
-  DeviceFeedback feedback = kFeedback;
-  Eigen::Vector3d before = feedback.p_base_tool;
-  return eventually([&] {
-    const DeviceSample said = device.exchange(0.0, kCycle, feedback);
-    feedback.p_base_tool = said.p_base_tip;
-    const Eigen::Vector3d moved = said.p_base_tip - before;
-    before = said.p_base_tip;
-    return said.is_engaged && (moved / kCycle - v).norm() < 1e-9;
-  });
-}
-
-bool comes_to_be(Device& device, bool is_present, bool is_engaged) {
-  return eventually([&] {
-    const DeviceSample said = device.exchange(0.0, kCycle, kFeedback);
-    return said.is_present == is_present && said.is_engaged == is_engaged;
-  });
-}
 
 TEST(SpaceMouseDevice, MovesTheTipAsTheCapIsPushedWhileTheLeftButtonIsHeld) {
   FakeSpacenavd daemon;

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pcavr/devices/device.hpp"
+
+#include "devices/eventually.hpp"
+#include "devices/jittered_hand.hpp"
+
+namespace pcavr::test {
+
+/// What a world says to a stick's device while the tool is pushed.
+inline const DeviceFeedback kPushed{
+    .p_base_tool = {0.5, 0.1, 0.2}, .force_base = {0.0, 0.0, 2.5}, .pulse = 1.0};
+
+inline bool comes_to_be(Device& device, bool is_present, bool is_engaged) {
+  return eventually([&] {
+    const DeviceSample said = device.exchange(0.0, kCycle, kPushed);
+    return said.is_present == is_present && said.is_engaged == is_engaged;
+  });
+}
+
+/// Whether the tip, and the tool with it, comes to move by `v` [m/s] in base.
+inline bool comes_to_move_by(Device& device, const Eigen::Vector3d& v) {
+  DeviceFeedback feedback = kPushed;
+  Eigen::Vector3d before = feedback.p_base_tool;
+  return eventually([&] {
+    const DeviceSample said = device.exchange(0.0, kCycle, feedback);
+    feedback.p_base_tool = said.p_base_tip;
+    const Eigen::Vector3d moved = said.p_base_tip - before;
+    before = said.p_base_tip;
+    return said.is_engaged && (moved / kCycle - v).norm() < 1e-9;
+  });
+}
+
+}  // namespace pcavr::test
