@@ -53,9 +53,6 @@ struct RunFindings {
   [[nodiscard]] const std::map<std::string, PhaseTimeline>& phases() const {
     return true_phases.empty() ? files.measured : true_phases;
   }
-  [[nodiscard]] std::string phases_name() const {
-    return true_phases.empty() ? "measured" : "truth";
-  }
   /// One object's; empty where it has none.
   [[nodiscard]] PhaseTimeline phases_of(const std::string& object) const;
 };

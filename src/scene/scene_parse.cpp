@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "recording/manifest_parser.hpp"
 #include "recording/yaml_map.hpp"
 #include "scene_text.hpp"
 
@@ -57,6 +58,7 @@ SceneObjectEntry object_of(const YamlValue& value) {
       {"name", "mesh", "movable", "mass", "pose", "start", "evidence", "sigma", "refinement"});
   SceneObjectEntry object;
   object.name = value.at("name").text();
+  expect_object_name(object.name, value.at("name"));
   object.mesh = path_of(value.at("mesh"));
   object.is_movable = value.at("movable").boolean();
   if (const auto mass = value.find("mass")) object.mass = mass->positive_number();

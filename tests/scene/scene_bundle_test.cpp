@@ -182,6 +182,14 @@ TEST_F(SceneBundle, RefusesAMeshOutsideOfItsFolder) {
   EXPECT_FALSE(read_scene_manifest(folder_.path()));
 }
 
+TEST_F(SceneBundle, RefusesAnObjectWhoseNameLeadsOutOfARun) {
+  replace("scene.yaml", "name: box", "name: ../../box");
+  const auto manifest = read_scene_manifest(folder_.path());
+  ASSERT_FALSE(manifest);
+  EXPECT_NE(manifest.error().to_string().find("../../box"), std::string::npos)
+      << manifest.error().to_string();
+}
+
 TEST_F(SceneBundle, RefusesAQuaternionThatIsNone) {
   replace("scene.yaml", "q: [0, 0, 0, 1]", "q: [0, 0, 0, 7]");
   EXPECT_FALSE(read_scene_manifest(folder_.path()));
