@@ -23,9 +23,9 @@ namespace pcavr {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr char kOddName[] = "a \"box\" #1 50%?";
+constexpr char kOddName[] = "a 'box' #1 50%?";
 
-/// A table, a box, and a box whose name holds what URLs and JSON escape.
+/// A table, a box, and a box whose name holds what URLs escape.
 Scene a_scene() {
   Scene scene = a_box_on_a_table();
   scene.objects.push_back(an_object(kOddName, {0.2, 0.2, 0.04}));
@@ -160,9 +160,9 @@ TEST_F(SceneContentTest, HoldsTheCellsThatAreOccupiedAndNoOthers) {
 TEST_F(SceneContentTest, EscapesANameThatAUrlCanNotHold) {
   const nlohmann::json json = json_of(*content_, "/api/scene.json");
   const auto path = json["objects"][1]["path"].get<std::string>();
-  EXPECT_EQ(path, "/scene/objects/a%20%22box%22%20%231%2050%25%3F.glb");
+  EXPECT_EQ(path, "/scene/objects/a%20%27box%27%20%231%2050%25%3F.glb");
   EXPECT_TRUE(has_path(*content_, path));
-  EXPECT_TRUE(has_path(*content_, "/scene/objects/a \"box\" #1 50%?.glb"));
+  EXPECT_TRUE(has_path(*content_, "/scene/objects/a 'box' #1 50%?.glb"));
 }
 
 TEST_F(SceneContentTest, KnowsNothingElseOfTheDisk) {
