@@ -30,7 +30,9 @@ namespace pcavr {
 /// let go, the object stands, so that the tip's place is
 ///     q(t - offset) = surface + c u + e u q',  u = F^(1/n),
 /// by the law of the contact and its damping; the offset is the one of the smallest residual, first
-/// on a grid over +-0.25 s, then by the slope of q. n of 1, 1.5 or 2 by the residual.
+/// on a grid over +-0.25 s, then by the slope of q. n of 1, 1.5 or 2 by the residual. The grid is
+/// searched in smoothed signals; where there are presses, the rest of the way goes by those
+/// measured.
 [[nodiscard]] TimeOffset force_offset(const Segmentation& found, std::span<const double> t_force,
                                       const PathView& tip);
 
