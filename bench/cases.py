@@ -29,6 +29,7 @@ FIGURES = {
     "contact force at F_M's depth, from presses, error": ("%", None, None),
     "contact force at F_M's depth, from probes, error": ("%", None, None),
     "contact force while pressed, steady error": ("%", 2.0, 0.2),
+    "contact force while held, error of the mean": ("%", None, None),
     "predicted alone, sliding, rms": ("mm", 1.0, 0.5),
     "predicted alone, sliding, worst": ("mm", 4.0, 2.0),
     "200 + 200 ms, touched or moving, median": ("mm", 1.5, 0.8),
@@ -114,11 +115,12 @@ class Cases:
                 self.add("contact force at F_M's depth, from presses, error", 1e2 * abs(value),
                          f"{seed} {match[1]}")
         report = json.loads((parameters.with_suffix(".report") / "report.json").read_text())
+        words = {"steady_error": "contact force while pressed, steady error",
+                 "held_error": "contact force while held, error of the mean"}
         for key, value in report.items():
-            match = re.fullmatch(r"object\.(\w+)\.estimator\.affRLS\.steady_error", key)
-            if match:
-                self.add("contact force while pressed, steady error", 1e2 * value,
-                         f"{seed} {match[1]}")
+            match = re.fullmatch(r"object\.(\w+)\.estimator\.affRLS\.(\w+)", key)
+            if match and match[2] in words:
+                self.add(words[match[2]], 1e2 * value, f"{seed} {match[1]}")
 
     def replay(self, label, recording, scene, parameters, *words):
         run = self.work / f"{recording.name}-{label}"

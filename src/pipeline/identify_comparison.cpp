@@ -13,13 +13,24 @@ constexpr double kLeastForce = 0.02;    // of the largest: below, the relative e
 constexpr double kSettled = 0.10;       // of the force: paper C's threshold
 constexpr double kErrorWindow = 0.020;  // [s] over which an error has to last to count
 constexpr double kLeastNoise = 1e-6;    // of the largest force: a made-up one may have none
+constexpr double kStill = 0.050;        // [s] on either side over which a tip that holds is still
+constexpr double kStillShare = 0.01;    // of the depth: to move by less is to be still
 constexpr int kDrawn = 5;               // of the samples, one is kept for the picture
 
 struct FilteredSample {
   double t = 0.0;  ///< [s] in contact
   std::array<double, 3> regressors{};
   double force = 0.0;
+  std::size_t press = 0;
+  bool is_held = false;  ///< the tip stands in the object
 };
+
+/// Whether the tip moves by less than one sample's noise, or next to nothing of its depth.
+bool is_still(const ForceMotion& press, double t, double depth, double tip_noise) {
+  const SmoothedSample slow = smooth_at(press.t, press.tool, t, kStill);
+  return slow.is_valid &&
+         2.0 * kStill * std::abs(slow.rate) < std::max(tip_noise, kStillShare * depth);
+}
 
 /// What the filter lets out while there is contact, press after press on one clock of contact time.
 std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses,
@@ -38,6 +49,7 @@ std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses,
     const double noise = std::max(noise_deviation(press.force), kLeastNoise * largest);
     half_width = std::max(kHalfWidth, 3.0 * interval);
     CausalFilter filter(half_width, 1.0 / interval, noise);
+    const double tip_noise = noise_deviation(press.tool);
     touches.push_back(clock);
     for (std::size_t i = 0; i < press.t.size(); ++i) {
       const auto out = filter.step(press.t[i], press.tool[i], press.force[i]);
@@ -49,6 +61,8 @@ std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses,
       sample.t = clock;
       sample.regressors = {out->acceleration, is_curved ? power * out->speed : out->speed, power};
       sample.force = out->force;
+      sample.press = k;
+      sample.is_held = is_still(press, out->t, depth, tip_noise);
       clock += interval;
     }
   }
@@ -67,6 +81,37 @@ EstimatorOptions<3> options_of(EstimationMethod method, const std::vector<Filter
   options.correlated_samples = correlated;
   return options;
 }
+
+/// Estimated against measured force once an estimator has settled.
+class SteadyErrors {
+ public:
+  void add(const FilteredSample& sample, double estimated) {
+    squares_ += std::pow(sample.force - estimated, 2);
+    force_squares_ += sample.force * sample.force;
+    if (!sample.is_held) return;
+    if (holds_.empty() || holds_.back().press != sample.press) holds_.push_back({sample.press});
+    holds_.back().measured += sample.force;
+    holds_.back().estimated += estimated;
+  }
+
+  [[nodiscard]] double rms() const { return std::sqrt(squares_ / force_squares_); }
+  /// Mean over the presses; nothing where none was held.
+  [[nodiscard]] std::optional<double> held() const {
+    if (holds_.empty()) return std::nullopt;
+    double sum = 0.0;
+    for (const Hold& hold : holds_) sum += std::abs(hold.estimated / hold.measured - 1.0);
+    return sum / static_cast<double>(holds_.size());
+  }
+
+ private:
+  struct Hold {
+    std::size_t press = 0;
+    double measured = 0.0, estimated = 0.0;  ///< [N] sums
+  };
+  double squares_ = 0.0;
+  double force_squares_ = 0.0;
+  std::vector<Hold> holds_;
+};
 
 /// [s] from the first touch to the last of its long errors; nothing where it never settles.
 std::optional<double> settling_of(const EstimatorTrace& trace, double first_press_end,
@@ -102,16 +147,13 @@ std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> pres
     EstimatorTrace whole;
     EstimatorTrace& trace = traces.emplace_back();
     trace.method = method;
-    double errors = 0.0, forces = 0.0;
+    SteadyErrors steady;
     for (std::size_t i = 0; i < samples.size(); ++i) {
       const EstimatorStep step = estimator.step(samples[i].regressors, samples[i].force);
       whole.t.push_back(samples[i].t);
       whole.measured.push_back(samples[i].force);
       whole.estimated.push_back(step.prediction);
-      if (i >= samples.size() / 2) {
-        errors += step.error * step.error;
-        forces += samples[i].force * samples[i].force;
-      }
+      if (i >= samples.size() / 2) steady.add(samples[i], step.prediction);
       if (i % kDrawn != 0) continue;
       const ParameterEstimate<3> now = estimator.estimate();
       trace.t.push_back(samples[i].t);
@@ -122,7 +164,8 @@ std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> pres
         trace.deviation[k].push_back(now.deviation[k]);
       }
     }
-    trace.steady_error = std::sqrt(errors / forces);
+    trace.steady_error = steady.rms();
+    trace.held_error = steady.held();
     trace.settling =
         settling_of(whole, touches.size() > 1 ? touches[1] : 1e300, interval, half_width);
   }

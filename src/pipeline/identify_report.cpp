@@ -53,12 +53,16 @@ std::string comparison_table(const ObjectIdentification& object) {
   if (object.comparison.empty()) return {};
   std::string html =
       "<h3>Estimators on the presses</h3>\n<div class=\"scroll\"><table>\n<thead><tr>"
-      "<th>method</th><th>under 10 % after (ms)</th><th>steady error (%)</th></tr></thead>\n"
+      "<th>method</th><th>under 10 % after (ms)</th><th>steady error (%)</th><th>mean force while "
+      "held, error (%)</th></tr>"
+      "</thead>\n"
       "<tbody>\n";
   for (const EstimatorTrace& trace : object.comparison) {
     html += "<tr>" + cell(name_of(trace.method)) +
             cell(trace.settling ? fixed(*trace.settling * kMilliseconds, 0) : "never") +
-            cell(readable(trace.steady_error * kPercent)) + "</tr>\n";
+            cell(readable(trace.steady_error * kPercent)) +
+            cell(trace.held_error ? readable(*trace.held_error * kPercent) : "not held") +
+            "</tr>\n";
   }
   return html + "</tbody>\n</table></div>\n";
 }
@@ -160,6 +164,7 @@ void add_object(Json& json, const ObjectIdentification& object) {
     const std::string method = key + "estimator." + name_of(trace.method) + ".";
     if (trace.settling) json[method + "settling_s"] = *trace.settling;
     json[method + "steady_error"] = trace.steady_error;
+    if (trace.held_error) json[method + "held_error"] = *trace.held_error;
   }
   if (object.surface.status == LimitSurfaceFitStatus::fitted) {
     json[key + "limit_surface.median_angle_rad"] = object.surface.median_angle;

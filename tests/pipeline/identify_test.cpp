@@ -20,6 +20,7 @@ namespace {
 
 /// Both boxes' first probe ends here: presses, ten breakaways and a slide of the first.
 constexpr double kFirstProbe = 27.5;  // [s]
+constexpr double kWhole = 600.0;      // [s] longer than any case
 
 /// Made once: a plant at 20 kHz takes a second.
 const IdentifiedCase& probe() {
@@ -87,6 +88,30 @@ TEST(Identify, TakesOffClocksATenthOfASecondApart) {
     EXPECT_NEAR(found->tool_to_force.offset, late, 4.0 * found->tool_to_force.deviation);
     EXPECT_LT(found->tool_to_force.deviation, 0.002);
     expect_friction(found->objects[0]);
+  }
+}
+
+TEST(Identify, SeesNoOffsetBetweenClocksThatAgreeWhereAnObjectIsStiff) {
+  // 200 N/mm, loaded within 10 ms by the fastest of the presses.
+  const IdentifiedCase stiff = identified_case(ToolTask::press, 9707, kWhole);
+  const auto found = identify(stiff.input, IdentificationGoal::contact);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  EXPECT_LT(std::abs(found->tool_to_force.offset), 4.0 * found->tool_to_force.deviation);
+  EXPECT_LT(found->tool_to_force.deviation, 0.0004);  // a fifth of a sample
+  EXPECT_FALSE(found->is_offset_applied);
+}
+
+TEST(Identify, EstimatesTheMeanForceOfHeldPressesBetterThanEachSample) {
+  const IdentifiedCase soft = identified_case(ToolTask::press, 9701, kWhole);
+  const auto found = identify(soft.input, IdentificationGoal::contact);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  for (const ObjectIdentification& box : found->objects) {
+    for (const EstimatorTrace& trace : box.comparison) {
+      ASSERT_TRUE(trace.held_error.has_value());
+      // 75 samples of 0.05 mm are 1 % of 1 mm or less, and a press is held four times.
+      EXPECT_LT(*trace.held_error, 0.015);
+      EXPECT_LT(*trace.held_error, trace.steady_error);
+    }
   }
 }
 

@@ -78,6 +78,11 @@ struct EstimatorTrace {
   std::array<std::vector<double>, 3> deviation;
   std::optional<double> settling = {};  ///< [s] from touch until the error stays below 10 %
   double steady_error = 0.0;            ///< rms error over rms force in the second half
+  /// Of the second half, where the tip holds still: mean force estimated against mean measured,
+  /// press by press, and the mean of that. The sensors' noise is in `steady_error` sample by sample
+  /// (the tip's times the stiffness), and in this only as far as a press does not average it out.
+  /// Empty where no press was held for 0.1 s.
+  std::optional<double> held_error = {};
 };
 
 /// The contact law of one face, from pushes before they broke away.
