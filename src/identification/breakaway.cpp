@@ -133,7 +133,7 @@ Breakaway find_breakaway(const ForceMotion& push, const BreakawayOptions& option
   PCAVR_REQUIRE(push.t.size() == push.tool.size() && push.t.size() == push.force.size());
   PCAVR_REQUIRE(options.half_width > 0.0 && options.guard > 0.0);
   Breakaway found;
-  if (push.t.size() < 2 * kLeastLineSamples) {
+  if (push.t.size() < std::size_t{2} * kLeastLineSamples) {
     found.reason = "too few samples";
     return found;
   }

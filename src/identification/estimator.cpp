@@ -255,19 +255,6 @@ std::array<double, N> ParameterEstimator<N>::parameters() const noexcept {
   return values;
 }
 
-template <int N>
-std::array<double, N * N> ParameterEstimator<N>::covariance_shape() const noexcept {
-  const typename State::Matrix P = invert_positive<N>(state_->information);
-  std::array<double, N * N> values{};
-  for (int i = 0; i < N; ++i) {
-    for (int j = 0; j < N; ++j) {
-      values[static_cast<std::size_t>(i * N + j)] =
-          P(i, j) * state_->inverse_scale[i] * state_->inverse_scale[j];
-    }
-  }
-  return values;
-}
-
 template class ParameterEstimator<1>;
 template class ParameterEstimator<2>;
 template class ParameterEstimator<3>;

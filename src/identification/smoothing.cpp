@@ -83,12 +83,8 @@ std::size_t index_of(std::span<const double>::iterator place, std::span<const do
   return static_cast<std::size_t>(std::distance(t.begin(), place));
 }
 
-}  // namespace
-
-SmoothedSample smooth_at(std::span<const double> t, std::span<const double> values, double at,
-                         double half_width) {
-  PCAVR_REQUIRE(t.size() == values.size(), t.size(), values.size());
-  PCAVR_REQUIRE(half_width > 0.0, half_width);
+SmoothedSample fit_at(std::span<const double> t, std::span<const double> values, double at,
+                      double half_width) noexcept {
   if (t.empty() || at - half_width < t.front() - 1e-9 || at + half_width > t.back() + 1e-9)
     return {};
   const std::size_t begin =
@@ -98,6 +94,15 @@ SmoothedSample smooth_at(std::span<const double> t, std::span<const double> valu
   if (end <= begin) return {};
   return fit_window(t.subspan(begin, end - begin), values.subspan(begin, end - begin), at,
                     half_width);
+}
+
+}  // namespace
+
+SmoothedSample smooth_at(std::span<const double> t, std::span<const double> values, double at,
+                         double half_width) {
+  PCAVR_REQUIRE(t.size() == values.size(), t.size(), values.size());
+  PCAVR_REQUIRE(half_width > 0.0, half_width);
+  return fit_at(t, values, at, half_width);
 }
 
 std::vector<SmoothedSample> smooth(std::span<const double> t, std::span<const double> values,
@@ -153,8 +158,8 @@ std::optional<CausalFilter::Output> CausalFilter::step(double t, double position
   const std::size_t ready = count_ - 2;
   const double at = t_[ready - 1] - half_width_;
   const std::span<const double> stamps(t_.data(), ready);
-  const SmoothedSample x = smooth_at(stamps, {position_.data(), ready}, at, half_width_);
-  const SmoothedSample f = smooth_at(stamps, {force_.data(), ready}, at, half_width_);
+  const SmoothedSample x = fit_at(stamps, {position_.data(), ready}, at, half_width_);
+  const SmoothedSample f = fit_at(stamps, {force_.data(), ready}, at, half_width_);
   if (!x.is_valid || !f.is_valid) return {};
   return Output{at, x.value, x.rate, x.acceleration, f.value};
 }

@@ -172,31 +172,6 @@ TEST(TimeOffset, SaysNothingWhereThereIsNothing) {
   EXPECT_FALSE(estimate_time_offset(t, std::vector<double>(t.size(), 1.0), t, b).is_known);
 }
 
-TEST(SensorLoad, TellsWeightFromBiasWhenTheSensorTurns) {
-  Random random(9);
-  std::vector<Eigen::Vector3d> force, up;
-  for (int i = 0; i < 500; ++i) {
-    const double tilt = 0.8 * std::sin(0.02 * i);
-    up.push_back({std::sin(tilt), 0.3 * std::sin(0.05 * i), std::cos(tilt)});
-    up.back().normalize();
-    force.push_back(-7.0 * up.back() + Eigen::Vector3d(1.0, -2.0, 0.5) +
-                    0.1 * Eigen::Vector3d(random.normal(), random.normal(), random.normal()));
-  }
-  const SensorLoad load = estimate_sensor_load(force, up);
-  EXPECT_TRUE(load.is_weight_known);
-  EXPECT_NEAR(load.weight, 7.0, 4.0 * load.weight_deviation);
-  EXPECT_LT(load.weight_deviation, 0.02);
-  EXPECT_NEAR((load.bias_sensor - Eigen::Vector3d(1.0, -2.0, 0.5)).norm(), 0.0, 0.05);
-}
-
-TEST(SensorLoad, KeepsWeightAndBiasTogetherWhereTheAttitudeStays) {
-  const std::vector<Eigen::Vector3d> up(100, Eigen::Vector3d::UnitZ());
-  const std::vector<Eigen::Vector3d> force(100, Eigen::Vector3d(1.0, 0.0, -7.0));
-  const SensorLoad load = estimate_sensor_load(force, up);
-  EXPECT_FALSE(load.is_weight_known);
-  EXPECT_NEAR(without_load(force[0], up[0], load).norm(), 0.0, 1e-12);
-}
-
 TEST(TrackBias, FollowsDriftAndBridgesContacts) {
   const std::vector<double> t = grid(500.0, 6.0);
   std::vector<Eigen::Vector3d> force;

@@ -106,8 +106,6 @@ class ParameterEstimator {
   /// Solves for the deviations and the excitation; dearer than a step.
   [[nodiscard]] ParameterEstimate<N> estimate() const noexcept;
   [[nodiscard]] std::array<double, N> parameters() const noexcept;
-  /// P in the caller's units, row by row.
-  [[nodiscard]] std::array<double, N * N> covariance_shape() const noexcept;
 
  private:
   struct State;

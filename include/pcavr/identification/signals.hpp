@@ -121,25 +121,6 @@ struct TimeOffsetOptions {
                                               std::span<const double> b,
                                               const TimeOffsetOptions& options = {});
 
-/// What a wrist force sensor reads without contact: the weight of what hangs on it, and a bias.
-struct SensorLoad {
-  double weight = 0.0;  ///< [N] of all below the sensor; 0 where the turns did not show it
-  Eigen::Vector3d bias_sensor = Eigen::Vector3d::Zero();  ///< [N]
-  double weight_deviation = 0.0;                          ///< [N]
-  /// The sensor turned enough to tell the weight from the bias. Without, the bias holds both, and
-  /// is right as long as the sensor keeps its attitude.
-  bool is_weight_known = false;
-  double residual = 0.0;  ///< [N] rms
-};
-
-/// Fits force_sensor = -weight * up_sensor + bias over contact-free samples; `up_sensor` is the
-/// unit vector against gravity in sensor axes at each sample.
-[[nodiscard]] SensorLoad estimate_sensor_load(std::span<const Eigen::Vector3d> force_sensor,
-                                              std::span<const Eigen::Vector3d> up_sensor);
-[[nodiscard]] Eigen::Vector3d without_load(const Eigen::Vector3d& force_sensor,
-                                           const Eigen::Vector3d& up_sensor,
-                                           const SensorLoad& load);
-
 /// The slow drift of a force: the mean of contact-free samples within half_width [s] of each
 /// instant, carried in a straight line across contacts. Zero where nothing is free.
 [[nodiscard]] std::vector<Eigen::Vector3d> track_bias(std::span<const double> t,
