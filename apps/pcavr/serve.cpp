@@ -159,8 +159,9 @@ Expected<SceneWorld> make_world(const Stage& stage, const ServeArguments& argume
   return world;
 }
 
-Expected<std::unique_ptr<LiveWorld>> make_live(SceneWorld& scene, const std::string& device_name) {
-  Expected<HapticWorld> haptic = HapticWorld::create(std::move(scene.model));
+Expected<std::unique_ptr<LiveWorld>> make_live(const SceneWorld& scene,
+                                               const std::string& device_name) {
+  Expected<HapticWorld> haptic = HapticWorld::create(scene.model);
   if (!haptic) return haptic.error();
   std::unique_ptr<Device> device =
       std::make_unique<RemoteDevice>(RemoteDeviceOptions{.name = kPageDevice});
@@ -185,6 +186,7 @@ std::vector<std::string> addresses_of(const LiveServer& server, const ServerOpti
   if (options.host == "0.0.0.0") std::erase_if(hosts, is_long);
   if (hosts.empty()) hosts.emplace_back("localhost");
   std::vector<std::string> addresses;
+  addresses.reserve(hosts.size());
   for (const std::string& host : hosts) {
     addresses.push_back((options.tls ? "https://" : "http://") +
                         (is_long(host) ? '[' + host + ']' : host) + ':' +

@@ -412,7 +412,7 @@ HapticWorld::HapticWorld(HapticWorld&&) noexcept = default;
 HapticWorld& HapticWorld::operator=(HapticWorld&&) noexcept = default;
 HapticWorld::~HapticWorld() = default;
 
-Expected<HapticWorld> HapticWorld::create(HapticWorldModel model) {
+Expected<HapticWorld> HapticWorld::create(const HapticWorldModel& model) {
   PCAVR_REQUIRE(std::isfinite(model.scan_friction) && model.scan_friction >= 0.0,
                 model.scan_friction);
   auto predicted = PredictedWorld::create(model.world);

@@ -77,6 +77,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   const auto presses = contacts_of(contacts, object, true);
   const auto pushes = contacts_of(contacts, object, false);
   std::vector<ForceMotion> series;
+  series.reserve(presses.size());
   for (const IdentifiedContact* press : presses) series.push_back(press->episode.series());
   result.press_count = static_cast<int>(presses.size());
   ContactFitOptions options;

@@ -63,7 +63,7 @@ class HapticWorld {
  public:
   /// Fails where a body cannot be made a collision shape. Throws ContractError for numbers out of
   /// their range, and for outlines of fewer than three corners.
-  [[nodiscard]] static Expected<HapticWorld> create(HapticWorldModel model);
+  [[nodiscard]] static Expected<HapticWorld> create(const HapticWorldModel& model);
   HapticWorld(HapticWorld&&) noexcept;
   HapticWorld& operator=(HapticWorld&&) noexcept;
   ~HapticWorld();
