@@ -201,7 +201,12 @@ void finish(const TeleopInput& input, const RobotSite& robot, const OperatorSite
                    [](const PhaseRow& a, const PhaseRow& b) { return a.t < b.t; });
   run.forces = robot.forces();
   run.streaming_bytes = robot.streaming_bytes();
-  run.late_corrections = site.late();
+  if (site.late() > 0) {
+    run.notes.push_back(
+        "corrections that came too late, further back than the prediction remembers, and were left "
+        "out: " +
+        std::to_string(site.late()));
+  }
   run.notes.insert(run.notes.end(), robot.notes().begin(), robot.notes().end());
   note_unseen(input, robot, run);
 }

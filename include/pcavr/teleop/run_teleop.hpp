@@ -123,7 +123,6 @@ struct TeleopRun {
   std::size_t correction_bytes = 0;
   /// What sending every tracked pose and every wrench sample would have cost, in the same encoding.
   std::size_t streaming_bytes = 0;
-  std::size_t late_corrections = 0;              ///< too old for the memory when they came
   std::optional<TimeOffset> tool_to_force = {};  ///< how late the force is; taken off if it matters
   std::optional<TimeOffset> tool_to_camera = {};  ///< how late tracking is; the same
   std::vector<std::string> notes;                 ///< what a reader of the report should know

@@ -5,19 +5,37 @@ import { byId } from './dom';
 export type Theme = 'light' | 'dark';
 const key = 'pcavr-theme';
 
+/// Forbidden storage (a setting of some browsers) throws: the choice then lasts for the visit.
+function remembered(): string | null {
+  try {
+    return localStorage.getItem(key);
+  } catch {
+    return null;
+  }
+}
+
+function remember(theme: Theme): void {
+  try {
+    localStorage.setItem(key, theme);
+  } catch {
+    // Nothing to be done, and nothing that anyone would miss.
+  }
+}
+
 /// Light or dark: as the system has it, until the user says otherwise.
 export class ThemeSwitch {
   private readonly button = byId('theme', HTMLButtonElement);
   private readonly system = matchMedia('(prefers-color-scheme: dark)');
-  private chosen = localStorage.getItem(key);
+  private chosen = remembered();
 
   onChange: (theme: Theme) => void = () => {};
 
   constructor() {
     this.system.addEventListener('change', () => this.apply());
     this.button.addEventListener('click', () => {
-      this.chosen = this.theme() === 'dark' ? 'light' : 'dark';
-      localStorage.setItem(key, this.chosen);
+      const other = this.theme() === 'dark' ? 'light' : 'dark';
+      this.chosen = other;
+      remember(other);
       this.apply();
     });
     this.apply();
