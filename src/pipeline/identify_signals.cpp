@@ -100,15 +100,15 @@ std::optional<Error> contradiction(const Segmentation& found, const PathView& ti
       stiffness.push_back(std::abs(loading->stiffness));
     }
     if (count == 0.0 || sum / count > kLeastAgreement) continue;
-    const std::string which = is_press ? "presses" : "pushes";
-    const std::string figure =
-        printed(" (mean cosine %.2f over %.0f contacts)", sum / count, count);
+    const std::string where = (is_press ? "presses" : "pushes") +
+                              printed(" (mean cosine %.2f over %.0f contacts)", sum / count, count);
     if (sum / count < -kLeastAgreement) {
-      return Error{.message = "the force has the wrong sign: in " + which +
-                              " it points against the tool's motion" + figure,
-                   .mend = "write the force that the tool exerts, not the one that it feels"};
+      return Error{
+          .message =
+              "the force has the wrong sign: it points against the tool's motion in " + where,
+          .mend = "write the force that the tool exerts, not the one that it feels"};
     }
-    return Error{.message = "the force does not go with the tool's motion in " + which + figure,
+    return Error{.message = "the force does not go with the tool's motion in " + where,
                  .mend = "write it in base axes"};
   }
   if (stiffness.empty()) return std::nullopt;

@@ -86,7 +86,7 @@ std::vector<Pixel> seeds_of(const ToolShape& shape, const RgbdFrame& frame,
                             const MaskImage& mask) {
   std::vector<Pixel> seeds;
   for (const Eigen::Vector3d& p_tool : shape.points()) {
-    const Eigen::Vector3d p_camera = T_camera_tool * p_tool;
+    const Eigen::Vector3d& p_camera = T_camera_tool * p_tool;
     if (p_camera.z() <= ToolShape::kEdge) continue;
     const Eigen::Vector2d pixel = camera.project(p_camera);
     if (!(pixel.cwiseAbs().maxCoeff() < 1e6)) continue;

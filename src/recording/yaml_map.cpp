@@ -58,6 +58,7 @@ std::vector<double> YamlValue::numbers(std::size_t count) const {
          "write " + std::to_string(count) + " numbers in brackets");
   }
   std::vector<double> numbers;
+  numbers.reserve(values.size());
   for (const YamlValue& value : values) numbers.push_back(value.number());
   return numbers;
 }

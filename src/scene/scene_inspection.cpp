@@ -130,7 +130,7 @@ class Inspection {
   }
 
   void check_mesh() {
-    const Expected<TriangleMesh> mesh = read_ply(manifest_.folder / kMeshFile);
+    Expected<TriangleMesh> mesh = read_ply(manifest_.folder / kMeshFile);
     if (!mesh) return report(kMeshFile, mesh.error());
     mesh_ = std::move(*mesh);
     const bool has_all =

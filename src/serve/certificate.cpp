@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 constexpr int kDays = 397;
 constexpr double kDaysToSpare = 7.0;
-constexpr long kDay = 24 * 3600;  // [s]
+constexpr long kDay = 24L * 3600;  // [s]
 
 struct Free {
   void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }

@@ -80,6 +80,7 @@ Expected<void> run(const fs::path& input, const fs::path& output) {
   std::vector<std::string> words{kProgram, "-i",   input.string(), "-o",  output.string(),
                                  "-cc",    "-noq", "-kn",          "-vc", "12"};
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   pid_t child = 0;
