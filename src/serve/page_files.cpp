@@ -66,7 +66,7 @@ bool is_inside(const fs::path& file, const fs::path& folder) {
 
 }  // namespace
 
-PageFiles::PageFiles(fs::path folder) {
+PageFiles::PageFiles(const fs::path& folder) {
   std::error_code ignored;
   folder_ = fs::weakly_canonical(folder, ignored);
 }

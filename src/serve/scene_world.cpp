@@ -63,8 +63,7 @@ Expected<void> add_object(const SceneManifest& scene, const SceneObjectEntry& ob
       complete_physics(known.at(object.name), *model, object.T_base_object);
   world.full_force = std::max(world.full_force, completed.physics.friction.limiting_force);
   world.assumed.push_back({object.name, std::move(completed.assumed)});
-  world.model.world.bodies.push_back(
-      {std::move(*model), object.T_base_object, std::move(completed.physics)});
+  world.model.world.bodies.push_back({std::move(*model), object.T_base_object, completed.physics});
   return {};
 }
 
