@@ -86,7 +86,7 @@ std::vector<Pixel> seeds_of(const ToolShape& shape, const RgbdFrame& frame,
                             const MaskImage& mask) {
   std::vector<Pixel> seeds;
   for (const Eigen::Vector3d& p_tool : shape.points()) {
-    const Eigen::Vector3d& p_camera = T_camera_tool * p_tool;
+    const Eigen::Vector3d p_camera = T_camera_tool * p_tool;
     if (p_camera.z() <= ToolShape::kEdge) continue;
     const Eigen::Vector2d pixel = camera.project(p_camera);
     if (!(pixel.cwiseAbs().maxCoeff() < 1e6)) continue;
@@ -106,7 +106,7 @@ void ToolMask::mark(const RgbdFrame& frame, const Pose& T_base_camera, MaskImage
   if (!T_base_tool) return;
   const CameraModel& camera = *recording_.manifest.camera;
   const Pose T_camera_tool = T_base_camera.inverse() * *T_base_tool;
-  const Eigen::Vector3d p_camera = T_camera_tool.translation();
+  const Eigen::Vector3d& p_camera = T_camera_tool.translation();
   const double reach = *recording_.manifest.tool_radius + kTipMargin;
   if (p_camera.z() <= reach) return;
   const Disc disc{camera.project(p_camera), camera.fx * reach / p_camera.z()};

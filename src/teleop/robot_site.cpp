@@ -84,8 +84,9 @@ SwitchOptions switch_options(const TeleopOptions& options, const MonitorOptions&
 }  // namespace
 
 const Prediction& PredictionLog::at(double t, std::size_t object) const {
-  const auto cycles = static_cast<double>(rows_.size() / objects_);
-  const double cycle = std::clamp(std::round((t - start_) / step_) - 1.0, 0.0, cycles - 1.0);
+  const std::size_t cycles = rows_.size() / objects_;
+  const double cycle =
+      std::clamp(std::round((t - start_) / step_) - 1.0, 0.0, static_cast<double>(cycles - 1));
   return rows_[static_cast<std::size_t>(cycle) * objects_ + object];
 }
 
