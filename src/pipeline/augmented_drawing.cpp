@@ -70,7 +70,7 @@ class BodySamples {
       : window_(window_of(bodies, camera)),
         samples_(std::max(0, kPerPixel * (window_.x_end - window_.x_begin)),
                  std::max(0, kPerPixel * (window_.y_end - window_.y_begin))) {
-    rays_ = Image<Eigen::Vector3f>(samples_.width(), samples_.height());
+    rays_ = Image<Eigen::Vector3f>(samples_.width(), samples_.height(), Eigen::Vector3f::Zero());
     is_edge_ = MaskImage(samples_.width(), samples_.height());
     for_rows(parallelism, [&](int y) { find_rays(y, camera); });
     for (std::size_t i = 0; i < bodies.size(); ++i) {
