@@ -104,4 +104,10 @@ test('a second page cannot move the tool of the first, and is told so', limit, a
   assert.ok(distance(world.state.hip, before) < 2e-5);
   await first.page.close();
   await until(() => !world.state.isToolTaken, 'the tool given back by a page that is closed');
+  await page.waitForTimeout(300);
+  assert.equal(world.state.isToolTaken, false, 'a key that was held in vain takes nothing later');
+  await page.keyboard.up('Space');
+  await page.waitForTimeout(100); // some frames
+  await page.keyboard.down('Space');
+  await until(() => world.state.isToolTaken, 'the tool taken by the key pressed anew');
 });

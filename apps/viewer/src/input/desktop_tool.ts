@@ -25,7 +25,7 @@ export class DesktopTool {
   private pointer = { x: 0, y: 0 };
   private tip: Vector3 | null = null; // in base, while the clutch is closed
   private device: Device = Device.mouse;
-  private isToldOfOther = false; // that another page has the tool: once each time it is wanted
+  private isRefused = false; // another page has the tool: whoever wants it takes hold anew
 
   constructor(
     private readonly app: App,
@@ -66,7 +66,7 @@ export class DesktopTool {
       !state.isOnHold &&
       !this.app.renderer.xr.isPresenting &&
       (this.drag !== null || this.keys.has('Space') || this.isClutchLocked);
-    if (!isWanted) this.isToldOfOther = false;
+    if (!isWanted) this.isRefused = false;
     if (!isWanted || !this.ask(state)) return this.open(state);
     this.tip ??= new Vector3(...state.proxy);
     if (this.drag) this.moveByPointer();
@@ -77,15 +77,15 @@ export class DesktopTool {
   /// True once this page may move the tool.
   private ask(state: LiveState): boolean {
     if (state.hasTool) return true;
+    if (this.isRefused) return false;
     if (state.isToolTaken) {
       this.letGo();
-      if (!this.isToldOfOther)
-        this.app.notify({ level: 'warning', text: 'Another page has the tool.' });
-      this.isToldOfOther = true;
-    } else {
-      this.app.session.command(Command.take);
+      this.isRefused = true;
+      this.app.notify({ level: 'warning', text: 'Another page has the tool.' });
+      return false;
     }
-    return !state.isToolTaken;
+    this.app.session.command(Command.take);
+    return true;
   }
 
   private open(state: LiveState | null): void {
