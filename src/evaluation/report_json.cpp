@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
+#include "core/json_text.hpp"
 #include "report.hpp"
 
 namespace pcavr {
@@ -80,7 +81,7 @@ std::string format_json(const Report& report, const Findings& findings) {
   if (findings.surface) add_surface(json, *findings.surface);
   json["objects_missing"] = findings.objects_missing;
   // A path need not be UTF-8, but JSON is.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(json, 2) + '\n';
 }
 
 }  // namespace pcavr

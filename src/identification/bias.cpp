@@ -6,6 +6,7 @@
 #include "pcavr/identification/signals.hpp"
 
 namespace pcavr {
+
 std::vector<Eigen::Vector3d> track_bias(std::span<const double> t,
                                         std::span<const Eigen::Vector3d> force,
                                         const std::vector<bool>& is_free, double half_width) {

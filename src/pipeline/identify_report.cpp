@@ -7,6 +7,7 @@
 
 #include "pcavr/core/output.hpp"
 
+#include "core/json_text.hpp"
 #include "evaluation/html_page.hpp"
 #include "evaluation/html_text.hpp"
 #include "identify_plots.hpp"
@@ -195,7 +196,7 @@ std::string format_json(const Identification& found, const std::string& recordin
   for (const ObjectIdentification& object : found.objects) add_object(json, object);
   json["notes"] = found.notes;
   // A path need not be UTF-8, but JSON is.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(json, 2) + '\n';
 }
 
 }  // namespace

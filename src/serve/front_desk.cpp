@@ -13,8 +13,8 @@
 #include "pcavr/serve/live_world.hpp"
 
 #include "content_text.hpp"
+#include "core/json_text.hpp"
 #include "gzip.hpp"
-#include "json_text.hpp"
 
 namespace pcavr {
 namespace {

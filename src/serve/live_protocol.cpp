@@ -8,7 +8,7 @@
 
 #include "pcavr/core/bytes.hpp"
 
-#include "json_text.hpp"
+#include "core/json_text.hpp"
 #include "live_wire.hpp"
 
 namespace pcavr {

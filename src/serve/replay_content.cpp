@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "content_text.hpp"
-#include "json_text.hpp"
+#include "core/json_text.hpp"
 #include "replay_rows.hpp"
 
 namespace pcavr {

@@ -11,7 +11,7 @@
 #include "pcavr/recording/recording.hpp"
 
 #include "content_text.hpp"
-#include "json_text.hpp"
+#include "core/json_text.hpp"
 #include "packed_mesh.hpp"
 #include "scene/glb_file.hpp"
 #include "scene/scene_text.hpp"

@@ -6,7 +6,7 @@
 
 #include "pcavr/serve/live_protocol.hpp"
 
-#include "json_text.hpp"
+#include "core/json_text.hpp"
 #include "live_wire.hpp"
 
 namespace pcavr {
