@@ -66,9 +66,9 @@ bool is_inside(const fs::path& file, const fs::path& folder) {
 
 }  // namespace
 
-PageFiles::PageFiles(const fs::path& folder) {
+PageFiles::PageFiles(fs::path folder) : folder_(std::move(folder)) {
   std::error_code ignored;
-  folder_ = fs::weakly_canonical(folder, ignored);
+  folder_ = fs::weakly_canonical(folder_, ignored);
 }
 
 Expected<std::shared_ptr<const Content>> PageFiles::find(std::string_view path) const {

@@ -15,7 +15,7 @@ namespace pcavr {
 /// a file that changed is read again. Nothing outside of the folder, and nothing hidden, is found.
 class PageFiles final : public ContentSource {
  public:
-  explicit PageFiles(const std::filesystem::path& folder);
+  explicit PageFiles(std::filesystem::path folder);
 
   [[nodiscard]] Expected<std::shared_ptr<const Content>> find(std::string_view path) const override;
 
