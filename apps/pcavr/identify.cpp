@@ -88,7 +88,7 @@ std::optional<Error> occupied(const IdentifyArguments& arguments) {
   if (!std::filesystem::exists(arguments.output, code)) return std::nullopt;
   return Error{.message = "is there already",
                .file = arguments.output,
-               .mend = "choose another name, or give --force"};
+               .hint = "choose another name, or give --force"};
 }
 
 Expected<Identification> run(const IdentifyArguments& arguments, const Observer& observer) {

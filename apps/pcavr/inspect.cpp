@@ -85,7 +85,7 @@ Expected<CommandResult> inspect(const fs::path& folder, const Observer& observer
   Expected<std::vector<SceneCheck>> checks =
       Error{.message = "holds no recording.yaml, scene.yaml or run.yaml",
             .file = folder.string(),
-            .mend = "name the folder of a recording, a scene or a run"};
+            .hint = "name the folder of a recording, a scene or a run"};
   if (fs::exists(folder / "scene.yaml")) {
     checks = inspect_scene(folder);
   } else if (fs::exists(folder / "recording.yaml")) {

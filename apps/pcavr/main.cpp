@@ -86,7 +86,7 @@ Expected<DepthNoise> depth_noise_of(const std::string& camera_file) {
     return Error{.message = "says nothing of the depth noise",
                  .file = camera_file,
                  .place = "depth_noise",
-                 .mend = "add it, or leave --sensor away"};
+                 .hint = "add it, or leave --sensor away"};
   }
   return *sensor->depth_noise;
 }

@@ -106,7 +106,7 @@ Expected<void> check_video(const ReplayArguments& arguments, const Recording& re
   if (!recording.manifest.camera || recording.frames.empty()) {
     return Error{.message = "the recording holds no images to draw over",
                  .file = arguments.recording,
-                 .mend = "leave --video out"};
+                 .hint = "leave --video out"};
   }
   return check_video_target(arguments.video, arguments.output.replace);
 }

@@ -87,7 +87,7 @@ Expected<fs::path> find_page() {
     if (fs::exists(place / "index.html", ignored)) return place;
   }
   return Error{.message = "the page was not built",
-               .mend = "npm ci && npm run build in apps/viewer, or name its folder by --page"};
+               .hint = "npm ci && npm run build in apps/viewer, or name its folder by --page"};
 }
 
 Expected<std::optional<TlsFiles>> tls_files(const ServeArguments& arguments) {

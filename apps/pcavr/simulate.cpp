@@ -53,7 +53,7 @@ Expected<CommandResult> run_simulation(const SimulateArguments& arguments,
   const SimulationCase chosen = changed(*known, arguments);
   if (!chosen.with_images && chosen.task == ToolTask::none) {
     return Error{.message = "without images the case '" + chosen.name + "' records nothing",
-                 .mend = "leave out --no-images, or choose a case with a tool"};
+                 .hint = "leave out --no-images, or choose a case with a tool"};
   }
   Expected<OutputFolder> folder =
       OutputFolder::create(arguments.output.folder, arguments.output.replace);

@@ -22,7 +22,7 @@ struct TagsArguments {
 Expected<std::vector<int>> parse_ids(const std::string& text) {
   const Error bad{.message = "'" + text + "' is no list of tag ids",
                   .place = "--ids",
-                  .mend = "write numbers and ranges, such as 0-5,9"};
+                  .hint = "write numbers and ranges, such as 0-5,9"};
   std::vector<int> ids;
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ',');) {

@@ -9,7 +9,7 @@ std::string Error::to_string() const {
   if (line > 0) text += ':' + std::to_string(line);
   if (!place.empty()) text += (text.empty() ? "" : ": ") + place;
   text += (text.empty() ? "" : ": ") + message;
-  if (!mend.empty()) text += "; " + mend;
+  if (!hint.empty()) text += "; " + hint;
   for (char& c : text) {
     if (c == '\n' || c == '\r') c = ' ';
   }

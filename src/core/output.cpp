@@ -30,7 +30,7 @@ fs::path normalised(const fs::path& target) {
 Error can_not_write(const fs::path& path, const std::string& reason) {
   return {.message = "can't be written: " + reason,
           .file = path.string(),
-          .mend = "choose a folder that you may write to, on a disk with space left"};
+          .hint = "choose a folder that you may write to, on a disk with space left"};
 }
 
 }  // namespace
@@ -42,12 +42,12 @@ Expected<OutputFolder> OutputFolder::create(const fs::path& target_in, bool repl
     if (!fs::is_directory(target, code)) {
       return Error{.message = "is there already, and is not a folder",
                    .file = target_in.string(),
-                   .mend = "choose another name for the output"};
+                   .hint = "choose another name for the output"};
     }
     if (!replace && !fs::is_empty(target, code)) {
       return Error{.message = "is there already, and is not empty",
                    .file = target_in.string(),
-                   .mend = "choose another name, or say --force to replace it"};
+                   .hint = "choose another name, or say --force to replace it"};
     }
   }
   const fs::path temporary = temporary_name(target);
@@ -115,7 +115,7 @@ Expected<std::string> read_file(const fs::path& path) {
   if (!stream) {
     return Error{.message = std::string("can't be read: ") + std::strerror(errno),
                  .file = path.string(),
-                 .mend = "check the name, and that you may read it"};
+                 .hint = "check the name, and that you may read it"};
   }
   // The size is a guess that saves copies: special files have none.
   const std::uintmax_t guess = fs::file_size(path, code);

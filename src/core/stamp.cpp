@@ -15,7 +15,7 @@ constexpr std::int64_t kLargestSecond =
 
 Error not_a_stamp(std::string_view text) {
   return {.message = "'" + std::string(text) + "' is not a time",
-          .mend = "write decimal seconds with at most nine decimals, such as 12.033333"};
+          .hint = "write decimal seconds with at most nine decimals, such as 12.033333"};
 }
 
 }  // namespace

@@ -138,13 +138,13 @@ Expected<std::unique_ptr<GamepadDevice>> GamepadDevice::open(const GamepadOption
   auto content = std::make_unique<Content>(options);
   if (!content->subsystem.is_up()) {
     return Error{.message = std::string("no gamepad: SDL does not start: ") + SDL_GetError(),
-                 .mend = "look at who may read /dev/input"};
+                 .hint = "look at who may read /dev/input"};
   }
   SDL_GameControllerUpdate();
   content->controller = first_controller();
   if (!content->controller) {
     return Error{.message = "no gamepad among " + std::to_string(SDL_NumJoysticks()) + " joysticks",
-                 .mend =
+                 .hint =
                      "plug one in; one that SDL does not know wants its mapping in the "
                      "environment's SDL_GAMECONTROLLERCONFIG"};
   }

@@ -43,7 +43,7 @@ Opened open_device(std::string_view description) {
     return as_device(PluginDevice::open(rest.substr(0, comma), options));
   }
   return Error{.message = "'" + std::string(description) + "' is no device",
-               .mend = "choose " + std::string(kDeviceChoices)};
+               .hint = "choose " + std::string(kDeviceChoices)};
 }
 
 }  // namespace pcavr

@@ -32,7 +32,7 @@ Expected<Library> load(const std::filesystem::path& file) {
   std::error_code unreadable;
   if (!std::filesystem::exists(file, unreadable)) {
     return Error{
-        .message = "does not exist", .file = file.string(), .mend = "name the plugin's .so"};
+        .message = "does not exist", .file = file.string(), .hint = "name the plugin's .so"};
   }
   // Absolute: a bare name would be looked for among the system's libraries.
   const std::filesystem::path absolute = std::filesystem::absolute(file, unreadable);
@@ -41,7 +41,7 @@ Expected<Library> load(const std::filesystem::path& file) {
   const char* why = dlerror();
   return Error{.message = std::string("is no library that can be loaded: ") + (why ? why : "?"),
                .file = file.string(),
-               .mend = "build it as a shared library for this machine"};
+               .hint = "build it as a shared library for this machine"};
 }
 
 Expected<const pcavr_device_plugin*> plugin_of(void* library, const std::string& file) {
@@ -49,7 +49,7 @@ Expected<const pcavr_device_plugin*> plugin_of(void* library, const std::string&
   if (get == nullptr) {
     return Error{.message = std::string("is no device plugin: it lacks ") + kEntry,
                  .file = file,
-                 .mend = "export it as pcavr/devices/device_plugin.h declares it"};
+                 .hint = "export it as pcavr/devices/device_plugin.h declares it"};
   }
   const pcavr_device_plugin* plugin = get();
   if (plugin == nullptr) return Error{.message = "gives no plugin", .file = file};
@@ -59,12 +59,12 @@ Expected<const pcavr_device_plugin*> plugin_of(void* library, const std::string&
                             std::to_string(PCAVR_DEVICE_PLUGIN_ABI) + " of " +
                             std::to_string(sizeof(pcavr_device_plugin)),
                  .file = file,
-                 .mend = "build it with this version's device_plugin.h"};
+                 .hint = "build it with this version's device_plugin.h"};
   }
   if (plugin->open == nullptr || plugin->close == nullptr || plugin->exchange == nullptr) {
     return Error{.message = "lacks one of open, close and exchange",
                  .file = file,
-                 .mend = "fill all three in"};
+                 .hint = "fill all three in"};
   }
   return plugin;
 }

@@ -129,11 +129,11 @@ SpaceMouseDevice::~SpaceMouseDevice() = default;
 Expected<std::unique_ptr<SpaceMouseDevice>> SpaceMouseDevice::open(const RateOptions& options) {
   auto content = std::make_unique<Content>(options);
   if (content->connection.was_taken()) {
-    return Error{.message = "the SpaceMouse is open already", .mend = "use the device there is"};
+    return Error{.message = "the SpaceMouse is open already", .hint = "use the device there is"};
   }
   if (!content->connection.is_open()) {
     return Error{.message = "no SpaceMouse: its daemon, spacenavd, does not answer",
-                 .mend =
+                 .hint =
                      "apt-get install spacenavd and start it, or name its socket in the "
                      "environment's SPNAV_SOCKET"};
   }
@@ -142,7 +142,7 @@ Expected<std::unique_ptr<SpaceMouseDevice>> SpaceMouseDevice::open(const RateOpt
     const std::optional<std::string> product = product_name();
     if (!product) {
       return Error{.message = "no SpaceMouse: its daemon, spacenavd, knows of no device",
-                   .mend = "plug it in"};
+                   .hint = "plug it in"};
     }
     content->name += " (" + *product + ")";
   }

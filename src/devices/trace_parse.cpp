@@ -53,7 +53,7 @@ Expected<Columns> columns_of(const std::string& file, LineReader& lines) {
   return Error{.message = "has another header",
                .file = file,
                .line = lines.line(),
-               .mend = "write t,x,y,z and after it, where it is known, qx,qy,qz,qw and engaged"};
+               .hint = "write t,x,y,z and after it, where it is known, qx,qy,qz,qw and engaged"};
 }
 
 /// A row's numbers after its time. What is wrong with them, if anything.
@@ -61,7 +61,7 @@ std::optional<Error> take_row(const Columns& columns, std::span<const double> nu
                               TraceSample& sample) {
   sample.p_base_tip = {numbers[0], numbers[1], numbers[2]};
   if (!is_plausible_tip(sample.p_base_tip)) {
-    return Error{.message = "lies more than 100 m from the base", .mend = "write metres"};
+    return Error{.message = "lies more than 100 m from the base", .hint = "write metres"};
   }
   if (columns.has_turn) {
     const std::span<const double> xyzw = numbers.subspan(3, 4);
@@ -71,7 +71,7 @@ std::optional<Error> take_row(const Columns& columns, std::span<const double> nu
   if (columns.has_engaged) {
     if (numbers.back() != 0.0 && numbers.back() != 1.0) {
       return Error{
-          .message = "is neither engaged nor not", .place = kEngaged, .mend = "write 0 or 1"};
+          .message = "is neither engaged nor not", .place = kEngaged, .hint = "write 0 or 1"};
     }
     sample.is_engaged = numbers.back() == 1.0;
   }
@@ -104,7 +104,7 @@ Expected<std::vector<TraceSample>> parse_trace(std::string_view text, const std:
                        });
   if (!read) return read.error();
   if (samples.empty()) {
-    return Error{.message = "has no rows", .file = file, .mend = "write one a moment: t,x,y,z"};
+    return Error{.message = "has no rows", .file = file, .hint = "write one a moment: t,x,y,z"};
   }
   return samples;
 }

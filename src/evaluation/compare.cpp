@@ -24,7 +24,7 @@ Error no_time_in_common(const ComparisonSide& reference, const ComparisonSide& s
   return {.message = "has no pose of " + what + " at a time that " + reference.folder.string() +
                      " knows (" + span(estimate) + " against " + span(reference_poses) + ")",
           .file = subject.folder.string(),
-          .mend = "compare with the truth of the recording that it was made from"};
+          .hint = "compare with the truth of the recording that it was made from"};
 }
 
 Error nothing_in_common(const ComparisonSide& reference, const ComparisonSide& subject) {
@@ -36,7 +36,7 @@ Error nothing_in_common(const ComparisonSide& reference, const ComparisonSide& s
   return {.message = "has nothing in common with " + reference.folder.string() + ": " +
                      contents(subject) + " against " + contents(reference),
           .file = subject.folder.string(),
-          .mend = "compare with the truth of the recording that it was made from"};
+          .hint = "compare with the truth of the recording that it was made from"};
 }
 
 Expected<void> compare_cameras(const ComparisonSide& reference, const ComparisonSide& subject,

@@ -59,7 +59,7 @@ Expected<void> read_surface(const fs::path& file, ComparisonSide& side) {
   Expected<TriangleMesh> mesh = read_mesh(file);
   if (!mesh) return mesh.error();
   if (mesh->triangles.empty()) {
-    return Error{.message = "holds no triangle", .file = file.string(), .mend = "make it again"};
+    return Error{.message = "holds no triangle", .file = file.string(), .hint = "make it again"};
   }
   side.surface_base = std::move(mesh).value();
   return {};
@@ -117,7 +117,7 @@ Expected<fs::path> recording_of_run(const fs::path& file, const fs::path& folder
     return Error{.message = error.msg,
                  .file = file.string(),
                  .line = error.mark.line + 1,
-                 .mend = "replay the recording again"};
+                 .hint = "replay the recording again"};
   }
 }
 
@@ -172,12 +172,12 @@ Expected<ComparisonSide> read_side(const fs::path& folder) {
   if (!is_there(folder)) {
     return Error{.message = "is not there",
                  .file = folder.string(),
-                 .mend = "name a scene, a run, or the truth folder of a recording that has one"};
+                 .hint = "name a scene, a run, or the truth folder of a recording that has one"};
   }
   return Error{
       .message = "holds no scene.yaml, no run.yaml and no camera.txt, objects or scene.ply",
       .file = folder.string(),
-      .mend = "name a scene, a run, or the truth folder of a recording"};
+      .hint = "name a scene, a run, or the truth folder of a recording"};
 }
 
 Expected<ComparisonSide> take_tracking(ComparisonSide& run) {
@@ -193,7 +193,7 @@ Expected<ComparisonSide> take_tracking(ComparisonSide& run) {
   if (!has_both) {
     return Error{.message = "holds no object that is both predicted and tracked",
                  .file = run.folder.string(),
-                 .mend = "name what to hold it against: --truth, or --reference"};
+                 .hint = "name what to hold it against: --truth, or --reference"};
   }
   return tracking;
 }

@@ -37,7 +37,7 @@ Expected<Evaluation> evaluate_parameters(const EvaluationInput& input) {
   if (input.reference.empty()) {
     return Error{.message = "is a parameter file, and nothing was named to hold it against",
                  .file = input.subject.string(),
-                 .mend = "name --truth, or a second parameter file as --reference"};
+                 .hint = "name --truth, or a second parameter file as --reference"};
   }
   const fs::path reference =
       is_file(input.reference) ? input.reference : input.reference / "parameters.yaml";
@@ -59,7 +59,7 @@ Expected<ComparisonSide> read_reference(const EvaluationInput& input, Comparison
   return Error{
       .message = "is a " + name_of(subject.kind) + ", and nothing was named to hold it against",
       .file = subject.folder.string(),
-      .mend = "name --truth, or a second scene as --reference"};
+      .hint = "name --truth, or a second scene as --reference"};
 }
 
 Expected<Evaluation> evaluate_sides(const EvaluationInput& input, Parallelism parallelism,

@@ -57,20 +57,20 @@ Fault take_row(const ObjectTable& table, std::string_view line,
   if (fields.size() != table.columns.size()) {
     return Error{.message = "has " + std::to_string(fields.size()) + " columns, not " +
                             std::to_string(table.columns.size()),
-                 .mend = "each line holds " + header_of(table)};
+                 .hint = "each line holds " + header_of(table)};
   }
   const Expected<Stamp> stamp = parse_stamp(fields[0]);
   if (!stamp) return stamp.error();
   const std::string object(fields[1]);
   if (object.empty()) {
-    return Error{.message = "names no object", .place = "object", .mend = "write its name"};
+    return Error{.message = "names no object", .place = "object", .hint = "write its name"};
   }
   const auto before = last.find(object);
   if (before != last.end() &&
       (*stamp < before->second || (table.stamps == Stamps::ascend && *stamp == before->second))) {
     return Error{.message = "time " + std::string(fields[0]) + " is not after the one before of " +
                             object + ", " + format_stamp(before->second),
-                 .mend = "sort the rows by time and keep one of equal ones"};
+                 .hint = "sort the rows by time and keep one of equal ones"};
   }
   last[object] = *stamp;
   return take(*stamp, object, Fields(fields).subspan(2));
@@ -88,7 +88,7 @@ Expected<void> read_table(const ObjectTable& table, const TakeRow& take) {
     return Error{.message = "has another header",
                  .file = file,
                  .line = 1,
-                 .mend = "begin with " + header_of(table)};
+                 .hint = "begin with " + header_of(table)};
   }
   std::map<std::string, Stamp, std::less<>> last;
   while (const std::optional<std::string_view> line = lines.next()) {
@@ -108,7 +108,7 @@ Fault take_phase(std::string_view word, const std::string& column, Stamp stamp,
   if (!phase) {
     return Error{.message = "'" + std::string(word) + "' is no phase",
                  .place = column,
-                 .mend = "write free, static, critical or sliding"};
+                 .hint = "write free, static, critical or sliding"};
   }
   if (timeline.empty() || timeline.back().phase != *phase) timeline.push_back({stamp, *phase});
   return std::nullopt;
@@ -119,7 +119,7 @@ Fault take_number(std::string_view field, const std::string& column, double& num
   if (!read) {
     return Error{.message = "'" + std::string(field) + "' is not a finite number",
                  .place = column,
-                 .mend = "write a decimal number"};
+                 .hint = "write a decimal number"};
   }
   number = *read;
   return std::nullopt;
@@ -143,7 +143,7 @@ Fault take_correction(Stamp stamp, const std::string& object, Fields rest,
   if (!is_known) {
     return Error{.message = "'" + correction.which + "' is no case of the switch",
                  .place = "case",
-                 .mend = "write 1.1, 1.2a, 1.2b, 1.3 or 2"};
+                 .hint = "write 1.1, 1.2a, 1.2b, 1.3 or 2"};
   }
   for (const std::string_view word : split_at(rest[1], '+')) {
     if (word == "lost") {

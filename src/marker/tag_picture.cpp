@@ -14,7 +14,7 @@ namespace {
 
 Error unknown_id(const std::string& family, int id, int count) {
   return {.message = family + " has no tag " + std::to_string(id),
-          .mend = "take ids from 0 to " + std::to_string(count - 1)};
+          .hint = "take ids from 0 to " + std::to_string(count - 1)};
 }
 
 /// Families with bits outside the square through the detection corners have a white ring inside it

@@ -166,12 +166,12 @@ std::string manifest_lines(const TagSheetOptions& options) {
 
 Expected<void> check(const TagSheetOptions& options) {
   if (options.ids.empty()) {
-    return Error{.message = "no tag ids given", .mend = "name at least one"};
+    return Error{.message = "no tag ids given", .hint = "name at least one"};
   }
   const auto is_length = [](double value) { return std::isfinite(value) && value > 0.0; };
   if (!is_length(options.size) || !is_length(options.page_width) ||
       !is_length(options.page_height) || !(options.margin >= 0.0)) {
-    return Error{.message = "sizes must be positive lengths", .mend = "give them in metres"};
+    return Error{.message = "sizes must be positive lengths", .hint = "give them in metres"};
   }
   return {};
 }
@@ -191,7 +191,7 @@ Expected<TagSheet> make_tag_sheet(const TagSheetOptions& options) {
   if (!grid) {
     return Error{.message = "a tag of " + number(options.size * 1e3) + " mm with its white rim (" +
                             number(slot.width) + " mm) does not fit on the page",
-                 .mend = "take a larger page or a smaller tag"};
+                 .hint = "take a larger page or a smaller tag"};
   }
 
   std::vector<SheetPage> pages;

@@ -20,7 +20,7 @@ constexpr double kSmallestVolumeShare = 1e-7;
 Error without_volume(const fs::path& source, const std::string& reason) {
   return {.message = "CAD mesh has no volume: " + reason,
           .file = source.string(),
-          .mend = "give a closed surface, wound outward (fill its holes in a CAD or mesh tool)"};
+          .hint = "give a closed surface, wound outward (fill its holes in a CAD or mesh tool)"};
 }
 
 std::string describe(const model::OpenEdges& open) {

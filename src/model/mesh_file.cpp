@@ -106,7 +106,7 @@ TriangleMesh flatten(const aiScene& scene, const MeshType& type) {
 Error not_a_mesh(const fs::path& file, const std::string& reason) {
   return {.message = "is not a mesh that can be read: " + reason,
           .file = file.string(),
-          .mend = "export it again as .obj, .stl, .ply or .glb"};
+          .hint = "export it again as .obj, .stl, .ply or .glb"};
 }
 
 /// assimp's words are long, may hold line breaks, and repeat the path.
@@ -145,13 +145,13 @@ Expected<TriangleMesh> model::import_mesh(const fs::path& file) {
   if (!type) {
     return Error{.message = "is of an unknown mesh type '" + file.extension().string() + "'",
                  .file = file.string(),
-                 .mend = "give it as .obj, .stl, .ply, .glb or .gltf"};
+                 .hint = "give it as .obj, .stl, .ply, .glb or .gltf"};
   }
   std::error_code code;
   if (!fs::is_regular_file(file, code)) {
     return Error{.message = "mesh file is missing",
                  .file = file.string(),
-                 .mend = "put it there, or correct the path that names it"};
+                 .hint = "put it there, or correct the path that names it"};
   }
   if (type->is_ply && !has_whole_ply_header(file)) return not_a_mesh(file, "its header has no end");
   Expected<TriangleMesh> mesh = read_with_assimp(file, *type);
@@ -162,7 +162,7 @@ Expected<TriangleMesh> model::import_mesh(const fs::path& file) {
     return Error{.message = "has a coordinate that is not finite",
                  .file = file.string(),
                  .place = "vertex " + std::to_string(i),
-                 .mend = "export the mesh again"};
+                 .hint = "export the mesh again"};
   }
   return mesh;
 }

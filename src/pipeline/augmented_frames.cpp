@@ -97,7 +97,7 @@ Expected<AugmentedFrames> AugmentedFrames::create(const Recording& recording,
   if (!recording.manifest.camera || recording.frames.empty()) {
     return Error{.message = "the recording holds no images to draw over",
                  .file = recording.folder.string(),
-                 .mend = "record colour and depth, or leave the pictures out"};
+                 .hint = "record colour and depth, or leave the pictures out"};
   }
   auto content = std::make_unique<Content>();
   content->recording = recording;

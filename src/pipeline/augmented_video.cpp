@@ -25,7 +25,7 @@ constexpr std::size_t kFramesAtOnce = 16;
 Error can_not_write(const fs::path& file, const std::string& why) {
   return {.message = "can't be written: " + why,
           .file = file.string(),
-          .mend = "choose a name in a folder that you may write to, on a disk with space left"};
+          .hint = "choose a name in a folder that you may write to, on a disk with space left"};
 }
 
 /// A video under a temporary name beside its own, gone unless it is committed. Calls of OpenCV may
@@ -139,15 +139,15 @@ Expected<void> check_video_target(const fs::path& file, bool replace) {
   std::error_code code;
   if (file.extension() != ".mp4") {
     return Error{
-        .message = "is no name for a video", .file = file.string(), .mend = "end it in .mp4"};
+        .message = "is no name for a video", .file = file.string(), .hint = "end it in .mp4"};
   }
   if (fs::is_directory(file, code)) {
-    return Error{.message = "is a folder", .file = file.string(), .mend = "choose another name"};
+    return Error{.message = "is a folder", .file = file.string(), .hint = "choose another name"};
   }
   if (!replace && fs::exists(file, code)) {
     return Error{.message = "is there already",
                  .file = file.string(),
-                 .mend = "choose another name, or say --force to replace it"};
+                 .hint = "choose another name, or say --force to replace it"};
   }
   const fs::path folder = fs::absolute(file).parent_path();
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
@@ -163,7 +163,7 @@ Expected<AugmentedVideo> write_augmented_video(const AugmentedFrames& frames, co
   if (frames.placed() == 0) {
     return Error{.message = "no frame's camera is known, so nothing can be drawn over it",
                  .file = file.string(),
-                 .mend = "leave --tracked out, so that the camera's way is found"};
+                 .hint = "leave --tracked out, so that the camera's way is found"};
   }
   try {
     return write_pictures(frames, file, options, observer);

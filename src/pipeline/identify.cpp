@@ -45,11 +45,11 @@ Error nothing_touched(const IdentificationInput& input, const PathView& tip) {
                   "the force stays below 0.3 N although the tip is %.1f mm deep in an object at "
                   "t = %.2f s",
                   -deepest * 1e3, when);
-    return {.message = text, .file = "wrench.csv", .mend = "write newtons (is it in kilonewtons?)"};
+    return {.message = text, .file = "wrench.csv", .hint = "write newtons (is it in kilonewtons?)"};
   }
   return {.message = "nothing was touched: the force never leaves its noise",
           .file = "wrench.csv",
-          .mend = "press the object along z, then push it"};
+          .hint = "press the object along z, then push it"};
 }
 
 struct Prepared {
@@ -141,7 +141,7 @@ std::optional<Error> wrong_unit(const IdentifiableObject& object,
                   "force is in another unit",
                   object.name.c_str(), coefficient);
   }
-  return Error{.message = text, .file = "wrench.csv", .mend = "write newtons, or correct the mass"};
+  return Error{.message = text, .file = "wrench.csv", .hint = "write newtons, or correct the mass"};
 }
 
 void note_contacts(Identification& result, const IdentificationInput& input) {
@@ -167,19 +167,19 @@ std::optional<Error> missing_streams(const IdentificationInput& input) {
   if (input.t_force.size() < 100) {
     return Error{.message = "identification needs the tool's force, and there is none",
                  .file = "wrench.csv",
-                 .mend = "record it with the header t,fx,fy,fz,tx,ty,tz"};
+                 .hint = "record it with the header t,fx,fy,fz,tx,ty,tz"};
   }
   if (input.t_tool.size() < 20) {
     return Error{.message = "identification needs the tool's motion, and there is none",
                  .file = "tool.csv",
-                 .mend = "record it with the header t,x,y,z,qx,qy,qz,qw"};
+                 .hint = "record it with the header t,x,y,z,qx,qy,qz,qw"};
   }
   const double begin = std::max(input.t_force.front(), input.t_tool.front());
   const double end = std::min(input.t_force.back(), input.t_tool.back());
   if (end - begin < 0.5) {
     return Error{.message = "force and tool were not recorded at the same time",
                  .file = "wrench.csv",
-                 .mend = "give both the one clock of the recording"};
+                 .hint = "give both the one clock of the recording"};
   }
   return std::nullopt;
 }
@@ -198,7 +198,7 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
     return Error{.message = "no object is known that the tool could have touched",
                  .file = "recording.yaml",
                  .place = "objects",
-                 .mend = "name them there with mesh and pose, or give --scene"};
+                 .hint = "name them there with mesh and pose, or give --scene"};
   }
   Identification result;
   result.goal = goal;

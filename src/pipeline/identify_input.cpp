@@ -35,7 +35,7 @@ Expected<std::vector<IdentifiableObject>> objects_of_manifest(const Recording& r
       return Error{.message = "does not say where object " + entry.name + " stands",
                    .file = (recording.folder / "recording.yaml").string(),
                    .place = "objects",
-                   .mend = "add its pose, or give --scene or --tracked"};
+                   .hint = "add its pose, or give --scene or --tracked"};
     }
     Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name);
     if (!model) return model.error();
@@ -61,7 +61,7 @@ Expected<void> track(const Recording& recording, const IdentificationSources& so
     if (!has_any) {
       return Error{.message = "holds no objects/NAME/tracked.txt of any of the objects",
                    .file = sources.tracked.string(),
-                   .mend = "give a folder that pcavr replay wrote"};
+                   .hint = "give a folder that pcavr replay wrote"};
     }
     return {};
   }

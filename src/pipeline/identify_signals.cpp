@@ -87,7 +87,7 @@ std::optional<Error> contradiction(const Segmentation& found, const PathView& ti
   for (const ContactEpisode& e : found.contacts) peak = std::max(peak, e.peak_force);
   if (peak > kGreatestForce) {
     return Error{.message = printed("the force goes up to %.3g N, which no arm pushes with", peak),
-                 .mend = "write newtons (is it in millinewtons?)"};
+                 .hint = "write newtons (is it in millinewtons?)"};
   }
   for (const bool is_press : {true, false}) {
     double sum = 0.0, count = 0.0;
@@ -106,17 +106,17 @@ std::optional<Error> contradiction(const Segmentation& found, const PathView& ti
       return Error{
           .message =
               "the force has the wrong sign: it points against the tool's motion in " + where,
-          .mend = "write the force that the tool exerts, not the one that it feels"};
+          .hint = "write the force that the tool exerts, not the one that it feels"};
     }
     return Error{.message = "the force does not go with the tool's motion in " + where,
-                 .mend = "write it in base axes"};
+                 .hint = "write it in base axes"};
   }
   if (stiffness.empty()) return std::nullopt;
   const double middle = median(stiffness);
   if (middle >= kLeastStiffness && middle <= kGreatestStiffness) return std::nullopt;
   return Error{
       .message = printed("force and motion make contacts of %.3g N/m, which no object has", middle),
-      .mend = "write newtons and metres"};
+      .hint = "write newtons and metres"};
 }
 
 }  // namespace pcavr

@@ -20,7 +20,7 @@ Expected<ParameterTable> known_parameters(const SceneManifest& scene,
     return Error{.message = "the scene has no movable object '" + name + "'",
                  .file = file,
                  .place = name,
-                 .mend = "take it out, or name the scene that these parameters are for"};
+                 .hint = "take it out, or name the scene that these parameters are for"};
   }
   return known;
 }

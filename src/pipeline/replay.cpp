@@ -108,7 +108,7 @@ Expected<Replay> tracking_from(const std::filesystem::path& folder,
   if (!has_any) {
     return Error{.message = "no objects/NAME/tracked.txt of the scene's objects",
                  .file = folder.string(),
-                 .mend = "name a run, or the folder tracked of a simulated recording"};
+                 .hint = "name a run, or the folder tracked of a simulated recording"};
   }
   return replay;
 }

@@ -22,7 +22,7 @@ Error not_stated(const Recording& recording, const std::string& name) {
   return {.message = name.empty() ? "the recording holds no frames"
                                   : "no frames, and no pose is stated for object " + name,
           .file = recording.folder.string(),
-          .mend =
+          .hint =
               "a scene needs colour and depth images (rgb.txt and depth.txt with at least one "
               "pair within 20 ms), or a pose in recording.yaml for every movable object"};
 }

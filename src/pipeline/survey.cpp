@@ -110,7 +110,7 @@ std::vector<std::optional<Pose>> first_poses(const std::vector<std::optional<Sig
 Error no_depth_error(const Recording& recording) {
   return {.message = "no depth image holds a single measurement",
           .file = (recording.folder / "depth.txt").string(),
-          .mend = "check that the sensor measured, and that the images are 16-bit depth"};
+          .hint = "check that the sensor measured, and that the images are 16-bit depth"};
 }
 
 Error not_placed_error(const Recording& recording, const Survey& survey) {
@@ -134,7 +134,7 @@ Error not_placed_error(const Recording& recording, const Survey& survey) {
               (seen.empty() ? "none" : seen),
           .file = file,
           .place = "markers",
-          .mend = "declare a tag that is in view with role: base, its size and its pose"};
+          .hint = "declare a tag that is in view with role: base, its size and its pose"};
 }
 
 }  // namespace
@@ -147,7 +147,7 @@ Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recordin
       return Error{.message = "the movable object has no CAD mesh to stand in its place",
                    .file = (recording.folder / "recording.yaml").string(),
                    .place = "objects: " + entry.name,
-                   .mend = "name its .obj, .stl, .ply or .glb file as mesh:"};
+                   .hint = "name its .obj, .stl, .ply or .glb file as mesh:"};
     }
     Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name);
     if (!model) return model.error();

@@ -58,7 +58,7 @@ Expected<std::map<Stamp, Deviations>> read_deviations(const std::filesystem::pat
         .message = "no tracking row: '" + line + "'",
         .file = file.string(),
         .line = number,
-        .mend = "t,evidence,tags,position_sigma,rotation_sigma,... as replay writes it"};
+        .hint = "t,evidence,tags,position_sigma,rotation_sigma,... as replay writes it"};
     if (cells.size() <= std::max(position, rotation)) return bad;
     const Expected<Stamp> stamp = parse_stamp(cells.front());
     const std::optional<double> first = deviation_of(cells[position]);

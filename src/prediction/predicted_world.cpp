@@ -43,7 +43,7 @@ Expected<PredictedWorld> PredictedWorld::create(WorldModel model) {
     if (content->neighbourhood.has_shape(i)) continue;
     return Error{.message = "its corners lie in one plane, so that it is no body",
                  .place = model.bodies[i].model.name,
-                 .mend = "give it a closed CAD mesh"};
+                 .hint = "give it a closed CAD mesh"};
   }
   return PredictedWorld(std::move(content));
 }

@@ -83,7 +83,7 @@ struct FrameReader::Worker {
     } catch (const std::bad_alloc&) {
       return Error{.message = "there is no memory left for frame " + std::to_string(index),
                    .file = recording.folder.string(),
-                   .mend = "free memory, or use smaller images"};
+                   .hint = "free memory, or use smaller images"};
     }
   }
 

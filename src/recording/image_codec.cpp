@@ -26,7 +26,7 @@ constexpr int kJpegQuality = 95;
 Error damaged(const ExpectedImage& image, const std::string& reason) {
   return {.message = "does not decode: " + reason,
           .file = image.file,
-          .mend = "replace the image, or leave such frames out with --skip-bad"};
+          .hint = "replace the image, or leave such frames out with --skip-bad"};
 }
 
 std::string size_text(int width, int height) {
@@ -39,7 +39,7 @@ std::optional<Error> check_size(const ExpectedImage& image, const Header& header
   return Error{.message = "is " + size_text(header.width, header.height) + " pixels, not " +
                           size_text(image.width, image.height),
                .file = image.file,
-               .mend = "the camera of recording.yaml must have the size of the images"};
+               .hint = "the camera of recording.yaml must have the size of the images"};
 }
 
 bool is_jpeg(std::string_view bytes) { return bytes.starts_with("\xFF\xD8"); }
@@ -109,7 +109,7 @@ Expected<ColorImage> ImageDecoder::color_png(std::string_view bytes, const Expec
   if (header->bit_depth != 8) {
     return Error{.message = "is not a colour image: it has 16 bits a channel",
                  .file = image.file,
-                 .mend = "colour images are JPEG or PNG files with 8 bits a channel"};
+                 .hint = "colour images are JPEG or PNG files with 8 bits a channel"};
   }
   if (const Expected<void> done = decode_png(bytes, png_); !done) {
     return damaged(image, done.error().message);
@@ -125,7 +125,7 @@ Expected<void> ImageDecoder::gray16(std::string_view bytes, const ExpectedImage&
     return Error{.message = "is not a depth image: it has " + std::to_string(header->channels) +
                             " channels of " + std::to_string(header->bit_depth) + " bits",
                  .file = image.file,
-                 .mend = "depth images are PNG files with one channel of 16 bits"};
+                 .hint = "depth images are PNG files with one channel of 16 bits"};
   }
   if (const Expected<void> done = decode_png(bytes, png_); !done) {
     return damaged(image, done.error().message);

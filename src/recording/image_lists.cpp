@@ -33,7 +33,7 @@ Expected<Series<Images>> read_list(const fs::path& folder, const char* name, boo
       return Error{.message = "the image " + image.path.string() + " is missing",
                    .file = file.string(),
                    .line = image.line,
-                   .mend = "add the file, or take the line out"};
+                   .hint = "add the file, or take the line out"};
     }
   }
   return present;
@@ -75,7 +75,7 @@ Expected<PairedImages> read_image_lists(const fs::path& folder, const ReadOption
                           " colour and " + std::to_string(images.unpaired_depth) +
                           " depth images none belong together",
                .file = folder.string(),
-               .mend = "rgb.txt and depth.txt must name images at most " +
+               .hint = "rgb.txt and depth.txt must name images at most " +
                        std::to_string(static_cast<int>(gap)) + " ms apart"};
 }
 

@@ -18,11 +18,11 @@ Expected<ImportFormat> format_of(const fs::path& source) {
   if (!fs::is_directory(source, code)) {
     return Error{.message = "is not a folder",
                  .file = source.string(),
-                 .mend = "give the folder that holds the images"};
+                 .hint = "give the folder that holds the images"};
   }
   if (fs::exists(source / "recording.yaml", code)) {
     return Error{
-        .message = "is a recording already", .file = source.string(), .mend = "use it as it is"};
+        .message = "is a recording already", .file = source.string(), .hint = "use it as it is"};
   }
   if (fs::exists(source / "rgb.txt", code) && fs::exists(source / "depth.txt", code)) {
     return ImportFormat::tum_rgbd;
@@ -30,7 +30,7 @@ Expected<ImportFormat> format_of(const fs::path& source) {
   if (has_seven_scenes_frames(source)) return ImportFormat::seven_scenes;
   return Error{.message = "is neither a TUM RGB-D folder nor a 7-Scenes folder",
                .file = source.string(),
-               .mend =
+               .hint =
                    "the first has rgb.txt and depth.txt, the second files named "
                    "frame-000000.color.png"};
 }
@@ -40,7 +40,7 @@ Expected<ImportReport> import_tum(const fs::path& source, const fs::path& target
   if (!options.camera) {
     return Error{.message = "holds no camera calibration, as TUM RGB-D folders never do",
                  .file = source.string(),
-                 .mend = "give --camera with a calibration file"};
+                 .hint = "give --camera with a calibration file"};
   }
   const Expected<PairedImages> images = read_image_lists(source, {});
   if (!images) return images.error();
@@ -83,7 +83,7 @@ Expected<ImportReport> import_recording(const fs::path& source, const fs::path& 
   if (report && report->frames == 0) {
     return Error{.message = "no frames are left to import",
                  .file = source.string(),
-                 .mend = "choose a smaller --first"};
+                 .hint = "choose a smaller --first"};
   }
   return report;
 }

@@ -106,7 +106,7 @@ Expected<CameraModel> find_camera(const fs::path& source, const fs::path& depth_
   if (!header) {
     return Error{.message = "does not decode: " + header.error().message,
                  .file = depth_file.string(),
-                 .mend = "replace the image"};
+                 .hint = "replace the image"};
   }
   CameraModel camera{.width = header->width, .height = header->height};
   const fs::path file = source / "camera-intrinsics.txt";
@@ -121,7 +121,7 @@ Expected<CameraModel> find_camera(const fs::path& source, const fs::path& depth_
   if (!K || !((*K)[0] > 0.0) || !((*K)[4] > 0.0)) {
     return Error{.message = "is not a camera matrix",
                  .file = file.string(),
-                 .mend = "write fx 0 cx 0 fy cy 0 0 1, or give --camera"};
+                 .hint = "write fx 0 cx 0 fy cy 0 0 1, or give --camera"};
   }
   camera.fx = (*K)[0];
   camera.cx = (*K)[2];

@@ -19,7 +19,7 @@ Pose pose_of(const YamlValue& value) {
   const YamlValue rotation = value.at("q");
   const std::vector<double> q = rotation.numbers(4);
   if (const std::optional<Error> error = check_unit_quaternion(q)) {
-    rotation.fail(error->message, error->mend);
+    rotation.fail(error->message, error->hint);
   }
   return Pose(Eigen::Quaterniond(q[3], q[0], q[1], q[2]), {t[0], t[1], t[2]});
 }
@@ -27,7 +27,7 @@ Pose pose_of(const YamlValue& value) {
 /// A path inside the folder; that the file is there is checked where the folder is known.
 std::filesystem::path path_of(const YamlValue& value, const std::filesystem::path& folder) {
   const Expected<std::filesystem::path> path = path_inside_folder(value.text());
-  if (!path) value.fail(path.error().message, path.error().mend);
+  if (!path) value.fail(path.error().message, path.error().hint);
   std::error_code code;
   if (!folder.empty() && !std::filesystem::is_regular_file(folder / *path, code)) {
     value.fail("the file " + path->string() + " is missing", "add it, or correct the path");

@@ -34,12 +34,12 @@ struct PngImage {
   }
 };
 
-/// What the header promises, without `rows`. Errors have neither file nor mend.
+/// What the header promises, without `rows`. Errors have neither file nor hint.
 [[nodiscard]] Expected<PngImage> decode_png_header(std::string_view bytes);
 
 /// The whole image into `image`, without filters, whose memory is used again: fresh memory costs
 /// more time than inflating. Checksums are checked. Memory in proportion to the header's size:
-/// check that first. Errors have neither file nor mend, and leave `image` without meaning.
+/// check that first. Errors have neither file nor hint, and leave `image` without meaning.
 [[nodiscard]] Expected<void> decode_png(std::string_view bytes, PngImage& image);
 
 /// The file of an image whose rows hold the filters that they name (0: plain pixels).

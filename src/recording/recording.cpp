@@ -38,12 +38,12 @@ Expected<void> read_frames(Recording& recording, const ReadOptions& options) {
   if (has_color != has_depth) {
     return Error{.message = std::string(has_color ? "depth.txt" : "rgb.txt") + " is missing",
                  .file = recording.folder.string(),
-                 .mend = "a recording has both lists, or none where it holds no images"};
+                 .hint = "a recording has both lists, or none where it holds no images"};
   }
   if (!recording.manifest.camera) {
     return Error{.message = "key 'camera' is missing, though there are images",
                  .file = (recording.folder / "recording.yaml").string(),
-                 .mend = "add the camera with its intrinsics and depth_scale"};
+                 .hint = "add the camera with its intrinsics and depth_scale"};
   }
   Expected<PairedImages> images = read_image_lists(recording.folder, options);
   if (!images) return images.error();
@@ -60,7 +60,7 @@ Expected<Manifest> read_manifest(const fs::path& folder) {
   if (!fs::exists(file, code)) {
     return Error{.message = "is not a recording: it holds no recording.yaml",
                  .file = folder.string(),
-                 .mend = "check the path; 'pcavr import' turns other folders into recordings"};
+                 .hint = "check the path; 'pcavr import' turns other folders into recordings"};
   }
   const Expected<std::string> text = read_file(file);
   if (!text) return text.error();
@@ -100,7 +100,7 @@ Expected<Recording> read_recording(const fs::path& folder, const ReadOptions& op
   if (!fs::is_directory(folder, code)) {
     return Error{.message = "is not a folder",
                  .file = folder.string(),
-                 .mend = "give the folder that holds recording.yaml"};
+                 .hint = "give the folder that holds recording.yaml"};
   }
   Recording recording;
   recording.folder = folder;

@@ -32,7 +32,7 @@ Expected<void> create_parent(const fs::path& file) {
   if (!code) return {};
   return Error{.message = "can't be made: " + code.message(),
                .file = file.parent_path().string(),
-               .mend = "choose a folder that you may write to"};
+               .hint = "choose a folder that you may write to"};
 }
 
 /// Adds a line to a list, and gives the path in it.

@@ -45,7 +45,7 @@ std::string joined(const std::vector<std::string>& names, char separator) {
 Error wrong_column_count(const RowFormat& format, std::size_t found) {
   return {.message = "has " + std::to_string(found) + " columns, not " +
                      std::to_string(format.columns.size()),
-          .mend = "each line holds " +
+          .hint = "each line holds " +
                   joined(format.columns, format.separator == Separator::comma ? ',' : ' ')};
 }
 
@@ -58,7 +58,7 @@ std::optional<Error> take_row(const RowFormat& format, std::span<const std::stri
   if (last && *stamp <= *last) {
     return Error{.message = "time " + std::string(fields[0]) + " is not after the one before, " +
                             format_stamp(*last),
-                 .mend = "sort the rows by time and keep one of equal ones"};
+                 .hint = "sort the rows by time and keep one of equal ones"};
   }
   if (std::optional<Error> error = take(*stamp, fields.subspan(1))) return error;
   last = *stamp;
@@ -129,7 +129,7 @@ Expected<std::size_t> read_number_rows(const RowFormat& format, LineReader& line
         return std::optional(
             Error{.message = "'" + std::string(fields[i]) + "' is not a finite number",
                   .place = format.columns[i + 1],
-                  .mend = "write a decimal number, or leave the row out"});
+                  .hint = "write a decimal number, or leave the row out"});
       }
       numbers[i] = *number;
     }
@@ -140,7 +140,7 @@ Expected<std::size_t> read_number_rows(const RowFormat& format, LineReader& line
 Expected<std::vector<std::string>> read_header(const std::string& file, LineReader& lines) {
   const std::optional<std::string_view> line = lines.next();
   if (!line) {
-    return Error{.message = "is empty", .file = file, .mend = "begin with the header line"};
+    return Error{.message = "is empty", .file = file, .hint = "begin with the header line"};
   }
   std::vector<std::string_view> names;
   split(*line, Separator::comma, names);

@@ -27,7 +27,7 @@ Expected<void> expect_header(const RowFormat& format, LineReader& lines) {
   return Error{.message = "the header is not '" + wanted + "'",
                .file = format.file,
                .line = lines.line(),
-               .mend = "name the columns so, in this order"};
+               .hint = "name the columns so, in this order"};
 }
 
 /// Rows of `x y z qx qy qz qw`.
@@ -81,7 +81,7 @@ std::optional<Error> check_unit_quaternion(std::span<const double> xyzw) {
   // else, such as columns in another order.
   if (std::abs(norm - 1.0) <= 0.1) return std::nullopt;
   return Error{.message = "the quaternion has the norm " + std::to_string(norm) + ", not 1",
-               .mend = "write a unit quaternion in the order qx qy qz qw"};
+               .hint = "write a unit quaternion in the order qx qy qz qw"};
 }
 
 Expected<std::filesystem::path> path_inside_folder(std::string_view text) {
@@ -89,7 +89,7 @@ Expected<std::filesystem::path> path_inside_folder(std::string_view text) {
   const bool has_nul = text.find('\0') != text.npos;
   if (path.empty() || path == "." || path.is_absolute() || *path.begin() == ".." || has_nul) {
     return Error{.message = "'" + std::string(text) + "' does not lie in the recording's folder",
-                 .mend = "give a path relative to the folder, without leaving it"};
+                 .hint = "give a path relative to the folder, without leaving it"};
   }
   return path;
 }
@@ -150,7 +150,7 @@ Expected<Series<std::vector<JointSample>>> parse_joints(const SeriesText& text) 
     return Error{.message = "the header is not 't,q1..qn,dq1..dqn,tau1..taun'",
                  .file = text.file,
                  .line = lines.line(),
-                 .mend = "name the columns so; all dq or all tau may be absent"};
+                 .hint = "name the columns so; all dq or all tau may be absent"};
   }
   Series<std::vector<JointSample>> joints;
   const auto take = [&](Stamp stamp, std::span<const double> numbers) -> std::optional<Error> {

@@ -11,9 +11,9 @@
 
 namespace pcavr {
 
-void YamlValue::fail(const std::string& message, const std::string& mend) const {
+void YamlValue::fail(const std::string& message, const std::string& hint) const {
   throw YamlFailure{
-      {.message = message, .line = node_.Mark().line + 1, .place = place_, .mend = mend}};
+      {.message = message, .line = node_.Mark().line + 1, .place = place_, .hint = hint}};
 }
 
 std::string YamlValue::text() const {

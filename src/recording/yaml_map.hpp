@@ -27,7 +27,7 @@ class YamlValue {
   YamlValue(YAML::Node node, std::string place)
       : node_(std::move(node)), place_(std::move(place)) {}
 
-  [[noreturn]] void fail(const std::string& message, const std::string& mend) const;
+  [[noreturn]] void fail(const std::string& message, const std::string& hint) const;
 
   [[nodiscard]] std::string text() const;
   [[nodiscard]] double number() const;
@@ -61,7 +61,7 @@ template <typename Result, typename Read>
   try {
     const YAML::Node root = YAML::Load(text);
     if (root.IsNull()) {
-      return Error{.message = "is empty", .file = file, .mend = "write its keys"};
+      return Error{.message = "is empty", .file = file, .hint = "write its keys"};
     }
     return read(YamlValue(root, ""));
   } catch (const YamlFailure& failure) {
@@ -72,7 +72,7 @@ template <typename Result, typename Read>
     return Error{.message = "is not YAML: " + exception.msg,
                  .file = file,
                  .line = exception.mark.line + 1,
-                 .mend = "correct the line, mind the indentation"};
+                 .hint = "correct the line, mind the indentation"};
   }
 }
 

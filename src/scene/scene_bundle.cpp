@@ -60,7 +60,7 @@ Expected<void> write_with_folder(const fs::path& file, const std::string& conten
   if (code) {
     return Error{.message = "can't be made: " + code.message(),
                  .file = file.parent_path().string(),
-                 .mend = "choose a folder that you may write to, on a disk with space left"};
+                 .hint = "choose a folder that you may write to, on a disk with space left"};
   }
   return write_file(file, content);
 }

@@ -89,7 +89,7 @@ Expected<void> run(const fs::path& input, const fs::path& output) {
   ::posix_spawn_file_actions_destroy(&actions);
   if (failure != 0) {
     Error error = not_packed(std::string("can't be run: ") + std::strerror(failure));
-    error.mend = "apt-get install gltfpack";
+    error.hint = "apt-get install gltfpack";
     return error;
   }
   const std::optional<int> status = wait_for(child);

@@ -117,7 +117,7 @@ Expected<PageOccupancy> page_occupancy(const std::filesystem::path& occupancy_bt
     return Error{.message = "has " + std::to_string(map->occupied) + " occupied cells, more than " +
                             "the " + std::to_string(kMostCells) + " that a page can show",
                  .file = occupancy_bt.string(),
-                 .mend = "build the scene with a larger --occupancy-resolution"};
+                 .hint = "build the scene with a larger --occupancy-resolution"};
   }
   Eigen::Vector3i first = cells.empty() ? Eigen::Vector3i(0, 0, 0) : cells.front();
   for (const Eigen::Vector3i& cell : cells) first = first.cwiseMin(cell);

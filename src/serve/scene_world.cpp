@@ -33,7 +33,7 @@ Expected<TriangleMesh> static_mesh(const SceneManifest& scene, SceneWorld& world
     if (i >= scene.levels_of_detail.size()) {
       return Error{.message = "more than a million triangles, and no coarser level",
                    .file = (scene.folder / "mesh.ply").string(),
-                   .mend = "build the scene again with a larger --voxel"};
+                   .hint = "build the scene again with a larger --voxel"};
     }
     world.notes.push_back("the hand feels " + scene.levels_of_detail[i].string() +
                           ": mesh.ply has more than a million triangles");

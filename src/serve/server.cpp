@@ -59,8 +59,8 @@ class Doorman final : public std::enable_shared_from_this<Doorman> {
 Error cannot_listen(const ServerOptions& options, const error_code& fault) {
   Error error{.message = "can't listen: " + fault.message(),
               .place = options.host + ':' + std::to_string(options.port)};
-  if (fault == asio::error::address_in_use) error.mend = "another --port, or 0 for a free one";
-  if (fault == asio::error::access_denied) error.mend = "a --port from 1024 on";
+  if (fault == asio::error::address_in_use) error.hint = "another --port, or 0 for a free one";
+  if (fault == asio::error::access_denied) error.hint = "a --port from 1024 on";
   return error;
 }
 
@@ -71,7 +71,7 @@ Expected<tcp::endpoint> endpoint_of(const ServerOptions& options) {
   if (!fault) return tcp::endpoint(address, options.port);
   return Error{.message = "not an address: '" + options.host + "'",
                .place = "host",
-               .mend = "a number such as 192.168.1.5, or 0.0.0.0 for all of this machine's"};
+               .hint = "a number such as 192.168.1.5, or 0.0.0.0 for all of this machine's"};
 }
 
 /// Loads the files, and hands back the names that the certificate is for.
@@ -106,13 +106,13 @@ Expected<Certified> check(const ServerOptions& options, const tcp::endpoint& end
   if (!endpoint.address().is_loopback() && !options.tls) {
     return Error{.message = "others can reach " + options.host + ": that wants TLS",
                  .place = "host",
-                 .mend = "add --tls, or leave --host away"};
+                 .hint = "add --tls, or leave --host away"};
   }
   std::error_code ignored;
   if (!std::filesystem::exists(options.page / "index.html", ignored)) {
     return Error{.message = "the page is not there: no index.html",
                  .file = options.page.string(),
-                 .mend = "build apps/viewer, or name its folder by --page"};
+                 .hint = "build apps/viewer, or name its folder by --page"};
   }
   Certified certified;
   if (!options.tls) return certified;

@@ -147,7 +147,7 @@ Expected<void> add_resting_box(World& world, const SimulationCase& simulation, i
   const auto place = occupancy.find_room(radius, {0.50, -0.30}, {0.85, 0.12}, random);
   if (!place) {
     return Error{.message = "found no room on the table for box " + std::to_string(number + 1),
-                 .mend = "ask for fewer boxes, or take another seed"};
+                 .hint = "ask for fewer boxes, or take another seed"};
   }
   // Its tagged side looks towards the camera, more or less.
   box.T_base_object =

@@ -24,7 +24,7 @@ Expected<void> make_folder(const fs::path& folder) {
   if (!code) return {};
   return Error{.message = "can't be made: " + code.message(),
                .file = folder.string(),
-               .mend = "choose a folder that you may write to"};
+               .hint = "choose a folder that you may write to"};
 }
 
 /// An ASCII PLY with positions and triangles.

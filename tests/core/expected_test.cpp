@@ -10,7 +10,7 @@ namespace pcavr {
 namespace {
 
 TEST(Error, IsOneLineWithoutItsEmptyParts) {
-  const Error full{.message = "is 0", .file = "a.yaml", .line = 7, .place = "size", .mend = "fix"};
+  const Error full{.message = "is 0", .file = "a.yaml", .line = 7, .place = "size", .hint = "fix"};
   EXPECT_EQ(full.to_string(), "a.yaml:7: size: is 0; fix");
   EXPECT_EQ(Error{.message = "is 0"}.to_string(), "is 0");
   EXPECT_EQ((Error{.message = "is 0", .place = "size"}.to_string()), "size: is 0");

@@ -80,7 +80,7 @@ TEST(GamepadDevice, SaysWhenThereIsNone) {
   const auto device = GamepadDevice::open();
   if (device) GTEST_SKIP() << "a real gamepad is plugged in";
   EXPECT_NE(device.error().message.find("no gamepad"), std::string::npos);
-  EXPECT_FALSE(device.error().mend.empty());
+  EXPECT_FALSE(device.error().hint.empty());
 }
 
 }  // namespace

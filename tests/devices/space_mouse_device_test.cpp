@@ -90,7 +90,7 @@ TEST(SpaceMouseDevice, SaysWhenNothingIsPluggedIn) {
   const auto device = SpaceMouseDevice::open();
   ASSERT_FALSE(device);
   EXPECT_NE(device.error().message.find("knows of no device"), std::string::npos);
-  EXPECT_EQ(device.error().mend, "plug it in");
+  EXPECT_EQ(device.error().hint, "plug it in");
 }
 
 TEST(SpaceMouseDevice, CanBeOpenedAgainWhenItWasClosed) {

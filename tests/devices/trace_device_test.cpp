@@ -10,6 +10,7 @@
 #include "pcavr/core/output.hpp"
 
 #include "fuzz/targets.hpp"
+#include "support/source_folder.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace pcavr {
@@ -74,7 +75,7 @@ TEST(ParseTrace, SaysInWhichLineWhatIsWrong) {
 }
 
 TEST(ParseTrace, HoldsWhatTheFuzzerHoldsItTo) {
-  const auto folder = std::filesystem::path(PCAVR_SOURCE_DIR) / "tests/fuzz/corpus/trace";
+  const auto folder = source_folder() / "tests/fuzz/corpus/trace";
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const auto bytes = read_file(entry.path());
@@ -146,7 +147,7 @@ TEST(TraceDevice, OpensAFileAndSaysWhichIsWrong) {
   ASSERT_FALSE(device);
   EXPECT_EQ(device.error().file, file.string());
   EXPECT_EQ(device.error().line, 3);
-  EXPECT_FALSE(device.error().mend.empty());
+  EXPECT_FALSE(device.error().hint.empty());
 }
 
 }  // namespace

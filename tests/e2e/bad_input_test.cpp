@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Bad input: one line that names file, place and mend; exit code 1; nothing half-written.
+// Bad input: one line that names file, place and hint; exit code 1; nothing half-written.
 #include <algorithm>
 #include <fstream>
 

@@ -183,7 +183,7 @@ TEST_F(EvaluateRun, ComparesParameters) {
   EXPECT_NEAR(file["parameters.box.mass.error_relative"], 0.1, 1e-12);
   const auto nothing = evaluate({run() / "parameters.yaml"}, report(), Parallelism{1});
   ASSERT_FALSE(nothing.has_value());
-  EXPECT_NE(nothing.error().mend.find("--truth"), std::string::npos);
+  EXPECT_NE(nothing.error().hint.find("--truth"), std::string::npos);
 }
 
 TEST_F(EvaluateRun, WithoutTruthHoldsThePredictionAgainstTheTracking) {
@@ -265,7 +265,7 @@ TEST_F(EvaluateRun, WithoutTruthNeedsAPrediction) {
   fs::remove(run() / "objects/box/predicted.txt");
   const auto result = evaluate({run()}, report(), Parallelism{1});
   ASSERT_FALSE(result.has_value());
-  EXPECT_NE(result.error().mend.find("--truth"), std::string::npos);
+  EXPECT_NE(result.error().hint.find("--truth"), std::string::npos);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ constexpr int kHeight = 12;
 
 void expect_whole(const Error& error) {
   PCAVR_REQUIRE(error.file == kFile, error.to_string());
-  PCAVR_REQUIRE(!error.message.empty() && !error.mend.empty(), error.to_string());
+  PCAVR_REQUIRE(!error.message.empty() && !error.hint.empty(), error.to_string());
 }
 
 void expect_line(const Error& error) {

@@ -11,7 +11,7 @@ void trace(std::string_view bytes) {
   const Expected<std::vector<TraceSample>> samples = parse_trace(bytes, "the-file");
   if (!samples) {
     const Error& error = samples.error();
-    PCAVR_REQUIRE(error.file == "the-file" && !error.message.empty() && !error.mend.empty(),
+    PCAVR_REQUIRE(error.file == "the-file" && !error.message.empty() && !error.hint.empty(),
                   error.to_string());
     PCAVR_REQUIRE(error.line > 0 || error.message == "is empty" || error.message == "has no rows");
     return;

@@ -195,7 +195,7 @@ TEST(TagDetector, NamesTheFamiliesItKnowsWhereOneIsUnknown) {
   const auto detector = TagDetector::create({"tag36h12"});
   ASSERT_FALSE(detector.has_value());
   EXPECT_NE(detector.error().message.find("tag36h12"), std::string::npos);
-  EXPECT_NE(detector.error().mend.find("tag36h11"), std::string::npos);
+  EXPECT_NE(detector.error().hint.find("tag36h11"), std::string::npos);
 }
 
 }  // namespace

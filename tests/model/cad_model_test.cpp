@@ -235,7 +235,7 @@ TEST_F(CadFiles, KeepsTheVertexNormalsOfAnOpenMesh) {
 void expect_error(const Error& error, const std::string& part) {
   EXPECT_NE(error.to_string().find(part), std::string::npos) << error.to_string();
   EXPECT_FALSE(error.file.empty());
-  EXPECT_FALSE(error.mend.empty());
+  EXPECT_FALSE(error.hint.empty());
   EXPECT_EQ(error.to_string().find('\n'), std::string::npos);
 }
 

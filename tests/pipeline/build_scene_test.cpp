@@ -18,7 +18,7 @@ TEST(BuildScene, WantsFrames) {
   const Expected<Scene> scene = build_scene(recording, {});
   ASSERT_FALSE(scene);
   EXPECT_EQ(scene.error().file, "somewhere");
-  EXPECT_FALSE(scene.error().mend.empty());
+  EXPECT_FALSE(scene.error().hint.empty());
 }
 
 /// A recording without images that states where a cube of 0.1 m stands.

@@ -6,13 +6,14 @@
 
 #include "recording/camera_keys.hpp"
 #include "support/shared_data.hpp"
+#include "support/source_folder.hpp"
 
 namespace pcavr {
 namespace {
 
 TEST(CameraFile, OfEverySensorShippedIsRead) {
   int files = 0;
-  const auto folder = std::filesystem::path(PCAVR_SOURCE_DIR) / "calib/cameras";
+  const auto folder = source_folder() / "calib/cameras";
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const Expected<CameraFile> camera = read_camera_file(entry.path());
     ASSERT_TRUE(camera.has_value()) << camera.error().to_string();

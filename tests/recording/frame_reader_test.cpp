@@ -36,7 +36,7 @@ TEST(DecodeFrame, NamesATruncatedDepthImage) {
   const Expected<RgbdFrame> frame = decode_frame(with_truncated_depth(folder, 1), 1);
   ASSERT_FALSE(frame.has_value());
   EXPECT_EQ(frame.error().file, folder.depth_file(1).string());
-  EXPECT_FALSE(frame.error().mend.empty());
+  EXPECT_FALSE(frame.error().hint.empty());
 }
 
 TEST(DecodeFrame, NamesAnImageThatWentAway) {

@@ -9,6 +9,7 @@
 
 #include "fuzz/targets.hpp"
 #include "support/shared_data.hpp"
+#include "support/source_folder.hpp"
 
 namespace pcavr {
 namespace {
@@ -20,7 +21,7 @@ class FuzzCorpus : public testing::TestWithParam<Target> {};
 /// The fuzzers' seeds, and what they once found, hold in every build.
 TEST_P(FuzzCorpus, HoldsForEveryFile) {
   const auto& [name, check] = GetParam();
-  const auto folder = std::filesystem::path(PCAVR_SOURCE_DIR) / "tests/fuzz/corpus" / name;
+  const auto folder = source_folder() / "tests/fuzz/corpus" / name;
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const Expected<std::string> bytes = read_file(entry.path());

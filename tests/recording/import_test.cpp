@@ -100,7 +100,7 @@ TEST(Import, AsksForTheCameraThatTumLacks) {
   make_tum(source);
   const auto report = import_recording(source.path(), target.path());
   ASSERT_FALSE(report.has_value());
-  EXPECT_NE(report.error().mend.find("--camera"), std::string::npos);
+  EXPECT_NE(report.error().hint.find("--camera"), std::string::npos);
 }
 
 TEST(Import, RefusesWhatItDoesNotKnow) {

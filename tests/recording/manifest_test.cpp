@@ -9,6 +9,8 @@
 
 #include "pcavr/core/output.hpp"
 
+#include "support/source_folder.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -99,7 +101,7 @@ TEST_P(ManifestFault, IsNamedWithItsLineAndAMend) {
   EXPECT_EQ(manifest.error().line, fault.line) << manifest.error().to_string();
   EXPECT_NE(manifest.error().message.find(fault.message), std::string::npos)
       << manifest.error().to_string();
-  EXPECT_FALSE(manifest.error().mend.empty());
+  EXPECT_FALSE(manifest.error().hint.empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -141,7 +143,7 @@ TEST(Manifest, NamesThePlaceInsideTheFile) {
 
 TEST(Manifest, TakesEveryTagLayoutThatIsShipped) {
   int files = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(PCAVR_SOURCE_DIR "/calib/tags")) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_folder() / "calib/tags")) {
     const std::string text =
         "format: pcavr-recording/1\nobjects: [{name: box, mesh: objects/box.obj}]\n" +
         read_file(entry.path()).value();

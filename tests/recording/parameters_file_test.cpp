@@ -93,7 +93,7 @@ TEST_P(RefusedParameters, NameTheirLineAndPlace) {
   EXPECT_EQ(table.error().file, "p.yaml");
   EXPECT_EQ(table.error().line, GetParam().line) << table.error().to_string();
   EXPECT_EQ(table.error().place, GetParam().place) << table.error().to_string();
-  EXPECT_FALSE(table.error().mend.empty());
+  EXPECT_FALSE(table.error().hint.empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(

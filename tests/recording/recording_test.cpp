@@ -90,7 +90,7 @@ TEST_P(RecordingFault, IsNamedWithFileLineAndMend) {
   EXPECT_EQ(error.file, (folder.path() / fault.file).string());
   EXPECT_EQ(error.line, fault.line) << error.to_string();
   EXPECT_NE(error.message.find(fault.message), std::string::npos) << error.to_string();
-  EXPECT_FALSE(error.mend.empty());
+  EXPECT_FALSE(error.hint.empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -9,6 +9,7 @@
 #include "pcavr/scene/scene_bundle.hpp"
 
 #include "scene/scene_builder.hpp"
+#include "support/source_folder.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace pcavr {
@@ -35,8 +36,8 @@ TEST(GltfValidator, FindsNoErrorInAScene) {
   ASSERT_TRUE(write_scene(scene, bundle, {1}));
   const std::string report = (folder.path() / "report.txt").string();
   const bool is_valid =
-      run("node '" PCAVR_SOURCE_DIR "/tests/scene/validate_gltf.mjs' '" + tools + "' '" + bundle +
-          "/scene.glb' '" + bundle + "/lod/static_mesh_1.glb' '" + bundle +
+      run("node '" + (source_folder() / "tests/scene/validate_gltf.mjs").string() + "' '" + tools +
+          "' '" + bundle + "/scene.glb' '" + bundle + "/lod/static_mesh_1.glb' '" + bundle +
           "/objects/box.glb' > '" + report + "' 2>&1");
   EXPECT_TRUE(is_valid) << *read_file(report);
 }

@@ -8,14 +8,15 @@
 #include "pcavr/core/output.hpp"
 
 #include "fuzz/targets.hpp"
+#include "support/source_folder.hpp"
 
 namespace pcavr {
 namespace {
 
 TEST(LiveCorpus, EveryMessageAndEveryCutOfItIsReadOrRefused) {
   int files = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(
-           std::filesystem::path(PCAVR_SOURCE_DIR) / "tests/fuzz/corpus/live")) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(source_folder() / "tests/fuzz/corpus/live")) {
     const std::string bytes = read_file(entry.path()).value();
     for (std::size_t length = 0; length <= bytes.size(); ++length) {
       EXPECT_NO_THROW(fuzz::live(std::string_view(bytes).substr(0, length)))

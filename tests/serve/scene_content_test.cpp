@@ -230,7 +230,7 @@ TEST_F(SceneContentTest, NamesTheFileThatIsMissingOrCutShort) {
     const auto missing = create(folder.path());
     ASSERT_FALSE(missing) << file;
     EXPECT_NE(missing.error().to_string().find(file), std::string::npos);
-    EXPECT_FALSE(missing.error().mend.empty());
+    EXPECT_FALSE(missing.error().hint.empty());
   }
 }
 

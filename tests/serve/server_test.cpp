@@ -308,7 +308,7 @@ TEST(LiveServer, APortInUseIsSaidSo) {
   const auto first = LiveServer::open(options, *world, scene);
   ASSERT_TRUE(first);
   options.port = first->port();
-  EXPECT_NE(LiveServer::open(options, *world, scene).error().mend.find("--port"),
+  EXPECT_NE(LiveServer::open(options, *world, scene).error().hint.find("--port"),
             std::string::npos);
   EXPECT_FALSE(check_server(options));
 }

@@ -7,13 +7,14 @@
 
 #include <gtest/gtest.h>
 
+#include "support/source_folder.hpp"
+
 /// The shared recordings: the folder that PCAVR_DATA names, by default ../shared/data beside the
 /// source tree. They are not part of the project.
 inline std::filesystem::path shared_data(const std::filesystem::path& relative) {
   const char* configured = std::getenv("PCAVR_DATA");
-  const std::filesystem::path root =
-      configured != nullptr ? std::filesystem::path(configured)
-                            : std::filesystem::path(PCAVR_SOURCE_DIR) / "../shared/data";
+  const std::filesystem::path root = configured != nullptr ? std::filesystem::path(configured)
+                                                           : source_folder() / "../shared/data";
   return root / relative;
 }
 

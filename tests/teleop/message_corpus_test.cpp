@@ -7,6 +7,7 @@
 #include "pcavr/core/output.hpp"
 
 #include "fuzz/targets.hpp"
+#include "support/source_folder.hpp"
 #include "teleop/message.hpp"
 
 namespace pcavr {
@@ -16,8 +17,8 @@ namespace {
 /// message.
 TEST(MessageCorpus, HoldsForEveryFile) {
   int whole = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(
-           std::filesystem::path(PCAVR_SOURCE_DIR) / "tests/fuzz/corpus/message")) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(source_folder() / "tests/fuzz/corpus/message")) {
     const Expected<std::string> bytes = read_file(entry.path());
     ASSERT_TRUE(bytes.has_value());
     EXPECT_NO_THROW(fuzz::message(*bytes)) << entry.path();

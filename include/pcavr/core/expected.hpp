@@ -11,13 +11,13 @@
 namespace pcavr {
 
 /// What went wrong with data from outside. Printed as one line:
-/// `file:line: place: message; mend`. Empty parts are left out.
+/// `file:line: place: message; hint`. Empty parts are left out.
 struct Error {
   std::string message;     ///< what is wrong, with the offending value
   std::string file = {};   ///< the file or folder it is about
   int line = 0;            ///< 1-based; 0 where lines mean nothing
   std::string place = {};  ///< key, column or item inside the file
-  std::string mend = {};   ///< what the reader of the line can do
+  std::string hint = {};   ///< what the reader of the line can do
 
   [[nodiscard]] std::string to_string() const;
 };

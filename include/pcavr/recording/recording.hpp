@@ -60,7 +60,7 @@ struct ReadOptions {
   Duration largest_pair_gap = std::chrono::milliseconds(20);
 };
 
-/// Reads a recording folder strictly. Every error names file, line and mend. Thread-safe.
+/// Reads a recording folder strictly. Every error names file, line and hint. Thread-safe.
 [[nodiscard]] Expected<Recording> read_recording(const std::filesystem::path& folder,
                                                  const ReadOptions& options = {});
 
