@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/output.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 
 #include "commands.hpp"
+#include "output_option.hpp"
 #include "summary.hpp"
 
 namespace pcavr::app {
@@ -21,17 +21,16 @@ struct BuildArguments {
 Expected<CommandResult> build(BuildArguments arguments, const Observer& observer) {
   BuildOptions& options = arguments.options;
   options.parallelism = {arguments.threads};
+  // Before the long work: an output that can't be written should not cost it.
+  Expected<OutputFolder> folder =
+      create_output(arguments.output, OutputKind::scene, {arguments.recording, arguments.sensor});
+  if (!folder) return folder.error();
   const Expected<DepthNoise> noise = depth_noise_of(arguments.sensor);
   if (!noise) return noise.error();
   options.depth_noise = *noise;
   const Expected<Recording> recording =
       read_recording(arguments.recording, {.skip_bad = options.skip_bad});
   if (!recording) return recording.error();
-  // Before the long work: an output that can't be written should not cost it.
-  Expected<OutputFolder> folder =
-      OutputFolder::create(arguments.output.folder, arguments.output.replace);
-  if (!folder) return folder.error();
-
   const Expected<Scene> scene = build_scene(*recording, options, observer);
   if (!scene) return scene.error();
   const Expected<void> written = write_scene(*scene, folder->path(), options.parallelism);

@@ -4,9 +4,8 @@
 
 #include <cstdio>
 
-#include "pcavr/core/output.hpp"
-
 #include "commands.hpp"
+#include "output_option.hpp"
 
 namespace pcavr::app {
 namespace {
@@ -35,7 +34,8 @@ std::string headline(const nlohmann::ordered_json& report) {
 Expected<CommandResult> run_evaluation(const EvaluateArguments& arguments,
                                        const Observer& observer) {
   Expected<OutputFolder> folder =
-      OutputFolder::create(arguments.output.folder, arguments.output.replace);
+      create_output(arguments.output, OutputKind::report,
+                    {arguments.subject, arguments.truth, arguments.reference});
   if (!folder) return folder.error();
   const EvaluationInput input{
       .subject = arguments.subject,

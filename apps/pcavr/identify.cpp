@@ -5,10 +5,12 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/core/output_file.hpp"
+#include "pcavr/core/output_paths.hpp"
 #include "pcavr/recording/parameters_file.hpp"
 
 #include "commands.hpp"
+#include "output_option.hpp"
 
 namespace pcavr::app {
 namespace {
@@ -79,16 +81,42 @@ CommandResult describe(const Identification& found, const IdentifyArguments& arg
   return result;
 }
 
-/// Before the long work: an output that is there already should not cost it.
-std::optional<Error> occupied(const IdentifyArguments& arguments) {
+/// What --force replaces: a file that reads as one.
+bool is_parameter_file(const std::filesystem::path& file) {
+  constexpr std::uintmax_t kMaxSize = 1U << 24U;  // [bytes] some ten thousand objects
   std::error_code code;
-  if (arguments.replace && !std::filesystem::is_directory(arguments.output, code)) {
-    return std::nullopt;
-  }
-  if (!std::filesystem::exists(arguments.output, code)) return std::nullopt;
-  return Error{.message = "is there already",
-               .file = arguments.output,
-               .hint = "choose another name, or give --force"};
+  return std::filesystem::file_size(file, code) <= kMaxSize && read_parameters(file).has_value();
+}
+
+struct IdentifyOutputs {
+  OutputFile parameters;
+  OutputFolder report;
+};
+
+/// Before any work.
+Expected<IdentifyOutputs> create_outputs(const IdentifyArguments& arguments) {
+  const std::vector<std::filesystem::path> inputs{arguments.recording, arguments.scene,
+                                                  arguments.tracked, arguments.parameters};
+  const Expected<void> apart = check_outputs({arguments.output, arguments.report}, inputs);
+  if (!apart) return apart.error();
+  Expected<OutputFile> parameters =
+      OutputFile::create(arguments.output, {.replace = arguments.replace,
+                                            .kind = "parameter file",
+                                            .is_replaceable = is_parameter_file});
+  if (!parameters) return parameters.error();
+  Expected<OutputFolder> report =
+      create_output({arguments.report, arguments.replace}, OutputKind::report, inputs);
+  if (!report) return report.error();
+  return IdentifyOutputs{*std::move(parameters), *std::move(report)};
+}
+
+/// Both, or neither.
+Expected<void> commit(IdentifyOutputs& outputs) {
+  Expected<void> done = outputs.parameters.commit();
+  if (!done) return done;
+  done = outputs.report.commit();
+  if (!done) outputs.parameters.undo();
+  return done;
 }
 
 Expected<Identification> run(const IdentifyArguments& arguments, const Observer& observer) {
@@ -121,25 +149,18 @@ Expected<CommandResult> identify_recording(IdentifyArguments arguments, const Ob
     const std::filesystem::path output = arguments.output;
     arguments.report = (output.parent_path() / output.stem()).string() + ".report";
   }
-  if (const auto error = occupied(arguments)) return *error;
-  Expected<OutputFolder> folder = OutputFolder::create(arguments.report, arguments.replace);
-  if (!folder) return folder.error();
+  Expected<IdentifyOutputs> outputs = create_outputs(arguments);
+  if (!outputs) return outputs.error();
   const Expected<Identification> found = run(arguments, observer);
   if (!found) return found.error();
-  const Expected<void> report =
-      write_identification_report(*found, arguments.recording, folder->path());
-  if (!report) return report.error();
-  // The file first: it is renamed into place, and without it the folder goes away again.
-  const Expected<void> parameters =
-      write_file(arguments.output,
-                 format_parameters(found->parameters(), "identified from " + arguments.recording));
-  if (!parameters) return parameters.error();
-  const Expected<void> committed = folder->commit();
-  if (!committed) {
-    std::error_code ignored;
-    std::filesystem::remove(arguments.output, ignored);
-    return committed.error();
-  }
+  Expected<void> written =
+      write_identification_report(*found, arguments.recording, outputs->report.path());
+  if (!written) return written.error();
+  written = outputs->parameters.write(
+      format_parameters(found->parameters(), "identified from " + arguments.recording));
+  if (!written) return written.error();
+  const Expected<void> committed = commit(*outputs);
+  if (!committed) return committed.error();
   return describe(*found, arguments);
 }
 
@@ -162,7 +183,9 @@ void add_goal(CLI::App& app, Action& action, IdentificationGoal goal, const std:
   command->add_option("-o,--output", arguments->output, "Parameter file to write")->required();
   command->add_option("--report", arguments->report,
                       "Folder for the report; by default beside the parameter file");
-  command->add_flag("--force", arguments->replace, "Replace the outputs if they are there already");
+  command->add_flag("--force", arguments->replace,
+                    "Replace a parameter file and a report of pcavr that are there already; "
+                    "other files and folders stay");
   command->add_flag("--skip-bad", arguments->skip_bad,
                     "Leave out bad rows and frames, and count them");
   add_threads_option(*command, arguments->threads);

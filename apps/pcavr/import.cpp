@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/recording/import.hpp"
 
-#include "pcavr/core/output.hpp"
 #include "pcavr/recording/camera_file.hpp"
 
 #include "commands.hpp"
+#include "output_option.hpp"
 
 namespace pcavr::app {
 namespace {
@@ -20,6 +20,9 @@ struct ImportArguments {
 };
 
 Expected<CommandResult> run_import(ImportArguments arguments, const Observer& observer) {
+  Expected<OutputFolder> folder =
+      create_output(arguments.output, OutputKind::recording, {arguments.source, arguments.camera});
+  if (!folder) return folder.error();
   ImportOptions& options = arguments.options;
   if (arguments.format == "tum") options.format = ImportFormat::tum_rgbd;
   if (arguments.format == "7scenes") options.format = ImportFormat::seven_scenes;
@@ -29,9 +32,6 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
     if (!sensor) return sensor.error();
     options.camera = sensor->camera;
   }
-  Expected<OutputFolder> folder =
-      OutputFolder::create(arguments.output.folder, arguments.output.replace);
-  if (!folder) return folder.error();
   const Expected<ImportReport> report =
       import_recording(arguments.source, folder->path(), options, observer);
   if (!report) return report.error();

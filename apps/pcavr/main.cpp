@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "pcavr/core/parallel.hpp"
+#include "pcavr/core/signal_cleanup.hpp"
 #include "pcavr/recording/camera_file.hpp"
 
 #include "commands.hpp"
@@ -27,7 +28,9 @@ int report_error(const std::string& line) {
 
 int run(const Action& action, bool as_json) {
   Console console;
+  install_signal_cleanup();
   const Expected<CommandResult> result = action(console.observer());
+  wait_if_interrupted();
   if (!result) return report_error(result.error().to_string());
   if (as_json) {
     std::cout << json_text(result->json, 2);
@@ -68,11 +71,6 @@ int run_command_line(int argc, char** argv) {
 
 }  // namespace
 
-void add_output_option(CLI::App& command, OutputOption& output, const std::string& what) {
-  command.add_option("-o,--output", output.folder, what)->required();
-  command.add_flag("--force", output.replace, "Replace the output if it is there already");
-}
-
 void add_sensor_option(CLI::App& command, std::string& camera_file) {
   command.add_option("--sensor", camera_file,
                      "Camera file that tells the sensor's depth noise (see calib/cameras)");
@@ -104,6 +102,7 @@ int main(int argc, char** argv) {
   try {
     return pcavr::app::run_command_line(argc, argv);
   } catch (const std::exception& error) {
+    pcavr::wait_if_interrupted();
     return pcavr::app::report_error(std::string("internal error: ") + error.what() +
                                     "; please report it with the command that you ran");
   }

@@ -6,11 +6,12 @@
 #include <cstdio>
 #include <utility>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/core/output_paths.hpp"
 #include "pcavr/pipeline/augmented_frames.hpp"
 #include "pcavr/recording/parameters_file.hpp"
 
 #include "commands.hpp"
+#include "output_option.hpp"
 #include "summary.hpp"
 
 namespace pcavr::app {
@@ -138,9 +139,23 @@ Expected<void> make_video(const ReplayArguments& arguments, const Recording& rec
   return {};
 }
 
+/// Before any work: the run's folder, apart from the video and from all inputs.
+Expected<OutputFolder> create_outputs(const ReplayArguments& arguments) {
+  const std::vector<std::filesystem::path> inputs{arguments.recording, arguments.scene,
+                                                  arguments.tracked, arguments.parameters,
+                                                  arguments.sensor};
+  if (!arguments.video.empty()) {
+    const Expected<void> apart = check_outputs({arguments.output.folder, arguments.video}, inputs);
+    if (!apart) return apart.error();
+  }
+  return create_output(arguments.output, OutputKind::run, inputs);
+}
+
 Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observer) {
   ReplayOptions& options = arguments.options;
   options.parallelism = {arguments.threads};
+  Expected<OutputFolder> folder = create_outputs(arguments);
+  if (!folder) return folder.error();
   const Expected<DepthNoise> noise = depth_noise_of(arguments.sensor);
   if (!noise) return noise.error();
   options.depth_noise = *noise;
@@ -160,10 +175,6 @@ Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observ
     options.parameters = std::move(*parameters);
     options.parameters_file = arguments.parameters;
   }
-  Expected<OutputFolder> folder =
-      OutputFolder::create(arguments.output.folder, arguments.output.replace);
-  if (!folder) return folder.error();
-
   const Expected<Replay> run = replay_recording(*recording, *scene, options, observer);
   if (!run) return run.error();
   const Expected<void> written = write_run(*run, *recording, *scene, folder->path());
@@ -216,8 +227,10 @@ void add_replay(CLI::App& app, Action& action) {
       ->required();
   command->add_option("--scene", arguments->scene, "Folder that pcavr build wrote")->required();
   add_output_option(*command, arguments->output, "Folder for the run");
-  command->add_option("--video", arguments->video,
-                      "Write the predicted bodies, drawn over the recorded images, as an .mp4");
+  command->add_option(
+      "--video", arguments->video,
+      "Write the predicted bodies, drawn over the recorded images, as an .mp4; --force "
+      "replaces an .mp4 that is there already");
   add_sensor_option(*command, arguments->sensor);
   command->add_flag("--trust-poses", arguments->options.trust_poses,
                     "Take groundtruth.txt as given, not as a measurement");

@@ -6,9 +6,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "pcavr/core/output.hpp"
-
 #include "commands.hpp"
+#include "output_option.hpp"
 
 namespace pcavr::app {
 namespace {
@@ -55,8 +54,7 @@ Expected<CommandResult> run_simulation(const SimulateArguments& arguments,
     return Error{.message = "without images the case '" + chosen.name + "' records nothing",
                  .hint = "leave out --no-images, or choose a case with a tool"};
   }
-  Expected<OutputFolder> folder =
-      OutputFolder::create(arguments.output.folder, arguments.output.replace);
+  Expected<OutputFolder> folder = create_output(arguments.output, OutputKind::recording, {});
   if (!folder) return folder.error();
   const Expected<void> done =
       simulate(chosen, arguments.seed, folder->path(), {arguments.threads}, observer);

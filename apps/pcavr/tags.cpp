@@ -3,8 +3,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/core/output_file.hpp"
 #include "pcavr/marker/tag_sheet.hpp"
 
 #include "commands.hpp"
@@ -16,6 +19,7 @@ struct TagsArguments {
   TagSheetOptions options;
   std::string ids;
   std::string output;
+  bool replace = false;
 };
 
 /// Reads "0-5,9" to 0 1 2 3 4 5 9.
@@ -38,28 +42,63 @@ Expected<std::vector<int>> parse_ids(const std::string& text) {
   return ids;
 }
 
+/// What --force replaces.
+bool is_sheet(const std::filesystem::path& file) {
+  constexpr std::uintmax_t kMaxSize = 1U << 28U;  // [bytes] far above a sheet of a thousand tags
+  std::error_code code;
+  if (!(std::filesystem::file_size(file, code) <= kMaxSize)) return false;
+  const Expected<std::string> content = read_file(file);
+  return content && is_tag_sheet(*content);
+}
+
+/// All of them or none: first all are on the disk under temporary names.
+Expected<void> write_all(
+    const std::vector<std::pair<std::filesystem::path, const std::string*>>& pages, bool replace) {
+  std::vector<OutputFile> files;
+  for (const auto& [target, content] : pages) {
+    Expected<OutputFile> file = OutputFile::create(
+        target, {.replace = replace, .kind = "sheet of tags", .is_replaceable = is_sheet});
+    if (!file) return file.error();
+    const Expected<void> written = file->write(*content);
+    if (!written) return written;
+    files.push_back(*std::move(file));
+  }
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const Expected<void> committed = files[i].commit();
+    if (committed) continue;
+    for (std::size_t done = 0; done < i; ++done) files[done].undo();
+    return committed;
+  }
+  return {};
+}
+
 Expected<CommandResult> write_sheet(TagsArguments arguments) {
+  if (!std::filesystem::path(arguments.output).has_filename()) {
+    return Error{.message = "'" + arguments.output + "' is no name for a file",
+                 .place = "--output",
+                 .hint = "name an SVG file"};
+  }
   const Expected<std::vector<int>> ids = parse_ids(arguments.ids);
   if (!ids) return ids.error();
   arguments.options.ids = *ids;
   const Expected<TagSheet> sheet = make_tag_sheet(arguments.options);
   if (!sheet) return sheet.error();
 
+  std::vector<std::pair<std::filesystem::path, const std::string*>> pages;
   const std::filesystem::path target = arguments.output;
   const std::filesystem::path stem = target.parent_path() / target.stem();
-  CommandResult result;
-  const auto write = [&](const std::filesystem::path& file, const std::string& content) {
-    result.summary += "wrote " + file.string() + '\n';
-    result.json["files"].push_back(file.string());
-    return write_file(file, content);
-  };
   for (std::size_t page = 0; page < sheet->svg_pages.size(); ++page) {
     const std::string suffix = page == 0 ? "" : "-" + std::to_string(page + 1);
-    const auto written = write(stem.string() + suffix + ".svg", sheet->svg_pages[page]);
-    if (!written) return written.error();
+    pages.emplace_back(stem.string() + suffix + ".svg", &sheet->svg_pages[page]);
   }
-  const auto written = write(stem.string() + ".pdf", sheet->pdf);
+  pages.emplace_back(stem.string() + ".pdf", &sheet->pdf);
+  const Expected<void> written = write_all(pages, arguments.replace);
   if (!written) return written.error();
+  CommandResult result;
+  for (const auto& [file, content] : pages) {
+    result.summary += "wrote " + file.string() + '\n';
+    result.json["files"].push_back(file.string());
+  }
   result.summary += "print at 100 %, check the ruler, and paste this into recording.yaml:\n\n" +
                     sheet->manifest_yaml;
   result.json["manifest"] = sheet->manifest_yaml;
@@ -84,6 +123,8 @@ void add_tags(CLI::App& app, Action& action) {
   command->add_option("--page-height", options.page_height, "[m]")->capture_default_str();
   command->add_option("-o,--output", arguments->output, "SVG file; a PDF is written beside it")
       ->required();
+  command->add_flag("--force", arguments->replace,
+                    "Replace sheets of tags that are there already; other files stay");
   command->callback([arguments, &action] {
     action = [arguments](const Observer&) { return write_sheet(*arguments); };
   });

@@ -2,131 +2,193 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/core/output.hpp"
 
+#include <algorithm>
 #include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
+#include <system_error>
 #include <utility>
+#include <vector>
 
-#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include "pcavr/core/output_paths.hpp"
+
+#include "core/folder_commit.hpp"
+#include "core/mount_point.hpp"
+#include "core/output_error.hpp"
+#include "core/output_kind.hpp"
+#include "core/partial_names.hpp"
+#include "core/partial_registry.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-/// A sibling of `target`, so that the rename stays within one file system.
-fs::path temporary_name(const fs::path& target) {
-  return target.parent_path() /
-         ("." + target.filename().string() + ".partial-" + std::to_string(::getpid()));
+/// A target as it was found, before anything is written.
+struct Target {
+  fs::path given;
+  fs::path path;           ///< resolved
+  bool is_there = false;   ///< as a folder
+  bool is_inside = false;  ///< written within, not beside
+};
+
+/// Whether this process may rename the folder: its parent can be written to, and is not one like
+/// /tmp, where only the owner of an entry may.
+bool is_renamable(const fs::path& folder) {
+  const fs::path parent = folder.parent_path();
+  if (::access(parent.c_str(), W_OK | X_OK) != 0) return false;
+  struct stat own {};
+  struct stat above {};
+  if (::stat(folder.c_str(), &own) != 0 || ::stat(parent.c_str(), &above) != 0) return false;
+  const uid_t user = ::geteuid();
+  return (above.st_mode & S_ISVTX) == 0 || user == 0 || user == own.st_uid || user == above.st_uid;
 }
 
-/// Without a trailing slash, so that filename() is the folder's name.
-fs::path normalised(const fs::path& target) {
-  const fs::path path = fs::absolute(target).lexically_normal();
-  return path.has_filename() ? path : path.parent_path();
+/// A shell that stands in it would be left in a folder that is gone.
+bool is_current_folder(const fs::path& folder) {
+  std::error_code code;
+  return fs::equivalent(folder, fs::current_path(code), code) && !code;
 }
 
-Error can_not_write(const fs::path& path, const std::string& reason) {
-  return {.message = "can't be written: " + reason,
-          .file = path.string(),
-          .hint = "choose a folder that you may write to, on a disk with space left"};
+Expected<Target> find_target(const fs::path& given) {
+  const Expected<fs::path> resolved = resolve_path(given);
+  if (!resolved) return resolved.error();
+  Target target{.given = given, .path = *resolved};
+  std::error_code code;
+  const fs::file_status status = fs::status(target.path, code);
+  if (status.type() == fs::file_type::not_found) return target;
+  if (code) return can_not_write(given, code.message());
+  if (status.type() != fs::file_type::directory) {
+    return Error{.message = "is there already, and is not a folder",
+                 .file = given.string(),
+                 .hint = "choose another name for the output"};
+  }
+  target.is_there = true;
+  target.is_inside = !target.path.has_relative_path() || is_mount_point(target.path) ||
+                     is_current_folder(target.path) || !is_renamable(target.path);
+  return target;
+}
+
+/// What the file system itself keeps in a mount point does not count where it is written within.
+bool is_empty(const Target& target, std::error_code& code) {
+  for (fs::directory_iterator entry(target.path, code), end; !code && entry != end;
+       entry.increment(code)) {
+    const bool counts = !target.is_inside || !is_ignored_entry(entry->path().filename().string());
+    if (counts) return false;
+  }
+  return !code;
+}
+
+Expected<void> check_content(const Target& target, const OutputFolderOptions& options) {
+  if (!target.is_there) return {};
+  std::error_code code;
+  const bool has_nothing = is_empty(target, code);
+  if (code) return can_not_write(target.given, code.message());
+  if (has_nothing) return {};
+  if (!options.replace) {
+    return Error{.message = "is there already, and is not empty",
+                 .file = target.given.string(),
+                 .hint = "choose another name, or say --force to replace it"};
+  }
+  if (::access(target.path.c_str(), W_OK | X_OK) != 0) {
+    return can_not_write(target.given, std::system_category().message(errno));
+  }
+  return check_replaceable(target.path, *options.kind);
+}
+
+/// Makes the folders above `path` that are absent, and gives them, outermost first.
+std::vector<fs::path> make_parents(const fs::path& path, std::error_code& code) {
+  std::vector<fs::path> made;
+  for (fs::path folder = path.parent_path(); !fs::exists(folder, code) && !code;
+       folder = folder.parent_path()) {
+    made.push_back(folder);
+  }
+  // "Not there" is what was asked for.
+  if (code == std::errc::no_such_file_or_directory) code.clear();
+  std::reverse(made.begin(), made.end());
+  for (std::size_t i = 0; i < made.size() && !code; ++i) {
+    fs::create_directory(made[i], code);
+    if (code) made.resize(i);
+  }
+  return made;
 }
 
 }  // namespace
 
-Expected<OutputFolder> OutputFolder::create(const fs::path& target_in, bool replace) {
-  const fs::path target = normalised(target_in);
-  std::error_code code;
-  if (fs::exists(target, code)) {
-    if (!fs::is_directory(target, code)) {
-      return Error{.message = "is there already, and is not a folder",
-                   .file = target_in.string(),
-                   .hint = "choose another name for the output"};
-    }
-    if (!replace && !fs::is_empty(target, code)) {
-      return Error{.message = "is there already, and is not empty",
-                   .file = target_in.string(),
-                   .hint = "choose another name, or say --force to replace it"};
-    }
+struct OutputFolder::State {
+  Target target;
+  OutputFolderOptions options;
+  fs::path partial;
+  std::vector<fs::path> made_parents;
+  FileDescriptor lock = {};
+  bool is_committed = false;
+
+  State(Target target_in, OutputFolderOptions options_in)
+      : target(std::move(target_in)), options(options_in) {}
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    if (is_committed || partial.empty()) return;
+    remove_partial(partial, made_parents);
+    PartialRegistry::instance().remove(partial);
   }
-  const fs::path temporary = temporary_name(target);
-  fs::remove_all(temporary, code);
-  fs::create_directories(temporary, code);
-  if (code) return can_not_write(target_in, code.message());
-  return OutputFolder(target, temporary, replace);
-}
+};
 
-OutputFolder::OutputFolder(fs::path target, fs::path temporary, bool replace)
-    : target_(std::move(target)), temporary_(std::move(temporary)), replace_(replace) {}
-
-OutputFolder::OutputFolder(OutputFolder&& other) noexcept
-    : target_(std::move(other.target_)),
-      temporary_(std::exchange(other.temporary_, {})),
-      replace_(other.replace_) {}
-
-OutputFolder& OutputFolder::operator=(OutputFolder&& other) noexcept {
-  std::swap(target_, other.target_);
-  std::swap(temporary_, other.temporary_);
-  std::swap(replace_, other.replace_);
-  return *this;
-}
-
-OutputFolder::~OutputFolder() {
-  if (temporary_.empty()) return;
-  std::error_code ignored;
-  fs::remove_all(temporary_, ignored);
-}
-
-Expected<void> OutputFolder::commit() {
-  PCAVR_REQUIRE(!temporary_.empty());
+Expected<OutputFolder> OutputFolder::create(const fs::path& target_in,
+                                            const OutputFolderOptions& options) {
+  PCAVR_REQUIRE(!options.replace || options.kind);
+  if (const Expected<fs::path> path = resolve_path(target_in); path && path->has_relative_path()) {
+    recover_beside(*path);
+    recover_inside(*path);
+  }
+  Expected<Target> target = find_target(target_in);
+  if (!target) return target.error();
+  const Expected<void> sound = check_content(*target, options);
+  if (!sound) return sound.error();
+  const PartialNames names =
+      target->is_inside ? PartialNames::inside(target->path) : PartialNames::beside(target->path);
+  auto state = std::make_unique<State>(std::move(*target), options);
+  const fs::path partial = names.path(PartialState::partial);
   std::error_code code;
-  if (replace_) fs::remove_all(target_, code);
-  if (!code) fs::rename(temporary_, target_, code);
-  if (code) return can_not_write(target_, code.message());
-  temporary_.clear();
+  state->made_parents = make_parents(partial, code);
+  // From here on a failure removes what was made.
+  if (!code && fs::create_directory(partial, code)) {
+    state->partial = partial;
+    PartialRegistry::instance().add(partial, state->made_parents);
+    state->lock = lock_as_own(partial);
+    return OutputFolder(std::move(state));
+  }
+  remove_partial({}, state->made_parents);
+  return can_not_write(target_in, code ? code.message() : "another run is writing it");
+}
+
+OutputFolder::OutputFolder(std::unique_ptr<State> state) : state_(std::move(state)) {}
+OutputFolder::OutputFolder(OutputFolder&& other) noexcept = default;
+OutputFolder& OutputFolder::operator=(OutputFolder&& other) noexcept = default;
+OutputFolder::~OutputFolder() = default;
+
+const fs::path& OutputFolder::path() const { return state_->partial; }
+
+Expected<void> OutputFolder::commit() { return commit({}); }
+
+Expected<void> OutputFolder::commit(const CommitHooks& hooks) {
+  PCAVR_REQUIRE(state_ && !state_->is_committed);
+  hooks.before_step("write to the disk");
+  const Expected<void> synced = sync_tree(state_->partial);
+  if (!synced) return synced;
+  const Target& target = state_->target;
+  const FolderCommit commit{
+      .partial = state_->partial,
+      .target = target.path,
+      // Once more: the work took long, and others write there too.
+      .check_replaceable = [&] {
+        return check_content({target.given, target.path, true, target.is_inside}, state_->options);
+      }};
+  const Expected<void> committed =
+      target.is_inside ? commit_inside(commit, hooks) : commit_beside(commit, hooks);
+  if (!committed) return committed;
+  state_->is_committed = true;
   return {};
-}
-
-Expected<void> write_file(const fs::path& target_in, std::string_view content) {
-  const fs::path target = normalised(target_in);
-  const fs::path temporary = temporary_name(target);
-  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (file < 0) return can_not_write(target_in, std::strerror(errno));
-  int failure = 0;
-  while (!content.empty() && failure == 0) {
-    const ssize_t written = ::write(file, content.data(), content.size());
-    if (written < 0 && errno != EINTR) failure = errno;
-    if (written > 0) content.remove_prefix(static_cast<std::size_t>(written));
-  }
-  if (::close(file) != 0 && failure == 0) failure = errno;
-  if (failure == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) failure = errno;
-  if (failure == 0) return {};
-  ::unlink(temporary.c_str());
-  return can_not_write(target_in, std::strerror(failure));
-}
-
-Expected<std::string> read_file(const fs::path& path) {
-  std::error_code code;
-  if (fs::is_directory(path, code)) {
-    return Error{.message = "is a folder, not a file", .file = path.string()};
-  }
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    return Error{.message = std::string("can't be read: ") + std::strerror(errno),
-                 .file = path.string(),
-                 .hint = "check the name, and that you may read it"};
-  }
-  // The size is a guess that saves copies: special files have none.
-  const std::uintmax_t guess = fs::file_size(path, code);
-  std::string content(code ? 0 : static_cast<std::size_t>(guess), '\0');
-  stream.read(content.data(), static_cast<std::streamsize>(content.size()));
-  content.resize(static_cast<std::size_t>(stream.gcount()));
-  if (stream) content.append(std::istreambuf_iterator<char>(stream), {});
-  if (stream.bad()) {
-    return Error{.message = "could not be read to its end", .file = path.string()};
-  }
-  return content;
 }
 
 }  // namespace pcavr

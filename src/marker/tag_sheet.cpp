@@ -15,6 +15,7 @@ namespace {
 
 // All of the layout is in millimetres.
 constexpr double kRuler = 100.0;
+constexpr char kRulerText[] = "Print at 100 %. This ruler is ";  ///< on every page
 constexpr double kRulerSpace = 14.0;
 constexpr double kTextHeight = 3.0;
 constexpr double kLabelSpace = 6.0;
@@ -98,8 +99,7 @@ void draw_ruler(double x, double y, double length, SheetPage& page) {
     page.lines.push_back({x + i, y, x + i, y - tick});
   }
   page.texts.push_back({x, y + 4.0, kTextHeight,
-                        "Print at 100 %. This ruler is " + number(length) +
-                            " mm long: measure it. Arrows point up."});
+                        kRulerText + number(length) + " mm long: measure it. Arrows point up."});
 }
 
 struct Grid {
@@ -208,6 +208,11 @@ Expected<TagSheet> make_tag_sheet(const TagSheetOptions& options) {
   sheet.pdf = draw_pdf(pages);
   sheet.manifest_yaml = manifest_lines(options);
   return sheet;
+}
+
+bool is_tag_sheet(std::string_view content) {
+  const bool is_svg_or_pdf = content.substr(0, 5) == "<?xml" || content.substr(0, 4) == "%PDF";
+  return is_svg_or_pdf && content.find(kRulerText) != content.npos;
 }
 
 }  // namespace pcavr

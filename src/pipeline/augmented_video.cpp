@@ -1,18 +1,20 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <optional>
 #include <string>
-#include <system_error>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
-#include <unistd.h>
 
+#include "pcavr/core/output_file.hpp"
 #include "pcavr/pipeline/augmented_frames.hpp"
 
 namespace pcavr {
@@ -28,21 +30,22 @@ Error can_not_write(const fs::path& file, const std::string& why) {
           .hint = "choose a name in a folder that you may write to, on a disk with space left"};
 }
 
+/// What --force replaces: an MP4 file names its type in its first box [ISO/IEC 14496-12, 4.3].
+bool is_mp4(const fs::path& file) {
+  std::array<char, 8> header{};
+  std::ifstream(file, std::ios::binary).read(header.data(), header.size());
+  return std::string_view(header.data() + 4, 4) == "ftyp";
+}
+
+OutputFileOptions output_options(bool replace) {
+  return {.replace = replace, .kind = "video", .is_replaceable = is_mp4};
+}
+
 /// A video under a temporary name beside its own, gone unless it is committed. Calls of OpenCV may
 /// throw.
 class VideoFile {
  public:
-  explicit VideoFile(const fs::path& target)
-      : target_(target),
-        temporary_(
-            fs::absolute(target).parent_path() /
-            ("." + target.stem().string() + ".partial-" + std::to_string(::getpid()) + ".mp4")) {}
-  ~VideoFile() {
-    std::error_code ignored;
-    fs::remove(temporary_, ignored);
-  }
-  VideoFile(const VideoFile&) = delete;
-  VideoFile& operator=(const VideoFile&) = delete;
+  VideoFile(const fs::path& target, OutputFile file) : target_(target), file_(std::move(file)) {}
 
   /// H.264 first, because browsers play it. Its pictures have even sides.
   [[nodiscard]] bool open(int width, int height, double rate) {
@@ -64,17 +67,14 @@ class VideoFile {
   /// The writer does not tell of a full disk: what was written is opened and counted.
   [[nodiscard]] Expected<void> commit() {
     writer_.release();
-    cv::VideoCapture written(temporary_.string(), cv::CAP_FFMPEG);
+    cv::VideoCapture written(file_.path().string(), cv::CAP_FFMPEG);
     const double count = written.isOpened() ? written.get(cv::CAP_PROP_FRAME_COUNT) : 0.0;
     written.release();
     if (std::lround(count) != static_cast<long>(pictures_)) {
       return can_not_write(target_, "only " + std::to_string(std::lround(count)) + " of " +
                                         std::to_string(pictures_) + " pictures reached the disk");
     }
-    std::error_code code;
-    fs::rename(temporary_, target_, code);
-    if (code) return can_not_write(target_, code.message());
-    return {};
+    return file_.commit();
   }
 
   [[nodiscard]] bool is_h264() const { return is_h264_; }
@@ -83,11 +83,11 @@ class VideoFile {
  private:
   [[nodiscard]] bool open_as(const char* codec, double rate) {
     const int code = cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]);
-    return writer_.open(temporary_.string(), cv::CAP_FFMPEG, code, rate, size_);
+    return writer_.open(file_.path().string(), cv::CAP_FFMPEG, code, rate, size_);
   }
 
   fs::path target_;
-  fs::path temporary_;
+  OutputFile file_;
   cv::Size size_;
   cv::VideoWriter writer_;
   bool is_h264_ = false;
@@ -108,7 +108,9 @@ std::vector<std::optional<Expected<ColorImage>>> drawn(const AugmentedFrames& fr
 Expected<AugmentedVideo> write_pictures(const AugmentedFrames& frames, const fs::path& target,
                                         const AugmentedVideoOptions& options,
                                         const Observer& observer) {
-  VideoFile file(target);
+  Expected<OutputFile> output = OutputFile::create(target, output_options(options.replace));
+  if (!output) return output.error();
+  VideoFile file(target, *std::move(output));
   AugmentedVideo video{.rate = frames.rate()};
   for (std::size_t first = 0; first < frames.size(); first += kFramesAtOnce) {
     const std::size_t last = std::min(first + kFramesAtOnce, frames.size());
@@ -136,24 +138,11 @@ Expected<AugmentedVideo> write_pictures(const AugmentedFrames& frames, const fs:
 }  // namespace
 
 Expected<void> check_video_target(const fs::path& file, bool replace) {
-  std::error_code code;
   if (file.extension() != ".mp4") {
     return Error{
         .message = "is no name for a video", .file = file.string(), .hint = "end it in .mp4"};
   }
-  if (fs::is_directory(file, code)) {
-    return Error{.message = "is a folder", .file = file.string(), .hint = "choose another name"};
-  }
-  if (!replace && fs::exists(file, code)) {
-    return Error{.message = "is there already",
-                 .file = file.string(),
-                 .hint = "choose another name, or say --force to replace it"};
-  }
-  const fs::path folder = fs::absolute(file).parent_path();
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    return can_not_write(file, std::system_category().message(errno));
-  }
-  return {};
+  return OutputFile::check(file, output_options(replace));
 }
 
 Expected<AugmentedVideo> write_augmented_video(const AugmentedFrames& frames, const fs::path& file,

@@ -2,10 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/core/output.hpp"
 
+#include <fstream>
 #include <utility>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 
+#include "support/file_tree.hpp"
+#include "support/forked.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace pcavr {
@@ -13,9 +18,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::size_t entries(const fs::path& folder) {
-  return static_cast<std::size_t>(
-      std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+constexpr OutputFolderOptions kReplaceScene{.kind = OutputKind::scene, .replace = true};
+
+void write_scene(const fs::path& folder, const std::string& text) {
+  fs::create_directories(folder / "lod");
+  ASSERT_TRUE(write_file(folder / "scene.yaml", "format: pcavr-scene/1\nname: " + text + "\n"));
+  ASSERT_TRUE(write_file(folder / "mesh.ply", text));
+  ASSERT_TRUE(write_file(folder / "lod/static_mesh_1.glb", text));
+}
+
+/// A folder that a run of that process left when it was killed.
+fs::path left_by(const fs::path& parent, const std::string& name, long process) {
+  const fs::path left = parent / ("." + name + ".partial-" + std::to_string(process));
+  fs::create_directory(left);
+  std::ofstream(left / "half.ply") << "half";
+  return left;
 }
 
 TEST(OutputFolder, AppearsWholeAtItsCommit) {
@@ -26,17 +43,17 @@ TEST(OutputFolder, AppearsWholeAtItsCommit) {
   ASSERT_TRUE(write_file(folder->path() / "a.txt", "a"));
   EXPECT_FALSE(fs::exists(target));
   ASSERT_TRUE(folder->commit());
-  EXPECT_EQ(*read_file(target / "a.txt"), "a");
-  EXPECT_EQ(entries(parent.path()), 1u);
+  EXPECT_EQ(tree(parent.path()), (FileTree{{"scene/a.txt", "a"}}));
 }
 
 TEST(OutputFolder, LeavesNothingWithoutACommit) {
   const TemporaryFolder parent;
   {
-    const Expected<OutputFolder> folder = OutputFolder::create(parent.path() / "scene/");
+    const Expected<OutputFolder> folder = OutputFolder::create(parent.path() / "new/below/scene/");
     ASSERT_TRUE(folder);
+    ASSERT_TRUE(write_file(folder->path() / "a.txt", "a"));
   }
-  EXPECT_EQ(entries(parent.path()), 0u);
+  EXPECT_TRUE(fs::is_empty(parent.path()));
 }
 
 TEST(OutputFolder, IsNotRemovedByTheOneMovedFrom) {
@@ -48,24 +65,211 @@ TEST(OutputFolder, IsNotRemovedByTheOneMovedFrom) {
   EXPECT_TRUE(second.commit());
 }
 
-TEST(OutputFolder, ReplacesOnlyWhereTold) {
+TEST(OutputFolder, ReplacesAnOutputOfItsKindWhereAsked) {
   const TemporaryFolder parent;
   const fs::path target = parent.path() / "scene";
-  fs::create_directory(target);
-  ASSERT_TRUE(write_file(target / "old.txt", "old"));
-  EXPECT_FALSE(OutputFolder::create(target));
-  Expected<OutputFolder> folder = OutputFolder::create(target, true);
+  write_scene(target, "old");
+  const Expected<OutputFolder> refused = OutputFolder::create(target);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().hint.find("--force"), std::string::npos);
+  Expected<OutputFolder> folder = OutputFolder::create(target, kReplaceScene);
   ASSERT_TRUE(folder);
-  EXPECT_TRUE(fs::exists(target / "old.txt")) << "kept until the commit";
+  EXPECT_EQ(*read_file(target / "mesh.ply"), "old") << "kept until the commit";
+  write_scene(folder->path(), "new");
+  fs::remove_all(folder->path() / "lod");
   ASSERT_TRUE(folder->commit());
-  EXPECT_EQ(entries(target), 0u);
+  EXPECT_EQ(*read_file(target / "mesh.ply"), "new");
+  EXPECT_FALSE(fs::exists(target / "lod"));
+  EXPECT_EQ(tree(parent.path()).size(), 2U);
+}
+
+TEST(OutputFolder, NeverReplacesWhatIsNotAnOutputOfItsKind) {
+  const TemporaryFolder parent;
+  const std::vector<std::pair<std::string, FileTree>> cases{
+      {"an unrelated folder", {{"thesis.tex", "years"}}},
+      {"a name alone", {{"scene.yaml", "format: other-scene/1\n"}}},
+      {"a format in a value", {{"scene.yaml", "note: 'format: pcavr-scene/1'\n"}}},
+      {"another kind", {{"run.yaml", "format: pcavr-run/1\n"}}},
+      {"a scene among other things", {{"scene.yaml", "format: pcavr-scene/1\n"}, {"notes", "n"}}},
+      {"a folder above a scene", {{"scene/scene.yaml", "format: pcavr-scene/1\n"}}}};
+  for (const auto& [name, content] : cases) {
+    const fs::path target = parent.path() / name;
+    write_tree(target, content);
+    const Expected<OutputFolder> folder = OutputFolder::create(target, kReplaceScene);
+    EXPECT_FALSE(folder) << name;
+    EXPECT_EQ(tree(target), content) << name;
+  }
+}
+
+TEST(OutputFolder, KnowsEveryKindByItsManifest) {
+  const TemporaryFolder parent;
+  const std::vector<std::pair<OutputKind, FileTree>> cases{
+      {OutputKind::recording, {{"recording.yaml", "# mine\n\"format\": 'pcavr-recording/1'\n"}}},
+      {OutputKind::scene, {{"scene.yaml", "format: pcavr-scene/1\n"}}},
+      {OutputKind::run, {{"run.yaml", "format: pcavr-run/1\n"}}},
+      {OutputKind::report, {{"report.json", "{\n  \"format\": \"pcavr-report/1\"}"}}},
+      {OutputKind::report, {{"report.json", "{\n  \"format\": \"pcavr-identification/1\"}"}}}};
+  for (const auto& [kind, content] : cases) {
+    const fs::path target = parent.path() / content.begin()->first;
+    fs::remove_all(target);
+    write_tree(target, content);
+    EXPECT_TRUE(OutputFolder::create(target, {.kind = kind, .replace = true}))
+        << content.begin()->first;
+  }
+}
+
+TEST(OutputFolder, ChecksTheOldContentAgainAtTheCommit) {
+  const TemporaryFolder parent;
+  const fs::path target = parent.path() / "scene";
+  write_scene(target, "old");
+  Expected<OutputFolder> folder = OutputFolder::create(target, kReplaceScene);
+  ASSERT_TRUE(folder);
+  ASSERT_TRUE(write_file(target / "thesis.tex", "years"));
+  const Expected<void> committed = folder->commit();
+  ASSERT_FALSE(committed);
+  EXPECT_NE(committed.error().message.find("thesis.tex"), std::string::npos);
+  EXPECT_EQ(*read_file(target / "thesis.tex"), "years");
 }
 
 TEST(OutputFolder, RefusesAFileInItsPlace) {
   const TemporaryFolder parent;
   ASSERT_TRUE(write_file(parent.path() / "file", ""));
-  EXPECT_FALSE(OutputFolder::create(parent.path() / "file", true));
+  EXPECT_FALSE(OutputFolder::create(parent.path() / "file", kReplaceScene));
   EXPECT_FALSE(OutputFolder::create(parent.path() / "file/below"));
+}
+
+TEST(OutputFolder, RefusesAnEmptyNameAndALoopOfLinks) {
+  const TemporaryFolder parent;
+  EXPECT_FALSE(OutputFolder::create(""));
+  fs::create_symlink("b", parent.path() / "a");
+  fs::create_symlink("a", parent.path() / "b");
+  for (const char* name : {"a", "a/scene"}) {
+    const Expected<OutputFolder> folder = OutputFolder::create(parent.path() / name);
+    ASSERT_FALSE(folder) << name;
+    EXPECT_NE(folder.error().message.find("symbolic links"), std::string::npos)
+        << folder.error().to_string();
+  }
+}
+
+TEST(OutputFolder, TakesANameAsLongAsTheFileSystemDoesAndRefusesALongerOne) {
+  const TemporaryFolder parent;
+  Expected<OutputFolder> folder = OutputFolder::create(parent.path() / std::string(255, 'n'));
+  ASSERT_TRUE(folder) << folder.error().to_string();
+  EXPECT_TRUE(folder->commit());
+  const Expected<OutputFolder> longer = OutputFolder::create(parent.path() / std::string(300, 'n'));
+  ASSERT_FALSE(longer);
+  EXPECT_NE(longer.error().message.find("too long"), std::string::npos);
+  EXPECT_TRUE(write_file(parent.path() / std::string(254, 'f'), "a"));
+}
+
+TEST(OutputFolder, FollowsALinkAndKeepsIt) {
+  const TemporaryFolder parent;
+  fs::create_directory(parent.path() / "disk");
+  fs::create_symlink("disk/scene", parent.path() / "link");
+  Expected<OutputFolder> folder = OutputFolder::create(parent.path() / "link");
+  ASSERT_TRUE(folder) << folder.error().to_string();
+  write_scene(folder->path(), "new");
+  ASSERT_TRUE(folder->commit());
+  EXPECT_TRUE(fs::is_symlink(parent.path() / "link"));
+  EXPECT_EQ(*read_file(parent.path() / "disk/scene/mesh.ply"), "new");
+}
+
+TEST(OutputFolder, RefusesFoldersThatCanNotBeReadOrWrittenBeforeTheWork) {
+  const TemporaryFolder parent;
+  fs::permissions(parent.path(), fs::perms::all);
+  for (const auto& [name, mode] : {std::pair("unreadable", 0300), std::pair("unwritable", 0500)}) {
+    write_scene(parent.path() / name, "old");
+    fs::permissions(parent.path() / name, static_cast<fs::perms>(mode));
+    fs::create_directory(parent.path() / (std::string(name) + "-parent"));
+    fs::permissions(parent.path() / (std::string(name) + "-parent"), static_cast<fs::perms>(0500));
+  }
+  const int code = run_forked([&] {
+    if (!become_nobody()) return kForkedSkip;
+    for (const char* name : {"unreadable", "unwritable", "unwritable-parent/scene"}) {
+      const auto folder = OutputFolder::create(parent.path() / name, kReplaceScene);
+      if (folder || folder.error().message.find("ermission") == std::string::npos) {
+        return 1;
+      }
+    }
+    return 0;
+  });
+  for (const auto& entry : fs::directory_iterator(parent.path())) {
+    fs::permissions(entry, fs::perms::owner_all);
+  }
+  if (code == kForkedSkip) GTEST_SKIP() << "can't become an ordinary user here";
+  EXPECT_EQ(code, 0);
+}
+
+TEST(OutputFolder, WritesWithinTheCurrentFolderSoThatAShellInItStays) {
+  const TemporaryFolder parent;
+  const fs::path target = parent.path() / "here";
+  fs::create_directory(target);
+  EXPECT_EQ(run_forked([&] {
+              fs::current_path(target);
+              Expected<OutputFolder> folder = OutputFolder::create(".");
+              if (!folder) return 1;
+              if (!write_file(folder->path() / "a.txt", "a") || !folder->commit()) return 2;
+              return fs::exists("a.txt") ? 0 : 3;
+            }),
+            0);
+  EXPECT_EQ(tree(parent.path()), (FileTree{{"here/a.txt", "a"}}));
+}
+
+TEST(OutputFolder, RemovesWhatADeadProcessLeft) {
+  const TemporaryFolder parent;
+  const long dead = forked_process_that_ended();
+  const fs::path left = left_by(parent.path(), "scene", dead);
+  const fs::path other = left_by(parent.path(), "scene2", dead);
+  EXPECT_TRUE(OutputFolder::create(parent.path() / "scene"));
+  EXPECT_FALSE(fs::exists(left));
+  EXPECT_TRUE(fs::exists(other)) << "another target's";
+}
+
+TEST(OutputFolder, TakesItsOwnProcessIdForReusedWhereItDidNotMakeTheFolder) {
+  const TemporaryFolder parent;
+  left_by(parent.path(), "scene", ::getpid());
+  Expected<OutputFolder> folder = OutputFolder::create(parent.path() / "scene");
+  ASSERT_TRUE(folder) << folder.error().to_string();
+  EXPECT_TRUE(fs::is_empty(folder->path()));
+}
+
+TEST(OutputFolder, LeavesALiveProcessItsFolder) {
+  const TemporaryFolder parent;
+  const fs::path target = parent.path() / "scene";
+  ForkedProcess writer([&] {
+    Expected<OutputFolder> folder = OutputFolder::create(target);
+    ForkedProcess::report_ready();
+    ForkedProcess::wait_for_end();
+  });
+  const fs::path partial = parent.path() / (".scene.partial-" + std::to_string(writer.id()));
+  ASSERT_TRUE(fs::exists(partial));
+  EXPECT_TRUE(OutputFolder::create(target));
+  EXPECT_TRUE(fs::exists(partial));
+  writer.kill(SIGKILL);
+  EXPECT_TRUE(OutputFolder::create(target));
+  EXPECT_FALSE(fs::exists(partial));
+}
+
+TEST(OutputFolder, LeavesALiveProcessAFolderThatItHasNotLocked) {
+  const TemporaryFolder parent;
+  ForkedProcess writer([&] {
+    ForkedProcess::report_ready();
+    ForkedProcess::wait_for_end();
+  });
+  const fs::path left = left_by(parent.path(), "scene", writer.id());
+  EXPECT_TRUE(OutputFolder::create(parent.path() / "scene"));
+  EXPECT_TRUE(fs::exists(left));
+}
+
+TEST(OutputFolder, LeavesALockedFolderEvenIfItsProcessIsNotSeen) {
+  // As where the process runs in another container, with process ids of its own.
+  const TemporaryFolder parent;
+  const fs::path left = left_by(parent.path(), "scene", forked_process_that_ended());
+  const int file = ::open(left.c_str(), O_RDONLY);
+  ASSERT_EQ(::flock(file, LOCK_EX), 0);
+  EXPECT_TRUE(OutputFolder::create(parent.path() / "scene"));
+  EXPECT_TRUE(fs::exists(left));
+  ::close(file);
 }
 
 TEST(WriteFile, ReplacesAFileAndLeavesNothingBeside) {
@@ -73,8 +277,7 @@ TEST(WriteFile, ReplacesAFileAndLeavesNothingBeside) {
   const fs::path file = folder.path() / "a.txt";
   ASSERT_TRUE(write_file(file, "long content"));
   ASSERT_TRUE(write_file(file, std::string("s\0rt", 4)));
-  EXPECT_EQ(*read_file(file), std::string("s\0rt", 4));
-  EXPECT_EQ(entries(folder.path()), 1u);
+  EXPECT_EQ(tree(folder.path()), (FileTree{{"a.txt", std::string("s\0rt", 4)}}));
 }
 
 TEST(WriteFile, SaysWhereItCanNot) {
@@ -93,7 +296,7 @@ TEST(WriteFile, ReportsAFullDisk) {
   const Expected<void> written = write_file(folder.path() / "a", "content");
   ASSERT_FALSE(written);
   EXPECT_NE(written.error().message.find("space"), std::string::npos);
-  EXPECT_EQ(entries(folder.path()), 0u);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST(ReadFile, RefusesFoldersAndAbsentFiles) {

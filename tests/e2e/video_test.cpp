@@ -62,10 +62,16 @@ TEST_F(ReplayVideo, NeedsImages) {
   EXPECT_FALSE(fs::exists(place("out.mp4")));
 }
 
-TEST_F(ReplayVideo, KeepsAFileThatIsThereUnlessForced) {
+TEST_F(ReplayVideo, KeepsAFileThatIsThereUnlessItIsAVideoAndForced) {
   std::ofstream(place("out.mp4")) << "mine";
   expect_refused(film("recording", "out.mp4"), "out.mp4");
+  expect_refused(film("recording", "out.mp4", {"--force"}), "not a video");
   EXPECT_EQ(*read_file(place("out.mp4")), "mine");
+  std::ofstream(place("out.mp4")) << std::string(
+      "\0\0\0\x20"
+      "ftypisom",
+      12);
+  expect_refused(film("recording", "out.mp4"), "out.mp4");
   EXPECT_EQ(film("recording", "out.mp4", {"--force"}).exit_code, 0);
   EXPECT_GT(fs::file_size(place("out.mp4")), 1000U);
 }

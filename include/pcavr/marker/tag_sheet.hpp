@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pcavr/core/expected.hpp"
@@ -27,6 +28,9 @@ struct TagSheet {
 
 /// Errors: unknown family, id not in it, tag larger than the page.
 [[nodiscard]] Expected<TagSheet> make_tag_sheet(const TagSheetOptions& options);
+
+/// Whether this is the text of one of a TagSheet's files.
+[[nodiscard]] bool is_tag_sheet(std::string_view content);
 
 /// The tag's cells, true where white, without quiet zone; for drawing and simulating. `border` is
 /// the number of cells from the picture's edge to the square through the detection corners.

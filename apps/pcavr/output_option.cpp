@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "output_option.hpp"
+
+#include "pcavr/core/output_paths.hpp"
+
+namespace pcavr::app {
+
+void add_output_option(CLI::App& command, OutputOption& output, const std::string& what) {
+  command.add_option("-o,--output", output.folder, what)->required();
+  command.add_flag("--force", output.replace,
+                   "Replace the output if it is there already, was written by such a command, and "
+                   "holds nothing else");
+}
+
+Expected<OutputFolder> create_output(const OutputOption& output, OutputKind kind,
+                                     const std::vector<std::filesystem::path>& inputs) {
+  const Expected<void> apart = check_outputs({output.folder}, inputs);
+  if (!apart) return apart.error();
+  return OutputFolder::create(output.folder, {.kind = kind, .replace = output.replace});
+}
+
+}  // namespace pcavr::app

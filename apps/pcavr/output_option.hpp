@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "pcavr/core/output.hpp"
+
+#include "commands.hpp"
+
+namespace pcavr::app {
+
+/// The folder of -o, before any work: fails where it is, contains or lies in one of the inputs
+/// (empty ones are left out), or is something that --force does not replace.
+[[nodiscard]] Expected<OutputFolder> create_output(
+    const OutputOption& output, OutputKind kind, const std::vector<std::filesystem::path>& inputs);
+
+}  // namespace pcavr::app

@@ -1,0 +1,264 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "core/folder_commit.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "core/file_content.hpp"
+#include "core/file_descriptor.hpp"
+#include "core/output_error.hpp"
+#include "core/output_kind.hpp"
+#include "core/partial_names.hpp"
+#include "core/partial_registry.hpp"
+
+namespace pcavr {
+namespace fs = std::filesystem;
+namespace {
+
+bool is_there(const fs::path& path) {
+  std::error_code code;
+  return fs::symlink_status(path, code).type() != fs::file_type::not_found;
+}
+
+bool is_empty_or_absent(const fs::path& folder) {
+  std::error_code code;
+  return !is_there(folder) || (fs::is_empty(folder, code) && !code);
+}
+
+bool exchange(const fs::path& a, const fs::path& b) {
+  return ::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0;
+}
+
+/// The folder's own entries, without those that are left alone there; manifests at the end.
+std::vector<fs::path> movable_entries(const fs::path& folder, std::error_code& code) {
+  std::vector<fs::path> names;
+  for (fs::directory_iterator entry(folder, code), end; !code && entry != end;
+       entry.increment(code)) {
+    const fs::path name = entry->path().filename();
+    if (!is_ignored_entry(name.string())) names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  std::stable_partition(names.begin(), names.end(),
+                        [](const fs::path& name) { return !is_manifest_name(name.string()); });
+  return names;
+}
+
+void move_entry(const fs::path& name, const fs::path& from, const fs::path& to,
+                std::error_code& code) {
+  if (!code) fs::rename(from / name, to / name, code);
+}
+
+/// From within the target to a folder in it: the manifest goes first.
+void move_out(const fs::path& from, const fs::path& to, const CommitHooks& hooks,
+              std::error_code& code) {
+  std::vector<fs::path> names = movable_entries(from, code);
+  std::reverse(names.begin(), names.end());
+  for (const fs::path& name : names) {
+    hooks.before_step("move an old entry aside");
+    move_entry(name, from, to, code);
+  }
+}
+
+/// The other direction: the manifest comes last, when all else is on the disk.
+void move_in(const fs::path& from, const fs::path& to, const CommitHooks& hooks,
+             std::error_code& code) {
+  for (const fs::path& name : movable_entries(from, code)) {
+    hooks.before_step("move a new entry in");
+    if (is_manifest_name(name.string())) sync_folder(to);
+    move_entry(name, from, to, code);
+  }
+  sync_folder(to);
+}
+
+/// Moves the target aside and the new folder to its place: without an exchange there is an instant
+/// with neither.
+std::error_code replace_by_renames(const FolderCommit& commit, const fs::path& aside,
+                                   const CommitHooks& hooks) {
+  std::error_code code;
+  hooks.before_step("move the old folder aside");
+  fs::rename(commit.target, aside, code);
+  if (code) return code;
+  hooks.before_step("move the new folder in");
+  fs::rename(commit.partial, commit.target, code);
+  if (!code) return code;
+  std::error_code ignored;
+  fs::rename(aside, commit.target, ignored);
+  return code;
+}
+
+/// With the registry's lock held: moves the new content into place, and gives where the old content
+/// is afterwards, if there was any.
+Expected<fs::path> put_in_place(const FolderCommit& commit, const CommitHooks& hooks) {
+  std::error_code code;
+  if (is_empty_or_absent(commit.target)) {
+    hooks.before_step("rename");
+    fs::rename(commit.partial, commit.target, code);
+    if (code) return can_not_write(commit.target, code.message());
+    return fs::path();
+  }
+  if (const auto replaceable = commit.check_replaceable(); !replaceable) {
+    return replaceable.error();
+  }
+  // Other processes shall not take the old content for that of a dead one.
+  const FileDescriptor lock = lock_as_own(commit.target);
+  hooks.before_step("exchange");
+  if (hooks.can_exchange && exchange(commit.partial, commit.target)) return commit.partial;
+  const fs::path aside = PartialNames::beside(commit.target).path(PartialState::old);
+  code = replace_by_renames(commit, aside, hooks);
+  if (code) return can_not_write(commit.target, code.message());
+  return aside;
+}
+
+/// Takes back what move_into_place() has begun, as far as it can; what can't be moved stays where
+/// it is, and recover_inside() finds it.
+void move_back(const FolderCommit& commit, const fs::path& moving, const fs::path& old) {
+  std::error_code code;
+  if (is_there(old)) {
+    move_out(commit.target, commit.partial, {}, code);
+    if (!code) move_in(old, commit.target, {}, code);
+  } else {
+    move_in(moving, commit.target, {}, code);
+  }
+  // Only where they are empty.
+  fs::remove(old, code);
+  fs::remove(moving, code);
+}
+
+std::error_code move_into_place(const FolderCommit& commit, const fs::path& moving,
+                                const fs::path& old, const CommitHooks& hooks) {
+  std::error_code code;
+  hooks.before_step("make the folder for the old content");
+  fs::create_directory(moving, code);
+  if (!code) move_out(commit.target, moving, hooks, code);
+  hooks.before_step("mark the old content as complete");
+  if (!code) fs::rename(moving, old, code);
+  if (!code) move_in(commit.partial, commit.target, hooks, code);
+  if (code) move_back(commit, moving, old);
+  return code;
+}
+
+bool holds_manifest(const fs::path& folder) {
+  std::error_code code;
+  const std::vector<fs::path> names = movable_entries(folder, code);
+  return !names.empty() && is_manifest_name(names.back().string());
+}
+
+/// Ends what a dead process has begun in commit_inside().
+std::error_code repair_inside(const PartialNames::Found& found, const fs::path& target) {
+  const fs::path partial = found.path(PartialState::partial);
+  const fs::path moving = found.path(PartialState::moving);
+  const fs::path old = found.path(PartialState::old);
+  std::error_code code;
+  if (!moving.empty()) {
+    move_in(moving, target, {}, code);  // the old content was on its way out
+  } else if (!old.empty() && !partial.empty()) {
+    move_in(partial, target, {}, code);  // the new content was on its way in
+  } else if (!old.empty() && !holds_manifest(target)) {
+    move_in(old, target, {}, code);  // the new content is lost
+  }
+  return code;
+}
+
+}  // namespace
+
+Expected<void> sync_tree(const fs::path& folder) {
+  // In a first pass the writing is only begun, so that the disk has all of it to order.
+  for (const bool is_waiting : {false, true}) {
+    std::error_code code;
+    for (fs::recursive_directory_iterator entry(folder, code), end; !code && entry != end;
+         entry.increment(code)) {
+      if (entry->is_symlink()) continue;
+      const FileDescriptor file(::open(entry->path().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+      if (!file.is_open()) continue;
+      if (!is_waiting) {
+        if (entry->is_regular_file()) {
+          ::sync_file_range(file.get(), 0, 0, SYNC_FILE_RANGE_WRITE);
+        }
+        continue;
+      }
+      if (const int failure = sync_file(file.get()); failure != 0) {
+        return can_not_write(entry->path(), std::system_category().message(failure));
+      }
+    }
+    if (code) return can_not_write(folder, code.message());
+  }
+  sync_folder(folder);
+  return {};
+}
+
+void sync_folder(const fs::path& folder) {
+  const FileDescriptor file(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  // Best effort: the renames are done, and what they moved is on the disk.
+  if (file.is_open()) static_cast<void>(sync_file(file.get()));
+}
+
+Expected<void> commit_beside(const FolderCommit& commit, const CommitHooks& hooks) {
+  PartialRegistry& registry = PartialRegistry::instance();
+  fs::path old;
+  {
+    const auto lock = registry.hold_off_signals();
+    Expected<fs::path> replaced = put_in_place(commit, hooks);
+    if (!replaced) return replaced.error();
+    old = std::move(*replaced);
+    sync_folder(commit.target.parent_path());
+  }
+  registry.remove(commit.partial);
+  if (!old.empty()) {
+    registry.add(old);
+    hooks.before_step("remove the old folder");
+    remove_partial(old);
+    registry.remove(old);
+  }
+  hooks.before_step("end");
+  return {};
+}
+
+Expected<void> commit_inside(const FolderCommit& commit, const CommitHooks& hooks) {
+  PartialRegistry& registry = PartialRegistry::instance();
+  const PartialNames names = PartialNames::inside(commit.target);
+  const fs::path old = names.path(PartialState::old);
+  {
+    const auto lock = registry.hold_off_signals();
+    std::error_code code;
+    if (!movable_entries(commit.target, code).empty() || code) {
+      const auto replaceable = commit.check_replaceable();
+      if (!replaceable) return replaceable.error();
+    }
+    code = move_into_place(commit, names.path(PartialState::moving), old, hooks);
+    if (code) return can_not_write(commit.target, code.message());
+  }
+  registry.remove(commit.partial);
+  hooks.before_step("remove the old content");
+  remove_partial(commit.partial);
+  remove_partial(old);
+  hooks.before_step("end");
+  return {};
+}
+
+void recover_beside(const fs::path& target) {
+  for (const PartialNames::Found& found : PartialNames::beside(target).find_abandoned()) {
+    const fs::path old = found.path(PartialState::old);
+    std::error_code ignored;
+    if (!old.empty() && !is_there(target)) fs::rename(old, target, ignored);
+    for (const auto& [state, path] : found.paths) {
+      // Where the target could not be restored, the old content stays.
+      if (state != PartialState::old || is_there(target)) remove_partial(path);
+    }
+  }
+}
+
+void recover_inside(const fs::path& target) {
+  for (const PartialNames::Found& found : PartialNames::inside(target).find_abandoned()) {
+    if (repair_inside(found, target)) continue;
+    for (const auto& [state, path] : found.paths) remove_partial(path);
+  }
+}
+
+}  // namespace pcavr
