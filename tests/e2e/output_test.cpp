@@ -1,0 +1,253 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+// Outputs of the command: nothing that a person has is lost, whatever -o names.
+#include <algorithm>
+#include <fstream>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "pipeline/small_replay.hpp"
+#include "support/command.hpp"
+#include "support/file_tree.hpp"
+#include "support/forked.hpp"
+
+namespace pcavr {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kCamera[] =
+    "camera: {width: 160, height: 120, fx: 130, fy: 130, cx: 79.5, cy: 59.5}\n";
+
+class Outputs : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_small_replay(folder_.path() / "home");
+    write_small_recording(place("home/bare"), false);
+    // The same frames as a TUM RGB-D folder.
+    fs::copy(place("home/recording"), place("home/tum"), fs::copy_options::recursive);
+    fs::remove(place("home/tum/recording.yaml"));
+    write_tree(place("home"), {{"thesis.tex", "years"},
+                               {"camera.yaml", kCamera},
+                               {"p.yaml", "box: {mass: 2}\n"},
+                               {"run/run.yaml", "format: pcavr-run/1\nrecording: nowhere\n"},
+                               {"truth/parameters.yaml", "box: {mass: 2}\n"}});
+    fs::create_symlink("home", place("link"));
+  }
+
+  [[nodiscard]] std::string place(const std::string& name) const {
+    return (folder_.path() / name).string();
+  }
+
+  /// Each word that begins with '@' is a place in the folder.
+  [[nodiscard]] CommandOutcome run(std::vector<std::string> words,
+                                   const std::string& prefix = {}) const {
+    for (std::string& word : words) {
+      if (word.substr(0, 1) == "@") word = place(word.substr(1));
+    }
+    return run_pcavr(words, prefix);
+  }
+
+  /// One line that holds `word`, exit code 1, and not a byte changed.
+  void expect_refused(const std::vector<std::string>& words, const std::string& word) const {
+    SCOPED_TRACE(testing::PrintToString(words));
+    const FileTree before = tree(folder_.path());
+    const CommandOutcome outcome = run(words);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.error_lines(), 1U) << outcome.standard_error;
+    EXPECT_NE(outcome.standard_error.find(word), std::string::npos) << outcome.standard_error;
+    EXPECT_TRUE(tree(folder_.path()) == before) << "files were changed";
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Outputs, AreNeverAnInput) {
+  expect_refused({"build", "@home/bare", "-o", "@home/bare", "--force"}, "is the input");
+  expect_refused({"build", "@home/bare", "-o", "@link/bare", "--force"}, "is the input");
+  expect_refused({"build", "@home/bare", "--sensor", "@home/camera.yaml", "-o", "@home/camera.yaml",
+                  "--force"},
+                 "is the input");
+  expect_refused({"replay", "@home/recording", "--scene", "@home/scene", "--tracked",
+                  "@home/tracked", "-o", "@home/scene", "--force"},
+                 "is the input");
+  expect_refused({"replay", "@home/recording", "--scene", "@home/scene", "--tracked", "@home/run",
+                  "-o", "@home/run", "--force"},
+                 "is the input");
+  expect_refused({"evaluate", "@home/run", "-o", "@home/run", "--force"}, "is the input");
+  expect_refused(
+      {"evaluate", "@home/run", "--reference", "@home/scene", "-o", "@home/scene", "--force"},
+      "is the input");
+  expect_refused(
+      {"evaluate", "@home/p.yaml", "--truth", "@home/truth", "-o", "@home/truth", "--force"},
+      "is the input");
+  expect_refused({"import", "@home/tum", "--camera", "@home/camera.yaml", "--depth-scale", "1000",
+                  "-o", "@home/tum", "--force"},
+                 "is the input");
+  expect_refused({"identify", "friction", "@home/recording", "--scene", "@home/scene",
+                  "--parameters", "@home/p.yaml", "-o", "@home/p.yaml", "--force"},
+                 "is the input");
+  expect_refused({"identify", "friction", "@home/recording", "--scene", "@home/scene", "-o",
+                  "@new.yaml", "--report", "@home/recording", "--force"},
+                 "is the input");
+}
+
+TEST_F(Outputs, NeverContainAnInput) {
+  expect_refused({"build", "@home/bare", "-o", "@home", "--force"}, "contains the input");
+  expect_refused({"build", "@home/bare", "-o", "@link/", "--force"}, "contains the input");
+  expect_refused({"replay", "@home/recording", "--scene", "@home/scene", "--tracked",
+                  "@home/tracked", "-o", "@home", "--force"},
+                 "contains the input");
+  expect_refused({"evaluate", "@home/p.yaml", "--truth", "@home/truth", "-o", "@home", "--force"},
+                 "contains the input");
+  expect_refused({"import", "@home/tum", "--camera", "@home/camera.yaml", "-o", "@", "--force"},
+                 "contains the input");
+  expect_refused(
+      {"identify", "contact", "@home/recording", "-o", "@new.yaml", "--report", "@home", "--force"},
+      "contains the input");
+}
+
+TEST_F(Outputs, NeverLieInAnInput) {
+  expect_refused({"build", "@home/bare", "-o", "@home/bare/scene"}, "lies in the input");
+  expect_refused({"replay", "@home/recording", "--scene", "@home/scene", "--tracked",
+                  "@home/tracked", "-o", "@run", "--video", "@home/scene/out.mp4"},
+                 "lies in the input");
+  expect_refused({"evaluate", "@home/run", "-o", "@link/run/report"}, "lies in the input");
+  expect_refused({"identify", "contact", "@home/recording", "-o", "@home/recording/new.yaml"},
+                 "lies in the input");
+}
+
+TEST_F(Outputs, DoNotOverlap) {
+  expect_refused(
+      {"identify", "contact", "@home/recording", "-o", "@out/new.yaml", "--report", "@out"},
+      "contains the other output");
+  expect_refused({"identify", "contact", "@home/recording", "-o", "@out", "--report", "@out"},
+                 "is the other output");
+  expect_refused({"replay", "@home/recording", "--scene", "@home/scene", "--tracked",
+                  "@home/tracked", "-o", "@run", "--video", "@run/out.mp4"},
+                 "lies in the other output");
+}
+
+TEST_F(Outputs, ReplaceOnlyTheirOwnKind) {
+  write_tree(place("unrelated"), {{"photo.jpg", "once"}});
+  write_tree(place("mixed"), {{"scene.yaml", "format: pcavr-scene/1\n"}, {"photo.jpg", "once"}});
+  expect_refused({"build", "@home/bare", "-o", "@unrelated", "--force"}, "--force does not");
+  expect_refused({"build", "@home/bare", "-o", "@mixed", "--force"}, "photo.jpg");
+  expect_refused({"build", "@home/bare", "-o", "@home/recording", "--force"}, "holds a recording");
+  expect_refused({"simulate", "push", "--no-images", "-o", "@unrelated", "--force"}, "--force");
+  expect_refused(
+      {"import", "@home/tum", "--camera", "@home/camera.yaml", "-o", "@unrelated", "--force"},
+      "--force");
+  expect_refused({"evaluate", "@home/run", "-o", "@home/scene", "--force"}, "holds a scene");
+  expect_refused({"identify", "contact", "@home/recording", "-o", "@home/thesis.tex", "--force"},
+                 "not a parameter file");
+  write_tree(place("home"), {{"thesis.pdf", "%PDF-1.4 years"}});
+  expect_refused({"tags", "--ids", "0", "-o", "@home/thesis.pdf", "--force"}, "not a sheet");
+  expect_refused({"identify", "contact", "@home/recording", "-o", "@home/scene", "--force"},
+                 "is a folder");
+}
+
+TEST_F(Outputs, AreReplacedWhereTheyAreSuchOutputs) {
+  const std::vector<std::vector<std::string>> commands{
+      {"build", "@home/bare", "-o", "@out/scene"},
+      {"simulate", "push", "--no-images", "-o", "@out/recording"},
+      {"import", "@home/tum", "--camera", "@home/camera.yaml", "--depth-scale", "1000", "-o",
+       "@out/import"},
+      {"replay", "@home/recording", "--scene", "@home/scene", "--tracked", "@home/tracked", "-o",
+       "@out/run", "--video", "@out/out.mp4"},
+      {"evaluate", "@home/p.yaml", "--truth", "@home/truth", "-o", "@out/report"},
+      {"tags", "--ids", "0-5", "-o", "@out/sheet.svg"}};
+  for (std::vector<std::string> words : commands) {
+    SCOPED_TRACE(testing::PrintToString(words));
+    const CommandOutcome first = run(words);
+    ASSERT_EQ(first.exit_code, 0) << first.standard_error;
+    expect_refused(words, "is there already");
+    const FileTree before = tree(folder_.path());
+    words.emplace_back("--force");
+    const CommandOutcome second = run(words);
+    EXPECT_EQ(second.exit_code, 0) << second.standard_error;
+    EXPECT_TRUE(tree(folder_.path()) == before) << "same input, other bytes";
+  }
+}
+
+TEST_F(Outputs, NeedANameThatTheFileSystemTakes) {
+  fs::create_symlink("loop", place("loop"));
+  const std::string long_name = "@" + std::string(300, 'n');
+  for (const std::string name : {"", "@loop", "@loop/x", "@home/thesis.tex/x"}) {
+    const std::string word = name.find("loop") != name.npos ? "symbolic links"
+                             : name.empty()                 ? "empty"
+                                                            : "ot a directory";
+    expect_refused({"build", "@home/bare", "-o", name}, word);
+    expect_refused({"identify", "contact", "@home/recording", "-o", name}, word);
+  }
+  expect_refused({"build", "@home/bare", "-o", long_name}, "too long");
+  expect_refused({"identify", "contact", "@home/recording", "-o", long_name}, "too long");
+  expect_refused({"tags", "--ids", "0", "-o", long_name}, "too long");
+  expect_refused({"tags", "--ids", "0", "-o", ""}, "name");
+  EXPECT_EQ(run({"build", "@home/bare", "-o", "@" + std::string(255, 'n')}).exit_code, 0);
+}
+
+TEST_F(Outputs, AreWrittenWithinAMountPoint) {
+  // The mount ends with its script: what it held is copied out.
+  write_tree(folder_.path(), {{"mounted.sh",
+                               "mount -t tmpfs none \"$OUT\" || exit 77\n"
+                               "mkdir \"$OUT/lost+found\"\n"
+                               "\"$@\" && \"$@\" --force\n"
+                               "code=$?\ncp -a \"$OUT/.\" \"$OUT-copy\"\nexit $code\n"}});
+  fs::create_directory(place("volume"));
+  const CommandOutcome outcome =
+      run({"build", "@home/bare", "-o", "@volume"},
+          "OUT='" + place("volume") + "' unshare -m sh '" + place("mounted.sh") + "' ");
+  if (!fs::exists(place("volume-copy"))) GTEST_SKIP() << "may not mount here";
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.standard_error;
+  EXPECT_EQ(run({"build", "@home/bare", "-o", "@scene"}).exit_code, 0);
+  EXPECT_TRUE(tree(place("volume-copy")) == tree(place("scene")));
+}
+
+TEST_F(Outputs, OfTagsAppearAllOrNone) {
+  // The first page fits below the limit, the sheet of all pages does not.
+  const std::vector<std::string> words{"tags", "--ids", "0-40", "-o", "@sheets/a.svg"};
+  fs::create_directory(place("sheets"));
+  const CommandOutcome full = run(words, "ulimit -f 60; ");
+  EXPECT_EQ(full.exit_code, 1) << full.standard_error;
+  EXPECT_TRUE(fs::is_empty(place("sheets"))) << testing::PrintToString(tree(place("sheets")));
+  ASSERT_EQ(run(words).exit_code, 0);
+  EXPECT_GT(tree(place("sheets")).size(), 2U);
+  // A user's own drawing of that name stays, and then nothing else is replaced either.
+  write_tree(place("sheets"), {{"a-2.svg", "<?xml version=\"1.0\"?><svg>mine</svg>"}});
+  const FileTree before = tree(place("sheets"));
+  std::vector<std::string> forced = words;
+  forced.insert(forced.end(), {"--size", "0.07", "--force"});
+  EXPECT_EQ(run(forced).exit_code, 1);
+  EXPECT_TRUE(tree(place("sheets")) == before);
+}
+
+TEST_F(Outputs, AreRemovedOnASignal) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    ForkedProcess command([&] {
+      const int nothing = ::open("/dev/null", O_WRONLY);
+      ::dup2(nothing, STDERR_FILENO);
+      ForkedProcess::report_ready();
+      // A recording that takes long to simulate.
+      ::execl(PCAVR_COMMAND, "pcavr", "simulate", "paper", "-o", place("sim").c_str(), nullptr);
+    });
+    const auto is_begun = [&] {
+      return std::any_of(
+          fs::directory_iterator(folder_.path()), fs::directory_iterator(), [](const auto& entry) {
+            return entry.path().filename().string().find("partial") != std::string::npos;
+          });
+    };
+    while (!is_begun()) ::usleep(1000);
+    ::usleep(300'000);  // in the midst of writing frames
+    const int status = command.kill(signal);
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 128 + signal);
+    EXPECT_FALSE(is_begun());
+    EXPECT_FALSE(fs::exists(place("sim")));
+  }
+}
+
+}  // namespace
+}  // namespace pcavr
