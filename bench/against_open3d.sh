@@ -4,13 +4,13 @@
 #
 # bench/against_open3d.sh RECORDING [TRUTH]
 #
-# Builds the comparison in build/release and runs it: speed, memory and accuracy of pcavr's fusion
+# Builds the comparison in build/bench and runs it: speed, memory and accuracy of pcavr's fusion
 # beside Open3D's, in one run. CPU time, so that other load counts little; still, a quiet machine
 # gives the better figures. BUILD_DIR names another build folder.
 set -eu
 [ $# -ge 1 ] || { echo "usage: $0 RECORDING [TRUTH]" >&2; exit 2; }
 root=$(cd "$(dirname "$0")/.." && pwd)
-build=${BUILD_DIR:-$root/build/release}
+build=${BUILD_DIR:-$root/build/bench}
 if [ ! -f "$build/CMakeCache.txt" ]; then
   cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
 fi

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How well pushes are identified, predicted and corrected over many simulated cases.
 
-    bench/cases.py --pcavr build/release/apps/pcavr/pcavr --seeds 5001-5020 --work out/cases
+    bench/cases.py --pcavr build/bench/apps/pcavr/pcavr --seeds 5001-5020 --work out/cases
 
 Each seed makes its own pair of boxes (size, mass, friction, stiffness, pressure). `probe` is
 identified; the parameters found there are then judged on another recording, `push`, three times:
@@ -223,7 +223,7 @@ def table(samples):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--pcavr", default="build/release/apps/pcavr/pcavr")
+    parser.add_argument("--pcavr", default="build/bench/apps/pcavr/pcavr")
     parser.add_argument("--seeds", default="5001-5020")
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/cases"))
     arguments = parser.parse_args()

@@ -9,6 +9,8 @@ function(pcavr_compile_options target)
                          $<$<BOOL:${PCAVR_WARNINGS_AS_ERRORS}>:-Werror>
                          # GCC 12 sees overlaps in std::string's operator+ (its bug 105651).
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+                         # Types of an unnamed namespace are one file's own in a batch of sources, too.
+                         $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>
                          # The same bits at every optimisation level and instruction set.
                          -ffp-contract=off)
 endfunction()

@@ -12,11 +12,11 @@
 namespace pcavr {
 namespace {
 
-constexpr double kSway = 0.05;              // [m]
-constexpr double kTurn = 2.0 * M_PI / 4.0;  // [rad/s]
+constexpr double kSway = 0.05;                  // [m]
+constexpr double kSwayRate = 2.0 * M_PI / 4.0;  // [rad/s]
 
 Eigen::Vector3d sway_and_dip(double t) {
-  return {kSway * std::sin(kTurn * t), 0.0, -0.5 * kSway * (1.0 - std::cos(kTurn * t))};
+  return {kSway * std::sin(kSwayRate * t), 0.0, -0.5 * kSway * (1.0 - std::cos(kSwayRate * t))};
 }
 
 bool is_positive(double value) { return std::isfinite(value) && value > 0.0; }

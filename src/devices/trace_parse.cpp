@@ -15,7 +15,7 @@ namespace pcavr {
 namespace {
 
 const std::vector<std::string> kPlace = {"t", "x", "y", "z"};
-const std::vector<std::string> kTurn = {"qx", "qy", "qz", "qw"};
+const std::vector<std::string> kRotationColumns = {"qx", "qy", "qz", "qw"};
 const std::string kEngaged = "engaged";
 
 /// What the columns after x, y, z are.
@@ -47,7 +47,7 @@ Expected<Columns> columns_of(const std::string& file, LineReader& lines) {
     return true;
   };
   const bool has_place = takes(kPlace);
-  columns.has_turn = has_place && takes(kTurn);
+  columns.has_turn = has_place && takes(kRotationColumns);
   columns.has_engaged = has_place && takes(std::span(&kEngaged, 1));
   if (has_place && names.empty()) return columns;
   return Error{.message = "has another header",

@@ -13,7 +13,7 @@ namespace pcavr {
 namespace {
 
 /// Poses for one thread at a time: even a body of eight vertices keeps it busy for a while.
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kPoseGrain = 256;
 
 /// How far apart two poses put a body's point: difference * p_object + offset.
 struct PoseDifference {
@@ -64,7 +64,7 @@ ObjectErrors object_errors(const TriangleMesh& mesh_object, const Trajectory& re
   const std::vector<MatchedPose> pairs = match(reference, estimate, options.longest_gap);
   ObjectErrors errors;
   errors.poses.resize(pairs.size());
-  parallel_for(parallelism, pairs.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(parallelism, pairs.size(), kPoseGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       errors.poses[i] = model_error(mesh_object.vertices, pairs[i].reference, pairs[i].estimate);
       errors.poses[i].stamp = pairs[i].stamp;
@@ -90,7 +90,7 @@ std::vector<bool> is_moving(const Trajectory& reference,
   const std::vector<Eigen::Vector3f> origin = {Eigen::Vector3f::Zero()};
   const std::vector<Eigen::Vector3f>& vertices = vertices_object.empty() ? origin : vertices_object;
   std::vector<double> speeds(stamps.size());
-  parallel_for(parallelism, stamps.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(parallelism, stamps.size(), kPoseGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       speeds[i] = speed_at(reference, vertices, stamps[i], options.span);
     }

@@ -12,11 +12,11 @@ namespace pcavr {
 namespace {
 
 // The drawing's own units, about pixels on a desktop screen.
-constexpr double kWidth = 1120.0;
-constexpr double kLeft = 190.0;
-constexpr double kRight = 14.0;
-constexpr double kTop = 6.0;
-constexpr double kBottom = 44.0;
+constexpr double kLaneWidth = 1120.0;
+constexpr double kLaneLeft = 190.0;
+constexpr double kLaneRight = 14.0;
+constexpr double kLaneTop = 6.0;
+constexpr double kLaneBottom = 44.0;
 constexpr double kLane = 22.0;
 constexpr double kBetweenObjects = 10.0;
 
@@ -35,7 +35,7 @@ struct TimeAxis {
   double from = 0.0;
   double to = 1.0;
   [[nodiscard]] double x(double t) const {
-    return kLeft + (t - from) / (to - from) * (kWidth - kLeft - kRight);
+    return kLaneLeft + (t - from) / (to - from) * (kLaneWidth - kLaneLeft - kLaneRight);
   }
 };
 
@@ -50,7 +50,7 @@ TimeAxis axis_of(const std::vector<PhaseLane>& lanes) {
 }
 
 std::string format_lane(const PhaseLane& lane, const TimeAxis& axis, double y) {
-  std::string svg = svg_text("tick end", kLeft - 8.0, y + 15.0, lane.label);
+  std::string svg = svg_text("tick end", kLaneLeft - 8.0, y + 15.0, lane.label);
   for (const PhaseStretch& stretch : lane.stretches) {
     const double x = axis.x(stretch.from);
     svg += svg_rectangle(lane_class(static_cast<std::size_t>(stretch.phase)), x, y + 2.0,
@@ -63,10 +63,11 @@ std::string format_time_axis(const TimeAxis& axis, double bottom) {
   std::string svg;
   const double step = tick_step(axis.to - axis.from, 12.0);
   for (const double tick : ticks_between(axis.from, axis.to, step)) {
-    svg += svg_line("grid", axis.x(tick), kTop, axis.x(tick), bottom);
+    svg += svg_line("grid", axis.x(tick), kLaneTop, axis.x(tick), bottom);
     svg += svg_text("tick middle", axis.x(tick), bottom + 17.0, fixed(tick, decimals_of(step)));
   }
-  return svg + svg_text("label middle", 0.5 * (kLeft + kWidth - kRight), bottom + 37.0, "time (s)");
+  return svg + svg_text("label middle", 0.5 * (kLaneLeft + kLaneWidth - kLaneRight), bottom + 37.0,
+                        "time (s)");
 }
 
 }  // namespace
@@ -75,7 +76,7 @@ std::string format_lanes(const std::vector<PhaseLane>& lanes) {
   if (lanes.empty()) return {};
   const TimeAxis axis = axis_of(lanes);
   std::string drawing;
-  double y = kTop;
+  double y = kLaneTop;
   for (std::size_t i = 0; i < lanes.size(); ++i) {
     const bool is_new = i == 0 || lanes[i].object != lanes[i - 1].object;
     if (is_new && i > 0) y += kBetweenObjects;
@@ -85,8 +86,8 @@ std::string format_lanes(const std::vector<PhaseLane>& lanes) {
   }
   return "<figure class=\"wide\">\n<figcaption>Phases over time</figcaption>\n" + legend() +
          "<svg class=\"plot\" role=\"img\" aria-label=\"Phases over time\" viewBox=\"0 0 " +
-         fixed(kWidth, 0) + ' ' + fixed(y + kBottom, 0) + "\">\n" + format_time_axis(axis, y) +
-         drawing + "</svg>\n</figure>\n";
+         fixed(kLaneWidth, 0) + ' ' + fixed(y + kLaneBottom, 0) + "\">\n" +
+         format_time_axis(axis, y) + drawing + "</svg>\n</figure>\n";
 }
 
 }  // namespace pcavr

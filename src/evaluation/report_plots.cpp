@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "report.hpp"
@@ -13,9 +12,8 @@
 namespace pcavr {
 namespace {
 
-constexpr double kBreak = std::numeric_limits<double>::quiet_NaN();
 /// More points than this can't be told apart in a plot 560 units wide.
-constexpr std::size_t kMostPoints = 2000;
+constexpr std::size_t kMaxPlotPoints = 2000;
 
 /// One value over time; where the estimate pauses for five usual steps, the line does too.
 PlotSeries over_time(const std::vector<PoseError>& errors, double PoseError::*value, double scale,
@@ -28,8 +26,8 @@ PlotSeries over_time(const std::vector<PoseError>& errors, double PoseError::*va
   const double pause = 5.0 * statistics(steps).median;
   for (std::size_t i = 0; i < errors.size(); ++i) {
     if (i > 0 && steps[i - 1] > pause) {
-      series.x.push_back(kBreak);
-      series.y.push_back(kBreak);
+      series.x.push_back(kLineBreak);
+      series.y.push_back(kLineBreak);
     }
     series.x.push_back(to_seconds(errors[i].stamp - origin));
     series.y.push_back(scale * errors[i].*value);
@@ -39,7 +37,7 @@ PlotSeries over_time(const std::vector<PoseError>& errors, double PoseError::*va
 
 /// Of many points, the largest in each bucket: a peak must not get lost.
 PlotSeries with_peaks_kept(const PlotSeries& full) {
-  const std::size_t bucket = (full.x.size() + kMostPoints - 1) / kMostPoints;
+  const std::size_t bucket = (full.x.size() + kMaxPlotPoints - 1) / kMaxPlotPoints;
   if (bucket <= 1) return full;
   PlotSeries thin{.label = full.label, .color = full.color, .dashed = full.dashed};
   for (std::size_t begin = 0; begin < full.x.size(); begin += bucket) {
@@ -58,7 +56,7 @@ PlotSeries with_peaks_kept(const PlotSeries& full) {
 /// The trajectory seen from above.
 PlotSeries from_above(const Trajectory& trajectory, const std::string& label, int color) {
   PlotSeries series{.label = label, .color = color};
-  const std::size_t stride = (trajectory.size() + kMostPoints - 1) / kMostPoints;
+  const std::size_t stride = (trajectory.size() + kMaxPlotPoints - 1) / kMaxPlotPoints;
   for (std::size_t i = 0; i < trajectory.size(); i += std::max<std::size_t>(stride, 1)) {
     series.x.push_back(trajectory.poses()[i].pose.translation().x());
     series.y.push_back(trajectory.poses()[i].pose.translation().y());

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "html_text.hpp"
@@ -14,16 +13,15 @@ namespace pcavr {
 namespace {
 
 /// More points than this can't be told apart in a plot 560 units wide.
-constexpr std::size_t kMostPoints = 2000;
+constexpr std::size_t kMaxRunPoints = 2000;
 /// More time nodes than this would cover the plot: the table has them.
 constexpr std::size_t kMostNodes = 15;
 constexpr double kSmallestMotion = 0.001;  // [m]
-constexpr double kBreak = std::numeric_limits<double>::quiet_NaN();
 
 /// The smallest and the largest value of each bucket, in the order of time: no peak gets lost, to
 /// either side.
 PlotSeries thinned(const PlotSeries& full) {
-  const std::size_t bucket = (2 * full.x.size() + kMostPoints - 1) / kMostPoints;
+  const std::size_t bucket = (2 * full.x.size() + kMaxRunPoints - 1) / kMaxRunPoints;
   if (bucket <= 2) return full;
   PlotSeries thin{.label = full.label, .color = full.color, .dashed = full.dashed};
   for (std::size_t begin = 0; begin < full.x.size(); begin += bucket) {
@@ -218,8 +216,8 @@ Plot force_plot(const std::string& object, const Findings& findings) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (i > 0 && samples[i].stamp - samples[i - 1].stamp > std::chrono::milliseconds(50)) {
       for (PlotSeries* series : {&measured, &felt}) {
-        series->x.push_back(kBreak);
-        series->y.push_back(kBreak);
+        series->x.push_back(kLineBreak);
+        series->y.push_back(kLineBreak);
       }
     }
     const double t = to_seconds(samples[i].stamp - findings.origin);

@@ -8,7 +8,7 @@
 namespace pcavr {
 namespace {
 
-constexpr double kMilliseconds = 1e3;
+constexpr double kMsPerSecond = 1e3;
 /// A longer list is for programs: it is in the run's own file.
 constexpr std::size_t kMostRows = 200;
 
@@ -17,7 +17,7 @@ std::string time_text(std::optional<Stamp> stamp, Stamp origin) {
 }
 
 std::string difference_text(std::optional<Stamp> stamp, Stamp reference) {
-  return stamp ? fixed(kMilliseconds * to_seconds(*stamp - reference), 0) : "-";
+  return stamp ? fixed(kMsPerSecond * to_seconds(*stamp - reference), 0) : "-";
 }
 
 std::string joined(const std::vector<std::string>& words, const std::string& separator) {
@@ -37,7 +37,7 @@ ReportTable settings_table(const RunFindings& run) {
     table.rows.push_back({name, value});
   };
   const auto add_delay = [&](const std::string& name, const std::optional<double>& seconds) {
-    if (seconds) add(name, readable(kMilliseconds * *seconds) + " ms");
+    if (seconds) add(name, readable(kMsPerSecond * *seconds) + " ms");
   };
   add_delay("delay from operator to robot", settings.forward_delay);
   add_delay("delay from robot to operator", settings.backward_delay);

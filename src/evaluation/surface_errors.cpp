@@ -15,7 +15,7 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kGrain = 1024;  // samples handed to a thread at once
+constexpr std::size_t kSampleGrain = 1024;  // samples handed to a thread at once
 
 /// Farther than any two points of the meshes are apart [m].
 float reach(const TriangleMesh& a, const TriangleMesh& b) {
@@ -28,7 +28,7 @@ float reach(const TriangleMesh& a, const TriangleMesh& b) {
 std::vector<double> distances(const std::vector<SurfaceSample>& samples,
                               const SurfaceQuery& surface, float radius, Parallelism parallelism) {
   std::vector<double> result(samples.size());
-  parallel_for(parallelism, samples.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(parallelism, samples.size(), kSampleGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto closest = surface.closest(samples[i].point, radius);
       result[i] = static_cast<double>(closest ? closest->distance : radius);
@@ -139,7 +139,7 @@ double share_left_behind(const TriangleMesh& truth_base, const TriangleMesh& mes
   const SurfaceQuery truth_query(truth_base);
   const std::vector<Sweep> sweeps(bodies.begin(), bodies.end());
   std::atomic<std::size_t> left_behind = 0;  // a count: the order of the additions does not matter
-  parallel_for(parallelism, samples.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(parallelism, samples.size(), kSampleGrain, [&](std::size_t begin, std::size_t end) {
     std::size_t found = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const Eigen::Vector3f& point = samples[i].point;

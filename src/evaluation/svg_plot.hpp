@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace pcavr {
+
+/// A coordinate that breaks a line.
+inline constexpr double kLineBreak = std::numeric_limits<double>::quiet_NaN();
 
 /// A line through points; a point that is not a number breaks it.
 struct PlotSeries {

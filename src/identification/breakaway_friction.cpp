@@ -16,7 +16,7 @@ namespace {
 constexpr double kMoved = 5e-4;   // [m] the object has surely gone: several position noises
 constexpr double kBefore = 0.06;  // [s] of rest that the fit sees, and of candidates for the onset
 constexpr double kAfter = 0.02;   // [s] of motion beyond `kMoved`
-constexpr double kSmoothing = 0.008;  // [s] half width for the force at the onset
+constexpr double kOnsetHalfWidth = 0.008;  // [s] half width for the force at the onset
 // Share of peak minus onset by which the onset is off where the object creeps before it goes: seen
 // on LuGre plants from 5 to 30 mm/s (0.2 to 0.4).
 constexpr double kCreepShare = 0.3;
@@ -66,7 +66,7 @@ IdentifiedParameter friction_at_breakaway(const ForceMotion& push, const Breakaw
   for (std::size_t i = 0; i < track.object.size(); ++i) {
     track.object[i] = push.tool[i] - track.object[i];
   }
-  const std::vector<SmoothedSample> x = smooth(push.t, track.object, push.t, kSmoothing);
+  const std::vector<SmoothedSample> x = smooth(push.t, track.object, push.t, kOnsetHalfWidth);
   const auto index = [&](double at) {
     return static_cast<std::size_t>(std::lower_bound(push.t.begin(), push.t.end(), at) -
                                     push.t.begin());
@@ -88,7 +88,7 @@ IdentifiedParameter friction_at_breakaway(const ForceMotion& push, const Breakaw
   }
   const auto best = std::min_element(sums.begin(), sums.end());
   const std::size_t onset = first + static_cast<std::size_t>(best - sums.begin());
-  const SmoothedSample force = smooth_at(push.t, track.force, push.t[onset], kSmoothing);
+  const SmoothedSample force = smooth_at(push.t, track.force, push.t[onset], kOnsetHalfWidth);
   const double variance = *best / static_cast<double>(end - begin - 3);
   double late = 0.0;  // the farthest onset that fits about as well
   for (std::size_t k = 0; k < sums.size(); ++k) {

@@ -19,7 +19,7 @@ namespace {
 // Fewer independent samples than this tell nothing about three parameters.
 constexpr double kLeastIndependent = 5.0;
 // A regressor's rms over its noise's from which leaving it out does more harm than keeping it.
-constexpr double kNoiseFactor = 3.0;
+constexpr double kMassNoiseFactor = 3.0;
 // Deviations, as shares of the value, up to which a mass and a viscous friction count as told.
 constexpr double kMassTold = 0.1;
 constexpr double kViscousTold = 0.3;
@@ -201,7 +201,7 @@ SlidingIdentification identify_sliding(std::span<const ForceMotion> pushes,
       estimate.is_excited[0] && estimate.deviation[0] < kMassTold * estimate.value[0];
   // Between noise and excitation the acceleration explains some force, if not precisely enough to
   // call it a mass.
-  if (!is_mass_told && result.acceleration < kNoiseFactor * all.acceleration_noise) {
+  if (!is_mass_told && result.acceleration < kMassNoiseFactor * all.acceleration_noise) {
     model.has_mass = false;
     estimate = fit(all, model, options, result);
   }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kFree = 0.4;  // [s] before the first sure contact that the fit sees
 constexpr std::size_t kLeastRise = 4;
-constexpr double kGreatestExponent = 2.5;
+constexpr double kMaxTouchExponent = 2.5;
 // Below this share of its speed at the touch, both over kPace, the tool is coming to a hold.
 constexpr double kHolds = 0.5;
 constexpr double kPace = 0.05;  // [s]
@@ -71,7 +71,7 @@ double fitted_instant(const Rise& rise, double fallback) {
                  rise.deepest_free, 20);  // to 1e-4 of the range
   };
   const double exponent =
-      least([&](double n) { return surface_for(n).second; }, 1.0, kGreatestExponent, 12).first;
+      least([&](double n) { return surface_for(n).second; }, 1.0, kMaxTouchExponent, 12).first;
   const double surface = surface_for(exponent).first;
   // The last crossing of the surface before the contact is sure.
   for (std::size_t i = rise.tool.size(); i-- > 1;) {

@@ -16,7 +16,7 @@ using PlaneJacobian = Eigen::Matrix<double, 3, 6>;
 /// Huber's threshold in deviations; 1.345 per coordinate keeps 95 % efficiency on clean noise, and
 /// the residuals here are of two and three coordinates.
 constexpr double kHuber = 2.0;
-constexpr int kMostIterations = 30;
+constexpr int kMaxIterations = 30;
 /// Nearer than this a camera sees no tag [m].
 constexpr double kNearest = 1e-3;
 
@@ -150,7 +150,7 @@ std::optional<RefinedPose> refine_body_pose(const BodyPoseProblem& problem, cons
   double cost = total_cost(problem, pose);
   if (!std::isfinite(cost)) return std::nullopt;
   double damping = 1e-4;  // of the diagonal [Marquardt 1963]
-  for (int i = 0; i < kMostIterations; ++i) {
+  for (int i = 0; i < kMaxIterations; ++i) {
     const Equations equations = equations_at(problem, pose);
     Matrix6d damped = equations.left;
     damped.diagonal() *= 1.0 + damping;

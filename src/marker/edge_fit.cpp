@@ -18,8 +18,8 @@ using Information = Eigen::Matrix<double, 5, 5>;
 
 constexpr std::size_t kFewestSamples = 15;  // three for each parameter
 constexpr double kSmallestContrast = 8.0;   // [grey]; twice the noise of a poor camera
-constexpr double kHuber = 1.5;              // [deviations]
-constexpr int kMostIterations = 8;          // 4 are the rule from within half a pixel
+constexpr double kEdgeHuber = 1.5;          // [deviations]
+constexpr int kMaxEdgeIterations = 8;       // 4 are the rule from within half a pixel
 constexpr double kConverged = 1e-4;         // [px]
 /// A pixel is itself a square blur of 0.29 px, and no wider blur than the reach can be told.
 constexpr double kSharpest = 0.25;  // [px]
@@ -71,14 +71,14 @@ std::optional<EdgeFit> fit_edge(std::span<const EdgeSample> samples, double reac
   Information information;
   double scale = 1e3;  // the first step weighs all alike
   std::vector<double> sizes(samples.size());
-  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+  for (int iteration = 0; iteration < kMaxEdgeIterations; ++iteration) {
     if (std::abs(p(3)) < kSmallestContrast) return std::nullopt;
     information.setZero();
     Parameters right = Parameters::Zero();
     for (std::size_t i = 0; i < samples.size(); ++i) {
       const Linearised one = linearise(samples[i], p);
       sizes[i] = std::abs(one.residual);
-      const double weight = sizes[i] <= kHuber * scale ? 1.0 : kHuber * scale / sizes[i];
+      const double weight = sizes[i] <= kEdgeHuber * scale ? 1.0 : kEdgeHuber * scale / sizes[i];
       information += weight * one.gradient * one.gradient.transpose();
       right += weight * one.residual * one.gradient;
     }

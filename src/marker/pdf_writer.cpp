@@ -8,7 +8,7 @@
 namespace pcavr {
 namespace {
 
-std::string number(double value) {
+std::string pdf_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3f", value);
   return text;
@@ -28,8 +28,9 @@ std::vector<std::string> objects_of(const std::vector<PdfPage>& pages) {
       "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>"};
   for (std::size_t i = 0; i < pages.size(); ++i) {
     const PdfPage& page = pages[i];
-    objects.push_back("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 " + number(page.width) + " " +
-                      number(page.height) + "] /Resources << /Font << /F1 3 0 R >> >> /Contents " +
+    objects.push_back("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 " + pdf_number(page.width) +
+                      " " + pdf_number(page.height) +
+                      "] /Resources << /Font << /F1 3 0 R >> >> /Contents " +
                       std::to_string(kFirstPage + 2 * i + 1) + " 0 R >>");
     objects.push_back("<< /Length " + std::to_string(page.content.size()) + " >>\nstream\n" +
                       page.content + "\nendstream");

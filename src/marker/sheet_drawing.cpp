@@ -12,35 +12,35 @@ constexpr double kHairline = 0.1;  // [mm]
 constexpr double kPointsPerMillimetre = 72.0 / 25.4;
 
 /// Four decimals are a tenth of a micrometre.
-std::string number(double value) {
+std::string svg_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4f", value);
   return text;
 }
 
 std::string attribute(const char* name, double value) {
-  return std::string(" ") + name + "=\"" + number(value) + "\"";
+  return std::string(" ") + name + "=\"" + svg_number(value) + "\"";
 }
 
 /// Draws in millimetres from the top left: the page's matrix turns y up and scales to points, and
 /// text is turned back.
 std::string pdf_content(const SheetPage& page) {
-  const std::string scale = number(kPointsPerMillimetre);
+  const std::string scale = svg_number(kPointsPerMillimetre);
   std::string content = scale + " 0 0 -" + scale + " 0 " +
-                        number(page.height * kPointsPerMillimetre) + " cm\n0 g 0 G " +
-                        number(kHairline) + " w\n";
+                        svg_number(page.height * kPointsPerMillimetre) + " cm\n0 g 0 G " +
+                        svg_number(kHairline) + " w\n";
   for (const SheetRectangle& r : page.black) {
-    content +=
-        number(r.x) + " " + number(r.y) + " " + number(r.width) + " " + number(r.height) + " re\n";
+    content += svg_number(r.x) + " " + svg_number(r.y) + " " + svg_number(r.width) + " " +
+               svg_number(r.height) + " re\n";
   }
   if (!page.black.empty()) content += "f\n";
   for (const SheetLine& line : page.lines) {
-    content += number(line.x1) + " " + number(line.y1) + " m " + number(line.x2) + " " +
-               number(line.y2) + " l S\n";
+    content += svg_number(line.x1) + " " + svg_number(line.y1) + " m " + svg_number(line.x2) + " " +
+               svg_number(line.y2) + " l S\n";
   }
   for (const SheetText& text : page.texts) {
-    content += "BT /F1 " + number(text.height) + " Tf 1 0 0 -1 " + number(text.x) + " " +
-               number(text.y) + " Tm (" + text.text + ") Tj ET\n";
+    content += "BT /F1 " + svg_number(text.height) + " Tf 1 0 0 -1 " + svg_number(text.x) + " " +
+               svg_number(text.y) + " Tm (" + text.text + ") Tj ET\n";
   }
   return content;
 }
@@ -48,8 +48,8 @@ std::string pdf_content(const SheetPage& page) {
 }  // namespace
 
 std::string draw_svg(const SheetPage& page) {
-  const std::string width = number(page.width);
-  const std::string height = number(page.height);
+  const std::string width = svg_number(page.width);
+  const std::string height = svg_number(page.height);
   std::string svg =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" +
@@ -59,8 +59,8 @@ std::string draw_svg(const SheetPage& page) {
   // One path for all cells, so that no viewer shows seams between neighbours.
   svg += "<path fill=\"black\" shape-rendering=\"crispEdges\" d=\"";
   for (const SheetRectangle& r : page.black) {
-    svg += "M" + number(r.x) + " " + number(r.y) + "h" + number(r.width) + "v" + number(r.height) +
-           "h-" + number(r.width) + "z";
+    svg += "M" + svg_number(r.x) + " " + svg_number(r.y) + "h" + svg_number(r.width) + "v" +
+           svg_number(r.height) + "h-" + svg_number(r.width) + "z";
   }
   svg += "\"/>\n";
   for (const SheetLine& line : page.lines) {

@@ -22,7 +22,7 @@ constexpr double kLabelSpace = 6.0;
 constexpr double kCutMark = 4.0;
 
 /// A printed number: as short as it can be at a hundredth.
-std::string number(double value) {
+std::string label_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f", value);
   std::string result = text;
@@ -82,9 +82,9 @@ void draw_tag(const TagPicture& picture, const TagSheetOptions& options, int id,
   const Slot slot = slot_for(picture, options.size * 1e3);
   draw_cells(picture, x + slot.cell, y + slot.cell, slot.cell, page);
   const double base = y + slot.width + 0.5 * (kLabelSpace + kTextHeight) - 1.0;
-  page.texts.push_back(
-      {x + slot.cell + 5.0, base, kTextHeight,
-       options.family + " " + std::to_string(id) + "  " + number(options.size * 1e3) + " mm"});
+  page.texts.push_back({x + slot.cell + 5.0, base, kTextHeight,
+                        options.family + " " + std::to_string(id) + "  " +
+                            label_number(options.size * 1e3) + " mm"});
   // An arrow to the tag's upper edge: the marker frame's y.
   const double arrow = x + slot.cell + 2.0;
   page.lines.push_back({arrow, base + 0.5, arrow, base - kTextHeight});
@@ -98,8 +98,9 @@ void draw_ruler(double x, double y, double length, SheetPage& page) {
     const double tick = i % 10 == 0 ? 3.0 : (i % 5 == 0 ? 2.0 : 1.0);
     page.lines.push_back({x + i, y, x + i, y - tick});
   }
-  page.texts.push_back({x, y + 4.0, kTextHeight,
-                        kRulerText + number(length) + " mm long: measure it. Arrows point up."});
+  page.texts.push_back(
+      {x, y + 4.0, kTextHeight,
+       kRulerText + label_number(length) + " mm long: measure it. Arrows point up."});
 }
 
 struct Grid {
@@ -189,8 +190,9 @@ Expected<TagSheet> make_tag_sheet(const TagSheetOptions& options) {
   const Slot slot = slot_for(pictures.front(), options.size * 1e3);
   const std::optional<Grid> grid = grid_for(options, slot);
   if (!grid) {
-    return Error{.message = "a tag of " + number(options.size * 1e3) + " mm with its white rim (" +
-                            number(slot.width) + " mm) does not fit on the page",
+    return Error{.message = "a tag of " + label_number(options.size * 1e3) +
+                            " mm with its white rim (" + label_number(slot.width) +
+                            " mm) does not fit on the page",
                  .hint = "take a larger page or a smaller tag"};
   }
 

@@ -7,7 +7,7 @@
 namespace pcavr::model {
 namespace {
 
-Eigen::Vector3d corner(const TriangleMesh& mesh, std::uint32_t index) {
+Eigen::Vector3d vertex_at(const TriangleMesh& mesh, std::uint32_t index) {
   return mesh.vertices[index].cast<double>();
 }
 
@@ -15,9 +15,10 @@ Eigen::Vector3d corner(const TriangleMesh& mesh, std::uint32_t index) {
 Eigen::Vector3d polygon_normal(const std::vector<std::uint32_t>& corners,
                                const TriangleMesh& mesh) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  const Eigen::Vector3d origin = corner(mesh, corners[0]);
+  const Eigen::Vector3d origin = vertex_at(mesh, corners[0]);
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
-    normal += (corner(mesh, corners[i]) - origin).cross(corner(mesh, corners[i + 1]) - origin);
+    normal +=
+        (vertex_at(mesh, corners[i]) - origin).cross(vertex_at(mesh, corners[i + 1]) - origin);
   }
   return normal;
 }
@@ -26,16 +27,16 @@ Eigen::Vector3d polygon_normal(const std::vector<std::uint32_t>& corners,
 bool is_ear(const std::vector<std::uint32_t>& corners, std::size_t i, const TriangleMesh& mesh,
             const Eigen::Vector3d& normal) {
   const std::size_t n = corners.size();
-  const Eigen::Vector3d a = corner(mesh, corners[(i + n - 1) % n]);
-  const Eigen::Vector3d b = corner(mesh, corners[i]);
-  const Eigen::Vector3d c = corner(mesh, corners[(i + 1) % n]);
+  const Eigen::Vector3d a = vertex_at(mesh, corners[(i + n - 1) % n]);
+  const Eigen::Vector3d b = vertex_at(mesh, corners[i]);
+  const Eigen::Vector3d c = vertex_at(mesh, corners[(i + 1) % n]);
   const auto turns_left = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q,
                               const Eigen::Vector3d& r) {
     return normal.dot((q - p).cross(r - p)) > 0.0;
   };
   if (!turns_left(a, b, c)) return false;
   for (std::size_t k = 2; k + 1 < n; ++k) {
-    const Eigen::Vector3d p = corner(mesh, corners[(i + k) % n]);
+    const Eigen::Vector3d p = vertex_at(mesh, corners[(i + k) % n]);
     if (turns_left(a, b, p) && turns_left(b, c, p) && turns_left(c, a, p)) return false;
   }
   return true;

@@ -18,7 +18,7 @@ namespace pcavr {
 namespace {
 
 /// A pose this near in time is the frame's own [half the format's pairing gap].
-constexpr Duration kSameFrame = std::chrono::milliseconds(10);
+constexpr Duration kSameImage = std::chrono::milliseconds(10);
 
 struct DrawnBody {
   SurfaceQuery surface;
@@ -59,7 +59,7 @@ struct AugmentedFrames::Content {
   std::vector<DrawnBody> bodies;
 
   [[nodiscard]] std::optional<Pose> camera_at(std::size_t frame) const {
-    const auto nearest = camera.nearest(recording.frames[frame].depth_stamp, kSameFrame);
+    const auto nearest = camera.nearest(recording.frames[frame].depth_stamp, kSameImage);
     if (!nearest) return std::nullopt;
     return camera.poses()[*nearest].pose;
   }
@@ -81,7 +81,7 @@ void AugmentedFrames::Content::draw(const FrameFiles& files, const Pose& T_base_
       predicted.push_back(
           {&body.surface, T_camera_base * pose_near(body.predicted, files.color_stamp)});
     }
-    if (const auto nearest = body.tracked.nearest(files.depth_stamp, kSameFrame)) {
+    if (const auto nearest = body.tracked.nearest(files.depth_stamp, kSameImage)) {
       tracked.push_back({&body.surface, T_camera_base * body.tracked.poses()[*nearest].pose});
     }
   }

@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "identify_parts.hpp"
 
 namespace pcavr {
 namespace {
 
-constexpr double kBreak = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMillimetres = 1e3;
 constexpr double kPercent = 1e2;
 
@@ -26,9 +24,10 @@ PlotSeries band_of(const std::vector<double>& t, const std::vector<double>& valu
   PlotSeries band{.label = "± standard deviation", .color = color, .dashed = true};
   for (const double sign : {1.0, -1.0}) {
     for (std::size_t i = 0; i < t.size(); ++i) {
-      add_point(band, t[i], std::isfinite(deviation[i]) ? value[i] + sign * deviation[i] : kBreak);
+      add_point(band, t[i],
+                std::isfinite(deviation[i]) ? value[i] + sign * deviation[i] : kLineBreak);
     }
-    add_point(band, kBreak, kBreak);
+    add_point(band, kLineBreak, kLineBreak);
   }
   return band;
 }
@@ -45,7 +44,7 @@ double upper_edge(const std::vector<double>& values) {
 /// Breaks the line where it leaves the picture.
 void keep_inside(double edge, PlotSeries& series) {
   for (double& y : series.y) {
-    if (!(y <= edge && y >= -0.3 * edge)) y = kBreak;
+    if (!(y <= edge && y >= -0.3 * edge)) y = kLineBreak;
   }
 }
 
@@ -192,10 +191,10 @@ std::vector<Plot> surface_plots(const ObjectIdentification& object) {
     const double y = sample.wrench.z() / surface.length;
     add_point(seen, x - half, y - half);
     add_point(seen, x + half, y + half);
-    add_point(seen, kBreak, kBreak);
+    add_point(seen, kLineBreak, kLineBreak);
     add_point(seen, x - half, y + half);
     add_point(seen, x + half, y - half);
-    add_point(seen, kBreak, kBreak);
+    add_point(seen, kLineBreak, kLineBreak);
   }
   plot.series = {edge, seen};
   return {plot};

@@ -10,7 +10,6 @@
 namespace pcavr {
 namespace {
 
-constexpr double kBreak = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMillimetres = 1e3;
 /// Points of one contact: more can't be told apart in the picture.
 constexpr std::size_t kMostPoints = 400;
@@ -71,7 +70,7 @@ struct PushSeries {
     }
     base += gone;
     for (PlotSeries* series : {&force, &object, &tool}) {
-      series->x.push_back(kBreak), series->y.push_back(kBreak);
+      series->x.push_back(kLineBreak), series->y.push_back(kLineBreak);
     }
   }
 };
@@ -111,8 +110,8 @@ Plot breakaway_plot(const std::vector<const IdentifiedContact*>& pushes,
   const double high = limit.mean + limit.deviation, low = limit.mean - limit.deviation;
   plot.series.push_back({.label = "± STD",
                          .color = 2,
-                         .x = {ends[0], ends[1], kBreak, ends[0], ends[1]},
-                         .y = {high, high, kBreak, low, low},
+                         .x = {ends[0], ends[1], kLineBreak, ends[0], ends[1]},
+                         .y = {high, high, kLineBreak, low, low},
                          .dashed = true});
   return plot;
 }

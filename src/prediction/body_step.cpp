@@ -28,7 +28,7 @@ constexpr double kSteepest = 0.87;
 /// Of the contact's swing, in radians, that a step may take at once; the parts that this makes of a
 /// step; and a clearance [m] within which a turning body may touch.
 constexpr double kLongestPart = 0.5;
-constexpr double kMostParts = 16.0;
+constexpr double kMaxStepParts = 16.0;
 constexpr double kNear = 1e-3;
 /// phases.csv: sliding from the one speed on until slower than the other [m/s].
 constexpr double kSlides = 1e-3;
@@ -341,7 +341,7 @@ int parts_of_step(const UprightBody& body, const BodyState& state, const TipPath
   const double travel =
       (tip.to - tip.from).norm() + dt * state.planar.twist.head<2>().norm() + kNear;
   if (state.penetration < -travel) return 1;
-  return static_cast<int>(std::min(parts, kMostParts));
+  return static_cast<int>(std::min(parts, kMaxStepParts));
 }
 
 BodyStep step_body(const UprightBody& body, const BodyState& state, const TipPath& tip,

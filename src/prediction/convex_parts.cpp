@@ -12,7 +12,7 @@
 namespace pcavr::detail {
 namespace {
 
-constexpr std::size_t kMostParts = 16;
+constexpr std::size_t kMaxConvexParts = 16;
 constexpr double kTolerance = 0.02;       // of the diagonal
 constexpr std::size_t kMostCuts = 12;     // tried along each axis
 constexpr std::size_t kMostCorners = 64;  // of a hull
@@ -174,7 +174,7 @@ std::vector<std::unique_ptr<btConvexHullShape>> convex_parts(const TriangleMesh&
   std::vector<Part> parts;
   parts.push_back(make_part(std::move(whole)));
   for (std::size_t i = 0; i < parts.size();) {
-    if (parts[i].concavity <= tolerance || parts.size() == kMostParts) {
+    if (parts[i].concavity <= tolerance || parts.size() == kMaxConvexParts) {
       ++i;
       continue;
     }

@@ -14,7 +14,7 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kGrainBlocks = 64;
+constexpr std::size_t kMeshGrainBlocks = 64;
 constexpr std::int16_t kUnknown = std::numeric_limits<std::int16_t>::min();
 // A crossing keeps this far from the voxels, in edge lengths: there the vertices of several edges
 // would fall together.
@@ -338,7 +338,7 @@ std::vector<Distances> decode_all(const BlockMap& map, const ExtractionParameter
   const auto least_hits = static_cast<std::uint32_t>(
       std::clamp(std::ceil(parameters.smallest_weight), 1.0, double{kLargestCount}));
   std::vector<Distances> distances(map.size());
-  parallel_for(parallelism, map.size(), kGrainBlocks, [&](std::size_t begin, std::size_t end) {
+  parallel_for(parallelism, map.size(), kMeshGrainBlocks, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto number = static_cast<std::uint32_t>(i);
       decode(map.block(number), map.through_whole(number), least_hits,
@@ -367,7 +367,7 @@ TriangleMesh extract_surface(const BlockMap& map, const ExtractionParameters& pa
                              Parallelism parallelism) {
   const std::vector<Distances> distances = decode_all(map, parameters, parallelism);
   std::vector<SurfaceMap> surfaces(map.size());
-  parallel_for(parallelism, map.size(), kGrainBlocks, [&](std::size_t begin, std::size_t end) {
+  parallel_for(parallelism, map.size(), kMeshGrainBlocks, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Window window(distances, neighbours_of(map, static_cast<std::uint32_t>(i)));
       surfaces[i] = map_surface(SignRows(window));
@@ -379,7 +379,7 @@ TriangleMesh extract_surface(const BlockMap& map, const ExtractionParameters& pa
   mesh.normals.resize(vertices);
   mesh.colors.resize(vertices);
   mesh.triangles.resize(triangles);
-  parallel_for(parallelism, map.size(), kGrainBlocks, [&](std::size_t begin, std::size_t end) {
+  parallel_for(parallelism, map.size(), kMeshGrainBlocks, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (surfaces[i].vertices == 0 && surfaces[i].triangles == 0) continue;
       const auto number = static_cast<std::uint32_t>(i);

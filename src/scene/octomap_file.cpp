@@ -12,7 +12,7 @@ namespace pcavr {
 namespace {
 
 constexpr int kLevels = 16;
-constexpr int kCentralKey = 32768;
+constexpr int kOriginKey = 32768;  // of the cell whose corner is base's origin
 
 /// Two bits for each of eight children: unknown (0), free (1), occupied (2) or with children (3)
 /// [Hornung et al. 2013, sec. 3.5].
@@ -90,7 +90,7 @@ Expected<OctomapContent> read_octomap(const std::filesystem::path& file,
     return not_sound("has no cell size");
   }
   TreeWalker walker(std::string_view(*bytes).substr(end + kEnd.size()), content, on_leaf);
-  const bool is_sound = nodes == 0 || walker.walk(0, Eigen::Vector3i::Constant(-kCentralKey));
+  const bool is_sound = nodes == 0 || walker.walk(0, Eigen::Vector3i::Constant(-kOriginKey));
   if (!is_sound) return not_sound("is cut short");
   if (!walker.is_at_end()) return not_sound("holds more than its tree");
   return content;

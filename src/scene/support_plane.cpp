@@ -89,7 +89,7 @@ std::pair<Plane, double> fit(const Points& points) {
 
 using Cell = std::pair<int, int>;
 
-Cell cell_of(const Eigen::Vector3d& point) {
+Cell plane_cell_of(const Eigen::Vector3d& point) {
   return {static_cast<int>(std::floor(point.x() / kCellEdge)),
           static_cast<int>(std::floor(point.y() / kCellEdge))};
 }
@@ -100,7 +100,8 @@ Points connected_inliers(const Points& points, const Plane& plane, double distan
                          const std::optional<Footprint>& near) {
   std::map<Cell, Points> cells;
   for (const Eigen::Vector3d& point : points) {
-    if (std::abs(plane.signed_distance(point)) <= distance) cells[cell_of(point)].push_back(point);
+    if (std::abs(plane.signed_distance(point)) <= distance)
+      cells[plane_cell_of(point)].push_back(point);
   }
   Points largest;
   while (!cells.empty()) {

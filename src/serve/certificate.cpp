@@ -34,7 +34,7 @@ constexpr int kDays = 397;
 constexpr double kDaysToSpare = 7.0;
 constexpr long kDay = 24L * 3600;  // [s]
 
-struct Free {
+struct FreeOpenSsl {
   void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }
   void operator()(X509* certificate) const { X509_free(certificate); }
   void operator()(BIO* text) const { BIO_free_all(text); }
@@ -42,7 +42,7 @@ struct Free {
   void operator()(ifaddrs* list) const { ::freeifaddrs(list); }
 };
 template <typename Handle>
-using Owned = std::unique_ptr<Handle, Free>;
+using Owned = std::unique_ptr<Handle, FreeOpenSsl>;
 
 Error no_certificate(const fs::path& file) {
   return Error{.message = "can't make a certificate", .file = file.string()};

@@ -14,7 +14,7 @@ namespace {
 constexpr int kLevel = 9;
 constexpr std::size_t kTrailer = 4;  // the length before, at the end of the file
 
-struct Free {
+struct FreeCompressor {
   void operator()(libdeflate_compressor* tool) const { libdeflate_free_compressor(tool); }
   void operator()(libdeflate_decompressor* tool) const { libdeflate_free_decompressor(tool); }
 };
@@ -22,7 +22,8 @@ struct Free {
 }  // namespace
 
 std::string gzip(std::string_view plain) {
-  const std::unique_ptr<libdeflate_compressor, Free> tool(libdeflate_alloc_compressor(kLevel));
+  const std::unique_ptr<libdeflate_compressor, FreeCompressor> tool(
+      libdeflate_alloc_compressor(kLevel));
   if (!tool) throw std::bad_alloc();
   std::string packed(libdeflate_gzip_compress_bound(tool.get(), plain.size()), '\0');
   packed.resize(libdeflate_gzip_compress(tool.get(), plain.data(), plain.size(), packed.data(),
@@ -38,7 +39,8 @@ std::optional<std::string> gunzip(std::string_view packed, std::size_t most) {
     length |= std::size_t{byte} << (8 * i);
   }
   if (length > most) return std::nullopt;
-  const std::unique_ptr<libdeflate_decompressor, Free> tool(libdeflate_alloc_decompressor());
+  const std::unique_ptr<libdeflate_decompressor, FreeCompressor> tool(
+      libdeflate_alloc_decompressor());
   if (!tool) throw std::bad_alloc();
   std::string plain(length, '\0');
   const libdeflate_result result = libdeflate_gzip_decompress(

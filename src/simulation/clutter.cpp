@@ -11,9 +11,9 @@
 namespace pcavr::simulation {
 namespace {
 
-constexpr double kClearance = 0.02;  ///< between neighbours [m]: a cloud can tell them apart
-constexpr int kTries = 300;          ///< more hardly ever finds room that these did not
-constexpr int kSegments = 48;        ///< of round bodies: their facets are under 0.1 mm off
+constexpr double kNeighbourGap = 0.02;  ///< between neighbours [m]: a cloud can tell them apart
+constexpr int kTries = 300;             ///< more hardly ever finds room that these did not
+constexpr int kSegments = 48;           ///< of round bodies: their facets are under 0.1 mm off
 
 Pose upright(const Eigen::Vector2d& place, double yaw) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
@@ -82,7 +82,7 @@ void Occupancy::keep_out(const Eigen::Vector2d& low, const Eigen::Vector2d& high
 }
 
 bool Occupancy::is_free(const Eigen::Vector2d& centre, double radius) const {
-  const double reach = radius + kClearance;
+  const double reach = radius + kNeighbourGap;
   return std::all_of(discs_.begin(), discs_.end(),
                      [&](const Disc& disc) {
                        return (disc.centre - centre).norm() >= disc.radius + reach;
@@ -109,7 +109,7 @@ int add_clutter(Body& room, int count, Random& random, Occupancy& occupancy) {
   const double first_hue = random.uniform();
   for (int i = 0; i < count; ++i) {
     const double radius = random.uniform(0.025, 0.055);
-    const double edge = radius + kClearance;
+    const double edge = radius + kNeighbourGap;
     const auto place = occupancy.find_room(radius, {kTableNear + edge, -kTableSide + edge},
                                            {kTableFar - 0.1 - edge, kTableSide - edge}, random);
     if (!place) continue;

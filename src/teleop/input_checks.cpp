@@ -18,7 +18,7 @@ constexpr double kSoftEdge = 5e-4;
 // Within this the force's direction is that to the body [m].
 constexpr double kNear = 0.02;
 // Samples of the penetration a second: enough for clocks, cheap enough for long recordings.
-constexpr double kRate = 200.0;
+constexpr double kCommonRate = 200.0;
 // A correlation below minus this is a sign turned round.
 constexpr double kTurnedRound = 0.5;
 // No support bears more, and no sliding body less, of its weight.
@@ -44,9 +44,9 @@ Pressing press_of(const TeleopInput& input, const TipMotion& tip) {
   Pressing pressing;
   std::vector<BodySurface> surfaces;
   for (const TeleopObject& object : input.objects) surfaces.emplace_back(object.model);
-  const auto count = static_cast<std::size_t>((tip.t.back() - tip.t.front()) * kRate) + 1;
+  const auto count = static_cast<std::size_t>((tip.t.back() - tip.t.front()) * kCommonRate) + 1;
   for (std::size_t k = 0; k < count; ++k) {
-    const double t = tip.t.front() + static_cast<double>(k) / kRate;
+    const double t = tip.t.front() + static_cast<double>(k) / kCommonRate;
     const Eigen::Vector3d p_base = tip.at(t);
     Reach nearest{.clearance = kFarAway};
     std::size_t which = 0;
@@ -92,7 +92,7 @@ void check_unit(const TeleopInput& input, const Pressing& pressing, InputFinding
   double share = 0.0;
   std::vector<double> friction;
   for (std::size_t i = 0; i < input.force_base.size(); ++i) {
-    const double place = (input.t_force[i] - pressing.t.front()) * kRate;
+    const double place = (input.t_force[i] - pressing.t.front()) * kCommonRate;
     if (place < 0.0 || place >= static_cast<double>(pressing.t.size())) continue;
     const auto k = static_cast<std::size_t>(place);
     if (pressing.depth[k] <= 0.0) continue;
@@ -128,7 +128,7 @@ TimeOffset surer(TimeOffset rough, const std::optional<TimeOffset>& measured) {
 void check_force(const TeleopInput& input, const Pressing& pressing, InputFindings& findings) {
   std::vector<double> along(input.t_force.size(), 0.0);
   for (std::size_t i = 0; i < along.size(); ++i) {
-    const double place = (input.t_force[i] - pressing.t.front()) * kRate;
+    const double place = (input.t_force[i] - pressing.t.front()) * kCommonRate;
     if (place < 0.0 || place >= static_cast<double>(pressing.t.size())) continue;
     along[i] = input.force_base[i].dot(pressing.inward_base[static_cast<std::size_t>(place)]);
   }

@@ -13,8 +13,8 @@ constexpr double kWorthTelling = 0.03;
 // Numbers of a group that is told stay out where they are as they were.
 constexpr double kSame = 1e-3;
 
-constexpr double kLeastForce = 1.0;  // [N] below which no contact matters
-constexpr double kRate = 0.02;       // [m/s] at which damping is compared
+constexpr double kMinComparedForce = 1.0;  // [N] below which no contact matters
+constexpr double kComparedRate = 0.02;     // [m/s] at which damping is compared
 
 using Field = std::optional<ParameterValue> ObjectParameters::*;
 constexpr std::initializer_list<Field> kContactFields{&ObjectParameters::contact_stiffness,
@@ -54,11 +54,11 @@ double force_at(const ObjectParameters& law, double depth, double rate) {
 
 /// Stiffness and exponent are bound to each other: what counts is the force.
 bool feels_different(const ObjectParameters& now, const ObjectParameters& told) {
-  const double most = std::max(now.limiting_static_friction->value, kLeastForce);
+  const double most = std::max(now.limiting_static_friction->value, kMinComparedForce);
   for (const double share : {0.3, 1.0}) {
     const double depth =
         std::pow(share * most / now.contact_stiffness->value, 1.0 / now.contact_exponent->value);
-    for (const double rate : {0.0, kRate}) {
+    for (const double rate : {0.0, kComparedRate}) {
       const double force = force_at(now, depth, rate);
       if (std::abs(force_at(told, depth, rate) - force) > kWorthTelling * force) return true;
     }

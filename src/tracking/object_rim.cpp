@@ -16,9 +16,9 @@ constexpr int kReach = 10;
 /// Distance of the neighbours from which the outline's direction is taken [px].
 constexpr int kAside = 2;
 /// Deviations within which a reading lies on the body; twice as far behind, it is clearly not.
-constexpr double kGate = 4.0;
+constexpr double kRimGate = 4.0;
 /// A face seen more obliquely than this is not prolonged beyond the rim.
-constexpr double kSmallestCosine = 0.3;
+constexpr double kMinRimCosine = 0.3;
 /// Lines that meet the outline more obliquely than this tell little of it.
 constexpr double kSmallestCrossing = 0.4;
 constexpr int kHalvings = 5;  // of one pixel: 0.03 px
@@ -62,10 +62,10 @@ class View {
     const Eigen::Vector3d ray = ray_object(pixel);
     const double slope = rim.normal_object.dot(ray);
     double expected = rim.depth;
-    if (-slope > kSmallestCosine * ray.norm()) {
+    if (-slope > kMinRimCosine * ray.norm()) {
       expected = rim.normal_object.dot(rim.p_object - p_object_camera_) / slope;
     }
-    const double gate = kGate * noise_.sigma(rim.depth);
+    const double gate = kRimGate * noise_.sigma(rim.depth);
     if (measured < expected - gate) return Reading::before;
     if (measured < expected + gate) return Reading::body;
     return measured > expected + 2.0 * gate ? Reading::behind : Reading::doubtful;

@@ -14,7 +14,7 @@ namespace {
 constexpr int kMostCells = 1500;
 
 /// Beyond this angle between ray and normal, sensors return nothing that can be relied on.
-constexpr double kSmallestCosine = 0.26;  // of 75 degrees
+constexpr double kMinSampleCosine = 0.26;  // of 75 degrees
 
 }  // namespace
 
@@ -63,7 +63,7 @@ std::vector<SurfaceSample> SampleGrid::samples(const Pose& T_camera_object) cons
       const Eigen::Vector3d ray_object = R_object_camera * cell.ray_camera;
       const double length = ray_object.norm();
       const Eigen::Vector3d normal = normals_.at(*hits[i]);
-      if (-normal.dot(ray_object) < kSmallestCosine * length) continue;
+      if (-normal.dot(ray_object) < kMinSampleCosine * length) continue;
       const double expected = static_cast<double>(hits[i]->distance) / length;
       samples.push_back({T_object_camera.translation() + expected * ray_object, normal, ray_object,
                          expected, cell.measured_depth});

@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The pcavr authors
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the command on bad inputs drawn at random, and judges how it takes them.
+
+    tests/sweep/bad_inputs.py --pcavr build/dev/apps/pcavr/pcavr --seed 1 --count 300
+
+A trial fails where the command crashes, runs for over 20 s, reports an internal error, says its
+error in other than one line, changes an input, leaves something half-written, or succeeds without a
+warning on data that contradict each other by a factor of 1.5 or more. The same seed and count draw
+the same trials; `--only 17` runs the 17th alone and keeps its files. Needs python3 and nothing else.
+"""
+import argparse
+import collections
+import concurrent.futures
+import pathlib
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import faults
+import trial
+
+FRAMES = 8  # of the recording with images: enough to track, quick to build
+
+
+def run(*words):
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"can't make sound inputs: {' '.join(map(str, words))}\n{done.stderr}")
+
+
+def thin_lists(recording, count):
+    """Keeps `count` images of each list, evenly spread."""
+    for name in ("rgb.txt", "depth.txt"):
+        rows = [r for r in (recording / name).read_text().split("\n") if r and r[0] != "#"]
+        keep = [rows[i * (len(rows) - 1) // (count - 1)] for i in range(count)]
+        (recording / name).write_text("\n".join(keep) + "\n")
+
+
+def make_sound_inputs(pcavr, folder):
+    sound = faults.Sound(folder)
+    run(pcavr, "simulate", "tabletop", "-o", sound.images, "--seed", "11")
+    thin_lists(sound.images, FRAMES)
+    kept = {row.split()[1] for name in ("rgb.txt", "depth.txt")
+            for row in (sound.images / name).read_text().split("\n") if row}
+    for path in faults.files_of(sound.images, ".png", ".jpg"):
+        if str(path.relative_to(sound.images)) not in kept:
+            path.unlink()
+    run(pcavr, "build", sound.images, "-o", sound.images_scene)
+    run(pcavr, "simulate", "push", "--no-images", "-o", sound.push, "--seed", "12")
+    run(pcavr, "build", sound.push, "-o", sound.push_scene)
+    run(pcavr, "identify", "friction", sound.push, "--scene", sound.push_scene, "--tracked",
+        sound.push / "tracked", "-o", sound.parameters)
+    shutil.rmtree(folder / "parameters.report", ignore_errors=True)
+    run(pcavr, "replay", sound.push, "--scene", sound.push_scene, "--tracked",
+        sound.push / "tracked", "--parameters", sound.parameters, "-o", sound.run)
+    return sound
+
+
+def run_one(pcavr, sound, work, seed, number, keep):
+    rng = random.Random(f"{seed}/{number}")
+    private = work / str(number)
+    private.mkdir()
+    kind, drawn = faults.draw(rng, sound, private)
+    outcome = trial.run_trial(pcavr, drawn)
+    if not keep and not outcome.faults:
+        shutil.rmtree(private, ignore_errors=True)
+    return number, kind, outcome
+
+
+def print_outcome(number, kind, outcome, is_verbose):
+    if outcome.faults:
+        words = " ".join(f"'{w}'" for w in outcome.trial.words)
+        print(f"FAILED {number} [{kind}] {outcome.trial.name}: {'; '.join(outcome.faults)}\n"
+              f"  {outcome.trial.prefix} pcavr {words}\n  {outcome.said[:300]}", flush=True)
+    elif is_verbose:
+        print(f"ok {number} [{kind}] {outcome.trial.name}: exit {outcome.exit_code}, "
+              f"{outcome.seconds:.1f} s: {outcome.said[:240]}", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--pcavr", required=True, type=pathlib.Path, help="the command")
+    parser.add_argument("--seed", default="1")
+    parser.add_argument("--count", type=int, default=300)
+    parser.add_argument("--only", type=int, help="this trial alone; its files are kept")
+    parser.add_argument("--work", type=pathlib.Path, help="where to keep files; a temporary folder")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--verbose", action="store_true")
+    arguments = parser.parse_args()
+
+    work = arguments.work or pathlib.Path(tempfile.mkdtemp(prefix="pcavr-sweep-"))
+    work.mkdir(parents=True, exist_ok=True)
+    pcavr = arguments.pcavr.resolve()
+    (work / "sound").mkdir()
+    sound = make_sound_inputs(pcavr, work / "sound")
+    before = trial.state_of(sound.folder)
+
+    numbers = [arguments.only] if arguments.only is not None else range(arguments.count)
+    failed = 0
+    kinds = collections.Counter()
+    longest = 0.0
+    with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+        waiting = [pool.submit(run_one, pcavr, sound, work, arguments.seed, number,
+                               arguments.only is not None) for number in numbers]
+        for done in waiting:
+            number, kind, outcome = done.result()
+            kinds[kind] += 1
+            longest = max(longest, outcome.seconds)
+            failed += bool(outcome.faults)
+            print_outcome(number, kind, outcome, arguments.verbose or arguments.only is not None)
+    if trial.state_of(sound.folder) != before:
+        print("FAILED: the sound inputs were changed")
+        failed += 1
+    print(", ".join(f"{kind}: {count}" for kind, count in sorted(kinds.items())))
+    print(f"seed {arguments.seed}; longest run {longest:.1f} s")
+    print(f"{len(list(numbers)) - failed} passed, {failed} failed")
+    if failed == 0 and arguments.work is None and arguments.only is None:
+        shutil.rmtree(work, ignore_errors=True)
+    else:
+        print(f"files: {work}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

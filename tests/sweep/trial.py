@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: The pcavr authors
+# SPDX-License-Identifier: Apache-2.0
+"""One run of the command on one bad input, and what must hold afterwards."""
+import dataclasses
+import json
+import pathlib
+import signal
+import subprocess
+import time
+
+TIMEOUT = 20.0  # s; no refusal takes longer
+MAX_ERROR_LENGTH = 1500  # characters; a line that a person reads, file names included
+
+
+@dataclasses.dataclass
+class Trial:
+    """What to run. Paths are absolute; `inputs` may not change, `output` is whole or absent."""
+
+    name: str
+    words: list
+    inputs: list
+    output: pathlib.Path = None
+    prefix: str = ""  # shell text before the command, such as a limit
+    is_contradiction: bool = False  # the data disagree: exit code 1, or a warning
+    must_fail: bool = False
+    kill_after: float = None  # s, SIGTERM
+
+
+@dataclasses.dataclass
+class Outcome:
+    trial: Trial
+    faults: list
+    seconds: float
+    exit_code: int
+    said: str
+
+
+def state_of(path):
+    """Name, size and time of change of everything below `path`, links not followed."""
+    found = {}
+    for entry in [path, *sorted(path.rglob("*"))] if path.is_dir() else [path]:
+        try:
+            facts = entry.lstat()
+        except OSError:
+            continue
+        if not entry.is_dir():
+            found[str(entry)] = (facts.st_size, facts.st_mtime_ns, facts.st_ino)
+    return found
+
+
+def run_shell(pcavr, trial):
+    """Exit code, standard output, standard error and seconds; None for the code of a hang."""
+    quoted = " ".join("'" + str(word).replace("'", "'\\''") + "'" for word in trial.words)
+    line = f"{trial.prefix} exec '{pcavr}' {quoted}"
+    start = time.monotonic()
+    process = subprocess.Popen(["bash", "-c", line], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               stdin=subprocess.DEVNULL)
+    try:
+        if trial.kill_after is not None:
+            try:
+                out, err = process.communicate(timeout=trial.kill_after)
+            except subprocess.TimeoutExpired:
+                process.send_signal(signal.SIGTERM)
+                out, err = process.communicate(timeout=TIMEOUT)
+        else:
+            out, err = process.communicate(timeout=TIMEOUT)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        out, err = process.communicate()
+        return None, out.decode(errors="replace"), err.decode(errors="replace"), TIMEOUT
+    seconds = time.monotonic() - start
+    return process.returncode, out.decode(errors="replace"), err.decode(errors="replace"), seconds
+
+
+def faults_of_words(trial, exit_code, out, err):
+    faults = []
+    if "internal error" in err or "please report" in err:
+        faults.append("internal error")
+    errors = [line for line in err.splitlines() if line.startswith("pcavr: ")]
+    if exit_code == 1 and "inspect" not in trial.words:
+        if len(errors) != 1:
+            faults.append(f"{len(errors)} error lines")
+        elif len(errors[0]) > MAX_ERROR_LENGTH:
+            faults.append("an error line too long to read")
+    if exit_code == 0 and errors:
+        faults.append("success with an error line")
+    if "--json" in trial.words and exit_code in (0, 1):
+        try:
+            json.loads(out)
+        except ValueError:
+            faults.append("--json did not print JSON")
+    said = (out + err).lower()
+    if trial.is_contradiction and exit_code == 0 and "warning" not in said:
+        faults.append("contradicting data, success without a word")
+    if trial.must_fail and exit_code == 0:
+        faults.append("success where there is nothing to succeed with")
+    return faults
+
+
+def faults_of_files(trial, existed, before, exit_code):
+    faults = []
+    for path, state in before.items():
+        after = state_of(path)
+        if after != state:
+            gone = sorted(set(state) - set(after))
+            faults.append(f"an input was changed: {gone[:2] or sorted(set(after) ^ set(state))[:2]}")
+    if trial.output is None:
+        return faults
+    if exit_code != 0 and not existed and trial.output.exists():
+        faults.append("failed, and left an output")
+    if trial.output.parent.is_dir():
+        partial = [p.name for p in trial.output.parent.iterdir() if ".partial" in p.name]
+        if partial:
+            faults.append(f"left behind {partial[0]}")
+    return faults
+
+
+def run_trial(pcavr, trial):
+    """Runs one trial and judges it."""
+    existed = trial.output is not None and trial.output.exists()
+    before = {path: state_of(path) for path in trial.inputs}
+    exit_code, out, err, seconds = run_shell(pcavr, trial)
+    ended = [0, 1, 2] if trial.kill_after is None else [0, 1, 2, -signal.SIGTERM,
+                                                        128 + signal.SIGTERM]
+    if exit_code is None:
+        faults = [f"ran for more than {TIMEOUT:.0f} s"]
+    elif exit_code not in ended:
+        faults = [f"ended by signal {-exit_code}" if exit_code < 0 else f"exit code {exit_code}"]
+    else:
+        faults = faults_of_words(trial, exit_code, out, err)
+    faults += faults_of_files(trial, existed, before, exit_code)
+    last = [line for line in err.splitlines() if line.strip()]
+    return Outcome(trial, faults, seconds, exit_code, last[-1] if last else "")
