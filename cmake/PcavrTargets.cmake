@@ -35,16 +35,20 @@ function(pcavr_add_module name)
   install(TARGETS pcavr_${name} EXPORT pcavrTargets)
 endfunction()
 
-# pcavr_add_tests(NAME SOURCES file... LINK library... [LABELS label...])
+# pcavr_add_tests(NAME SOURCES file... [APART file...] LINK library... [LABELS label...])
 # Those labelled fast are built by the target pcavr_fast_tests, too: sanitizers need no more.
+# APART names sources whose helpers are called like another source's: no batch takes them in.
 # One executable; each TEST becomes a CTest case with the labels given, or with AS_ONE all of them
 # together: for tests that share what is costly to set up.
 function(pcavr_add_tests name)
-  cmake_parse_arguments(arg "AS_ONE" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "AS_ONE" "TIMEOUT" "SOURCES;APART;LINK;LABELS" ${ARGN})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
   endif()
-  add_executable(pcavr_${name}_tests ${arg_SOURCES})
+  add_executable(pcavr_${name}_tests ${arg_SOURCES} ${arg_APART})
+  if(arg_APART)
+    set_source_files_properties(${arg_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
   pcavr_compile_options(pcavr_${name}_tests)
   target_include_directories(pcavr_${name}_tests PRIVATE ${PROJECT_SOURCE_DIR}/src
                              ${PROJECT_SOURCE_DIR}/tests)
