@@ -51,11 +51,7 @@ class Visibility {
 
   [[nodiscard]] bool is_in_image(const Eigen::Vector3d& p_camera) const {
     const Eigen::Vector2d pixel = views_.camera.project(p_camera);
-    if (!views_.camera.contains(pixel)) return false;
-    if (!views_.camera.has_distortion()) return true;
-    // Far outside the image a lens model may fold back into it: such a pixel leads elsewhere.
-    constexpr double kSameRay = 1e-3;
-    return (views_.camera.normalise(pixel) - p_camera.head<2>() / p_camera.z()).norm() < kSameRay;
+    return views_.camera.contains(pixel);
   }
 
   [[nodiscard]] bool is_hidden(const Eigen::Vector3f& p_base, std::size_t view) const {

@@ -3,56 +3,34 @@
 #include "pcavr/geometry/camera.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/LU>
 
 #include "pcavr/core/check.hpp"
 
 namespace pcavr {
-namespace {
-
-/// Distorted coordinates on z = 1 and, where asked for, their derivative.
-Eigen::Vector2d distort(const std::array<double, 5>& d, const Eigen::Vector2d& p,
-                        Eigen::Matrix2d* jacobian = nullptr) {
-  const auto [k1, k2, p1, p2, k3] = d;
-  const double x = p.x();
-  const double y = p.y();
-  const double r2 = x * x + y * y;
-  const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  if (jacobian != nullptr) {
-    const double slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3));  // 2 d(radial)/d(r2)
-    (*jacobian) << radial + x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x,
-        x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y,  //
-        x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y,
-        radial + y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x;
-  }
-  return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
-          y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
-}
-
-}  // namespace
-
-bool CameraModel::has_distortion() const {
-  return std::any_of(distortion.begin(), distortion.end(), [](double k) { return k != 0.0; });
-}
 
 Eigen::Vector2d CameraModel::project(const Eigen::Vector3d& p_camera) const {
   Eigen::Vector2d p(p_camera.x() / p_camera.z(), p_camera.y() / p_camera.z());
-  if (has_distortion()) p = distort(distortion, p);
+  if (has_distortion()) p = distortion.distort(p);
   return {fx * p.x() + cx, fy * p.y() + cy};
+}
+
+Eigen::Matrix<double, 2, 3> CameraModel::projection_jacobian(
+    const Eigen::Vector3d& p_camera) const {
+  const double z = p_camera.z();
+  const Eigen::Vector2d p = p_camera.head<2>() / z;
+  Eigen::Matrix<double, 2, 3> perspective;
+  perspective << 1.0 / z, 0.0, -p.x() / z, 0.0, 1.0 / z, -p.y() / z;
+  Eigen::Matrix2d lens;
+  (void)distortion.distort(p, &lens);
+  return Eigen::Vector2d(fx, fy).asDiagonal() * lens * perspective;
 }
 
 Eigen::Vector2d CameraModel::normalise(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d target((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
-  if (!has_distortion()) return target;
-  Eigen::Vector2d p = target;
-  for (int i = 0; i < 20; ++i) {
-    Eigen::Matrix2d jacobian;
-    const Eigen::Vector2d residual = distort(distortion, p, &jacobian) - target;
-    p -= jacobian.inverse() * residual;
-    if (residual.squaredNorm() < 1e-24) break;
-  }
-  return p;
+  return has_distortion() ? distortion.undistort(target) : target;
 }
 
 Eigen::Vector3d CameraModel::unproject(const Eigen::Vector2d& pixel, double z) const {
@@ -82,6 +60,31 @@ CameraModel CameraModel::undistorted() const {
   CameraModel ideal = *this;
   ideal.distortion = {};
   return ideal;
+}
+
+std::optional<LensFold> find_fold(const CameraModel& camera) {
+  // Lenses are smooth: 64 steps across an image are far below the width of their features.
+  constexpr int kSteps = 64;
+  constexpr double kSameRay = 1e-9;  // on the plane z = 1: 1e-6 px at a focal length of 1000 px
+  if (!camera.has_distortion()) return std::nullopt;
+  const LensDistortion& lens = camera.distortion;
+  const Eigen::Vector2d principal_point(camera.cx, camera.cy);
+  std::optional<LensFold> fold;
+  for (int j = 0; j <= kSteps; ++j) {
+    for (int i = 0; i <= kSteps; ++i) {
+      const Eigen::Vector2d pixel(camera.width * (i / double{kSteps}) - 0.5,
+                                  camera.height * (j / double{kSteps}) - 0.5);
+      const Eigen::Vector2d q((pixel.x() - camera.cx) / camera.fx,
+                              (pixel.y() - camera.cy) / camera.fy);
+      const Eigen::Vector2d p = lens.undistort(q);
+      if (p.norm() <= lens.max_radius() && (lens.distort(p) - q).norm() < kSameRay) continue;
+      if (fold && (fold->pixel - principal_point).norm() <= (pixel - principal_point).norm()) {
+        continue;
+      }
+      fold = {pixel, std::atan(lens.max_radius()), lens.folds()};
+    }
+  }
+  return fold;
 }
 
 }  // namespace pcavr

@@ -3,16 +3,37 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcavr/geometry/pixel.hpp"
 #include "pcavr/model/cad_model.hpp"
 
 namespace pcavr {
 namespace {
 
 /// Lens distortion bends the edges of the box out of the rectangle of its corners: by less than
-/// this share of the rectangle for lenses that the plumb-bob model fits.
+/// this share of the rectangle for lenses that the plumb-bob model fits. Other models bend more:
+/// there, so many points of each edge are looked at, between which less than that is left.
 constexpr double kDistortionSlack = 0.1;
+constexpr int kEdgePoints = 9;
 
 constexpr std::size_t kRowsAtOnce = 8;
+
+/// The pixels of points along the twelve edges of a box.
+void extend_by_edges(const Eigen::AlignedBox3f& box_mesh, const CameraModel& camera,
+                     const Pose& T_camera_mesh, Eigen::AlignedBox2d& pixels) {
+  for (int edge = 0; edge < 12; ++edge) {
+    // Four parallel edges along each axis, told apart by the sides that they lie on.
+    const int axis = edge / 4;
+    const Eigen::Vector3d low = box_mesh.min().cast<double>();
+    const Eigen::Vector3d size = box_mesh.sizes().cast<double>();
+    Eigen::Vector3d share;
+    share[(axis + 1) % 3] = edge % 2;
+    share[(axis + 2) % 3] = edge / 2 % 2;
+    for (int i = 0; i < kEdgePoints; ++i) {
+      share[axis] = i / (kEdgePoints - 1.0);
+      pixels.extend(camera.project(T_camera_mesh * (low + size.cwiseProduct(share)).eval()));
+    }
+  }
+}
 
 }  // namespace
 
@@ -38,15 +59,15 @@ PixelRectangle visible_rectangle(const Eigen::AlignedBox3f& bounds_mesh, const C
   if (!is_in_front) return {};
   if (is_behind) return whole;
 
+  if (camera.distortion.model() != LensModel::plumb_bob) {
+    extend_by_edges(bounds_mesh, camera, T_camera_mesh, pixels);
+  }
   Eigen::Vector2d slack(1.0, 1.0);
   if (camera.has_distortion()) slack += kDistortionSlack * pixels.sizes();
   const Eigen::Vector2d low = (pixels.min() - slack).array().floor();
   const Eigen::Vector2d high = (pixels.max() + slack).array().ceil() + 1.0;
-  const auto clamp_to = [](double value, int largest) {
-    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(largest)));
-  };
-  return {clamp_to(low.x(), camera.width), clamp_to(low.y(), camera.height),
-          clamp_to(high.x(), camera.width), clamp_to(high.y(), camera.height)};
+  return {clamp_to_int(low.x(), 0, camera.width), clamp_to_int(low.y(), 0, camera.height),
+          clamp_to_int(high.x(), 0, camera.width), clamp_to_int(high.y(), 0, camera.height)};
 }
 
 DepthImage render_depth(const SurfaceQuery& surface, const CameraModel& camera,

@@ -125,7 +125,7 @@ IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImag
   if (camera.has_distortion()) {
     blocks.undistortion.prepare(camera);
     const Undistortion& ideal = blocks.undistortion;
-    return integrate(ideal(depth), ideal(color), ideal(is_dynamic), camera.undistorted(),
+    return integrate(ideal(depth), ideal(color), ideal(is_dynamic), ideal.ideal_camera(),
                      T_base_camera, parallelism);
   }
   const double voxel_size = blocks.options.voxel_size;

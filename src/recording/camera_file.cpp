@@ -10,6 +10,9 @@
 namespace pcavr {
 namespace {
 
+/// No depth camera measures farther [m]: the longest stereo baselines end at a tenth of it.
+constexpr double kMaxDepth = 1000.0;
+
 DepthNoise read_noise(const YamlValue& noise) {
   noise.expect_keys({"constant", "quadratic", "offset", "grazing", "nearest", "farthest"});
   const DepthNoise result{.constant = noise.at("constant").positive_number(),
@@ -21,6 +24,9 @@ DepthNoise read_noise(const YamlValue& noise) {
   if (result.farthest <= result.nearest) {
     noise.at("farthest").fail("is not greater than nearest", "write the farthest usable depth");
   }
+  if (result.farthest > kMaxDepth) {
+    noise.at("farthest").fail("is more than 1000 m", "write the farthest usable depth in metres");
+  }
   return result;
 }
 
@@ -29,18 +35,28 @@ CameraFile read_own(const YamlValue& root) {
   CameraFile result;
   if (const auto name = root.find("name")) result.name = name->text();
   const YamlValue camera = root.at("camera");
-  camera.expect_keys({"width", "height", "fx", "fy", "cx", "cy", "distortion"});
+  camera.expect_keys({"width", "height", "fx", "fy", "cx", "cy", "model", "distortion"});
   result.camera = camera_of(camera);
   if (const auto scale = root.find("depth_scale")) result.depth_scale = scale->positive_number();
   if (const auto noise = root.find("depth_noise")) result.depth_noise = read_noise(*noise);
   return result;
 }
 
+/// ROS's names [REP 112 and image_geometry]; absent, the model is plumb_bob.
+LensModel ros_model(const YamlValue& root) {
+  const std::optional<YamlValue> model = root.find("distortion_model");
+  if (!model) return LensModel::plumb_bob;
+  const std::string name = model->text();
+  if (name == "plumb_bob") return LensModel::plumb_bob;
+  if (name == "rational_polynomial") return LensModel::rational;
+  if (name == "equidistant") return LensModel::fisheye;
+  model->fail("is '" + name + "'",
+              "known are plumb_bob, rational_polynomial and equidistant; calibrate with one");
+}
+
 /// ROS's sensor_msgs/CameraInfo as camera_calibration writes it.
 CameraFile read_camera_info(const YamlValue& root) {
-  if (const auto model = root.find("distortion_model"); model && model->text() != "plumb_bob") {
-    model->fail("is '" + model->text() + "'", "only plumb_bob is known; calibrate with it");
-  }
+  const LensModel model = ros_model(root);
   CameraFile result;
   if (const auto name = root.find("camera_name")) result.name = name->text();
   const YamlValue matrix = root.at("camera_matrix").at("data");
@@ -54,9 +70,14 @@ CameraFile read_camera_info(const YamlValue& root) {
                    .fy = k[4],
                    .cx = k[2],
                    .cy = k[5]};
+  CameraKeys keys{matrix, matrix, matrix, matrix};
   if (const auto coefficients = root.find("distortion_coefficients")) {
-    result.camera.distortion = distortion_of(coefficients->at("data"));
+    keys.distortion = coefficients->at("data");
+    result.camera.distortion = distortion_of(*keys.distortion, model);
+  } else if (model != LensModel::plumb_bob) {
+    (void)root.at("distortion_coefficients");
   }
+  check_camera(result.camera, keys);
   return result;
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <optional>
 #include <string>
 
 #include "pcavr/recording/camera_file.hpp"
@@ -14,10 +14,32 @@ namespace pcavr {
 /// Sides of JPEG files are 16 bits long [ITU-T T.81, B.2.2]; libjpeg stops at this [px].
 inline constexpr int kLargestImageSide = 65500;
 
-/// k1 k2 p1 p2 k3. Throws YamlFailure, as the next one.
-[[nodiscard]] std::array<double, 5> distortion_of(const YamlValue& value);
-/// The keys width, height, fx, fy, cx, cy and distortion, which may be absent. Does not look for
-/// unknown keys.
+/// The word of a lens model in the keys `model` of recording.yaml and camera files.
+[[nodiscard]] std::string_view name_of(LensModel model);
+
+enum class CameraKey { fx, fy, cx, cy, distortion };
+
+struct CameraFault {
+  CameraKey key = CameraKey::fx;
+  std::string message;
+  std::string hint;
+};
+
+/// Intrinsics that no camera of that image has, or a lens that folds inside the image.
+[[nodiscard]] std::optional<CameraFault> find_camera_fault(const CameraModel& camera);
+
+/// The keys of a YAML text that a camera came from, for errors.
+struct CameraKeys {
+  YamlValue fx, fy, cx, cy;
+  std::optional<YamlValue> distortion = {};
+};
+
+/// The model's coefficients, in the order of coefficient_names(). Throws YamlFailure, as the rest.
+[[nodiscard]] LensDistortion distortion_of(const YamlValue& value, LensModel model);
+/// Refuses a camera with a fault.
+void check_camera(const CameraModel& camera, const CameraKeys& keys);
+/// The keys width, height, fx, fy, cx, cy, and model and distortion, which may be absent; checked.
+/// Does not look for unknown keys.
 [[nodiscard]] CameraModel camera_of(const YamlValue& value);
 
 /// read_camera_file for a text; `file` names it in errors.

@@ -36,7 +36,8 @@ std::filesystem::path path_of(const YamlValue& value, const std::filesystem::pat
 }
 
 void read_camera(const YamlValue& value, Manifest& manifest) {
-  value.expect_keys({"width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale"});
+  value.expect_keys(
+      {"width", "height", "fx", "fy", "cx", "cy", "model", "distortion", "depth_scale"});
   manifest.camera = camera_of(value);
   manifest.depth_scale = value.at("depth_scale").positive_number();
 }

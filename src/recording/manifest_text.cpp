@@ -4,6 +4,7 @@
 
 #include "pcavr/recording/manifest.hpp"
 
+#include "recording/camera_keys.hpp"
 #include "recording/recording_text.hpp"
 
 namespace pcavr {
@@ -42,9 +43,11 @@ void emit_camera(YAML::Emitter& out, const CameraModel& camera, double depth_sca
   emit(out, "fy", camera.fy);
   emit(out, "cx", camera.cx);
   emit(out, "cy", camera.cy);
-  if (camera.has_distortion()) {
+  const LensModel model = camera.distortion.model();
+  if (camera.has_distortion() || model != LensModel::plumb_bob) {
+    if (model != LensModel::plumb_bob) emit(out, "model", std::string(name_of(model)));
     out << YAML::Key << "distortion" << YAML::Value;
-    emit_list(out, camera.distortion);
+    emit_list(out, camera.distortion.coefficients());
   }
   emit(out, "depth_scale", depth_scale);
   out << YAML::EndMap;

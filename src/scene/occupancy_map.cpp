@@ -24,13 +24,6 @@ Eigen::Vector3i cell_of(const Eigen::Vector3d& point) {
 
 double log_odds(double probability) { return std::log(probability / (1.0 - probability)); }
 
-bool is_same(const CameraModel& a, const CameraModel& b) {
-  const auto all = [](const CameraModel& c) {
-    return std::tie(c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.distortion);
-  };
-  return all(a) == all(b);
-}
-
 void require_sound(const OccupancyOptions& options) {
   PCAVR_REQUIRE(options.resolution > 0.0, options.resolution);
   PCAVR_REQUIRE(options.farthest >= options.resolution, options.farthest);
@@ -69,7 +62,7 @@ OccupancyMap::State::State(const OccupancyOptions& chosen) : options(chosen) {
 }
 
 const std::vector<Eigen::Vector2f>& OccupancyMap::State::rays_of(const CameraModel& camera) {
-  if (is_same(camera, ray_camera) && !rays.empty()) return rays;
+  if (camera == ray_camera && !rays.empty()) return rays;
   ray_camera = camera;
   rays.clear();
   rays.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
@@ -178,7 +171,8 @@ void OccupancyMap::integrate(const DepthImage& depth, const MaskImage& is_dynami
   const double resolution = state_->options.resolution;
   const Eigen::Vector3d origin = T_base_camera.translation() / resolution;
   const double reach = state_->options.farthest / resolution;
-  if (origin.cwiseAbs().maxCoeff() + reach > kFarthestCell) return;
+  // Written so that what is not a number fails.
+  if (!(origin.cwiseAbs().maxCoeff() + reach <= kFarthestCell)) return;
   state_->collect_ends(depth, is_dynamic, camera, T_base_camera, origin);
   if (state_->end_cells.empty()) return;
   state_->trace(origin);

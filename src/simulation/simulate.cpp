@@ -26,24 +26,12 @@ constexpr double kDepthScale = 5000.0;  ///< image units in one metre, as TUM RG
 void check(const SimulationCase& simulation) {
   PCAVR_REQUIRE(simulation.duration > 0.0 && simulation.frame_rate > 0.0, simulation.duration,
                 simulation.frame_rate);
-  PCAVR_REQUIRE(simulation.width >= 8 && simulation.height >= 8, simulation.width,
-                simulation.height);
+  const CameraModel camera = simulated_camera(simulation);
+  PCAVR_REQUIRE(camera.width >= 8 && camera.height >= 8, camera.width, camera.height);
   PCAVR_REQUIRE(simulation.movable_boxes >= 0 && simulation.clutter >= 0, simulation.movable_boxes,
                 simulation.clutter);
   PCAVR_REQUIRE(simulation.base_tags >= 0 && simulation.base_tags <= 2, simulation.base_tags);
   PCAVR_REQUIRE(simulation.with_images || simulation.task != ToolTask::none);
-}
-
-/// A camera as wide as the first Kinect's (62 degrees).
-CameraModel camera_of(const SimulationCase& simulation) {
-  const double focal_length = 525.0 * simulation.width / 640.0;
-  return {.width = simulation.width,
-          .height = simulation.height,
-          .fx = focal_length,
-          .fy = focal_length,
-          .cx = 0.5 * (simulation.width - 1),
-          .cy = 0.5 * (simulation.height - 1),
-          .distortion = simulation.distortion};
 }
 
 /// At whole microseconds, as the lists have them, so that truth is exact at the stamps written.
@@ -68,7 +56,7 @@ class FrameMaker {
   FrameMaker(const SimulationCase& simulation, std::uint64_t seed, const Truth& truth)
       : truth_(truth),
         seed_(seed),
-        camera_(camera_of(simulation)),
+        camera_(simulated_camera(simulation)),
         bodies_(truth.world),
         renderer_(truth.world, bodies_, camera_) {
     depth_sensor_.noise = simulation.depth_noise;
@@ -132,7 +120,7 @@ SimulationCase with_tool(const std::string& name, ToolTask task, const std::stri
 Manifest manifest_for(const SimulationCase& simulation, const World& world) {
   Manifest manifest = manifest_of(world);
   if (simulation.with_images) {
-    manifest.camera = camera_of(simulation);
+    manifest.camera = simulated_camera(simulation);
     manifest.depth_scale = kDepthScale;
   } else {
     manifest.markers.clear();
@@ -145,6 +133,17 @@ Manifest manifest_for(const SimulationCase& simulation, const World& world) {
 }
 
 }  // namespace
+
+CameraModel simulated_camera(const SimulationCase& simulation) {
+  if (simulation.camera) return *simulation.camera;
+  const double focal_length = 525.0 * simulation.width / 640.0;
+  return {.width = simulation.width,
+          .height = simulation.height,
+          .fx = focal_length,
+          .fy = focal_length,
+          .cx = 0.5 * (simulation.width - 1),
+          .cy = 0.5 * (simulation.height - 1)};
+}
 
 const std::vector<SimulationCase>& simulation_cases() {
   static const std::vector<SimulationCase> cases = [] {

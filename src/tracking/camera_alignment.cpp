@@ -76,6 +76,7 @@ void accumulate_rows(const AlignmentInput& input, const CellProjector& to_model,
                      const SurfaceStep& step, int first, int last, Normals& sums) {
   const CellGrid& grid = *input.grid;
   const int width = grid.width();
+  const Eigen::Vector2f size(static_cast<float>(width), static_cast<float>(grid.height()));
   const Eigen::Matrix3f R_frame_model = to_model.rotation().transpose();
   ChunkSums chunk;
   for (int y = first; y < last; ++y) {
@@ -89,10 +90,13 @@ void accumulate_rows(const AlignmentInput& input, const CellProjector& to_model,
       const Eigen::Vector3f q = to_model.move(p);
       if (q.z() <= 0.0F) continue;
       const Eigen::Vector2f at = to_model.cell(q);
-      const auto u = static_cast<int>(at.x() + 0.5F);
-      const auto v = static_cast<int>(at.y() + 0.5F);
-      if (at.x() < 0.0F || at.y() < 0.0F || u >= width || v >= grid.height()) continue;
-      const auto there = static_cast<std::size_t>(v * width + u);
+      // Before the cast: beside the camera a cell is out of an int's range.
+      const Eigen::Vector2f rounded = at + Eigen::Vector2f::Constant(0.5F);
+      const bool is_inside =
+          at.x() >= 0.0F && at.y() >= 0.0F && rounded.x() < size.x() && rounded.y() < size.y();
+      if (!is_inside) continue;
+      const auto there = static_cast<std::size_t>(static_cast<int>(rounded.y()) * width +
+                                                  static_cast<int>(rounded.x()));
       const Eigen::Vector3f& normal = input.model->normals[there];
       if (normal.isZero()) continue;
       ++sums.in_view;
@@ -131,9 +135,10 @@ std::vector<Eigen::Vector2d> feature_residuals(const AlignmentInput& input,
   residuals.reserve(input.features->size());
   for (const FeatureMatch& match : *input.features) {
     const Eigen::Vector3d p = T_color_model * match.p_model;
-    residuals.push_back(p.z() > 0.0
-                            ? Eigen::Vector2d(input.focal_length * (p.hnormalized() - match.ray))
-                            : Eigen::Vector2d::Constant(HUGE_VAL));
+    const Eigen::Vector2d offset =
+        input.focal_length * (match.lens * (p.hnormalized() - match.ray));
+    const bool is_in_front = p.z() > 0.0 && offset.allFinite();
+    residuals.push_back(is_in_front ? offset : Eigen::Vector2d::Constant(HUGE_VAL));
   }
   return residuals;
 }
@@ -161,15 +166,16 @@ Normals feature_normals(const AlignmentInput& input, const Pose& T_model_frame, 
     const Eigen::Vector3d p = T_color_frame * p_frame;
     if (p.z() <= 0.0) continue;
     ++sums.in_view;
-    const Eigen::Vector2d r = input.focal_length * (p.hnormalized() - match.ray);
+    const Eigen::Vector2d r = input.focal_length * (match.lens * (p.hnormalized() - match.ray));
     const double scaled = r.norm() / sigma;
-    if (scaled >= limit) continue;
+    if (!(scaled < limit)) continue;  // nor what is not a number, beside the camera
     ++sums.matched;
     Eigen::Matrix<double, 2, 3> projection;
     projection << 1.0 / p.z(), 0.0, -p.x() / (p.z() * p.z()),  //
         0.0, 1.0 / p.z(), -p.y() / (p.z() * p.z());
     Eigen::Matrix<double, 3, 6> motion;  // of p_frame under T * exp(twist)
     motion << -Eigen::Matrix3d::Identity(), skew(p_frame);
+    if (input.has_distortion) projection = (match.lens * projection).eval();
     const Eigen::Matrix<double, 2, 6> J = input.focal_length * projection * R_color_frame * motion;
     const double weight = tukey(scaled, limit) / (sigma * sigma);
     sums.H.noalias() += weight * J.transpose() * J;

@@ -20,6 +20,8 @@ struct FeatureMatch {
   Eigen::Vector3d p_model;   ///< [m]
   Eigen::Vector2d ray;       ///< where it was found, undistorted, on the plane z = 1
   std::size_t landmark = 0;  ///< whose it is
+  /// What the lens makes of small offsets from `ray`: with distortion, pixels are not of one size.
+  Eigen::Matrix2d lens = Eigen::Matrix2d::Identity();
 };
 
 struct AlignmentInput {
@@ -28,6 +30,7 @@ struct AlignmentInput {
   const InverseDepth* frame = nullptr;
   const std::vector<FeatureMatch>* features = nullptr;
   double focal_length = 0.0;  ///< of the full image [px]
+  bool has_distortion = false;
   DepthNoise noise = {};
   /// Pose of the colour camera at the colour stamp in the depth camera's at the depth stamp.
   Pose T_depth_color = {};

@@ -133,7 +133,9 @@ std::vector<FeatureMatch> find_landmarks(const Pyramid& model,
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const Eigen::Vector2d pixel(after[i].x, after[i].y);
     if (found[i] == 0 || !camera.contains(pixel)) continue;
-    matches.push_back({landmarks[indices[i]].p_model, camera.normalise(pixel), indices[i]});
+    FeatureMatch match{landmarks[indices[i]].p_model, camera.normalise(pixel), indices[i]};
+    (void)camera.distortion.distort(match.ray, &match.lens);
+    matches.push_back(match);
   }
   return matches;
 }

@@ -90,6 +90,7 @@ struct CornerError {
   Pose T_color_node;
   Eigen::Vector3d p_base;
   Eigen::Vector2d ray;
+  Eigen::Matrix2d lens;
   double scale = 0.0;  ///< focal length over sigma
 
   template <typename T>
@@ -99,8 +100,10 @@ struct CornerError {
     const Eigen::Matrix<T, 3, 1> p =
         T_color_node.rotation().cast<T>() * p_node + T_color_node.translation().cast<T>();
     if (p.z() < T(1e-3)) return false;
-    residual[0] = scale * (p.x() / p.z() - ray.x());
-    residual[1] = scale * (p.y() / p.z() - ray.y());
+    const T x = p.x() / p.z() - ray.x();
+    const T y = p.y() / p.z() - ray.y();
+    residual[0] = scale * (lens(0, 0) * x + lens(0, 1) * y);
+    residual[1] = scale * (lens(1, 0) * x + lens(1, 1) * y);
     return true;
   }
 };
@@ -152,7 +155,7 @@ void PoseGraph::add_corners(const CornerFactor& corners) {
   for (std::size_t i = 0; i < 4; ++i) {
     problem_->ceres.AddResidualBlock(
         new ceres::AutoDiffCostFunction<CornerError, 2, 7>(
-            new CornerError{T_color_node, corners.p_base[i], corners.rays[i],
+            new CornerError{T_color_node, corners.p_base[i], corners.rays[i], corners.lens[i],
                             corners.focal_length / corners.sigma}),
         &problem_->corner_loss, problem_->blocks[corners.node].data());
   }
@@ -213,8 +216,9 @@ std::array<double, 4> PoseGraph::corner_errors(const CornerFactor& corners) cons
   std::array<double, 4> errors{};
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d p = T_color_base * corners.p_base[i];
-    errors[i] =
-        p.z() > 0.0 ? corners.focal_length * (p.hnormalized() - corners.rays[i]).norm() : HUGE_VAL;
+    errors[i] = p.z() > 0.0 ? corners.focal_length *
+                                  (corners.lens[i] * (p.hnormalized() - corners.rays[i])).norm()
+                            : HUGE_VAL;
   }
   return errors;
 }

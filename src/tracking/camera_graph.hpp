@@ -26,8 +26,12 @@ struct CornerFactor {
   Pose T_node_color;  ///< the camera that saw them, in the node
   std::array<Eigen::Vector3d, 4> p_base;
   std::array<Eigen::Vector2d, 4> rays;  ///< undistorted, on the plane z = 1
-  double focal_length = 0.0;            ///< [px]
-  double sigma = 0.0;                   ///< of one coordinate [px]
+  /// What the lens makes of small offsets from the rays: with distortion, pixels are not of one
+  /// size.
+  std::array<Eigen::Matrix2d, 4> lens = {Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Identity(),
+                                         Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Identity()};
+  double focal_length = 0.0;  ///< [px]
+  double sigma = 0.0;         ///< of one coordinate [px]
 };
 
 /// Camera poses in base, and what was measured about them; solved as one non-linear least-squares

@@ -38,6 +38,7 @@ Alignment match(const Sensor& sensor, const ActiveModel& model, const FrameView&
   input.frame = &frame.inverse_depth;
   input.features = &features;
   input.focal_length = sensor.camera.fx;
+  input.has_distortion = sensor.camera.has_distortion();
   input.noise = sensor.noise;
   input.T_depth_color = frame.T_depth_color;
   const Pose start = align_features(input, T_keyframe_frame_predicted, kCoarsestPixels);

@@ -145,6 +145,7 @@ void TrackSolver::measure_tags(std::size_t r, std::size_t node, double looks) {
     factor.p_base = *p_base;
     for (std::size_t i = 0; i < 4; ++i) {
       factor.rays[i] = input_.sensor->camera.normalise(tag.corners[i]);
+      (void)input_.sensor->camera.distortion.distort(factor.rays[i], &factor.lens[i]);
     }
     factor.focal_length = input_.sensor->camera.fx;
     factor.sigma = input_.options.corner_sigma * inflation(looks);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/geometry/pixel.hpp"
 
 namespace pcavr::tracking {
 namespace {
@@ -61,9 +62,13 @@ PlaneFit fit_plane(const InverseDepth& w, int width, int x, int y, int reach, fl
 
 /// Between the centres of four cells; 0 where one of them is empty or outside.
 float interpolate(const InverseDepth& w, const CellGrid& grid, const Eigen::Vector2f& at) {
-  const int x = static_cast<int>(std::floor(at.x()));
-  const int y = static_cast<int>(std::floor(at.y()));
-  if (x < 0 || y < 0 || x + 1 >= grid.width() || y + 1 >= grid.height()) return 0.0F;
+  // Before the cast: beside the camera a cell is out of an int's range.
+  const bool is_inside = at.x() >= 0.0F && at.y() >= 0.0F &&
+                         at.x() < static_cast<float>(grid.width() - 1) &&
+                         at.y() < static_cast<float>(grid.height() - 1);
+  if (!is_inside) return 0.0F;
+  const int x = static_cast<int>(at.x());
+  const int y = static_cast<int>(at.y());
   const auto corner = static_cast<std::size_t>(y * grid.width() + x);
   const auto below = corner + static_cast<std::size_t>(grid.width());
   if (w[corner] <= 0.0F || w[corner + 1] <= 0.0F || w[below] <= 0.0F || w[below + 1] <= 0.0F) {
@@ -83,7 +88,12 @@ CellGrid::CellGrid(const CameraModel& full)
   rays.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      rays.push_back(camera.normalise(Eigen::Vector2d(x, y)).cast<float>());
+      const Eigen::Vector2d ray = camera.normalise(Eigen::Vector2d(x, y));
+      rays.push_back(ray.cast<float>());
+      if (!camera.has_distortion()) continue;
+      Eigen::Matrix2d jacobian;
+      (void)camera.distortion.distort(ray, &jacobian);
+      lens.push_back(jacobian.cast<float>());
     }
   }
 }
@@ -158,8 +168,10 @@ Surface make_surface(const CellGrid& grid, const InverseDepth& inverse_depth,
       if (!fit.is_good) fit = fit_plane(inverse_depth, width, x, y, 1, sigma);
       if (!fit.is_good) continue;
       // On a plane 1/z = a x + b y + c, so that (a, b, c) . p = 1: (a, b, c) is its normal.
-      const float a = fit.slope_x * step_x;
-      const float b = fit.slope_y * step_y;
+      Eigen::Vector2f slope(fit.slope_x * step_x, fit.slope_y * step_y);
+      if (!grid.lens.empty()) slope = (grid.lens[cell].transpose() * slope).eval();
+      const float a = slope.x();
+      const float b = slope.y();
       const Eigen::Vector3f normal(a, b, fit.mean - a * ray.x() - b * ray.y());
       surface.normals[cell] = normal.normalized();
     }
@@ -169,9 +181,12 @@ Surface make_surface(const CellGrid& grid, const InverseDepth& inverse_depth,
 
 std::optional<Eigen::Vector3d> point_at(const CellGrid& grid, const Surface& surface,
                                         const CameraModel& full, const Eigen::Vector2d& pixel) {
-  const int x = static_cast<int>(std::lround(pixel.x())) / grid.pixels;
-  const int y = static_cast<int>(std::lround(pixel.y())) / grid.pixels;
-  if (x < 0 || y < 0 || x >= grid.width() || y >= grid.height()) return std::nullopt;
+  const std::optional<int> column = pixel_index(pixel.x(), full.width);
+  const std::optional<int> row = pixel_index(pixel.y(), full.height);
+  if (!column || !row) return std::nullopt;
+  const int x = *column / grid.pixels;
+  const int y = *row / grid.pixels;
+  if (x >= grid.width() || y >= grid.height()) return std::nullopt;
   const auto cell = static_cast<std::size_t>(y * grid.width() + x);
   const Eigen::Vector3d normal = surface.normals[cell].cast<double>();
   if (normal.isZero()) return std::nullopt;

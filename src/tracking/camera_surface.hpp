@@ -20,6 +20,8 @@ struct CellGrid {
   int pixels = 1;                     ///< edge length of a cell [px]
   CameraModel camera;                 ///< whose pixels are the cells
   std::vector<Eigen::Vector2f> rays;  ///< through the cells' centres, on the plane z = 1
+  /// The lens's derivative at each ray; empty without distortion.
+  std::vector<Eigen::Matrix2f> lens;
 
   explicit CellGrid(const CameraModel& full);
 

@@ -53,8 +53,12 @@ ImageJacobian image_jacobian(const CameraModel& camera, const Pose& T_camera_obj
                              const Eigen::Vector3d& p_object) {
   const Eigen::Vector3d p = T_camera_object * p_object;
   Eigen::Matrix<double, 2, 3> perspective;
-  perspective << camera.fx / p.z(), 0.0, -camera.fx * p.x() / (p.z() * p.z()),  //
-      0.0, camera.fy / p.z(), -camera.fy * p.y() / (p.z() * p.z());
+  if (camera.has_distortion()) {
+    perspective = camera.projection_jacobian(p);
+  } else {
+    perspective << camera.fx / p.z(), 0.0, -camera.fx * p.x() / (p.z() * p.z()),  //
+        0.0, camera.fy / p.z(), -camera.fy * p.y() / (p.z() * p.z());
+  }
   const Eigen::Matrix3d R = T_camera_object.rotation_matrix();
   Eigen::Matrix<double, 3, 6> point_change;
   point_change << R, -R * skew(p_object);
@@ -67,9 +71,7 @@ void add_corner(const FitProblem& problem, const CornerSight& corner, const Pose
                 Equations& equations) {
   const Eigen::Vector3d p = T_camera_color * corner.p_object;
   if (p.z() <= 0.0) return;
-  const Eigen::Vector2d focal(problem.camera.fx, problem.camera.fy);
-  const Eigen::Vector2d residual =
-      focal.cwiseProduct(corner.on_unit_plane - p.head<2>() / p.z()) / problem.corner_sigma;
+  const Eigen::Vector2d residual = corner_offset(problem.camera, corner, p) / problem.corner_sigma;
   const ImageJacobian jacobian =
       image_jacobian(problem.camera, T_camera_color, corner.p_object) / problem.corner_sigma;
   const double weight = huber_weight(residual.norm());
@@ -165,6 +167,15 @@ void add_prior(const PosePrior& prior, const Pose& T_camera_object, Equations& e
 }
 
 }  // namespace
+
+Eigen::Vector2d corner_offset(const CameraModel& camera, const CornerSight& corner,
+                              const Eigen::Vector3d& p_camera) {
+  if (camera.has_distortion()) {
+    return camera.project(corner.on_unit_plane.homogeneous()) - camera.project(p_camera);
+  }
+  return Eigen::Vector2d(camera.fx, camera.fy)
+      .cwiseProduct(corner.on_unit_plane - p_camera.head<2>() / p_camera.z());
+}
 
 FitResult fit_object(const FitProblem& problem, const Pose& start, double capture) {
   const SampleGrid grid(problem.surface_object, problem.normals_object, problem.camera,

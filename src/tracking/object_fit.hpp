@@ -23,6 +23,10 @@ struct CornerSight {
   Eigen::Vector2d on_unit_plane;  ///< the pixel without distortion, on z = 1
 };
 
+/// From where a corner is expected to where it was seen [px]; z of `p_camera` > 0.
+[[nodiscard]] Eigen::Vector2d corner_offset(const CameraModel& camera, const CornerSight& corner,
+                                            const Eigen::Vector3d& p_camera);
+
 /// What is believed before looking: a Gaussian about a pose.
 struct PosePrior {
   Pose T_camera_object;

@@ -101,8 +101,7 @@ double reprojection_rms(const std::vector<CornerSight>& sights, const Pose& T_ca
   double sum = 0.0;
   for (const CornerSight& sight : sights) {
     const Eigen::Vector3d p_camera = T_camera_object * sight.p_object;
-    const Eigen::Vector2d off = p_camera.head<2>() / p_camera.z() - sight.on_unit_plane;
-    sum += off.cwiseProduct(Eigen::Vector2d(camera.fx, camera.fy)).squaredNorm();
+    sum += tracking::corner_offset(camera, sight, p_camera).squaredNorm();
   }
   return std::sqrt(sum / static_cast<double>(sights.size()));
 }

@@ -63,6 +63,19 @@ PngImage png_with_rows(std::string_view bytes) {
   return png;
 }
 
+/// A camera that was taken sees along every pixel, and finds each again.
+void expect_sound(const CameraModel& camera) {
+  const double right = camera.width - 0.5;
+  const double bottom = camera.height - 0.5;
+  for (const Eigen::Vector2d& pixel :
+       {Eigen::Vector2d(-0.5, -0.5), Eigen::Vector2d(right, -0.5), Eigen::Vector2d(-0.5, bottom),
+        Eigen::Vector2d(right, bottom), Eigen::Vector2d(0.5 * right, 0.5 * bottom)}) {
+    const Eigen::Vector2d again = camera.project(camera.unproject(pixel, 2.0));
+    // Rounding, at focal lengths up to 6.5 million pixels.
+    PCAVR_REQUIRE((again - pixel).norm() < 1e-5, again.x(), again.y(), pixel.x(), pixel.y());
+  }
+}
+
 }  // namespace
 
 void manifest(std::string_view bytes) {
@@ -73,12 +86,15 @@ void manifest(std::string_view bytes) {
   PCAVR_REQUIRE(again.has_value(), again.error().to_string(), written);
   PCAVR_REQUIRE(again->markers.size() == manifest->markers.size());
   PCAVR_REQUIRE(again->objects.size() == manifest->objects.size());
+  PCAVR_REQUIRE(again->camera == manifest->camera);
+  if (manifest->camera) expect_sound(*manifest->camera);
 }
 
 void camera_file(std::string_view bytes) {
   const Expected<CameraFile> camera = parse_camera_file(std::string(bytes), kFile);
   if (!camera) return expect_line(camera.error());
   PCAVR_REQUIRE(camera->camera.width > 0 && camera->camera.fx > 0.0);
+  expect_sound(camera->camera);
 }
 
 void image_list(std::string_view bytes) {

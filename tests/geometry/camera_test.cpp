@@ -10,7 +10,7 @@
 namespace pcavr {
 namespace {
 
-CameraModel camera_with(const std::array<double, 5>& distortion) {
+CameraModel camera_with(const LensDistortion& distortion) {
   return {.width = 640,
           .height = 480,
           .fx = 525.0,
@@ -36,9 +36,9 @@ TEST(CameraModel, ProjectsByThePlumbBobFormula) {
 TEST(CameraModel, UnprojectUndoesProject) {
   Random random(1);
   // No distortion; a Kinect's [TUM RGB-D, freiburg1]; a wide lens with all terms.
-  for (const std::array<double, 5>& distortion : {std::array<double, 5>{},
-                                                  {0.2624, -0.9531, -0.0054, 0.0026, 1.1633},
-                                                  {-0.28, 0.07, 0.0002, -0.0005, -0.005}}) {
+  for (const LensDistortion& distortion : {LensDistortion(),
+                                           {0.2624, -0.9531, -0.0054, 0.0026, 1.1633},
+                                           {-0.28, 0.07, 0.0002, -0.0005, -0.005}}) {
     const CameraModel camera = camera_with(distortion);
     for (int i = 0; i < 200; ++i) {
       const Eigen::Vector2d pixel(random.uniform(0, 639), random.uniform(0, 479));
@@ -65,6 +65,57 @@ TEST(CameraModel, ShrunkSeesTheMeanOfASquare) {
   // Pixels 2 u and 2 u + 1 make pixel u: their middle, 2 u + 0.5, falls on u.
   EXPECT_LT((half.project(p_camera) - (pixel - Eigen::Vector2d(0.5, 0.5)) / 2).norm(), 1e-9);
   EXPECT_THROW((void)camera.shrunk(0), ContractError);
+}
+
+TEST(CameraModel, ItsJacobianIsTheDerivativeOfProject) {
+  const std::array<double, 4> fisheye = {0.05, -0.02, 0.01, -0.003};
+  for (const LensDistortion& distortion :
+       {LensDistortion(), LensDistortion(-0.28, 0.07, 0.002, -0.005, -0.005),
+        LensDistortion(LensModel::fisheye, fisheye)}) {
+    const CameraModel camera = camera_with(distortion);
+    const Eigen::Vector3d p_camera(0.4, -0.3, 1.1);
+    const Eigen::Matrix<double, 2, 3> jacobian = camera.projection_jacobian(p_camera);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d step = 1e-6 * Eigen::Vector3d::Unit(axis);
+      const Eigen::Vector2d difference =
+          (camera.project(p_camera + step) - camera.project(p_camera - step)) / 2e-6;
+      EXPECT_LT((jacobian.col(axis) - difference).norm(), 1e-5);
+    }
+  }
+}
+
+// Found in users' recordings: the first five of a rational lens's eight coefficients.
+TEST(FindFold, FindsALensThatFoldsInsideTheImage) {
+  for (const LensDistortion& distortion :
+       {LensDistortion(0.5285, -2.68, 0.0005, -0.0002, 1.51), LensDistortion(-1, 0, 0, 0, 0),
+        LensDistortion(1e300, 0, 0, 0, 0), LensDistortion(0, 0, 3, 0, 0)}) {
+    const CameraModel camera = camera_with(distortion);
+    const std::optional<LensFold> fold = find_fold(camera);
+    ASSERT_TRUE(fold);
+    EXPECT_TRUE(fold->is_fold);
+    EXPECT_TRUE(camera.contains(fold->pixel) || fold->pixel.x() == 639.5 ||
+                fold->pixel.y() == 479.5);
+  }
+  // 1 - 3 r^2 is 0 at r = 0.577, where the image is 0.385 focal lengths wide.
+  const CameraModel camera = camera_with({-1, 0, 0, 0, 0});
+  EXPECT_NEAR(std::tan(find_fold(camera)->max_angle), 0.577, 0.005);
+  EXPECT_NEAR((find_fold(camera)->pixel - Eigen::Vector2d(319.5, 239.5)).norm(), 0.385 * 522, 12.0);
+}
+
+TEST(FindFold, TakesALensThatFoldsOutsideTheImageOnly) {
+  EXPECT_FALSE(find_fold(camera_with({})));
+  EXPECT_FALSE(find_fold(camera_with({0.2624, -0.9531, -0.0054, 0.0026, 1.1633})));
+  EXPECT_FALSE(find_fold(camera_with({-0.28, 0.07, 0.0002, -0.0005, -0.005})));
+}
+
+TEST(FindFold, FindsPixelsThatLookToTheSide) {
+  const std::array<double, 4> none = {};
+  CameraModel camera = camera_with({LensModel::fisheye, none});
+  EXPECT_FALSE(find_fold(camera));
+  camera.fx = camera.fy = 200.0;  // the corners at 400 px: 2 rad
+  const std::optional<LensFold> fold = find_fold(camera);
+  ASSERT_TRUE(fold);
+  EXPECT_FALSE(fold->is_fold);
 }
 
 TEST(CameraModel, UndistortedKeepsTheRest) {

@@ -75,8 +75,10 @@ TEST(RenderDepth, EqualsOneRayForEveryPixel) {
   Random random(7);
   const SurfaceQuery surface(test::triangle_soup(200, random));
   CameraModel camera = small_camera();
-  for (int trial = 0; trial < 12; ++trial) {
+  const std::array<double, 4> fisheye = {-0.0117, 0.0301, -0.0274, 0.0079};
+  for (int trial = 0; trial < 18; ++trial) {
     if (trial >= 6) camera.distortion = {-0.25, 0.08, 0.001, -0.002, 0.0};
+    if (trial >= 12) camera.distortion = LensDistortion(LensModel::fisheye, fisheye);
     Vector6d twist;
     for (int k = 0; k < 6; ++k) twist[k] = random.uniform(-1.5, 1.5);
     const Pose T_mesh_camera = Pose::exp(twist);

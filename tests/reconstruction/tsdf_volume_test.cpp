@@ -96,6 +96,15 @@ TEST(TsdfVolume, HonoursLensDistortion) {
   EXPECT_NEAR(sum / static_cast<double>(mesh.vertices.size()), 0.0, 2e-4);
 }
 
+TEST(TsdfVolume, LeavesOutAFrameFromFartherAwayThanBlocksHaveNumbers) {
+  TsdfVolume volume({.voxel_size = kVoxel});
+  const DepthImage depth = depth_of(plane({0.0, 0.0, 1.0}, 1.0), kCamera, Pose());
+  for (const double away : {1e6, 1e12, 1e300}) {
+    volume.integrate(depth, {}, {}, kCamera, Pose::from_translation({away, 0.0, -away}), {1});
+  }
+  EXPECT_TRUE(volume.extract_mesh(1.0, {1}).triangles.empty());
+}
+
 TEST(TsdfVolume, MeshesABallWithoutHolesOrDoubles) {
   const TriangleMesh mesh = ball(0.2, 1).extract_mesh(1.0, {1});
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;

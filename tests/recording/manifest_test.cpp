@@ -41,7 +41,7 @@ TEST(Manifest, TellsAllThatIsWritten) {
   ASSERT_TRUE(manifest.has_value()) << manifest.error().to_string();
   EXPECT_EQ(manifest->camera->width, 640);
   EXPECT_EQ(manifest->camera->fy, 524.0);
-  EXPECT_EQ(manifest->camera->distortion[4], 0.05);
+  EXPECT_EQ(manifest->camera->distortion.coefficients()[4], 0.05);
   EXPECT_EQ(manifest->depth_scale, 5000.0);
   ASSERT_EQ(manifest->markers.size(), 2u);
   EXPECT_EQ(manifest->markers[0].role, MarkerRole::base);
@@ -70,9 +70,35 @@ TEST(Manifest, IsReadBackAsItWasWritten) {
   const Expected<Manifest> again = parse_manifest(text, "m.yaml");
   ASSERT_TRUE(again.has_value()) << again.error().to_string();
   EXPECT_EQ(format_manifest(*again), text);
-  EXPECT_EQ(again->camera->distortion, manifest->camera->distortion);
+  EXPECT_EQ(*again->camera, *manifest->camera);
   EXPECT_EQ(again->markers[1].T_parent_marker.matrix(),
             manifest->markers[1].T_parent_marker.matrix());
+}
+
+TEST(Manifest, OfEachLensModelIsReadBackAsItWasWritten) {
+  for (const char* lens : {"model: plumb_bob, distortion: [0.1, -0.2, 0.001, 0.002, 0.05]",
+                           "model: rational, distortion: [0.5285, -2.68, 0.0005, -0.0002, 1.51, "
+                           "0.4095, -2.5, 1.44]",
+                           "model: fisheye, distortion: [-0.0117, 0.0301, -0.0274, 0.0079]",
+                           "model: fisheye, distortion: [0, 0, 0, 0]"}) {
+    const Expected<Manifest> manifest =
+        parse_manifest(full_with("distortion: [0.1, -0.2, 0.001, 0.002, 0.05]", lens), "m.yaml");
+    ASSERT_TRUE(manifest.has_value()) << manifest.error().to_string();
+    EXPECT_TRUE(manifest->camera->has_distortion());
+    const Expected<Manifest> again = parse_manifest(format_manifest(*manifest), "m.yaml");
+    ASSERT_TRUE(again.has_value()) << again.error().to_string();
+    EXPECT_EQ(*again->camera, *manifest->camera);
+  }
+}
+
+TEST(Manifest, SaysWhereALensFoldsAndWhatToWrite) {
+  const Expected<Manifest> manifest = parse_manifest(
+      full_with("[0.1, -0.2, 0.001, 0.002, 0.05]", "[0.5285, -2.68, 0.0005, -0.0002, 1.51]"),
+      "m.yaml");
+  ASSERT_FALSE(manifest.has_value());
+  EXPECT_EQ(manifest.error().place, "camera.distortion");
+  EXPECT_NE(manifest.error().message.find("pixel ("), std::string::npos);
+  EXPECT_NE(manifest.error().hint.find("model: rational"), std::string::npos);
 }
 
 TEST(Manifest, WritesNumbersAsShortAsTheyAre) {
@@ -123,9 +149,27 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"QuaternionOfNormZero", "q: [0, 0, 0, 1]", "q: [0, 0, 0, 0]", 8, "norm"},
         Fault{"QuaternionTooShort", "q: [0, 0, 0, 1]", "q: [0, 0, 1]", 8, "3 numbers, not 4"},
         Fault{"TextForANumber", "fx: 525", "fx: wide", 2, "'wide' is not a finite number"},
+        Fault{"FocalLengthOfAlmostNothing", "fx: 525", "fx: 1e-300", 2, "focal length of 1e-300"},
+        Fault{"FocalLengthInMillimetres", "fx: 525", "fx: 4.2", 2, "focal length of 4.2"},
+        Fault{"FocalLengthOfATelescope", "fy: 524", "fy: 1e9", 2, "focal length of 1e+09"},
+        Fault{"PixelsNotSquare", "fy: 524", "fy: 200", 2, "nearly square"},
+        Fault{"PrincipalPointFarAway", "cx: 319.5", "cx: 1e12", 2, "too far from a 640 x 480"},
+        Fault{"PrincipalPointFarBelow", "cy: 239.5", "cy: -481", 2, "too far from a 640 x 480"},
+        Fault{"LensFolds", "[0.1, -0.2, 0.001, 0.002, 0.05]", "[-1, 0, 0, 0, 0]", 3, "folds"},
+        Fault{"LensIsHalfARationalOne", "[0.1, -0.2, 0.001, 0.002, 0.05]",
+              "[0.5285, -2.68, 0.0005, -0.0002, 1.51]", 3, "folds"},
+        Fault{"LensOfHugeNumbers", "[0.1, -0.2, 0.001, 0.002, 0.05]", "[1e300, 0, 0, 0, -1e300]", 3,
+              "folds"},
+        Fault{"UnknownLens", "distortion:", "model: wide, distortion:", 3, "is 'wide'"},
+        Fault{"TooFewForARationalLens", "distortion:", "model: rational, distortion:", 3,
+              "5 numbers; a rational lens has 8"},
+        Fault{"FisheyeWithoutNumbers", "distortion: [0.1, -0.2, 0.001, 0.002, 0.05]",
+              "model: fisheye", 3, "distortion is missing"},
+        Fault{"FisheyeFolds", "distortion: [0.1, -0.2, 0.001, 0.002, 0.05]",
+              "model: fisheye, distortion: [0, 0, 0, -0.5]", 3, "folds"},
         Fault{"WidthZero", "width: 640", "width: 0", 2, "whole number"},
         Fault{"NoDepthScale", ", depth_scale: 5000", "", 2, "'depth_scale' is missing"},
-        Fault{"DistortionTooLong", "0.05]", "0.05, 0]", 3, "6 numbers, not 5"},
+        Fault{"DistortionTooLong", "0.05]", "0.05, 0]", 3, "6 numbers; a plumb_bob lens has 5"},
         Fault{"MeshOutside", "objects/box.obj", "../box.obj", 5, "does not lie"},
         Fault{"MeshOutsideByDetour", "objects/box.obj", "a/../../b.obj", 5, "does not lie"},
         Fault{"UrdfAbsolute", "robot.urdf", "/etc/passwd", 12, "does not lie"},

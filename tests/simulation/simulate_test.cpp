@@ -191,7 +191,10 @@ TEST(Simulate, DepthImagesLieOnTheTrueSurfaces) {
   simulation.width = 160;
   simulation.height = 120;
   for (const bool is_distorted : {false, true}) {
-    if (is_distorted) simulation.distortion = {0.12, -0.25, 0.001, -0.0005, 0.0};
+    if (is_distorted) {
+      simulation.camera = simulated_camera(simulation);
+      simulation.camera->distortion = {0.12, -0.25, 0.001, -0.0005, 0.0};
+    }
     const TemporaryFolder folder;
     const Recording recording = simulated(simulation, 4, folder.path());
     const std::vector<double> errors = surface_errors(recording, simulation, 3);

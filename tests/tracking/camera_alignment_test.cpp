@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracking/camera_alignment.hpp"
 
+#include <array>
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "camera_scene.hpp"
@@ -35,6 +38,28 @@ TEST(CellGrid, InverseDepthAndNormalsOfAPlaneAreExact) {
   // Single precision at a distance of 1 m.
   EXPECT_NEAR(normal.dot(surface.points[cell].cast<double>()), 1.2, 1e-6);
   EXPECT_NEAR(surface.normals[cell].cast<double>().dot(normal), 1.0, 1e-6);
+}
+
+TEST(CellGrid, NormalsOfAPlaneSeenThroughAFisheyeAreExact) {
+  CameraModel camera = a_camera();
+  const std::array<double, 4> k = {-0.0117, 0.0301, -0.0274, 0.0079};
+  camera.distortion = LensDistortion(LensModel::fisheye, k);
+  const CellGrid grid(camera);
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -0.4, 0.9).normalized();
+  DepthImage depth(320, 240);
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      const Eigen::Vector3d ray = camera.normalise(Eigen::Vector2d(x, y)).homogeneous();
+      depth(x, y) = static_cast<float>(1.2 / normal.dot(ray));
+    }
+  }
+  const Surface surface =
+      make_surface(grid, cell_inverse_depth(grid, depth, {}, DepthNoise()), DepthNoise());
+  for (const auto& [x, y] : {std::pair{80, 60}, {20, 20}, {140, 100}}) {
+    const auto cell = static_cast<std::size_t>(y * grid.width() + x);
+    // The image of a plane is bent by a cell's width over the window of five: 0.1 degrees.
+    EXPECT_GT(surface.normals[cell].cast<double>().dot(normal), std::cos(0.002)) << x << ' ' << y;
+  }
 }
 
 TEST(CellGrid, LeavesOutCellsThatHoldAHoleAStepOrSomethingDynamic) {
@@ -101,6 +126,28 @@ TEST(Align, IsNotSoundWhereTheSurfaceIsABarePlane) {
   input.focal_length = a_camera().fx;
   // It may slide along the plane at will.
   EXPECT_FALSE(align(input, Pose(), {1}).is_sound());
+}
+
+TEST(Align, LeavesOutPointsThatLieNearlyBesideTheCamera) {
+  // Turned by a right angle, points of the frame come to lie in the plane z = 0 but for rounding:
+  // cells 1e9 and more from the image, which no int holds.
+  CameraModel camera = a_camera();
+  const CellGrid grid(camera);
+  const InverseDepth plane(grid.size(), 1.0F);
+  const Surface model = make_surface(grid, plane, DepthNoise());
+  const std::vector<FeatureMatch> no_features;
+  AlignmentInput input;
+  input.grid = &grid;
+  input.model = &model;
+  input.frame = &plane;
+  input.features = &no_features;
+  input.focal_length = camera.fx;
+  for (const double sideways : {1e-9, 1e-20, 1e-38}) {
+    const Pose beside = Pose::from_translation({0.1, 0.2, -1.0 + sideways});
+    EXPECT_FALSE(align(input, beside, {1}).is_sound());
+  }
+  const Pose turned = Pose::exp((Vector6d() << 0, 0, 0, 0, std::numbers::pi / 2, 0).finished());
+  EXPECT_FALSE(align(input, turned, {1}).is_sound());
 }
 
 TEST(Fuse, AveragesTheNoiseOfTheFramesThatMatch) {

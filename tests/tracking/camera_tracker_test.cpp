@@ -252,6 +252,16 @@ TEST(CameraTracker, HonoursLensDistortion) {
   EXPECT_LT(worst_position(result), kPositionTolerance);
 }
 
+TEST(CameraTracker, HonoursAFisheye) {
+  Shoot shoot;
+  const std::array<double, 4> k = {-0.0117, 0.0301, -0.0274, 0.0079};
+  shoot.camera.distortion = LensDistortion(LensModel::fisheye, k);
+  shoot.is_tag_seen = [](int i) { return i < 8; };
+  const CameraTrack result = track(shoot);
+  EXPECT_EQ(count(result, PlacementStatus::placed), shoot.frames);
+  EXPECT_LT(worst_position(result), kPositionTolerance);
+}
+
 TEST(CameraTracker, GivesTheSameBitsForAnyNumberOfThreads) {
   Shoot shoot;
   shoot.frames = 8;

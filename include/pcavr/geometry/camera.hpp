@@ -2,13 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <optional>
 
 #include <Eigen/Core>
 
+#include "pcavr/geometry/lens.hpp"
+
 namespace pcavr {
 
-/// A pinhole camera with plumb-bob lens distortion [Brown 1966], as OpenCV and ROS define it.
+/// A pinhole camera with a lens, as OpenCV and ROS define them.
 /// Camera axes: x right, y down, z forward. The centre of pixel (0, 0) is at u = 0, v = 0.
 struct CameraModel {
   int width = 0;    ///< [px]
@@ -17,15 +19,18 @@ struct CameraModel {
   double fy = 0.0;
   double cx = 0.0;  ///< principal point [px]
   double cy = 0.0;
-  std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3
+  LensDistortion distortion = {};
 
-  [[nodiscard]] bool has_distortion() const;
+  [[nodiscard]] bool has_distortion() const { return !distortion.is_none(); }
 
   /// Pixel of a point in camera coordinates; z must be > 0.
   [[nodiscard]] Eigen::Vector2d project(const Eigen::Vector3d& p_camera) const;
 
-  /// Where a distorted pixel would lie without distortion, on the plane z = 1. Solved by Newton's
-  /// method to 1e-12 where the model is invertible.
+  /// d(pixel)/d(p_camera); z must be > 0.
+  [[nodiscard]] Eigen::Matrix<double, 2, 3> projection_jacobian(
+      const Eigen::Vector3d& p_camera) const;
+
+  /// Where a distorted pixel would lie without distortion, on the plane z = 1, to 1e-12.
   [[nodiscard]] Eigen::Vector2d normalise(const Eigen::Vector2d& pixel) const;
 
   /// Point in camera coordinates at depth z [m] along the optical axis.
@@ -38,6 +43,19 @@ struct CameraModel {
 
   /// This camera without its distortion: the model of an undistorted image.
   [[nodiscard]] CameraModel undistorted() const;
+
+  friend bool operator==(const CameraModel&, const CameraModel&) = default;
 };
+
+/// Where a lens is not one-to-one over an image.
+struct LensFold {
+  Eigen::Vector2d pixel;   ///< a pixel without a ray of its own, the nearest to the principal point
+  double max_angle = 0.0;  ///< up to which from the optical axis the lens is one-to-one [rad]
+  bool is_fold = true;     ///< false: the formula goes on, but the ray is beyond 85 degrees
+};
+
+/// Looks for such a pixel on a grid over the whole image, its corners and borders included: the
+/// ray of each has to lie within the lens's max_radius() and to come back to the pixel.
+[[nodiscard]] std::optional<LensFold> find_fold(const CameraModel& camera);
 
 }  // namespace pcavr

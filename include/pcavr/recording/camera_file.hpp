@@ -21,7 +21,9 @@ struct CameraFile {
 };
 
 /// Reads a camera file: pcavr's own keys (see calib/cameras), or ROS camera_info YAML with the
-/// plumb_bob model (its other keys are ignored). Errors name file, line and key.
+/// model plumb_bob, rational_polynomial or equidistant (its other keys are ignored). Refuses
+/// intrinsics that no camera of that image has, and a lens that folds inside it. Errors name file,
+/// line and key.
 [[nodiscard]] Expected<CameraFile> read_camera_file(const std::filesystem::path& file);
 
 }  // namespace pcavr

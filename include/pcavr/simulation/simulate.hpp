@@ -2,15 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/observer.hpp"
 #include "pcavr/core/parallel.hpp"
+#include "pcavr/geometry/camera.hpp"
 #include "pcavr/geometry/depth_noise.hpp"
 #include "pcavr/simulation/plant_case.hpp"
 #include "pcavr/simulation/sensors.hpp"
@@ -30,7 +31,8 @@ struct SimulationCase {
   int clutter = 8;           ///< cylinders, spheres, boxes, prisms, cups
   int width = 640;           ///< [px]
   int height = 480;
-  std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3 of the lens
+  /// With its own size; absent: a pinhole as wide as the first Kinect (62 degrees).
+  std::optional<CameraModel> camera = {};
   /// First Kinect; it measures nothing nearer than 0.4 m or farther than 4 m.
   DepthNoise depth_noise = {.nearest = 0.4, .farthest = 4.0};
   double corner_blur = 0.55;  ///< of the colour image [px]
@@ -41,6 +43,9 @@ struct SimulationCase {
   bool with_mass = true;  ///< in the manifest
   SensorFaults faults = {};
 };
+
+/// The camera that the case is seen through.
+[[nodiscard]] CameraModel simulated_camera(const SimulationCase& simulation);
 
 /// The cases that `pcavr simulate` knows.
 [[nodiscard]] const std::vector<SimulationCase>& simulation_cases();
