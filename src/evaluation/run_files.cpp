@@ -154,7 +154,10 @@ Fault take_correction(Stamp stamp, const std::string& object, Fields rest,
   }
   double bytes = 0.0;
   Fault fault = take_number(rest[2], "bytes", bytes);
-  if (!fault && bytes < 0.0) fault = Error{.message = "is less than 0", .place = "bytes"};
+  // A message crosses a network: below 4 GiB, which a double holds exactly.
+  if (!fault && !(bytes >= 0.0 && bytes <= 4294967295.0)) {
+    fault = Error{.message = "is not from 0 to 4294967295", .place = "bytes"};
+  }
   if (fault) return fault;
   correction.bytes = static_cast<std::size_t>(bytes);
   corrections.push_back(std::move(correction));

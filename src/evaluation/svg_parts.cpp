@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcavr/geometry/pixel.hpp"
+
 #include "html_text.hpp"
 
 namespace pcavr {
@@ -47,17 +49,20 @@ double tick_step(double span, double most) {
   return 10.0 * power;
 }
 
+/// More than fit on any axis.
+constexpr int kMaxTicks = 1000;
+
 std::vector<double> ticks_between(double low, double high, double step) {
   std::vector<double> ticks;
   const double first = std::ceil(low / step - 1e-9);
   const double last = std::floor(high / step + 1e-9);
-  for (double i = first; i <= last; i += 1.0) ticks.push_back(i * step);
+  // Counted, as beyond 2^53 a double plus 1 is itself.
+  const int count = clamp_to_int(last - first + 1.0, 0, kMaxTicks);
+  for (int i = 0; i < count; ++i) ticks.push_back((first + i) * step);
   return ticks;
 }
 
-int decimals_of(double step) {
-  return std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
-}
+int decimals_of(double step) { return clamp_to_int(std::ceil(-std::log10(step) - 1e-9), 0, 9); }
 
 std::string legend_line(const std::string& css_class, const std::string& label) {
   return legend_entry("<path class=\"" + css_class + "\" d=\"M0 4L24 4\"/>", label);

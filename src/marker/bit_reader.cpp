@@ -9,14 +9,16 @@
 
 #include <Eigen/Geometry>
 
+#include "pcavr/geometry/pixel.hpp"
+
 #include "marker/square_homography.hpp"
 
 namespace pcavr {
 namespace {
 
 double nearest_pixel(const GrayImage& image, const Eigen::Vector2d& pixel) {
-  const int x = static_cast<int>(std::lround(std::clamp(pixel.x(), 0.0, image.width() - 1.0)));
-  const int y = static_cast<int>(std::lround(std::clamp(pixel.y(), 0.0, image.height() - 1.0)));
+  const int x = clamp_to_int(pixel.x() + 0.5, 0, image.width() - 1);
+  const int y = clamp_to_int(pixel.y() + 0.5, 0, image.height() - 1);
   return static_cast<double>(image(x, y));
 }
 

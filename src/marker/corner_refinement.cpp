@@ -155,7 +155,8 @@ std::optional<RefinedCorners> refine_once(const GrayImage& image,
     if (!meeting) return std::nullopt;
     refined.corners[i] = lens.bend(meeting->point);
     variance += 0.25 * meeting->variance;
-    if ((refined.corners[i] - corners[i]).norm() > 2.0 * kWidestReach) return std::nullopt;
+    // Written so that what is not a number fails.
+    if (!((refined.corners[i] - corners[i]).norm() <= 2.0 * kWidestReach)) return std::nullopt;
   }
   refined.sigma = std::sqrt(variance);
   return refined;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "pcavr/geometry/pixel.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -24,12 +26,10 @@ Region region_around(const std::array<Eigen::Vector2d, 4>& corners, int width, i
     bottom = std::max(bottom, corner.y());
   }
   const double margin = kMotionShare * width + kTagShare * std::max(right - left, bottom - top);
-  const auto clamped = [](double value, int most) {
-    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(most)));
-  };
-  return {clamped(left - margin, width) / kGrid * kGrid,
-          clamped(top - margin, height) / kGrid * kGrid, clamped(right + margin + 1.0, width),
-          clamped(bottom + margin + 1.0, height)};
+  return {clamp_to_int(left - margin, 0, width) / kGrid * kGrid,
+          clamp_to_int(top - margin, 0, height) / kGrid * kGrid,
+          clamp_to_int(right + margin + 1.0, 0, width),
+          clamp_to_int(bottom + margin + 1.0, 0, height)};
 }
 
 bool overlap(const Region& a, const Region& b) {

@@ -9,6 +9,8 @@
 
 #include <Eigen/Dense>
 
+#include "pcavr/geometry/pixel.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -51,10 +53,10 @@ std::vector<InverseDepth> collect(const DepthImage& depth, const DepthNoise& noi
     inner[i] = middle + kInnerShare * (corners[i] - middle);
     box.extend(inner[i]);
   }
-  const int x0 = std::max(0, static_cast<int>(std::ceil(box.min().x())));
-  const int y0 = std::max(0, static_cast<int>(std::ceil(box.min().y())));
-  const int x1 = std::min(depth.width() - 1, static_cast<int>(std::floor(box.max().x())));
-  const int y1 = std::min(depth.height() - 1, static_cast<int>(std::floor(box.max().y())));
+  const int x0 = clamp_to_int(std::ceil(box.min().x()), 0, depth.width());
+  const int y0 = clamp_to_int(std::ceil(box.min().y()), 0, depth.height());
+  const int x1 = clamp_to_int(std::floor(box.max().x()), -1, depth.width() - 1);
+  const int y1 = clamp_to_int(std::floor(box.max().y()), -1, depth.height() - 1);
   std::vector<InverseDepth> samples;
   for (int y = y0; y <= y1; ++y) {
     for (int x = x0; x <= x1; ++x) {

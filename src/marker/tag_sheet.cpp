@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <optional>
 
+#include "pcavr/geometry/pixel.hpp"
+
 #include "marker/sheet_layout.hpp"
 
 namespace pcavr {
@@ -133,8 +135,9 @@ std::optional<Grid> grid_for(const TagSheetOptions& options, const Slot& slot) {
   Grid grid;
   grid.step_x = slot.width + gap;
   grid.step_y = slot.height + gap;
-  grid.columns = std::max(0, static_cast<int>(std::floor((width + gap) / grid.step_x)));
-  grid.rows = std::max(0, static_cast<int>(std::floor((height + gap) / grid.step_y)));
+  constexpr int kMaxSlots = 10'000;  // each way: 10 m of paper, with a cut mark a millimetre
+  grid.columns = clamp_to_int((width + gap) / grid.step_x, 0, kMaxSlots);
+  grid.rows = clamp_to_int((height + gap) / grid.step_y, 0, kMaxSlots);
   if (grid.columns == 0 || grid.rows == 0) return lone_grid(options, slot);
   grid.left = margin + kCutMark;
   grid.top = grid.left + kRulerSpace;

@@ -13,6 +13,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include "pcavr/geometry/pixel.hpp"
 #include "pcavr/model/cad_model.hpp"
 
 #include "model/mesh_repair.hpp"
@@ -48,7 +49,7 @@ double srgb_from_linear(double linear) {
 std::uint8_t to_byte(float channel, bool is_linear) {
   const double clamped = std::clamp(static_cast<double>(channel), 0.0, 1.0);
   const double encoded = is_linear ? srgb_from_linear(clamped) : clamped;
-  return static_cast<std::uint8_t>(std::lround(255.0 * encoded));
+  return static_cast<std::uint8_t>(clamp_to_int(255.0 * encoded + 0.5, 0, 255));
 }
 
 /// One part of the file in the file's own frame, appended to what is there.

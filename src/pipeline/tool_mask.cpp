@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "pcavr/geometry/pixel.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -35,10 +37,10 @@ struct PixelBox {
 };
 
 PixelBox around(const Disc& disc, const CameraModel& camera) {
-  return {std::max(0, static_cast<int>(std::floor(disc.centre.x() - disc.radius))),
-          std::min(camera.width - 1, static_cast<int>(std::ceil(disc.centre.x() + disc.radius))),
-          std::max(0, static_cast<int>(std::floor(disc.centre.y() - disc.radius))),
-          std::min(camera.height - 1, static_cast<int>(std::ceil(disc.centre.y() + disc.radius)))};
+  return {clamp_to_int(std::floor(disc.centre.x() - disc.radius), 0, camera.width),
+          clamp_to_int(std::ceil(disc.centre.x() + disc.radius), -1, camera.width - 1),
+          clamp_to_int(std::floor(disc.centre.y() - disc.radius), 0, camera.height),
+          clamp_to_int(std::ceil(disc.centre.y() + disc.radius), -1, camera.height - 1)};
 }
 
 /// Calls `visit` for the pixels of a disc that lie in the image.
@@ -89,11 +91,12 @@ std::vector<Pixel> seeds_of(const ToolShape& shape, const RgbdFrame& frame,
     const Eigen::Vector3d p_camera = T_camera_tool * p_tool;
     if (p_camera.z() <= ToolShape::kEdge) continue;
     const Eigen::Vector2d pixel = camera.project(p_camera);
-    if (!(pixel.cwiseAbs().maxCoeff() < 1e6)) continue;
-    const int x = static_cast<int>(std::lround(pixel.x()));
-    const int y = static_cast<int>(std::lround(pixel.y()));
-    if (!frame.depth.contains(x, y) || mask(x, y) != 0 || frame.depth(x, y) <= 0.0F) continue;
-    if (std::abs(frame.depth(x, y) - p_camera.z()) <= ToolShape::kEdge) seeds.emplace_back(x, y);
+    const std::optional<int> x = pixel_index(pixel.x(), frame.depth.width());
+    const std::optional<int> y = pixel_index(pixel.y(), frame.depth.height());
+    if (!x || !y || mask(*x, *y) != 0 || frame.depth(*x, *y) <= 0.0F) continue;
+    if (std::abs(frame.depth(*x, *y) - p_camera.z()) <= ToolShape::kEdge) {
+      seeds.emplace_back(*x, *y);
+    }
   }
   return seeds;
 }

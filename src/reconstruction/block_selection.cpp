@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <climits>
+#include <cmath>
 
 namespace pcavr {
 namespace {
@@ -78,11 +79,26 @@ struct BandWalker {
   }
 };
 
+/// Whether all that the frame sees has a place: numbers of blocks end at kMaxBlock.
+bool is_addressable(const FrameSurface& frame, const Eigen::Vector3d& p_base_camera,
+                    double block_size) {
+  constexpr double kMaxBlock = 1 << 20;  // 21 bits with the sign, see BlockMap
+  float farthest = 0.0F;
+  for (const DepthTile& tile : frame.tiles) farthest = std::max(farthest, tile.farthest);
+  const CameraModel& camera = frame.camera;
+  const double slope_x = std::max(camera.cx, camera.width - camera.cx) / camera.fx;
+  const double slope_y = std::max(camera.cy, camera.height - camera.cy) / camera.fy;
+  // The band around a reading ends below twice its depth.
+  const double reach = 2.0 * double{farthest} * std::hypot(slope_x, slope_y, 1.0);
+  return p_base_camera.cwiseAbs().maxCoeff() + reach < kMaxBlock * block_size;
+}
+
 }  // namespace
 
 std::vector<BlockPlace> places_near_surface(const FrameSurface& frame, const Pose& T_base_camera,
                                             const NoiseTables& tables, double voxel_size,
                                             Parallelism parallelism) {
+  if (!is_addressable(frame, T_base_camera.translation(), kBlockSide * voxel_size)) return {};
   const auto block_size = static_cast<float>(kBlockSide * voxel_size);
   BandWalker walker{T_base_camera.rotation_matrix().cast<float>(),
                     T_base_camera.translation().cast<float>(),
@@ -155,8 +171,11 @@ SphereView look_at(const FrameSurface& frame, const Eigen::Vector3f& centre, flo
   view.in_view = true;
   view.cut_off = u0 < 0.0F || v0 < 0.0F || u1 > static_cast<float>(frame.camera.width - 1) ||
                  v1 > static_cast<float>(frame.camera.height - 1);
+  // Kept to the image before the cast: beside the camera a pixel is out of an int's range.
   const auto tile_of = [](float pixel, int tiles) {
-    return std::clamp(static_cast<int>(pixel + 0.5F) / FrameSurface::kTile, 0, tiles - 1);
+    const float most = static_cast<float>(tiles * FrameSurface::kTile);
+    return std::clamp(static_cast<int>(std::min(pixel, most) + 0.5F) / FrameSurface::kTile, 0,
+                      tiles - 1);
   };
   for (int y = tile_of(std::max(v0, 0.0F), frame.tiles_y); y <= tile_of(v1, frame.tiles_y); ++y) {
     for (int x = tile_of(std::max(u0, 0.0F), frame.tiles_x); x <= tile_of(u1, frame.tiles_x); ++x) {

@@ -9,6 +9,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "pcavr/geometry/pixel.hpp"
+
 #include "preview.hpp"
 
 namespace pcavr {
@@ -109,8 +111,10 @@ void draw_label(ColorImage& picture, const Eigen::Vector2d& at, const std::strin
                 const Rgb8& color) {
   cv::Mat mat = as_mat(picture);
   const cv::Size size = cv::getTextSize(text, kFont, kFontScale, 1, nullptr);
-  const cv::Point corner(static_cast<int>(std::lround(at.x())) - size.width / 2,
-                         static_cast<int>(std::lround(at.y())) - 12);
+  constexpr int kFarOutside = 1'000'000;  // [px] of any picture
+  const cv::Point corner(
+      clamp_to_int(std::round(at.x()), -kFarOutside, kFarOutside) - size.width / 2,
+      clamp_to_int(std::round(at.y()), -kFarOutside, kFarOutside) - 12);
   draw_text(mat, text, corner);
   cv::line(mat, corner + cv::Point(0, 6), corner + cv::Point(size.width, 6), as_scalar(color), 2,
            cv::LINE_AA);

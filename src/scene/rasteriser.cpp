@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcavr/geometry/pixel.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -91,12 +93,13 @@ class BandPainter {
   }
 
  private:
-  /// Clamped, so that the cast is defined for vertices far outside of the picture.
+  /// Far outside of any picture [px]: vertices beyond it are brought there.
+  static constexpr int kFarOutside = 1'000'000;
   static int rounded_up(float value) {
-    return static_cast<int>(std::ceil(std::clamp(value, -1e6F, 1e6F)));
+    return clamp_to_int(std::ceil(value), -kFarOutside, kFarOutside);
   }
   static int rounded_down(float value) {
-    return static_cast<int>(std::floor(std::clamp(value, -1e6F, 1e6F)));
+    return clamp_to_int(std::floor(value), -kFarOutside, kFarOutside);
   }
 
   /// `weights`: barycentric ones, each over its corner's depth.

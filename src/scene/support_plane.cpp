@@ -10,6 +10,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "pcavr/geometry/pixel.hpp"
+
 #include "convex_outline.hpp"
 #include "plane_ransac.hpp"
 
@@ -90,8 +92,9 @@ std::pair<Plane, double> fit(const Points& points) {
 using Cell = std::pair<int, int>;
 
 Cell plane_cell_of(const Eigen::Vector3d& point) {
-  return {static_cast<int>(std::floor(point.x() / kCellEdge)),
-          static_cast<int>(std::floor(point.y() / kCellEdge))};
+  constexpr int kFarAway = 1'000'000'000;  // cells; a mesh file may hold any number
+  return {clamp_to_int(std::floor(point.x() / kCellEdge), -kFarAway, kFarAway),
+          clamp_to_int(std::floor(point.y() / kCellEdge), -kFarAway, kFarAway)};
 }
 
 /// The points that the plane explains, and that are connected from above: the part that holds the

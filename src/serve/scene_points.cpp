@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pcavr/geometry/mesh.hpp"
+#include "pcavr/geometry/pixel.hpp"
 
 #include "scene/bytes.hpp"
 #include "scene/octomap_file.hpp"
@@ -21,7 +22,7 @@ namespace {
 
 using Cell = std::array<std::uint16_t, 3>;
 
-constexpr double kMostSteps = std::numeric_limits<std::uint16_t>::max();
+constexpr int kMostSteps = std::numeric_limits<std::uint16_t>::max();
 /// No depth camera tells less than this [m]; finer steps would store its noise.
 constexpr double kFinestStep = 0.00025;
 constexpr std::size_t kMostPoints = 500'000;
@@ -54,7 +55,7 @@ Cell cell_of(const Eigen::Vector3f& point, const Eigen::Vector3f& origin, float 
   Cell cell{};
   for (int axis = 0; axis < 3; ++axis) {
     cell[static_cast<std::size_t>(axis)] =
-        static_cast<std::uint16_t>(std::clamp(std::round(steps[axis]), 0.0, kMostSteps));
+        static_cast<std::uint16_t>(clamp_to_int(std::round(steps[axis]), 0, kMostSteps));
   }
   return cell;
 }
