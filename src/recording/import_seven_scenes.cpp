@@ -12,6 +12,7 @@
 
 #include "pcavr/core/output.hpp"
 
+#include "recording/camera_keys.hpp"
 #include "recording/image_codec.hpp"
 #include "recording/import_formats.hpp"
 #include "recording/png_codec.hpp"
@@ -112,9 +113,10 @@ Expected<CameraModel> find_camera(const fs::path& source, const fs::path& depth_
   const fs::path file = source / "camera-intrinsics.txt";
   std::error_code code;
   if (!fs::exists(file, code)) {
-    camera.fx = camera.fy = 585.0;
-    camera.cx = 320.0;
-    camera.cy = 240.0;
+    // As published, for images of 640 x 480; smaller copies of the dataset are in use too.
+    camera.fx = camera.fy = 585.0 * camera.width / 640.0;
+    camera.cx = 0.5 * camera.width;
+    camera.cy = 0.5 * camera.height;
     return camera;
   }
   const std::optional<std::vector<double>> K = read_numbers(file, 9);
@@ -127,6 +129,9 @@ Expected<CameraModel> find_camera(const fs::path& source, const fs::path& depth_
   camera.cx = (*K)[2];
   camera.fy = (*K)[4];
   camera.cy = (*K)[5];
+  if (const std::optional<CameraFault> fault = find_camera_fault(camera)) {
+    return Error{.message = fault->message, .file = file.string(), .hint = fault->hint};
+  }
   return camera;
 }
 

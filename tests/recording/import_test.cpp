@@ -44,7 +44,8 @@ TEST(Import, TurnsSevenScenesIntoARecording) {
   EXPECT_EQ(report->poses_left_out, 1u);
 
   const Recording recording = read_recording(target.path()).value();
-  EXPECT_EQ(recording.manifest.camera->fx, 585.0);
+  EXPECT_EQ(recording.manifest.camera->fx, 585.0 * 16 / 640);
+  EXPECT_EQ(recording.manifest.camera->cx, 8.0);
   EXPECT_EQ(recording.manifest.camera->width, 16);
   EXPECT_EQ(recording.frames[1].color_stamp, Stamp{33'333'333});
   EXPECT_EQ(recording.groundtruth.poses()[0].pose.translation(), Eigen::Vector3d(0.5, 0.25, 2));
@@ -62,6 +63,17 @@ TEST(Import, TakesTheIntrinsicsOfTheFolder) {
   const Recording recording = read_recording(target.path()).value();
   EXPECT_EQ(recording.manifest.camera->fy, 16.0);
   EXPECT_EQ(recording.manifest.camera->cx, 8.0);
+}
+
+TEST(Import, RefusesIntrinsicsThatNoCameraOfTheImagesHas) {
+  const TemporaryFolder source;
+  const TemporaryFolder target;
+  write_seven_scenes(source.path());
+  write_text(source.path() / "camera-intrinsics.txt", "1e-300 0 8\n0 16 6\n0 0 1\n");
+  const auto report = import_recording(source.path(), target.path());
+  ASSERT_FALSE(report.has_value());
+  EXPECT_NE(report.error().to_string().find("camera-intrinsics.txt"), std::string::npos);
+  EXPECT_NE(report.error().message.find("focal length"), std::string::npos);
 }
 
 TEST(Import, TakesEveryNthFrameFromTheFirstWanted) {

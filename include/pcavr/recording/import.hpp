@@ -17,7 +17,7 @@ enum class ImportFormat { tum_rgbd, seven_scenes };
 struct ImportOptions {
   std::optional<ImportFormat> format = {};  ///< told from the folder's files where not given
   /// Needed for TUM RGB-D. 7-Scenes: without it, that of camera-intrinsics.txt, or where that is
-  /// absent fx = fy = 585, cx = 320, cy = 240, as published.
+  /// absent fx = fy = 585, cx = 320, cy = 240 for 640 x 480, as published, scaled to the images.
   std::optional<CameraModel> camera = {};
   std::optional<double> depth_scale = {};  ///< units in one metre; TUM 5000, 7-Scenes 1000
   double frame_rate = 30.0;                ///< [Hz], 0.1 to 1e5, for sources without stamps
