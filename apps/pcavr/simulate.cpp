@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <optional>
 
+#include "pcavr/recording/camera_file.hpp"
+
 #include "commands.hpp"
 #include "output_option.hpp"
 
@@ -22,6 +24,7 @@ struct SimulateArguments {
   SensorFaults faults;
   double saturation = 0.0;
   std::string lost;
+  std::string camera;
 };
 
 /// "A:B", seconds.
@@ -49,12 +52,23 @@ Expected<CommandResult> run_simulation(const SimulateArguments& arguments,
   const auto known = std::find_if(cases.begin(), cases.end(), [&](const SimulationCase& one) {
     return one.name == arguments.name;
   });
-  const SimulationCase chosen = changed(*known, arguments);
+  SimulationCase chosen = changed(*known, arguments);
+  if (!arguments.camera.empty()) {
+    const Expected<CameraFile> sensor = read_camera_file(arguments.camera);
+    if (!sensor) return sensor.error();
+    if (sensor->camera.width < 8 || sensor->camera.height < 8) {
+      return Error{.message = "an image of less than 8 x 8 pixels shows nothing",
+                   .file = arguments.camera,
+                   .hint = "give a camera with larger images"};
+    }
+    chosen.camera = sensor->camera;
+  }
   if (!chosen.with_images && chosen.task == ToolTask::none) {
     return Error{.message = "without images the case '" + chosen.name + "' records nothing",
                  .hint = "leave out --no-images, or choose a case with a tool"};
   }
-  Expected<OutputFolder> folder = create_output(arguments.output, OutputKind::recording, {});
+  Expected<OutputFolder> folder =
+      create_output(arguments.output, OutputKind::recording, {arguments.camera});
   if (!folder) return folder.error();
   const Expected<void> done =
       simulate(chosen, arguments.seed, folder->path(), {arguments.threads}, observer);
@@ -106,6 +120,8 @@ void add_simulate(CLI::App& app, Action& action) {
       ->check([](const std::string& text) {
         return gap_of(text) ? std::string() : "give two times in seconds, as 2.5:3.5";
       });
+  command->add_option("--camera", arguments->camera,
+                      "Camera file: image size, intrinsics and lens (see calib/cameras)");
   add_threads_option(*command, arguments->threads);
   command->callback([arguments, &action] {
     action = [arguments](const Observer& observer) { return run_simulation(*arguments, observer); };
