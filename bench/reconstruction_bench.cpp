@@ -5,6 +5,7 @@
 // frame costs when nothing new comes into view; whole recordings are against_open3d's matter.
 #include <benchmark/benchmark.h>
 
+#include "pcavr/model/mesh_simplification.hpp"
 #include "pcavr/reconstruction/depth_filter.hpp"
 #include "pcavr/reconstruction/mesh_cleanup.hpp"
 #include "pcavr/reconstruction/tsdf_volume.hpp"

@@ -36,6 +36,11 @@ std::string object_line(const SceneObject& object) {
   if (moved > 3.0 * object.position_sigma && moved > 0.001) {
     line += print("; it was moved by %.0f mm", moved * kMillimetres);
   }
+  if (const auto& simplification = object.model.simplification) {
+    line += print("; CAD mesh simplified from %zu to %zu triangles, within %.3f mm",
+                  simplification->full_triangles, object.model.mesh_object.triangles.size(),
+                  simplification->max_deviation * kMillimetres);
+  }
   return line + '\n';
 }
 
@@ -125,6 +130,10 @@ nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder)
                                {"q_xyzw", {q.x(), q.y(), q.z(), q.w()}},
                                {"position_sigma_m", object.position_sigma},
                                {"rotation_sigma_rad", object.rotation_sigma}});
+    if (const auto& simplification = object.model.simplification) {
+      json["objects"].back()["full_triangles"] = simplification->full_triangles;
+      json["objects"].back()["simplified_error_m"] = simplification->max_deviation;
+    }
   }
   json["times"] = times_json(quality.times);
   return json;

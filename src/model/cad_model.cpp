@@ -4,11 +4,13 @@
 
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "pcavr/core/check.hpp"
 
-#include "model/mesh_file.hpp"
+#include "model/cad_simplification.hpp"
 #include "model/mesh_repair.hpp"
+#include "model/shape_file.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;
@@ -16,6 +18,8 @@ namespace {
 
 /// Below this share of its bounding cube, a volume is rounding of single-precision coordinates.
 constexpr double kSmallestVolumeShare = 1e-7;
+/// A simplified mesh whose volume is further off, as a share, has lost parts of the body.
+constexpr double kMaxVolumeChange = 0.02;
 
 Error without_volume(const fs::path& source, const std::string& reason) {
   return {.message = "CAD mesh has no volume: " + reason,
@@ -35,19 +39,27 @@ void turn(TriangleMesh& mesh) {
   for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
 }
 
-}  // namespace
+/// The mesh that stands in for a finer one, if it is a body as the finer one is.
+std::optional<CadModel::Simplification> simplify(const CadOptions& options, double volume,
+                                                 TriangleMesh& shape) {
+  if (shape.triangles.size() <= options.max_triangles) return std::nullopt;
+  TriangleMesh simple =
+      model::without_empty_triangles(model::simplified_cad(shape, options.max_triangles));
+  // What is so thin that it vanished would not be the same body.
+  const bool is_sound =
+      !simple.triangles.empty() && model::find_open_edges(simple).count == 0 &&
+      std::abs(model::mass_properties(simple).volume - volume) < kMaxVolumeChange * volume;
+  if (!is_sound || simple.triangles.size() >= shape.triangles.size()) return std::nullopt;
+  const CadModel::Simplification result{shape.triangles.size(),
+                                        model::max_deviation(shape, simple)};
+  shape = std::move(simple);
+  return result;
+}
 
-Expected<CadModel> make_cad_model(const TriangleMesh& mesh_object, const std::string& name,
-                                  const fs::path& source) {
-  for (const Eigen::Vector3f& vertex : mesh_object.vertices) {
-    PCAVR_REQUIRE(vertex.allFinite(), vertex.transpose());
-  }
-  // Only places count here: normals and colours would keep corners of a box apart.
-  TriangleMesh shape;
-  shape.vertices = mesh_object.vertices;
-  shape.triangles = mesh_object.triangles;
+/// `shape`: places and triangles only, all coordinates finite.
+Expected<CadModel> model_of_shape(TriangleMesh shape, const std::string& name,
+                                  const fs::path& source, const CadOptions& options) {
   shape = model::join_equal_vertices(shape);
-
   // Before slivers are dropped: they close the seams between long edges and split ones.
   const model::OpenEdges open = model::find_open_edges(shape);
   if (open.count > 0) return without_volume(source, describe(open));
@@ -64,17 +76,36 @@ Expected<CadModel> make_cad_model(const TriangleMesh& mesh_object, const std::st
 
   CadModel cad;
   cad.name = name;
-  cad.mesh_object = model::without_empty_triangles(std::move(shape));
+  cad.simplification = simplify(options, properties.volume, shape);
+  cad.mesh_object =
+      cad.simplification ? std::move(shape) : model::without_empty_triangles(std::move(shape));
   compute_vertex_normals(cad.mesh_object);
   cad.volume = properties.volume;
   cad.centre_of_mass_object = properties.centroid;
   return cad;
 }
 
-Expected<CadModel> read_cad_model(const fs::path& file, const std::string& name) {
-  const Expected<TriangleMesh> mesh = model::import_mesh(file);
+}  // namespace
+
+Expected<CadModel> make_cad_model(const TriangleMesh& mesh_object, const std::string& name,
+                                  const fs::path& source, const CadOptions& options) {
+  for (const Eigen::Vector3f& vertex : mesh_object.vertices) {
+    PCAVR_REQUIRE(vertex.allFinite(), vertex.transpose());
+  }
+  // Only places count here: normals and colours would keep corners of a box apart.
+  TriangleMesh shape;
+  shape.vertices = mesh_object.vertices;
+  shape.triangles = mesh_object.triangles;
+  return model_of_shape(std::move(shape), name, source, options);
+}
+
+Expected<CadModel> read_cad_model(const fs::path& file, const std::string& name,
+                                  const CadOptions& options) {
+  Expected<TriangleMesh> mesh = model::import_shape(file);
   if (!mesh) return mesh.error();
-  return make_cad_model(*mesh, name, file);
+  mesh->normals = {};
+  mesh->colors = {};
+  return model_of_shape(std::move(*mesh), name, file, options);
 }
 
 }  // namespace pcavr

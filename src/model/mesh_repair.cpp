@@ -3,56 +3,48 @@
 #include "model/mesh_repair.hpp"
 
 #include <algorithm>
-#include <map>
 #include <numeric>
-#include <tuple>
+
+#include "model/vertex_table.hpp"
 
 namespace pcavr::model {
 namespace {
 
 constexpr std::uint32_t kUnused = ~std::uint32_t{0};
 
-/// Everything that tells two vertices apart, ordered.
-class VertexOrder {
+/// Everything that tells two vertices apart.
+class VertexIdentity {
  public:
-  explicit VertexOrder(const TriangleMesh& mesh) : mesh_(mesh) {}
+  explicit VertexIdentity(const TriangleMesh& mesh) : mesh_(mesh) {}
 
-  [[nodiscard]] int compare(std::uint32_t i, std::uint32_t j) const {
-    if (const int order = compare(mesh_.vertices[i], mesh_.vertices[j])) return order;
-    if (!mesh_.normals.empty()) {
-      if (const int order = compare(mesh_.normals[i], mesh_.normals[j])) return order;
+  [[nodiscard]] bool is_same(std::uint32_t i, std::uint32_t j) const {
+    if (!is_identical(mesh_.vertices[i], mesh_.vertices[j])) return false;
+    if (!mesh_.normals.empty() && !is_identical(mesh_.normals[i], mesh_.normals[j])) return false;
+    return mesh_.colors.empty() || mesh_.colors[i] == mesh_.colors[j];
+  }
+  [[nodiscard]] std::uint64_t hash(std::uint32_t i) const {
+    std::uint64_t mixed = hash_of(mesh_.vertices[i]);
+    if (!mesh_.normals.empty()) mixed = hash_of(mesh_.normals[i], mixed);
+    if (!mesh_.colors.empty()) {
+      const Rgb8& c = mesh_.colors[i];
+      mixed = hash_of(Eigen::Vector3f(c.r, c.g, c.b), mixed);
     }
-    if (mesh_.colors.empty()) return 0;
-    const auto channels = [this](std::uint32_t k) {
-      return std::make_tuple(mesh_.colors[k].r, mesh_.colors[k].g, mesh_.colors[k].b);
-    };
-    return channels(i) < channels(j) ? -1 : (channels(j) < channels(i) ? 1 : 0);
+    return mixed;
   }
 
  private:
-  static int compare(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (a[axis] < b[axis]) return -1;
-      if (b[axis] < a[axis]) return 1;
-    }
-    return 0;
-  }
   const TriangleMesh& mesh_;
 };
 
 /// For each vertex, the first one that is equal to it.
 std::vector<std::uint32_t> first_equals(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> sorted(mesh.vertices.size());
-  std::iota(sorted.begin(), sorted.end(), 0U);
-  const VertexOrder order(mesh);
-  std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t i, std::uint32_t j) {
-    const int comparison = order.compare(i, j);
-    return comparison != 0 ? comparison < 0 : i < j;
-  });
+  const VertexIdentity identity(mesh);
+  VertexTable table(mesh.vertices.size());
   std::vector<std::uint32_t> firsts(mesh.vertices.size());
-  for (std::size_t k = 0; k < sorted.size(); ++k) {
-    const bool is_new = k == 0 || order.compare(sorted[k - 1], sorted[k]) != 0;
-    firsts[sorted[k]] = is_new ? sorted[k] : firsts[sorted[k - 1]];
+  for (std::uint32_t i = 0; i < firsts.size(); ++i) {
+    firsts[i] = table.find_or_insert(
+        identity.hash(i), i, [&](std::uint32_t j) { return identity.is_same(i, j); },
+        [&](std::uint32_t j) { return identity.hash(j); });
   }
   return firsts;
 }
@@ -96,22 +88,37 @@ TriangleMesh without_empty_triangles(TriangleMesh mesh) {
 }
 
 OpenEdges find_open_edges(const TriangleMesh& mesh) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
-  for (const auto& triangle : mesh.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t from = triangle[k];
-      const std::uint32_t to = triangle[(k + 1) % 3];
-      if (from < to) ++balance[{from, to}];
-      if (to < from) --balance[{to, from}];
+  // By the lower vertex: where its edges begin in `edges`, each its upper vertex and its direction.
+  std::vector<std::size_t> first(mesh.vertices.size() + 1, 0);
+  const auto for_each_edge = [&](const auto& take) {
+    for (const auto& triangle : mesh.triangles) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t from = triangle[k];
+        const std::uint32_t to = triangle[(k + 1) % 3];
+        if (from != to) take(std::min(from, to), std::max(from, to), from < to);
+      }
     }
-  }
+  };
+  for_each_edge([&](std::uint32_t low, std::uint32_t, bool) { ++first[low + 1]; });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<std::uint64_t> edges(first.back());
+  std::vector<std::size_t> next(first.begin(), first.end() - 1);
+  for_each_edge([&](std::uint32_t low, std::uint32_t high, bool is_upward) {
+    edges[next[low]++] = std::uint64_t{high} << 1U | (is_upward ? 1U : 0U);
+  });
   OpenEdges open;
-  for (const auto& [edge, count] : balance) {
-    if (count == 0) continue;
-    if (open.count == 0) {
-      open.somewhere = 0.5F * (mesh.vertices[edge.first] + mesh.vertices[edge.second]);
+  for (std::size_t low = 0; low + 1 < first.size(); ++low) {
+    const auto begin = edges.begin() + static_cast<std::ptrdiff_t>(first[low]);
+    const auto end = edges.begin() + static_cast<std::ptrdiff_t>(first[low + 1]);
+    std::sort(begin, end);
+    for (auto edge = begin; edge != end;) {
+      const std::uint64_t high = *edge >> 1U;
+      std::ptrdiff_t balance = 0;
+      for (; edge != end && *edge >> 1U == high; ++edge) balance += (*edge & 1U) != 0U ? 1 : -1;
+      if (balance == 0) continue;
+      if (open.count == 0) open.somewhere = 0.5F * (mesh.vertices[low] + mesh.vertices[high]);
+      ++open.count;
     }
-    ++open.count;
   }
   return open;
 }

@@ -9,7 +9,7 @@
 
 namespace pcavr::model {
 
-/// One vertex for all that are bitwise equal in position, normal and colour; in the order in which
+/// One vertex for all that are identical in position, normal and colour; in the order in which
 /// they first appear. Vertices that no triangle uses are left out.
 [[nodiscard]] TriangleMesh join_equal_vertices(const TriangleMesh& mesh);
 

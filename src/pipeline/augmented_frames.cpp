@@ -48,7 +48,7 @@ Expected<CadModel> model_of(const SceneManifest& scene, const std::string& name)
       std::find_if(scene.objects.begin(), scene.objects.end(),
                    [&](const SceneObjectEntry& object) { return object.name == name; });
   PCAVR_REQUIRE(entry != scene.objects.end(), name);
-  return read_cad_model(scene.folder / entry->mesh, name);
+  return read_object_model(scene, *entry);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "pcavr/core/median.hpp"
 #include "pcavr/core/stage_clock.hpp"
+#include "pcavr/model/mesh_simplification.hpp"
 #include "pcavr/reconstruction/cloud_filter.hpp"
 #include "pcavr/reconstruction/depth_filter.hpp"
 #include "pcavr/reconstruction/mesh_cleanup.hpp"
@@ -144,6 +145,7 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
     Expected<Scene> stated =
         stated_scene(recording, options.voxel_size, options.occupancy_resolution);
     if (stated) {
+      for (const SceneObject& object : stated->objects) report_simplified(object.model, observer);
       observer.on_warning("no images: the scene holds what the manifest states, and no surfaces");
     }
     return stated;
@@ -158,6 +160,7 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
   clock.begin("tags and camera");
   const Expected<std::vector<MovableBody>> bodies = load_movable_bodies(recording);
   if (!bodies) return bodies.error();
+  for (const MovableBody& body : *bodies) report_simplified(body.model, observer);
   const Expected<Survey> survey = survey_recording(recording, *bodies, survey_options, observer);
   if (!survey) return survey.error();
 

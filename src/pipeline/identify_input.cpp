@@ -16,7 +16,7 @@ Expected<std::vector<IdentifiableObject>> objects_of_scene(const SceneManifest& 
   std::vector<IdentifiableObject> objects;
   for (const SceneObjectEntry& entry : scene.objects) {
     if (!entry.is_movable) continue;
-    Expected<CadModel> model = read_cad_model(scene.folder / entry.mesh, entry.name);
+    Expected<CadModel> model = read_object_model(scene, entry);
     if (!model) return model.error();
     objects.push_back({.name = entry.name,
                        .model = std::move(*model),

@@ -3,6 +3,7 @@
 #include "survey.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <optional>
 #include <set>
 #include <utility>
@@ -154,6 +155,17 @@ Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recordin
     bodies.push_back({entry, std::move(*model), object_placements(recording.manifest, entry.name)});
   }
   return bodies;
+}
+
+void report_simplified(const CadModel& model, const Observer& observer) {
+  if (!model.simplification) return;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                ": CAD mesh of %zu triangles simplified to %zu, within %.3f mm of it; volume and "
+                "centre of mass are the full mesh's",
+                model.simplification->full_triangles, model.mesh_object.triangles.size(),
+                1e3 * model.simplification->max_deviation);
+  observer.on_warning(model.name + text);
 }
 
 std::vector<MarkerEntry> scene_tags(const Manifest& manifest) {

@@ -29,6 +29,9 @@ struct MovableBody {
 /// the place of its points.
 [[nodiscard]] Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recording);
 
+/// Tells the user where a body's mesh stands in for a finer one, and within what error.
+void report_simplified(const CadModel& model, const Observer& observer);
+
 /// The tags that a scene keeps: those of base and of the movable objects.
 [[nodiscard]] std::vector<MarkerEntry> scene_tags(const Manifest& manifest);
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "reconstruction/mesh_compaction.hpp"
+#include "pcavr/model/mesh_simplification.hpp"
 
 namespace pcavr {
 namespace {

@@ -3,6 +3,7 @@
 #include "pcavr/scene/scene_bundle.hpp"
 
 #include <functional>
+#include <limits>
 
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/recording.hpp"
@@ -102,6 +103,18 @@ Expected<SceneManifest> read_scene_manifest(const fs::path& folder) {
   Expected<SceneManifest> manifest = parse_scene_manifest(*text, file.string());
   if (manifest) manifest.value().folder = folder;
   return manifest;
+}
+
+Expected<CadModel> read_object_model(const SceneManifest& scene, const SceneObjectEntry& object) {
+  CadOptions options;
+  // What was simplified once is not simplified again: the error that is stated would not hold.
+  if (object.simplified) options.max_triangles = std::numeric_limits<std::size_t>::max();
+  Expected<CadModel> model = read_cad_model(scene.folder / object.mesh, object.name, options);
+  if (!model || !object.simplified) return model;
+  model->simplification = object.simplified->simplification;
+  model->volume = object.simplified->volume;
+  model->centre_of_mass_object = object.simplified->centre_of_mass_object;
+  return model;
 }
 
 }  // namespace pcavr

@@ -43,6 +43,15 @@ void emit_pose_figures(YAML::Emitter& out, const char* key, double translation, 
   out << YAML::EndMap;
 }
 
+/// What the CAD mesh was before it was simplified, and by how much the scene's mesh misses it.
+void emit_simplified(YAML::Emitter& out, const SceneObjectEntry::Simplified& simplified) {
+  emit(out, "simplified_error", simplified.simplification.max_deviation);
+  emit(out, "full_triangles", simplified.simplification.full_triangles);
+  emit(out, "volume", simplified.volume);
+  out << YAML::Key << "centre_of_mass" << YAML::Value;
+  emit_list(out, simplified.centre_of_mass_object);
+}
+
 void emit_object(YAML::Emitter& out, const SceneObjectEntry& object) {
   out << YAML::BeginMap;
   emit(out, "name", object.name);
@@ -54,6 +63,7 @@ void emit_object(YAML::Emitter& out, const SceneObjectEntry& object) {
   emit(out, "evidence", object.evidence);
   emit_pose_figures(out, "sigma", object.position_sigma, object.rotation_sigma);
   emit_pose_figures(out, "refinement", object.refinement_translation, object.refinement_rotation);
+  if (object.simplified) emit_simplified(out, *object.simplified);
   out << YAML::EndMap;
 }
 
@@ -120,6 +130,12 @@ void emit_quality(YAML::Emitter& out, const SceneQuality& quality) {
   out << YAML::EndMap;
 }
 
+std::optional<SceneObjectEntry::Simplified> simplified_of(const CadModel& model) {
+  if (!model.simplification) return std::nullopt;
+  return SceneObjectEntry::Simplified{*model.simplification, model.volume,
+                                      model.centre_of_mass_object};
+}
+
 }  // namespace
 
 std::filesystem::path object_file(const std::string& name) {
@@ -146,7 +162,8 @@ SceneManifest manifest_of(const Scene& scene) {
                                 .refinement_translation = object.refinement_translation,
                                 .refinement_rotation = object.refinement_rotation,
                                 .mass = object.mass,
-                                .is_movable = object.is_movable});
+                                .is_movable = object.is_movable,
+                                .simplified = simplified_of(object.model)});
   }
   manifest.tags = scene.tags;
   manifest.support_planes = scene.support_planes;

@@ -197,11 +197,14 @@ class Inspection {
   }
 
   void check_object(const SceneObjectEntry& object) {
-    const Expected<CadModel> model = read_cad_model(manifest_.folder / object.mesh, object.name);
+    const Expected<CadModel> model = read_object_model(manifest_, object);
     if (!model) return report(object.mesh, model.error());
-    report(object.mesh,
-           grouped(model->mesh_object.triangles.size()) + " triangles, " +
-               rounded(1e3 * model->volume, 3) + " litres, " + object.evidence,
+    std::string figure = grouped(model->mesh_object.triangles.size()) + " triangles, ";
+    if (const auto& simplification = model->simplification) {
+      figure += "simplified from " + grouped(simplification->full_triangles) + " within " +
+                rounded(1e3 * simplification->max_deviation, 3) + " mm, ";
+    }
+    report(object.mesh, figure + rounded(1e3 * model->volume, 3) + " litres, " + object.evidence,
            "");
   }
 

@@ -53,9 +53,24 @@ PoseFigures figures_of(const YamlValue& value) {
   return {not_negative(value.at("translation")), not_negative(value.at("rotation"))};
 }
 
+std::size_t count_of(const YamlValue& value) {
+  return static_cast<std::size_t>(value.integer(0, std::numeric_limits<int>::max()));
+}
+
+/// The four keys stand together.
+SceneObjectEntry::Simplified simplified_of(const YamlValue& object) {
+  SceneObjectEntry::Simplified simplified;
+  simplified.simplification.max_deviation = not_negative(object.at("simplified_error"));
+  simplified.simplification.full_triangles = count_of(object.at("full_triangles"));
+  simplified.volume = object.at("volume").positive_number();
+  simplified.centre_of_mass_object = vector_of(object.at("centre_of_mass"));
+  return simplified;
+}
+
 SceneObjectEntry object_of(const YamlValue& value) {
-  value.expect_keys(
-      {"name", "mesh", "movable", "mass", "pose", "start", "evidence", "sigma", "refinement"});
+  value.expect_keys({"name", "mesh", "movable", "mass", "pose", "start", "evidence", "sigma",
+                     "refinement", "simplified_error", "full_triangles", "volume",
+                     "centre_of_mass"});
   SceneObjectEntry object;
   object.name = value.at("name").text();
   expect_object_name(object.name, value.at("name"));
@@ -71,6 +86,7 @@ SceneObjectEntry object_of(const YamlValue& value) {
   const PoseFigures refinement = figures_of(value.at("refinement"));
   object.refinement_translation = refinement.translation;
   object.refinement_rotation = refinement.rotation;
+  if (value.find("simplified_error")) object.simplified = simplified_of(value);
   return object;
 }
 
@@ -104,10 +120,6 @@ SupportPlane plane_of(const YamlValue& value) {
     plane.outline_base.push_back(vector_of(corner));
   }
   return plane;
-}
-
-std::size_t count_of(const YamlValue& value) {
-  return static_cast<std::size_t>(value.integer(0, std::numeric_limits<int>::max()));
 }
 
 std::vector<std::pair<std::string, std::size_t>> counts_of(const YamlValue& value,

@@ -52,7 +52,7 @@ void append(const TriangleMesh& more, TriangleMesh& mesh) {
 
 Expected<void> add_object(const SceneManifest& scene, const SceneObjectEntry& object,
                           const ParameterTable& known, SceneWorld& world) {
-  Expected<CadModel> model = read_cad_model(scene.folder / object.mesh, object.name);
+  Expected<CadModel> model = read_object_model(scene, object);
   if (!model) return model.error();
   if (!object.is_movable) {
     append(transformed(object.T_base_object, model->mesh_object),

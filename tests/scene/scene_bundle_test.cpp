@@ -168,6 +168,29 @@ TEST_F(SceneBundle, FindsATagOnAnObjectThatIsNotThere) {
   EXPECT_EQ(unsound(), std::vector<std::string>{"scene.yaml"});
 }
 
+TEST_F(SceneBundle, TakesWhatTheFullMeshOfASimplifiedBodyHad) {
+  replace("scene.yaml", "movable: true",
+          "movable: true\n    simplified_error: 2e-05\n    full_triangles: 5000000\n"
+          "    volume: 0.0017\n    centre_of_mass: [0.001, 0, 0]");
+  const auto manifest = read_scene_manifest(folder_.path());
+  ASSERT_TRUE(manifest) << manifest.error().to_string();
+  const Expected<CadModel> box = read_object_model(*manifest, manifest->objects[0]);
+  ASSERT_TRUE(box) << box.error().to_string();
+  ASSERT_TRUE(box->simplification);
+  EXPECT_EQ(box->simplification->max_deviation, 2e-5);
+  EXPECT_EQ(box->simplification->full_triangles, 5'000'000U);
+  EXPECT_EQ(box->volume, 0.0017);
+  EXPECT_EQ(box->centre_of_mass_object.x(), 0.001);
+  EXPECT_TRUE(unsound().empty());
+}
+
+TEST_F(SceneBundle, WantsAllThatBelongsToASimplifiedBody) {
+  replace("scene.yaml", "movable: true", "movable: true\n    simplified_error: 2e-05");
+  const auto manifest = read_scene_manifest(folder_.path());
+  ASSERT_FALSE(manifest);
+  EXPECT_NE(manifest.error().to_string().find("full_triangles"), std::string::npos);
+}
+
 TEST_F(SceneBundle, RefusesAKeyThatItDoesNotKnowAndNamesItsLine) {
   replace("scene.yaml", "voxel_size: 0.02", "voxel_size: 0.02\nvoxels: 3");
   const auto manifest = read_scene_manifest(folder_.path());

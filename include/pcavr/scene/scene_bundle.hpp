@@ -34,6 +34,13 @@ struct SceneObjectEntry {
   double refinement_rotation = 0.0;     ///< [rad]
   std::optional<double> mass = {};      ///< [kg]
   bool is_movable = true;
+  /// Where the scene's mesh stands in for a finer CAD mesh, with what was measured on that one.
+  struct Simplified {
+    CadModel::Simplification simplification;
+    double volume = 0.0;                                              ///< [m^3]
+    Eigen::Vector3d centre_of_mass_object = Eigen::Vector3d::Zero();  ///< [m]
+  };
+  std::optional<Simplified> simplified = {};
 };
 
 /// `scene.yaml` (`pcavr-scene/1`), read back: what replay, serve and others need.
@@ -52,6 +59,11 @@ struct SceneManifest {
 /// Strict: a key that is not known, a missing one or a path that leaves the folder is an Error with
 /// its line.
 [[nodiscard]] Expected<SceneManifest> read_scene_manifest(const std::filesystem::path& folder);
+
+/// The CAD body of an object, which scene.yaml places: the scene's mesh, and the volume and centre
+/// of mass of the mesh that it may stand in for. Same errors as read_cad_model.
+[[nodiscard]] Expected<CadModel> read_object_model(const SceneManifest& scene,
+                                                   const SceneObjectEntry& object);
 
 /// One finding of inspect_scene.
 struct SceneCheck {

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include "pcavr/model/mesh_simplification.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -7,14 +9,13 @@
 #include <vector>
 
 #include "pcavr/core/check.hpp"
-#include "pcavr/reconstruction/mesh_cleanup.hpp"
 
-#include "reconstruction/mesh_compaction.hpp"
-#include "reconstruction/quadric.hpp"
+#include "model/quadric.hpp"
 
 namespace pcavr {
 namespace {
 
+using model::Quadric;
 using Triangle = std::array<std::uint32_t, 3>;
 
 // Black beside white weighs as much as a surface this far off [m]: patterns on flat surfaces, which

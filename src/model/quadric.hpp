@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace pcavr {
+namespace pcavr::model {
 
 /// Sum of squared distances to planes, each weighted by an area [Garland & Heckbert 1997, sec. 5].
 struct Quadric {
@@ -68,4 +68,4 @@ struct Quadric {
   }
 };
 
-}  // namespace pcavr
+}  // namespace pcavr::model

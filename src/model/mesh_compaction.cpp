@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/mesh_compaction.hpp"
+#include "pcavr/model/mesh_simplification.hpp"
 
 namespace pcavr {
 

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/model/mesh_simplification.hpp"
+
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+namespace pcavr {
+namespace {
+
+/// A square sheet of side 1 m with n x n cells, its height given.
+TriangleMesh sheet(std::uint32_t n, const std::function<float(float, float)>& height) {
+  TriangleMesh mesh;
+  for (std::uint32_t y = 0; y <= n; ++y) {
+    for (std::uint32_t x = 0; x <= n; ++x) {
+      const float px = static_cast<float>(x) / static_cast<float>(n);
+      const float py = static_cast<float>(y) / static_cast<float>(n);
+      mesh.vertices.emplace_back(px, py, height(px, py));
+    }
+  }
+  for (std::uint32_t y = 0; y < n; ++y) {
+    for (std::uint32_t x = 0; x < n; ++x) {
+      const std::uint32_t a = y * (n + 1) + x;
+      mesh.triangles.push_back({a, a + 1, a + n + 2});
+      mesh.triangles.push_back({a, a + n + 2, a + n + 1});
+    }
+  }
+  return mesh;
+}
+
+TriangleMesh flat_sheet(std::uint32_t n) {
+  return sheet(n, [](float, float) { return 0.0F; });
+}
+
+TEST(Simplified, KeepsAFlatSheetsOutlineWithAHundredthOfItsTriangles) {
+  const TriangleMesh mesh = flat_sheet(40);
+  const TriangleMesh simple = simplified(mesh, 32, 0.001);
+  EXPECT_LE(simple.triangles.size(), 32U);
+  // The border's planes hold the corners; 0.1 % is a millimetre all around.
+  EXPECT_NEAR(surface_area(simple), 1.0, 0.001);
+  for (const Eigen::Vector3f& p : simple.vertices) EXPECT_NEAR(p.z(), 0.0F, 1e-6F);
+}
+
+TEST(Simplified, StaysWithinTheErrorThatIsAllowed) {
+  const auto hill = [](float x, float y) { return 0.1F * std::sin(3.0F * x) * std::cos(3.0F * y); };
+  const TriangleMesh mesh = sheet(60, hill);
+  const TriangleMesh simple = simplified(mesh, 0, 0.002);
+  EXPECT_LT(simple.triangles.size(), mesh.triangles.size() / 5);
+  EXPECT_GT(simple.triangles.size(), 8U);
+  // The bound is on the mean over the planes merged; single vertices may lie twice as far.
+  for (const Eigen::Vector3f& p : simple.vertices) {
+    EXPECT_NEAR(p.z(), hill(p.x(), p.y()), 0.004F);
+  }
+}
+
+TEST(Simplified, KeepsAColourEdgeOnAFlatSheet) {
+  TriangleMesh mesh = flat_sheet(40);
+  for (const Eigen::Vector3f& p : mesh.vertices) {
+    mesh.colors.push_back(p.x() < 0.5F ? Rgb8{0, 0, 0} : Rgb8{255, 255, 255});
+  }
+  const TriangleMesh simple = simplified(mesh, 400, 0.001);
+  ASSERT_EQ(simple.colors.size(), simple.vertices.size());
+  for (std::size_t i = 0; i < simple.vertices.size(); ++i) {
+    // One cell is 25 mm.
+    const float x = simple.vertices[i].x();
+    if (x < 0.47F) {
+      EXPECT_LT(simple.colors[i].g, 10);
+    }
+    if (x > 0.53F) {
+      EXPECT_GT(simple.colors[i].g, 245);
+    }
+  }
+}
+
+TEST(Simplified, LeavesASmallMeshAlone) {
+  const TriangleMesh mesh = flat_sheet(2);
+  EXPECT_EQ(simplified(mesh, 8, 0.01).triangles, mesh.triangles);
+  EXPECT_TRUE(simplified(TriangleMesh(), 10, 0.01).triangles.empty());
+}
+
+}  // namespace
+}  // namespace pcavr
