@@ -30,7 +30,7 @@ DespikedSignal remove_spikes(std::span<const double> values, const SpikeOptions&
   DespikedSignal result;
   result.values.assign(values.begin(), values.end());
   const auto half = static_cast<std::size_t>(options.half_window);
-  const double noise = noise_deviation(values);
+  const double noise = options.noise ? *options.noise : noise_deviation(values);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::size_t begin = i > half ? i - half : 0;
     const std::size_t end = std::min(values.size(), i + half + 1);

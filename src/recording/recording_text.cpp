@@ -7,6 +7,7 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/recording/manifest.hpp"
+#include "pcavr/recording/trajectory_rows.hpp"
 
 namespace pcavr {
 namespace {
@@ -29,12 +30,14 @@ void append_row(std::string& text, Stamp stamp, char separator,
   text += '\n';
 }
 
+void append_pose(std::string& text, Stamp stamp, const Pose& pose, char separator) {
+  const Eigen::Vector3d& p = pose.translation();
+  const Eigen::Quaterniond& q = pose.rotation();
+  append_row(text, stamp, separator, {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()});
+}
+
 void append_poses(std::string& text, const Trajectory& trajectory, char separator) {
-  for (const auto& [stamp, pose] : trajectory.poses()) {
-    const Eigen::Vector3d& p = pose.translation();
-    const Eigen::Quaterniond& q = pose.rotation();
-    append_row(text, stamp, separator, {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()});
-  }
+  for (const auto& [stamp, pose] : trajectory.poses()) append_pose(text, stamp, pose, separator);
 }
 
 void append_vectors(std::string& text, const char* keyword,
@@ -61,8 +64,14 @@ std::string format_file_stamp(Stamp stamp) {
   return format_stamp(stamp, stamp.nanoseconds % 1000 == 0 ? 6 : 9);
 }
 
+std::string_view trajectory_header() { return "# timestamp tx ty tz qx qy qz qw\n"; }
+
+void append_trajectory_row(std::string& text, Stamp stamp, const Pose& pose) {
+  append_pose(text, stamp, pose, ' ');
+}
+
 std::string format_trajectory(const Trajectory& trajectory) {
-  std::string text = "# timestamp tx ty tz qx qy qz qw\n";
+  std::string text(trajectory_header());
   append_poses(text, trajectory, ' ');
   return text;
 }

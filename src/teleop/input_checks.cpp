@@ -40,13 +40,38 @@ struct Pressing {
   std::vector<std::size_t> object;           ///< the nearest
 };
 
-Pressing press_of(const TeleopInput& input, const TipMotion& tip) {
+/// What is looked at together: the whole of an ordinary recording, kCalibrationTime of a long one.
+struct Part {
+  double begin = 0.0, end = 0.0;  ///< [s] of the tip
+  std::span<const double> t_force;
+  std::span<const Eigen::Vector3d> force_base;
+};
+
+std::vector<Part> parts_of(const TeleopInput& input, const TipMotion& tip) {
+  const std::span<const double> stamps(input.t_force);
+  const std::span<const Eigen::Vector3d> forces(input.force_base);
+  std::vector<Part> parts;
+  double begin = tip.t.front();
+  std::size_t first = 0;
+  while (tip.t.back() - begin > kCalibrationTime) {
+    const double end = begin + kCalibrationTime;
+    const auto next = std::lower_bound(stamps.begin(), stamps.end(), end);
+    const std::size_t count = static_cast<std::size_t>(next - stamps.begin()) - first;
+    parts.push_back({begin, end, stamps.subspan(first, count), forces.subspan(first, count)});
+    begin = end;
+    first += count;
+  }
+  parts.push_back({begin, tip.t.back(), stamps.subspan(first), forces.subspan(first)});
+  return parts;
+}
+
+Pressing press_of(const TeleopInput& input, const TipMotion& tip, const Part& part) {
   Pressing pressing;
   std::vector<BodySurface> surfaces;
   for (const TeleopObject& object : input.objects) surfaces.emplace_back(object.model);
-  const auto count = static_cast<std::size_t>((tip.t.back() - tip.t.front()) * kCommonRate) + 1;
+  const auto count = static_cast<std::size_t>((part.end - part.begin) * kCommonRate) + 1;
   for (std::size_t k = 0; k < count; ++k) {
-    const double t = tip.t.front() + static_cast<double>(k) / kCommonRate;
+    const double t = part.begin + static_cast<double>(k) / kCommonRate;
     const Eigen::Vector3d p_base = tip.at(t);
     Reach nearest{.clearance = kFarAway};
     std::size_t which = 0;
@@ -67,10 +92,12 @@ Pressing press_of(const TeleopInput& input, const TipMotion& tip) {
 }
 
 /// The least force at which an axis was at its end [N].
-std::optional<double> force_ceiling(const TeleopInput& input) {
+std::optional<double> force_ceiling(const std::vector<Part>& parts) {
   std::optional<double> ceiling;
-  for (const SaturatedStretch& stretch : find_saturation(input.t_force, input.force_base)) {
-    ceiling = std::min(ceiling.value_or(stretch.force), stretch.force);
+  for (const Part& part : parts) {
+    for (const SaturatedStretch& stretch : find_saturation(part.t_force, part.force_base)) {
+      ceiling = std::min(ceiling.value_or(stretch.force), stretch.force);
+    }
   }
   return ceiling;
 }
@@ -87,19 +114,20 @@ double longest_way(const TeleopInput& input) {
   return longest;
 }
 
-void check_unit(const TeleopInput& input, const Pressing& pressing, InputFindings& findings) {
+void check_unit(const TeleopInput& input, const Part& part, const Pressing& pressing,
+                InputFindings& findings) {
   // The friction felt over the weight, at its largest while something is pressed.
   double share = 0.0;
   std::vector<double> friction;
-  for (std::size_t i = 0; i < input.force_base.size(); ++i) {
-    const double place = (input.t_force[i] - pressing.t.front()) * kCommonRate;
+  for (std::size_t i = 0; i < part.force_base.size(); ++i) {
+    const double place = (part.t_force[i] - pressing.t.front()) * kCommonRate;
     if (place < 0.0 || place >= static_cast<double>(pressing.t.size())) continue;
     const auto k = static_cast<std::size_t>(place);
     if (pressing.depth[k] <= 0.0) continue;
     const TeleopObject& object = input.objects[pressing.object[k]];
     const double mass =
         object.parameters.mass ? object.parameters.mass->value : kDensity * object.model.volume;
-    friction.push_back(input.force_base[i].head<2>().norm() / (mass * kStandardGravity));
+    friction.push_back(part.force_base[i].head<2>().norm() / (mass * kStandardGravity));
   }
   if (friction.empty()) return;
   // Spikes are no measure: all but the last hundredth.
@@ -125,23 +153,39 @@ TimeOffset surer(TimeOffset rough, const std::optional<TimeOffset>& measured) {
   return apart < 2.0 * std::hypot(measured->deviation, rough.deviation) ? *measured : rough;
 }
 
-void check_force(const TeleopInput& input, const Pressing& pressing, InputFindings& findings) {
-  std::vector<double> along(input.t_force.size(), 0.0);
+/// What one part says of the force.
+enum class Verdict { undecided, usable, wrong_unit, wrong_sign };
+
+/// Sign, clock and unit by one part.
+Verdict check_part(const TeleopInput& input, const Part& part, const Pressing& pressing,
+                   InputFindings& findings) {
+  std::vector<double> along(part.t_force.size(), 0.0);
   for (std::size_t i = 0; i < along.size(); ++i) {
-    const double place = (input.t_force[i] - pressing.t.front()) * kCommonRate;
+    const double place = (part.t_force[i] - pressing.t.front()) * kCommonRate;
     if (place < 0.0 || place >= static_cast<double>(pressing.t.size())) continue;
-    along[i] = input.force_base[i].dot(pressing.inward_base[static_cast<std::size_t>(place)]);
+    along[i] = part.force_base[i].dot(pressing.inward_base[static_cast<std::size_t>(place)]);
   }
-  const TimeOffset offset = estimate_time_offset(pressing.t, pressing.depth, input.t_force, along);
+  const TimeOffset offset = estimate_time_offset(pressing.t, pressing.depth, part.t_force, along);
   if (offset.correlation < -kTurnedRound) {
     findings.is_force_usable = false;
     findings.notes.emplace_back(
         "the force is not used: it falls where the tool presses in; its sign is turned round");
-    return;
+    return Verdict::wrong_sign;
   }
   if (offset.is_known) findings.tool_to_force = surer(offset, input.tool_to_force);
-  check_unit(input, pressing, findings);
-  findings.force_ceiling = force_ceiling(input);
+  check_unit(input, part, pressing, findings);
+  if (!findings.is_force_usable) return Verdict::wrong_unit;
+  return offset.is_known ? Verdict::usable : Verdict::undecided;
+}
+
+void check_force(const TeleopInput& input, const TipMotion& tip, InputFindings& findings) {
+  const std::vector<Part> parts = parts_of(input, tip);
+  Verdict verdict = Verdict::undecided;
+  for (std::size_t i = 0; i < parts.size() && verdict == Verdict::undecided; ++i) {
+    verdict = check_part(input, parts[i], press_of(input, tip, parts[i]), findings);
+  }
+  if (verdict == Verdict::wrong_sign) return;
+  findings.force_ceiling = force_ceiling(parts);
   if (findings.force_ceiling) {
     char text[128];
     std::snprintf(text, sizeof text,
@@ -248,7 +292,7 @@ InputFindings check_input(const TeleopInput& input, const TipMotion& tip) {
         "identified");
     return findings;
   }
-  if (!input.objects.empty()) check_force(input, press_of(input, tip), findings);
+  if (!input.objects.empty()) check_force(input, tip, findings);
   return findings;
 }
 

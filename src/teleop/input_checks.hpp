@@ -22,9 +22,10 @@ struct InputFindings {
   std::vector<std::string> notes;
 };
 
-/// Looks at the whole recording once, as a calibration before the run would: the sign and the unit
-/// of the force by its correlation with how far the tip presses into the tracked bodies, a flat
-/// top, the clocks' offsets by the same correlation and by what is pushed against what pushes.
+/// Looks at the recording once, as a calibration before the run would: the sign and the unit of the
+/// force by its correlation with how far the tip presses into the tracked bodies, a flat top, the
+/// clocks' offsets by the same correlation and by what is pushed against what pushes. Of a long
+/// recording, sign, unit and offset by the first ten minutes that tell them.
 [[nodiscard]] InputFindings check_input(const TeleopInput& input, const TipMotion& tip);
 
 }  // namespace pcavr

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <span>
 
+#include "pcavr/core/check.hpp"
 #include "pcavr/identification/path_view.hpp"
 #include "pcavr/identification/signals.hpp"
 
@@ -24,53 +25,122 @@ constexpr double kCommandSmoothing = 0.020;
 // The spike filter looks at this many later samples.
 constexpr int kSpikeWindow = 3;
 
+// Time before a sample that may be asked for with it [s].
+constexpr double kBelongsTo = 2.0;
+// Cycles of a command, and samples of a force, worked out at once: seconds of either.
+constexpr std::size_t kBlock = 4096;
+
+struct Stretch {
+  std::size_t begin = 0;
+  std::size_t count = 0;
+};
+
+/// The samples that smoothing at instants `from` to `to` looks at, and one more on either side, by
+/// which it knows that its window is full.
+Stretch stretch_around(std::span<const double> t, double from, double to, double half_width) {
+  const auto first = std::lower_bound(t.begin(), t.end(), from - half_width);
+  const auto last = std::upper_bound(first, t.end(), to + half_width);
+  const auto begin = static_cast<std::size_t>(first - t.begin());
+  const auto end = static_cast<std::size_t>(last - t.begin());
+  Stretch stretch;
+  stretch.begin = begin > 0 ? begin - 1 : 0;
+  stretch.count = std::min(end + 1, t.size()) - stretch.begin;
+  return stretch;
+}
+
+/// One axis of a path, smoothed at instants in ascending order.
+std::vector<SmoothedSample> smooth_axis(const TipMotion& tip, int axis, std::span<const double> at,
+                                        double half_width) {
+  const Stretch near = stretch_around(tip.t, at.front(), at.back(), half_width);
+  return smooth(tip.t.subspan(near.begin, near.count),
+                axis_of(tip.p_base.subspan(near.begin, near.count), axis), at, half_width);
+}
+
+/// Whether the tip cannot have got from the last good sample to this one.
+bool is_jump(const TeleopInput& input, std::size_t last, std::size_t i) {
+  const double passed = input.t_tool[i] - input.t_tool[last];
+  const double reach = kSmallStep + kAbsurdSpeed * passed;
+  return (input.p_base_tip[i] - input.p_base_tip[last]).norm() > reach && passed < kBelieved;
+}
+
+/// Spikes out of `count` samples from `begin` on, as if the whole axis were looked at.
+std::vector<double> despiked(const TeleopInput& input, const Stretch& part, int axis,
+                             double noise) {
+  const std::size_t before = std::min<std::size_t>(part.begin, kSpikeWindow);
+  const std::size_t end = std::min(part.begin + part.count + kSpikeWindow, input.t_force.size());
+  const std::size_t begin = part.begin - before;
+  const std::span<const Eigen::Vector3d> raw =
+      std::span(input.force_base).subspan(begin, end - begin);
+  std::vector<double> clean =
+      remove_spikes(axis_of(raw, axis), {.half_window = kSpikeWindow, .noise = noise}).values;
+  const auto first = clean.begin() + static_cast<std::ptrdiff_t>(before);
+  return {first, first + static_cast<std::ptrdiff_t>(part.count)};
+}
+
 }  // namespace
+
+std::size_t calibration_count(std::span<const double> t, std::size_t first) {
+  if (first >= t.size()) return 0;
+  const auto begin = t.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto end = std::upper_bound(begin, t.end(), *begin + kCalibrationTime);
+  return static_cast<std::size_t>(end - begin);
+}
 
 Eigen::Vector3d TipMotion::at(double time) const { return PathView(t, p_base).at(time); }
 
 TipMotion clean_tip(const TeleopInput& input) {
   TipMotion tip;
-  for (std::size_t i = 0; i < input.t_tool.size(); ++i) {
-    const Eigen::Vector3d& p = input.p_base_tip[i];
-    if (!tip.t.empty()) {
-      const double passed = input.t_tool[i] - tip.t.back();
-      const double reach = kSmallStep + kAbsurdSpeed * passed;
-      if ((p - tip.p_base.back()).norm() > reach && passed < kBelieved) {
-        if (tip.jumps++ == 0) tip.first_jump = input.t_tool[i];
-        continue;
-      }
+  for (std::size_t i = 0, last = 0; i < input.t_tool.size(); ++i) {
+    const bool is_left_out = i > 0 && is_jump(input, last, i);
+    if (is_left_out && tip.jumps++ == 0) {
+      const auto end = static_cast<std::ptrdiff_t>(i);
+      tip.first_jump = input.t_tool[i];
+      tip.t_without_jumps.assign(input.t_tool.begin(), input.t_tool.begin() + end);
+      tip.p_base_without_jumps.assign(input.p_base_tip.begin(), input.p_base_tip.begin() + end);
     }
-    tip.t.push_back(input.t_tool[i]);
-    tip.p_base.push_back(p);
+    if (is_left_out) continue;
+    last = i;
+    if (tip.jumps == 0) continue;
+    tip.t_without_jumps.push_back(input.t_tool[i]);
+    tip.p_base_without_jumps.push_back(input.p_base_tip[i]);
   }
+  tip.t = tip.jumps > 0 ? tip.t_without_jumps : input.t_tool;
+  tip.p_base = tip.jumps > 0 ? tip.p_base_without_jumps : input.p_base_tip;
+  const std::span<const Eigen::Vector3d> part = tip.p_base.first(calibration_count(tip.t));
   for (int axis = 0; axis < 3 && tip.t.size() > 2; ++axis) {
-    tip.noise = std::max(tip.noise, noise_deviation(axis_of(tip.p_base, axis)));
+    tip.noise = std::max(tip.noise, noise_deviation(axis_of(part, axis)));
   }
   return tip;
 }
 
-std::vector<Eigen::Vector3d> command_of(const TipMotion& tip, double start, double step,
-                                        std::size_t count) {
+CommandPath::CommandPath(const TipMotion& tip, double start, double step)
+    : tip_(tip),
+      start_(start),
+      step_(step),
+      half_width_(std::max(kCommandSmoothing, 3.0 * mean_interval(tip.t))) {}
+
+Eigen::Vector3d CommandPath::at(std::size_t cycle) {
+  if (cycle / kBlock != block_) work_out(cycle / kBlock);
+  return path_[cycle % kBlock];
+}
+
+void CommandPath::work_out(std::size_t block) {
+  block_ = block;
+  path_.resize(kBlock);
   // At every other instant: in between, a hand bends the way by less than a micrometre.
-  std::vector<double> at(count / 2 + 1);
+  std::vector<double> at(kBlock / 2 + 1);
   for (std::size_t k = 0; k < at.size(); ++k) {
-    at[k] = start + 2.0 * step * static_cast<double>(k);
+    at[k] = start_ + 2.0 * step_ * static_cast<double>(block * kBlock / 2 + k);
   }
-  const double interval = mean_interval(tip.t);
-  const double half_width = std::max(kCommandSmoothing, 3.0 * interval);
-  std::vector<Eigen::Vector3d> command(count);
   for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<SmoothedSample> place =
-        smooth(tip.t, axis_of(tip.p_base, axis), at, half_width);
+    const std::vector<SmoothedSample> place = smooth_axis(tip_, axis, at, half_width_);
     const auto value = [&](std::size_t k) {
-      return place[k].is_valid ? place[k].value : tip.at(at[k])[axis];
+      return place[k].is_valid ? place[k].value : tip_.at(at[k])[axis];
     };
-    for (std::size_t k = 0; k < count; ++k) {
-      const bool is_between = k % 2 == 1 && k / 2 + 1 < at.size();
-      command[k][axis] = is_between ? 0.5 * (value(k / 2) + value(k / 2 + 1)) : value(k / 2);
+    for (std::size_t k = 0; k < kBlock; ++k) {
+      path_[k][axis] = k % 2 == 1 ? 0.5 * (value(k / 2) + value(k / 2 + 1)) : value(k / 2);
     }
   }
-  return command;
 }
 
 std::string describe_jumps(const TipMotion& tip) {
@@ -81,34 +151,84 @@ std::string describe_jumps(const TipMotion& tip) {
   return text;
 }
 
-ForceSignal smooth_force(const TeleopInput& input, const TipMotion& tip, double offset) {
-  ForceSignal signal;
+ForceSignal::ForceSignal(const TeleopInput& input, const TipMotion& tip, double offset)
+    : input_(input), tip_(tip), offset_(offset) {
   // Without ten samples there is nothing to smooth, and no push in them.
-  if (input.t_force.size() < 10 || tip.t.size() < 2) return signal;
-  for (const double stamp : input.t_force) signal.t.push_back(stamp - offset);
-  const std::size_t count = signal.t.size();
-  const double interval = mean_interval(signal.t);
-  const double half_width = std::max(kSmoothing, 3.0 * interval);
-  signal.lag = half_width + kSpikeWindow * interval;
-  signal.clean_base.resize(count);
-  signal.smooth_base.resize(count);
-  signal.p_base_tip.resize(count);
+  if (input.t_force.size() < 10 || tip.t.size() < 2) return;
+  count_ = input.t_force.size();
+  interval_ = (t(count_ - 1) - t(0)) / static_cast<double>(count_ - 1);
+  half_width_ = std::max(kSmoothing, 3.0 * interval_);
+  lag_ = half_width_ + kSpikeWindow * interval_;
+  measure_noise();
+  correlated_ = correlated_samples(half_width_, interval_);
+  smooth_noise_ = std::sqrt(3.0) * noise_ / std::sqrt(correlated_);
+}
+
+void ForceSignal::measure_noise() {
+  const std::span<const Eigen::Vector3d> part =
+      std::span(input_.force_base).first(calibration_count(input_.t_force));
   for (int axis = 0; axis < 3; ++axis) {
-    const DespikedSignal clean =
-        remove_spikes(axis_of(input.force_base, axis), {.half_window = kSpikeWindow});
-    signal.noise = std::max(signal.noise, noise_deviation(clean.values));
-    const std::vector<SmoothedSample> force = smooth(signal.t, clean.values, signal.t, half_width);
-    const std::vector<SmoothedSample> place =
-        smooth(tip.t, axis_of(tip.p_base, axis), signal.t, half_width);
-    for (std::size_t i = 0; i < count; ++i) {
-      signal.clean_base[i][axis] = clean.values[i];
-      signal.smooth_base[i][axis] = force[i].is_valid ? force[i].value : clean.values[i];
-      signal.p_base_tip[i][axis] = place[i].is_valid ? place[i].value : tip.at(signal.t[i])[axis];
+    const std::vector<double> raw = axis_of(part, axis);
+    const double noise = noise_deviation(raw);
+    spike_noise_[static_cast<std::size_t>(axis)] = noise;
+    const DespikedSignal clean = remove_spikes(raw, {.half_window = kSpikeWindow, .noise = noise});
+    noise_ = std::max(noise_, noise_deviation(clean.values));
+  }
+}
+
+void ForceSignal::extend() {
+  const std::size_t begin = first_ + t_.size();
+  const std::size_t end = std::min(begin + kBlock, count_);
+  for (std::size_t i = begin; i < end; ++i) t_.push_back(t(i));
+  clean_base_.resize(t_.size());
+  smooth_base_.resize(t_.size());
+  p_base_tip_.resize(t_.size());
+  const std::span<const double> at = std::span(t_).last(end - begin);
+  // By the input's own stamps, and with samples to spare: the offset rounds.
+  const Stretch near = stretch_around(input_.t_force, input_.t_force[begin],
+                                      input_.t_force[end - 1], half_width_ + interval_);
+  std::vector<double> t_near;
+  for (std::size_t i = 0; i < near.count; ++i) t_near.push_back(t(near.begin + i));
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<double> clean =
+        despiked(input_, near, axis, spike_noise_[static_cast<std::size_t>(axis)]);
+    const std::vector<SmoothedSample> force = smooth(t_near, clean, at, half_width_);
+    const std::vector<SmoothedSample> place = smooth_axis(tip_, axis, at, half_width_);
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      const std::size_t k = begin - first_ + i;
+      clean_base_[k][axis] = clean[begin - near.begin + i];
+      smooth_base_[k][axis] = force[i].is_valid ? force[i].value : clean_base_[k][axis];
+      p_base_tip_[k][axis] = place[i].is_valid ? place[i].value : tip_.at(at[i])[axis];
     }
   }
-  signal.correlated = correlated_samples(half_width, interval);
-  signal.smooth_noise = std::sqrt(3.0) * signal.noise / std::sqrt(signal.correlated);
-  return signal;
+}
+
+ForceSignal::Sample ForceSignal::at(std::size_t index) {
+  PCAVR_REQUIRE(index >= first_ && index < count_, index, first_, count_);
+  // What lies long before the first one asked for, where a force begins before the tool, is no use.
+  while (t_.empty() && first_ < index && t(first_) < t(index) - kBelongsTo) ++first_;
+  while (index >= first_ + t_.size()) extend();
+  const std::size_t i = index - first_;
+  return {t_[i], clean_base_[i], smooth_base_[i], p_base_tip_[i]};
+}
+
+ForceSignal::Record ForceSignal::between(double from, double to) const {
+  const auto begin = std::lower_bound(t_.begin(), t_.end(), from);
+  const auto end = std::upper_bound(begin, t_.end(), to);
+  const auto first = static_cast<std::size_t>(begin - t_.begin());
+  const auto count = static_cast<std::size_t>(end - begin);
+  return {std::span(t_).subspan(first, count), std::span(clean_base_).subspan(first, count)};
+}
+
+void ForceSignal::forget_before(double time) {
+  const auto old = std::lower_bound(t_.begin(), t_.end(), time) - t_.begin();
+  // Rarely, and many at once: what is kept has to be moved.
+  if (old < static_cast<std::ptrdiff_t>(kBlock)) return;
+  t_.erase(t_.begin(), t_.begin() + old);
+  for (std::vector<Eigen::Vector3d>* values : {&clean_base_, &smooth_base_, &p_base_tip_}) {
+    values->erase(values->begin(), values->begin() + old);
+  }
+  first_ += static_cast<std::size_t>(old);
 }
 
 }  // namespace pcavr

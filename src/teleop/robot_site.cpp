@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "pcavr/core/check.hpp"
+
 #include "teleop/told_parameters.hpp"
 
 namespace pcavr {
@@ -26,6 +28,11 @@ constexpr double kLookInterval = 0.005;
 constexpr double kTouchClearance = 0.0005;  // [m]
 // Free time before a contact that goes with its record [s].
 constexpr double kBefore = 0.3;
+// Of a contact that goes on for longer [s], only the beginning teaches: the work must not grow with
+// its length, and memory of the force reaches no further back.
+constexpr double kMaxLearnedTime = 60.0;
+// A contact is learned from once more after it has ended [s].
+constexpr double kOldContact = 1.0;
 // When something new may be told after a slide's begin, while it lasts, and after its end [s].
 constexpr double kAfterOnset = 0.12;
 constexpr double kWhileSliding = 0.3;
@@ -65,10 +72,10 @@ MonitorOptions monitor_options(const TipMotion& tip, const ForceSignal& force) {
   MonitorOptions options;
   options.tip_noise = std::max(tip.noise, 1e-6);
   if (force.empty()) return options;
-  options.interval = mean_interval(force.t);
-  options.force_noise = force.noise;
-  options.correlated = force.correlated;
-  options.enter_force = std::max(kEnterSigmas * force.smooth_noise, kDriftFloor);
+  options.interval = force.interval();
+  options.force_noise = force.noise();
+  options.correlated = force.correlated();
+  options.enter_force = std::max(kEnterSigmas * force.smooth_noise(), kDriftFloor);
   return options;
 }
 
@@ -83,15 +90,30 @@ SwitchOptions switch_options(const TeleopOptions& options, const MonitorOptions&
 
 }  // namespace
 
-const Prediction& PredictionLog::at(double t, std::size_t object) const {
-  const std::size_t cycles = rows_.size() / objects_;
+std::size_t PredictionLog::cycle_at(double t) const {
+  const std::size_t cycles = forgotten_ + rows_.size() / objects_;
   const double cycle =
       std::clamp(std::round((t - start_) / step_) - 1.0, 0.0, static_cast<double>(cycles - 1));
-  return rows_[static_cast<std::size_t>(cycle) * objects_ + object];
+  return static_cast<std::size_t>(cycle);
+}
+
+const Prediction& PredictionLog::at(double t, std::size_t object) const {
+  const std::size_t cycle = cycle_at(t);
+  PCAVR_REQUIRE(cycle >= forgotten_, t, cycle, forgotten_);
+  return rows_[(cycle - forgotten_) * objects_ + object];
+}
+
+void PredictionLog::forget_before(double t) {
+  // Rarely, and many at once: what is kept has to be moved.
+  constexpr std::size_t kAtOnce = 4096;  // cycles: seconds
+  if (rows_.empty() || cycle_at(t) < forgotten_ + kAtOnce) return;
+  const std::size_t old = cycle_at(t) - forgotten_;
+  rows_.erase(rows_.begin(), rows_.begin() + static_cast<std::ptrdiff_t>(old * objects_));
+  forgotten_ += old;
 }
 
 RobotSite::RobotSite(const TeleopInput& input, const TeleopOptions& options, const TipMotion& tip,
-                     const ForceSignal& force, const InputFindings& findings,
+                     ForceSignal& force, const InputFindings& findings,
                      const std::vector<BodyPhysics>& physics, double start)
     : input_(input),
       options_(options),
@@ -124,15 +146,16 @@ std::vector<CorrectionMessage> RobotSite::advance(double now, const PredictionLo
     }
     confirm(objects_[i], log.at(now, i));
   }
-  for (; next_sample_ < force_.t.size() && force_.t[next_sample_] + force_.lag <= now;
+  for (; next_sample_ < force_.size() && force_.t(next_sample_) + force_.lag() <= now;
        ++next_sample_) {
-    if (force_.t[next_sample_] < start_) continue;
+    if (force_.t(next_sample_) < start_) continue;
     streaming_bytes_ += bytes_of_wrench_sample();
     if (!has_force_) continue;
     // No frame that is newer than the force: its way would count twice.
-    look(std::min(now - kTrackingTime, force_.t[next_sample_]));
+    look(std::min(now - kTrackingTime, force_.t(next_sample_)));
     take_sample(next_sample_, log);
   }
+  force_.forget_before(now - force_.lag() - kMaxLearnedTime - kBefore - kOldContact);
   if (!has_force_ && now >= next_look_) {
     next_look_ += kLookInterval;
     look(now - kTrackingTime);
@@ -140,6 +163,11 @@ std::vector<CorrectionMessage> RobotSite::advance(double now, const PredictionLo
     take_instant({now - kTrackingTime, tip_.at(now - kTrackingTime), Eigen::Vector3d::Zero()}, log);
   }
   return std::move(outgoing_);
+}
+
+double RobotSite::looks_back_to() const {
+  // The next sample is later than now_ - lag; without a force the sites look back kTrackingTime.
+  return now_ - force_.lag() - kTrackingTime - kLookInterval;
 }
 
 void RobotSite::look(double t) {
@@ -202,8 +230,8 @@ void RobotSite::follow_bias(const TouchSample& sample, const std::vector<Reach>&
 }
 
 void RobotSite::take_sample(std::size_t index, const PredictionLog& log) {
-  TouchSample sample{force_.t[index], force_.p_base_tip[index],
-                     force_.smooth_base[index] - bias_base_};
+  const ForceSignal::Sample measured = force_.at(index);
+  TouchSample sample{measured.t, measured.p_base_tip, measured.smooth_base - bias_base_};
   std::vector<Reach> reaches;
   const std::optional<std::size_t> touched = attribute(sample, reaches);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
@@ -218,7 +246,7 @@ void RobotSite::take_sample(std::size_t index, const PredictionLog& log) {
   }
   if (!touched || !objects_[*touched].monitor.is_touched()) follow_bias(sample, reaches);
   if (touched) watch_limit(objects_[*touched], sample);
-  record_force(index, sample, log);
+  record_force(sample, measured.clean_base, log);
   take_instant(sample, log);
 }
 
@@ -269,22 +297,18 @@ void RobotSite::learn(RobotObject& object, double t) {
   object.last_learned = t;
   if (!options_.identifies || object.is_shared || !has_force_) return;
   const double begin = object.monitor.contact_begin();
-  const auto range = [&](const std::vector<double>& stamps) {
-    const auto from = std::lower_bound(stamps.begin(), stamps.end(), begin - kBefore);
-    const auto to = std::upper_bound(from, stamps.end(), t);
-    return std::pair(static_cast<std::size_t>(from - stamps.begin()),
-                     static_cast<std::size_t>(to - from));
-  };
-  const auto [first, count] = range(force_.t);
-  const auto [first_tool, tools] = range(tip_.t);
-  object.learner.learn({std::span(force_.t).subspan(first, count),
-                        std::span(force_.clean_base).subspan(first, count),
-                        std::span(tip_.t).subspan(first_tool, tools),
-                        std::span(tip_.p_base).subspan(first_tool, tools)},
-                       begin, object.monitor.has_slid());
+  if (t - begin > kMaxLearnedTime) return;
+  const ForceSignal::Record force = force_.between(begin - kBefore, t);
+  const auto from = std::lower_bound(tip_.t.begin(), tip_.t.end(), begin - kBefore);
+  const auto to = std::upper_bound(from, tip_.t.end(), t);
+  const auto first = static_cast<std::size_t>(from - tip_.t.begin());
+  const auto count = static_cast<std::size_t>(to - from);
+  object.learner.learn(
+      {force.t, force.clean_base, tip_.t.subspan(first, count), tip_.p_base.subspan(first, count)},
+      begin, object.monitor.has_slid());
 }
 
-void RobotSite::record_force(std::size_t index, const TouchSample& sample,
+void RobotSite::record_force(const TouchSample& sample, const Eigen::Vector3d& clean_base,
                              const PredictionLog& log) {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const bool is_touched = objects_[i].monitor.is_touched();
@@ -293,7 +317,7 @@ void RobotSite::record_force(std::size_t index, const TouchSample& sample,
     if (!is_touched && size <= 0.0) continue;
     const Eigen::Vector3d direction =
         is_touched ? objects_[i].monitor.direction_base() : Eigen::Vector3d(felt / size);
-    const Eigen::Vector3d measured = force_.clean_base[index] - bias_base_;
+    const Eigen::Vector3d measured = clean_base - bias_base_;
     const bool is_near = objects_[i].reach(sample.p_base_tip).clearance < kReach;
     forces_.push_back(
         {sample.t, i, is_touched || is_near ? measured.dot(direction) : 0.0, felt.dot(direction)});

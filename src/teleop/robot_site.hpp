@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,20 +21,25 @@
 
 namespace pcavr {
 
-/// What the operator's site predicted, by instant and object: the commands' companions.
+/// What the operator's site predicted lately, by instant and object: the commands' companions.
 class PredictionLog {
  public:
   PredictionLog(double start, double step, std::size_t objects)
       : start_(start), step_(step), objects_(objects) {}
   void append(const Prediction& prediction) { rows_.push_back(prediction); }
-  /// The one for the cycle that ended nearest to `t`; the first or last outside.
+  /// The one for the cycle that ended nearest to `t`; the first or last outside. Throws
+  /// ContractError where it was forgotten.
   [[nodiscard]] const Prediction& at(double t, std::size_t object) const;
+  /// What was predicted for instants before `t` will not be asked for again.
+  void forget_before(double t);
 
  private:
   double start_;
   double step_;
   std::size_t objects_;
+  std::size_t forgotten_ = 0;     ///< cycles
   std::vector<Prediction> rows_;  ///< cycle by cycle, in it object by object
+  [[nodiscard]] std::size_t cycle_at(double t) const;
 };
 
 /// The site at which things happen: watches force, tip and tracking, learns, compares with what the
@@ -42,14 +48,17 @@ class RobotSite {
  public:
   /// Keeps references to all that is given; they must outlive it.
   RobotSite(const TeleopInput& input, const TeleopOptions& options, const TipMotion& tip,
-            const ForceSignal& force, const InputFindings& findings,
+            ForceSignal& force, const InputFindings& findings,
             const std::vector<BodyPhysics>& physics, double start);
 
   /// All that can be known at `now` [s]; `log` reaches to then. What is to be sent comes back.
   [[nodiscard]] std::vector<CorrectionMessage> advance(double now, const PredictionLog& log);
 
   [[nodiscard]] const std::vector<RobotObject>& objects() const { return objects_; }
-  [[nodiscard]] const std::vector<ForceRow>& forces() const { return forces_; }
+  /// Those that came up since the last call.
+  [[nodiscard]] std::vector<ForceRow> take_forces() { return std::exchange(forces_, {}); }
+  /// No instant before this one will be asked of the log again [s].
+  [[nodiscard]] double looks_back_to() const;
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   void note_bytes(std::size_t sent) { sent_bytes_ += sent; }
   [[nodiscard]] std::size_t streaming_bytes() const { return streaming_bytes_; }
@@ -65,7 +74,8 @@ class RobotSite {
   void watch_limit(RobotObject& object, const TouchSample& sample);
   void plan_learning(RobotObject& object, MotionPhase before, bool was_touched, double t);
   void learn(RobotObject& object, double t);
-  void record_force(std::size_t index, const TouchSample& sample, const PredictionLog& log);
+  void record_force(const TouchSample& sample, const Eigen::Vector3d& clean_base,
+                    const PredictionLog& log);
   void judge(std::size_t index, const TouchSample& sample, const Prediction& prediction);
   [[nodiscard]] std::optional<CorrectionMessage> compose(std::size_t index, CorrectionCase which,
                                                          const TouchSample& sample,
@@ -77,7 +87,7 @@ class RobotSite {
   const TeleopInput& input_;
   const TeleopOptions& options_;
   const TipMotion& tip_;
-  const ForceSignal& force_;
+  ForceSignal& force_;
   bool has_force_;
   MonitorOptions monitor_;
   std::vector<RobotObject> objects_;

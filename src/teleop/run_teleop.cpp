@@ -53,11 +53,15 @@ std::string late(const char* what, const TimeOffset& offset) {
   return text;
 }
 
-/// The input with the clocks' offsets taken off; the tool's clock counts.
-TeleopInput on_one_clock(const TeleopInput& input, const InputFindings& findings,
-                         std::vector<std::string>& notes) {
-  TeleopInput result = input;
-  if (!matters(findings.tool_to_camera, kCameraOffset)) return result;
+/// What the sites know of the world, with the camera's offset taken off; the tool's clock counts.
+/// Without the series of tool and force. Nothing where the input serves as it is.
+std::optional<TeleopInput> on_one_clock(const TeleopInput& input, const InputFindings& findings,
+                                        std::vector<std::string>& notes) {
+  if (!matters(findings.tool_to_camera, kCameraOffset)) return std::nullopt;
+  TeleopInput result;
+  result.objects = input.objects;
+  result.static_mesh_base = input.static_mesh_base;
+  result.tool_radius = input.tool_radius;
   for (TeleopObject& object : result.objects) {
     for (TrackedPose& pose : object.tracked) pose.t -= findings.tool_to_camera->offset;
   }
@@ -75,12 +79,25 @@ Span span_of(const TipMotion& tip) {
   return {tip.t.front(), static_cast<std::size_t>(std::floor(length / kStep))};
 }
 
-void show(const OperatorSite& site, std::size_t objects, TeleopRun& run, PredictionLog& log) {
-  for (std::size_t i = 0; i < objects; ++i) {
+/// The operator's phases of one object, as they change.
+using Changes = std::vector<MonitoredPhase>;
+
+/// What the operator's site shows after one cycle, which ended at `t`; the first stands for the
+/// start, too.
+Expected<void> show(const OperatorSite& site, const Span& span, double t, const TeleopSink& sink,
+                    std::vector<Changes>& phases, PredictionLog& log) {
+  for (std::size_t i = 0; i < phases.size(); ++i) {
     const Prediction prediction = site.prediction(i);
     log.append(prediction);
-    run.shown[i].push_back({site.now(), site.shown(i).T_base_object});
+    if (phases[i].empty()) {
+      phases[i].push_back({span.start, prediction.phase});
+    } else if (phases[i].back().phase != prediction.phase) {
+      phases[i].push_back({t, prediction.phase});
+    }
+    const Expected<void> taken = sink.take_shown(i, {site.now(), site.shown(i).T_base_object});
+    if (!taken) return taken;
   }
+  return {};
 }
 
 /// A command on its way to the robot's site, by the instant that it is for.
@@ -99,8 +116,8 @@ std::optional<double> newest_by(double now, bool all, std::deque<Command>& on_th
   return newest;
 }
 
-void send(const CorrectionMessage& message, double now, double epoch, Link& link,
-          OperatorSite& site, RobotSite& robot, TeleopRun& run) {
+Expected<void> send(const CorrectionMessage& message, double now, double epoch, Link& link,
+                    OperatorSite& site, RobotSite& robot, const TeleopSink& sink, TeleopRun& run) {
   std::vector<std::uint8_t> bytes = encode(message, epoch);
   SentCorrection sent;
   sent.t = message.t;
@@ -113,13 +130,14 @@ void send(const CorrectionMessage& message, double now, double epoch, Link& link
   const std::optional<double> arrival = link.arrival(now);
   sent.is_lost = !arrival;
   if (arrival) site.expect(*arrival, std::move(bytes));
-  run.corrections.push_back(std::move(sent));
+  ++run.sent_corrections;
+  return sink.take_correction(sent);
 }
 
 /// Without stretches shorter than 8 ms, which join what was before, as the format has it; the first
 /// joins what comes after.
-std::vector<MonitoredPhase> merged(const std::vector<MonitoredPhase>& changes) {
-  std::vector<MonitoredPhase> result;
+Changes merged(const Changes& changes) {
+  Changes result;
   for (std::size_t i = 0; i < changes.size(); ++i) {
     const bool is_short = i + 1 < changes.size() && changes[i + 1].t - changes[i].t < kShortest;
     if (is_short) continue;
@@ -129,20 +147,9 @@ std::vector<MonitoredPhase> merged(const std::vector<MonitoredPhase>& changes) {
   return result;
 }
 
-std::vector<MonitoredPhase> predicted_changes(std::size_t object, const PredictionLog& log,
-                                              const Span& span) {
-  std::vector<MonitoredPhase> changes;
-  for (std::size_t k = 0; k <= span.cycles; ++k) {
-    const double t = span.start + kStep * static_cast<double>(k);
-    const MotionPhase phase = log.at(t, object).phase;
-    if (changes.empty() || changes.back().phase != phase) changes.push_back({t, phase});
-  }
-  return merged(changes);
-}
-
 /// Both sites' phases merged into rows that each state both.
-std::vector<PhaseRow> phase_rows(std::size_t object, const std::vector<MonitoredPhase>& measured,
-                                 const std::vector<MonitoredPhase>& predicted) {
+std::vector<PhaseRow> phase_rows(std::size_t object, const Changes& measured,
+                                 const Changes& predicted) {
   std::vector<PhaseRow> rows;
   std::size_t m = 0, p = 0;
   PhaseRow row{predicted.front().t, object, measured.front().phase, predicted.front().phase};
@@ -190,16 +197,15 @@ void note_unseen(const TeleopInput& input, const RobotSite& robot, TeleopRun& ru
 }
 
 void finish(const TeleopInput& input, const RobotSite& robot, const OperatorSite& site,
-            const PredictionLog& log, const Span& span, TeleopRun& run) {
+            const std::vector<Changes>& predicted, TeleopRun& run) {
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
-    const std::vector<PhaseRow> rows = phase_rows(i, merged(robot.objects()[i].monitor.changes()),
-                                                  predicted_changes(i, log, span));
+    const std::vector<PhaseRow> rows =
+        phase_rows(i, merged(robot.objects()[i].monitor.changes()), merged(predicted[i]));
     run.phases.insert(run.phases.end(), rows.begin(), rows.end());
     run.parameters.push_back(robot.objects()[i].learner.known());
   }
   std::stable_sort(run.phases.begin(), run.phases.end(),
                    [](const PhaseRow& a, const PhaseRow& b) { return a.t < b.t; });
-  run.forces = robot.forces();
   run.streaming_bytes = robot.streaming_bytes();
   if (site.late() > 0) {
     run.notes.push_back(
@@ -211,10 +217,103 @@ void finish(const TeleopInput& input, const RobotSite& robot, const OperatorSite
   note_unseen(input, robot, run);
 }
 
+/// Both sites, cycle by cycle.
+class Session {
+ public:
+  Session(const TeleopInput& world, const TeleopOptions& options, const TipMotion& tip,
+          const Span& span, OperatorSite& site, RobotSite& robot, const TeleopSink& sink)
+      : options_(options),
+        span_(span),
+        site_(site),
+        robot_(robot),
+        sink_(sink),
+        command_(tip, span.start, kStep),
+        random_(options.seed),
+        backward_({options.backward_delay, options.jitter, options.loss}, random_.fork(1)),
+        forward_({0.0, options.jitter, 0.0}, random_.fork(2)),
+        log_(span.start, kStep, world.objects.size()),
+        predicted_(world.objects.size()) {}
+
+  Expected<void> run(const Observer& observer, TeleopRun& run) {
+    for (std::size_t k = 1; k <= span_.cycles; ++k) {
+      const Expected<void> done = step(k, run);
+      if (!done) return done;
+      if (k % 1000 == 0) observer.on_progress("both sites", k / 1000, span_.cycles / 1000);
+    }
+    return {};
+  }
+  [[nodiscard]] const std::vector<Changes>& predicted() const { return predicted_; }
+
+ private:
+  Expected<void> step(std::size_t k, TeleopRun& run) {
+    const double t = span_.start + kStep * static_cast<double>(k);
+    // The command for t was given a forward delay ago; jitter holds it, and those behind it, up.
+    const double wall = t - options_.forward_delay;
+    site_.step(wall, command_.at(k));
+    const Expected<void> shown = show(site_, span_, t, sink_, predicted_, log_);
+    if (!shown) return shown;
+    on_the_way_.push_back({*forward_.arrival(t), t});
+    const std::optional<double> heard = newest_by(t, k == span_.cycles, on_the_way_);
+    if (!heard) return {};
+    for (const CorrectionMessage& message : robot_.advance(*heard, log_)) {
+      const Expected<void> sent =
+          send(message, t, span_.start, backward_, site_, robot_, sink_, run);
+      if (!sent) return sent;
+    }
+    for (const ForceRow& row : robot_.take_forces()) {
+      const Expected<void> taken = sink_.take_force(row);
+      if (!taken) return taken;
+    }
+    log_.forget_before(robot_.looks_back_to());
+    return {};
+  }
+
+  const TeleopOptions& options_;
+  const Span& span_;
+  OperatorSite& site_;
+  RobotSite& robot_;
+  const TeleopSink& sink_;
+  CommandPath command_;
+  Random random_;
+  Link backward_;
+  Link forward_;
+  PredictionLog log_;
+  std::deque<Command> on_the_way_;
+  std::vector<Changes> predicted_;
+};
+
+/// A sink that keeps everything.
+TeleopSink keeping_sink(TeleopRun& kept) {
+  return {.take_shown = [&kept](std::size_t object, const ShownPose& shown) -> Expected<void> {
+            kept.shown[object].push_back(shown);
+            return {};
+          },
+          .take_force = [&kept](const ForceRow& row) -> Expected<void> {
+            kept.forces.push_back(row);
+            return {};
+          },
+          .take_correction = [&kept](const SentCorrection& sent) -> Expected<void> {
+            kept.corrections.push_back(sent);
+            return {};
+          }};
+}
+
 }  // namespace
 
-Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions& options,
+Expected<TeleopRun> run_teleop(const TeleopInput& input, const TeleopOptions& options,
                                const Observer& observer) {
+  TeleopRun kept;
+  kept.shown.resize(input.objects.size());
+  Expected<TeleopRun> run = run_teleop(input, options, keeping_sink(kept), observer);
+  if (!run) return run;
+  run->shown = std::move(kept.shown);
+  run->forces = std::move(kept.forces);
+  run->corrections = std::move(kept.corrections);
+  return run;
+}
+
+Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions& options,
+                               const TeleopSink& sink, const Observer& observer) {
   require_sound(recorded, options);
   TeleopRun run;
   run.shown.resize(recorded.objects.size());
@@ -230,48 +329,30 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
   if (tip.jumps > 0) run.notes.push_back(describe_jumps(tip));
   run.tool_to_force = findings.tool_to_force;
   run.tool_to_camera = findings.tool_to_camera;
-  const TeleopInput input = on_one_clock(recorded, findings, run.notes);
+  const std::optional<TeleopInput> shifted = on_one_clock(recorded, findings, run.notes);
+  const TeleopInput& world = shifted ? *shifted : recorded;
   const bool is_force_late = matters(findings.tool_to_force, kForceOffset);
   const double force_late = is_force_late ? findings.tool_to_force->offset : 0.0;
   if (is_force_late) run.notes.push_back(late("the force", *findings.tool_to_force));
-  const ForceSignal force = smooth_force(input, tip, force_late);
+  ForceSignal force(recorded, tip, force_late);
 
   std::vector<BodyPhysics> physics;
-  for (const TeleopObject& object : input.objects) {
+  for (const TeleopObject& object : world.objects) {
     CompletedPhysics completed =
         complete_physics(object.parameters, object.model, object.T_base_object);
     physics.push_back(completed.physics);
     run.assumed.push_back(std::move(completed.assumed));
   }
   const Span span = span_of(tip);
-  const std::vector<Eigen::Vector3d> command = command_of(tip, span.start, kStep, span.cycles + 1);
   const double round_trip = options.forward_delay + options.backward_delay;
-  Expected<OperatorSite> made =
-      OperatorSite::create(input, physics, round_trip, span.start, command.front());
-  if (!made) return made.error();
-  OperatorSite& site = *made;
-  RobotSite robot(input, options, tip, force, findings, physics, span.start);
-  const Random random(options.seed);
-  Link backward({options.backward_delay, options.jitter, options.loss}, random.fork(1));
-  Link forward({0.0, options.jitter, 0.0}, random.fork(2));
-  PredictionLog log(span.start, kStep, input.objects.size());
-  std::deque<Command> on_the_way;
-
-  for (std::size_t k = 1; k <= span.cycles; ++k) {
-    const double t = span.start + kStep * static_cast<double>(k);
-    // The command for t was given a forward delay ago; jitter holds it, and those behind it, up.
-    const double wall = t - options.forward_delay;
-    site.step(wall, command[k]);
-    show(site, input.objects.size(), run, log);
-    on_the_way.push_back({*forward.arrival(t), t});
-    const std::optional<double> heard = newest_by(t, k == span.cycles, on_the_way);
-    if (!heard) continue;
-    for (const CorrectionMessage& message : robot.advance(*heard, log)) {
-      send(message, t, span.start, backward, site, robot, run);
-    }
-    if (k % 1000 == 0) observer.on_progress("both sites", k / 1000, span.cycles / 1000);
-  }
-  finish(input, robot, site, log, span, run);
+  Expected<OperatorSite> site = OperatorSite::create(world, physics, round_trip, span.start,
+                                                     CommandPath(tip, span.start, kStep).at(0));
+  if (!site) return site.error();
+  RobotSite robot(world, options, tip, force, findings, physics, span.start);
+  Session session(world, options, tip, span, *site, robot, sink);
+  const Expected<void> done = session.run(observer, run);
+  if (!done) return done.error();
+  finish(world, robot, *site, session.predicted(), run);
   return run;
 }
 

@@ -24,6 +24,8 @@ namespace pcavr {
 struct SpikeOptions {
   int half_window = 3;      ///< samples on either side that the middle one is held against, >= 1
   double deviations = 5.0;  ///< from the median, in robust standard deviations
+  /// The whole signal's, where the values are a part of it; else measured on the values.
+  std::optional<double> noise = {};
 };
 
 struct DespikedSignal {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -46,6 +47,10 @@ struct TeleopObject {
   ObjectParameters parameters;       ///< what is known beforehand
   std::vector<TrackedPose> tracked;  ///< frames in which it was lost are left out
 };
+
+/// Properties of a sensor (noise, sign, unit, clock) are measured over this much of a recording at
+/// once [s]: many contacts, and yet memory that does not grow with its length.
+inline constexpr double kCalibrationTime = 600.0;
 
 /// One recording as two sites see it. Stamps ascend strictly in every series.
 struct TeleopInput {
@@ -111,13 +116,23 @@ struct ShownPose {
   Pose T_base_object;
 };
 
+/// Takes what a run gives at the rate of its cycles, in order of time, so that nobody has to keep
+/// it. An Error ends the run. Called from the thread that runs it; every function is set.
+struct TeleopSink {
+  /// At the operator's rate, after blending.
+  std::function<Expected<void>(std::size_t object, const ShownPose& shown)> take_shown;
+  std::function<Expected<void>(const ForceRow& row)> take_force;  ///< while a site is in contact
+  std::function<Expected<void>(const SentCorrection& sent)> take_correction;
+};
+
 /// What both sites did, object by object in the order of the input.
 struct TeleopRun {
-  std::vector<std::vector<ShownPose>> shown;  ///< at the operator's rate, after blending
-  std::vector<ForceRow> forces;               ///< while either site is in contact
+  std::vector<std::vector<ShownPose>> shown;  ///< empty where a sink took them, as are
+  std::vector<ForceRow> forces;               ///< forces
+  std::vector<SentCorrection> corrections;    ///< and corrections
+  std::size_t sent_corrections = 0;           ///< how many
   std::vector<PhaseRow> phases;               ///< a row at each change, and one at the start
-  std::vector<SentCorrection> corrections;
-  std::vector<ObjectParameters> parameters;  ///< as known at the end
+  std::vector<ObjectParameters> parameters;   ///< as known at the end
   std::vector<std::vector<std::string>>
       assumed;  ///< parameters that had to be assumed at the start
   std::size_t correction_bytes = 0;
@@ -132,5 +147,9 @@ struct TeleopRun {
 /// body. Deterministic.
 [[nodiscard]] Expected<TeleopRun> run_teleop(const TeleopInput& input, const TeleopOptions& options,
                                              const Observer& observer = {});
+/// The same with what grows with every cycle handed to `sink`: memory beside the input is that of
+/// some ten minutes (calibration), and of the longest contact. Also fails where the sink does.
+[[nodiscard]] Expected<TeleopRun> run_teleop(const TeleopInput& input, const TeleopOptions& options,
+                                             const TeleopSink& sink, const Observer& observer = {});
 
 }  // namespace pcavr
