@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/pipeline/replay.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -32,9 +31,8 @@ struct ReplayArguments {
 };
 
 std::size_t count_seen(const ReplayedObject& object, ObjectEvidence evidence) {
-  return static_cast<std::size_t>(
-      std::count_if(object.observations.begin(), object.observations.end(),
-                    [&](const ObjectObservation& seen) { return seen.evidence == evidence; }));
+  const auto found = object.frames_by_evidence.find(evidence);
+  return found == object.frames_by_evidence.end() ? 0 : found->second;
 }
 
 void describe_teleop(const Replay& replay, CommandResult& result) {
@@ -46,7 +44,7 @@ void describe_teleop(const Replay& replay, CommandResult& result) {
   char line[160];
   std::snprintf(line, sizeof line,
                 "corrections %zu, %zu bytes: %.2f %% of the %zu that streaming would send\n",
-                run.corrections.size(), run.correction_bytes, share, run.streaming_bytes);
+                run.sent_corrections, run.correction_bytes, share, run.streaming_bytes);
   result.summary += line;
   for (std::size_t i = 0; i < replay.objects.size(); ++i) {
     if (run.assumed[i].empty()) continue;
@@ -55,7 +53,7 @@ void describe_teleop(const Replay& replay, CommandResult& result) {
     result.summary += '\n';
   }
   for (const std::string& note : run.notes) result.summary += "  note: " + note + '\n';
-  result.json["corrections"] = run.corrections.size();
+  result.json["corrections"] = run.sent_corrections;
   result.json["correction_bytes"] = run.correction_bytes;
   result.json["streaming_bytes"] = run.streaming_bytes;
   result.json["notes"] = run.notes;
@@ -75,7 +73,7 @@ CommandResult describe(const Replay& replay, const std::string& folder) {
                  {"frames_used", replay.frames_used}};
   result.json["objects"] = nlohmann::ordered_json::array();
   for (const ReplayedObject& object : replay.objects) {
-    if (object.observations.empty()) {
+    if (object.frames_by_evidence.empty()) {
       result.summary +=
           "  " + object.name + ": " + std::to_string(object.tracked.size()) + " tracked poses\n";
       result.json["objects"].push_back({{"name", object.name}, {"tracked", object.tracked.size()}});
@@ -175,6 +173,7 @@ Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observ
     options.parameters = std::move(*parameters);
     options.parameters_file = arguments.parameters;
   }
+  options.run_folder = folder->path();
   const Expected<Replay> run = replay_recording(*recording, *scene, options, observer);
   if (!run) return run.error();
   const Expected<void> written = write_run(*run, *recording, *scene, folder->path());

@@ -26,10 +26,10 @@ constexpr double kClustersPerCellArea = 1.75;
 // Root mean square that collapses may leave the surface by [m]: half the noise of a good tracked
 // pose. A body so intricate that it needs more triangles keeps them.
 constexpr double kMaxCollapseError = 5e-4;
-constexpr double kSamplesAcross = 256.0;  // of the diagonal
+constexpr double kSamplesAcross = 256.0;        // of the diagonal
 constexpr std::size_t kMaxSamples = 2'000'000;  // on large triangles: a second of work
-constexpr std::size_t kGrain = 8192;      // points a task measures
-constexpr double kRounding = 1e-7;        // [m] of single precision coordinates of a metre
+constexpr std::size_t kGrain = 8192;            // points a task measures
+constexpr double kRounding = 1e-7;              // [m] of single precision coordinates of a metre
 
 /// A triangle by its longest edge and the corner opposite, and how finely it is sampled.
 struct SampledTriangle {

@@ -131,7 +131,8 @@ std::optional<TriangleMesh> read_stl(const fs::path& file, std::uintmax_t size) 
       if (!p.allFinite()) return std::nullopt;
       const auto next = static_cast<std::uint32_t>(mesh.vertices.size());
       corners[k] = table.find_or_insert(
-          hash_of(p), next, [&](std::uint32_t v) { return is_identical(mesh.vertices[v], p); }, rehash);
+          hash_of(p), next, [&](std::uint32_t v) { return is_identical(mesh.vertices[v], p); },
+          rehash);
       if (corners[k] == next) mesh.vertices.push_back(p);
     }
     mesh.triangles.push_back(corners);
@@ -191,7 +192,8 @@ bool take_header_line(const std::vector<std::string_view>& words, PlyLayout& lay
     const bool is_first = layout.has_faces && layout.count_bytes == 0;
     layout.count_bytes = size_of(words[2]);
     const bool is_count = layout.count_bytes == 1 || layout.count_bytes == 4;
-    return is_first && is_count && size_of(words[3]) == 4 && words[3].find("float") == words[3].npos;
+    return is_first && is_count && size_of(words[3]) == 4 &&
+           words[3].find("float") == words[3].npos;
   }
   if (words.size() != 3 || layout.has_faces || size_of(words[1]) == 0) return false;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -250,8 +252,8 @@ std::optional<TriangleMesh> read_ply(const fs::path& file, std::uintmax_t size) 
   for (std::uint64_t i = 0; i < layout->faces; ++i) {
     const char* head = bytes.take(layout->count_bytes);
     if (head == nullptr) return std::nullopt;
-    const std::uint32_t count = layout->count_bytes == 1 ? number_at<std::uint8_t>(head)
-                                                         : number_at<std::uint32_t>(head);
+    const std::uint32_t count =
+        layout->count_bytes == 1 ? number_at<std::uint8_t>(head) : number_at<std::uint32_t>(head);
     if (count > layout->vertices) return std::nullopt;
     const char* indices = bytes.take(4 * std::size_t{count});
     if (indices == nullptr) return std::nullopt;
@@ -320,8 +322,9 @@ std::optional<TriangleMesh> read_obj(const fs::path& file) {
       const std::string_view word = line->substr(0, line->find_first_of(" \t"));
       constexpr std::array<std::string_view, 10> kPassedOver = {"",  "vn", "vt",     "g",      "o",
                                                                 "s", "#",  "usemtl", "mtllib", "l"};
-      const bool is_known = word.starts_with('#') || std::find(kPassedOver.begin(), kPassedOver.end(),
-                                                               word) != kPassedOver.end();
+      const bool is_known =
+          word.starts_with('#') ||
+          std::find(kPassedOver.begin(), kPassedOver.end(), word) != kPassedOver.end();
       if (!is_known) return std::nullopt;
     }
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "pcavr/core/output.hpp"
@@ -12,6 +13,7 @@
 
 #include "follow_objects.hpp"
 #include "identify_signals.hpp"
+#include "run_writer.hpp"
 #include "survey.hpp"
 
 namespace pcavr {
@@ -26,7 +28,7 @@ Expected<std::vector<MovableBody>> bodies_of(const Recording& recording,
   std::vector<MovableBody> bodies;
   for (const SceneObjectEntry& object : scene.objects) {
     if (!object.is_movable) continue;
-    Expected<CadModel> model = read_cad_model(scene.folder / object.mesh, object.name);
+    Expected<CadModel> model = read_object_model(scene, object);
     if (!model) return model.error();
     ObjectEntry entry{.name = object.name,
                       .mesh = object.mesh,
@@ -83,14 +85,131 @@ TrackedPose tracked_pose_of(const ObjectObservation& seen) {
 
 void warn_of_unseen(const Replay& replay, const Observer& observer) {
   for (const ReplayedObject& object : replay.objects) {
-    const bool is_seen = std::any_of(
-        object.observations.begin(), object.observations.end(),
-        [](const ObjectObservation& seen) { return seen.evidence != ObjectEvidence::none; });
-    if (!is_seen) {
+    if (object.tracked.empty()) {
       observer.on_warning(object.name +
                           " was not seen in any frame: are its tags in the recording's manifest?");
     }
   }
+}
+
+std::vector<ReplayedObject> replayed_objects(const std::vector<MovableBody>& bodies) {
+  std::vector<ReplayedObject> objects;
+  for (const MovableBody& body : bodies) {
+    ReplayedObject& object = objects.emplace_back();
+    object.name = body.entry.name;
+    object.simplification = body.model.simplification;
+  }
+  return objects;
+}
+
+/// Puts every frame's observations into a replay, or into its folder.
+class TrackingKeeper {
+ public:
+  explicit TrackingKeeper(Replay& replay) : replay_(replay) {}
+
+  Expected<void> open() {
+    if (!replay_.run_folder) return {};
+    return writer_.open(*replay_.run_folder, object_names(replay_));
+  }
+  void add(const FollowedFrame& followed) {
+    ++replay_.frames_used;
+    for (std::size_t i = 0; i < replay_.objects.size(); ++i) {
+      const ObjectObservation& seen = followed.objects[i];
+      ReplayedObject& object = replay_.objects[i];
+      ++object.frames_by_evidence[seen.evidence];
+      if (seen.evidence != ObjectEvidence::none) object.tracked.push_back(tracked_pose_of(seen));
+      if (!replay_.run_folder) {
+        object.observations.push_back(seen);
+      } else if (written_) {
+        written_ = writer_.add(i, seen);
+      }
+    }
+  }
+  Expected<void> close() {
+    if (!written_ || !replay_.run_folder) return written_;
+    return writer_.close();
+  }
+
+ private:
+  Replay& replay_;
+  TrackingWriter writer_;
+  Expected<void> written_;  ///< the first that failed
+};
+
+/// Of what is shown, the poses around the stamps of the frames, and the first and the last: all
+/// that pictures ask for.
+class ShownAroundFrames {
+ public:
+  ShownAroundFrames(const std::vector<FrameFiles>& frames, std::vector<ShownPose>& kept)
+      : frames_(&frames), kept_(&kept) {}
+
+  void add(const ShownPose& shown) {
+    const Stamp stamp = Stamp::from_seconds(shown.t);
+    while (next_ < frames_->size() && newest_ &&
+           (*frames_)[next_].color_stamp < Stamp::from_seconds(newest_->t)) {
+      ++next_;
+    }
+    const bool is_near = next_ < frames_->size() && (*frames_)[next_].color_stamp <= stamp;
+    if (is_near) keep_newest();
+    newest_ = shown;
+    is_kept_ = false;
+    if (is_near || kept_->empty()) keep_newest();
+  }
+  void keep_newest() {
+    if (newest_ && !is_kept_) kept_->push_back(*newest_);
+    is_kept_ = true;
+  }
+
+ private:
+  const std::vector<FrameFiles>* frames_;
+  std::vector<ShownPose>* kept_;
+  std::size_t next_ = 0;
+  std::optional<ShownPose> newest_;
+  bool is_kept_ = false;
+};
+
+/// Both sites; what they give goes to the replay's folder where it has one.
+Expected<TeleopRun> run_sites(const Recording& recording, const TeleopInput& input,
+                              const ReplayOptions& options, const Replay& replay,
+                              const Observer& observer) {
+  if (!options.run_folder) return run_teleop(input, options.teleop, observer);
+  TeleopWriter writer;
+  const Expected<void> opened = writer.open(*options.run_folder, object_names(replay));
+  if (!opened) return opened.error();
+  std::vector<std::vector<ShownPose>> kept(input.objects.size());
+  std::vector<ShownAroundFrames> around;
+  for (std::vector<ShownPose>& shown : kept) around.emplace_back(recording.frames, shown);
+  TeleopSink sink = writer.sink();
+  sink.take_shown = [&](std::size_t object, const ShownPose& shown) {
+    around[object].add(shown);
+    return writer.add_shown(object, shown);
+  };
+  Expected<TeleopRun> run = run_teleop(input, options.teleop, sink, observer);
+  if (!run) return run;
+  const Expected<void> closed = writer.close();
+  if (!closed) return closed.error();
+  for (ShownAroundFrames& shown : around) shown.keep_newest();
+  run->shown = std::move(kept);
+  return run;
+}
+
+/// How much later the force's stamps are than the tool's, by the first part of the recording that
+/// tells.
+TimeOffset offset_of_force(const TeleopInput& input) {
+  const std::span<const double> stamps(input.t_force);
+  const std::span<const Eigen::Vector3d> forces(input.force_base);
+  TimeOffset offset;
+  for (std::size_t first = 0; first < stamps.size() && !offset.is_known;) {
+    const auto begin = stamps.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = std::upper_bound(begin, stamps.end(), *begin + kCalibrationTime);
+    const auto count = static_cast<std::size_t>(end - begin);
+    const std::span<const double> t = stamps.subspan(first, count);
+    const Segmentation contacts =
+        segment_contacts(t, forces.subspan(first, count), input.t_tool, input.p_base_tip);
+    offset = force_offset(contacts, t, PathView(input.t_tool, input.p_base_tip));
+    first += count;
+  }
+  return offset;
 }
 
 /// Tracking that was done before, for the scene's bodies.
@@ -99,17 +218,61 @@ Expected<Replay> tracking_from(const std::filesystem::path& folder,
   Replay replay;
   replay.tracked_folder = folder;
   bool has_any = false;
-  for (const MovableBody& body : bodies) {
-    Expected<std::vector<TrackedPose>> tracked = read_tracked_poses(folder, body.entry.name);
+  replay.objects = replayed_objects(bodies);
+  for (ReplayedObject& object : replay.objects) {
+    Expected<std::vector<TrackedPose>> tracked = read_tracked_poses(folder, object.name);
     if (!tracked) return tracked.error();
     has_any = has_any || !tracked->empty();
-    replay.objects.push_back({body.entry.name, {}, std::move(*tracked)});
+    object.tracked = std::move(*tracked);
   }
   if (!has_any) {
     return Error{.message = "no objects/NAME/tracked.txt of the scene's objects",
                  .file = folder.string(),
                  .hint = "name a run, or the folder tracked of a simulated recording"};
   }
+  return replay;
+}
+
+/// Follows the bodies through the recording's images.
+Expected<Replay> track_by_images(const Recording& recording, const SceneManifest& scene,
+                                 const std::vector<MovableBody>& bodies,
+                                 const ReplayOptions& options, const Observer& observer) {
+  if (!recording.manifest.camera || recording.frames.empty()) {
+    return Error{.message = "the recording holds no frames to track objects in",
+                 .file = recording.folder.string()};
+  }
+  StageClock clock;
+  const SurveyOptions survey_options{.depth_noise = options.depth_noise,
+                                     .trust_poses = options.trust_poses,
+                                     .skip_bad = options.skip_bad,
+                                     .parallelism = options.parallelism};
+  const Expected<Trajectory> scene_camera = read_trajectory(scene.folder / "camera_trajectory.txt");
+  if (!scene_camera) return scene_camera.error();
+
+  clock.begin("tags and camera");
+  Replay replay;
+  std::optional<CameraTrack> known = camera_of_scene(recording, *scene_camera, scene.quality);
+  replay.camera_from_scene = known.has_value();
+  Expected<Survey> survey =
+      survey_recording(recording, bodies, survey_options, observer, std::move(known));
+  if (!survey) return survey.error();
+
+  clock.begin("objects");
+  replay.objects = replayed_objects(bodies);
+  replay.run_folder = options.run_folder;
+  TrackingKeeper keeper(replay);
+  if (const Expected<void> opened = keeper.open(); !opened) return opened.error();
+  const Expected<void> done =
+      follow_objects(recording, bodies, *survey, survey_options, observer,
+                     [&](const FollowedFrame& followed) { keeper.add(followed); });
+  if (!done) return done.error();
+  if (const Expected<void> closed = keeper.close(); !closed) return closed.error();
+  warn_of_unseen(replay, observer);
+  clock.end();
+  replay.frames_recorded = recording.frames.size() + recording.unpaired_color;
+  replay.frames_dropped = dropped_frames(recording, *survey);
+  replay.camera_trajectory = placed_frames(survey->camera);
+  replay.times = clock.times();
   return replay;
 }
 
@@ -127,11 +290,11 @@ Expected<Replay> track(const Recording& recording, const SceneManifest& scene,
   }
   const bool has_images = recording.manifest.camera && !recording.frames.empty();
   if (has_images || recording.tool.empty()) {
-    return replay_tracking(recording, scene, options, observer);
+    return track_by_images(recording, scene, bodies, options, observer);
   }
   observer.on_warning("the recording holds no images: objects are predicted, and never seen");
   Replay replay;
-  for (const MovableBody& body : bodies) replay.objects.push_back({body.entry.name, {}, {}});
+  replay.objects = replayed_objects(bodies);
   return replay;
 }
 
@@ -151,19 +314,20 @@ Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManife
     input.static_mesh_base = std::move(*mesh);
   }
   input.tool_radius = recording.manifest.tool_radius.value_or(input.tool_radius);
+  input.t_tool.reserve(recording.tool.size());
+  input.p_base_tip.reserve(recording.tool.size());
   for (const TimedPose& tool : recording.tool.poses()) {
     input.t_tool.push_back(tool.stamp.seconds());
     input.p_base_tip.push_back(tool.pose.translation());
   }
+  input.t_force.reserve(recording.wrench.size());
+  input.force_base.reserve(recording.wrench.size());
   for (const WrenchSample& sample : recording.wrench) {
     input.t_force.push_back(sample.stamp.seconds());
     input.force_base.push_back(sample.force);
   }
   if (input.t_tool.size() > 1 && !input.t_force.empty()) {
-    const Segmentation contacts =
-        segment_contacts(input.t_force, input.force_base, input.t_tool, input.p_base_tip);
-    input.tool_to_force =
-        force_offset(contacts, input.t_force, PathView(input.t_tool, input.p_base_tip));
+    input.tool_to_force = offset_of_force(input);
   }
   return input;
 }
@@ -174,6 +338,7 @@ Expected<Replay> replay_recording(const Recording& recording, const SceneManifes
                                   const ReplayOptions& options, const Observer& observer) {
   const Expected<std::vector<MovableBody>> bodies = bodies_of(recording, scene);
   if (!bodies) return bodies.error();
+  for (const MovableBody& body : *bodies) report_simplified(body.model, observer);
   const Expected<ParameterTable> known =
       known_parameters(scene, options.parameters, options.parameters_file);
   if (!known) return known.error();
@@ -183,7 +348,8 @@ Expected<Replay> replay_recording(const Recording& recording, const SceneManifes
   clock.begin("both sites");
   Expected<TeleopInput> input = teleop_input(recording, scene, *bodies, *replay, *known);
   if (!input) return input.error();
-  Expected<TeleopRun> run = run_teleop(*input, options.teleop, observer);
+  replay->run_folder = options.run_folder;
+  Expected<TeleopRun> run = run_sites(recording, *input, options, *replay, observer);
   if (!run) return run.error();
   clock.end();
   replay->teleop = std::move(*run);
@@ -196,49 +362,9 @@ Expected<Replay> replay_recording(const Recording& recording, const SceneManifes
 
 Expected<Replay> replay_tracking(const Recording& recording, const SceneManifest& scene,
                                  const ReplayOptions& options, const Observer& observer) {
-  if (!recording.manifest.camera || recording.frames.empty()) {
-    return Error{.message = "the recording holds no frames to track objects in",
-                 .file = recording.folder.string()};
-  }
-  StageClock clock;
-  const SurveyOptions survey_options{.depth_noise = options.depth_noise,
-                                     .trust_poses = options.trust_poses,
-                                     .skip_bad = options.skip_bad,
-                                     .parallelism = options.parallelism};
   const Expected<std::vector<MovableBody>> bodies = bodies_of(recording, scene);
   if (!bodies) return bodies.error();
-  const Expected<Trajectory> scene_camera = read_trajectory(scene.folder / "camera_trajectory.txt");
-  if (!scene_camera) return scene_camera.error();
-
-  clock.begin("tags and camera");
-  Replay replay;
-  std::optional<CameraTrack> known = camera_of_scene(recording, *scene_camera, scene.quality);
-  replay.camera_from_scene = known.has_value();
-  Expected<Survey> survey =
-      survey_recording(recording, *bodies, survey_options, observer, std::move(known));
-  if (!survey) return survey.error();
-
-  clock.begin("objects");
-  for (const MovableBody& body : *bodies) replay.objects.push_back({body.entry.name, {}});
-  const Expected<void> done = follow_objects(
-      recording, *bodies, *survey, survey_options, observer, [&](const FollowedFrame& followed) {
-        ++replay.frames_used;
-        for (std::size_t i = 0; i < replay.objects.size(); ++i) {
-          const ObjectObservation& seen = followed.objects[i];
-          replay.objects[i].observations.push_back(seen);
-          if (seen.evidence != ObjectEvidence::none) {
-            replay.objects[i].tracked.push_back(tracked_pose_of(seen));
-          }
-        }
-      });
-  if (!done) return done.error();
-  warn_of_unseen(replay, observer);
-  clock.end();
-  replay.frames_recorded = recording.frames.size() + recording.unpaired_color;
-  replay.frames_dropped = dropped_frames(recording, *survey);
-  replay.camera_trajectory = placed_frames(survey->camera);
-  replay.times = clock.times();
-  return replay;
+  return track_by_images(recording, scene, *bodies, options, observer);
 }
 
 }  // namespace pcavr

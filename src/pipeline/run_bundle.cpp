@@ -1,41 +1,19 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-#include <cstdio>
 #include <string>
+#include <vector>
 
 #include <yaml-cpp/yaml.h>
 
+#include "pcavr/core/check.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/pipeline/replay.hpp"
 
-#include "follow_objects.hpp"
+#include "run_writer.hpp"
 #include "teleop_files.hpp"
 
 namespace pcavr {
 namespace {
-
-std::string format_tracking(const std::vector<ObjectObservation>& observations) {
-  std::string text = "t,evidence,tags,position_sigma,rotation_sigma,surface_rms,at_rest\n";
-  char row[160];
-  for (const ObjectObservation& seen : observations) {
-    const double position = std::sqrt(seen.covariance.topLeftCorner<3, 3>().trace());
-    const double rotation = std::sqrt(seen.covariance.bottomRightCorner<3, 3>().trace());
-    std::snprintf(row, sizeof row, "%s,%s,%d,%.6f,%.6f,%.6f,%d\n", format_stamp(seen.stamp).c_str(),
-                  evidence_word(seen.evidence), seen.tags_used, position, rotation,
-                  seen.surface_rms, seen.is_at_rest ? 1 : 0);
-    text += row;
-  }
-  return text;
-}
-
-Trajectory tracked_trajectory(const std::vector<ObjectObservation>& observations) {
-  Trajectory tracked;
-  for (const ObjectObservation& seen : observations) {
-    if (seen.evidence != ObjectEvidence::none) tracked.append(seen.stamp, seen.T_base_object);
-  }
-  return tracked;
-}
 
 void emit_frames(const Replay& replay, YAML::Emitter& yaml) {
   yaml << YAML::Key << "camera" << YAML::Value
@@ -61,15 +39,27 @@ Expected<void> copy_tracking(const std::filesystem::path& from, const std::files
   return {};
 }
 
-Expected<void> write_tracking(const Replay& replay, const ReplayedObject& object,
-                              const std::filesystem::path& place) {
+Expected<void> write_tracking(const Replay& replay, const std::filesystem::path& folder) {
   if (replay.tracked_folder) {
-    return copy_tracking(*replay.tracked_folder / "objects" / object.name, place);
+    for (const ReplayedObject& object : replay.objects) {
+      const std::filesystem::path place = std::filesystem::path("objects") / object.name;
+      const Expected<void> copied = copy_tracking(*replay.tracked_folder / place, folder / place);
+      if (!copied) return copied;
+    }
+    return {};
   }
-  const auto tracked =
-      write_file(place / "tracked.txt", format_trajectory(tracked_trajectory(object.observations)));
-  if (!tracked) return tracked;
-  return write_file(place / "tracking.csv", format_tracking(object.observations));
+  // Written as it came.
+  if (replay.run_folder && replay.frames_recorded > 0) return {};
+  TrackingWriter writer;
+  const Expected<void> opened = writer.open(folder, object_names(replay));
+  if (!opened) return opened;
+  for (std::size_t i = 0; i < replay.objects.size(); ++i) {
+    for (const ObjectObservation& seen : replay.objects[i].observations) {
+      const Expected<void> added = writer.add(i, seen);
+      if (!added) return added;
+    }
+  }
+  return writer.close();
 }
 
 std::string format_run(const Replay& replay, const Recording& recording,
@@ -96,14 +86,15 @@ std::string format_run(const Replay& replay, const Recording& recording,
 
 Expected<void> write_run(const Replay& replay, const Recording& recording,
                          const SceneManifest& scene, const std::filesystem::path& folder) {
+  PCAVR_REQUIRE(!replay.run_folder || *replay.run_folder == folder, folder.string());
   for (const ReplayedObject& object : replay.objects) {
     const std::filesystem::path place = folder / "objects" / object.name;
     std::error_code code;
     std::filesystem::create_directories(place, code);
     if (code) return Error{.message = "can't be made: " + code.message(), .file = place.string()};
-    const Expected<void> tracking = write_tracking(replay, object, place);
-    if (!tracking) return tracking;
   }
+  const Expected<void> tracking = write_tracking(replay, folder);
+  if (!tracking) return tracking;
   if (replay.teleop) {
     const Expected<void> done = write_teleop_files(replay, folder);
     if (!done) return done;

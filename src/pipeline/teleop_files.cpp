@@ -4,33 +4,36 @@
 
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include <yaml-cpp/yaml.h>
 
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/parameters_file.hpp"
 
+#include "run_writer.hpp"
+
 namespace pcavr {
 namespace {
 
-std::string format_predicted(const std::vector<ShownPose>& shown) {
-  Trajectory predicted;
-  for (const ShownPose& pose : shown) {
-    predicted.append(Stamp::from_seconds(pose.t), pose.T_base_object);
+/// What a run without a folder of its own kept.
+Expected<void> write_kept(const Replay& replay, const std::filesystem::path& folder) {
+  const TeleopRun& run = *replay.teleop;
+  TeleopWriter writer;
+  Expected<void> done = writer.open(folder, object_names(replay));
+  for (std::size_t i = 0; i < run.shown.size(); ++i) {
+    for (const ShownPose& shown : run.shown[i]) {
+      if (done) done = writer.add_shown(i, shown);
+    }
   }
-  return format_trajectory(predicted);
-}
-
-std::string format_forces(const Replay& replay) {
-  std::string text = "t,object,measured,virtual\n";
-  char numbers[96];
-  for (const ForceRow& row : replay.teleop->forces) {
-    std::snprintf(numbers, sizeof numbers, "%.6f,", row.t);
-    text += numbers + replay.objects[row.object].name;
-    std::snprintf(numbers, sizeof numbers, ",%.4f,%.4f\n", row.measured, row.predicted);
-    text += numbers;
+  for (const ForceRow& row : run.forces) {
+    if (done) done = writer.add_force(row);
   }
-  return text;
+  for (const SentCorrection& sent : run.corrections) {
+    if (done) done = writer.add_correction(sent);
+  }
+  if (!done) return done;
+  return writer.close();
 }
 
 std::string format_phases(const Replay& replay) {
@@ -40,19 +43,6 @@ std::string format_phases(const Replay& replay) {
     std::snprintf(stamp, sizeof stamp, "%.6f,", row.t);
     text += stamp + replay.objects[row.object].name + ',';
     text.append(name_of(row.measured)).append(",").append(name_of(row.predicted)) += '\n';
-  }
-  return text;
-}
-
-std::string format_corrections(const Replay& replay) {
-  std::string text = "t,object,case,what,bytes\n";
-  char stamp[32];
-  for (const SentCorrection& sent : replay.teleop->corrections) {
-    std::snprintf(stamp, sizeof stamp, "%.6f,", sent.t);
-    text += stamp + replay.objects[sent.object].name + ',';
-    text.append(name_of(sent.which)).append(",").append(sent.what);
-    if (sent.is_lost) text += "+lost";
-    text += ',' + std::to_string(sent.bytes) + '\n';
   }
   return text;
 }
@@ -69,18 +59,14 @@ Expected<void> write_teleop_files(const Replay& replay, const std::filesystem::p
   const TeleopRun& run = *replay.teleop;
   ParameterTable known;
   for (std::size_t i = 0; i < replay.objects.size(); ++i) {
-    const std::string& name = replay.objects[i].name;
-    known[name] = run.parameters[i];
-    const auto predicted =
-        write_file(folder / "objects" / name / "predicted.txt", format_predicted(run.shown[i]));
-    if (!predicted) return predicted;
+    known[replay.objects[i].name] = run.parameters[i];
   }
-  const auto forces = write_file(folder / "force.csv", format_forces(replay));
-  if (!forces) return forces;
+  if (!replay.run_folder) {
+    const Expected<void> kept = write_kept(replay, folder);
+    if (!kept) return kept;
+  }
   const auto phases = write_file(folder / "phases.csv", format_phases(replay));
   if (!phases) return phases;
-  const auto corrections = write_file(folder / "corrections.csv", format_corrections(replay));
-  if (!corrections) return corrections;
   return write_file(folder / "parameters.yaml",
                     format_parameters(known, "what was known at the end of a replay"));
 }

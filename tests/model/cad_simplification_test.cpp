@@ -108,8 +108,8 @@ TEST(MaxDeviation, SeesTheMiddleOfLargeTriangles) {
   const auto middle = static_cast<std::uint32_t>(dented.vertices.size());
   dented.vertices.emplace_back(0.0F, 0.0F, 0.03F);
   dented.triangles.erase(dented.triangles.begin() + 2, dented.triangles.begin() + 4);
-  for (const auto& [a, b] : {std::pair(4U, 5U), std::pair(5U, 7U), std::pair(7U, 6U),
-                             std::pair(6U, 4U)}) {
+  for (const auto& [a, b] :
+       {std::pair(4U, 5U), std::pair(5U, 7U), std::pair(7U, 6U), std::pair(6U, 4U)}) {
     dented.triangles.push_back({a, b, middle});
   }
   ASSERT_EQ(find_open_edges(dented).count, 0U);

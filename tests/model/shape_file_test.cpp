@@ -42,10 +42,11 @@ std::string stl_of(const TriangleMesh& mesh) {
 
 std::string ply_of(const TriangleMesh& mesh) {
   std::ostringstream header;
-  header << "ply\nformat binary_little_endian 1.0\ncomment a ball\nelement vertex "
-         << mesh.vertices.size()
-         << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nelement face "
-         << mesh.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
+  header
+      << "ply\nformat binary_little_endian 1.0\ncomment a ball\nelement vertex "
+      << mesh.vertices.size()
+      << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nelement face "
+      << mesh.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
   std::string bytes = header.str();
   for (const Eigen::Vector3f& p : mesh.vertices) {
     for (int k = 0; k < 3; ++k) append(bytes, p[k]);
@@ -100,8 +101,8 @@ TriangleMesh shape_of(TriangleMesh mesh) {
 
 TEST_F(ShapeFile, ReadsEveryTypeAsTheGeneralImporterDoes) {
   const TriangleMesh ball = sphere_mesh(0.1F, 30);
-  for (const fs::path& file :
-       {put("ball.stl", stl_of(ball)), put("ball.ply", ply_of(ball)), put("BALL.OBJ", obj_of(ball))}) {
+  for (const fs::path& file : {put("ball.stl", stl_of(ball)), put("ball.ply", ply_of(ball)),
+                               put("BALL.OBJ", obj_of(ball))}) {
     const std::optional<TriangleMesh> direct = read_shape(file);
     ASSERT_TRUE(direct) << file;
     const Expected<TriangleMesh> general = import_mesh(file);
@@ -140,9 +141,9 @@ TEST_F(ShapeFile, LeavesWhatIsCutOffAnywhereToTheGeneralImporter) {
 
 TEST_F(ShapeFile, LeavesWhatItDoesNotKnowToTheGeneralImporter) {
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
-  for (const char* more : {"f 1 2 4\n", "f 0 1 2\n", "f 1 2 x\n", "v 1 2 nan\nf 1 2 3\n",
-                           "v 1 2\nf 1 2 3\n", "v 1 2 3 2\nf 1 2 3\n", "curv2 1 2\nf 1 2 3\n",
-                           "f 1 2 \\\n3\n"}) {
+  for (const char* more :
+       {"f 1 2 4\n", "f 0 1 2\n", "f 1 2 x\n", "v 1 2 nan\nf 1 2 3\n", "v 1 2\nf 1 2 3\n",
+        "v 1 2 3 2\nf 1 2 3\n", "curv2 1 2\nf 1 2 3\n", "f 1 2 \\\n3\n"}) {
     EXPECT_FALSE(read_shape(put("odd.obj", square + more))) << more;
   }
   const std::string header = "ply\nformat binary_little_endian 1.0\n";

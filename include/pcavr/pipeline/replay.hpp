@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -34,20 +35,31 @@ struct ReplayOptions {
   std::optional<ParameterTable> parameters = {};
   std::string parameters_file = {};  ///< by which the run names it
   TeleopOptions teleop = {};
+  /// A folder that exists, an OutputFolder's: what grows with the recording is written there as it
+  /// comes, for write_run() to complete, and not kept in the Replay. Without it everything is kept:
+  /// half a megabyte and more for each second of recording.
+  std::optional<std::filesystem::path> run_folder = {};
 };
 
 struct ReplayedObject {
   std::string name;
-  /// One for each frame whose camera was placed; empty where tracking was taken from a folder.
+  /// One for each frame whose camera was placed; empty where tracking was taken from a folder, or
+  /// written to one.
   std::vector<ObjectObservation> observations;
   std::vector<TrackedPose> tracked = {};  ///< without the frames in which it was lost
+  /// How many frames showed it, by what; empty where tracking was taken from a folder.
+  std::map<ObjectEvidence, std::size_t> frames_by_evidence = {};
+  /// Where the scene's mesh stands in for a finer one.
+  std::optional<CadModel::Simplification> simplification = {};
 };
 
 struct Replay {
   std::vector<ReplayedObject> objects;
   std::optional<std::filesystem::path> tracked_folder = {};  ///< where tracking was taken from
-  /// What both sites did; empty where the recording has no tool motion.
+  /// What both sites did; empty where the recording has no tool motion. With a run_folder it holds
+  /// neither forces nor corrections, and of the poses shown those around the frames' stamps.
   std::optional<TeleopRun> teleop = {};
+  std::optional<std::filesystem::path> run_folder = {};  ///< as ReplayOptions has it
   std::string parameters_file = {};
   TeleopOptions teleop_options = {};
   bool camera_from_scene = false;  ///< the scene's own trajectory served: same recording
@@ -82,7 +94,8 @@ struct Replay {
 
 /// Writes run.yaml, objects/NAME/tracked.txt and objects/NAME/tracking.csv (what carried each
 /// pose, and how well) into a folder that exists; where both sites ran, also
-/// objects/NAME/predicted.txt, force.csv, phases.csv, corrections.csv and parameters.yaml.
+/// objects/NAME/predicted.txt, force.csv, phases.csv, corrections.csv and parameters.yaml. Where
+/// some of it was written already, `folder` is the replay's run_folder.
 [[nodiscard]] Expected<void> write_run(const Replay& replay, const Recording& recording,
                                        const SceneManifest& scene,
                                        const std::filesystem::path& folder);
