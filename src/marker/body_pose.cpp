@@ -7,6 +7,8 @@
 
 #include <Eigen/Dense>
 
+#include "pcavr/geometry/depth_grid.hpp"
+
 #include "marker/body_pose_problem.hpp"
 #include "marker/planar_pose.hpp"
 
@@ -55,8 +57,11 @@ BodyPoseProblem pose_problem(const std::vector<TagPlacement>& placements,
     problem.tags.push_back(tag);
   }
   if (hints.depth == nullptr) return problem;
+  const CameraModel depth_camera = on_grid(camera, hints.depth->width(), hints.depth->height());
   for (SeenTag& tag : problem.tags) {
-    tag.plane = measure_tag_plane(*hints.depth, hints.depth_noise, camera, tag.pixels,
+    std::array<Eigen::Vector2d, 4> pixels = tag.pixels;
+    for (Eigen::Vector2d& pixel : pixels) pixel = to_grid(pixel, camera, depth_camera);
+    tag.plane = measure_tag_plane(*hints.depth, hints.depth_noise, depth_camera, pixels,
                                   static_cast<int>(problem.tags.size()));
   }
   return problem;

@@ -9,6 +9,7 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/median.hpp"
+#include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/recording/frame_reader.hpp"
 
 #include "augmented_drawing.hpp"
@@ -86,8 +87,9 @@ void AugmentedFrames::Content::draw(const FrameFiles& files, const Pose& T_base_
     }
   }
   if (!is_predicted()) std::swap(predicted, tracked);
-  draw_bodies(frame.color, frame.depth, *recording.manifest.camera, predicted, tracked,
-              parallelism);
+  const DepthImage depth =
+      depth_on_color(std::move(frame.depth), frame.color.width(), frame.color.height());
+  draw_bodies(frame.color, depth, *recording.manifest.camera, predicted, tracked, parallelism);
   draw_legend(frame.color, !predicted.empty(), !tracked.empty());
 }
 

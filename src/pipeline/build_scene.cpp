@@ -10,6 +10,7 @@
 
 #include "pcavr/core/median.hpp"
 #include "pcavr/core/stage_clock.hpp"
+#include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/model/mesh_simplification.hpp"
 #include "pcavr/reconstruction/cloud_filter.hpp"
 #include "pcavr/reconstruction/depth_filter.hpp"
@@ -46,18 +47,25 @@ class Fusion {
 
   void add(const FollowedFrame& followed) {
     const Stamp stamp = followed.frame.depth_stamp;
-    const DepthImage depth =
-        filter_depth(followed.frame.depth, camera_, options_.depth_noise, options_.parallelism);
+    const DepthImage& raw = followed.frame.depth;
+    // On the depth image's grid: colour that is finer than the surface adds nothing to it.
+    const CameraModel camera = on_grid(camera_, raw.width(), raw.height());
+    const bool is_one_grid = camera.width == camera_.width;
+    const ColorImage coarse =
+        is_one_grid ? ColorImage()
+                    : color_on_grid(followed.frame.color, camera.width, camera.height);
+    const ColorImage& color = is_one_grid ? followed.frame.color : coarse;
+    const DepthImage depth = filter_depth(raw, camera, options_.depth_noise, options_.parallelism);
     // Beside the fusion, because neither fills both cores by itself.
     std::future<void> carved;
     if (!last_carved_ || stamp - *last_carved_ >= occupancy_interval_) {
       last_carved_ = stamp;
       carved = beside(options_.parallelism, [&] {
-        occupancy.integrate(depth, followed.is_dynamic, camera_, followed.T_base_camera);
+        occupancy.integrate(depth, followed.is_dynamic, camera, followed.T_base_camera);
       });
     }
-    volume.integrate(depth, followed.frame.color, followed.is_dynamic, camera_,
-                     followed.T_base_camera, options_.parallelism);
+    volume.integrate(depth, color, followed.is_dynamic, camera, followed.T_base_camera,
+                     options_.parallelism);
     if (carved.valid()) carved.get();
     for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].push_back(followed.objects[i]);
     camera_trajectory.append(stamp, followed.T_base_camera);
@@ -69,7 +77,7 @@ class Fusion {
   Trajectory camera_trajectory;
 
  private:
-  const CameraModel& camera_;
+  const CameraModel& camera_;  ///< of the colour images
   const BuildOptions& options_;
   Duration occupancy_interval_;
   std::optional<Stamp> last_carved_;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/scene/scene.hpp"
 
 #include "one_ahead.hpp"
@@ -82,8 +83,10 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
       FollowedFrame followed{.frame = std::move(**frame),
                              .T_base_camera = placement.T_base_camera,
                              .objects = {},
-                             .is_dynamic = MaskImage(camera.width, camera.height)};
+                             .is_dynamic = {}};
       const RgbdFrame& image = followed.frame;
+      const CameraModel depth_camera = on_grid(camera, image.depth.width(), image.depth.height());
+      followed.is_dynamic = MaskImage(depth_camera.width, depth_camera.height);
       const Pose T_camera_base = followed.T_base_camera.inverse();
       for (Followed& body : all) {
         followed.objects.push_back(
@@ -92,8 +95,8 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
         const ObjectObservation& seen = followed.objects.back();
         if (seen.evidence != ObjectEvidence::none) body.T_base_object = seen.T_base_object;
         if (!body.T_base_object) continue;
-        mask_body(body.tracker.surface(), T_camera_base * *body.T_base_object, camera, image.depth,
-                  options.depth_noise, kBodyMarginPixels, followed.is_dynamic);
+        mask_body(body.tracker.surface(), T_camera_base * *body.T_base_object, depth_camera,
+                  image.depth, options.depth_noise, kBodyMarginPixels, followed.is_dynamic);
       }
       tool.mark(image, followed.T_base_camera, followed.is_dynamic);
       return std::optional<FollowedFrame>(std::move(followed));

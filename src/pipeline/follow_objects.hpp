@@ -20,7 +20,7 @@ struct FollowedFrame {
   RgbdFrame frame;
   Pose T_base_camera;
   std::vector<ObjectObservation> objects;  ///< as the bodies are ordered
-  MaskImage is_dynamic;                    ///< empty where nothing is masked
+  MaskImage is_dynamic;                    ///< of the depth image's size
 };
 
 /// As written into files: "tags_and_shape", "tags", "shape", "not_seen".

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pcavr/core/median.hpp"
+#include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/recording/frame_reader.hpp"
 
 namespace pcavr {
@@ -17,8 +18,9 @@ constexpr float kLargestMiss = 0.05F;  ///< farther readings belong to something
 
 /// Distances of a frame's readings from the mesh, along the mesh's normals [m].
 void collect_distances(const SurfaceQuery& surface, const RgbdFrame& frame,
-                       const CameraModel& camera, const Pose& T_base_camera,
+                       const CameraModel& color_camera, const Pose& T_base_camera,
                        std::vector<double>& distances) {
+  const CameraModel camera = on_grid(color_camera, frame.depth.width(), frame.depth.height());
   for (int y = 0; y < camera.height; y += kPixelStride) {
     for (int x = 0; x < camera.width; x += kPixelStride) {
       const float z = frame.depth(x, y);

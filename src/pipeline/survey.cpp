@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/tracking/object_tracker.hpp"
 
 #include "one_ahead.hpp"
@@ -70,7 +71,8 @@ class BodyMasker {
   [[nodiscard]] MaskImage mask(const RgbdFrame& frame,
                                const std::vector<TagDetection>& detections) {
     if (bodies_.empty()) return {};
-    MaskImage mask(camera_.width, camera_.height);
+    const CameraModel depth_camera = on_grid(camera_, frame.depth.width(), frame.depth.height());
+    MaskImage mask(depth_camera.width, depth_camera.height);
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       const BodyPoseHints hints{
           .depth = &frame.depth, .depth_noise = noise_, .T_camera_body = last_poses_[i]};
@@ -79,7 +81,7 @@ class BodyMasker {
       if (body.status != BodyPoseStatus::solved) continue;
       last_poses_[i] = body.pose.T_camera_body;
       if (!first_sightings_[i]) first_sightings_[i] = {frame.index, body.pose.T_camera_body};
-      mask_body(surfaces_[i], body.pose.T_camera_body, camera_, frame.depth, noise_,
+      mask_body(surfaces_[i], body.pose.T_camera_body, depth_camera, frame.depth, noise_,
                 kMaskMarginPixels, mask);
     }
     return mask;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/geometry/pixel.hpp"
 
 namespace pcavr {
@@ -107,7 +108,8 @@ void ToolMask::mark(const RgbdFrame& frame, const Pose& T_base_camera, MaskImage
   if (!recording_.manifest.tool_radius || recording_.tool.empty()) return;
   const std::optional<Pose> T_base_tool = recording_.tool.at(frame.depth_stamp, kLongestToolGap);
   if (!T_base_tool) return;
-  const CameraModel& camera = *recording_.manifest.camera;
+  const CameraModel camera =
+      on_grid(*recording_.manifest.camera, frame.depth.width(), frame.depth.height());
   const Pose T_camera_tool = T_base_camera.inverse() * *T_base_tool;
   const Eigen::Vector3d& p_camera = T_camera_tool.translation();
   const double reach = *recording_.manifest.tool_radius + kTipMargin;

@@ -77,14 +77,34 @@ struct FrameReader::Worker {
     has_frame.notify_one();
   }
 
-  [[nodiscard]] Expected<RgbdFrame> decode(ImageDecoder& decoder, std::size_t index) const {
+  [[nodiscard]] Expected<RgbdFrame> decode(ImageDecoder& decoder, std::size_t index) {
     try {
-      return decode_with(decoder, recording, index);
+      Expected<RgbdFrame> frame = decode_with(decoder, recording, index);
+      if (frame && !has_first_size(frame->depth)) return size_error(frame->depth, index);
+      return frame;
     } catch (const std::bad_alloc&) {
       return Error{.message = "there is no memory left for frame " + std::to_string(index),
                    .file = recording.folder.string(),
                    .hint = "free memory, or use smaller images"};
     }
+  }
+
+  bool has_first_size(const DepthImage& depth) {
+    if (depth_width == 0) {
+      depth_width = depth.width();
+      depth_height = depth.height();
+    }
+    return depth.width() == depth_width && depth.height() == depth_height;
+  }
+
+  [[nodiscard]] Error size_error(const DepthImage& depth, std::size_t index) const {
+    const auto text = [](int width, int height) {
+      return std::to_string(width) + " x " + std::to_string(height);
+    };
+    return {.message = "is " + text(depth.width(), depth.height()) +
+                       " pixels; the first depth image is " + text(depth_width, depth_height),
+            .file = (recording.folder / recording.frames[index].depth_path).string(),
+            .hint = "all depth images of a recording have one size"};
   }
 
   /// False when nothing more is wanted.
@@ -121,6 +141,8 @@ struct FrameReader::Worker {
   std::condition_variable has_room;
   std::condition_variable has_frame;
   std::deque<Expected<RgbdFrame>> frames;
+  int depth_width = 0;  ///< of the first image that decoded; 0 before
+  int depth_height = 0;
   std::size_t skipped = 0;
   bool is_stopping = false;
   bool is_done = false;

@@ -8,6 +8,8 @@
 
 #include <turbojpeg.h>
 
+#include "pcavr/geometry/depth_grid.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -40,6 +42,20 @@ std::optional<Error> check_size(const ExpectedImage& image, const Header& header
                           size_text(image.width, image.height),
                .file = image.file,
                .hint = "the camera of recording.yaml must have the size of the images"};
+}
+
+std::optional<Error> check_depth_size(const ExpectedImage& image, const PngImage& header) {
+  CameraModel color;
+  color.width = image.width;
+  color.height = image.height;
+  if (is_depth_grid(color, header.width, header.height)) return std::nullopt;
+  return Error{.message = "is " + size_text(header.width, header.height) + " pixels, not " +
+                          size_text(image.width, image.height) +
+                          " nor smaller than that by one factor in width and height",
+               .file = image.file,
+               .hint =
+                   "register depth to the colour image of recording.yaml's camera: the same "
+                   "view, the same shape"};
 }
 
 bool is_jpeg(std::string_view bytes) { return bytes.starts_with("\xFF\xD8"); }
@@ -117,10 +133,11 @@ Expected<ColorImage> ImageDecoder::color_png(std::string_view bytes, const Expec
   return to_color(png_);
 }
 
-Expected<void> ImageDecoder::gray16(std::string_view bytes, const ExpectedImage& image) {
+Expected<void> ImageDecoder::gray16(std::string_view bytes, const ExpectedImage& image,
+                                    SizeCheck check) {
   const Expected<PngImage> header = decode_png_header(bytes);
   if (!header) return damaged(image, header.error().message);
-  if (std::optional<Error> error = check_size(image, *header)) return *std::move(error);
+  if (std::optional<Error> error = check(image, *header)) return *std::move(error);
   if (header->bit_depth != 16 || header->channels != 1) {
     return Error{.message = "is not a depth image: it has " + std::to_string(header->channels) +
                             " channels of " + std::to_string(header->bit_depth) + " bits",
@@ -135,13 +152,16 @@ Expected<void> ImageDecoder::gray16(std::string_view bytes, const ExpectedImage&
 
 Expected<RawDepthImage> ImageDecoder::raw_depth(std::string_view bytes,
                                                 const ExpectedImage& image) {
-  if (const Expected<void> done = gray16(bytes, image); !done) return done.error();
+  if (const Expected<void> done = gray16(bytes, image, check_size<PngImage>); !done)
+    return done.error();
   return from_gray16<std::uint16_t>(png_, [](std::uint16_t units) { return units; });
 }
 
 Expected<DepthImage> ImageDecoder::depth(std::string_view bytes, const ExpectedImage& image,
                                          double units_per_metre) {
-  if (const Expected<void> done = gray16(bytes, image); !done) return done.error();
+  if (const Expected<void> done = gray16(bytes, image, check_depth_size); !done) {
+    return done.error();
+  }
   const auto metres_per_unit = static_cast<float>(1.0 / units_per_metre);
   return from_gray16<float>(
       png_, [=](std::uint16_t units) { return static_cast<float>(units) * metres_per_unit; });

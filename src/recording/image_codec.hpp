@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -34,14 +35,17 @@ class ImageDecoder {
   /// PNG with one channel of 16 bits, in its own units.
   [[nodiscard]] Expected<RawDepthImage> raw_depth(std::string_view bytes,
                                                   const ExpectedImage& image);
-  /// The same in metres.
+  /// The same in metres; here `image` has the colour's size, and depth may be smaller by one factor
+  /// in width and height (pcavr/geometry/depth_grid.hpp).
   [[nodiscard]] Expected<DepthImage> depth(std::string_view bytes, const ExpectedImage& image,
                                            double units_per_metre);
 
  private:
   [[nodiscard]] Expected<ColorImage> color_png(std::string_view bytes, const ExpectedImage& image);
+  using SizeCheck = std::optional<Error> (*)(const ExpectedImage&, const PngImage& header);
   /// Where nothing is wrong, `png_` holds one channel of 16 bits.
-  [[nodiscard]] Expected<void> gray16(std::string_view bytes, const ExpectedImage& image);
+  [[nodiscard]] Expected<void> gray16(std::string_view bytes, const ExpectedImage& image,
+                                      SizeCheck check);
 
   PngImage png_;
 };

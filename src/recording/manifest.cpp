@@ -3,6 +3,7 @@
 #include "pcavr/recording/manifest.hpp"
 
 #include <algorithm>
+#include <cstdint>
 
 #include "recording/camera_keys.hpp"
 #include "recording/manifest_parser.hpp"
@@ -13,6 +14,10 @@ namespace pcavr {
 namespace {
 
 constexpr char kFormat[] = "pcavr-recording/1";
+/// Indices of pixels, and of four samples in each, stay far below 2^31; a colour and a depth image
+/// of this size take 0.7 GB.
+constexpr std::int64_t kMaxImagePixels = 100'000'000;
+
 Pose pose_of(const YamlValue& value) {
   value.expect_keys({"t", "q"});
   const std::vector<double> t = value.at("t").numbers(3);
@@ -39,6 +44,11 @@ void read_camera(const YamlValue& value, Manifest& manifest) {
   value.expect_keys(
       {"width", "height", "fx", "fy", "cx", "cy", "model", "distortion", "depth_scale"});
   manifest.camera = camera_of(value);
+  if (std::int64_t{manifest.camera->width} * manifest.camera->height > kMaxImagePixels) {
+    value.fail("an image of " + std::to_string(manifest.camera->width) + " x " +
+                   std::to_string(manifest.camera->height) + " pixels is too large",
+               "use images of at most 100 megapixels");
+  }
   manifest.depth_scale = value.at("depth_scale").positive_number();
 }
 

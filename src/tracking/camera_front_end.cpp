@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pcavr/geometry/depth_grid.hpp"
+
 #include "camera_relocaliser.hpp"
 
 namespace pcavr::tracking {
@@ -40,6 +42,14 @@ double view_change(const Pose& T_keyframe_frame, double depth) {
          rotation_distance(Pose(), T_keyframe_frame) / kAngle;
 }
 
+/// The picture on the depth image's grid.
+cv::Mat gray_of_depth_grid(const RgbdFrame& frame) {
+  const int width = frame.depth.width();
+  const int height = frame.depth.height();
+  if (frame.color.width() == width && frame.color.height() == height) return gray_of(frame.color);
+  return gray_of(color_on_grid(frame.color, width, height));
+}
+
 /// Landmarks that keep straying lie on something that moves.
 void drop_strays(const Alignment& alignment, ActiveModel& model) {
   constexpr int kPatience = 3;  // frames
@@ -69,7 +79,7 @@ FrameRecord& CameraFrontEnd::add(const RgbdFrame& frame, const MaskImage& is_dyn
   const double color_lag = to_seconds(frame.color_stamp - frame.depth_stamp);
   FrameView view;
   view.inverse_depth = cell_inverse_depth(sensor_.grid, frame.depth, is_dynamic, sensor_.noise);
-  view.gray = gray_of(frame.color);
+  view.gray = gray_of_depth_grid(frame);
   view.pyramid = make_pyramid(view.gray, false);
   view.T_depth_color = Pose::exp(velocity_ * color_lag);
   FrameRecord& record = records_.emplace_back();

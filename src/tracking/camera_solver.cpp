@@ -102,7 +102,7 @@ void TrackSolver::anchor() {
   }
   for (const auto& [segment, seen] : sights) {
     const auto T_base_segment =
-        anchor_segment(seen, *input_.base_tags, *input_.groundtruth, input_.sensor->camera);
+        anchor_segment(seen, *input_.base_tags, *input_.groundtruth, *input_.color_camera);
     if (T_base_segment) T_base_segment_[segment] = *T_base_segment;
   }
 }
@@ -144,10 +144,10 @@ void TrackSolver::measure_tags(std::size_t r, std::size_t node, double looks) {
     factor.T_node_color = record.T_depth_color;
     factor.p_base = *p_base;
     for (std::size_t i = 0; i < 4; ++i) {
-      factor.rays[i] = input_.sensor->camera.normalise(tag.corners[i]);
-      (void)input_.sensor->camera.distortion.distort(factor.rays[i], &factor.lens[i]);
+      factor.rays[i] = input_.color_camera->normalise(tag.corners[i]);
+      (void)input_.color_camera->distortion.distort(factor.rays[i], &factor.lens[i]);
     }
-    factor.focal_length = input_.sensor->camera.fx;
+    factor.focal_length = input_.color_camera->fx;
     factor.sigma = input_.options.corner_sigma * inflation(looks);
     graph_.add_corners(factor);
     corners_.push_back(factor);

@@ -13,7 +13,7 @@ namespace pcavr::tracking {
 
 /// All that the front end and the tags found out about a recording.
 struct SolverInput {
-  const Sensor* sensor = nullptr;
+  const CameraModel* color_camera = nullptr;  ///< which the tags' corners were found with
   const std::vector<Keyframe>* keyframes = nullptr;
   const std::vector<FrameRecord>* records = nullptr;
   const std::vector<TagPlacement>* base_tags = nullptr;

@@ -3,9 +3,11 @@
 #include "pcavr/tracking/camera_tracker.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/geometry/depth_grid.hpp"
 
 #include "camera_front_end.hpp"
 #include "camera_solver.hpp"
@@ -34,12 +36,15 @@ struct CameraTracker::State {
       : options(chosen),
         base_tags(base_placements(manifest)),
         groundtruth(std::move(poses)),
-        front_end(*manifest.camera, chosen.depth_noise) {}
+        camera(*manifest.camera) {}
 
   CameraTrackerOptions options;
   std::vector<TagPlacement> base_tags;
   Trajectory groundtruth;
-  tracking::CameraFrontEnd front_end;
+  CameraModel camera;  ///< of the colour images
+  /// From the first frame on. Works on the depth images' grid: what it measures with is depth, and
+  /// finer colour would only cost time and memory.
+  std::optional<tracking::CameraFrontEnd> front_end;
   std::vector<FramePlacement> trusted;  ///< where poses are taken as given
   bool is_solved = false;
 
@@ -61,8 +66,8 @@ void CameraTracker::State::look_for_base(const RgbdFrame& frame,
   BodyPoseHints hints;
   hints.depth = &frame.depth;
   hints.depth_noise = options.depth_noise;
-  record.base_from_tags = solve_body_pose(base_tags, record.base_tags, front_end.sensor().camera,
-                                          hints, {.corner_sigma = options.corner_sigma});
+  record.base_from_tags = solve_body_pose(base_tags, record.base_tags, camera, hints,
+                                          {.corner_sigma = options.corner_sigma});
 }
 
 CameraTrack CameraTracker::State::trusted_track() const {
@@ -83,9 +88,9 @@ CameraTracker::~CameraTracker() = default;
 void CameraTracker::add(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
                         const MaskImage& is_dynamic, Parallelism parallelism) {
   PCAVR_REQUIRE(!state_->is_solved);
-  const CameraModel& camera = state_->front_end.sensor().camera;
-  PCAVR_REQUIRE(frame.depth.width() == camera.width && frame.depth.height() == camera.height);
+  const CameraModel& camera = state_->camera;
   PCAVR_REQUIRE(frame.color.width() == camera.width && frame.color.height() == camera.height);
+  const CameraModel depth_camera = on_grid(camera, frame.depth.width(), frame.depth.height());
   if (state_->options.trust_poses) {
     FramePlacement placement;
     placement.frame = frame.index;
@@ -99,7 +104,10 @@ void CameraTracker::add(const RgbdFrame& frame, const std::vector<TagDetection>&
     state_->trusted.push_back(placement);
     return;
   }
-  tracking::FrameRecord& record = state_->front_end.add(frame, is_dynamic, parallelism);
+  std::optional<tracking::CameraFrontEnd>& front_end = state_->front_end;
+  if (!front_end) front_end.emplace(depth_camera, state_->options.depth_noise);
+  PCAVR_REQUIRE(front_end->sensor().camera.width == depth_camera.width);
+  tracking::FrameRecord& record = front_end->add(frame, is_dynamic, parallelism);
   state_->look_for_base(frame, detections, record);
 }
 
@@ -109,11 +117,11 @@ CameraTrack CameraTracker::solve(const Observer& observer) {
   CameraTrack track;
   if (state_->options.trust_poses) {
     track = state_->trusted_track();
-  } else {
-    track = tracking::solve_track({&state_->front_end.sensor(), &state_->front_end.keyframes(),
-                                   &state_->front_end.records(), &state_->base_tags,
+  } else if (state_->front_end) {
+    track = tracking::solve_track({&state_->camera, &state_->front_end->keyframes(),
+                                   &state_->front_end->records(), &state_->base_tags,
                                    &state_->groundtruth, state_->options});
-    track.tracking_rms = state_->front_end.tracking_rms();
+    track.tracking_rms = state_->front_end->tracking_rms();
   }
   track.why_not = nothing_placed(track, !state_->base_tags.empty());
   observer.on_progress("camera", track.frames.size(), track.frames.size());

@@ -80,11 +80,11 @@ void add_corner(const FitProblem& problem, const CornerSight& corner, const Pose
 }
 
 void add_rim(const FitProblem& problem, const Pose& T_camera_object, Equations& equations) {
-  for (const RimSight& sight : find_rim(problem.surface_object, problem.camera, problem.depth,
+  for (const RimSight& sight : find_rim(problem.surface_object, problem.depth_camera, problem.depth,
                                         problem.noise, T_camera_object)) {
     const Vector6d jacobian =
-        image_jacobian(problem.camera, T_camera_object, sight.p_object).transpose() * sight.normal /
-        kRimSigma;
+        image_jacobian(problem.depth_camera, T_camera_object, sight.p_object).transpose() *
+        sight.normal / kRimSigma;
     const double residual = sight.outward_pixels / kRimSigma;
     const double weight = huber_weight(std::abs(residual));
     equations.left.topLeftCorner<6, 6>() += weight * jacobian * jacobian.transpose();
@@ -178,7 +178,7 @@ Eigen::Vector2d corner_offset(const CameraModel& camera, const CornerSight& corn
 }
 
 FitResult fit_object(const FitProblem& problem, const Pose& start, double capture) {
-  const SampleGrid grid(problem.surface_object, problem.normals_object, problem.camera,
+  const SampleGrid grid(problem.surface_object, problem.normals_object, problem.depth_camera,
                         problem.depth, start);
   FitResult result;
   result.T_camera_object = start;
@@ -212,7 +212,7 @@ FitResult fit_object(const FitProblem& problem, const Pose& start, double captur
 }
 
 ShapeAgreement judge_shape(const FitProblem& problem, const Pose& T_camera_object) {
-  const SampleGrid grid(problem.surface_object, problem.normals_object, problem.camera,
+  const SampleGrid grid(problem.surface_object, problem.normals_object, problem.depth_camera,
                         problem.depth, T_camera_object);
   return agreement_of(problem, grid.samples(T_camera_object), 0.0);
 }

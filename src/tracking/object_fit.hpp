@@ -37,7 +37,8 @@ struct PosePrior {
 struct FitProblem {
   const SurfaceQuery& surface_object;
   const SmoothNormals& normals_object;
-  const CameraModel& camera;
+  const CameraModel& camera;        ///< of the colour image, where the corners were found
+  const CameraModel& depth_camera;  ///< the same on the depth image's grid
   const DepthImage& depth;
   const DepthNoise& noise;
   double corner_sigma = 0.15;  ///< [px]

@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/geometry/depth_grid.hpp"
 
 #include "tracking/object_fit.hpp"
 #include "tracking/object_normals.hpp"
@@ -122,6 +123,7 @@ struct ObjectTracker::State {
         normals(model.mesh_object),
         tags(std::move(placements)),
         camera(camera_model),
+        depth_camera(camera_model),
         options(chosen) {}
 
   CadModel model;
@@ -129,6 +131,7 @@ struct ObjectTracker::State {
   SmoothNormals normals;
   std::vector<TagPlacement> tags;
   CameraModel camera;
+  CameraModel depth_camera;  ///< the same on the grid of the frame's depth image
   ObjectTrackerOptions options;
 
   RestFilter rest;
@@ -171,6 +174,7 @@ FitProblem ObjectTracker::State::problem(const RgbdFrame& frame) const {
   return {.surface_object = surface,
           .normals_object = normals,
           .camera = camera,
+          .depth_camera = depth_camera,
           .depth = frame.depth,
           .noise = options.depth_noise,
           .corner_sigma = options.corner_sigma,
@@ -301,6 +305,7 @@ ObjectObservation ObjectTracker::track(const RgbdFrame& frame,
   State& state = *state_;
   PCAVR_REQUIRE(!state.last || frame.depth_stamp > state.last->stamp,
                 frame.depth_stamp.nanoseconds);
+  state.depth_camera = on_grid(state.camera, frame.depth.width(), frame.depth.height());
   const std::optional<Prediction> prediction = state.predict(frame.depth_stamp);
   ObjectObservation observation;
   observation.stamp = frame.depth_stamp;

@@ -52,7 +52,8 @@ struct BodyPose {
 
 /// What may help to choose between the two planar solutions, and to refine the one chosen.
 struct BodyPoseHints {
-  const DepthImage* depth = nullptr;  ///< registered to the image that the tags were found in
+  /// Registered to the image that the tags were found in, and as large, or smaller by one factor.
+  const DepthImage* depth = nullptr;
   DepthNoise depth_noise = {};
   std::optional<Pose> T_camera_body = {};  ///< where it was a moment ago
 };

@@ -13,7 +13,8 @@
 
 namespace pcavr {
 
-/// One pair of images, decoded. Depth is registered to colour: one pixel grid.
+/// One pair of images, decoded. Depth is registered to colour: the same view, on the same pixel
+/// grid or, where its images are smaller, on a coarser one (pcavr/geometry/depth_grid.hpp).
 struct RgbdFrame {
   std::size_t index = 0;  ///< in Recording::frames
   Stamp color_stamp;
@@ -31,9 +32,9 @@ struct FrameReaderOptions {
   bool skip_bad = false;  ///< leave out frames that don't decode, and count them
 };
 
-/// Decodes the frames of a recording in order on one worker thread, which the first next() starts
-/// and the destructor ends. Keeps a reference to the
-/// recording, which must outlive it. next() is for one thread at a time.
+/// Decodes the frames of a recording in order; a depth image of another size than the first one's
+/// is an Error. On one worker thread, which the first next() starts and the destructor ends. Keeps
+/// a reference to the recording, which must outlive it. next() is for one thread at a time.
 class FrameReader {
  public:
   explicit FrameReader(const Recording& recording, const FrameReaderOptions& options = {});

@@ -70,7 +70,8 @@ class CameraTracker {
   ~CameraTracker();
 
   /// `is_dynamic` marks pixels that belong to movable objects or the tool (empty: none); they
-  /// carry no weight. The images have the camera's size. `detections` may hold other tags.
+  /// carry no weight; it has the depth image's size. Colour has the camera's size, depth the same
+  /// or one that is smaller by one factor, equal in all frames. `detections` may hold other tags.
   void add(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
            const MaskImage& is_dynamic, Parallelism parallelism);
 

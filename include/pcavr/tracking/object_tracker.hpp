@@ -70,8 +70,9 @@ class ObjectTracker {
   [[nodiscard]] const CadModel& model() const;
   [[nodiscard]] const SurfaceQuery& surface() const;
 
-  /// Frames in ascending order of time. `T_base_camera` at the time of the depth image; the camera
-  /// is taken to stand still between a frame's colour and depth.
+  /// Frames in ascending order of time; depth as large as colour, or smaller by one factor.
+  /// `T_base_camera` at the time of the depth image; the camera is taken to stand still between a
+  /// frame's colour and depth.
   [[nodiscard]] ObjectObservation track(const RgbdFrame& frame,
                                         const std::vector<TagDetection>& detections,
                                         const Pose& T_base_camera,
@@ -89,8 +90,9 @@ class ObjectTracker {
 /// depth is not clearly (three deviations) in front of the body's surface. What is in front, such
 /// as the tool, is not the body and stays; what is behind stays masked, because inside the
 /// silhouette it contradicts the pose and at the rim it mixes body and background. Pixels without
-/// depth in the grown silhouette are marked too. Adds to `mask`, which has the camera's size.
-/// Thin parts of a body may be missed where they are narrower than three pixels.
+/// depth in the grown silhouette are marked too. `camera` is the depth image's, and `mask`, which
+/// is added to, has its size. Thin parts of a body may be missed where they are narrower than three
+/// pixels.
 void mask_body(const SurfaceQuery& surface_object, const Pose& T_camera_object,
                const CameraModel& camera, const DepthImage& depth, const DepthNoise& noise,
                int margin_pixels, MaskImage& mask);
