@@ -7,10 +7,16 @@
 
 #include "pcavr/core/random.hpp"
 
+#include "simulation/box_grid.hpp"
+
 namespace pcavr::simulation {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// A grid of boxes is looked at from further above, so that none hides the next one's tags.
+constexpr double kGridElevation = 22.0 * kDegree;
+constexpr double kGridMiddle = 0.645;  ///< base x of the middle between farthest box and tag [m]
 
 /// A camera at `p_base` that looks at `target` with its rows level.
 Pose looking_at(const Eigen::Vector3d& p_base, const Eigen::Vector3d& target) {
@@ -42,6 +48,11 @@ CameraPath::CameraPath(const SimulationCase& simulation, std::uint64_t seed)
     distance_.mean = random.uniform(1.02, 1.08);
     target_[0].mean = 0.68;
     target_[2].mean = 0.03;
+    if (needs_grid(simulation.movable_boxes)) {
+      elevation_.mean += kGridElevation;
+      distance_.mean += 0.07;
+      target_[0].mean = kGridMiddle;
+    }
     return;
   }
   // A hand sweeps at some 0.3 m/s and 20 degrees/s at most: periods of several seconds.
@@ -50,6 +61,10 @@ CameraPath::CameraPath(const SimulationCase& simulation, std::uint64_t seed)
   const bool looks_at_wall = simulation.base_tags >= 2;
   elevation_ = wave((looks_at_wall ? 27.0 : 36.0) * kDegree, 5.0 * kDegree, 4.0, 6.0);
   distance_ = wave(looks_at_wall ? 1.15 : 0.92, 0.10, 5.0, 7.0);
+  if (needs_grid(simulation.movable_boxes)) {
+    elevation_.mean += kGridElevation;
+    distance_.mean += 0.16;
+  }
   target_ = {wave(0.66, 0.06, 4.5, 6.5), wave(0.02, 0.10, 4.0, 6.0), wave(0.03, 0.02, 3.0, 5.0)};
   for (std::size_t i = 0; i < 6; ++i) {
     tremor_[i] = i < 3 ? wave(0.0, 0.0015, 0.25, 0.6) : wave(0.0, 0.15 * kDegree, 0.25, 0.6);

@@ -8,6 +8,7 @@
 
 #include "pcavr/core/random.hpp"
 
+#include "simulation/box_grid.hpp"
 #include "simulation/clutter.hpp"
 #include "simulation/plant_bodies.hpp"
 
@@ -17,6 +18,7 @@ namespace {
 constexpr const char* kFamily = "tag36h11";
 constexpr int kFirstObjectTag = 5;
 constexpr double kRoomToPush = 0.20;  ///< [m], before each body of a plant
+constexpr double kGridTagX = 0.91;    ///< [m]: the base tag before a grid of boxes
 
 Material material_of(Texture texture, const Eigen::Vector3f& base, const Eigen::Vector3f& accent,
                      float scale, Random& random) {
@@ -78,11 +80,12 @@ Expected<void> add_base_tags(World& world, const SimulationCase& simulation, Ran
                              Occupancy& occupancy) {
   Body& room = world.bodies.front();
   if (simulation.base_tags >= 1) {
-    // Before the boxes for a fixed camera; beside them for one that moves.
-    const Eigen::Vector3d place =
+    // Before the boxes for a fixed camera, or where they fill the table; else beside them.
+    Eigen::Vector3d place =
         simulation.task != ToolTask::none
             ? Eigen::Vector3d(random.uniform(0.93, 0.97), random.uniform(-0.05, 0.05), 0.0)
             : Eigen::Vector3d(random.uniform(0.70, 0.85), random.uniform(0.18, 0.32), 0.0);
+    if (needs_grid(simulation.movable_boxes)) place = {kGridTagX, 0.0, 0.0};
     const double yaw = simulation.task != ToolTask::none
                            ? 0.5 * std::numbers::pi
                            : random.uniform(0.0, 2.0 * std::numbers::pi);
@@ -136,9 +139,29 @@ Expected<Body> make_slotted_block(const PlantBody& plant, Random& random) {
   return body;
 }
 
+/// One of many boxes that stand in a grid, for a case without a tool.
+Expected<void> add_grid_box(World& world, const SimulationCase& simulation, int number,
+                            Random& random) {
+  if (number >= PushOptions::kMaxBoxes) {
+    return Error{.message = "found no room on the table for box " + std::to_string(number + 1),
+                 .hint = "ask for at most " + std::to_string(PushOptions::kMaxBoxes) + " boxes"};
+  }
+  Box box;
+  box.half_extents = grid_half_extents(random);
+  box.mass = random.uniform(0.5, 1.5);
+  box.T_base_object = grid_pose(number, simulation.movable_boxes, box.half_extents.z(), random);
+  auto body =
+      make_box("box_" + std::to_string(number + 1), box.half_extents, number, false, random);
+  if (!body) return body.error();
+  world.bodies.push_back(std::move(body).value());
+  world.boxes.push_back(box);
+  return {};
+}
+
 /// A box somewhere on the table, for a case without a tool.
 Expected<void> add_resting_box(World& world, const SimulationCase& simulation, int number,
                                Random& random, Occupancy& occupancy) {
+  if (needs_grid(simulation.movable_boxes)) return add_grid_box(world, simulation, number, random);
   Box box;
   box.half_extents = {random.uniform(0.065, 0.085), random.uniform(0.065, 0.085),
                       random.uniform(0.045, 0.065)};
@@ -238,8 +261,12 @@ Expected<World> make_world(const SimulationCase& simulation, const PlantCase& pl
     added = add_plant_body(world, plant.bodies[i], static_cast<int>(i), boxes, occupancy);
   }
   if (!added) return added.error();
-  // A fixed camera has to see past the clutter: keep it out of the strip before the boxes.
-  if (simulation.is_camera_fixed) occupancy.keep_out({0.55, -0.6}, {kTableFar, 0.6});
+  // A fixed camera has to see past the clutter: keep it out of the strip before the boxes; a grid
+  // of boxes takes that much of the table.
+  if (simulation.is_camera_fixed || needs_grid(simulation.movable_boxes)) {
+    occupancy.keep_out({0.55, -0.6}, {kTableFar, 0.6});
+  }
+  if (needs_grid(simulation.movable_boxes)) occupancy.keep_out({kTableNear, -0.55}, {0.55, 0.55});
   const int placed = add_clutter(world.bodies.front(), simulation.clutter, clutter, occupancy);
   if (placed < simulation.clutter) {
     observer.on_warning("the table has room for " + std::to_string(placed) + " of " +

@@ -9,6 +9,8 @@
 #include "pcavr/core/gravity.hpp"
 #include "pcavr/core/random.hpp"
 
+#include "simulation/box_grid.hpp"
+
 namespace pcavr::simulation {
 namespace {
 
@@ -94,19 +96,24 @@ Pose drawn_place(int number, double half_height, Random& random) {
 
 }  // namespace
 
-std::vector<PlantBody> drawn_boxes(std::uint64_t seed) {
+std::vector<PlantBody> drawn_boxes(std::uint64_t seed, int count) {
   std::vector<PlantBody> bodies;
-  for (int number = 0; number < 2; ++number) {
-    Random random = Random(seed).fork(20 + static_cast<std::uint64_t>(number));
-    const Eigen::Vector3d half(random.uniform(0.05, 0.125), random.uniform(0.05, 0.125),
-                               random.uniform(0.05, 0.09));
+  const bool is_grid = needs_grid(count);
+  for (int number = 0; number < count; ++number) {
+    // Streams of its own for more than two: 20 to 22, 30 and 31 belong to other bodies.
+    Random random = Random(seed).fork((is_grid ? 200U : 20U) + static_cast<std::uint64_t>(number));
+    const Eigen::Vector3d half =
+        is_grid ? grid_half_extents(random)
+                : Eigen::Vector3d(random.uniform(0.05, 0.125), random.uniform(0.05, 0.125),
+                                  random.uniform(0.05, 0.09));
     PlantBody body = box("box_" + std::to_string(number + 1), half);
     body.parameters = drawn_parameters(random);
     const double unevenness = random.uniform() < 0.5 ? 0.0 : random.uniform(0.1, 0.6);
     const Eigen::Vector2d centre =
         kLargestOffCentre * Eigen::Vector2d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
     if (unevenness > 0.0) make_uneven(body.patches, unevenness, centre, random);
-    body.T_base_object = drawn_place(number, half.z(), random);
+    body.T_base_object = is_grid ? grid_pose(number, count, half.z(), random)
+                                 : drawn_place(number, half.z(), random);
     bodies.push_back(std::move(body));
   }
   return bodies;

@@ -9,8 +9,9 @@
 
 namespace pcavr::simulation {
 
-/// Two boxes on the table, drawn wide: 0.8 to 6 kg, friction 0.2 to 1.1, 0.2 to 2 mm of give.
-[[nodiscard]] std::vector<PlantBody> drawn_boxes(std::uint64_t seed);
+/// Boxes on the table, drawn wide: 0.8 to 6 kg, friction 0.2 to 1.1, 0.2 to 2 mm of give. Up to two
+/// stand far apart; more are small and stand in a grid (box_grid.hpp).
+[[nodiscard]] std::vector<PlantBody> drawn_boxes(std::uint64_t seed, int count = 2);
 
 /// The foam-faced and the rubber-faced box of paper C.
 [[nodiscard]] std::vector<PlantBody> paper_boxes(std::uint64_t seed);

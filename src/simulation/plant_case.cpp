@@ -10,6 +10,7 @@
 #include "pcavr/core/gravity.hpp"
 #include "pcavr/core/random.hpp"
 
+#include "simulation/box_grid.hpp"
 #include "simulation/plant_bodies.hpp"
 
 namespace pcavr {
@@ -47,6 +48,12 @@ class Program {
   [[nodiscard]] Spot behind(std::size_t body, double aside = 0.0) const {
     const Eigen::Vector3d half = half_extents_of(bodies_[body]);
     return {{aside, -half.y(), height(body, half.y())}, -Eigen::Vector3d::UnitY()};
+  }
+
+  /// In the face towards +y, where a box is pushed back from.
+  [[nodiscard]] Spot before(std::size_t body, double aside) const {
+    const Eigen::Vector3d half = half_extents_of(bodies_[body]);
+    return {{aside, half.y(), height(body, half.y())}, Eigen::Vector3d::UnitY()};
   }
 
   /// In the face towards -x.
@@ -231,12 +238,29 @@ void push(Program& program, std::size_t body, const Spot& spot, int style, doubl
 /// Whoever aims at the middle of a face misses it by as much [m].
 double aim_error(Random& random) { return 0.001 * random.normal(); }
 
-void program_push(Program& program, double radius, Random& random) {
-  for (std::size_t body = 0; body < 2; ++body) {
-    const Spot spot = program.behind(body, aim_error(random));
+/// A push with its way there takes longer than this [s].
+constexpr double kShortestPush = 1.0;
+
+/// Each box in turn; in every second round back from the other side by as much as before, so that
+/// the boxes stay about where they were however long it goes on.
+void program_push(Program& program, double radius, Random& random, const PushOptions& options) {
+  const auto count = static_cast<std::size_t>(options.boxes);
+  const auto needed = static_cast<std::size_t>(std::ceil(options.duration / kShortestPush));
+  std::vector<double> distances(count);
+  for (std::size_t i = 0; i < std::max(count, needed); ++i) {
+    const std::size_t body = i % count;
+    const bool is_back = i / count % 2 == 1;
+    const double aside = aim_error(random);
+    const Spot spot = is_back ? program.before(body, aside) : program.behind(body, aside);
     const int style = static_cast<int>(random.below(3));
     travel_behind(program, body, spot, radius);
-    push(program, body, spot, style, random.uniform(0.04, 0.08), random.uniform(0.02, 0.07));
+    const bool is_grid = needs_grid(options.boxes);
+    const double speed = is_grid ? random.uniform(0.02, 0.04) : random.uniform(0.02, 0.07);
+    if (!is_back) {
+      distances[body] =
+          is_grid ? random.uniform(kMinGridPush, kMaxGridPush) : random.uniform(0.04, 0.08);
+    }
+    push(program, body, spot, style, distances[body], speed);
     program.lift();
   }
 }
@@ -329,17 +353,21 @@ void program_paper(Program& program, double radius, Random& random) {
   }
 }
 
-std::vector<PlantBody> bodies_of(ToolTask task, std::uint64_t seed, double tip_radius) {
+std::vector<PlantBody> bodies_of(ToolTask task, std::uint64_t seed, double tip_radius,
+                                 const PushOptions& push) {
   if (task == ToolTask::none) return {};
   if (task == ToolTask::slot) return {slotted_block(seed, tip_radius)};
-  return task == ToolTask::paper ? paper_boxes(seed) : drawn_boxes(seed);
+  if (task == ToolTask::paper) return paper_boxes(seed);
+  return drawn_boxes(seed, task == ToolTask::push ? push.boxes : 2);
 }
 
 }  // namespace
 
-PlantCase make_plant_case(ToolTask task, std::uint64_t seed) {
+PlantCase make_plant_case(ToolTask task, std::uint64_t seed, const PushOptions& push) {
+  PCAVR_REQUIRE(push.boxes >= 1 && push.boxes <= PushOptions::kMaxBoxes, push.boxes);
+  PCAVR_REQUIRE(push.duration >= 0.0, push.duration);
   PlantCase made;
-  made.bodies = bodies_of(task, seed, made.tool.radius);
+  made.bodies = bodies_of(task, seed, made.tool.radius, push);
   if (task == ToolTask::none) return made;
   Random arm = Random(seed).fork(40);
   made.tool.stiffness = arm.uniform(3e4, 1e5);
@@ -349,7 +377,7 @@ PlantCase make_plant_case(ToolTask task, std::uint64_t seed) {
   Program program(made.bodies, made.tool);
   switch (task) {
     case ToolTask::push:
-      program_push(program, made.tool.radius, random);
+      program_push(program, made.tool.radius, random, push);
       break;
     case ToolTask::probe:
       program_probe(program, made.tool.radius, random);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/recording/recording_writer.hpp"
 
 #include "simulation/camera_path.hpp"
@@ -30,8 +31,20 @@ void check(const SimulationCase& simulation) {
   PCAVR_REQUIRE(camera.width >= 8 && camera.height >= 8, camera.width, camera.height);
   PCAVR_REQUIRE(simulation.movable_boxes >= 0 && simulation.clutter >= 0, simulation.movable_boxes,
                 simulation.clutter);
+  PCAVR_REQUIRE(simulation.push_duration >= 0.0, simulation.push_duration);
+  // Depth on the colour's grid, or on one that is coarser by the same factor both ways.
+  PCAVR_REQUIRE(simulation.depth_width <= camera.width &&
+                    std::int64_t{simulation.depth_width} * camera.height ==
+                        std::int64_t{simulation.depth_height} * camera.width,
+                simulation.depth_width, simulation.depth_height);
   PCAVR_REQUIRE(simulation.base_tags >= 0 && simulation.base_tags <= 2, simulation.base_tags);
   PCAVR_REQUIRE(simulation.with_images || simulation.task != ToolTask::none);
+}
+
+CameraModel depth_camera_of(const SimulationCase& simulation) {
+  const CameraModel color = simulated_camera(simulation);
+  if (simulation.depth_width == 0) return color;
+  return on_grid(color, simulation.depth_width, simulation.depth_height);
 }
 
 /// At whole microseconds, as the lists have them, so that truth is exact at the stamps written.
@@ -57,8 +70,10 @@ class FrameMaker {
       : truth_(truth),
         seed_(seed),
         camera_(simulated_camera(simulation)),
+        depth_camera_(depth_camera_of(simulation)),
         bodies_(truth.world),
-        renderer_(truth.world, bodies_, camera_) {
+        renderer_(truth.world, bodies_, camera_),
+        depth_renderer_(truth.world, bodies_, depth_camera_) {
     depth_sensor_.noise = simulation.depth_noise;
     color_sensor_.blur = simulation.corner_blur;
   }
@@ -91,16 +106,23 @@ class FrameMaker {
   [[nodiscard]] Frame make(std::size_t index) const {
     const double t = truth_.frames[index].seconds();
     const std::vector<Pose> poses = body_poses(truth_.world, truth_.plant, truth_.run, t);
-    const IdealFrame ideal = renderer_.render(truth_.camera.T_base_camera(t), poses);
-    return {.color = expose(color_sensor_, ideal.radiance, hash(seed_, 100, index)),
-            .depth = measure_depth(depth_sensor_, camera_, ideal, hash(seed_, 101, index))};
+    const Pose T_base_camera = truth_.camera.T_base_camera(t);
+    const std::uint64_t color_seed = hash(seed_, 100, index);
+    const std::uint64_t depth_seed = hash(seed_, 101, index);
+    IdealFrame ideal = renderer_.render(T_base_camera, poses);
+    ColorImage color = expose(color_sensor_, ideal.radiance, color_seed);
+    if (depth_camera_.width != camera_.width) ideal = depth_renderer_.render(T_base_camera, poses);
+    return {.color = std::move(color),
+            .depth = measure_depth(depth_sensor_, depth_camera_, ideal, depth_seed)};
   }
 
   const Truth& truth_;
   std::uint64_t seed_;
   CameraModel camera_;
+  CameraModel depth_camera_;
   RayBodies bodies_;
   Renderer renderer_;
+  Renderer depth_renderer_;
   DepthSensor depth_sensor_;
   ColorSensor color_sensor_;
 };
@@ -115,6 +137,14 @@ SimulationCase with_tool(const std::string& name, ToolTask task, const std::stri
   simulation.movable_boxes = 0;
   simulation.clutter = 4;
   return simulation;
+}
+
+PushOptions push_options(const SimulationCase& simulation) {
+  PushOptions push;
+  if (simulation.task != ToolTask::push) return push;
+  if (simulation.movable_boxes > 0) push.boxes = simulation.movable_boxes;
+  push.duration = simulation.push_duration;
+  return push;
 }
 
 Manifest manifest_for(const SimulationCase& simulation, const World& world) {
@@ -180,9 +210,13 @@ Expected<void> simulate(const SimulationCase& simulation, std::uint64_t seed,
                         const std::filesystem::path& folder, Parallelism parallelism,
                         const Observer& observer) {
   check(simulation);
-  const PlantCase plant = make_plant_case(simulation.task, seed);
+  const PushOptions push = push_options(simulation);
+  const PlantCase plant = make_plant_case(simulation.task, seed, push);
   const bool has_task = simulation.task != ToolTask::none;
-  const PlantRun run = has_task ? run_plant(plant.bodies, plant.tool, plant.moves) : PlantRun();
+  PlantOptions plant_options;
+  if (push.duration > 0.0) plant_options.longest_duration = push.duration;
+  const PlantRun run =
+      has_task ? run_plant(plant.bodies, plant.tool, plant.moves, plant_options) : PlantRun();
   const auto world = make_world(simulation, plant, seed, observer);
   if (!world) return world.error();
   const CameraPath camera(simulation, seed);

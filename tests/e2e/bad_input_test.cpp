@@ -219,6 +219,49 @@ TEST(WrongUsage, ExitsWithTwo) {
   EXPECT_EQ(run_pcavr({"build", "r", "-o", "s", "--voxel", "-1"}).exit_code, 2);
 }
 
+TEST(Simulate, RefusesWhatDoesNotGoWithItsCaseInOneLine) {
+  const TemporaryFolder folder;
+  const std::string output = (folder.path() / "recording").string();
+  struct Refusal {
+    std::vector<std::string> words;
+    std::string reason;
+  };
+  const Refusal refusals[] = {
+      {{"probe", "--duration", "5"}, "lasts as long as its task"},
+      {{"paper", "--objects", "3"}, "its task is for the bodies that it has"},
+      {{"push", "--no-images", "--frames-per-second", "5"}, "are for images"},
+      {{"tabletop", "--image-size", "640x480", "--depth-size", "320x200"},
+       "is not 640x480 divided by one factor"},
+  };
+  for (const Refusal& refusal : refusals) {
+    std::vector<std::string> words = {"simulate"};
+    words.insert(words.end(), refusal.words.begin(), refusal.words.end());
+    words.insert(words.end(), {"-o", output});
+    const CommandOutcome outcome = run_pcavr(words);
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.standard_error;
+    EXPECT_EQ(outcome.error_lines(), 1U) << outcome.standard_error;
+    EXPECT_NE(outcome.standard_error.find(refusal.reason), std::string::npos)
+        << outcome.standard_error;
+    EXPECT_TRUE(fs::is_empty(folder.path()));
+  }
+}
+
+TEST(Simulate, RefusesSizesOutOfTheirRange) {
+  const std::vector<std::pair<std::string, std::string>> values = {
+      {"--duration", "0"},          {"--duration", "nan"},
+      {"--duration", "3601"},       {"--objects", "0"},
+      {"--objects", "21"},          {"--frames-per-second", "inf"},
+      {"--frames-per-second", "0"}, {"--image-size", "640"},
+      {"--image-size", "0x480"},    {"--image-size", "99999x480"},
+      {"--image-size", "640x480x3"}};
+  for (const auto& [option, value] : values) {
+    const CommandOutcome outcome = run_pcavr({"simulate", "tabletop", "-o", "x", option, value});
+    EXPECT_EQ(outcome.exit_code, 2) << option << ' ' << value;
+    EXPECT_NE(outcome.standard_error.find(option), std::string::npos) << outcome.standard_error;
+    EXPECT_FALSE(fs::exists("x"));
+  }
+}
+
 TEST(Help, HasAnExampleForEverySubcommand) {
   for (const char* name :
        {"build", "replay", "evaluate", "simulate", "import", "inspect", "tags"}) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -141,6 +142,112 @@ TEST(Simulate, WithoutImagesTheManifestSaysWhereObjectsStartAndATrackerFollowsTh
     }
   }
   EXPECT_FALSE(fs::exists(folder.path() / "truth/camera.txt"));
+}
+
+TEST(Simulate, PushGoesOnAsLongAsAskedAmongAsManyBoxesAsAsked) {
+  SimulationCase simulation = case_named("push");
+  simulation.with_images = false;
+  simulation.movable_boxes = 20;
+  simulation.push_duration = 12.0;
+  const TemporaryFolder folder;
+  const Recording recording = simulated(simulation, 2, folder.path());
+  ASSERT_EQ(recording.manifest.objects.size(), 20U);
+  EXPECT_NEAR(recording.tool.poses().back().stamp.seconds(), 12.0, 0.01);
+  int pushed = 0;
+  std::vector<Trajectory> truth;
+  for (const ObjectEntry& object : recording.manifest.objects) {
+    truth.push_back(
+        read_trajectory(folder.path() / "truth/objects" / (object.name + ".txt")).value());
+    const auto& poses = truth.back().poses();
+    if (translation_distance(poses.front().pose, poses.back().pose) > 0.005) ++pushed;
+    EXPECT_TRUE(fs::exists(folder.path() / "tracked/objects" / object.name / "tracked.txt"));
+  }
+  EXPECT_GE(pushed, 2);
+  EXPECT_LE(pushed, 10);  // the others rest
+}
+
+/// Whether the footprints of two upright boxes overlap [separating axis theorem].
+bool overlap(const Pose& T_base_a, const Eigen::Vector3d& half_a, const Pose& T_base_b,
+             const Eigen::Vector3d& half_b) {
+  const auto is_apart = [](const Pose& T_base_1, const Eigen::Vector3d& half_1,
+                           const Pose& T_base_2, const Eigen::Vector3d& half_2) {
+    const Pose T_1_2 = T_base_1.inverse() * T_base_2;
+    const Eigen::Matrix3d R = T_1_2.rotation_matrix().cwiseAbs();
+    const Eigen::Vector3d reach = half_1 + R * half_2;
+    return std::abs(T_1_2.translation().x()) > reach.x() ||
+           std::abs(T_1_2.translation().y()) > reach.y();
+  };
+  return !is_apart(T_base_a, half_a, T_base_b, half_b) &&
+         !is_apart(T_base_b, half_b, T_base_a, half_a);
+}
+
+TEST(Simulate, ManyBoxesThatArePushedToAndFroNeverTouch) {
+  // Long enough for every box to be pushed and most to be pushed back.
+  const PushOptions options{.boxes = 20, .duration = 150.0};
+  const PlantCase plant = make_plant_case(ToolTask::push, 3, options);
+  PlantOptions ends;
+  ends.substeps = 8;  // coarser than recordings: places matter here, not forces
+  ends.longest_duration = options.duration;
+  const PlantRun run = run_plant(plant.bodies, plant.tool, plant.moves, ends);
+  EXPECT_NEAR(run.duration(), 150.0, 1e-9);
+  for (double t = 0.0; t <= 150.0; t += 1.0) {
+    std::vector<Pose> poses;
+    for (std::size_t i = 0; i < plant.bodies.size(); ++i) {
+      poses.push_back(T_base_object_at(run, plant.bodies[i], i, t));
+    }
+    for (std::size_t a = 0; a < poses.size(); ++a) {
+      for (std::size_t b = a + 1; b < poses.size(); ++b) {
+        EXPECT_FALSE(overlap(poses[a], plant.bodies[a].parts[0].half_extents, poses[b],
+                             plant.bodies[b].parts[0].half_extents))
+            << a << " and " << b << " at " << t;
+      }
+    }
+  }
+}
+
+TEST(Simulate, ManyBoxesHaveTagsOfTheirOwn) {
+  SimulationCase simulation = tiny("tabletop");
+  simulation.movable_boxes = 20;
+  simulation.duration = 0.5;
+  simulation.frame_rate = 8.0;
+  const TemporaryFolder folder;
+  const Recording recording = simulated(simulation, 1, folder.path());
+  EXPECT_EQ(recording.frames.size(), 4U);
+  EXPECT_EQ(recording.manifest.objects.size(), 20U);
+  std::set<MarkerId> ids;
+  for (const MarkerEntry& marker : recording.manifest.markers) ids.insert(marker.id);
+  EXPECT_EQ(ids.size(), 41U);  // two on each box, one on the table
+}
+
+TEST(Simulate, DepthImagesMayBeSmallerThanColour) {
+  SimulationCase simulation = tiny("tabletop");
+  const TemporaryFolder same;
+  const Recording full = simulated(simulation, 1, same.path());
+  simulation.depth_width = 48;
+  simulation.depth_height = 36;
+  const TemporaryFolder smaller;
+  const Recording recording = simulated(simulation, 1, smaller.path());
+  EXPECT_EQ(recording.manifest.camera->width, 96);
+  const RgbdFrame fine = decode_frame(full, 2).value();
+  const RgbdFrame coarse = decode_frame(recording, 2).value();
+  EXPECT_TRUE(std::ranges::equal(fine.color.pixels(), coarse.color.pixels()));
+  ASSERT_EQ(coarse.depth.width(), 48);
+  int compared = 0;
+  int agreeing = 0;
+  for (int y = 0; y < 36; ++y) {
+    for (int x = 0; x < 48; ++x) {
+      const float a = fine.depth(2 * x, 2 * y);
+      const float b = fine.depth(2 * x + 1, 2 * y + 1);
+      const float z = coarse.depth(x, y);
+      if (a <= 0.0F || b <= 0.0F || z <= 0.0F || std::abs(a - b) > 0.02F) continue;
+      ++compared;
+      // Noise of some 3 mm in each, and steps of up to 10 mm.
+      if (std::abs(z - 0.5F * (a + b)) < 0.04F) ++agreeing;
+    }
+  }
+  EXPECT_GT(compared, 500);
+  // The sensor loses its way at edges and in one reading of a thousand.
+  EXPECT_GT(agreeing, 0.95 * compared);
 }
 
 TEST(Simulate, TruthOfATaskIsAParameterFile) {

@@ -27,8 +27,18 @@ struct PlantCase {
   std::vector<ToolMove> moves;
 };
 
+/// What ToolTask::push can be asked for; the other tasks take neither.
+struct PushOptions {
+  static constexpr int kMaxBoxes = 20;  ///< the table has room for so many, each to be pushed
+  /// 1 to kMaxBoxes. Up to two stand apart and are drawn wide; more are small and stand in a grid.
+  int boxes = 2;
+  /// [s]: boxes are pushed one after another, to and fro, for at least as long; 0: each once.
+  double duration = 0.0;
+};
+
 /// The same seed gives the same boxes (but for where they stand) in push, probe, press and turn,
 /// so that what one case tells of them can be used in another.
-[[nodiscard]] PlantCase make_plant_case(ToolTask task, std::uint64_t seed);
+[[nodiscard]] PlantCase make_plant_case(ToolTask task, std::uint64_t seed,
+                                        const PushOptions& push = {});
 
 }  // namespace pcavr

@@ -24,15 +24,21 @@ struct SimulationCase {
   std::string description;  ///< a line for --help
   bool is_camera_fixed = false;
   ToolTask task = ToolTask::none;
-  double duration = 4.0;     ///< [s]; with a task, as long as that takes
+  double duration = 4.0;  ///< [s]; with a task, as long as that takes
+  /// [s], of ToolTask::push alone: boxes are pushed until then; 0: each once.
+  double push_duration = 0.0;
   double frame_rate = 20.0;  ///< [Hz]
-  int movable_boxes = 1;     ///< with a task, those that it takes
-  int base_tags = 1;         ///< 0 to 2: on the table, and on the wall
-  int clutter = 8;           ///< cylinders, spheres, boxes, prisms, cups
-  int width = 640;           ///< [px]
+  /// At most PushOptions::kMaxBoxes. With a task, those that it takes; push takes others than its
+  /// two where this is above 0. More than two are small and stand in a grid, seen from above.
+  int movable_boxes = 1;
+  int base_tags = 1;  ///< 0 to 2: on the table, and on the wall
+  int clutter = 8;    ///< cylinders, spheres, boxes, prisms, cups
+  int width = 640;    ///< [px]
   int height = 480;
   /// With its own size; absent: a pinhole as wide as the first Kinect (62 degrees).
   std::optional<CameraModel> camera = {};
+  int depth_width = 0;  ///< [px], of depth images smaller than colour by one factor; 0: as colour
+  int depth_height = 0;
   /// First Kinect; it measures nothing nearer than 0.4 m or farther than 4 m.
   DepthNoise depth_noise = {.nearest = 0.4, .farthest = 4.0};
   double corner_blur = 0.55;  ///< of the colour image [px]

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "pcavr/core/random.hpp"
+#include "pcavr/geometry/pose.hpp"
+
+/// Where more than two movable boxes stand: small ones in a grid of four columns along base y. Each
+/// has room to be pushed along its y by some centimetres and back, with the tip on either side.
+namespace pcavr::simulation {
+
+/// Two drawn boxes stand apart; more take the grid.
+[[nodiscard]] inline bool needs_grid(int boxes) { return boxes > 2; }
+
+/// [m]
+[[nodiscard]] Eigen::Vector3d grid_half_extents(Random& random);
+
+/// Of box `number` (from 0) among `count`, upright on the table; turned by a few degrees at most.
+[[nodiscard]] Pose grid_pose(int number, int count, double half_height, Random& random);
+
+/// How far a box in the grid may be pushed [m].
+inline constexpr double kMinGridPush = 0.015;
+inline constexpr double kMaxGridPush = 0.03;
+
+}  // namespace pcavr::simulation
