@@ -17,6 +17,13 @@ namespace {
 
 /// A body's silhouette is grown by this much, for colour bleeding and the pose's last error [px].
 constexpr int kBodyMarginPixels = 3;
+/// Rays for all bodies of a frame together, at each step of their fits. Up to six bodies have as
+/// many as they can use; more share them.
+constexpr std::size_t kSamplesPerFrame = 10000;
+/// And none has fewer. The readings of neighbouring pixels share their noise over some four pixels
+/// each way: on a body of 70 x 70 pixels no more than 300 are independent.
+constexpr std::size_t kMinSamplesPerBody = 300;
+
 /// What may look like the object's motion and is the camera's. A fixed camera has none.
 CameraUncertainty jitter_of(const FramePlacement& placement, bool is_fixed_camera) {
   if (is_fixed_camera || !std::isfinite(placement.position_sigma)) return {};
@@ -37,6 +44,7 @@ std::vector<Followed> start_following(const Recording& recording,
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     ObjectTrackerOptions options;
     options.depth_noise = noise;
+    options.max_samples = samples_per_body(bodies.size());
     const std::optional<Pose>& seen = survey.T_base_object_first[i];
     Followed body{
         ObjectTracker(bodies[i].model, bodies[i].tags, *recording.manifest.camera, options),
@@ -48,6 +56,12 @@ std::vector<Followed> start_following(const Recording& recording,
 }
 
 }  // namespace
+
+int samples_per_body(std::size_t bodies) {
+  const auto most = static_cast<std::size_t>(ObjectTrackerOptions{}.max_samples);
+  const std::size_t share = kSamplesPerFrame / std::max<std::size_t>(1, bodies);
+  return static_cast<int>(std::clamp(share, kMinSamplesPerBody, most));
+}
 
 const char* evidence_word(ObjectEvidence evidence) {
   switch (evidence) {

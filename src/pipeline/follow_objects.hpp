@@ -26,6 +26,9 @@ struct FollowedFrame {
 /// As written into files: "tags_and_shape", "tags", "shape", "not_seen".
 [[nodiscard]] const char* evidence_word(ObjectEvidence evidence);
 
+/// ObjectTrackerOptions::max_samples where so many bodies are followed: work per frame is bounded.
+[[nodiscard]] int samples_per_body(std::size_t bodies);
+
 /// Second pass: goes through the frames again with the camera's final poses, follows the movable
 /// bodies by tags and shape, and masks them and the tool's tip. Calls `use` for each placed frame
 /// in order, while the next one is being prepared on a second thread.

@@ -51,16 +51,19 @@ struct Sighting {
   Pose T_camera_body;
 };
 
-/// Marks the pixels that show movable bodies, as far as this frame's tags tell where they are.
+/// Marks the pixels that show movable bodies, as far as this frame's tags tell where they are, and
+/// keeps where each body was first seen. Without masks it looks at no body again after that.
 class BodyMasker {
  public:
   BodyMasker(const std::vector<MovableBody>& bodies, const CameraModel& camera,
-             const DepthNoise& noise)
+             const DepthNoise& noise, bool with_masks)
       : bodies_(bodies),
         camera_(camera),
         noise_(noise),
+        with_masks_(with_masks),
         last_poses_(bodies.size()),
         first_sightings_(bodies.size()) {
+    if (!with_masks) return;
     for (const MovableBody& body : bodies) surfaces_.emplace_back(body.model.mesh_object);
   }
 
@@ -72,8 +75,10 @@ class BodyMasker {
                                const std::vector<TagDetection>& detections) {
     if (bodies_.empty()) return {};
     const CameraModel depth_camera = on_grid(camera_, frame.depth.width(), frame.depth.height());
-    MaskImage mask(depth_camera.width, depth_camera.height);
+    MaskImage mask;
+    if (with_masks_) mask = MaskImage(depth_camera.width, depth_camera.height);
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (!with_masks_ && first_sightings_[i]) continue;
       const BodyPoseHints hints{
           .depth = &frame.depth, .depth_noise = noise_, .T_camera_body = last_poses_[i]};
       const BodyPose body = solve_body_pose(bodies_[i].tags, detections, camera_, hints);
@@ -81,6 +86,7 @@ class BodyMasker {
       if (body.status != BodyPoseStatus::solved) continue;
       last_poses_[i] = body.pose.T_camera_body;
       if (!first_sightings_[i]) first_sightings_[i] = {frame.index, body.pose.T_camera_body};
+      if (!with_masks_) continue;
       mask_body(surfaces_[i], body.pose.T_camera_body, depth_camera, frame.depth, noise_,
                 kMaskMarginPixels, mask);
     }
@@ -91,6 +97,7 @@ class BodyMasker {
   const std::vector<MovableBody>& bodies_;
   CameraModel camera_;
   DepthNoise noise_;
+  bool with_masks_;
   std::vector<SurfaceQuery> surfaces_;
   std::vector<std::optional<Pose>> last_poses_;
   std::vector<std::optional<Sighting>> first_sightings_;
@@ -206,7 +213,9 @@ Expected<Survey> survey_recording(const Recording& recording,
   const CameraModel& camera = *recording.manifest.camera;
   CameraTracker tracker(recording.manifest, recording.groundtruth,
                         {.depth_noise = options.depth_noise, .trust_poses = options.trust_poses});
-  BodyMasker masker(bodies, camera, options.depth_noise);
+  // Only a camera that has to be found needs what moves to be masked.
+  const bool needs_masks = !known_camera && !options.trust_poses;
+  BodyMasker masker(bodies, camera, options.depth_noise, needs_masks);
   Survey survey;
   survey.detections.resize(recording.frames.size());
   bool any_depth = false;

@@ -179,7 +179,7 @@ Eigen::Vector2d corner_offset(const CameraModel& camera, const CornerSight& corn
 
 FitResult fit_object(const FitProblem& problem, const Pose& start, double capture) {
   const SampleGrid grid(problem.surface_object, problem.normals_object, problem.depth_camera,
-                        problem.depth, start);
+                        problem.depth, start, problem.max_samples);
   FitResult result;
   result.T_camera_object = start;
   double bias = 0.0;
@@ -213,7 +213,7 @@ FitResult fit_object(const FitProblem& problem, const Pose& start, double captur
 
 ShapeAgreement judge_shape(const FitProblem& problem, const Pose& T_camera_object) {
   const SampleGrid grid(problem.surface_object, problem.normals_object, problem.depth_camera,
-                        problem.depth, T_camera_object);
+                        problem.depth, T_camera_object, problem.max_samples);
   return agreement_of(problem, grid.samples(T_camera_object), 0.0);
 }
 

@@ -41,6 +41,7 @@ struct FitProblem {
   const CameraModel& depth_camera;  ///< the same on the depth image's grid
   const DepthImage& depth;
   const DepthNoise& noise;
+  int max_samples = 1500;      ///< rays cast for each pose that is tried
   double corner_sigma = 0.15;  ///< [px]
   double depth_bias = 0.0;     ///< common to all pixels, one standard deviation at 1 m [m]
   std::vector<CornerSight> corners = {};

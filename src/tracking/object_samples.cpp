@@ -9,10 +9,6 @@
 namespace pcavr::tracking {
 namespace {
 
-/// Rays cast at most for one body and pose. With a deviation of 2 mm a ray, a face that has a
-/// quarter of them is placed to 0.1 mm: finer than anything else in the chain.
-constexpr int kMostCells = 1500;
-
 /// Beyond this angle between ray and normal, sensors return nothing that can be relied on.
 constexpr double kMinSampleCosine = 0.26;  // of 75 degrees
 
@@ -20,14 +16,14 @@ constexpr double kMinSampleCosine = 0.26;  // of 75 degrees
 
 SampleGrid::SampleGrid(const SurfaceQuery& surface_object, const SmoothNormals& normals_object,
                        const CameraModel& camera, const DepthImage& depth,
-                       const Pose& T_camera_object)
+                       const Pose& T_camera_object, int max_samples)
     : surface_(surface_object), normals_(normals_object) {
   const PixelRectangle area =
       visible_rectangle(surface_object.bounds(), camera, T_camera_object.inverse());
   if (area.empty()) return;
   const int width = area.x_end - area.x_begin;
   const int height = area.y_end - area.y_begin;
-  while ((width / stride_) * (height / stride_) > kMostCells) ++stride_;
+  while ((width / stride_) * (height / stride_) > max_samples) ++stride_;
   columns_ = (width + stride_ - 1) / stride_;
   rows_ = (height + stride_ - 1) / stride_;
   cells_.reserve(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));

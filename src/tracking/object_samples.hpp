@@ -25,12 +25,14 @@ struct SurfaceSample {
   double measured_depth = 0.0;    ///< [m], > 0
 };
 
-/// A grid of pixels over the part of the image in which a body is expected. The grid is laid once;
+/// A grid of at most `max_samples` pixels or a few more, at its ends, over the part of the image in
+/// which a body is expected. The grid is laid once;
 /// the rays are cast for every pose that is tried. Keeps references.
 class SampleGrid {
  public:
   SampleGrid(const SurfaceQuery& surface_object, const SmoothNormals& normals_object,
-             const CameraModel& camera, const DepthImage& depth, const Pose& T_camera_object);
+             const CameraModel& camera, const DepthImage& depth, const Pose& T_camera_object,
+             int max_samples);
 
   /// Rays that meet the body and whose neighbours in the grid meet it too, so that no sample lies
   /// on the rim, where a pixel mixes the body with what is behind it.

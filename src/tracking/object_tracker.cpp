@@ -177,6 +177,7 @@ FitProblem ObjectTracker::State::problem(const RgbdFrame& frame) const {
           .depth_camera = depth_camera,
           .depth = frame.depth,
           .noise = options.depth_noise,
+          .max_samples = options.max_samples,
           .corner_sigma = options.corner_sigma,
           .depth_bias = options.depth_bias,
           .motion_to_color = Pose::exp(dt * velocity)};
@@ -285,6 +286,7 @@ ObjectTracker::ObjectTracker(CadModel model, std::vector<TagPlacement> tags,
                              const CameraModel& camera, const ObjectTrackerOptions& options) {
   PCAVR_REQUIRE(options.corner_sigma > 0.0, options.corner_sigma);
   PCAVR_REQUIRE(options.depth_bias >= 0.0, options.depth_bias);
+  PCAVR_REQUIRE(options.max_samples >= 100, options.max_samples);
   state_ = std::make_unique<State>(std::move(model), std::move(tags), camera, options);
 }
 ObjectTracker::~ObjectTracker() = default;

@@ -87,6 +87,14 @@ TEST(ManyObjects, TwentyAreFoundAndFollowedAndMasked) {
   }
 }
 
+// Ten times the bodies; rays are the part of the work that grows with them most.
+TEST(ManyObjects, TwentyCastAtMostThreeAndAHalfTimesTheRaysOfTwoInAFrame) {
+  EXPECT_EQ(samples_per_body(1), ObjectTrackerOptions{}.max_samples);
+  EXPECT_EQ(samples_per_body(6), ObjectTrackerOptions{}.max_samples);
+  EXPECT_LE(20 * samples_per_body(20), 3.5 * 2 * samples_per_body(2));
+  EXPECT_GE(samples_per_body(200), 100);  // what a tracker takes at the least
+}
+
 TEST(ImageSize, ABoxIsPlacedInImagesOf1280x720) {
   SimulationCase simulation = table_case(1, 3);
   simulation.width = 1280;

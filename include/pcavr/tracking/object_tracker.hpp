@@ -22,6 +22,9 @@ struct ObjectTrackerOptions {
   /// a factory's calibration is 1 to 3 mm. Near 0, a biased sensor drags the tags' pose along.
   double depth_bias = 0.001;
   bool refine_with_depth = true;  ///< point to CAD surface, after the tags
+  /// Rays cast at most for each pose that is tried, >= 100. With a deviation of 2 mm a ray, a face
+  /// that has a quarter of 1500 is placed to 0.1 mm: finer than anything else in the chain.
+  int max_samples = 1500;
 };
 
 /// What carried an object's pose in a frame.
