@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Time and peak memory of build, identify and replay against what grows.
 
-    bench/scale.py --pcavr build/release/apps/pcavr/pcavr --work out/scale [--quick] [--only objects]
+    bench/scale.py --pcavr build/bench/apps/pcavr/pcavr --work out/scale [--quick] [--only objects]
 
 Simulates recordings that differ in one thing (frames, objects, triangles of the CAD bodies, voxel,
 image size), runs the command on each, and prints a row: elapsed and user CPU seconds and the largest
@@ -69,12 +69,13 @@ def subdivided(obj, n):
     lines, faces, on_edges = [], [], {}
 
     def vertex(point, is_on_edge):
-        key = tuple(round(x, 9) for x in point)  # both triangles at an edge cut it alike
-        if is_on_edge and key in on_edges:
+        if is_on_edge:
+            key = tuple(round(x, 7) for x in point)  # both triangles at an edge cut it alike
+            if key not in on_edges:
+                lines.append("v %.9g %.9g %.9g" % point)
+                on_edges[key] = len(lines)
             return on_edges[key]
         lines.append("v %.9g %.9g %.9g" % point)
-        if is_on_edge:
-            on_edges[key] = len(lines)
         return len(lines)
 
     for triangle in triangles:
@@ -236,7 +237,7 @@ def machine(pcavr):
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--pcavr", default="build/release/apps/pcavr/pcavr")
+    parser.add_argument("--pcavr", default="build/bench/apps/pcavr/pcavr")
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/scale"))
     parser.add_argument("--quick", action="store_true", help="a small matrix, some minutes")
     parser.add_argument("--only", choices=sorted({case["axis"] for case in rows(True)}),
