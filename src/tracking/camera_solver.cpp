@@ -43,6 +43,10 @@ class TrackSolver {
     graph_.solve();
     report_corners();
     track_.is_fixed_camera ? place_fixed() : place_moving();
+    for (std::size_t r = 0; r < records().size(); ++r) {
+      track_.frames[r].segment = located_[r].segment;
+      track_.frames[r].T_segment_camera = located_[r].T_segment_camera;
+    }
     return std::move(track_);
   }
 

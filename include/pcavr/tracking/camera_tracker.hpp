@@ -45,6 +45,10 @@ struct FramePlacement {
   double position_sigma = 0.0;
   double rotation_sigma = 0.0;  ///< likewise [rad]
   int base_tags = 0;            ///< seen in this frame and used
+  /// By tracking alone, before tags and groundtruth.txt had a say: frames of one segment were
+  /// aligned to each other. -1 where the frame was aligned to none.
+  int segment = -1;
+  Pose T_segment_camera;  ///< at `stamp`
 };
 
 struct CameraTrack {
