@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/recording/recording.hpp"
+
+namespace pcavr {
+
+/// Two inputs that state one length disagree where their ratio is above this. Depth cameras are
+/// biased by 1 to 2 %, and so are printed tags: together at most 4 %.
+inline constexpr double kWarningFactor = 1.05;
+/// From here on no result would mean anything: no sensor and no printer is that far off, and the
+/// usual mistakes (half a size, inches, millimetres, another sensor's depth scale) are farther.
+inline constexpr double kContradictionFactor = 1.5;
+
+enum class FindingSeverity {
+  warning,        ///< the result is worse than its figures say
+  contradiction,  ///< the result would mean nothing
+};
+
+/// An input of a recording that disagrees with the others, or that can't be right.
+struct ConsistencyFinding {
+  FindingSeverity severity = FindingSeverity::warning;
+  std::string file;        ///< in the recording: "recording.yaml", "groundtruth.txt"
+  std::string place = {};  ///< key in it, "markers[0].size"; empty for the whole file
+  std::string message;     ///< what disagrees with what, by what factor or distance
+  std::string hint;        ///< what to check
+  double factor = 1.0;     ///< >= 1, by which they disagree; 1 where it is no ratio
+  std::size_t frames = 0;  ///< that show it; 0 where the files alone do
+
+  /// "markers[0].size: ...; check ...", in one line.
+  [[nodiscard]] std::string to_string() const { return input() + ": " + message + "; " + hint; }
+  /// The key, or the file where there is none.
+  [[nodiscard]] const std::string& input() const { return place.empty() ? file : place; }
+};
+
+[[nodiscard]] bool has_contradiction(const std::vector<ConsistencyFinding>& findings);
+
+/// The first contradiction as an Error, which says how many more there are. Throws ContractError
+/// where there is none.
+[[nodiscard]] Error contradiction_error(const Recording& recording,
+                                        const std::vector<ConsistencyFinding>& findings);
+
+/// Holds a recording's inputs against each other on a few of its frames: sizes of tags, depth
+/// scale, focal lengths, CAD bodies, camera poses. Contradictions come first. An Error where a
+/// frame or a CAD file can't be read.
+[[nodiscard]] Expected<std::vector<ConsistencyFinding>> inspect_consistency(
+    const Recording& recording, const DepthNoise& depth_noise = {});
+
+}  // namespace pcavr

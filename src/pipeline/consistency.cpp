@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/pipeline/consistency.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/recording/frame_reader.hpp"
+
+#include "assess_consistency.hpp"
+#include "survey.hpp"
+
+namespace pcavr {
+namespace {
+
+bool is_contradiction(const ConsistencyFinding& finding) {
+  return finding.severity == FindingSeverity::contradiction;
+}
+
+void append(std::vector<ConsistencyFinding>& findings, std::vector<ConsistencyFinding> more) {
+  std::move(more.begin(), more.end(), std::back_inserter(findings));
+}
+
+/// The outline in the depth decides about a mesh whose tags lie off it: it is as large as the body
+/// that depth shows, or the finding says more than the tags'.
+void weigh_outline(std::vector<ConsistencyFinding>& findings, const ConsistencyFinding& outline) {
+  std::erase_if(findings, [&](const ConsistencyFinding& finding) {
+    return finding.place == outline.place && !is_contradiction(finding);
+  });
+  findings.push_back(outline);
+}
+
+/// How inspect looks at a recording: enough for a median, and little against decoding it all.
+constexpr std::size_t kInspectedFrames = 16;
+/// Frames in a row, for the camera's motion: some seconds, and near enough to be aligned.
+constexpr std::size_t kTrackedFrames = 24;
+constexpr double kTrackedInterval = 0.12;  // [s]
+
+/// `count` frames over the whole recording.
+std::vector<std::size_t> spread_frames(std::size_t frames, std::size_t count) {
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < std::min(frames, count); ++i) {
+    chosen.push_back(i * frames / std::min(frames, count));
+  }
+  return chosen;
+}
+
+/// Frames from the recording's middle on, as far apart in time as the constant says.
+std::vector<std::size_t> consecutive_frames(const Recording& recording) {
+  std::vector<std::size_t> chosen;
+  const std::size_t count = recording.frames.size();
+  for (std::size_t i = count / 4; i < count && chosen.size() < kTrackedFrames; ++i) {
+    const Stamp stamp = recording.frames[i].depth_stamp;
+    if (chosen.empty() ||
+        to_seconds(stamp - recording.frames[chosen.back()].depth_stamp) >= kTrackedInterval) {
+      chosen.push_back(i);
+    }
+  }
+  return chosen;
+}
+
+Expected<CameraTrack> track_some(const Recording& recording, const DepthNoise& noise) {
+  CameraTracker tracker(recording.manifest, {}, {.depth_noise = noise});
+  for (const std::size_t index : consecutive_frames(recording)) {
+    const Expected<RgbdFrame> frame = decode_frame(recording, index);
+    if (!frame) return frame.error();
+    tracker.add(*frame, {}, {}, Parallelism::max());
+  }
+  return tracker.solve();
+}
+
+/// The movable objects that have a CAD body: what is missing is for build to say.
+Expected<std::vector<MovableBody>> bodies_with_mesh(const Recording& recording) {
+  std::vector<MovableBody> bodies;
+  for (const ObjectEntry& entry : recording.manifest.objects) {
+    if (!entry.is_movable || entry.mesh.empty()) continue;
+    Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name);
+    if (!model) return model.error();
+    bodies.push_back(
+        {entry, *std::move(model), object_placements(recording.manifest, entry.name)});
+  }
+  return bodies;
+}
+
+/// The tags of some frames, and the bodies that they show.
+Expected<ConsistencyObservations> observe_some(const Recording& recording,
+                                               const std::vector<MovableBody>& bodies,
+                                               const std::vector<SurfaceQuery>& surfaces,
+                                               const DepthNoise& noise) {
+  Expected<std::optional<TagDetector>> detector = make_tag_detector(recording);
+  if (!detector) return detector.error();
+  const std::vector<std::size_t> chosen = spread_frames(recording.frames.size(), kInspectedFrames);
+  ConsistencyCollector collector(recording.manifest, noise, surfaces, chosen.size());
+  for (const std::size_t index : chosen) {
+    const Expected<RgbdFrame> frame = decode_frame(recording, index);
+    if (!frame) return frame.error();
+    std::vector<TagDetection> detections;
+    if (*detector) detections = (*detector)->detect(to_gray(frame->color));
+    std::vector<std::optional<Pose>> T_camera_body;
+    for (const MovableBody& body : bodies) {
+      const BodyPose pose =
+          solve_body_pose(body.tags, detections, *recording.manifest.camera,
+                          {.depth = &frame->depth, .depth_noise = noise});
+      T_camera_body.push_back(pose.status == BodyPoseStatus::solved
+                                  ? std::optional<Pose>(pose.pose.T_camera_body)
+                                  : std::nullopt);
+    }
+    collector.add(*frame, detections, T_camera_body);
+  }
+  return collector.observations();
+}
+
+}  // namespace
+
+bool has_contradiction(const std::vector<ConsistencyFinding>& findings) {
+  return std::any_of(findings.begin(), findings.end(), is_contradiction);
+}
+
+Error contradiction_error(const Recording& recording,
+                          const std::vector<ConsistencyFinding>& findings) {
+  const auto first = std::find_if(findings.begin(), findings.end(), is_contradiction);
+  PCAVR_REQUIRE(first != findings.end());
+  const auto others = std::count_if(std::next(first), findings.end(), is_contradiction);
+  Error error{.message = first->message,
+              .file = (recording.folder / first->file).string(),
+              .place = first->place,
+              .hint = first->hint};
+  if (others > 0) {
+    error.hint += " (" + std::to_string(others) + (others == 1 ? " contradiction" : " contradictions") +
+                  " more: see pcavr inspect)";
+  }
+  return error;
+}
+
+std::vector<ConsistencyFinding> check_bodies(const Recording& recording,
+                                             const std::vector<MovableBody>& bodies,
+                                             const std::vector<SurfaceQuery>& surfaces) {
+  std::vector<ConsistencyFinding> findings;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    append(findings,
+           check_body(recording.manifest, bodies[i].entry, bodies[i].model, surfaces[i]));
+  }
+  return findings;
+}
+
+std::vector<ConsistencyFinding> assess_consistency(const Recording& recording,
+                                                   const std::vector<MovableBody>& bodies,
+                                                   const ConsistencyObservations& seen,
+                                                   const CameraTrack& track,
+                                                   std::vector<ConsistencyFinding> findings) {
+  const Manifest& manifest = recording.manifest;
+  const std::size_t min_frames = std::min(kMinFindingFrames, recording.frames.size());
+  const auto focal_lengths = check_focal_lengths(manifest, seen.tags, min_frames);
+  if (focal_lengths) {
+    findings.push_back(*focal_lengths);
+    // What follows measures with these focal lengths.
+    if (is_contradiction(*focal_lengths)) return sorted(std::move(findings));
+  }
+  std::vector<ScaleRatio> ratios = tag_ratios(manifest, seen.tags, min_frames);
+  const auto motion = check_camera_motion(track, recording.groundtruth);
+  if (motion) findings.push_back(*motion);
+  // Poses of another convention have no unit to speak of.
+  const auto distance = motion_ratio(track, recording.groundtruth);
+  if (distance && !(motion && is_contradiction(*motion))) ratios.push_back(*distance);
+  const std::vector<ConsistencyFinding> scales = check_scales(manifest, ratios);
+  append(findings, scales);
+  if (has_contradiction(scales)) return sorted(std::move(findings));
+
+  std::vector<Stamp> depth_stamps;
+  for (const FrameFiles& frame : recording.frames) depth_stamps.push_back(frame.depth_stamp);
+  if (const auto offset = check_camera_offset(manifest, recording.groundtruth, seen.tags,
+                                              depth_stamps, min_frames)) {
+    findings.push_back(*offset);
+  }
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const auto outline = check_outline(manifest, bodies[i].entry, seen.outlines[i], min_frames);
+    if (outline) weigh_outline(findings, *outline);
+  }
+  return sorted(std::move(findings));
+}
+
+std::vector<ConsistencyFinding> sorted(std::vector<ConsistencyFinding> findings) {
+  std::stable_partition(findings.begin(), findings.end(), is_contradiction);
+  return findings;
+}
+
+Expected<std::vector<ConsistencyFinding>> inspect_consistency(const Recording& recording,
+                                                              const DepthNoise& depth_noise) {
+  const Expected<std::vector<MovableBody>> bodies = bodies_with_mesh(recording);
+  if (!bodies) return bodies.error();
+  std::vector<SurfaceQuery> surfaces;
+  for (const MovableBody& body : *bodies) surfaces.emplace_back(body.model.mesh_object);
+  std::vector<ConsistencyFinding> findings = check_bodies(recording, *bodies, surfaces);
+  if (!recording.manifest.camera || recording.frames.empty()) return sorted(std::move(findings));
+
+  const Expected<ConsistencyObservations> seen =
+      observe_some(recording, *bodies, surfaces, depth_noise);
+  if (!seen) return seen.error();
+  CameraTrack track;
+  if (!recording.groundtruth.empty()) {
+    Expected<CameraTrack> tracked = track_some(recording, depth_noise);
+    if (!tracked) return tracked.error();
+    track = *std::move(tracked);
+  }
+  return assess_consistency(recording, *bodies, *seen, track, std::move(findings));
+}
+
+}  // namespace pcavr

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "pcavr/core/median.hpp"
+
+#include "consistency_checks.hpp"
+#include "consistency_text.hpp"
+
+namespace pcavr {
+namespace {
+
+/// With less of the depth in range, what is left is chance: edges and reflections.
+constexpr double kMinInRange = 0.05;
+/// Frames farther apart than this show different things [m, rad]: no surface is seen twice.
+constexpr double kMaxStep = 0.5;
+constexpr double kMaxTurn = 45.0 * std::numbers::pi / 180.0;
+
+std::string per_cent(double share) {
+  std::array<char, 16> text{};
+  std::snprintf(text.data(), text.size(), "%.1f %%", 100.0 * share);
+  return text.data();
+}
+
+double share(std::size_t part, std::size_t all) {
+  return all == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(all);
+}
+
+}  // namespace
+
+bool is_out_of_range(const DepthSummary& depth) {
+  return share(depth.in_range, depth.measured) < kMinInRange;
+}
+
+EmptySceneCause explain_empty_scene(const DepthSummary& depth, const DepthNoise& noise,
+                                    double depth_scale, const CameraSteps& camera,
+                                    double min_weight) {
+  const double in_range = share(depth.in_range, depth.measured);
+  const std::string seen = "the median depth is " + measured(median(depth.medians)) + ", and " +
+                           per_cent(in_range) + " of the readings lie within " +
+                           number(noise.nearest) + " to " + metres(noise.farthest);
+  const auto frames_used = static_cast<double>(camera.frames_used);
+  if (is_out_of_range(depth)) {
+    return {seen, "check camera.depth_scale (" + number(depth_scale) +
+                      " units a metre), or give the sensor's range with --sensor"};
+  }
+  if (frames_used < min_weight) {
+    return {std::to_string(camera.frames_used) + " of " + std::to_string(depth.frames) +
+                " frames could be used, and a surface counts from " + number(min_weight) +
+                " frames on",
+            "record more frames of the same place"};
+  }
+  if (camera.translation > kMaxStep || camera.rotation > kMaxTurn) {
+    return {"the camera poses are scattered: from frame to frame it moves by " +
+                measured(camera.translation) + " and " + degrees(camera.rotation) + " (median)",
+            "check groundtruth.txt: metres, quaternions as qx qy qz qw, the recording's clock"};
+  }
+  return {"no two of " + std::to_string(camera.frames_used) + " frames agree on a surface; " + seen,
+          "check camera.depth_scale, fx, fy, cx, cy and the camera's poses"};
+}
+
+}  // namespace pcavr

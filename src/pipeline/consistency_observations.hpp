@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/geometry/camera.hpp"
+#include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/geometry/image.hpp"
+#include "pcavr/marker/tag_detector.hpp"
+#include "pcavr/model/cad_model.hpp"
+#include "pcavr/recording/frame_reader.hpp"
+
+namespace pcavr {
+
+/// A tag in one frame, by its corners in the image and the depth inside it: its size plays no part.
+struct TagSight {
+  std::size_t frame = 0;   ///< in Recording::frames
+  std::size_t marker = 0;  ///< in Manifest::markers
+  /// Corners in camera coordinates, in the order of TagDetection::corners [m].
+  std::array<Eigen::Vector3d, 4> corners_camera;
+
+  [[nodiscard]] Eigen::Vector3d centre_camera() const;
+};
+
+/// Where depth and image put a tag; nothing where too little depth was measured inside it.
+[[nodiscard]] std::optional<TagSight> measure_tag(const DepthImage& depth,
+                                                  const CameraModel& camera,
+                                                  const TagDetection& detection);
+
+/// By how much a CAD body is scaled to be held against the depth. The factors are 1 / kContradiction
+/// apart at the ends, and finer where only a warning is due.
+inline constexpr std::array<double, 7> kOutlineScales = {0.5, 1.0 / 1.5, 0.8, 1.0, 1.25, 1.5, 2.0};
+inline constexpr std::size_t kUnscaled = 3;  ///< index of 1 above
+
+/// How a CAD body, scaled about its frame's origin, explains the depth in its outline.
+struct OutlineFit {
+  std::size_t frames = 0;
+  /// By scale: pixels whose depth lies on the body, less those whose depth lies behind it.
+  std::array<double, kOutlineScales.size()> score{};
+  std::array<double, kOutlineScales.size()> explained{};  ///< pixels
+  std::array<double, kOutlineScales.size()> outline{};    ///< pixels with depth
+};
+
+/// Adds one frame to the fit.
+void add_outline(const SurfaceQuery& surface_object, const Pose& T_camera_object,
+                 const CameraModel& camera, const DepthImage& depth, const DepthNoise& noise,
+                 OutlineFit& fit);
+
+/// The depth that a recording's frames hold.
+struct DepthSummary {
+  std::size_t frames = 0;
+  std::size_t pixels = 0;    ///< looked at: some of each image's
+  std::size_t measured = 0;  ///< of these, not 0
+  std::size_t in_range = 0;  ///< of these, within the sensor's range
+  std::vector<double> medians = {};  ///< by frame that measured anything [m]
+
+  void add(const DepthImage& depth, const DepthNoise& noise);
+};
+
+/// What the frames show of the inputs' scale.
+struct ConsistencyObservations {
+  std::vector<TagSight> tags;        ///< by frame
+  std::vector<OutlineFit> outlines;  ///< by movable body
+  DepthSummary depth;
+};
+
+/// Gathers them, frame by frame. Keeps references to what its constructor is given.
+class ConsistencyCollector {
+ public:
+  /// `surfaces_object` are the movable bodies'; `frames` is how many will come, at most.
+  ConsistencyCollector(const Manifest& manifest, const DepthNoise& noise,
+                       const std::vector<SurfaceQuery>& surfaces_object, std::size_t frames);
+
+  /// `T_camera_body` is empty for bodies whose tags do not show a pose.
+  void add(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
+           const std::vector<std::optional<Pose>>& T_camera_body);
+
+  [[nodiscard]] const ConsistencyObservations& observations() const { return observations_; }
+
+ private:
+  const Manifest& manifest_;
+  const DepthNoise& noise_;
+  const std::vector<SurfaceQuery>& surfaces_object_;
+  std::size_t outline_stride_;
+  std::size_t frames_seen_ = 0;
+  ConsistencyObservations observations_;
+};
+
+}  // namespace pcavr
