@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "pcavr/pipeline/consistency.hpp"
 #include "pcavr/recording/frame_reader.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 
@@ -31,6 +32,23 @@ std::string span_of(const Trajectory& trajectory) {
   const double seconds =
       to_seconds(trajectory.poses().back().stamp - trajectory.poses().front().stamp);
   return std::to_string(trajectory.size()) + " poses over " + std::to_string(seconds) + " s";
+}
+
+/// Holds the recording's inputs against each other.
+Expected<void> check_consistency(const Recording& recording, const Observer& observer,
+                                 std::vector<SceneCheck>& checks) {
+  const auto findings = inspect_consistency(recording);
+  if (!findings) return findings.error();
+  for (const ConsistencyFinding& finding : *findings) {
+    const bool is_contradiction = finding.severity == FindingSeverity::contradiction;
+    if (!is_contradiction) observer.on_warning(finding.to_string());
+    checks.push_back(
+        {finding.input(),
+         (is_contradiction ? "" : "doubtful: ") + finding.message + "; " + finding.hint,
+         !is_contradiction});
+  }
+  if (findings->empty()) checks.push_back({"consistency", "no input contradicts another"});
+  return {};
 }
 
 /// Reads everything strictly, and decodes every frame.
@@ -62,6 +80,8 @@ Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
   checks.push_back({"tool.csv", span_of(recording->tool)});
   checks.push_back({"wrench.csv", count(recording->wrench.size(), " samples")});
   checks.push_back({"joints.csv", count(recording->joints.size(), " samples")});
+  const Expected<void> checked = check_consistency(*recording, observer, checks);
+  if (!checked) return checked.error();
   return checks;
 }
 

@@ -44,6 +44,14 @@ std::string object_line(const SceneObject& object) {
   return line + '\n';
 }
 
+std::string warnings_lines(const std::vector<InputWarning>& warnings) {
+  std::string lines;
+  for (const InputWarning& warning : warnings) {
+    lines += "doubtful   " + warning.input + ": " + warning.message + '\n';
+  }
+  return lines;
+}
+
 std::string tags_line(const Counts& tags_seen, std::size_t frames) {
   std::string line = "tags       ";
   for (const auto& [tag, count] : tags_seen) {
@@ -74,6 +82,7 @@ std::string scene_summary(const Scene& scene, const std::string& folder) {
   std::string text =
       frames_line(quality.frames_recorded, quality.frames_used, quality.frames_dropped);
   if (!quality.tags_seen.empty()) text += tags_line(quality.tags_seen, quality.frames_used);
+  text += warnings_lines(quality.input_warnings);
   text += print("camera     %s; +-%.1f mm, +-%.2f deg in base; tag corners fit to %.2f px\n",
                 quality.is_fixed_camera ? "fixed" : "moving",
                 quality.camera_position_sigma * kMillimetres,
@@ -118,6 +127,13 @@ nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder)
   json["camera_position_sigma_m"] = quality.camera_position_sigma;
   json["camera_rotation_sigma_rad"] = quality.camera_rotation_sigma;
   json["surface_distance_median_m"] = quality.surface_rms;
+  json["input_warnings"] = nlohmann::ordered_json::array();
+  for (const InputWarning& warning : quality.input_warnings) {
+    json["input_warnings"].push_back({{"input", warning.input},
+                                      {"message", warning.message},
+                                      {"factor", warning.factor},
+                                      {"frames", warning.frames}});
+  }
   json["mesh_triangles"] = scene.mesh_base.triangles.size();
   json["mesh_area_m2"] = surface_area(scene.mesh_base);
   json["objects"] = nlohmann::ordered_json::array();

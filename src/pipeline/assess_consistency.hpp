@@ -12,9 +12,9 @@
 namespace pcavr {
 
 /// The CAD bodies by themselves, before any frame is read; `surfaces` are the bodies'.
-[[nodiscard]] std::vector<ConsistencyFinding> check_bodies(const Recording& recording,
-                                                           const std::vector<MovableBody>& bodies,
-                                                           const std::vector<SurfaceQuery>& surfaces);
+[[nodiscard]] std::vector<ConsistencyFinding> check_bodies(
+    const Recording& recording, const std::vector<MovableBody>& bodies,
+    const std::vector<SurfaceQuery>& surfaces);
 
 /// All that the frames show, added to `findings` of the bodies; contradictions first. `track` may
 /// be empty where nothing was tracked.

@@ -18,6 +18,7 @@
 #include "pcavr/reconstruction/tsdf_volume.hpp"
 #include "pcavr/scene/support_plane.hpp"
 
+#include "assess_consistency.hpp"
 #include "beside.hpp"
 #include "follow_objects.hpp"
 #include "scene_quality.hpp"
@@ -145,6 +146,46 @@ std::vector<StandingBody> standing_bodies(const std::vector<SceneObject>& object
   return bodies;
 }
 
+/// How the camera moves from frame to frame.
+CameraSteps steps_of(const Trajectory& camera) {
+  std::vector<double> translations;
+  std::vector<double> rotations;
+  for (std::size_t i = 1; i < camera.size(); ++i) {
+    const Pose& before = camera.poses()[i - 1].pose;
+    const Pose& after = camera.poses()[i].pose;
+    translations.push_back(translation_distance(before, after));
+    rotations.push_back(rotation_distance(before, after));
+  }
+  return {camera.size(), median(std::move(translations)), median(std::move(rotations))};
+}
+
+Error empty_scene_error(const Recording& recording, const Survey& survey, const Trajectory& camera,
+                        const BuildOptions& options) {
+  const EmptySceneCause cause =
+      explain_empty_scene(survey.depth, options.depth_noise, recording.manifest.depth_scale,
+                          steps_of(camera), options.smallest_weight);
+  return {.message = "the frames make no surface: " + cause.message,
+          .file = recording.folder.string(),
+          .hint = cause.hint};
+}
+
+/// Objects that were not placed although their tags were seen.
+std::vector<ConsistencyFinding> rejected_tags(const Recording& recording, const Survey& survey,
+                                              const std::vector<SceneObject>& objects) {
+  std::vector<ConsistencyFinding> findings;
+  for (const SceneObject& object : objects) {
+    if (object.evidence != kNotSeen && object.evidence != "manifest") continue;
+    const std::string reason =
+        explain_rejected_tags(recording, survey.detections, object.model.name);
+    if (reason.empty()) continue;
+    findings.push_back({.file = "recording.yaml",
+                        .place = "markers",
+                        .message = object.model.name + " was not placed: " + reason,
+                        .hint = kRejectedTagsHint});
+  }
+  return findings;
+}
+
 }  // namespace
 
 Expected<Scene> build_scene(const Recording& recording, const BuildOptions& options,
@@ -182,6 +223,9 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
   clock.begin("mesh");
   TriangleMesh mesh = fusion.volume.extract_mesh(options.smallest_weight, options.parallelism);
   remove_small_islands(mesh, options.smallest_island);
+  if (mesh.triangles.empty()) {
+    return empty_scene_error(recording, *survey, fusion.camera_trajectory, options);
+  }
   fusion.occupancy.clear_unsupported(mesh);
 
   // Scene: what is displayed, and the CAD bodies where the markers say.
@@ -207,6 +251,10 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
   clock.begin("support and quality");
   scene.support_planes = find_support_planes(scene.mesh_base, standing_bodies(scene.objects));
   scene.quality = assess_quality(recording, *survey, scene);
+  for (const ConsistencyFinding& finding : rejected_tags(recording, *survey, scene.objects)) {
+    observer.on_warning(finding.to_string());
+    scene.quality.input_warnings.push_back(to_warning(finding));
+  }
   clock.end();
   scene.quality.times = clock.times();
   return scene;

@@ -78,8 +78,7 @@ Expected<std::vector<MovableBody>> bodies_with_mesh(const Recording& recording) 
     if (!entry.is_movable || entry.mesh.empty()) continue;
     Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name);
     if (!model) return model.error();
-    bodies.push_back(
-        {entry, *std::move(model), object_placements(recording.manifest, entry.name)});
+    bodies.push_back({entry, *std::move(model), object_placements(recording.manifest, entry.name)});
   }
   return bodies;
 }
@@ -100,9 +99,8 @@ Expected<ConsistencyObservations> observe_some(const Recording& recording,
     if (*detector) detections = (*detector)->detect(to_gray(frame->color));
     std::vector<std::optional<Pose>> T_camera_body;
     for (const MovableBody& body : bodies) {
-      const BodyPose pose =
-          solve_body_pose(body.tags, detections, *recording.manifest.camera,
-                          {.depth = &frame->depth, .depth_noise = noise});
+      const BodyPose pose = solve_body_pose(body.tags, detections, *recording.manifest.camera,
+                                            {.depth = &frame->depth, .depth_noise = noise});
       T_camera_body.push_back(pose.status == BodyPoseStatus::solved
                                   ? std::optional<Pose>(pose.pose.T_camera_body)
                                   : std::nullopt);
@@ -128,7 +126,8 @@ Error contradiction_error(const Recording& recording,
               .place = first->place,
               .hint = first->hint};
   if (others > 0) {
-    error.hint += " (" + std::to_string(others) + (others == 1 ? " contradiction" : " contradictions") +
+    error.hint += " (" + std::to_string(others) +
+                  (others == 1 ? " contradiction" : " contradictions") +
                   " more: see pcavr inspect)";
   }
   return error;
@@ -139,8 +138,7 @@ std::vector<ConsistencyFinding> check_bodies(const Recording& recording,
                                              const std::vector<SurfaceQuery>& surfaces) {
   std::vector<ConsistencyFinding> findings;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    append(findings,
-           check_body(recording.manifest, bodies[i].entry, bodies[i].model, surfaces[i]));
+    append(findings, check_body(recording.manifest, bodies[i].entry, bodies[i].model, surfaces[i]));
   }
   return findings;
 }

@@ -55,8 +55,8 @@ class TagsOnBody {
       const Eigen::Vector3f p = (tag / scale).cast<float>();
       const double radius = 2.0 * size_ + 2.0 * static_cast<double>(p.norm());
       const auto closest = surface_.closest(p, static_cast<float>(radius));
-      farthest = std::max(
-          farthest, scale * (closest ? static_cast<double>(closest->distance) : radius));
+      farthest =
+          std::max(farthest, scale * (closest ? static_cast<double>(closest->distance) : radius));
     }
     return farthest;
   }
@@ -89,8 +89,7 @@ std::optional<ConsistencyFinding> check_size(const std::string& key, const Objec
   const double largest = static_cast<double>(sizes.maxCoeff());
   if (largest >= kMinSize && largest <= kMaxUsualSize) return std::nullopt;
   return ConsistencyFinding{
-      .severity =
-          largest > kMaxSize ? FindingSeverity::contradiction : FindingSeverity::warning,
+      .severity = largest > kMaxSize ? FindingSeverity::contradiction : FindingSeverity::warning,
       .file = "recording.yaml",
       .place = key + ".mesh",
       .message = entry.mesh.string() + " is " + shape_of(sizes) +
@@ -104,13 +103,12 @@ std::optional<ConsistencyFinding> check_density(const std::string& key, const Ob
   if (!entry.mass) return std::nullopt;
   const double density = *entry.mass / volume;
   if (density >= kMinDensity && density <= kMaxDensity) return std::nullopt;
-  return ConsistencyFinding{
-      .file = "recording.yaml",
-      .place = key + ".mass",
-      .message = number(*entry.mass) + " kg and " + number(1e3 * volume) + " litres (" +
-                 entry.mesh.string() + ") make " + number(density) +
-                 " kg/m^3, which no material has",
-      .hint = "check the unit of the mesh (metres) and of the mass (kg)"};
+  return ConsistencyFinding{.file = "recording.yaml",
+                            .place = key + ".mass",
+                            .message = number(*entry.mass) + " kg and " + number(1e3 * volume) +
+                                       " litres (" + entry.mesh.string() + ") make " +
+                                       number(density) + " kg/m^3, which no material has",
+                            .hint = "check the unit of the mesh (metres) and of the mass (kg)"};
 }
 
 std::optional<ConsistencyFinding> check_tags(const Manifest& manifest, const std::string& key,
@@ -128,8 +126,8 @@ std::optional<ConsistencyFinding> check_tags(const Manifest& manifest, const std
   ConsistencyFinding finding{
       .file = "recording.yaml",
       .place = key + ".mesh",
-      .message = "a tag of " + entry.name + " lies " + measured(distance) + " from the surface of " +
-                 entry.mesh.string(),
+      .message = "a tag of " + entry.name + " lies " + measured(distance) +
+                 " from the surface of " + entry.mesh.string(),
       .hint = "check the unit of the mesh, and the poses of the object's markers"};
   const std::optional<double> scale = body.fitting_scale();
   if (!scale) return finding;
@@ -147,24 +145,23 @@ std::vector<ConsistencyFinding> check_body(const Manifest& manifest, const Objec
                                            const CadModel& model, const SurfaceQuery& surface) {
   const std::string key = key_of_object(manifest, entry.name);
   std::vector<ConsistencyFinding> findings;
-  for (const auto& finding : {check_tags(manifest, key, entry, surface),
-                              check_size(key, entry, surface.bounds().sizes()),
-                              check_density(key, entry, model.volume)}) {
+  for (const auto& finding :
+       {check_tags(manifest, key, entry, surface), check_size(key, entry, surface.bounds().sizes()),
+        check_density(key, entry, model.volume)}) {
     if (finding) findings.push_back(*finding);
   }
   return findings;
 }
 
-std::optional<ConsistencyFinding> check_outline(const Manifest& manifest,
-                                                const ObjectEntry& entry, const OutlineFit& fit,
-                                                std::size_t min_frames) {
+std::optional<ConsistencyFinding> check_outline(const Manifest& manifest, const ObjectEntry& entry,
+                                                const OutlineFit& fit, std::size_t min_frames) {
   /// Another scale is taken where it explains this much more [pixels, as a factor].
   constexpr double kDecisiveFactor = 1.5;
   /// And where the depth lies on most of the scaled body [share of its outline].
   constexpr double kMinExplained = 0.6;
   if (fit.frames < min_frames) return std::nullopt;
-  const auto best = static_cast<std::size_t>(
-      std::max_element(fit.score.begin(), fit.score.end()) - fit.score.begin());
+  const auto best = static_cast<std::size_t>(std::max_element(fit.score.begin(), fit.score.end()) -
+                                             fit.score.begin());
   if (best == kUnscaled || fit.outline[best] <= 0.0) return std::nullopt;
   if (fit.explained[best] < kMinExplained * fit.outline[best]) return std::nullopt;
   if (fit.score[best] < kDecisiveFactor * fit.score[kUnscaled]) return std::nullopt;

@@ -30,9 +30,9 @@ struct ScaleRatio {
   Kind kind = Kind::tag_size;
   std::size_t first = 0;
   std::size_t second = 0;
-  double stated = 0.0;       ///< [m]
-  double by_depth = 0.0;     ///< [m], median
-  double tolerance = 0.0;    ///< of the logarithm of their ratio
+  double stated = 0.0;     ///< [m]
+  double by_depth = 0.0;   ///< [m], median
+  double tolerance = 0.0;  ///< of the logarithm of their ratio
   std::size_t frames = 0;
 };
 

@@ -25,20 +25,20 @@ std::string per_cent(double share) {
   return text.data();
 }
 
-double share(std::size_t part, std::size_t all) {
+double part_of(std::size_t part, std::size_t all) {
   return all == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(all);
 }
 
 }  // namespace
 
 bool is_out_of_range(const DepthSummary& depth) {
-  return share(depth.in_range, depth.measured) < kMinInRange;
+  return part_of(depth.in_range, depth.measured) < kMinInRange;
 }
 
 EmptySceneCause explain_empty_scene(const DepthSummary& depth, const DepthNoise& noise,
                                     double depth_scale, const CameraSteps& camera,
                                     double min_weight) {
-  const double in_range = share(depth.in_range, depth.measured);
+  const double in_range = part_of(depth.in_range, depth.measured);
   const std::string seen = "the median depth is " + measured(median(depth.medians)) + ", and " +
                            per_cent(in_range) + " of the readings lie within " +
                            number(noise.nearest) + " to " + metres(noise.farthest);

@@ -33,8 +33,8 @@ std::vector<SquaredLength> squared_lengths(const Manifest& manifest,
         const Eigen::Array3d squares =
             (sight.corners_camera[j] - sight.corners_camera[i]).array().square();
         const bool is_diagonal = j - i == 2;
-        lengths.push_back({squares.x(), squares.y(), squares.z(),
-                           (is_diagonal ? 2.0 : 1.0) * size * size});
+        lengths.push_back(
+            {squares.x(), squares.y(), squares.z(), (is_diagonal ? 2.0 : 1.0) * size * size});
       }
     }
   }
@@ -100,10 +100,10 @@ ConsistencyFinding focal_finding(const Manifest& manifest, const Hypothesis& hyp
   };
   // A focal length that is too small makes what is seen too large, by the same factor.
   finding.message = values(1.0) + " px, but the tags are squares in the images and by depth with " +
-                    values(found.factor) + " px (" +
-                    factor_over_frames(finding.factor, frames) + ")";
-  finding.hint = has_both ? "check that fx and fy belong to images of this size"
-                          : "check fx and fy";
+                    values(found.factor) + " px (" + factor_over_frames(finding.factor, frames) +
+                    ")";
+  finding.hint =
+      has_both ? "check that fx and fy belong to images of this size" : "check fx and fy";
   return finding;
 }
 

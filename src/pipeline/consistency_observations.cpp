@@ -26,14 +26,14 @@ constexpr double kMaxResidual = 4.0;
 constexpr double kMinRelativeResidual = 1e-4;
 
 /// A reading as a plane sees it: 1/z is linear in the ray (x, y, 1) that hits the plane.
-struct Reading {
+struct DepthReading {
   Eigen::Vector3d ray;
   double inverse_depth = 0.0;  ///< [1/m]
 };
 
-std::vector<Reading> readings_inside(const DepthImage& depth, const CameraModel& camera,
-                                     const std::array<Eigen::Vector2d, 4>& corners) {
-  std::vector<Reading> readings;
+std::vector<DepthReading> readings_inside(const DepthImage& depth, const CameraModel& camera,
+                                          const std::array<Eigen::Vector2d, 4>& corners) {
+  std::vector<DepthReading> readings;
   for (int row = 0; row < kGrid; ++row) {
     for (int column = 0; column < kGrid; ++column) {
       const double u = 0.5 + kInnerShare * ((column + 0.5) / kGrid - 0.5);
@@ -51,10 +51,10 @@ std::vector<Reading> readings_inside(const DepthImage& depth, const CameraModel&
   return readings;
 }
 
-Eigen::Vector3d fit_plane(const std::vector<Reading>& readings) {
+Eigen::Vector3d fit_plane(const std::vector<DepthReading>& readings) {
   Eigen::Matrix3d left = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (const Reading& reading : readings) {
+  for (const DepthReading& reading : readings) {
     left += reading.ray * reading.ray.transpose();
     right += reading.inverse_depth * reading.ray;
   }
@@ -62,14 +62,15 @@ Eigen::Vector3d fit_plane(const std::vector<Reading>& readings) {
 }
 
 /// Without the readings that lie off the plane.
-std::vector<Reading> on_plane(const std::vector<Reading>& readings, const Eigen::Vector3d& plane) {
+std::vector<DepthReading> on_plane(const std::vector<DepthReading>& readings,
+                                   const Eigen::Vector3d& plane) {
   std::vector<double> residuals;
-  for (const Reading& reading : readings) {
+  for (const DepthReading& reading : readings) {
     residuals.push_back(std::abs(reading.ray.dot(plane) - reading.inverse_depth));
   }
   const double limit = std::max(kMaxResidual * median(residuals),
                                 kMinRelativeResidual * readings.front().inverse_depth);
-  std::vector<Reading> kept;
+  std::vector<DepthReading> kept;
   for (std::size_t i = 0; i < readings.size(); ++i) {
     if (residuals[i] <= limit) kept.push_back(readings[i]);
   }
@@ -95,7 +96,7 @@ std::optional<TagSight> measure_tag(const DepthImage& depth, const CameraModel& 
                    [](const Eigen::Vector2d& corner) { return corner.allFinite(); })) {
     return std::nullopt;
   }
-  std::vector<Reading> readings = readings_inside(depth, camera, detection.corners);
+  std::vector<DepthReading> readings = readings_inside(depth, camera, detection.corners);
   if (readings.size() < kMinReadings) return std::nullopt;
   readings = on_plane(readings, fit_plane(readings));
   if (readings.size() < kMinReadings) return std::nullopt;
@@ -118,11 +119,10 @@ void add_outline(const SurfaceQuery& surface_object, const Pose& T_camera_object
     // The body is scaled by looking at it from a distance that is scaled the other way.
     const double scale = kOutlineScales[i];
     const Pose T_scaled_camera(T_object_camera.rotation(), T_object_camera.translation() / scale);
-    const PixelRectangle box =
-        visible_rectangle(surface_object.bounds(), camera, T_scaled_camera);
+    const PixelRectangle box = visible_rectangle(surface_object.bounds(), camera, T_scaled_camera);
     if (box.empty()) continue;
-    const double pixels = static_cast<double>(box.x_end - box.x_begin) *
-                          static_cast<double>(box.y_end - box.y_begin);
+    const double pixels =
+        static_cast<double>(box.x_end - box.x_begin) * static_cast<double>(box.y_end - box.y_begin);
     const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kOutlineRays))));
     const double weight = static_cast<double>(stride) * stride;
     const Eigen::Vector3f origin = T_scaled_camera.translation().cast<float>();
@@ -131,8 +131,8 @@ void add_outline(const SurfaceQuery& surface_object, const Pose& T_camera_object
         const double z = static_cast<double>(depth(x, y));
         if (!(z > 0.0)) continue;
         const Eigen::Vector3d ray = camera.normalise({x, y}).homogeneous();
-        const auto hit = surface_object.cast(
-            origin, (T_scaled_camera.rotation() * ray).cast<float>());
+        const auto hit =
+            surface_object.cast(origin, (T_scaled_camera.rotation() * ray).cast<float>());
         if (!hit) continue;
         const double z_body = scale * static_cast<double>(hit->distance) / ray.norm();
         const double tolerance = kOnSurface + 3.0 * noise.sigma(z_body);

@@ -33,8 +33,8 @@ struct TagSight {
                                                   const CameraModel& camera,
                                                   const TagDetection& detection);
 
-/// By how much a CAD body is scaled to be held against the depth. The factors are 1 / kContradiction
-/// apart at the ends, and finer where only a warning is due.
+/// By how much a CAD body is scaled to be held against the depth. The factors are 1 /
+/// kContradiction apart at the ends, and finer where only a warning is due.
 inline constexpr std::array<double, 7> kOutlineScales = {0.5, 1.0 / 1.5, 0.8, 1.0, 1.25, 1.5, 2.0};
 inline constexpr std::size_t kUnscaled = 3;  ///< index of 1 above
 
@@ -55,9 +55,9 @@ void add_outline(const SurfaceQuery& surface_object, const Pose& T_camera_object
 /// The depth that a recording's frames hold.
 struct DepthSummary {
   std::size_t frames = 0;
-  std::size_t pixels = 0;    ///< looked at: some of each image's
-  std::size_t measured = 0;  ///< of these, not 0
-  std::size_t in_range = 0;  ///< of these, within the sensor's range
+  std::size_t pixels = 0;            ///< looked at: some of each image's
+  std::size_t measured = 0;          ///< of these, not 0
+  std::size_t in_range = 0;          ///< of these, within the sensor's range
   std::vector<double> medians = {};  ///< by frame that measured anything [m]
 
   void add(const DepthImage& depth, const DepthNoise& noise);

@@ -31,7 +31,7 @@ constexpr double kWarningDirection = 10.0 * std::numbers::pi / 180.0;
 constexpr double kContradictionDirection = 30.0 * std::numbers::pi / 180.0;
 
 /// A usual mistake in a file of poses, undone.
-struct Reading {
+struct PoseReading {
   const char* hint;
   Pose (*apply)(const Pose& given);
 };
@@ -50,7 +50,7 @@ Pose from_millimetres(const Pose& given) {
   return Pose(given.rotation(), 1e-3 * given.translation());
 }
 
-constexpr Reading kReadings[] = {
+constexpr PoseReading kPoseReadings[] = {
     {"the poses fit with quaternions read as qw qx qy qz: write qx qy qz qw", from_wxyz},
     {"the poses fit inverted: write the camera's pose in base, not base's in the camera", inverted},
     {"the positions fit when read as millimetres: write metres", from_millimetres}};
@@ -97,8 +97,8 @@ constexpr std::size_t kMinSteps = 5;
 constexpr double kMaxFrameStep = 0.1;
 constexpr double kMaxFrameTurn = 15.0 * std::numbers::pi / 180.0;
 
-/// Two frames with given poses are aligned to each other, and near. Of the two distances the smaller
-/// one counts: the other may be in another unit.
+/// Two frames with given poses are aligned to each other, and near. Of the two distances the
+/// smaller one counts: the other may be in another unit.
 bool is_near(const FramePlacement& a, const FramePlacement& b, const Trajectory& groundtruth) {
   const double tracked = translation_distance(a.T_segment_camera, b.T_segment_camera);
   const double given = translation_distance(*groundtruth.at(a.stamp), *groundtruth.at(b.stamp));
@@ -175,8 +175,7 @@ std::optional<ScaleRatio> motion_ratio(const CameraTrack& track, const Trajector
   std::vector<double> stated;
   std::vector<double> logs;
   for (const Step& step : steps(track, groundtruth, has_gone)) {
-    stated.push_back(
-        std::max(kMinStated, translation_distance(step.T_base_from, step.T_base_to)));
+    stated.push_back(std::max(kMinStated, translation_distance(step.T_base_from, step.T_base_to)));
     logs.push_back(std::log(step.T_from_to_tracked.translation().norm() / stated.back()));
   }
   if (logs.size() < kMinSteps) return std::nullopt;
@@ -195,11 +194,10 @@ std::optional<ConsistencyFinding> check_camera_motion(const CameraTrack& track,
   if (all.size() < kMinSteps) return std::nullopt;
   const StepErrors errors = step_errors(all, as_given);
   if (severity_of(errors) < 1.0) return std::nullopt;
-  const bool is_contradiction = errors.rotation >= kContradictionRotation ||
-                                errors.direction >= kContradictionDirection;
+  const bool is_contradiction =
+      errors.rotation >= kContradictionRotation || errors.direction >= kContradictionDirection;
   ConsistencyFinding finding{
-      .severity =
-          is_contradiction ? FindingSeverity::contradiction : FindingSeverity::warning,
+      .severity = is_contradiction ? FindingSeverity::contradiction : FindingSeverity::warning,
       .file = "groundtruth.txt",
       .message = "from frame to frame its rotations are " + degrees(errors.rotation) +
                  ", and its directions of motion " + degrees(errors.direction) +
@@ -207,7 +205,7 @@ std::optional<ConsistencyFinding> check_camera_motion(const CameraTrack& track,
                  std::to_string(all.size()) + " steps)",
       .hint = "check the order of its quaternions (qx qy qz qw), its frame and its clock",
       .frames = all.size()};
-  for (const Reading& reading : kReadings) {
+  for (const PoseReading& reading : kPoseReadings) {
     if (severity_of(step_errors(all, reading.apply)) < 1.0) finding.hint = reading.hint;
   }
   return finding;
@@ -232,7 +230,7 @@ std::optional<ConsistencyFinding> check_camera_offset(const Manifest& manifest,
                  std::to_string(placed.size()) + " sightings)",
       .hint = "check that its frame is base and its unit metres, or the base markers' poses",
       .frames = placed.size()};
-  for (const Reading& reading : kReadings) {
+  for (const PoseReading& reading : kPoseReadings) {
     if (median_offset(placed, reading.apply) < kWarningOffset) finding.hint = reading.hint;
   }
   return finding;

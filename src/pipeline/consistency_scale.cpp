@@ -168,8 +168,8 @@ std::string statement(const Manifest& manifest, const ScaleRatio& ratio) {
       return tag(ratio.first) + " is given as " + metres(ratio.stated) +
              " across, but depth says it is " + by_depth;
     case ScaleRatio::Kind::tag_distance:
-      return tag(ratio.first) + " and " + tag(ratio.second) + " are given " +
-             metres(ratio.stated) + " apart, but depth says " + by_depth;
+      return tag(ratio.first) + " and " + tag(ratio.second) + " are given " + metres(ratio.stated) +
+             " apart, but depth says " + by_depth;
     case ScaleRatio::Kind::camera_motion:
       break;
   }
@@ -192,8 +192,8 @@ ConsistencyFinding finding_of(const Manifest& manifest, const Suspect& suspect,
   finding.frames = worst.frames;
   finding.severity = finding.factor >= kContradictionFactor ? FindingSeverity::contradiction
                                                             : FindingSeverity::warning;
-  finding.message = statement(manifest, worst) + " (" +
-                    factor_over_frames(finding.factor, finding.frames) + ")";
+  finding.message =
+      statement(manifest, worst) + " (" + factor_over_frames(finding.factor, finding.frames) + ")";
   finding.hint = "check " + suspect.check;
   return finding;
 }
@@ -204,7 +204,8 @@ void describe_depth_scale(const Manifest& manifest, const std::vector<ScaleRatio
   finding.factor = std::exp(std::abs(log_common));
   finding.message = number(manifest.depth_scale) + " units a metre, but " +
                     std::to_string(explained.size()) + " other inputs say about " +
-                    std::to_string(std::llround(manifest.depth_scale * std::exp(log_common))) + ": " + finding.message;
+                    std::to_string(std::llround(manifest.depth_scale * std::exp(log_common))) +
+                    ": " + finding.message;
 }
 
 }  // namespace

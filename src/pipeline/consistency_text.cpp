@@ -9,7 +9,7 @@
 namespace pcavr {
 namespace {
 
-std::string print(const char* format, double value) {
+std::string print_number(const char* format, double value) {
   std::array<char, 48> text{};
   std::snprintf(text.data(), text.size(), format, value);
   return text.data();
@@ -17,18 +17,18 @@ std::string print(const char* format, double value) {
 
 }  // namespace
 
-std::string number(double value) { return print("%.5g", value); }
+std::string number(double value) { return print_number("%.5g", value); }
 
 std::string metres(double length) { return number(length) + " m"; }
 
-std::string measured(double length) { return print("%.3g", length) + " m"; }
+std::string measured(double length) { return print_number("%.3g", length) + " m"; }
 
 std::string degrees(double angle) {
-  return print("%.1f degrees", angle * 180.0 / std::numbers::pi);
+  return print_number("%.1f degrees", angle * 180.0 / std::numbers::pi);
 }
 
 std::string factor_over_frames(double factor, std::size_t frames) {
-  std::string text = "factor " + print(factor < 100.0 ? "%.2f" : "%.0f", factor);
+  std::string text = "factor " + print_number(factor < 100.0 ? "%.2f" : "%.0f", factor);
   if (frames > 0) text += " over " + std::to_string(frames) + " frames";
   return text;
 }

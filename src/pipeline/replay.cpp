@@ -83,12 +83,15 @@ TrackedPose tracked_pose_of(const ObjectObservation& seen) {
           std::sqrt(seen.covariance.bottomRightCorner<3, 3>().trace())};
 }
 
-void warn_of_unseen(const Replay& replay, const Observer& observer) {
+void warn_of_unseen(const Recording& recording, const Survey& survey, const Replay& replay,
+                    const Observer& observer) {
   for (const ReplayedObject& object : replay.objects) {
-    if (object.tracked.empty()) {
-      observer.on_warning(object.name +
-                          " was not seen in any frame: are its tags in the recording's manifest?");
-    }
+    if (!object.tracked.empty()) continue;
+    const std::string rejected = explain_rejected_tags(recording, survey.detections, object.name);
+    observer.on_warning(
+        rejected.empty()
+            ? object.name + " was not seen in any frame: are its tags in the recording's manifest?"
+            : object.name + " was not placed: " + rejected + "; " + kRejectedTagsHint);
   }
 }
 
@@ -267,7 +270,7 @@ Expected<Replay> track_by_images(const Recording& recording, const SceneManifest
                      [&](const FollowedFrame& followed) { keeper.add(followed); });
   if (!done) return done.error();
   if (const Expected<void> closed = keeper.close(); !closed) return closed.error();
-  warn_of_unseen(replay, observer);
+  warn_of_unseen(recording, *survey, replay, observer);
   clock.end();
   replay.frames_recorded = recording.frames.size() + recording.unpaired_color;
   replay.frames_dropped = dropped_frames(recording, *survey);

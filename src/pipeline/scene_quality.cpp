@@ -52,6 +52,10 @@ double surface_distance(const Recording& recording, const Survey& survey, const 
 
 }  // namespace
 
+InputWarning to_warning(const ConsistencyFinding& finding) {
+  return {finding.input(), finding.message + "; " + finding.hint, finding.factor, finding.frames};
+}
+
 SceneQuality assess_quality(const Recording& recording, const Survey& survey, const Scene& scene) {
   SceneQuality quality;
   quality.frames_recorded = recording.frames.size() + recording.unpaired_color;
@@ -75,6 +79,9 @@ SceneQuality assess_quality(const Recording& recording, const Survey& survey, co
   quality.camera_position_sigma = median(position_sigmas);
   quality.camera_rotation_sigma = median(rotation_sigmas);
   quality.surface_rms = surface_distance(recording, survey, scene);
+  for (const ConsistencyFinding& finding : survey.findings) {
+    quality.input_warnings.push_back(to_warning(finding));
+  }
   return quality;
 }
 

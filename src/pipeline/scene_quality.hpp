@@ -8,6 +8,9 @@
 
 namespace pcavr {
 
+/// As a scene keeps it.
+[[nodiscard]] InputWarning to_warning(const ConsistencyFinding& finding);
+
 /// The figures by which a person can judge a scene; all but the times.
 [[nodiscard]] SceneQuality assess_quality(const Recording& recording, const Survey& survey,
                                           const Scene& scene);

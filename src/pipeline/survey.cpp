@@ -11,6 +11,7 @@
 #include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/tracking/object_tracker.hpp"
 
+#include "assess_consistency.hpp"
 #include "one_ahead.hpp"
 
 namespace pcavr {
@@ -29,20 +30,6 @@ std::vector<std::string> families_of(const Manifest& manifest) {
   std::set<std::string> families;
   for (const MarkerEntry& marker : manifest.markers) families.insert(marker.id.family);
   return {families.begin(), families.end()};
-}
-
-Expected<std::optional<TagDetector>> make_detector(const Recording& recording) {
-  const std::vector<std::string> families = families_of(recording.manifest);
-  if (families.empty()) return std::optional<TagDetector>();
-  TagDetectorOptions options;
-  if (recording.manifest.camera->has_distortion()) options.lens = recording.manifest.camera;
-  Expected<TagDetector> detector = TagDetector::create(families, options);
-  if (!detector) {
-    Error error = detector.error();
-    error.file = (recording.folder / "recording.yaml").string();
-    return error;
-  }
-  return std::optional<TagDetector>(std::move(*detector));
 }
 
 /// A body's first sighting.
@@ -70,6 +57,10 @@ class BodyMasker {
   [[nodiscard]] const std::vector<std::optional<Sighting>>& first_sightings() const {
     return first_sightings_;
   }
+
+  /// Where the last frame's tags showed the bodies.
+  [[nodiscard]] const std::vector<std::optional<Pose>>& last_poses() const { return last_poses_; }
+  [[nodiscard]] const std::vector<SurfaceQuery>& surfaces() const { return surfaces_; }
 
   [[nodiscard]] MaskImage mask(const RgbdFrame& frame,
                                const std::vector<TagDetection>& detections) {
@@ -123,7 +114,7 @@ Error no_depth_error(const Recording& recording) {
           .hint = "check that the sensor measured, and that the images are 16-bit depth"};
 }
 
-Error not_placed_error(const Recording& recording, const Survey& survey) {
+Error not_placed_error(const Recording& recording, const Survey& survey, const DepthNoise& noise) {
   const std::string file = (recording.folder / "recording.yaml").string();
   const bool has_anchor =
       std::any_of(recording.manifest.markers.begin(), recording.manifest.markers.end(),
@@ -131,7 +122,15 @@ Error not_placed_error(const Recording& recording, const Survey& survey) {
                     return marker.role == MarkerRole::base && survey.tags_seen.count(marker.id) > 0;
                   });
   if (has_anchor || !recording.groundtruth.empty()) {
-    return {.message = "no frame could be placed in base: " + survey.camera.why_not, .file = file};
+    const std::string rejected = explain_rejected_tags(recording, survey.detections, "");
+    EmptySceneCause cause{survey.camera.why_not, ""};
+    if (is_out_of_range(survey.depth)) {
+      cause = explain_empty_scene(survey.depth, noise, recording.manifest.depth_scale, {}, 1.0);
+    }
+    if (!rejected.empty()) cause = {rejected, kRejectedTagsHint};
+    return {.message = "no frame could be placed in base: " + cause.message,
+            .file = file,
+            .hint = cause.hint};
   }
   std::string seen;
   for (const auto& [id, frames] : survey.tags_seen) {
@@ -147,7 +146,62 @@ Error not_placed_error(const Recording& recording, const Survey& survey) {
           .hint = "declare a tag that is in view with role: base, its size and its pose"};
 }
 
+/// What a body's tags came to in the frames that show them.
+struct TagOutcome {
+  std::set<std::string> names;
+  std::size_t frames = 0;
+  std::size_t rejected = 0;  ///< of these, frames in which no pose explained a tag
+};
+
+TagOutcome outcome_of_tags(const std::vector<TagPlacement>& placements,
+                           const std::vector<std::vector<TagDetection>>& seen,
+                           const CameraModel& camera) {
+  TagOutcome outcome;
+  for (const std::vector<TagDetection>& detections : seen) {
+    const BodyPose pose = solve_body_pose(placements, detections, camera);
+    if (pose.status == BodyPoseStatus::not_seen) continue;
+    ++outcome.frames;
+    outcome.rejected += pose.status == BodyPoseStatus::failed ? 1 : 0;
+    for (const TagDetection& detection : detections) {
+      for (const TagPlacement& placement : placements) {
+        if (placement.id == detection.id) outcome.names.insert(detection.id.to_string());
+      }
+    }
+  }
+  return outcome;
+}
+
 }  // namespace
+
+Expected<std::optional<TagDetector>> make_tag_detector(const Recording& recording) {
+  const std::vector<std::string> families = families_of(recording.manifest);
+  if (families.empty()) return std::optional<TagDetector>();
+  TagDetectorOptions options;
+  if (recording.manifest.camera->has_distortion()) options.lens = recording.manifest.camera;
+  Expected<TagDetector> detector = TagDetector::create(families, options);
+  if (!detector) {
+    Error error = detector.error();
+    error.file = (recording.folder / "recording.yaml").string();
+    return error;
+  }
+  return std::optional<TagDetector>(std::move(*detector));
+}
+
+std::string explain_rejected_tags(const Recording& recording,
+                                  const std::vector<std::vector<TagDetection>>& seen,
+                                  const std::string& object) {
+  const std::vector<TagPlacement> placements = object.empty()
+                                                   ? base_placements(recording.manifest)
+                                                   : object_placements(recording.manifest, object);
+  const TagOutcome outcome = outcome_of_tags(placements, seen, *recording.manifest.camera);
+  if (outcome.rejected == 0) return {};
+  std::string names;
+  for (const std::string& name : outcome.names) names += (names.empty() ? "" : ", ") + name;
+  return names + (outcome.names.size() == 1 ? " was" : " were") + " seen in " +
+         std::to_string(outcome.frames) + " frames, but rejected in " +
+         std::to_string(outcome.rejected) +
+         ": no pose of a square puts its corners where they were seen";
+}
 
 Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recording) {
   std::vector<MovableBody> bodies;
@@ -193,7 +247,7 @@ Expected<Survey> survey_recording(const Recording& recording,
                                   const std::vector<MovableBody>& bodies,
                                   const SurveyOptions& options, const Observer& observer,
                                   std::optional<CameraTrack> known_camera) {
-  Expected<std::optional<TagDetector>> detector = make_detector(recording);
+  Expected<std::optional<TagDetector>> detector = make_tag_detector(recording);
   if (!detector) return detector.error();
   FrameReader reader(recording, {.skip_bad = options.skip_bad});
   const auto look_at_next = [&]() -> Expected<Look> {
@@ -217,6 +271,10 @@ Expected<Survey> survey_recording(const Recording& recording,
   const bool needs_masks = !known_camera && !options.trust_poses;
   BodyMasker masker(bodies, camera, options.depth_noise, needs_masks);
   Survey survey;
+  survey.findings = check_bodies(recording, bodies, masker.surfaces());
+  if (has_contradiction(survey.findings)) return contradiction_error(recording, survey.findings);
+  ConsistencyCollector collector(recording.manifest, options.depth_noise, masker.surfaces(),
+                                 recording.frames.size());
   survey.detections.resize(recording.frames.size());
   bool any_depth = false;
   OneAhead looks(look_at_next, options.parallelism);
@@ -228,6 +286,7 @@ Expected<Survey> survey_recording(const Recording& recording,
     any_depth = any_depth || look->has_depth;
     for (const TagDetection& tag : look->detections) ++survey.tags_seen[tag.id];
     const MaskImage is_dynamic = masker.mask(frame, look->detections);
+    collector.add(frame, look->detections, masker.last_poses());
     if (!known_camera) tracker.add(frame, look->detections, is_dynamic, options.parallelism);
     survey.detections[frame.index] = std::move(look->detections);
     observer.on_progress("looking", frame.index + 1, recording.frames.size());
@@ -236,10 +295,17 @@ Expected<Survey> survey_recording(const Recording& recording,
   if (!any_depth) return no_depth_error(recording);
 
   survey.camera = known_camera ? std::move(*known_camera) : tracker.solve(observer);
+  survey.depth = collector.observations().depth;
+  survey.findings = assess_consistency(recording, bodies, collector.observations(), survey.camera,
+                                       std::move(survey.findings));
+  if (has_contradiction(survey.findings)) return contradiction_error(recording, survey.findings);
+  for (const ConsistencyFinding& finding : survey.findings) {
+    observer.on_warning(finding.to_string());
+  }
   const bool any_placed = std::any_of(
       survey.camera.frames.begin(), survey.camera.frames.end(),
       [](const FramePlacement& frame) { return frame.status == PlacementStatus::placed; });
-  if (!any_placed) return not_placed_error(recording, survey);
+  if (!any_placed) return not_placed_error(recording, survey, options.depth_noise);
   survey.T_base_object_first = first_poses(masker.first_sightings(), survey.camera);
   return survey;
 }

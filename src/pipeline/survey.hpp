@@ -13,8 +13,11 @@
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/marker/body_pose.hpp"
 #include "pcavr/model/cad_model.hpp"
+#include "pcavr/pipeline/consistency.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/tracking/camera_tracker.hpp"
+
+#include "consistency_observations.hpp"
 
 namespace pcavr {
 
@@ -50,10 +53,24 @@ struct Survey {
   std::vector<std::optional<Pose>> T_base_object_first;
   std::map<MarkerId, std::size_t> tags_seen;  ///< frames in which each declared tag was seen
   std::size_t undecoded = 0;                  ///< left out by skip_bad
+  DepthSummary depth;
+  std::vector<ConsistencyFinding> findings;  ///< warnings: a contradiction is an Error
 };
 
+/// Finds the manifest's tags; nothing where it names none.
+[[nodiscard]] Expected<std::optional<TagDetector>> make_tag_detector(const Recording& recording);
+
+/// What to check where tags were rejected.
+inline constexpr char kRejectedTagsHint[] = "check fx, fy, cx, cy and the tags' sizes and poses";
+/// Why the tags of a body (base, where `object` is empty) gave no pose although they were seen:
+/// "tag36h11:0 was seen in 38 frames, but ...". Empty where they were not seen, or did.
+[[nodiscard]] std::string explain_rejected_tags(const Recording& recording,
+                                                const std::vector<std::vector<TagDetection>>& seen,
+                                                const std::string& object);
+
 /// First pass: finds the tags, and the camera's pose in base for every frame, unless it is known
-/// already. An Error where no frame can be placed.
+/// already, and holds the inputs against each other. An Error where they contradict each other
+/// (consistency.hpp), and where no frame can be placed.
 [[nodiscard]] Expected<Survey> survey_recording(const Recording& recording,
                                                 const std::vector<MovableBody>& bodies,
                                                 const SurveyOptions& options,

@@ -115,6 +115,19 @@ void emit_counts(YAML::Emitter& out, const char* key, const char* what, const Co
   out << YAML::EndSeq;
 }
 
+void emit_warnings(YAML::Emitter& out, const std::vector<InputWarning>& warnings) {
+  out << YAML::Key << "input_warnings" << YAML::Value << YAML::BeginSeq;
+  for (const InputWarning& warning : warnings) {
+    out << YAML::BeginMap;
+    emit(out, "input", warning.input);
+    emit(out, "message", warning.message);
+    emit(out, "factor", warning.factor);
+    emit(out, "frames", warning.frames);
+    out << YAML::EndMap;
+  }
+  out << YAML::EndSeq;
+}
+
 void emit_quality(YAML::Emitter& out, const SceneQuality& quality) {
   emit_section(out, "quality");
   out << YAML::BeginMap;
@@ -127,6 +140,7 @@ void emit_quality(YAML::Emitter& out, const SceneQuality& quality) {
   emit_pose_figures(out, "camera_sigma", quality.camera_position_sigma,
                     quality.camera_rotation_sigma);
   emit(out, "surface_rms", quality.surface_rms);
+  if (!quality.input_warnings.empty()) emit_warnings(out, quality.input_warnings);
   out << YAML::EndMap;
 }
 

@@ -132,9 +132,20 @@ std::vector<std::pair<std::string, std::size_t>> counts_of(const YamlValue& valu
   return counts;
 }
 
+std::vector<InputWarning> warnings_of(const YamlValue& value) {
+  std::vector<InputWarning> warnings;
+  for (const YamlValue& item : value.items()) {
+    item.expect_keys({"input", "message", "factor", "frames"});
+    warnings.push_back({item.at("input").text(), item.at("message").text(),
+                        item.at("factor").positive_number(), count_of(item.at("frames"))});
+  }
+  return warnings;
+}
+
 SceneQuality quality_of(const YamlValue& value) {
   value.expect_keys({"frames_recorded", "frames_used", "frames_dropped", "tags_seen",
-                     "tag_reprojection_rms", "tracking_rms", "camera_sigma", "surface_rms"});
+                     "tag_reprojection_rms", "tracking_rms", "camera_sigma", "surface_rms",
+                     "input_warnings"});
   SceneQuality quality;
   quality.frames_recorded = count_of(value.at("frames_recorded"));
   quality.frames_used = count_of(value.at("frames_used"));
@@ -146,6 +157,9 @@ SceneQuality quality_of(const YamlValue& value) {
   quality.camera_position_sigma = sigma.translation;
   quality.camera_rotation_sigma = sigma.rotation;
   quality.surface_rms = not_negative(value.at("surface_rms"));
+  if (const auto warnings = value.find("input_warnings")) {
+    quality.input_warnings = warnings_of(*warnings);
+  }
   return quality;
 }
 

@@ -71,7 +71,9 @@ TEST(Consistency, NamesTheDepthScaleWhereAllTagsDisagreeAlike) {
   const ConsistencyCase made = a_consistency_case(4.0);
   const auto findings = findings_of(made);
   expect_contradiction(findings, "camera.depth_scale", 5.0);
-  EXPECT_NE(findings[0].message.find("5000 units a metre, but 4 other inputs say about 2"), std::string::npos) << findings[0].message;
+  EXPECT_NE(findings[0].message.find("5000 units a metre, but 4 other inputs say about 2"),
+            std::string::npos)
+      << findings[0].message;
 }
 
 TEST(Consistency, NamesTagAndDepthScaleWhereOnlyOneTagIsSeen) {
@@ -86,8 +88,8 @@ TEST(Consistency, LetsGroundtruthDecideBetweenOneTagAndTheDepthScale) {
   ConsistencyCase made = a_consistency_case(4.0);
   std::erase_if(made.sights, [](const TagSight& sight) { return sight.marker != 0; });
   for (FramePlacement& frame : made.track.frames) {
-    frame.T_segment_camera = Pose(frame.T_segment_camera.rotation(),
-                                  5.0 * frame.T_segment_camera.translation());
+    frame.T_segment_camera =
+        Pose(frame.T_segment_camera.rotation(), 5.0 * frame.T_segment_camera.translation());
   }
   expect_contradiction(findings_of(made, made.camera), "camera.depth_scale", 5.0);
 }
@@ -164,9 +166,9 @@ TEST(Consistency, TakesAHandEyeCalibrationsErrorForGranted) {
   // 15 mm and 2 degrees, as an arm's commanded poses have it.
   const Pose error(Eigen::Quaterniond(Eigen::AngleAxisd(0.035, Eigen::Vector3d::UnitY())),
                    {0.015, 0.0, 0.0});
-  EXPECT_TRUE(findings_of(made, changed(made.camera, [&](const Pose& pose) {
-                            return pose * error;
-                          })).empty());
+  EXPECT_TRUE(
+      findings_of(made, changed(made.camera, [&](const Pose& pose) { return pose * error; }))
+          .empty());
 }
 
 TEST(Consistency, NamesPosesInMillimetres) {
@@ -264,8 +266,8 @@ OutlineFit outline_fit(float mesh_scale) {
   const Pose T_base_box = Pose::from_translation({0.6, -0.1, 0.05});
   TriangleMesh box = a_box({0.16F, 0.16F, 0.1F});
   TriangleMesh scene = transformed(T_base_box, box);
-  TriangleMesh table = transformed(Pose::from_translation({0.6, 0.0, -0.01}),
-                                   a_box({4.0F, 4.0F, 0.02F}));
+  TriangleMesh table =
+      transformed(Pose::from_translation({0.6, 0.0, -0.01}), a_box({4.0F, 4.0F, 0.02F}));
   const auto offset = static_cast<std::uint32_t>(scene.vertices.size());
   scene.vertices.insert(scene.vertices.end(), table.vertices.begin(), table.vertices.end());
   for (auto triangle : table.triangles) {
@@ -306,8 +308,8 @@ TEST(ConsistencyOfABody, IsHeldAgainstTheDepthInItsOutline) {
 TEST(MeasureTag, PutsTheCornersOnThePlaneThatDepthShows) {
   const CameraModel camera{
       .width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 319.5, .cy = 239.5};
-  const Pose T_camera_tag(
-      Eigen::Quaterniond(Eigen::AngleAxisd(2.5, Eigen::Vector3d::UnitX())), {0.1, -0.05, 0.9});
+  const Pose T_camera_tag(Eigen::Quaterniond(Eigen::AngleAxisd(2.5, Eigen::Vector3d::UnitX())),
+                          {0.1, -0.05, 0.9});
   const Eigen::Vector3d normal = T_camera_tag.rotation() * Eigen::Vector3d::UnitZ();
   const double offset = normal.dot(T_camera_tag.translation());
   DepthImage depth(640, 480);

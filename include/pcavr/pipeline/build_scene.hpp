@@ -29,8 +29,9 @@ struct BuildOptions {
 
 /// From a recording to a scene in the robot's base frame: the whole chain. Without images it is
 /// what the manifest states: bodies at their poses. Fails where no frame can be placed in base,
-/// where a movable object has no CAD body (without images: no pose), and where a frame does not
-/// decode (unless skip_bad). Reads nothing under truth/.
+/// where a movable object has no CAD body (without images: no pose), where a frame does not decode
+/// (unless skip_bad), where the inputs contradict each other (consistency.hpp), and where the
+/// frames make no surface. Reads nothing under truth/.
 [[nodiscard]] Expected<Scene> build_scene(const Recording& recording, const BuildOptions& options,
                                           const Observer& observer = {});
 

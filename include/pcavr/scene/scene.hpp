@@ -42,6 +42,15 @@ struct SceneObject {
   bool is_movable = true;
 };
 
+/// An input of the recording that disagrees with the others, by less than would make the scene
+/// meaningless.
+struct InputWarning {
+  std::string input;  ///< "markers[0].size", "groundtruth.txt"
+  std::string message;
+  double factor = 1.0;     ///< >= 1, by which they disagree; 1 where it is no ratio
+  std::size_t frames = 0;  ///< that show it; 0 where the files alone do
+};
+
 /// How the scene came about: what the summary prints and `scene.yaml` keeps.
 struct SceneQuality {
   std::size_t frames_recorded = 0;  ///< colour images in the recording
@@ -54,6 +63,7 @@ struct SceneQuality {
   double camera_rotation_sigma = 0.0;  ///< [rad]
   double surface_rms = 0.0;            ///< frames used against the mesh, point to plane, median [m]
   bool is_fixed_camera = false;
+  std::vector<InputWarning> input_warnings = {};
   std::vector<StageTime> times;
 };
 
