@@ -50,9 +50,25 @@ std::vector<fs::path> movable_entries(const fs::path& folder, std::error_code& c
   return names;
 }
 
+/// A folder of an overlay's lower layer (a container's image) can't be renamed, and one that was
+/// moved in part is there on both sides: their entries are moved one by one.
 void move_entry(const fs::path& name, const fs::path& from, const fs::path& to,
-                std::error_code& code) {
-  if (!code) fs::rename(from / name, to / name, code);
+                const CommitHooks& hooks, std::error_code& code) {
+  if (code) return;
+  hooks.before_step("move an entry");
+  fs::rename(from / name, to / name, code);
+  const bool is_to_split = code == std::errc::cross_device_link ||
+                           code == std::errc::directory_not_empty || code == std::errc::file_exists;
+  std::error_code ignored;
+  if (!is_to_split || !fs::is_directory(fs::symlink_status(from / name, ignored))) return;
+  fs::create_directory(to / name, code);
+  std::vector<fs::path> names;
+  for (fs::directory_iterator entry(from / name, code), end; !code && entry != end;
+       entry.increment(code)) {
+    names.push_back(entry->path().filename());
+  }
+  for (const fs::path& inner : names) move_entry(inner, from / name, to / name, hooks, code);
+  if (!code) fs::remove(from / name, code);
 }
 
 /// From within the target to a folder in it: the manifest goes first.
@@ -60,19 +76,15 @@ void move_out(const fs::path& from, const fs::path& to, const CommitHooks& hooks
               std::error_code& code) {
   std::vector<fs::path> names = movable_entries(from, code);
   std::reverse(names.begin(), names.end());
-  for (const fs::path& name : names) {
-    hooks.before_step("move an old entry aside");
-    move_entry(name, from, to, code);
-  }
+  for (const fs::path& name : names) move_entry(name, from, to, hooks, code);
 }
 
 /// The other direction: the manifest comes last, when all else is on the disk.
 void move_in(const fs::path& from, const fs::path& to, const CommitHooks& hooks,
              std::error_code& code) {
   for (const fs::path& name : movable_entries(from, code)) {
-    hooks.before_step("move a new entry in");
     if (is_manifest_name(name.string())) sync_folder(to);
-    move_entry(name, from, to, code);
+    move_entry(name, from, to, hooks, code);
   }
   sync_folder(to);
 }
@@ -94,14 +106,15 @@ std::error_code replace_by_renames(const FolderCommit& commit, const fs::path& a
 }
 
 /// With the registry's lock held: moves the new content into place, and gives where the old content
-/// is afterwards, if there was any.
-Expected<fs::path> put_in_place(const FolderCommit& commit, const CommitHooks& hooks) {
+/// is afterwards; an empty path if there was none, and none where the target can't be renamed.
+Expected<std::optional<fs::path>> put_in_place(const FolderCommit& commit,
+                                               const CommitHooks& hooks) {
   std::error_code code;
   if (is_empty_or_absent(commit.target)) {
     hooks.before_step("rename");
     fs::rename(commit.partial, commit.target, code);
     if (code) return can_not_write(commit.target, code.message());
-    return fs::path();
+    return std::optional(fs::path());
   }
   if (const auto replaceable = commit.check_replaceable(); !replaceable) {
     return replaceable.error();
@@ -109,11 +122,14 @@ Expected<fs::path> put_in_place(const FolderCommit& commit, const CommitHooks& h
   // Other processes shall not take the old content for that of a dead one.
   const FileDescriptor lock = lock_as_own(commit.target);
   hooks.before_step("exchange");
-  if (hooks.can_exchange && exchange(commit.partial, commit.target)) return commit.partial;
+  if (hooks.can_exchange && exchange(commit.partial, commit.target)) {
+    return std::optional(commit.partial);
+  }
   const fs::path aside = PartialNames::beside(commit.target).path(PartialState::old);
   code = replace_by_renames(commit, aside, hooks);
+  if (code == std::errc::cross_device_link) return std::optional<fs::path>();
   if (code) return can_not_write(commit.target, code.message());
-  return aside;
+  return std::optional(aside);
 }
 
 /// Takes back what move_into_place() has begun, as far as it can; what can't be moved stays where
@@ -166,6 +182,22 @@ std::error_code repair_inside(const PartialNames::Found& found, const fs::path& 
   return code;
 }
 
+/// For a target that turns out not to be renamable, as one of an overlay's lower layer.
+Expected<void> move_within(const FolderCommit& commit, const CommitHooks& hooks) {
+  const fs::path within = PartialNames::inside(commit.target).path(PartialState::partial);
+  PartialRegistry& registry = PartialRegistry::instance();
+  std::error_code code;
+  hooks.before_step("move the new folder within the old one");
+  registry.add(within);
+  fs::rename(commit.partial, within, code);
+  if (code) return can_not_write(commit.target, code.message());
+  const Expected<void> committed =
+      commit_inside({within, commit.target, commit.check_replaceable}, hooks);
+  if (!committed) fs::rename(within, commit.partial, code);
+  registry.remove(within);
+  return committed;
+}
+
 }  // namespace
 
 Expected<void> sync_tree(const fs::path& folder) {
@@ -202,12 +234,19 @@ void sync_folder(const fs::path& folder) {
 Expected<void> commit_beside(const FolderCommit& commit, const CommitHooks& hooks) {
   PartialRegistry& registry = PartialRegistry::instance();
   fs::path old;
+  bool is_renamable = true;
   {
     const auto lock = registry.hold_off_signals();
-    Expected<fs::path> replaced = put_in_place(commit, hooks);
+    Expected<std::optional<fs::path>> replaced = put_in_place(commit, hooks);
     if (!replaced) return replaced.error();
-    old = std::move(*replaced);
+    is_renamable = replaced->has_value();
+    old = replaced->value_or(fs::path());
     sync_folder(commit.target.parent_path());
+  }
+  if (!is_renamable) {
+    const Expected<void> moved = move_within(commit, hooks);
+    if (moved) registry.remove(commit.partial);
+    return moved;
   }
   registry.remove(commit.partial);
   if (!old.empty()) {

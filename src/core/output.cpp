@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -132,6 +134,18 @@ struct OutputFolder::State {
     remove_partial(partial, made_parents);
     PartialRegistry::instance().remove(partial);
   }
+
+  /// The work is done, and may have taken hours: what can't take its place is kept beside it.
+  [[nodiscard]] Error keep_beside(Error error) {
+    const fs::path kept = target.path.string() + ".new";
+    if (::renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, kept.c_str(), RENAME_NOREPLACE) != 0) {
+      return error;
+    }
+    PartialRegistry::instance().remove(partial);
+    is_committed = true;
+    error.hint = "the new output is complete, and was kept as " + kept.string();
+    return error;
+  }
 };
 
 Expected<OutputFolder> OutputFolder::create(const fs::path& target_in,
@@ -186,7 +200,7 @@ Expected<void> OutputFolder::commit(const CommitHooks& hooks) {
       }};
   const Expected<void> committed =
       target.is_inside ? commit_inside(commit, hooks) : commit_beside(commit, hooks);
-  if (!committed) return committed;
+  if (!committed) return target.is_inside ? committed : state_->keep_beside(committed.error());
   state_->is_committed = true;
   return {};
 }

@@ -24,7 +24,9 @@ struct KindFacts {
   const char* name;
   const char* manifest;
   std::initializer_list<std::string_view> formats;  ///< without the version
-  std::initializer_list<std::string_view> entries;  ///< what pcavr writes in the folder itself
+  /// What pcavr writes in the folder itself. A file that is missing here keeps --force from
+  /// replacing such an output.
+  std::initializer_list<std::string_view> entries;
 };
 
 const std::array<KindFacts, 4>& all_kinds() {

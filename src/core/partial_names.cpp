@@ -162,7 +162,8 @@ std::vector<PartialNames::Found> PartialNames::find_abandoned() const {
     }
   }
   std::vector<Found> abandoned;
-  for (auto& [process, one] : found) {
+  for (auto& entry : found) {
+    Found& one = entry.second;
     const bool is_live = std::any_of(one.paths.begin(), one.paths.end(), [&](const auto& path) {
       return is_in_use(path.second, one.process);
     });

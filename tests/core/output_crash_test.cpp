@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr OutputFolderOptions kReplaceScene{.kind = OutputKind::scene, .replace = true};
+constexpr OutputFolderOptions kReplaceOldScene{.kind = OutputKind::scene, .replace = true};
 
 FileTree scene(const std::string& generation) {
   return {{"scene.yaml", "format: pcavr-scene/1\nname: " + generation + "\n"},
@@ -40,7 +40,7 @@ enum class Path { exchange, renames, inside };
 void write_new(const fs::path& target, Path path, CommitHooks hooks) {
   if (path == Path::inside) fs::current_path(target);
   hooks.can_exchange = path != Path::renames;
-  Expected<OutputFolder> folder = OutputFolder::create(target, kReplaceScene);
+  Expected<OutputFolder> folder = OutputFolder::create(target, kReplaceOldScene);
   if (!folder) ::_exit(2);
   write_tree(folder->path(), scene("new"));
   if (!folder->commit(hooks)) ::_exit(3);
@@ -170,6 +170,46 @@ int run_mounted(const fs::path& folder, const char* source, const Function& func
   });
 }
 
+/// A container's file system: what its image holds lies in a layer that is only read. Neither an
+/// exchange nor a rename of its folders is possible there.
+TEST(OverlayFileSystem, ReplacesAnOutputOfItsLowerLayerAndLeavesItWholeInACrash) {
+  const TemporaryFolder parent;
+  bool is_killed = true;
+  for (int kill_at = 0; is_killed; ++kill_at) {
+    const std::string root = (parent.path() / std::to_string(kill_at)).string();
+    for (const char* name : {"upper", "work", "merged"}) {
+      fs::create_directories(fs::path(root) / name);
+    }
+    write_tree(root + "/lower/scene", scene("old"));
+    const std::string layers =
+        "lowerdir=" + root + "/lower,upperdir=" + root + "/upper,workdir=" + root + "/work";
+    const int code = run_forked([&] {
+      if (::unshare(CLONE_NEWNS) != 0) return kForkedSkip;
+      ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr);
+      const fs::path merged = root + "/merged";
+      if (::mount("overlay", merged.c_str(), "overlay", 0, layers.c_str()) != 0) {
+        return kForkedSkip;
+      }
+      int count = 0;
+      const CommitHooks hooks{.before_step = [&](const char*) {
+        if (count++ == kill_at) ::raise(SIGKILL);
+      }};
+      const int status =
+          ForkedProcess([&] { write_new(merged / "scene", Path::exchange, hooks); }).wait();
+      expect_whole(merged, scene("old"));
+      const bool has_ended = WIFEXITED(status);
+      if (has_ended && (WEXITSTATUS(status) != 0 || tree(merged / "scene") != scene("new"))) {
+        return 2;
+      }
+      return testing::Test::HasFailure() ? 2 : (has_ended ? 1 : 0);
+    });
+    if (code == kForkedSkip) GTEST_SKIP() << "may not mount here";
+    ASSERT_TRUE(code == 0 || code == 1) << "killed at step " << kill_at;
+    is_killed = code == 0;
+    EXPECT_TRUE(is_killed || kill_at >= 10) << "as many steps were tried";
+  }
+}
+
 class MountPoint : public testing::TestWithParam<bool> {
  protected:
   void SetUp() override {
@@ -205,7 +245,7 @@ TEST_P(MountPoint, IsReplacedWithin) {
   run([&] {
     write_tree(target(), scene("old"));
     if (OutputFolder::create(target())) return 1;
-    Expected<OutputFolder> folder = OutputFolder::create(target(), kReplaceScene);
+    Expected<OutputFolder> folder = OutputFolder::create(target(), kReplaceOldScene);
     if (!folder) return 2;
     write_tree(folder->path(), scene("new"));
     if (tree(target()).at("scene.yaml") != scene("old").at("scene.yaml")) return 3;
@@ -218,7 +258,7 @@ TEST_P(MountPoint, KeepsWhatIsNotAnOutput) {
   run([&] {
     const FileTree precious{{"thesis.tex", "years"}};
     write_tree(target(), precious);
-    if (OutputFolder::create(target(), kReplaceScene)) return 1;
+    if (OutputFolder::create(target(), kReplaceOldScene)) return 1;
     return tree(target()) == precious ? 0 : 2;
   });
 }

@@ -124,11 +124,14 @@ TEST(OutputFolder, ChecksTheOldContentAgainAtTheCommit) {
   write_scene(target, "old");
   Expected<OutputFolder> folder = OutputFolder::create(target, kReplaceScene);
   ASSERT_TRUE(folder);
+  write_scene(folder->path(), "new");
   ASSERT_TRUE(write_file(target / "thesis.tex", "years"));
   const Expected<void> committed = folder->commit();
   ASSERT_FALSE(committed);
   EXPECT_NE(committed.error().message.find("thesis.tex"), std::string::npos);
   EXPECT_EQ(*read_file(target / "thesis.tex"), "years");
+  EXPECT_EQ(*read_file(parent.path() / "scene.new/mesh.ply"), "new") << "the work is not lost";
+  EXPECT_NE(committed.error().hint.find("scene.new"), std::string::npos);
 }
 
 TEST(OutputFolder, RefusesAFileInItsPlace) {

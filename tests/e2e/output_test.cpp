@@ -224,8 +224,8 @@ TEST_F(Outputs, OfTagsAppearAllOrNone) {
   EXPECT_TRUE(tree(place("sheets")) == before);
 }
 
-TEST_F(Outputs, AreRemovedOnASignal) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+TEST_F(Outputs, AreRemovedOnASignalOrByTheNextRun) {
+  for (const int signal : {SIGINT, SIGTERM, SIGKILL}) {
     ForkedProcess command([&] {
       const int nothing = ::open("/dev/null", O_WRONLY);
       ::dup2(nothing, STDERR_FILENO);
@@ -242,6 +242,12 @@ TEST_F(Outputs, AreRemovedOnASignal) {
     while (!is_begun()) ::usleep(1000);
     ::usleep(300'000);  // in the midst of writing frames
     const int status = command.kill(signal);
+    if (signal == SIGKILL) {
+      EXPECT_TRUE(is_begun());
+      EXPECT_EQ(run({"simulate", "push", "--no-images", "-o", "@sim"}).exit_code, 0);
+      EXPECT_FALSE(is_begun()) << "the next run of that name removes it";
+      return;
+    }
     ASSERT_TRUE(WIFEXITED(status));
     EXPECT_EQ(WEXITSTATUS(status), 128 + signal);
     EXPECT_FALSE(is_begun());
