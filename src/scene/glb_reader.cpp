@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <stdexcept>
 #include <string_view>
 
 #include "pcavr/core/output.hpp"
@@ -13,9 +14,10 @@ namespace {
 
 using nlohmann::json;
 
-/// Why a file is not sound; never leaves read_glb. JSON's own exceptions are caught beside it.
-struct NotSound {
-  std::string why;
+/// Why a file is not read; never leaves read_parts. JSON's own exceptions are caught there, too.
+class InvalidGlb : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 struct Chunks {
@@ -27,18 +29,18 @@ Chunks chunks_of(std::string_view bytes) {
   const auto number = [&](std::size_t at) { return value_at<std::uint32_t>(bytes.data(), at); };
   constexpr std::size_t kHeader = 20;
   if (bytes.size() < kHeader || number(0) != kGlbMagic || number(4) != 2) {
-    throw NotSound{"is not a binary glTF 2.0 file"};
+    throw InvalidGlb("is not a binary glTF 2.0 file");
   }
   const std::size_t text_size = number(12);
   if (number(8) != bytes.size() || text_size > bytes.size() - kHeader) {
-    throw NotSound{"has not the size that its header tells"};
+    throw InvalidGlb("differs in size from its header");
   }
   Chunks chunks{json::parse(bytes.substr(kHeader, text_size)), bytes.substr(kHeader + text_size)};
   if (chunks.buffer.empty()) return chunks;
   const std::size_t at = kHeader + text_size;
   if (chunks.buffer.size() < 8 || number(at + 4) != kGlbBinaryChunk ||
       number(at) != chunks.buffer.size() - 8) {
-    throw NotSound{"has a binary part of another size than it tells"};
+    throw InvalidGlb("has a binary part that differs in size from its header");
   }
   chunks.buffer.remove_prefix(8);
   return chunks;
@@ -53,7 +55,7 @@ std::string_view elements(const Chunks& chunks, const json& accessor, std::size_
   const auto count = accessor.at("count").get<std::size_t>();
   if (offset > chunks.buffer.size() || length > chunks.buffer.size() - offset ||
       count > length / element_size) {
-    throw NotSound{"has an accessor that leaves its buffer"};
+    throw InvalidGlb("has an accessor that leaves its buffer");
   }
   return chunks.buffer.substr(offset, count * element_size);
 }
@@ -71,7 +73,7 @@ std::size_t triangles_of(const Chunks& chunks, std::size_t mesh) {
       elements(chunks, accessor_at(primitive.at("indices")), sizeof(std::uint32_t));
   for (std::size_t at = 0; at < indices.size(); at += sizeof(std::uint32_t)) {
     if (value_at<std::uint32_t>(indices.data(), at) >= vertices) {
-      throw NotSound{"has an index without a vertex"};
+      throw InvalidGlb("has an index without a vertex");
     }
   }
   return indices.size() / (3 * sizeof(std::uint32_t));
@@ -81,7 +83,7 @@ Pose pose_of(const json& node) {
   const auto t = node.at("translation").get<std::array<double, 3>>();
   const auto q = node.at("rotation").get<std::array<double, 4>>();
   const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
-  if (!(std::abs(rotation.norm() - 1.0) < 1e-3)) throw NotSound{"has a rotation that is none"};
+  if (!(std::abs(rotation.norm() - 1.0) < 1e-3)) throw InvalidGlb("has a rotation that is none");
   return Pose(rotation, Eigen::Vector3d(t[0], t[1], t[2]));
 }
 
@@ -120,8 +122,8 @@ Expected<Result> read_parts(const std::filesystem::path& file, Make make) {
   if (!bytes) return bytes.error();
   try {
     return make(chunks_of(*bytes));
-  } catch (const NotSound& reason) {
-    return Error{.message = reason.why, .file = file.string()};
+  } catch (const InvalidGlb& invalid) {
+    return Error{.message = invalid.what(), .file = file.string()};
   } catch (const json::exception&) {
     return Error{.message = "lacks a part of a scene's glTF, or has it in another form",
                  .file = file.string()};
