@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "identification/small_solve.hpp"
@@ -70,7 +71,9 @@ std::size_t first_peak(const PeakSignals& signals, std::size_t begin, std::size_
 
 ForcePeak fit_peak(const PeakSignals& signals, std::size_t about) {
   ForcePeak peak{signals.t[about], signals.soft_force[about].value, signals.soft_noise};
-  double highest = 1e300, lowest = -1e300;  // what narrower windows allow
+  // What narrower windows allow.
+  double highest = std::numeric_limits<double>::infinity();
+  double lowest = -highest;
   double half_width = signals.half_width;
   for (int i = 0; i < kWidenings; ++i, half_width *= kWidening) {
     const std::optional<Parabola> fit = parabola_over(signals, about, half_width);

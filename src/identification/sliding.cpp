@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/identification/estimator.hpp"
@@ -89,13 +90,13 @@ ParameterEstimate<3> fit(const SlidingSamples& all, Model model, const SlidingOp
   result.history.clear();
   double errors = 0.0, forces = 0.0;
   // A curve needs no more points than this; each costs its deviations.
-  double drawn = -1e300;
+  std::optional<double> drawn;
   for (const SlidingSample& sample : all.samples) {
     const double carried = model.has_mass ? 0.0 : known_mass * sample.acceleration;
     const EstimatorStep step = estimator.step(
         {model.has_mass ? sample.acceleration : 0.0, 1.0, model.has_viscous ? sample.speed : 0.0},
         sample.force - carried);
-    if (sample.t < drawn + 0.02 && sample.t > drawn) continue;
+    if (drawn && sample.t < *drawn + 0.02 && sample.t > *drawn) continue;
     drawn = sample.t;
     const ParameterEstimate<3> now = estimator.estimate();
     SlidingHistory& point = result.history.emplace_back();

@@ -114,13 +114,15 @@ class SteadyErrors {
 };
 
 /// [s] from the first touch to the last of its long errors; nothing where it never settles.
-std::optional<double> settling_of(const EstimatorTrace& trace, double first_press_end,
-                                  double interval, double half_width) {
+std::optional<double> settling_of(const EstimatorTrace& trace,
+                                  std::optional<double> first_press_end, double interval,
+                                  double half_width) {
   const auto lasting = static_cast<std::size_t>(std::ceil(kErrorWindow / interval));
   double settled = 0.0;
   std::size_t in_a_row = 0;
   std::size_t last = 0;
-  for (std::size_t i = 0; i < trace.t.size() && trace.t[i] < first_press_end; ++i) {
+  for (std::size_t i = 0; i < trace.t.size(); ++i) {
+    if (first_press_end && trace.t[i] >= *first_press_end) break;
     const double error = std::abs(trace.estimated[i] - trace.measured[i]);
     in_a_row = error > kSettled * std::abs(trace.measured[i]) ? in_a_row + 1 : 0;
     if (in_a_row >= lasting) settled = trace.t[i] + interval;
@@ -166,8 +168,9 @@ std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> pres
     }
     trace.steady_error = steady.rms();
     trace.held_error = steady.held();
-    trace.settling =
-        settling_of(whole, touches.size() > 1 ? touches[1] : 1e300, interval, half_width);
+    const auto first_press_end =
+        touches.size() > 1 ? std::optional(touches[1]) : std::nullopt;  // else one press is all
+    trace.settling = settling_of(whole, first_press_end, interval, half_width);
   }
   return traces;
 }

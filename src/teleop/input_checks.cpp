@@ -19,7 +19,7 @@ constexpr double kSoftEdge = 5e-4;
 constexpr double kNear = 0.02;
 // Samples of the penetration a second: enough for clocks, cheap enough for long recordings.
 constexpr double kCommonRate = 200.0;
-// A correlation below minus this is a sign turned round.
+// A correlation below minus this is a reversed sign.
 constexpr double kTurnedRound = 0.5;
 // No support bears more, and no sliding body less, of its weight.
 constexpr double kMostFriction = 10.0;
@@ -135,13 +135,18 @@ void check_unit(const TeleopInput& input, const Part& part, const Pressing& pres
       friction.begin() + static_cast<std::ptrdiff_t>(99 * (friction.size() - 1) / 100);
   std::nth_element(friction.begin(), high, friction.end());
   share = *high;
-  const bool is_too_weak = share < kLeastFriction && longest_way(input) > kMoved;
+  // A mass by density is good for too much only: a hollow body weighs a fraction of it.
+  const bool are_weighed =
+      std::all_of(input.objects.begin(), input.objects.end(),
+                  [](const TeleopObject& object) { return object.parameters.mass.has_value(); });
+  const bool is_too_weak = are_weighed && share < kLeastFriction && longest_way(input) > kMoved;
   if (share <= kMostFriction && !is_too_weak) return;
   char text[160];
-  std::snprintf(text, sizeof text,
-                "the force is not used: pushes show %.3g of the pushed object's weight; "
-                "is its unit N?",
-                share);
+  std::snprintf(
+      text, sizeof text,
+      "the force is not used: pushes show %.3g times the pushed object's weight; is it in "
+      "newtons?",
+      share);
   findings.is_force_usable = false;
   findings.notes.emplace_back(text);
 }
@@ -169,7 +174,7 @@ Verdict check_part(const TeleopInput& input, const Part& part, const Pressing& p
   if (offset.correlation < -kTurnedRound) {
     findings.is_force_usable = false;
     findings.notes.emplace_back(
-        "the force is not used: it falls where the tool presses in; its sign is turned round");
+        "the force is not used: it falls where the tool presses in; its sign is reversed");
     return Verdict::wrong_sign;
   }
   if (offset.is_known) findings.tool_to_force = surer(offset, input.tool_to_force);
@@ -247,17 +252,18 @@ std::optional<TimeOffset> camera_offset(const TeleopObject& object, const TipMot
   const Eigen::Vector3d along = Eigen::Vector3d(way.x(), way.y(), 0.0).normalized();
   const double length = way.dot(along);
   std::vector<double> t_tip, pushed, t_seen, seen;
-  double furthest = -1e300;
+  std::optional<double> furthest;
   for (std::size_t i = 0; i < tip.t.size(); ++i) {
     if (tip.t[i] < begin || tip.t[i] > end) continue;
     t_tip.push_back(tip.t[i]);
     pushed.push_back(tip.p_base[i].dot(along));
     const bool is_moving = tip.t[i] > begin + kAround - kRange && tip.t[i] < end - kAround + kRange;
-    if (is_moving) furthest = std::max(furthest, pushed.back());
+    if (is_moving) furthest = std::max(furthest.value_or(pushed.back()), pushed.back());
   }
+  if (!furthest) return std::nullopt;
   double reached = 0.0;
   for (double& value : pushed) {
-    reached = std::max(reached, std::clamp(value - (furthest - length), 0.0, length));
+    reached = std::max(reached, std::clamp(value - (*furthest - length), 0.0, length));
     value = reached;
   }
   for (const TrackedPose& pose : tracked) {
