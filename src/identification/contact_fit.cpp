@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "pcavr/core/check.hpp"
 #include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/signals.hpp"
 
@@ -123,6 +124,12 @@ ContactFit fit_linear(const std::vector<PressSamples>& presses) {
   return fit;
 }
 
+/// What the curved fit leaves open of the straight one's exponent.
+void state_linear_exponent(const ContactFit& curved, ContactFit& linear) {
+  if (!linear.is_valid || !curved.is_valid) return;
+  linear.exponent.deviation = std::hypot(curved.exponent.deviation, curved.exponent.value - 1.0);
+}
+
 std::string proposal_for(const ContactIdentification& found) {
   const ContactFit& best = found.best();
   if (!best.is_valid) return "press deeper, or longer: no stiffness could be told";
@@ -139,6 +146,7 @@ std::string proposal_for(const ContactIdentification& found) {
 
 ContactIdentification identify_contact(std::span<const ForceMotion> presses,
                                        const ContactFitOptions& options) {
+  PCAVR_REQUIRE(options.exponent.value_or(1.0) >= 1.0, *options.exponent);
   ContactIdentification found;
   std::vector<PressSamples> samples;
   for (std::size_t i = 0; i < presses.size(); ++i) {
@@ -151,9 +159,16 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
     found.proposal = proposal_for(found);
     return found;
   }
+  if (options.exponent) {
+    found.hunt_crossley = fit_hunt_crossley(samples, options);
+    found.chosen = ContactRegressor::hunt_crossley;
+    found.proposal = proposal_for(found);
+    return found;
+  }
   found.mass_damper_spring = fit_linear(samples);
   if (options.drift_half_width <= 0.0) {
-    found.hunt_crossley = fit_hunt_crossley(samples, options.is_surface_shared);
+    found.hunt_crossley = fit_hunt_crossley(samples, options);
+    state_linear_exponent(found.hunt_crossley, found.mass_damper_spring);
   }
   const ContactFit& linear = found.mass_damper_spring;
   const ContactFit& curved = found.hunt_crossley;

@@ -42,8 +42,9 @@ struct PressSamples {
 
 /// F = k x^n + lambda x^n x' over k, lambda, n and the surface, one for all or one for each press.
 /// By orthogonal distances: both the force and the tip's place have noise, and on a stiff contact
-/// the tip's is the larger by far; least squares of the force alone takes it for softness.
+/// the tip's is the larger by far; least squares of the force alone takes it for softness. Of
+/// `options` the shared surface and the given exponent count.
 [[nodiscard]] ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses,
-                                           bool is_surface_shared);
+                                           const ContactFitOptions& options);
 
 }  // namespace pcavr

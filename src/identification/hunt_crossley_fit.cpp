@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -22,8 +23,10 @@ constexpr double kLeastNoise = 1e-6;  // of the largest force
 /// independent of each other, which k, lambda and n are not.
 class Problem {
  public:
-  Problem(const std::vector<PressSamples>& presses, bool is_surface_shared)
-      : presses_(presses), is_surface_shared_(is_surface_shared) {
+  Problem(const std::vector<PressSamples>& presses, const ContactFitOptions& options)
+      : presses_(presses),
+        is_surface_shared_(options.is_surface_shared),
+        exponent_(options.exponent) {
     double peak = 0.0;
     for (const PressSamples& press : presses) {
       for (const ContactSample& sample : press.raw) {
@@ -46,7 +49,7 @@ class Problem {
       theta[surface_column(p)] = presses_[p].onset - 0.02 * depth_;
       for (const ContactSample& sample : presses_[p].raw) force = std::max(force, sample.force);
     }
-    theta.head<3>() << force, 0.0, 1.5;
+    theta.head<3>() << force, 0.0, exponent_.value_or(1.5);
     return theta;
   }
 
@@ -74,12 +77,15 @@ class Problem {
         (*pull)[column] += row.by[3] * row.error;
       }
     }
+    if (normal != nullptr && exponent_) hold_exponent(*normal, *pull);
     return sum;
   }
 
+  /// A given exponent is counted: it costs one degree of freedom of thousands.
   [[nodiscard]] std::size_t unknowns() const {
     return 3 + (is_surface_shared_ ? 1 : presses_.size());
   }
+  [[nodiscard]] bool is_exponent_given() const { return exponent_.has_value(); }
   [[nodiscard]] Eigen::Index surface_column(std::size_t press) const {
     return 3 + (is_surface_shared_ ? 0 : static_cast<Eigen::Index>(press));
   }
@@ -87,6 +93,14 @@ class Problem {
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
+  /// The exponent's column decoupled: no step is made in it, and nothing else is moved by it.
+  static void hold_exponent(Eigen::MatrixXd& normal, Eigen::VectorXd& pull) {
+    normal.row(2).setZero();
+    normal.col(2).setZero();
+    normal(2, 2) = 1.0;
+    pull[2] = 0.0;
+  }
+
   struct Row {
     double error = 0.0;
     Eigen::Vector4d by = Eigen::Vector4d::Zero();  ///< model's change by force, c, n, surface
@@ -122,6 +136,7 @@ class Problem {
 
   const std::vector<PressSamples>& presses_;
   bool is_surface_shared_;
+  std::optional<double> exponent_;
   double depth_ = 0.0;
   double position_variance_ = 0.0;
   double force_variance_ = 0.0;
@@ -213,10 +228,11 @@ double normalised_misfit(const std::vector<PressSamples>& presses, const Contact
   return sum / std::max(count, 1.0);
 }
 
-ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses, bool is_surface_shared) {
+ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses,
+                             const ContactFitOptions& options) {
   ContactFit fit;
   fit.regressor = ContactRegressor::hunt_crossley;
-  const Problem problem(presses, is_surface_shared);
+  const Problem problem(presses, options);
   fit.samples = problem.count();
   const std::size_t unknowns = problem.unknowns();
   if (problem.count() < 4 * unknowns || problem.depth() <= 0.0) return fit;
@@ -229,7 +245,8 @@ ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses, bool is_s
   // Above 1 where the law is not quite the surface's.
   const double variance = sum / static_cast<double>(problem.count() - unknowns);
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(theta.size(), theta.size());
-  const Eigen::MatrixXd covariance = variance * normal.ldlt().solve(identity);
+  Eigen::MatrixXd covariance = variance * normal.ldlt().solve(identity);
+  if (problem.is_exponent_given()) covariance(2, 2) = 0.0;
   state_parameters(theta, covariance, problem.depth(), fit);
   for (std::size_t p = 0; p < presses.size(); ++p) {
     fit.surface.push_back(theta[problem.surface_column(p)]);

@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "pcavr/core/check.hpp"
 #include "pcavr/identification/signals.hpp"
 
 #include "identification/plant.hpp"
@@ -147,6 +148,30 @@ TEST(IdentifyContact, ChoosesTheLinearLawForALinearContact) {
   EXPECT_EQ(found.chosen, ContactRegressor::mass_damper_spring);
   EXPECT_NEAR(found.best().stiffness.value, 3000.0, 30.0);
   EXPECT_NEAR(found.best().surface[0], 0.0, 1e-4);
+  // Chosen by a tie, not known without error.
+  EXPECT_GT(found.best().exponent.deviation, 0.0);
+}
+
+TEST(IdentifyContact, FitsStiffnessAndDampingUnderAGivenExponent) {
+  Plant plant;
+  plant.is_held = true;
+  plant.stiffness = 5e4;
+  plant.damping = 1.5e5;
+  plant.exponent = 1.5;
+  const auto trials = press_at(plant, {}, 0.004, {0.01, 0.03}, 7);
+  ContactFitOptions options;
+  options.exponent = 1.5;
+  const ContactIdentification free = identify_contact(series_of(trials));
+  const ContactIdentification given = identify_contact(series_of(trials), options);
+  ASSERT_TRUE(given.best().is_valid);
+  EXPECT_EQ(given.chosen, ContactRegressor::hunt_crossley);
+  EXPECT_EQ(given.best().exponent.value, 1.5);
+  EXPECT_EQ(given.best().exponent.deviation, 0.0);
+  EXPECT_NEAR(given.best().stiffness.value, 5e4, 4.0 * given.best().stiffness.deviation);
+  // What the exponent leaves open of the stiffness is most of its deviation.
+  EXPECT_LT(given.best().stiffness.deviation, 0.3 * free.best().stiffness.deviation);
+  options.exponent = 0.5;
+  EXPECT_THROW(static_cast<void>(identify_contact(series_of(trials), options)), ContractError);
 }
 
 TEST(IdentifyContact, SaysThatAHeldPressShowsNoDamping) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,6 +27,9 @@ struct ContactFitOptions {
   /// For a tip that wanders over a surface while it oscillates, so that no depth is known. About
   /// one period of the oscillation.
   double drift_half_width = 0.0;
+  /// >= 1: given, and only the Hunt-Crossley law of this exponent is fitted. Its deviations are
+  /// those under this exponent: k is another number in another unit under another.
+  std::optional<double> exponent = {};
 };
 
 /// One law fitted to all presses together.
@@ -35,11 +39,13 @@ struct ContactFit {
   IdentifiedParameter mass;       ///< m [kg]; mass_damper_spring only, left out where not told
   IdentifiedParameter damping;    ///< b [N s/m] or lambda [N s/m^(n+1)]
   IdentifiedParameter stiffness;  ///< k [N/m^n]
-  IdentifiedParameter exponent;   ///< n; 1 for mass_damper_spring
-  std::vector<double> surface;    ///< [m] tool coordinate at which x = 0, one for each press that
-                                  ///< touched
-  double residual = 0.0;          ///< [N] rms of measured minus estimated, smoothed force
-  double relative_error = 0.0;    ///< residual over the rms force
+  /// n; 1 for mass_damper_spring, whose deviation is how far the Hunt-Crossley fit is from it: a
+  /// tie chooses the linear law, and does not make its exponent exact.
+  IdentifiedParameter exponent;
+  std::vector<double> surface;  ///< [m] tool coordinate at which x = 0, one for each press that
+                                ///< touched
+  double residual = 0.0;        ///< [N] rms of measured minus estimated, smoothed force
+  double relative_error = 0.0;  ///< residual over the rms force
   std::size_t samples = 0;
 };
 
