@@ -14,8 +14,8 @@ namespace {
 /// Edges of a coarse pixel in fine pixels: [begin, end), with the parts of the first and last one.
 struct Span {
   int first = 0;
-  int last = 0;               ///< inclusive
-  float first_share = 1.0F;   ///< 0 to 1
+  int last = 0;              ///< inclusive
+  float first_share = 1.0F;  ///< 0 to 1
   float last_share = 1.0F;
 
   [[nodiscard]] float weight(int i) const {

@@ -61,8 +61,8 @@ TEST(ManyObjects, TwentyAreFoundAndFollowedAndMasked) {
   const CameraModel& camera = *recording.manifest.camera;
   std::vector<int> followed(bodies->size());
   std::vector<double> squares(bodies->size());
-  const auto done = follow_objects(
-      recording, *bodies, *survey, options, {}, [&](const FollowedFrame& frame) {
+  const auto done =
+      follow_objects(recording, *bodies, *survey, options, {}, [&](const FollowedFrame& frame) {
         for (std::size_t i = 0; i < bodies->size(); ++i) {
           const Pose truth = truth_of(recording, (*bodies)[i].entry.name);
           const ObjectObservation& seen = frame.objects[i];
@@ -70,8 +70,8 @@ TEST(ManyObjects, TwentyAreFoundAndFollowedAndMasked) {
           ++followed[i];
           squares[i] += std::pow(translation_distance(seen.T_base_object, truth), 2);
           // The middle of the top, where it is in view, belongs to the body and is masked.
-          const Eigen::Vector2d pixel = camera.project(frame.T_base_camera.inverse() *
-                                                       truth.translation());
+          const Eigen::Vector2d pixel =
+              camera.project(frame.T_base_camera.inverse() * truth.translation());
           if (!camera.contains(pixel)) continue;
           EXPECT_NE(frame.is_dynamic(static_cast<int>(std::lround(pixel.x())),
                                      static_cast<int>(std::lround(pixel.y()))),
