@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 
 #include "pcavr/core/median.hpp"
+#include "pcavr/geometry/depth_grid.hpp"
 
 namespace pcavr {
 namespace {
@@ -161,19 +162,26 @@ ConsistencyCollector::ConsistencyCollector(const Manifest& manifest, const Depth
 
 void ConsistencyCollector::add(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
                                const std::vector<std::optional<Pose>>& T_camera_body) {
-  const CameraModel& camera = *manifest_.camera;
+  // All on the depth image's grid, which may be coarser than colour's.
+  const CameraModel camera = on_grid(*manifest_.camera, frame.depth.width(), frame.depth.height());
   observations_.depth.add(frame.depth, noise_);
   for (std::size_t marker = 0; marker < manifest_.markers.size(); ++marker) {
     for (const TagDetection& detection : detections) {
       if (detection.id != manifest_.markers[marker].id) continue;
-      std::optional<TagSight> sight = measure_tag(frame.depth, camera, detection);
+      TagDetection on_depth = detection;
+      for (Eigen::Vector2d& corner : on_depth.corners) {
+        corner = to_grid(corner, *manifest_.camera, camera);
+      }
+      std::optional<TagSight> sight = measure_tag(frame.depth, camera, on_depth);
       if (!sight) continue;
       sight->frame = frame.index;
       sight->marker = marker;
       observations_.tags.push_back(*sight);
     }
   }
-  if (frames_seen_++ % outline_stride_ != 0) return;
+  const bool looks_at_bodies = looks_at_bodies_next();
+  ++frames_seen_;
+  if (!looks_at_bodies) return;
   for (std::size_t i = 0; i < surfaces_object_.size(); ++i) {
     if (!T_camera_body[i]) continue;
     add_outline(surfaces_object_[i], *T_camera_body[i], camera, frame.depth, noise_,

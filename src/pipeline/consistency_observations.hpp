@@ -77,7 +77,11 @@ class ConsistencyCollector {
   ConsistencyCollector(const Manifest& manifest, const DepthNoise& noise,
                        const std::vector<SurfaceQuery>& surfaces_object, std::size_t frames);
 
-  /// `T_camera_body` is empty for bodies whose tags do not show a pose.
+  /// Whether the next add() looks at the bodies: some frames are enough for their outlines. In the
+  /// others their poses are not used.
+  [[nodiscard]] bool looks_at_bodies_next() const { return frames_seen_ % outline_stride_ == 0; }
+
+  /// `T_camera_body` has an item for each body, empty where its tags do not show a pose.
   void add(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
            const std::vector<std::optional<Pose>>& T_camera_body);
 

@@ -39,7 +39,8 @@ struct Sighting {
 };
 
 /// Marks the pixels that show movable bodies, as far as this frame's tags tell where they are, and
-/// keeps where each body was first seen. Without masks it looks at no body again after that.
+/// keeps where each body was first seen. Without masks it looks at bodies after that only in frames
+/// whose poses somebody wants.
 class BodyMasker {
  public:
   BodyMasker(const std::vector<MovableBody>& bodies, const CameraModel& camera,
@@ -50,7 +51,6 @@ class BodyMasker {
         with_masks_(with_masks),
         last_poses_(bodies.size()),
         first_sightings_(bodies.size()) {
-    if (!with_masks) return;
     for (const MovableBody& body : bodies) surfaces_.emplace_back(body.model.mesh_object);
   }
 
@@ -62,14 +62,17 @@ class BodyMasker {
   [[nodiscard]] const std::vector<std::optional<Pose>>& last_poses() const { return last_poses_; }
   [[nodiscard]] const std::vector<SurfaceQuery>& surfaces() const { return surfaces_; }
 
-  [[nodiscard]] MaskImage mask(const RgbdFrame& frame,
-                               const std::vector<TagDetection>& detections) {
+  [[nodiscard]] MaskImage mask(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
+                               bool wants_poses) {
     if (bodies_.empty()) return {};
     const CameraModel depth_camera = on_grid(camera_, frame.depth.width(), frame.depth.height());
     MaskImage mask;
     if (with_masks_) mask = MaskImage(depth_camera.width, depth_camera.height);
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (!with_masks_ && first_sightings_[i]) continue;
+      if (!with_masks_ && !wants_poses && first_sightings_[i]) {
+        last_poses_[i].reset();
+        continue;
+      }
       const BodyPoseHints hints{
           .depth = &frame.depth, .depth_noise = noise_, .T_camera_body = last_poses_[i]};
       const BodyPose body = solve_body_pose(bodies_[i].tags, detections, camera_, hints);
@@ -285,7 +288,8 @@ Expected<Survey> survey_recording(const Recording& recording,
     const RgbdFrame& frame = *look->frame;
     any_depth = any_depth || look->has_depth;
     for (const TagDetection& tag : look->detections) ++survey.tags_seen[tag.id];
-    const MaskImage is_dynamic = masker.mask(frame, look->detections);
+    const MaskImage is_dynamic =
+        masker.mask(frame, look->detections, collector.looks_at_bodies_next());
     collector.add(frame, look->detections, masker.last_poses());
     if (!known_camera) tracker.add(frame, look->detections, is_dynamic, options.parallelism);
     survey.detections[frame.index] = std::move(look->detections);

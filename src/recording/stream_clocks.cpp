@@ -11,16 +11,15 @@ namespace {
 std::vector<StreamSpan> spans_of(const Recording& recording) {
   std::vector<StreamSpan> spans;
   if (!recording.wrench.empty()) {
-    spans.push_back(
-        {"wrench.csv", recording.wrench.front().stamp, recording.wrench.back().stamp});
+    spans.push_back({"wrench.csv", recording.wrench.front().stamp, recording.wrench.back().stamp});
   }
   if (!recording.tool.empty()) {
     const std::vector<TimedPose>& poses = recording.tool.poses();
     spans.push_back({"tool.csv", poses.front().stamp, poses.back().stamp});
   }
   if (!recording.frames.empty()) {
-    spans.push_back({"depth.txt", recording.frames.front().depth_stamp,
-                     recording.frames.back().depth_stamp});
+    spans.push_back(
+        {"depth.txt", recording.frames.front().depth_stamp, recording.frames.back().depth_stamp});
   }
   return spans;
 }

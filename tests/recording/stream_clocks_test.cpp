@@ -52,8 +52,8 @@ TEST(FindClockConflicts, LooksAtEachPairOfStreams) {
     recording.tool.append(Stamp::from_seconds(5.0 + i), Pose());
     const Eigen::Vector3d none(0.0, 0.0, 0.0);
     recording.wrench.push_back({Stamp::from_seconds(4.0 + i), none, none});
-    recording.frames.push_back({Stamp::from_seconds(100.0 + i), "", Stamp::from_seconds(100.0 + i),
-                                ""});
+    recording.frames.push_back(
+        {Stamp::from_seconds(100.0 + i), "", Stamp::from_seconds(100.0 + i), ""});
   }
   const auto conflicts = find_clock_conflicts(recording);
   ASSERT_EQ(conflicts.size(), 2U);
