@@ -155,6 +155,16 @@ TEST_F(ContradictingInputs, MeshOfTwiceItsSize) {
   expect_refused({"objects[0].mesh", "box.obj", "scaled by 0.5", "factor 2"});
 }
 
+TEST_F(ContradictingInputs, MeshOfTwiceItsSizeWithPosesThatAreTrusted) {
+  scale_mesh(2.0);
+  give_poses([](std::vector<double>&) {});
+  const CommandOutcome outcome = run_pcavr(
+      {"build", recording().string(), "-o", scene().string(), "--voxel", "0.02", "--trust-poses"});
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.standard_error;
+  EXPECT_NE(outcome.standard_error.find("scaled by 0.5"), std::string::npos)
+      << outcome.standard_error;
+}
+
 TEST_F(ContradictingInputs, FxHalved) {
   replace("recording.yaml", "fx: 525", "fx: 262.5");
   expect_refused({"camera.fx: 262.5 px", "factor 2.0"});
