@@ -4,8 +4,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -50,29 +48,6 @@ Expected<void> write_file(const fs::path& target_in, std::string_view content) {
   if (failure == 0) return {};
   ::unlink(temporary.c_str());
   return can_not_write(target_in, std::strerror(failure));
-}
-
-Expected<std::string> read_file(const fs::path& path) {
-  std::error_code code;
-  if (fs::is_directory(path, code)) {
-    return Error{.message = "is a folder, not a file", .file = path.string()};
-  }
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    return Error{.message = std::string("can't be read: ") + std::strerror(errno),
-                 .file = path.string(),
-                 .hint = "check the name, and that you may read it"};
-  }
-  // The size is a guess that saves copies: special files have none.
-  const std::uintmax_t guess = fs::file_size(path, code);
-  std::string content(code ? 0 : static_cast<std::size_t>(guess), '\0');
-  stream.read(content.data(), static_cast<std::streamsize>(content.size()));
-  content.resize(static_cast<std::size_t>(stream.gcount()));
-  if (stream) content.append(std::istreambuf_iterator<char>(stream), {});
-  if (stream.bad()) {
-    return Error{.message = "could not be read to its end", .file = path.string()};
-  }
-  return content;
 }
 
 }  // namespace pcavr

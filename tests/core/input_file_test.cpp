@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/core/input_file.hpp"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "pcavr/core/output.hpp"
+
+#include "support/temporary_folder.hpp"
+
+namespace pcavr {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string refusal(const fs::path& path) {
+  const Expected<std::string> content = read_file(path);
+  EXPECT_EQ(regular_file_size(path).has_value(), content.has_value()) << path;
+  return content ? "" : content.error().to_string();
+}
+
+void expect_refused(const fs::path& path, const std::string& reason) {
+  const std::string line = refusal(path);
+  EXPECT_NE(line.find(path.string()), line.npos) << line;
+  EXPECT_NE(line.find(reason), line.npos) << line;
+}
+
+TEST(ReadFile, RefusesAPipeWithoutAWriterAtOnce) {
+  const TemporaryFolder folder;
+  const fs::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  expect_refused(pipe, "is a named pipe, not a regular file");
+}
+
+TEST(ReadFile, RefusesADeviceThatNeverEnds) { expect_refused("/dev/zero", "is a device"); }
+
+TEST(ReadFile, RefusesASocketAndAFolder) {
+  const TemporaryFolder folder;
+  const fs::path place = folder.path() / "socket";
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  ASSERT_LT(place.string().size(), sizeof address.sun_path);
+  place.string().copy(address.sun_path, sizeof address.sun_path - 1);
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  expect_refused(place, "is a socket");
+  ::close(socket);
+  expect_refused(folder.path(), "is a folder");
+}
+
+TEST(ReadFile, SaysThatSymbolicLinksRunInACircle) {
+  const TemporaryFolder folder;
+  fs::create_symlink(folder.path() / "b", folder.path() / "a");
+  fs::create_symlink(folder.path() / "a", folder.path() / "b");
+  expect_refused(folder.path() / "a", "symbolic links");
+  EXPECT_FALSE(is_present(folder.path() / "a").has_value());
+}
+
+TEST(ReadFile, RefusesASparseFileOfATerabyte) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "sparse";
+  std::ofstream(file) << "x";
+  std::error_code code;
+  fs::resize_file(file, std::uintmax_t{1} << 40, code);
+  if (code) GTEST_SKIP() << "this file system has no sparse files: " << code.message();
+  const std::string line = read_file(file).error().to_string();
+  EXPECT_NE(line.find("too large"), line.npos) << line;
+}
+
+TEST(ReadFile, ReadsWhatTheSystemMakesUp) {
+  // Its size is 0 to the file system.
+  EXPECT_FALSE(read_file("/proc/self/status").value().empty());
+}
+
+TEST(ReadFile, ReadsAllBytesOfAFile) {
+  const TemporaryFolder folder;
+  std::string bytes;
+  for (int i = 0; i < 100'000; ++i) bytes += static_cast<char>(i * 7);
+  ASSERT_TRUE(write_file(folder.path() / "file", bytes));
+  EXPECT_EQ(read_file(folder.path() / "file").value(), bytes);
+  EXPECT_EQ(regular_file_size(folder.path() / "file").value(), bytes.size());
+}
+
+TEST(IsPresent, TellsAnAbsentFileFromALinkToNothing) {
+  const TemporaryFolder folder;
+  EXPECT_FALSE(is_present(folder.path() / "absent").value());
+  EXPECT_TRUE(is_present(folder.path()).value());
+  fs::create_symlink("nowhere", folder.path() / "link");
+  const Expected<bool> link = is_present(folder.path() / "link");
+  ASSERT_FALSE(link.has_value());
+  EXPECT_NE(link.error().message.find("symbolic link"), std::string::npos);
+}
+
+TEST(IsPresent, SaysThatAFolderMayNotBeRead) {
+  if (::geteuid() == 0) GTEST_SKIP() << "the superuser may read everything";
+  const TemporaryFolder folder;
+  const fs::path inside = folder.path() / "closed";
+  fs::create_directories(inside);
+  fs::permissions(inside, fs::perms::none);
+  const Expected<bool> file = is_present(inside / "file");
+  fs::permissions(inside, fs::perms::owner_all);
+  ASSERT_FALSE(file.has_value());
+  EXPECT_NE(file.error().message.find("Permission denied"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pcavr
