@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/core/input_ranges.hpp"
 
 #include "model/cad_simplification.hpp"
 #include "model/mesh_repair.hpp"
@@ -70,6 +71,12 @@ Expected<CadModel> model_of_shape(TriangleMesh shape, const std::string& name,
   }
   const double size =
       shape.vertices.empty() ? 0.0 : static_cast<double>(bounds(shape.vertices).sizes().maxCoeff());
+  if (std::optional<Error> error = check_range(ranges::kBodySize, size)) {
+    error->message = "has a largest side of " + error->message;
+    error->file = source.string();
+    error->hint += "; give the mesh in metres";
+    return *std::move(error);
+  }
   if (!(properties.volume > kSmallestVolumeShare * size * size * size)) {
     return without_volume(source, "its surface encloses nothing");
   }

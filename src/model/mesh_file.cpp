@@ -6,16 +6,20 @@
 #include <cctype>
 #include <cmath>
 #include <exception>
-#include <fstream>
+#include <new>
+#include <utility>
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include "pcavr/core/input_file.hpp"
 #include "pcavr/geometry/pixel.hpp"
 #include "pcavr/model/cad_model.hpp"
 
+#include "model/declared_size.hpp"
 #include "model/mesh_repair.hpp"
 #include "model/polygon.hpp"
 
@@ -23,10 +27,14 @@ namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
+/// [of whatever unit] Of a coordinate in a mesh. It may be in millimetres, so this is far beyond
+/// ranges::kCoordinate; squares and volumes of it stay finite in single precision.
+constexpr float kMaxMeshCoordinate = 1e7F;
+
 /// How the types that are read differ.
 struct MeshType {
+  std::string extension;           ///< in lower case, with the dot
   bool has_vertex_normals = true;  ///< an STL's belong to its faces
-  bool is_ply = false;
   bool has_linear_colors = false;  ///< COLOR_0 of glTF 2.0 is linear, the others' colours are sRGB
 };
 
@@ -34,11 +42,12 @@ std::optional<MeshType> mesh_type(const fs::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension == ".obj") return MeshType{};
-  if (extension == ".ply") return MeshType{.is_ply = true};
-  if (extension == ".stl") return MeshType{.has_vertex_normals = false};
-  if (extension == ".glb" || extension == ".gltf") return MeshType{.has_linear_colors = true};
-  return std::nullopt;
+  MeshType type{.extension = extension};
+  type.has_vertex_normals = extension != ".stl";
+  type.has_linear_colors = extension == ".glb" || extension == ".gltf";
+  const bool is_known = type.has_linear_colors || !type.has_vertex_normals || extension == ".obj" ||
+                        extension == ".ply";
+  return is_known ? std::optional(std::move(type)) : std::nullopt;
 }
 
 /// IEC 61966-2-1.
@@ -113,27 +122,26 @@ Error not_a_mesh(const fs::path& file, const std::string& reason) {
 /// assimp's words are long, may hold line breaks, and repeat the path.
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-/// assimp 5.2 never comes back from a PLY whose header does not end.
-bool has_whole_ply_header(const fs::path& file) {
-  constexpr std::size_t kLongestHeader = 64 * 1024;
-  std::string start(kLongestHeader, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(stream.gcount()));
-  if (!start.starts_with("ply")) return false;
-  return start.find("\nend_header\n") != std::string::npos ||
-         start.find("\nend_header\r\n") != std::string::npos;
-}
+/// What a mesh names beside itself (buffers, materials) may be a pipe or a device, too.
+class RegularFiles final : public Assimp::DefaultIOSystem {
+ public:
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    return regular_file_size(file) ? DefaultIOSystem::Open(file, mode) : nullptr;
+  }
+};
 
 Expected<TriangleMesh> read_with_assimp(const fs::path& file, const MeshType& type) {
   try {
     Assimp::Importer importer;
+    importer.SetIOHandler(new RegularFiles);  // the importer's from here on
     // Coordinates as stored: no unit scaling, no axis conversion. Polygons are not cut up by
     // assimp, which ends the process where they are malformed.
     const aiScene* scene = importer.ReadFile(file.string(), aiProcess_ValidateDataStructure);
     if (scene == nullptr) return not_a_mesh(file, first_line(importer.GetErrorString()));
     if (scene->mRootNode == nullptr) return not_a_mesh(file, "it holds nothing");
     return flatten(*scene, type);
+  } catch (const std::bad_alloc&) {
+    return not_a_mesh(file, "there is no memory for it");
   } catch (const std::exception& failure) {
     return not_a_mesh(file, first_line(failure.what()));
   }
@@ -148,19 +156,25 @@ Expected<TriangleMesh> model::import_mesh(const fs::path& file) {
                  .file = file.string(),
                  .hint = "give it as .obj, .stl, .ply, .glb or .gltf"};
   }
-  std::error_code code;
-  if (!fs::is_regular_file(file, code)) {
+  const Expected<bool> is_there = is_present(file);
+  if (!is_there) return is_there.error();
+  if (!*is_there) {
     return Error{.message = "mesh file is missing",
                  .file = file.string(),
                  .hint = "put it there, or correct the path that names it"};
   }
-  if (type->is_ply && !has_whole_ply_header(file)) return not_a_mesh(file, "its header has no end");
+  const Expected<std::uintmax_t> size = regular_file_size(file);
+  if (!size) return size.error();
+  if (const auto reason = model::contradicted_size(file, type->extension)) {
+    return not_a_mesh(file, *reason);
+  }
   Expected<TriangleMesh> mesh = read_with_assimp(file, *type);
   if (!mesh) return mesh;
   if (mesh->triangles.empty()) return not_a_mesh(file, "it holds no triangles");
   for (std::size_t i = 0; i < mesh->vertices.size(); ++i) {
-    if (mesh->vertices[i].allFinite()) continue;
-    return Error{.message = "has a coordinate that is not finite",
+    // Not a number is not below it, either.
+    if ((mesh->vertices[i].cwiseAbs().array() <= kMaxMeshCoordinate).all()) continue;
+    return Error{.message = "has a coordinate that is not finite, or beyond 10 000 km",
                  .file = file.string(),
                  .place = "vertex " + std::to_string(i),
                  .hint = "export the mesh again"};

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <limits>
+#include <new>
+#include <system_error>
 #include <type_traits>
 #include <vector>
 
@@ -71,6 +73,9 @@ SurfaceQuery::Tree::Tree(const TriangleMesh& mesh)
   vertices.emplace_back(Eigen::Vector3f::Zero());
 
   device.reset(rtcNewDevice(nullptr));
+  if (device == nullptr && rtcGetDeviceError(nullptr) == RTC_ERROR_OUT_OF_MEMORY) {
+    throw std::bad_alloc();
+  }
   PCAVR_REQUIRE(device != nullptr, rtcGetDeviceError(nullptr));
   scene.reset(rtcNewScene(device.get()));
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
@@ -84,6 +89,11 @@ SurfaceQuery::Tree::Tree(const TriangleMesh& mesh)
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene.get());
   const RTCError error = rtcGetDeviceError(device.get());
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  // The mesh is sound: what else Embree fails for is that its scheduler could start no thread.
+  if (error == RTC_ERROR_UNKNOWN) {
+    throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+  }
   PCAVR_REQUIRE(error == RTC_ERROR_NONE, static_cast<int>(error), triangles.size());
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <limits>
+#include <new>
 
 #include <embree3/rtcore.h>
 
@@ -27,7 +28,8 @@ Scene make_tree(RTCDevice device, const TriangleMesh& mesh) {
                                            sizeof(Eigen::Vector3f), mesh.vertices.size());
   void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                             3 * sizeof(std::uint32_t), mesh.triangles.size());
-  PCAVR_REQUIRE(vertices != nullptr && triangles != nullptr);
+  // Sizes are those of the mesh: memory alone can be missing.
+  if (vertices == nullptr || triangles == nullptr) throw std::bad_alloc();
   std::memcpy(vertices, mesh.vertices.data(), mesh.vertices.size() * sizeof(Eigen::Vector3f));
   std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]));
   rtcCommitGeometry(geometry);

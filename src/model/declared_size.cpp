@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "model/declared_size.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <fstream>
+#include <string_view>
+#include <vector>
+
+namespace pcavr::model {
+namespace fs = std::filesystem;
+namespace {
+
+/// [byte] No exporter writes a longer PLY header.
+constexpr std::size_t kMaxHeader = 64 * 1024;
+
+/// The start of a file, and how large all of it is.
+struct FileStart {
+  std::string text;
+  std::uintmax_t size = 0;
+};
+
+FileStart start_of(const fs::path& file) {
+  FileStart start{.text = std::string(kMaxHeader, '\0')};
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(start.text.data(), static_cast<std::streamsize>(start.text.size()));
+  start.text.resize(static_cast<std::size_t>(stream.gcount()));
+  std::error_code code;
+  start.size = fs::file_size(file, code);
+  if (code) start.size = start.text.size();
+  return start;
+}
+
+std::vector<std::string_view> words_of(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t\r";
+  std::vector<std::string_view> words;
+  for (;;) {
+    const std::size_t begin = line.find_first_not_of(kBlanks);
+    if (begin == line.npos) return words;
+    const std::size_t end = std::min(line.find_first_of(kBlanks, begin), line.size());
+    words.push_back(line.substr(begin, end - begin));
+    line.remove_prefix(end);
+  }
+}
+
+/// [byte] Of a number in a binary PLY; 1 for a type that is not known, so that it never refuses.
+std::uintmax_t bytes_of_type(std::string_view type) {
+  for (const std::string_view two : {"short", "ushort", "int16", "uint16"}) {
+    if (type == two) return 2;
+  }
+  for (const std::string_view four : {"int", "uint", "int32", "uint32", "float", "float32"}) {
+    if (type == four) return 4;
+  }
+  return type == "double" || type == "float64" ? 8 : 1;
+}
+
+/// One element of a PLY header: how many there are, and the fewest bytes that one can take.
+struct PlyElement {
+  std::string_view name;
+  std::uintmax_t count = 0;
+  std::uintmax_t bytes = 0;
+};
+
+std::optional<std::string> contradiction_of(const std::vector<PlyElement>& elements,
+                                            std::uintmax_t content) {
+  std::uintmax_t needed = 0;
+  for (const PlyElement& element : elements) {
+    const std::uintmax_t room = element.bytes == 0 ? content : (content - needed) / element.bytes;
+    if (element.count > room) {
+      return "its header declares " + std::to_string(element.count) + " of " +
+             std::string(element.name) + ", and the file has room for " + std::to_string(room);
+    }
+    needed += element.count * element.bytes;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> contradicted_ply(const FileStart& start) {
+  std::string_view rest = start.text;
+  if (!rest.starts_with("ply")) return "its header is not that of a PLY file";
+  bool is_text = true;
+  std::vector<PlyElement> elements;
+  while (!rest.empty()) {
+    const std::size_t end = rest.find('\n');
+    if (end == rest.npos) break;
+    const std::vector<std::string_view> words = words_of(rest.substr(0, end));
+    rest.remove_prefix(end + 1);
+    if (words.empty()) continue;
+    if (words[0] == "end_header") {
+      return contradiction_of(elements, start.size - (start.text.size() - rest.size()));
+    }
+    if (words[0] == "format" && words.size() > 1) is_text = words[1] == "ascii";
+    if (words[0] == "element" && words.size() > 2) {
+      PlyElement element{.name = words[1]};
+      const std::string_view digits = words[2];
+      const auto [at, code] =
+          std::from_chars(digits.data(), digits.data() + digits.size(), element.count);
+      if (code != std::errc{} || at != digits.data() + digits.size()) {
+        return "its header declares '" + std::string(digits) + "' of " + std::string(words[1]);
+      }
+      elements.push_back(element);
+    }
+    if (words[0] == "property" && words.size() > 2 && !elements.empty()) {
+      // Of a list the count alone is sure. In text a number takes a digit and a blank, but for the
+      // last of a file.
+      const bool is_list = words[1] == "list";
+      elements.back().bytes += is_text ? 1 : bytes_of_type(words[is_list ? 2 : 1]);
+    }
+  }
+  return "its header has no end";
+}
+
+std::uint32_t whole_at(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 4; i > 0; --i) {
+    value = value << 8 | static_cast<std::uint8_t>(bytes[at + i - 1]);
+  }
+  return value;
+}
+
+/// A binary STL is 80 bytes of anything, a count, and 50 bytes a triangle. One in text has no
+/// count.
+std::optional<std::string> contradicted_stl(const FileStart& start) {
+  constexpr std::size_t kHeader = 84;
+  constexpr std::uintmax_t kTriangle = 50;
+  const bool is_text =
+      start.text.starts_with("solid") && start.text.find("facet") != std::string::npos;
+  if (is_text || start.text.size() < kHeader) return std::nullopt;
+  const std::uintmax_t declared = whole_at(start.text, 80);
+  const std::uintmax_t room = (start.size - kHeader) / kTriangle;
+  if (declared <= room) return std::nullopt;
+  return "its header declares " + std::to_string(declared) +
+         " triangles, and the file has room for " + std::to_string(room);
+}
+
+/// 12 bytes of header, then chunks of 8 bytes and what they declare [glTF 2.0, 4.4].
+std::optional<std::string> contradicted_glb(const FileStart& start) {
+  if (start.text.size() < 20) return "it is too short for a header";
+  const std::uintmax_t declared = whole_at(start.text, 8);
+  const std::uintmax_t chunk = whole_at(start.text, 12);
+  if (declared > start.size) {
+    return "its header declares " + std::to_string(declared) + " bytes, and the file has " +
+           std::to_string(start.size);
+  }
+  if (chunk > start.size - 20) return "its first part is longer than the file";
+  return std::nullopt;
+}
+
+/// Whether brackets nest deeper than any exporter's: assimp's parser calls itself for each, until
+/// the stack ends. Brackets in strings do not count; the binary part of a .glb is none of it.
+bool is_nested_too_deeply(const fs::path& file, std::uintmax_t begin, std::uintmax_t end) {
+  constexpr int kMaxDepth = 200;
+  std::ifstream stream(file, std::ios::binary);
+  stream.seekg(static_cast<std::streamoff>(begin));
+  int depth = 0;
+  bool is_string = false;
+  bool is_escaped = false;
+  std::string part(kMaxHeader, '\0');
+  for (std::uintmax_t left = end - begin; left > 0 && stream;) {
+    stream.read(part.data(),
+                static_cast<std::streamsize>(std::min<std::uintmax_t>(left, kMaxHeader)));
+    const auto count = static_cast<std::size_t>(stream.gcount());
+    left -= count;
+    for (std::size_t i = 0; i < count; ++i) {
+      const char c = part[i];
+      if (is_string) {
+        is_string = is_escaped || c != '"';
+        is_escaped = !is_escaped && c == '\\';
+      } else if (c == '"') {
+        is_string = true;
+      } else if (c == '[' || c == '{') {
+        if (++depth > kMaxDepth) return true;
+      } else if (c == ']' || c == '}') {
+        --depth;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::optional<std::string> contradicted_size(const fs::path& file, const std::string& extension) {
+  if (extension == ".ply") return contradicted_ply(start_of(file));
+  if (extension == ".stl") return contradicted_stl(start_of(file));
+  if (extension != ".glb" && extension != ".gltf") return std::nullopt;
+  const FileStart start = start_of(file);
+  const bool is_binary = start.text.starts_with("glTF");
+  if (is_binary || extension == ".glb") {
+    if (auto reason = contradicted_glb(start)) return reason;
+  }
+  const std::uintmax_t begin = is_binary ? 20 : 0;
+  const std::uintmax_t end = is_binary ? begin + whole_at(start.text, 12) : start.size;
+  if (is_nested_too_deeply(file, begin, end)) return "its parts nest too deeply";
+  return std::nullopt;
+}
+
+}  // namespace pcavr::model
