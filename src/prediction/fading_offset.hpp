@@ -18,21 +18,26 @@ class FadingOffset {
     rate_ = rate;
   }
   [[nodiscard]] Vector6d value_at(double t) const noexcept {
+    if (!is_shown_at(t)) return Vector6d::Zero();
     const double s = (t - t_) / duration_;
-    if (!(s < 1.0)) return Vector6d::Zero();
     const double cube = s * s * s;
     return (1.0 + cube * (-10.0 + s * (15.0 - 6.0 * s))) * value_ +
            duration_ * (s + cube * (-6.0 + s * (8.0 - 3.0 * s))) * rate_;
   }
   [[nodiscard]] Vector6d rate_at(double t) const noexcept {
+    if (!is_shown_at(t)) return Vector6d::Zero();
     const double s = (t - t_) / duration_;
-    if (!(s < 1.0)) return Vector6d::Zero();
     const double square = s * s;
     return square * (-30.0 + s * (60.0 - 30.0 * s)) / duration_ * value_ +
            (1.0 + square * (-18.0 + s * (32.0 - 15.0 * s))) * rate_;
   }
 
  private:
+  /// Also where nothing was ever begun and times lie below 0: no quotient may be taken then.
+  [[nodiscard]] bool is_shown_at(double t) const noexcept {
+    return duration_ > 0.0 && t - t_ < duration_;
+  }
+
   double t_ = 0.0;         ///< [s]
   double duration_ = 0.0;  ///< [s]; 0: nothing is shown beside the state
   Vector6d value_ = Vector6d::Zero();

@@ -22,7 +22,8 @@
 namespace pcavr {
 namespace {
 
-constexpr double kStep = 0.001;  // [s] the operator's cycle
+constexpr double kStep = 0.001;           // [s] the operator's cycle
+constexpr std::size_t kMaxObjects = 255;  // a message names its object by one byte
 // An offset between clocks is taken off where it is beyond doubt and matters.
 constexpr double kOffsetSigmas = 3.0;
 constexpr double kLongGap = 0.2;         // [s] without a frame of an object
@@ -35,11 +36,20 @@ void require_sound(const TeleopInput& input, const TeleopOptions& options) {
   PCAVR_REQUIRE(input.t_tool.size() == input.p_base_tip.size());
   PCAVR_REQUIRE(input.t_force.size() == input.force_base.size());
   PCAVR_REQUIRE(input.tool_radius > 0.0, input.tool_radius);
-  PCAVR_REQUIRE(input.objects.size() < 256, input.objects.size());
   PCAVR_REQUIRE(options.forward_delay >= 0.0, options.forward_delay);
   PCAVR_REQUIRE(options.backward_delay >= 0.0, options.backward_delay);
   PCAVR_REQUIRE(options.force_tolerance > 0.0, options.force_tolerance);
   PCAVR_REQUIRE(options.position_tolerance > 0.0, options.position_tolerance);
+}
+
+Error too_many_objects(std::size_t count) {
+  return {.message = "there are " + std::to_string(count) +
+                     " movable objects, and a message can "
+                     "name " +
+                     std::to_string(kMaxObjects),
+          .file = "scene.yaml",
+          .place = "objects",
+          .hint = "split the scene, or mark those that stay as movable: false"};
 }
 
 bool matters(const std::optional<TimeOffset>& offset, double least) {
@@ -118,9 +128,12 @@ std::optional<double> newest_by(double now, bool all, std::deque<Command>& on_th
 
 Expected<void> send(const CorrectionMessage& message, double now, double epoch, Link& link,
                     OperatorSite& site, RobotSite& robot, const TeleopSink& sink, TeleopRun& run) {
-  std::vector<std::uint8_t> bytes = encode(message, epoch);
+  // What is found out about the time before the sites began holds from their begin.
+  CorrectionMessage sendable = message;
+  sendable.t = std::max(message.t, epoch);
+  std::vector<std::uint8_t> bytes = encode(sendable, epoch);
   SentCorrection sent;
-  sent.t = message.t;
+  sent.t = sendable.t;
   sent.object = message.object;
   sent.which = message.which;
   sent.what = describe(message);
@@ -315,6 +328,7 @@ Expected<TeleopRun> run_teleop(const TeleopInput& input, const TeleopOptions& op
 Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions& options,
                                const TeleopSink& sink, const Observer& observer) {
   require_sound(recorded, options);
+  if (recorded.objects.size() > kMaxObjects) return too_many_objects(recorded.objects.size());
   TeleopRun run;
   run.shown.resize(recorded.objects.size());
   const TipMotion tip = clean_tip(recorded);

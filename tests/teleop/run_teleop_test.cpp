@@ -280,6 +280,43 @@ TEST(RunTeleop, StatesBothPhasesFromTheStart) {
   }
 }
 
+/// The same recording on a clock that began `earlier` seconds sooner.
+TeleopInput shifted(TeleopInput input, double earlier) {
+  for (double& t : input.t_tool) t -= earlier;
+  for (double& t : input.t_force) t -= earlier;
+  for (TeleopObject& object : input.objects) {
+    for (TrackedPose& pose : object.tracked) pose.t -= earlier;
+  }
+  return input;
+}
+
+TEST(RunTeleop, WorksAlikeOnAClockBelowZero) {
+  const TeleopInput input = plant_input(3, true).input;
+  const TeleopRun known = run_teleop(input, {}).value();
+  for (const double earlier : {0.002, 1000.0}) {
+    const Expected<TeleopRun> run = run_teleop(shifted(input, earlier), {});
+    ASSERT_TRUE(run.has_value()) << run.error().to_string();
+    ASSERT_EQ(run->shown.size(), known.shown.size());
+    for (std::size_t i = 0; i < known.shown.size(); ++i) {
+      ASSERT_EQ(run->shown[i].size(), known.shown[i].size());
+      const ShownPose& last = run->shown[i].back();
+      EXPECT_NEAR(last.t, known.shown[i].back().t - earlier, 1e-9);
+      // Where decisions fall by a rounding of a stamp, the shown place may differ by what a
+      // correction leaves [m].
+      EXPECT_LT(translation_distance(last.T_base_object, known.shown[i].back().T_base_object),
+                2e-3);
+    }
+  }
+}
+
+TEST(RunTeleop, RefusesMoreObjectsThanAMessageCanName) {
+  TeleopInput input = plant_input(3, true).input;
+  input.objects.resize(256, input.objects.front());
+  const Expected<TeleopRun> run = run_teleop(input, {});
+  ASSERT_FALSE(run.has_value());
+  EXPECT_NE(run.error().to_string().find("256 movable objects"), std::string::npos);
+}
+
 TEST(RunTeleop, TakesNoToolForNothingToDo) {
   PlantInput made = plant_input(kSeed, true);
   made.input.t_tool.clear();
