@@ -31,12 +31,13 @@ struct KindFacts {
 
 const std::array<KindFacts, 4>& all_kinds() {
   static const std::array<KindFacts, 4> kinds{
-      KindFacts{OutputKind::recording,
-                "recording",
-                "recording.yaml",
-                {"pcavr-recording/"},
-                {"recording.yaml", "rgb", "rgb.txt", "depth", "depth.txt", "groundtruth.txt",
-                 "tool.csv", "wrench.csv", "joints.csv", "objects", "tracked", "truth"}},
+      KindFacts{
+          OutputKind::recording,
+          "recording",
+          "recording.yaml",
+          {"pcavr-recording/"},
+          {"recording.yaml", "rgb", "rgb.txt", "depth", "depth.txt", "groundtruth.txt", "tool.csv",
+           "wrench.csv", "joints.csv", "objects", "tracked", "truth", "written.yaml"}},
       KindFacts{OutputKind::scene,
                 "scene",
                 "scene.yaml",

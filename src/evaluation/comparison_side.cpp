@@ -99,9 +99,12 @@ Expected<ComparisonSide> read_scene(ComparisonSide side) {
     side.placed[object.name] = {object.T_base_object_start, object.T_base_object};
     side.object_meshes[object.name] = side.folder / object.mesh;
   }
-  Expected<void> done = read_if_there(side.folder / "camera_trajectory.txt", side.camera);
-  if (!done) return done.error();
-  done = read_surface(side.folder / "mesh.ply", side);
+  if (is_present(side.folder / "camera_trajectory.txt")) {
+    Expected<Trajectory> camera = read_camera_trajectory(*manifest);
+    if (!camera) return camera.error();
+    side.camera = std::move(camera).value();
+  }
+  Expected<void> done = read_surface(side.folder / "mesh.ply", side);
   if (!done) return done.error();
   return side;
 }

@@ -7,7 +7,9 @@
 #include <string_view>
 #include <utility>
 
+#include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output.hpp"
+#include "pcavr/recording/line_counts.hpp"
 #include "pcavr/recording/parameters_file.hpp"
 
 #include "recording/text_rows.hpp"
@@ -114,12 +116,22 @@ Fault take_phase(std::string_view word, const std::string& column, Stamp stamp,
   return std::nullopt;
 }
 
-Fault take_number(std::string_view field, const std::string& column, double& number) {
+/// [N] A prediction may show more than was ever measured: this only keeps its squares finite.
+constexpr InputRange kRunForce{"force of a run", -1e9, 1e9, "N", "keeps squares and sums finite"};
+/// [byte] Of one correction: they have some 30 to 100.
+constexpr InputRange kMessageSize{"message", 0.0, 1e6, "byte", "far beyond any message"};
+
+Fault take_number(std::string_view field, const std::string& column, const InputRange& range,
+                  double& number) {
   const std::optional<double> read = parse_number(field);
   if (!read) {
     return Error{.message = "'" + std::string(field) + "' is not a finite number",
                  .place = column,
                  .hint = "write a decimal number"};
+  }
+  if (Fault fault = check_range(range, *read)) {
+    fault->place = column;
+    return fault;
   }
   number = *read;
   return std::nullopt;
@@ -127,8 +139,8 @@ Fault take_number(std::string_view field, const std::string& column, double& num
 
 Fault take_force(Stamp stamp, Fields rest, std::vector<ForceSample>& samples) {
   ForceSample sample{.stamp = stamp};
-  Fault fault = take_number(rest[0], "measured", sample.measured);
-  if (!fault) fault = take_number(rest[1], "virtual", sample.felt);
+  Fault fault = take_number(rest[0], "measured", kRunForce, sample.measured);
+  if (!fault) fault = take_number(rest[1], "virtual", kRunForce, sample.felt);
   if (!fault) samples.push_back(sample);
   return fault;
 }
@@ -153,11 +165,7 @@ Fault take_correction(Stamp stamp, const std::string& object, Fields rest,
     }
   }
   double bytes = 0.0;
-  Fault fault = take_number(rest[2], "bytes", bytes);
-  // A message crosses a network: below 4 GiB, which a double holds exactly.
-  if (!fault && !(bytes >= 0.0 && bytes <= 4294967295.0)) {
-    fault = Error{.message = "is not from 0 to 4294967295", .place = "bytes"};
-  }
+  Fault fault = take_number(rest[2], "bytes", kMessageSize, bytes);
   if (fault) return fault;
   correction.bytes = static_cast<std::size_t>(bytes);
   corrections.push_back(std::move(correction));
@@ -221,6 +229,9 @@ Expected<void> read_those_there(
 
 Expected<RunFiles> read_run_files(const fs::path& folder) {
   RunFiles run;
+  if (const Expected<void> whole = check_line_counts(folder / "run.yaml"); !whole) {
+    return whole.error();
+  }
   const Expected<void> read = read_those_there(
       folder,
       {{"run.yaml", [&](const fs::path& file) { return read_settings(file, run); }},

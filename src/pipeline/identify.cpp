@@ -203,6 +203,7 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
   Identification result;
   result.goal = goal;
   result.known = input.known;
+  result.left_out = input.left_out;
   const Prepared prepared = prepare(input, result);
   const PathView tip(input.t_tool, prepared.p_base_tip);
   if (prepared.found.contacts.empty()) return nothing_touched(input, tip);

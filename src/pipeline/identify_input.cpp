@@ -49,7 +49,8 @@ Expected<std::vector<IdentifiableObject>> objects_of_manifest(const Recording& r
 
 Expected<void> track(const Recording& recording, const IdentificationSources& sources,
                      const std::optional<SceneManifest>& scene, const Observer& observer,
-                     std::vector<IdentifiableObject>& objects) {
+                     IdentificationInput& input) {
+  std::vector<IdentifiableObject>& objects = input.objects;
   if (!sources.tracked.empty()) {
     bool has_any = false;
     for (IdentifiableObject& object : objects) {
@@ -70,6 +71,9 @@ Expected<void> track(const Recording& recording, const IdentificationSources& so
       replay_tracking(recording, *scene,
                       {.skip_bad = sources.skip_bad, .parallelism = sources.parallelism}, observer);
   if (!replay) return replay.error();
+  for (const auto& [reason, count] : replay->frames_dropped) {
+    input.left_out.push_back({"frames", reason, count});
+  }
   for (const ReplayedObject& replayed : replay->objects) {
     for (IdentifiableObject& object : objects) {
       if (object.name == replayed.name) object.tracked = replayed.tracked;
@@ -84,6 +88,7 @@ Expected<IdentificationInput> identification_input(const Recording& recording,
                                                    const IdentificationSources& sources,
                                                    const Observer& observer) {
   IdentificationInput input;
+  input.left_out = recording.left_out;
   input.tool_radius = recording.manifest.tool_radius.value_or(kUsualTipRadius);
   for (const auto& [stamp, pose] : recording.tool.poses()) {
     input.t_tool.push_back(stamp.seconds());
@@ -108,7 +113,7 @@ Expected<IdentificationInput> identification_input(const Recording& recording,
       scene ? objects_of_scene(*scene) : objects_of_manifest(recording, !sources.tracked.empty());
   if (!objects) return objects.error();
   input.objects = std::move(*objects);
-  const Expected<void> tracked = track(recording, sources, scene, observer, input.objects);
+  const Expected<void> tracked = track(recording, sources, scene, observer, input);
   if (!tracked) return tracked.error();
   return input;
 }

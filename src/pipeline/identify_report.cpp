@@ -193,6 +193,11 @@ std::string format_json(const Identification& found, const std::string& recordin
   json["force.largest_drift_N"] = found.largest_drift;
   json["force.spikes"] = found.spikes;
   json["contacts"] = found.contacts.size();
+  json["contacts_left_out"] = found.contacts_left_out();
+  json["left_out"] = Json::array();
+  for (const auto& [file, reason, count] : found.left_out) {
+    json["left_out"].push_back({{"file", file}, {"reason", reason}, {"rows", count}});
+  }
   for (const ObjectIdentification& object : found.objects) add_object(json, object);
   json["notes"] = found.notes;
   // A path need not be UTF-8, but JSON is.
@@ -200,6 +205,14 @@ std::string format_json(const Identification& found, const std::string& recordin
 }
 
 }  // namespace
+
+std::map<std::string, std::size_t> Identification::contacts_left_out() const {
+  std::map<std::string, std::size_t> counts;
+  for (const IdentifiedContact& contact : contacts) {
+    if (!contact.left_out.empty()) ++counts[contact.left_out];
+  }
+  return counts;
+}
 
 Expected<void> write_identification_report(const Identification& found,
                                            const std::string& recording,

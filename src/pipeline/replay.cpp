@@ -249,8 +249,13 @@ Expected<Replay> track_by_images(const Recording& recording, const SceneManifest
                                      .trust_poses = options.trust_poses,
                                      .skip_bad = options.skip_bad,
                                      .parallelism = options.parallelism};
-  const Expected<Trajectory> scene_camera = read_trajectory(scene.folder / "camera_trajectory.txt");
+  const Expected<Trajectory> scene_camera = read_camera_trajectory(scene);
   if (!scene_camera) return scene_camera.error();
+  if (!scene.lines) {
+    observer.on_warning((scene.folder / "scene.yaml").string() +
+                        ": an older version built it and counted no lines: a cut of "
+                        "camera_trajectory.txt between two lines would not be noticed");
+  }
 
   clock.begin("tags and camera");
   Replay replay;
@@ -285,7 +290,7 @@ Expected<Replay> track(const Recording& recording, const SceneManifest& scene,
   if (options.tracked) {
     Expected<Replay> replay = tracking_from(*options.tracked, bodies);
     if (!replay || recording.frames.empty()) return replay;
-    const Expected<Trajectory> camera = read_trajectory(scene.folder / "camera_trajectory.txt");
+    const Expected<Trajectory> camera = read_camera_trajectory(scene);
     if (!camera) return camera.error();
     const auto known = camera_of_scene(recording, *camera, scene.quality);
     if (known) replay->camera_trajectory = placed_frames(*known);

@@ -8,7 +8,9 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/pipeline/replay.hpp"
+#include "pcavr/recording/line_counts.hpp"
 
+#include "recording/utf8.hpp"
 #include "run_writer.hpp"
 #include "teleop_files.hpp"
 
@@ -62,21 +64,39 @@ Expected<void> write_tracking(const Replay& replay, const std::filesystem::path&
   return writer.close();
 }
 
-std::string format_run(const Replay& replay, const Recording& recording,
-                       const SceneManifest& scene) {
+void emit_left_out(const Recording& recording, YAML::Emitter& yaml) {
+  yaml << YAML::Key << "left_out" << YAML::Value << YAML::BeginSeq;
+  for (const LeftOut& entry : recording.left_out) {
+    yaml << YAML::Flow << YAML::BeginMap << YAML::Key << "file" << YAML::Value << entry.file;
+    yaml << YAML::Key << "reason" << YAML::Value << entry.reason;
+    yaml << YAML::Key << "rows" << YAML::Value << entry.count << YAML::EndMap;
+  }
+  yaml << YAML::EndSeq;
+}
+
+void emit_lines(const LineCounts& lines, YAML::Emitter& yaml) {
+  yaml << YAML::Key << "lines" << YAML::Value << YAML::BeginMap;
+  for (const auto& [file, count] : lines) yaml << YAML::Key << file << YAML::Value << count;
+  yaml << YAML::EndMap;
+}
+
+std::string format_run(const Replay& replay, const Recording& recording, const SceneManifest& scene,
+                       const LineCounts& lines) {
   YAML::Emitter yaml;
   yaml << YAML::BeginMap;
   yaml << YAML::Key << "format" << YAML::Value << "pcavr-run/1";
-  yaml << YAML::Key << "recording" << YAML::Value << recording.folder.string();
-  yaml << YAML::Key << "scene" << YAML::Value << scene.folder.string();
+  yaml << YAML::Key << "recording" << YAML::Value << as_utf8_text(recording.folder.string());
+  yaml << YAML::Key << "scene" << YAML::Value << as_utf8_text(scene.folder.string());
   if (replay.tracked_folder) {
-    yaml << YAML::Key << "tracked" << YAML::Value << replay.tracked_folder->string();
+    yaml << YAML::Key << "tracked" << YAML::Value << as_utf8_text(replay.tracked_folder->string());
   } else if (replay.frames_recorded > 0) {
     emit_frames(replay, yaml);
   }
   yaml << YAML::Key << "objects" << YAML::Value << YAML::BeginSeq;
   for (const ReplayedObject& object : replay.objects) yaml << object.name;
   yaml << YAML::EndSeq;
+  emit_left_out(recording, yaml);
+  emit_lines(lines, yaml);
   if (replay.teleop) emit_teleop(replay, yaml);
   yaml << YAML::EndMap;
   return std::string(yaml.c_str()) + '\n';
@@ -99,7 +119,9 @@ Expected<void> write_run(const Replay& replay, const Recording& recording,
     const Expected<void> done = write_teleop_files(replay, folder);
     if (!done) return done;
   }
-  return write_file(folder / "run.yaml", format_run(replay, recording, scene));
+  const Expected<LineCounts> lines = count_lines(folder);
+  if (!lines) return lines.error();
+  return write_file(folder / "run.yaml", format_run(replay, recording, scene, *lines));
 }
 
 }  // namespace pcavr

@@ -61,6 +61,7 @@ SceneQuality assess_quality(const Recording& recording, const Survey& survey, co
   quality.frames_recorded = recording.frames.size() + recording.unpaired_color;
   quality.frames_used = scene.camera_trajectory.size();
   quality.frames_dropped = dropped_frames(recording, survey);
+  quality.left_out = recording.left_out;
   for (const MarkerEntry& marker : recording.manifest.markers) {
     const auto seen = survey.tags_seen.find(marker.id);
     quality.tags_seen.emplace_back(marker.id.to_string(),

@@ -108,6 +108,7 @@ Expected<Scene> stated_scene(const Recording& recording, double voxel_size,
               .quality = {},
               .recording = recording.folder.string(),
               .voxel_size = voxel_size};
+  scene.quality.left_out = recording.left_out;
   scene.occupancy.occupy(scene.mesh_base);
   for (MovableBody& body : *bodies) {
     if (!body.entry.T_base_object) return not_stated(recording, body.entry.name);

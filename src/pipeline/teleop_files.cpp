@@ -11,6 +11,7 @@
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/parameters_file.hpp"
 
+#include "recording/utf8.hpp"
 #include "run_writer.hpp"
 
 namespace pcavr {
@@ -74,7 +75,7 @@ Expected<void> write_teleop_files(const Replay& replay, const std::filesystem::p
 void emit_teleop(const Replay& replay, YAML::Emitter& yaml) {
   const TeleopRun& run = *replay.teleop;
   const TeleopOptions& options = replay.teleop_options;
-  yaml << YAML::Key << "parameters" << YAML::Value << replay.parameters_file;
+  yaml << YAML::Key << "parameters" << YAML::Value << as_utf8_text(replay.parameters_file);
   yaml << YAML::Key << "forward_delay" << YAML::Value << options.forward_delay;
   yaml << YAML::Key << "backward_delay" << YAML::Value << options.backward_delay;
   yaml << YAML::Key << "jitter" << YAML::Value << options.jitter;

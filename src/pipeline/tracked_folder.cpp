@@ -1,14 +1,17 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
+#include <charconv>
 #include <map>
-#include <sstream>
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include "pcavr/core/input_file.hpp"
+#include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/pipeline/replay.hpp"
+#include "pcavr/recording/line_counts.hpp"
 
 namespace pcavr {
 namespace {
@@ -22,47 +25,77 @@ struct Deviations {
   double rotation = kUnstatedRotation;
 };
 
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream text(line);
-  for (std::string cell; std::getline(text, cell, ',');) cells.push_back(cell);
+/// Takes the next part off `text`, up to the separator.
+std::string_view take_part(std::string_view& text, char separator) {
+  const std::size_t end = text.find(separator);
+  const std::string_view part = text.substr(0, end);
+  text.remove_prefix(end == text.npos ? text.size() : end + 1);
+  return part;
+}
+
+std::vector<std::string_view> cells_of(std::string_view line) {
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  std::vector<std::string_view> cells;
+  while (!line.empty()) cells.push_back(take_part(line, ','));
   return cells;
 }
 
-/// A number >= 0; nothing for anything else.
-std::optional<double> deviation_of(const std::string& cell) {
-  char* end = nullptr;
-  const double value = std::strtod(cell.c_str(), &end);
-  const bool is_number = !cell.empty() && *end == '\0' && std::isfinite(value) && value >= 0.0;
-  return is_number ? std::optional(value) : std::nullopt;
+/// A number in the range; nothing for anything else.
+std::optional<double> deviation_of(std::string_view cell, const InputRange& range) {
+  double value = 0.0;
+  const auto [end, code] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  const bool is_number = code == std::errc{} && end == cell.data() + cell.size();
+  return is_number && range.contains(value) ? std::optional(value) : std::nullopt;
+}
+
+/// The first column of one of these names; past the end where there is none.
+std::size_t column_of(const std::vector<std::string_view>& header,
+                      std::initializer_list<std::string_view> names) {
+  const auto found = std::find_first_of(header.begin(), header.end(), names.begin(), names.end());
+  return static_cast<std::size_t>(found - header.begin());
+}
+
+/// Reads a text file of the folder, which has to be whole where the folder's run.yaml counts its
+/// lines. Nothing where there is no such file.
+Expected<std::optional<std::string>> read_if_there(const std::filesystem::path& folder,
+                                                   const std::string& name) {
+  using Text = std::optional<std::string>;
+  const Expected<bool> is_there = is_present(folder / name);
+  if (!is_there) return is_there.error();
+  if (!*is_there) return Text();
+  const auto counts = read_line_counts(folder / "run.yaml");
+  if (!counts) return counts.error();
+  if (*counts) {
+    const auto lines = (*counts)->find(name);
+    if (lines != (*counts)->end()) {
+      const Expected<void> whole = check_line_count(folder / name, lines->second);
+      if (!whole) return whole.error();
+    }
+  }
+  Expected<std::string> text = read_file(folder / name);
+  if (!text) return text.error();
+  return Text(*std::move(text));
 }
 
 /// By stamp.
-Expected<std::map<Stamp, Deviations>> read_deviations(const std::filesystem::path& file) {
+Expected<std::map<Stamp, Deviations>> parse_deviations(std::string_view text,
+                                                       const std::filesystem::path& file) {
   std::map<Stamp, Deviations> result;
-  if (!std::filesystem::exists(file)) return result;
-  const Expected<std::string> text = read_file(file);
-  if (!text) return text.error();
-  std::istringstream lines(*text);
-  std::string line;
-  std::getline(lines, line);
-  const std::vector<std::string> header = cells_of(line);
-  const auto column = [&](const char* name) {
-    return static_cast<std::size_t>(std::find(header.begin(), header.end(), name) - header.begin());
-  };
-  const std::size_t position = column("position_sigma");
-  const std::size_t rotation = column("rotation_sigma");
-  for (int number = 2; std::getline(lines, line); ++number) {
-    const std::vector<std::string> cells = cells_of(line);
-    const Error bad{
-        .message = "no tracking row: '" + line + "'",
-        .file = file.string(),
-        .line = number,
-        .hint = "t,evidence,tags,position_sigma,rotation_sigma,... as replay writes it"};
+  const std::vector<std::string_view> header = cells_of(take_part(text, '\n'));
+  const std::size_t position = column_of(header, {"position_std", "position_sigma"});
+  const std::size_t rotation = column_of(header, {"rotation_std", "rotation_sigma"});
+  for (int number = 2; !text.empty(); ++number) {
+    const std::string_view line = take_part(text, '\n');
+    if (line.empty()) continue;
+    const std::vector<std::string_view> cells = cells_of(line);
+    const Error bad{.message = "is no tracking row: '" + std::string(line) + "'",
+                    .file = file.string(),
+                    .line = number,
+                    .hint = "write t,position_std,rotation_std under these names, in m and rad"};
     if (cells.size() <= std::max(position, rotation)) return bad;
     const Expected<Stamp> stamp = parse_stamp(cells.front());
-    const std::optional<double> first = deviation_of(cells[position]);
-    const std::optional<double> second = deviation_of(cells[rotation]);
+    const auto first = deviation_of(cells[position], ranges::kPositionStd);
+    const auto second = deviation_of(cells[rotation], ranges::kRotationStd);
     if (!stamp || !first || !second) return bad;
     result[*stamp] = {*first, *second};
   }
@@ -74,11 +107,15 @@ Expected<std::map<Stamp, Deviations>> read_deviations(const std::filesystem::pat
 Expected<std::vector<TrackedPose>> read_tracked_poses(const std::filesystem::path& folder,
                                                       const std::string& name) {
   std::vector<TrackedPose> result;
-  const std::filesystem::path place = folder / "objects" / name;
-  if (!std::filesystem::exists(place / "tracked.txt")) return result;
-  const Expected<Trajectory> poses = read_trajectory(place / "tracked.txt");
+  const std::string place = "objects/" + name + '/';
+  const auto tracked = read_if_there(folder, place + "tracked.txt");
+  if (!tracked) return tracked.error();
+  if (!*tracked) return result;
+  const Expected<Trajectory> poses = read_trajectory(folder / (place + "tracked.txt"));
   if (!poses) return poses.error();
-  const auto deviations = read_deviations(place / "tracking.csv");
+  const auto text = read_if_there(folder, place + "tracking.csv");
+  if (!text) return text.error();
+  const auto deviations = parse_deviations(text->value_or(""), folder / (place + "tracking.csv"));
   if (!deviations) return deviations.error();
   for (const TimedPose& timed : poses->poses()) {
     const auto found = deviations->find(timed.stamp);

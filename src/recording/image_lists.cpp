@@ -22,13 +22,13 @@ Expected<Series<Images>> read_list(const fs::path& folder, const char* name, boo
   if (!text) return text.error();
   Expected<Series<Images>> listed = parse_image_list({file.string(), *text, skip_bad});
   if (!listed) return listed;
-  Series<Images> present{.content = {}, .skipped = listed->skipped};
+  Series<Images> present{.content = {}, .report = std::move(listed->report)};
   for (ListedImage& image : listed->content) {
     std::error_code code;
     if (fs::is_regular_file(folder / image.path, code)) {
       present.content.push_back(std::move(image));
     } else if (skip_bad) {
-      ++present.skipped;
+      present.report.leave_out("image is missing");
     } else {
       return Error{.message = "the image " + image.path.string() + " is missing",
                    .file = file.string(),
@@ -57,7 +57,8 @@ PairedImages paired(const Series<Images>& color, const Series<Images>& depth,
   }
   images.unpaired_color = color_stamps.size() - images.frames.size();
   images.unpaired_depth = depth_stamps.size() - images.frames.size();
-  images.skipped_rows = color.skipped + depth.skipped;
+  images.color_report = color.report;
+  images.depth_report = depth.report;
   return images;
 }
 

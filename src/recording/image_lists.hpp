@@ -9,6 +9,8 @@
 #include "pcavr/core/expected.hpp"
 #include "pcavr/recording/recording.hpp"
 
+#include "recording/text_rows.hpp"
+
 namespace pcavr {
 
 /// What `rgb.txt` and `depth.txt` hold together.
@@ -16,7 +18,8 @@ struct PairedImages {
   std::vector<FrameFiles> frames;  ///< at least one
   std::size_t unpaired_color = 0;
   std::size_t unpaired_depth = 0;
-  std::size_t skipped_rows = 0;
+  RowReport color_report = {};  ///< of `rgb.txt`
+  RowReport depth_report = {};
 };
 
 /// Reads both lists of `folder`, checks that the images are there, and pairs them by time.

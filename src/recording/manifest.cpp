@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "pcavr/core/input_file.hpp"
+
 #include "recording/camera_keys.hpp"
 #include "recording/manifest_parser.hpp"
 #include "recording/time_series.hpp"
@@ -20,7 +22,7 @@ constexpr std::int64_t kMaxImagePixels = 100'000'000;
 
 Pose pose_of(const YamlValue& value) {
   value.expect_keys({"t", "q"});
-  const std::vector<double> t = value.at("t").numbers(3);
+  const std::vector<double> t = value.at("t").numbers_in(3, ranges::kCoordinate);
   const YamlValue rotation = value.at("q");
   const std::vector<double> q = rotation.numbers(4);
   if (const std::optional<Error> error = check_unit_quaternion(q)) {
@@ -33,10 +35,13 @@ Pose pose_of(const YamlValue& value) {
 std::filesystem::path path_of(const YamlValue& value, const std::filesystem::path& folder) {
   const Expected<std::filesystem::path> path = path_inside_folder(value.text());
   if (!path) value.fail(path.error().message, path.error().hint);
-  std::error_code code;
-  if (!folder.empty() && !std::filesystem::is_regular_file(folder / *path, code)) {
+  if (folder.empty()) return *path;
+  const Expected<bool> is_there = is_present(folder / *path);
+  if (is_there && !*is_there) {
     value.fail("the file " + path->string() + " is missing", "add it, or correct the path");
   }
+  const Expected<std::uintmax_t> size = regular_file_size(folder / *path);
+  if (!size) value.fail(path->string() + ' ' + size.error().message, size.error().hint);
   return *path;
 }
 
@@ -49,7 +54,7 @@ void read_camera(const YamlValue& value, Manifest& manifest) {
                    std::to_string(manifest.camera->height) + " pixels is too large",
                "use images of at most 100 megapixels");
   }
-  manifest.depth_scale = value.at("depth_scale").positive_number();
+  manifest.depth_scale = value.at("depth_scale").number_in(ranges::kDepthScale);
 }
 
 bool has_object(const Manifest& manifest, const std::string& name) {
@@ -70,7 +75,7 @@ void read_object(const YamlValue& value, const std::filesystem::path& folder, Ma
     object.mesh = path_of(*mesh, folder);
   }
   if (const std::optional<YamlValue> mass = value.find("mass")) {
-    object.mass = mass->positive_number();
+    object.mass = mass->number_in(ranges::kMass);
   }
   if (const std::optional<YamlValue> movable = value.find("movable")) {
     object.is_movable = movable->boolean();
@@ -100,7 +105,7 @@ void read_marker(const YamlValue& value, Manifest& manifest) {
   if (is_known) {
     id.fail("tag " + marker.id.to_string() + " is there twice", "give each tag one entry");
   }
-  marker.size = value.at("size").positive_number();
+  marker.size = value.at("size").number_in(ranges::kTagSize);
   marker.role = role_of(value.at("role"));
   const std::optional<YamlValue> object = value.find("object");
   if (marker.role == MarkerRole::object) {
@@ -131,7 +136,7 @@ Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folde
   }
   if (const std::optional<YamlValue> tool = root.find("tool")) {
     tool->expect_keys({"radius"});
-    manifest.tool_radius = tool->at("radius").positive_number();
+    manifest.tool_radius = tool->at("radius").number_in(ranges::kToolRadius);
   }
   if (const std::optional<YamlValue> robot = root.find("robot")) {
     robot->expect_keys({"urdf"});

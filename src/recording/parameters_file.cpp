@@ -6,42 +6,42 @@
 #include <cmath>
 #include <numbers>
 
+#include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output.hpp"
 
 #include "recording/manifest_parser.hpp"
 #include "recording/recording_text.hpp"
 #include "recording/text_rows.hpp"
+#include "recording/utf8.hpp"
 #include "recording/yaml_map.hpp"
 
 namespace pcavr {
 namespace {
 
-/// One key, where its value is kept, and which values are not absurd. The upper bounds are far
-/// above what a tool can push: they catch slips of unit and sign, not unusual objects.
+/// One key, where its value is kept, and which values are not absurd.
 struct Field {
   const char* key;
   std::optional<ParameterValue> ObjectParameters::*member;
-  double least;
-  double most;
-  bool is_least_allowed;
+  InputRange range;
 };
 
 constexpr std::array kFields{
-    Field{"mass", &ObjectParameters::mass, 0.0, 1e4, false},
-    Field{"limiting_static_friction", &ObjectParameters::limiting_static_friction, 0.0, 1e5, false},
-    Field{"sliding_friction_coefficient", &ObjectParameters::sliding_friction_coefficient, 0.0,
-          10.0, false},
-    Field{"viscous_friction", &ObjectParameters::viscous_friction, 0.0, 1e5, true},
-    Field{"friction_radius", &ObjectParameters::friction_radius, 0.0, 10.0, false},
-    Field{"tool_friction_coefficient", &ObjectParameters::tool_friction_coefficient, 0.0, 10.0,
-          true},
-    Field{"loading_rate", &ObjectParameters::loading_rate, 0.0, 1e7, false},
+    Field{"mass", &ObjectParameters::mass, ranges::kMass},
+    Field{"limiting_static_friction", &ObjectParameters::limiting_static_friction,
+          ranges::kStaticFriction},
+    Field{"sliding_friction_coefficient", &ObjectParameters::sliding_friction_coefficient,
+          ranges::kFrictionCoefficient},
+    Field{"viscous_friction", &ObjectParameters::viscous_friction, ranges::kViscousFriction},
+    Field{"friction_radius", &ObjectParameters::friction_radius, ranges::kFrictionRadius},
+    Field{"tool_friction_coefficient", &ObjectParameters::tool_friction_coefficient,
+          ranges::kToolFriction},
+    Field{"loading_rate", &ObjectParameters::loading_rate, ranges::kLoadingRate},
 };
 
 constexpr std::array kContactFields{
-    Field{"stiffness", &ObjectParameters::contact_stiffness, 0.0, 1e12, false},
-    Field{"damping", &ObjectParameters::contact_damping, 0.0, 1e14, true},
-    Field{"exponent", &ObjectParameters::contact_exponent, 1.0, 3.0, true},
+    Field{"stiffness", &ObjectParameters::contact_stiffness, ranges::kStiffness},
+    Field{"damping", &ObjectParameters::contact_damping, ranges::kDamping},
+    Field{"exponent", &ObjectParameters::contact_exponent, ranges::kExponent},
 };
 
 std::string deviation_key(const Field& field) { return std::string(field.key) + "_std"; }
@@ -55,21 +55,8 @@ void read_field(const YamlValue& map, const Field& field, ObjectParameters& para
     }
     return;
   }
-  ParameterValue parameter{.value = value->number()};
-  const bool is_in_range =
-      parameter.value <= field.most &&
-      (parameter.value > field.least || (field.is_least_allowed && parameter.value == field.least));
-  if (!is_in_range) {
-    value->fail("is " + value->text() + ", which no object has",
-                std::string("write a number ") + (field.is_least_allowed ? "from " : "above ") +
-                    shortest_decimal(field.least) + " to " + shortest_decimal(field.most));
-  }
-  if (deviation) {
-    parameter.deviation = deviation->number();
-    if (!(*parameter.deviation >= 0.0)) {
-      deviation->fail("is " + deviation->text(), "a standard deviation is 0 or more");
-    }
-  }
+  ParameterValue parameter{.value = value->number_in(field.range)};
+  if (deviation) parameter.deviation = deviation->number_in(ranges::kParameterStd);
   parameters.*field.member = parameter;
 }
 
@@ -100,8 +87,8 @@ bool is_convex(const std::array<double, 15>& coefficients) {
 
 LimitSurface read_limit_surface(const YamlValue& map) {
   map.expect_keys({"force", "length", "coefficients"});
-  LimitSurface surface{.force = map.at("force").positive_number(),
-                       .length = map.at("length").positive_number()};
+  LimitSurface surface{.force = map.at("force").number_in(ranges::kStaticFriction),
+                       .length = map.at("length").number_in(ranges::kFrictionRadius)};
   const YamlValue list = map.at("coefficients");
   const std::vector<double> coefficients = list.numbers(surface.coefficients.size());
   std::copy(coefficients.begin(), coefficients.end(), surface.coefficients.begin());
@@ -165,7 +152,8 @@ void emit_object(YAML::Emitter& out, const ObjectParameters& parameters) {
 /// Each line of it behind a '#'.
 std::string as_comment(const std::string& comment) {
   std::string text;
-  LineReader lines(comment);
+  const std::string readable = as_utf8_text(comment);
+  LineReader lines(readable);
   while (const auto line = lines.next()) {
     text += line->empty() ? std::string("#") : "# " + std::string(*line);
     text += '\n';

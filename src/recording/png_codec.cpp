@@ -218,9 +218,15 @@ Expected<void> decode_png(std::string_view bytes, PngImage& image) {
   std::string joined;
   const Expected<std::string_view> compressed = compressed_pixels(rest, joined);
   if (!compressed) return compressed.error();
+  // No stream of deflate grows by more than this [RFC 1951]: before memory is taken for a header.
+  constexpr std::size_t kMaxInflation = 1032;
+  const std::size_t needed = static_cast<std::size_t>(header->height) * (header->row_size() + 1);
+  if (needed / kMaxInflation > compressed->size()) {
+    return Error{.message = "its pixels are too few for its size"};
+  }
   header->rows = std::move(image.rows);
   image = *std::move(header);
-  image.rows.resize(static_cast<std::size_t>(image.height) * (image.row_size() + 1));
+  image.rows.resize(needed);
   if (!inflate(*compressed, image.rows)) return Error{.message = "its pixels are damaged"};
   if (!undo_filters_of_any(image)) return Error{.message = "a row has an unknown filter"};
   return {};

@@ -64,6 +64,16 @@ std::string format_file_stamp(Stamp stamp) {
   return format_stamp(stamp, stamp.nanoseconds % 1000 == 0 ? 6 : 9);
 }
 
+std::string quoted_field(const std::string& field) {
+  if (!field.empty() && field.find_first_of(" \t#\"\\") == std::string::npos) return field;
+  std::string text = "\"";
+  for (const char c : field) {
+    if (c == '"' || c == '\\') text += '\\';
+    text += c;
+  }
+  return text + '"';
+}
+
 std::string_view trajectory_header() { return "# timestamp tx ty tz qx qy qz qw\n"; }
 
 void append_trajectory_row(std::string& text, Stamp stamp, const Pose& pose) {

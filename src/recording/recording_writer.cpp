@@ -7,6 +7,7 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/output.hpp"
+#include "pcavr/recording/line_counts.hpp"
 
 #include "recording/image_codec.hpp"
 #include "recording/recording_text.hpp"
@@ -42,7 +43,7 @@ std::string list(Stamp stamp, const std::string& folder, const std::string& exte
   last = stamp;
   const std::string time = format_file_stamp(stamp);
   std::string path = folder + time + extension;
-  text += time + ' ' + path + '\n';
+  text += time + ' ' + quoted_field(path) + '\n';
   return path;
 }
 
@@ -129,7 +130,9 @@ Expected<void> RecordingWriter::finish() {
       return written;
     }
   }
-  return state_->write("recording.yaml", format_manifest(state_->manifest));
+  const Expected<void> manifest =
+      state_->write("recording.yaml", format_manifest(state_->manifest));
+  return manifest ? write_line_counts(state_->folder) : manifest;
 }
 
 }  // namespace pcavr

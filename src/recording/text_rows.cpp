@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recording/text_rows.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace pcavr {
 namespace {
@@ -12,17 +14,16 @@ using Separator = RowFormat::Separator;
 
 constexpr std::string_view kBlanks = " \t";
 
-/// Splits into `fields`, which keeps its memory from row to row.
-void split(std::string_view line, Separator separator, std::vector<std::string_view>& fields) {
-  fields.clear();
-  if (separator == Separator::comma) {
-    for (;;) {
-      const std::size_t comma = line.find(',');
-      fields.push_back(trimmed(line.substr(0, comma)));
-      if (comma == line.npos) return;
-      line.remove_prefix(comma + 1);
-    }
+void split_at_commas(std::string_view line, std::vector<std::string_view>& fields) {
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    fields.push_back(trimmed(line.substr(0, comma)));
+    if (comma == line.npos) return;
+    line.remove_prefix(comma + 1);
   }
+}
+
+void split_at_blanks(std::string_view line, std::vector<std::string_view>& fields) {
   for (;;) {
     const std::size_t begin = line.find_first_not_of(kBlanks);
     if (begin == line.npos) return;
@@ -33,6 +34,64 @@ void split(std::string_view line, Separator separator, std::vector<std::string_v
   }
 }
 
+/// The fields of one row after the other; keeps its memory.
+class RowFields {
+ public:
+  /// False where the line holds no row.
+  [[nodiscard]] bool split(std::string_view line, Separator separator) {
+    fields_.clear();
+    if (separator == Separator::comma) {
+      if (trimmed(line).empty()) return false;
+      split_at_commas(line, fields_);
+      return true;
+    }
+    // Quotes are rare: without them a row needs no copy.
+    if (line.substr(0, line.find('#')).find_first_of("\"\\") != line.npos) {
+      split_quoted(line);
+    } else {
+      split_at_blanks(line.substr(0, line.find('#')), fields_);
+    }
+    return !fields_.empty();
+  }
+  [[nodiscard]] std::span<const std::string_view> all() const { return fields_; }
+
+ private:
+  /// "..." and a backslash keep what follows: blanks, '#', quotes and backslashes.
+  void split_quoted(std::string_view line) {
+    unquoted_.clear();
+    std::string field;
+    bool is_quoted = false;
+    bool has_field = false;
+    const auto finish = [&] {
+      if (has_field) unquoted_.push_back(field);
+      field.clear();
+      has_field = false;
+    };
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const char c = line[i];
+      if (c == '\\' && i + 1 < line.size()) {
+        field += line[++i];
+        has_field = true;
+      } else if (c == '"') {
+        is_quoted = !is_quoted;
+        has_field = true;
+      } else if (!is_quoted && c == '#') {
+        break;
+      } else if (!is_quoted && kBlanks.find(c) != kBlanks.npos) {
+        finish();
+      } else {
+        field += c;
+        has_field = true;
+      }
+    }
+    finish();
+    fields_.assign(unquoted_.begin(), unquoted_.end());
+  }
+
+  std::vector<std::string_view> fields_;
+  std::vector<std::string> unquoted_;
+};
+
 std::string joined(const std::vector<std::string>& names, char separator) {
   std::string text;
   for (const std::string& name : names) {
@@ -42,28 +101,46 @@ std::string joined(const std::vector<std::string>& names, char separator) {
   return text;
 }
 
-Error wrong_column_count(const RowFormat& format, std::size_t found) {
-  return {.message = "has " + std::to_string(found) + " columns, not " +
-                     std::to_string(format.columns.size()),
-          .hint = "each line holds " +
-                  joined(format.columns, format.separator == Separator::comma ? ',' : ' ')};
+RowFault wrong_column_count(const RowFormat& format, std::size_t found) {
+  return {{.message = "has " + std::to_string(found) + " columns, not " +
+                      std::to_string(format.columns.size()),
+           .hint = "each line holds " +
+                   joined(format.columns, format.separator == Separator::comma ? ',' : ' ')},
+          "wrong number of columns"};
 }
 
 /// Checks count and stamp, and hands the rest to `take`.
-std::optional<Error> take_row(const RowFormat& format, std::span<const std::string_view> fields,
-                              std::optional<Stamp>& last, const TakeFields& take) {
+std::optional<RowFault> take_row(const RowFormat& format, std::span<const std::string_view> fields,
+                                 std::optional<Stamp>& last, const TakeFields& take) {
   if (fields.size() != format.columns.size()) return wrong_column_count(format, fields.size());
   const Expected<Stamp> stamp = parse_stamp(fields[0]);
-  if (!stamp) return stamp.error();
+  if (!stamp) return RowFault(stamp.error(), "not a time");
   if (last && *stamp <= *last) {
-    return Error{.message = "time " + std::string(fields[0]) + " is not after the one before, " +
-                            format_stamp(*last),
-                 .hint = "sort the rows by time and keep one of equal ones"};
+    return RowFault(Error{.message = "time " + std::string(fields[0]) +
+                                     " is not after the one before, " + format_stamp(*last),
+                          .hint = "sort the rows by time and keep one of equal ones"},
+                    "time is not after the one before");
   }
-  if (std::optional<Error> error = take(*stamp, fields.subspan(1))) return error;
+  if (std::optional<RowFault> fault = take(*stamp, fields.subspan(1))) return fault;
   last = *stamp;
   return std::nullopt;
 }
+
+/// Watches whether the last line was cut: it has no end, and fewer characters than those before.
+class LastLineWatch {
+ public:
+  void add(const LineReader& lines, std::string_view line) {
+    if (!lines.has_line_end() && rows_ > 0 && line.size() < shortest_) short_line_ = lines.line();
+    shortest_ = std::min(shortest_, line.size());
+    ++rows_;
+  }
+  [[nodiscard]] std::optional<int> short_line() const { return short_line_; }
+
+ private:
+  std::size_t shortest_ = std::numeric_limits<std::size_t>::max();
+  std::size_t rows_ = 0;
+  std::optional<int> short_line_;
+};
 
 }  // namespace
 
@@ -76,7 +153,8 @@ std::optional<std::string_view> LineReader::next() {
   if (rest_.empty()) return std::nullopt;
   const std::size_t end = rest_.find('\n');
   std::string_view line = rest_.substr(0, end);
-  rest_.remove_prefix(end == rest_.npos ? rest_.size() : end + 1);
+  has_line_end_ = end != rest_.npos;
+  rest_.remove_prefix(has_line_end_ ? end + 1 : rest_.size());
   if (line.ends_with('\r')) line.remove_suffix(1);
   ++line_;
   return line;
@@ -98,43 +176,62 @@ std::optional<double> parse_number(std::string_view text) {
   return number;
 }
 
-Expected<std::size_t> read_rows(const RowFormat& format, LineReader& lines,
-                                const TakeFields& take) {
-  std::size_t skipped = 0;
-  std::optional<Stamp> last;
-  std::vector<std::string_view> fields;
-  while (std::optional<std::string_view> line = lines.next()) {
-    if (format.separator == Separator::blank) line = line->substr(0, line->find('#'));
-    if (trimmed(*line).empty()) continue;
-    split(*line, format.separator, fields);
-    std::optional<Error> error = take_row(format, fields, last, take);
-    if (!error) continue;
-    if (!format.skip_bad) {
-      error->file = format.file;
-      error->line = lines.line();
-      return *std::move(error);
-    }
-    ++skipped;
+void RowReport::leave_out(const std::string& reason) {
+  const auto known = std::find_if(left_out.begin(), left_out.end(),
+                                  [&](const auto& entry) { return entry.first == reason; });
+  if (known == left_out.end()) {
+    left_out.emplace_back(reason, 1);
+  } else {
+    ++known->second;
   }
-  return skipped;
 }
 
-Expected<std::size_t> read_number_rows(const RowFormat& format, LineReader& lines,
-                                       const TakeNumbers& take) {
-  std::vector<double> numbers(format.columns.size() - 1);
-  return read_rows(format, lines, [&](Stamp stamp, std::span<const std::string_view> fields) {
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-      const std::optional<double> number = parse_number(fields[i]);
-      if (!number) {
-        return std::optional(
-            Error{.message = "'" + std::string(fields[i]) + "' is not a finite number",
-                  .place = format.columns[i + 1],
-                  .hint = "write a decimal number, or leave the row out"});
-      }
-      numbers[i] = *number;
+std::size_t RowReport::skipped() const {
+  std::size_t sum = 0;
+  for (const auto& [reason, count] : left_out) sum += count;
+  return sum;
+}
+
+Expected<RowReport> read_rows(const RowFormat& format, LineReader& lines, const TakeFields& take) {
+  RowReport report;
+  LastLineWatch watch;
+  std::optional<Stamp> last;
+  RowFields fields;
+  while (std::optional<std::string_view> line = lines.next()) {
+    if (!fields.split(*line, format.separator)) continue;
+    watch.add(lines, *line);
+    std::optional<RowFault> fault = take_row(format, fields.all(), last, take);
+    if (!fault) continue;
+    if (!format.skip_bad) {
+      fault->error.file = format.file;
+      fault->error.line = lines.line();
+      return std::move(fault->error);
     }
-    return take(stamp, numbers);
-  });
+    report.leave_out(fault->reason);
+  }
+  report.short_last_line = watch.short_line();
+  return report;
+}
+
+Expected<RowReport> read_number_rows(const RowFormat& format, LineReader& lines,
+                                     const TakeNumbers& take) {
+  std::vector<double> numbers(format.columns.size() - 1);
+  return read_rows(
+      format, lines,
+      [&](Stamp stamp, std::span<const std::string_view> fields) -> std::optional<RowFault> {
+        for (std::size_t i = 0; i < fields.size(); ++i) {
+          const std::optional<double> number = parse_number(fields[i]);
+          if (!number) {
+            return RowFault(
+                Error{.message = "'" + std::string(fields[i]) + "' is not a finite number",
+                      .place = format.columns[i + 1],
+                      .hint = "write a decimal number, or leave the row out"},
+                "not a finite number");
+          }
+          numbers[i] = *number;
+        }
+        return take(stamp, numbers);
+      });
 }
 
 Expected<std::vector<std::string>> read_header(const std::string& file, LineReader& lines) {
@@ -143,7 +240,7 @@ Expected<std::vector<std::string>> read_header(const std::string& file, LineRead
     return Error{.message = "is empty", .file = file, .hint = "begin with the header line"};
   }
   std::vector<std::string_view> names;
-  split(*line, Separator::comma, names);
+  split_at_commas(*line, names);
   return std::vector<std::string>(names.begin(), names.end());
 }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "recording/text_rows.hpp"
+#include "pcavr/core/input_ranges.hpp"
 
 namespace pcavr {
 namespace {
@@ -30,17 +30,33 @@ Expected<void> expect_header(const RowFormat& format, LineReader& lines) {
                .hint = "name the columns so, in this order"};
 }
 
+/// What is wrong with numbers of one kind, if anything; `format` names the column, the first of
+/// which is `first`.
+std::optional<RowFault> check_columns(const RowFormat& format, const InputRange& range,
+                                      std::span<const double> numbers, std::size_t first) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    std::optional<Error> error = check_range(range, numbers[i]);
+    if (!error) continue;
+    error->place = format.columns[first + i];
+    return RowFault(*std::move(error), "number out of range");
+  }
+  return std::nullopt;
+}
+
 /// Rows of `x y z qx qy qz qw`.
 Expected<Series<Trajectory>> read_poses(const RowFormat& format, LineReader& lines) {
   std::vector<TimedPose> poses;
-  const auto take = [&](Stamp stamp, std::span<const double> n) -> std::optional<Error> {
-    if (std::optional<Error> error = check_unit_quaternion(n.subspan(3))) return error;
+  const auto take = [&](Stamp stamp, std::span<const double> n) -> std::optional<RowFault> {
+    if (auto fault = check_columns(format, ranges::kCoordinate, n.first(3), 1)) return fault;
+    if (std::optional<Error> error = check_unit_quaternion(n.subspan(3))) {
+      return RowFault(*std::move(error), "no unit quaternion");
+    }
     poses.push_back({stamp, Pose(Eigen::Quaterniond(n[6], n[3], n[4], n[5]), {n[0], n[1], n[2]})});
     return std::nullopt;
   };
-  const Expected<std::size_t> skipped = read_number_rows(format, lines, take);
-  if (!skipped) return skipped.error();
-  return Series<Trajectory>{Trajectory(std::move(poses)), *skipped};
+  Expected<RowReport> report = read_number_rows(format, lines, take);
+  if (!report) return report.error();
+  return Series<Trajectory>{Trajectory(std::move(poses)), *std::move(report)};
 }
 
 /// How many of the names from `first` on are prefix1, prefix2, ...
@@ -98,16 +114,17 @@ Expected<Series<std::vector<ListedImage>>> parse_image_list(const SeriesText& te
   Series<std::vector<ListedImage>> list;
   LineReader lines(text.text);
   const auto take = [&](Stamp stamp,
-                        std::span<const std::string_view> fields) -> std::optional<Error> {
+                        std::span<const std::string_view> fields) -> std::optional<RowFault> {
     const Expected<std::filesystem::path> path = path_inside_folder(fields[0]);
-    if (!path) return path.error();
+    if (!path) return RowFault(path.error(), "path that leaves the folder");
     list.content.push_back({stamp, *path, lines.line()});
     return std::nullopt;
   };
-  const Expected<std::size_t> skipped =
-      read_rows(format_of(text, Separator::blank, {"timestamp", "path"}), lines, take);
-  if (!skipped) return skipped.error();
-  list.skipped = *skipped;
+  Expected<RowReport> report = read_rows(
+      format_of(text, Separator::blank, {"timestamp", "path (in \"...\" where it has blanks)"}),
+      lines, take);
+  if (!report) return report.error();
+  list.report = *std::move(report);
   return list;
 }
 
@@ -131,13 +148,15 @@ Expected<Series<std::vector<WrenchSample>>> parse_wrench(const SeriesText& text)
       format_of(text, Separator::comma, {"t", "fx", "fy", "fz", "tx", "ty", "tz"});
   if (const Expected<void> header = expect_header(format, lines); !header) return header.error();
   Series<std::vector<WrenchSample>> wrench;
-  const auto take = [&](Stamp stamp, std::span<const double> n) -> std::optional<Error> {
+  const auto take = [&](Stamp stamp, std::span<const double> n) -> std::optional<RowFault> {
+    if (auto fault = check_columns(format, ranges::kForce, n.first(3), 1)) return fault;
+    if (auto fault = check_columns(format, ranges::kTorque, n.subspan(3), 4)) return fault;
     wrench.content.push_back({stamp, {n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
     return std::nullopt;
   };
-  const Expected<std::size_t> skipped = read_number_rows(format, lines, take);
-  if (!skipped) return skipped.error();
-  wrench.skipped = *skipped;
+  Expected<RowReport> report = read_number_rows(format, lines, take);
+  if (!report) return report.error();
+  wrench.report = *std::move(report);
   return wrench;
 }
 
@@ -153,7 +172,9 @@ Expected<Series<std::vector<JointSample>>> parse_joints(const SeriesText& text) 
                  .hint = "name the columns so; all dq or all tau may be absent"};
   }
   Series<std::vector<JointSample>> joints;
-  const auto take = [&](Stamp stamp, std::span<const double> numbers) -> std::optional<Error> {
+  const RowFormat format = format_of(text, Separator::comma, *header);
+  const auto take = [&](Stamp stamp, std::span<const double> numbers) -> std::optional<RowFault> {
+    if (auto fault = check_columns(format, ranges::kJoint, numbers, 1)) return fault;
     JointSample& sample = joints.content.emplace_back();
     sample.stamp = stamp;
     auto from = numbers.begin();
@@ -166,10 +187,9 @@ Expected<Series<std::vector<JointSample>>> parse_joints(const SeriesText& text) 
     if (columns->has_torque) fill(sample.torque);
     return std::nullopt;
   };
-  const Expected<std::size_t> skipped =
-      read_number_rows(format_of(text, Separator::comma, *header), lines, take);
-  if (!skipped) return skipped.error();
-  joints.skipped = *skipped;
+  Expected<RowReport> report = read_number_rows(format, lines, take);
+  if (!report) return report.error();
+  joints.report = *std::move(report);
   return joints;
 }
 

@@ -15,6 +15,8 @@
 #include "pcavr/geometry/trajectory.hpp"
 #include "pcavr/recording/recording.hpp"
 
+#include "recording/text_rows.hpp"
+
 namespace pcavr {
 
 /// The text of one file of a recording and what to do with its bad rows.
@@ -27,7 +29,7 @@ struct SeriesText {
 template <typename Content>
 struct Series {
   Content content;
-  std::size_t skipped = 0;  ///< bad rows left out
+  RowReport report = {};
 };
 
 /// A line of `rgb.txt` or `depth.txt`.

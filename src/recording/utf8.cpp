@@ -35,4 +35,17 @@ bool is_utf8_text(std::string_view bytes) noexcept {
   return true;
 }
 
+std::string as_utf8_text(std::string_view bytes) {
+  if (is_utf8_text(bytes)) return std::string(bytes);
+  std::string text;
+  for (const char c : bytes) {
+    if (static_cast<unsigned char>(c) < 0x80) {
+      text += c;
+    } else {
+      text += "\xEF\xBF\xBD";
+    }
+  }
+  return text;
+}
+
 }  // namespace pcavr

@@ -35,6 +35,14 @@ double YamlValue::positive_number() const {
   return value;
 }
 
+double YamlValue::number_in(const InputRange& range) const {
+  const double value = number();
+  if (const std::optional<Error> error = check_range(range, value, text())) {
+    fail(error->message, error->hint);
+  }
+  return value;
+}
+
 int YamlValue::integer(int least, int most) const {
   const double value = number();
   if (value != std::floor(value) || value < least || value > most) {
@@ -61,6 +69,13 @@ std::vector<double> YamlValue::numbers(std::size_t count) const {
   numbers.reserve(values.size());
   for (const YamlValue& value : values) numbers.push_back(value.number());
   return numbers;
+}
+
+std::vector<double> YamlValue::numbers_in(std::size_t count, const InputRange& range) const {
+  std::vector<double> inside = numbers(count);
+  const std::vector<YamlValue> values = items();
+  for (std::size_t i = 0; i < inside.size(); ++i) inside[i] = values[i].number_in(range);
+  return inside;
 }
 
 std::vector<YamlValue> YamlValue::items() const {

@@ -12,6 +12,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "pcavr/core/expected.hpp"
+#include "pcavr/core/input_ranges.hpp"
 
 namespace pcavr {
 
@@ -32,10 +33,14 @@ class YamlValue {
   [[nodiscard]] std::string text() const;
   [[nodiscard]] double number() const;
   [[nodiscard]] double positive_number() const;
+  /// Fails with the range's ends and unit where the number lies outside.
+  [[nodiscard]] double number_in(const InputRange& range) const;
   [[nodiscard]] int integer(int least, int most) const;
   [[nodiscard]] bool boolean() const;
   /// Exactly `count` numbers.
   [[nodiscard]] std::vector<double> numbers(std::size_t count) const;
+  /// Each of them in the range.
+  [[nodiscard]] std::vector<double> numbers_in(std::size_t count, const InputRange& range) const;
   [[nodiscard]] std::vector<YamlValue> items() const;
 
   /// What a map holds, in the file's order, where its keys are names that are not known beforehand.

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "octomap_file.hpp"
 
-#include <cmath>
 #include <sstream>
 #include <string>
 
+#include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output.hpp"
 
 namespace pcavr {
@@ -86,8 +86,8 @@ Expected<OctomapContent> read_octomap(const std::filesystem::path& file,
     if (key == "res") words >> content.resolution;
     if (key == "size") words >> nodes;
   }
-  if (!(content.resolution > 0.0) || !std::isfinite(content.resolution)) {
-    return not_sound("has no cell size");
+  if (!ranges::kOccupancyCell.contains(content.resolution)) {
+    return not_sound("has no cell size that a scene can have");
   }
   TreeWalker walker(std::string_view(*bytes).substr(end + kEnd.size()), content, on_leaf);
   const bool is_sound = nodes == 0 || walker.walk(0, Eigen::Vector3i::Constant(-kOriginKey));

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/scene/scene_bundle.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 
@@ -101,7 +102,13 @@ Expected<SceneManifest> read_scene_manifest(const fs::path& folder) {
   const Expected<std::string> text = read_file(file);
   if (!text) return text.error();
   Expected<SceneManifest> manifest = parse_scene_manifest(*text, file.string());
-  if (manifest) manifest.value().folder = folder;
+  if (!manifest) return manifest;
+  if (!text->ends_with('\n')) {
+    return Error{.message = "was cut: its last line has no end",
+                 .file = file.string(),
+                 .hint = "build the scene again, or end the line where an editor left it so"};
+  }
+  manifest->folder = folder;
   return manifest;
 }
 
@@ -115,6 +122,19 @@ Expected<CadModel> read_object_model(const SceneManifest& scene, const SceneObje
   model->volume = object.simplified->volume;
   model->centre_of_mass_object = object.simplified->centre_of_mass_object;
   return model;
+}
+
+Expected<Trajectory> read_camera_trajectory(const SceneManifest& scene) {
+  const fs::path file = scene.folder / kTrajectoryFile;
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  // Every version ended the last line; an older one did not count them.
+  const bool is_counted = scene.lines && scene.lines->contains(kTrajectoryFile);
+  const auto ends = static_cast<std::size_t>(std::count(text->begin(), text->end(), '\n'));
+  const Expected<void> whole =
+      check_line_count(*text, is_counted ? scene.lines->at(kTrajectoryFile) : ends, file);
+  if (!whole) return whole.error();
+  return read_trajectory(file);
 }
 
 }  // namespace pcavr

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <yaml-cpp/yaml.h>
 
+#include "recording/utf8.hpp"
 #include "scene_text.hpp"
 
 namespace pcavr {
@@ -128,12 +129,33 @@ void emit_warnings(YAML::Emitter& out, const std::vector<InputWarning>& warnings
   out << YAML::EndSeq;
 }
 
+void emit_left_out(YAML::Emitter& out, const std::vector<LeftOut>& left_out) {
+  emit_section(out, "left_out");
+  out << YAML::BeginSeq;
+  for (const LeftOut& entry : left_out) {
+    out << YAML::Flow << YAML::BeginMap;
+    emit(out, "file", entry.file);
+    emit(out, "reason", entry.reason);
+    emit(out, "rows", entry.count);
+    out << YAML::EndMap;
+  }
+  out << YAML::EndSeq;
+}
+
+void emit_lines(YAML::Emitter& out, const LineCounts& lines) {
+  emit_section(out, "lines");
+  out << YAML::BeginMap;
+  for (const auto& [file, count] : lines) out << YAML::Key << file << YAML::Value << count;
+  out << YAML::EndMap;
+}
+
 void emit_quality(YAML::Emitter& out, const SceneQuality& quality) {
   emit_section(out, "quality");
   out << YAML::BeginMap;
   emit(out, "frames_recorded", quality.frames_recorded);
   emit(out, "frames_used", quality.frames_used);
   emit_counts(out, "frames_dropped", "reason", quality.frames_dropped);
+  emit_left_out(out, quality.left_out);
   emit_counts(out, "tags_seen", "tag", quality.tags_seen);
   emit(out, "tag_reprojection_rms", quality.tag_reprojection_rms);
   emit(out, "tracking_rms", quality.tracking_rms);
@@ -188,6 +210,8 @@ SceneManifest manifest_of(const Scene& scene) {
   manifest.is_fixed_camera = scene.quality.is_fixed_camera;
   manifest.quality = scene.quality;
   manifest.quality.times.clear();
+  // A comment names the columns.
+  manifest.lines = LineCounts{{kTrajectoryFile, scene.camera_trajectory.size() + 1}};
   return manifest;
 }
 
@@ -200,7 +224,7 @@ std::string format_scene_manifest(const SceneManifest& manifest) {
   out << YAML::BeginMap;
   emit(out, "format", "pcavr-scene/1");
   emit(out, "made_by", "pcavr " PCAVR_VERSION);
-  emit(out, "recording", manifest.recording);
+  emit(out, "recording", as_utf8_text(manifest.recording));
   emit(out, "camera", manifest.is_fixed_camera ? "fixed" : "moving");
   emit(out, "voxel_size", manifest.voxel_size);
   emit_files(out, manifest);
@@ -216,6 +240,8 @@ std::string format_scene_manifest(const SceneManifest& manifest) {
   out << YAML::BeginSeq;
   for (const SupportPlane& plane : manifest.support_planes) emit_plane(out, plane);
   out << YAML::EndSeq;
+  // Before the figures: a manifest that was cut lacks some of these, and is not read.
+  if (manifest.lines) emit_lines(out, *manifest.lines);
   emit_quality(out, manifest.quality);
   out << YAML::EndMap;
   return std::string(out.c_str()) + '\n';

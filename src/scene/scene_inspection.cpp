@@ -174,9 +174,11 @@ class Inspection {
   }
 
   void check_trajectory() {
-    const Expected<Trajectory> track = read_trajectory(manifest_.folder / kTrajectoryFile);
+    const Expected<Trajectory> track = read_camera_trajectory(manifest_);
     if (!track) return report(kTrajectoryFile, track.error());
-    report(kTrajectoryFile, std::to_string(track->size()) + " poses",
+    report(kTrajectoryFile,
+           std::to_string(track->size()) + " poses" +
+               (manifest_.lines ? "" : ", lines not counted: by an older version"),
            track->size() == manifest_.quality.frames_used ? "" : "not one for each frame used");
   }
 

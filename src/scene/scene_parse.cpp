@@ -13,14 +13,26 @@ namespace {
 constexpr char kFormat[] = "pcavr-scene/1";
 constexpr double kUnitTolerance = 1e-3;  ///< of a quaternion's or a normal's length
 
-double not_negative(const YamlValue& value) {
-  const double number = value.number();
-  if (number < 0.0) value.fail("is below zero", "write a figure of at least 0");
-  return number;
+/// Of a body within ranges::kBodySize, above the share of its bounding cube that is rounding.
+constexpr InputRange kVolume{"volume", 1e-20, 1e9, "m^3", "see ranges::kBodySize"};
+/// [m^2] A square centimetre: less bears nothing.
+constexpr double kMinPlaneArea = 1e-4;
+/// Of a plane's normal: things slide off a slope of 60 degrees.
+constexpr double kMinUpward = 0.5;
+
+/// Of a polygon, seen from above [m^2]; negative where it runs clockwise.
+double area_from_above(const std::vector<Eigen::Vector3d>& corners) {
+  double doubled = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector3d& a = corners[i];
+    const Eigen::Vector3d& b = corners[(i + 1) % corners.size()];
+    doubled += a.x() * b.y() - b.x() * a.y();
+  }
+  return 0.5 * doubled;
 }
 
 Eigen::Vector3d vector_of(const YamlValue& value) {
-  const std::vector<double> numbers = value.numbers(3);
+  const std::vector<double> numbers = value.numbers_in(3, ranges::kCoordinate);
   return {numbers[0], numbers[1], numbers[2]};
 }
 
@@ -50,7 +62,8 @@ struct PoseFigures {
 
 PoseFigures figures_of(const YamlValue& value) {
   value.expect_keys({"translation", "rotation"});
-  return {not_negative(value.at("translation")), not_negative(value.at("rotation"))};
+  return {value.at("translation").number_in(ranges::kPositionStd),
+          value.at("rotation").number_in(ranges::kRotationStd)};
 }
 
 std::size_t count_of(const YamlValue& value) {
@@ -60,9 +73,9 @@ std::size_t count_of(const YamlValue& value) {
 /// The four keys stand together.
 SceneObjectEntry::Simplified simplified_of(const YamlValue& object) {
   SceneObjectEntry::Simplified simplified;
-  simplified.simplification.max_deviation = not_negative(object.at("simplified_error"));
+  simplified.simplification.max_deviation = object.at("simplified_error").number_in(ranges::kPositionStd);
   simplified.simplification.full_triangles = count_of(object.at("full_triangles"));
-  simplified.volume = object.at("volume").positive_number();
+  simplified.volume = object.at("volume").number_in(kVolume);
   simplified.centre_of_mass_object = vector_of(object.at("centre_of_mass"));
   return simplified;
 }
@@ -76,7 +89,7 @@ SceneObjectEntry object_of(const YamlValue& value) {
   expect_object_name(object.name, value.at("name"));
   object.mesh = path_of(value.at("mesh"));
   object.is_movable = value.at("movable").boolean();
-  if (const auto mass = value.find("mass")) object.mass = mass->positive_number();
+  if (const auto mass = value.find("mass")) object.mass = mass->number_in(ranges::kMass);
   object.T_base_object = pose_of(value.at("pose"));
   object.T_base_object_start = pose_of(value.at("start"));
   object.evidence = value.at("evidence").text();
@@ -96,7 +109,7 @@ MarkerEntry tag_of(const YamlValue& value) {
   MarkerEntry tag;
   tag.id.family = value.at("family").text();
   tag.id.id = value.at("id").integer(0, std::numeric_limits<int>::max());
-  tag.size = value.at("size").positive_number();
+  tag.size = value.at("size").number_in(ranges::kTagSize);
   if (const auto object = value.find("object")) {
     tag.role = MarkerRole::object;
     tag.object = object->text();
@@ -113,11 +126,16 @@ SupportPlane plane_of(const YamlValue& value) {
   if (std::abs(plane.plane_base.normal.norm() - 1.0) > kUnitTolerance) {
     normal.fail("is no unit vector", "write a direction with a length of 1");
   }
-  plane.plane_base.offset = value.at("offset").number();
-  plane.rms = not_negative(value.at("rms"));
+  if (plane.plane_base.normal.z() < kMinUpward) {
+    normal.fail("does not point upward", "write the normal of a plane that things can stand on");
+  }
+  plane.plane_base.offset = value.at("offset").number_in(ranges::kCoordinate);
+  plane.rms = value.at("rms").number_in(ranges::kFigure);
   for (const YamlValue& name : value.at("objects").items()) plane.objects.push_back(name.text());
-  for (const YamlValue& corner : value.at("outline").items()) {
-    plane.outline_base.push_back(vector_of(corner));
+  const YamlValue outline = value.at("outline");
+  for (const YamlValue& corner : outline.items()) plane.outline_base.push_back(vector_of(corner));
+  if (!(area_from_above(plane.outline_base) > kMinPlaneArea)) {
+    outline.fail("encloses no area", "write the corners counter-clockwise as seen from above");
   }
   return plane;
 }
@@ -137,26 +155,37 @@ std::vector<InputWarning> warnings_of(const YamlValue& value) {
   for (const YamlValue& item : value.items()) {
     item.expect_keys({"input", "message", "factor", "frames"});
     warnings.push_back({item.at("input").text(), item.at("message").text(),
-                        item.at("factor").positive_number(), count_of(item.at("frames"))});
+                        item.at("factor").number_in(ranges::kFigure), count_of(item.at("frames"))});
   }
   return warnings;
 }
 
+std::vector<LeftOut> left_out_of(const YamlValue& value) {
+  std::vector<LeftOut> left_out;
+  for (const YamlValue& item : value.items()) {
+    item.expect_keys({"file", "reason", "rows"});
+    left_out.push_back(
+        {item.at("file").text(), item.at("reason").text(), count_of(item.at("rows"))});
+  }
+  return left_out;
+}
+
 SceneQuality quality_of(const YamlValue& value) {
-  value.expect_keys({"frames_recorded", "frames_used", "frames_dropped", "tags_seen",
+  value.expect_keys({"frames_recorded", "frames_used", "frames_dropped", "left_out", "tags_seen",
                      "tag_reprojection_rms", "tracking_rms", "camera_sigma", "surface_rms",
                      "input_warnings"});
   SceneQuality quality;
   quality.frames_recorded = count_of(value.at("frames_recorded"));
   quality.frames_used = count_of(value.at("frames_used"));
   quality.frames_dropped = counts_of(value.at("frames_dropped"), "reason");
+  if (const auto left_out = value.find("left_out")) quality.left_out = left_out_of(*left_out);
   quality.tags_seen = counts_of(value.at("tags_seen"), "tag");
-  quality.tag_reprojection_rms = not_negative(value.at("tag_reprojection_rms"));
-  quality.tracking_rms = not_negative(value.at("tracking_rms"));
+  quality.tag_reprojection_rms = value.at("tag_reprojection_rms").number_in(ranges::kFigure);
+  quality.tracking_rms = value.at("tracking_rms").number_in(ranges::kFigure);
   const PoseFigures sigma = figures_of(value.at("camera_sigma"));
   quality.camera_position_sigma = sigma.translation;
   quality.camera_rotation_sigma = sigma.rotation;
-  quality.surface_rms = not_negative(value.at("surface_rms"));
+  quality.surface_rms = value.at("surface_rms").number_in(ranges::kFigure);
   if (const auto warnings = value.find("input_warnings")) {
     quality.input_warnings = warnings_of(*warnings);
   }
@@ -184,7 +213,7 @@ std::vector<std::filesystem::path> levels_of(const YamlValue& files) {
 
 SceneManifest manifest_of_yaml(const YamlValue& root) {
   root.expect_keys({"format", "made_by", "recording", "camera", "voxel_size", "files", "objects",
-                    "tags", "support_planes", "quality"});
+                    "tags", "support_planes", "lines", "quality"});
   const YamlValue format = root.at("format");
   if (format.text() != kFormat) {
     format.fail("is '" + format.text() + "'", std::string("this version reads ") + kFormat);
@@ -196,7 +225,7 @@ SceneManifest manifest_of_yaml(const YamlValue& root) {
     camera.fail("is '" + camera.text() + "'", "write fixed or moving");
   }
   manifest.is_fixed_camera = camera.text() == "fixed";
-  manifest.voxel_size = root.at("voxel_size").positive_number();
+  manifest.voxel_size = root.at("voxel_size").number_in(ranges::kVoxel);
   manifest.levels_of_detail = levels_of(root.at("files"));
   for (const YamlValue& object : root.at("objects").items()) {
     manifest.objects.push_back(object_of(object));
@@ -206,6 +235,11 @@ SceneManifest manifest_of_yaml(const YamlValue& root) {
   }
   for (const YamlValue& plane : root.at("support_planes").items()) {
     manifest.support_planes.push_back(plane_of(plane));
+  }
+  if (const auto lines = root.find("lines")) {
+    manifest.lines.emplace();
+    for (const auto& [file, count] : lines->entries())
+      manifest.lines->emplace(file, count_of(count));
   }
   manifest.quality = quality_of(root.at("quality"));
   manifest.quality.is_fixed_camera = manifest.is_fixed_camera;

@@ -80,9 +80,9 @@ TEST_F(RunFolder, NamesTheLineOfABadRow) {
       {"phases.csv", "t,object,measured,predicted\n2,box,free,free\n1,box,static,free\n", 3,
        "not after"},
       {"corrections.csv", "t,object,case,what,bytes\n1,box,1.4,position,3\n", 2, "1.4"},
-      {"corrections.csv", "t,object,case,what,bytes\n1,box,2,position,-3\n", 2, "less than 0"},
+      {"corrections.csv", "t,object,case,what,bytes\n1,box,2,position,-3\n", 2, "out of range"},
       {"run.yaml", "forward_delay: soon\n", 1, "soon"},
-      {"run.yaml", "a: 1\nbackward_delay: -0.1\n", 2, "less than 0"},
+      {"run.yaml", "a: 1\nbackward_delay: -0.1\n", 2, "out of range"},
   };
   for (const Case& bad : cases) {
     const TemporaryFolder folder;

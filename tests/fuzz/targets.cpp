@@ -39,7 +39,7 @@ void parse_both_ways(Expected<Series<Content>> (*parse)(const SeriesText&), std:
   const auto lenient = parse({kFile, text, true});
   if (!strict) expect_line(strict.error());
   if (strict) {
-    PCAVR_REQUIRE(lenient && lenient->skipped == 0);
+    PCAVR_REQUIRE(lenient && lenient->report.skipped() == 0);
     PCAVR_REQUIRE(lenient->content.size() == strict->content.size());
   }
 }

@@ -138,7 +138,7 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"UnknownKey", "tool: {radius", "tool: {radios", 11, "unknown key 'radios'"},
         Fault{"UnknownRootKey", "robot:", "robots:", 12, "unknown key 'robots'"},
         Fault{"KeyTwice", "id: 5,", "id: 5, id: 6,", 9, "twice"},
-        Fault{"SizeZero", "size: 0.16", "size: 0", 7, "not more than 0"},
+        Fault{"SizeZero", "size: 0.16", "size: 0", 7, "0 is out of range for a tag's size"},
         Fault{"SizeNotFinite", "size: 0.16", "size: .inf", 7, "not a finite number"},
         Fault{"IdNegative", "id: 5", "id: -5", 9, "whole number"},
         Fault{"SameTagTwice", "id: 5", "id: 0", 9, "tag36h11:0 is there twice"},
@@ -175,7 +175,7 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"UrdfAbsolute", "robot.urdf", "/etc/passwd", 12, "does not lie"},
         Fault{"NameIsAPath", "name: box", "name: a/b", 5, "name of a file"},
         Fault{"NotABoolean", "movable: true", "movable: yes", 5, "yes"},
-        Fault{"MassZero", "mass: 3.0", "mass: 0", 5, "not more than 0"},
+        Fault{"MassZero", "mass: 3.0", "mass: 0", 5, "0 is out of range for a mass"},
         Fault{"BrokenYaml", "tool: {radius: 0.01}", "tool: {radius: 0.01", 12, "not YAML"}),
     [](const auto& test) { return std::string(test.param.name); });
 

@@ -115,6 +115,14 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"Empty", "tool.csv", "", 0, "empty"},
         Fault{"QuaternionOfNormZero", "tool.csv", "t,x,y,z,qx,qy,qz,qw\n1,0,0,0,0,0,0,0\n", 2,
               "norm"},
+        Fault{"CoordinateOfAnotherUnit", "tool.csv", "t,x,y,z,qx,qy,qz,qw\n1,0,2e4,0,0,0,0,1\n", 2,
+              "out of range for a coordinate"},
+        Fault{"ForceOfAnotherUnit", "wrench.csv", "t,fx,fy,fz,tx,ty,tz\n1,1e300,0,0,0,0,0\n", 2,
+              "1e+300 is out of range for a force"},
+        Fault{"JointOutOfRange", "joints.csv", "t,q1\n1,-1e12\n", 2, "out of range for a joint"},
+        Fault{"ClockChangesWithinASeries", "tool.csv",
+              "t,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n1305031102,0,0,0,0,0,0,1\n", 0,
+              "more than ten hours"},
         Fault{"JointHeader", "joints.csv", "t,q1,q2,dq1\n", 1, "header"},
         Fault{"UnknownKey", "recording.yaml", "format: pcavr-recording/1\ncamra: 1\n", 2,
               "unknown key 'camra'"},
@@ -159,12 +167,85 @@ TEST(ReadRecording, LeavesBadRowsOutWhereToldAndCountsThem) {
   EXPECT_EQ(recording->frames.size(), 2u);
   EXPECT_EQ(recording->unpaired_depth, 1u);
   EXPECT_EQ(recording->wrench.size(), 2u);
-  EXPECT_EQ(recording->skipped_rows, 3u);
+  EXPECT_EQ(recording->skipped_rows(), 3u);
+}
+
+TEST(ReadRecording, SaysByFileAndReasonWhatItLeftOut) {
+  const SmallRecording folder;
+  folder.write("rgb.txt", "1.0 rgb/1.000000.jpg\n1.05 rgb/gone.jpg\n1.1 rgb/1.100000.jpg\n");
+  folder.write("tool.csv",
+               "t,x,y,z,qx,qy,qz,qw\n1,0,0,0,0,0,0,1\n2,nan,0,0,0,0,0,1\n3,1e9,0,0,0,0,0,1\n"
+               "4,0,0,0,0,0,0,9\n5,0,0\n0,0,0,0,0,0,0,1\n6,0,inf,0,0,0,0,1\n");
+  const Expected<Recording> recording = read_recording(folder.path(), {.skip_bad = true});
+  ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
+  std::string listed;
+  for (const auto& [file, reason, count] : recording->left_out) {
+    listed += file + ": " + reason + ": " + std::to_string(count) + '\n';
+  }
+  EXPECT_EQ(listed,
+            "rgb.txt: image is missing: 1\n"
+            "tool.csv: not a finite number: 2\n"
+            "tool.csv: number out of range: 1\n"
+            "tool.csv: no unit quaternion: 1\n"
+            "tool.csv: wrong number of columns: 1\n"
+            "tool.csv: time is not after the one before: 1\n");
+  EXPECT_EQ(recording->skipped_rows(), 7U);
+}
+
+TEST(ReadRecording, TakesALastLineWithoutAnEndAndWarnsWhereItIsShort) {
+  const SmallRecording folder;
+  const std::string rows = "t,fx,fy,fz,tx,ty,tz\n0.1,1.25,2.25,3.25,4,5,6.125\n";
+  folder.write("wrench.csv", rows + "0.2,1.25,2.25,3.25,4,5,6.125");
+  const Expected<Recording> whole = read_recording(folder.path());
+  ASSERT_TRUE(whole.has_value()) << whole.error().to_string();
+  EXPECT_EQ(whole->wrench.size(), 2U);
+  EXPECT_TRUE(whole->warnings.empty());
+
+  folder.write("wrench.csv", rows + "0.2,1.25,2.25,3.25,4,5,6.1");
+  const Expected<Recording> cut = read_recording(folder.path());
+  ASSERT_TRUE(cut.has_value()) << cut.error().to_string();
+  EXPECT_EQ(cut->wrench.size(), 2U);
+  ASSERT_EQ(cut->warnings.size(), 1U);
+  EXPECT_NE(cut->warnings[0].find("wrench.csv:3: the last line has no end"), std::string::npos)
+      << cut->warnings[0];
+}
+
+TEST(ReadRecording, ReadsImagesWithBlanksInTheirNames) {
+  const SmallRecording folder;
+  std::filesystem::create_directories(folder.path() / "my images");
+  std::filesystem::rename(folder.path() / "rgb/1.000000.jpg", folder.path() / "my images/a #1.jpg");
+  std::filesystem::rename(folder.path() / "rgb/1.050000.jpg",
+                          folder.path() / "my images/say \"b\".jpg");
+  folder.write("rgb.txt",
+               "# a comment\n1.0 \"my images/a #1.jpg\" # another\n"
+               "1.05 my\\ images/say\\ \\\"b\\\".jpg\n1.1\t rgb/1.100000.jpg\n");
+  const Expected<Recording> recording = read_recording(folder.path());
+  ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
+  ASSERT_EQ(recording->frames.size(), 3U);
+  EXPECT_EQ(recording->frames[0].color_path, "my images/a #1.jpg");
+  EXPECT_EQ(recording->frames[1].color_path, "my images/say \"b\".jpg");
+  EXPECT_EQ(recording->frames[2].color_path, "rgb/1.100000.jpg");
+}
+
+TEST(ReadRecording, SaysHowANameWithBlanksIsWritten) {
+  const SmallRecording folder;
+  folder.write("rgb.txt", "1.0 my image.jpg\n");
+  const Expected<Recording> recording = read_recording(folder.path());
+  ASSERT_FALSE(recording.has_value());
+  EXPECT_NE(recording.error().hint.find("\"...\""), std::string::npos) << recording.error().hint;
+}
+
+TEST(ReadRecording, RefusesASymbolicLinkToNothingWhereAFileMayBe) {
+  const SmallRecording folder;
+  std::filesystem::create_symlink("nowhere", folder.path() / "tool.csv");
+  const Expected<Recording> recording = read_recording(folder.path());
+  ASSERT_FALSE(recording.has_value());
+  EXPECT_NE(recording.error().to_string().find("tool.csv: is a symbolic link"), std::string::npos);
 }
 
 TEST(Trajectory, IsReadBackExactlyAsFormatted) {
   Trajectory trajectory;
-  trajectory.append({-1'500'000'001}, Pose::from_translation({0.1, 1e-9, -3e5}));
+  trajectory.append({-1'500'000'001}, Pose::from_translation({0.1, 1e-9, -3e3}));
   trajectory.append({1'305'031'480'050'000'000},
                     Pose(Eigen::Quaterniond(0.1, 0.2, 0.3, 0.9), {1.0 / 3.0, 2.0, 3.0}));
   const TemporaryFolder folder;

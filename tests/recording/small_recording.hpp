@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/recording/line_counts.hpp"
 #include "pcavr/recording/recording_writer.hpp"
 
 #include "support/temporary_folder.hpp"
@@ -48,6 +49,8 @@ class SmallRecording {
       EXPECT_TRUE(writer.add_frame(stamp, gray, stamp, small_depth(i)).has_value());
     }
     EXPECT_TRUE(writer.finish().has_value());
+    // As a user's own, whose files may change.
+    std::filesystem::remove(path() / kWrittenFile);
   }
 
   [[nodiscard]] const std::filesystem::path& path() const { return folder_.path(); }

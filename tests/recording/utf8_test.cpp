@@ -17,6 +17,15 @@ TEST(Utf8, TakesTextOfAnyLanguage) {
   }
 }
 
+TEST(Utf8, ReplacesTheBytesThatAreNone) {
+  EXPECT_EQ(as_utf8_text("Würfel"), "Würfel");
+  EXPECT_EQ(as_utf8_text("rec\xff/a"), "rec\xEF\xBF\xBD/a");
+  EXPECT_TRUE(is_utf8_text(as_utf8_text("W\xfcrfel \xc3")));
+  // A comment that names such a path leaves the table readable.
+  const std::string text = format_parameters({{"box", {}}}, "from rec\xff");
+  EXPECT_TRUE(parse_parameters(text, "p.yaml").has_value());
+}
+
 TEST(Utf8, RefusesWhatIsNot) {
   for (const char* bytes : {
            "W\xfcrfel",             // Latin-1

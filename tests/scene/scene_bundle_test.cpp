@@ -200,6 +200,79 @@ TEST_F(SceneBundle, RefusesAKeyThatItDoesNotKnowAndNamesItsLine) {
   EXPECT_NE(manifest.error().to_string().find("voxels"), std::string::npos);
 }
 
+TEST_F(SceneBundle, RefusesATrajectoryThatIsCutInsideANumber) {
+  const fs::path file = folder_.path() / "camera_trajectory.txt";
+  const std::string text = *read_file(file);
+  // The last row keeps its eight columns, and says another pose.
+  ASSERT_TRUE(write_file(file, text.substr(0, text.size() - 3)));
+  const SceneManifest manifest = read_scene_manifest(folder_.path()).value();
+  const Expected<Trajectory> cut = read_camera_trajectory(manifest);
+  ASSERT_FALSE(cut.has_value());
+  EXPECT_EQ(cut.error().file, file.string());
+  EXPECT_NE(cut.error().message.find("was cut"), std::string::npos) << cut.error().to_string();
+  // One line less, and each of the rest whole.
+  ASSERT_TRUE(write_file(file, text.substr(0, text.rfind('\n', text.size() - 2) + 1)));
+  EXPECT_FALSE(read_camera_trajectory(manifest).has_value());
+  ASSERT_TRUE(write_file(file, text));
+  EXPECT_TRUE(read_camera_trajectory(manifest).has_value());
+}
+
+TEST_F(SceneBundle, ReadsASceneFromBeforeLinesWereCounted) {
+  const std::string text = *read_file(folder_.path() / "scene.yaml");
+  const std::size_t lines = text.find("lines:");
+  ASSERT_NE(lines, text.npos);
+  const std::size_t quality = text.find("quality:");
+  ASSERT_TRUE(
+      write_file(folder_.path() / "scene.yaml", text.substr(0, lines) + text.substr(quality)));
+  const SceneManifest manifest = read_scene_manifest(folder_.path()).value();
+  EXPECT_FALSE(manifest.lines.has_value());
+  EXPECT_TRUE(read_camera_trajectory(manifest).has_value());
+  EXPECT_TRUE(unsound().empty());
+  // A line without its end is not what any version wrote.
+  const std::string poses = *read_file(folder_.path() / "camera_trajectory.txt");
+  ASSERT_TRUE(
+      write_file(folder_.path() / "camera_trajectory.txt", poses.substr(0, poses.size() - 3)));
+  EXPECT_FALSE(read_camera_trajectory(manifest).has_value());
+}
+
+TEST_F(SceneBundle, RefusesAManifestThatIsCutInsideItsLastNumber) {
+  const std::string text = *read_file(folder_.path() / "scene.yaml");
+  for (std::size_t size = text.size() / 2; size < text.size(); ++size) {
+    ASSERT_TRUE(write_file(folder_.path() / "scene.yaml", text.substr(0, size)));
+    EXPECT_FALSE(read_scene_manifest(folder_.path()).has_value()) << text.substr(0, size);
+  }
+}
+
+TEST_F(SceneBundle, KeepsWhatWasLeftOutOfTheRecording) {
+  Scene scene = a_box_on_a_table();
+  scene.quality.left_out = {{"tool.csv", "not a finite number", 300}};
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_scene(scene, folder.path(), {1}));
+  const SceneManifest manifest = read_scene_manifest(folder.path()).value();
+  ASSERT_EQ(manifest.quality.left_out.size(), 1U);
+  EXPECT_EQ(manifest.quality.left_out[0].file, "tool.csv");
+  EXPECT_EQ(manifest.quality.left_out[0].reason, "not a finite number");
+  EXPECT_EQ(manifest.quality.left_out[0].count, 300U);
+}
+
+TEST_F(SceneBundle, RefusesAPlaneThatBearsNothing) {
+  const std::string text = *read_file(folder_.path() / "scene.yaml");
+  const std::size_t outline = text.find("outline:");
+  ASSERT_NE(outline, text.npos);
+  const std::size_t end = text.find("\n", text.find("- [", outline));
+  // Keep one corner of the outline: the tool that rests on it would have no slope.
+  std::size_t rest = end + 1;
+  while (text.compare(text.find_first_not_of(' ', rest), 3, "- [") == 0) {
+    rest = text.find('\n', rest) + 1;
+  }
+  ASSERT_TRUE(
+      write_file(folder_.path() / "scene.yaml", text.substr(0, end + 1) + text.substr(rest)));
+  const Expected<SceneManifest> manifest = read_scene_manifest(folder_.path());
+  ASSERT_FALSE(manifest.has_value());
+  EXPECT_NE(manifest.error().to_string().find("encloses no area"), std::string::npos)
+      << manifest.error().to_string();
+}
+
 TEST_F(SceneBundle, RefusesAMeshOutsideOfItsFolder) {
   replace("scene.yaml", "mesh: objects/box.glb", "mesh: ../../box.glb");
   EXPECT_FALSE(read_scene_manifest(folder_.path()));

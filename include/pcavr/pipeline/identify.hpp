@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,6 +55,7 @@ struct IdentificationInput {
   std::vector<double> t_force;
   std::vector<Eigen::Vector3d> force_base;  ///< that the tool exerts [N]
   ParameterTable known = {};                ///< found earlier; what is found anew replaces it
+  std::vector<LeftOut> left_out = {};       ///< rows and frames of the recording
 };
 
 /// What one contact of the recording was, and what it told.
@@ -139,7 +141,10 @@ struct Identification {
   double force_noise = 0.0;    ///< [N]
   double largest_drift = 0.0;  ///< [N] of the bias that was taken off
   std::vector<std::string> notes = {};
+  std::vector<LeftOut> left_out = {};  ///< of the input
 
+  /// The contacts that nothing was learnt from, by reason.
+  [[nodiscard]] std::map<std::string, std::size_t> contacts_left_out() const;
   /// Everything that is known: the input's table with what was found.
   [[nodiscard]] ParameterTable parameters() const;
   ParameterTable known = {};

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -39,6 +40,13 @@ struct JointSample {
   std::vector<double> torque;    ///< [N m]
 };
 
+/// What was left out of one file, for one reason, because the reader was asked to go on.
+struct LeftOut {
+  std::string file;  ///< relative to the recording's folder
+  std::string reason;
+  std::size_t count = 0;  ///< rows, or images for the lists
+};
+
 /// What a recording holds. Images are decoded later, by a FrameReader.
 struct Recording {
   std::filesystem::path folder;
@@ -50,7 +58,11 @@ struct Recording {
   Trajectory tool;         ///< T_base_tool
   std::vector<WrenchSample> wrench;
   std::vector<JointSample> joints;
-  std::size_t skipped_rows = 0;  ///< left out by ReadOptions::skip_bad
+  std::vector<LeftOut> left_out;      ///< rows, by ReadOptions::skip_bad; file by file
+  std::vector<std::string> warnings;  ///< what a user should see: each a line
+
+  /// Of all files and reasons.
+  [[nodiscard]] std::size_t skipped_rows() const;
 };
 
 struct ReadOptions {

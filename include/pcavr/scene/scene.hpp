@@ -13,6 +13,7 @@
 #include "pcavr/geometry/trajectory.hpp"
 #include "pcavr/model/cad_model.hpp"
 #include "pcavr/recording/manifest.hpp"
+#include "pcavr/recording/recording.hpp"
 #include "pcavr/scene/occupancy_map.hpp"
 
 namespace pcavr {
@@ -56,12 +57,13 @@ struct SceneQuality {
   std::size_t frames_recorded = 0;  ///< colour images in the recording
   std::size_t frames_used = 0;
   std::vector<std::pair<std::string, std::size_t>> frames_dropped;  ///< reason, count
-  std::vector<std::pair<std::string, std::size_t>> tags_seen;       ///< tag, frames
-  double tag_reprojection_rms = 0.0;                                ///< [px]
-  double tracking_rms = 0.0;                                        ///< [m]
-  double camera_position_sigma = 0.0;  ///< median over the frames used [m]
-  double camera_rotation_sigma = 0.0;  ///< [rad]
-  double surface_rms = 0.0;            ///< frames used against the mesh, point to plane, median [m]
+  std::vector<LeftOut> left_out;  ///< rows of the recording's files, by --skip-bad
+  std::vector<std::pair<std::string, std::size_t>> tags_seen;  ///< tag, frames
+  double tag_reprojection_rms = 0.0;                           ///< [px]
+  double tracking_rms = 0.0;                                   ///< [m]
+  double camera_position_sigma = 0.0;                          ///< median over the frames used [m]
+  double camera_rotation_sigma = 0.0;                          ///< [rad]
+  double surface_rms = 0.0;  ///< frames used against the mesh, point to plane, median [m]
   bool is_fixed_camera = false;
   std::vector<InputWarning> input_warnings = {};
   std::vector<StageTime> times;

@@ -9,6 +9,7 @@
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/parallel.hpp"
+#include "pcavr/recording/line_counts.hpp"
 #include "pcavr/scene/scene.hpp"
 
 namespace pcavr {
@@ -55,15 +56,21 @@ struct SceneManifest {
   std::vector<std::filesystem::path> levels_of_detail;
   bool is_fixed_camera = false;
   SceneQuality quality;  ///< without the times
+  /// Of the text files; nothing in scenes that were built before lines were counted.
+  std::optional<LineCounts> lines = {};
 };
-/// Strict: a key that is not known, a missing one or a path that leaves the folder is an Error with
-/// its line.
+/// Strict: a last line without an end, a key that is not known, a missing one or a path that leaves
+/// the folder is an Error with its line.
 [[nodiscard]] Expected<SceneManifest> read_scene_manifest(const std::filesystem::path& folder);
 
 /// The CAD body of an object, which scene.yaml places: the scene's mesh, and the volume and centre
 /// of mass of the mesh that it may stand in for. Same errors as read_cad_model.
 [[nodiscard]] Expected<CadModel> read_object_model(const SceneManifest& scene,
                                                    const SceneObjectEntry& object);
+
+/// The camera's poses of a scene: camera_trajectory.txt, which has to be whole where scene.yaml
+/// counts its lines.
+[[nodiscard]] Expected<Trajectory> read_camera_trajectory(const SceneManifest& scene);
 
 /// One finding of inspect_scene.
 struct SceneCheck {

@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/recording/line_counts.hpp"
+
+#include <algorithm>
+
+#include <yaml-cpp/yaml.h>
+
+#include "pcavr/core/input_file.hpp"
+#include "pcavr/core/output.hpp"
+
+#include "recording/time_series.hpp"
+#include "recording/yaml_map.hpp"
+
+namespace pcavr {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr char kWrittenFormat[] = "pcavr-written/1";
+/// Far more than ten hours at 1 kHz.
+constexpr int kMaxLines = 1'000'000'000;
+
+struct Lines {
+  std::size_t count = 0;
+  bool is_whole = true;  ///< the last has an end too
+};
+
+Lines lines_of(std::string_view text) {
+  const auto ends = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  const bool is_whole = text.empty() || text.back() == '\n';
+  return {ends + (is_whole ? 0 : 1), is_whole};
+}
+
+bool is_counted(const fs::path& relative) {
+  const fs::path extension = relative.extension();
+  return (extension == ".txt" || extension == ".csv") && *relative.begin() != "truth";
+}
+
+LineCounts counts_of(const YamlValue& value) {
+  LineCounts counts;
+  for (const auto& [file, count] : value.entries()) {
+    if (const auto path = path_inside_folder(file); !path) {
+      count.fail(path.error().message, path.error().hint);
+    }
+    counts.emplace(file, static_cast<std::size_t>(count.integer(0, kMaxLines)));
+  }
+  return counts;
+}
+
+}  // namespace
+
+Expected<LineCounts> count_lines(const fs::path& folder) {
+  LineCounts counts;
+  std::error_code code;
+  for (fs::recursive_directory_iterator entry(folder, code), end; !code && entry != end;
+       entry.increment(code)) {
+    const fs::path relative = entry->path().lexically_relative(folder);
+    if (!entry->is_regular_file(code) || !is_counted(relative)) continue;
+    const Expected<std::string> text = read_file(entry->path());
+    if (!text) return text.error();
+    counts[relative.generic_string()] = lines_of(*text).count;
+  }
+  if (code) return Error{.message = "can't be read: " + code.message(), .file = folder.string()};
+  return counts;
+}
+
+Expected<void> write_line_counts(const fs::path& folder) {
+  const Expected<LineCounts> counts = count_lines(folder);
+  if (!counts) return counts.error();
+  YAML::Emitter out;
+  out << YAML::Comment(
+      "How many lines each file had when it was written: another number is refused.\n"
+      "Remove this file after a change that is meant.");
+  out << YAML::BeginMap << YAML::Key << "format" << YAML::Value << kWrittenFormat;
+  out << YAML::Key << "lines" << YAML::Value << YAML::BeginMap;
+  for (const auto& [file, count] : *counts) out << YAML::Key << file << YAML::Value << count;
+  out << YAML::EndMap << YAML::EndMap;
+  return write_file(folder / kWrittenFile, std::string(out.c_str()) + '\n');
+}
+
+Expected<std::optional<LineCounts>> read_line_counts(const fs::path& manifest) {
+  using Counts = std::optional<LineCounts>;
+  const Expected<bool> has_manifest = is_present(manifest);
+  if (!has_manifest) return has_manifest.error();
+  if (!*has_manifest) return Counts();
+  const Expected<std::string> text = read_file(manifest);
+  if (!text) return text.error();
+  return parse_yaml<Counts>(*text, manifest.string(), [](const YamlValue& root) {
+    const std::optional<YamlValue> lines = root.find("lines");
+    return lines ? Counts(counts_of(*lines)) : Counts();
+  });
+}
+
+Expected<void> check_line_count(const fs::path& file, std::size_t lines) {
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  return check_line_count(*text, lines, file);
+}
+
+Expected<void> check_line_count(std::string_view text, std::size_t lines, const fs::path& file) {
+  const Lines found = lines_of(text);
+  if (found.is_whole && found.count == lines) return {};
+  const std::string count = std::to_string(found.count);
+  return Error{
+      .message = "was cut or changed since it was written: it " +
+                 (found.is_whole ? "has " + count + " lines" : "ends inside line " + count) +
+                 ", and " + std::to_string(lines) + " were written",
+      .file = file.string(),
+      .hint = "copy or make it again"};
+}
+
+Expected<void> check_line_counts(const fs::path& manifest) {
+  const Expected<std::optional<LineCounts>> counts = read_line_counts(manifest);
+  if (!counts) return counts.error();
+  if (!*counts) return {};
+  for (const auto& [name, lines] : **counts) {
+    const fs::path file = manifest.parent_path() / name;
+    const Expected<bool> is_there = is_present(file);
+    if (!is_there) return is_there.error();
+    if (!*is_there) continue;
+    const Expected<void> whole = check_line_count(file, lines);
+    if (whole) continue;
+    Error error = whole.error();
+    if (manifest.filename() == kWrittenFile) {
+      error.hint += ", or remove " + std::string(kWrittenFile) + " where the change is meant";
+    }
+    return error;
+  }
+  return {};
+}
+
+}  // namespace pcavr
