@@ -4,6 +4,7 @@
 #include "pcavr/scene/scene_bundle.hpp"
 
 #include "commands.hpp"
+#include "number_option.hpp"
 #include "output_option.hpp"
 #include "summary.hpp"
 
@@ -29,7 +30,7 @@ Expected<CommandResult> build(BuildArguments arguments, const Observer& observer
   if (!noise) return noise.error();
   options.depth_noise = *noise;
   const Expected<Recording> recording =
-      read_recording(arguments.recording, {.skip_bad = options.skip_bad});
+      read_with_warnings(arguments.recording, options.skip_bad, observer);
   if (!recording) return recording.error();
   const Expected<Scene> scene = build_scene(*recording, options, observer);
   if (!scene) return scene.error();
@@ -37,8 +38,10 @@ Expected<CommandResult> build(BuildArguments arguments, const Observer& observer
   if (!written) return written.error();
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
-  return CommandResult{.summary = scene_summary(*scene, arguments.output.folder),
+  CommandResult result{.summary = scene_summary(*scene, arguments.output.folder),
                        .json = scene_json(*scene, arguments.output.folder)};
+  describe_left_out(recording->left_out, result);
+  return result;
 }
 
 }  // namespace
@@ -52,14 +55,12 @@ void add_build(CLI::App& app, Action& action) {
   command->add_option("recording", arguments->recording, "Folder with a recording.yaml")
       ->required();
   add_output_option(*command, arguments->output, "Folder for the scene");
-  command->add_option("--voxel", options.voxel_size, "Edge of a voxel of the mesh [m]")
-      ->capture_default_str()
-      ->check(CLI::Range(0.001, 0.1));
-  command
-      ->add_option("--occupancy-resolution", options.occupancy_resolution,
-                   "Edge of an occupancy cell [m]")
-      ->capture_default_str()
-      ->check(CLI::Range(0.005, 1.0));
+  add_number(*command, "--voxel", options.voxel_size, ranges::kVoxel,
+             "Edge of a voxel of the mesh [m]")
+      ->capture_default_str();
+  add_number(*command, "--occupancy-resolution", options.occupancy_resolution,
+             ranges::kOccupancyCell, "Edge of an occupancy cell [m]")
+      ->capture_default_str();
   add_sensor_option(*command, arguments->sensor);
   command->add_flag("--trust-poses", options.trust_poses,
                     "Take groundtruth.txt as given, not as a measurement");

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/recording/recording.hpp"
 
 #include "console.hpp"
 
@@ -32,5 +33,12 @@ void add_sensor_option(CLI::App& command, std::string& camera_file);
 /// What that file says; the default noise where no file was named, and an Error where it says none.
 [[nodiscard]] Expected<DepthNoise> depth_noise_of(const std::string& camera_file);
 void add_threads_option(CLI::App& command, int& threads);
+
+/// Reads a recording, and hands its warnings on: of lines that may have been cut, and of rows left
+/// out.
+[[nodiscard]] Expected<Recording> read_with_warnings(const std::string& folder, bool skip_bad,
+                                                     const Observer& observer);
+/// Adds what was left out of the recording's files, by file and reason, to summary and JSON.
+void describe_left_out(const std::vector<LeftOut>& left_out, CommandResult& result);
 
 }  // namespace pcavr::app

@@ -77,6 +77,11 @@ CommandResult describe(const Identification& found, const IdentifyArguments& arg
     result.json["objects"].push_back(object_json(object));
   }
   result.json["notes"] = found.notes;
+  result.json["contacts_left_out"] = found.contacts_left_out();
+  for (const auto& [reason, count] : found.contacts_left_out()) {
+    result.summary += "left out   contacts: " + reason + ": " + std::to_string(count) + '\n';
+  }
+  describe_left_out(found.left_out, result);
   result.summary += "wrote " + arguments.output + "\nopen " + arguments.report + "/report.html\n";
   return result;
 }
@@ -127,7 +132,7 @@ Expected<Identification> run(const IdentifyArguments& arguments, const Observer&
     known = std::move(*table);
   }
   const Expected<Recording> recording =
-      read_recording(arguments.recording, {.skip_bad = arguments.skip_bad});
+      read_with_warnings(arguments.recording, arguments.skip_bad, observer);
   if (!recording) return recording.error();
   Expected<IdentificationInput> input = identification_input(*recording,
                                                              {.scene = arguments.scene,

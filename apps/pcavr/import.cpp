@@ -5,10 +5,14 @@
 #include "pcavr/recording/camera_file.hpp"
 
 #include "commands.hpp"
+#include "number_option.hpp"
 #include "output_option.hpp"
 
 namespace pcavr::app {
 namespace {
+
+/// More than ten hours at 90 Hz.
+constexpr std::size_t kMaxFrames = 10'000'000;
 
 struct ImportArguments {
   std::string source;
@@ -66,17 +70,16 @@ void add_import(CLI::App& app, Action& action) {
       ->check(CLI::IsMember({"tum", "7scenes"}));
   command->add_option("--camera", arguments->camera,
                       "Camera file, where the source has no intrinsics (see calib/cameras)");
-  command->add_option("--depth-scale", arguments->depth_scale, "Depth image units in one metre")
-      ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--rate", arguments->options.frame_rate,
-                   "Frames a second, where the source has no stamps")
-      ->capture_default_str()
-      ->check(CLI::Range(0.1, 1e5));
-  command->add_option("--stride", arguments->options.stride, "Take every n-th frame")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
-  command->add_option("--first", arguments->options.first, "Leave out the frames before this one")
+  add_number(*command, "--depth-scale", arguments->depth_scale, ranges::kDepthScale,
+             "Depth image units in one metre");
+  add_number(*command, "--rate", arguments->options.frame_rate, ranges::kImportRate,
+             "Frames a second, where the source has no stamps")
+      ->capture_default_str();
+  add_whole<std::size_t>(*command, "--stride", arguments->options.stride, 1, kMaxFrames,
+                         "Take every n-th frame")
+      ->capture_default_str();
+  add_whole<std::size_t>(*command, "--first", arguments->options.first, 0, kMaxFrames,
+                         "Leave out the frames before this one")
       ->capture_default_str();
   command->callback([arguments, &action] {
     action = [arguments](const Observer& observer) { return run_import(*arguments, observer); };

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "pcavr/core/input_file.hpp"
 #include "pcavr/pipeline/consistency.hpp"
 #include "pcavr/recording/frame_reader.hpp"
+#include "pcavr/recording/line_counts.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 
 #include "commands.hpp"
@@ -54,7 +56,7 @@ Expected<void> check_consistency(const Recording& recording, const Observer& obs
 /// Reads everything strictly, and decodes every frame.
 Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
                                                     const Observer& observer) {
-  const Expected<Recording> recording = read_recording(folder);
+  const Expected<Recording> recording = read_with_warnings(folder, false, observer);
   if (!recording) return recording.error();
   FrameReader reader(*recording);
   std::size_t frames = 0;
@@ -87,6 +89,9 @@ Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
 
 /// Reads every tracked trajectory of a run.
 Expected<std::vector<SceneCheck>> inspect_run(const fs::path& folder) {
+  if (const Expected<void> whole = check_line_counts(folder / "run.yaml"); !whole) {
+    return whole.error();
+  }
   std::vector<SceneCheck> checks;
   std::error_code code;
   for (const auto& entry : fs::directory_iterator(folder / "objects", code)) {
@@ -106,12 +111,15 @@ Expected<CommandResult> inspect(const fs::path& folder, const Observer& observer
       Error{.message = "holds no recording.yaml, scene.yaml or run.yaml",
             .file = folder.string(),
             .hint = "name the folder of a recording, a scene or a run"};
-  if (fs::exists(folder / "scene.yaml")) {
-    checks = inspect_scene(folder);
-  } else if (fs::exists(folder / "recording.yaml")) {
-    checks = inspect_recording(folder, observer);
-  } else if (fs::exists(folder / "run.yaml")) {
-    checks = inspect_run(folder);
+  for (const char* manifest : {"scene.yaml", "recording.yaml", "run.yaml"}) {
+    const Expected<bool> is_there = is_present(folder / manifest);
+    if (!is_there) return is_there.error();
+    if (!*is_there) continue;
+    const std::string name = manifest;
+    checks = name == "scene.yaml"       ? inspect_scene(folder)
+             : name == "recording.yaml" ? inspect_recording(folder, observer)
+                                        : inspect_run(folder);
+    break;
   }
   if (!checks) return checks.error();
   return describe_checks(*checks);

@@ -1,14 +1,19 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <span>
+#include <string_view>
 
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/core/signal_cleanup.hpp"
 #include "pcavr/recording/camera_file.hpp"
 
 #include "commands.hpp"
+#include "failure.hpp"
+#include "number_option.hpp"
 
 #ifndef PCAVR_VERSION
 #error "PCAVR_VERSION is set by the build"
@@ -20,10 +25,13 @@ namespace {
 constexpr int kExitDone = 0;
 constexpr int kExitFailed = 1;
 constexpr int kExitUsage = 2;
+constexpr int kMaxThreads = 256;  ///< more than the machines that pcavr was tried on have
 
-int report_error(const std::string& line) {
-  std::fprintf(stderr, "pcavr: %s\n", line.c_str());
-  return kExitFailed;
+/// One line on standard error, and with --json an object on standard output.
+int report_error(const Error& error, bool as_json, int exit_code = kExitFailed) {
+  std::fprintf(stderr, "pcavr: %s\n", error.to_string().c_str());
+  if (as_json) std::cout << json_text(error_json(error, exit_code), 2) << std::flush;
+  return exit_code;
 }
 
 int run(const Action& action, bool as_json) {
@@ -31,15 +39,21 @@ int run(const Action& action, bool as_json) {
   install_signal_cleanup();
   const Expected<CommandResult> result = action(console.observer());
   wait_if_interrupted();
-  if (!result) return report_error(result.error().to_string());
+  if (!result) return report_error(result.error(), as_json);
   if (as_json) {
     std::cout << json_text(result->json, 2);
   } else {
     std::cout << result->summary;
   }
   std::cout.flush();
-  if (!std::cout) return report_error("standard output: can't be written");
+  if (!std::cout) return report_error({.message = "standard output: can't be written"}, false);
   return result->is_failure ? kExitFailed : kExitDone;
+}
+
+/// Where the command line itself was not understood, or something was thrown.
+bool asks_for_json(std::span<char* const> words) {
+  return std::any_of(words.begin(), words.end(),
+                     [](const char* word) { return std::string_view(word) == "--json"; });
 }
 
 int run_command_line(int argc, char** argv) {
@@ -64,7 +78,12 @@ int run_command_line(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kExitDone : kExitUsage;
+    if (app.exit(error) == 0) return kExitDone;
+    if (asks_for_json({argv, static_cast<std::size_t>(argc)})) {
+      const Error usage{.message = error.what(), .hint = "run it with --help"};
+      std::cout << json_text(error_json(usage, kExitUsage), 2) << std::flush;
+    }
+    return kExitUsage;
   }
   return run(action, as_json);
 }
@@ -91,9 +110,24 @@ Expected<DepthNoise> depth_noise_of(const std::string& camera_file) {
 
 void add_threads_option(CLI::App& command, int& threads) {
   threads = Parallelism::max().threads;
-  command.add_option("--threads", threads, "How many threads to use")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 256));
+  add_whole<int>(command, "--threads", threads, 1, kMaxThreads, "How many threads to use")
+      ->capture_default_str();
+}
+
+Expected<Recording> read_with_warnings(const std::string& folder, bool skip_bad,
+                                       const Observer& observer) {
+  Expected<Recording> recording = read_recording(folder, {.skip_bad = skip_bad});
+  if (!recording) return recording;
+  for (const std::string& warning : recording->warnings) observer.on_warning(warning);
+  return recording;
+}
+
+void describe_left_out(const std::vector<LeftOut>& left_out, CommandResult& result) {
+  result.json["left_out"] = nlohmann::ordered_json::array();
+  for (const auto& [file, reason, count] : left_out) {
+    result.summary += "left out   " + file + ": " + reason + ": " + std::to_string(count) + '\n';
+    result.json["left_out"].push_back({{"file", file}, {"reason", reason}, {"rows", count}});
+  }
 }
 
 }  // namespace pcavr::app
@@ -101,9 +135,9 @@ void add_threads_option(CLI::App& command, int& threads) {
 int main(int argc, char** argv) {
   try {
     return pcavr::app::run_command_line(argc, argv);
-  } catch (const std::exception& error) {
+  } catch (const std::exception& failure) {
     pcavr::wait_if_interrupted();
-    return pcavr::app::report_error(std::string("internal error: ") + error.what() +
-                                    "; please report it with the command that you ran");
+    const bool as_json = pcavr::app::asks_for_json({argv, static_cast<std::size_t>(argc)});
+    return pcavr::app::report_error(pcavr::app::error_of(failure), as_json);
   }
 }

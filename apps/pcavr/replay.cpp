@@ -10,6 +10,7 @@
 #include "pcavr/recording/parameters_file.hpp"
 
 #include "commands.hpp"
+#include "number_option.hpp"
 #include "output_option.hpp"
 #include "summary.hpp"
 
@@ -158,7 +159,7 @@ Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observ
   if (!noise) return noise.error();
   options.depth_noise = *noise;
   const Expected<Recording> recording =
-      read_recording(arguments.recording, {.skip_bad = options.skip_bad});
+      read_with_warnings(arguments.recording, options.skip_bad, observer);
   if (!recording) return recording.error();
   const Expected<void> has_video = check_video(arguments, *recording);
   if (!has_video) return has_video.error();
@@ -181,6 +182,7 @@ Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observ
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
   CommandResult result = describe(*run, arguments.output.folder);
+  describe_left_out(recording->left_out, result);
   if (arguments.video.empty()) return result;
   const Expected<void> filmed = make_video(arguments, *recording, *scene, *run, observer, result);
   if (!filmed) return filmed.error();
@@ -193,19 +195,19 @@ void add_link_options(CLI::App& command, ReplayArguments& arguments) {
                      "What identify wrote; without it both sites start from the scene's knowledge");
   command.add_option("--tracked", arguments.tracked,
                      "Take tracking from this run instead of doing it again");
-  command.add_option("--forward-delay", teleop.forward_delay, "From operator to robot [s]")
-      ->check(CLI::Range(0.0, 10.0))
+  add_number(command, "--forward-delay", teleop.forward_delay, ranges::kDelay,
+             "From operator to robot [s]")
       ->capture_default_str();
-  command.add_option("--backward-delay", teleop.backward_delay, "From robot to operator [s]")
-      ->check(CLI::Range(0.0, 10.0))
+  add_number(command, "--backward-delay", teleop.backward_delay, ranges::kDelay,
+             "From robot to operator [s]")
       ->capture_default_str();
-  command.add_option("--jitter", teleop.jitter, "Standard deviation of either delay [s]")
-      ->check(CLI::Range(0.0, 1.0))
+  add_number(command, "--jitter", teleop.jitter, ranges::kJitter,
+             "Standard deviation of either delay [s]")
       ->capture_default_str();
-  command.add_option("--loss", teleop.loss, "Share of corrections that the network drops")
-      ->check(CLI::Range(0.0, 1.0))
+  add_number(command, "--loss", teleop.loss, ranges::kShare,
+             "Share of corrections that the network drops")
       ->capture_default_str();
-  command.add_option("--seed", teleop.seed, "Of jitter and loss")->capture_default_str();
+  add_seed(command, teleop.seed, "Of jitter and loss")->capture_default_str();
   command.add_flag("--no-corrections", arguments.without_corrections,
                    "Predict alone: the robot's site sends nothing");
   command.add_flag("--keep-parameters", arguments.keep_parameters, "Learn nothing on the way");

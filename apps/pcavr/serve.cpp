@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +23,7 @@
 #include "pcavr/serve/server.hpp"
 
 #include "commands.hpp"
+#include "number_option.hpp"
 #include "serve_words.hpp"
 
 namespace pcavr::app {
@@ -101,7 +103,7 @@ Expected<std::optional<TlsFiles>> tls_files(const ServeArguments& arguments) {
   return std::optional(std::move(*own));
 }
 
-Expected<Stage> read_stage(const ServeArguments& arguments) {
+Expected<Stage> read_stage(const ServeArguments& arguments, const Observer& observer) {
   Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
   if (!scene) return scene.error();
   Stage stage{std::move(*scene), {}, {}};
@@ -111,7 +113,7 @@ Expected<Stage> read_stage(const ServeArguments& arguments) {
     stage.parameters = std::move(*parameters);
   }
   if (!arguments.recording.empty()) {
-    Expected<Recording> recording = read_recording(arguments.recording);
+    Expected<Recording> recording = read_with_warnings(arguments.recording, false, observer);
     if (!recording) return recording.error();
     stage.recording = std::move(*recording);
   }
@@ -255,7 +257,7 @@ Expected<CommandResult> serve(ServeArguments arguments, const Observer& observer
   // Before anything that takes long.
   const Expected<void> possible = check_server(options);
   if (!possible) return possible.error();
-  const Expected<Stage> stage = read_stage(arguments);
+  const Expected<Stage> stage = read_stage(arguments, observer);
   if (!stage) return stage.error();
   options.scene = scene_name(stage->scene);
   Expected<SceneWorld> scene = make_world(*stage, arguments, observer);
@@ -271,7 +273,9 @@ Expected<CommandResult> serve(ServeArguments arguments, const Observer& observer
 }
 
 void add_network_options(CLI::App& command, ServeArguments& arguments) {
-  command.add_option("--port", arguments.server.port, "0: any that is free")->capture_default_str();
+  add_whole<std::uint16_t>(command, "--port", arguments.server.port, 0,
+                           std::numeric_limits<std::uint16_t>::max(), "0: any that is free")
+      ->capture_default_str();
   command
       .add_option("--host", arguments.server.host,
                   "Address to listen at; others than this machine's own want --tls, and then "
@@ -281,8 +285,8 @@ void add_network_options(CLI::App& command, ServeArguments& arguments) {
                    "https, with a certificate that is made for this machine and kept");
   command.add_option("--certificate", arguments.certificate, "https with your own: PEM, its chain");
   command.add_option("--key", arguments.key, "The certificate's key: PEM");
-  command.add_option("--rate", arguments.server.rate, "States to each page [Hz]")
-      ->check(CLI::Range(60.0, 90.0))
+  add_number(command, "--rate", arguments.server.rate, ranges::kStateRate,
+             "States to each page [Hz]")
       ->capture_default_str();
   command.add_option("--page", arguments.page, "Folder of the built page");
 }
@@ -309,14 +313,10 @@ void add_serve(CLI::App& app, Action& action) {
       ->add_option("--device", arguments->device,
                    "What moves the tool: page, " + std::string(kDeviceChoices))
       ->capture_default_str();
-  command
-      ->add_option("--tool-radius", arguments->tool_radius,
-                   "Of the tool's ball [m]; else the replay's, or 0.01")
-      ->check(CLI::Range(0.0005, 0.1));
-  command
-      ->add_option("--most-force", arguments->most_force,
-                   "On the hand [N]; else 5 for a device, and 100 where a page shows it")
-      ->check(CLI::Range(0.1, 1000.0));
+  add_number(*command, "--tool-radius", arguments->tool_radius, ranges::kToolRadius,
+             "Of the tool's ball [m]; else the replay's, or 0.01");
+  add_number(*command, "--most-force", arguments->most_force, ranges::kHandForce,
+             "On the hand [N]; else 5 for a device, and 100 where a page shows it");
   command->callback([arguments, &action, &app] {
     arguments->as_json = app.get_option("--json")->count() > 0;
     action = [arguments](const Observer& observer) { return serve(*arguments, observer); };

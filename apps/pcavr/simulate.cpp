@@ -3,13 +3,13 @@
 #include "pcavr/simulation/simulate.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <optional>
 
 #include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/recording/camera_file.hpp"
 
 #include "commands.hpp"
+#include "number_option.hpp"
 #include "output_option.hpp"
 
 namespace pcavr::app {
@@ -41,11 +41,15 @@ struct SimulateArguments {
 
 /// "A:B", seconds.
 std::optional<SensorFaults::Gap> gap_of(const std::string& text) {
-  SensorFaults::Gap gap;
-  char more = 0;
-  const int read = std::sscanf(text.c_str(), "%lf:%lf%c", &gap.begin, &gap.end, &more);
-  if (read != 2 || !(gap.begin >= 0.0 && gap.end > gap.begin)) return std::nullopt;
-  return gap;
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const std::optional<double> begin = whole_number<double>(text.substr(0, colon));
+  const std::optional<double> end =
+      whole_number<double>(text.substr(std::min(colon + 1, text.size())));
+  if (!begin || !end || !ranges::kSpan.contains(*begin) || !ranges::kSpan.contains(*end) ||
+      *end <= *begin) {
+    return std::nullopt;
+  }
+  return SensorFaults::Gap{*begin, *end};
 }
 
 constexpr double kMinDuration = 0.1;  // [s]: two frames at 20 Hz
@@ -242,20 +246,17 @@ void add_simulate(CLI::App& app, Action& action) {
       ->required()
       ->check(CLI::IsMember(names));
   add_output_option(*command, arguments->output, "Folder for the recording");
-  command->add_option("--seed", arguments->seed, "The same seed gives the same bytes")
-      ->capture_default_str();
+  add_seed(*command, arguments->seed, "The same seed gives the same bytes")->capture_default_str();
   command->add_flag("--no-images", arguments->without_images,
                     "No frames: the objects' start is in the manifest, and tracked/ holds what a "
                     "marker tracker would have found");
   command->add_flag("--without-mass", arguments->without_mass, "No masses in the manifest");
-  command
-      ->add_option("--clock-offset", arguments->faults.clock_offset,
-                   "The wrench's stamps are late by this [s]; early where negative")
-      ->check(CLI::Range(-10.0, 10.0));
+  add_number(*command, "--clock-offset", arguments->faults.clock_offset, ranges::kClockOffset,
+             "The wrench's stamps are late by this [s]; early where negative");
   command->add_flag("--flip-force", arguments->faults.is_force_flipped,
                     "The wrench has the wrong sign");
-  command->add_option("--saturate", arguments->saturation, "The force sensor's end of range [N]")
-      ->check(CLI::PositiveNumber);
+  add_number(*command, "--saturate", arguments->saturation, ranges::kSaturation,
+             "The force sensor's end of range [N]");
   command
       ->add_option("--lose-tracking", arguments->lost,
                    "No object is seen between these times, A:B [s]")

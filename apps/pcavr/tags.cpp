@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
+#include <algorithm>
 #include <filesystem>
 #include <sstream>
 #include <utility>
@@ -11,6 +11,7 @@
 #include "pcavr/marker/tag_sheet.hpp"
 
 #include "commands.hpp"
+#include "number_option.hpp"
 
 namespace pcavr::app {
 namespace {
@@ -30,13 +31,12 @@ Expected<std::vector<int>> parse_ids(const std::string& text) {
   std::vector<int> ids;
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ',');) {
-    int first = 0;
-    int last = 0;
-    char rest = 0;
-    const int fields = std::sscanf(part.c_str(), "%d-%d%c", &first, &last, &rest);
-    if (fields == 1 && part.find('-') == part.npos) last = first;
-    if (fields < 1 || fields > 2 || first < 0 || last < first || last - first > 1000) return bad;
-    for (int id = first; id <= last; ++id) ids.push_back(id);
+    const std::size_t dash = std::min(part.find('-'), part.size());
+    const std::optional<int> first = whole_number<int>(part.substr(0, dash));
+    const std::optional<int> last =
+        dash == part.size() ? first : whole_number<int>(part.substr(dash + 1));
+    if (!first || !last || *first < 0 || *last < *first || *last - *first > 1000) return bad;
+    for (int id = *first; id <= *last; ++id) ids.push_back(id);
   }
   if (ids.empty()) return bad;
   return ids;
@@ -116,11 +116,13 @@ void add_tags(CLI::App& app, Action& action) {
   command->add_option("--family", options.family, "Tag family or ArUco dictionary")
       ->capture_default_str();
   command->add_option("--ids", arguments->ids, "Numbers and ranges, such as 0-5,9")->required();
-  command->add_option("--size", options.size, "Edge of the square through the corners [m]")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  command->add_option("--page-width", options.page_width, "[m]")->capture_default_str();
-  command->add_option("--page-height", options.page_height, "[m]")->capture_default_str();
+  add_number(*command, "--size", options.size, ranges::kTagSize,
+             "Edge of the square through the corners [m]")
+      ->capture_default_str();
+  add_number(*command, "--page-width", options.page_width, ranges::kPageSize, "[m]")
+      ->capture_default_str();
+  add_number(*command, "--page-height", options.page_height, ranges::kPageSize, "[m]")
+      ->capture_default_str();
   command->add_option("-o,--output", arguments->output, "SVG file; a PDF is written beside it")
       ->required();
   command->add_flag("--force", arguments->replace,

@@ -73,7 +73,8 @@ std::size_t count_of(const YamlValue& value) {
 /// The four keys stand together.
 SceneObjectEntry::Simplified simplified_of(const YamlValue& object) {
   SceneObjectEntry::Simplified simplified;
-  simplified.simplification.max_deviation = object.at("simplified_error").number_in(ranges::kPositionStd);
+  simplified.simplification.max_deviation =
+      object.at("simplified_error").number_in(ranges::kPositionStd);
   simplified.simplification.full_triangles = count_of(object.at("full_triangles"));
   simplified.volume = object.at("volume").number_in(kVolume);
   simplified.centre_of_mass_object = vector_of(object.at("centre_of_mass"));

@@ -5,6 +5,8 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "pcavr/recording/recording_writer.hpp"
 
@@ -261,6 +263,181 @@ TEST(Simulate, RefusesSizesOutOfTheirRange) {
     EXPECT_FALSE(fs::exists("x"));
   }
 }
+
+/// One numeric option of a command that is sound but for it.
+struct NumericOption {
+  std::vector<std::string> command;
+  const char* option;
+};
+
+std::vector<NumericOption> numeric_options() {
+  const std::vector<std::string> build{"build", "r", "-o", "/nowhere/s"};
+  const std::vector<std::string> replay{"replay", "r", "--scene", "s", "-o", "/nowhere/r"};
+  const std::vector<std::string> import{"import", "r", "-o", "/nowhere/i"};
+  const std::vector<std::string> simulate{"simulate", "push", "-o", "/nowhere/s", "--no-images"};
+  const std::vector<std::string> serve{"serve", "s"};
+  const std::vector<std::string> tags{"tags", "--ids", "0", "-o", "/nowhere/t.svg"};
+  const std::vector<std::string> identify{"identify", "contact", "r", "-o", "/nowhere/p.yaml"};
+  const std::vector<std::string> evaluate{"evaluate", "r", "-o", "/nowhere/e"};
+  return {{build, "--voxel"},
+          {build, "--occupancy-resolution"},
+          {build, "--threads"},
+          {replay, "--forward-delay"},
+          {replay, "--backward-delay"},
+          {replay, "--jitter"},
+          {replay, "--loss"},
+          {replay, "--seed"},
+          {replay, "--threads"},
+          {import, "--depth-scale"},
+          {import, "--rate"},
+          {import, "--stride"},
+          {import, "--first"},
+          {simulate, "--seed"},
+          {simulate, "--clock-offset"},
+          {simulate, "--saturate"},
+          {simulate, "--threads"},
+          {simulate, "--lose-tracking"},
+          {serve, "--port"},
+          {serve, "--rate"},
+          {serve, "--tool-radius"},
+          {serve, "--most-force"},
+          {tags, "--size"},
+          {tags, "--page-width"},
+          {tags, "--page-height"},
+          {identify, "--threads"},
+          {evaluate, "--threads"}};
+}
+
+TEST(WrongUsage, IsEveryNumberThatIsNotFiniteOrOutOfRange) {
+  for (const NumericOption& numeric : numeric_options()) {
+    for (const char* value : {"nan", "inf", "-1e12"}) {
+      std::vector<std::string> words = numeric.command;
+      words.push_back(std::string(numeric.option) + '=' + value);
+      const CommandOutcome outcome = run_pcavr(words);
+      EXPECT_EQ(outcome.exit_code, 2) << words[0] << ' ' << words.back() << '\n'
+                                      << outcome.standard_error;
+      EXPECT_NE(outcome.standard_error.find(numeric.option), std::string::npos)
+          << outcome.standard_error;
+    }
+  }
+}
+
+TEST(WrongUsage, IsANegativeSeedAndATagThatIsNone) {
+  EXPECT_EQ(run_pcavr({"simulate", "push", "-o", "/nowhere/s", "--seed", "-1"}).exit_code, 2);
+  for (const char* ids : {"nan", "-1", "99999999999999999999", "3-1", "1;2", ""}) {
+    EXPECT_NE(run_pcavr({"tags", "--ids", ids, "-o", "/nowhere/t.svg"}).exit_code, 0) << ids;
+  }
+}
+
+TEST_F(BadInput, IsAnObjectUnderJsonAndStillOneLine) {
+  replace("recording.yaml", "size: 0.1", "size: 0");
+  const CommandOutcome outcome =
+      run_pcavr({"build", recording().string(), "-o", scene().string(), "--json"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.error_lines(), 1U) << outcome.standard_error;
+  const auto json = nlohmann::json::parse(outcome.standard_output, nullptr, false);
+  ASSERT_TRUE(json.contains("error")) << outcome.standard_output;
+  const auto& error = json["error"];
+  EXPECT_EQ(error["file"], (recording() / "recording.yaml").string());
+  EXPECT_EQ(error["place"], "markers[0].size");
+  EXPECT_GT(error["line"].get<int>(), 0);
+  EXPECT_EQ(error["exit_code"], 1);
+  EXPECT_EQ("pcavr: " + error["text"].get<std::string>() + '\n', outcome.standard_error);
+}
+
+TEST(WrongUsage, IsAnObjectUnderJson) {
+  const CommandOutcome outcome = run_pcavr({"build", "r", "--voxel", "nan", "-o", "s", "--json"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  const auto json = nlohmann::json::parse(outcome.standard_output, nullptr, false);
+  ASSERT_TRUE(json.contains("error")) << outcome.standard_output;
+  EXPECT_EQ(json["error"]["exit_code"], 2);
+  EXPECT_NE(json["error"]["message"].get<std::string>().find("--voxel"), std::string::npos);
+}
+
+TEST_F(BadInput, PipesAndDevicesInPlaceOfFiles) {
+  for (const char* name : {"recording.yaml", "rgb.txt", "tool.csv", "objects/box.obj"}) {
+    fs::remove_all(recording());
+    fs::create_directories(recording());
+    write_plain_recording(recording());
+    fs::remove(recording() / name);
+    ASSERT_EQ(::mkfifo((recording() / name).c_str(), 0600), 0);
+    expect_refused({name, "pipe"}, "timeout 20 ");
+    fs::remove(recording() / name);
+    fs::create_symlink("/dev/zero", recording() / name);
+    expect_refused({name, "device"}, "timeout 20 ");
+    fs::remove(recording() / name);
+    fs::create_symlink(recording() / name, recording() / name);
+    expect_refused({name, "symbolic links"}, "timeout 20 ");
+  }
+}
+
+TEST_F(BadInput, FolderAndNamesThatNoFileSystemHas) {
+  const std::string name(300, 'x');
+  CommandOutcome outcome = run_pcavr({"build", recording().string() + name, "-o", "/nowhere/s"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.error_lines(), 1U) << outcome.standard_error;
+  EXPECT_NE(outcome.standard_error.find("too long"), std::string::npos) << outcome.standard_error;
+  outcome = run_pcavr({"build", recording().string(), "-o", (folder_.path() / name).string()});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.error_lines(), 1U) << outcome.standard_error;
+}
+
+TEST_F(BadInput, BytesThatAreNoUtf8InAName) {
+  const fs::path odd = folder_.path() / "rec\xff\xfe";
+  fs::rename(recording(), odd);
+  const CommandOutcome outcome =
+      run_pcavr({"build", odd.string(), "-o", scene().string(), "--json"});
+  EXPECT_EQ(outcome.exit_code, 1);  // no tag is in view
+  const auto json = nlohmann::json::parse(outcome.standard_output, nullptr, false);
+  ASSERT_TRUE(json.contains("error")) << outcome.standard_output;
+  EXPECT_NE(outcome.standard_error.find(odd.string()), std::string::npos) << outcome.standard_error;
+  fs::rename(odd, recording());
+}
+
+TEST_F(BadInput, CountsWhatWasLeftOutWhereItIsToldToGoOn) {
+  // No images: what the manifest states is built, so that the rows alone are at stake.
+  for (const char* name : {"rgb.txt", "depth.txt", "written.yaml"}) fs::remove(recording() / name);
+  write("recording.yaml",
+        "format: pcavr-recording/1\nobjects:\n  - name: box\n    mesh: objects/box.obj\n"
+        "    pose: {t: [0.5, 0, 0.1], q: [0, 0, 0, 1]}\n");
+  write("tool.csv",
+        "t,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n0.1,nan,0,0,0,0,0,1\n0.2,inf,0,0,0,0,0,1\n"
+        "0.3,1e9,0,0,0,0,0,1\n0.4,0,0,0,0,0,0,1\n");
+  const CommandOutcome outcome =
+      run_pcavr({"build", recording().string(), "-o", scene().string(), "--skip-bad", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.standard_error;
+  const auto json = nlohmann::json::parse(outcome.standard_output);
+  const auto expected = nlohmann::json::parse(
+      R"([{"file": "tool.csv", "reason": "not a finite number", "rows": 2},
+          {"file": "tool.csv", "reason": "number out of range", "rows": 1}])");
+  EXPECT_EQ(json["left_out"], expected);
+  const std::string manifest = read_file(scene() / "scene.yaml").value();
+  EXPECT_NE(manifest.find("not a finite number"), std::string::npos) << manifest;
+  const CommandOutcome summary =
+      run_pcavr({"build", recording().string(), "-o", scene().string(), "--skip-bad", "--force"});
+  EXPECT_NE(summary.standard_output.find("tool.csv: not a finite number: 2"), std::string::npos)
+      << summary.standard_output;
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+/// A sanitizer's shadow takes more address space than any limit leaves, and its own threads.
+TEST_F(BadInput, MemoryThatRunsOut) {
+  int refusals = 0;
+  // [KiB] From where libraries can just be mapped to where the work is done.
+  for (int limit = 350'000; limit <= 900'000; limit += 50'000) {
+    const CommandOutcome outcome =
+        run_pcavr({"build", recording().string(), "-o", scene().string()},
+                  "ulimit -v " + std::to_string(limit) + "; ");
+    if (outcome.exit_code == 127) continue;  // the loader's own refusal
+    EXPECT_EQ(outcome.exit_code, 1) << limit << ": " << outcome.standard_error;
+    EXPECT_EQ(outcome.standard_error.find("internal error"), std::string::npos)
+        << limit << ": " << outcome.standard_error;
+    EXPECT_FALSE(fs::exists(scene()));
+    ++refusals;
+  }
+  EXPECT_GT(refusals, 2);
+}
+#endif
 
 TEST(Help, HasAnExampleForEverySubcommand) {
   for (const char* name :
