@@ -33,7 +33,7 @@ FileStart start_of(const fs::path& file) {
   return start;
 }
 
-std::vector<std::string_view> words_of(std::string_view line) {
+std::vector<std::string_view> header_words(std::string_view line) {
   constexpr std::string_view kBlanks = " \t\r";
   std::vector<std::string_view> words;
   for (;;) {
@@ -85,7 +85,7 @@ std::optional<std::string> contradicted_ply(const FileStart& start) {
   while (!rest.empty()) {
     const std::size_t end = rest.find('\n');
     if (end == rest.npos) break;
-    const std::vector<std::string_view> words = words_of(rest.substr(0, end));
+    const std::vector<std::string_view> words = header_words(rest.substr(0, end));
     rest.remove_prefix(end + 1);
     if (words.empty()) continue;
     if (words[0] == "end_header") {

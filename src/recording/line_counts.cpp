@@ -3,6 +3,8 @@
 #include "pcavr/recording/line_counts.hpp"
 
 #include <algorithm>
+#include <fstream>
+#include <vector>
 
 #include <yaml-cpp/yaml.h>
 
@@ -31,6 +33,37 @@ Lines lines_of(std::string_view text) {
   return {ends + (is_whole ? 0 : 1), is_whole};
 }
 
+/// In pieces: the files of a long run are larger than what should be in memory at once.
+Expected<Lines> lines_of_file(const fs::path& file) {
+  const Expected<std::uintmax_t> size = regular_file_size(file);
+  if (!size) return size.error();
+  std::ifstream stream(file, std::ios::binary);
+  Lines lines;
+  std::vector<char> piece(1 << 16);
+  for (;;) {
+    stream.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    const auto count = static_cast<std::size_t>(stream.gcount());
+    if (count == 0) break;
+    const Lines more = lines_of({piece.data(), count});
+    // A piece that ends inside a line counts that line, and so does the next.
+    lines.count += more.count - (lines.is_whole ? 0 : 1);
+    lines.is_whole = more.is_whole;
+  }
+  if (stream.bad()) return Error{.message = "could not be read to its end", .file = file.string()};
+  return lines;
+}
+
+Expected<void> check_lines(const Lines& found, std::size_t lines, const fs::path& file) {
+  if (found.is_whole && found.count == lines) return {};
+  const std::string count = std::to_string(found.count);
+  return Error{
+      .message = "was cut or changed since it was written: it " +
+                 (found.is_whole ? "has " + count + " lines" : "ends inside line " + count) +
+                 ", and " + std::to_string(lines) + " were written",
+      .file = file.string(),
+      .hint = "copy or make it again"};
+}
+
 bool is_counted(const fs::path& relative) {
   const fs::path extension = relative.extension();
   return (extension == ".txt" || extension == ".csv") && *relative.begin() != "truth";
@@ -56,9 +89,9 @@ Expected<LineCounts> count_lines(const fs::path& folder) {
        entry.increment(code)) {
     const fs::path relative = entry->path().lexically_relative(folder);
     if (!entry->is_regular_file(code) || !is_counted(relative)) continue;
-    const Expected<std::string> text = read_file(entry->path());
-    if (!text) return text.error();
-    counts[relative.generic_string()] = lines_of(*text).count;
+    const Expected<Lines> lines = lines_of_file(entry->path());
+    if (!lines) return lines.error();
+    counts[relative.generic_string()] = lines->count;
   }
   if (code) return Error{.message = "can't be read: " + code.message(), .file = folder.string()};
   return counts;
@@ -92,21 +125,13 @@ Expected<std::optional<LineCounts>> read_line_counts(const fs::path& manifest) {
 }
 
 Expected<void> check_line_count(const fs::path& file, std::size_t lines) {
-  const Expected<std::string> text = read_file(file);
-  if (!text) return text.error();
-  return check_line_count(*text, lines, file);
+  const Expected<Lines> found = lines_of_file(file);
+  if (!found) return found.error();
+  return check_lines(*found, lines, file);
 }
 
 Expected<void> check_line_count(std::string_view text, std::size_t lines, const fs::path& file) {
-  const Lines found = lines_of(text);
-  if (found.is_whole && found.count == lines) return {};
-  const std::string count = std::to_string(found.count);
-  return Error{
-      .message = "was cut or changed since it was written: it " +
-                 (found.is_whole ? "has " + count + " lines" : "ends inside line " + count) +
-                 ", and " + std::to_string(lines) + " were written",
-      .file = file.string(),
-      .hint = "copy or make it again"};
+  return check_lines(lines_of(text), lines, file);
 }
 
 Expected<void> check_line_counts(const fs::path& manifest) {
