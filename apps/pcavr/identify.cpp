@@ -149,6 +149,17 @@ Expected<Identification> run(const IdentifyArguments& arguments, const Observer&
   return error;
 }
 
+/// What a reader of the parameter file should know of its numbers.
+std::string comment_of(const Identification& found, const std::string& recording) {
+  std::string comment = "identified from " + recording;
+  for (const ObjectIdentification& object : found.objects) {
+    if (!object.is_exponent_given) continue;
+    comment += "\ngiven, not identified: contact.exponent of " + object.name +
+               "; its stiffness and damping hold under this exponent";
+  }
+  return comment;
+}
+
 Expected<CommandResult> identify_recording(IdentifyArguments arguments, const Observer& observer) {
   if (arguments.report.empty()) {
     const std::filesystem::path output = arguments.output;
@@ -162,7 +173,7 @@ Expected<CommandResult> identify_recording(IdentifyArguments arguments, const Ob
       write_identification_report(*found, arguments.recording, outputs->report.path());
   if (!written) return written.error();
   written = outputs->parameters.write(
-      format_parameters(found->parameters(), "identified from " + arguments.recording));
+      format_parameters(found->parameters(), comment_of(*found, arguments.recording)));
   if (!written) return written.error();
   const Expected<void> committed = commit(*outputs);
   if (!committed) return committed.error();

@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 
 #include "pcavr/core/input_file.hpp"
 #include "pcavr/pipeline/consistency.hpp"
 #include "pcavr/recording/frame_reader.hpp"
 #include "pcavr/recording/line_counts.hpp"
+#include "pcavr/recording/stream_clocks.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 
 #include "commands.hpp"
@@ -33,7 +35,9 @@ std::string span_of(const Trajectory& trajectory) {
   if (trajectory.empty()) return "none";
   const double seconds =
       to_seconds(trajectory.poses().back().stamp - trajectory.poses().front().stamp);
-  return std::to_string(trajectory.size()) + " poses over " + std::to_string(seconds) + " s";
+  char text[40];
+  std::snprintf(text, sizeof text, " poses over %.3f s", seconds);
+  return std::to_string(trajectory.size()) + text;
 }
 
 /// Holds the recording's inputs against each other.
@@ -82,6 +86,11 @@ Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
   checks.push_back({"tool.csv", span_of(recording->tool)});
   checks.push_back({"wrench.csv", count(recording->wrench.size(), " samples")});
   checks.push_back({"joints.csv", count(recording->joints.size(), " samples")});
+  const std::vector<ClockConflict> conflicts = find_clock_conflicts(*recording);
+  if (conflicts.empty()) checks.push_back({"clocks", "the streams overlap"});
+  for (const ClockConflict& conflict : conflicts) {
+    checks.push_back({"clocks", conflict.message, !conflict.is_disjoint});
+  }
   const Expected<void> checked = check_consistency(*recording, observer, checks);
   if (!checked) return checked.error();
   return checks;

@@ -93,7 +93,13 @@ CommandResult describe(const Replay& replay, const std::string& folder) {
                                       {"shape", shape},
                                       {"not_seen", lost}});
   }
-  if (replay.teleop) describe_teleop(replay, result);
+  result.json["is_predicted"] = replay.teleop.has_value();
+  if (replay.teleop) {
+    describe_teleop(replay, result);
+  } else {
+    result.summary += std::string("  note: ") + kNothingPredicted + '\n';
+    result.json["notes"] = {kNothingPredicted};
+  }
   result.summary += "time\n" + times_table(replay.times);
   result.summary += "next: pcavr evaluate " + folder + " --truth RECORDING/truth -o REPORT\n";
   result.json["times"] = times_json(replay.times);

@@ -20,6 +20,7 @@
 
 #include "assess_consistency.hpp"
 #include "beside.hpp"
+#include "clock_checks.hpp"
 #include "follow_objects.hpp"
 #include "scene_quality.hpp"
 #include "stated_scene.hpp"
@@ -190,6 +191,7 @@ std::vector<ConsistencyFinding> rejected_tags(const Recording& recording, const 
 
 Expected<Scene> build_scene(const Recording& recording, const BuildOptions& options,
                             const Observer& observer) {
+  warn_of_clocks(recording, observer);
   if (!recording.manifest.camera || recording.frames.empty()) {
     Expected<Scene> stated =
         stated_scene(recording, options.voxel_size, options.occupancy_resolution);

@@ -4,53 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <limits>
 
 #include "pcavr/core/check.hpp"
-#include "pcavr/core/gravity.hpp"
+#include "pcavr/recording/stream_clocks.hpp"
 
+#include "identify_faults.hpp"
 #include "identify_findings.hpp"
 #include "identify_parts.hpp"
 
 namespace pcavr {
 namespace {
 
-/// A mass that force and motion make, against the one that somebody weighed: beyond this factor
-/// the force is in another unit (a kilogram-force is 9.8 N, a pound-force 4.4 N).
-constexpr double kMassFactor = 3.0;
-/// Below polished PTFE and above soft rubber.
-constexpr double kLeastCoefficient = 0.03;
-constexpr double kGreatestCoefficient = 3.0;
 /// An offset counts where it is this many of its deviations, ...
 constexpr double kOffsetDeviations = 3.0;
 constexpr double kLeastOffset = 0.0005;  // [s] ... and worth a shift: a quarter of a sample
 constexpr double kJumpMargin = 0.1;      // [s] about a jump that the smoothing smears it over
-constexpr double kTouchDepth = 0.001;    // [m] deeper than this in a body there must be a force
-
-/// Everything is free, by the force. Was it so by the tip?
-Error nothing_touched(const IdentificationInput& input, const PathView& tip) {
-  const ObjectPlaces places(input.objects);
-  double deepest = std::numeric_limits<double>::infinity();
-  double when = 0.0;
-  for (double t = input.t_tool.front(); t < input.t_tool.back(); t += 0.02) {
-    for (std::size_t i = 0; i < input.objects.size(); ++i) {
-      const auto touch = places.touch(i, t, tip.at(t), input.tool_radius);
-      if (touch && touch->gap < deepest) deepest = touch->gap, when = t;
-    }
-  }
-  if (deepest < -kTouchDepth) {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "the force stays below 0.3 N although the tip is %.1f mm deep in an object at "
-                  "t = %.2f s",
-                  -deepest * 1e3, when);
-    return {.message = text, .file = "wrench.csv", .hint = "write newtons (is it in kilonewtons?)"};
-  }
-  return {.message = "nothing was touched: the force never leaves its noise",
-          .file = "wrench.csv",
-          .hint = "press the object along z, then push it"};
-}
 
 struct Prepared {
   std::vector<Eigen::Vector3d> p_base_tip;
@@ -66,17 +34,16 @@ void find_bad_stretches(const IdentificationInput& input, Prepared& prepared,
     prepared.bad.push_back({{t - kJumpMargin, t + kJumpMargin}, "the tool's pose jumps"});
   }
   if (!jumps.empty()) {
-    notes.push_back("the tool's pose jumps " + std::to_string(jumps.size()) +
-                    " times, first at t = " + std::to_string(jumps.front()).substr(0, 6) + " s");
+    notes.push_back("the tool's pose jumps " + std::to_string(jumps.size()) + " times, first at " +
+                    at_time(jumps.front()));
   }
   const std::vector<SaturatedStretch> flat = find_saturation(prepared.t_force, input.force_base);
   for (const SaturatedStretch& stretch : flat) {
-    prepared.bad.push_back({{stretch.begin, stretch.end}, "the force sensor was at its end"});
+    prepared.bad.push_back({{stretch.begin, stretch.end}, "force sensor saturated"});
   }
   if (!flat.empty()) {
-    notes.push_back("the force sensor was at its end " + std::to_string(flat.size()) +
-                    " times, first at t = " + std::to_string(flat.front().begin).substr(0, 6) +
-                    " s: what it measured meanwhile is not used");
+    notes.push_back("force sensor saturated " + std::to_string(flat.size()) + " times, first at " +
+                    at_time(flat.front().begin) + ": what it measured meanwhile is not used");
   }
 }
 
@@ -119,29 +86,15 @@ ObjectIdentification begin_object(const IdentifiableObject& object, const Parame
   return result;
 }
 
-/// The mass that somebody weighed tells the force's unit: by the accelerations where they are told,
-/// else by the friction that the weight makes.
-std::optional<Error> wrong_unit(const IdentifiableObject& object,
-                                const ObjectIdentification& found) {
-  if (!object.mass) return std::nullopt;
-  char text[200];
-  if (found.sliding.mass.is_excited) {
-    const double factor = found.sliding.mass.value / *object.mass;
-    if (factor < kMassFactor && factor > 1.0 / kMassFactor) return std::nullopt;
-    std::snprintf(text, sizeof text,
-                  "by force and motion %s weighs %.3g kg, by the manifest %.3g kg: the force is in "
-                  "another unit",
-                  object.name.c_str(), found.sliding.mass.value, *object.mass);
-  } else {
-    if (found.limit.pushes == 0) return std::nullopt;
-    const double coefficient = found.limit.mean / (*object.mass * kStandardGravity);
-    if (coefficient > kLeastCoefficient && coefficient < kGreatestCoefficient) return std::nullopt;
-    std::snprintf(text, sizeof text,
-                  "%s would break away at %.2g of its weight, which nothing on a table does: the "
-                  "force is in another unit",
-                  object.name.c_str(), coefficient);
+std::vector<double> friction_shares_of(std::size_t object, const IdentificationInput& input,
+                                       const std::vector<IdentifiedContact>& contacts,
+                                       const ObjectPlaces& places) {
+  std::vector<double> shares;
+  for (const IdentifiedContact& contact : contacts) {
+    if (contact.object != object || !contact.left_out.empty()) continue;
+    if (const auto share = friction_share(input, contact, places)) shares.push_back(*share);
   }
-  return Error{.message = text, .file = "wrench.csv", .hint = "write newtons, or correct the mass"};
+  return shares;
 }
 
 void note_contacts(Identification& result, const IdentificationInput& input) {
@@ -155,9 +108,8 @@ void note_contacts(Identification& result, const IdentificationInput& input) {
     if (contact.left_out.empty()) continue;
     const std::string whose =
         contact.object ? input.objects[*contact.object].name : std::string("no object");
-    result.notes.push_back(
-        "the contact at t = " + std::to_string(contact.episode.begin).substr(0, 6) + " s (" +
-        whose + ") is left out: " + contact.left_out);
+    result.notes.push_back("the contact at " + at_time(contact.episode.begin) + " (" + whose +
+                           ") is left out: " + contact.left_out);
   }
 }
 
@@ -174,13 +126,12 @@ std::optional<Error> missing_streams(const IdentificationInput& input) {
                  .file = "tool.csv",
                  .hint = "record it with the header t,x,y,z,qx,qy,qz,qw"};
   }
-  const double begin = std::max(input.t_force.front(), input.t_tool.front());
-  const double end = std::min(input.t_force.back(), input.t_tool.back());
-  if (end - begin < 0.5) {
-    return Error{.message = "force and tool were not recorded at the same time",
-                 .file = "wrench.csv",
-                 .hint = "give both the one clock of the recording"};
-  }
+  const auto span = [](const char* name, const std::vector<double>& t) {
+    return StreamSpan{name, Stamp::from_seconds(t.front()), Stamp::from_seconds(t.back())};
+  };
+  const auto conflict =
+      compare_clocks(span("wrench.csv", input.t_force), span("tool.csv", input.t_tool));
+  if (conflict) return clock_error(*conflict, {});
   return std::nullopt;
 }
 
@@ -193,6 +144,7 @@ ParameterTable Identification::parameters() const {
 Expected<Identification> identify(const IdentificationInput& input, IdentificationGoal goal) {
   PCAVR_REQUIRE(input.t_force.size() == input.force_base.size());
   PCAVR_REQUIRE(input.t_tool.size() == input.p_base_tip.size());
+  PCAVR_REQUIRE(input.q_base_tool.empty() || input.q_base_tool.size() == input.t_tool.size());
   if (const auto error = missing_streams(input)) return *error;
   if (input.objects.empty()) {
     return Error{.message = "no object is known that the tool could have touched",
@@ -206,14 +158,16 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
   result.left_out = input.left_out;
   const Prepared prepared = prepare(input, result);
   const PathView tip(input.t_tool, prepared.p_base_tip);
-  if (prepared.found.contacts.empty()) return nothing_touched(input, tip);
-  if (auto error = contradiction(prepared.found, tip)) {
-    error->file = "wrench.csv";
-    return *error;
-  }
+  if (prepared.found.contacts.empty()) return no_contact_error(input, tip);
   ObjectPlaces places(input.objects);
   result.contacts =
       attribute_contacts(input, prepared.found, prepared.t_force, tip, prepared.bad, places);
+  const std::vector<ContactEvidence> evidence =
+      gather_evidence(input, result.contacts, tip, places);
+  if (auto error = find_fault({input, prepared.found, result.contacts, evidence, tip, places})) {
+    return *error;
+  }
+  leave_out_misdirected(evidence, result.contacts);
   result.tool_to_camera = camera_offset(input, result.contacts);
 
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
@@ -226,7 +180,11 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
     if (goal == IdentificationGoal::friction) {
       identify_friction_of(result.contacts, i, object.mass, found);
       identify_turning_of(result.contacts, i, object, tip, input.tool_radius, found);
-      if (const auto error = wrong_unit(object, found)) return *error;
+      const std::vector<double> shares = friction_shares_of(i, input, result.contacts, places);
+      if (const auto error = force_unit_fault(object, found.sliding.mass, shares)) return *error;
+      if (const std::string doubt = doubtful_friction(shares); !doubt.empty()) {
+        found.notes.push_back(doubt);
+      }
     }
     state_findings(goal, object, found);
   }

@@ -8,6 +8,8 @@ namespace pcavr {
 namespace {
 
 const std::string kKnownBefore = "known before; to learn it anew: ";
+const std::string kExponentRemark =
+    "given: what was known before, else a spherical tip's on a flat face; to identify it: ";
 constexpr char kBetterPress[] = "press along z at 5, 15 and 40 mm/s, 2 mm deep";
 constexpr char kBetterPush[] = "push slowly through the middle until it goes, ten times";
 constexpr char kBetterSlide[] = "modulate the push at 2 Hz, 3 mm, on 60 mm/s, without stopping";
@@ -18,8 +20,9 @@ class Findings {
   explicit Findings(std::vector<ParameterFinding>& rows) : rows_(rows) {}
 
   /// A parameter that this recording told, or `better`, the motion that would.
-  void add(const char* name, const char* unit, const std::optional<ParameterValue>& value,
-           bool is_excited, const std::string& source, const std::string& better) {
+  ParameterFinding& add(const char* name, const char* unit,
+                        const std::optional<ParameterValue>& value, bool is_excited,
+                        const std::string& source, const std::string& better) {
     ParameterFinding& row = rows_.emplace_back();
     row.name = name;
     row.unit = unit;
@@ -31,6 +34,7 @@ class Findings {
     row.remark = row.is_excited              ? source
                  : value && value->deviation ? kKnownBefore + better
                                              : better;
+    return row;
   }
 
  private:
@@ -45,15 +49,19 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
   const ObjectParameters& p = found.parameters;
   const bool by_presses = found.presses.best().is_valid;
   bool by_face = false;
-  for (const FaceContact& face : found.faces) by_face |= face.contact.best().is_valid;
+  for (const FaceContact& face : found.faces) {
+    by_face |= face.contact.best().is_valid && face.contact.best().stiffness.is_excited;
+  }
   const bool is_told = by_presses || by_face;
   const std::string source = by_presses ? counted(found.press_count, "press", "es")
-                             : by_face  ? "pushes before they broke away"
+                             : by_face  ? "pushes before they broke away, under the given exponent"
                                         : "";
   const std::string better = kBetterPress;
   findings.add("contact.stiffness", "N/m^n", p.contact_stiffness, is_told, source, better);
   findings.add("contact.damping", "N s/m^(n+1)", p.contact_damping, is_told, source, better);
-  findings.add("contact.exponent", "", p.contact_exponent, is_told, source, better);
+  ParameterFinding& exponent = findings.add("contact.exponent", "", p.contact_exponent,
+                                            is_told && !found.is_exponent_given, source, better);
+  if (found.is_exponent_given) exponent.remark = kExponentRemark + better;
   if (by_presses && !found.presses.proposal.empty()) found.notes.push_back(found.presses.proposal);
 }
 

@@ -72,7 +72,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
   for (const std::size_t i : result.limit.left_out) {
     char text[160];
     std::snprintf(text, sizeof text,
-                  "the push at t = %.2f s (%.2f N +- %.2f N) is not counted for the limiting "
+                  "the push at t = %.3f s (%.2f N +- %.2f N) is not counted for the limiting "
                   "friction: it is unlike the others",
                   pushes[i]->episode.begin, breakaways[i].force, breakaways[i].deviation);
     result.notes.push_back(text);
@@ -96,9 +96,9 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
   const auto aside = std::partition(pushes.begin(), pushes.end(), is_centred);
   const auto turned = static_cast<std::size_t>(pushes.end() - aside);
   if (turned > 0) {
-    result.notes.push_back(std::to_string(turned) +
-                           " pushes went past the centre of mass: they tell of turning, not of "
-                           "the limiting and the sliding friction");
+    result.notes.push_back(std::to_string(turned) + (turned == 1 ? " push" : " pushes") +
+                           " past the centre of mass: used for turning, not for the limiting and "
+                           "the sliding friction");
   }
   pushes.erase(aside, pushes.end());
   const std::optional<Compliance> compliance = compliance_of(result.parameters);
@@ -114,7 +114,7 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
     take_sliding(weighed, result);
   } else if (!pushes.empty()) {
     result.notes.push_back(
-        "without a contact law the object's own motion can't be told from the tool's: press it "
+        "without a contact law the object's own motion is not known, only the tool's: press it "
         "along z, or give --parameters");
   }
   find_limits(pushes, compliance, result);

@@ -4,7 +4,10 @@
 
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/pipeline/replay.hpp"
+#include "pcavr/recording/stream_clocks.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
+
+#include "clock_checks.hpp"
 
 namespace pcavr {
 namespace {
@@ -54,9 +57,11 @@ Expected<void> track(const Recording& recording, const IdentificationSources& so
   if (!sources.tracked.empty()) {
     bool has_any = false;
     for (IdentifiableObject& object : objects) {
-      Expected<std::vector<TrackedPose>> tracked = read_tracked_poses(sources.tracked, object.name);
+      Expected<std::vector<TrackedPose>> tracked =
+          read_tracked_poses(sources.tracked, object.name, start_of(recording));
       if (!tracked) return tracked.error();
       object.tracked = std::move(*tracked);
+      warn_of_tracked_clock(recording, object.name, object.tracked, observer);
       has_any |= !object.tracked.empty();
     }
     if (!has_any) {
@@ -76,7 +81,9 @@ Expected<void> track(const Recording& recording, const IdentificationSources& so
   }
   for (const ReplayedObject& replayed : replay->objects) {
     for (IdentifiableObject& object : objects) {
-      if (object.name == replayed.name) object.tracked = replayed.tracked;
+      if (object.name == replayed.name) {
+        object.tracked = tracked_poses_of(replayed.observations, start_of(recording));
+      }
     }
   }
   return {};
@@ -90,15 +97,21 @@ Expected<IdentificationInput> identification_input(const Recording& recording,
   IdentificationInput input;
   input.left_out = recording.left_out;
   input.tool_radius = recording.manifest.tool_radius.value_or(kUsualTipRadius);
+  const Stamp start = start_of(recording);
   for (const auto& [stamp, pose] : recording.tool.poses()) {
-    input.t_tool.push_back(stamp.seconds());
+    input.t_tool.push_back(to_seconds(stamp - start));
     input.p_base_tip.push_back(pose.translation());
+    input.q_base_tool.push_back(pose.rotation());
   }
   for (const WrenchSample& sample : recording.wrench) {
-    input.t_force.push_back(sample.stamp.seconds());
+    input.t_force.push_back(to_seconds(sample.stamp - start));
     input.force_base.push_back(sample.force);
   }
   // Tracking is dear: what is missing is said before.
+  const bool is_tracked_in_images = !sources.scene.empty() && sources.tracked.empty();
+  const auto conflict =
+      check_clocks(recording, is_tracked_in_images ? ImageUse::tracking : ImageUse::none, observer);
+  if (conflict) return *conflict;
   if (auto error = missing_streams(input)) {
     error->file = (recording.folder / error->file).string();
     return *error;

@@ -27,7 +27,9 @@ class ObjectPlaces {
   struct Touch {
     double gap = 0.0;  ///< [m] between tip and surface, negative inside
     Eigen::Vector3d normal_object = Eigen::Vector3d::Zero();
-    Eigen::Vector3d p_object = Eigen::Vector3d::Zero();  ///< the place on the surface
+    /// Unit, from the tip's centre to the nearest place on the surface: into the body, and at an
+    /// edge, where faces have two normals, right between.
+    Eigen::Vector3d inward_base = Eigen::Vector3d::Zero();
   };
   /// Nothing where the surface is farther than 0.2 m.
   [[nodiscard]] std::optional<Touch> touch(std::size_t object, double t,

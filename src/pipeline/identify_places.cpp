@@ -17,6 +17,8 @@ constexpr double kTellsApart = 0.003;  // [m]
 /// A face's normal this near to the force gives the direction; the force itself is noisy.
 constexpr double kFaceCosine = 0.9;
 constexpr double kSameDirection = 0.9998;  // 1 degree
+/// Of the tip's radius: deeper than the rest of it no tip sinks in, and poses are off by less.
+constexpr double kMinDistance = 0.3;
 /// [m] an object that another contact moved while one was touched.
 constexpr double kMovedToo = 0.003;
 
@@ -171,14 +173,20 @@ void ObjectPlaces::moved(std::size_t object, double t, const Eigen::Vector3d& wa
 std::optional<ObjectPlaces::Touch> ObjectPlaces::touch(std::size_t object, double t,
                                                        const Eigen::Vector3d& p_base_tip,
                                                        double tool_radius) const {
-  const Eigen::Vector3d p_object = at(object, t).inverse() * p_base_tip;
+  const Pose T_base_object = at(object, t);
+  const Eigen::Vector3d p_object = T_base_object.inverse() * p_base_tip;
   const auto closest = surfaces_[object].closest(p_object.cast<float>(), kSearchRadius);
   if (!closest) return std::nullopt;
   const Eigen::Vector3d point = closest->point.cast<double>();
   const Eigen::Vector3d normal = closest->normal.cast<double>();
   const bool is_inside = (p_object - point).dot(normal) < 0.0;
   const double distance = static_cast<double>(closest->distance);
-  return Touch{(is_inside ? -distance : distance) - tool_radius, normal, point};
+  // A centre this near to the surface, or behind it, has no direction to it of its own.
+  const bool has_direction = !is_inside && distance > kMinDistance * tool_radius;
+  const Eigen::Vector3d inward =
+      has_direction ? Eigen::Vector3d((point - p_object) / distance) : Eigen::Vector3d(-normal);
+  return Touch{(is_inside ? -distance : distance) - tool_radius, normal,
+               T_base_object.rotation() * inward};
 }
 
 std::vector<IdentifiedContact> attribute_contacts(

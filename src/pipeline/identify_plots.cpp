@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "evaluation/html_text.hpp"
 #include "identify_parts.hpp"
 
 namespace pcavr {
@@ -173,8 +174,7 @@ std::vector<Plot> surface_plots(const ObjectIdentification& object) {
   const LimitSurface& surface = object.surface.surface;
   Plot plot{.title = "Limit surface: wrenches while it turned",
             .x_label = "force across x and y (N), signed by y",
-            .y_label = "moment over " + std::to_string(surface.length * kMillimetres).substr(0, 4) +
-                       " mm (N)",
+            .y_label = "moment over " + fixed(surface.length * kMillimetres, 1) + " mm (N)",
             .equal_axes = true};
   PlotSeries edge{.label = "fitted limit, force along y", .color = 0};
   constexpr int kPoints = 120;

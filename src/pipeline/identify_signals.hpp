@@ -2,14 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "pcavr/core/expected.hpp"
 #include "pcavr/identification/path_view.hpp"
 #include "pcavr/identification/segmentation.hpp"
 #include "pcavr/identification/signals.hpp"
@@ -22,9 +19,6 @@ namespace pcavr {
 /// Instants [s] at which the tip leaps farther than any tip can between two samples.
 [[nodiscard]] std::vector<double> find_jumps(std::span<const double> t,
                                              std::span<const Eigen::Vector3d> points);
-
-/// What is wrong with the force, if its direction, size or stiffness contradicts the tool's motion.
-[[nodiscard]] std::optional<Error> contradiction(const Segmentation& found, const PathView& tip);
 
 /// How much later the force's stamps are than the tool's. While a press lasts, and while a push is
 /// let go, the object stands, so that the tip's place is

@@ -10,8 +10,11 @@
 
 #include "pcavr/core/output.hpp"
 #include "pcavr/pipeline/known_parameters.hpp"
+#include "pcavr/recording/stream_clocks.hpp"
 
+#include "clock_checks.hpp"
 #include "follow_objects.hpp"
+#include "identify_clock.hpp"
 #include "identify_signals.hpp"
 #include "run_writer.hpp"
 #include "survey.hpp"
@@ -171,27 +174,52 @@ class ShownAroundFrames {
   bool is_kept_ = false;
 };
 
+/// From the recording's start to its clock.
+void put_on_clock(Stamp start, TeleopRun& run) {
+  const double seconds = start.seconds();
+  for (std::vector<ShownPose>& shown : run.shown) {
+    for (ShownPose& pose : shown) pose.t += seconds;
+  }
+  for (ForceRow& row : run.forces) row.t += seconds;
+  for (PhaseRow& row : run.phases) row.t += seconds;
+  for (SentCorrection& sent : run.corrections) sent.t += seconds;
+}
+
 /// Both sites; what they give goes to the replay's folder where it has one.
 Expected<TeleopRun> run_sites(const Recording& recording, const TeleopInput& input,
                               const ReplayOptions& options, const Replay& replay,
                               const Observer& observer) {
-  if (!options.run_folder) return run_teleop(input, options.teleop, observer);
+  const Stamp start = start_of(recording);
+  if (!options.run_folder) {
+    Expected<TeleopRun> run = run_teleop(input, options.teleop, observer);
+    if (run) put_on_clock(start, *run);
+    return run;
+  }
   TeleopWriter writer;
   const Expected<void> opened = writer.open(*options.run_folder, object_names(replay));
   if (!opened) return opened.error();
   std::vector<std::vector<ShownPose>> kept(input.objects.size());
   std::vector<ShownAroundFrames> around;
   for (std::vector<ShownPose>& shown : kept) around.emplace_back(recording.frames, shown);
+  const auto on_clock = [seconds = start.seconds()](auto row) {
+    row.t += seconds;
+    return row;
+  };
   TeleopSink sink = writer.sink();
   sink.take_shown = [&](std::size_t object, const ShownPose& shown) {
-    around[object].add(shown);
-    return writer.add_shown(object, shown);
+    around[object].add(on_clock(shown));
+    return writer.add_shown(object, on_clock(shown));
+  };
+  sink.take_force = [&](const ForceRow& row) { return writer.add_force(on_clock(row)); };
+  sink.take_correction = [&](const SentCorrection& sent) {
+    return writer.add_correction(on_clock(sent));
   };
   Expected<TeleopRun> run = run_teleop(input, options.teleop, sink, observer);
   if (!run) return run;
   const Expected<void> closed = writer.close();
   if (!closed) return closed.error();
   for (ShownAroundFrames& shown : around) shown.keep_newest();
+  put_on_clock(start, *run);  // the phases: the sink took all else
   run->shown = std::move(kept);
   return run;
 }
@@ -306,14 +334,26 @@ Expected<Replay> track(const Recording& recording, const SceneManifest& scene,
   return replay;
 }
 
+/// Tracking in seconds from the recording's start. Seconds since 1970 are held to 0.2 us: rounded
+/// to whole microseconds, as stamps are written, they are again what was written.
+std::vector<TrackedPose> tracked_from_start(std::vector<TrackedPose> tracked, Stamp start) {
+  constexpr double kMicroseconds = 1e6;  // in a second
+  for (TrackedPose& pose : tracked) {
+    pose.t = std::round((pose.t - start.seconds()) * kMicroseconds) / kMicroseconds;
+  }
+  return tracked;
+}
+
 Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManifest& scene,
                                    const std::vector<MovableBody>& bodies, const Replay& replay,
                                    const ParameterTable& known) {
+  const Stamp start = start_of(recording);
   TeleopInput input;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovableBody& body = bodies[i];
     input.objects.push_back({body.entry.name, body.model, *body.entry.T_base_object,
-                             known.at(body.entry.name), replay.objects[i].tracked});
+                             known.at(body.entry.name),
+                             tracked_from_start(replay.objects[i].tracked, start)});
   }
   // A scene of a recording without images is what the manifest stated: nothing was scanned.
   if (scene.quality.frames_used > 0) {
@@ -325,16 +365,20 @@ Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManife
   input.t_tool.reserve(recording.tool.size());
   input.p_base_tip.reserve(recording.tool.size());
   for (const TimedPose& tool : recording.tool.poses()) {
-    input.t_tool.push_back(tool.stamp.seconds());
+    input.t_tool.push_back(to_seconds(tool.stamp - start));
     input.p_base_tip.push_back(tool.pose.translation());
   }
   input.t_force.reserve(recording.wrench.size());
   input.force_base.reserve(recording.wrench.size());
   for (const WrenchSample& sample : recording.wrench) {
-    input.t_force.push_back(sample.stamp.seconds());
+    input.t_force.push_back(to_seconds(sample.stamp - start));
     input.force_base.push_back(sample.force);
   }
   if (input.t_tool.size() > 1 && !input.t_force.empty()) {
+    if (auto fault = clock_fault(input)) {
+      fault->file = (recording.folder / fault->file).string();
+      return *fault;
+    }
     input.tool_to_force = offset_of_force(input);
   }
   return input;
@@ -344,6 +388,9 @@ Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManife
 
 Expected<Replay> replay_recording(const Recording& recording, const SceneManifest& scene,
                                   const ReplayOptions& options, const Observer& observer) {
+  const ImageUse images = options.tracked ? ImageUse::none : ImageUse::tracking;
+  if (const auto conflict = check_clocks(recording, images, observer)) return *conflict;
+  if (recording.tool.empty()) observer.on_warning(kNothingPredicted);
   const Expected<std::vector<MovableBody>> bodies = bodies_of(recording, scene);
   if (!bodies) return bodies.error();
   for (const MovableBody& body : *bodies) report_simplified(body.model, observer);

@@ -97,7 +97,12 @@ std::string format_run(const Replay& replay, const Recording& recording, const S
   yaml << YAML::EndSeq;
   emit_left_out(recording, yaml);
   emit_lines(lines, yaml);
-  if (replay.teleop) emit_teleop(replay, yaml);
+  if (replay.teleop) {
+    emit_teleop(replay, yaml);
+  } else {
+    yaml << YAML::Key << "notes" << YAML::Value << YAML::BeginSeq << kNothingPredicted
+         << YAML::EndSeq;
+  }
   yaml << YAML::EndMap;
   return std::string(yaml.c_str()) + '\n';
 }

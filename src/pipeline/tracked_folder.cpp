@@ -105,7 +105,7 @@ Expected<std::map<Stamp, Deviations>> parse_deviations(std::string_view text,
 }  // namespace
 
 Expected<std::vector<TrackedPose>> read_tracked_poses(const std::filesystem::path& folder,
-                                                      const std::string& name) {
+                                                      const std::string& name, Stamp zero) {
   std::vector<TrackedPose> result;
   const std::string place = "objects/" + name + '/';
   const auto tracked = read_if_there(folder, place + "tracked.txt");
@@ -120,9 +120,22 @@ Expected<std::vector<TrackedPose>> read_tracked_poses(const std::filesystem::pat
   for (const TimedPose& timed : poses->poses()) {
     const auto found = deviations->find(timed.stamp);
     const Deviations deviation = found == deviations->end() ? Deviations{} : found->second;
-    result.push_back({timed.stamp.seconds(), timed.pose, deviation.position, deviation.rotation});
+    result.push_back(
+        {to_seconds(timed.stamp - zero), timed.pose, deviation.position, deviation.rotation});
   }
   return result;
+}
+
+std::vector<TrackedPose> tracked_poses_of(std::span<const ObjectObservation> observations,
+                                          Stamp zero) {
+  std::vector<TrackedPose> poses;
+  for (const ObjectObservation& seen : observations) {
+    if (seen.evidence == ObjectEvidence::none) continue;
+    poses.push_back({to_seconds(seen.stamp - zero), seen.T_base_object,
+                     std::sqrt(seen.covariance.topLeftCorner<3, 3>().trace()),
+                     std::sqrt(seen.covariance.bottomRightCorner<3, 3>().trace())});
+  }
+  return poses;
 }
 
 }  // namespace pcavr

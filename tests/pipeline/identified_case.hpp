@@ -48,6 +48,7 @@ inline IdentifiedCase identified_case(ToolTask task, std::uint64_t seed, double 
   for (const auto& [stamp, pose] : tool.poses()) {
     input.t_tool.push_back(stamp.seconds());
     input.p_base_tip.push_back(pose.translation());
+    input.q_base_tool.push_back(pose.rotation());
   }
   for (const WrenchSample& sample : measured_wrench(run, seed, faults)) {
     input.t_force.push_back(sample.stamp.seconds());

@@ -10,6 +10,7 @@
 #include "pcavr/pipeline/identify.hpp"
 
 #include "pipeline/identified_case.hpp"
+#include "pipeline/input_faults.hpp"
 
 namespace pcavr {
 namespace {
@@ -46,6 +47,24 @@ TEST(IdentifyMany, ReachesItsBoundsOnDrawnBoxes) {
     }
   }
   EXPECT_GE(weighed, 8);  // of ten: the probe's motion is made to tell the mass
+}
+
+TEST(IdentifyMany, SeesNoFaultInSoundRecordings) {
+  for (const ToolTask task : {ToolTask::push, ToolTask::probe, ToolTask::press, ToolTask::turn}) {
+    for (std::uint64_t seed = 61; seed <= 66; ++seed) {
+      for (const double duration : {2.5, 7.0, 12.0}) {
+        IdentificationInput input = identified_case(task, seed, duration).input;
+        for (const bool is_tracked : {true, false}) {
+          if (!is_tracked) {
+            for (IdentifiableObject& object : input.objects) object.tracked.clear();
+          }
+          const auto found = identify(input, IdentificationGoal::friction);
+          EXPECT_FALSE(!found && accuses(found.error().to_string()))
+              << seed << ": " << found.error().to_string();
+        }
+      }
+    }
+  }
 }
 
 TEST(IdentifyMany, FindsHowBoxesTurn) {

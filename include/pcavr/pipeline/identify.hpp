@@ -31,7 +31,8 @@
 
 namespace pcavr {
 
-/// All times are seconds on the recording's clock (the tool's, where the force's differs).
+/// All times are seconds from the recording's start (start_of), on the tool's clock where the
+/// force's differs.
 
 enum class IdentificationGoal {
   contact,  ///< how the objects yield
@@ -52,6 +53,7 @@ struct IdentificationInput {
   double tool_radius = 0.01;  ///< [m] of the spherical tip
   std::vector<double> t_tool;
   std::vector<Eigen::Vector3d> p_base_tip;
+  std::vector<Eigen::Quaterniond> q_base_tool = {};  ///< at `t_tool`; may be empty: not known
   std::vector<double> t_force;
   std::vector<Eigen::Vector3d> force_base;  ///< that the tool exerts [N]
   ParameterTable known = {};                ///< found earlier; what is found anew replaces it
@@ -87,7 +89,7 @@ struct EstimatorTrace {
   std::optional<double> held_error = {};
 };
 
-/// The contact law of one face, from pushes before they broke away.
+/// The contact law of one face, from pushes before they broke away, under a given exponent.
 struct FaceContact {
   Eigen::Vector3d normal_object = Eigen::Vector3d::Zero();
   int pushes = 0;
@@ -119,6 +121,8 @@ struct ObjectIdentification {
   std::vector<ParameterFinding> findings = {};
   ContactIdentification presses = {};
   int press_count = 0;
+  /// The exponent is no result but the usual one: pushes before they break away do not identify it.
+  bool is_exponent_given = false;
   std::vector<FaceContact> faces = {};
   std::vector<EstimatorTrace> comparison = {};
   std::vector<MeasuredImpact> impacts = {};
@@ -150,13 +154,14 @@ struct Identification {
   ParameterTable known = {};
 };
 
-/// What a recording without force, without tool or with two clocks lacks; nothing where it will do.
-/// The file that it names is relative to the recording.
+/// What a recording without force or without tool lacks, or with clocks that do not meet; nothing
+/// where it will do. The file that it names is relative to the recording.
 [[nodiscard]] std::optional<Error> missing_streams(const IdentificationInput& input);
 
-/// Finds all contacts of a recording, whose they are, and what they tell. Fails where there is no
-/// force or no tool, where the force's sign or unit contradicts the motion, and where nothing was
-/// touched; what the motion merely does not tell is said in the result. Deterministic.
+/// Finds all contacts of a recording, whose they are, and what follows from them. Fails where there
+/// is no force or no tool, where nothing was touched, and where the data show that the force's
+/// sign, axes, unit or clock is wrong: another reading explains them decisively better than the one
+/// as written. What is merely not identified is said in the result. Deterministic.
 [[nodiscard]] Expected<Identification> identify(const IdentificationInput& input,
                                                 IdentificationGoal goal);
 

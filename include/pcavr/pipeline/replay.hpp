@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +24,10 @@
 #include "pcavr/tracking/object_tracker.hpp"
 
 namespace pcavr {
+
+/// What a replay without `Replay::teleop` says of itself.
+inline constexpr char kNothingPredicted[] =
+    "the recording has no tool.csv: only tracking is replayed, nothing is predicted";
 
 struct ReplayOptions {
   DepthNoise depth_noise = {};
@@ -80,9 +85,14 @@ struct Replay {
                                                const Observer& observer = {});
 
 /// Reads objects/NAME/tracked.txt of a run, with the deviations from tracking.csv beside it (1 mm
-/// and 10 mrad where that file is absent). Empty where the folder has no such object.
+/// and 10 mrad where that file is absent). Empty where the folder has no such object. Their seconds
+/// count from `zero`: from a recording's start they are exact, since 1970 to 0.2 us only.
 [[nodiscard]] Expected<std::vector<TrackedPose>> read_tracked_poses(
-    const std::filesystem::path& folder, const std::string& name);
+    const std::filesystem::path& folder, const std::string& name, Stamp zero = {});
+
+/// The frames in which the object was seen; their seconds count from `zero`.
+[[nodiscard]] std::vector<TrackedPose> tracked_poses_of(
+    std::span<const ObjectObservation> observations, Stamp zero);
 
 /// The whole chain of a replay: tracking by images, from a folder or, where there is neither, none;
 /// then both sites over a delayed link, the recorded tool as the operator's command and the

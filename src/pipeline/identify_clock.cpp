@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "identify_clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pcavr {
+namespace {
+
+constexpr double kGridInterval = 0.05;  // [s] a contact lasts longer
+constexpr double kFirstPart = 600.0;    // [s]
+constexpr double kMaxShift = 60.0;      // [s] more is another recording, and costs time
+/// Of the shorter stream: what a shift leaves of both.
+constexpr double kMinShared = 0.5;
+/// One contact fits any other of its length.
+constexpr std::size_t kMinContacts = 2;
+// The correlation that a shift has to reach, and its lead over other shifts.
+constexpr double kDecisive = 0.8;
+constexpr double kLead = 0.15;
+/// Meshes and poses that are off by a millimetre or two show a tip at a surface some tenths of a
+/// second early or late: sound laboratory recordings of slow pushes have 0.6.
+constexpr double kMaxAsWritten = 0.4;
+/// Alike pushes fit each other: then the shift is open, but not that there is one.
+constexpr double kClearLead = 0.5;
+/// Nearer shifts belong to the same peak, or to offsets that identification takes off by itself.
+constexpr double kSamePeak = 1.0;   // [s]
+constexpr double kTakenOff = 0.25;  // [s] as force_offset looks for
+/// A tip nearer than this to a surface may touch it: poses and meshes are off by millimetres.
+constexpr double kTouchRange = 0.003;  // [m]
+
+/// Values on an even grid from `start` on.
+struct Signal {
+  double start = 0.0;  ///< [s]
+  std::vector<double> values;
+};
+
+std::size_t grid_size(double from, double to) {
+  return static_cast<std::size_t>(std::floor((to - from) / kGridInterval)) + 1;
+}
+
+/// 1 where the tip is at a surface or in it, 0 where it is kTouchRange away.
+Signal touching(const IdentificationInput& input, const PathView& tip, const ObjectPlaces& places) {
+  Signal signal{input.t_tool.front(), {}};
+  const std::size_t count = grid_size(input.t_tool.front(), input.t_tool.back());
+  for (std::size_t k = 0; k < count; ++k) {
+    const double t = signal.start + kGridInterval * static_cast<double>(k);
+    double value = 0.0;
+    for (std::size_t i = 0; i < input.objects.size(); ++i) {
+      const auto touch = places.touch(i, t, tip.at(t), input.tool_radius);
+      if (touch) value = std::max(value, std::clamp(1.0 - touch->gap / kTouchRange, 0.0, 1.0));
+    }
+    signal.values.push_back(value);
+  }
+  return signal;
+}
+
+/// 1 while the force shows contact.
+Signal loaded(const IdentificationInput& input, const Segmentation& found) {
+  Signal signal{input.t_force.front(), {}};
+  signal.values.assign(grid_size(input.t_force.front(), input.t_force.back()), 0.0);
+  for (const ContactEpisode& episode : found.contacts) {
+    for (std::size_t k = 0; k < signal.values.size(); ++k) {
+      const double t = signal.start + kGridInterval * static_cast<double>(k);
+      if (t >= episode.begin && t <= episode.end) signal.values[k] = 1.0;
+    }
+  }
+  return signal;
+}
+
+/// Of a[i] and b[i + lag] where both are; nothing where they share too little, or do not change.
+std::optional<double> correlation(const std::vector<double>& a, const std::vector<double>& b,
+                                  std::ptrdiff_t lag) {
+  const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(0, -lag);
+  const std::ptrdiff_t end = std::min(std::ssize(a), std::ssize(b) - lag);
+  const double n = static_cast<double>(end - begin);
+  if (n < kMinShared * static_cast<double>(std::min(a.size(), b.size()))) return std::nullopt;
+  double sum_a = 0.0, sum_b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
+  for (std::ptrdiff_t i = begin; i < end; ++i) {
+    const double x = a[static_cast<std::size_t>(i)];
+    const double y = b[static_cast<std::size_t>(i + lag)];
+    sum_a += x, sum_b += y, aa += x * x, bb += y * y, ab += x * y;
+  }
+  const double square = (aa - sum_a * sum_a / n) * (bb - sum_b * sum_b / n);
+  if (!(square > 0.0)) return std::nullopt;
+  return (ab - sum_a * sum_b / n) / std::sqrt(square);
+}
+
+struct Match {
+  double shift = 0.0;  ///< [s] the force is this much late
+  double correlation = 0.0;
+};
+
+std::vector<Match> match_all(const Signal& touch, const Signal& load) {
+  const auto lags = static_cast<std::ptrdiff_t>(kMaxShift / kGridInterval);
+  // A lag of 0 on the grids is this shift in time.
+  const double zero = load.start - touch.start;
+  const auto middle = static_cast<std::ptrdiff_t>(std::llround(-zero / kGridInterval));
+  std::vector<Match> matches;
+  for (std::ptrdiff_t lag = middle - lags; lag <= middle + lags; ++lag) {
+    const auto value = correlation(touch.values, load.values, lag);
+    if (value) matches.push_back({zero + kGridInterval * static_cast<double>(lag), *value});
+  }
+  return matches;
+}
+
+double highest_if(const std::vector<Match>& matches, const auto& counts) {
+  double highest = -1.0;  // no correlation is lower
+  for (const Match& match : matches) {
+    if (counts(match)) highest = std::max(highest, match.correlation);
+  }
+  return highest;
+}
+
+}  // namespace
+
+std::optional<Error> clock_fault(const IdentificationInput& input, const Segmentation& found,
+                                 const PathView& tip, const ObjectPlaces& places) {
+  if (found.contacts.size() < kMinContacts || input.objects.empty()) return std::nullopt;
+  const std::vector<Match> matches = match_all(touching(input, tip, places), loaded(input, found));
+  if (matches.empty()) return std::nullopt;
+  const Match best = *std::max_element(
+      matches.begin(), matches.end(),
+      [](const Match& a, const Match& b) { return a.correlation < b.correlation; });
+  const double as_written =
+      highest_if(matches, [](const Match& m) { return std::abs(m.shift) <= kTakenOff; });
+  const double rival = highest_if(
+      matches, [&](const Match& m) { return std::abs(m.shift - best.shift) > kSamePeak; });
+  const double gain = best.correlation - as_written;
+  const bool is_only_shift = best.correlation - rival >= kLead;
+  const bool is_fault = best.correlation >= kDecisive && std::abs(best.shift) > kTakenOff &&
+                        as_written <= kMaxAsWritten && (is_only_shift || gain >= kClearLead);
+  if (!is_fault) return std::nullopt;
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "the force is about %.1f s %s than the tool's motion%s: shifted by that, it shows "
+                "contact when the tip is at an object (correlation %.2f, as written %.2f)",
+                std::abs(best.shift), best.shift > 0.0 ? "later" : "earlier",
+                is_only_shift ? "" : ", or by another shift", best.correlation, as_written);
+  return Error{.message = text, .file = "wrench.csv", .hint = "put both on one clock"};
+}
+
+std::optional<Error> clock_fault(const TeleopInput& input) {
+  // Clocks that are apart are so from the start; more would cost memory and time.
+  const auto first_part = [](const std::vector<double>& t) {
+    return std::upper_bound(t.begin(), t.end(), t.front() + kFirstPart) - t.begin();
+  };
+  const auto tool = first_part(input.t_tool);
+  const auto force = first_part(input.t_force);
+  IdentificationInput part;
+  for (const TeleopObject& object : input.objects) {
+    part.objects.push_back({.name = object.name,
+                            .model = object.model,
+                            .T_base_object = object.T_base_object,
+                            .tracked = object.tracked});
+  }
+  part.tool_radius = input.tool_radius;
+  part.t_tool.assign(input.t_tool.begin(), input.t_tool.begin() + tool);
+  part.p_base_tip.assign(input.p_base_tip.begin(), input.p_base_tip.begin() + tool);
+  part.t_force.assign(input.t_force.begin(), input.t_force.begin() + force);
+  part.force_base.assign(input.force_base.begin(), input.force_base.begin() + force);
+  const Segmentation found =
+      segment_contacts(part.t_force, part.force_base, part.t_tool, part.p_base_tip);
+  return clock_fault(part, found, PathView(part.t_tool, part.p_base_tip),
+                     ObjectPlaces(part.objects));
+}
+
+}  // namespace pcavr

@@ -1,0 +1,157 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "identify_evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pcavr/core/gravity.hpp"
+#include "pcavr/core/median.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Above this share of its peak a contact is loaded, or slides at about that force.
+constexpr double kLoaded = 0.8;
+// Steps of the motion: long enough that the tip's noise is small beside them, short enough that a
+// bent path is followed [s].
+constexpr double kMinMotionStep = 0.02;
+constexpr double kMaxMotionStep = 0.10;
+constexpr double kStepsOfContact = 6.0;
+/// Six to ten times what markers leave open of a pose.
+constexpr double kMoved = 0.002;  // [m]
+/// The middle of a motion: at its ends the object does not slide yet, or no longer.
+constexpr double kMotionBegins = 0.1;
+constexpr double kMotionEnds = 0.9;
+
+/// From the first touch to the last sample that is still loaded.
+struct LoadedRange {
+  std::size_t begin = 0;
+  std::size_t end = 0;  ///< one past the last
+};
+
+LoadedRange loaded_range(const IdentifiedContact& contact) {
+  const ContactEpisode& episode = contact.episode;
+  LoadedRange range;
+  while (range.begin < episode.t.size() && episode.t[range.begin] < episode.begin) ++range.begin;
+  for (std::size_t i = range.begin; i < contact.force_base.size(); ++i) {
+    if (episode.t[i] > episode.end) break;
+    if (contact.force_base[i].norm() >= kLoaded * episode.peak_force) range.end = i + 1;
+  }
+  return range;
+}
+
+Eigen::Matrix3d tool_axes_at(const IdentificationInput& input, double t) {
+  const auto after = std::lower_bound(input.t_tool.begin(), input.t_tool.end(), t);
+  const auto i = std::min(static_cast<std::size_t>(after - input.t_tool.begin()),
+                          input.q_base_tool.size() - 1);
+  return input.q_base_tool[i].toRotationMatrix();
+}
+
+void add_forces(const IdentificationInput& input, const IdentifiedContact& contact,
+                const LoadedRange& range, const PathView& tip, ContactEvidence& evidence) {
+  const std::vector<double>& t = contact.episode.t;
+  const double step = std::clamp((t[range.end - 1] - t[range.begin]) / kStepsOfContact,
+                                 kMinMotionStep, kMaxMotionStep);
+  for (std::size_t from = range.begin, to; from + 1 < range.end; from = to) {
+    Eigen::Vector3d sum = contact.force_base[from];
+    for (to = from + 1; to + 1 < range.end && t[to] < t[from] + step; ++to) {
+      sum += contact.force_base[to];
+    }
+    const Eigen::Vector3d force = sum / static_cast<double>(to - from);
+    const Eigen::Vector3d motion = tip.at(t[to]) - tip.at(t[from]);
+    evidence.force_base += sum;
+    evidence.force_motion += force * motion.transpose();
+    evidence.effort += force.norm() * motion.norm();
+    if (input.q_base_tool.empty()) continue;
+    const Eigen::Matrix3d R_base_tool = tool_axes_at(input, t[from]);
+    evidence.tool_force_base += R_base_tool * sum;
+    evidence.tool_work += (R_base_tool * force).dot(motion);
+  }
+}
+
+/// Where the object was before, at the beginning and at the end of a contact.
+double displacement_until(const IdentifiedContact& contact, const ObjectPlaces& places, double t) {
+  if (!places.is_tracked(*contact.object)) return way_at(contact.episode, t);
+  return translation_distance(places.at(*contact.object, contact.episode.begin),
+                              places.at(*contact.object, t));
+}
+
+double cosine(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const double size = a.norm() * b.norm();
+  return size > 0.0 ? a.dot(b) / size : 0.0;
+}
+
+}  // namespace
+
+std::vector<ContactEvidence> gather_evidence(const IdentificationInput& input,
+                                             std::span<const IdentifiedContact> contacts,
+                                             const PathView& tip, const ObjectPlaces& places) {
+  std::vector<ContactEvidence> all;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const IdentifiedContact& contact = contacts[i];
+    if (!contact.object || contact.force_base.empty()) continue;
+    const LoadedRange range = loaded_range(contact);
+    if (range.end < range.begin + 2) continue;
+    ContactEvidence evidence{.contact = i};
+    const double t = contact.episode.begin;
+    const auto touch = places.touch(*contact.object, t, tip.at(t), input.tool_radius);
+    if (!touch) continue;
+    evidence.inward_base = touch->inward_base;
+    add_forces(input, contact, range, tip, evidence);
+    all.push_back(evidence);
+  }
+  return all;
+}
+
+double inward_cosine(const ContactEvidence& evidence) {
+  return cosine(evidence.force_base, evidence.inward_base);
+}
+
+DirectionAgreement agreement_of(std::span<const ContactEvidence> evidence,
+                                const Eigen::Matrix3d& axes) {
+  DirectionAgreement sum;
+  double effort = 0.0;
+  for (const ContactEvidence& one : evidence) {
+    sum.inward += cosine(axes * one.force_base, one.inward_base);
+    sum.motion += (axes * one.force_motion).trace();
+    effort += one.effort;
+  }
+  return {sum.inward / std::max(static_cast<double>(evidence.size()), 1.0),
+          effort > 0.0 ? sum.motion / effort : 0.0};
+}
+
+DirectionAgreement agreement_in_tool_axes(std::span<const ContactEvidence> evidence) {
+  DirectionAgreement sum;
+  double effort = 0.0;
+  for (const ContactEvidence& one : evidence) {
+    sum.inward += cosine(one.tool_force_base, one.inward_base);
+    sum.motion += one.tool_work;
+    effort += one.effort;
+  }
+  return {sum.inward / std::max(static_cast<double>(evidence.size()), 1.0),
+          effort > 0.0 ? sum.motion / effort : 0.0};
+}
+
+std::optional<double> friction_share(const IdentificationInput& input,
+                                     const IdentifiedContact& contact, const ObjectPlaces& places) {
+  if (!contact.object || contact.episode.kind == ContactKind::press) return std::nullopt;
+  const std::optional<double> mass = input.objects[*contact.object].mass;
+  const ContactEpisode& episode = contact.episode;
+  const double moved = displacement_until(contact, places, episode.end);
+  if (!mass || moved < kMoved) return std::nullopt;
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < contact.force_base.size(); ++i) {
+    if (episode.t[i] < episode.begin || episode.t[i] > episode.end) continue;
+    const double done = displacement_until(contact, places, episode.t[i]) / moved;
+    if (done < kMotionBegins || done > kMotionEnds) continue;
+    const Eigen::Vector3d& force = contact.force_base[i];
+    // A tip that presses down adds to what rests on the support.
+    shares.push_back(force.head<2>().norm() /
+                     (*mass * kStandardGravity + std::max(0.0, -force.z())));
+  }
+  if (shares.empty()) return std::nullopt;
+  return median(std::move(shares));
+}
+
+}  // namespace pcavr

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "identify_parts.hpp"
+
+namespace pcavr {
+
+/// Where the force of one contact points while it is loaded and the object is pushed along, in sums
+/// from which the same follows for any other axes.
+struct ContactEvidence {
+  std::size_t contact = 0;                                 ///< index
+  Eigen::Vector3d force_base = Eigen::Vector3d::Zero();    ///< [N] sum, bias removed
+  Eigen::Vector3d inward_base = Eigen::Vector3d::Zero();   ///< unit, from the tip to the surface
+  Eigen::Matrix3d force_motion = Eigen::Matrix3d::Zero();  ///< [N m] sum of F dx'
+  double effort = 0.0;                                     ///< [N m] sum of |F| |dx|
+  // As if what was recorded were in the tool's axes; only where its orientation is known.
+  Eigen::Vector3d tool_force_base = Eigen::Vector3d::Zero();
+  double tool_work = 0.0;  ///< [N m]
+};
+
+/// How well forces go with the surfaces touched and with the tool's motion.
+struct DirectionAgreement {
+  double inward = 0.0;  ///< mean cosine between force and the direction into the body, by contact
+  double motion = 0.0;  ///< work over effort, -1 to 1: what is pushed cannot push back for long
+};
+
+/// Of the contacts that have an object.
+[[nodiscard]] std::vector<ContactEvidence> gather_evidence(
+    const IdentificationInput& input, std::span<const IdentifiedContact> contacts,
+    const PathView& tip, const ObjectPlaces& places);
+
+/// `axes` maps what was recorded to base.
+[[nodiscard]] DirectionAgreement agreement_of(std::span<const ContactEvidence> evidence,
+                                              const Eigen::Matrix3d& axes);
+[[nodiscard]] DirectionAgreement agreement_in_tool_axes(std::span<const ContactEvidence> evidence);
+
+/// Cosine between the force and the direction into the body.
+[[nodiscard]] double inward_cosine(const ContactEvidence& evidence);
+
+/// Horizontal force over the weight that rests on the support, at the middle of the samples while
+/// the object moves by more than 2 mm in one contact; nothing for less, or an unknown mass.
+[[nodiscard]] std::optional<double> friction_share(const IdentificationInput& input,
+                                                   const IdentifiedContact& contact,
+                                                   const ObjectPlaces& places);
+
+}  // namespace pcavr

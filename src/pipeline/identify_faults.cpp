@@ -1,0 +1,227 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "identify_faults.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include <Eigen/LU>
+
+#include "identify_clock.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Friction of tip and object turns a sound force away from the face's normal by up to 45 degrees,
+/// rubber by 60.
+constexpr double kSound = 0.5;
+/// A face is not pushed by a force that points past it: beyond 75 degrees.
+constexpr double kMisdirected = 0.26;
+// Another reading has to point into the bodies this well, be better by this much, and go with the
+// motion better by this much. A tip that slides along a face moves across its force, so that the
+// motion alone says little; a wrong pose of the body turns its normals, so that they alone do not.
+constexpr double kExplains = 0.8;
+constexpr double kInwardGain = 0.4;
+constexpr double kMotionGain = 0.2;
+/// Readings this near to each other in their cosine are not told apart.
+constexpr double kTie = 0.05;
+/// [m] between tip and surface at a touch, as for attribution.
+constexpr double kMaxGap = 0.015;
+
+struct Length {
+  const char* name;
+  double metres;
+};
+constexpr std::array<Length, 2> kLengths{{{"millimetres", 1e-3}, {"centimetres", 1e-2}}};
+
+std::string printed(const char* format, double a, double b) {
+  char text[96];
+  std::snprintf(text, sizeof text, format, a, b);
+  return text;
+}
+
+bool explains(const DirectionAgreement& reading, const DirectionAgreement& as_written) {
+  return reading.inward >= kExplains && reading.inward - as_written.inward >= kInwardGain &&
+         reading.motion > 0.0 && reading.motion - as_written.motion >= kMotionGain;
+}
+
+/// All rows and columns of one 1 or -1: the axes that a driver may mix up.
+std::vector<Eigen::Matrix3d> signed_permutations() {
+  constexpr int kOrders[6][3] = {{0, 1, 2}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}, {1, 2, 0}, {2, 0, 1}};
+  std::vector<Eigen::Matrix3d> all;
+  for (const auto& order : kOrders) {
+    for (int signs = 0; signs < 8; ++signs) {
+      Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+      for (int row = 0; row < 3; ++row) {
+        axes(row, order[row]) = (signs & (1 << row)) != 0 ? -1.0 : 1.0;
+      }
+      all.push_back(axes);
+    }
+  }
+  return all;
+}
+
+/// "(fy, -fx, fz)".
+std::string components(const Eigen::Matrix3d& axes) {
+  constexpr const char* kNames[3] = {"fx", "fy", "fz"};
+  std::string text;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      if (axes(row, column) == 0.0) continue;
+      text += (text.empty() ? "(" : ", ") + std::string(axes(row, column) < 0.0 ? "-" : "") +
+              kNames[column];
+    }
+  }
+  return text + ")";
+}
+
+std::string cosines(double better, double as_written, std::size_t contacts) {
+  return printed("mean cosine %.2f, as written %.2f", better, as_written) + " over " +
+         std::to_string(contacts) + (contacts == 1 ? " contact" : " contacts");
+}
+
+/// The reading of the force's axes that the unsound contacts show; `all` must not contradict it.
+std::optional<Error> axes_fault(std::span<const ContactEvidence> evidence,
+                                std::span<const ContactEvidence> all) {
+  if (evidence.empty()) return std::nullopt;
+  const DirectionAgreement as_written = agreement_of(evidence, Eigen::Matrix3d::Identity());
+  const DirectionAgreement flipped = agreement_of(evidence, -Eigen::Matrix3d::Identity());
+  const DirectionAgreement tool = agreement_in_tool_axes(evidence);
+  const bool is_flipped = explains(flipped, as_written) &&
+                          agreement_of(all, -Eigen::Matrix3d::Identity()).inward >= kExplains;
+  const bool is_in_tool =
+      explains(tool, as_written) && agreement_in_tool_axes(all).inward >= kExplains;
+  Error error{.message = "", .file = "wrench.csv"};
+  if (is_flipped && flipped.inward >= tool.inward - kTie) {
+    const bool is_either = is_in_tool && tool.inward >= flipped.inward - kTie;
+    error.message = std::string("the force has the wrong sign") +
+                    (is_either ? ", or is in the tool's axes" : "") +
+                    ": reversed it points into the objects that the tool touches (" +
+                    cosines(flipped.inward, as_written.inward, evidence.size()) + ")";
+    error.hint = "write the force that the tool exerts, in base axes, not the one that it feels";
+    return error;
+  }
+  if (is_in_tool) {
+    error.message =
+        "the force is in the tool's axes: turned by the tool's orientation it points into the "
+        "objects that the tool touches (" +
+        cosines(tool.inward, as_written.inward, evidence.size()) + ")";
+    error.hint = "write it in base axes";
+    return error;
+  }
+  std::optional<Eigen::Matrix3d> best;
+  double inward = 0.0;
+  for (const Eigen::Matrix3d& axes : signed_permutations()) {
+    const DirectionAgreement reading = agreement_of(evidence, axes);
+    // Turned axes before mirrored ones, where both explain it.
+    const double needed = inward + (axes.determinant() > 0.0 ? 1e-9 : kTie);
+    const bool fits_all = agreement_of(all, axes).inward >= kExplains;
+    if (!fits_all || !explains(reading, as_written) || reading.inward < needed) continue;
+    best = axes;
+    inward = reading.inward;
+  }
+  if (!best) return std::nullopt;
+  error.message = "the force is in other axes than the tool's motion: read as, for example, " +
+                  components(*best) + " it points into the objects that the tool touches (" +
+                  cosines(inward, as_written.inward, evidence.size()) + ")";
+  error.hint = "write it in base axes";
+  return error;
+}
+
+/// How many of the contacts meet an object, with the force into it, if the tip were where `points`
+/// has it.
+std::size_t count_touches(const FaultEvidence& known, const PathView& points) {
+  const ObjectPlaces places(known.input.objects);
+  std::size_t count = 0;
+  for (const IdentifiedContact& contact : known.contacts) {
+    const double t = contact.episode.begin;
+    for (std::size_t i = 0; i < known.input.objects.size(); ++i) {
+      const auto touch = places.touch(i, t, points.at(t), known.input.tool_radius);
+      const bool is_near = touch && std::abs(touch->gap) < kMaxGap;
+      if (!is_near || touch->inward_base.dot(contact.episode.direction_base) < kSound) continue;
+      ++count;
+      break;
+    }
+  }
+  return count;
+}
+
+/// The unit of tool.csv, where nothing is touched in metres.
+std::optional<Error> tool_unit_fault(const FaultEvidence& known) {
+  if (!known.evidence.empty()) return std::nullopt;
+  for (const Length& unit : kLengths) {
+    std::vector<Eigen::Vector3d> points;
+    for (const double t : known.tip.t()) points.push_back(unit.metres * known.tip.at(t));
+    const std::size_t touches = count_touches(known, PathView(known.tip.t(), points));
+    if (touches == 0 || 2 * touches < known.contacts.size()) continue;
+    return Error{.message = std::string("the tool's position is in ") + unit.name +
+                            ": read so, the tip touches an object in " + std::to_string(touches) +
+                            " of " + std::to_string(known.contacts.size()) +
+                            " contacts, and in metres in none",
+                 .file = "tool.csv",
+                 .hint = "write metres"};
+  }
+  return std::nullopt;
+}
+
+std::size_t count_sound(std::span<const ContactEvidence> evidence) {
+  return static_cast<std::size_t>(
+      std::count_if(evidence.begin(), evidence.end(),
+                    [](const ContactEvidence& one) { return inward_cosine(one) >= kSound; }));
+}
+
+/// Touched from above, or from the side: axes may be mixed up in the plane alone, or along z.
+enum class Side { above, beside };
+
+std::vector<ContactEvidence> from(Side side, std::span<const ContactEvidence> evidence) {
+  std::vector<ContactEvidence> chosen;
+  for (const ContactEvidence& one : evidence) {
+    const bool is_above = std::abs(one.inward_base.z()) > one.inward_base.head<2>().norm();
+    if (is_above == (side == Side::above)) chosen.push_back(one);
+  }
+  return chosen;
+}
+
+/// The contacts of the sides from which no more than half are sound.
+std::vector<ContactEvidence> unsound_sides(std::span<const ContactEvidence> evidence) {
+  std::vector<ContactEvidence> unsound;
+  for (const Side side : {Side::above, Side::beside}) {
+    const std::vector<ContactEvidence> contacts = from(side, evidence);
+    if (2 * count_sound(contacts) > contacts.size()) continue;
+    unsound.insert(unsound.end(), contacts.begin(), contacts.end());
+  }
+  return unsound;
+}
+
+}  // namespace
+
+std::string at_time(double t) {
+  char text[40];
+  std::snprintf(text, sizeof text, "t = %.3f s", t);
+  return text;
+}
+
+std::optional<Error> find_fault(const FaultEvidence& known) {
+  if (auto error = tool_unit_fault(known)) return error;
+  // Some seconds late, one push may well meet the face that another one pushed.
+  if (auto error = clock_fault(known.input, known.found, known.tip, known.places)) return error;
+  // From a side from which most contacts are sound, the others were with something unknown.
+  return axes_fault(unsound_sides(known.evidence), known.evidence);
+}
+
+void leave_out_misdirected(std::span<const ContactEvidence> evidence,
+                           std::vector<IdentifiedContact>& contacts) {
+  for (const ContactEvidence& one : evidence) {
+    const double cosine = inward_cosine(one);
+    IdentifiedContact& contact = contacts[one.contact];
+    if (cosine >= kMisdirected || !contact.left_out.empty()) continue;
+    const double degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
+    contact.left_out =
+        printed("the force points %.0f degrees off the face that the tool touches", degrees, 0.0);
+  }
+}
+
+}  // namespace pcavr

@@ -1,0 +1,172 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/input_faults.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/random.hpp"
+#include "pcavr/pipeline/identify.hpp"
+
+#include "pipeline/identified_case.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kHalfProbe = 16.0;  // [s] presses and slow pushes
+
+std::string failure_of(const IdentificationInput& input) {
+  const auto found = identify(input, IdentificationGoal::friction);
+  return found ? std::string() : found.error().to_string();
+}
+
+/// The tool held at an angle, so that its axes are nobody else's.
+IdentificationInput tilted_probe(std::uint64_t seed, double duration) {
+  IdentificationInput input = identified_case(ToolTask::probe, seed, duration).input;
+  const Eigen::Quaterniond tilt(
+      Eigen::AngleAxisd(0.6, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()));
+  for (Eigen::Quaterniond& q : input.q_base_tool) q = tilt * q;
+  return input;
+}
+
+TEST(InputFaults, AreNamedWhereARecordingHasThem) {
+  const IdentificationInput sound = tilted_probe(2, kHalfProbe);
+  ASSERT_EQ(failure_of(sound), "");
+  for (const Fault& fault : faults()) {
+    IdentificationInput input = sound;
+    fault.make(input);
+    EXPECT_NE(failure_of(input).find(fault.accusation), std::string::npos)
+        << fault.name << ": " << failure_of(input);
+  }
+}
+
+/// What is not tracked is known until its first push only: less is shown, but nothing wrong.
+TEST(InputFaults, AreNeverTakenForOthersWhereNothingIsTracked) {
+  IdentificationInput sound = tilted_probe(3, kHalfProbe);
+  for (IdentifiableObject& object : sound.objects) object.tracked.clear();
+  ASSERT_EQ(failure_of(sound), "");
+  for (const Fault& fault : faults()) {
+    IdentificationInput input = sound;
+    fault.make(input);
+    const std::string text = failure_of(input);
+    EXPECT_TRUE(!accuses(text) || text.find(fault.accusation) != std::string::npos)
+        << fault.name << ": " << text;
+  }
+}
+
+TEST(InputFaults, ASaturatedSensorIsNoOtherFault) {
+  IdentificationInput input = tilted_probe(2, kHalfProbe);
+  for (Eigen::Vector3d& force : input.force_base) force = force.cwiseMax(-6.0).cwiseMin(6.0);
+  const auto found = identify(input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  EXPECT_TRUE(std::any_of(found->notes.begin(), found->notes.end(), [](const std::string& note) {
+    return note.find("saturated") != std::string::npos;
+  }));
+}
+
+/// The first `duration` seconds of it.
+IdentificationInput cut(IdentificationInput input, double duration) {
+  const auto keep = [duration](std::vector<double>& t) {
+    t.erase(std::lower_bound(t.begin(), t.end(), duration), t.end());
+    return t.size();
+  };
+  input.p_base_tip.resize(keep(input.t_tool));
+  input.q_base_tool.resize(input.t_tool.size(), Eigen::Quaterniond::Identity());
+  input.force_base.resize(keep(input.t_force));
+  return input;
+}
+
+/// Whatever a sound recording lacks, it has no fault; identify_many_test.cpp takes more seeds.
+TEST(InputFaults, AreNotSeenInSoundRecordings) {
+  for (const ToolTask task : {ToolTask::push, ToolTask::probe, ToolTask::press, ToolTask::turn}) {
+    const IdentificationInput whole = identified_case(task, 41, 9.0).input;
+    for (const double duration : {2.5, 9.0}) {
+      IdentificationInput input = cut(whole, duration);
+      EXPECT_FALSE(accuses(failure_of(input))) << failure_of(input);
+      for (IdentifiableObject& object : input.objects) object.tracked.clear();
+      EXPECT_FALSE(accuses(failure_of(input))) << "untracked: " << failure_of(input);
+    }
+  }
+}
+
+/// A tip that slides along the face that it pushes: its force points across its motion.
+TEST(InputFaults, AreNotSeenWhereTheTipSlidesAlongAFace) {
+  IdentifiedCase made = identified_case(ToolTask::probe, 2, 0.1);
+  IdentificationInput input = made.input;
+  const IdentifiableObject& box = input.objects[0];
+  input.t_tool.clear();
+  input.p_base_tip.clear();
+  input.q_base_tool.clear();
+  input.t_force.clear();
+  input.force_base.clear();
+  // Along its +y edge of the face whose outward normal is -x, 50 mm at 10 mm/s, 0.1 mm deep.
+  double face = 0.0;
+  for (const Eigen::Vector3f& v : box.model.mesh_object.vertices) {
+    face = std::min(face, static_cast<double>(v.x()));
+  }
+  Random random(7);
+  for (int i = 0; i < 3500; ++i) {
+    // The driver's stamps jitter by nearly an interval.
+    const double t = 0.002 * i + 0.0009 * (2.0 * random.uniform() - 1.0);
+    const double pressed = std::clamp((t - 1.0) / 0.2, 0.0, 1.0) - std::clamp(t - 5.8, 0.0, 1.0);
+    const double along = 0.010 * std::clamp(t - 1.0, 0.0, 5.0) - 0.025;
+    const Eigen::Vector3d p_object(
+        face - input.tool_radius - 0.005 * (1.0 - pressed) + 1e-4 * pressed, along,
+        box.model.centre_of_mass_object.z());
+    const Eigen::Vector3d force_object(2.4 * pressed, 0.3 * pressed, 0.0);
+    input.t_tool.push_back(t);
+    input.p_base_tip.push_back(box.T_base_object * p_object +
+                               2e-5 * Eigen::Vector3d(random.normal(), random.normal(), 0.0));
+    input.t_force.push_back(t);
+    input.force_base.push_back(
+        box.T_base_object.rotation() * force_object +
+        0.02 * Eigen::Vector3d(random.normal(), random.normal(), random.normal()));
+  }
+  const TrackedPose rest{0.0, box.T_base_object, 2e-4, 1e-3};
+  input.objects[0].tracked = {rest};
+  const auto found = identify(input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  for (const std::string& note : found->notes) EXPECT_FALSE(accuses(note)) << note;
+  ASSERT_FALSE(found->contacts.empty());
+  EXPECT_EQ(found->contacts[0].left_out, "");
+}
+
+TEST(InputFaults, APushTooShortToSlideWithholdsTheLimitAndSaysSo) {
+  const IdentificationInput whole = identified_case(ToolTask::push, 5, 4.0).input;
+  const auto found = identify(whole, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value());
+  const ContactEpisode& push = found->contacts.front().episode;
+  ASSERT_TRUE(push.breakaway.is_found);
+  const double end = push.begin + 0.7 * (push.breakaway.t - push.begin);
+  const auto shortened = identify(cut(whole, end), IdentificationGoal::friction);
+  ASSERT_TRUE(shortened.has_value()) << shortened.error().to_string();
+  EXPECT_FALSE(shortened->objects[0].parameters.limiting_static_friction.has_value());
+  EXPECT_EQ(shortened->objects[0].limit.missed, 1);
+}
+
+TEST(ContactExponent, IsGivenWithAnHonestDeviationWithoutPresses) {
+  for (std::uint64_t seed = 51; seed <= 53; ++seed) {
+    const IdentifiedCase made = identified_case(ToolTask::push, seed, 4.0);
+    const auto found = identify(made.input, IdentificationGoal::friction);
+    ASSERT_TRUE(found.has_value()) << found.error().to_string();
+    for (std::size_t i = 0; i < found->objects.size(); ++i) {
+      const ObjectIdentification& box = found->objects[i];
+      const auto& exponent = box.parameters.contact_exponent;
+      if (!exponent) continue;
+      ASSERT_TRUE(exponent->deviation.has_value());
+      const double truth = made.plant.bodies[i].parameters.contact_exponent;
+      EXPECT_LT(std::abs(exponent->value - truth), 3.0 * *exponent->deviation) << seed;
+      const auto row = std::find_if(
+          box.findings.begin(), box.findings.end(),
+          [](const ParameterFinding& finding) { return finding.name == "contact.exponent"; });
+      EXPECT_FALSE(row->is_excited);
+      EXPECT_TRUE(row->remark.starts_with("given: ")) << row->remark;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pcavr

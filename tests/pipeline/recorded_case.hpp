@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/output.hpp"
+#include "pcavr/recording/recording_writer.hpp"
+
+#include "pipeline/identified_case.hpp"
+
+namespace pcavr {
+
+inline Stamp later(Stamp stamp, Stamp by) { return {stamp.nanoseconds + by.nanoseconds}; }
+
+/// A recording without images of the first `duration` seconds of a task, and its tracking in
+/// `tracked`, written into `folder`; its clock shows `start` where the task begins.
+inline Recording recorded_case(const std::filesystem::path& folder, ToolTask task,
+                               std::uint64_t seed, double duration, Stamp start) {
+  const PlantCase plant = make_plant_case(task, seed);
+  PlantOptions options;
+  options.longest_duration = duration;
+  const PlantRun run = run_plant(plant.bodies, plant.tool, plant.moves, options);
+  Manifest manifest;
+  manifest.tool_radius = plant.tool.radius;
+  for (const PlantBody& body : plant.bodies) {
+    manifest.objects.push_back({.name = body.name,
+                                .mesh = "objects/" + body.name + ".obj",
+                                .mass = body.parameters.mass,
+                                .is_movable = true,
+                                .T_base_object = body.T_base_object});
+  }
+  std::filesystem::create_directories(folder);
+  RecordingWriter writer(folder, manifest);
+  Trajectory tool;
+  const Trajectory measured = measured_tool(run, seed);
+  for (const TimedPose& timed : measured.poses()) {
+    tool.append(later(timed.stamp, start), timed.pose);
+  }
+  std::vector<WrenchSample> wrench = measured_wrench(run, seed);
+  for (WrenchSample& sample : wrench) sample.stamp = later(sample.stamp, start);
+  EXPECT_TRUE(writer.write_tool(tool).has_value());
+  EXPECT_TRUE(writer.write_wrench(wrench).has_value());
+  for (std::size_t i = 0; i < plant.bodies.size(); ++i) {
+    const PlantBody& body = plant.bodies[i];
+    EXPECT_TRUE(
+        writer.write_object_mesh("objects/" + body.name + ".obj", model_of(body).mesh_object)
+            .has_value());
+    Trajectory tracked;
+    for (const SimulatedSighting& seen : simulated_tracking(run, body, i, seed)) {
+      if (seen.is_seen) tracked.append(later(seen.stamp, start), seen.T_base_object);
+    }
+    const std::filesystem::path place = folder / "tracked/objects" / body.name;
+    std::filesystem::create_directories(place);
+    EXPECT_TRUE(write_file(place / "tracked.txt", format_trajectory(tracked)).has_value());
+  }
+  EXPECT_TRUE(writer.finish().has_value());
+  Expected<Recording> recording = read_recording(folder);
+  EXPECT_TRUE(recording.has_value()) << recording.error().to_string();
+  return *recording;
+}
+
+}  // namespace pcavr
