@@ -8,7 +8,8 @@
 namespace pcavr {
 namespace {
 
-constexpr double kHalfWidth = 0.014;    // [s] of the filter, as the estimators' own tests have it
+constexpr double kFilterHalfWidth =
+    0.014;                              // [s] of the filter, as the estimators' own tests have it
 constexpr double kLeastForce = 0.02;    // of the largest: below, the relative error means little
 constexpr double kSettled = 0.10;       // of the force: paper C's threshold
 constexpr double kErrorWindow = 0.020;  // [s] over which an error has to last to count
@@ -47,7 +48,7 @@ std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses,
     const ForceMotion& press = presses[found.touched[k]];
     const double interval = mean_interval(press.t);
     const double noise = std::max(noise_deviation(press.force), kLeastNoise * largest);
-    half_width = std::max(kHalfWidth, 3.0 * interval);
+    half_width = std::max(kFilterHalfWidth, 3.0 * interval);
     CausalFilter filter(half_width, 1.0 / interval, noise);
     const double tip_noise = noise_deviation(press.tool);
     touches.push_back(clock);
@@ -138,7 +139,7 @@ std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> pres
                                                const ContactIdentification& found) {
   std::vector<EstimatorTrace> traces;
   std::vector<double> touches;
-  double half_width = kHalfWidth;
+  double half_width = kFilterHalfWidth;
   const std::vector<FilteredSample> samples = filtered(presses, found, touches, half_width);
   if (samples.size() < 100) return traces;
   const double interval = samples[1].t - samples[0].t;

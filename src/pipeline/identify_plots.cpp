@@ -11,9 +11,6 @@
 namespace pcavr {
 namespace {
 
-constexpr double kMillimetres = 1e3;
-constexpr double kPercent = 1e2;
-
 void add_point(PlotSeries& series, double x, double y) {
   series.x.push_back(x);
   series.y.push_back(y);

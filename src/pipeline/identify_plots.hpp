@@ -11,6 +11,9 @@
 
 namespace pcavr {
 
+inline constexpr double kMillimetres = 1e3;  ///< of a metre
+inline constexpr double kPercent = 1e2;
+
 [[nodiscard]] std::string name_of(EstimationMethod method);
 
 /// Paper C's figures 8 and 9: the force and the parameters as each estimator had them.

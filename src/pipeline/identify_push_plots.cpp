@@ -10,7 +10,6 @@
 namespace pcavr {
 namespace {
 
-constexpr double kPlotMillimetres = 1e3;
 /// Points of one contact: more can't be told apart in the picture.
 constexpr std::size_t kMostPoints = 400;
 constexpr double kShortest = 0.020;  // [s] a phase that is drawn
@@ -63,10 +62,10 @@ struct PushSeries {
       const double t = episode.t[i];
       force.x.push_back(t), force.y.push_back(episode.force[i]);
       const double tip = episode.tool[i] - zero;
-      tool.x.push_back(t), tool.y.push_back(kPlotMillimetres * (base + tip));
+      tool.x.push_back(t), tool.y.push_back(kMillimetres * (base + tip));
       const bool touches = t >= episode.begin && t <= episode.end;
       if (touches) gone = tip - give[i];
-      object.x.push_back(t), object.y.push_back(kPlotMillimetres * (base + gone));
+      object.x.push_back(t), object.y.push_back(kMillimetres * (base + gone));
     }
     base += gone;
     for (PlotSeries* series : {&force, &object, &tool}) {

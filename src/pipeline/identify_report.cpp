@@ -18,7 +18,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kMilliseconds = 1e3;
-constexpr double kToPercent = 1e2;
 
 std::string cell(const std::string& text) { return "<td>" + escaped(text) + "</td>"; }
 
@@ -61,8 +60,8 @@ std::string comparison_table(const ObjectIdentification& object) {
   for (const EstimatorTrace& trace : object.comparison) {
     html += "<tr>" + cell(name_of(trace.method)) +
             cell(trace.settling ? fixed(*trace.settling * kMilliseconds, 0) : "never") +
-            cell(readable(trace.steady_error * kToPercent)) +
-            cell(trace.held_error ? readable(*trace.held_error * kToPercent) : "not held") +
+            cell(readable(trace.steady_error * kPercent)) +
+            cell(trace.held_error ? readable(*trace.held_error * kPercent) : "not held") +
             "</tr>\n";
   }
   return html + "</tbody>\n</table></div>\n";

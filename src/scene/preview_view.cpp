@@ -37,7 +37,7 @@ Points points_of_interest(const Scene& scene) {
 /// Vertices of the mesh but for its outermost ones along each axis.
 Points points_of_bulk(const TriangleMesh& mesh) {
   constexpr double kOutermost = 0.02;  // share on each side
-  constexpr std::size_t kMostPoints = 20'000;
+  constexpr std::size_t kMaxFramedPoints = 20'000;
   if (mesh.vertices.empty()) return {Eigen::Vector3d::Zero()};
   Eigen::Vector3f low;
   Eigen::Vector3f high;
@@ -56,7 +56,8 @@ Points points_of_bulk(const TriangleMesh& mesh) {
   }
   const Eigen::AlignedBox3f box(low, high);
   Points points;
-  for (std::size_t i = 0; i < mesh.vertices.size(); i += mesh.vertices.size() / kMostPoints + 1) {
+  for (std::size_t i = 0; i < mesh.vertices.size();
+       i += mesh.vertices.size() / kMaxFramedPoints + 1) {
     if (box.contains(mesh.vertices[i])) points.push_back(mesh.vertices[i].cast<double>());
   }
   return points.empty() ? Points{box.center().cast<double>()} : points;

@@ -219,11 +219,11 @@ Body make_tool(double radius, Random& random) {
     // Shapes stand upright, so they are turned over: their z is the tool's -z.
     return Pose(Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {0.0, 0.0, -z});
   };
-  constexpr int kSegments = 40;
-  add_revolution(tool.surface, sphere_profile(radius), kSegments, at(-radius), 0);
-  add_revolution(tool.surface, cylinder_profile(0.55 * radius, 0.10), kSegments, at(0.0), 0);
-  add_revolution(tool.surface, cylinder_profile(0.014, 0.06), kSegments, at(0.10), 0);
-  add_revolution(tool.surface, cylinder_profile(0.032, 0.17), kSegments, at(0.16), 1);
+  constexpr int kRimSegments = 40;
+  add_revolution(tool.surface, sphere_profile(radius), kRimSegments, at(-radius), 0);
+  add_revolution(tool.surface, cylinder_profile(0.55 * radius, 0.10), kRimSegments, at(0.0), 0);
+  add_revolution(tool.surface, cylinder_profile(0.014, 0.06), kRimSegments, at(0.10), 0);
+  add_revolution(tool.surface, cylinder_profile(0.032, 0.17), kRimSegments, at(0.16), 1);
   return tool;
 }
 
