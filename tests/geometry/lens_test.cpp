@@ -39,7 +39,7 @@ LensDistortion a_lens(LensModel model, Random& random) {
   return {model, k};
 }
 
-CameraModel camera_with(const LensDistortion& distortion) {
+CameraModel camera_behind(const LensDistortion& distortion) {
   return {.width = 640,
           .height = 480,
           .fx = 525.0,
@@ -54,7 +54,7 @@ TEST(LensDistortion, RoundTripsOverTheWholeImageForRandomLenses) {
     Random random(3);
     int lenses = 0;
     for (int trial = 0; trial < 200; ++trial) {
-      CameraModel camera = camera_with(a_lens(model, random));
+      CameraModel camera = camera_behind(a_lens(model, random));
       if (model == LensModel::fisheye) camera.fx = camera.fy = random.uniform(300.0, 600.0);
       if (find_fold(camera)) continue;
       ++lenses;
@@ -89,7 +89,7 @@ TEST(LensDistortion, UndistortFindsWhateverDistortMapsHowFarOutsideTheImageEver)
 TEST(LensDistortion, NothingOutsideTheViewFallsIntoTheImage) {
   // Folds at 0.72 focal lengths, where the image's corners end; the formula comes back to the
   // image's middle from 1.16 on.
-  const CameraModel camera = camera_with({-0.25, -0.35, 0.0, 0.0, 0.0});
+  const CameraModel camera = camera_behind({-0.25, -0.35, 0.0, 0.0, 0.0});
   ASSERT_TRUE(camera.distortion.folds());
   for (double radius = camera.distortion.max_radius(); radius < 20.0; radius += 0.01) {
     for (double angle = 0.0; angle < 6.28; angle += 0.1) {
@@ -130,7 +130,7 @@ TEST(LensDistortion, AgreesWithOpenCv) {
       const LensDistortion lens = trial == 0 && model == LensModel::rational
                                       ? LensDistortion(model, kAzureKinect)
                                       : a_lens(model, random);
-      const CameraModel camera = camera_with(lens);
+      const CameraModel camera = camera_behind(lens);
       std::vector<cv::Point3d> points;
       for (int i = 0; i < 50; ++i) {
         const Eigen::Vector2d ray =
