@@ -200,6 +200,7 @@ Expected<TeleopRun> run_sites(const Recording& recording, const TeleopInput& inp
   if (!opened) return opened.error();
   std::vector<std::vector<ShownPose>> kept(input.objects.size());
   std::vector<ShownAroundFrames> around;
+  around.reserve(kept.size());
   for (std::vector<ShownPose>& shown : kept) around.emplace_back(recording.frames, shown);
   const auto on_clock = [seconds = start.seconds()](auto row) {
     row.t += seconds;

@@ -15,7 +15,7 @@ namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kPiece = 64 * 1024;  // bytes written at once
+constexpr std::size_t kPiece = std::size_t{64} << 10U;  // bytes written at once
 
 Error cannot_write(const fs::path& file) {
   return {.message = std::string("can't be written: ") +

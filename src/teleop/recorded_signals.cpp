@@ -129,8 +129,9 @@ void CommandPath::work_out(std::size_t block) {
   path_.resize(kBlock);
   // At every other instant: in between, a hand bends the way by less than a micrometre.
   std::vector<double> at(kBlock / 2 + 1);
+  const std::size_t first = block * (kBlock / 2);
   for (std::size_t k = 0; k < at.size(); ++k) {
-    at[k] = start_ + 2.0 * step_ * static_cast<double>(block * kBlock / 2 + k);
+    at[k] = start_ + 2.0 * step_ * static_cast<double>(first + k);
   }
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<SmoothedSample> place = smooth_axis(tip_, axis, at, half_width_);
