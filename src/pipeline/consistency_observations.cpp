@@ -66,6 +66,7 @@ Eigen::Vector3d fit_plane(const std::vector<DepthReading>& readings) {
 std::vector<DepthReading> on_plane(const std::vector<DepthReading>& readings,
                                    const Eigen::Vector3d& plane) {
   std::vector<double> residuals;
+  residuals.reserve(readings.size());
   for (const DepthReading& reading : readings) {
     residuals.push_back(std::abs(reading.ray.dot(plane) - reading.inverse_depth));
   }

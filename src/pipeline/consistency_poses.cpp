@@ -77,6 +77,7 @@ std::vector<PlacedSight> placed_sights(const Manifest& manifest, const Trajector
 
 double median_offset(const std::vector<PlacedSight>& sights, Pose (*reading)(const Pose&)) {
   std::vector<double> offsets;
+  offsets.reserve(sights.size());
   for (const PlacedSight& sight : sights) {
     offsets.push_back((reading(sight.T_base_camera) * sight.p_camera - sight.p_base).norm());
   }
