@@ -125,6 +125,8 @@ std::string first_line(const std::string& text) { return text.substr(0, text.fin
 /// What a mesh names beside itself (buffers, materials) may be a pipe or a device, too.
 class RegularFiles final : public Assimp::DefaultIOSystem {
  public:
+  // The library's own opens the file to see whether it exists, and would wait for a pipe.
+  bool Exists(const char* file) const override { return regular_file_size(file).has_value(); }
   Assimp::IOStream* Open(const char* file, const char* mode) override {
     return regular_file_size(file) ? DefaultIOSystem::Open(file, mode) : nullptr;
   }

@@ -25,7 +25,7 @@ int margin(double slope, double focal_length, double to_border) {
 
 CameraModel ideal_of(const CameraModel& camera) {
   CameraModel ideal = camera.undistorted();
-  if (camera.distortion.model() == LensModel::plumb_bob) return ideal;
+  if (!camera.has_distortion()) return ideal;
   // The rays of the border tell how far to each side the lens sees.
   Eigen::AlignedBox2d view;
   for (int x = 0; x < camera.width; ++x) {

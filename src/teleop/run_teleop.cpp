@@ -85,8 +85,10 @@ struct Span {
 };
 
 Span span_of(const TipMotion& tip) {
-  const double length = tip.t.back() - tip.t.front();
-  return {tip.t.front(), static_cast<std::size_t>(std::floor(length / kStep))};
+  // A stamp's rounding may not cost the last cycle: far from zero it is some 1e-6 of one.
+  constexpr double kRounding = 1e-5;
+  const double cycles = (tip.t.back() - tip.t.front()) / kStep;
+  return {tip.t.front(), static_cast<std::size_t>(std::floor(cycles + kRounding))};
 }
 
 /// The operator's phases of one object, as they change.

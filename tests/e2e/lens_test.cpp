@@ -78,7 +78,6 @@ TEST_P(EachLens, IsBuiltAsExactlyAsAPinhole) {
   const fs::path recording = folder.path() / "recording";
   fs::create_directories(recording);
   SimulationCase simulation = tabletop();
-  simulation.frame_rate = 10.0;
   simulation.camera = simulated_camera(simulation);
   simulation.camera->fx = simulation.camera->fy = lens.focal_length;
   simulation.camera->distortion = LensDistortion(lens.model, lens.coefficients);

@@ -38,6 +38,7 @@ def thin_lists(recording, count):
         rows = [r for r in (recording / name).read_text().split("\n") if r and r[0] != "#"]
         keep = [rows[i * (len(rows) - 1) // (count - 1)] for i in range(count)]
         (recording / name).write_text("\n".join(keep) + "\n")
+    (recording / "written.yaml").unlink()  # the lists are a person's now: their rows are not counted
 
 
 def make_sound_inputs(pcavr, folder):

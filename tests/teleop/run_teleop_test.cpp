@@ -175,7 +175,7 @@ TEST(RunTeleop, DoesNotUseAForceInMillinewtons) {
   PlantInput made = plant_input(kSeed, true);
   for (Eigen::Vector3d& force : made.input.force_base) force *= 1000.0;
   const TeleopRun run = run_teleop(made.input, {}).value();
-  EXPECT_TRUE(has_note(run, "unit"));
+  EXPECT_TRUE(has_note(run, "newtons"));
 }
 
 TEST(RunTeleop, SaysThatTheSensorSaturates) {
