@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include <opencv2/aruco.hpp>
 
@@ -37,6 +38,19 @@ Eigen::Vector2d project(const matd_t& homography, const double (&point)[2]) {
   return {row(0) / row(2), row(1) / row(2)};
 }
 
+/// Throws std::bad_alloc where libapriltag would run out of memory: it does not check what it is
+/// given, and would write to nothing.
+void expect_memory_for(const Region& region) {
+  // [byte] The union of pixels, their clusters and the lines fitted to them, with room to spare;
+  // and what an image of any size takes.
+  constexpr std::size_t kPerPixel = 200;
+  constexpr std::size_t kPerImage = std::size_t{16} << 20U;
+  const std::size_t pixels =
+      static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height());
+  // Not touched, so it costs an entry in a table.
+  ::operator delete(::operator new(kPerImage + kPerPixel * pixels));
+}
+
 class AprilTagFinder final : public QuadFinder {
  public:
   AprilTagFinder(std::vector<AprilTagFamily> families, const TagDetectorOptions& options)
@@ -51,6 +65,7 @@ class AprilTagFinder final : public QuadFinder {
   }
 
   std::vector<TagDetection> find(const GrayImage& image, const Region& region) override {
+    expect_memory_for(region);
     // The library takes a plain pointer but does not write to the picture.
     auto* pixels = const_cast<std::uint8_t*>(&image(region.left, region.top));
     image_u8_t view{region.width(), region.height(), image.width(), pixels};

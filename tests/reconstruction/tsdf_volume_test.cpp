@@ -89,8 +89,8 @@ TEST(TsdfVolume, HonoursLensDistortion) {
   double sum = 0.0;
   for (const Eigen::Vector3f& p : mesh.vertices) {
     const double distance = normal.dot(p.cast<double>()) - 1.0;
-    // Whole pixels are taken, up to 0.7 pixels or 6 mm off, at a slope of 0.6.
-    EXPECT_NEAR(distance, 0.0, 0.004);
+    // Whole pixels are taken, up to 0.7 pixels or 6 mm off, at a slope of 0.6, most at the corners.
+    EXPECT_NEAR(distance, 0.0, 0.006);
     sum += distance;
   }
   EXPECT_NEAR(sum / static_cast<double>(mesh.vertices.size()), 0.0, 2e-4);
