@@ -41,8 +41,8 @@ Eigen::Vector2d project(const matd_t& homography, const double (&point)[2]) {
 /// Throws std::bad_alloc where libapriltag would run out of memory: it does not check what it is
 /// given, and would write to nothing.
 void expect_memory_for(const Region& region) {
-  // [byte] The union of pixels, their clusters and the lines fitted to them, with room to spare;
-  // and what an image of any size takes.
+  // [byte] The union of pixels, their clusters and the lines fitted to them, and what an image of
+  // any size takes: estimated, not measured.
   constexpr std::size_t kPerPixel = 200;
   constexpr std::size_t kPerImage = std::size_t{16} << 20U;
   const std::size_t pixels =

@@ -65,7 +65,7 @@ struct ScaleRatio {
     const Manifest& manifest, const Trajectory& groundtruth, const std::vector<TagSight>& sights,
     const std::vector<Stamp>& depth_stamps, std::size_t min_frames);
 
-/// A CAD body by itself: size, density, and whether its tags lie on it.
+/// A CAD body alone: size, density, and whether its tags lie on it.
 [[nodiscard]] std::vector<ConsistencyFinding> check_body(const Manifest& manifest,
                                                          const ObjectEntry& entry,
                                                          const CadModel& model,

@@ -14,7 +14,7 @@ namespace pcavr {
 [[nodiscard]] Expected<std::filesystem::path> resolve_path(const std::filesystem::path& path);
 
 /// Fails where an output is, contains or lies in an input or another output. Files and folders are
-/// told by device and inode where they exist, so links and bind mounts do not hide them. Empty
+/// compared by device and inode where they exist, so links and bind mounts do not hide them. Empty
 /// paths are left out of the inputs, and are errors among the outputs.
 [[nodiscard]] Expected<void> check_outputs(const std::vector<std::filesystem::path>& outputs,
                                            const std::vector<std::filesystem::path>& inputs);

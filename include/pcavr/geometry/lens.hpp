@@ -44,7 +44,7 @@ class LensDistortion {
   [[nodiscard]] bool is_none() const { return is_none_; }
 
   /// On the plane z = 1; beyond it the formula is not one-to-one, or the ray is more than 85
-  /// degrees from the optical axis: z-depth tells nothing there.
+  /// degrees from the optical axis: z-depth is undefined there.
   [[nodiscard]] double max_radius() const { return max_radius_; }
   /// Whether the formula folds, or else the angle sets max_radius().
   [[nodiscard]] bool folds() const { return folds_; }
