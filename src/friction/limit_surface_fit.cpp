@@ -12,7 +12,7 @@
 
 #include "pcavr/core/median.hpp"
 
-#include "quartic.hpp"
+#include "ternary_form.hpp"
 
 namespace pcavr {
 namespace {
@@ -45,87 +45,85 @@ struct Target {
 };
 using Targets = std::vector<Target>;
 
-/// H(u) = sum of c_k (l_k . u)^degree, with all c_k >= 0: convex for an even degree.
+/// H(u) = sum of c_k (l_k . u)^Degree, with all c_k >= 0: convex for an even degree.
+template <int Degree>
 class PowerSum {
  public:
-  PowerSum(int degree, const Vectors& forms)
-      : degree_(degree), forms_(forms), weights_(Eigen::VectorXd::Ones(std::ssize(forms))) {
-    weights_ /= static_cast<double>(forms.size());
-  }
+  using Form = detail::TernaryForm<Degree>;
 
-  /// Gradient of H over the degree; its product with u is H.
-  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& u) const {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < forms_.size(); ++k) sum += weight(k) * column(u, k);
-    return sum;
-  }
-  [[nodiscard]] double weight(std::size_t k) const { return weights_[static_cast<int>(k)]; }
-
-  /// The weights that bring normals to twists and levels to 1 in least squares.
-  void solve(const Targets& targets, double level_weight) {
-    const int n = static_cast<int>(forms_.size());
-    Eigen::Matrix<double, Eigen::Dynamic, 4> rows(n, 4);
-    Eigen::MatrixXd normal_matrix = Eigen::MatrixXd::Zero(n, n);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
-    for (const Target& target : targets) {
-      for (int k = 0; k < n; ++k) {
-        const Eigen::Vector3d c = column(target.u, static_cast<std::size_t>(k));
-        rows.row(k).head<3>() = c - target.twist * target.twist.dot(c);
-        rows(k, 3) = std::sqrt(level_weight) * target.u.dot(c);
-      }
-      // The lower half of rows * rows^T: a general product of so few columns takes three times as
-      // long, and this is done 17000 times for a surface.
-      for (int k = 0; k < n; ++k) {
-        const auto part = rows.bottomRows(n - k);
-        normal_matrix.col(k).tail(n - k) +=
-            target.weight * (part.col(0) * rows(k, 0) + part.col(1) * rows(k, 1) +
-                             part.col(2) * rows(k, 2) + part.col(3) * rows(k, 3));
-      }
-      right += target.weight * std::sqrt(level_weight) * rows.col(3);
+  explicit PowerSum(const Vectors& forms)
+      : powers_(Form::kTerms, std::ssize(forms)),
+        weights_(
+            Eigen::VectorXd::Constant(std::ssize(forms), 1.0 / static_cast<double>(forms.size()))) {
+    for (std::size_t k = 0; k < forms.size(); ++k) {
+      powers_.col(static_cast<Eigen::Index>(k)) = Form::power_of(forms[k]);
     }
-    normal_matrix.triangularView<Eigen::StrictlyUpper>() = normal_matrix.transpose();
+  }
+
+  [[nodiscard]] typename Form::Coefficients coefficients() const { return powers_ * weights_; }
+
+  /// The weights that bring normals to twists and levels to 1 in least squares. What is minimised
+  /// is a quadratic in the form's few coefficients, whatever the number of its linear forms.
+  void solve(const Targets& targets, double level_weight) {
+    constexpr int kTerms = Form::kTerms;
+    Eigen::Matrix<double, kTerms, kTerms> normal_matrix =
+        Eigen::Matrix<double, kTerms, kTerms>::Zero();
+    typename Form::Coefficients right = Form::Coefficients::Zero();
+    for (const Target& target : targets) {
+      const Eigen::Matrix<double, 3, kTerms> normal = Form::gradient(target.u);
+      Eigen::Matrix<double, 4, kTerms> rows;
+      rows.template topRows<3>() = normal - target.twist * (target.twist.transpose() * normal);
+      rows.row(3) = std::sqrt(level_weight) * target.u.transpose() * normal;
+      normal_matrix.noalias() += target.weight * rows.transpose() * rows;
+      right += target.weight * std::sqrt(level_weight) * rows.row(3).transpose();
+    }
     descend(normal_matrix, right);
   }
 
  private:
-  [[nodiscard]] Eigen::Vector3d column(const Eigen::Vector3d& u, std::size_t k) const {
-    const double product = forms_[k].dot(u);
-    return (degree_ == 2 ? product : product * product * product) * forms_[k];
-  }
+  using Powers = Eigen::Matrix<double, Form::kTerms, Eigen::Dynamic>;
 
   /// Non-negative least squares by coordinate descent; the cost never grows.
-  void descend(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right) {
-    Eigen::VectorXd gradient = matrix * weights_ - right;
+  void descend(const Eigen::Matrix<double, Form::kTerms, Form::kTerms>& matrix,
+               const typename Form::Coefficients& right) {
+    const Powers slopes = matrix * powers_;
+    const Eigen::VectorXd curvatures = powers_.cwiseProduct(slopes).colwise().sum();
+    typename Form::Coefficients gradient = matrix * coefficients() - right;
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       for (Eigen::Index k = 0; k < weights_.size(); ++k) {
-        if (!(matrix(k, k) > 0.0)) continue;
-        const double next = std::max(0.0, weights_[k] - gradient[k] / matrix(k, k));
+        if (!(curvatures[k] > 0.0)) continue;
+        const double slope = powers_.col(k).dot(gradient);
+        const double next = std::max(0.0, weights_[k] - slope / curvatures[k]);
         const double change = next - weights_[k];
         if (change == 0.0) continue;
         weights_[k] = next;
-        gradient += change * matrix.col(k);
+        gradient += change * slopes.col(k);
       }
     }
   }
 
-  int degree_;
-  const Vectors& forms_;
+  Powers powers_;  // of each linear form
   Eigen::VectorXd weights_;
 };
 
-/// Least absolute angles, by least squares with weights from the last round.
-void fit(const Targets& pushes, const Targets& prior, double level_weight, PowerSum& surface) {
+/// Least absolute angles, by least squares with weights from the last round: the coefficients.
+template <int Degree>
+typename detail::TernaryForm<Degree>::Coefficients fit(const Targets& pushes, const Targets& prior,
+                                                       double level_weight, const Vectors& forms) {
+  PowerSum<Degree> surface(forms);
   Targets targets;
   for (int round = 0; round < kReweightings; ++round) {
     targets = pushes;
+    const typename detail::TernaryForm<Degree>::Coefficients coefficients = surface.coefficients();
     for (Target& target : targets) {
-      const Eigen::Vector3d normal = surface.normal(target.u);
+      const Eigen::Vector3d normal = detail::TernaryForm<Degree>::gradient(target.u) * coefficients;
       const double angle = std::atan2(normal.cross(target.twist).norm(), normal.dot(target.twist));
       target.weight = kLeastAngle / std::max(angle, kLeastAngle) / normal.squaredNorm();
     }
     targets.insert(targets.end(), prior.begin(), prior.end());
     surface.solve(targets, level_weight);
   }
+  return surface.coefficients();
 }
 
 Targets scaled(std::span<const PushSample> samples, double force, double length) {
@@ -152,12 +150,10 @@ Targets targets_on(const Eigen::Matrix3d& a, double total_weight, const Vectors&
 }
 
 Eigen::Matrix3d fit_ellipsoid(const Targets& pushes, double level_weight, const Vectors& forms) {
-  PowerSum sum(2, forms);
-  fit(pushes, {}, level_weight, sum);
-  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
-  for (std::size_t k = 0; k < forms.size(); ++k) {
-    a += sum.weight(k) * forms[k] * forms[k].transpose();
-  }
+  // xx, xy, xz, yy, yz, zz
+  const Eigen::Matrix<double, 6, 1> c = fit<2>(pushes, {}, level_weight, forms);
+  Eigen::Matrix3d a;
+  a << c[0], c[1] / 2.0, c[2] / 2.0, c[1] / 2.0, c[3], c[4] / 2.0, c[2] / 2.0, c[4] / 2.0, c[5];
   return a;
 }
 
@@ -165,15 +161,10 @@ LimitSurface fit_quartic(const Targets& pushes, const Eigen::Matrix3d& ellipsoid
                          const LimitSurfaceFitOptions& options, const Vectors& forms, double force,
                          double length) {
   const double prior_weight = options.prior_weight * static_cast<double>(pushes.size());
-  PowerSum sum(4, forms);
-  fit(pushes, targets_on(ellipsoid, prior_weight, forms), options.level_weight, sum);
+  const auto coefficients =
+      fit<4>(pushes, targets_on(ellipsoid, prior_weight, forms), options.level_weight, forms);
   LimitSurface surface{force, length, {}};
-  for (std::size_t k = 0; k < forms.size(); ++k) {
-    const auto power = detail::fourth_power_of(forms[k]);
-    for (std::size_t i = 0; i < power.size(); ++i) {
-      surface.coefficients[i] += sum.weight(k) * power[i];
-    }
-  }
+  std::copy(coefficients.begin(), coefficients.end(), surface.coefficients.begin());
   return surface;
 }
 

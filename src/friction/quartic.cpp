@@ -3,14 +3,6 @@
 #include "quartic.hpp"
 
 namespace pcavr::detail {
-namespace {
-
-/// x^n for n = 0..4.
-std::array<double, 5> powers_of(double x) noexcept {
-  return {1.0, x, x * x, x * x * x, x * x * x * x};
-}
-
-}  // namespace
 
 QuarticValue evaluate_quartic(const std::array<double, 15>& c, const Eigen::Vector3d& u) noexcept {
   const double xx = u.x() * u.x();
@@ -40,21 +32,6 @@ QuarticValue evaluate_quartic(const std::array<double, 15>& c, const Eigen::Vect
   q.gradient = q.hessian * u / 3.0;
   q.value = q.gradient.dot(u) / 4.0;
   return q;
-}
-
-std::array<double, 15> fourth_power_of(const Eigen::Vector3d& l) noexcept {
-  constexpr double kFactorial[] = {1.0, 1.0, 2.0, 6.0, 24.0};
-  const auto x = powers_of(l.x());
-  const auto y = powers_of(l.y());
-  const auto z = powers_of(l.z());
-  std::array<double, 15> coefficients;
-  for (std::size_t i = 0; i < coefficients.size(); ++i) {
-    const auto a = static_cast<std::size_t>(kQuarticExponents[i][0]);
-    const auto b = static_cast<std::size_t>(kQuarticExponents[i][1]);
-    const auto d = static_cast<std::size_t>(kQuarticExponents[i][2]);
-    coefficients[i] = 24.0 / (kFactorial[a] * kFactorial[b] * kFactorial[d]) * x[a] * y[b] * z[d];
-  }
-  return coefficients;
 }
 
 }  // namespace pcavr::detail

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 
 #include <Eigen/Core>
 
@@ -20,9 +19,6 @@ struct QuarticValue {
 
 [[nodiscard]] QuarticValue evaluate_quartic(const std::array<double, 15>& c,
                                             const Eigen::Vector3d& u) noexcept;
-
-/// The coefficients of (l . u)^4.
-[[nodiscard]] std::array<double, 15> fourth_power_of(const Eigen::Vector3d& l) noexcept;
 
 /// What turns a wrench into u by division, and a twist into its conjugate by multiplication with
 /// scale / force.

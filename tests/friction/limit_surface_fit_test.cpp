@@ -59,8 +59,10 @@ TEST(LimitSurfaceFit, QuarticComesNearerToAQuarticThanAnEllipsoidDoes) {
   LimitSurface truth = ellipsoid_surface(5.0, 0.25);
   for (const Eigen::Vector3d& form :
        {Eigen::Vector3d(1.2, 0.3, 0.6), Eigen::Vector3d(-0.4, 0.9, 1)}) {
-    const auto power = detail::fourth_power_of(form);
-    for (std::size_t i = 0; i < power.size(); ++i) truth.coefficients[i] += 2.0 * power[i];
+    const auto power = detail::TernaryForm<4>::power_of(form);
+    for (std::size_t i = 0; i < truth.coefficients.size(); ++i) {
+      truth.coefficients[i] += 2.0 * power[static_cast<Eigen::Index>(i)];
+    }
   }
   const auto samples = pushes_on(truth, 60, random);
   const auto unseen = pushes_on(truth, 200, random);

@@ -61,6 +61,18 @@ TEST(LimitSurface, NormalIsTheSlopeOfItsLevel) {
   }
 }
 
+TEST(LimitSurface, ItsSlopeIsLinearInItsCoefficients) {
+  Random random(9);
+  for (int trial = 0; trial < 50; ++trial) {
+    const LimitSurface surface = random_surface(random);
+    const Eigen::Map<const Eigen::Matrix<double, 15, 1>> c(surface.coefficients.data());
+    const Eigen::Vector3d u = random_vector(random);
+    const Eigen::Vector3d slope = 4.0 * detail::TernaryForm<4>::gradient(u) * c;
+    const Eigen::Vector3d expected = detail::evaluate_quartic(surface.coefficients, u).gradient;
+    EXPECT_LT((slope - expected).norm(), 1e-12 * (1.0 + expected.norm()));
+  }
+}
+
 TEST(LimitSurface, LevelGrowsInProportion) {
   Random random(5);
   const LimitSurface surface = random_surface(random);

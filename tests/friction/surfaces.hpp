@@ -8,6 +8,7 @@
 #include "pcavr/friction/limit_surface.hpp"
 
 #include "friction/quartic.hpp"
+#include "friction/ternary_form.hpp"
 
 namespace pcavr {
 
@@ -21,8 +22,10 @@ inline LimitSurface random_surface(Random& random) {
       ellipsoid_surface(random.uniform(1.0, 40.0), random.uniform(0.05, 4.0),
                         Eigen::Vector2d(random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02)));
   for (int i = 0; i < 3; ++i) {
-    const auto power = detail::fourth_power_of(random_vector(random));
-    for (std::size_t k = 0; k < power.size(); ++k) surface.coefficients[k] += 0.2 * power[k];
+    const auto power = detail::TernaryForm<4>::power_of(random_vector(random));
+    for (std::size_t k = 0; k < surface.coefficients.size(); ++k) {
+      surface.coefficients[k] += 0.2 * power[static_cast<Eigen::Index>(k)];
+    }
   }
   return surface;
 }
