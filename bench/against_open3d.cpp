@@ -38,7 +38,7 @@ namespace fs = std::filesystem;
 constexpr pcavr::Parallelism kOneThread{1};
 constexpr double kTruncationVoxels = 4.0;
 /// Mesh vertices that fewer frames measured are left out of pcavr's mesh.
-constexpr double kSmallestWeight = 3.0;
+constexpr double kMinWeight = 3.0;
 
 struct Input {
   pcavr::CameraModel camera;
@@ -147,7 +147,7 @@ Outcome run_pcavr(const Input& input, double voxel_size) {
   outcome.ms_a_frame = (cpu_ms() - start) / static_cast<double>(input.frames.size());
   outcome.megabytes = heap_megabytes() - heap;
   start = cpu_ms();
-  const pcavr::TriangleMesh mesh = volume.extract_mesh(kSmallestWeight, kOneThread);
+  const pcavr::TriangleMesh mesh = volume.extract_mesh(kMinWeight, kOneThread);
   outcome.triangles = mesh.triangles.size();
   outcome.us_a_triangle = (cpu_ms() - start) * 1e3 / static_cast<double>(mesh.triangles.size());
   outcome.errors = errors_of(input, mesh);

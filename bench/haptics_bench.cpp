@@ -60,7 +60,7 @@ void time_on(double noise) {
     pcavr::HapticTool tool(bumps.mesh(), options, {});
     char ball[64];
     std::snprintf(ball, sizeof ball, "ball %.1f mm, friction %.1f, motion %.0f",
-                  1e3 * options.radius, options.friction, options.most_motion);
+                  1e3 * options.radius, options.friction, options.max_motion);
     time_steps(surface + ball, [&](int i) {
       const Eigen::Vector3d& tip = path[static_cast<std::size_t>(i)];
       if (i == 0 && !tool.reset(tip)) std::puts("the path starts inside");

@@ -33,9 +33,9 @@ namespace fs = std::filesystem;
 
 constexpr char kPageDevice[] = "page";
 /// [N] What is shown of the force where no motor makes it: more than any push on a table.
-constexpr double kMostShownForce = 100.0;
+constexpr double kMaxShownForce = 100.0;
 /// [N] of a device of which nothing else is known: what the weakest of them bear.
-constexpr double kMostDeviceForce = 5.0;
+constexpr double kMaxDeviceForce = 5.0;
 
 struct ServeArguments {
   std::string scene;
@@ -48,7 +48,7 @@ struct ServeArguments {
   std::string key;
   bool with_tls = false;
   double tool_radius = 0.0;  ///< [m]; 0: not said
-  double most_force = 0.0;   ///< [N]; 0: not said
+  double max_force = 0.0;    ///< [N]; 0: not said
   ServerOptions server;
   bool as_json = false;
 };
@@ -147,8 +147,8 @@ Expected<SceneWorld> make_world(const Stage& stage, const ServeArguments& argume
     options.tool_radius = stage.recording->manifest.tool_radius.value_or(options.tool_radius);
   }
   if (arguments.tool_radius > 0.0) options.tool_radius = arguments.tool_radius;
-  options.most_force = arguments.device == kPageDevice ? kMostShownForce : kMostDeviceForce;
-  if (arguments.most_force > 0.0) options.most_force = arguments.most_force;
+  options.max_force = arguments.device == kPageDevice ? kMaxShownForce : kMaxDeviceForce;
+  if (arguments.max_force > 0.0) options.max_force = arguments.max_force;
   Expected<SceneWorld> world = make_scene_world(stage.scene, options);
   if (!world) return world;
   for (const std::string& note : world->notes) observer.on_warning(note);
@@ -315,7 +315,7 @@ void add_serve(CLI::App& app, Action& action) {
       ->capture_default_str();
   add_number(*command, "--tool-radius", arguments->tool_radius, ranges::kToolRadius,
              "Of the tool's ball [m]; else the replay's, or 0.01");
-  add_number(*command, "--most-force", arguments->most_force, ranges::kHandForce,
+  add_number(*command, "--most-force", arguments->max_force, ranges::kHandForce,
              "On the hand [N]; else 5 for a device, and 100 where a page shows it");
   command->callback([arguments, &action, &app] {
     arguments->as_json = app.get_option("--json")->count() > 0;

@@ -9,7 +9,7 @@ namespace pcavr {
 namespace {
 
 constexpr double kTolerance = 1e-11;  // of a step, relative to the impact's own depth and speed
-constexpr int kMostSteps = 200000;    // a hundred times what c = 0.01 needs
+constexpr int kMaxSteps = 200000;     // a hundred times what c = 0.01 needs
 
 /// An impact in its own units: depth in `length`, speed in the approach speed.
 class Equation {
@@ -98,7 +98,7 @@ Impact simulate_impact(const ContactLaw& law, double mass, double approach_speed
   double time = 0.0;
   double deepest = 0.0;
   double h = 1e-3;
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     const Step step = dormand_prince(equation, state, h);
     const double growth = 0.9 * std::pow(kTolerance / std::max(step.error, 1e-20), 0.2);
     if (!(step.error <= kTolerance)) {

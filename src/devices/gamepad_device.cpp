@@ -134,7 +134,7 @@ GamepadDevice::GamepadDevice(std::unique_ptr<Content> content) : content_(std::m
 GamepadDevice::~GamepadDevice() = default;
 
 Expected<std::unique_ptr<GamepadDevice>> GamepadDevice::open(const GamepadOptions& options) {
-  PCAVR_REQUIRE(std::isfinite(options.most_force) && options.most_force > 0.0, options.most_force);
+  PCAVR_REQUIRE(std::isfinite(options.max_force) && options.max_force > 0.0, options.max_force);
   auto content = std::make_unique<Content>(options);
   if (!content->subsystem.is_up()) {
     return Error{.message = std::string("no gamepad: SDL does not start: ") + SDL_GetError(),
@@ -162,7 +162,7 @@ DeviceSample GamepadDevice::exchange(double /*t*/, double dt,
   Content& own = *content_;
   const DeviceSample said = own.tip.step(own.newest.get(), dt, feedback.p_base_tool);
   // Nobody pushes while the clutch is open: what the world still says is not the hand's to feel.
-  const double force = said.is_engaged ? feedback.force_base.norm() / own.options.most_force : 0.0;
+  const double force = said.is_engaged ? feedback.force_base.norm() / own.options.max_force : 0.0;
   const double pulse = said.is_engaged ? feedback.pulse : 0.0;
   own.heavy.store(std::isfinite(force) ? static_cast<float>(force) : 0.0F);
   own.light.store(std::isfinite(pulse) ? static_cast<float>(pulse) : 0.0F);

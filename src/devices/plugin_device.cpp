@@ -136,7 +136,7 @@ PluginDevice::~PluginDevice() = default;
 Expected<std::unique_ptr<PluginDevice>> PluginDevice::open(const std::filesystem::path& library,
                                                            const PluginDeviceOptions& options) {
   PCAVR_REQUIRE(std::isfinite(options.facing), options.facing);
-  PCAVR_REQUIRE(std::isfinite(options.most_speed) && options.most_speed > 0.0, options.most_speed);
+  PCAVR_REQUIRE(std::isfinite(options.max_speed) && options.max_speed > 0.0, options.max_speed);
   auto content = std::make_unique<Content>(options);
   Expected<Library> loaded = load(library);
   if (!loaded) return loaded.error();
@@ -174,11 +174,10 @@ DeviceSample PluginDevice::exchange(double t, double dt, const DeviceFeedback& f
     own.clutch.close(p_hand, feedback.p_base_tool);
   }
   const bool is_engaged = own.clutch.is_closed();
-  return {
-      .p_base_tip = is_engaged ? own.clutch.follow(p_hand, own.options.most_speed * dt) : p_hand,
-      .q_base_tool = own.q_base_operator * Eigen::Quaterniond(said->quaternion).normalized(),
-      .is_engaged = is_engaged,
-      .is_present = true};
+  return {.p_base_tip = is_engaged ? own.clutch.follow(p_hand, own.options.max_speed * dt) : p_hand,
+          .q_base_tool = own.q_base_operator * Eigen::Quaterniond(said->quaternion).normalized(),
+          .is_engaged = is_engaged,
+          .is_present = true};
 }
 
 }  // namespace pcavr

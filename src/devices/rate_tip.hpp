@@ -25,8 +25,8 @@ struct RateCommand {
 class RateTip {
  public:
   explicit RateTip(const RateOptions& options) : options_(options) {
-    PCAVR_REQUIRE(std::isfinite(options.most_speed) && options.most_speed > 0.0);
-    PCAVR_REQUIRE(std::isfinite(options.most_lead) && options.most_lead > 0.0);
+    PCAVR_REQUIRE(std::isfinite(options.max_speed) && options.max_speed > 0.0);
+    PCAVR_REQUIRE(std::isfinite(options.max_lead) && options.max_lead > 0.0);
     PCAVR_REQUIRE(std::isfinite(options.facing));
   }
 
@@ -42,10 +42,10 @@ class RateTip {
     const Eigen::Vector3d deflection = command.deflection.cwiseMax(-1.0).cwiseMin(1.0);
     const Eigen::AngleAxisd q_base_operator(options_.facing, Eigen::Vector3d::UnitZ());
     const Eigen::Vector3d aim =
-        said_.p_base_tip + q_base_operator * deflection * (options_.most_speed * dt);
+        said_.p_base_tip + q_base_operator * deflection * (options_.max_speed * dt);
     // Never pulled back, or it would move without a hand: only kept from going farther.
     const double lead = (said_.p_base_tip - p_base_tool).norm();
-    said_.p_base_tip = within_reach(p_base_tool, aim, std::max(lead, options_.most_lead));
+    said_.p_base_tip = within_reach(p_base_tool, aim, std::max(lead, options_.max_lead));
     return said_;
   }
 

@@ -19,7 +19,7 @@ namespace {
 /// 0.7 s at 90 Hz: longer than the silence after which the tool is let go.
 constexpr std::uint32_t kRoom = 64;
 /// [s] 500 Hz: the fastest mice send at twice that, pages at a fifth.
-constexpr double kLeastInterval = 0.002;
+constexpr double kMinInterval = 0.002;
 
 bool is_sound(const RemoteSample& sample) {
   return is_plausible_tip(sample.p_base_tip) && is_rotation(sample.q_base_tool) &&
@@ -45,9 +45,9 @@ struct RemoteDevice::Content {
 
   [[nodiscard]] bool follows(const RemoteSample& sample) const noexcept {
     if (!has_last || sample.sender != last.sender) return true;
-    if (sample.arrival - last.arrival > options.most_silence) return true;
+    if (sample.arrival - last.arrival > options.max_silence) return true;
     const double since = sample.sender_clock - last.sender_clock;
-    return sample.is_engaged == last.is_engaged ? since >= kLeastInterval : since > 0.0;
+    return sample.is_engaged == last.is_engaged ? since >= kMinInterval : since > 0.0;
   }
   void forget() noexcept {
     playback.clear();
@@ -85,15 +85,15 @@ DeviceSample RemoteDevice::Content::move(double dt, const DeviceFeedback& feedba
       clutch.is_closed() ? std::max(playback.shown(), closed_at) : playback.shown();
   const TipPlayback::Place place = playback.at(clock);
   const Eigen::Vector3d p_base_tip = clutch.is_closed()
-                                         ? clutch.follow(place.p_base_tip, options.most_speed * dt)
+                                         ? clutch.follow(place.p_base_tip, options.max_speed * dt)
                                          : place.p_base_tip;
   return {p_base_tip, place.q_base_tool, clutch.is_closed(), true};
 }
 
 RemoteDevice::RemoteDevice(RemoteDeviceOptions options) : content_(std::make_unique<Content>()) {
-  PCAVR_REQUIRE(std::isfinite(options.most_speed) && options.most_speed > 0.0, options.most_speed);
-  PCAVR_REQUIRE(std::isfinite(options.most_silence) && options.most_silence > 0.0,
-                options.most_silence);
+  PCAVR_REQUIRE(std::isfinite(options.max_speed) && options.max_speed > 0.0, options.max_speed);
+  PCAVR_REQUIRE(std::isfinite(options.max_silence) && options.max_silence > 0.0,
+                options.max_silence);
   content_->options = std::move(options);
 }
 
@@ -132,7 +132,7 @@ DeviceSample RemoteDevice::exchange(double t, double dt, const DeviceFeedback& f
   }
   if (own.playback.is_empty()) return {};
   own.age = std::max(0.0, t - own.playback.newest().arrival);
-  const bool is_silent = own.age > own.options.most_silence;
+  const bool is_silent = own.age > own.options.max_silence;
   if (is_silent) {
     own.must_open = own.playback.newest().is_engaged;
     own.open();

@@ -31,13 +31,13 @@ SimulatedForceDevice::SimulatedForceDevice(SimulatedForceDeviceOptions options)
   PCAVR_REQUIRE(is_positive(options_.mass), options_.mass);
   PCAVR_REQUIRE(is_not_negative(options_.friction), options_.friction);
   PCAVR_REQUIRE(is_not_negative(options_.force_noise), options_.force_noise);
-  PCAVR_REQUIRE(is_positive(options_.most_force), options_.most_force);
+  PCAVR_REQUIRE(is_positive(options_.max_force), options_.max_force);
   if (!options_.target) options_.target = sway_and_dip;
 }
 
 Eigen::Vector3d SimulatedForceDevice::motor_force(const Eigen::Vector3d& asked) noexcept {
   if (!asked.allFinite()) return Eigen::Vector3d::Zero();
-  Eigen::Vector3d force = within_reach(Eigen::Vector3d::Zero(), asked, options_.most_force);
+  Eigen::Vector3d force = within_reach(Eigen::Vector3d::Zero(), asked, options_.max_force);
   for (double& axis : force) axis += options_.force_noise * random_.normal();
   return force;
 }

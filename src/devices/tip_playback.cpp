@@ -11,7 +11,7 @@ namespace {
 /// [s] A page that draws at 60 Hz sends once a picture: what is expected before it is known.
 constexpr double kUsualInterval = 1.0 / 60.0;
 /// [s] 30 Hz and half an interval of jitter. A hand that is shown later than that can't steer.
-constexpr double kMostDelay = 0.05;
+constexpr double kMaxDelay = 0.05;
 /// Of the last 32 arrivals so many may be late: a single stutter of the page is waited for once,
 /// but not worth half a second of delay.
 constexpr std::size_t kLateAllowed = 1;
@@ -51,7 +51,7 @@ void TipPlayback::judge_arrivals() noexcept {
     const std::size_t allowed = n + 1 == kKept ? kLateAllowed : 0;
     const auto enough = waits.begin() + static_cast<std::ptrdiff_t>(n - 1 - allowed);
     std::nth_element(waits.begin(), enough, waits.begin() + static_cast<std::ptrdiff_t>(n));
-    kept_back_ = std::min(*enough + kLies, fastest_ + kMostDelay);
+    kept_back_ = std::min(*enough + kLies, fastest_ + kMaxDelay);
   }
 }
 

@@ -24,7 +24,7 @@ Expected<std::unique_ptr<TraceDevice>> TraceDevice::open(const std::filesystem::
 
 TraceDevice::TraceDevice(std::vector<TraceSample> samples, const TraceDeviceOptions& options)
     : samples_(std::move(samples)), options_(options) {
-  PCAVR_REQUIRE(std::isfinite(options.most_speed) && options.most_speed > 0.0, options.most_speed);
+  PCAVR_REQUIRE(std::isfinite(options.max_speed) && options.max_speed > 0.0, options.max_speed);
   PCAVR_REQUIRE(!samples_.empty() && samples_.front().t == 0.0);
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const TraceSample& sample = samples_[i];
@@ -59,7 +59,7 @@ DeviceSample TraceDevice::exchange(double t, double dt, const DeviceFeedback& fe
     return said_;
   }
   if (!was_engaged) said_.p_base_tip = feedback.p_base_tool;
-  said_.p_base_tip = within_reach(said_.p_base_tip, now.p_base_tip, options_.most_speed * dt);
+  said_.p_base_tip = within_reach(said_.p_base_tip, now.p_base_tip, options_.max_speed * dt);
   return said_;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 /// Views that decide what could be seen: more find little that these do not, and each costs a ray
 /// for every sample that stays hidden.
-constexpr std::size_t kMostViews = 60;
+constexpr std::size_t kMaxViews = 60;
 
 Error no_time_in_common(const ComparisonSide& reference, const ComparisonSide& subject,
                         const std::string& what, const Trajectory& reference_poses,
@@ -189,7 +189,7 @@ std::optional<Views> views_of(const ComparisonSide& reference,
   Views views;
   views.camera = *recording.camera;
   const std::vector<TimedPose>& poses = reference.camera.poses();
-  const std::size_t stride = (poses.size() + kMostViews - 1) / kMostViews;
+  const std::size_t stride = (poses.size() + kMaxViews - 1) / kMaxViews;
   std::vector<Stamp> stamps;
   for (std::size_t i = 0; i < poses.size(); i += stride) {
     views.T_base_camera.push_back(poses[i].pose);

@@ -13,7 +13,7 @@ constexpr Duration kBetweenContacts = std::chrono::milliseconds(50);
 void add(const ForceSample& sample, ForceErrorList& errors) {
   const double difference = sample.felt - sample.measured;
   errors.difference.push_back(difference);
-  if (sample.measured >= kSmallestJudgedForce) {
+  if (sample.measured >= kMinJudgedForce) {
     errors.relative.push_back(std::abs(difference) / sample.measured);
   }
 }
@@ -51,7 +51,7 @@ std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples) 
     contact.felt = std::max(contact.felt, sample.felt);
   }
   std::erase_if(contacts,
-                [](const ContactPeak& contact) { return contact.measured < kSmallestJudgedForce; });
+                [](const ContactPeak& contact) { return contact.measured < kMinJudgedForce; });
   return contacts;
 }
 

@@ -16,12 +16,12 @@ namespace pcavr {
 /// Relative errors are told of measured forces from here on [N]. A force sensor's noise of 0.2 N is
 /// a tenth of it, and a tenth is what a hand can tell [paper C]: below, a relative error says
 /// nothing about the model.
-inline constexpr double kSmallestJudgedForce = 2.0;
+inline constexpr double kMinJudgedForce = 2.0;
 
 /// The force felt, against the force measured at the same instant.
 struct ForceErrorList {
   std::vector<double> difference;  ///< felt - measured [N]
-  std::vector<double> relative;    ///< |difference| / measured, from kSmallestJudgedForce on
+  std::vector<double> relative;    ///< |difference| / measured, from kMinJudgedForce on
 };
 
 /// |difference| [N].
@@ -48,7 +48,7 @@ struct ContactPeak {
 };
 
 /// Samples further apart than 50 ms are of different contacts: rows come at the wrench's rate, and
-/// the slowest force sensors in use give 100 Hz. Contacts that never reach kSmallestJudgedForce, a
+/// the slowest force sensors in use give 100 Hz. Contacts that never reach kMinJudgedForce, a
 /// tool that grazes or noise, are left out.
 [[nodiscard]] std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples);
 

@@ -9,10 +9,10 @@
 namespace pcavr {
 
 std::vector<MatchedPose> match(const Trajectory& reference, const Trajectory& estimate,
-                               Duration longest_gap) {
+                               Duration max_gap) {
   std::vector<MatchedPose> matched;
   for (const TimedPose& timed : estimate.poses()) {
-    const std::optional<Pose> truth = reference.at(timed.stamp, longest_gap);
+    const std::optional<Pose> truth = reference.at(timed.stamp, max_gap);
     if (truth) matched.push_back({timed.stamp, *truth, timed.pose});
   }
   return matched;

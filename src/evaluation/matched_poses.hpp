@@ -15,9 +15,9 @@ struct MatchedPose {
   Pose estimate;
 };
 
-/// The estimates for which the reference has a pose, interpolated over gaps up to `longest_gap`.
+/// The estimates for which the reference has a pose, interpolated over gaps up to `max_gap`.
 [[nodiscard]] std::vector<MatchedPose> match(const Trajectory& reference,
-                                             const Trajectory& estimate, Duration longest_gap);
+                                             const Trajectory& estimate, Duration max_gap);
 
 /// The reference's pose at `stamp`, however long the gap, or at its end where the stamp lies beyond
 /// it. The reference is not empty.

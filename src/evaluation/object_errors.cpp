@@ -61,7 +61,7 @@ ObjectErrors object_errors(const TriangleMesh& mesh_object, const Trajectory& re
                            const Trajectory& estimate, const TrajectoryErrorOptions& options,
                            Parallelism parallelism) {
   PCAVR_REQUIRE(!mesh_object.vertices.empty());
-  const std::vector<MatchedPose> pairs = match(reference, estimate, options.longest_gap);
+  const std::vector<MatchedPose> pairs = match(reference, estimate, options.max_gap);
   ObjectErrors errors;
   errors.poses.resize(pairs.size());
   parallel_for(parallelism, pairs.size(), kPoseGrain, [&](std::size_t begin, std::size_t end) {

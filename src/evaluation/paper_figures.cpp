@@ -92,7 +92,7 @@ std::string mass_errors(const Findings& findings) {
   });
 }
 
-std::string largest_forces(const RunFindings& run) {
+std::string max_forces(const RunFindings& run) {
   ContactPeak largest;
   for (const auto& [object, peaks] : run.peaks) {
     for (const ContactPeak& peak : peaks) {
@@ -152,7 +152,7 @@ ReportTable paper_table(const Findings& findings) {
   add(kSystemError, millimetres(predicted_errors_in(findings, is_touched_or_moving)));
   add(kForceError, of_errors(relative_force_errors(run), kPercent, "%"));
   add(kPeakError, peak_error_text(run));
-  add(kSlotting, largest_forces(run));
+  add(kSlotting, max_forces(run));
   table.note =
       "B: haptic augmented reality with seven damping laws; C: movable objects in a point-cloud "
       "augmented virtual environment. Their boxes and robots are real; where a run is of a "

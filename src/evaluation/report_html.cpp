@@ -41,9 +41,9 @@ std::string format_figures(std::span<const Figure> figures) {
 
 /// A long list in two columns.
 std::string format_headline(const Report& report) {
-  constexpr std::size_t kLongestColumn = 14;
+  constexpr std::size_t kMaxColumn = 14;
   const std::span<const Figure> all = report.headline;
-  if (all.size() <= kLongestColumn) return format_figures(all);
+  if (all.size() <= kMaxColumn) return format_figures(all);
   const std::size_t half = (all.size() + 1) / 2;
   return "<div class=\"two\">\n" + format_figures(all.first(half)) +
          format_figures(all.subspan(half)) + "</div>\n";
@@ -90,9 +90,9 @@ std::string format_rows(const ReportSection& section) {
 
 /// A table of sentences is set to the left, one of numbers to the right.
 bool is_of_words(const ReportTable& table) {
-  constexpr std::size_t kLongestNumber = 24;
+  constexpr std::size_t kMaxNumber = 24;
   for (const std::vector<std::string>& row : table.rows) {
-    if (row.back().size() > kLongestNumber) return true;
+    if (row.back().size() > kMaxNumber) return true;
   }
   return false;
 }

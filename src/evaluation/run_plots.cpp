@@ -15,8 +15,8 @@ namespace {
 /// More points than this can't be told apart in a plot 560 units wide.
 constexpr std::size_t kMaxRunPoints = 2000;
 /// More time nodes than this would cover the plot: the table has them.
-constexpr std::size_t kMostNodes = 15;
-constexpr double kSmallestMotion = 0.001;  // [m]
+constexpr std::size_t kMaxNodes = 15;
+constexpr double kMinMotion = 0.001;  // [m]
 
 /// The smallest and the largest value of each bucket, in the order of time: no peak gets lost, to
 /// either side.
@@ -70,7 +70,7 @@ std::vector<PlotMark> marks_of(const std::string& object, const RunFindings& run
     marks.push_back(
         {to_seconds(found.node.event.stamp - origin), "t" + std::to_string(found.node.number)});
   }
-  if (marks.size() > kMostNodes) marks.clear();
+  if (marks.size() > kMaxNodes) marks.clear();
   return marks;
 }
 
@@ -180,7 +180,7 @@ void annotate(const ObjectFindings& object, const RunFindings& run, Stamp origin
 std::optional<Plot> motion_plot(const ObjectFindings& object, const ComparisonSide& reference,
                                 const ComparisonSide& subject, const Findings& findings) {
   const Eigen::Vector3d way = farthest_from_start(object);
-  if (way.norm() < kSmallestMotion) return std::nullopt;
+  if (way.norm() < kMinMotion) return std::nullopt;
   const Eigen::Vector3d start = object.reference.poses().front().pose.translation();
   const Eigen::Vector3d direction = way.normalized();
   Plot plot{.title = object.name + ": way along (" + axes_text(direction) + ") in base",

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMsPerSecond = 1e3;
 /// A longer list is for programs: it is in the run's own file.
-constexpr std::size_t kMostRows = 200;
+constexpr std::size_t kMaxRows = 200;
 
 std::string time_text(std::optional<Stamp> stamp, Stamp origin) {
   return stamp ? fixed(to_seconds(*stamp - origin), 3) : "missed";
@@ -113,7 +113,7 @@ ReportTable correction_table(const Findings& findings) {
                     .columns = {"speaks of (s)", "object", "case", "what", "bytes",
                                 "error then (mm)", "below 3 mm after (s)"},
                     .is_folded = true};
-  const std::size_t shown = std::min(corrections.size(), kMostRows);
+  const std::size_t shown = std::min(corrections.size(), kMaxRows);
   for (std::size_t i = 0; i < shown; ++i) {
     const RunCorrection& one = corrections[i];
     const CorrectionEffect& effect = run.corrections->effects[i];

@@ -45,8 +45,8 @@ std::optional<Pose> best_rigid_motion(const std::vector<MatchedPose>& matched) {
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
   // A rotation needs two directions. In each, the positions must spread by more than 0.1 mm: what
   // is less is the rounding of the files, whose direction means nothing.
-  constexpr double kSmallestVariance = 1e-8;  // [m^2]
-  if (svd.singularValues()[1] < kSmallestVariance) return std::nullopt;
+  constexpr double kMinVariance = 1e-8;  // [m^2]
+  if (svd.singularValues()[1] < kMinVariance) return std::nullopt;
   Eigen::Vector3d signs = Eigen::Vector3d::Ones();
   if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs.z() = -1.0;
   const Eigen::Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
@@ -109,7 +109,7 @@ ErrorStatistics statistics(std::vector<double> errors) {
 TrajectoryErrors trajectory_errors(const Trajectory& reference, const Trajectory& estimate,
                                    const TrajectoryErrorOptions& options) {
   PCAVR_REQUIRE(options.relative_step > Duration::zero(), options.relative_step.count());
-  const std::vector<MatchedPose> matched = match(reference, estimate, options.longest_gap);
+  const std::vector<MatchedPose> matched = match(reference, estimate, options.max_gap);
   TrajectoryErrors errors;
   errors.unmatched = estimate.size() - matched.size();
   errors.T_reference_estimate = best_rigid_motion(matched);

@@ -46,7 +46,7 @@ class Visibility {
     const Eigen::Vector3d normal_camera = R_camera_base_[view] * sample_base.normal.cast<double>();
     // Either side: the winding of the truth is not part of the format.
     const double cosine = std::abs(p_camera.normalized().dot(normal_camera));
-    return cosine >= std::cos(views_.largest_incidence);
+    return cosine >= std::cos(views_.max_incidence);
   }
 
   [[nodiscard]] bool is_in_image(const Eigen::Vector3d& p_camera) const {

@@ -16,7 +16,7 @@ namespace {
 using detail::evaluate_quartic;
 using detail::scale_of;
 
-constexpr int kMostIterations = 60;  // five or six do, away from flat places
+constexpr int kMaxIterations = 60;  // five or six do, away from flat places
 
 double fourth_root(double value) noexcept { return std::sqrt(std::sqrt(std::max(0.0, value))); }
 
@@ -74,7 +74,7 @@ Eigen::Vector3d sliding_load(const LimitSurface& surface, const Eigen::Vector3d&
   // method, damped.
   Eigen::Vector3d u = target;
   double cost = evaluate_quartic(surface.coefficients, u).value / 4.0 - target.dot(u);
-  for (int i = 0; i < kMostIterations; ++i) {
+  for (int i = 0; i < kMaxIterations; ++i) {
     const auto q = evaluate_quartic(surface.coefficients, u);
     const Eigen::Vector3d slope = q.gradient / 4.0 - target;
     if (slope.norm() < 1e-13) break;

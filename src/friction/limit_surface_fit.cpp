@@ -21,9 +21,9 @@ using Vectors = std::vector<Eigen::Vector3d>;
 
 constexpr int kDirections = 90;  // of linear forms; 60 to 200 give the same surfaces
 constexpr int kReweightings = 25;
-constexpr int kSweeps = 200;           // of coordinate descent, each from the last solution
-constexpr double kLeastAngle = 0.02;   // [rad] below which a sample no longer gains weight
-constexpr double kLeastSpread = 0.02;  // of the thinnest direction over the thickest, to be excited
+constexpr int kSweeps = 200;         // of coordinate descent, each from the last solution
+constexpr double kMinAngle = 0.02;   // [rad] below which a sample no longer gains weight
+constexpr double kMinSpread = 0.02;  // of the thinnest direction over the thickest, to be excited
 
 /// Evenly over half a sphere, by the golden angle.
 Vectors half_sphere() {
@@ -118,7 +118,7 @@ typename detail::TernaryForm<Degree>::Coefficients fit(const Targets& pushes, co
     for (Target& target : targets) {
       const Eigen::Vector3d normal = detail::TernaryForm<Degree>::gradient(target.u) * coefficients;
       const double angle = std::atan2(normal.cross(target.twist).norm(), normal.dot(target.twist));
-      target.weight = kLeastAngle / std::max(angle, kLeastAngle) / normal.squaredNorm();
+      target.weight = kMinAngle / std::max(angle, kMinAngle) / normal.squaredNorm();
     }
     targets.insert(targets.end(), prior.begin(), prior.end());
     surface.solve(targets, level_weight);
@@ -180,7 +180,7 @@ bool spans_space(const Targets& targets, Eigen::Vector3d Target::*member) {
     spread += (target.*member).normalized() * (target.*member).normalized().transpose();
   }
   const Eigen::Vector3d singular = Eigen::JacobiSVD<Eigen::Matrix3d>(spread).singularValues();
-  return singular[2] > kLeastSpread * kLeastSpread * singular[0];
+  return singular[2] > kMinSpread * kMinSpread * singular[0];
 }
 
 double median_angle(std::span<const PushSample> samples, const LimitSurface& surface) {

@@ -75,9 +75,9 @@ Projection project_fast(const LimitSurface& surface, const Eigen::Vector3d& metr
 }
 
 /// Where half the squared distance to `target` plus multiplier times H is least: strictly convex.
-Eigen::Vector3d least_penalised(const LimitSurface& surface, const Eigen::Vector3d& metric,
-                                const Eigen::Vector3d& target, double multiplier,
-                                Eigen::Vector3d u) noexcept {
+Eigen::Vector3d min_penalised(const LimitSurface& surface, const Eigen::Vector3d& metric,
+                              const Eigen::Vector3d& target, double multiplier,
+                              Eigen::Vector3d u) noexcept {
   const auto cost = [&](const Eigen::Vector3d& at) {
     return 0.5 * metric.dot((target - at).cwiseAbs2()) +
            multiplier * detail::evaluate_quartic(surface.coefficients, at).value;
@@ -105,7 +105,7 @@ Projection project_surely(const LimitSurface& surface, const Eigen::Vector3d& me
   p.u = target;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
-    p.u = least_penalised(surface, metric, target, std::exp(middle), target);
+    p.u = min_penalised(surface, metric, target, std::exp(middle), target);
     (detail::evaluate_quartic(surface.coefficients, p.u).value > 1.0 ? low : high) = middle;
   }
   return p;

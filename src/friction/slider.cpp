@@ -9,7 +9,7 @@ namespace pcavr {
 namespace {
 
 /// Breaking loose, a stop, a turn, and the same once more: a linear load causes no more in a step.
-constexpr int kMostEvents = 8;
+constexpr int kMaxEvents = 8;
 
 /// The integrals of exp(-z) that solve v' + v z / t = const. and its integral, exact as z nears 0:
 /// one = (1 - exp(-z)) / z, two = (1 - one) / z, three = (1/2 - two) / z.
@@ -99,7 +99,7 @@ class Stepper {
   }
 
   SliderStep run() noexcept {
-    for (int event = 0; event < kMostEvents && time_ < dt_; ++event) {
+    for (int event = 0; event < kMaxEvents && time_ < dt_; ++event) {
       if (step_.state.velocity == 0.0) {
         hold();
       } else {

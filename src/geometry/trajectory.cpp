@@ -29,13 +29,13 @@ void Trajectory::append(Stamp stamp, const Pose& pose) {
   poses_.push_back({stamp, pose});
 }
 
-std::optional<Pose> Trajectory::at(Stamp stamp, Duration longest_gap) const {
+std::optional<Pose> Trajectory::at(Stamp stamp, Duration max_gap) const {
   const auto after = first_not_before(poses_, stamp);
   if (after == poses_.end()) return std::nullopt;
   if (after->stamp == stamp) return after->pose;
   if (after == poses_.begin()) return std::nullopt;
   const auto before = after - 1;
-  if (after->stamp - before->stamp > longest_gap) return std::nullopt;
+  if (after->stamp - before->stamp > max_gap) return std::nullopt;
   const double fraction =
       to_seconds(stamp - before->stamp) / to_seconds(after->stamp - before->stamp);
   return interpolate(before->pose, after->pose, fraction);

@@ -9,9 +9,9 @@ namespace pcavr::detail {
 namespace {
 
 /// Stretches of one cycle: what is not walked in them is left for the next. Bounds the time.
-constexpr int kMostStretches = 6;
+constexpr int kMaxStretches = 6;
 /// How often the half-spaces are drawn anew in a stretch, as the ball rolls over a triangle's rim.
-constexpr int kMostDrawings = 4;
+constexpr int kMaxDrawings = 4;
 /// [m] A tip that reaches less deep than this is not inside: it is rounding.
 constexpr double kInside = 1e-10;
 /// [m] A motion that is not worth another drawing: a hundredth of what a device resolves.
@@ -54,7 +54,7 @@ bool Ball::gather_all(const Eigen::Vector3d& at, double reach) noexcept {
   count_ = 0;
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     if (!surfaces_[s].is_present) continue;
-    const std::span<std::uint32_t> room(places_.data() + count_, kMostTriangles - count_);
+    const std::span<std::uint32_t> room(places_.data() + count_, kMaxTriangles - count_);
     const auto nearby = surfaces_[s].tree.nearer_than(reach, surfaces_[s].to_own(at), room);
     if (!nearby.is_complete) return false;
     std::fill_n(owners_.begin() + static_cast<std::ptrdiff_t>(count_), nearby.count,
@@ -93,13 +93,13 @@ std::span<HalfSpace> Ball::draw(const Eigen::Vector3d& at) noexcept {
   return {half_spaces_.data(), count_};
 }
 
-void Ball::follow(const Eigen::Vector3d& goal, double most_stretch, double budget) noexcept {
-  for (int stretches = 0; stretches < kMostStretches && budget > 0.0; ++stretches) {
-    double stretch = std::min({budget, most_stretch, (goal - centre_).norm()});
+void Ball::follow(const Eigen::Vector3d& goal, double max_stretch, double budget) noexcept {
+  for (int stretches = 0; stretches < kMaxStretches && budget > 0.0; ++stretches) {
+    double stretch = std::min({budget, max_stretch, (goal - centre_).norm()});
     gather(centre_, stretch);
     const double gathered_for = stretch;
     double last = stretch;
-    for (int drawings = 0; drawings < kMostDrawings; ++drawings) {
+    for (int drawings = 0; drawings < kMaxDrawings; ++drawings) {
       last = stretch;
       centre_ = walk(centre_, goal, draw(centre_), stretch);
       if (last - stretch <= kNegligible) break;

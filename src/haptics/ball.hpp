@@ -56,7 +56,7 @@ class Ball {
  private:
   /// A ball of 1 mm meets some 20 triangles of a fine scan in a cycle; where more are met, the
   /// cycle is walked in shorter stretches.
-  static constexpr std::size_t kMostTriangles = 192;
+  static constexpr std::size_t kMaxTriangles = 192;
 
   struct Surface {
     TriangleTree tree;
@@ -79,10 +79,10 @@ class Ball {
   std::vector<Surface> surfaces_;
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();
   std::size_t count_ = 0;  ///< of the triangles gathered
-  std::array<std::uint32_t, kMostTriangles> places_;
-  std::array<std::uint32_t, kMostTriangles> owners_;  ///< ascending
-  std::array<HalfSpace, kMostTriangles> half_spaces_;
-  std::array<HalfSpace, kMostTriangles> some_;  ///< work space
+  std::array<std::uint32_t, kMaxTriangles> places_;
+  std::array<std::uint32_t, kMaxTriangles> owners_;  ///< ascending
+  std::array<HalfSpace, kMaxTriangles> half_spaces_;
+  std::array<HalfSpace, kMaxTriangles> some_;  ///< work space
 };
 
 }  // namespace pcavr::detail

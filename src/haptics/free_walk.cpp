@@ -11,14 +11,14 @@ namespace pcavr::detail {
 namespace {
 
 /// A ball on a rugged surface rests on three; more are ties and neighbours of the same edge.
-constexpr std::size_t kMostTouching = 24;
+constexpr std::size_t kMaxTouching = 24;
 /// Each leg meets one more half-space, and three stop the ball.
-constexpr int kMostLegs = 10;
+constexpr int kMaxLegs = 10;
 /// Of a direction: what rounding makes of a motion along a plane.
 constexpr double kAlong = 1e-9;
 
 struct Touching {
-  std::array<Eigen::Vector3d, kMostTouching> normal;
+  std::array<Eigen::Vector3d, kMaxTouching> normal;
   std::size_t count = 0;
 
   [[nodiscard]] bool allow(const Eigen::Vector3d& direction) const noexcept {
@@ -35,7 +35,7 @@ Eigen::Vector3d allowed(const Eigen::Vector3d& wish,
   Touching touching;
   for (const HalfSpace& half_space : half_spaces) {
     if (half_space.slack > kTouching) continue;
-    if (touching.count == kMostTouching) return Eigen::Vector3d::Zero();
+    if (touching.count == kMaxTouching) return Eigen::Vector3d::Zero();
     touching.normal[touching.count++] = half_space.normal;
   }
   if (touching.allow(wish)) return wish;
@@ -62,7 +62,7 @@ Eigen::Vector3d allowed(const Eigen::Vector3d& wish,
 Eigen::Vector3d walk(const Eigen::Vector3d& from, const Eigen::Vector3d& goal,
                      std::span<HalfSpace> half_spaces, double& budget) noexcept {
   Eigen::Vector3d x = from;
-  for (int leg = 0; leg < kMostLegs && budget > 0.0; ++leg) {
+  for (int leg = 0; leg < kMaxLegs && budget > 0.0; ++leg) {
     const Eigen::Vector3d wish = goal - x;
     const Eigen::Vector3d way = allowed(wish, half_spaces);
     const double length = way.norm();

@@ -39,7 +39,7 @@ constexpr double kHalf = 0.45;
 constexpr double kSameFace = 0.7;
 /// A tip that is too deep is drawn back in such steps.
 constexpr double kLess = 0.9;
-constexpr int kMostTries = 8;
+constexpr int kMaxTries = 8;
 /// [m] Where the tool of the prediction is while it pushes nothing: far from everything.
 const Eigen::Vector3d kAway(0.0, 0.0, 1e4);
 /// [m] Where a body that fell lies in the prediction, and how far from the next one.
@@ -47,7 +47,7 @@ constexpr double kAside = 1e4;
 /// [m] A tip that is farther from base along any axis is taken for an error.
 constexpr double kFarthest = 1e3;
 /// How often the ball is moved out of bodies that came upon it.
-constexpr int kMostEvasions = 12;
+constexpr int kMaxEvasions = 12;
 
 bool is_told(const Eigen::Vector3d& p) noexcept { return (p.array().abs() <= kFarthest).all(); }
 
@@ -58,7 +58,7 @@ struct HapticWorld::Content {
     explicit Body(detail::BodyShape body_shape) : shape(std::move(body_shape)) {}
 
     detail::BodyShape shape;
-    double most_depth = 0.0;     ///< [m] to which the tool sinks in
+    double max_depth = 0.0;      ///< [m] to which the tool sinks in
     bool has_support = false;    ///< it stood above one at the start
     bool is_under_tool = false;  ///< the ball rests on it
     Pose T_base_object;          ///< after the latest step
@@ -102,7 +102,7 @@ struct HapticWorld::Content {
   RenderedForce force;
   double gravity;
   double friction;
-  double least_force;
+  double min_force;
   double top = 0.0;  ///< [m] above everything
   std::vector<Body> bodies;
   HapticWorldState state;
@@ -127,7 +127,7 @@ HapticWorld::Content::Content(const HapticWorldModel& model, PredictedWorld pred
       force(model.force),
       gravity(model.world.gravity),
       friction(model.scan_friction),
-      least_force(model.force.least_force) {
+      min_force(model.force.min_force) {
   ball.add_static(model.world.static_mesh_base);
   const TriangleMesh level = supports.surface_base();
   ball.add_static(level);
@@ -141,7 +141,7 @@ HapticWorld::Content::Content(const HapticWorldModel& model, PredictedWorld pred
     Body& added = bodies.emplace_back(detail::shape_of(body));
     const double push = std::min(kPushing * held, kStrongestHand);
     const double pushed = detail::depth_at(body.physics.contact, push);
-    added.most_depth = std::min(pushed, ball.radius() + kHalf * added.shape.thinnest);
+    added.max_depth = std::min(pushed, ball.radius() + kHalf * added.shape.thinnest);
     const Eigen::Vector3d centre = body.T_base_object * added.shape.centre_of_mass;
     added.has_support = supports.bear(centre.head<2>(), added.shape.foot);
     const Eigen::Vector3d middle = body.T_base_object * added.shape.middle;
@@ -236,7 +236,7 @@ void HapticWorld::Content::sink_in(double dt) noexcept {
   } else {
     double deepest = std::numeric_limits<double>::infinity();
     for (const Body& body : bodies) {
-      if (body.is_under_tool) deepest = std::min(deepest, body.most_depth);
+      if (body.is_under_tool) deepest = std::min(deepest, body.max_depth);
     }
     double left = deepest;
     on_scan = ball.beyond_the_moving(goal, left);
@@ -268,7 +268,7 @@ Eigen::Vector3d HapticWorld::Content::sunk_towards(const Eigen::Vector3d& along,
   double depth = wanted.norm();
   if (depth <= ball.radius()) return wanted;
   const Eigen::Vector3d direction = wanted / depth;
-  for (int tries = 0; tries < kMostTries && depth > ball.radius(); ++tries) {
+  for (int tries = 0; tries < kMaxTries && depth > ball.radius(); ++tries) {
     if (is_through_its_face(ball.centre() + depth * direction)) return depth * direction;
     depth = depth > before ? before : kLess * depth;
   }
@@ -337,7 +337,7 @@ void HapticWorld::Content::move_bodies(double dt) noexcept {
 
 /// Out of the way of bodies that came upon the ball.
 void HapticWorld::Content::evade() noexcept {
-  for (int round = 0; round < kMostEvasions; ++round) {
+  for (int round = 0; round < kMaxEvasions; ++round) {
     bool is_clear = true;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const auto answer = closest(bodies[i], ball.centre());
@@ -369,7 +369,7 @@ void HapticWorld::Content::feel(const Eigen::Vector3d& device, double dt) noexce
   const bool is_apart = state.is_engaged && ball.is_kept_apart(hip);
   if (is_apart && out.isZero(0.0)) out = (ball.centre() - hip).stableNormalized();
   // A body that runs away from the tool, or what the ball has not reached yet.
-  if (of_bodies.norm() < least_force) of_bodies = least_force * out;
+  if (of_bodies.norm() < min_force) of_bodies = min_force * out;
   const Eigen::Vector3d lift = on_scan - hip;
   state.touches_scan = is_apart && lift.norm() > detail::kTouching;
   state.force_base = force.step(device, device + lift, state.touches_scan, dt, of_bodies);

@@ -21,12 +21,12 @@ RenderedForce::RenderedForce(const ForceOptions& options) : options_(options) {
   PCAVR_REQUIRE(std::isfinite(law.stiffness) && law.stiffness > 0.0, law.stiffness);
   PCAVR_REQUIRE(std::isfinite(law.damping) && law.damping >= 0.0, law.damping);
   PCAVR_REQUIRE(std::isfinite(law.exponent) && law.exponent >= 1.0, law.exponent);
-  PCAVR_REQUIRE(std::isfinite(options.most_force) && options.most_force > 0.0, options.most_force);
-  PCAVR_REQUIRE(std::isfinite(options.most_rate) && options.most_rate > 0.0, options.most_rate);
-  PCAVR_REQUIRE(std::isfinite(options.most_acceleration) && options.most_acceleration > 0.0,
-                options.most_acceleration);
-  PCAVR_REQUIRE(options.least_force > 0.0 && options.least_force <= options.most_force,
-                options.least_force);
+  PCAVR_REQUIRE(std::isfinite(options.max_force) && options.max_force > 0.0, options.max_force);
+  PCAVR_REQUIRE(std::isfinite(options.max_rate) && options.max_rate > 0.0, options.max_rate);
+  PCAVR_REQUIRE(std::isfinite(options.max_acceleration) && options.max_acceleration > 0.0,
+                options.max_acceleration);
+  PCAVR_REQUIRE(options.min_force > 0.0 && options.min_force <= options.max_force,
+                options.min_force);
 }
 
 double RenderedForce::wanted(double depth, double dt) const noexcept {
@@ -54,21 +54,20 @@ Eigen::Vector3d RenderedForce::step(const Eigen::Vector3d& tip, const Eigen::Vec
   const double depth = is_inside ? (proxy - tip).norm() : 0.0;
   const Eigen::Vector3d out =
       depth > 0.0 ? Eigen::Vector3d((proxy - tip) / depth) : Eigen::Vector3d::Zero();
-  const double size = std::clamp(wanted(depth, dt), options_.least_force, options_.most_force);
+  const double size = std::clamp(wanted(depth, dt), options_.min_force, options_.max_force);
   depth_ = depth;
   const Eigen::Vector3d both = size * out + beside;
   const double strength = both.norm();
-  const Eigen::Vector3d wished = strength > options_.most_force
-                                     ? Eigen::Vector3d(options_.most_force / strength * both)
-                                     : both;
+  const Eigen::Vector3d wished =
+      strength > options_.max_force ? Eigen::Vector3d(options_.max_force / strength * both) : both;
   const Eigen::Vector3d change = wished - force_;
-  const double most_change = options_.most_rate * dt;
+  const double max_change = options_.max_rate * dt;
   const double grown = change.norm();
-  force_ += grown > most_change ? Eigen::Vector3d(most_change / grown * change) : change;
+  force_ += grown > max_change ? Eigen::Vector3d(max_change / grown * change) : change;
   spend_no_more_than_there_is(moved, dt);
-  if (force_.norm() < options_.least_force) {
+  if (force_.norm() < options_.min_force) {
     const bool is_unpaid = work_ <= 0.0 && wished.dot(moved) > 0.0;
-    force_ = (is_unpaid ? kUnpaid : 1.0) * options_.least_force * wished.stableNormalized();
+    force_ = (is_unpaid ? kUnpaid : 1.0) * options_.min_force * wished.stableNormalized();
   }
   if (force_.isZero(0.0)) work_ = std::min(work_, 0.0);
   return force_;
@@ -78,7 +77,7 @@ void RenderedForce::spend_no_more_than_there_is(const Eigen::Vector3d& moved, do
   const double strength = force_.norm();
   if (strength <= 0.0) return;
   // How far the force can push the hand before the next cycle.
-  const double farthest = force_.dot(moved) / strength + options_.most_acceleration * dt * dt;
+  const double farthest = force_.dot(moved) / strength + options_.max_acceleration * dt * dt;
   if (farthest <= 0.0) return;
   const double affordable = std::max(work_, 0.0) / farthest;
   if (affordable < strength) force_ *= affordable / strength;

@@ -27,8 +27,7 @@ struct SurfaceProxy::Impl {
 SurfaceProxy::SurfaceProxy(const TriangleMesh& mesh, const ProxyOptions& options) {
   PCAVR_REQUIRE(std::isfinite(options.radius) && options.radius > 0.0, options.radius);
   PCAVR_REQUIRE(std::isfinite(options.friction) && options.friction >= 0.0, options.friction);
-  PCAVR_REQUIRE(std::isfinite(options.most_motion) && options.most_motion >= 1.0,
-                options.most_motion);
+  PCAVR_REQUIRE(std::isfinite(options.max_motion) && options.max_motion >= 1.0, options.max_motion);
   impl_ = std::make_unique<Impl>(mesh, options);
 }
 SurfaceProxy::~SurfaceProxy() = default;
@@ -56,7 +55,7 @@ ProxyState SurfaceProxy::step(const Eigen::Vector3d& tip) noexcept {
   if (moved > 0.0) {
     const Eigen::Vector3d goal =
         detail::held_back(tip, impl.ball.centre(), impl.contact_normal, impl.options.friction);
-    impl.ball.follow(goal, moved, impl.options.most_motion * moved);
+    impl.ball.follow(goal, moved, impl.options.max_motion * moved);
     impl.contact_normal = impl.ball.static_normal(tip);
   }
   return {impl.ball.centre(), impl.ball.is_kept_apart(tip)};

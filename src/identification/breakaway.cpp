@@ -16,7 +16,7 @@ namespace pcavr {
 namespace {
 
 // The line needs some samples before it predicts anything.
-constexpr int kLeastLineSamples = 20;
+constexpr int kMinLineSamples = 20;
 // Samples in a row that must touch, or fall short, before it counts.
 constexpr int kInARow = 3;
 // Share of the line's rise below which a force counts as flat.
@@ -86,7 +86,7 @@ Alarm find_alarm(const SmoothPush& push, std::size_t contact, const BreakawayOpt
     for (; push.t[oldest] < push.t[i] - options.guard; ++oldest) {
       line.add(push.tool[oldest].value - push.tool[contact].value, push.soft_force[oldest].value);
     }
-    if (line.count < kLeastLineSamples || line.spread() <= 0.0) continue;
+    if (line.count < kMinLineSamples || line.spread() <= 0.0) continue;
     const double predicted = line.at(push.tool[i].value - push.tool[contact].value);
     const double shortfall = predicted - push.soft_force[i].value;
     const bool is_short = shortfall > options.alarm_deviations * push.smooth_noise &&
@@ -133,7 +133,7 @@ Breakaway find_breakaway(const ForceMotion& push, const BreakawayOptions& option
   PCAVR_REQUIRE(push.t.size() == push.tool.size() && push.t.size() == push.force.size());
   PCAVR_REQUIRE(options.half_width > 0.0 && options.guard > 0.0);
   Breakaway found;
-  if (push.t.size() < std::size_t{2} * kLeastLineSamples) {
+  if (push.t.size() < std::size_t{2} * kMinLineSamples) {
     found.reason = "too few samples";
     return found;
   }

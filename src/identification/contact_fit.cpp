@@ -62,10 +62,10 @@ EstimatorOptions<3> linear_options(const std::vector<PressSamples>& presses) {
   const PressSamples& first = presses.front();
   options.correlated_samples = correlated_samples(first.half_width, first.interval);
   for (const PressSamples& press : presses) {
-    options.least_excitation[0] =
-        std::max(options.least_excitation[0], kNoiseFactor * press.acceleration_noise);
-    options.least_excitation[1] =
-        std::max(options.least_excitation[1], kNoiseFactor * press.speed_noise);
+    options.min_excitation[0] =
+        std::max(options.min_excitation[0], kNoiseFactor * press.acceleration_noise);
+    options.min_excitation[1] =
+        std::max(options.min_excitation[1], kNoiseFactor * press.speed_noise);
   }
   return options;
 }

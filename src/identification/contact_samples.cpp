@@ -14,8 +14,8 @@ namespace pcavr {
 namespace {
 
 /// The longest stretch above `threshold`, as [begin, end).
-std::pair<std::size_t, std::size_t> longest_contact(const std::vector<SmoothedSample>& force,
-                                                    double threshold) {
+std::pair<std::size_t, std::size_t> max_contact(const std::vector<SmoothedSample>& force,
+                                                double threshold) {
   std::pair<std::size_t, std::size_t> best{0, 0};
   std::size_t begin = 0;
   for (std::size_t i = 0; i <= force.size(); ++i) {
@@ -59,7 +59,7 @@ PressSamples press_samples(const ForceMotion& press, const ContactFitOptions& op
 
   const double force_noise =
       result.force_noise / std::sqrt(correlated_samples(result.half_width, result.interval));
-  auto [begin, end] = longest_contact(f, options.contact_deviations * force_noise);
+  auto [begin, end] = max_contact(f, options.contact_deviations * force_noise);
   if (end > begin) result.onset = x[begin].value;
   for (std::size_t i = begin; i < end; ++i) {
     result.raw.push_back({press.tool[i], x[i].rate, x[i].acceleration, force[i]});

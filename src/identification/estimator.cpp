@@ -26,7 +26,7 @@ constexpr double kUnityZone = 9.5;
 constexpr double kOneInAMillion = 4.753;
 // Share of a regressor's energy that the others must leave unexplained; below, the two parameters
 // are told apart by rounding and noise only.
-constexpr double kLeastOwnShare = 1e-4;
+constexpr double kMinOwnShare = 1e-4;
 // Samples that the measured noise is averaged over.
 constexpr double kNoiseMemory = 1000.0;
 // Independent samples beyond the parameters that a first measure of noise takes.
@@ -57,7 +57,7 @@ struct ParameterEstimator<N>::State {
     }
     errors.assign(static_cast<std::size_t>(given.error_window), 0.0);
     quiet = quiet_level(given.error_window, given.correlated_samples);
-    shortest_memory = 1.0 / (1.0 - given.least_forgetting);
+    min_memory = 1.0 / (1.0 - given.min_forgetting);
     if (given.method == EstimationMethod::block) {
       block.resize(static_cast<std::size_t>(given.window));
     }
@@ -102,8 +102,8 @@ struct ParameterEstimator<N>::State {
     const double steps = std::round(mean / (2.0 * quiet * noise_variance));
     if (steps <= 0.0) return 1.0;
     // What a change made wrong is of no use: at once down to the memory that lambda_min keeps.
-    const double emptying = shortest_memory / std::max(samples, shortest_memory);
-    const double least = std::min(options.least_forgetting, emptying);
+    const double emptying = min_memory / std::max(samples, min_memory);
+    const double least = std::min(options.min_forgetting, emptying);
     return least + (1.0 - least) * std::exp2(-steps);
   }
 
@@ -160,8 +160,8 @@ struct ParameterEstimator<N>::State {
   double residual_sum = 0.0;
   double leverage = 0.0;
   double noise_variance = 0.0;
-  double quiet = 0.0;            // mean squared error over the variance up to which lambda is 1
-  double shortest_memory = 0.0;  // samples
+  double quiet = 0.0;       // mean squared error over the variance up to which lambda is 1
+  double min_memory = 0.0;  // samples
   std::vector<double> errors;
   std::size_t next_error = 0;
   double error_sum = 0.0;
@@ -179,8 +179,8 @@ ParameterEstimator<N>::ParameterEstimator(const EstimatorOptions<N>& options,
   }
   PCAVR_REQUIRE(options.window >= N + 1, options.window);
   PCAVR_REQUIRE(options.forgetting > 0.0 && options.forgetting <= 1.0, options.forgetting);
-  PCAVR_REQUIRE(options.least_forgetting > 0.0 && options.least_forgetting < 1.0,
-                options.least_forgetting);
+  PCAVR_REQUIRE(options.min_forgetting > 0.0 && options.min_forgetting < 1.0,
+                options.min_forgetting);
   PCAVR_REQUIRE(options.error_window >= 1, options.error_window);
   PCAVR_REQUIRE(options.prior_information > 0.0, options.prior_information);
   PCAVR_REQUIRE(options.correlated_samples >= 1.0, options.correlated_samples);
@@ -234,9 +234,9 @@ ParameterEstimate<N> ParameterEstimator<N>::estimate() const noexcept {
     const double own = std::max(1.0 / P(i, i) - state.options.prior_information, 0.0);
     const double own_rms = std::sqrt(own / std::max(state.samples, 1.0)) * state.scale[i];
     const bool is_determined = state.samples > N + 0.5;
-    result.is_excited[k] = is_determined && own > kLeastOwnShare * state.information(i, i) &&
+    result.is_excited[k] = is_determined && own > kMinOwnShare * state.information(i, i) &&
                            own > state.options.prior_information &&
-                           own_rms >= state.options.least_excitation[k];
+                           own_rms >= state.options.min_excitation[k];
     result.deviation[k] =
         is_determined
             ? std::sqrt(result.residual_variance * P(i, i) * state.options.correlated_samples) *

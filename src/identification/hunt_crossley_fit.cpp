@@ -14,10 +14,10 @@ namespace pcavr {
 namespace {
 
 // Exponents that bodies have: 1 for a flat face, 1.5 for spheres, 2 for cones, more for layers.
-constexpr double kLeastExponent = 1.0;
+constexpr double kMinExponent = 1.0;
 constexpr double kGreatestExponent = 3.0;
 constexpr int kIterations = 60;
-constexpr double kLeastNoise = 1e-6;  // of the largest force
+constexpr double kMinNoise = 1e-6;  // of the largest force
 
 /// F = force (d / depth)^n (1 + c d'), with d = x - surface: the parameters are then nearly
 /// independent of each other, which k, lambda and n are not.
@@ -38,7 +38,7 @@ class Problem {
       for (const ContactSample& sample : press.raw) peak = std::max(peak, sample.force);
     }
     // A made-up force may have none: distances need a measure all the same.
-    force_variance_ = std::max(force_variance_, std::pow(kLeastNoise * peak, 2));
+    force_variance_ = std::max(force_variance_, std::pow(kMinNoise * peak, 2));
   }
 
   /// force, c, n, then the surfaces.
@@ -154,7 +154,7 @@ double minimise(const Problem& problem, Eigen::VectorXd& theta) {
     damped.diagonal() *= 1.0 + damping;
     damped.diagonal().array() += 1e-12;
     Eigen::VectorXd candidate = theta + damped.ldlt().solve(pull);
-    candidate[2] = std::clamp(candidate[2], kLeastExponent, kGreatestExponent);
+    candidate[2] = std::clamp(candidate[2], kMinExponent, kGreatestExponent);
     const double reached = problem.evaluate(candidate, nullptr, nullptr);
     if (!(reached < sum)) {
       damping *= 10.0;

@@ -17,7 +17,7 @@ constexpr double kComparable = 3.0;
 
 // Robust deviations, and share of the middle, beyond which a push is not one of the others.
 constexpr double kFarOut = 5.0;
-constexpr double kLeastFarOut = 0.05;
+constexpr double kMinFarOut = 0.05;
 constexpr std::size_t kOutliersFrom = 4;  ///< of fewer, nobody can say which one is wrong
 
 using Indices = std::vector<std::size_t>;
@@ -46,7 +46,7 @@ Indices near_the_middle(std::span<const Breakaway> pushes, const Indices& found)
   const double middle = median(forces);
   for (const double force : forces) off.push_back(std::abs(force - middle));
   // 1.4826 makes a standard deviation of a median of distances.
-  const double far = std::max(kFarOut * 1.4826 * median(off), kLeastFarOut * middle);
+  const double far = std::max(kFarOut * 1.4826 * median(off), kMinFarOut * middle);
   Indices kept;
   for (const std::size_t i : found) {
     if (std::abs(pushes[i].force - middle) <= far) kept.push_back(i);

@@ -76,7 +76,7 @@ std::vector<double> smooth_size(std::span<const double> t, const Vectors& force,
 
 /// Stretches above the threshold with hysteresis; short gaps closed, short stretches dropped.
 std::vector<Range> find_contacts(std::span<const double> t, const std::vector<double>& size,
-                                 double enter, double leave, double least_duration) {
+                                 double enter, double leave, double min_duration) {
   std::vector<Range> found;
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (size[i] <= enter) continue;
@@ -84,13 +84,13 @@ std::vector<Range> find_contacts(std::span<const double> t, const std::vector<do
     while (range.begin > 0 && size[range.begin - 1] > leave) --range.begin;
     while (range.end < t.size() && size[range.end] > leave) ++range.end;
     i = range.end;
-    if (!found.empty() && t[range.begin] - t[found.back().end - 1] < least_duration) {
+    if (!found.empty() && t[range.begin] - t[found.back().end - 1] < min_duration) {
       found.back().end = range.end;
     } else {
       found.push_back(range);
     }
   }
-  std::erase_if(found, [&](const Range& r) { return t[r.end - 1] - t[r.begin] < least_duration; });
+  std::erase_if(found, [&](const Range& r) { return t[r.end - 1] - t[r.begin] < min_duration; });
   return found;
 }
 
@@ -125,7 +125,7 @@ std::vector<SlideInterval> find_slides(const ContactEpisode& episode,
     if (is_sliding) slides.back().end = at;
   }
   std::erase_if(slides,
-                [&](const SlideInterval& s) { return s.end - s.begin < options.least_duration; });
+                [&](const SlideInterval& s) { return s.end - s.begin < options.min_duration; });
   return slides;
 }
 
@@ -223,7 +223,7 @@ Segmentation segment_contacts(std::span<const double> t_force,
   // Three axes add up: the size of pure noise is seldom above sqrt(3) deviations.
   const double smooth_noise =
       std::sqrt(3.0) * result.noise / std::sqrt(correlated_samples(half_width, interval));
-  const double enter = std::max(options.enter_deviations * smooth_noise, options.least_force);
+  const double enter = std::max(options.enter_deviations * smooth_noise, options.min_force);
   const auto window = static_cast<std::size_t>(std::ceil(0.05 / interval));
   result.bias_base.assign(t_force.size(), first_bias(clean, window, enter));
 
@@ -235,7 +235,7 @@ Segmentation segment_contacts(std::span<const double> t_force,
     for (std::size_t i = 0; i < clean.size(); ++i) result.force_base[i] -= result.bias_base[i];
     size = smooth_size(t_force, result.force_base, half_width);
     contacts =
-        find_contacts(t_force, size, enter, options.leave_share * enter, options.least_duration);
+        find_contacts(t_force, size, enter, options.leave_share * enter, options.min_duration);
     if (pass == 1) break;
     std::vector<bool> is_free(t_force.size(), true);
     for (const Range& range : contacts) {

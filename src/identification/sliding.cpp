@@ -18,7 +18,7 @@ namespace pcavr {
 namespace {
 
 // Fewer independent samples than this tell nothing about three parameters.
-constexpr double kLeastIndependent = 5.0;
+constexpr double kMinIndependent = 5.0;
 // A regressor's rms over its noise's from which leaving it out does more harm than keeping it.
 constexpr double kMassNoiseFactor = 3.0;
 // Deviations, as shares of the value, up to which a mass and a viscous friction count as told.
@@ -56,8 +56,8 @@ void collect(const ForceMotion& push, const Compliance& compliance, const Slidin
   const std::vector<SmoothedSample> f = smooth(push.t, force, push.t, half_width);
   std::vector<bool> is_sliding(count);
   for (std::size_t i = 0; i < count; ++i) {
-    is_sliding[i] = x[i].is_valid && f[i].is_valid && x[i].rate > options.least_speed &&
-                    f[i].value > options.least_force;
+    is_sliding[i] = x[i].is_valid && f[i].is_valid && x[i].rate > options.min_speed &&
+                    f[i].value > options.min_force;
   }
   // A window that reaches over a stop holds a force that is not sliding friction: `begin` is the
   // first instant of the present slide, `end` the one after its last.
@@ -82,8 +82,7 @@ ParameterEstimate<3> fit(const SlidingSamples& all, Model model, const SlidingOp
                          SlidingIdentification& result) {
   EstimatorOptions<3> estimator_options;
   estimator_options.scale = {0.5, 1.0, 0.05};
-  estimator_options.least_excitation = {options.least_acceleration, 0.0,
-                                        options.least_speed_change};
+  estimator_options.min_excitation = {options.min_acceleration, 0.0, options.min_speed_change};
   estimator_options.correlated_samples = all.correlated;
   ParameterEstimator<3> estimator(estimator_options);
   const double known_mass = options.mass.value_or(0.0);
@@ -185,7 +184,7 @@ SlidingIdentification identify_sliding(std::span<const ForceMotion> pushes,
   SlidingSamples all;
   for (const ForceMotion& push : pushes) collect(push, compliance, options, all);
   result.samples = all.samples.size();
-  result.is_valid = static_cast<double>(all.samples.size()) >= kLeastIndependent * all.correlated;
+  result.is_valid = static_cast<double>(all.samples.size()) >= kMinIndependent * all.correlated;
   if (!result.is_valid) {
     propose(result);
     return result;

@@ -14,7 +14,7 @@ namespace pcavr {
 namespace {
 
 // A quadratic has three coefficients; two more samples make it a fit.
-constexpr std::size_t kLeastSamples = 5;
+constexpr std::size_t kMinSamples = 5;
 
 /// Sums of powers of u, and of value times powers of u: all that the three fits need. The weights
 /// 1, 1 - u^2 and (1 - u^2)^2 are polynomials, so that their sums are differences of these.
@@ -64,7 +64,7 @@ bool is_covered(std::span<const double> t, double at, double half_width) {
 
 SmoothedSample fit_window(std::span<const double> t, std::span<const double> values, double at,
                           double half_width) {
-  if (t.size() < kLeastSamples || !is_covered(t, at, half_width)) return {};
+  if (t.size() < kMinSamples || !is_covered(t, at, half_width)) return {};
   Moments moments;
   const double middle = values[values.size() / 2];  // keeps digits where the value is large
   for (std::size_t i = 0; i < t.size(); ++i) {

@@ -98,7 +98,7 @@ TimeOffset estimate_time_offset(std::span<const double> t_a, std::span<const dou
   const double slopes = best->gain * best->gain * slope_energy(grid_a, interval);
   const double correlated = correlated_samples(half_width, interval);
   if (slopes > 0.0) result.deviation = std::sqrt(best->residual * correlated / slopes);
-  result.is_known = std::abs(result.correlation) >= options.least_correlation;
+  result.is_known = std::abs(result.correlation) >= options.min_correlation;
   return result;
 }
 

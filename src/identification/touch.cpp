@@ -10,7 +10,7 @@ namespace pcavr {
 namespace {
 
 constexpr double kFree = 0.4;  // [s] before the first sure contact that the fit sees
-constexpr std::size_t kLeastRise = 4;
+constexpr std::size_t kMinRise = 4;
 constexpr double kMaxTouchExponent = 2.5;
 // Below this share of its speed at the touch, both over kPace, the tool is coming to a hold.
 constexpr double kHolds = 0.5;
@@ -63,7 +63,7 @@ std::pair<double, double> least(const Cost& cost, double low, double high, int r
 }
 
 double fitted_instant(const Rise& rise, double fallback) {
-  if (rise.tool.size() < 2 * kLeastRise) return fallback;
+  if (rise.tool.size() < 2 * kMinRise) return fallback;
   const double shallowest = *std::min_element(rise.tool.begin(), rise.tool.end());
   if (!(rise.deepest_free > shallowest)) return fallback;
   const auto surface_for = [&](double exponent) {
@@ -115,7 +115,7 @@ double instant(const TouchSignals& signals, std::size_t limit, std::size_t detec
     rise.tool.push_back(signals.tool[i].value);
     rise.force.push_back(signals.force[i]);
   }
-  return in_contact < kLeastRise ? sure : fitted_instant(rise, sure);
+  return in_contact < kMinRise ? sure : fitted_instant(rise, sure);
 }
 
 }  // namespace

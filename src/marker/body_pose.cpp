@@ -25,7 +25,7 @@ constexpr double kDecisiveCost = 14.0;
 /// Where a body may turn and move between two looks, for continuity's vote [rad]; and the most that
 /// the vote weighs, so that a wrong pose can be outvoted later.
 constexpr double kTurnBetweenLooks = 0.15;
-constexpr double kLargestContinuityCost = 25.0;
+constexpr double kMaxContinuityCost = 25.0;
 
 const TagPlacement* find_placement(const std::vector<TagPlacement>& placements,
                                    const MarkerId& id) {
@@ -82,7 +82,7 @@ std::vector<Pose> start_poses(const BodyPoseProblem& problem) {
 double continuity_cost(const Pose& T_camera_body, const BodyPoseHints& hints) {
   if (!hints.T_camera_body) return 0.0;
   const double turn = rotation_distance(T_camera_body, *hints.T_camera_body) / kTurnBetweenLooks;
-  return std::min(turn * turn, kLargestContinuityCost);
+  return std::min(turn * turn, kMaxContinuityCost);
 }
 
 /// Marks the tags that the pose explains as used; returns their number.

@@ -67,7 +67,7 @@ Line line_between(const Vector2d& a, const Vector2d& b) {
 /// show.
 std::vector<EdgeSample> samples_near(const GrayImage& image, const Straightener& lens,
                                      const Vector2d& a, const Vector2d& b, double reach,
-                                     int most_stations) {
+                                     int max_stations) {
   const Line seen = line_between(a, b);
   const Line straight = line_between(lens.straighten(a), lens.straighten(b));
   const double half_length = 0.5 * straight.length - reach - 1.0;
@@ -78,7 +78,7 @@ std::vector<EdgeSample> samples_near(const GrayImage& image, const Straightener&
   const double width = (reach + lens.bow(a, b)) / std::abs(seen.direction(major));
   const int first = static_cast<int>(std::ceil(std::min(a(major), b(major))));
   const int last = static_cast<int>(std::floor(std::max(a(major), b(major))));
-  const int stride = std::max(1, (last - first) / most_stations);
+  const int stride = std::max(1, (last - first) / max_stations);
   for (int i = first; i <= last; i += stride) {
     const double t = (i - seen.middle(major)) / seen.direction(major);
     const double at = seen.middle(minor) + t * seen.direction(minor);
@@ -137,14 +137,14 @@ std::optional<Meeting> meet(const FittedLine& first, const FittedLine& second) {
 
 std::optional<RefinedCorners> refine_once(const GrayImage& image,
                                           const std::array<Vector2d, 4>& corners, int cells,
-                                          const Straightener& lens, int most_stations) {
+                                          const Straightener& lens, int max_stations) {
   std::array<FittedLine, 4> lines;
   for (std::size_t i = 0; i < 4; ++i) {
     const Vector2d& a = corners[i];
     const Vector2d& b = corners[(i + 1) % 4];
     const double reach =
         std::clamp(kReachInCells * depth_behind(corners, i) / cells, kNarrowestReach, kWidestReach);
-    const auto fit = fit_edge(samples_near(image, lens, a, b, reach, most_stations), reach);
+    const auto fit = fit_edge(samples_near(image, lens, a, b, reach, max_stations), reach);
     if (!fit) return std::nullopt;
     lines[i] = {line_between(lens.straighten(a), lens.straighten(b)), *fit};
   }

@@ -16,11 +16,11 @@ namespace {
 using Parameters = Eigen::Matrix<double, 5, 1>;  // offset, slope, low, contrast, blur
 using Information = Eigen::Matrix<double, 5, 5>;
 
-constexpr std::size_t kFewestSamples = 15;  // three for each parameter
-constexpr double kSmallestContrast = 8.0;   // [grey]; twice the noise of a poor camera
-constexpr double kEdgeHuber = 1.5;          // [deviations]
-constexpr int kMaxEdgeIterations = 8;       // 4 are the rule from within half a pixel
-constexpr double kConverged = 1e-4;         // [px]
+constexpr std::size_t kMinSamples = 15;  // three for each parameter
+constexpr double kMinContrast = 8.0;     // [grey]; twice the noise of a poor camera
+constexpr double kEdgeHuber = 1.5;       // [deviations]
+constexpr int kMaxEdgeIterations = 8;    // 4 are the rule from within half a pixel
+constexpr double kConverged = 1e-4;      // [px]
 /// A pixel is itself a square blur of 0.29 px, and no wider blur than the reach can be told.
 constexpr double kSharpest = 0.25;  // [px]
 
@@ -66,13 +66,13 @@ double noise_scale(std::vector<double>& sizes) {
 }  // namespace
 
 std::optional<EdgeFit> fit_edge(std::span<const EdgeSample> samples, double reach) {
-  if (samples.size() < kFewestSamples) return std::nullopt;
+  if (samples.size() < kMinSamples) return std::nullopt;
   Parameters p = first_guess(samples, reach);
   Information information;
   double scale = 1e3;  // the first step weighs all alike
   std::vector<double> sizes(samples.size());
   for (int iteration = 0; iteration < kMaxEdgeIterations; ++iteration) {
-    if (std::abs(p(3)) < kSmallestContrast) return std::nullopt;
+    if (std::abs(p(3)) < kMinContrast) return std::nullopt;
     information.setZero();
     Parameters right = Parameters::Zero();
     for (std::size_t i = 0; i < samples.size(); ++i) {

@@ -60,7 +60,7 @@ class AprilTagFinder final : public QuadFinder {
     detector_->quad_decimate = static_cast<float>(options.decimation);
     detector_->refine_edges = true;
     for (const AprilTagFamily& family : families_) {
-      apriltag_detector_add_family_bits(detector_.get(), family.get(), options.largest_hamming);
+      apriltag_detector_add_family_bits(detector_.get(), family.get(), options.max_hamming);
     }
   }
 

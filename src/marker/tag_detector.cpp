@@ -20,9 +20,9 @@ constexpr double kModelSigma = 0.01;
 /// Corners that the libraries alone have placed, by comparison with rendered tags [px].
 constexpr double kUnrefinedSigma = 0.3;
 /// Regions that make up more than this share of the image cost as much as the whole.
-constexpr double kLargestRegionShare = 0.6;
+constexpr double kMaxRegionShare = 0.6;
 /// The libraries want some tiles to threshold; a tag has at least 8 cells with its rim [px].
-constexpr int kSmallestEdge = 8;
+constexpr int kMinEdge = 8;
 
 }  // namespace
 
@@ -56,8 +56,8 @@ std::vector<TagDetection> TagDetector::State::search(const GrayImage& image,
       for (TagDetection& found : finder->find(image, region)) {
         refine(image, found);
         finder->judge(image, found);
-        if (found.hamming > options.largest_hamming) continue;
-        if (found.decision_margin < options.smallest_margin) continue;
+        if (found.hamming > options.max_hamming) continue;
+        if (found.decision_margin < options.min_margin) continue;
         detections.push_back(std::move(found));
       }
     }
@@ -81,7 +81,7 @@ std::vector<Region> TagDetector::State::plan(const GrayImage& image) const {
   std::vector<Region> regions = regions_around(tags, width, height);
   long area = 0;
   for (const Region& region : regions) area += region.area();
-  const double most = kLargestRegionShare * static_cast<double>(width) * height;
+  const double most = kMaxRegionShare * static_cast<double>(width) * height;
   if (static_cast<double>(area) > most) regions.clear();
   return regions;
 }
@@ -100,8 +100,7 @@ TagDetector::TagDetector(TagDetector&&) noexcept = default;
 Expected<TagDetector> TagDetector::create(const std::vector<std::string>& families,
                                           const TagDetectorOptions& options) {
   PCAVR_REQUIRE(options.decimation >= 1, options.decimation);
-  PCAVR_REQUIRE(options.largest_hamming >= 0 && options.largest_hamming <= 3,
-                options.largest_hamming);
+  PCAVR_REQUIRE(options.max_hamming >= 0 && options.max_hamming <= 3, options.max_hamming);
   PCAVR_REQUIRE(options.full_search_interval >= 1, options.full_search_interval);
   auto state = std::make_unique<State>();
   auto finders = make_quad_finders(families, options);
@@ -117,7 +116,7 @@ Expected<TagDetector> TagDetector::create(const std::vector<std::string>& famili
 
 std::vector<TagDetection> TagDetector::detect(const GrayImage& image) {
   State& state = *state_;
-  const int smallest = kSmallestEdge * state.options.decimation;
+  const int smallest = kMinEdge * state.options.decimation;
   if (image.width() < smallest || image.height() < smallest) return {};
   const std::vector<Region> whole{{0, 0, image.width(), image.height()}};
   std::vector<TagDetection> found;

@@ -17,7 +17,7 @@ namespace {
 /// Pixels this near the tag's edge [share of the way to its centre] may show what lies behind.
 constexpr double kInnerShare = 0.85;
 /// Fewer pixels than this say little about a slope.
-constexpr std::size_t kFewestPixels = 30;
+constexpr std::size_t kMinPixels = 30;
 /// Depth sensors match windows: neighbouring pixels share their error over about this area [px].
 constexpr double kCorrelationArea = 30.0;
 /// A sensor's systematic error changes over the image; between points this far apart [share of the
@@ -116,7 +116,7 @@ std::optional<PlaneMeasurement> measure_tag_plane(const DepthImage& depth, const
   const Eigen::Vector2d centre =
       camera.normalise(0.25 * (corners[0] + corners[1] + corners[2] + corners[3]));
   const std::vector<InverseDepth> samples = collect(depth, noise, camera, corners, centre);
-  if (samples.size() < kFewestPixels) return std::nullopt;
+  if (samples.size() < kMinPixels) return std::nullopt;
 
   double scale = 1.0;
   Fit fit = weighted_fit(samples, nullptr, scale);

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Below this share of its bounding cube, a volume is rounding of single-precision coordinates.
-constexpr double kSmallestVolumeShare = 1e-7;
+constexpr double kMinVolumeShare = 1e-7;
 /// A simplified mesh whose volume is further off, as a share, has lost parts of the body.
 constexpr double kMaxVolumeChange = 0.02;
 
@@ -77,7 +77,7 @@ Expected<CadModel> model_of_shape(TriangleMesh shape, const std::string& name,
     error->hint += "; give the mesh in metres";
     return *std::move(error);
   }
-  if (!(properties.volume > kSmallestVolumeShare * size * size * size)) {
+  if (!(properties.volume > kMinVolumeShare * size * size * size)) {
     return without_volume(source, "its surface encloses nothing");
   }
 

@@ -85,8 +85,8 @@ std::vector<Eigen::Vector3f> points_on_large_triangles(const TriangleMesh& mesh,
   return points;
 }
 
-float largest_distance(const std::vector<Eigen::Vector3f>& points, const SurfaceQuery& surface,
-                       float diagonal) {
+float max_distance(const std::vector<Eigen::Vector3f>& points, const SurfaceQuery& surface,
+                   float diagonal) {
   std::vector<float> largest((points.size() + kGrain - 1) / kGrain, 0.0F);
   parallel_for(Parallelism::max(), points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     float& most = largest[begin / kGrain];
@@ -117,9 +117,8 @@ double max_deviation(const TriangleMesh& full, const TriangleMesh& simple) {
   const SurfaceQuery surface(simple);
   const float diagonal = bounds(full.vertices).diagonal().norm();
   const double spacing = static_cast<double>(diagonal) / kSamplesAcross;
-  const float at_vertices = largest_distance(full.vertices, surface, diagonal);
-  const float between =
-      largest_distance(points_on_large_triangles(full, spacing), surface, diagonal);
+  const float at_vertices = max_distance(full.vertices, surface, diagonal);
+  const float between = max_distance(points_on_large_triangles(full, spacing), surface, diagonal);
   const auto deviation = static_cast<double>(std::max(at_vertices, between));
   return std::ceil(deviation / kRounding) * kRounding;
 }

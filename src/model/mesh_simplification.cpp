@@ -24,7 +24,7 @@ constexpr double kColorScale = 0.010;
 // A border edge counts as a plane across it this many times as heavy as its triangle.
 constexpr double kBorderWeight = 10.0;
 // A triangle may not turn by more than 75 deg in one collapse.
-constexpr double kLeastTurnCosine = 0.26;
+constexpr double kMinTurnCosine = 0.26;
 // Of the edges, those in the cheapest part are collapsed in one round; none share a neighbour.
 constexpr double kShareARound = 0.35;
 constexpr double kEnoughARound = 0.005;
@@ -44,8 +44,8 @@ bool is_cheaper(const Collapse& left, const Collapse& right) {
 /// collapsed: near the order of a priority queue at a fraction of its cost.
 class Simplifier {
  public:
-  Simplifier(const TriangleMesh& mesh, double largest_error)
-      : mesh_(mesh), largest_error_(largest_error), quadrics_(mesh.vertices.size()) {
+  Simplifier(const TriangleMesh& mesh, double max_error)
+      : mesh_(mesh), max_error_(max_error), quadrics_(mesh.vertices.size()) {
     find_triangles_around();
     add_triangle_planes();
     add_border_planes();
@@ -185,7 +185,7 @@ class Simplifier {
         if (both_border && triangles_on(a, b) != 1) continue;
         const Placement to = place(a, b);
         const double area = quadrics_[a].area + quadrics_[b].area;
-        if (to.error > largest_error_ * largest_error_ * area) continue;
+        if (to.error > max_error_ * max_error_ * area) continue;
         // A touch of length breaks ties on flat surfaces in favour of even triangles.
         const double length2 = (point(a) - point(b)).squaredNorm();
         edges.push_back({to.error + color_cost(a, b) + 1e-6 * length2 * area, a, b});
@@ -243,7 +243,7 @@ class Simplifier {
       for (std::size_t k = 0; k < 3; ++k) p[k] = t[k] == moved ? to : point(t[k]);
       const Eigen::Vector3d before = doubled_area(t);
       const Eigen::Vector3d after = (p[1] - p[0]).cross(p[2] - p[0]);
-      if (before.dot(after) < kLeastTurnCosine * before.norm() * after.norm()) return false;
+      if (before.dot(after) < kMinTurnCosine * before.norm() * after.norm()) return false;
       if (!(after.norm() > 1e-3 * before.norm())) return false;
     }
     return true;
@@ -290,7 +290,7 @@ class Simplifier {
   }
 
   TriangleMesh mesh_;
-  double largest_error_;
+  double max_error_;
   bool stuck_ = false;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> first_;  ///< by vertex: where its triangles begin in around_
@@ -303,11 +303,10 @@ class Simplifier {
 
 }  // namespace
 
-TriangleMesh simplified(const TriangleMesh& mesh, std::size_t target_triangles,
-                        double largest_error) {
-  PCAVR_REQUIRE(largest_error >= 0.0, largest_error);
+TriangleMesh simplified(const TriangleMesh& mesh, std::size_t target_triangles, double max_error) {
+  PCAVR_REQUIRE(max_error >= 0.0, max_error);
   if (mesh.triangles.size() <= target_triangles) return mesh;
-  return Simplifier(mesh, largest_error).run(target_triangles);
+  return Simplifier(mesh, max_error).run(target_triangles);
 }
 
 }  // namespace pcavr

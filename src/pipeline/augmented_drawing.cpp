@@ -244,8 +244,8 @@ void draw_bodies(ColorImage& picture, const DepthImage& depth, const CameraModel
 void draw_legend(ColorImage& picture, bool has_solid, bool has_ghosts) {
   constexpr double kFromLeft = 60.0;
   constexpr double kLine = 30.0;
-  constexpr int kLeastHeight = 240;  // in a smaller picture, words would cover what they explain
-  if (picture.height() < kLeastHeight) return;
+  constexpr int kMinHeight = 240;  // in a smaller picture, words would cover what they explain
+  if (picture.height() < kMinHeight) return;
   double y = picture.height() - 10.0;
   if (has_ghosts) {
     draw_label(picture, {kFromLeft, y}, "tracked", kGhost);

@@ -87,10 +87,10 @@ class Fusion {
 
 std::vector<TriangleMesh> levels_of_detail(const TriangleMesh& mesh, double voxel_size) {
   std::vector<TriangleMesh> levels;
-  double largest_error = kLevelOfDetailError * voxel_size;
+  double max_error = kLevelOfDetailError * voxel_size;
   for (const std::size_t triangles : kLevelOfDetailTriangles) {
-    levels.push_back(simplified(levels.empty() ? mesh : levels.back(), triangles, largest_error));
-    largest_error *= 4.0;
+    levels.push_back(simplified(levels.empty() ? mesh : levels.back(), triangles, max_error));
+    max_error *= 4.0;
   }
   return levels;
 }
@@ -164,7 +164,7 @@ Error empty_scene_error(const Recording& recording, const Survey& survey, const 
                         const BuildOptions& options) {
   const EmptySceneCause cause =
       explain_empty_scene(survey.depth, options.depth_noise, recording.manifest.depth_scale,
-                          steps_of(camera), options.smallest_weight);
+                          steps_of(camera), options.min_weight);
   return {.message = "the frames make no surface: " + cause.message,
           .file = recording.folder.string(),
           .hint = cause.hint};
@@ -223,8 +223,8 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
                      [&](const FollowedFrame& frame) { fusion.add(frame); });
   if (!followed) return followed.error();
   clock.begin("mesh");
-  TriangleMesh mesh = fusion.volume.extract_mesh(options.smallest_weight, options.parallelism);
-  remove_small_islands(mesh, options.smallest_island);
+  TriangleMesh mesh = fusion.volume.extract_mesh(options.min_weight, options.parallelism);
+  remove_small_islands(mesh, options.min_island);
   if (mesh.triangles.empty()) {
     return empty_scene_error(recording, *survey, fusion.camera_trajectory, options);
   }

@@ -17,8 +17,8 @@ namespace {
 
 /// An offset counts where it is this many of its deviations, ...
 constexpr double kOffsetDeviations = 3.0;
-constexpr double kLeastOffset = 0.0005;  // [s] ... and worth a shift: a quarter of a sample
-constexpr double kJumpMargin = 0.1;      // [s] about a jump that the smoothing smears it over
+constexpr double kMinOffset = 0.0005;  // [s] ... and worth a shift: a quarter of a sample
+constexpr double kJumpMargin = 0.1;    // [s] about a jump that the smoothing smears it over
 
 struct Prepared {
   std::vector<Eigen::Vector3d> p_base_tip;
@@ -60,7 +60,7 @@ Prepared prepare(const IdentificationInput& input, Identification& result) {
   segment();
   result.tool_to_force = force_offset(prepared.found, prepared.t_force, tip);
   const TimeOffset& offset = result.tool_to_force;
-  result.is_offset_applied = offset.is_known && std::abs(offset.offset) > kLeastOffset &&
+  result.is_offset_applied = offset.is_known && std::abs(offset.offset) > kMinOffset &&
                              std::abs(offset.offset) > kOffsetDeviations * offset.deviation;
   if (result.is_offset_applied) {
     for (double& t : prepared.t_force) t -= offset.offset;
@@ -70,7 +70,7 @@ Prepared prepare(const IdentificationInput& input, Identification& result) {
   result.spikes = prepared.found.spikes;
   result.force_noise = prepared.found.noise;
   for (const Eigen::Vector3d& bias : prepared.found.bias_base) {
-    result.largest_drift = std::max(result.largest_drift, bias.norm());
+    result.max_drift = std::max(result.max_drift, bias.norm());
   }
   return prepared;
 }

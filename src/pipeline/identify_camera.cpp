@@ -12,9 +12,9 @@ constexpr double kStraight = 0.010;  // [m] of lever: farther from its middle, a
 constexpr double kBefore = 0.2;      // [s] of rest: a slide at one speed alone fits any delay
 constexpr double kSpeedStep = 0.02;  // [s] over which the speed is taken
 constexpr double kLargest = 0.25;    // [s] as for the force
-constexpr double kLongestStep = 0.05;
+constexpr double kMaxStep = 0.05;
 constexpr int kIterations = 8;
-constexpr double kLeastPoses = 8.0;
+constexpr double kMinPoses = 8.0;
 
 /// Sums of a straight fit of the misfit on the speed, contact by contact about their means.
 struct Sums {
@@ -61,8 +61,8 @@ TimeOffset camera_offset(const IdentificationInput& input,
                          !contact.episode.slides.empty() && std::abs(contact.lever) <= kStraight;
       if (tells) sums.add(contact.episode, input.objects[*contact.object].tracked, result.offset);
     }
-    if (sums.count < kLeastPoses || sums.slopes <= 0.0) return result;
-    result.offset += std::clamp(sums.pull / sums.slopes, -kLongestStep, kLongestStep);
+    if (sums.count < kMinPoses || sums.slopes <= 0.0) return result;
+    result.offset += std::clamp(sums.pull / sums.slopes, -kMaxStep, kMaxStep);
     result.deviation = std::sqrt(sums.squares / sums.count / sums.slopes);
     result.is_known = std::abs(result.offset) < kLargest && result.deviation < 0.1 * kLargest;
   }

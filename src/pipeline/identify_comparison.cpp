@@ -10,10 +10,10 @@ namespace {
 
 constexpr double kFilterHalfWidth =
     0.014;                              // [s] of the filter, as the estimators' own tests have it
-constexpr double kLeastForce = 0.02;    // of the largest: below, the relative error means little
+constexpr double kMinForce = 0.02;      // of the largest: below, the relative error means little
 constexpr double kSettled = 0.10;       // of the force: paper C's threshold
 constexpr double kErrorWindow = 0.020;  // [s] over which an error has to last to count
-constexpr double kLeastNoise = 1e-6;    // of the largest force: a made-up one may have none
+constexpr double kMinNoise = 1e-6;      // of the largest force: a made-up one may have none
 constexpr double kStill = 0.050;        // [s] on either side over which a tip that holds is still
 constexpr double kStillShare = 0.01;    // of the depth: to move by less is to be still
 constexpr int kDrawn = 5;               // of the samples, one is kept for the picture
@@ -47,7 +47,7 @@ std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses,
   for (std::size_t k = 0; k < found.touched.size(); ++k) {
     const ForceMotion& press = presses[found.touched[k]];
     const double interval = mean_interval(press.t);
-    const double noise = std::max(noise_deviation(press.force), kLeastNoise * largest);
+    const double noise = std::max(noise_deviation(press.force), kMinNoise * largest);
     half_width = std::max(kFilterHalfWidth, 3.0 * interval);
     CausalFilter filter(half_width, 1.0 / interval, noise);
     const double tip_noise = noise_deviation(press.tool);
@@ -55,7 +55,7 @@ std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses,
     for (std::size_t i = 0; i < press.t.size(); ++i) {
       const auto out = filter.step(press.t[i], press.tool[i], press.force[i]);
       const double depth = out ? out->position - fit.surface[k] : 0.0;
-      if (depth <= 0.0 || out->force < kLeastForce * largest) continue;
+      if (depth <= 0.0 || out->force < kMinForce * largest) continue;
       FilteredSample& sample = samples.emplace_back();
       const double power = std::pow(depth, fit.exponent.value);
       const bool is_curved = fit.regressor == ContactRegressor::hunt_crossley;

@@ -24,8 +24,8 @@ constexpr double kGivenExponentStd = 0.289;  // 1 / sqrt(12)
 constexpr double kCreep = 0.04;
 constexpr double kMinStds = 2.0;  // a stiffness nearer to 0 is not identified
 /// Shorter than this a contact is an impact, if the tip came faster than that.
-constexpr double kLongestImpact = 0.08;     // [s]
-constexpr double kLeastImpactSpeed = 0.02;  // [m/s]
+constexpr double kMaxImpact = 0.08;       // [s]
+constexpr double kMinImpactSpeed = 0.02;  // [m/s]
 
 /// All presses meet one surface where they go the same way onto the same plane.
 bool is_one_surface(const std::vector<IdentifiedContact*>& presses) {
@@ -151,8 +151,8 @@ void identify_impacts(const std::vector<IdentifiedContact*>& pushes, ObjectIdent
     const double duration = episode.end - episode.begin;
     const SmoothedSample before = smooth_at(episode.t, episode.tool, episode.begin - 0.03, 0.025);
     const SmoothedSample after = smooth_at(episode.t, episode.tool, episode.end + 0.03, 0.025);
-    if (duration > kLongestImpact || !before.is_valid || !after.is_valid) continue;
-    if (before.rate < kLeastImpactSpeed) continue;
+    if (duration > kMaxImpact || !before.is_valid || !after.is_valid) continue;
+    if (before.rate < kMinImpactSpeed) continue;
     // The object's speed afterwards from the impulse, less what friction took.
     double impulse = 0.0;
     for (std::size_t i = 1; i < episode.t.size(); ++i) {

@@ -18,8 +18,8 @@ constexpr double kHalfWidth = 0.016;  // [s] smoothing of both signals alike
 // Two neighbours of the line between two of the tip's samples share one of them.
 constexpr double kInterpolated = 2.0;
 constexpr double kExponents[] = {1.0, 1.5, 2.0};
-constexpr double kHold = 0.15;             // [s] of a push before it is let go
-constexpr std::size_t kMostSamples = 250;  // of a contact: more are not independent
+constexpr double kHold = 0.15;            // [s] of a push before it is let go
+constexpr std::size_t kMaxSamples = 250;  // of a contact: more are not independent
 
 /// Instants on the force's clock at which the object stands under the tip.
 struct StandingContact {
@@ -49,7 +49,7 @@ StandingContact standing(const ContactEpisode& episode) {
   for (std::size_t i = 0; i < f.size(); ++i) {
     if (f[i].is_valid && episode.t[i] >= from && f[i].value > low) chosen.push_back(i);
   }
-  const std::size_t step = chosen.size() / kMostSamples + 1;
+  const std::size_t step = chosen.size() / kMaxSamples + 1;
   for (std::size_t k = 0; k < chosen.size(); k += step) {
     result.t.push_back(episode.t[chosen[k]]);
     result.smooth_force.push_back(f[chosen[k]].value);

@@ -11,7 +11,7 @@ namespace {
 /// Farther away a surface is no candidate.
 constexpr float kSearchRadius = 0.2F;  // [m]
 /// What poses, CAD files and a tip's radius may be off together.
-constexpr double kLargestGap = 0.015;  // [m]
+constexpr double kMaxGap = 0.015;  // [m]
 /// Nearer to each other than this, two surfaces can't be told apart as the one touched.
 constexpr double kTellsApart = 0.003;  // [m]
 /// A face's normal this near to the force gives the direction; the force itself is noisy.
@@ -67,7 +67,7 @@ class Attribution {
         second = touch;
       }
     }
-    if (!nearest || nearest->gap > kLargestGap) {
+    if (!nearest || nearest->gap > kMaxGap) {
       contact.object.reset();
       contact.left_out = "no known object is where the tool touched";
       return contact;

@@ -11,7 +11,7 @@ namespace pcavr {
 namespace {
 
 /// Points of one contact: more can't be told apart in the picture.
-constexpr std::size_t kMostPoints = 400;
+constexpr std::size_t kMaxPoints = 400;
 constexpr double kShortest = 0.020;  // [s] a phase that is drawn
 // Kinds of the page's shades.
 constexpr int kStatic = 1, kCritical = 2, kSliding = 3;
@@ -56,7 +56,7 @@ struct PushSeries {
     const auto first = static_cast<std::size_t>(
         std::lower_bound(episode.t.begin(), episode.t.end(), episode.begin) - episode.t.begin());
     const double zero = episode.tool[first] - give[first];
-    const std::size_t step = episode.t.size() / kMostPoints + 1;
+    const std::size_t step = episode.t.size() / kMaxPoints + 1;
     double gone = 0.0;
     for (std::size_t i = 0; i < episode.t.size(); i += step) {
       const double t = episode.t[i];

@@ -136,7 +136,7 @@ std::string format_report(const Identification& found, const std::string& record
       escaped(recording) + "</b><br>\nforce after tool: <b>" + offset_text(found.tool_to_force) +
       "</b>" + (found.is_offset_applied ? ", taken off" : "") + "<br>\ntracking after tool: <b>" +
       offset_text(found.tool_to_camera) + "</b><br>\nforce noise <b>" +
-      readable(found.force_noise) + " N</b>, bias up to <b>" + readable(found.largest_drift) +
+      readable(found.force_noise) + " N</b>, bias up to <b>" + readable(found.max_drift) +
       " N</b>, <b>" + std::to_string(found.spikes) + "</b> spikes taken out</p>\n";
   for (const std::string& text : found.notes) html += note(text);
   for (std::size_t i = 0; i < found.objects.size(); ++i) html += object_section(found, i);
@@ -189,7 +189,7 @@ std::string format_json(const Identification& found, const std::string& recordin
   json["time_offset.is_applied"] = found.is_offset_applied;
   add_offset(json, "time_offset.tool_to_camera", found.tool_to_camera);
   json["force.noise_N"] = found.force_noise;
-  json["force.largest_drift_N"] = found.largest_drift;
+  json["force.largest_drift_N"] = found.max_drift;
   json["force.spikes"] = found.spikes;
   json["contacts"] = found.contacts.size();
   json["contacts_left_out"] = found.contacts_left_out();

@@ -10,7 +10,7 @@ namespace pcavr {
 namespace {
 
 /// No tip is thrown about like this: at 500 Hz it makes a millimetre off the way.
-constexpr double kLargestAcceleration = 250.0;  // [m/s^2]
+constexpr double kMaxAcceleration = 250.0;  // [m/s^2]
 /// Of the mean interval between samples, by which a stamp may be off: seen of real drivers.
 constexpr double kJitter = 2.0;
 
@@ -43,7 +43,7 @@ std::vector<double> find_jumps(std::span<const double> t, std::span<const Eigen:
     const Eigen::Vector3d excess = points[i] - points[i - 1] - 0.5 * dt * (before + after);
     // Stamps of one stream jitter by an interval or two.
     const double jitter = kJitter * interval * std::max(before.norm(), after.norm());
-    const double allowed = 12.0 * noise + kLargestAcceleration * dt * dt + jitter;
+    const double allowed = 12.0 * noise + kMaxAcceleration * dt * dt + jitter;
     const bool is_known = !jumps.empty() && t[i] - jumps.back() < 3.5 * dt;
     if (excess.norm() > allowed && !is_known) jumps.push_back(t[i]);
   }

@@ -14,8 +14,8 @@ namespace pcavr {
 namespace {
 
 /// What an object has to move for one sample of its twist: many times the noise of its tracking.
-constexpr double kLeastWay = 0.004;  // [m], a turn counting with the lever below
-constexpr double kTurnArm = 0.05;    // [m]
+constexpr double kMinWay = 0.004;  // [m], a turn counting with the lever below
+constexpr double kTurnArm = 0.05;  // [m]
 /// A twist in which the turn counts at least this share of the way tells the radius.
 constexpr double kTurns = 0.2;
 
@@ -63,7 +63,7 @@ class Turning {
         const Planar a = planar_of(from->T_base_object, body_.model);
         const Planar b = planar_of(pose.T_base_object, body_.model);
         const double turn = std::remainder(b.heading - a.heading, 2.0 * std::numbers::pi);
-        if (std::hypot((b.p_base - a.p_base).norm(), kTurnArm * turn) < kLeastWay) continue;
+        if (std::hypot((b.p_base - a.p_base).norm(), kTurnArm * turn) < kMinWay) continue;
         const MeanLoad load = mean_load(contact, *from, pose);
         if (load.count >= 3.0) samples.push_back(sample_between(a, b, load.force, load.moment));
         from = &pose;

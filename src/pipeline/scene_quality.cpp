@@ -13,8 +13,8 @@ namespace pcavr {
 namespace {
 
 constexpr std::size_t kFramesHeldAgainstMesh = 8;
-constexpr int kPixelStride = 8;        ///< of the pixels held against the mesh
-constexpr float kLargestMiss = 0.05F;  ///< farther readings belong to something else [m]
+constexpr int kPixelStride = 8;    ///< of the pixels held against the mesh
+constexpr float kMaxMiss = 0.05F;  ///< farther readings belong to something else [m]
 
 /// Distances of a frame's readings from the mesh, along the mesh's normals [m].
 void collect_distances(const SurfaceQuery& surface, const RgbdFrame& frame,
@@ -27,7 +27,7 @@ void collect_distances(const SurfaceQuery& surface, const RgbdFrame& frame,
       if (z <= 0.0F) continue;
       const Eigen::Vector3f p_base =
           (T_base_camera * camera.unproject(Eigen::Vector2d(x, y), z)).cast<float>();
-      const auto nearest = surface.closest(p_base, kLargestMiss);
+      const auto nearest = surface.closest(p_base, kMaxMiss);
       if (nearest) distances.push_back(std::abs(nearest->normal.dot(p_base - nearest->point)));
     }
   }

@@ -19,10 +19,10 @@ namespace {
 constexpr double kTipMargin = 0.01;
 /// A tool pose further from the frame in time is no longer the tool's; tools are logged at 100 Hz
 /// and more.
-constexpr Duration kLongestToolGap = std::chrono::milliseconds(100);
+constexpr Duration kMaxToolGap = std::chrono::milliseconds(100);
 /// Neighbouring pixels further apart in depth than this belong to two things [m]: above a sensor's
 /// noise at 2 m, below the gap between a tool and what it passes.
-constexpr float kLargestStep = 0.02F;
+constexpr float kMaxStep = 0.02F;
 /// The rim of what was found is grown by this much, for pixels that mix tool and background [px].
 constexpr int kRimPixels = 3;
 /// Of the pixels one in so many each way is remembered: the cells are no finer.
@@ -73,7 +73,7 @@ std::vector<Pixel> grow(std::vector<Pixel> region, const RgbdFrame& frame,
       const int u = x + dx;
       const int v = y + dy;
       if (!depth.contains(u, v) || is_known(u, v) != 0 || depth(u, v) <= 0.0F) continue;
-      if (std::abs(depth(u, v) - depth(x, y)) > kLargestStep) continue;
+      if (std::abs(depth(u, v) - depth(x, y)) > kMaxStep) continue;
       const Eigen::Vector3d p_camera = camera.unproject(Eigen::Vector2d(u, v), depth(u, v));
       if (height_of_camera + up_camera.dot(p_camera) < lowest) continue;
       is_known(u, v) = 1;
@@ -106,7 +106,7 @@ std::vector<Pixel> seeds_of(const ToolShape& shape, const RgbdFrame& frame,
 
 void ToolMask::mark(const RgbdFrame& frame, const Pose& T_base_camera, MaskImage& mask) {
   if (!recording_.manifest.tool_radius || recording_.tool.empty()) return;
-  const std::optional<Pose> T_base_tool = recording_.tool.at(frame.depth_stamp, kLongestToolGap);
+  const std::optional<Pose> T_base_tool = recording_.tool.at(frame.depth_stamp, kMaxToolGap);
   if (!T_base_tool) return;
   const CameraModel camera =
       on_grid(*recording_.manifest.camera, frame.depth.width(), frame.depth.height());

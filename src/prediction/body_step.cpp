@@ -20,14 +20,14 @@ namespace {
 constexpr double kSolvedForce = 3e-4;
 constexpr double kSolvedWay = 1e-10;
 constexpr double kNearlySolved = 1e-6;
-constexpr int kMostRounds = 24;
+constexpr int kMaxRounds = 24;
 /// Of a step: less is left for the next one.
-constexpr double kLeastShareOfStep = 1e-3;
+constexpr double kMinShareOfStep = 1e-3;
 /// Normals that rise less than this (sine) can push a body out sideways.
 constexpr double kSteepest = 0.87;
 /// Of the contact's swing, in radians, that a step may take at once; the parts that this makes of a
 /// step; and a clearance [m] within which a turning body may touch.
-constexpr double kLongestPart = 0.5;
+constexpr double kMaxPart = 0.5;
 constexpr double kMaxStepParts = 16.0;
 constexpr double kNear = 1e-3;
 /// phases.csv: sliding from the one speed on until slower than the other [m/s].
@@ -175,7 +175,7 @@ class BodyStepper {
     double high_excess = share_at_end - 1.0;
     // Neighbours' contacts are not cut at an instant: their loads come within a few steps anyway.
     if (low_excess > 0.0 || !sides_.empty()) high = 0.0;
-    for (int i = 0; i < 6 && high - low > kLeastShareOfStep; ++i) {  // Illinois
+    for (int i = 0; i < 6 && high - low > kMinShareOfStep; ++i) {  // Illinois
       const double at = low + (high - low) * low_excess / (low_excess - high_excess);
       const double excess = holding_share(load_at_rest(at)) - 1.0;
       if (excess > 0.0) {
@@ -188,7 +188,7 @@ class BodyStepper {
         high_excess *= 0.5;
       }
     }
-    if (1.0 - high < kLeastShareOfStep) return false;
+    if (1.0 - high < kMinShareOfStep) return false;
     if (high > 0.0) {
       const Load load = load_at_rest(high);
       state_.tool_stretch_base = load.tip.stretch;
@@ -265,7 +265,7 @@ class BodyStepper {
     Eigen::Vector3d change = Eigen::Vector3d::Zero();
     bool learns = false;
     double bettered = 0.0;  // a residual that is enough for now
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       const Load load = load_at(guess, touch_at(guess, tip_.to), end_share_);
       friction.sliding.force = friction_.sliding.force * body_.weight_share(load.down());
       const PlanarStep step = body_.step(friction, state_.planar, load.wrench, dt_);
@@ -336,7 +336,7 @@ int parts_of_step(const UprightBody& body, const BodyState& state, const TipPath
                   double dt) noexcept {
   const double frequency =
       std::sqrt(body.working_stiffness() / body.physics().friction.mass);  // [rad/s]
-  const double parts = std::ceil(frequency * dt / kLongestPart);
+  const double parts = std::ceil(frequency * dt / kMaxPart);
   if (!(parts > 1.0)) return 1;
   const double travel =
       (tip.to - tip.from).norm() + dt * state.planar.twist.head<2>().norm() + kNear;

@@ -24,7 +24,7 @@ namespace {
 /// Steeper ones (sine of the normal's rise) bear weight and don't stop a slide.
 constexpr double kSteepestNormal = 0.7;
 /// What rises less above the body's foot [m] is the support and its noise.
-constexpr double kLeastRise = 0.005;
+constexpr double kMinRise = 0.005;
 /// A scanned surface this deep [m] inside a body is not what it leans on.
 constexpr double kDeepest = 0.01;
 /// Beyond this [m] the static mesh is not told: 3 m/s at 1 kHz, less the grid.
@@ -32,7 +32,7 @@ constexpr double kStaticMargin = 3e-3;
 constexpr double kGrid = 0.25e-3;      // [m]
 constexpr double kGridAngle = 2.5e-3;  // [rad]
 /// Points nearer to each other [m] count as one.
-constexpr double kLeastApart = 1e-3;
+constexpr double kMinApart = 1e-3;
 /// Points found in one go before they are thinned out.
 constexpr std::size_t kRoom = 2048;
 /// Corners of a clipped face: those of two hulls at most.
@@ -79,7 +79,7 @@ struct Axis final : btDiscreteCollisionDetectorInterface::Result {
 /// ones furthest to either side, where 1 mm of depth weighs as much as 10 mm to the side.
 void thin_out(std::vector<CollisionPoint>& found, std::vector<CollisionPoint>& points) {
   std::array<bool, kRoom> is_used{};
-  std::size_t room = Collider::kMostPoints;
+  std::size_t room = Collider::kMaxPoints;
   while (room > 0) {
     std::size_t first = kRoom;
     for (std::size_t i = 0; i < found.size(); ++i) {
@@ -106,7 +106,7 @@ void thin_out(std::vector<CollisionPoint>& found, std::vector<CollisionPoint>& p
     points.push_back(found[first]);
     --room;
     for (const std::size_t i : ends) {
-      const bool is_apart = (found[i].p_base - found[first].p_base).head<2>().norm() > kLeastApart;
+      const bool is_apart = (found[i].p_base - found[first].p_base).head<2>().norm() > kMinApart;
       if (!is_apart || room == 0) continue;
       points.push_back(found[i]);
       --room;
@@ -153,7 +153,7 @@ void Collider::Content::add(const WorldBody& body) {
   const Pose T_body_object =
       Pose::from_translation({-centre.x(), -centre.y(), 0.0}) * body.T_base_object;
   Body& added = bodies.emplace_back();
-  added.static_points.reserve(kMostPoints);
+  added.static_points.reserve(kMaxPoints);
   added.hulls = convex_parts(body.model.mesh_object, T_body_object);
   added.foot = std::numeric_limits<double>::infinity();
   for (const auto& v : body.model.mesh_object.vertices) {
@@ -233,10 +233,10 @@ void Collider::Content::search_static(Body& body, const btTransform& T_body) {
     Content* content = nullptr;
     const btConvexHullShape* hull = nullptr;
     const btTransform* T_body = nullptr;
-    double least_top = 0.0;
+    double min_top = 0.0;
     void processTriangle(btVector3* triangle, int /*part*/, int /*index*/) override {
       const double top = std::max({triangle[0].z(), triangle[1].z(), triangle[2].z()});
-      if (top >= least_top) content->collide(*hull, *T_body, triangle, kStaticMargin);
+      if (top >= min_top) content->collide(*hull, *T_body, triangle, kStaticMargin);
     }
   };
   found.found.clear();
@@ -248,7 +248,7 @@ void Collider::Content::search_static(Body& body, const btTransform& T_body) {
     callback.content = this;
     callback.hull = hull.get();
     callback.T_body = &T_body;
-    callback.least_top = body.foot + kLeastRise;
+    callback.min_top = body.foot + kMinRise;
     const btVector3 gap(kStaticMargin, kStaticMargin, 0.0);
     mesh->processAllTriangles(&callback, low - gap, high + gap);
   }

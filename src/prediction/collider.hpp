@@ -33,7 +33,7 @@ class Collider {
   /// Of a body's hulls about the vertical through its centre of mass [m].
   [[nodiscard]] double reach(std::size_t body) const;
 
-  static constexpr std::size_t kMostPoints = 8;
+  static constexpr std::size_t kMaxPoints = 8;
   /// Points where `a` and `b` are closer than `margin` [m], the normal into `a`; appended.
   void between(std::size_t a, const PlanarState& planar_a, std::size_t b,
                const PlanarState& planar_b, double margin, std::vector<CollisionPoint>& points);

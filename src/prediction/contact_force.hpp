@@ -11,11 +11,11 @@ namespace pcavr::detail {
 
 /// No arm that pushes things over a table exerts more [N]; a tip that is put inside a stiff body by
 /// a jump would otherwise throw it away.
-constexpr double kMostForce = 2000.0;
+constexpr double kMaxForce = 2000.0;
 
 /// A contact's force and how it grows.
 struct ContactForce {
-  double force = 0.0;      ///< [N], 0 to kMostForce
+  double force = 0.0;      ///< [N], 0 to kMaxForce
   double stiffness = 0.0;  ///< by depth [N/m]
   double damping = 0.0;    ///< by its rate [N s/m]
 };
@@ -35,7 +35,7 @@ inline ContactForce contact_force(const Compliance& law, double depth, double ra
   const double damping = law.exponent == 1.0 ? law.damping : law.damping * raised;
   const double force = elastic + damping * rate;
   if (!(force > 0.0)) return {};
-  if (force >= kMostForce) return {kMostForce, 0.0, 0.0};
+  if (force >= kMaxForce) return {kMaxForce, 0.0, 0.0};
   const double rising = law.exponent == 1.0 ? elastic : force;
   return {force, law.exponent * rising / depth, damping};
 }

@@ -13,9 +13,9 @@ namespace pcavr::detail {
 namespace {
 
 constexpr std::size_t kMaxConvexParts = 16;
-constexpr double kTolerance = 0.02;       // of the diagonal
-constexpr std::size_t kMostCuts = 12;     // tried along each axis
-constexpr std::size_t kMostCorners = 64;  // of a hull
+constexpr double kTolerance = 0.02;      // of the diagonal
+constexpr std::size_t kMaxCuts = 12;     // tried along each axis
+constexpr std::size_t kMaxCorners = 64;  // of a hull
 
 using Triangle = std::array<Eigen::Vector3d, 3>;
 using Surface = std::vector<Triangle>;
@@ -42,11 +42,11 @@ std::vector<Eigen::Vector3d> extreme_points(const Surface& surface) {
   };
   std::sort(points.begin(), points.end(), less);
   points.erase(std::unique(points.begin(), points.end()), points.end());
-  if (points.size() <= kMostCorners) return points;
+  if (points.size() <= kMaxCorners) return points;
   std::vector<Eigen::Vector3d> extremes;
   const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
-  for (std::size_t i = 0; i < kMostCorners; ++i) {  // a Fibonacci spiral over the sphere
-    const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / kMostCorners;
+  for (std::size_t i = 0; i < kMaxCorners; ++i) {  // a Fibonacci spiral over the sphere
+    const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / kMaxCorners;
     const double angle = golden * static_cast<double>(i);
     const double radius = std::sqrt(1.0 - z * z);
     const Eigen::Vector3d direction(radius * std::cos(angle), radius * std::sin(angle), z);
@@ -131,10 +131,10 @@ std::vector<double> cuts_along(const Surface& surface, Eigen::Index axis, double
     if (height <= low || height >= high) continue;
     if (cuts.empty() || height > cuts.back() + 0.25 * tolerance) cuts.push_back(height);
   }
-  if (cuts.size() <= kMostCuts) return cuts;
+  if (cuts.size() <= kMaxCuts) return cuts;
   std::vector<double> some;
-  for (std::size_t i = 0; i < kMostCuts; ++i) {
-    some.push_back(cuts[(2 * i + 1) * cuts.size() / (2 * kMostCuts)]);
+  for (std::size_t i = 0; i < kMaxCuts; ++i) {
+    some.push_back(cuts[(2 * i + 1) * cuts.size() / (2 * kMaxCuts)]);
   }
   return some;
 }

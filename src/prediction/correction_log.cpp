@@ -8,17 +8,17 @@ namespace pcavr::detail {
 namespace {
 
 /// Two seconds of corrections at 60 Hz for four bodies.
-constexpr std::size_t kMostEntries = 512;
+constexpr std::size_t kMaxEntries = 512;
 
 }  // namespace
 
 CorrectionLog::CorrectionLog(const PredictedWorld& world) {
   for (std::size_t i = 0; i < world.size(); ++i) before_.push_back(world.physics(i));
-  entries_.reserve(kMostEntries);
+  entries_.reserve(kMaxEntries);
 }
 
 void CorrectionLog::add(std::int64_t step, const Correction& correction) noexcept {
-  if (entries_.size() == kMostEntries) forget_first();
+  if (entries_.size() == kMaxEntries) forget_first();
   const auto after =
       std::upper_bound(entries_.begin(), entries_.end(), step,
                        [](std::int64_t at, const Entry& entry) { return at < entry.step; });

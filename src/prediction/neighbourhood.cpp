@@ -14,16 +14,15 @@ namespace {
 constexpr double kMargin = 1e-3;   // [m] contacts that may close within a step
 constexpr double kOverlap = 5e-5;  // [m] of two bodies under the force at which one breaks loose
 constexpr double kSettled = 1e-8;  // [m] a change that neighbours need not hear of
-constexpr int kMostSweeps = 12;
+constexpr int kMaxSweeps = 12;
 /// In the first sweeps, what betters a body's end this much is enough: its neighbours will move.
 constexpr int kRoughSweeps = 6;
 constexpr double kRough = 0.1;
 /// [m] Where the motions and the forces in a step disagree by more, they have no common solution
 /// that was found.
 constexpr double kUnsolved = 1e-5;
-constexpr std::size_t kMostSides = 64;  // of one body
-constexpr double kLeastCoefficient =
-    0.1;  // of friction, for the stiffness of a contact without any
+constexpr std::size_t kMaxSides = 64;    // of one body
+constexpr double kMinCoefficient = 0.1;  // of friction, for the stiffness of a contact without any
 
 double turning_way(const PlanarState& from, const PlanarState& to) { return to.yaw - from.yaw; }
 
@@ -49,7 +48,7 @@ BodyState stopped(const UprightBody& body, const BodyState& begin, const TipPath
 /// loose.
 double stiffness_between(const BodyPhysics& a, const BodyPhysics& b) {
   const double light =
-      kStandardGravity * kLeastCoefficient * std::min(a.friction.mass, b.friction.mass);
+      kStandardGravity * kMinCoefficient * std::min(a.friction.mass, b.friction.mass);
   return std::max({holding_force(a.friction), holding_force(b.friction), light}) / kOverlap;
 }
 
@@ -59,11 +58,11 @@ Neighbourhood::Neighbourhood(const std::vector<WorldBody>& bodies,
                              const TriangleMesh& static_mesh_base)
     : collider_(bodies, static_mesh_base), members_(bodies.size()) {
   for (Member& member : members_) {
-    member.sides.reserve(kMostSides);
-    member.partners.reserve(kMostSides);
+    member.sides.reserve(kMaxSides);
+    member.partners.reserve(kMaxSides);
   }
   queue_.reserve(bodies.size());
-  points_.reserve(Collider::kMostPoints);
+  points_.reserve(Collider::kMaxPoints);
 }
 
 void Neighbourhood::step(const std::vector<UprightBody>& bodies, const TipPath& tip, double dt,
@@ -142,7 +141,7 @@ void Neighbourhood::link(std::size_t body, std::ptrdiff_t partner, const Collisi
                          double sign, const std::vector<UprightBody>& bodies,
                          const std::vector<BodyState>& states) {
   Member& member = members_[body];
-  if (member.sides.size() == kMostSides) return;
+  if (member.sides.size() == kMaxSides) return;
   const BodyPhysics& own = bodies[body].physics();
   const BodyPhysics& other =
       partner < 0 ? own : bodies[static_cast<std::size_t>(partner)].physics();
@@ -183,7 +182,7 @@ void Neighbourhood::step_together(const std::vector<UprightBody>& bodies, const 
     }
     for (Member& member : members_) tell_speeds(member);
     bool is_settled = false;
-    for (int sweep = 0; sweep < kMostSweeps && !is_settled; ++sweep) {
+    for (int sweep = 0; sweep < kMaxSweeps && !is_settled; ++sweep) {
       is_settled = true;
       for (std::size_t i = 0; i < members_.size(); ++i) {  // to and fro
         const std::size_t body = sweep % 2 == 0 ? i : members_.size() - 1 - i;

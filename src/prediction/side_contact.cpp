@@ -9,7 +9,7 @@ namespace pcavr::detail {
 namespace {
 
 constexpr double kFriction = 0.3;         // between bodies; nothing measures it
-constexpr double kLeastSlip = 0.002;      // [m/s] below, friction grows with the speed
+constexpr double kMinSlip = 0.002;        // [m/s] below, friction grows with the speed
 constexpr double kFastestParting = 0.05;  // [m/s] at which an overlap is undone
 /// [m] The damper takes hold over this depth: a force that set in at once would leave a step in
 /// which two bodies meet without a solution.
@@ -35,7 +35,7 @@ SideForce side_force(const SideContact& contact, const Eigen::Vector2d& slip,
   const double pressing = contact.stiffness + rising + 2.0 * damping / time;
   const Eigen::Vector2d along(-contact.normal.y(), contact.normal.x());
   const double speed = along.dot(slip) / time;
-  const double drag = kFriction * force / (std::abs(speed) + kLeastSlip);
+  const double drag = kFriction * force / (std::abs(speed) + kMinSlip);
   result.force = force * contact.normal + drag * speed * along;
   result.stiffness = pressing * contact.normal * contact.normal.transpose() +
                      drag / time * along * along.transpose();

@@ -18,9 +18,9 @@ namespace pcavr::detail {
 namespace {
 
 /// A support that bears no force at all has no surface to slide on; this [N] counts as none.
-constexpr double kLeastFriction = 1e-6;
+constexpr double kMinFriction = 1e-6;
 /// A body held down by less than this share of its weight slides as if by that much.
-constexpr double kLeastShare = 1e-3;
+constexpr double kMinShare = 1e-3;
 /// How far the pressure's centre can shift, over the friction radius: on the edge of the patch the
 /// body would tip, which it does not do here.
 constexpr double kFurthestPressure = 1.0;
@@ -70,8 +70,8 @@ double mean_force(const LimitSurface& surface) {
 
 PlanarFriction friction_of(const BodyPhysics& physics, double gyration_radius) {
   const FrictionParameters& f = physics.friction;
-  const double holding = std::max(holding_force(f), kLeastFriction);
-  const double coulomb = std::max(f.coulomb_force, kLeastShare * holding);
+  const double holding = std::max(holding_force(f), kMinFriction);
+  const double coulomb = std::max(f.coulomb_force, kMinShare * holding);
   PlanarFriction friction;
   friction.mass = f.mass;
   friction.inertia = f.mass * gyration_radius * gyration_radius;
@@ -144,7 +144,7 @@ PlanarState UprightBody::at_rest_in(const Pose& T_base_object, double yaw_near) 
 }
 
 double UprightBody::weight_share(double down) const noexcept {
-  return std::max(kLeastShare, 1.0 + down / (friction_.mass * gravity_));
+  return std::max(kMinShare, 1.0 + down / (friction_.mass * gravity_));
 }
 
 PlanarFriction UprightBody::friction_under(const Eigen::Vector3d& force, const Eigen::Vector2d& arm,

@@ -150,9 +150,9 @@ SphereView look_at(const FrameSurface& frame, const Eigen::Vector3f& centre, flo
     for (const DepthTile& tile : frame.tiles) {
       view.depth.nearest = std::min(view.depth.nearest, tile.nearest);
       view.depth.farthest = std::max(view.depth.farthest, tile.farthest);
-      view.depth.most_free = std::max(view.depth.most_free, tile.most_free);
+      view.depth.max_free = std::max(view.depth.max_free, tile.max_free);
     }
-    view.depth.least_free = 0.0F;
+    view.depth.min_free = 0.0F;
     return view;
   }
   const auto fx = static_cast<float>(camera.fx);
@@ -182,8 +182,8 @@ SphereView look_at(const FrameSurface& frame, const Eigen::Vector3f& centre, flo
       const DepthTile& tile = frame.tiles[static_cast<std::size_t>(y * frame.tiles_x + x)];
       view.depth.nearest = std::min(view.depth.nearest, tile.nearest);
       view.depth.farthest = std::max(view.depth.farthest, tile.farthest);
-      view.depth.least_free = std::min(view.depth.least_free, tile.least_free);
-      view.depth.most_free = std::max(view.depth.most_free, tile.most_free);
+      view.depth.min_free = std::min(view.depth.min_free, tile.min_free);
+      view.depth.max_free = std::max(view.depth.max_free, tile.max_free);
     }
   }
   return view;
@@ -217,8 +217,8 @@ std::vector<SeenBlock> seen_blocks(const BlockMap& map, const FrameSurface& fram
         any_depth ? view.depth.nearest - tables.truncation(view.depth.nearest) : 1e9F;
     block.band_farthest =
         any_depth ? view.depth.farthest + tables.truncation(view.depth.farthest) : -1e9F;
-    block.free_farthest = view.depth.most_free;
-    block.wholly_free = !view.cut_off && z + radius < view.depth.least_free;
+    block.free_farthest = view.depth.max_free;
+    block.wholly_free = !view.cut_off && z + radius < view.depth.min_free;
     const bool meets_band = z + radius >= block.band_nearest && z - radius <= block.band_farthest;
     return meets_band || z - radius < block.free_farthest;
   };

@@ -39,7 +39,7 @@ class LargestSteps {
     FilterRow row{};
     row.nearest = nearest_;
     row.steps_per_metre = steps_per_metre_;
-    row.largest_steps = steps_.data();
+    row.max_steps = steps_.data();
     return row;
   }
 
@@ -54,7 +54,7 @@ class LargestSteps {
 /// Readings in range, with a border of one empty pixel, and at each row's end as many as vectors
 /// may reach.
 DepthImage padded_readings(const DepthImage& depth, const LargestSteps& steps) {
-  DepthImage padded(depth.width() + 2 + kMostLanes, depth.height() + 2);
+  DepthImage padded(depth.width() + 2 + kMaxLanes, depth.height() + 2);
   for (int v = 0; v < depth.height(); ++v) {
     const std::span<const float> from = depth.row(v);
     const std::span<float> to = padded.row(v + 1);

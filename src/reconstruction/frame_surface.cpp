@@ -101,8 +101,8 @@ DepthTile summarise(const FrameSurface& frame, int tile_x, int tile_y) {
       const float z = frame.depth(u, v);
       tile.nearest = std::min(tile.nearest, z > 0.0F ? z : 1e9F);
       tile.farthest = std::max(tile.farthest, z);
-      tile.least_free = std::min(tile.least_free, frame.free_depth(u, v));
-      tile.most_free = std::max(tile.most_free, frame.free_depth(u, v));
+      tile.min_free = std::min(tile.min_free, frame.free_depth(u, v));
+      tile.max_free = std::max(tile.max_free, frame.free_depth(u, v));
     }
   }
   return tile;

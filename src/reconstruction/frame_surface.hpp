@@ -18,8 +18,8 @@ namespace pcavr {
 struct DepthTile {
   float nearest = 1e9F;  ///< of the measured depths [m]
   float farthest = 0.0F;
-  float least_free = 1e9F;  ///< of the free depths [m]
-  float most_free = 0.0F;
+  float min_free = 1e9F;  ///< of the free depths [m]
+  float max_free = 0.0F;
 };
 
 /// A frame made ready for fusion, at half the camera's resolution: the planes carry a surface from

@@ -38,14 +38,14 @@ inline constexpr int kPlaneReach = 2;
 struct FilterRow {
   const float* centre;  ///< depth of the row's first pixel; 0: nothing [m]
   int stride;           ///< to the next row; there is an empty pixel around the image, and
-                        ///< kMostLanes more after each row
+                        ///< kMaxLanes more after each row
   int width;
-  float nearest;               ///< of the table's first entry [m]
-  float steps_per_metre;       ///< of the table
-  const float* largest_steps;  ///< to a neighbour on the same surface, over depth [m]
+  float nearest;           ///< of the table's first entry [m]
+  float steps_per_metre;   ///< of the table
+  const float* max_steps;  ///< to a neighbour on the same surface, over depth [m]
 };
 /// Of any instruction set.
-inline constexpr int kMostLanes = 16;
+inline constexpr int kMaxLanes = 16;
 
 /// One block seen by one frame.
 struct BlockView {

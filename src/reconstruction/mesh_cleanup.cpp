@@ -43,7 +43,7 @@ double area_of(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t) 
 
 }  // namespace
 
-std::size_t remove_small_islands(TriangleMesh& mesh, double smallest_area) {
+std::size_t remove_small_islands(TriangleMesh& mesh, double min_area) {
   VertexSets sets(mesh.vertices.size());
   for (const auto& t : mesh.triangles) {
     sets.join(t[0], t[1]);
@@ -57,10 +57,9 @@ std::size_t remove_small_islands(TriangleMesh& mesh, double smallest_area) {
   }
   std::size_t dropped = 0;
   for (std::size_t v = 0; v < area.size(); ++v) {
-    dropped += has_triangle[v] && area[v] < smallest_area ? 1 : 0;
+    dropped += has_triangle[v] && area[v] < min_area ? 1 : 0;
   }
-  std::erase_if(mesh.triangles,
-                [&](const auto& t) { return area[sets.find(t[0])] < smallest_area; });
+  std::erase_if(mesh.triangles, [&](const auto& t) { return area[sets.find(t[0])] < min_area; });
   keep_used_vertices(mesh);
   return dropped;
 }

@@ -14,11 +14,11 @@ constexpr float kDepthUnit = 0.00025F;  // [m]; 16 bits then reach 16 m
 
 void PastViews::keep(const FrameSurface& frame, const Pose& T_base_camera) {
   if (frames_++ % stride_ != 0) return;
-  if (views_.size() == kMostViews) {
+  if (views_.size() == kMaxViews) {
     for (std::size_t i = 1; 2 * i < views_.size(); ++i) views_[i] = std::move(views_[2 * i]);
-    views_.resize(kMostViews / 2);
+    views_.resize(kMaxViews / 2);
     stride_ *= 2;
-    // The frame at hand is a multiple of the doubled stride, as kMostViews is even.
+    // The frame at hand is a multiple of the doubled stride, as kMaxViews is even.
   }
   const Pose T_camera_base = T_base_camera.inverse();
   View view{T_camera_base.rotation_matrix().cast<float>(),
@@ -38,7 +38,7 @@ void PastViews::keep(const FrameSurface& frame, const Pose& T_base_camera) {
     view.free_depth[i] = static_cast<std::uint16_t>(units);
   }
   for (const DepthTile& tile : frame.tiles) {
-    view.farthest = std::max(view.farthest, tile.most_free);
+    view.farthest = std::max(view.farthest, tile.max_free);
   }
   views_.push_back(std::move(view));
 }
@@ -85,7 +85,7 @@ void PastViews::count_through(const View& view, const Eigen::Vector3f& p_base, f
         static_cast<std::size_t>(static_cast<int>(v) * view.width + static_cast<int>(u));
     const bool through = p.z() < static_cast<float>(view.free_depth[pixel]) * kDepthUnit;
     std::uint32_t& counts = block.color_counts[i];
-    if (through && through_count(counts) < kLargestCount) counts += 1U << 28;
+    if (through && through_count(counts) < kMaxCount) counts += 1U << 28;
   }
 }
 

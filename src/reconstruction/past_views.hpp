@@ -16,10 +16,10 @@ namespace pcavr {
 
 /// What frames saw through before a block was there. Without it, something that comes to rest where
 /// earlier frames saw nothing would stay: blocks count only from the frame that adds them. Kept
-/// evenly over time, at most kMostViews, so that memory does not grow with the recording.
+/// evenly over time, at most kMaxViews, so that memory does not grow with the recording.
 class PastViews {
  public:
-  static constexpr std::size_t kMostViews = 64;  ///< 10 MB at 640 x 480
+  static constexpr std::size_t kMaxViews = 64;  ///< 10 MB at 640 x 480
 
   /// Remembers the frame if it is its turn.
   void keep(const FrameSurface& frame, const Pose& T_base_camera);

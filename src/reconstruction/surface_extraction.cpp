@@ -18,19 +18,19 @@ constexpr std::size_t kMeshGrainBlocks = 64;
 constexpr std::int16_t kUnknown = std::numeric_limits<std::int16_t>::min();
 // A crossing keeps this far from the voxels, in edge lengths: there the vertices of several edges
 // would fall together.
-constexpr float kLeastFraction = 1.0F / 64.0F;
+constexpr float kMinFraction = 1.0F / 64.0F;
 
 using Distances = std::array<std::int16_t, kBlockVoxels>;
 
 /// What is known of a block, with kUnknown where nothing is. A surface where others saw through is
 /// no surface: the inside of a voxel that is free is unknown, and its outside stays what it is.
-void decode(const VoxelBlock& block, std::uint32_t through_whole, std::uint32_t least_hits,
+void decode(const VoxelBlock& block, std::uint32_t through_whole, std::uint32_t min_hits,
             std::uint32_t frames_to_clear, Distances& distances) {
   for (std::size_t i = 0; i < kBlockVoxels; ++i) {
     const std::uint32_t counts = block.color_counts[i];
     const int steps = distance_steps(block.distance_weight[i]);
     const bool is_free = through_count(counts) + through_whole >= frames_to_clear;
-    const bool is_known = hit_count(counts) >= least_hits && !(is_free && steps <= 0);
+    const bool is_known = hit_count(counts) >= min_hits && !(is_free && steps <= 0);
     // Never exactly on the surface, so that each vertex has one edge.
     const int distance = steps == 0 ? 1 : std::max(steps, -32767);
     distances[i] = is_known ? static_cast<std::int16_t>(distance) : kUnknown;
@@ -291,7 +291,7 @@ class BlockMesher {
     ++end[axis];
     const auto a = static_cast<float>(window_(at[0], at[1], at[2]));
     const auto b = static_cast<float>(window_(end[0], end[1], end[2]));
-    const float share = std::clamp(a / (a - b), kLeastFraction, 1.0F - kLeastFraction);
+    const float share = std::clamp(a / (a - b), kMinFraction, 1.0F - kMinFraction);
     Eigen::Vector3f p(static_cast<float>(place.x * kBlockSide + at[0]),
                       static_cast<float>(place.y * kBlockSide + at[1]),
                       static_cast<float>(place.z * kBlockSide + at[2]));
@@ -335,13 +335,13 @@ class BlockMesher {
 
 std::vector<Distances> decode_all(const BlockMap& map, const ExtractionParameters& parameters,
                                   Parallelism parallelism) {
-  const auto least_hits = static_cast<std::uint32_t>(
-      std::clamp(std::ceil(parameters.smallest_weight), 1.0, double{kLargestCount}));
+  const auto min_hits = static_cast<std::uint32_t>(
+      std::clamp(std::ceil(parameters.min_weight), 1.0, double{kMaxCount}));
   std::vector<Distances> distances(map.size());
   parallel_for(parallelism, map.size(), kMeshGrainBlocks, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto number = static_cast<std::uint32_t>(i);
-      decode(map.block(number), map.through_whole(number), least_hits,
+      decode(map.block(number), map.through_whole(number), min_hits,
              static_cast<std::uint32_t>(parameters.frames_to_clear), distances[i]);
     }
   });

@@ -10,8 +10,8 @@
 namespace pcavr {
 
 struct ExtractionParameters {
-  double voxel_size = 0.0;       ///< [m]
-  double smallest_weight = 1.0;  ///< [frames]
+  double voxel_size = 0.0;  ///< [m]
+  double min_weight = 1.0;  ///< [frames]
   int frames_to_clear = 3;
 };
 

@@ -105,7 +105,7 @@ TsdfVolume::TsdfVolume(const TsdfOptions& options) {
   PCAVR_REQUIRE(options.voxel_size > 0.0, options.voxel_size);
   PCAVR_REQUIRE(options.truncation_voxels >= 2.0, options.truncation_voxels);
   PCAVR_REQUIRE(
-      options.frames_to_clear >= 1 && options.frames_to_clear <= static_cast<int>(kLargestCount),
+      options.frames_to_clear >= 1 && options.frames_to_clear <= static_cast<int>(kMaxCount),
       options.frames_to_clear);
   blocks_ = std::make_unique<Blocks>(options);
 }
@@ -152,10 +152,9 @@ IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImag
   return report;
 }
 
-TriangleMesh TsdfVolume::extract_mesh(double smallest_weight, Parallelism parallelism) const {
+TriangleMesh TsdfVolume::extract_mesh(double min_weight, Parallelism parallelism) const {
   return extract_surface(
-      blocks_->map,
-      {blocks_->options.voxel_size, smallest_weight, blocks_->options.frames_to_clear},
+      blocks_->map, {blocks_->options.voxel_size, min_weight, blocks_->options.frames_to_clear},
       parallelism);
 }
 

@@ -16,9 +16,9 @@ inline constexpr int kDistanceSteps = 512;
 /// Weight units of the best measurement there is. 16 bits hold 256 of them, after which old frames
 /// fade; the worst measurement still counts as one unit.
 inline constexpr int kWeightUnits = 256;
-inline constexpr std::uint32_t kLargestWeight = 65535;
+inline constexpr std::uint32_t kMaxWeight = 65535;
 /// Both frame counters have four bits.
-inline constexpr std::uint32_t kLargestCount = 15;
+inline constexpr std::uint32_t kMaxCount = 15;
 
 /// 8^3 voxels, x fastest, in 8 bytes a voxel: two arrays of 32-bit lanes, as the kernel loads them.
 struct VoxelBlock {

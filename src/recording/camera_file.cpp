@@ -64,8 +64,8 @@ CameraFile read_camera_info(const YamlValue& root) {
   if (!(k[0] > 0.0) || !(k[4] > 0.0)) {
     matrix.fail("has a focal length that is not more than 0", "write fx 0 cx 0 fy cy 0 0 1");
   }
-  result.camera = {.width = root.at("image_width").integer(1, kLargestImageSide),
-                   .height = root.at("image_height").integer(1, kLargestImageSide),
+  result.camera = {.width = root.at("image_width").integer(1, kMaxImageSide),
+                   .height = root.at("image_height").integer(1, kMaxImageSide),
                    .fx = k[0],
                    .fy = k[4],
                    .cx = k[2],

@@ -153,8 +153,8 @@ void check_camera(const CameraModel& camera, const CameraKeys& keys) {
 CameraModel camera_of(const YamlValue& value) {
   CameraKeys keys{value.at("fx"), value.at("fy"), value.at("cx"), value.at("cy"),
                   value.find("distortion")};
-  CameraModel camera{.width = value.at("width").integer(1, kLargestImageSide),
-                     .height = value.at("height").integer(1, kLargestImageSide),
+  CameraModel camera{.width = value.at("width").integer(1, kMaxImageSide),
+                     .height = value.at("height").integer(1, kMaxImageSide),
                      .fx = keys.fx.positive_number(),
                      .fy = keys.fy.positive_number(),
                      .cx = keys.cx.number(),

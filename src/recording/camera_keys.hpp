@@ -12,7 +12,7 @@
 namespace pcavr {
 
 /// Sides of JPEG files are 16 bits long [ITU-T T.81, B.2.2]; libjpeg stops at this [px].
-inline constexpr int kLargestImageSide = 65500;
+inline constexpr int kMaxImageSide = 65500;
 
 /// The word of a lens model in the keys `model` of recording.yaml and camera files.
 [[nodiscard]] std::string_view name_of(LensModel model);

@@ -46,12 +46,11 @@ std::vector<Stamp> stamps_of(const Images& images) {
   return stamps;
 }
 
-PairedImages paired(const Series<Images>& color, const Series<Images>& depth,
-                    Duration largest_gap) {
+PairedImages paired(const Series<Images>& color, const Series<Images>& depth, Duration max_gap) {
   PairedImages images;
   const std::vector<Stamp> color_stamps = stamps_of(color.content);
   const std::vector<Stamp> depth_stamps = stamps_of(depth.content);
-  for (const auto& [c, d] : pair_by_time(color_stamps, depth_stamps, largest_gap)) {
+  for (const auto& [c, d] : pair_by_time(color_stamps, depth_stamps, max_gap)) {
     images.frames.push_back(
         {color_stamps[c], color.content[c].path, depth_stamps[d], depth.content[d].path});
   }
@@ -69,9 +68,9 @@ Expected<PairedImages> read_image_lists(const fs::path& folder, const ReadOption
   if (!color) return color.error();
   const Expected<Series<Images>> depth = read_list(folder, "depth.txt", options.skip_bad);
   if (!depth) return depth.error();
-  PairedImages images = paired(*color, *depth, options.largest_pair_gap);
+  PairedImages images = paired(*color, *depth, options.max_pair_gap);
   if (!images.frames.empty()) return images;
-  const double gap = to_seconds(options.largest_pair_gap) * 1000.0;
+  const double gap = to_seconds(options.max_pair_gap) * 1000.0;
   return Error{.message = "holds no frames: of " + std::to_string(images.unpaired_color) +
                           " colour and " + std::to_string(images.unpaired_depth) +
                           " depth images none belong together",

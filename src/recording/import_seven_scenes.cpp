@@ -28,7 +28,7 @@ constexpr std::string_view kPrefix = "frame-";
 constexpr std::uint16_t kInvalidDepth = 65535;
 
 /// Keeps stamps in range at any frame rate; the names have six digits.
-constexpr std::int64_t kLargestNumber = 99'999'999;
+constexpr std::int64_t kMaxNumber = 99'999'999;
 
 /// The files of one frame; a path is empty where the file is absent.
 struct SourceFrame {
@@ -45,7 +45,7 @@ void note_file(const fs::path& file, SourceFrames& frames) {
   std::int64_t number = 0;
   const auto [end, code] =
       std::from_chars(name.data() + kPrefix.size(), name.data() + name.size(), number);
-  if (code != std::errc{} || number < 0 || number > kLargestNumber) return;
+  if (code != std::errc{} || number < 0 || number > kMaxNumber) return;
   const std::string_view kind(end, name.data() + name.size());
   if (kind == ".color.png" || kind == ".color.jpg") frames[number].color = file;
   if (kind == ".depth.png") frames[number].depth = file;

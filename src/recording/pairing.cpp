@@ -26,14 +26,14 @@ std::vector<std::size_t> nearest_of_each(std::span<const Stamp> from, std::span<
 
 std::vector<std::pair<std::size_t, std::size_t>> pair_by_time(std::span<const Stamp> a,
                                                               std::span<const Stamp> b,
-                                                              Duration largest_gap) {
+                                                              Duration max_gap) {
   if (a.empty() || b.empty()) return {};
   const std::vector<std::size_t> nearest_b = nearest_of_each(a, b);
   const std::vector<std::size_t> nearest_a = nearest_of_each(b, a);
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const std::size_t j = nearest_b[i];
-    if (nearest_a[j] == i && apart(a[i], b[j]) <= largest_gap) pairs.emplace_back(i, j);
+    if (nearest_a[j] == i && apart(a[i], b[j]) <= max_gap) pairs.emplace_back(i, j);
   }
   return pairs;
 }

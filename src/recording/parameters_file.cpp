@@ -64,7 +64,7 @@ void read_field(const YamlValue& map, const Field& field, ObjectParameters& para
 /// planes keeps the whole surface on one side. Held against many directions, each with each.
 bool is_convex(const std::array<double, 15>& coefficients) {
   constexpr int kDirections = 200;
-  constexpr double kLeastLevel = 1e-4;  // thinner, it is no surface in the scales given
+  constexpr double kMinLevel = 1e-4;  // thinner, it is no surface in the scales given
   constexpr double kRounding = 1e-6;
   const LimitSurface surface{1.0, 1.0, coefficients};
   std::vector<Eigen::Vector3d> directions;
@@ -76,7 +76,7 @@ bool is_convex(const std::array<double, 15>& coefficients) {
   }
   for (const Eigen::Vector3d& at : directions) {
     const double size = level(surface, at);
-    if (!(size > kLeastLevel) || !std::isfinite(size)) return false;
+    if (!(size > kMinLevel) || !std::isfinite(size)) return false;
     const Eigen::Vector3d tangent = sliding_direction(surface, at) / (4.0 * std::pow(size, 3));
     for (const Eigen::Vector3d& other : directions) {
       if (!(tangent.dot(other) <= level(surface, other) * (1.0 + kRounding))) return false;

@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view kSignature("\x89PNG\r\n\x1A\n", 8);
 constexpr std::size_t kHeaderSize = 13;
 /// Sides up to which sizes of images fit well into every type used here; 4-byte lengths allow more.
-constexpr std::uint32_t kLargestSide = 1u << 16;
+constexpr std::uint32_t kMaxSide = 1u << 16;
 
 struct Chunk {
   std::string_view type;
@@ -56,7 +56,7 @@ Expected<PngImage> parse_header(std::string_view header) {
   PngImage image;
   const std::uint32_t width = big_endian_32(header);
   const std::uint32_t height = big_endian_32(header.substr(4));
-  if (width == 0 || height == 0 || width > kLargestSide || height > kLargestSide) {
+  if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide) {
     return Error{.message = "its size is not possible"};
   }
   image.width = static_cast<int>(width);

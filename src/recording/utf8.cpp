@@ -17,7 +17,7 @@ bool is_character(char32_t point) noexcept {
 }  // namespace
 
 bool is_utf8_text(std::string_view bytes) noexcept {
-  constexpr char32_t kLeastOf[] = {0, 0, 0x80, 0x800, 0x10000};
+  constexpr char32_t kMinOf[] = {0, 0, 0x80, 0x800, 0x10000};
   while (!bytes.empty()) {
     const auto lead = static_cast<unsigned char>(bytes.front());
     const auto ones = static_cast<std::size_t>(std::countl_one(lead));
@@ -29,7 +29,7 @@ bool is_utf8_text(std::string_view bytes) noexcept {
       if ((byte & 0xc0U) != 0x80U) return false;
       point = (point << 6U) | (byte & 0x3fU);
     }
-    if (point < kLeastOf[length] || !is_character(point)) return false;
+    if (point < kMinOf[length] || !is_character(point)) return false;
     bytes.remove_prefix(length);
   }
   return true;

@@ -10,7 +10,7 @@
 namespace pcavr {
 namespace {
 
-constexpr double kLeastCorner = 0.002;  ///< height of a corner over its neighbours' line [m]
+constexpr double kMinCorner = 0.002;  ///< height of a corner over its neighbours' line [m]
 
 /// Takes the flattest corner away as long as it is flat enough.
 void drop_flat_corners(std::vector<Eigen::Vector3d>& outline) {
@@ -24,7 +24,7 @@ void drop_flat_corners(std::vector<Eigen::Vector3d>& outline) {
     for (std::size_t i = 1; i < outline.size(); ++i) {
       if (height(i) < height(flattest)) flattest = i;
     }
-    if (height(flattest) >= kLeastCorner) return;
+    if (height(flattest) >= kMinCorner) return;
     outline.erase(outline.begin() + static_cast<std::ptrdiff_t>(flattest));
   }
 }

@@ -14,8 +14,8 @@ namespace pcavr {
 namespace {
 
 /// RANSAC only has to find the plane; a least-squares fit to all points follows.
-constexpr std::size_t kMostPoints = 20'000;
-constexpr int kMostIterations = 500;
+constexpr std::size_t kMaxPoints = 20'000;
+constexpr int kMaxIterations = 500;
 /// With which a sample without outliers is drawn.
 constexpr double kProbability = 0.9999;
 
@@ -34,9 +34,9 @@ class QuietPcl {
 }  // namespace
 
 std::optional<Plane> ransac_plane(const std::vector<Eigen::Vector3d>& points, double distance,
-                                  double least_upward) {
+                                  double min_upward) {
   pcl::PointCloud<pcl::PointXYZ>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZ>);
-  const std::size_t stride = points.size() / kMostPoints + 1;
+  const std::size_t stride = points.size() / kMaxPoints + 1;
   for (std::size_t i = 0; i < points.size(); i += stride) {
     const Eigen::Vector3f p = points[i].cast<float>();
     cloud->emplace_back(p.x(), p.y(), p.z());
@@ -45,9 +45,9 @@ std::optional<Plane> ransac_plane(const std::vector<Eigen::Vector3d>& points, do
   const auto model = pcl::make_shared<pcl::SampleConsensusModelPerpendicularPlane<pcl::PointXYZ>>(
       cloud, /*random=*/false);
   model->setAxis(Eigen::Vector3f::UnitZ());
-  model->setEpsAngle(std::acos(least_upward));
+  model->setEpsAngle(std::acos(min_upward));
   pcl::RandomSampleConsensus<pcl::PointXYZ> ransac(model, distance);
-  ransac.setMaxIterations(kMostIterations);
+  ransac.setMaxIterations(kMaxIterations);
   ransac.setProbability(kProbability);
   const QuietPcl quiet;
   if (!ransac.computeModel()) return std::nullopt;

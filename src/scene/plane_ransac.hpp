@@ -10,8 +10,8 @@
 namespace pcavr {
 
 /// The plane that explains the most points within `distance` [m], with an upward normal whose z is
-/// at least `least_upward` (PCL's RANSAC with its fixed seed: the same points give the same plane).
+/// at least `min_upward` (PCL's RANSAC with its fixed seed: the same points give the same plane).
 [[nodiscard]] std::optional<Plane> ransac_plane(const std::vector<Eigen::Vector3d>& points,
-                                                double distance, double least_upward);
+                                                double distance, double min_upward);
 
 }  // namespace pcavr

@@ -13,9 +13,9 @@ using Points = std::vector<Eigen::Vector3d>;
 
 constexpr double kFieldOfView = 40.0 * M_PI / 180.0;     ///< across the picture [rad]
 constexpr double kTableElevation = 48.0 * M_PI / 180.0;  ///< of the view, from the horizon [rad]
-constexpr double kLeastElevation = 20.0 * M_PI / 180.0;  ///< where there is no table [rad]
+constexpr double kMinElevation = 20.0 * M_PI / 180.0;    ///< where there is no table [rad]
 constexpr double kFilledShare = 0.86;                    ///< of the picture, by what it is about
-constexpr double kLeastDistance = 0.3;                   ///< to what is nearest [m]
+constexpr double kMinDistance = 0.3;                     ///< to what is nearest [m]
 
 /// Corners of the objects, and outlines of what they stand on.
 Points points_of_interest(const Scene& scene) {
@@ -101,7 +101,7 @@ Eigen::Vector3d direction_to_viewer(const Scene& scene, const Eigen::Vector3d& c
   if (level.norm() < 0.01) level = -Eigen::Vector3d::UnitX();
   const double seen_from = std::atan2(to_camera.dot(up), level.norm());
   const double elevation =
-      has_table ? kTableElevation : std::clamp(seen_from, kLeastElevation, kTableElevation);
+      has_table ? kTableElevation : std::clamp(seen_from, kMinElevation, kTableElevation);
   return std::cos(elevation) * level.normalized() + std::sin(elevation) * up;
 }
 
@@ -149,7 +149,7 @@ View choose_view(const Scene& scene, int width, int height) {
   }
   const double behind_x = -(left + right) / (2.0 * slope_x);
   const double behind_y = -(top + bottom) / (2.0 * slope_y);
-  const double z = std::min({behind_x, behind_y, nearest - kLeastDistance});
+  const double z = std::min({behind_x, behind_y, nearest - kMinDistance});
   const Eigen::Vector3d viewer(0.5 * (right - left), 0.5 * (bottom - top), z);
   view.T_base_view = Pose(Eigen::Quaterniond(R_base_view), R_base_view * viewer);
   return view;

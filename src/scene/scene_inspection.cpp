@@ -160,7 +160,7 @@ class Inspection {
   /// The mesh shows what the map was made from. Rays are cut by their length and depth by its z, so
   /// that a little of the mesh may stand out at the far end.
   [[nodiscard]] std::string complaint_about_bounds(const OctomapContent& map) const {
-    constexpr double kLeastShare = 0.95;
+    constexpr double kMinShare = 0.95;
     const Eigen::Vector3d margin = Eigen::Vector3d::Constant(2.0 * map.resolution);
     Eigen::AlignedBox3d box = map.known_base;
     if (!box.isEmpty()) box = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
@@ -170,7 +170,7 @@ class Inspection {
     const double share = mesh_.vertices.empty() ? 1.0
                                                 : static_cast<double>(inside) /
                                                       static_cast<double>(mesh_.vertices.size());
-    return share >= kLeastShare ? "" : "holds only " + rounded(100.0 * share, 0) + " % of the mesh";
+    return share >= kMinShare ? "" : "holds only " + rounded(100.0 * share, 0) + " % of the mesh";
   }
 
   void check_trajectory() {

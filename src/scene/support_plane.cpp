@@ -19,9 +19,9 @@ namespace pcavr {
 namespace {
 
 /// Steeper ones bear no box: most things slide from a slope of 15 degrees (friction 0.27) on.
-const double kLeastUpward = std::cos(15.0 * M_PI / 180.0);
+const double kMinUpward = std::cos(15.0 * M_PI / 180.0);
 /// Vertex normals of a noisy mesh stray further than the surface itself.
-const float kLeastNormalUpward = std::cos(30.0F * static_cast<float>(M_PI) / 180.0F);
+const float kMinNormalUpward = std::cos(30.0F * static_cast<float>(M_PI) / 180.0F);
 /// From a body's lowest point to the plane: its pose and the surface may each be off [m].
 constexpr double kAbove = 0.03;
 /// Around the body: what lies right beneath it was never seen [m].
@@ -29,10 +29,10 @@ constexpr double kAround = 0.15;
 /// From a point to the plane that explains it, at first [m].
 constexpr double kInlierDistance = 0.01;
 /// The distance is then three standard deviations, but no less than this [m].
-constexpr double kLeastInlierDistance = 0.003;
+constexpr double kMinInlierDistance = 0.003;
 /// Points within a cell of this edge, or in cells side by side, are connected [m].
 constexpr double kCellEdge = 0.03;
-constexpr std::size_t kLeastPoints = 30;
+constexpr std::size_t kMinPoints = 30;
 
 using Points = std::vector<Eigen::Vector3d>;
 
@@ -47,7 +47,7 @@ Points upward_points(const TriangleMesh& mesh) {
   }
   Points points;
   for (std::size_t i = 0; i < with_normals->vertices.size(); ++i) {
-    if (with_normals->normals[i].z() < kLeastNormalUpward) continue;
+    if (with_normals->normals[i].z() < kMinNormalUpward) continue;
     points.push_back(with_normals->vertices[i].cast<double>());
   }
   return points;
@@ -138,11 +138,11 @@ std::optional<SupportPlane> grown(Plane plane, const Points& points,
   Points inliers;
   for (int round = 0; round < 3; ++round) {
     inliers = connected_inliers(points, plane, distance, near);
-    if (inliers.size() < kLeastPoints) return std::nullopt;
+    if (inliers.size() < kMinPoints) return std::nullopt;
     std::tie(plane, support.rms) = fit(inliers);
-    distance = std::clamp(3.0 * support.rms, kLeastInlierDistance, kInlierDistance);
+    distance = std::clamp(3.0 * support.rms, kMinInlierDistance, kInlierDistance);
   }
-  if (plane.normal.z() < kLeastUpward) return std::nullopt;
+  if (plane.normal.z() < kMinUpward) return std::nullopt;
   support.plane_base = plane;
   support.outline_base = convex_outline(inliers, plane);
   return support;
@@ -155,7 +155,7 @@ std::optional<SupportPlane> plane_below(const Points& points, const Footprint& f
     if (footprint.box.exteriorDistance(point.head<2>().eval()) > kAround) continue;
     candidates.push_back(point);
   }
-  const std::optional<Plane> seed = ransac_plane(candidates, kInlierDistance, kLeastUpward);
+  const std::optional<Plane> seed = ransac_plane(candidates, kInlierDistance, kMinUpward);
   if (!seed) return std::nullopt;
   return grown(*seed, points, footprint);
 }
@@ -185,7 +185,7 @@ std::vector<SupportPlane> find_support_planes(const TriangleMesh& mesh_base,
     found->objects.push_back(body.name);
   }
   if (!bodies.empty()) return planes;
-  if (const auto seed = ransac_plane(points, kInlierDistance, kLeastUpward)) {
+  if (const auto seed = ransac_plane(points, kInlierDistance, kMinUpward)) {
     if (auto plane = grown(*seed, points, std::nullopt)) planes.push_back(std::move(*plane));
   }
   return planes;

@@ -15,7 +15,7 @@ namespace pcavr {
 namespace {
 
 /// Enough for going back and forth around a moment; at 640 x 480 some 5 MB.
-constexpr std::size_t kMostKept = 32;
+constexpr std::size_t kMaxKept = 32;
 
 /// The N of "/api/frames/N.jpg", written as a plain number.
 std::optional<std::size_t> frame_of(std::string_view path) {
@@ -51,7 +51,7 @@ struct FrameContent::Store {
   void keep(std::size_t frame, std::shared_ptr<const Content> picture) {
     const std::lock_guard lock(mutex);
     kept.emplace_back(frame, std::move(picture));
-    if (kept.size() > kMostKept) kept.pop_front();
+    if (kept.size() > kMaxKept) kept.pop_front();
   }
 };
 

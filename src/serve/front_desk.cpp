@@ -23,7 +23,7 @@ using nlohmann::ordered_json;
 
 constexpr char kCookie[] = "pcavr_session=";
 // What a compressed file may become: a scene's mesh of 5 million triangles is 200 MB.
-constexpr std::size_t kMostUnpacked = std::size_t{1} << 30;
+constexpr std::size_t kMaxUnpacked = std::size_t{1} << 30;
 
 HttpAnswer json_answer(unsigned status, const ordered_json& json) {
   return {status,
@@ -171,7 +171,7 @@ HttpAnswer FrontDesk::fetch(const ContentSource& source, const std::string& path
     answer.headers.emplace_back("Content-Encoding", "gzip");
     return answer;
   }
-  std::optional<std::string> plain = gunzip(answer.content->body, kMostUnpacked);
+  std::optional<std::string> plain = gunzip(answer.content->body, kMaxUnpacked);
   if (!plain) return refusal(500, "can't take apart what is compressed: " + path);
   answer.content = std::make_shared<const Content>(
       Content{answer.content->media_type, std::move(*plain), false});

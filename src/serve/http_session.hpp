@@ -14,12 +14,12 @@
 
 namespace pcavr::network {
 
-inline constexpr auto kMostReadTime = std::chrono::seconds(20);
-inline constexpr auto kMostWriteTime = std::chrono::seconds(30);
+inline constexpr auto kMaxReadTime = std::chrono::seconds(20);
+inline constexpr auto kMaxWriteTime = std::chrono::seconds(30);
 /// [bytes/s] a file may go as slowly as that.
 inline constexpr std::size_t kSlowest = 64 * 1024;
-inline constexpr std::uint32_t kMostHeader = 16 * 1024;
-inline constexpr std::uint64_t kMostBody = 4 * 1024;
+inline constexpr std::uint32_t kMaxHeader = 16 * 1024;
+inline constexpr std::uint64_t kMaxBody = 4 * 1024;
 
 /// What every answer says, so that a browser holds the page to what is its own. The page makes
 /// workers and textures of what it holds in memory (blob:), and a decoder is WebAssembly.
@@ -44,7 +44,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream
 
   void begin() {
     if constexpr (kIsTls) {
-      beast::get_lowest_layer(stream_).expires_after(kMostReadTime);
+      beast::get_lowest_layer(stream_).expires_after(kMaxReadTime);
       stream_.async_handshake(
           asio::ssl::stream_base::server, buffer_.data(),
           [self = this->shared_from_this()](error_code fault, std::size_t used) {
@@ -60,9 +60,9 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream
  private:
   void read() {
     parser_.emplace();
-    parser_->header_limit(kMostHeader);
-    parser_->body_limit(kMostBody);
-    beast::get_lowest_layer(stream_).expires_after(kMostReadTime);
+    parser_->header_limit(kMaxHeader);
+    parser_->body_limit(kMaxBody);
+    beast::get_lowest_layer(stream_).expires_after(kMaxReadTime);
     http::async_read(stream_, buffer_, *parser_,
                      [self = this->shared_from_this()](error_code fault, std::size_t) {
                        self->on_request(fault);
@@ -143,7 +143,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream
     set_policy();
     const bool has_body = parser_->get().method() != http::verb::head && answer.status != 304;
     response_->body() = {has_body ? body.data() : nullptr, has_body ? body.size() : 0};
-    beast::get_lowest_layer(stream_).expires_after(kMostWriteTime +
+    beast::get_lowest_layer(stream_).expires_after(kMaxWriteTime +
                                                    std::chrono::seconds(body.size() / kSlowest));
     http::async_write(stream_, *response_,
                       [self = this->shared_from_this()](error_code fault, std::size_t) {

@@ -22,7 +22,7 @@ constexpr std::size_t kHeadBytes = 24;
 constexpr float kNotAUnit = 1e-3F;
 constexpr std::uint8_t kHands = 4;
 // A number that is larger names no protocol.
-constexpr std::uint64_t kMostProtocol = 1'000'000;
+constexpr std::uint64_t kMaxProtocol = 1'000'000;
 constexpr std::uint32_t kCommands = 5;
 
 Expected<PageMessage> read_hello(const LiveFrame& frame) {
@@ -87,7 +87,7 @@ Error refused(std::string why) { return Error{.message = std::move(why), .place 
 std::optional<int> protocol_in(const ordered_json& json) {
   if (!json.is_object() || !json.contains("protocol")) return std::nullopt;
   const ordered_json& protocol = json["protocol"];
-  if (!protocol.is_number_unsigned() || protocol.get<std::uint64_t>() > kMostProtocol) {
+  if (!protocol.is_number_unsigned() || protocol.get<std::uint64_t>() > kMaxProtocol) {
     return std::nullopt;
   }
   return protocol.get<int>();

@@ -10,7 +10,7 @@ namespace pcavr {
 namespace {
 
 /// [s] docs/live-protocol.md: a page that holds the clutch and says nothing is not there any more.
-constexpr double kMostSilence = 0.5;
+constexpr double kMaxSilence = 0.5;
 
 void copy_bodies(const WorldSnapshot& snapshot, LiveState& state) {
   state.objects.resize(snapshot.world.bodies.size());
@@ -170,7 +170,7 @@ void LiveRoom::look_around(double now) {
   if (!holder_) return;
   const PageId id = *holder_;
   const Page& page = pages_.at(id);
-  if (!page.is_engaged || now - page.last_tool <= kMostSilence) return;
+  if (!page.is_engaged || now - page.last_tool <= kMaxSilence) return;
   release_tool();
   tell(id, LiveLevel::warning, "nothing was heard of the tool for 0.5 s: it was let go", now);
 }

@@ -15,9 +15,9 @@
 namespace pcavr::network {
 
 /// Words wait here while one is on its way; a page that lets more than this pile up does not read.
-inline constexpr std::size_t kMostWords = 16;
+inline constexpr std::size_t kMaxWords = 16;
 /// Between two states; a page has some 70 to 90 samples a second to say, and no reason for more.
-inline constexpr int kMostMessagesPerTick = 20;
+inline constexpr int kMaxMessagesPerTick = 20;
 /// [bytes] What the system may keep back for us: some 50 ms of states. With more, a slow page would
 /// see what was long ago.
 inline constexpr int kSendBuffer = 8192;
@@ -57,7 +57,7 @@ class LiveSession final : public LivePage,
   }
 
   void send(std::vector<std::uint8_t> message) override {
-    if (words_.size() >= kMostWords) return drop();
+    if (words_.size() >= kMaxWords) return drop();
     words_.push_back(std::move(message));
     write_next();
   }
@@ -66,7 +66,7 @@ class LiveSession final : public LivePage,
     heard_since_tick_ = 0;
     if (const auto self = std::exchange(waits_to_read_, nullptr)) read();
     if (is_writing_) {
-      if (now - write_began_ > hub_.options.most_write_time) drop();
+      if (now - write_began_ > hub_.options.max_write_time) drop();
       return;
     }
     if (!is_open_ || is_ending_ || !hub_.room.is_greeted(page_)) return;
@@ -83,8 +83,8 @@ class LiveSession final : public LivePage,
  private:
   void begin() {
     is_open_ = true;
-    if (hub_.pages.size() > hub_.options.most_pages) {
-      const std::string most = std::to_string(hub_.options.most_pages);
+    if (hub_.pages.size() > hub_.options.max_pages) {
+      const std::string most = std::to_string(hub_.options.max_pages);
       words_.push_back(
           encode(ServerMessage{{1, LiveWorld::clock()},
                                LiveNotice{LiveLevel::error, most + " pages are open: no more"}}));
@@ -94,7 +94,7 @@ class LiveSession final : public LivePage,
   }
 
   void read() {
-    if (heard_since_tick_ >= kMostMessagesPerTick) {
+    if (heard_since_tick_ >= kMaxMessagesPerTick) {
       // Until then nothing else may hold the session.
       waits_to_read_ = this->shared_from_this();
       return;

@@ -24,7 +24,7 @@ namespace {
 // Over ordinary programs, under what a machine runs for itself at 50 and above.
 constexpr int kPriority = 20;
 // What is more than this in arrears is left out: a hand has gone on since then.
-constexpr std::int64_t kMostArrears = 20;
+constexpr std::int64_t kMaxArrears = 20;
 constexpr std::int64_t kNanoseconds = 1'000'000'000;
 
 std::int64_t now_in_nanoseconds() noexcept {
@@ -82,7 +82,7 @@ struct LiveWorld::Content {
 
   [[nodiscard]] std::int64_t next_after(std::int64_t deadline) noexcept {
     const std::int64_t arrears = (now_in_nanoseconds() - deadline) / period;
-    if (arrears <= kMostArrears) return deadline + period;
+    if (arrears <= kMaxArrears) return deadline + period;
     late += static_cast<std::uint32_t>(arrears);
     return deadline + (arrears + 1) * period;
   }

@@ -19,7 +19,7 @@ constexpr std::string_view kSigns = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789";
 // 30 bits: at thirty tries a minute, half of them takes 34 years.
 constexpr std::size_t kCodeLength = 6;
 constexpr std::size_t kTokenBytes = 32;
-constexpr std::size_t kMostTokens = 64;
+constexpr std::size_t kMaxTokens = 64;
 constexpr double kMinute = 60.0;
 constexpr std::size_t kTriesOfOne = 5;
 constexpr std::size_t kTriesOfAll = 30;
@@ -98,7 +98,7 @@ Expected<Pairing::Answer> Pairing::pair(std::string_view code, const std::string
   if (!are_equal(as_written(code), code_)) return Answer{Outcome::wrong, {}};
   Expected<std::string> token = new_token();
   if (!token) return token.error();
-  if (tokens_.size() >= kMostTokens) tokens_.erase(tokens_.begin());
+  if (tokens_.size() >= kMaxTokens) tokens_.erase(tokens_.begin());
   tokens_.push_back(*token);
   return Answer{Outcome::paired, std::move(*token)};
 }

@@ -187,9 +187,9 @@ std::vector<ReplayTables::Error> replay_errors(const std::vector<ShownPose>& sho
   for (const ShownPose& pose : shown) {
     predicted.append(Stamp::from_seconds(pose.t), pose.T_base_object);
   }
-  constexpr Duration kLongestGap = std::chrono::milliseconds(200);
+  constexpr Duration kMaxGap = std::chrono::milliseconds(200);
   std::vector<ReplayTables::Error> errors;
-  for (const MatchedPose& pair : match(predicted, trajectory_of(tracked), kLongestGap)) {
+  for (const MatchedPose& pair : match(predicted, trajectory_of(tracked), kMaxGap)) {
     errors.push_back({pair.stamp.seconds(), translation_distance(pair.reference, pair.estimate),
                       rotation_distance(pair.reference, pair.estimate)});
   }

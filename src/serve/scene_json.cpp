@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Of a moving camera, so many poses show the way it took.
-constexpr std::size_t kMostCameras = 100;
+constexpr std::size_t kMaxCameras = 100;
 
 Json vector_json(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
@@ -73,7 +73,7 @@ Json plane_json(const SupportPlane& plane) {
 Json cameras_json(const Trajectory& camera, bool is_fixed) {
   Json cameras = Json::array();
   const std::size_t count =
-      is_fixed ? std::min<std::size_t>(1, camera.size()) : std::min(kMostCameras, camera.size());
+      is_fixed ? std::min<std::size_t>(1, camera.size()) : std::min(kMaxCameras, camera.size());
   for (std::size_t i = 0; i < count; ++i) {
     Json json = Json::object();
     add_pose(json, camera.poses()[i * camera.size() / count].pose);

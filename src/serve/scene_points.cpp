@@ -22,11 +22,11 @@ namespace {
 
 using Cell = std::array<std::uint16_t, 3>;
 
-constexpr int kMostSteps = std::numeric_limits<std::uint16_t>::max();
+constexpr int kMaxSteps = std::numeric_limits<std::uint16_t>::max();
 /// No depth camera tells less than this [m]; finer steps would store its noise.
 constexpr double kFinestStep = 0.00025;
-constexpr std::size_t kMostPoints = 500'000;
-constexpr std::uint64_t kMostCells = 4'000'000;
+constexpr std::size_t kMaxPoints = 500'000;
+constexpr std::uint64_t kMaxCells = 4'000'000;
 
 /// The place of a cell on Morton's curve: the bits of its coordinates, interleaved.
 std::uint64_t morton(const Cell& cell) {
@@ -55,7 +55,7 @@ Cell cell_of(const Eigen::Vector3f& point, const Eigen::Vector3f& origin, float 
   Cell cell{};
   for (int axis = 0; axis < 3; ++axis) {
     cell[static_cast<std::size_t>(axis)] =
-        static_cast<std::uint16_t>(clamp_to_int(std::round(steps[axis]), 0, kMostSteps));
+        static_cast<std::uint16_t>(clamp_to_int(std::round(steps[axis]), 0, kMaxSteps));
   }
   return cell;
 }
@@ -68,7 +68,7 @@ std::vector<std::size_t> kept_points(const std::vector<Cell>& cells) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return codes[a] < codes[b]; });
-  const std::size_t stride = (cells.size() + kMostPoints - 1) / kMostPoints;
+  const std::size_t stride = (cells.size() + kMaxPoints - 1) / kMaxPoints;
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < order.size(); i += stride) kept.push_back(order[i]);
   return kept;
@@ -82,7 +82,7 @@ Expected<PageCloud> page_cloud(const std::filesystem::path& cloud_ply) {
   const Eigen::AlignedBox3f box = bounds(cloud->vertices);
   const Eigen::Vector3f origin = box.isEmpty() ? Eigen::Vector3f(0, 0, 0) : box.min();
   const float extent = box.isEmpty() ? 0.0F : box.sizes().maxCoeff();
-  const auto step = static_cast<float>(std::max(double{extent} / kMostSteps, kFinestStep));
+  const auto step = static_cast<float>(std::max(double{extent} / kMaxSteps, kFinestStep));
   std::vector<Cell> cells;
   cells.reserve(cloud->vertices.size());
   for (const Eigen::Vector3f& point : cloud->vertices) {
@@ -106,7 +106,7 @@ Expected<PageOccupancy> page_occupancy(const std::filesystem::path& occupancy_bt
   const auto take = [&](const OctomapLeaf& leaf) {
     const std::int64_t edge = leaf.edge;
     const auto count = static_cast<std::uint64_t>(edge * edge * edge);
-    if (!leaf.is_occupied || cells.size() + count > kMostCells) return;
+    if (!leaf.is_occupied || cells.size() + count > kMaxCells) return;
     for (std::int64_t i = 0; i < edge * edge * edge; ++i) {
       const Eigen::Matrix<std::int64_t, 3, 1> offset(i % edge, i / edge % edge, i / (edge * edge));
       cells.push_back(leaf.corner + offset.cast<int>());
@@ -114,9 +114,9 @@ Expected<PageOccupancy> page_occupancy(const std::filesystem::path& occupancy_bt
   };
   const Expected<OctomapContent> map = read_octomap(occupancy_bt, take);
   if (!map) return map.error();
-  if (map->occupied > kMostCells) {
+  if (map->occupied > kMaxCells) {
     return Error{.message = "has " + std::to_string(map->occupied) + " occupied cells, more than " +
-                            "the " + std::to_string(kMostCells) + " that a page can show",
+                            "the " + std::to_string(kMaxCells) + " that a page can show",
                  .file = occupancy_bt.string(),
                  .hint = "build the scene with a larger --occupancy-resolution"};
   }

@@ -14,7 +14,7 @@ namespace pcavr {
 namespace {
 
 /// What the proxy is measured to walk on at 1 kHz.
-constexpr std::size_t kMostTriangles = 1'000'000;
+constexpr std::size_t kMaxTriangles = 1'000'000;
 /// [m] over what can be pushed: clear of it, and in view.
 constexpr double kWaitingHeight = 0.1;
 /// [s] in which the force may grow to its bound: a stroke, not a knock.
@@ -29,7 +29,7 @@ Expected<TriangleMesh> static_mesh(const SceneManifest& scene, SceneWorld& world
   if (!is_scanned(scene)) return TriangleMesh{};
   Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
   // The first level is for the eye, and holds the objects too.
-  for (std::size_t i = 1; mesh && mesh->triangles.size() > kMostTriangles; ++i) {
+  for (std::size_t i = 1; mesh && mesh->triangles.size() > kMaxTriangles; ++i) {
     if (i >= scene.levels_of_detail.size()) {
       return Error{.message = "more than a million triangles, and no coarser level",
                    .file = (scene.folder / "mesh.ply").string(),
@@ -91,8 +91,8 @@ Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
   world.model.world.static_mesh_base = {
       std::move(mesh->vertices), {}, {}, std::move(mesh->triangles)};
   world.model.world.tool_radius = options.tool_radius;
-  world.model.force.most_force = options.most_force;
-  world.model.force.most_rate = options.most_force / kRiseTime;
+  world.model.force.max_force = options.max_force;
+  world.model.force.max_rate = options.max_force / kRiseTime;
   for (const SceneObjectEntry& object : scene.objects) {
     if (!is_seen(object)) {
       world.notes.push_back(object.name + " was not seen when the scene was built: left out");

@@ -29,7 +29,7 @@ class Doorman final : public std::enable_shared_from_this<Doorman> {
       : hub_(hub), tls_(tls), stream_(std::move(socket)), peer_(std::move(peer)) {}
 
   void look() {
-    stream_.expires_after(kMostReadTime);
+    stream_.expires_after(kMaxReadTime);
     beast::async_detect_ssl(stream_, buffer_,
                             [self = shared_from_this()](error_code fault, bool is_tls) {
                               if (!fault) self->let_in(is_tls);
@@ -161,7 +161,7 @@ struct LiveServer::Impl {
     error_code fault;
     const tcp::endpoint remote = socket.remote_endpoint(fault);
     if (fault) return;
-    if (hub.connections >= hub.options.most_connections) return turn_away(std::move(socket));
+    if (hub.connections >= hub.options.max_connections) return turn_away(std::move(socket));
     Peer peer{std::make_shared<Connection>(hub), remote.address().to_string(),
               remote.address().is_loopback()};
     if (tls) {
@@ -244,7 +244,7 @@ Expected<void> check_server(const ServerOptions& options) {
 Expected<LiveServer> LiveServer::open(const ServerOptions& options, LiveWorld& world,
                                       const ContentSource& content) {
   PCAVR_REQUIRE(options.rate >= 1.0 && options.rate <= 1000.0, options.rate);
-  PCAVR_REQUIRE(options.most_write_time > 0.0, options.most_write_time);
+  PCAVR_REQUIRE(options.max_write_time > 0.0, options.max_write_time);
   const Expected<tcp::endpoint> endpoint = endpoint_of(options);
   if (!endpoint) return endpoint.error();
   Expected<Certified> certified = check(options, *endpoint);

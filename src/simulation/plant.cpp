@@ -277,7 +277,7 @@ PlantRun run_plant(const std::vector<PlantBody>& bodies, const PlantTool& tool,
   run.bodies.resize(bodies.size());
   std::vector<PhaseLog> logs;
   for (std::size_t i = 0; i < bodies.size(); ++i) logs.emplace_back(i);
-  const auto most = static_cast<std::size_t>(options.longest_duration / PlantRun::kStep);
+  const auto most = static_cast<std::size_t>(options.max_duration / PlantRun::kStep);
   auto tail = static_cast<std::size_t>(options.tail / PlantRun::kStep) + 1;
   for (std::size_t step = 0; step <= most && tail > 0; ++step) {
     const double t = PlantRun::kStep * static_cast<double>(step);

@@ -15,10 +15,10 @@ namespace pcavr::simulation {
 namespace {
 
 constexpr int kPatchesAlong = 7;
-constexpr double kLaneX = 0.62;               ///< [m]: the boxes stand one behind the other along
-constexpr double kLaneY[] = {-0.34, 0.26};    ///< base y, with room to be pushed
-constexpr double kLargestYaw = 0.25;          ///< [rad]
-constexpr double kLargestOffCentre = 0.0015;  ///< [m] of a centre of mass: uneven contents
+constexpr double kLaneX = 0.62;             ///< [m]: the boxes stand one behind the other along
+constexpr double kLaneY[] = {-0.34, 0.26};  ///< base y, with room to be pushed
+constexpr double kMaxYaw = 0.25;            ///< [rad]
+constexpr double kMaxOffCentre = 0.0015;    ///< [m] of a centre of mass: uneven contents
 
 /// Uniform in the logarithm, so that small values are as likely as large ones.
 double drawn_between(double low, double high, Random& random) {
@@ -70,8 +70,8 @@ void make_uneven(std::vector<PlantPatch>& patches, double unevenness, const Eige
 }
 
 Eigen::Vector2d drawn_centre(Random& random) {
-  const double x = random.uniform(-kLargestOffCentre, kLargestOffCentre);
-  return {x, random.uniform(-kLargestOffCentre, kLargestOffCentre)};
+  const double x = random.uniform(-kMaxOffCentre, kMaxOffCentre);
+  return {x, random.uniform(-kMaxOffCentre, kMaxOffCentre)};
 }
 
 Pose standing(double x, double y, double half_height, double yaw) {
@@ -90,7 +90,7 @@ PlantBody box(const std::string& name, const Eigen::Vector3d& half) {
 /// Where the box numbered `number` stands, by seed.
 Pose drawn_place(int number, double half_height, Random& random) {
   const double x = kLaneX + random.uniform(-0.02, 0.02);
-  const double yaw = random.uniform(-kLargestYaw, kLargestYaw);
+  const double yaw = random.uniform(-kMaxYaw, kMaxYaw);
   return standing(x, kLaneY[number], half_height, yaw);
 }
 
@@ -110,7 +110,7 @@ std::vector<PlantBody> drawn_boxes(std::uint64_t seed, int count) {
     body.parameters = drawn_parameters(random);
     const double unevenness = random.uniform() < 0.5 ? 0.0 : random.uniform(0.1, 0.6);
     const Eigen::Vector2d centre =
-        kLargestOffCentre * Eigen::Vector2d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+        kMaxOffCentre * Eigen::Vector2d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
     if (unevenness > 0.0) make_uneven(body.patches, unevenness, centre, random);
     body.T_base_object = is_grid ? grid_pose(number, count, half.z(), random)
                                  : drawn_place(number, half.z(), random);

@@ -131,7 +131,7 @@ class Program {
 
 /// Down on the middle of the top, and up again.
 void press(Program& program, std::size_t body, double radius, double speed, double depth,
-           double most_force) {
+           double max_force) {
   constexpr double kAbove = 0.006;  // room to reach the speed
   const Eigen::Vector3d top(0.0, 0.0, half_extents_of(program.body(body)).z() + radius);
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
@@ -141,7 +141,7 @@ void press(Program& program, std::size_t body, double radius, double speed, doub
               .target = top - depth * up,
               .speed = speed,
               .acceleration = 2.0,
-              .until_force = most_force,
+              .until_force = max_force,
               .dwell = 0.25});
   program.go({.body = body, .target = top + kAbove * up, .speed = std::max(speed, 0.03)});
 }
@@ -239,13 +239,13 @@ void push(Program& program, std::size_t body, const Spot& spot, int style, doubl
 double aim_error(Random& random) { return 0.001 * random.normal(); }
 
 /// A push with its way there takes longer than this [s].
-constexpr double kShortestPush = 1.0;
+constexpr double kMinPush = 1.0;
 
 /// Each box in turn; in every second round back from the other side by as much as before, so that
 /// the boxes stay about where they were however long it goes on.
 void program_push(Program& program, double radius, Random& random, const PushOptions& options) {
   const auto count = static_cast<std::size_t>(options.boxes);
-  const auto needed = static_cast<std::size_t>(std::ceil(options.duration / kShortestPush));
+  const auto needed = static_cast<std::size_t>(std::ceil(options.duration / kMinPush));
   std::vector<double> distances(count);
   for (std::size_t i = 0; i < std::max(count, needed); ++i) {
     const std::size_t body = i % count;

@@ -11,7 +11,7 @@ namespace {
 constexpr double kStartSpeed = 0.001;  // [m/s]
 constexpr double kStopSpeed = 0.0003;  // [m/s]
 constexpr double kCriticalShare = 0.9;
-constexpr double kShortestPhase = 0.008;  // [s]
+constexpr double kMinPhase = 0.008;  // [s]
 
 PlantPhase next_phase(PlantPhase now, const PhaseSigns& signs) {
   const double least = now == PlantPhase::sliding ? kStopSpeed : kStartSpeed;
@@ -26,7 +26,7 @@ PlantPhase next_phase(PlantPhase now, const PhaseSigns& signs) {
 void PhaseLog::add(double t, const PhaseSigns& signs) {
   now_ = next_phase(now_, signs);
   if (!changes_.empty() && changes_.back().phase == now_) return;
-  if (changes_.size() > 1 && t - changes_.back().t < kShortestPhase) changes_.pop_back();
+  if (changes_.size() > 1 && t - changes_.back().t < kMinPhase) changes_.pop_back();
   if (changes_.empty() || changes_.back().phase != now_) {
     changes_.push_back({.t = t, .body = body_, .phase = now_});
   }

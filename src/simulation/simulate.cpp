@@ -214,7 +214,7 @@ Expected<void> simulate(const SimulationCase& simulation, std::uint64_t seed,
   const PlantCase plant = make_plant_case(simulation.task, seed, push);
   const bool has_task = simulation.task != ToolTask::none;
   PlantOptions plant_options;
-  if (push.duration > 0.0) plant_options.longest_duration = push.duration;
+  if (push.duration > 0.0) plant_options.max_duration = push.duration;
   const PlantRun run =
       has_task ? run_plant(plant.bodies, plant.tool, plant.moves, plant_options) : PlantRun();
   const auto world = make_world(simulation, plant, seed, observer);

@@ -8,7 +8,7 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kLeastSamples = 20;
+constexpr std::size_t kMinSamples = 20;
 constexpr double kSlopeKnown = 0.1;
 // A chord of nothing would hold any force [m/N].
 constexpr double kStiffest = 1e-7;
@@ -29,7 +29,7 @@ void ContactLine::add(double tip, double force, double correlated) {
     sums_[law].gg += g * g;
     sums_[law].gx += g * x;
   }
-  if (is_ready_ || count_ < kLeastSamples) return;
+  if (is_ready_ || count_ < kMinSamples) return;
   const Fit line = fit(best());
   is_ready_ =
       line.slope > 0.0 && line.slope_deviation * std::sqrt(correlated) < kSlopeKnown * line.slope;

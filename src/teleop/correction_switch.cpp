@@ -9,7 +9,7 @@ namespace pcavr {
 namespace {
 
 constexpr double kSigmas = 3.0;
-constexpr double kLeastGap = 5e-4;  // [m]
+constexpr double kMinGap = 5e-4;  // [m]
 // Two sites see a phase change some 25 ms apart at best [s].
 constexpr double kPhaseStands = 0.060;
 constexpr double kForceStands = 0.040;
@@ -20,14 +20,14 @@ constexpr double kLapse = 0.020;
 constexpr double kAskAgain = 0.1;  // [s]
 constexpr double kMargin = 0.060;  // [s] after a round trip
 constexpr double kGrown = 2.0;
-constexpr double kMostPatience = 3.0;
+constexpr double kMaxPatience = 3.0;
 
 }  // namespace
 
 std::optional<CorrectionSwitch::Finding> CorrectionSwitch::find(const SiteComparison& seen,
                                                                 double factor) const {
   const double gap_limit = factor * std::clamp(kSigmas * seen.position_sigma,
-                                               std::min(kLeastGap, options_.position_tolerance),
+                                               std::min(kMinGap, options_.position_tolerance),
                                                options_.position_tolerance);
   const double gap =
       seen.position_gap.value_or(0.0) / std::min(gap_limit, options_.position_tolerance);
@@ -57,7 +57,7 @@ std::optional<CorrectionSwitch::Finding> CorrectionSwitch::find(const SiteCompar
 }
 
 std::optional<CorrectionCase> CorrectionSwitch::judge(const SiteComparison& seen, double traffic) {
-  const double factor = std::clamp(traffic, 1.0, kMostPatience);
+  const double factor = std::clamp(traffic, 1.0, kMaxPatience);
   const std::optional<Finding> finding = find(seen, factor);
   if (!finding) return std::nullopt;
   Matter& matter = matters_[static_cast<std::size_t>(finding->which)];

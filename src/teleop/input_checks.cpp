@@ -22,8 +22,8 @@ constexpr double kCommonRate = 200.0;
 // A correlation below minus this is a reversed sign.
 constexpr double kTurnedRound = 0.5;
 // No support bears more, and no sliding body less, of its weight.
-constexpr double kMostFriction = 10.0;
-constexpr double kLeastFriction = 0.01;
+constexpr double kMaxFriction = 10.0;
+constexpr double kMinFriction = 0.01;
 constexpr double kMoved = 0.005;    // [m] that an object was pushed, beyond doubt
 constexpr double kDensity = 700.0;  // [kg/m^3] where no mass is known
 // By which a force may follow a depth without any fault of the clocks [s].
@@ -103,7 +103,7 @@ std::optional<double> force_ceiling(const std::vector<Part>& parts) {
 }
 
 /// How far any object was seen to go.
-double longest_way(const TeleopInput& input) {
+double max_way(const TeleopInput& input) {
   double longest = 0.0;
   for (const TeleopObject& object : input.objects) {
     if (object.tracked.empty()) continue;
@@ -139,8 +139,8 @@ void check_unit(const TeleopInput& input, const Part& part, const Pressing& pres
   const bool are_weighed =
       std::all_of(input.objects.begin(), input.objects.end(),
                   [](const TeleopObject& object) { return object.parameters.mass.has_value(); });
-  const bool is_too_weak = are_weighed && share < kLeastFriction && longest_way(input) > kMoved;
-  if (share <= kMostFriction && !is_too_weak) return;
+  const bool is_too_weak = are_weighed && share < kMinFriction && max_way(input) > kMoved;
+  if (share <= kMaxFriction && !is_too_weak) return;
   char text[160];
   std::snprintf(
       text, sizeof text,
@@ -206,7 +206,7 @@ struct Motion {
   std::size_t end = 0;
   double way = 0.0;
 };
-Motion longest_motion(const std::vector<TrackedPose>& tracked) {
+Motion max_motion(const std::vector<TrackedPose>& tracked) {
   Motion longest;
   Motion now;
   for (std::size_t i = 1; i < tracked.size(); ++i) {
@@ -241,7 +241,7 @@ Eigen::Vector3d mean_place(const std::vector<TrackedPose>& tracked, double from,
 std::optional<TimeOffset> camera_offset(const TeleopObject& object, const TipMotion& tip) {
   const std::vector<TrackedPose>& tracked = object.tracked;
   if (tracked.size() < 10) return std::nullopt;
-  const Motion motion = longest_motion(tracked);
+  const Motion motion = max_motion(tracked);
   if (motion.way < kMoved) return std::nullopt;
   // The slow beginning and end of a motion do not stand out of the noise.
   const double begin = tracked[motion.begin].t - kAround;

@@ -26,7 +26,7 @@ constexpr double kLawError = 0.1;
 // A fit that does not know a depth any better than this is no law either [share].
 constexpr double kUnsure = 0.25;
 // Less force shows no law [N].
-constexpr double kLeastPeak = 1.0;
+constexpr double kMinPeak = 1.0;
 // Over what an object has withstood: the next newton must not be its last.
 constexpr double kRougher = 1.5;
 // Of a contact that has just begun, the begin may still move by this much as more is seen [s].
@@ -128,7 +128,7 @@ void ObjectLearner::learn_contact() {
   std::vector<ForceMotion> presses, standing;
   for (const ContactEpisode& contact : contacts_) {
     const ForceMotion part = part_until(contact, standing_until(contact));
-    if (contact.peak_force < kLeastPeak || part.t.size() < 30) continue;
+    if (contact.peak_force < kMinPeak || part.t.size() < 30) continue;
     (contact.kind == ContactKind::press ? presses : standing).push_back(part);
   }
   for (std::vector<ForceMotion>* parts : {&presses, &standing}) {

@@ -28,7 +28,7 @@ constexpr double kLongWindow = 0.120;
 constexpr double kLevels = 4.0;
 constexpr double kLately = 0.020;  // [s]
 constexpr double kShareOfTool = 0.35;
-constexpr double kLeastLevel = 1e-4;  // [m]
+constexpr double kMinLevel = 1e-4;  // [m]
 // After this long a slide is stamped with what there is [s].
 constexpr double kSlideSettled = 0.080;
 constexpr double kInertialShare = 0.2;
@@ -241,7 +241,7 @@ void PhaseMonitor::begin_slide() {
   const double now = contact_.back().t;
   const double rest_from = std::max(rest_since_, now - 2.0 * window_);
   const double rest = mean_way(rest_from, std::max(rest_from, now - window_));
-  const double level = std::max(kLeastLevel, 2.0 * way_noise(contact_.back().force));
+  const double level = std::max(kMinLevel, 2.0 * way_noise(contact_.back().force));
   if (way(contact_.back()) - rest < level) return;
   rest_way_ = rest;
   is_line_final_ = true;
@@ -255,7 +255,7 @@ void PhaseMonitor::begin_slide() {
 
 void PhaseMonitor::stamp_slide() {
   const double now = contact_.back().t;
-  const double level = std::max(kLeastLevel, 2.0 * way_noise(contact_.back().force));
+  const double level = std::max(kMinLevel, 2.0 * way_noise(contact_.back().force));
   const bool has_both = way(contact_.back()) - rest_way_ > kLevels * level;
   if (!has_both && now - seen_since_ < kSlideSettled) return;
   is_slide_stamped_ = true;
@@ -309,7 +309,7 @@ void PhaseMonitor::end_slide() {
     stamp_slide();
   }
   const double now = contact_.back().t;
-  const double level = std::max(kLeastLevel, 2.0 * way_noise(contact_.back().force));
+  const double level = std::max(kMinLevel, 2.0 * way_noise(contact_.back().force));
   const double rest = mean_way(now - 0.5 * kShortWindow, now);
   double t_low = now, t_high = now;
   for (std::size_t i = contact_.size(); i-- > 0;) {

@@ -24,7 +24,7 @@ constexpr double kTouchSigma = 1e-4;
 // Of a contact law's depth, where nobody said how sure it is [share].
 constexpr double kDepthShare = 0.1;
 // Less force says little of a depth [N].
-constexpr double kLeastForce = 1.0;
+constexpr double kMinForce = 1.0;
 // How fast the offset between camera and touch is followed.
 constexpr double kOffsetGain = 0.05;
 
@@ -101,7 +101,7 @@ KnownPlace RobotObject::place_at(const TouchSample& sample) {
 
   const ObjectParameters& law = learner.known();
   const double force = monitor.resting_force();
-  if (is_carried && law.contact_stiffness && force > kLeastForce) {
+  if (is_carried && law.contact_stiffness && force > kMinForce) {
     const double stiffness = law.contact_stiffness->value;
     const double exponent = law.contact_exponent ? law.contact_exponent->value : 1.0;
     const double share =

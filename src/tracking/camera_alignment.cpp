@@ -19,7 +19,7 @@ constexpr double kFeaturesPerSample = 12.0;
 
 // Positions of corners found by optical flow scatter by a fifth of a pixel where the picture is
 // sharp; more where the estimate from the residuals says so.
-constexpr double kSmallestFeatureSigma = 0.2;  // [px]
+constexpr double kMinFeatureSigma = 0.2;  // [px]
 
 constexpr int kRowsPerChunk = 15;
 
@@ -146,13 +146,13 @@ std::vector<Eigen::Vector2d> feature_residuals(const AlignmentInput& input,
 /// Standard deviation of one coordinate, from the median length (that of a Rayleigh distribution
 /// is 1.1774 sigma).
 double feature_sigma(const std::vector<Eigen::Vector2d>& residuals) {
-  if (residuals.empty()) return kSmallestFeatureSigma;
+  if (residuals.empty()) return kMinFeatureSigma;
   std::vector<double> lengths;
   lengths.reserve(residuals.size());
   for (const Eigen::Vector2d& r : residuals) lengths.push_back(r.norm());
   const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
   std::nth_element(lengths.begin(), middle, lengths.end());
-  return std::max(kSmallestFeatureSigma, *middle / 1.1774);
+  return std::max(kMinFeatureSigma, *middle / 1.1774);
 }
 
 Normals feature_normals(const AlignmentInput& input, const Pose& T_model_frame, double sigma,
@@ -208,29 +208,28 @@ void sort_landmarks(const AlignmentInput& input, Alignment& alignment) {
 }  // namespace
 
 bool Alignment::is_sound() const {
-  constexpr double kSmallestSupport = 0.6;
-  constexpr int kSmallestSurface = 300;  // cells: 1.5 % of the image
-  constexpr int kFewestFeatures = 12;
-  constexpr double kLargestPositionSigma = 0.01;  // [m]
-  constexpr double kLargestRotationSigma = 0.01;  // [rad]
+  constexpr double kMinSupport = 0.6;
+  constexpr int kMinSurface = 300;  // cells: 1.5 % of the image
+  constexpr int kMinFeatures = 12;
+  constexpr double kMaxPositionSigma = 0.01;  // [m]
+  constexpr double kMaxRotationSigma = 0.01;  // [rad]
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information, Eigen::EigenvaluesOnly);
   if (eigen.eigenvalues()(0) < 1.0) return false;  // 1 m or 1 rad: no information
   const Matrix6d covariance = information.ldlt().solve(Matrix6d::Identity());
-  if (covariance.topLeftCorner<3, 3>().trace() > kLargestPositionSigma * kLargestPositionSigma ||
-      covariance.bottomRightCorner<3, 3>().trace() >
-          kLargestRotationSigma * kLargestRotationSigma) {
+  if (covariance.topLeftCorner<3, 3>().trace() > kMaxPositionSigma * kMaxPositionSigma ||
+      covariance.bottomRightCorner<3, 3>().trace() > kMaxRotationSigma * kMaxRotationSigma) {
     return false;
   }
-  const bool has_surface = surface_in_view >= kSmallestSurface;
-  const bool has_features = features_matched >= kFewestFeatures;
+  const bool has_surface = surface_in_view >= kMinSurface;
+  const bool has_features = features_matched >= kMinFeatures;
   if (!has_surface && !has_features) return false;
-  return !has_surface || surface_matched >= kSmallestSupport * surface_in_view;
+  return !has_surface || surface_matched >= kMinSupport * surface_in_view;
 }
 
 Pose align_features(const AlignmentInput& input, const Pose& start, double coarsest_pixels) {
   Pose T_model_frame = start;
   if (input.features->size() < 6) return T_model_frame;
-  for (double scale = coarsest_pixels; scale > 2.0 * kSmallestFeatureSigma; scale *= 0.6) {
+  for (double scale = coarsest_pixels; scale > 2.0 * kMinFeatureSigma; scale *= 0.6) {
     const Normals sums = feature_normals(input, T_model_frame, scale, kFeatureLimit);
     T_model_frame = T_model_frame * Pose::exp(solve_step(sums.H, sums.g));
   }

@@ -12,7 +12,7 @@ namespace {
 constexpr double kPixelScale = 5.0;      // [px]
 constexpr double kPositionScale = 0.03;  // [m]
 // So many frames, spread evenly, bear witness; more would only cost time.
-constexpr std::size_t kMostSights = 60;
+constexpr std::size_t kMaxSights = 60;
 
 double gentle(double scaled) { return std::log1p(scaled * scaled); }
 
@@ -50,10 +50,10 @@ std::vector<AnchorSight> spread(const std::vector<AnchorSight>& sights,
       useful.push_back(sight);
     }
   }
-  if (useful.size() <= kMostSights) return useful;
+  if (useful.size() <= kMaxSights) return useful;
   std::vector<AnchorSight> chosen;
-  for (std::size_t i = 0; i < kMostSights; ++i) {
-    chosen.push_back(useful[i * useful.size() / kMostSights]);
+  for (std::size_t i = 0; i < kMaxSights; ++i) {
+    chosen.push_back(useful[i * useful.size() / kMaxSights]);
   }
   return chosen;
 }

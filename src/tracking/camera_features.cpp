@@ -19,7 +19,7 @@ constexpr int kBlock = 5;            // [px]; edge of the square that a corner i
 
 // Root mean square of the gradient along a corner's weaker direction, so that noise of two or
 // three gray levels is no corner [gray levels / px].
-constexpr double kSmallestGradient = 3.0;
+constexpr double kMinGradient = 3.0;
 
 const cv::Size kWindow(17, 17);  // [px]
 constexpr int kTopLevel = 3;     // an eighth of the resolution: offsets to some 60 px
@@ -77,7 +77,7 @@ std::vector<cv::Point2f> find_corners(const cv::Mat& gray, const CellGrid& grid,
   cv::cornerMinEigenVal(gray, strength, kBlock);
   // OpenCV scales Sobel's gradient (8 for one gray level a pixel) by 1 / (4 * block * 255), and
   // sums its squares over the block.
-  const double gradient = kSmallestGradient * 8.0 / (4.0 * kBlock * 255.0);
+  const double gradient = kMinGradient * 8.0 / (4.0 * kBlock * 255.0);
   const auto weakest = static_cast<float>(kBlock * kBlock * gradient * gradient);
   std::vector<cv::Point2f> corners;
   for (int y = 0; y < gray.rows; y += kTile) {

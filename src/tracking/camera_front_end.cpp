@@ -17,14 +17,14 @@ namespace {
 constexpr double kBaseline = 0.15;                          // of the mean depth
 constexpr double kAngle = 12.0 * std::numbers::pi / 180.0;  // [rad]
 constexpr double kNear = 0.7;                               // an old keyframe is taken up again
-constexpr double kSmallestOverlap = 0.65;
-constexpr double kFewestLandmarks = 0.35;  // of the keyframe's
+constexpr double kMinOverlap = 0.65;
+constexpr double kMinLandmarks = 0.35;  // of the keyframe's
 
 // Motion is carried forward at most this long: a hand changes its mind [s].
-constexpr double kLongestPrediction = 0.2;
+constexpr double kMaxPrediction = 0.2;
 
 // A frame that shows less surface than a tenth of the image is no model for others.
-constexpr std::size_t kSmallestShare = 10;
+constexpr std::size_t kMinShare = 10;
 
 double mean_depth(const InverseDepth& cells) {
   double sum = 0.0;
@@ -62,7 +62,7 @@ void drop_strays(const Alignment& alignment, ActiveModel& model) {
 bool shows_surface(const FrameView& view) {
   const auto filled = static_cast<std::size_t>(std::count_if(
       view.inverse_depth.begin(), view.inverse_depth.end(), [](float w) { return w > 0.0F; }));
-  return filled * kSmallestShare >= view.inverse_depth.size();
+  return filled * kMinShare >= view.inverse_depth.size();
 }
 
 }  // namespace
@@ -97,7 +97,7 @@ FrameRecord& CameraFrontEnd::add(const RgbdFrame& frame, const MaskImage& is_dyn
 
 Pose CameraFrontEnd::predict(Stamp stamp) const {
   const double ahead = to_seconds(stamp - last_->stamp);
-  if (ahead > kLongestPrediction) return last_->T_keyframe_frame;
+  if (ahead > kMaxPrediction) return last_->T_keyframe_frame;
   return last_->T_keyframe_frame * Pose::exp(velocity_ * ahead);
 }
 
@@ -138,8 +138,8 @@ void CameraFrontEnd::choose_keyframe(const FrameView& view, const Alignment& ali
                                      FrameRecord& record, Parallelism parallelism) {
   const double depth = mean_depth(view.inverse_depth);
   const bool is_enough = view_change(alignment.T_model_frame, depth) < 1.0 &&
-                         alignment.overlap > kSmallestOverlap &&
-                         alignment.features_matched >= kFewestLandmarks * alignment.features;
+                         alignment.overlap > kMinOverlap &&
+                         alignment.features_matched >= kMinLandmarks * alignment.features;
   if (is_enough || !shows_surface(view)) return;
   const int segment = keyframes_[active_->keyframe].segment;
   const Pose T_segment_frame =
@@ -149,7 +149,7 @@ void CameraFrontEnd::choose_keyframe(const FrameView& view, const Alignment& ali
     const Alignment again =
         match(sensor_, model, view, keyframes_[*old].T_segment_keyframe.inverse() * T_segment_frame,
               parallelism);
-    if (again.is_sound() && again.overlap > kSmallestOverlap) {
+    if (again.is_sound() && again.overlap > kMinOverlap) {
       record.links.push_back({*old, again.T_model_frame, again.information});
       switch_to(std::move(model), again.T_model_frame, record.stamp);
       return;

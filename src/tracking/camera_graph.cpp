@@ -129,8 +129,8 @@ struct PoseGraph::Problem {
   }
 };
 
-PoseGraph::PoseGraph(std::size_t most_nodes) : problem_(std::make_unique<Problem>()) {
-  problem_->blocks.reserve(most_nodes);
+PoseGraph::PoseGraph(std::size_t max_nodes) : problem_(std::make_unique<Problem>()) {
+  problem_->blocks.reserve(max_nodes);
 }
 PoseGraph::~PoseGraph() = default;
 PoseGraph::PoseGraph(PoseGraph&&) noexcept = default;

@@ -39,7 +39,7 @@ struct CornerFactor {
 class PoseGraph {
  public:
   /// Holds at most so many nodes.
-  explicit PoseGraph(std::size_t most_nodes);
+  explicit PoseGraph(std::size_t max_nodes);
   ~PoseGraph();
   PoseGraph(PoseGraph&&) noexcept;
 

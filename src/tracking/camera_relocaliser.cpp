@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kFeatures = 400;
 constexpr std::size_t kCandidates = 6;    // keyframes looked at closely
-constexpr int kFewestInliers = 15;        // chance matches agree in fives at most
+constexpr int kMinInliers = 15;           // chance matches agree in fives at most
 constexpr double kInlierDistance = 0.03;  // [m]; the alignment that follows is finer
 constexpr int kDraws = 200;               // finds 3 of 20 % inliers with 80 % probability
 const cv::Size kThumbnail(40, 30);
@@ -89,7 +89,7 @@ Pose fit_pose(const std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>& pa
 /// RANSAC [Fischler & Bolles 1981] over pairs of points; nothing where too few agree.
 std::optional<Pose> agree_on_pose(
     const std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>& pairs) {
-  if (pairs.size() < kFewestInliers) return std::nullopt;
+  if (pairs.size() < kMinInliers) return std::nullopt;
   const auto inliers_of = [&](const Pose& pose) {
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> inliers;
     for (const auto& pair : pairs) {
@@ -108,7 +108,7 @@ std::optional<Pose> agree_on_pose(
     auto inliers = inliers_of(fit_pose({a, b, c}));
     if (inliers.size() > best.size()) best = std::move(inliers);
   }
-  if (best.size() < kFewestInliers) return std::nullopt;
+  if (best.size() < kMinInliers) return std::nullopt;
   return fit_pose(inliers_of(fit_pose(best)));
 }
 
@@ -120,11 +120,11 @@ std::vector<RelocalisationStart> find_relocalisation_starts(const Sensor& sensor
                                                             int segment_left_out) {
   std::vector<RelocalisationStart> starts;
   const Described frame = describe(sensor, view.gray, view.inverse_depth);
-  if (frame.points.size() < kFewestInliers) return starts;
+  if (frame.points.size() < kMinInliers) return starts;
   const cv::BFMatcher matcher(cv::NORM_HAMMING, true);
   for (const std::size_t k : alike(keyframes, view.gray, segment_left_out)) {
     const Described model = describe(sensor, keyframes[k].gray, keyframes[k].model.inverse_depth);
-    if (model.points.size() < kFewestInliers) continue;
+    if (model.points.size() < kMinInliers) continue;
     std::vector<cv::DMatch> matches;
     matcher.match(frame.descriptors, model.descriptors, matches);
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;

@@ -251,8 +251,8 @@ void TrackSolver::place_fixed() {
 /// By node. Inverting the whole information matrix would take time with the square of the frames:
 /// of many nodes some are looked at, and the ones between take the larger of their neighbours'.
 std::vector<NodeSigma> TrackSolver::node_sigmas() const {
-  constexpr std::size_t kMostNodes = 200;
-  const std::size_t stride = (node_count_ + kMostNodes - 1) / kMostNodes;
+  constexpr std::size_t kMaxNodes = 200;
+  const std::size_t stride = (node_count_ + kMaxNodes - 1) / kMaxNodes;
   std::vector<std::size_t> chosen;
   for (std::size_t node = 0; node < node_count_; node += std::max<std::size_t>(1, stride)) {
     chosen.push_back(node);

@@ -17,10 +17,10 @@ constexpr int kCellsAcross = 160;
 
 // A step of more than this between the pixels of a cell is an edge; a plane seen at 80 degrees
 // changes by 4 % over a cell.
-constexpr float kLargestRelativeStep = 0.04F;
+constexpr float kMaxRelativeStep = 0.04F;
 
 // The model forgets slowly: what a keyframe sees may change.
-constexpr float kLargestWeight = 30.0F;
+constexpr float kMaxWeight = 30.0F;
 
 struct PlaneFit {
   float slope_x = 0.0F;  ///< per cell
@@ -131,7 +131,7 @@ InverseDepth cell_inverse_depth(const CellGrid& grid, const DepthImage& depth,
         }
       }
       if (!is_whole) continue;
-      const float step = kLargestRelativeStep * low + 6.0F * static_cast<float>(noise.sigma(low));
+      const float step = kMaxRelativeStep * low + 6.0F * static_cast<float>(noise.sigma(low));
       if (high - low > step) continue;
       bool is_still = true;
       if (!is_dynamic.empty()) {
@@ -217,7 +217,7 @@ void fuse(const CellGrid& grid, const Surface& surface, const InverseDepth& fram
     float& weight = model.weight[cell];
     float& mean = model.inverse_depth[cell];
     mean += (measured - mean) / (weight + 1.0F);
-    weight = std::min(weight + 1.0F, kLargestWeight);
+    weight = std::min(weight + 1.0F, kMaxWeight);
   }
   ++model.frames;
 }

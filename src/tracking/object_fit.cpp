@@ -23,12 +23,12 @@ constexpr double kHuber = 2.0;
 constexpr double kRimSigma = 2.0;
 /// A sample further from the surface than this many deviations belongs to something else.
 constexpr double kGate = 4.0;
-constexpr int kMostIterations = 12;
+constexpr int kMaxIterations = 12;
 /// Below this a wider gate than the noise gives draws nothing more in [m].
-constexpr double kSmallestCapture = 0.005;
+constexpr double kMinCapture = 0.005;
 /// A step below these ends the iteration: a tenth of what a single frame can tell.
-constexpr double kSmallestShift = 2e-5;  // [m]
-constexpr double kSmallestTurn = 1e-4;   // [rad]
+constexpr double kMinShift = 2e-5;  // [m]
+constexpr double kMinTurn = 1e-4;   // [rad]
 /// Pixels nearer to each other than this share their noise: block matching uses windows of about
 /// nine pixels, weighted to the middle.
 constexpr double kCorrelationLength = 4.0;  // [px]
@@ -183,7 +183,7 @@ FitResult fit_object(const FitProblem& problem, const Pose& start, double captur
   FitResult result;
   result.T_camera_object = start;
   double bias = 0.0;
-  for (int i = 0; i < kMostIterations && !result.is_converged; ++i) {
+  for (int i = 0; i < kMaxIterations && !result.is_converged; ++i) {
     Equations corners;
     const Pose T_camera_color = result.T_camera_object * problem.motion_to_color;
     for (const CornerSight& corner : problem.corners) {
@@ -203,9 +203,9 @@ FitResult fit_object(const FitProblem& problem, const Pose& start, double captur
     if (!step.allFinite()) break;
     result.T_camera_object = result.T_camera_object * Pose::exp(step.head<6>());
     bias += step(6);
-    result.is_converged = capture == 0.0 && step.head<3>().norm() < kSmallestShift &&
-                          step.segment<3>(3).norm() < kSmallestTurn;
-    capture = capture > kSmallestCapture ? 0.5 * capture : 0.0;
+    result.is_converged =
+        capture == 0.0 && step.head<3>().norm() < kMinShift && step.segment<3>(3).norm() < kMinTurn;
+    capture = capture > kMinCapture ? 0.5 * capture : 0.0;
   }
   result.agreement = agreement_of(problem, grid.samples(result.T_camera_object), bias);
   return result;

@@ -21,10 +21,10 @@ constexpr double kUnlikely = 38.3;
 constexpr double kRepeatability = 5e-5;      // [m]
 constexpr double kTurnRepeatability = 2e-4;  // [rad]
 /// Older measurements than these many are forgotten bit by bit.
-constexpr double kMostAveraged = 60.0;
+constexpr double kMaxAveraged = 60.0;
 /// How far the learnt scatter may lie from what the measurements claim.
-constexpr double kSmallestScatter = 0.02;
-constexpr double kLargestScatter = 4.0;
+constexpr double kMinScatter = 0.02;
+constexpr double kMaxScatter = 4.0;
 constexpr int kScatterMemory = 60;
 /// Makes the information of a measurement that leaves a direction open invertible: 1 m, 1 rad.
 constexpr double kNothingKnown = 1.0;
@@ -54,7 +54,7 @@ Matrix6d full_covariance(const PoseMeasurement& measurement) {
 void RestFilter::Average::add(const PoseMeasurement& measurement) {
   if (count == 0) T_base_object = measurement.T_base_object;
   const Matrix6d own = full_covariance(measurement).ldlt().solve(Matrix6d::Identity());
-  if (count >= static_cast<int>(kMostAveraged)) information *= 1.0 - 1.0 / kMostAveraged;
+  if (count >= static_cast<int>(kMaxAveraged)) information *= 1.0 - 1.0 / kMaxAveraged;
   information += own;
   const Vector6d off = (T_base_object.inverse() * measurement.T_base_object).log();
   T_base_object = T_base_object * Pose::exp(information.ldlt().solve(own * off));
@@ -94,11 +94,11 @@ void RestFilter::learn_scatter(const PoseMeasurement& measurement) {
   const Matrix6d covariance = covariance_of(last_->information) +
                               covariance_of(measurement.information) +
                               measurement.camera_covariance;
-  const double ratio = std::min(squared_distance(off, covariance) / 6.0, kLargestScatter);
+  const double ratio = std::min(squared_distance(off, covariance) / 6.0, kMaxScatter);
   scatter_count_ = std::min(scatter_count_ + 1, kScatterMemory);
   // The claim counts as one measurement among those learnt from.
   scatter_ += (ratio - scatter_) / (scatter_count_ + 1.0);
-  scatter_ = std::clamp(scatter_, kSmallestScatter, kLargestScatter);
+  scatter_ = std::clamp(scatter_, kMinScatter, kMaxScatter);
 }
 
 void RestFilter::start_anew() {

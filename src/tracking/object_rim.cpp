@@ -20,7 +20,7 @@ constexpr double kRimGate = 4.0;
 /// A face seen more obliquely than this is not prolonged beyond the rim.
 constexpr double kMinRimCosine = 0.3;
 /// Lines that meet the outline more obliquely than this tell little of it.
-constexpr double kSmallestCrossing = 0.4;
+constexpr double kMinCrossing = 0.4;
 constexpr int kHalvings = 5;  // of one pixel: 0.03 px
 
 /// The body in one frame.
@@ -116,7 +116,7 @@ std::optional<Eigen::Vector2d> outline_normal(const View& view, const Line& line
   const Eigen::Vector2d along = 2.0 * aside + (after->t - before->t) * line.step;
   Eigen::Vector2d normal = Eigen::Vector2d(along.y(), -along.x()).normalized();
   if (normal.dot(line.step) < 0.0) normal = -normal;
-  if (normal.dot(line.step) < kSmallestCrossing) return std::nullopt;
+  if (normal.dot(line.step) < kMinCrossing) return std::nullopt;
   return normal;
 }
 

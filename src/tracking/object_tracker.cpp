@@ -31,15 +31,15 @@ namespace {
 /// the others.
 constexpr double kContradiction = 3.0;
 /// Samples below which the depth says nothing about a body.
-constexpr int kFewestSamples = 40;
+constexpr int kMinSamples = 40;
 /// Share of the readings on the body that have to lie on its surface: with tags, and without them.
 constexpr double kExplainedWithTags = 0.5;
 constexpr double kExplainedAlone = 0.3;
 /// Share of the readings that may lie behind the surface: the sensor's gross errors, the rim.
-constexpr double kMostContradicted = 0.2;
+constexpr double kMaxContradicted = 0.2;
 /// How far the scatter about the surface may exceed the sensor's: above, the CAD body is not this
 /// body. Faces that are half a deviation off stay below it.
-constexpr double kLargestChi = 1.6;
+constexpr double kMaxChi = 1.6;
 /// Deviations of the corners by which depth may bend the tags' pose. A CAD body of another size
 /// fits the faces that are seen just as well, elsewhere; only the tags tell.
 constexpr double kStrainedCorners = 5.0;
@@ -49,7 +49,7 @@ constexpr double kCapture = 0.02;
 /// What a body may do unseen: push and friction seldom accelerate it more [m/s^2], [rad/s^2].
 constexpr double kAcceleration = 2.0;
 constexpr double kAngularAcceleration = 20.0;
-constexpr double kLongestPush = 0.5;  // [s]
+constexpr double kMaxPush = 0.5;  // [s]
 /// How well a given first pose is taken to be known [m], [rad].
 constexpr double kInitialShift = 0.01;
 constexpr double kInitialTurn = 0.05;
@@ -57,7 +57,7 @@ constexpr double kInitialTurn = 0.05;
 /// nothing else would ever end one.
 constexpr double kFadingVelocity = 0.8;
 /// A velocity older than this [s] foretells nothing.
-constexpr double kLongestForesight = 0.2;
+constexpr double kMaxForesight = 0.2;
 
 Matrix6d diagonal(double translation_variance, double rotation_variance) {
   Vector6d variances;
@@ -70,7 +70,7 @@ Matrix6d inverse(const Matrix6d& matrix) { return matrix.ldlt().solve(Matrix6d::
 
 /// What unknown acceleration adds in `dt` seconds.
 Matrix6d unforeseen_motion(double dt) {
-  const double bounded = std::min(dt, kLongestPush);
+  const double bounded = std::min(dt, kMaxPush);
   const double half = 0.5 * bounded * bounded;
   return diagonal(std::pow(kAcceleration * half, 2), std::pow(kAngularAcceleration * half, 2));
 }
@@ -80,10 +80,10 @@ double explained_share(const ShapeAgreement& agreement) {
   return all == 0 ? 0.0 : static_cast<double>(agreement.explained) / all;
 }
 
-bool is_explained(const ShapeAgreement& agreement, double least_share) {
-  return agreement.explained >= kFewestSamples && explained_share(agreement) >= least_share &&
-         agreement.contradicted <= kMostContradicted * agreement.explained &&
-         agreement.chi <= kLargestChi;
+bool is_explained(const ShapeAgreement& agreement, double min_share) {
+  return agreement.explained >= kMinSamples && explained_share(agreement) >= min_share &&
+         agreement.contradicted <= kMaxContradicted * agreement.explained &&
+         agreement.chi <= kMaxChi;
 }
 
 std::vector<CornerSight> sights_of(const TagPlacement& tag, const TagDetection& detection,
@@ -164,7 +164,7 @@ std::optional<Prediction> ObjectTracker::State::predict(Stamp stamp) const {
   }
   const double dt = to_seconds(stamp - last->stamp);
   const Vector6d foreseen =
-      dt < kLongestForesight ? Vector6d(dt * velocity) : Vector6d(Vector6d::Zero());
+      dt < kMaxForesight ? Vector6d(dt * velocity) : Vector6d(Vector6d::Zero());
   return Prediction{last->T_base_object * Pose::exp(foreseen),
                     last->covariance + unforeseen_motion(dt)};
 }
@@ -273,7 +273,7 @@ void ObjectTracker::State::learn_velocity(const ObjectObservation& observation) 
   Vector6d current = Vector6d::Zero();
   if (!observation.is_at_rest && last) {
     const double dt = to_seconds(observation.stamp - last->stamp);
-    if (dt < kLongestForesight) {
+    if (dt < kMaxForesight) {
       current = (last->T_base_object.inverse() * observation.T_base_object).log() / dt;
     }
   }

@@ -36,7 +36,7 @@ struct ClosedLoop {
   ClosedLoop(SimulatedForceDeviceOptions hand, double stiffness, double friction = 0.0)
       : device(std::move(hand)),
         tool(floor_mesh(), {kRadius, friction},
-             {.compliance = {stiffness, 0.0, 1.0}, .most_force = 100.0, .most_rate = 1e5}) {
+             {.compliance = {stiffness, 0.0, 1.0}, .max_force = 100.0, .max_rate = 1e5}) {
     EXPECT_TRUE(tool.reset(kStart));
   }
   void step() {
@@ -68,7 +68,7 @@ TEST(SimulatedForceDevice, ComesToRestOnAFloorOfAnyStiffnessInAnyHand) {
                          .hand_stiffness = hand_stiffness,
                          .mass = mass,
                          .force_noise = 0.0,
-                         .most_force = 100.0},
+                         .max_force = 100.0},
                         stiffness);
         for (int i = 0; i < 4000; ++i) loop.step();
         // Where the two springs balance; the ball's radius keeps its centre off the floor.
@@ -90,7 +90,7 @@ TEST(SimulatedForceDevice, GetsNoEnergyFromAFloorThatItIsPushedIntoAndTakenFrom)
                              return Eigen::Vector3d(0.0, 0.0, -0.015 * (1.0 - std::cos(turn * t)));
                            },
                        .force_noise = 0.0,
-                       .most_force = 100.0},
+                       .max_force = 100.0},
                       stiffness);
       double most = -1e9;
       for (int i = 0; i < 10'000; ++i) {
@@ -105,7 +105,7 @@ TEST(SimulatedForceDevice, GetsNoEnergyFromAFloorThatItIsPushedIntoAndTakenFrom)
 }
 
 TEST(SimulatedForceDevice, StaysOnAFloorThroughNoiseAndSaturation) {
-  ClosedLoop loop({.target = into_the_floor, .force_noise = 0.05, .most_force = 3.0}, 1000.0, 0.3);
+  ClosedLoop loop({.target = into_the_floor, .force_noise = 0.05, .max_force = 3.0}, 1000.0, 0.3);
   double fastest = 0.0;
   for (int i = 0; i < 10'000; ++i) {
     loop.step();
@@ -148,7 +148,7 @@ TEST(SimulatedForceDevice, WaitsForAToolThatIsSomewhereAndFeelsNoForceThatIsNone
 TEST(SimulatedForceDevice, RefusesOptionsThatAreNoHand) {
   EXPECT_THROW(SimulatedForceDevice({.mass = 0.0}), ContractError);
   EXPECT_THROW(SimulatedForceDevice({.hand_stiffness = -1.0}), ContractError);
-  EXPECT_THROW(SimulatedForceDevice({.most_force = INFINITY}), ContractError);
+  EXPECT_THROW(SimulatedForceDevice({.max_force = INFINITY}), ContractError);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ using test::FakeSpacenavd;
 
 TEST(SpaceMouseDevice, MovesTheTipAsTheCapIsPushedWhileTheLeftButtonIsHeld) {
   FakeSpacenavd daemon;
-  auto device = SpaceMouseDevice::open({.most_speed = 0.1});
+  auto device = SpaceMouseDevice::open({.max_speed = 0.1});
   ASSERT_TRUE(device) << device.error().to_string();
   EXPECT_EQ((*device)->name(), "SpaceMouse (FakeNavigator)");
   ASSERT_TRUE(comes_to_be(**device, true, false));
@@ -37,7 +37,7 @@ TEST(SpaceMouseDevice, MovesTheTipAsTheCapIsPushedWhileTheLeftButtonIsHeld) {
 
 TEST(SpaceMouseDevice, MovesAsTheOperatorFaces) {
   FakeSpacenavd daemon;
-  auto device = SpaceMouseDevice::open({.most_speed = 0.1, .facing = M_PI / 2.0});
+  auto device = SpaceMouseDevice::open({.max_speed = 0.1, .facing = M_PI / 2.0});
   ASSERT_TRUE(device) << device.error().to_string();
   daemon.motion(0, 0, 350);
   daemon.button(0, true);

@@ -162,7 +162,7 @@ TEST(TrajectoryErrors, RelativeErrorPairsOnlyPosesThatAreAStepApart) {
   Trajectory sparse;
   for (const double t : {0.0, 0.5, 1.05, 2.5}) sparse.append(at_second(t), Pose());
   const TrajectoryErrors errors =
-      trajectory_errors(sparse, sparse, {.longest_gap = std::chrono::seconds(3)});
+      trajectory_errors(sparse, sparse, {.max_gap = std::chrono::seconds(3)});
   ASSERT_EQ(errors.relative.size(), 1U);  // 0 -> 1.05 alone is 1 s give or take a tenth
   EXPECT_EQ(errors.relative[0].stamp, at_second(1.05));
 }

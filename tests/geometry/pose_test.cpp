@@ -17,10 +17,10 @@ namespace {
 /// Some thousand roundings of numbers near 1.
 constexpr double kTolerance = 1e-12;
 
-Vector6d random_twist(Random& random, double largest_angle) {
+Vector6d random_twist(Random& random, double max_angle) {
   Vector6d twist;
   for (int i = 0; i < 6; ++i) twist[i] = random.uniform(-1.0, 1.0);
-  twist.tail<3>() *= random.uniform(0.0, largest_angle) / twist.tail<3>().norm();
+  twist.tail<3>() *= random.uniform(0.0, max_angle) / twist.tail<3>().norm();
   return twist;
 }
 

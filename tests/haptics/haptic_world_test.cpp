@@ -63,7 +63,7 @@ TEST(HapticWorld, PushesABodyThatTheVisibleToolDoesNotEnter) {
 
 TEST(HapticWorld, GivesTheHandWhatTheBodyResistsWith) {
   HapticWorldModel model = one_box_on_a_table();
-  model.force.most_force = 50.0;
+  model.force.max_force = 50.0;
   HapticWorld world = world_of(model);
   world.reset(touching_tip());
   // 0.5 mm deep: 4 N, less than the box withstands.

@@ -22,8 +22,8 @@ class Judge {
  public:
   explicit Judge(const HapticWorldModel& model)
       : radius_(model.world.tool_radius),
-        most_force_(model.force.most_force),
-        most_rate_(model.force.most_rate),
+        max_force_(model.force.max_force),
+        max_rate_(model.force.max_rate),
         scan_(with_supports(model)) {
     for (const WorldBody& body : model.world.bodies) {
       bodies_.emplace_back(body.model.mesh_object, Pose());
@@ -46,10 +46,10 @@ class Judge {
     long not_finite = 0;
     double deepest_in_scan = 0.0;    ///< [m]
     double deepest_in_bodies = 0.0;  ///< [m]
-    double longest_jump = 0.0;       ///< [m] beyond what the hand and the bodies did
-    double longest_leap = 0.0;       ///< [m]
+    double max_jump = 0.0;           ///< [m] beyond what the hand and the bodies did
+    double max_leap = 0.0;           ///< [m]
     double lag = 0.0;                ///< [m] sum of the distances while touching nothing
-    double largest_lag = 0.0;
+    double max_lag = 0.0;
     long free = 0;
   };
 
@@ -75,7 +75,7 @@ class Judge {
       const double lag = (now.p_base_hip - now.p_base_proxy).norm();
       ++count_.free;
       count_.lag += lag;
-      count_.largest_lag = std::max(count_.largest_lag, lag);
+      count_.max_lag = std::max(count_.max_lag, lag);
     }
     last_ = now;
     has_last_ = true;
@@ -117,10 +117,10 @@ class Judge {
   }
 
   void see_motion(const HapticWorldState& now, double dt) {
-    if (now.force_base.norm() > most_force_ + 1e-9) ++count_.too_strong;
+    if (now.force_base.norm() > max_force_ + 1e-9) ++count_.too_strong;
     if (!has_last_) return;
     const double grown = now.force_base.norm() - last_.force_base.norm();
-    if (grown > most_rate_ * dt + 1e-3) ++count_.too_sudden;
+    if (grown > max_rate_ * dt + 1e-3) ++count_.too_sudden;
     double allowed = (now.p_base_hip - last_.p_base_hip).norm() + last_carried_ + kCatchingUp * dt;
     last_carried_ = 0.0;
     double carried = 0.0;
@@ -129,14 +129,14 @@ class Judge {
       const Pose& from = last_.bodies[i].T_base_object;
       if (now.bodies[i].is_outside_model) continue;
       const double way = (to.translation() - from.translation()).norm();
-      note(way > kFastestBody * dt, way, count_.leaps, count_.longest_leap);
+      note(way > kFastestBody * dt, way, count_.leaps, count_.max_leap);
       const Eigen::Vector3d& p = last_.p_base_proxy;
       if (body_gap(i, from, p) > radius_ + kNear) continue;
       carried = std::max(carried, (to * (from.inverse() * p) - p).norm());
     }
     last_carried_ = carried;
     const double jump = (now.p_base_proxy - last_.p_base_proxy).norm() - allowed - carried;
-    note(jump > 1e-9, jump, count_.jumps, count_.longest_jump);
+    note(jump > 1e-9, jump, count_.jumps, count_.max_jump);
     const Eigen::Vector3f way = (now.p_base_proxy - last_.p_base_proxy).cast<float>();
     const auto hit = scan_.cast(last_.p_base_proxy.cast<float>(), way);
     if (hit && hit->distance <= way.norm()) ++count_.fallen;
@@ -160,8 +160,8 @@ class Judge {
   }
 
   double radius_;
-  double most_force_;
-  double most_rate_;
+  double max_force_;
+  double max_rate_;
   SurfaceQuery scan_;
   std::vector<detail::ClosestSurface> bodies_;
   Count count_;

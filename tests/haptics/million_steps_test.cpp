@@ -22,7 +22,7 @@ struct Count {
   long jumps = 0;
   long too_near = 0;
   double lag = 0.0;  ///< [m] sum of the horizontal distances while deeper than 1 mm
-  double largest_lag = 0.0;
+  double max_lag = 0.0;
   long deep = 0;
 };
 
@@ -53,13 +53,13 @@ Count press_and_slide(double noise, double radius, double friction) {
     ++count.deep;
     const double lag = (proxy - tip).head<2>().norm();
     count.lag += lag;
-    count.largest_lag = std::max(count.largest_lag, lag);
+    count.max_lag = std::max(count.max_lag, lag);
   }
   std::printf(
       "noise %.1f mm, radius %.1f mm, friction %.1f: inside %ld of %d, mean lag %.2f mm, "
       "largest %.2f mm\n",
       1e3 * noise, 1e3 * radius, friction, count.inside, kSteps,
-      1e3 * count.lag / static_cast<double>(std::max(count.deep, 1L)), 1e3 * count.largest_lag);
+      1e3 * count.lag / static_cast<double>(std::max(count.deep, 1L)), 1e3 * count.max_lag);
   return count;
 }
 

@@ -52,11 +52,11 @@ TEST(RenderedForce, IsBoundedInSizeAndInRate) {
   Eigen::Vector3d before = Eigen::Vector3d::Zero();
   double largest = 0.0;
   for (const Eigen::Vector3d& force : press(rendered, 0.01, 0.2)) {
-    EXPECT_LE((force - before).norm(), options.most_rate * kCycle + options.least_force);
+    EXPECT_LE((force - before).norm(), options.max_rate * kCycle + options.min_force);
     largest = std::max(largest, force.norm());
     before = force;
   }
-  EXPECT_NEAR(largest, options.most_force, 1e-12);
+  EXPECT_NEAR(largest, options.max_force, 1e-12);
 }
 
 TEST(RenderedForce, IsNeverZeroInsideHoweverSlowTheTouch) {
@@ -84,7 +84,7 @@ TEST(RenderedForce, SaysWhichOptionIsWrong) {
   options.compliance.stiffness = 0.0;
   EXPECT_THROW(RenderedForce{options}, ContractError);
   options = {};
-  options.least_force = 2.0 * options.most_force;
+  options.min_force = 2.0 * options.max_force;
   EXPECT_THROW(RenderedForce{options}, ContractError);
 }
 

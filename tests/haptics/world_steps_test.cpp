@@ -59,8 +59,8 @@ void expect_sound(const test::Judge::Count& count) {
   EXPECT_GT(count.inside, count.in_body);
   EXPECT_EQ(count.fallen, 0);
   EXPECT_EQ(count.without_force, 0);
-  EXPECT_EQ(count.jumps, 0) << count.longest_jump;
-  EXPECT_EQ(count.leaps, 0) << count.longest_leap;
+  EXPECT_EQ(count.jumps, 0) << count.max_jump;
+  EXPECT_EQ(count.leaps, 0) << count.max_leap;
   EXPECT_EQ(count.in_scan, 0) << count.deepest_in_scan;
   EXPECT_EQ(count.in_bodies, 0) << count.deepest_in_bodies;
   EXPECT_EQ(count.too_strong, 0);

@@ -116,7 +116,7 @@ TEST(ParameterEstimator, AMinuteWithoutExcitationBlowsNothingUp) {
   for (const EstimationMethod method : kMethods) {
     EstimatorOptions<3> options = options_for(method);
     options.forgetting = 0.95;
-    options.least_excitation = {0.05, 0.005, 0.0};
+    options.min_excitation = {0.05, 0.005, 0.0};
     ParameterEstimator<3> estimator(options);
     Random random(7);
     const std::array<double, 3> truth = {0.5, 20.0, 3000.0};
@@ -206,7 +206,7 @@ struct Following {
   double steady = 0.0;            ///< mean relative force error before and long after the step
   double recovery = 0.0;          ///< [s] from the step until the error stays under 10 %
   double share_forgetting = 0.0;  ///< of samples in peace at which lambda was below 1
-  double least_forgetting = 1.0;
+  double min_forgetting = 1.0;
 };
 
 constexpr double kHalfWidth = 0.014;  // [s] of the filter
@@ -252,7 +252,7 @@ Following follow_stiffness_step(EstimationMethod method, std::uint64_t seed) {
     // Instants are the ones the filter speaks of; its delay comes on top.
     if (out->t > kStepTime - kHalfWidth && relative > 0.1)
       result.recovery = out->t - kStepTime + filter.delay();
-    result.least_forgetting = std::min(result.least_forgetting, step.forgetting);
+    result.min_forgetting = std::min(result.min_forgetting, step.forgetting);
     if (t > 0.5 && t < 2.4 && step.forgetting < 1.0) result.share_forgetting += 1.0 / 950.0;
   }
   result.steady /= count;
@@ -266,7 +266,7 @@ TEST(AdaptiveForgetting, FollowsAStiffnessStepAndIsQuietOtherwise) {
     steady += adaptive.steady / 10.0;
     recovery += adaptive.recovery / 10.0;
     EXPECT_LT(adaptive.recovery, 0.080);
-    EXPECT_LT(adaptive.least_forgetting, 0.9);  // the change was seen,
+    EXPECT_LT(adaptive.min_forgetting, 0.9);  // the change was seen,
     // and noise, correlated by the filter, was not one: 950 samples at one in a million.
     EXPECT_EQ(adaptive.share_forgetting, 0.0);
   }

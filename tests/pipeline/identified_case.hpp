@@ -41,7 +41,7 @@ inline IdentifiedCase identified_case(ToolTask task, std::uint64_t seed, double 
                                       const SensorFaults& faults = {}) {
   IdentifiedCase made{make_plant_case(task, seed), {}};
   PlantOptions options;
-  options.longest_duration = duration;
+  options.max_duration = duration;
   const PlantRun run = run_plant(made.plant.bodies, made.plant.tool, made.plant.moves, options);
   IdentificationInput& input = made.input;
   const Trajectory tool = measured_tool(run, seed);

@@ -22,7 +22,7 @@ inline Recording recorded_case(const std::filesystem::path& folder, ToolTask tas
                                std::uint64_t seed, double duration, Stamp start) {
   const PlantCase plant = make_plant_case(task, seed);
   PlantOptions options;
-  options.longest_duration = duration;
+  options.max_duration = duration;
   const PlantRun run = run_plant(plant.bodies, plant.tool, plant.moves, options);
   Manifest manifest;
   manifest.tool_radius = plant.tool.radius;

@@ -105,12 +105,11 @@ TEST(OneBody, LetsTheTipGoAndFeelsNothingThen) {
   const auto away = [](double t) -> Eigen::Vector3d {
     return touching_tip() + Eigen::Vector3d(0.04 - 0.1 * t, 0.0, 0.0);
   };
-  double largest_pull = 0.0;
-  test::run(world, away, 1.0, 0.001, [&](double) {
-    largest_pull = std::min(largest_pull, world.state()[0].tool_force_base.x());
-  });
+  double max_pull = 0.0;
+  test::run(world, away, 1.0, 0.001,
+            [&](double) { max_pull = std::min(max_pull, world.state()[0].tool_force_base.x()); });
   const BodyState& state = world.state()[0];
-  EXPECT_EQ(largest_pull, 0.0);
+  EXPECT_EQ(max_pull, 0.0);
   EXPECT_EQ(state.phase, MotionPhase::free);
   EXPECT_TRUE(state.tool_force_base.isZero(0.0));
   EXPECT_TRUE(state.planar.twist.isZero(0.0));

@@ -267,7 +267,7 @@ TEST(Kernels, GiveTheSameBitsOnEveryInstructionSet) {
 /// What the passes over rows give for random depth with holes, of a width that fills no vectors.
 std::vector<std::vector<float>> passes_at_random(const Kernels& kernels) {
   constexpr int kWidth = 37;
-  constexpr int kStride = kWidth + 2 + kMostLanes;
+  constexpr int kStride = kWidth + 2 + kMaxLanes;
   Random random(6);
   std::vector<float> depth(3 * kStride, 0.0F);
   for (int i = 0; i < 3 * kWidth; ++i) {

@@ -24,7 +24,7 @@ class SceneWorldTest : public testing::Test {
 };
 
 TEST_F(SceneWorldTest, ABoxCanBePushedWhereItStandsAndTheToolWaitsAboveIt) {
-  const auto world = world_of(a_box_on_a_table(), {.tool_radius = 0.02, .most_force = 7.0});
+  const auto world = world_of(a_box_on_a_table(), {.tool_radius = 0.02, .max_force = 7.0});
   ASSERT_TRUE(world) << world.error().to_string();
   const WorldModel& model = world->model.world;
   ASSERT_EQ(model.bodies.size(), 1U);
@@ -32,7 +32,7 @@ TEST_F(SceneWorldTest, ABoxCanBePushedWhereItStandsAndTheToolWaitsAboveIt) {
   EXPECT_LT((model.bodies[0].T_base_object.translation() - Eigen::Vector3d(0.6, 0.05, 0.04)).norm(),
             1e-8);  // a nanometre a coordinate is what scene.yaml keeps
   EXPECT_EQ(model.tool_radius, 0.02);
-  EXPECT_EQ(world->model.force.most_force, 7.0);
+  EXPECT_EQ(world->model.force.max_force, 7.0);
   EXPECT_EQ(world->model.supports_base.size(), 1U);
   EXPECT_EQ(world->triangles, 5000U);
   EXPECT_EQ(model.static_mesh_base.triangles.size(), 5000U);

@@ -204,7 +204,7 @@ TEST_F(ServerTest, AHundredPagesAtOnceAreServedOrTurnedAwayWithAWord) {
 
 TEST_F(ServerTest, ConnectionsAreBounded) {
   ServerOptions options;
-  options.most_connections = 3;
+  options.max_connections = 3;
   open(options);
   asio::io_context io;
   std::vector<tcp::socket> idle;
@@ -214,7 +214,7 @@ TEST_F(ServerTest, ConnectionsAreBounded) {
 
 TEST_F(ServerTest, AClientThatNeverReadsIsLetGoAndTheOthersSeeTheNewest) {
   ServerOptions options;
-  options.most_write_time = 0.5;
+  options.max_write_time = 0.5;
   options.rate = 90.0;
   open(options);
   PageClient deaf(port());
@@ -253,7 +253,7 @@ TEST_F(ServerTest, APageThatReadsSlowlySeesTheNewestState) {
 }
 
 TEST_F(ServerTest, RepliesPileUpForNobody) {
-  open({.most_write_time = 0.5});
+  open({.max_write_time = 0.5});
   {
     PageClient page(port());
     ASSERT_TRUE(page.greet());

@@ -118,8 +118,7 @@ TEST(PlantCase, SlowPushesOfAProbeBreakAwayWithinThreePerCentOfTheLimit) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const PlantCase plant = make_plant_case(ToolTask::probe, seed);
     // Long enough for the first push of the first box.
-    const PlantRun run =
-        run_plant(plant.bodies, plant.tool, plant.moves, {.longest_duration = 12.0});
+    const PlantRun run = run_plant(plant.bodies, plant.tool, plant.moves, {.max_duration = 12.0});
     const double limit = plant.bodies[0].parameters.limiting_static_friction;
     const auto first =
         std::find_if(run.phases.begin(), run.phases.end(), [](const PlantPhaseChange& change) {

@@ -48,7 +48,7 @@ ToolMove along_y(double way, double speed) {
 
 std::size_t step_of(double t) { return static_cast<std::size_t>(std::lround(t / PlantRun::kStep)); }
 
-double highest_force(const PlantRun& run) {
+double max_force(const PlantRun& run) {
   double most = 0.0;
   for (const Eigen::Vector3d& force : run.force_base) most = std::max(most, force.norm());
   return most;
@@ -70,8 +70,8 @@ TEST(Plant, ASlowPushBreaksAwayAtTheLimit) {
     const PlantRun run = run_plant({body}, a_tool_behind(), {along_y(0.004, 0.001)});
     // The friction itself stays within 1 % below; the tool feels up to 3 % more, because the box
     // has to be accelerated.
-    EXPECT_GT(highest_force(run), 0.99 * limit);
-    EXPECT_LT(highest_force(run), 1.03 * limit);
+    EXPECT_GT(max_force(run), 0.99 * limit);
+    EXPECT_LT(max_force(run), 1.03 * limit);
   }
 }
 
@@ -80,8 +80,8 @@ TEST(Plant, AFasterPushNeedsMoreForceToBreakAway) {
   for (const double speed : {0.001, 0.01, 0.05}) {
     const PlantRun run =
         run_plant({a_box()}, a_tool_behind(), {along_y(0.002 + 0.1 * speed, speed)});
-    EXPECT_GT(highest_force(run), before);
-    before = highest_force(run);
+    EXPECT_GT(max_force(run), before);
+    before = max_force(run);
   }
   EXPECT_GT(before, 1.1 * 8.0);
 }
@@ -216,7 +216,7 @@ TEST(Plant, HalfTheStepChangesLittle) {
     EXPECT_LT((a.p_base - b.p_base).norm(), 5e-5);  // [m], of 40 to 80 mm
     EXPECT_NEAR(a.yaw, b.yaw, 0.05 * kDegree);
   }
-  EXPECT_NEAR(highest_force(coarse), highest_force(fine), 0.005 * highest_force(fine));
+  EXPECT_NEAR(max_force(coarse), max_force(fine), 0.005 * max_force(fine));
 }
 
 TEST(Plant, NoEnergyIsGained) {
@@ -272,7 +272,7 @@ TEST(Plant, AFixedBodyHolds) {
   PlantBody body = a_box();
   body.is_movable = false;
   const PlantRun run = run_plant({body}, a_tool_behind(), {along_y(0.004, 0.01)});
-  EXPECT_GT(highest_force(run), 20.0);
+  EXPECT_GT(max_force(run), 20.0);
   EXPECT_EQ(run.bodies[0].back().p_base, Eigen::Vector2d(0.0, 0.0));
 }
 

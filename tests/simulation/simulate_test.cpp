@@ -187,7 +187,7 @@ TEST(Simulate, ManyBoxesThatArePushedToAndFroNeverTouch) {
   const PlantCase plant = make_plant_case(ToolTask::push, 3, options);
   PlantOptions ends;
   ends.substeps = 8;  // coarser than recordings: places matter here, not forces
-  ends.longest_duration = options.duration;
+  ends.max_duration = options.duration;
   const PlantRun run = run_plant(plant.bodies, plant.tool, plant.moves, ends);
   EXPECT_NEAR(run.duration(), 150.0, 1e-9);
   for (double t = 0.0; t <= 150.0; t += 1.0) {

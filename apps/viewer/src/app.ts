@@ -10,9 +10,9 @@ import { looksDifferent } from './session/state_change';
 /// A frame's time [ms], the seconds since the one before, and in VR its XRFrame.
 type FrameCallback = (time: number, seconds: number, frame?: XRFrame) => void;
 
-const mostPixelRatio = 2; // beyond, an eye sees no more and a graphics card does four times the work
+const maxPixelRatio = 2; // beyond, an eye sees no more and a graphics card does four times the work
 const staleSeconds = 0.04; // two to three states: a picture of one so late is not worth drawing
-const mostWaits = 3; // frames given up in a row: if then nothing newer has come, nothing has
+const maxWaits = 3; // frames given up in a row: if then nothing newer has come, nothing has
 
 /// One picture after the other: asks everybody before each, and draws only where something changed.
 export class App {
@@ -44,7 +44,7 @@ export class App {
     // A processor that draws has no time for smooth edges.
     const antialias = !this.isSoftwareRendered;
     this.renderer = new WebGLRenderer({ canvas, antialias, powerPreference: 'high-performance' });
-    const ratio = Math.min(window.devicePixelRatio, mostPixelRatio);
+    const ratio = Math.min(window.devicePixelRatio, maxPixelRatio);
     this.renderer.setPixelRatio(this.isSoftwareRendered ? 1 : ratio);
     this.renderer.xr.enabled = true;
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
@@ -98,7 +98,7 @@ export class App {
   private shouldWait(): boolean {
     const isStale =
       this.session.latest() !== null && this.session.latency.lag(pageClock()) > staleSeconds;
-    this.waits = isStale && this.waits < mostWaits ? this.waits + 1 : 0;
+    this.waits = isStale && this.waits < maxWaits ? this.waits + 1 : 0;
     return this.waits > 0;
   }
 

@@ -12,7 +12,7 @@ namespace pcavr {
 
 struct GamepadOptions {
   RateOptions rate;
-  double most_force = 5.0;  ///< [N] > 0 at which the heavy motor runs at its strongest
+  double max_force = 5.0;  ///< [N] > 0 at which the heavy motor runs at its strongest
 };
 
 /// A gamepad, through SDL2: the first there is. The left stick moves the tip away and sideways, the

@@ -13,9 +13,9 @@
 namespace pcavr {
 
 struct PluginDeviceOptions {
-  std::string text = {};    ///< handed to the plugin
-  double facing = 0.0;      ///< [rad] about base's z, from its x axis: where the operator looks
-  double most_speed = 2.0;  ///< [m/s] > 0 of the tip; see RemoteDeviceOptions
+  std::string text = {};   ///< handed to the plugin
+  double facing = 0.0;     ///< [rad] about base's z, from its x axis: where the operator looks
+  double max_speed = 2.0;  ///< [m/s] > 0 of the tip; see RemoteDeviceOptions
 };
 
 /// How a plugin behaved so far.

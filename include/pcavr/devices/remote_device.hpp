@@ -25,8 +25,8 @@ struct RemoteDeviceOptions {
   std::string name = "remote";
   /// [m/s] > 0 of the tip. A hand that works on a table stays under 1 m/s and a reach under 2; a
   /// controller whose tracking slips goes at tens. At 2 m/s the tip moves 2 mm a cycle.
-  double most_speed = 2.0;
-  double most_silence = 0.5;  ///< [s] > 0 after which nobody is there, and the clutch is let go
+  double max_speed = 2.0;
+  double max_silence = 0.5;  ///< [s] > 0 after which nobody is there, and the clutch is let go
 };
 
 /// What the newest exchange used.

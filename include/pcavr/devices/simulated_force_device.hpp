@@ -20,7 +20,7 @@ struct SimulatedForceDeviceOptions {
   double mass = 0.2;              ///< [kg] > 0 of hand and handle, as a desk device is felt
   double friction = 0.5;          ///< [N s/m] >= 0 in the device's own joints
   double force_noise = 0.02;      ///< [N] >= 0, standard deviation a cycle, along each axis
-  double most_force = 5.0;        ///< [N] > 0 that its motors give
+  double max_force = 5.0;         ///< [N] > 0 that its motors give
   std::uint64_t seed = 1;         ///< of the noise
 };
 

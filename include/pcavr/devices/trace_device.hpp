@@ -27,11 +27,11 @@ struct TraceSample {
                                                              const std::string& file);
 
 struct TraceDeviceOptions {
-  double most_speed = 2.0;  ///< [m/s] > 0 of the tip; see RemoteDeviceOptions
+  double max_speed = 2.0;  ///< [m/s] > 0 of the tip; see RemoteDeviceOptions
 };
 
 /// A trace, played back from the first exchange on, along straight lines between its rows. Where
-/// it is engaged the tool goes where it says in base, from where it was with at most_speed along a
+/// it is engaged the tool goes where it says in base, from where it was with at max_speed along a
 /// straight line. At its end it is let go and not present.
 class TraceDevice final : public Device {
  public:

@@ -27,9 +27,9 @@ struct Views {
   std::vector<MovedBody> bodies;    ///< movable ones, each with one pose a view
   // Within these a depth camera of the structured-light or time-of-flight kind measures: a surface
   // outside them was looked at, but not seen.
-  double nearest = 0.4;                ///< along the optical axis [m]
-  double farthest = 4.0;               ///< along the optical axis [m]
-  double largest_incidence = 1.30900;  ///< between ray and surface normal [rad], 75 degrees
+  double nearest = 0.4;            ///< along the optical axis [m]
+  double farthest = 4.0;           ///< along the optical axis [m]
+  double max_incidence = 1.30900;  ///< between ray and surface normal [rad], 75 degrees
 };
 
 struct MeshErrors {

@@ -52,7 +52,7 @@ struct TrajectoryErrors {
 struct TrajectoryErrorOptions {
   /// Gaps of the reference up to this long are interpolated. Longer: more estimates are matched,
   /// against poses that are less true.
-  Duration longest_gap = std::chrono::milliseconds(100);
+  Duration max_gap = std::chrono::milliseconds(100);
   /// Pairs for the relative error are this far apart in time, give or take a tenth.
   Duration relative_step = std::chrono::seconds(1);
 };

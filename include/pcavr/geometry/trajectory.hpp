@@ -30,9 +30,9 @@ class Trajectory {
   [[nodiscard]] std::size_t size() const { return poses_.size(); }
 
   /// Interpolated at `stamp`. Nothing outside the first and last stamp, nor inside a gap that is
-  /// longer than `longest_gap`. O(log n).
+  /// longer than `max_gap`. O(log n).
   [[nodiscard]] std::optional<Pose> at(Stamp stamp,
-                                       Duration longest_gap = std::chrono::milliseconds(200)) const;
+                                       Duration max_gap = std::chrono::milliseconds(200)) const;
 
   /// Index of the pose nearest in time, if within `tolerance`. O(log n).
   [[nodiscard]] std::optional<std::size_t> nearest(Stamp stamp, Duration tolerance) const;

@@ -23,7 +23,7 @@ struct HapticWorldModel {
   /// body whose centre of mass leaves all of them falls. Empty: the support has no edge.
   std::vector<std::vector<Eigen::Vector3d>> supports_base;
   double scan_friction = 0.2;  ///< Coulomb's, between tip and scan
-  ForceOptions force;          ///< of the scan; most_force and most_rate bound the whole force
+  ForceOptions force;          ///< of the scan; max_force and max_rate bound the whole force
 };
 
 /// What the hand asks for, once a cycle.

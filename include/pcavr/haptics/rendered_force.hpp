@@ -10,14 +10,14 @@ namespace pcavr {
 
 struct ForceOptions {
   Compliance compliance{1000.0, 0.0, 1.0};  ///< of the surface
-  double most_force = 5.0;                  ///< [N] of the device
-  double most_rate = 2000.0;                ///< [N/s] by which the force may grow or turn
+  double max_force = 5.0;                   ///< [N] of the device
+  double max_rate = 2000.0;                 ///< [N/s] by which the force may grow or turn
   /// [m/s^2] of the hand: what lets the next cycle's motion be told from the last one's. A hand
   /// that holds a device's handle stays under 2 g.
-  double most_acceleration = 20.0;
+  double max_acceleration = 20.0;
   /// [N] while inside, paid for or not: what a force grows from. Too small to be felt. A hand on
   /// its way out that has not paid gets a thousandth of it.
-  double least_force = 1e-4;
+  double min_force = 1e-4;
 };
 
 /// The force on the device from how far its tip has sunk in, held until the next cycle.
@@ -33,8 +33,8 @@ class RenderedForce {
   explicit RenderedForce(const ForceOptions& options);
 
   /// The force [N] on the device after a cycle of `dt` [s] > 0 that ended with the device at `tip`
-  /// and the proxy at `proxy` [m]. Not more than most_force; it does not grow or turn faster than
-  /// most_rate, but falls faster where the work runs out. `beside` [N] is what something else would
+  /// and the proxy at `proxy` [m]. Not more than max_force; it does not grow or turn faster than
+  /// max_rate, but falls faster where the work runs out. `beside` [N] is what something else would
   /// have the hand feel: it is added to the law's force before all that. Zero, and the account as
   /// before, where an argument is not finite.
   Eigen::Vector3d step(const Eigen::Vector3d& tip, const Eigen::Vector3d& proxy, bool is_inside,

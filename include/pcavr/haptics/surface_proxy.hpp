@@ -16,7 +16,7 @@ struct ProxyOptions {
   double friction = 0.0;  ///< >= 0, Coulomb's coefficient between tip and surface
   /// >= 1: how much farther than the tip the ball may move in a step. At 1 it never jumps, and lags
   /// where its way over a rough surface is longer than the tip's below it; 2 or more lags less.
-  double most_motion = 1.0;
+  double max_motion = 1.0;
 };
 
 struct ProxyState {
@@ -28,7 +28,7 @@ struct ProxyState {
 /// Salisbury 1995; Ruspini et al. 1997]. The mesh may be open, noisy, unoriented and in any order.
 ///
 /// The ball never touches less than its radius to any triangle (to rounding), so that it cannot
-/// fall through, at any speed; and in one step its centre moves no farther than most_motion times
+/// fall through, at any speed; and in one step its centre moves no farther than max_motion times
 /// what the tip did. Not thread-safe; `step` neither allocates, locks nor throws, and is
 /// deterministic.
 class SurfaceProxy {

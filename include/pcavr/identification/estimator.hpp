@@ -25,7 +25,7 @@ struct EstimatorOptions {
   int window = 30;           ///< samples of a block, >= N + 1
   double forgetting = 0.98;  ///< exponential: in (0, 1]; the larger, the longer the memory
   /// adaptive: in (0, 1); 1 / (1 - this) samples is the memory right after a change
-  double least_forgetting = 0.8;
+  double min_forgetting = 0.8;
   int error_window = 10;  ///< adaptive: samples the squared error is averaged over
   /// Standard deviation of the measured value's noise. Empty: measured while running, from errors
   /// clipped at three deviations. Give it where the model may be wrong: a measured one takes the
@@ -35,7 +35,7 @@ struct EstimatorOptions {
   double prior_information = 1e-6;
   /// Least rms of what the other regressors do not explain of this one, in its own unit. Below it
   /// the parameter counts as not excited. Put what the regressor's own noise could make up.
-  std::array<double, N> least_excitation = {};
+  std::array<double, N> min_excitation = {};
   /// How many successive samples count as one independent sample (filtered noise is correlated);
   /// widens the deviations by its square root. >= 1
   double correlated_samples = 1.0;
@@ -83,9 +83,9 @@ struct EstimatorStep {
 /// e2 is the mean squared prediction error over the error window, each divided by 1 + phi'P phi, so
 /// that not yet knowing is not taken for a change. c sigma^2 is what e2 reaches by noise once in a
 /// million samples, counted in independent ones (`correlated_samples`), and at least 19/2 sigma^2;
-/// below it lambda is exactly 1. lambda_min is `least_forgetting`, or less where the memory is
-/// longer than the 1 / (1 - least_forgetting) samples that it keeps: one clear change empties it
-/// down to those at once. Forgetting by `least_forgetting` alone lets hundreds of samples from
+/// below it lambda is exactly 1. lambda_min is `min_forgetting`, or less where the memory is
+/// longer than the 1 / (1 - min_forgetting) samples that it keeps: one clear change empties it
+/// down to those at once. Forgetting by `min_forgetting` alone lets hundreds of samples from
 /// before the change outweigh the few from after it.
 ///
 /// Units: the caller's. Threads: one writer. step() neither allocates nor throws.

@@ -43,9 +43,9 @@ struct ContactEpisode {
 struct SegmentationOptions {
   double half_width = 0.010;      ///< [s] of the force's smoothing
   double enter_deviations = 6.0;  ///< smoothed force: contact begins above these deviations, ...
-  double least_force = 0.3;       ///< [N] ... and above this (drift that is not yet known)
+  double min_force = 0.3;         ///< [N] ... and above this (drift that is not yet known)
   double leave_share = 0.5;       ///< of the entering threshold: contact ends below
-  double least_duration = 0.050;  ///< [s] shorter touches are disturbances; shorter gaps are closed
+  double min_duration = 0.050;    ///< [s] shorter touches are disturbances; shorter gaps are closed
   double margin = 0.200;          ///< [s] of free time kept around a contact
   double slide_half_width = 0.030;  ///< [s] of the smoothing of the object's speed
   double slide_speed = 0.001;       ///< [m/s] faster, and above the noise: it slides

@@ -110,8 +110,8 @@ struct TimeOffset {
 };
 
 struct TimeOffsetOptions {
-  double range = 0.25;             ///< [s] largest offset looked for
-  double least_correlation = 0.5;  ///< below, nothing is said
+  double range = 0.25;           ///< [s] largest offset looked for
+  double min_correlation = 0.5;  ///< below, nothing is said
 };
 
 /// How much later b happens than a, by normalised correlation on a common grid, then a parabola

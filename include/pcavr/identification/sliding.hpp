@@ -27,11 +27,11 @@ struct Compliance {
                                               const Compliance& compliance);
 
 struct SlidingOptions {
-  double half_width = 0.040;          ///< [s] of the smoothing; well below the modulation's period
-  double least_speed = 0.005;         ///< [m/s] below, it may be sticking: left out
-  double least_force = 1.0;           ///< [N] below, the contact may be lost: left out
-  double least_acceleration = 0.3;    ///< [m/s^2] rms; below, the mass is not excited
-  double least_speed_change = 0.005;  ///< [m/s] rms of the speed beyond what acceleration explains
+  double half_width = 0.040;        ///< [s] of the smoothing; well below the modulation's period
+  double min_speed = 0.005;         ///< [m/s] below, it may be sticking: left out
+  double min_force = 1.0;           ///< [N] below, the contact may be lost: left out
+  double min_acceleration = 0.3;    ///< [m/s^2] rms; below, the mass is not excited
+  double min_speed_change = 0.005;  ///< [m/s] rms of the speed beyond what acceleration explains
   double settle = 0.050;  ///< [s] left out after a stop: friction is not yet what it will be
   std::optional<double> mass = {};    ///< [kg] where known; used for mu where it is not excited
   double gravity = kStandardGravity;  ///< [m/s^2]

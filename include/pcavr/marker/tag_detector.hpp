@@ -29,9 +29,9 @@ struct TagDetection {
 };
 
 struct TagDetectorOptions {
-  int decimation = 2;       ///< >= 1; quads are sought in an image shrunk by this; corners are not
-  int largest_hamming = 1;  ///< 0 to 3; tags with more corrected bits are dropped
-  double smallest_margin = 20.0;  ///< of 255; printed tags in ordinary light reach 40 to 120
+  int decimation = 2;        ///< >= 1; quads are sought in an image shrunk by this; corners are not
+  int max_hamming = 1;       ///< 0 to 3; tags with more corrected bits are dropped
+  double min_margin = 20.0;  ///< of 255; printed tags in ordinary light reach 40 to 120
   /// Besides where tags were seen last, look at the whole image every so many frames, >= 1. A tag
   /// that comes into view is found at most this many frames later.
   int full_search_interval = 5;

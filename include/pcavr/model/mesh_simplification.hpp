@@ -9,10 +9,10 @@
 namespace pcavr {
 
 /// Fewer triangles by quadric edge collapse [Garland & Heckbert 1997], colours and borders kept.
-/// The result has at most `target_triangles`, or as many as can be had within `largest_error` [m].
+/// The result has at most `target_triangles`, or as many as can be had within `max_error` [m].
 /// A closed mesh stays closed. Deterministic.
 [[nodiscard]] TriangleMesh simplified(const TriangleMesh& mesh, std::size_t target_triangles,
-                                      double largest_error);
+                                      double max_error);
 
 /// Drops the vertices that no triangle uses and renumbers the rest, their order kept.
 void keep_used_vertices(TriangleMesh& mesh);

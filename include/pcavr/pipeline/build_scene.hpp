@@ -21,9 +21,9 @@ struct BuildOptions {
   bool trust_poses = false;     ///< take groundtruth.txt as given, not as a measurement
   bool skip_bad = false;        ///< leave out frames that don't decode, and count them
   /// Surface that fewer frames than this agree on is left out: single readings lie.
-  double smallest_weight = 2.0;
+  double min_weight = 2.0;
   /// Connected parts of the mesh with less area than this are left out [m^2].
-  double smallest_island = 4e-4;
+  double min_island = 4e-4;
   Parallelism parallelism = Parallelism::max();
 };
 

@@ -142,8 +142,8 @@ struct Identification {
   bool is_offset_applied = false;  ///< it was more than three deviations
   TimeOffset tool_to_camera = {};  ///< the tracked poses are this much late
   std::size_t spikes = 0;
-  double force_noise = 0.0;    ///< [N]
-  double largest_drift = 0.0;  ///< [N] of the bias that was taken off
+  double force_noise = 0.0;  ///< [N]
+  double max_drift = 0.0;    ///< [N] of the bias that was taken off
   std::vector<std::string> notes = {};
   std::vector<LeftOut> left_out = {};  ///< of the input
 

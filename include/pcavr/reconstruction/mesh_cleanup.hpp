@@ -8,7 +8,7 @@
 
 namespace pcavr {
 
-/// Drops connected parts with less than `smallest_area` [m^2]. Returns the number of parts dropped.
-std::size_t remove_small_islands(TriangleMesh& mesh, double smallest_area);
+/// Drops connected parts with less than `min_area` [m^2]. Returns the number of parts dropped.
+std::size_t remove_small_islands(TriangleMesh& mesh, double min_area);
 
 }  // namespace pcavr

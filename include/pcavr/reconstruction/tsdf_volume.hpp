@@ -48,9 +48,9 @@ class TsdfVolume {
                               const Pose& T_base_camera, Parallelism parallelism);
 
   /// Marching cubes [Lorensen & Cline 1987] with shared vertices, normals from the distance
-  /// field's gradient, and colours. Voxels that fewer than `smallest_weight` frames
+  /// field's gradient, and colours. Voxels that fewer than `min_weight` frames
   /// measured are left out; 1 to 15, more counts as 15.
-  [[nodiscard]] TriangleMesh extract_mesh(double smallest_weight, Parallelism parallelism) const;
+  [[nodiscard]] TriangleMesh extract_mesh(double min_weight, Parallelism parallelism) const;
 
   [[nodiscard]] std::size_t block_count() const;
   [[nodiscard]] std::size_t memory_bytes() const;

@@ -69,7 +69,7 @@ struct ReadOptions {
   /// Leave out bad rows and frames, and count them, instead of failing at the first.
   bool skip_bad = false;
   /// Colour and depth further apart than this are no pair. The format's contract: 20 ms.
-  Duration largest_pair_gap = std::chrono::milliseconds(20);
+  Duration max_pair_gap = std::chrono::milliseconds(20);
 };
 
 /// Reads a recording folder strictly. Every error names file, line and hint. Thread-safe.

@@ -19,7 +19,7 @@ struct SceneWorldOptions {
   std::optional<ParameterTable> parameters = {};  ///< what identify wrote
   std::string parameters_file = {};               ///< by which errors name it
   double tool_radius = 0.01;                      ///< [m] > 0
-  double most_force = 5.0;                        ///< [N] > 0 on the hand
+  double max_force = 5.0;                         ///< [N] > 0 on the hand
 };
 
 /// A body's numbers that nothing told, and that were taken as usual (see complete_physics).

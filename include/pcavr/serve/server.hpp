@@ -23,13 +23,13 @@ struct ServerOptions {
   std::optional<TlsFiles> tls = {};
   double rate = 90.0;  ///< [Hz] 60 to 90: states to each page; what waits for the next is late
   std::string version = {};
-  std::string scene = {};              ///< as pages name it
-  bool is_replay = false;              ///< what a page shows first
-  double tool_radius = 0.01;           ///< [m]
-  std::size_t most_pages = 32;         ///< the next one is told so, and sent away
-  std::size_t most_connections = 256;  ///< of all kinds
-  double most_write_time = 5.0;        ///< [s] that a page may take for one message, > 0
-  bool ends_on_signals = false;        ///< SIGINT and SIGTERM end run(), also one before it
+  std::string scene = {};             ///< as pages name it
+  bool is_replay = false;             ///< what a page shows first
+  double tool_radius = 0.01;          ///< [m]
+  std::size_t max_pages = 32;         ///< the next one is told so, and sent away
+  std::size_t max_connections = 256;  ///< of all kinds
+  double max_write_time = 5.0;        ///< [s] that a page may take for one message, > 0
+  bool ends_on_signals = false;       ///< SIGINT and SIGTERM end run(), also one before it
 };
 
 /// Whether such a server could be opened now; the same errors as LiveServer::open. For asking

@@ -121,9 +121,9 @@ struct PlantRun {
 };
 
 struct PlantOptions {
-  int substeps = 20;                ///< in a step: 50 us each
-  double tail = 0.3;                ///< [s] at rest after the last move
-  double longest_duration = 600.0;  ///< [s]: where it ends, whatever is left to do
+  int substeps = 20;            ///< in a step: 50 us each
+  double tail = 0.3;            ///< [s] at rest after the last move
+  double max_duration = 600.0;  ///< [s]: where it ends, whatever is left to do
 };
 
 /// Lets the tool make its moves among the bodies. Bodies do not touch each other: keep them apart.

@@ -9,7 +9,7 @@ import { levelDirection } from './navigation';
 import type { Picking } from './picking';
 
 const keySpeed = 0.15; // [m/s]; with Shift a quarter of it
-const longestReach = 0.06; // [m] from the ball to the tip: a key held against a wall winds up no more
+const maxReach = 0.06; // [m] from the ball to the tip: a key held against a wall winds up no more
 const noTurn: Quaternion = [0, 0, 0, 1];
 const toolKeys = ['Space', 'ArrowUp', 'ArrowDown', 'ArrowLeft', 'ArrowRight', 'PageUp', 'PageDown'];
 
@@ -144,6 +144,6 @@ export class DesktopTool {
     const turn = this.app.base.getWorldQuaternion(this.app.camera.quaternion.clone()).invert();
     this.tip!.add(step.applyQuaternion(turn));
     const reach = this.tip!.clone().sub(proxy);
-    if (reach.length() > longestReach) this.tip!.copy(proxy).add(reach.setLength(longestReach));
+    if (reach.length() > maxReach) this.tip!.copy(proxy).add(reach.setLength(maxReach));
   }
 }

@@ -5,7 +5,7 @@ import { levelDirection } from './navigation';
 
 export type PlaneKind = 'level' | 'upright' | 'view';
 
-const leastSlope = 0.12; // sine of ray against plane: seen flatter, a pixel would be many centimetres
+const minSlope = 0.12; // sine of ray against plane: seen flatter, a pixel would be many centimetres
 const farthest = 3; // [m] from where the drag began: beyond, the pointer is near the horizon
 
 /// The plane through the tool on which a pointer drags it. World frame.
@@ -27,7 +27,7 @@ export class DragPlane {
   static through(tool: Vector3, kind: PlaneKind, camera: PerspectiveCamera, ray: Ray): DragPlane {
     const view = camera.getWorldDirection(new Vector3());
     const up = new Vector3(0, 1, 0);
-    const isFlat = Math.abs(ray.direction.y) < leastSlope;
+    const isFlat = Math.abs(ray.direction.y) < minSlope;
     const normals = { level: isFlat ? view : up, upright: levelDirection(camera), view };
     return new DragPlane(tool.clone(), normals[kind], ray);
   }

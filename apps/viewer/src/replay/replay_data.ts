@@ -69,7 +69,7 @@ export class Table {
     const row = this.rowAt(time);
     if (row < 0) return null;
     const from = this.row(row);
-    if (row + 1 === this.rows) return time <= from[0] + longestHold ? from : null;
+    if (row + 1 === this.rows) return time <= from[0] + maxHold ? from : null;
     const to = this.row(row + 1);
     const part = (time - from[0]) / (to[0] - from[0]);
     return from.map((value, i) => value + (to[i] - value) * part);
@@ -80,7 +80,7 @@ export class Table {
   }
 }
 
-const longestHold = 0.5; // [s] that a last value is shown for: beyond, nothing is known
+const maxHold = 0.5; // [s] that a last value is shown for: beyond, nothing is known
 
 export interface PoseAt {
   position: Vector;
@@ -91,7 +91,7 @@ export interface PoseAt {
 export function poseAt(table: Table, time: number): PoseAt | null {
   // A prediction begins with the first cycle: until then a body is where it begins.
   const first = table.rows > 0 ? table.time(0) : Infinity;
-  if (time < first && first - time <= longestHold) time = first;
+  if (time < first && first - time <= maxHold) time = first;
   const row = table.rowAt(time);
   const values = table.at(time);
   if (!values) return null;

@@ -31,7 +31,7 @@ export class ReplayPlots {
       note: corrections.length > 0 ? 'dashed: corrections' : '',
       unit: 'mm',
       rightUnit: '°',
-      leastSpan: 1,
+      minSpan: 1,
       series: [
         { title: 'position', color: '#2b7de9' },
         { title: 'rotation', color: '#c2820a', scale: 'right' },
@@ -47,7 +47,7 @@ export class ReplayPlots {
       title: 'Force',
       note: 'bands: phase measured, predicted',
       unit: 'N',
-      leastSpan: 2,
+      minSpan: 2,
       series: [
         { title: 'measured', color: '#d6336c' },
         { title: 'predicted', color: '#2f9e6e' },

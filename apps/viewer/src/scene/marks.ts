@@ -24,7 +24,7 @@ import type { SceneView } from './view';
 
 const lift = 0.001; // [m] above what it lies on, or both would flicker
 const cameraSize = 0.02; // [m]
-const mostCameras = 60; // drawn as pyramids: more would hide the path they lie on
+const maxCameras = 60; // drawn as pyramids: more would hide the path they lie on
 
 /// Tags, frames, support planes and the camera's path: what explains a scene.
 export function addMarks(view: SceneView, model: SceneModel): void {
@@ -106,7 +106,7 @@ function cameraPath(cameras: SceneModel['cameras']): (Line | LineSegments)[] {
   const parts: (Line | LineSegments)[] = [];
   if (path.length > 1) parts.push(new Line(new BufferGeometry().setFromPoints(path), material));
   const pyramid = new BufferGeometry().setFromPoints(pyramidEdges(cameraSize));
-  const every = Math.ceil(cameras.length / mostCameras);
+  const every = Math.ceil(cameras.length / maxCameras);
   for (let i = 0; i < cameras.length; i += every) {
     const camera = new LineSegments(pyramid, material);
     camera.position.fromArray(cameras[i].position);

@@ -20,8 +20,8 @@ const touchColor = '#ffb300';
 const hipColor = '#d6336c';
 const forceColor = '#d6336c';
 const metresPerNewton = 0.01; // an arrow of 10 cm at 10 N
-const longestArrow = 0.3; // [m]
-const leastForce = 0.05; // [N] below, an arrow is only noise
+const maxArrow = 0.3; // [m]
+const minForce = 0.05; // [N] below, an arrow is only noise
 const pulseSeconds = 0.35;
 
 /// The tool: the proxy (a ball of the tool's size, outside of everything), the HIP (where the hand
@@ -116,9 +116,9 @@ export class ToolView {
   private showForce(): void {
     const force = new Vector3(...this.force);
     const newtons = force.length();
-    this.arrow.visible = newtons > leastForce;
+    this.arrow.visible = newtons > minForce;
     if (!this.arrow.visible) return;
-    const length = Math.min(newtons * metresPerNewton, longestArrow);
+    const length = Math.min(newtons * metresPerNewton, maxArrow);
     const headLength = Math.min(0.4 * length, 0.03);
     this.arrow.position.copy(this.proxy.position);
     this.arrow.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), force.normalize());

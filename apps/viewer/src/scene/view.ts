@@ -20,7 +20,7 @@ import type { SceneModel } from './scene_model';
 import { ToolView } from './tool_view';
 
 const viewingElevation = 0.6; // [rad] table tops are seen well so, and what stands on them too
-const leastRadius = 0.15; // [m]
+const minRadius = 0.15; // [m]
 const backgrounds = { light: '#e9edf1', dark: '#15191e' };
 
 /// The drawn world. three.js has y up, the base frame z: `base` stands between them, and whatever
@@ -98,7 +98,7 @@ export class SceneView {
     const first = this.model?.cameras[0];
     if (first && !this.bodies.some((body) => body.object.movable))
       return this.lookAsCamera(first, center);
-    const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), leastRadius);
+    const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), minRadius);
     const narrow = Math.min(1, this.camera.aspect);
     const distance = radius / (narrow * Math.sin((this.camera.fov * Math.PI) / 360));
     this.camera.position.copy(center).addScaledVector(this.viewingSide(center), distance);
@@ -113,7 +113,7 @@ export class SceneView {
     ahead.transformDirection(this.base.matrixWorld);
     const target = eye
       .clone()
-      .addScaledVector(ahead, Math.max(eye.distanceTo(center), leastRadius));
+      .addScaledVector(ahead, Math.max(eye.distanceTo(center), minRadius));
     this.camera.position.copy(eye);
     this.camera.lookAt(target);
     return target;

@@ -37,8 +37,8 @@ export type FromWorker =
 
 const pingSeconds = 1;
 const firstRetrySeconds = 0.5;
-const longestRetrySeconds = 8;
-const mostBuffered = 4096; // [bytes] not yet sent: beyond, an older tool sample is worth nothing
+const maxRetrySeconds = 8;
+const maxBuffered = 4096; // [bytes] not yet sent: beyond, an older tool sample is worth nothing
 
 let url = '';
 let socket: WebSocket | null = null;
@@ -67,7 +67,7 @@ self.onmessage = (event: MessageEvent<ToWorker>) => {
       break;
     case 'tool':
       // To let go is never old.
-      if (message.sample.clutch && socket && socket.bufferedAmount > mostBuffered) break;
+      if (message.sample.clutch && socket && socket.bufferedAmount > maxBuffered) break;
       send(writeTool(++sequence, message.clock, message.sample));
       break;
     case 'command':
@@ -106,7 +106,7 @@ function closed(reason: string): void {
   if (isRefused) return;
   tell({ kind: 'connection', connection: 'lost', reason: reason || 'the server does not answer' });
   setTimeout(connect, retrySeconds * 1000);
-  retrySeconds = Math.min(2 * retrySeconds, longestRetrySeconds);
+  retrySeconds = Math.min(2 * retrySeconds, maxRetrySeconds);
 }
 
 function refuse(reason: string): void {

@@ -7,8 +7,8 @@ import { byId, create, setText } from './dom';
 import { length, newtons } from './format';
 import { phaseWord } from './objects_panel';
 
-const mostLabels = 24; // more would only hide the scene
-const leastForceShown = 0.05; // [N]
+const maxLabels = 24; // more would only hide the scene
+const minForceShown = 0.05; // [N]
 
 /// Where a point of the world stands in the picture [CSS pixels]; null behind the camera.
 export function project(
@@ -37,7 +37,7 @@ export class Labels {
     private readonly view: SceneView,
     private readonly stage: HTMLElement,
   ) {
-    for (const body of view.bodies.filter((b) => b.object.movable).slice(0, mostLabels)) {
+    for (const body of view.bodies.filter((b) => b.object.movable).slice(0, maxLabels)) {
       const label = create('span', { className: 'phase' });
       this.labels.set(body, label);
       this.folder.append(label);
@@ -82,7 +82,7 @@ export class Labels {
     const newton = length(tool.force);
     const tip = tool.arrowTip();
     const at = tip && project(tip, this.view.camera, width, height);
-    if (!tool.group.visible || newton < leastForceShown || !at) return;
+    if (!tool.group.visible || newton < minForceShown || !at) return;
     this.force.hidden = false;
     setText(this.force, newtons(newton));
     // Beyond the tip, on whichever side that is: it would hide the arrow.

@@ -6,8 +6,8 @@ import { length } from './format';
 
 const shownSeconds = 10;
 const redrawSeconds = 1 / 12; // an eye follows a curve so; drawing faster only costs
-const mostSamples = 2000;
-const leastSpan = 2; // [N]
+const maxSamples = 2000;
+const minSpan = 2; // [N]
 
 /// The force of the last seconds.
 export class LivePlot {
@@ -22,7 +22,7 @@ export class LivePlot {
       unit: 'N',
       series: [{ title: 'magnitude', color: '#d6336c' }],
       height: 110,
-      leastSpan,
+      minSpan,
     });
     this.plot.setData([-shownSeconds, 0], [[NaN, NaN]], -shownSeconds, 0);
   }
@@ -34,7 +34,7 @@ export class LivePlot {
     if (state.worldTime === last) return;
     this.times.push(state.worldTime);
     this.forces.push(length(state.force));
-    let old = Math.max(0, this.times.length - mostSamples);
+    let old = Math.max(0, this.times.length - maxSamples);
     while (this.times[old] < state.worldTime - shownSeconds) ++old;
     if (old > 64 || old === this.times.length) this.forget(old);
     if (now - this.lastDrawn < redrawSeconds) return;

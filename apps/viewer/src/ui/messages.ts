@@ -4,7 +4,7 @@ import type { Notice } from '../protocol';
 import { byId, create } from './dom';
 
 const shownSeconds = { info: 4, warning: 7, error: 15 };
-const mostShown = 4;
+const maxShown = 4;
 
 /// Notices, for eyes and for screen readers.
 export class Messages {
@@ -17,7 +17,7 @@ export class Messages {
     if (notice.level === 'error') toast.setAttribute('role', 'alert');
     else this.announce(notice.text);
     this.toasts.append(toast);
-    while (this.toasts.children.length > mostShown) this.toasts.firstElementChild!.remove();
+    while (this.toasts.children.length > maxShown) this.toasts.firstElementChild!.remove();
     if (!stays)
       setTimeout(() => toast.remove(), 1000 * (shownSeconds[notice.level] ?? shownSeconds.info));
   }

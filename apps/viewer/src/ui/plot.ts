@@ -20,7 +20,7 @@ export interface PlotOptions {
   onSeek?: (time: number) => void;
   /// Draws below the curves, in the pixels of the canvas.
   drawBelow?: (plot: uPlot) => void;
-  leastSpan: number; // of the left axis: noise about zero is not blown up to fill the plot
+  minSpan: number; // of the left axis: noise about zero is not blown up to fill the plot
 }
 
 /// A plot over time [s], in the page's colours and as wide as its place.
@@ -96,7 +96,7 @@ export class Plot {
     const right = options.rightUnit ? [axis(options.rightUnit, 'right', 1)] : [];
     const range: uPlot.Range.Function = (_, least, most) => [
       Math.min(0, least ?? 0),
-      Math.max(options.leastSpan, (most ?? 0) * 1.08),
+      Math.max(options.minSpan, (most ?? 0) * 1.08),
     ];
     return {
       width: this.element.clientWidth || 300,

@@ -14,7 +14,7 @@ import type { Vector } from '../protocol';
 import { Segment } from '../scene/segment';
 import type { Hand, Side } from './hands';
 
-const mostJoints = 25; // of an XRHand
+const maxJoints = 25; // of an XRHand
 const toolColour = 0xffb454;
 const freeColour = 0x7fb6d9;
 
@@ -26,7 +26,7 @@ class HandView {
   private readonly joints = new InstancedMesh(
     new SphereGeometry(0.007, 10, 8),
     this.material,
-    mostJoints,
+    maxJoints,
   );
 
   constructor() {
@@ -49,7 +49,7 @@ class HandView {
     this.handle.visible = !hand.isHand;
     this.handle.position.copy(hand.place);
     this.handle.quaternion.copy(hand.rotation);
-    this.joints.count = Math.min(hand.joints.length, mostJoints);
+    this.joints.count = Math.min(hand.joints.length, maxJoints);
     const at = new Matrix4();
     for (let i = 0; i < this.joints.count; ++i) {
       this.joints.setMatrixAt(i, at.setPosition(hand.joints[i]));

@@ -20,7 +20,7 @@ const crispMs = 25;
 const rumbleMs = 40;
 const everyMs = 30;
 // Below this a motor only hums.
-const leastPulse = 0.02;
+const minPulse = 0.02;
 
 /// Gives the world's pulses to a hand: one crisp pulse an event, and a rumble in between.
 export class Pulses {
@@ -35,7 +35,7 @@ export class Pulses {
     if (isEvent) {
       actuator.pulse(1, crispMs);
       this.quietUntil = now + crispMs;
-    } else if (felt.pulse > leastPulse && now >= this.quietUntil) {
+    } else if (felt.pulse > minPulse && now >= this.quietUntil) {
       actuator.pulse(Math.min(felt.pulse, 1), rumbleMs);
       this.quietUntil = now + everyMs;
     }
