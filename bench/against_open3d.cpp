@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Fuses the same frames with pcavr and with Open3D's ScalableTSDFVolume, one thread each, same
-// voxel and truncation, and prints cost and accuracy of both. The poses are the recording's true
-// ones, so that only fusion differs.
+// voxel and truncation, and prints CPU time, memory and accuracy of both. The poses are the
+// recording's true ones, so that only fusion differs.
 //
 //   against_open3d RECORDING [TRUTH]      TRUTH: folder with camera.txt and scene.ply,
 //                                         by default RECORDING/truth
@@ -37,7 +37,7 @@ namespace fs = std::filesystem;
 
 constexpr pcavr::Parallelism kOneThread{1};
 constexpr double kTruncationVoxels = 4.0;
-/// Mesh vertices that fewer frames measured are left out of pcavr's mesh.
+/// pcavr's mesh excludes vertices measured in fewer frames.
 constexpr double kMinWeight = 3.0;
 
 struct Input {
@@ -49,8 +49,8 @@ struct Input {
 };
 
 struct Outcome {
-  double ms_a_frame = 0.0;
-  double us_a_triangle = 0.0;
+  double ms_per_frame = 0.0;
+  double us_per_triangle = 0.0;
   double megabytes = 0.0;
   std::size_t triangles = 0;
   pcavr::MeshErrors errors;
@@ -67,14 +67,14 @@ double heap_megabytes() {
   return static_cast<double>(heap.uordblks + heap.hblkhd) / 1e6;
 }
 
-[[noreturn]] void give_up(const std::string& line) {
+[[noreturn]] void fail(const std::string& line) {
   std::fprintf(stderr, "%s\n", line.c_str());
   std::exit(1);
 }
 
 template <typename T>
 T value_or_exit(pcavr::Expected<T> expected) {
-  if (!expected) give_up(expected.error().to_string());
+  if (!expected) fail(expected.error().to_string());
   return std::move(expected).value();
 }
 
@@ -86,8 +86,8 @@ void append(pcavr::TriangleMesh& mesh, const pcavr::TriangleMesh& part) {
   }
 }
 
-/// The true surfaces: the static scene, and each object where it stands at the start. Only fair
-/// for recordings in which nothing moves.
+/// The true surfaces: the static scene, and each object at its first pose. Only valid for
+/// recordings in which nothing moves.
 pcavr::TriangleMesh read_truth(const pcavr::Recording& recording, const fs::path& truth) {
   pcavr::TriangleMesh mesh = value_or_exit(pcavr::read_mesh(truth / "scene.ply"));
   mesh.normals.clear();
@@ -104,7 +104,7 @@ pcavr::TriangleMesh read_truth(const pcavr::Recording& recording, const fs::path
 
 Input read_input(const fs::path& folder, const fs::path& truth) {
   const pcavr::Recording recording = value_or_exit(pcavr::read_recording(folder));
-  if (!recording.manifest.camera) give_up(folder.string() + ": the recording holds no images");
+  if (!recording.manifest.camera) fail(folder.string() + ": the recording has no images");
   const auto trajectory = value_or_exit(pcavr::read_trajectory(truth / "camera.txt"));
   Input input;
   input.camera = *recording.manifest.camera;
@@ -115,7 +115,7 @@ Input read_input(const fs::path& folder, const fs::path& truth) {
     input.frames.push_back(std::move(frame));
     input.T_base_camera.push_back(*pose);
   }
-  if (input.frames.empty()) give_up((truth / "camera.txt").string() + ": covers no frame");
+  if (input.frames.empty()) fail((truth / "camera.txt").string() + ": covers no frame");
   input.truth_base = read_truth(recording, truth);
   return input;
 }
@@ -144,12 +144,12 @@ Outcome run_pcavr(const Input& input, double voxel_size) {
     volume.integrate(depth, input.frames[i].color, {}, input.camera, input.T_base_camera[i],
                      kOneThread);
   }
-  outcome.ms_a_frame = (cpu_ms() - start) / static_cast<double>(input.frames.size());
+  outcome.ms_per_frame = (cpu_ms() - start) / static_cast<double>(input.frames.size());
   outcome.megabytes = heap_megabytes() - heap;
   start = cpu_ms();
   const pcavr::TriangleMesh mesh = volume.extract_mesh(kMinWeight, kOneThread);
   outcome.triangles = mesh.triangles.size();
-  outcome.us_a_triangle = (cpu_ms() - start) * 1e3 / static_cast<double>(mesh.triangles.size());
+  outcome.us_per_triangle = (cpu_ms() - start) * 1e3 / static_cast<double>(mesh.triangles.size());
   outcome.errors = errors_of(input, mesh);
   return outcome;
 }
@@ -162,8 +162,8 @@ open3d::geometry::RGBDImage to_open3d(const Input& input, const pcavr::RgbdFrame
   depth.Prepare(input.camera.width, input.camera.height, 1, 4);
   auto* to = reinterpret_cast<float*>(depth.data_.data());
   const std::span<const float> from = frame.depth.pixels();
-  const auto farthest = static_cast<float>(input.noise.farthest);
-  for (std::size_t i = 0; i < from.size(); ++i) to[i] = from[i] <= farthest ? from[i] : 0.0F;
+  const auto max_depth = static_cast<float>(input.noise.max_depth);
+  for (std::size_t i = 0; i < from.size(); ++i) to[i] = from[i] <= max_depth ? from[i] : 0.0F;
   return {color, depth};
 }
 
@@ -189,17 +189,17 @@ Outcome run_open3d(const Input& input, double voxel_size) {
       open3d::pipelines::integration::TSDFVolumeColorType::RGB8);
   double total = 0.0;
   for (std::size_t i = 0; i < input.frames.size(); ++i) {
-    const auto image = to_open3d(input, input.frames[i]);  // not charged to Open3D
+    const auto image = to_open3d(input, input.frames[i]);  // conversion, not timed
     const double start = cpu_ms();
     volume.Integrate(image, intrinsic, input.T_base_camera[i].inverse().matrix());
     total += cpu_ms() - start;
   }
-  outcome.ms_a_frame = total / static_cast<double>(input.frames.size());
+  outcome.ms_per_frame = total / static_cast<double>(input.frames.size());
   outcome.megabytes = heap_megabytes() - heap;
   const double start = cpu_ms();
   const auto mesh = volume.ExtractTriangleMesh();
   outcome.triangles = mesh->triangles_.size();
-  outcome.us_a_triangle = (cpu_ms() - start) * 1e3 / static_cast<double>(outcome.triangles);
+  outcome.us_per_triangle = (cpu_ms() - start) * 1e3 / static_cast<double>(outcome.triangles);
   outcome.errors = errors_of(input, from_open3d(*mesh));
   return outcome;
 }
@@ -213,9 +213,9 @@ void compare(const Input& input, double voxel_size) {
   const Outcome theirs = run_open3d(input, voxel_size);
   std::printf("\nvoxel %g mm, truncation %g voxels\n", voxel_size * 1e3, kTruncationVoxels);
   std::printf("  %-34s %12s %12s %10s\n", "", "pcavr", "Open3D", "ratio");
-  print_row("fusion, CPU ms a frame", ours.ms_a_frame, theirs.ms_a_frame);
-  print_row("mesh, CPU us a triangle", ours.us_a_triangle, theirs.us_a_triangle);
-  print_row("mesh, thousand triangles", static_cast<double>(ours.triangles) / 1e3,
+  print_row("fusion, CPU ms per frame", ours.ms_per_frame, theirs.ms_per_frame);
+  print_row("mesh, CPU us per triangle", ours.us_per_triangle, theirs.us_per_triangle);
+  print_row("mesh, 1000 triangles", static_cast<double>(ours.triangles) / 1e3,
             static_cast<double>(theirs.triangles) / 1e3);
   print_row("map, MB", ours.megabytes, theirs.megabytes);
   const auto accuracy = [&](const char* what, double pcavr::ErrorStatistics::*member) {
@@ -223,7 +223,7 @@ void compare(const Input& input, double voxel_size) {
   };
   accuracy("mesh to truth, mean, mm", &pcavr::ErrorStatistics::mean);
   accuracy("mesh to truth, median, mm", &pcavr::ErrorStatistics::median);
-  accuracy("mesh to truth, 95 %, mm", &pcavr::ErrorStatistics::p95);
+  accuracy("mesh to truth, p95, mm", &pcavr::ErrorStatistics::p95);
   print_row("truth seen, share within 5 mm", ours.errors.completeness_5mm,
             theirs.errors.completeness_5mm);
   print_row("truth seen, share within 10 mm", ours.errors.completeness_10mm,
@@ -233,7 +233,7 @@ void compare(const Input& input, double voxel_size) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2 || argc > 3) give_up("usage: against_open3d RECORDING [TRUTH]");
+  if (argc < 2 || argc > 3) fail("usage: against_open3d RECORDING [TRUTH]");
   const fs::path folder = argv[1];
   const Input input = read_input(folder, argc == 3 ? fs::path(argv[2]) : folder / "truth");
   std::printf("%s: %zu frames, one thread\n", folder.string().c_str(), input.frames.size());

@@ -5,8 +5,8 @@
 # bench/against_open3d.sh RECORDING [TRUTH]
 #
 # Builds the comparison in build/bench and runs it: speed, memory and accuracy of pcavr's fusion
-# beside Open3D's, in one run. CPU time, so that other load counts little; still, a quiet machine
-# gives the better figures. BUILD_DIR names another build folder.
+# and Open3D's, in one run. Measures CPU time, which depends little on other load; use an idle
+# machine for accurate results. BUILD_DIR sets another build folder.
 set -eu
 [ $# -ge 1 ] || { echo "usage: $0 RECORDING [TRUTH]" >&2; exit 2; }
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -16,7 +16,7 @@ if [ ! -f "$build/CMakeCache.txt" ]; then
 fi
 cmake "$build" -DPCAVR_BUILD_BENCHMARKS=ON >/dev/null
 cmake --build "$build" --target pcavr_against_open3d >/dev/null || {
-  echo "pcavr_against_open3d does not build; it needs libopen3d-dev" >&2
+  echo "cannot build pcavr_against_open3d: install libopen3d-dev" >&2
   exit 1
 }
 echo "commit   $(git -C "$root" describe --always --dirty)"

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The pcavr authors
 # SPDX-License-Identifier: Apache-2.0
-"""How well pushes are identified, predicted and corrected over many simulated cases.
+"""Accuracy of identification, prediction and correction over many simulated pushes.
 
     bench/cases.py --pcavr build/bench/apps/pcavr/pcavr --seeds 5001-5020 --work out/cases
 
-Each seed makes its own pair of boxes (size, mass, friction, stiffness, pressure). `probe` is
-identified; the parameters found there are then judged on another recording, `push`, three times:
-predicted alone, corrected over 200 + 200 ms, and corrected from wrong parameters and a start that
-is 10 mm off; `press` judges the estimators. Needs python3 and nothing else.
+Each seed makes its own pair of boxes (size, mass, friction, stiffness, pressure). Parameters are
+identified from `probe` and evaluated on another recording, `push`, three times: open-loop
+prediction, corrected over delays of 200 + 200 ms, and corrected from wrong parameters and a start
+pose that is 10 mm off; `press` evaluates the estimators. Needs only python3.
 """
 import argparse
 import json
@@ -19,42 +19,42 @@ import subprocess
 import sys
 
 
-# figure: (unit, what is promised at the least, what is aimed at); both are upper limits.
-FIGURES = {
+# metric: (unit, required, target); both are upper limits.
+METRICS = {
     "limiting friction, bias of the mean": ("%", 2.0, 0.5),
-    "limiting friction, STD over the pushes": ("% of F_M", None, None),
+    "limiting friction, std over the pushes": ("% of F_M", None, None),
     "mass, error": ("%", 5.0, 2.0),
     "sliding friction, force at standstill, error": ("%", 3.0, 0.5),
     "sliding friction, coefficient, error": ("%", 3.0, 0.5),
-    "contact force at F_M's depth, from presses, error": ("%", None, None),
-    "contact force at F_M's depth, from probes, error": ("%", None, None),
+    "contact force at F_M's penetration, from presses, error": ("%", None, None),
+    "contact force at F_M's penetration, from probes, error": ("%", None, None),
     "contact force while pressed, steady error": ("%", 2.0, 0.2),
-    "contact force while held, error of the mean": ("%", None, None),
-    "predicted alone, sliding, rms": ("mm", 1.0, 0.5),
-    "predicted alone, sliding, worst": ("mm", 4.0, 2.0),
-    "200 + 200 ms, touched or moving, median": ("mm", 1.5, 0.8),
-    "200 + 200 ms, touched or moving, 95 %": ("mm", 4.0, 2.0),
-    "200 + 200 ms, whole run, worst": ("mm", None, None),
+    "contact force while static, error of the mean": ("%", None, None),
+    "open-loop prediction, sliding, rms": ("mm", 1.0, 0.5),
+    "open-loop prediction, sliding, max": ("mm", 4.0, 2.0),
+    "200 + 200 ms, in contact or moving, median": ("mm", 1.5, 0.8),
+    "200 + 200 ms, in contact or moving, p95": ("mm", 4.0, 2.0),
+    "200 + 200 ms, whole run, max": ("mm", None, None),
     "from wrong parameters, corrections until under 3 mm": ("", 2.0, 1.0),
     "from wrong parameters, objects never under 3 mm": ("", 0.0, 0.0),
-    "from wrong parameters, corrections until it stays so": ("", None, None),
-    "from wrong parameters, touched or moving, 95 %": ("mm", None, None),
+    "from wrong parameters, corrections until settled": ("", None, None),
+    "from wrong parameters, in contact or moving, p95": ("mm", None, None),
     "phase boundaries measured, median": ("ms", 60.0, 25.0),
-    "phase boundaries measured, 95 %": ("ms", None, None),
+    "phase boundaries measured, p95": ("ms", None, None),
     "phase boundaries predicted, median": ("ms", 60.0, 25.0),
-    "phase boundaries predicted, 95 %": ("ms", None, None),
+    "phase boundaries predicted, p95": ("ms", None, None),
     "phases predicted, missed and surplus": ("", None, None),
     "corrections, share of streaming": ("%", 3.0, 1.0),
 }
 
 
 class Cases:
-    """Runs the command on one seed after the other and keeps what it measured."""
+    """Runs the command for each seed and collects the metrics."""
 
     def __init__(self, pcavr, work):
         self.pcavr = pcavr
         self.work = work
-        self.samples = {figure: [] for figure in FIGURES}
+        self.samples = {metric: [] for metric in METRICS}
 
     def run(self, *words):
         words = [str(word) for word in words]
@@ -63,9 +63,9 @@ class Cases:
             raise RuntimeError(f"pcavr {' '.join(words)}: {done.stderr.strip()}")
         return json.loads(done.stdout)
 
-    def add(self, figure, value, where):
+    def add(self, metric, value, where):
         if value is not None:
-            self.samples[figure].append((value, str(where)))
+            self.samples[metric].append((value, str(where)))
 
     def prepare(self, case, seed):
         """A recording without images and its scene."""
@@ -83,12 +83,12 @@ class Cases:
                  "-o", parameters, "--force")
         return parameters, recording
 
-    def judge_identification(self, parameters, recording, seed):
+    def evaluate_identification(self, parameters, recording, seed):
         report = self.run("evaluate", parameters, "--truth", recording / "truth", "-o",
                           self.work / f"probe-{seed}-report", "--force")
         words = {"mass": "mass, error", "sliding_friction_coefficient": "sliding friction, coefficient, error",
                  "limiting_static_friction": "limiting friction, bias of the mean",
-                 "contact.force": "contact force at F_M's depth, from probes, error"}
+                 "contact.force": "contact force at F_M's penetration, from probes, error"}
         for key, value in report.items():
             match = re.fullmatch(r"parameters\.(\w+)\.([\w.]+)\.error_relative", key)
             if match and match[2] in words:
@@ -102,21 +102,21 @@ class Cases:
             match = re.fullmatch(r"parameters\.(\w+)\.limiting_static_friction\.std", key)
             if match:
                 limit = report[key[: -len("std")] + "truth"]
-                self.add("limiting friction, STD over the pushes", 1e2 * value / limit,
+                self.add("limiting friction, std over the pushes", 1e2 * value / limit,
                          f"{seed} {match[1]}")
 
-    def judge_presses(self, seed):
+    def evaluate_presses(self, seed):
         parameters, recording = self.identify("contact", "press", seed)
-        judged = self.run("evaluate", parameters, "--truth", recording / "truth", "-o",
+        evaluation = self.run("evaluate", parameters, "--truth", recording / "truth", "-o",
                           self.work / f"press-{seed}-report", "--force")
-        for key, value in judged.items():
+        for key, value in evaluation.items():
             match = re.fullmatch(r"parameters\.(\w+)\.contact\.force\.error_relative", key)
             if match:
-                self.add("contact force at F_M's depth, from presses, error", 1e2 * abs(value),
+                self.add("contact force at F_M's penetration, from presses, error", 1e2 * abs(value),
                          f"{seed} {match[1]}")
         report = json.loads((parameters.with_suffix(".report") / "report.json").read_text())
         words = {"steady_error": "contact force while pressed, steady error",
-                 "held_error": "contact force while held, error of the mean"}
+                 "held_error": "contact force while static, error of the mean"}
         for key, value in report.items():
             match = re.fullmatch(r"object\.(\w+)\.estimator\.affRLS\.(\w+)", key)
             if match and match[2] in words:
@@ -129,48 +129,49 @@ class Cases:
         return self.run("evaluate", run, "--truth", recording / "truth", "-o",
                         self.work / f"{recording.name}-{label}-report", "--force")
 
-    def judge(self, seed):
-        self.judge_presses(seed)
+    def evaluate(self, seed):
+        self.evaluate_presses(seed)
         parameters, probe = self.identify("friction", "probe", seed)
-        self.judge_identification(parameters, probe, seed)
+        self.evaluate_identification(parameters, probe, seed)
         recording, scene = self.prepare("push", seed)
         alone = self.replay("alone", recording, scene, parameters, "--no-corrections",
                             "--keep-parameters")
         sliding = "predicted.phase.sliding.translation."
-        self.add("predicted alone, sliding, rms", 1e3 * alone[sliding + "rmse_m"], seed)
-        self.add("predicted alone, sliding, worst", 1e3 * alone[sliding + "max_m"], seed)
-        self.judge_corrected(self.replay("corrected", recording, scene, parameters), seed)
-        wrong = self.replay("wrong", recording, moved(scene, 0.010), spoilt(parameters))
+        self.add("open-loop prediction, sliding, rms", 1e3 * alone[sliding + "rmse_m"], seed)
+        self.add("open-loop prediction, sliding, max", 1e3 * alone[sliding + "max_m"], seed)
+        self.evaluate_corrected(self.replay("corrected", recording, scene, parameters), seed)
+        wrong = self.replay("wrong", recording, with_shifted_objects(scene, 0.010),
+                            wrong_parameters(parameters))
         self.add("from wrong parameters, objects never under 3 mm",
                  wrong.get("corrections.never_good"), seed)
-        self.add("from wrong parameters, touched or moving, 95 %",
+        self.add("from wrong parameters, in contact or moving, p95",
                  1e3 * wrong["predicted.touched.translation.p95_m"], seed)
-        figures = {"good": "from wrong parameters, corrections until under 3 mm",
-                   "settled": "from wrong parameters, corrections until it stays so"}
+        metrics = {"good": "from wrong parameters, corrections until under 3 mm",
+                   "settled": "from wrong parameters, corrections until settled"}
         for key, value in wrong.items():
             match = re.fullmatch(r"corrections\.object\.(\w+)\.until_(\w+)\.count", key)
             if match:
-                self.add(figures[match[2]], value, f"{seed} {match[1]}")
+                self.add(metrics[match[2]], value, f"{seed} {match[1]}")
 
-    def judge_corrected(self, report, seed):
+    def evaluate_corrected(self, report, seed):
         touched = "predicted.touched.translation."
-        self.add("200 + 200 ms, touched or moving, median", 1e3 * report[touched + "median_m"], seed)
-        self.add("200 + 200 ms, touched or moving, 95 %", 1e3 * report[touched + "p95_m"], seed)
-        self.add("200 + 200 ms, whole run, worst",
+        self.add("200 + 200 ms, in contact or moving, median", 1e3 * report[touched + "median_m"], seed)
+        self.add("200 + 200 ms, in contact or moving, p95", 1e3 * report[touched + "p95_m"], seed)
+        self.add("200 + 200 ms, whole run, max",
                  1e3 * report["predicted.all.translation.max_m"], seed)
         for side in ("measured", "predicted"):
             boundary = f"phases.{side}.boundary."
             self.add(f"phase boundaries {side}, median", 1e3 * report[boundary + "median_s"], seed)
-            self.add(f"phase boundaries {side}, 95 %", 1e3 * report[boundary + "p95_s"], seed)
+            self.add(f"phase boundaries {side}, p95", 1e3 * report[boundary + "p95_s"], seed)
         self.add("phases predicted, missed and surplus",
                  report[boundary + "missed"] + report[boundary + "surplus"], seed)
         self.add("corrections, share of streaming",
                  1e2 * report["corrections.share_of_streaming"], seed)
 
 
-def moved(scene, distance):
-    """The scene with its objects starting beside their place."""
-    other = scene.with_name(scene.name + "-moved")
+def with_shifted_objects(scene, distance):
+    """The scene with its objects' start poses shifted."""
+    other = scene.with_name(scene.name + "-shifted")
     subprocess.run(["rm", "-rf", other], check=True)
     subprocess.run(["cp", "-r", scene, other], check=True)
     file = other / "scene.yaml"
@@ -182,12 +183,12 @@ def moved(scene, distance):
 
     text, count = re.subn(r"(start: *\{t: *\[)([^\]]*)", shift, text)
     if count == 0:
-        raise RuntimeError(f"{file}: no pose at the start to move")
+        raise RuntimeError(f"{file}: no start pose to shift")
     file.write_text(text)
     return other
 
 
-def spoilt(parameters):
+def wrong_parameters(parameters):
     """The file with twice the mass and half the friction."""
     factors = {"mass": 2.0, "limiting_static_friction": 0.5, "sliding_friction_coefficient": 0.25,
                "viscous_friction": 0.5}
@@ -197,28 +198,28 @@ def spoilt(parameters):
         if match and match[2] in factors:
             line = f"{match[1]}{float(match[3]) * factors[match[2]]:.9g}"
         lines.append(line)
-    other = parameters.with_suffix(".spoilt.yaml")
+    other = parameters.with_suffix(".wrong.yaml")
     other.write_text("\n".join(lines) + "\n")
     return other
 
 
-def verdict(value, least, aim):
-    if least is None:
+def verdict(value, required, target):
+    if required is None:
         return ""
-    return "aim" if value <= aim else "least" if value <= least else "MISSED"
+    return "target" if value <= target else "required" if value <= required else "FAILED"
 
 
 def table(samples):
-    print(f"{'figure':<52} {'unit':<9} {'least':>6} {'aim':>6} {'n':>3} {'median':>9} {'worst':>9}"
-          "  worst at          reached by the worst")
-    for figure, (unit, least, aim) in FIGURES.items():
-        if not samples[figure]:
+    print(f"{'metric':<52} {'unit':<9} {'required':>8} {'target':>6} {'n':>3} {'median':>9} {'worst':>9}"
+          "  worst at          verdict of the worst")
+    for metric, (unit, required, target) in METRICS.items():
+        if not samples[metric]:
             continue
-        worst, where = max(samples[figure])
-        middle = statistics.median(value for value, _ in samples[figure])
-        limits = ["" if limit is None else f"{limit:g}" for limit in (least, aim)]
-        print(f"{figure:<52} {unit:<9} {limits[0]:>6} {limits[1]:>6} {len(samples[figure]):>3} "
-              f"{middle:>9.3g} {worst:>9.3g}  {where:<17} {verdict(worst, least, aim)}")
+        worst, where = max(samples[metric])
+        middle = statistics.median(value for value, _ in samples[metric])
+        limits = ["" if limit is None else f"{limit:g}" for limit in (required, target)]
+        print(f"{metric:<52} {unit:<9} {limits[0]:>8} {limits[1]:>6} {len(samples[metric]):>3} "
+              f"{middle:>9.3g} {worst:>9.3g}  {where:<17} {verdict(worst, required, target)}")
 
 
 def main():
@@ -234,7 +235,7 @@ def main():
     for seed in range(int(first), int(last or first) + 1):
         print(f"seed {seed}", file=sys.stderr, flush=True)
         try:
-            cases.judge(seed)
+            cases.evaluate(seed)
         except (RuntimeError, OSError) as error:
             failures.append(f"seed {seed}: {error}")
             print(failures[-1], file=sys.stderr, flush=True)

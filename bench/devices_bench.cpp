@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What an operator's device costs the world's thread a cycle: RemoteDevice with a page that sends
-// at 90 Hz, the newest sample being the dearest cycle, beside a trace and the simulated hand.
+// Time per cycle of an operator's device in the world's thread: RemoteDevice with a page that sends
+// at 90 Hz (a cycle with a new sample is the slowest), a trace and the simulated hand.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -15,7 +15,7 @@
 
 namespace {
 
-constexpr double kDuration = 60.0;  // [s] of the world's time
+constexpr double kDuration = 60.0;  // [s] of simulated time
 
 class Times {
  public:
@@ -54,7 +54,7 @@ void time_remote() {
   pcavr::RemoteDevice device;
   const auto samples = pcavr::test::sent_over({.interval = 1.0 / 90.0}, kDuration, 1);
   Times times;
-  double behind = 0.0;
+  double total_delay = 0.0;
   std::size_t next = 0;
   int cycles = 0;
   for (; cycles * pcavr::test::kCycle < kDuration; ++cycles) {
@@ -63,11 +63,11 @@ void time_remote() {
       (void)device.push(samples[next]);
     }
     (void)times.measure([&] { return device.exchange(t, pcavr::test::kCycle, {}); });
-    behind += device.use().delay;
+    total_delay += device.status().delay;
   }
   times.print("remote at 90 Hz");
-  std::printf("%-24s kept back by %.1f ms in the mean, of an interval of %.1f ms\n", "",
-              1e3 * behind / cycles, 1e3 / 90.0);
+  std::printf("%-24s jitter buffer delay %.1f ms in the mean, interval %.1f ms\n", "",
+              1e3 * total_delay / cycles, 1e3 / 90.0);
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The pcavr authors
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a CAD body of very many triangles: a box whose faces bulge a little.
+"""Writes a CAD body with a very high number of triangles: a box with slightly convex faces.
 
     bench/fine_cad.py box.stl --triangles 5000000 --size 0.175 0.175 0.125 --bulge 0.0005
 
-The type is that of the name: .stl and .ply binary, .obj text. The box lies about the origin; its
-edges stay straight, so that it stands in for a box of the same size in a recording.
+The file type is that of the extension: .stl and .ply binary, .obj text. The box is centred at the
+origin; its edges are straight, so that it can replace a box of the same size in a recording.
 """
 import argparse
 import array
@@ -15,7 +15,7 @@ import struct
 
 
 def faces(cells, size, bulge):
-    """For each face a list of rows of points, wound counter-clockwise seen from outside."""
+    """For each face a grid of points by row, counter-clockwise seen from outside."""
     steps = [2.0 * i / cells - 1.0 for i in range(cells + 1)]
     steps[0], steps[-1] = -1.0, 1.0
     half = [0.5 * s for s in size]
@@ -48,18 +48,18 @@ def write_stl(file, cells, size, bulge):
                 out.write(data)
 
 
-def shared(cells, size, bulge):
-    """Vertices, each once, and triangles of their numbers."""
-    numbers, vertices, triangles = {}, array.array("f"), array.array("I")
+def indexed_mesh(cells, size, bulge):
+    """Unique vertices, and triangles as indices into them."""
+    indices, vertices, triangles = {}, array.array("f"), array.array("I")
     for rows in faces(cells, size, bulge):
         previous = None
         for row in rows:
             current = []
             for point in row:
-                number = numbers.setdefault(point, len(numbers))
-                if 3 * number == len(vertices):
+                index = indices.setdefault(point, len(indices))
+                if 3 * index == len(vertices):
                     vertices.extend(point)
-                current.append(number)
+                current.append(index)
             for i in range(cells if previous else 0):
                 a, b, c, d = previous[i], previous[i + 1], current[i + 1], current[i]
                 triangles.extend((a, b, c, a, c, d))
@@ -91,19 +91,19 @@ def write_obj(file, vertices, triangles):
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("file", help="to write: .stl, .ply or .obj")
+    parser.add_argument("file", help="output file: .stl, .ply or .obj")
     parser.add_argument("--triangles", type=int, default=5_000_000)
     parser.add_argument("--size", type=float, nargs=3, default=[0.175, 0.175, 0.125],
                         help="of the box [m]")
-    parser.add_argument("--bulge", type=float, default=0.0005, help="of a face's middle [m]")
+    parser.add_argument("--bulge", type=float, default=0.0005, help="of a face's centre [m]")
     arguments = parser.parse_args()
     cells = max(1, math.ceil(math.sqrt(arguments.triangles / 12)))
     if arguments.file.endswith(".stl"):
         write_stl(arguments.file, cells, arguments.size, arguments.bulge)
     elif arguments.file.endswith(".ply"):
-        write_ply(arguments.file, *shared(cells, arguments.size, arguments.bulge))
+        write_ply(arguments.file, *indexed_mesh(cells, arguments.size, arguments.bulge))
     elif arguments.file.endswith(".obj"):
-        write_obj(arguments.file, *shared(cells, arguments.size, arguments.bulge))
+        write_obj(arguments.file, *indexed_mesh(cells, arguments.size, arguments.bulge))
     else:
         parser.error("the file must end in .stl, .ply or .obj")
     print(f"{arguments.file}: {12 * cells * cells} triangles")

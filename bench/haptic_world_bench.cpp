@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a cycle of the haptic world costs, each cycle by itself: ten boxes that touch each other,
-// pushed along a table that the tool is pressed into, scanned with 300 000 triangles. Told of the
-// cycles are median, 99 %, 99.9 % and the longest; the time is that of all 4000. The aim for all of
-// the 1 kHz step: 99.9 % under 250 us.
+// Time per cycle of the haptic world: ten boxes in contact, pushed along a table that the tool is
+// pressed into, scanned with 300 000 triangles. The counters are median, p99, p99.9 and max over
+// the cycles; the time is that of all 4000. Target for the whole 1 kHz step: p99.9 below 250 us.
 #include <algorithm>
 #include <chrono>
 #include <vector>
@@ -20,7 +19,7 @@ using pcavr::test::kCycle;
 constexpr int kCycles = 4000;
 constexpr int kRuns = 7;
 
-/// The row along x and 0.4 m of room before it.
+/// The row along x and 0.4 m of free table before it.
 pcavr::HapticWorldModel ten_boxes(double noise) {
   pcavr::HapticWorldModel model;
   model.world = pcavr::test::row_of_boxes(10, 0.0);
@@ -32,14 +31,14 @@ pcavr::HapticWorldModel ten_boxes(double noise) {
   return model;
 }
 
-/// Down to 3 mm into the table, and on into the row at 0.1 m/s, swinging to either side.
+/// Down to 3 mm into the table, and on into the row at 0.1 m/s, oscillating sideways.
 Eigen::Vector3d tip_at(int cycle) {
   const double t = cycle * kCycle;
   return {-0.12 + 0.1 * t, 0.02 * std::sin(4.0 * t), std::max(0.007, 0.03 - 0.1 * t)};
 }
 
-/// Each cycle counts by the fastest of all runs, so that what else the machine does is left out:
-/// the same cycle does the same work each time.
+/// Takes the minimum over all runs for each cycle, which excludes other load: the same cycle does
+/// the same work in each run.
 void step_all(benchmark::State& state, const pcavr::HapticWorldModel& model) {
   pcavr::HapticWorld world = pcavr::HapticWorld::create(model).value();
   std::vector<double> fastest(kCycles, 1e9);
@@ -48,10 +47,10 @@ void step_all(benchmark::State& state, const pcavr::HapticWorldModel& model) {
     for (int i = 0; i < kCycles; ++i) {
       const auto start = std::chrono::steady_clock::now();
       world.step({tip_at(i), true}, kCycle);
-      const std::chrono::duration<double, std::micro> took =
+      const std::chrono::duration<double, std::micro> elapsed =
           std::chrono::steady_clock::now() - start;
       double& best = fastest[static_cast<std::size_t>(i)];
-      best = std::min(best, took.count());
+      best = std::min(best, elapsed.count());
     }
   }
   std::sort(fastest.begin(), fastest.end());
@@ -72,7 +71,7 @@ BENCHMARK(TenTouchingBoxes)
     ->Iterations(kRuns)
     ->Unit(benchmark::kMillisecond);
 
-/// The tool slides on the table, far from all of them.
+/// The tool slides on the table, far from all boxes.
 void TenBoxesAtRest(benchmark::State& state) {
   pcavr::HapticWorldModel model = ten_boxes(3e-4);
   for (pcavr::WorldBody& body : model.world.bodies) {

@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a cycle of the haptic tool costs on a scan of a million triangles, step by step along a path
-// of 20 000, beside Embree's closest point to the same tips. Each step counts by the fastest of a
-// few runs, so that what else the machine does is left out. The aims: median 5, 99 % 15, longest
-// 50 us.
+// Time per cycle of the haptic tool on a scan of a million triangles, for each of 20 000 steps
+// along a path, compared with Embree's closest point to the same tips. The minimum over several
+// runs is taken for each step, which excludes other load. Targets: median 5, p99 15, max 50 us.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -39,10 +38,10 @@ void time_steps(const std::string& what, const Step& step) {
     for (int i = 0; i < kSteps; ++i) {
       const auto start = std::chrono::steady_clock::now();
       step(i);
-      const std::chrono::duration<double, std::micro> took =
+      const std::chrono::duration<double, std::micro> elapsed =
           std::chrono::steady_clock::now() - start;
       double& best = fastest[static_cast<std::size_t>(i)];
-      best = std::min(best, took.count());
+      best = std::min(best, elapsed.count());
     }
   }
   std::sort(fastest.begin(), fastest.end());
@@ -58,10 +57,10 @@ void time_on(double noise) {
   for (const pcavr::ProxyOptions options :
        {pcavr::ProxyOptions{0.001, 0.0}, {0.001, 0.4}, {0.001, 0.0, 2.0}, {0.0001, 0.0}}) {
     pcavr::HapticTool tool(bumps.mesh(), options, {});
-    char ball[64];
-    std::snprintf(ball, sizeof ball, "ball %.1f mm, friction %.1f, motion %.0f",
-                  1e3 * options.radius, options.friction, options.max_motion);
-    time_steps(surface + ball, [&](int i) {
+    char proxy[64];
+    std::snprintf(proxy, sizeof proxy, "proxy %.1f mm, friction %.1f, motion %.0f",
+                  1e3 * options.radius, options.friction, options.max_motion_ratio);
+    time_steps(surface + proxy, [&](int i) {
       const Eigen::Vector3d& tip = path[static_cast<std::size_t>(i)];
       if (i == 0 && !tool.reset(tip)) std::puts("the path starts inside");
       (void)tool.step(tip, kCycle);

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// One step of the estimators and of friction's laws, as a control loop takes them. Beside affRLS a
-// peer that does less: paper C's EWRLS as its equations stand, fixed-size Eigen, no bounds, no
-// scaling, no adaptive lambda.
+// One step of the estimators and of the friction laws, as in a control loop. Baseline for affRLS:
+// paper C's EWRLS (exponentially weighted recursive least squares) as published, in fixed-size
+// Eigen, without bounds, scaling and adaptive forgetting factor lambda.
 #include <array>
 #include <cmath>
 #include <vector>
@@ -48,7 +48,7 @@ void EstimatorStep(benchmark::State& state, pcavr::EstimationMethod method) {
   pcavr::EstimatorOptions<3> options;
   options.method = method;
   options.scale = {0.1, 0.01, 0.004};
-  options.noise_deviation = 0.1;
+  options.noise_std = 0.1;
   pcavr::ParameterEstimator<3> estimator(options);
   std::size_t i = 0;
   for (auto _ : state) {
@@ -103,7 +103,7 @@ void PlanarStep(benchmark::State& state) {
   box.mass = 3.0;
   box.inertia = 0.0153;
   box.sliding = pcavr::ellipsoid_surface(8.0, 8.0 * pcavr::mean_radius_of_rectangle(0.175, 0.175));
-  box.holding = 1.2;
+  box.static_to_kinetic_ratio = 1.2;
   pcavr::PlanarState body;
   int i = 0;
   for (auto _ : state) {

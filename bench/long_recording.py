@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The pcavr authors
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a long recording without images: another one's tool and force, again and again.
+"""Writes a long recording without images: repeats another one's tool motion and force.
 
     bench/long_recording.py push_two_boxes long --minutes 60 --upsample 2
     pcavr build push_two_boxes -o scene
     /usr/bin/time -v pcavr replay long --scene scene --tracked long/tracked -o run
 
-The tracking is the truth of the source, 30 poses a second. Between two repetitions lies a second
-without samples, in which the objects are put back.
+The tracking is the truth of the source, 30 poses a second. Between two repetitions is a second
+without samples, in which the objects are reset.
 """
 import argparse
 import pathlib
@@ -23,7 +23,7 @@ def read_rows(file, separator, header):
 
 
 def upsampled(rows, factor):
-    """Linear between the rows; their own text is kept."""
+    """Linear interpolation between the rows; the text of the original rows is kept."""
     numbers = [[float(cell) for cell in row] for row in rows]
     result = []
     for i, row in enumerate(rows):
@@ -50,7 +50,7 @@ def main():
     parser.add_argument("source", type=pathlib.Path)
     parser.add_argument("target", type=pathlib.Path)
     parser.add_argument("--minutes", type=float, default=10.0)
-    parser.add_argument("--upsample", type=int, default=1, help="rows made of each")
+    parser.add_argument("--upsample", type=int, default=1, help="output rows for each input row")
     arguments = parser.parse_args()
     source, target = arguments.source, arguments.target
     target.mkdir(parents=True)

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Fuses the same depth images into pcavr's occupancy map and into OctoMap's own, on one thread,
-// and prints the CPU time of each and the share of known cells on which the two agree.
+// and prints the CPU time of each and the share of known cells on which both agree.
 //
 //   pcavr_bench_occupancy RECORDING TRAJECTORY [FRAMES] [RESOLUTION]
 //
@@ -67,13 +67,13 @@ int main(int argc, char** argv) {
   if (used == 0) return fail({.message = "no frame has a pose", .file = argv[2]});
   const double n = static_cast<double>(used);
   const pcavr::CellAgreement agreement = pcavr::compare(ours, theirs);
-  std::printf("frames %zu, points a frame %.0f, cell %.3f m\n", used, points / n,
+  std::printf("frames %zu, points per frame %.0f, cell %.3f m\n", used, points / n,
               options.resolution);
-  std::printf("pcavr   %8.2f ms CPU a frame, %.1f MB\n", ours_ms / n,
+  std::printf("pcavr   %8.2f ms CPU per frame, %.1f MB\n", ours_ms / n,
               static_cast<double>(ours.memory_bytes()) * 1e-6);
-  std::printf("OctoMap %8.2f ms CPU a frame, %.1f MB\n", theirs_ms / n,
+  std::printf("OctoMap %8.2f ms CPU per frame, %.1f MB\n", theirs_ms / n,
               static_cast<double>(theirs.memoryUsage()) * 1e-6);
   std::printf("ratio   %8.4f\n", ours_ms / theirs_ms);
-  std::printf("same cells %.5f of %zu known to either\n", agreement.share(), agreement.known);
+  std::printf("same cells %.5f of %zu known in either map\n", agreement.share(), agreement.known);
   return 0;
 }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a cycle of the predicted world costs. The aims: a step of one body 2 us, of ten touching
-// bodies 100 us, 400 ms predicted again at 1 kHz 20 ms.
+// Time per cycle of the predicted world. Targets: a step of one body 2 us, of ten bodies in contact
+// 100 us, rollback and re-simulation of 400 ms at 1 kHz 20 ms.
 #include <benchmark/benchmark.h>
 
 #include "pcavr/prediction/predictor.hpp"
@@ -15,7 +15,7 @@ using pcavr::test::touching_tip;
 
 constexpr double kStep = 0.001;  // [s]
 
-/// Forward at 40 mm/s with a modulation, and back again before the body leaves the table.
+/// Forward at 40 mm/s with a modulation; restarted before the body leaves the table.
 Eigen::Vector3d pushing_tip(double t) {
   const double forward = 0.04 * t + 0.002 * std::sin(12.566 * t);
   return touching_tip(0.01) + Eigen::Vector3d(forward, 0.0, 0.0);
@@ -60,12 +60,12 @@ void OneStiffBodySlides(benchmark::State& state) {
 }
 BENCHMARK(OneStiffBodySlides);
 
-void OneBodyIsHeld(benchmark::State& state) {
+void OneBodyInStaticContact(benchmark::State& state) {
   pcavr::BodyPhysics physics = pcavr::test::foam_physics();
   physics.friction.limiting_force = 1000.0;
   push(state, world_of(pcavr::test::one_box(physics)), 0.01);
 }
-BENCHMARK(OneBodyIsHeld);
+BENCHMARK(OneBodyInStaticContact);
 
 void TenTouchingBodiesSlide(benchmark::State& state) {
   push(state, world_of(pcavr::test::row_of_boxes(10, 0.0)), 0.5);
@@ -84,7 +84,7 @@ void OneBodySlidesPastAScannedWall(benchmark::State& state) {
 }
 BENCHMARK(OneBodySlidesPastAScannedWall);
 
-void PredictAgain400ms(benchmark::State& state) {
+void RollBackAndResimulate400ms(benchmark::State& state) {
   const auto start = pcavr::test::touching_tip(0.01);
   pcavr::Predictor predictor(world_of(pcavr::test::row_of_boxes(2, 0.001)), 0.0, start);
   for (int i = 1; i <= 900; ++i) predictor.step(pushing_tip(i * kStep));
@@ -93,7 +93,7 @@ void PredictAgain400ms(benchmark::State& state) {
   correction.T_base_object = predictor.world().pose_of(0, *predictor.state_at(0, 0.5));
   for (auto _ : state) benchmark::DoNotOptimize(predictor.correct(correction));
 }
-BENCHMARK(PredictAgain400ms)->Unit(benchmark::kMillisecond);
+BENCHMARK(RollBackAndResimulate400ms)->Unit(benchmark::kMillisecond);
 
 void OneBodyIsFarAway(benchmark::State& state) {
   pcavr::WorldModel model = pcavr::test::one_box();

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The parts of reconstruction on an ideal scene: a ball before a wall, 640 x 480. It says what a
-// frame costs when nothing new comes into view; whole recordings are against_open3d's matter.
+// The stages of reconstruction on an ideal scene: a sphere in front of a wall, 640 x 480. Measures
+// frames in which nothing new comes into view; for whole recordings see against_open3d.
 #include <benchmark/benchmark.h>
 
 #include "pcavr/model/mesh_simplification.hpp"

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The pcavr authors
 # SPDX-License-Identifier: Apache-2.0
-"""Time and peak memory of build, identify and replay against what grows.
+"""Scaling benchmark: time and peak memory of build, identify and replay over the input size.
 
     bench/scale.py --pcavr build/bench/apps/pcavr/pcavr --work out/scale [--quick] [--only objects]
 
-Simulates recordings that differ in one thing (frames, objects, triangles of the CAD bodies, voxel,
-image size), runs the command on each, and prints a row: elapsed and user CPU seconds and the largest
-resident memory of each step, user CPU in milliseconds for each frame, and how far the worst object's
-tracked poses lie from truth (rms), so that nothing gets faster by getting worse. Compare rows of one
-run on one machine only. Needs python3 and nothing else.
+Simulates recordings that differ in one parameter (frames, objects, triangles of the CAD bodies,
+voxel, image size), runs the commands on each, and prints a row: elapsed and user CPU seconds and
+the peak resident memory of each step, user CPU in milliseconds per frame, and the tracking error
+of the worst object against the truth (rms), so that a speed-up at the cost of accuracy is visible.
+Only compare rows of one run on one machine. Needs only python3.
 """
 import argparse
 import bisect
@@ -22,14 +22,14 @@ import subprocess
 import sys
 import time
 
-SECONDS = 10.0      # of a recording, where the number of frames is not what changes
-RATE = 12.0         # frames per second, as the case push has them
+SECONDS = 10.0      # of a recording, unless the number of frames varies
+RATE = 12.0         # frames per second, as in the case push
 IMAGE = "640x480"
-VOXEL = 0.005       # [m], the command's own default
+VOXEL = 0.005       # [m], the command's default
 
 
 def row(axis, **changes):
-    """A recording and how it is worked on; what is not said is as in all other rows."""
+    """A recording and its processing options; the others have their defaults."""
     base = {"axis": axis, "duration": SECONDS, "rate": RATE, "objects": 2, "subdivisions": 1,
             "voxel": VOXEL, "image": IMAGE, "depth": None}
     base.update(changes)
@@ -37,18 +37,18 @@ def row(axis, **changes):
 
 
 def rows(quick):
-    """The matrix. `subdivisions` n cuts each triangle of a body's mesh into n x n."""
+    """The matrix. `subdivisions` n divides each triangle of a body's mesh into n x n."""
     if quick:
-        frames, objects, cuts, voxels = [5.0, 10.0], [2, 20], [1, 64], [0.01, 0.005]
+        frames, objects, subdivisions, voxels = [5.0, 10.0], [2, 20], [1, 64], [0.01, 0.005]
         images = [("640x480", None), ("1280x720", None)]
     else:
         frames, objects = [5.0, 10.0, 20.0, 40.0], [1, 2, 5, 10, 20]
-        cuts, voxels = [1, 8, 64, 256, 512], [0.01, 0.005, 0.0025]
+        subdivisions, voxels = [1, 8, 64, 256, 512], [0.01, 0.005, 0.0025]
         images = [("640x480", None), ("1280x720", None), ("1920x1080", None),
                   ("4096x3072", "1024x768")]
     matrix = [row("frames", duration=seconds) for seconds in frames]
     matrix += [row("objects", objects=count) for count in objects]
-    matrix += [row("CAD triangles", subdivisions=n) for n in cuts]
+    matrix += [row("CAD triangles", subdivisions=n) for n in subdivisions]
     matrix += [row("voxel", voxel=size) for size in voxels]
     matrix += [row("image", duration=2.0, rate=4.0, image=image, depth=depth)
                for image, depth in images]
@@ -56,7 +56,7 @@ def rows(quick):
 
 
 def subdivided(obj, n):
-    """The text of an OBJ mesh with each triangle cut into n x n; vertices on edges are shared."""
+    """The text of an OBJ mesh with each triangle divided into n x n, without duplicate vertices."""
     if n == 1:
         return obj
     corners, triangles = [], []
@@ -70,7 +70,7 @@ def subdivided(obj, n):
 
     def vertex(point, is_on_edge):
         if is_on_edge:
-            key = tuple(round(x, 7) for x in point)  # both triangles at an edge cut it alike
+            key = tuple(round(x, 7) for x in point)  # the same in both triangles of an edge
             if key not in on_edges:
                 lines.append("v %.9g %.9g %.9g" % point)
                 on_edges[key] = len(lines)
@@ -97,7 +97,7 @@ def subdivided(obj, n):
 
 
 def run(words):
-    """Runs a command to its end: elapsed and user CPU [s], peak memory [MB], or why it failed."""
+    """Runs a command: elapsed and user CPU [s], peak memory [MB], or the error message."""
     begin = time.monotonic()
     process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     message = process.stderr.read().decode(errors="replace")
@@ -120,7 +120,7 @@ def trajectory(path):
 
 
 def position_at(poses, t):
-    """Between the two poses about t."""
+    """Linear interpolation between the two poses around t."""
     at = min(max(bisect.bisect_left([pose[0] for pose in poses], t), 1), len(poses) - 1)
     before, after = poses[at - 1], poses[at]
     share = min(max((t - before[0]) / (after[0] - before[0]), 0.0), 1.0)
@@ -128,7 +128,7 @@ def position_at(poses, t):
 
 
 def tracking_errors(recording, output):
-    """By object, the rms distance of tracked positions from truth [mm], and in how many frames."""
+    """By object, the rms error of the tracked positions [mm], and the number of tracked frames."""
     errors = {}
     for truth_file in sorted((recording / "truth/objects").glob("*.txt")):
         tracked_file = output / "objects" / truth_file.stem / "tracked.txt"
@@ -165,7 +165,7 @@ def measure(pcavr, case, recording, work):
 
 
 def simulate(pcavr, case, recording):
-    """The recording of a row; rows that differ only in how it is worked on share it."""
+    """The recording of a row; shared by rows that differ only in processing options."""
     words = [pcavr, "simulate", "push", "--seed", "1", "--threads", str(os.cpu_count() or 1),
              "--duration", f"{case['duration']:g}", "--objects", str(case["objects"]),
              "--frames-per-second", f"{case['rate']:g}", "--image-size", case["image"],
@@ -186,7 +186,7 @@ def print_row(result):
     for name in ("build", "identify", "replay"):
         step = result.get(name)
         if step is None or "error" in step:
-            line += f"{'refused':>29}"
+            line += f"{'failed':>29}"
             continue
         per_frame = 1e3 * step["user"] / result["frames"]
         line += (f"{step['elapsed']:8.1f}{step['user']:7.1f}{per_frame:7.1f}"
@@ -197,7 +197,7 @@ def print_row(result):
 
 
 def print_growth(results):
-    """What the rows say: ratios of user CPU within one axis, each by what grew."""
+    """Ratios of user CPU within one axis, over the growth of the input."""
     def user(result, name):
         step = result.get(name, {})
         return None if "error" in step or not step else step["user"]
@@ -214,7 +214,7 @@ def print_growth(results):
             for later in times[1:]:
                 unit = "times the objects" if axis == "objects" else "times the pixels"
                 print(f"{name}: {later[0] / first[0]:.1f} {unit}, "
-                      f"{later[1] / first[1]:.2f} times the user CPU a frame")
+                      f"{later[1] / first[1]:.2f} times the user CPU per frame")
 
 
 def megapixels(result):
@@ -239,17 +239,17 @@ def main():
                                      formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--pcavr", default="build/bench/apps/pcavr/pcavr")
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/scale"))
-    parser.add_argument("--quick", action="store_true", help="a small matrix, some minutes")
+    parser.add_argument("--quick", action="store_true", help="a small matrix, a few minutes")
     parser.add_argument("--only", choices=sorted({case["axis"] for case in rows(True)}),
-                        help="the rows of one thing that grows")
-    parser.add_argument("--json", type=pathlib.Path, help="the figures for programs, into this file")
+                        help="only the rows of one parameter")
+    parser.add_argument("--json", type=pathlib.Path, help="also write the results to this file")
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
-    facts = machine(arguments.pcavr)
-    print(f"{facts['version']}; {facts['processor']}, {facts['threads']} threads; {facts['system']}")
+    info = machine(arguments.pcavr)
+    print(f"{info['version']}; {info['processor']}, {info['threads']} threads; {info['system']}")
     print(f"{'':69}{'build':^29}{'identify':^29}{'replay':^29}{'tracked':^16}")
     step = f"{'s':>8}{'user s':>7}{'ms/fr':>7}{'MB':>7}"
-    print(f"{'what grows':14}{'frames':>7}{'objects':>8}{'triangles':>10}{'mm':>7}  {'image':23}"
+    print(f"{'parameter':14}{'frames':>7}{'objects':>8}{'triangles':>10}{'mm':>7}  {'image':23}"
           f" {3 * step}{'mm rms':>8}{'frames':>8}")
     results, failures = [], []
     last = None
@@ -257,11 +257,11 @@ def main():
         if arguments.only and case["axis"] != arguments.only:
             continue
         recording = arguments.work / "recording"
-        made_of = {key: value for key, value in case.items() if key not in ("axis", "voxel")}
+        source = {key: value for key, value in case.items() if key not in ("axis", "voxel")}
         try:
-            if made_of != last:
+            if source != last:
                 simulate(arguments.pcavr, case, recording)
-            last = made_of
+            last = source
             results.append(measure(arguments.pcavr, case, recording, arguments.work))
         except (RuntimeError, OSError) as error:
             last = None
@@ -275,7 +275,7 @@ def main():
     for failure in failures:
         print(failure)
     if arguments.json:
-        arguments.json.write_text(json.dumps({"machine": facts, "rows": results}, indent=1) + "\n")
+        arguments.json.write_text(json.dumps({"machine": info, "rows": results}, indent=1) + "\n")
     return 1 if any(": build:" in failure or ": replay:" in failure for failure in failures) else 0
 
 

@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The whole 1 kHz cycle with a page attached: device, proxy, contact, friction, ten bodies,
-// publish. And how long it takes from a tool's sample leaving a page to a state that has used it.
+// The complete 1 kHz cycle with a connected page: device, proxy, contact, friction, ten bodies,
+// publish. Also the latency from a tool sample sent by the page to the first state that used
+// it.
+//
 // Usage: pcavr_bench_serve [seconds]
 #include <algorithm>
 #include <chrono>
@@ -57,7 +59,7 @@ double quantile(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-/// A hand that goes in circles among the boxes, pressing some of them and the table.
+/// A circular hand motion among the boxes that presses some of them and the table.
 Eigen::Vector3f place_at(double t, const Eigen::Vector3f& start) {
   const double turn = 2.0 * 3.14159265358979 * 0.25 * t;
   return start + Eigen::Vector3d(0.15 * std::sin(turn), 0.2 * (1.0 - std::cos(turn)),
@@ -83,8 +85,8 @@ int run(double seconds) {
   std::thread network([&] { server->run(); });
 
   test::PageClient page(server->port());
-  page.greet();
-  page.say(LiveCommand::take_tool);
+  page.send_hello();
+  page.send_message(LiveCommand::take_tool);
   std::vector<double> latencies;
   std::vector<double> ages;
   std::uint32_t late_before = 0;
@@ -97,7 +99,7 @@ int run(double seconds) {
   double used_before = std::nan("");
   const double begin = LiveWorld::clock();
   while (LiveWorld::clock() - begin < kWarmUp + seconds) {
-    const auto state = page.hear_a<LiveState>();
+    const auto state = page.receive_next<LiveState>();
     if (!state) return 1;
     const double now = LiveWorld::clock();
     if (is_first) start = state->p_base_hip;
@@ -107,19 +109,19 @@ int run(double seconds) {
       late_before = state->late_cycles;
       cycles_before = state->cycles;
     }
-    // The first state that has used a sample: what lies between is the whole way.
+    // The first state that has used a sample: round-trip latency.
     if (is_warm && state->page_clock != used_before && !std::isnan(state->page_clock)) {
       latencies.push_back(now - state->page_clock);
       ages.push_back(state->state_age);
     }
     used_before = state->page_clock;
     last = *state;
-    // A page's frames stand in no relation to the server's: anywhere between two states.
+    // A page's frames are not synchronized with the server: a random phase between two states.
     std::this_thread::sleep_for(std::chrono::duration<double>(random.uniform(0.0, 0.9 / kRate)));
     const double t = LiveWorld::clock() - begin;
-    page.say(LiveTool{.p_base_tip = place_at(std::max(0.0, t - 0.2), start),
-                      .is_engaged = t > 0.2,
-                      .hand = LiveHand::controller});
+    page.send_message(LiveTool{.p_base_tip = place_at(std::max(0.0, t - 0.2), start),
+                               .is_engaged = t > 0.2,
+                               .device = LiveInputDevice::controller});
   }
   page.close();
   server->stop();
@@ -129,8 +131,8 @@ int run(double seconds) {
   std::printf("cycles %u, late %u (%.3f %%)\n", cycles, last.late_cycles - late_before,
               100.0 * (last.late_cycles - late_before) / cycles);
   const CycleTimes times = world.times();
-  std::printf("cycle  p50 %.1f us, p99 %.1f us, p99.9 %.1f us, longest %.1f us\n",
-              1e6 * times.median, 1e6 * times.p99, 1e6 * times.p999, 1e6 * times.longest);
+  std::printf("cycle  p50 %.1f us, p99 %.1f us, p99.9 %.1f us, max %.1f us\n", 1e6 * times.median,
+              1e6 * times.p99, 1e6 * times.p999, 1e6 * times.longest);
   std::printf("sample to state that has used it: p50 %.2f ms, p99 %.2f ms (72 Hz, loopback)\n",
               1e3 * quantile(latencies, 0.5), 1e3 * quantile(latencies, 0.99));
   std::printf("age of a state when it is sent: p50 %.2f ms, p99 %.2f ms\n",

@@ -1,8 +1,8 @@
-# Everything pcavr stands on, found in one place. All of it comes from Debian's packages.
+# Finds all dependencies of pcavr. All of them are Debian packages.
 include_guard(GLOBAL)
 
 # pcavr_find(PACKAGE DEBIAN_PACKAGE [find_package arguments...])
-# A macro, so that the variables of old-style packages reach the modules.
+# A macro, so that the variables of old-style packages are visible to the modules.
 macro(pcavr_find package debian_package)
   find_package(${package} ${ARGN} QUIET)
   if(NOT ${package}_FOUND)

@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 set(pcavr_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pcavr)
 install(DIRECTORY include/pcavr DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY calib/ DESTINATION ${CMAKE_INSTALL_DATADIR}/pcavr/calib)
-# The page, where it was built: the command looks for it there.
+# The web page, if it was built: the command looks for it there.
 install(DIRECTORY apps/viewer/dist/ DESTINATION ${CMAKE_INSTALL_DATADIR}/pcavr/viewer OPTIONAL)
 install(EXPORT pcavrTargets NAMESPACE pcavr:: DESTINATION ${pcavr_package_dir})
 configure_package_config_file(cmake/pcavrConfig.cmake.in pcavrConfig.cmake

@@ -1,17 +1,17 @@
-# How a pcavr target is made: one place for warnings, folders and install rules.
+# Functions that define pcavr targets: warnings, include folders and install rules.
 include_guard(GLOBAL)
 include(GNUInstallDirs)
 
-# Strict for our own code; the headers of other libraries come in as system headers.
+# Strict warnings for our own code; the headers of other libraries are included as system headers.
 function(pcavr_compile_options target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wconversion
                          $<$<BOOL:${PCAVR_WARNINGS_AS_ERRORS}>:-Werror>
-                         # GCC 12 sees overlaps in std::string's operator+ (its bug 105651).
+                         # GCC 12 reports false overlaps in std::string's operator+ (GCC bug 105651).
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
-                         # Types of an unnamed namespace are one file's own in a batch of sources, too.
+                         # In a unity build GCC warns about types of an unnamed namespace.
                          $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>
-                         # The same bits at every optimisation level and instruction set.
+                         # The same floating-point results at every optimisation level and instruction set.
                          -ffp-contract=off)
 endfunction()
 
@@ -35,19 +35,19 @@ function(pcavr_add_module name)
   install(TARGETS pcavr_${name} EXPORT pcavrTargets)
 endfunction()
 
-# pcavr_add_tests(NAME SOURCES file... [APART file...] LINK library... [LABELS label...])
-# Those labelled fast are built by the target pcavr_fast_tests, too: sanitizers need no more.
-# APART names sources whose helpers are called like another source's: no batch takes them in.
-# One executable; each TEST becomes a CTest case with the labels given, or with AS_ONE all of them
-# together: for tests that share what is costly to set up.
+# pcavr_add_tests(NAME SOURCES file... [NO_UNITY file...] LINK library... [LABELS label...])
+# Tests with the label fast are also built by the target pcavr_fast_tests, which sanitizers use.
+# NO_UNITY lists sources that are excluded from unity builds, because their helpers have the same
+# names as another source's. One executable; each TEST becomes a CTest case with these labels, or
+# with AS_ONE all of them together, for tests that share an expensive setup.
 function(pcavr_add_tests name)
-  cmake_parse_arguments(arg "AS_ONE" "TIMEOUT" "SOURCES;APART;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "AS_ONE" "TIMEOUT" "SOURCES;NO_UNITY;LINK;LABELS" ${ARGN})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
   endif()
-  add_executable(pcavr_${name}_tests ${arg_SOURCES} ${arg_APART})
-  if(arg_APART)
-    set_source_files_properties(${arg_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  add_executable(pcavr_${name}_tests ${arg_SOURCES} ${arg_NO_UNITY})
+  if(arg_NO_UNITY)
+    set_source_files_properties(${arg_NO_UNITY} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
   pcavr_compile_options(pcavr_${name}_tests)
   target_include_directories(pcavr_${name}_tests PRIVATE ${PROJECT_SOURCE_DIR}/src
@@ -64,7 +64,7 @@ function(pcavr_add_tests name)
   endif()
   gtest_discover_tests(pcavr_${name}_tests TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
                        TEST_LIST pcavr_${name}_cases PROPERTIES TIMEOUT ${arg_TIMEOUT})
-  # Labels are set by a file of their own: gtest_discover_tests takes a list of labels apart.
+  # Labels are set by a separate file: gtest_discover_tests splits a list of labels.
   set(labels_file ${CMAKE_CURRENT_BINARY_DIR}/pcavr_${name}_labels.cmake)
   file(WRITE ${labels_file}
        "set_tests_properties(\${pcavr_${name}_cases} PROPERTIES LABELS \"${arg_LABELS}\")\n")

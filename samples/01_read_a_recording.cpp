@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// What does a recording hold? Prints its streams and how much of each depth image was measured.
+// Reads a recording: prints its streams and the share of valid pixels of each depth image.
 //   01_read_a_recording RECORDING
 #include <cstdio>
 

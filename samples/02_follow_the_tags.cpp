@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Where are the tags? Prints each object's pose in the camera, frame by frame, with how far to
-// trust it.
+// Tracks tagged objects: prints each object's position in the camera frame, frame by frame, with
+// its standard deviation.
 //   02_follow_the_tags RECORDING
 #include <cmath>
 #include <cstdio>

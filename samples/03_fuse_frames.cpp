@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// How is a surface made from depth images? Fuses a recording with the poses in its groundtruth.txt
+// Fuses depth images to a surface (TSDF), with the camera poses in the recording's groundtruth.txt,
 // and prints the size of the mesh.
 //   03_fuse_frames RECORDING
 #include <cstdio>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// The whole chain in a few lines: from a recording to a scene on disk.
+// The whole pipeline in a few lines: from a recording to a scene on disk.
 //   04_build_a_scene RECORDING SCENE
 #include <cstdio>
 
@@ -20,7 +20,7 @@ pcavr::Expected<void> build(const char* recording_folder, const char* scene_fold
   const auto scene = pcavr::build_scene(*recording, options);
   if (!scene) return scene.error();
   for (const pcavr::SceneObject& object : scene->objects) {
-    std::printf("%s stands at %.3f %.3f %.3f m\n", object.model.name.c_str(),
+    std::printf("%s at %.3f %.3f %.3f m\n", object.model.name.c_str(),
                 object.T_base_object.translation().x(), object.T_base_object.translation().y(),
                 object.T_base_object.translation().z());
   }

@@ -22,7 +22,7 @@ struct BuildArguments {
 Expected<CommandResult> build(BuildArguments arguments, const Observer& observer) {
   BuildOptions& options = arguments.options;
   options.parallelism = {arguments.threads};
-  // Before the long work: an output that can't be written should not cost it.
+  // First, so that an output that can't be written fails before the long work.
   Expected<OutputFolder> folder =
       create_output(arguments.output, OutputKind::scene, {arguments.recording, arguments.sensor});
   if (!folder) return folder.error();
@@ -56,16 +56,15 @@ void add_build(CLI::App& app, Action& action) {
       ->required();
   add_output_option(*command, arguments->output, "Folder for the scene");
   add_number(*command, "--voxel", options.voxel_size, ranges::kVoxel,
-             "Edge of a voxel of the mesh [m]")
+             "Edge of a TSDF voxel of the mesh [m]")
       ->capture_default_str();
   add_number(*command, "--occupancy-resolution", options.occupancy_resolution,
              ranges::kOccupancyCell, "Edge of an occupancy cell [m]")
       ->capture_default_str();
   add_sensor_option(*command, arguments->sensor);
   command->add_flag("--trust-poses", options.trust_poses,
-                    "Take groundtruth.txt as given, not as a measurement");
-  command->add_flag("--skip-bad", options.skip_bad,
-                    "Leave out bad rows and frames, and count them");
+                    "Take the poses of groundtruth.txt as exact, not as measurements");
+  command->add_flag("--skip-bad", options.skip_bad, "Skip bad rows and frames, and count them");
   add_threads_option(*command, arguments->threads);
   command->callback([arguments, &action] {
     action = [arguments](const Observer& observer) { return build(*arguments, observer); };

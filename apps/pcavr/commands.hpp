@@ -11,7 +11,7 @@
 
 namespace pcavr::app {
 
-/// Each adds one subcommand with its options, and sets `action` when it is the one chosen.
+/// Each adds one subcommand with its options, which sets `action` when it is invoked.
 void add_build(CLI::App& app, Action& action);
 void add_replay(CLI::App& app, Action& action);
 void add_evaluate(CLI::App& app, Action& action);
@@ -28,17 +28,16 @@ struct OutputOption {
   bool replace = false;
 };
 void add_output_option(CLI::App& command, OutputOption& output, const std::string& what);
-/// The camera file that names the sensor's depth noise.
+/// Adds --sensor: the camera file with the sensor's depth noise.
 void add_sensor_option(CLI::App& command, std::string& camera_file);
-/// What that file says; the default noise where no file was named, and an Error where it says none.
+/// The depth noise in that file; the default where no file is given, an Error where it has none.
 [[nodiscard]] Expected<DepthNoise> depth_noise_of(const std::string& camera_file);
 void add_threads_option(CLI::App& command, int& threads);
 
-/// Reads a recording, and hands its warnings on: of lines that may have been cut, and of rows left
-/// out.
+/// Reads a recording, and reports its warnings: lines that may be truncated, and skipped rows.
 [[nodiscard]] Expected<Recording> read_with_warnings(const std::string& folder, bool skip_bad,
                                                      const Observer& observer);
-/// Adds what was left out of the recording's files, by file and reason, to summary and JSON.
-void describe_left_out(const std::vector<LeftOut>& left_out, CommandResult& result);
+/// Adds the skipped rows of the recording's files, by file and reason, to summary and JSON.
+void describe_left_out(const std::vector<SkippedRows>& left_out, CommandResult& result);
 
 }  // namespace pcavr::app

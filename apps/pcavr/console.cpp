@@ -11,7 +11,7 @@ namespace pcavr::app {
 namespace {
 
 constexpr int kBarWidth = 30;                                    ///< [characters]
-constexpr auto kRedrawInterval = std::chrono::milliseconds(50);  ///< a terminal needs no more
+constexpr auto kRedrawInterval = std::chrono::milliseconds(50);  ///< faster is not visible
 
 }  // namespace
 

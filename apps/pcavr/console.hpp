@@ -14,21 +14,21 @@
 
 namespace pcavr::app {
 
-/// What a subcommand has to say when it is done.
+/// The result of a subcommand.
 struct CommandResult {
-  std::string summary;          ///< for a person; printed on standard output
-  nlohmann::ordered_json json;  ///< the same for a program, printed instead with --json
-  bool is_failure = false;      ///< done, but what was looked at is not sound: exit code 1
+  std::string summary;          ///< human-readable; printed on standard output
+  nlohmann::ordered_json json;  ///< machine-readable, printed instead with --json
+  bool is_failure = false;      ///< finished, but the checked data are not sound: exit code 1
 };
 
-/// `indent` below 0: in one line. A path may hold bytes that are no UTF-8: they become U+FFFD.
+/// `indent` below 0: in one line. Bytes that are not UTF-8, as in paths, become U+FFFD.
 [[nodiscard]] std::string json_text(const nlohmann::ordered_json& json, int indent);
 
-/// Set by the subcommand that was chosen, run after the whole command line was read.
+/// Set by the invoked subcommand, run after the whole command line is parsed.
 using Action = std::function<Expected<CommandResult>(const Observer&)>;
 
-/// Progress and warnings on standard error: a bar where that is a terminal, else a plain line as
-/// each stage ends.
+/// Progress and warnings on standard error: a bar on a terminal, else a line at the end of
+/// each stage.
 class Console {
  public:
   Console();

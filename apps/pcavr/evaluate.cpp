@@ -56,16 +56,16 @@ Expected<CommandResult> run_evaluation(const EvaluateArguments& arguments,
 
 void add_evaluate(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
-      "evaluate", "Say how far a scene, a run or identified parameters are from the truth");
+      "evaluate", "Compare a scene, a run or identified parameters with the ground truth");
   command->footer(
       "Example:\n  pcavr evaluate my_run --truth my_recording/truth -o my_report\n"
-      "A run can do without --truth: its prediction is held against its tracking.");
+      "--truth is optional for a run: without it, its prediction is compared with its tracking.");
   auto arguments = std::make_shared<EvaluateArguments>();
   command
       ->add_option("subject", arguments->subject, "Folder of a scene or a run, or a parameter file")
       ->required();
   CLI::Option_group* against = command->add_option_group("against", "What to compare with");
-  against->add_option("--truth", arguments->truth, "A recording's truth folder");
+  against->add_option("--truth", arguments->truth, "Ground truth: a recording's truth folder");
   against->add_option("--reference", arguments->reference, "A second scene, run or parameter file");
   against->require_option(0, 1);
   add_output_option(*command, arguments->output, "Folder for report.json and report.html");

@@ -10,32 +10,32 @@
 namespace pcavr::app {
 namespace {
 
-Error no_more_threads() {
-  return {.message = "the system starts no more threads",
-          .hint = "end other programs, raise the limit (ulimit -u), or take fewer --threads"};
+Error thread_limit_error() {
+  return {.message = "can't create a thread: the system's limit is reached",
+          .hint = "close other programs, raise the limit (ulimit -u), or use fewer --threads"};
 }
 
 }  // namespace
 
 Error error_of(const std::exception& failure) {
   const std::string what = failure.what();
-  // OpenCV has an exception of its own for it.
+  // OpenCV throws its own exception type.
   if (dynamic_cast<const std::bad_alloc*>(&failure) != nullptr ||
       what.find("Insufficient memory") != what.npos) {
-    return {.message = "memory ran out",
-            .hint = "free some, raise the limit (ulimit -v), or take fewer --threads"};
+    return {.message = "out of memory",
+            .hint = "free memory, raise the limit (ulimit -v), or use fewer --threads"};
   }
   if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&failure)) {
     return {.message = file->code().message(), .file = file->path1().string()};
   }
   if (const auto* system = dynamic_cast<const std::system_error*>(&failure)) {
-    if (system->code() == std::errc::resource_unavailable_try_again) return no_more_threads();
-    return {.message = "the system refused: " + system->code().message()};
+    if (system->code() == std::errc::resource_unavailable_try_again) return thread_limit_error();
+    return {.message = "system error: " + system->code().message()};
   }
-  // oneTBB has none of its own for it.
-  if (what.find("pthread_create") != what.npos) return no_more_threads();
+  // oneTBB reports a failed pthread_create only in the text.
+  if (what.find("pthread_create") != what.npos) return thread_limit_error();
   return {.message = "internal error: " + what,
-          .hint = "please report it with the command that you ran"};
+          .hint = "this is a bug; please report it with the command line"};
 }
 
 nlohmann::ordered_json error_json(const Error& error, int exit_code) {

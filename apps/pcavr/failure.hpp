@@ -10,12 +10,12 @@
 
 namespace pcavr::app {
 
-/// What an exception means to a user: that memory or threads ran out, that the system refused
-/// something, or else that the command has a bug.
+/// Translates an exception into an error for the user: out of memory or threads, a system error, or
+/// else an internal error (a bug).
 [[nodiscard]] Error error_of(const std::exception& failure);
 
-/// {"error": {...}} with the parts of the error that are there, its line as `text`, and the exit
-/// code.
+/// {"error": {...}} with the non-empty parts of the error, its one-line form as `text`, and the
+/// exit code.
 [[nodiscard]] nlohmann::ordered_json error_json(const Error& error, int exit_code);
 
 }  // namespace pcavr::app

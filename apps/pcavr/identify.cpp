@@ -31,11 +31,10 @@ struct IdentifyArguments {
 std::string finding_line(const ParameterFinding& finding) {
   char line[300];
   if (finding.is_excited) {
-    char deviation[32] = "";
-    if (finding.deviation)
-      std::snprintf(deviation, sizeof deviation, " +- %.2g", *finding.deviation);
+    char std_text[32] = "";
+    if (finding.std) std::snprintf(std_text, sizeof std_text, " +- %.2g", *finding.std);
     std::snprintf(line, sizeof line, "    %-30s %.4g%s %s\n", finding.name.c_str(), finding.value,
-                  deviation, finding.unit.c_str());
+                  std_text, finding.unit.c_str());
   } else {
     std::snprintf(line, sizeof line, "    %-30s %s\n", finding.name.c_str(),
                   finding.remark.c_str());
@@ -49,7 +48,7 @@ nlohmann::ordered_json object_json(const ObjectIdentification& object) {
     json[finding.name + ".is_excited"] = finding.is_excited;
     if (!finding.is_excited) continue;
     json[finding.name] = finding.value;
-    if (finding.deviation) json[finding.name + "_std"] = *finding.deviation;
+    if (finding.std) json[finding.name + "_std"] = *finding.std;
   }
   json["notes"] = object.notes;
   return json;
@@ -59,7 +58,7 @@ std::string offset_line(const char* what, const TimeOffset& offset) {
   char line[120];
   if (!offset.is_known) return std::string(what) + " after tool: not known\n";
   std::snprintf(line, sizeof line, "%s after tool: %.2f +- %.2f ms\n", what, offset.offset * 1e3,
-                offset.deviation * 1e3);
+                offset.std * 1e3);
   return line;
 }
 
@@ -79,16 +78,16 @@ CommandResult describe(const Identification& found, const IdentifyArguments& arg
   result.json["notes"] = found.notes;
   result.json["contacts_left_out"] = found.contacts_left_out();
   for (const auto& [reason, count] : found.contacts_left_out()) {
-    result.summary += "left out   contacts: " + reason + ": " + std::to_string(count) + '\n';
+    result.summary += "not used   contacts: " + reason + ": " + std::to_string(count) + '\n';
   }
   describe_left_out(found.left_out, result);
   result.summary += "wrote " + arguments.output + "\nopen " + arguments.report + "/report.html\n";
   return result;
 }
 
-/// What --force replaces: a file that reads as one.
+/// Whether --force may replace the file: one that parses as a parameter file.
 bool is_parameter_file(const std::filesystem::path& file) {
-  constexpr std::uintmax_t kMaxSize = 1U << 24U;  // [bytes] some ten thousand objects
+  constexpr std::uintmax_t kMaxSize = 1U << 24U;  // [bytes] about ten thousand objects
   std::error_code code;
   return std::filesystem::file_size(file, code) <= kMaxSize && read_parameters(file).has_value();
 }
@@ -98,7 +97,7 @@ struct IdentifyOutputs {
   OutputFolder report;
 };
 
-/// Before any work.
+/// Creates the outputs before any work.
 Expected<IdentifyOutputs> create_outputs(const IdentifyArguments& arguments) {
   const std::vector<std::filesystem::path> inputs{arguments.recording, arguments.scene,
                                                   arguments.tracked, arguments.parameters};
@@ -115,7 +114,7 @@ Expected<IdentifyOutputs> create_outputs(const IdentifyArguments& arguments) {
   return IdentifyOutputs{*std::move(parameters), *std::move(report)};
 }
 
-/// Both, or neither.
+/// Commits both outputs, or neither.
 Expected<void> commit(IdentifyOutputs& outputs) {
   Expected<void> done = outputs.parameters.commit();
   if (!done) return done;
@@ -149,13 +148,13 @@ Expected<Identification> run(const IdentifyArguments& arguments, const Observer&
   return error;
 }
 
-/// What a reader of the parameter file should know of its numbers.
+/// The comment at the top of the parameter file.
 std::string comment_of(const Identification& found, const std::string& recording) {
   std::string comment = "identified from " + recording;
   for (const ObjectIdentification& object : found.objects) {
     if (!object.is_exponent_given) continue;
-    comment += "\ngiven, not identified: contact.exponent of " + object.name +
-               "; its stiffness and damping hold under this exponent";
+    comment += "\nassumed, not identified: contact.exponent of " + object.name +
+               "; its stiffness and damping are valid for this exponent";
   }
   return comment;
 }
@@ -191,19 +190,18 @@ void add_goal(CLI::App& app, Action& action, IdentificationGoal goal, const std:
       ->required();
   command->add_option(
       "--scene", arguments->scene,
-      "Folder that pcavr build wrote; without it the manifest must place the objects");
+      "Scene from pcavr build; without it the manifest must have the objects' poses");
   command->add_option("--tracked", arguments->tracked,
-                      "Folder with objects/NAME/tracked.txt, to spare the tracking");
+                      "Folder with objects/NAME/tracked.txt, used instead of tracking");
   command->add_option("--parameters", arguments->parameters,
-                      "What is known already; what is found anew replaces it");
+                      "Parameter file with known parameters; new results replace them");
   command->add_option("-o,--output", arguments->output, "Parameter file to write")->required();
   command->add_option("--report", arguments->report,
-                      "Folder for the report; by default beside the parameter file");
+                      "Folder for the report; by default next to the parameter file");
   command->add_flag("--force", arguments->replace,
-                    "Replace a parameter file and a report of pcavr that are there already; "
-                    "other files and folders stay");
-  command->add_flag("--skip-bad", arguments->skip_bad,
-                    "Leave out bad rows and frames, and count them");
+                    "Replace an existing parameter file and report of pcavr; "
+                    "other files and folders are never replaced");
+  command->add_flag("--skip-bad", arguments->skip_bad, "Skip bad rows and frames, and count them");
   add_threads_option(*command, arguments->threads);
   command->callback([arguments, &action] {
     action = [arguments](const Observer& observer) {
@@ -216,12 +214,12 @@ void add_goal(CLI::App& app, Action& action, IdentificationGoal goal, const std:
 
 void add_identify(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
-      "identify", "Learn from force and motion how objects yield, break away and slide");
+      "identify", "Identify contact and friction parameters of objects from force and motion");
   command->require_subcommand(1);
   add_goal(*command, action, IdentificationGoal::contact, "contact",
-           "Contact law from presses along z");
+           "Contact law (stiffness, damping, exponent) from presses along z");
   add_goal(*command, action, IdentificationGoal::friction, "friction",
-           "Limiting and sliding friction, mass and turning from pushes");
+           "Limiting and sliding friction, mass and friction radius from pushes");
 }
 
 }  // namespace pcavr::app

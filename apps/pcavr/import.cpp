@@ -41,13 +41,13 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
   if (!report) return report.error();
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
-  const std::string& to = arguments.output.folder;
+  const std::string& folder_name = arguments.output.folder;
   return CommandResult{
       .summary = std::to_string(report->frames) + " frames, " + std::to_string(report->poses) +
                  " camera poses, " + std::to_string(report->left_out) +
-                 " images without a partner left out, " + std::to_string(report->poses_left_out) +
-                 " frames without a pose\nnext: pcavr build " + to + " -o SCENE\n",
-      .json = {{"recording", to},
+                 " unpaired images skipped, " + std::to_string(report->poses_left_out) +
+                 " frames without a pose\nnext: pcavr build " + folder_name + " -o SCENE\n",
+      .json = {{"recording", folder_name},
                {"frames", report->frames},
                {"poses", report->poses},
                {"left_out", report->left_out},
@@ -58,7 +58,7 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
 
 void add_import(CLI::App& app, Action& action) {
   CLI::App* command =
-      app.add_subcommand("import", "Turn a TUM RGB-D or 7-Scenes folder into a recording");
+      app.add_subcommand("import", "Convert a TUM RGB-D or 7-Scenes folder into a recording");
   command->footer(
       "Example:\n  pcavr import rgbd_dataset_freiburg1_desk --camera calib/cameras/kinect_v1.yaml "
       "-o desk");
@@ -66,20 +66,21 @@ void add_import(CLI::App& app, Action& action) {
   command->add_option("source", arguments->source, "Folder to read")->required();
   add_output_option(*command, arguments->output, "Folder for the recording");
   command
-      ->add_option("--format", arguments->format, "tum or 7scenes; told from the files if absent")
+      ->add_option("--format", arguments->format,
+                   "tum or 7scenes; detected from the files if absent")
       ->check(CLI::IsMember({"tum", "7scenes"}));
   command->add_option("--camera", arguments->camera,
-                      "Camera file, where the source has no intrinsics (see calib/cameras)");
+                      "Camera file for a source without intrinsics (see calib/cameras)");
   add_number(*command, "--depth-scale", arguments->depth_scale, ranges::kDepthScale,
-             "Depth image units in one metre");
+             "Depth image units per metre");
   add_number(*command, "--rate", arguments->options.frame_rate, ranges::kImportRate,
-             "Frames a second, where the source has no stamps")
+             "Frame rate of a source without timestamps [Hz]")
       ->capture_default_str();
   add_whole<std::size_t>(*command, "--stride", arguments->options.stride, 1, kMaxFrames,
-                         "Take every n-th frame")
+                         "Import every n-th frame")
       ->capture_default_str();
   add_whole<std::size_t>(*command, "--first", arguments->options.first, 0, kMaxFrames,
-                         "Leave out the frames before this one")
+                         "Index of the first frame to import")
       ->capture_default_str();
   command->callback([arguments, &action] {
     action = [arguments](const Observer& observer) { return run_import(*arguments, observer); };

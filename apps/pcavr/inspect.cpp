@@ -40,7 +40,7 @@ std::string span_of(const Trajectory& trajectory) {
   return std::to_string(trajectory.size()) + text;
 }
 
-/// Holds the recording's inputs against each other.
+/// Cross-checks the recording's inputs.
 Expected<void> check_consistency(const Recording& recording, const Observer& observer,
                                  std::vector<SceneCheck>& checks) {
   const auto findings = inspect_consistency(recording);
@@ -48,16 +48,15 @@ Expected<void> check_consistency(const Recording& recording, const Observer& obs
   for (const ConsistencyFinding& finding : *findings) {
     const bool is_contradiction = finding.severity == FindingSeverity::contradiction;
     if (!is_contradiction) observer.on_warning(finding.to_string());
-    checks.push_back(
-        {finding.input(),
-         (is_contradiction ? "" : "doubtful: ") + finding.message + "; " + finding.hint,
-         !is_contradiction});
+    checks.push_back({finding.input(),
+                      (is_contradiction ? "" : "warning: ") + finding.message + "; " + finding.hint,
+                      !is_contradiction});
   }
-  if (findings->empty()) checks.push_back({"consistency", "no input contradicts another"});
+  if (findings->empty()) checks.push_back({"consistency", "the inputs agree"});
   return {};
 }
 
-/// Reads everything strictly, and decodes every frame.
+/// Reads all files without skipping bad rows, and decodes every frame.
 Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
                                                     const Observer& observer) {
   const Expected<Recording> recording = read_with_warnings(folder, false, observer);
@@ -79,8 +78,8 @@ Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
                                           count(manifest.objects.size(), " objects")});
   checks.push_back({"frames", count(frames, " pairs, ") +
                                   count(recording->unpaired_color, " colour and ") +
-                                  count(recording->unpaired_depth, " depth without a partner")});
-  checks.push_back({"depth", count(frames == 0 ? 0 : readings / frames, " readings a frame"),
+                                  count(recording->unpaired_depth, " depth images unpaired")});
+  checks.push_back({"depth", count(frames == 0 ? 0 : readings / frames, " readings per frame"),
                     frames == 0 || readings > 0});
   checks.push_back({"groundtruth.txt", span_of(recording->groundtruth)});
   checks.push_back({"tool.csv", span_of(recording->tool)});
@@ -117,9 +116,9 @@ Expected<std::vector<SceneCheck>> inspect_run(const fs::path& folder) {
 
 Expected<CommandResult> inspect(const fs::path& folder, const Observer& observer) {
   Expected<std::vector<SceneCheck>> checks =
-      Error{.message = "holds no recording.yaml, scene.yaml or run.yaml",
+      Error{.message = "contains no recording.yaml, scene.yaml or run.yaml",
             .file = folder.string(),
-            .hint = "name the folder of a recording, a scene or a run"};
+            .hint = "give the folder of a recording, a scene or a run"};
   for (const char* manifest : {"scene.yaml", "recording.yaml", "run.yaml"}) {
     const Expected<bool> is_there = is_present(folder / manifest);
     if (!is_there) return is_there.error();
@@ -138,10 +137,10 @@ Expected<CommandResult> inspect(const fs::path& folder, const Observer& observer
 
 void add_inspect(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
-      "inspect", "Say what is in a recording, a scene or a run, and whether it is sound");
+      "inspect", "Summarise a recording, a scene or a run, and check that it is sound");
   command->footer("Example:\n  pcavr inspect my_scene");
   auto folder = std::make_shared<std::string>();
-  command->add_option("folder", *folder, "A recording, a scene or a run")->required();
+  command->add_option("folder", *folder, "Folder of a recording, a scene or a run")->required();
   command->callback([folder, &action] {
     action = [folder](const Observer& observer) { return inspect(*folder, observer); };
   });

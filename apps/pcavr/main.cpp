@@ -25,7 +25,7 @@ namespace {
 constexpr int kExitDone = 0;
 constexpr int kExitFailed = 1;
 constexpr int kExitUsage = 2;
-constexpr int kMaxThreads = 256;  ///< more than the machines that pcavr was tried on have
+constexpr int kMaxThreads = 256;  ///< above the machines that pcavr was tested on
 
 /// One line on standard error, and with --json an object on standard output.
 int report_error(const Error& error, bool as_json, int exit_code = kExitFailed) {
@@ -46,14 +46,14 @@ int run(const Action& action, bool as_json) {
     std::cout << result->summary;
   }
   std::cout.flush();
-  if (!std::cout) return report_error({.message = "standard output: can't be written"}, false);
+  if (!std::cout) return report_error({.message = "can't write to standard output"}, false);
   return result->is_failure ? kExitFailed : kExitDone;
 }
 
-/// Where the command line itself was not understood, or something was thrown.
-bool asks_for_json(std::span<char* const> words) {
-  return std::any_of(words.begin(), words.end(),
-                     [](const char* word) { return std::string_view(word) == "--json"; });
+/// For errors before the command line is parsed, and for exceptions.
+bool has_json_flag(std::span<char* const> arguments) {
+  return std::any_of(arguments.begin(), arguments.end(),
+                     [](const char* argument) { return std::string_view(argument) == "--json"; });
 }
 
 int run_command_line(int argc, char** argv) {
@@ -63,7 +63,7 @@ int run_command_line(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough();
   bool as_json = false;
-  app.add_flag("--json", as_json, "Print one machine-readable result on standard output");
+  app.add_flag("--json", as_json, "Print the result as JSON on standard output");
 
   Action action;
   add_build(app, action);
@@ -79,8 +79,8 @@ int run_command_line(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (app.exit(error) == 0) return kExitDone;
-    if (asks_for_json({argv, static_cast<std::size_t>(argc)})) {
-      const Error usage{.message = error.what(), .hint = "run it with --help"};
+    if (has_json_flag({argv, static_cast<std::size_t>(argc)})) {
+      const Error usage{.message = error.what(), .hint = "see --help"};
       std::cout << json_text(error_json(usage, kExitUsage), 2) << std::flush;
     }
     return kExitUsage;
@@ -92,7 +92,7 @@ int run_command_line(int argc, char** argv) {
 
 void add_sensor_option(CLI::App& command, std::string& camera_file) {
   command.add_option("--sensor", camera_file,
-                     "Camera file that tells the sensor's depth noise (see calib/cameras)");
+                     "Camera file with the sensor's depth noise (see calib/cameras)");
 }
 
 Expected<DepthNoise> depth_noise_of(const std::string& camera_file) {
@@ -100,17 +100,17 @@ Expected<DepthNoise> depth_noise_of(const std::string& camera_file) {
   const Expected<CameraFile> sensor = read_camera_file(camera_file);
   if (!sensor) return sensor.error();
   if (!sensor->depth_noise) {
-    return Error{.message = "says nothing of the depth noise",
+    return Error{.message = "the camera file has no depth noise",
                  .file = camera_file,
                  .place = "depth_noise",
-                 .hint = "add it, or leave --sensor away"};
+                 .hint = "add it, or omit --sensor"};
   }
   return *sensor->depth_noise;
 }
 
 void add_threads_option(CLI::App& command, int& threads) {
   threads = Parallelism::max().threads;
-  add_whole<int>(command, "--threads", threads, 1, kMaxThreads, "How many threads to use")
+  add_whole<int>(command, "--threads", threads, 1, kMaxThreads, "Number of threads")
       ->capture_default_str();
 }
 
@@ -122,10 +122,10 @@ Expected<Recording> read_with_warnings(const std::string& folder, bool skip_bad,
   return recording;
 }
 
-void describe_left_out(const std::vector<LeftOut>& left_out, CommandResult& result) {
+void describe_left_out(const std::vector<SkippedRows>& left_out, CommandResult& result) {
   result.json["left_out"] = nlohmann::ordered_json::array();
   for (const auto& [file, reason, count] : left_out) {
-    result.summary += "left out   " + file + ": " + reason + ": " + std::to_string(count) + '\n';
+    result.summary += "skipped    " + file + ": " + reason + ": " + std::to_string(count) + '\n';
     result.json["left_out"].push_back({{"file", file}, {"reason", reason}, {"rows", count}});
   }
 }
@@ -137,7 +137,7 @@ int main(int argc, char** argv) {
     return pcavr::app::run_command_line(argc, argv);
   } catch (const std::exception& failure) {
     pcavr::wait_if_interrupted();
-    const bool as_json = pcavr::app::asks_for_json({argv, static_cast<std::size_t>(argc)});
+    const bool as_json = pcavr::app::has_json_flag({argv, static_cast<std::size_t>(argc)});
     return pcavr::app::report_error(pcavr::app::error_of(failure), as_json);
   }
 }

@@ -14,24 +14,24 @@
 
 namespace pcavr::app {
 
-/// All of `text` as a number, whatever the locale; nothing where it is anything else. "nan" and
-/// "inf" are numbers here: whether they will do is the range's business.
+/// Parses all of `text` as a number, independent of the locale; nothing where it is not a number.
+/// "nan" and "inf" are numbers here: the range check rejects them.
 template <typename Number>
-[[nodiscard]] std::optional<Number> whole_number(const std::string& text) {
+[[nodiscard]] std::optional<Number> parse_number(const std::string& text) {
   Number number{};
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (code != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return number;
 }
 
-/// An option that takes a finite number in the range, and nothing else.
+/// An option that accepts only a finite number in the range.
 template <typename Value>
 CLI::Option* add_number(CLI::App& command, const std::string& name, Value& value,
                         const InputRange& range, const std::string& what) {
   return command.add_option(name, value, what)
       ->check(CLI::Validator(
           [range](const std::string& text) {
-            const std::optional<double> number = whole_number<double>(text);
+            const std::optional<double> number = parse_number<double>(text);
             if (!number) return "'" + text + "' is not a number";
             const std::optional<Error> error = check_range(range, *number, text);
             return error ? error->to_string() : std::string();
@@ -39,22 +39,22 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, Value& value
           ""));
 }
 
-/// An option that takes a whole number from `min` to `max`, and nothing else.
+/// An option that accepts only an integer from `min` to `max`.
 template <typename Whole>
 CLI::Option* add_whole(CLI::App& command, const std::string& name, Whole& value, Whole min,
                        Whole max, const std::string& what) {
   return command.add_option(name, value, what)
       ->check(CLI::Validator(
           [min, max](const std::string& text) {
-            const std::optional<Whole> number = whole_number<Whole>(text);
+            const std::optional<Whole> number = parse_number<Whole>(text);
             if (number && *number >= min && *number <= max) return std::string();
-            return "'" + text + "' is not a whole number from " + std::to_string(min) + " to " +
+            return "'" + text + "' is not an integer from " + std::to_string(min) + " to " +
                    std::to_string(max);
           },
           ""));
 }
 
-/// What seeds a generator: any value of its type.
+/// The seed of a random generator: any value of its type.
 inline CLI::Option* add_seed(CLI::App& command, std::uint64_t& seed, const std::string& what) {
   return add_whole<std::uint64_t>(command, "--seed", seed, 0,
                                   std::numeric_limits<std::uint64_t>::max(), what);

@@ -9,8 +9,8 @@ namespace pcavr::app {
 void add_output_option(CLI::App& command, OutputOption& output, const std::string& what) {
   command.add_option("-o,--output", output.folder, what)->required();
   command.add_flag("--force", output.replace,
-                   "Replace the output if it is there already, was written by such a command, and "
-                   "holds nothing else");
+                   "Replace an existing output that this command wrote and that contains "
+                   "nothing else");
 }
 
 Expected<OutputFolder> create_output(const OutputOption& output, OutputKind kind,

@@ -11,8 +11,8 @@
 
 namespace pcavr::app {
 
-/// The folder of -o, before any work: fails where it is, contains or lies in one of the inputs
-/// (empty ones are left out), or is something that --force does not replace.
+/// Creates the folder of -o, before any work: fails where it is, contains or lies in one of the
+/// inputs (empty ones are ignored), or exists and may not be replaced by --force.
 [[nodiscard]] Expected<OutputFolder> create_output(
     const OutputOption& output, OutputKind kind, const std::vector<std::filesystem::path>& inputs);
 

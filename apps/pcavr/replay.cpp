@@ -31,7 +31,7 @@ struct ReplayArguments {
   int threads = 1;
 };
 
-std::size_t count_seen(const ReplayedObject& object, ObjectEvidence evidence) {
+std::size_t frames_with(const ReplayedObject& object, ObjectEvidence evidence) {
   const auto found = object.frames_by_evidence.find(evidence);
   return found == object.frames_by_evidence.end() ? 0 : found->second;
 }
@@ -49,7 +49,7 @@ void describe_teleop(const Replay& replay, CommandResult& result) {
   result.summary += line;
   for (std::size_t i = 0; i < replay.objects.size(); ++i) {
     if (run.assumed[i].empty()) continue;
-    result.summary += "  " + replay.objects[i].name + ": assumed at the start:";
+    result.summary += "  " + replay.objects[i].name + ": using defaults for:";
     for (const std::string& name : run.assumed[i]) result.summary += ' ' + name;
     result.summary += '\n';
   }
@@ -80,10 +80,10 @@ CommandResult describe(const Replay& replay, const std::string& folder) {
       result.json["objects"].push_back({{"name", object.name}, {"tracked", object.tracked.size()}});
       continue;
     }
-    const std::size_t tags = count_seen(object, ObjectEvidence::tags);
-    const std::size_t both = count_seen(object, ObjectEvidence::tags_and_shape);
-    const std::size_t shape = count_seen(object, ObjectEvidence::shape);
-    const std::size_t lost = count_seen(object, ObjectEvidence::none);
+    const std::size_t tags = frames_with(object, ObjectEvidence::tags);
+    const std::size_t both = frames_with(object, ObjectEvidence::tags_and_shape);
+    const std::size_t shape = frames_with(object, ObjectEvidence::shape);
+    const std::size_t lost = frames_with(object, ObjectEvidence::none);
     result.summary += "  " + object.name + ": tags and shape " + std::to_string(both) +
                       ", tags alone " + std::to_string(tags) + ", shape alone " +
                       std::to_string(shape) + ", not seen " + std::to_string(lost) + '\n';
@@ -106,13 +106,13 @@ CommandResult describe(const Replay& replay, const std::string& folder) {
   return result;
 }
 
-/// Before the long work: what would keep the video from being made.
+/// Checks before the long work whether the video can be made.
 Expected<void> check_video(const ReplayArguments& arguments, const Recording& recording) {
   if (arguments.video.empty()) return {};
   if (!recording.manifest.camera || recording.frames.empty()) {
-    return Error{.message = "the recording holds no images to draw over",
+    return Error{.message = "the recording has no images for the video",
                  .file = arguments.recording,
-                 .hint = "leave --video out"};
+                 .hint = "omit --video"};
   }
   return check_video_target(arguments.video, arguments.output.replace);
 }
@@ -134,7 +134,7 @@ Expected<void> make_video(const ReplayArguments& arguments, const Recording& rec
                         "no H.264 encoder");
   }
   char line[96];
-  std::snprintf(line, sizeof line, ": %zu pictures, %.4g a second\n", video->pictures, video->rate);
+  std::snprintf(line, sizeof line, ": %zu frames at %.4g Hz\n", video->pictures, video->rate);
   result.summary += "video      " + arguments.video + line;
   result.json["video"] = {{"file", arguments.video},
                           {"pictures", video->pictures},
@@ -144,7 +144,7 @@ Expected<void> make_video(const ReplayArguments& arguments, const Recording& rec
   return {};
 }
 
-/// Before any work: the run's folder, apart from the video and from all inputs.
+/// Creates the run's folder before any work; neither it nor the video may overlap an input.
 Expected<OutputFolder> create_outputs(const ReplayArguments& arguments) {
   const std::vector<std::filesystem::path> inputs{arguments.recording, arguments.scene,
                                                   arguments.tracked, arguments.parameters,
@@ -167,8 +167,8 @@ Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observ
   const Expected<Recording> recording =
       read_with_warnings(arguments.recording, options.skip_bad, observer);
   if (!recording) return recording.error();
-  const Expected<void> has_video = check_video(arguments, *recording);
-  if (!has_video) return has_video.error();
+  const Expected<void> video_check = check_video(arguments, *recording);
+  if (!video_check) return video_check.error();
   const Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
   if (!scene) return scene.error();
   options.teleop.with_corrections = !arguments.without_corrections;
@@ -190,33 +190,36 @@ Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observ
   CommandResult result = describe(*run, arguments.output.folder);
   describe_left_out(recording->left_out, result);
   if (arguments.video.empty()) return result;
-  const Expected<void> filmed = make_video(arguments, *recording, *scene, *run, observer, result);
-  if (!filmed) return filmed.error();
+  const Expected<void> video = make_video(arguments, *recording, *scene, *run, observer, result);
+  if (!video) return video.error();
   return result;
 }
 
 void add_link_options(CLI::App& command, ReplayArguments& arguments) {
   TeleopOptions& teleop = arguments.options.teleop;
-  command.add_option("--parameters", arguments.parameters,
-                     "What identify wrote; without it both sites start from the scene's knowledge");
+  command.add_option(
+      "--parameters", arguments.parameters,
+      "Parameter file from pcavr identify; without it both sites start from the scene's "
+      "parameters and defaults");
   command.add_option("--tracked", arguments.tracked,
-                     "Take tracking from this run instead of doing it again");
+                     "Run whose tracking is used instead of tracking again");
   add_number(command, "--forward-delay", teleop.forward_delay, ranges::kDelay,
-             "From operator to robot [s]")
+             "Delay from operator to robot [s]")
       ->capture_default_str();
   add_number(command, "--backward-delay", teleop.backward_delay, ranges::kDelay,
-             "From robot to operator [s]")
+             "Delay from robot to operator [s]")
       ->capture_default_str();
   add_number(command, "--jitter", teleop.jitter, ranges::kJitter,
-             "Standard deviation of either delay [s]")
+             "Standard deviation of both delays [s]")
       ->capture_default_str();
   add_number(command, "--loss", teleop.loss, ranges::kShare,
-             "Share of corrections that the network drops")
+             "Packet loss: fraction of corrections that the network drops")
       ->capture_default_str();
-  add_seed(command, teleop.seed, "Of jitter and loss")->capture_default_str();
+  add_seed(command, teleop.seed, "Seed of jitter and loss")->capture_default_str();
   command.add_flag("--no-corrections", arguments.without_corrections,
-                   "Predict alone: the robot's site sends nothing");
-  command.add_flag("--keep-parameters", arguments.keep_parameters, "Learn nothing on the way");
+                   "Predict only: the robot's site sends no corrections");
+  command.add_flag("--keep-parameters", arguments.keep_parameters,
+                   "Do not identify parameters during the replay");
 }
 
 }  // namespace
@@ -232,17 +235,17 @@ void add_replay(CLI::App& app, Action& action) {
   auto arguments = std::make_shared<ReplayArguments>();
   command->add_option("recording", arguments->recording, "Folder with a recording.yaml")
       ->required();
-  command->add_option("--scene", arguments->scene, "Folder that pcavr build wrote")->required();
+  command->add_option("--scene", arguments->scene, "Scene from pcavr build")->required();
   add_output_option(*command, arguments->output, "Folder for the run");
   command->add_option(
       "--video", arguments->video,
       "Write the predicted bodies, drawn over the recorded images, as an .mp4; --force "
-      "replaces an .mp4 that is there already");
+      "replaces an existing .mp4");
   add_sensor_option(*command, arguments->sensor);
   command->add_flag("--trust-poses", arguments->options.trust_poses,
-                    "Take groundtruth.txt as given, not as a measurement");
+                    "Take the poses of groundtruth.txt as exact, not as measurements");
   command->add_flag("--skip-bad", arguments->options.skip_bad,
-                    "Leave out bad rows and frames, and count them");
+                    "Skip bad rows and frames, and count them");
   add_link_options(*command, *arguments);
   add_threads_option(*command, arguments->threads);
   command->callback([arguments, &action] {

@@ -24,7 +24,7 @@
 
 #include "commands.hpp"
 #include "number_option.hpp"
-#include "serve_words.hpp"
+#include "startup_message.hpp"
 
 namespace pcavr::app {
 namespace {
@@ -32,9 +32,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kPageDevice[] = "page";
-/// [N] What is shown of the force where no motor makes it: more than any push on a table.
+/// [N] Limit of the displayed force where no actuator renders it: above any push on a table.
 constexpr double kMaxShownForce = 100.0;
-/// [N] of a device of which nothing else is known: what the weakest of them bear.
+/// [N] Limit for an unknown device: that of the weakest devices.
 constexpr double kMaxDeviceForce = 5.0;
 
 struct ServeArguments {
@@ -47,23 +47,23 @@ struct ServeArguments {
   std::string certificate;
   std::string key;
   bool with_tls = false;
-  double tool_radius = 0.0;  ///< [m]; 0: not said
-  double max_force = 0.0;    ///< [N]; 0: not said
+  double tool_radius = 0.0;  ///< [m]; 0: not given
+  double max_force = 0.0;    ///< [N]; 0: not given
   ServerOptions server;
   bool as_json = false;
 };
 
-/// What was read and made before anything is served.
-struct Stage {
+/// The inputs, read before anything is served.
+struct ServeInputs {
   SceneManifest scene;
   std::optional<ParameterTable> parameters;
   std::optional<Recording> recording;
 };
 
-/// The replay's paths where there is one, the scene's for the rest.
-class StageContent final : public ContentSource {
+/// Serves the replay's paths where there is a replay, and the scene's.
+class ServedContent final : public ContentSource {
  public:
-  StageContent(SceneContent scene, std::optional<ReplayContent> replay)
+  ServedContent(SceneContent scene, std::optional<ReplayContent> replay)
       : scene_(std::move(scene)), replay_(std::move(replay)) {}
 
   [[nodiscard]] Expected<std::shared_ptr<const Content>> find(
@@ -80,81 +80,83 @@ class StageContent final : public ContentSource {
   std::optional<ReplayContent> replay_;
 };
 
-/// Beside the command as it was built, or where it was installed to.
+/// Next to the executable in the build tree, or in the installation.
 Expected<fs::path> find_page() {
   std::error_code ignored;
   const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const fs::path& place : {folder / "../viewer", folder / "../viewer/dist",
-                                folder / "../share/pcavr/viewer", fs::path(PCAVR_SOURCE_PAGE)}) {
-    if (fs::exists(place / "index.html", ignored)) return place;
+  for (const fs::path& candidate :
+       {folder / "../viewer", folder / "../viewer/dist", folder / "../share/pcavr/viewer",
+        fs::path(PCAVR_SOURCE_PAGE)}) {
+    if (fs::exists(candidate / "index.html", ignored)) return candidate;
   }
-  return Error{.message = "the page was not built",
-               .hint = "npm ci && npm run build in apps/viewer, or name its folder by --page"};
+  return Error{
+      .message = "the web page is not built",
+      .hint = "run npm ci && npm run build in apps/viewer, or give its folder with --page"};
 }
 
 Expected<std::optional<TlsFiles>> tls_files(const ServeArguments& arguments) {
   if (arguments.certificate.empty() != arguments.key.empty()) {
-    return Error{.message = "--certificate and --key go together"};
+    return Error{.message = "--certificate and --key must be given together"};
   }
   if (!arguments.key.empty()) return std::optional(TlsFiles{arguments.certificate, arguments.key});
   if (!arguments.with_tls) return std::optional<TlsFiles>();
-  Expected<TlsFiles> own = own_certificate(data_folder());
+  Expected<TlsFiles> own = load_or_create_certificate(data_folder());
   if (!own) return own.error();
   return std::optional(std::move(*own));
 }
 
-Expected<Stage> read_stage(const ServeArguments& arguments, const Observer& observer) {
+Expected<ServeInputs> read_inputs(const ServeArguments& arguments, const Observer& observer) {
   Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
   if (!scene) return scene.error();
-  Stage stage{std::move(*scene), {}, {}};
+  ServeInputs inputs{std::move(*scene), {}, {}};
   if (!arguments.parameters.empty()) {
     Expected<ParameterTable> parameters = read_parameters(arguments.parameters);
     if (!parameters) return parameters.error();
-    stage.parameters = std::move(*parameters);
+    inputs.parameters = std::move(*parameters);
   }
   if (!arguments.recording.empty()) {
     Expected<Recording> recording = read_with_warnings(arguments.recording, false, observer);
     if (!recording) return recording.error();
-    stage.recording = std::move(*recording);
+    inputs.recording = std::move(*recording);
   }
-  return stage;
+  return inputs;
 }
 
-Expected<StageContent> make_content(const Stage& stage, const ServeArguments& arguments,
-                                    const Observer& observer) {
-  Expected<SceneContent> scene = SceneContent::create(stage.scene, stage.parameters, observer);
+Expected<ServedContent> make_content(const ServeInputs& inputs, const ServeArguments& arguments,
+                                     const Observer& observer) {
+  Expected<SceneContent> scene = SceneContent::create(inputs.scene, inputs.parameters, observer);
   if (!scene) return scene.error();
-  if (!stage.recording) return StageContent(std::move(*scene), {});
+  if (!inputs.recording) return ServedContent(std::move(*scene), {});
   ReplayOptions options;
-  options.parameters = stage.parameters;
+  options.parameters = inputs.parameters;
   options.parameters_file = arguments.parameters;
   if (!arguments.tracked.empty()) options.tracked = arguments.tracked;
   const Expected<Replay> replay =
-      replay_recording(*stage.recording, stage.scene, options, observer);
+      replay_recording(*inputs.recording, inputs.scene, options, observer);
   if (!replay) return replay.error();
   Expected<ReplayContent> shown =
-      ReplayContent::create(*stage.recording, stage.scene, *replay, observer);
+      ReplayContent::create(*inputs.recording, inputs.scene, *replay, observer);
   if (!shown) return shown.error();
-  return StageContent(std::move(*scene), std::move(*shown));
+  return ServedContent(std::move(*scene), std::move(*shown));
 }
 
-Expected<SceneWorld> make_world(const Stage& stage, const ServeArguments& arguments,
+Expected<SceneWorld> make_world(const ServeInputs& inputs, const ServeArguments& arguments,
                                 const Observer& observer) {
   SceneWorldOptions options;
-  options.parameters = stage.parameters;
+  options.parameters = inputs.parameters;
   options.parameters_file = arguments.parameters;
-  if (stage.recording) {
-    options.tool_radius = stage.recording->manifest.tool_radius.value_or(options.tool_radius);
+  if (inputs.recording) {
+    options.tool_radius = inputs.recording->manifest.tool_radius.value_or(options.tool_radius);
   }
   if (arguments.tool_radius > 0.0) options.tool_radius = arguments.tool_radius;
   options.max_force = arguments.device == kPageDevice ? kMaxShownForce : kMaxDeviceForce;
   if (arguments.max_force > 0.0) options.max_force = arguments.max_force;
-  Expected<SceneWorld> world = make_scene_world(stage.scene, options);
+  Expected<SceneWorld> world = make_scene_world(inputs.scene, options);
   if (!world) return world;
   for (const std::string& note : world->notes) observer.on_warning(note);
-  for (const AssumedNumbers& body : world->assumed) {
+  for (const AssumedParameters& body : world->assumed) {
     if (body.names.empty()) continue;
-    std::string line = body.object + ": assumed, because nothing told them:";
+    std::string line = body.object + ": using defaults for:";
     for (const std::string& name : body.names) line += ' ' + name;
     observer.on_warning(line);
   }
@@ -174,32 +176,33 @@ Expected<std::unique_ptr<LiveWorld>> make_live(const SceneWorld& scene,
   }
   return std::make_unique<LiveWorld>(std::move(*haptic), std::move(device),
                                      LiveWorldOptions{.p_base_tool_start = scene.p_base_tool_start,
-                                                      .full_force = scene.full_force});
+                                                      .full_scale_force = scene.full_scale_force});
 }
 
-bool is_long(const std::string& host) { return host.find(':') != std::string::npos; }
+bool is_ipv6(const std::string& host) { return host.find(':') != std::string::npos; }
 
-bool is_everywhere(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
+/// All interfaces.
+bool is_wildcard(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
 
-/// Where a browser finds it: all of the machine's addresses where it listens at all of them.
+/// The server's URLs; one for each of the machine's addresses where it listens on all interfaces.
 std::vector<std::string> addresses_of(const LiveServer& server, const ServerOptions& options) {
   std::vector<std::string> hosts{options.host};
-  if (is_everywhere(options.host)) hosts = machine_addresses();
-  if (options.host == "0.0.0.0") std::erase_if(hosts, is_long);
+  if (is_wildcard(options.host)) hosts = machine_addresses();
+  if (options.host == "0.0.0.0") std::erase_if(hosts, is_ipv6);
   if (hosts.empty()) hosts.emplace_back("localhost");
   std::vector<std::string> addresses;
   addresses.reserve(hosts.size());
   for (const std::string& host : hosts) {
     addresses.push_back((options.tls ? "https://" : "http://") +
-                        (is_long(host) ? '[' + host + ']' : host) + ':' +
+                        (is_ipv6(host) ? '[' + host + ']' : host) + ':' +
                         std::to_string(server.port()) + '/');
   }
   return addresses;
 }
 
-Expected<void> announce(const LiveServer& server, const LiveWorld& world,
-                        const ServeArguments& arguments, std::size_t triangles) {
-  ServeFacts facts{
+Expected<void> print_startup_message(const LiveServer& server, const LiveWorld& world,
+                                     const ServeArguments& arguments, std::size_t triangles) {
+  StartupInfo info{
       .addresses = addresses_of(server, arguments.server),
       .port = server.port(),
       .scene = arguments.server.scene,
@@ -209,15 +212,15 @@ Expected<void> announce(const LiveServer& server, const LiveWorld& world,
       .triangles = triangles,
       .code = server.pairing_code(),
       .is_local = server.pairing_code().empty(),
-      .is_at_localhost = server.pairing_code().empty() || is_everywhere(arguments.server.host),
+      .is_at_localhost = server.pairing_code().empty() || is_wildcard(arguments.server.host),
       .is_tls = arguments.server.tls.has_value()};
   if (arguments.server.tls) {
-    const Expected<CertificateFacts> certificate =
+    const Expected<CertificateInfo> certificate =
         read_certificate(arguments.server.tls->certificate);
     if (!certificate) return certificate.error();
-    facts.fingerprint = certificate->fingerprint;
+    info.fingerprint = certificate->fingerprint;
   }
-  std::cout << (arguments.as_json ? json_text(ready_json(facts), -1) : ready_words(facts))
+  std::cout << (arguments.as_json ? json_text(startup_json(info), -1) : startup_message(info))
             << std::flush;
   return {};
 }
@@ -227,13 +230,13 @@ Expected<CommandResult> run(LiveServer& server, LiveWorld& world, const ServeArg
   const Expected<std::vector<std::string>> notes = world.start();
   if (!notes) return notes.error();
   for (const std::string& note : *notes) observer.on_warning(note);
-  const Expected<void> announced = announce(server, world, arguments, triangles);
-  if (!announced) return announced.error();
+  const Expected<void> printed = print_startup_message(server, world, arguments, triangles);
+  if (!printed) return printed.error();
   server.run();
   world.stop();
   const WorldSnapshot& last = world.newest();
   CommandResult result;
-  result.summary = "ended after " + std::to_string(last.cycles) + " cycles, " +
+  result.summary = "stopped after " + std::to_string(last.cycles) + " cycles, " +
                    std::to_string(last.late_cycles) + " of them late\n";
   const CycleTimes times = world.times();
   result.json = {{"cycles", last.cycles},       {"late_cycles", last.late_cycles},
@@ -254,18 +257,18 @@ Expected<CommandResult> serve(ServeArguments arguments, const Observer& observer
   options.version = PCAVR_VERSION;
   options.is_replay = !arguments.recording.empty();
   options.ends_on_signals = true;
-  // Before anything that takes long.
+  // Before the long work.
   const Expected<void> possible = check_server(options);
   if (!possible) return possible.error();
-  const Expected<Stage> stage = read_stage(arguments, observer);
-  if (!stage) return stage.error();
-  options.scene = scene_name(stage->scene);
-  Expected<SceneWorld> scene = make_world(*stage, arguments, observer);
+  const Expected<ServeInputs> inputs = read_inputs(arguments, observer);
+  if (!inputs) return inputs.error();
+  options.scene = scene_name(inputs->scene);
+  Expected<SceneWorld> scene = make_world(*inputs, arguments, observer);
   if (!scene) return scene.error();
   options.tool_radius = scene->model.world.tool_radius;
   Expected<std::unique_ptr<LiveWorld>> world = make_live(*scene, arguments.device);
   if (!world) return world.error();
-  const Expected<StageContent> content = make_content(*stage, arguments, observer);
+  const Expected<ServedContent> content = make_content(*inputs, arguments, observer);
   if (!content) return content.error();
   Expected<LiveServer> server = LiveServer::open(options, **world, *content);
   if (!server) return server.error();
@@ -274,49 +277,52 @@ Expected<CommandResult> serve(ServeArguments arguments, const Observer& observer
 
 void add_network_options(CLI::App& command, ServeArguments& arguments) {
   add_whole<std::uint16_t>(command, "--port", arguments.server.port, 0,
-                           std::numeric_limits<std::uint16_t>::max(), "0: any that is free")
+                           std::numeric_limits<std::uint16_t>::max(), "TCP port; 0: any free port")
       ->capture_default_str();
   command
       .add_option("--host", arguments.server.host,
-                  "Address to listen at; others than this machine's own want --tls, and then "
-                  "a code that is shown here")
+                  "Address to listen on; other than a loopback address needs --tls and the pairing "
+                  "code that is printed at the start")
       ->capture_default_str();
-  command.add_flag("--tls", arguments.with_tls,
-                   "https, with a certificate that is made for this machine and kept");
-  command.add_option("--certificate", arguments.certificate, "https with your own: PEM, its chain");
-  command.add_option("--key", arguments.key, "The certificate's key: PEM");
+  command.add_flag(
+      "--tls", arguments.with_tls,
+      "Use https, with a self-signed certificate that is created once for this machine");
+  command.add_option("--certificate", arguments.certificate,
+                     "Use https with your own certificate chain (PEM)");
+  command.add_option("--key", arguments.key, "Private key of the certificate (PEM)");
   add_number(command, "--rate", arguments.server.rate, ranges::kStateRate,
-             "States to each page [Hz]")
+             "Rate of state messages to each page [Hz]")
       ->capture_default_str();
-  command.add_option("--page", arguments.page, "Folder of the built page");
+  command.add_option("--page", arguments.page, "Folder of the built web page");
 }
 
 }  // namespace
 
 void add_serve(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
-      "serve",
-      "Stand in a scene and push: a page for browsers and headsets, the world at 1 kHz behind it");
+      "serve", "Serve a scene to browsers and VR headsets, with simulation and haptics at 1 kHz");
   command->footer(
       "Example:\n  pcavr serve my_scene --parameters my_parameters.yaml\n"
-      "With --json: a line with port and addresses once it answers, and a result at the end.");
+      "With --json: one line with port and addresses once it accepts connections, and the "
+      "result at the end.");
   auto arguments = std::make_shared<ServeArguments>();
-  command->add_option("scene", arguments->scene, "Folder that pcavr build wrote")->required();
-  command->add_option("--replay", arguments->recording, "Show this recording, replayed");
+  command->add_option("scene", arguments->scene, "Scene from pcavr build")->required();
+  command->add_option("--replay", arguments->recording, "Replay this recording in the scene");
   command
       ->add_option("--tracked", arguments->tracked,
-                   "Take the replay's tracking from this run instead of doing it again")
+                   "Run whose tracking the replay uses instead of tracking again")
       ->needs("--replay");
-  command->add_option("--parameters", arguments->parameters, "What identify wrote");
+  command->add_option("--parameters", arguments->parameters, "Parameter file from pcavr identify");
   add_network_options(*command, *arguments);
   command
-      ->add_option("--device", arguments->device,
-                   "What moves the tool: page, " + std::string(kDeviceChoices))
+      ->add_option(
+          "--device", arguments->device,
+          "Haptic or input device that moves the tool: page, " + std::string(kDeviceChoices))
       ->capture_default_str();
   add_number(*command, "--tool-radius", arguments->tool_radius, ranges::kToolRadius,
-             "Of the tool's ball [m]; else the replay's, or 0.01");
-  add_number(*command, "--most-force", arguments->max_force, ranges::kHandForce,
-             "On the hand [N]; else 5 for a device, and 100 where a page shows it");
+             "Radius of the spherical tool tip [m]; default: the replay's, or 0.01");
+  add_number(*command, "--max-force", arguments->max_force, ranges::kHandForce,
+             "Limit of the rendered force [N]; default: 5 for a device, 100 for the page");
   command->callback([arguments, &action, &app] {
     arguments->as_json = app.get_option("--json")->count() > 0;
     action = [arguments](const Observer& observer) { return serve(*arguments, observer); };

@@ -24,22 +24,22 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 std::string object_line(const SceneObject& object) {
   const std::string name = "  " + object.model.name;
-  if (object.evidence == kNotSeen) return name + ": not seen, and not placed\n";
+  if (object.evidence == kNotSeen) return name + ": not seen, no pose\n";
   const Eigen::Vector3d& p = object.T_base_object.translation();
   const double moved = translation_distance(object.T_base_object_start, object.T_base_object);
   std::string line = name + print(": at %.3f %.3f %.3f m (+-%.1f mm, +-%.2f deg), by %s", p.x(),
-                                  p.y(), p.z(), object.position_sigma * kMillimetres,
-                                  object.rotation_sigma * kDegrees, object.evidence.c_str());
+                                  p.y(), p.z(), object.position_std * kMillimetres,
+                                  object.rotation_std * kDegrees, object.evidence.c_str());
   line +=
-      print("; depth moved the tags' pose by %.1f mm, %.2f deg",
+      print("; depth refined the tags' pose by %.1f mm, %.2f deg",
             object.refinement_translation * kMillimetres, object.refinement_rotation * kDegrees);
-  if (moved > 3.0 * object.position_sigma && moved > 0.001) {
+  if (moved > 3.0 * object.position_std && moved > 0.001) {
     line += print("; it was moved by %.0f mm", moved * kMillimetres);
   }
   if (const auto& simplification = object.model.simplification) {
     line += print("; CAD mesh simplified from %zu to %zu triangles, within %.3f mm",
                   simplification->full_triangles, object.model.mesh_object.triangles.size(),
-                  simplification->max_deviation * kMillimetres);
+                  simplification->max_error * kMillimetres);
   }
   return line + '\n';
 }
@@ -47,7 +47,7 @@ std::string object_line(const SceneObject& object) {
 std::string warnings_lines(const std::vector<InputWarning>& warnings) {
   std::string lines;
   for (const InputWarning& warning : warnings) {
-    lines += "doubtful   " + warning.input + ": " + warning.message + '\n';
+    lines += "warning    " + warning.input + ": " + warning.message + '\n';
   }
   return lines;
 }
@@ -55,7 +55,8 @@ std::string warnings_lines(const std::vector<InputWarning>& warnings) {
 std::string tags_line(const Counts& tags_seen, std::size_t frames) {
   std::string line = "tags       ";
   for (const auto& [tag, count] : tags_seen) {
-    line += tag + (count == 0 ? " never seen, " : print(" in %zu of %zu frames, ", count, frames));
+    line +=
+        tag + (count == 0 ? " never detected, " : print(" in %zu of %zu frames, ", count, frames));
   }
   return line.substr(0, line.size() - 2) + '\n';
 }
@@ -85,8 +86,8 @@ std::string scene_summary(const Scene& scene, const std::string& folder) {
   text += warnings_lines(quality.input_warnings);
   text += print("camera     %s; +-%.1f mm, +-%.2f deg in base; tag corners fit to %.2f px\n",
                 quality.is_fixed_camera ? "fixed" : "moving",
-                quality.camera_position_sigma * kMillimetres,
-                quality.camera_rotation_sigma * kDegrees, quality.tag_reprojection_rms);
+                quality.camera_position_std * kMillimetres, quality.camera_rotation_std * kDegrees,
+                quality.tag_reprojection_rms);
   text += print("mesh       %zu triangles, %.2f m^2; frames lie %.1f mm from it (median)\n",
                 scene.mesh_base.triangles.size(), surface_area(scene.mesh_base),
                 quality.surface_rms * kMillimetres);
@@ -124,8 +125,8 @@ nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder)
   for (const auto& [tag, count] : quality.tags_seen) json["tags_seen"][tag] = count;
   json["is_fixed_camera"] = quality.is_fixed_camera;
   json["tag_reprojection_rms_px"] = quality.tag_reprojection_rms;
-  json["camera_position_sigma_m"] = quality.camera_position_sigma;
-  json["camera_rotation_sigma_rad"] = quality.camera_rotation_sigma;
+  json["camera_position_sigma_m"] = quality.camera_position_std;
+  json["camera_rotation_sigma_rad"] = quality.camera_rotation_std;
   json["surface_distance_median_m"] = quality.surface_rms;
   json["input_warnings"] = nlohmann::ordered_json::array();
   for (const InputWarning& warning : quality.input_warnings) {
@@ -144,11 +145,11 @@ nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder)
                                {"evidence", object.evidence},
                                {"t_m", {p.x(), p.y(), p.z()}},
                                {"q_xyzw", {q.x(), q.y(), q.z(), q.w()}},
-                               {"position_sigma_m", object.position_sigma},
-                               {"rotation_sigma_rad", object.rotation_sigma}});
+                               {"position_sigma_m", object.position_std},
+                               {"rotation_sigma_rad", object.rotation_std}});
     if (const auto& simplification = object.model.simplification) {
       json["objects"].back()["full_triangles"] = simplification->full_triangles;
-      json["objects"].back()["simplified_error_m"] = simplification->max_deviation;
+      json["objects"].back()["simplified_error_m"] = simplification->max_error;
     }
   }
   json["times"] = times_json(quality.times);

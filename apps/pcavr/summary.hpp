@@ -15,15 +15,15 @@ namespace pcavr::app {
 
 using Counts = std::vector<std::pair<std::string, std::size_t>>;
 
-/// What `pcavr build` prints at its end, for a person.
+/// The human-readable result of `pcavr build`.
 [[nodiscard]] std::string scene_summary(const Scene& scene, const std::string& folder);
-/// The same for a program.
+/// The same as JSON.
 [[nodiscard]] nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder);
 
 /// "118 of 120 used; camera lost 2".
 [[nodiscard]] std::string frames_line(std::size_t recorded, std::size_t used,
                                       const Counts& dropped);
-/// A line a stage with wall and CPU seconds.
+/// A line per stage with wall and CPU time.
 [[nodiscard]] std::string times_table(const std::vector<StageTime>& times);
 [[nodiscard]] nlohmann::ordered_json times_json(const std::vector<StageTime>& times);
 

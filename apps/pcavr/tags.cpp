@@ -25,16 +25,16 @@ struct TagsArguments {
 
 /// Reads "0-5,9" to 0 1 2 3 4 5 9.
 Expected<std::vector<int>> parse_ids(const std::string& text) {
-  const Error bad{.message = "'" + text + "' is no list of tag ids",
+  const Error bad{.message = "'" + text + "' is not a list of tag ids",
                   .place = "--ids",
-                  .hint = "write numbers and ranges, such as 0-5,9"};
+                  .hint = "give ids and ranges of ids, such as 0-5,9"};
   std::vector<int> ids;
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ',');) {
     const std::size_t dash = std::min(part.find('-'), part.size());
-    const std::optional<int> first = whole_number<int>(part.substr(0, dash));
+    const std::optional<int> first = parse_number<int>(part.substr(0, dash));
     const std::optional<int> last =
-        dash == part.size() ? first : whole_number<int>(part.substr(dash + 1));
+        dash == part.size() ? first : parse_number<int>(part.substr(dash + 1));
     if (!first || !last || *first < 0 || *last < *first || *last - *first > 1000) return bad;
     for (int id = *first; id <= *last; ++id) ids.push_back(id);
   }
@@ -42,7 +42,7 @@ Expected<std::vector<int>> parse_ids(const std::string& text) {
   return ids;
 }
 
-/// What --force replaces.
+/// Whether --force may replace the file.
 bool is_sheet(const std::filesystem::path& file) {
   constexpr std::uintmax_t kMaxSize = 1U << 28U;  // [bytes] far above a sheet of a thousand tags
   std::error_code code;
@@ -51,7 +51,7 @@ bool is_sheet(const std::filesystem::path& file) {
   return content && is_tag_sheet(*content);
 }
 
-/// All of them or none: first all are on the disk under temporary names.
+/// Atomic: all files or none. All are first written under temporary names.
 Expected<void> write_all(
     const std::vector<std::pair<std::filesystem::path, const std::string*>>& pages, bool replace) {
   std::vector<OutputFile> files;
@@ -74,9 +74,9 @@ Expected<void> write_all(
 
 Expected<CommandResult> write_sheet(TagsArguments arguments) {
   if (!std::filesystem::path(arguments.output).has_filename()) {
-    return Error{.message = "'" + arguments.output + "' is no name for a file",
+    return Error{.message = "'" + arguments.output + "' is not a file name",
                  .place = "--output",
-                 .hint = "name an SVG file"};
+                 .hint = "give the name of an SVG file"};
   }
   const Expected<std::vector<int>> ids = parse_ids(arguments.ids);
   if (!ids) return ids.error();
@@ -109,24 +109,24 @@ Expected<CommandResult> write_sheet(TagsArguments arguments) {
 
 void add_tags(CLI::App& app, Action& action) {
   CLI::App* command =
-      app.add_subcommand("tags", "Write a sheet of tags to print, and their manifest lines");
+      app.add_subcommand("tags", "Write a printable sheet of tags, and their manifest entries");
   command->footer("Example:\n  pcavr tags --family tag36h11 --ids 0-5 --size 0.08 -o sheet.svg");
   auto arguments = std::make_shared<TagsArguments>();
   TagSheetOptions& options = arguments->options;
   command->add_option("--family", options.family, "Tag family or ArUco dictionary")
       ->capture_default_str();
-  command->add_option("--ids", arguments->ids, "Numbers and ranges, such as 0-5,9")->required();
+  command->add_option("--ids", arguments->ids, "Tag ids and ranges, such as 0-5,9")->required();
   add_number(*command, "--size", options.size, ranges::kTagSize,
-             "Edge of the square through the corners [m]")
+             "Edge length of a tag, between its corners [m]")
       ->capture_default_str();
-  add_number(*command, "--page-width", options.page_width, ranges::kPageSize, "[m]")
+  add_number(*command, "--page-width", options.page_width, ranges::kPageSize, "Page width [m]")
       ->capture_default_str();
-  add_number(*command, "--page-height", options.page_height, ranges::kPageSize, "[m]")
+  add_number(*command, "--page-height", options.page_height, ranges::kPageSize, "Page height [m]")
       ->capture_default_str();
-  command->add_option("-o,--output", arguments->output, "SVG file; a PDF is written beside it")
+  command->add_option("-o,--output", arguments->output, "SVG file; a PDF is written next to it")
       ->required();
   command->add_flag("--force", arguments->replace,
-                    "Replace sheets of tags that are there already; other files stay");
+                    "Replace existing sheets of tags; other files are never replaced");
   command->callback([arguments, &action] {
     action = [arguments](const Observer&) { return write_sheet(*arguments); };
   });

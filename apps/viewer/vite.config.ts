@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { defineConfig } from 'vite';
 
-// `npm run dev` shows the page with a server beside it: `pcavr serve SCENE --port 8080`.
+// `npm run dev` forwards to a separate server: `pcavr serve SCENE --port 8080`.
 const server = 'http://127.0.0.1:8080';
 
 export default defineConfig({

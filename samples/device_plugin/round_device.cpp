@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// How does a force device of a vendor become one of pcavr? As a shared library with the functions
-// below, here round a device that is a weight of 0.1 kg led round a circle by a spring. Give it as
-// `plugin:libround_device.so` or, for another radius in millimetres,
+// A device plugin: makes a vendor's haptic device available to pcavr as a shared library with the
+// functions below. This one simulates a device: a mass of 0.1 kg that a spring and damper pull
+// along a circle. Use it as `plugin:libround_device.so` or, for another radius in millimetres,
 // `plugin:libround_device.so,50`.
 #include <cmath>
 #include <cstdio>
@@ -17,7 +17,7 @@ namespace {
 constexpr double kMass = 0.1;         // [kg]
 constexpr double kStiffness = 200.0;  // [N/m]
 constexpr double kDamping = 9.0;      // [N s/m] critical
-constexpr double kTurn = 1.0;         // [rad/s]
+constexpr double kTurn = 1.0;         // [rad/s] around the circle
 
 struct RoundDevice {
   double radius = 0.03;  // [m]
@@ -25,11 +25,11 @@ struct RoundDevice {
   double velocity[3] = {};
 };
 
-// Here a vendor's SDK would be started, and asked for the device.
+// A real plugin would initialise the vendor's SDK and open the device here.
 void* open(const char* options, char* error, size_t error_size) {
   const double millimetres = *options == '\0' ? 30.0 : std::strtod(options, nullptr);
   if (!(millimetres > 0.0 && millimetres <= 100.0)) {
-    std::snprintf(error, error_size, "'%s' is no radius from 0 to 100 mm", options);
+    std::snprintf(error, error_size, "'%s' is not a radius from 0 to 100 mm", options);
     return nullptr;
   }
   auto* device = new (std::nothrow) RoundDevice;
@@ -39,7 +39,7 @@ void* open(const char* options, char* error, size_t error_size) {
 
 void close(void* device) { delete static_cast<RoundDevice*>(device); }
 
-// Here the SDK would be told the force and asked for the tip.
+// A real plugin would send the force to the SDK and read the tip's position here.
 int exchange(void* given, double t, double dt, const pcavr_device_feedback* feedback,
              pcavr_device_sample* sample) {
   auto& device = *static_cast<RoundDevice*>(given);

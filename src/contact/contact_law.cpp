@@ -6,6 +6,8 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "pcavr/contact/compliance.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -19,7 +21,8 @@ double force(const MassDamperSpring& law, const ContactMotion& motion) noexcept 
 }
 
 double force(const HuntCrossley& law, const ContactMotion& motion) noexcept {
-  return std::pow(motion.penetration, law.exponent) * (law.stiffness + law.damping * motion.rate);
+  return penetration_power(motion.penetration, law.exponent) *
+         (law.stiffness + law.damping * motion.rate);
 }
 
 bool all_at_least_zero(std::initializer_list<double> values) noexcept {

@@ -11,14 +11,14 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// (ln((1 + chi) / (1 - chi c)) - chi (1 + c)) / chi^2 by its series, for chi where the terms of
-/// the closed form would cancel. Below 0.1, 20 terms are under one rounding.
-double small_residual(double chi, double c) noexcept {
+/// the closed form would cancel. Below 0.1, 20 terms leave less than one rounding error.
+double residual_by_series(double chi, double c) noexcept {
   double sum = 0.0;
   double power = 1.0;      // chi^(j-2)
   double c_power = c * c;  // c^j
   double sign = -1.0;      // (-1)^(j+1)
   for (int j = 2; j < 22; ++j) {
-    // Written as a product, the first term keeps its digits where c is near 1.
+    // As a product, the first term does not suffer from cancellation where c is near 1.
     const double factor = j == 2 ? -(1.0 - c) * (1.0 + c) : sign + c_power;
     sum += power * factor / j;
     power *= chi;
@@ -31,7 +31,7 @@ double small_residual(double chi, double c) noexcept {
 /// Has the sign of ln((1 + chi) / (1 - chi c)) - chi (1 + c), for chi = (1 - exp(-w)) / c.
 double residual(double w, double c) noexcept {
   const double chi = -std::expm1(-w) / c;
-  if (chi < 0.1) return small_residual(chi, c);
+  if (chi < 0.1) return residual_by_series(chi, c);
   return std::log1p(chi) + w - chi * (1.0 + c);
 }
 
@@ -77,23 +77,23 @@ std::string_view name_of(DampingLaw law) noexcept {
 
 double damping_factor(DampingLaw law, double c) noexcept {
   if (c <= 0.0) return kInfinity;
-  const double left = 1.0 - c;
-  const double left_of_square = left * (1.0 + c);
+  const double one_minus_c = 1.0 - c;
+  const double one_minus_c_squared = one_minus_c * (1.0 + c);
   switch (law) {
     case DampingLaw::flores:
-      return 8.0 * left / (5.0 * c);
+      return 8.0 * one_minus_c / (5.0 * c);
     case DampingLaw::gonthier:
-      return left_of_square / c;
+      return one_minus_c_squared / c;
     case DampingLaw::lankarani_nikravesh:
-      return 0.75 * left_of_square;
+      return 0.75 * one_minus_c_squared;
     case DampingLaw::lee_wang:
-      return 0.75 * left;
+      return 0.75 * one_minus_c;
     case DampingLaw::hunt_crossley:
-      return 1.5 * left;
+      return 1.5 * one_minus_c;
     case DampingLaw::zhiying_qishao:
-      return 0.75 * left_of_square * std::exp(2.0 * left);
+      return 0.75 * one_minus_c_squared * std::exp(2.0 * one_minus_c);
     case DampingLaw::herbert_mcwhannell:
-      return 6.0 * left / ((2.0 * c - 1.0) * (2.0 * c - 1.0) + 3.0);
+      return 6.0 * one_minus_c / ((2.0 * c - 1.0) * (2.0 * c - 1.0) + 3.0);
     case DampingLaw::exact:
       return exact_damping_factor(c);
   }

@@ -8,10 +8,11 @@
 namespace pcavr {
 namespace {
 
-constexpr double kTolerance = 1e-11;  // of a step, relative to the impact's own depth and speed
-constexpr int kMaxSteps = 200000;     // a hundred times what c = 0.01 needs
+constexpr double kTolerance =
+    1e-11;                         // of a step, relative to the impact's own penetration and speed
+constexpr int kMaxSteps = 200000;  // a hundred times what c = 0.01 needs
 
-/// An impact in its own units: depth in `length`, speed in the approach speed.
+/// An impact in dimensionless units: depth over `length`, speed over the approach speed.
 class Equation {
  public:
   Equation(const ContactLaw& law, double mass, double approach_speed) noexcept
@@ -23,7 +24,7 @@ class Equation {
       exponent = hunt_crossley->exponent;
     } else if (const auto* linear = std::get_if<MassDamperSpring>(&law)) {
       stiffness = linear->stiffness;
-      mass_ += linear->mass;  // moves along with the tool
+      mass_ += linear->mass;  // moves with the tool
     } else {
       stiffness = std::get_if<KelvinVoigt>(&law)->stiffness;
     }
@@ -96,7 +97,7 @@ Impact simulate_impact(const ContactLaw& law, double mass, double approach_speed
   const Equation equation(law, mass, approach_speed);
   Equation::State state;
   double time = 0.0;
-  double deepest = 0.0;
+  double max_depth = 0.0;
   double h = 1e-3;
   for (int i = 0; i < kMaxSteps; ++i) {
     const Step step = dormand_prince(equation, state, h);
@@ -105,27 +106,28 @@ Impact simulate_impact(const ContactLaw& law, double mass, double approach_speed
       h *= std::clamp(growth, 0.1, 0.9);
       continue;
     }
-    const bool parts = step.end.speed < 0.0 && equation.force(step.end) <= 0.0;
-    if (parts && h > 1e-12) {
-      h *= 0.5;  // creep up to the moment of separation
+    const bool is_separating = step.end.speed < 0.0 && equation.force(step.end) <= 0.0;
+    if (is_separating && h > 1e-12) {
+      h *= 0.5;  // bisect towards the instant of separation
       continue;
     }
     if (state.speed > 0.0 && step.end.speed <= 0.0) {
       // The top of the parabola with the speeds of both ends.
-      deepest = state.depth + 0.5 * h * state.speed * state.speed / (state.speed - step.end.speed);
+      max_depth =
+          state.depth + 0.5 * h * state.speed * state.speed / (state.speed - step.end.speed);
     }
     state = step.end;
     time += h;
-    if (parts) {
+    if (is_separating) {
       impact.has_separated = true;
       break;
     }
-    // Without growth near the end: the step that halving found must not double again.
+    // No growth near the end: the step must not double again after the bisection.
     h = std::min(h * std::clamp(growth, 0.2, 4.0), 0.1);
   }
   impact.restitution = std::max(0.0, -state.speed);
   impact.duration = time * equation.time();
-  impact.deepest = deepest * equation.length();
+  impact.max_penetration = max_depth * equation.length();
   return impact;
 }
 
@@ -134,7 +136,7 @@ std::array<DampingScore, kPublishedDampingLaws.size()> score_damping_laws(
   std::array<DampingScore, kPublishedDampingLaws.size()> scores;
   for (std::size_t i = 0; i < scores.size(); ++i) {
     scores[i].law = kPublishedDampingLaws[i];
-    // Any stiffness, mass and speed give the same answer: ones.
+    // The result does not depend on stiffness, mass and speed: ones.
     const HuntCrossley law{1.0, hunt_crossley_damping(scores[i].law, 1.0, restitution, 1.0), 1.5};
     scores[i].relative_error = simulate_impact(law, 1.0, 1.0).restitution / restitution - 1.0;
   }

@@ -6,11 +6,11 @@
 
 namespace pcavr {
 
-/// What tests of crashes change in a commit.
+/// Test hooks for fault injection in a commit.
 struct CommitHooks {
-  /// Called before each step that changes the disk, and after the last one, with its name.
+  /// Called with the step's name before each step that changes the disk, and after the last one.
   std::function<void(const char* step)> before_step = [](const char*) {};
-  /// False: as on a file system that can't exchange two names.
+  /// False: behaves as a file system without RENAME_EXCHANGE.
   bool can_exchange = true;
 };
 

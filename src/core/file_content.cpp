@@ -20,7 +20,7 @@ namespace pcavr {
 namespace fs = std::filesystem;
 
 int write_content(const fs::path& path, std::string_view content, bool to_disk) {
-  // Else a folder might be made anew that is just being removed.
+  // Otherwise a folder that the signal cleanup is removing could be created again.
   wait_if_interrupted();
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (file < 0) return errno;
@@ -42,7 +42,7 @@ int sync_file(int file) {
 
 Expected<void> write_file(const fs::path& target_in, std::string_view content) {
   const fs::path target = fs::absolute(target_in).lexically_normal();
-  const fs::path temporary = PartialNames::beside(target).path(PartialState::partial);
+  const fs::path temporary = PartialNames::sibling_of(target).path(PartialState::partial);
   int failure = write_content(temporary, content, false);
   if (failure == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) failure = errno;
   if (failure == 0) return {};

@@ -8,7 +8,7 @@
 
 namespace pcavr {
 
-/// Closes it at its end.
+/// Owns a file descriptor (RAII).
 class FileDescriptor {
  public:
   FileDescriptor() = default;

@@ -22,21 +22,21 @@ namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-bool is_there(const fs::path& path) {
+bool path_exists(const fs::path& path) {
   std::error_code code;
   return fs::symlink_status(path, code).type() != fs::file_type::not_found;
 }
 
 bool is_empty_or_absent(const fs::path& folder) {
   std::error_code code;
-  return !is_there(folder) || (fs::is_empty(folder, code) && !code);
+  return !path_exists(folder) || (fs::is_empty(folder, code) && !code);
 }
 
 bool exchange(const fs::path& a, const fs::path& b) {
   return ::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0;
 }
 
-/// The folder's own entries, without those that are left alone there; manifests at the end.
+/// The folder's entries, without those that are never moved; manifests at the end.
 std::vector<fs::path> movable_entries(const fs::path& folder, std::error_code& code) {
   std::vector<fs::path> names;
   for (fs::directory_iterator entry(folder, code), end; !code && entry != end;
@@ -51,16 +51,17 @@ std::vector<fs::path> movable_entries(const fs::path& folder, std::error_code& c
 }
 
 /// A folder of an overlay's lower layer (a container's image) can't be renamed, and one that was
-/// moved in part is there on both sides: their entries are moved one by one.
+/// moved in part exists on both sides: their entries are moved one by one.
 void move_entry(const fs::path& name, const fs::path& from, const fs::path& to,
                 const CommitHooks& hooks, std::error_code& code) {
   if (code) return;
   hooks.before_step("move an entry");
   fs::rename(from / name, to / name, code);
-  const bool is_to_split = code == std::errc::cross_device_link ||
-                           code == std::errc::directory_not_empty || code == std::errc::file_exists;
+  const bool must_move_entries = code == std::errc::cross_device_link ||
+                                 code == std::errc::directory_not_empty ||
+                                 code == std::errc::file_exists;
   std::error_code ignored;
-  if (!is_to_split || !fs::is_directory(fs::symlink_status(from / name, ignored))) return;
+  if (!must_move_entries || !fs::is_directory(fs::symlink_status(from / name, ignored))) return;
   fs::create_directory(to / name, code);
   std::vector<fs::path> names;
   for (fs::directory_iterator entry(from / name, code), end; !code && entry != end;
@@ -71,7 +72,7 @@ void move_entry(const fs::path& name, const fs::path& from, const fs::path& to,
   if (!code) fs::remove(from / name, code);
 }
 
-/// From within the target to a folder in it: the manifest goes first.
+/// Moves the target's entries to a folder inside it, the manifest first.
 void move_out(const fs::path& from, const fs::path& to, const CommitHooks& hooks,
               std::error_code& code) {
   std::vector<fs::path> names = movable_entries(from, code);
@@ -79,7 +80,7 @@ void move_out(const fs::path& from, const fs::path& to, const CommitHooks& hooks
   for (const fs::path& name : names) move_entry(name, from, to, hooks, code);
 }
 
-/// The other direction: the manifest comes last, when all else is on the disk.
+/// The other direction: the manifest last, after everything else is flushed to the disk.
 void move_in(const fs::path& from, const fs::path& to, const CommitHooks& hooks,
              std::error_code& code) {
   for (const fs::path& name : movable_entries(from, code)) {
@@ -89,8 +90,8 @@ void move_in(const fs::path& from, const fs::path& to, const CommitHooks& hooks,
   sync_folder(to);
 }
 
-/// Moves the target aside and the new folder to its place: without an exchange there is an instant
-/// with neither.
+/// Moves the target aside and the new folder into place. Without an exchange there is an instant
+/// at which neither is there.
 std::error_code replace_by_renames(const FolderCommit& commit, const fs::path& aside,
                                    const CommitHooks& hooks) {
   std::error_code code;
@@ -105,8 +106,9 @@ std::error_code replace_by_renames(const FolderCommit& commit, const fs::path& a
   return code;
 }
 
-/// With the registry's lock held: moves the new content into place, and gives where the old content
-/// is afterwards; an empty path if there was none, and none where the target can't be renamed.
+/// With the registry's lock held: moves the new content into place, and returns where the old
+/// content is afterwards: an empty path if there was none, nullopt where the target can't be
+/// renamed.
 Expected<std::optional<fs::path>> put_in_place(const FolderCommit& commit,
                                                const CommitHooks& hooks) {
   std::error_code code;
@@ -119,24 +121,24 @@ Expected<std::optional<fs::path>> put_in_place(const FolderCommit& commit,
   if (const auto replaceable = commit.check_replaceable(); !replaceable) {
     return replaceable.error();
   }
-  // Other processes shall not take the old content for that of a dead one.
-  const FileDescriptor lock = lock_as_own(commit.target);
+  // So that other processes do not take the old content for one that a dead process left.
+  const FileDescriptor lock = acquire_lock(commit.target);
   hooks.before_step("exchange");
   if (hooks.can_exchange && exchange(commit.partial, commit.target)) {
     return std::optional(commit.partial);
   }
-  const fs::path aside = PartialNames::beside(commit.target).path(PartialState::old);
+  const fs::path aside = PartialNames::sibling_of(commit.target).path(PartialState::old);
   code = replace_by_renames(commit, aside, hooks);
   if (code == std::errc::cross_device_link) return std::optional<fs::path>();
   if (code) return can_not_write(commit.target, code.message());
   return std::optional(aside);
 }
 
-/// Takes back what move_into_place() has begun, as far as it can; what can't be moved stays where
-/// it is, and recover_inside() finds it.
+/// Rolls back what move_into_place() has begun, as far as possible; what can't be moved stays, and
+/// recover_inside() finds it.
 void move_back(const FolderCommit& commit, const fs::path& moving, const fs::path& old) {
   std::error_code code;
-  if (is_there(old)) {
+  if (path_exists(old)) {
     move_out(commit.target, commit.partial, {}, code);
     if (!code) move_in(old, commit.target, {}, code);
   } else {
@@ -166,23 +168,23 @@ bool holds_manifest(const fs::path& folder) {
   return !names.empty() && is_manifest_name(names.back().string());
 }
 
-/// Ends what a dead process has begun in commit_inside().
+/// Completes or rolls back a commit_inside() that a dead process has begun.
 std::error_code repair_inside(const PartialNames::Found& found, const fs::path& target) {
   const fs::path partial = found.path(PartialState::partial);
   const fs::path moving = found.path(PartialState::moving);
   const fs::path old = found.path(PartialState::old);
   std::error_code code;
   if (!moving.empty()) {
-    move_in(moving, target, {}, code);  // the old content was on its way out
+    move_in(moving, target, {}, code);  // the old content was being moved out
   } else if (!old.empty() && !partial.empty()) {
-    move_in(partial, target, {}, code);  // the new content was on its way in
+    move_in(partial, target, {}, code);  // the new content was being moved in
   } else if (!old.empty() && !holds_manifest(target)) {
     move_in(old, target, {}, code);  // the new content is lost
   }
   return code;
 }
 
-/// For a target that turns out not to be renamable, as one of an overlay's lower layer.
+/// For a target that turns out not to be renamable, such as one of an overlay's lower layer.
 Expected<void> move_within(const FolderCommit& commit, const CommitHooks& hooks) {
   const fs::path within = PartialNames::inside(commit.target).path(PartialState::partial);
   PartialRegistry& registry = PartialRegistry::instance();
@@ -201,7 +203,7 @@ Expected<void> move_within(const FolderCommit& commit, const CommitHooks& hooks)
 }  // namespace
 
 Expected<void> sync_tree(const fs::path& folder) {
-  // In a first pass the writing is only begun, so that the disk has all of it to order.
+  // The first pass only starts the writeback, so that the disk can schedule all of it.
   for (const bool is_waiting : {false, true}) {
     std::error_code code;
     for (fs::recursive_directory_iterator entry(folder, code), end; !code && entry != end;
@@ -231,12 +233,12 @@ void sync_folder(const fs::path& folder) {
   if (file.is_open()) static_cast<void>(sync_file(file.get()));
 }
 
-Expected<void> commit_beside(const FolderCommit& commit, const CommitHooks& hooks) {
+Expected<void> commit_sibling(const FolderCommit& commit, const CommitHooks& hooks) {
   PartialRegistry& registry = PartialRegistry::instance();
   fs::path old;
   bool is_renamable = true;
   {
-    const auto lock = registry.hold_off_signals();
+    const auto lock = registry.defer_signals();
     Expected<std::optional<fs::path>> replaced = put_in_place(commit, hooks);
     if (!replaced) return replaced.error();
     is_renamable = replaced->has_value();
@@ -264,7 +266,7 @@ Expected<void> commit_inside(const FolderCommit& commit, const CommitHooks& hook
   const PartialNames names = PartialNames::inside(commit.target);
   const fs::path old = names.path(PartialState::old);
   {
-    const auto lock = registry.hold_off_signals();
+    const auto lock = registry.defer_signals();
     std::error_code code;
     if (!movable_entries(commit.target, code).empty() || code) {
       const auto replaceable = commit.check_replaceable();
@@ -281,14 +283,14 @@ Expected<void> commit_inside(const FolderCommit& commit, const CommitHooks& hook
   return {};
 }
 
-void recover_beside(const fs::path& target) {
-  for (const PartialNames::Found& found : PartialNames::beside(target).find_abandoned()) {
+void recover_sibling(const fs::path& target) {
+  for (const PartialNames::Found& found : PartialNames::sibling_of(target).find_abandoned()) {
     const fs::path old = found.path(PartialState::old);
     std::error_code ignored;
-    if (!old.empty() && !is_there(target)) fs::rename(old, target, ignored);
+    if (!old.empty() && !path_exists(target)) fs::rename(old, target, ignored);
     for (const auto& [state, path] : found.paths) {
       // Where the target could not be restored, the old content stays.
-      if (state != PartialState::old || is_there(target)) remove_partial(path);
+      if (state != PartialState::old || path_exists(target)) remove_partial(path);
     }
   }
 }

@@ -12,7 +12,7 @@ std::string decimal(double value) {
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
-/// With a blank before it, unless it says nothing.
+/// With a space before it; empty for a quantity without a unit.
 std::string unit_of(const InputRange& range) {
   const std::string unit = range.unit;
   return unit == "1" || unit == "any" ? "" : ' ' + unit;

@@ -13,7 +13,7 @@ bool is_mount_point(const std::filesystem::path& path) {
       (status.stx_attributes_mask & STATX_ATTR_MOUNT_ROOT) != 0) {
     return (status.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0;
   }
-  // A kernel before 5.8: mounts of the parent's own file system are not seen.
+  // Kernels before 5.8: mounts of the parent's own file system are not detected.
   struct stat own {};
   struct stat parent {};
   return ::stat(path.c_str(), &own) == 0 && ::stat(path.parent_path().c_str(), &parent) == 0 &&

@@ -6,8 +6,8 @@
 
 namespace pcavr {
 
-/// Whether another file system, or a part of one, is mounted at this file or folder: it can't be
-/// renamed then, nor another put in its place.
+/// Whether another file system, or a part of one, is mounted at this file or folder, so that it
+/// can't be renamed or replaced.
 [[nodiscard]] bool is_mount_point(const std::filesystem::path& path);
 
 }  // namespace pcavr

@@ -30,12 +30,12 @@ namespace {
 struct Target {
   fs::path given;
   fs::path path;           ///< resolved
-  bool is_there = false;   ///< as a folder
-  bool is_inside = false;  ///< written within, not beside
+  bool exists = false;     ///< as a folder
+  bool is_inside = false;  ///< the temporary folder is inside the target, not a sibling
 };
 
-/// Whether this process may rename the folder: its parent can be written to, and is not one like
-/// /tmp, where only the owner of an entry may.
+/// Whether this process may rename the folder: its parent is writable, and has no sticky bit (as
+/// /tmp, where only an entry's owner may).
 bool is_renamable(const fs::path& folder) {
   const fs::path parent = folder.parent_path();
   if (::access(parent.c_str(), W_OK | X_OK) != 0) return false;
@@ -46,7 +46,7 @@ bool is_renamable(const fs::path& folder) {
   return (above.st_mode & S_ISVTX) == 0 || user == 0 || user == own.st_uid || user == above.st_uid;
 }
 
-/// A shell that stands in it would be left in a folder that is gone.
+/// A shell whose working directory it is would be left in a deleted folder.
 bool is_current_folder(const fs::path& folder) {
   std::error_code code;
   return fs::equivalent(folder, fs::current_path(code), code) && !code;
@@ -61,17 +61,17 @@ Expected<Target> find_target(const fs::path& given) {
   if (status.type() == fs::file_type::not_found) return target;
   if (code) return can_not_write(given, code.message());
   if (status.type() != fs::file_type::directory) {
-    return Error{.message = "is there already, and is not a folder",
+    return Error{.message = "already exists, and is not a folder",
                  .file = given.string(),
                  .hint = "choose another name for the output"};
   }
-  target.is_there = true;
+  target.exists = true;
   target.is_inside = !target.path.has_relative_path() || is_mount_point(target.path) ||
                      is_current_folder(target.path) || !is_renamable(target.path);
   return target;
 }
 
-/// What the file system itself keeps in a mount point does not count where it is written within.
+/// Entries that the file system itself keeps in a mount point (lost+found) are not counted.
 bool is_empty(const Target& target, std::error_code& code) {
   for (fs::directory_iterator entry(target.path, code), end; !code && entry != end;
        entry.increment(code)) {
@@ -82,15 +82,15 @@ bool is_empty(const Target& target, std::error_code& code) {
 }
 
 Expected<void> check_content(const Target& target, const OutputFolderOptions& options) {
-  if (!target.is_there) return {};
+  if (!target.exists) return {};
   std::error_code code;
   const bool has_nothing = is_empty(target, code);
   if (code) return can_not_write(target.given, code.message());
   if (has_nothing) return {};
   if (!options.replace) {
-    return Error{.message = "is there already, and is not empty",
+    return Error{.message = "already exists, and is not empty",
                  .file = target.given.string(),
-                 .hint = "choose another name, or say --force to replace it"};
+                 .hint = "choose another name, or pass --force to replace it"};
   }
   if (::access(target.path.c_str(), W_OK | X_OK) != 0) {
     return can_not_write(target.given, std::system_category().message(errno));
@@ -98,14 +98,14 @@ Expected<void> check_content(const Target& target, const OutputFolderOptions& op
   return check_replaceable(target.path, *options.kind);
 }
 
-/// Makes the folders above `path` that are absent, and gives them, outermost first.
+/// Creates the missing parent folders of `path`, and returns them, outermost first.
 std::vector<fs::path> make_parents(const fs::path& path, std::error_code& code) {
   std::vector<fs::path> made;
   for (fs::path folder = path.parent_path(); !fs::exists(folder, code) && !code;
        folder = folder.parent_path()) {
     made.push_back(folder);
   }
-  // "Not there" is what was asked for.
+  // A missing folder is expected, not an error.
   if (code == std::errc::no_such_file_or_directory) code.clear();
   std::reverse(made.begin(), made.end());
   for (std::size_t i = 0; i < made.size() && !code; ++i) {
@@ -135,15 +135,16 @@ struct OutputFolder::State {
     PartialRegistry::instance().remove(partial);
   }
 
-  /// The work is done, and may have taken hours: what can't take its place is kept beside it.
-  [[nodiscard]] Error keep_beside(Error error) {
+  /// The output may have taken hours to compute: if it can't replace the target, it is kept as a
+  /// sibling.
+  [[nodiscard]] Error keep_as_sibling(Error error) {
     const fs::path kept = target.path.string() + ".new";
     if (::renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, kept.c_str(), RENAME_NOREPLACE) != 0) {
       return error;
     }
     PartialRegistry::instance().remove(partial);
     is_committed = true;
-    error.hint = "the new output is complete, and was kept as " + kept.string();
+    error.hint = "the new output is complete, and is kept as " + kept.string();
     return error;
   }
 };
@@ -152,24 +153,24 @@ Expected<OutputFolder> OutputFolder::create(const fs::path& target_in,
                                             const OutputFolderOptions& options) {
   PCAVR_REQUIRE(!options.replace || options.kind);
   if (const Expected<fs::path> path = resolve_path(target_in); path && path->has_relative_path()) {
-    recover_beside(*path);
+    recover_sibling(*path);
     recover_inside(*path);
   }
   Expected<Target> target = find_target(target_in);
   if (!target) return target.error();
-  const Expected<void> sound = check_content(*target, options);
-  if (!sound) return sound.error();
-  const PartialNames names =
-      target->is_inside ? PartialNames::inside(target->path) : PartialNames::beside(target->path);
+  const Expected<void> valid = check_content(*target, options);
+  if (!valid) return valid.error();
+  const PartialNames names = target->is_inside ? PartialNames::inside(target->path)
+                                               : PartialNames::sibling_of(target->path);
   auto state = std::make_unique<State>(std::move(*target), options);
   const fs::path partial = names.path(PartialState::partial);
   std::error_code code;
   state->made_parents = make_parents(partial, code);
-  // From here on a failure removes what was made.
+  // From here on a failure removes what was created.
   if (!code && fs::create_directory(partial, code)) {
     state->partial = partial;
     PartialRegistry::instance().add(partial, state->made_parents);
-    state->lock = lock_as_own(partial);
+    state->lock = acquire_lock(partial);
     return OutputFolder(std::move(state));
   }
   remove_partial({}, state->made_parents);
@@ -194,13 +195,13 @@ Expected<void> OutputFolder::commit(const CommitHooks& hooks) {
   const FolderCommit commit{
       .partial = state_->partial,
       .target = target.path,
-      // Once more: the work took long, and others write there too.
+      // Checked again: others may have written there during a long computation.
       .check_replaceable = [&] {
         return check_content({target.given, target.path, true, target.is_inside}, state_->options);
       }};
   const Expected<void> committed =
-      target.is_inside ? commit_inside(commit, hooks) : commit_beside(commit, hooks);
-  if (!committed) return target.is_inside ? committed : state_->keep_beside(committed.error());
+      target.is_inside ? commit_inside(commit, hooks) : commit_sibling(commit, hooks);
+  if (!committed) return target.is_inside ? committed : state_->keep_as_sibling(committed.error());
   state_->is_committed = true;
   return {};
 }

@@ -38,28 +38,29 @@ Expected<void> check_existing(const fs::path& given, const fs::path& target,
                  .hint = "choose another name for the output"};
   }
   if (is_mount_point(target)) {
-    return Error{.message = "is a mount point, so no other file can take its place",
+    return Error{.message = "is a mount point, so it can't be replaced",
                  .file = given.string(),
                  .hint = "mount the folder it is in, or choose another name"};
   }
   if (!options.replace) {
-    return Error{.message = "is there already",
+    return Error{.message = "already exists",
                  .file = given.string(),
-                 .hint = "choose another name, or say --force to replace it"};
+                 .hint = "choose another name, or pass --force to replace it"};
   }
   const bool is_empty = fs::file_size(target, code) == 0 && !code;
   if (is_empty || (options.is_replaceable && options.is_replaceable(target))) return {};
-  return Error{.message = "is there already, and --force does not replace it: it is not a " +
+  return Error{.message = "already exists, and --force does not replace it: it is not a " +
                           options.kind + " of pcavr",
                .file = given.string(),
                .hint = "choose another name, or move away what is there"};
 }
 
-/// Where the file goes, if it may.
+/// The resolved target, if it may be written.
 Expected<fs::path> find_target(const fs::path& given, const OutputFileOptions& options) {
   if (!given.empty() && !given.has_filename()) {
-    return Error{
-        .message = "is no name for a file", .file = given.string(), .hint = "add the file's name"};
+    return Error{.message = "is not the name of a file",
+                 .file = given.string(),
+                 .hint = "add the file's name"};
   }
   Expected<fs::path> target = resolve_path(given);
   if (!target) return target;
@@ -91,8 +92,8 @@ struct OutputFile::State {
       : given(std::move(given_in)),
         target(std::move(target_in)),
         options(std::move(options_in)),
-        partial(
-            PartialNames::beside(target, target.extension().string()).path(PartialState::partial)) {
+        partial(PartialNames::sibling_of(target, target.extension().string())
+                    .path(PartialState::partial)) {
     PartialRegistry::instance().add(partial);
   }
   State(const State&) = delete;
@@ -112,7 +113,7 @@ Expected<void> OutputFile::check(const fs::path& target, const OutputFileOptions
 Expected<OutputFile> OutputFile::create(const fs::path& given, const OutputFileOptions& options) {
   Expected<fs::path> target = find_target(given, options);
   if (!target) return target.error();
-  const PartialNames names = PartialNames::beside(*target, target->extension().string());
+  const PartialNames names = PartialNames::sibling_of(*target, target->extension().string());
   for (const PartialNames::Found& found : names.find_abandoned()) {
     for (const auto& [ignored, path] : found.paths) remove_partial(path);
   }
@@ -120,7 +121,7 @@ Expected<OutputFile> OutputFile::create(const fs::path& given, const OutputFileO
   if (const int failure = write_content(state->partial, {}, false); failure != 0) {
     return can_not_write(given, reason(failure));
   }
-  state->lock = lock_as_own(state->partial);
+  state->lock = acquire_lock(state->partial);
   return OutputFile(std::move(state));
 }
 
@@ -143,11 +144,11 @@ Expected<void> OutputFile::commit() {
   const FileDescriptor file(::open(state.partial.c_str(), O_RDONLY | O_CLOEXEC));
   const int failure = file.is_open() ? sync_file(file.get()) : errno;
   if (failure != 0) return can_not_write(state.given, reason(failure));
-  // Once more: others write there too.
+  // Checked again: others may have written there meanwhile.
   const Expected<void> existing = check_existing(state.given, state.target, state.options);
   if (!existing) return existing;
   {
-    const auto lock = PartialRegistry::instance().hold_off_signals();
+    const auto lock = PartialRegistry::instance().defer_signals();
     std::error_code code;
     if (rename_with(state.partial, state.target, RENAME_EXCHANGE)) {
       state.progress = State::Progress::exchanged;

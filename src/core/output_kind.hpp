@@ -13,13 +13,13 @@ namespace pcavr {
 /// Whether a file of this name is the manifest of any kind.
 [[nodiscard]] bool is_manifest_name(std::string_view file_name);
 
-/// Fails unless the folder holds the manifest of an output of this kind, and beside it only what
-/// pcavr writes there: nothing of a user's is ever replaced.
+/// Fails unless the folder contains the manifest of an output of this kind, and otherwise only
+/// what pcavr writes there: files of the user are never replaced.
 [[nodiscard]] Expected<void> check_replaceable(const std::filesystem::path& folder,
                                                OutputKind kind);
 
-/// Whether a folder that an output goes into in place of another may hold this entry: what a file
-/// system makes itself, and the temporary folders of pcavr.
+/// Whether this entry is ignored in a folder whose content is replaced: what a file system creates
+/// itself (lost+found), and the temporary folders of pcavr.
 [[nodiscard]] bool is_ignored_entry(std::string_view name);
 
 }  // namespace pcavr

@@ -30,20 +30,20 @@ std::optional<FileId> file_id(const fs::path& path) {
   return FileId{status.st_dev, status.st_ino};
 }
 
-/// A path that was given, and where it leads.
-struct Place {
+/// A path as given, and with symbolic links resolved.
+struct ResolvedPath {
   fs::path given;
   fs::path resolved;
   std::optional<FileId> id;  ///< where it exists
 };
 
-Place place_of(const fs::path& given, fs::path resolved) {
+ResolvedPath with_file_id(const fs::path& given, fs::path resolved) {
   std::optional<FileId> id = file_id(resolved);
   return {given, std::move(resolved), id};
 }
 
-/// By the names, and by the identity of each folder above it that exists.
-bool is_within(const Place& inner, const Place& outer) {
+/// Compares the names, and device and inode of each existing parent folder.
+bool is_within(const ResolvedPath& inner, const ResolvedPath& outer) {
   for (fs::path folder = inner.resolved;; folder = folder.parent_path()) {
     if (folder == outer.resolved) return true;
     if (outer.id && file_id(folder) == outer.id) return true;
@@ -52,7 +52,8 @@ bool is_within(const Place& inner, const Place& outer) {
 }
 
 /// How an output overlaps another path; empty where it does not.
-std::string overlap(const Place& output, const Place& other, const std::string& what) {
+std::string overlap(const ResolvedPath& output, const ResolvedPath& other,
+                    const std::string& what) {
   const bool is_inside = is_within(output, other);
   const bool is_outside = is_within(other, output);
   if (!is_inside && !is_outside) return {};
@@ -63,7 +64,7 @@ std::string overlap(const Place& output, const Place& other, const std::string& 
 Error overlapping(const fs::path& output, std::string message) {
   return {.message = std::move(message),
           .file = output.string(),
-          .hint = "choose a name for the output apart from it"};
+          .hint = "choose another path for the output"};
 }
 
 }  // namespace
@@ -106,27 +107,27 @@ Expected<fs::path> resolve_path(const fs::path& path) {
 
 Expected<void> check_outputs(const std::vector<fs::path>& outputs,
                              const std::vector<fs::path>& inputs) {
-  std::vector<Place> read;
+  std::vector<ResolvedPath> read;
   for (const fs::path& input : inputs) {
-    // One that does not resolve can't be read either: that is said where it is read.
+    // An input that does not resolve can't be read either: the reader reports that.
     const Expected<fs::path> resolved =
         input.empty() ? Expected<fs::path>(input) : resolve_path(input);
-    if (resolved && !resolved->empty()) read.push_back(place_of(input, *resolved));
+    if (resolved && !resolved->empty()) read.push_back(with_file_id(input, *resolved));
   }
-  std::vector<Place> written;
+  std::vector<ResolvedPath> written;
   for (const fs::path& output : outputs) {
     const Expected<fs::path> resolved = resolve_path(output);
     if (!resolved) return resolved.error();
-    const Place place = place_of(output, *resolved);
-    for (const Place& input : read) {
-      std::string message = overlap(place, input, "input");
+    const ResolvedPath written_path = with_file_id(output, *resolved);
+    for (const ResolvedPath& input : read) {
+      std::string message = overlap(written_path, input, "input");
       if (!message.empty()) return overlapping(output, std::move(message));
     }
-    for (const Place& earlier : written) {
-      std::string message = overlap(place, earlier, "other output");
+    for (const ResolvedPath& earlier : written) {
+      std::string message = overlap(written_path, earlier, "other output");
       if (!message.empty()) return overlapping(output, std::move(message));
     }
-    written.push_back(place);
+    written.push_back(written_path);
   }
   return {};
 }

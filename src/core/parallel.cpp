@@ -30,11 +30,11 @@ void parallel_for(Parallelism parallelism, std::size_t count, std::size_t grain,
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) run_chunk(chunk);
     return;
   }
-  // Without leave for more threads than the machine runs at once, oneTBB takes fewer, and prints.
-  std::optional<tbb::global_control> leave;
+  // By default oneTBB limits itself to the hardware threads, and prints a warning.
+  std::optional<tbb::global_control> thread_limit;
   if (parallelism.threads > Parallelism::max().threads) {
-    leave.emplace(tbb::global_control::max_allowed_parallelism,
-                  static_cast<std::size_t>(parallelism.threads));
+    thread_limit.emplace(tbb::global_control::max_allowed_parallelism,
+                         static_cast<std::size_t>(parallelism.threads));
   }
   tbb::task_arena arena(parallelism.threads);
   arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, run_chunk); });

@@ -34,14 +34,14 @@ constexpr char kInsidePrefix[] = ".pcavr-in-place.";
 constexpr std::size_t kMaxName = 150;
 
 /// [s] On a file system without locks (some network ones) the process may be on another machine:
-/// one that wrote nothing for a day is taken for dead.
+/// it is considered dead when it wrote nothing for a day.
 constexpr double kMaxIdleTime = 86400.0;
 
 /// [s] Two clocks are compared, the process's start (in ticks of 10 ms since the boot) and the
-/// file's birth: an adjustment of the clock must not make a live owner look younger than its file.
+/// file's birth: a clock adjustment must not make a live owner appear to be younger than its file.
 constexpr double kClockMargin = 2.0;
 
-/// FNV-1a, 64 bit: the same name gives the same text in every build.
+/// FNV-1a, 64 bit: the same text for the same name in every build.
 std::string hash_of(const std::string& name) {
   std::uint64_t hash = 14695981039346656037ULL;
   for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
@@ -60,7 +60,7 @@ double clock_now(clockid_t clock) {
   return seconds(now);
 }
 
-/// When the process was started [s since 1970]; nothing where there is none, or only its remains.
+/// When the process was started [s since 1970]; nothing where it does not exist or is a zombie.
 std::optional<double> process_start(long process) {
   if (::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH) return std::nullopt;
   std::ifstream file("/proc/" + std::to_string(process) + "/stat");
@@ -68,7 +68,7 @@ std::optional<double> process_start(long process) {
   std::getline(file, text);
   // The name, in parentheses, may hold anything; the state is the third field, the start the 22nd.
   const std::size_t end = text.rfind(')');
-  if (end == text.npos) return 0.0;  // no /proc: it lives, since when is not known
+  if (end == text.npos) return 0.0;  // no /proc: it is alive, its start is unknown
   std::istringstream fields(text.substr(end + 1));
   std::string field;
   fields >> field;
@@ -79,7 +79,7 @@ std::optional<double> process_start(long process) {
   return boot + ticks / static_cast<double>(::sysconf(_SC_CLK_TCK));
 }
 
-/// [s since 1970] When it was made, or where the file system does not know, last changed.
+/// [s since 1970] Birth time, or the last change where the file system has no birth time.
 double birth_of(int file) {
   struct statx status {};
   if (::statx(file, "", AT_EMPTY_PATH, STATX_BTIME | STATX_MTIME, &status) != 0) return 0.0;
@@ -103,7 +103,8 @@ bool is_in_use(const fs::path& path, long process) {
   if (!file.is_open()) return true;  // another user's
   const bool is_locked = ::flock(file.get(), LOCK_EX | LOCK_NB) == 0;
   if (!is_locked && errno == EWOULDBLOCK) return true;
-  // The lock is free: its process is dead, or has only just made it. This process would know.
+  // The lock is free: its process is dead, or has only just created the file; this process would
+  // hold the lock.
   if (process != ::getpid()) {
     const std::optional<double> start = process_start(process);
     if (start && *start <= birth_of(file.get()) + kClockMargin) return true;
@@ -116,7 +117,7 @@ bool is_in_use(const fs::path& path, long process) {
 PartialNames::PartialNames(fs::path folder, std::string prefix, std::string extension)
     : folder_(std::move(folder)), prefix_(std::move(prefix)), extension_(std::move(extension)) {}
 
-PartialNames PartialNames::beside(const fs::path& target, std::string extension) {
+PartialNames PartialNames::sibling_of(const fs::path& target, std::string extension) {
   const std::string name = target.filename().string();
   const std::string shown = name.size() > kMaxName ? hash_of(name) : name;
   return {target.parent_path(), "." + shown + ".", std::move(extension)};
@@ -172,7 +173,7 @@ std::vector<PartialNames::Found> PartialNames::find_abandoned() const {
   return abandoned;
 }
 
-FileDescriptor lock_as_own(const fs::path& path) {
+FileDescriptor acquire_lock(const fs::path& path) {
   FileDescriptor file = open_for_lock(path);
   if (!file.is_open()) return file;
   if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return {};

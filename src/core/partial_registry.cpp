@@ -10,13 +10,13 @@ namespace fs = std::filesystem;
 namespace {
 
 /// The main thread may still write while a folder is being removed: the removal is repeated until
-/// nothing is left, and no more than this often.
+/// nothing is left, at most this often.
 constexpr int kMaxAttempts = 100;
 
 }  // namespace
 
 PartialRegistry& PartialRegistry::instance() {
-  // Never destroyed: a signal may come while the process exits.
+  // Never destroyed: a signal may arrive while the process exits.
   static PartialRegistry& registry = *new PartialRegistry;
   return registry;
 }
@@ -31,11 +31,9 @@ void PartialRegistry::remove(const fs::path& path) {
   std::erase_if(entries_, [&](const Entry& entry) { return entry.path == path; });
 }
 
-std::unique_lock<std::mutex> PartialRegistry::hold_off_signals() {
-  return std::unique_lock(mutex_);
-}
+std::unique_lock<std::mutex> PartialRegistry::defer_signals() { return std::unique_lock(mutex_); }
 
-void PartialRegistry::remove_all_for_good() {
+void PartialRegistry::remove_all_and_lock() {
   mutex_.lock();
   for (auto entry = entries_.rbegin(); entry != entries_.rend(); ++entry) {
     remove_partial(entry->path, entry->parents);

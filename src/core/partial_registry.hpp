@@ -8,22 +8,24 @@
 
 namespace pcavr {
 
-/// What this process has to remove if a signal ends it. One for the process, because signals are.
+/// What this process removes if a signal ends it. A singleton, because signals are per process.
 /// Thread-safe.
 class PartialRegistry {
  public:
   static PartialRegistry& instance();
 
-  /// `parents`, outermost first, were made for it: they are removed with it where they are empty.
+  /// `parents`, outermost first, were created for it: they are removed with it where they are
+  /// empty.
   void add(const std::filesystem::path& path, std::vector<std::filesystem::path> parents = {});
   void remove(const std::filesystem::path& path);
 
-  /// As long as it is held, no signal ends the process: for the moment in which a target is neither
-  /// the old nor the new. Nothing else of the registry may be called meanwhile.
-  [[nodiscard]] std::unique_lock<std::mutex> hold_off_signals();
+  /// While the lock is held, no signal ends the process: for the critical section in which a target
+  /// is neither the old nor the new. No other function of the registry may be called meanwhile.
+  [[nodiscard]] std::unique_lock<std::mutex> defer_signals();
 
-  /// Removes all that was added. Keeps the lock: nothing can be committed afterwards.
-  void remove_all_for_good();
+  /// Removes everything that was added. Keeps the lock, so that nothing can be committed
+  /// afterwards.
+  void remove_all_and_lock();
 
  private:
   struct Entry {
@@ -35,8 +37,8 @@ class PartialRegistry {
   std::vector<Entry> entries_;
 };
 
-/// Removes a file or tree, and then those of `parents` (outermost first) that are empty. Repeated
-/// while another thread still writes into it.
+/// Removes a file or tree, and then those of `parents` (outermost first) that are empty. Repeats
+/// this while another thread still writes into it.
 void remove_partial(const std::filesystem::path& path,
                     const std::vector<std::filesystem::path>& parents = {});
 

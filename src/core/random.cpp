@@ -42,7 +42,7 @@ double Random::uniform(double low, double high) { return low + (high - low) * un
 
 std::uint64_t Random::below(std::uint64_t bound) {
   PCAVR_REQUIRE(bound >= 1);
-  // Reject the last, incomplete run of values, or low results would come more often.
+  // Rejection of the last, incomplete interval avoids modulo bias.
   const std::uint64_t limit = UINT64_MAX - UINT64_MAX % bound;
   std::uint64_t value = bits();
   while (value >= limit) value = bits();

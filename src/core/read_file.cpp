@@ -17,8 +17,8 @@ namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-/// [byte] Of a file that is read whole: ten hours of force at 1 kHz in text are a tenth of it.
-/// Keeps a sparse file of a terabyte from taking all memory.
+/// [byte] Of a file that is read into memory: ten hours of force at 1 kHz as text are a tenth of
+/// it. Prevents a sparse file of a terabyte from exhausting the memory.
 constexpr std::uintmax_t kMaxFileSize = std::uintmax_t{8} << 30;
 
 Error can_not_read(const fs::path& path, int code) {
@@ -33,7 +33,7 @@ Error not_regular(const fs::path& path, const char* kind) {
           .hint = "write the data into a file first, and name that"};
 }
 
-/// What a name stands for, where it is not a file with content of its own.
+/// The kind of a path that is not a regular file.
 const char* kind_of(mode_t mode) {
   if (S_ISDIR(mode)) return "a folder";
   if (S_ISFIFO(mode)) return "a named pipe";
@@ -42,11 +42,11 @@ const char* kind_of(mode_t mode) {
   return "a special file";
 }
 
-/// An open regular file, closed at the end.
+/// An open regular file (RAII).
 class InputFile {
  public:
   [[nodiscard]] static Expected<InputFile> open(const fs::path& path) {
-    // Not blocking: a pipe without a writer would hold up the open itself.
+    // Non-blocking: opening a pipe without a writer would block.
     const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (descriptor < 0) {
       const int code = errno;
@@ -72,7 +72,7 @@ class InputFile {
     if (descriptor_ >= 0) ::close(descriptor_);
   }
 
-  /// What the file system says; 0 for the made-up files of /proc.
+  /// As the file system reports it; 0 for the virtual files of /proc.
   [[nodiscard]] std::uintmax_t size() const { return size_; }
 
   /// Up to `size` bytes into `to`; fewer at the file's end. -1 with errno where it fails.
@@ -98,7 +98,7 @@ class InputFile {
 Error too_large(const fs::path& path, const std::string& why) {
   return {.message = "is too large to be read: " + why,
           .file = path.string(),
-          .hint = "is it the file that you meant?"};
+          .hint = "check that this is the intended file"};
 }
 
 }  // namespace
@@ -125,14 +125,14 @@ Expected<std::string> read_file(const fs::path& path) {
   const Expected<InputFile> file = InputFile::open(path);
   if (!file) return file.error();
   if (file->size() > kMaxFileSize) {
-    return too_large(path, "it holds " + std::to_string(file->size()) + " bytes");
+    return too_large(path, "it has " + std::to_string(file->size()) + " bytes");
   }
   try {
     std::string content(static_cast<std::size_t>(file->size()), '\0');
     ssize_t count = file->read(content.data(), content.size());
     if (count < 0) return can_not_read(path, errno);
     content.resize(static_cast<std::size_t>(count));
-    // The size is a guess that saves copies: a file may grow, and those of /proc have none.
+    // The size only saves copies: a file may grow, and those of /proc report none.
     std::array<char, 4096> rest{};
     while ((count = file->read(rest.data(), rest.size())) > 0) {
       content.append(rest.data(), static_cast<std::size_t>(count));
@@ -141,7 +141,8 @@ Expected<std::string> read_file(const fs::path& path) {
     if (count < 0) return can_not_read(path, errno);
     return content;
   } catch (const std::bad_alloc&) {
-    return too_large(path, "there is no memory for its " + std::to_string(file->size()) + " bytes");
+    return too_large(
+        path, "there is not enough memory for its " + std::to_string(file->size()) + " bytes");
   }
 }
 

@@ -19,8 +19,8 @@ namespace {
 constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGPIPE};
 constexpr int kSignalExit = 128;  ///< added to the signal's number, as shells do
 
-// A handler may only do what is async-signal-safe, and removing a tree of files is not: it wakes a
-// thread for that.
+// A handler may only call async-signal-safe functions, and removing a tree of files is not one: the
+// handler wakes a thread for that.
 std::atomic<int> signal_received{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 sem_t wake_up;
@@ -35,7 +35,7 @@ void on_signal(int signal) {
 void wait_and_clean() {
   while (::sem_wait(&wake_up) != 0) {
   }
-  PartialRegistry::instance().remove_all_for_good();
+  PartialRegistry::instance().remove_all_and_lock();
   ::_exit(kSignalExit + signal_received.load());
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 /// Keeps every stamp, and every difference of two, inside 64 bits (about 146 years either side).
-constexpr std::int64_t kMaxSecond =
+constexpr std::int64_t kMaxSeconds =
     std::numeric_limits<std::int64_t>::max() / 2 / kNanosecondsPerSecond;
 
 Error not_a_stamp(std::string_view text) {
@@ -21,7 +21,7 @@ Error not_a_stamp(std::string_view text) {
 }  // namespace
 
 Stamp Stamp::from_seconds(double seconds) {
-  PCAVR_REQUIRE(std::isfinite(seconds) && std::abs(seconds) < double(kMaxSecond), seconds);
+  PCAVR_REQUIRE(std::isfinite(seconds) && std::abs(seconds) < double(kMaxSeconds), seconds);
   const double whole = std::floor(seconds);
   return {static_cast<std::int64_t>(whole) * kNanosecondsPerSecond +
           std::llround((seconds - whole) * 1e9)};
@@ -38,10 +38,10 @@ Expected<Stamp> parse_stamp(std::string_view text) {
 
   std::int64_t seconds = 0;
   for (const char c : whole) {
-    if (c < '0' || c > '9' || seconds > kMaxSecond / 10) return not_a_stamp(text);
+    if (c < '0' || c > '9' || seconds > kMaxSeconds / 10) return not_a_stamp(text);
     seconds = seconds * 10 + (c - '0');
   }
-  if (seconds > kMaxSecond) return not_a_stamp(text);
+  if (seconds > kMaxSeconds) return not_a_stamp(text);
   std::int64_t fraction = 0;
   for (std::size_t i = 0; i < 9; ++i) {
     const char c = i < decimals.size() ? decimals[i] : '0';

@@ -20,19 +20,19 @@ namespace pcavr {
 namespace {
 
 constexpr std::chrono::milliseconds kPeriod(4);  // 250 Hz: the fastest that gamepads send
-/// [ms] A rumble that is not renewed ends: longer than a hitch of the thread, too short to annoy.
-constexpr std::uint32_t kRumbleLasts = 100;
-/// Of full deflection: worn sticks rest that far off; 0.24 is what XInput takes for its left one.
+/// [ms] A rumble that is not renewed ends: longer than a delay of the thread, but short.
+constexpr std::uint32_t kRumbleDuration = 100;
+/// Ratio of full deflection at which worn sticks rest; 0.24 is XInput's value for the left one.
 constexpr double kDeadZone = 0.24;
 constexpr double kFull = 32767.0;
 
 using Controller = std::unique_ptr<SDL_GameController, decltype(&SDL_GameControllerClose)>;
 
-/// SDL's own count keeps the subsystem up for others.
+/// RAII of an SDL subsystem, which SDL counts by reference.
 class Subsystem {
  public:
   Subsystem() {
-    // Without these SDL would take Ctrl-C away, and be deaf for want of a window.
+    // Without these SDL would handle Ctrl-C itself, and get no events without a window.
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
     is_up_ = SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) == 0;
@@ -62,7 +62,7 @@ double axis(SDL_GameController* controller, SDL_GameControllerAxis which) {
   return std::max(-1.0, SDL_GameControllerGetAxis(controller, which) / kFull);
 }
 
-/// Nothing within the dead zone, and from its rim on as if it were not there.
+/// Zero within the dead zone, rescaled to start from zero at its border.
 Eigen::Vector2d outside_dead_zone(const Eigen::Vector2d& stick) {
   const double length = stick.norm();
   if (length <= kDeadZone) return Eigen::Vector2d::Zero();
@@ -81,16 +81,17 @@ RateCommand command_of(SDL_GameController* controller) {
   return {{level.x(), level.y(), upright.y()}, is_engaged, true};
 }
 
-std::uint16_t strength(double part) {
-  return static_cast<std::uint16_t>(std::lround(std::clamp(part, 0.0, 1.0) * 65535.0));
+std::uint16_t strength(double ratio) {
+  return static_cast<std::uint16_t>(std::lround(std::clamp(ratio, 0.0, 1.0) * 65535.0));
 }
 
 }  // namespace
 
 struct GamepadDevice::Content {
-  explicit Content(const GamepadOptions& given) : options(given), tip(given.rate) {}
+  explicit Content(const GamepadOptions& gamepad_options)
+      : options(gamepad_options), tip(gamepad_options.rate) {}
   ~Content() {
-    is_ending = true;
+    is_stopping = true;
     if (thread.joinable()) thread.join();
   }
   Content(const Content&) = delete;
@@ -107,16 +108,16 @@ struct GamepadDevice::Content {
   Newest<RateCommand> newest;
   std::atomic<float> heavy{0.0F};  ///< 0 to 1
   std::atomic<float> light{0.0F};  ///< 0 to 1
-  std::atomic<bool> is_ending{false};
+  std::atomic<bool> is_stopping{false};
   std::thread thread;
 };
 
 void GamepadDevice::Content::rumble() noexcept {
-  SDL_GameControllerRumble(controller.get(), strength(heavy), strength(light), kRumbleLasts);
+  SDL_GameControllerRumble(controller.get(), strength(heavy), strength(light), kRumbleDuration);
 }
 
 void GamepadDevice::Content::run() noexcept {
-  while (!is_ending) {
+  while (!is_stopping) {
     SDL_GameControllerUpdate();
     if (controller && SDL_GameControllerGetAttached(controller.get()) == SDL_FALSE) {
       controller.reset();
@@ -137,16 +138,16 @@ Expected<std::unique_ptr<GamepadDevice>> GamepadDevice::open(const GamepadOption
   PCAVR_REQUIRE(std::isfinite(options.max_force) && options.max_force > 0.0, options.max_force);
   auto content = std::make_unique<Content>(options);
   if (!content->subsystem.is_up()) {
-    return Error{.message = std::string("no gamepad: SDL does not start: ") + SDL_GetError(),
-                 .hint = "look at who may read /dev/input"};
+    return Error{.message = std::string("no gamepad: SDL initialization failed: ") + SDL_GetError(),
+                 .hint = "check the read permissions of /dev/input"};
   }
   SDL_GameControllerUpdate();
   content->controller = first_controller();
   if (!content->controller) {
     return Error{.message = "no gamepad among " + std::to_string(SDL_NumJoysticks()) + " joysticks",
                  .hint =
-                     "plug one in; one that SDL does not know wants its mapping in the "
-                     "environment's SDL_GAMECONTROLLERCONFIG"};
+                     "connect one; if SDL has no mapping for it, set it in the environment "
+                     "variable SDL_GAMECONTROLLERCONFIG"};
   }
   if (const char* product = SDL_GameControllerName(content->controller.get())) {
     content->name += std::string(" (") + product + ")";
@@ -160,13 +161,13 @@ std::string_view GamepadDevice::name() const noexcept { return content_->name; }
 DeviceSample GamepadDevice::exchange(double /*t*/, double dt,
                                      const DeviceFeedback& feedback) noexcept {
   Content& own = *content_;
-  const DeviceSample said = own.tip.step(own.newest.get(), dt, feedback.p_base_tool);
-  // Nobody pushes while the clutch is open: what the world still says is not the hand's to feel.
-  const double force = said.is_engaged ? feedback.force_base.norm() / own.options.max_force : 0.0;
-  const double pulse = said.is_engaged ? feedback.pulse : 0.0;
+  const DeviceSample sample = own.tip.step(own.newest.get(), dt, feedback.p_base_tool);
+  // No vibration while the clutch is open, even if the world still has a force.
+  const double force = sample.is_engaged ? feedback.force_base.norm() / own.options.max_force : 0.0;
+  const double pulse = sample.is_engaged ? feedback.pulse : 0.0;
   own.heavy.store(std::isfinite(force) ? static_cast<float>(force) : 0.0F);
   own.light.store(std::isfinite(pulse) ? static_cast<float>(pulse) : 0.0F);
-  return said;
+  return sample;
 }
 
 }  // namespace pcavr

@@ -31,7 +31,7 @@ class Newest {
 
   std::array<T, 3> values_{};
   std::uint32_t back_ = 0;                ///< the writer's
-  std::atomic<std::uint32_t> middle_{1};  ///< handed over, with kFresh while nobody took it
+  std::atomic<std::uint32_t> middle_{1};  ///< exchanged; kFresh is set until the reader takes it
   std::uint32_t front_ = 2;               ///< the reader's
 };
 

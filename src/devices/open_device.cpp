@@ -26,23 +26,23 @@ Opened as_device(Expected<std::unique_ptr<Kind>> opened) {
 
 Opened open_device(std::string_view description) {
   const std::size_t colon = description.find(':');
-  const std::string_view word = description.substr(0, colon);
+  const std::string_view type = description.substr(0, colon);
   const std::string_view rest =
       colon == description.npos ? std::string_view() : description.substr(colon + 1);
-  const bool has_rest = colon != description.npos;
-  if (word == "spacemouse" && !has_rest) return as_device(SpaceMouseDevice::open());
-  if (word == "gamepad" && !has_rest) return as_device(GamepadDevice::open());
-  if (word == "simulated" && !has_rest) {
+  const bool has_arguments = colon != description.npos;
+  if (type == "spacemouse" && !has_arguments) return as_device(SpaceMouseDevice::open());
+  if (type == "gamepad" && !has_arguments) return as_device(GamepadDevice::open());
+  if (type == "simulated" && !has_arguments) {
     return std::unique_ptr<Device>(std::make_unique<SimulatedForceDevice>());
   }
-  if (word == "trace" && !rest.empty()) return as_device(TraceDevice::open(rest));
-  if (word == "plugin" && !rest.empty()) {
+  if (type == "trace" && !rest.empty()) return as_device(TraceDevice::open(rest));
+  if (type == "plugin" && !rest.empty()) {
     const std::size_t comma = rest.find(',');
     PluginDeviceOptions options;
     if (comma != rest.npos) options.text = rest.substr(comma + 1);
     return as_device(PluginDevice::open(rest.substr(0, comma), options));
   }
-  return Error{.message = "'" + std::string(description) + "' is no device",
+  return Error{.message = "unknown device '" + std::string(description) + "'",
                .hint = "choose " + std::string(kDeviceChoices)};
 }
 

@@ -20,7 +20,7 @@ namespace pcavr {
 namespace {
 
 constexpr char kEntry[] = "pcavr_get_device_plugin";
-/// [s] A tenth of a cycle: what is left has to do for the world.
+/// [s] A tenth of a cycle: the rest is needed for the world.
 constexpr double kSlow = 1e-4;
 
 struct Unload {
@@ -31,15 +31,16 @@ using Library = std::unique_ptr<void, Unload>;
 Expected<Library> load(const std::filesystem::path& file) {
   std::error_code unreadable;
   if (!std::filesystem::exists(file, unreadable)) {
-    return Error{
-        .message = "does not exist", .file = file.string(), .hint = "name the plugin's .so"};
+    return Error{.message = "does not exist",
+                 .file = file.string(),
+                 .hint = "give the path of the plugin's .so"};
   }
-  // Absolute: a bare name would be looked for among the system's libraries.
+  // Absolute: dlopen would search a bare name among the system's libraries.
   const std::filesystem::path absolute = std::filesystem::absolute(file, unreadable);
   Library library(dlopen(absolute.c_str(), RTLD_NOW | RTLD_LOCAL));
   if (library) return library;
-  const char* why = dlerror();
-  return Error{.message = std::string("is no library that can be loaded: ") + (why ? why : "?"),
+  const char* reason = dlerror();
+  return Error{.message = std::string("can't be loaded as a library: ") + (reason ? reason : "?"),
                .file = file.string(),
                .hint = "build it as a shared library for this machine"};
 }
@@ -47,48 +48,47 @@ Expected<Library> load(const std::filesystem::path& file) {
 Expected<const pcavr_device_plugin*> plugin_of(void* library, const std::string& file) {
   const auto get = reinterpret_cast<const pcavr_device_plugin* (*)()>(dlsym(library, kEntry));
   if (get == nullptr) {
-    return Error{.message = std::string("is no device plugin: it lacks ") + kEntry,
+    return Error{.message = std::string("is not a device plugin: it lacks ") + kEntry,
                  .file = file,
-                 .hint = "export it as pcavr/devices/device_plugin.h declares it"};
+                 .hint = "export it as declared in pcavr/devices/device_plugin.h"};
   }
   const pcavr_device_plugin* plugin = get();
-  if (plugin == nullptr) return Error{.message = "gives no plugin", .file = file};
+  if (plugin == nullptr) return Error{.message = "returned no plugin", .file = file};
   if (plugin->abi != PCAVR_DEVICE_PLUGIN_ABI || plugin->size < sizeof(pcavr_device_plugin)) {
     return Error{.message = "has plugin ABI " + std::to_string(plugin->abi) + " of " +
-                            std::to_string(plugin->size) + " bytes, not " +
+                            std::to_string(plugin->size) + " bytes, expected " +
                             std::to_string(PCAVR_DEVICE_PLUGIN_ABI) + " of " +
                             std::to_string(sizeof(pcavr_device_plugin)),
                  .file = file,
                  .hint = "build it with this version's device_plugin.h"};
   }
   if (plugin->open == nullptr || plugin->close == nullptr || plugin->exchange == nullptr) {
-    return Error{.message = "lacks one of open, close and exchange",
-                 .file = file,
-                 .hint = "fill all three in"};
+    return Error{
+        .message = "lacks one of open, close and exchange", .file = file, .hint = "set all three"};
   }
   return plugin;
 }
 
-bool is_sound(const pcavr_device_sample& said) {
-  return is_plausible_tip(Eigen::Vector3d(said.tip)) &&
-         is_rotation(Eigen::Quaterniond(said.quaternion));
+bool is_valid(const pcavr_device_sample& sample) {
+  return is_plausible_tip(Eigen::Vector3d(sample.tip)) &&
+         is_rotation(Eigen::Quaterniond(sample.quaternion));
 }
 
 }  // namespace
 
 struct PluginDevice::Content {
-  explicit Content(const PluginDeviceOptions& given)
-      : options(given),
-        q_base_operator(Eigen::AngleAxisd(given.facing, Eigen::Vector3d::UnitZ())) {}
+  explicit Content(const PluginDeviceOptions& plugin_options)
+      : options(plugin_options),
+        q_base_operator(Eigen::AngleAxisd(plugin_options.facing, Eigen::Vector3d::UnitZ())) {}
   ~Content() {
     if (device != nullptr) plugin->close(device);
   }
   Content(const Content&) = delete;
   Content& operator=(const Content&) = delete;
 
-  /// The plugin's answer, if it can be used.
-  std::optional<pcavr_device_sample> ask(double t, double dt,
-                                         const DeviceFeedback& feedback) noexcept;
+  /// The plugin's sample, if it is valid.
+  std::optional<pcavr_device_sample> call(double t, double dt,
+                                          const DeviceFeedback& feedback) noexcept;
 
   PluginDeviceOptions options;
   Eigen::Quaterniond q_base_operator;
@@ -102,29 +102,30 @@ struct PluginDevice::Content {
   std::atomic<std::uint64_t> faults{0};
 };
 
-std::optional<pcavr_device_sample> PluginDevice::Content::ask(
+std::optional<pcavr_device_sample> PluginDevice::Content::call(
     double t, double dt, const DeviceFeedback& feedback) noexcept {
-  pcavr_device_feedback told{.size = sizeof told,
-                             .is_engaged = clutch.is_closed(),
-                             .force = {},
-                             .pulse = clutch.is_closed() ? feedback.pulse : 0.0};
+  pcavr_device_feedback plugin_feedback{.size = sizeof plugin_feedback,
+                                        .is_engaged = clutch.is_closed(),
+                                        .force = {},
+                                        .pulse = clutch.is_closed() ? feedback.pulse : 0.0};
   if (clutch.is_closed()) {
-    Eigen::Map<Eigen::Vector3d>(told.force) = q_base_operator.conjugate() * feedback.force_base;
+    Eigen::Map<Eigen::Vector3d>(plugin_feedback.force) =
+        q_base_operator.conjugate() * feedback.force_base;
   }
-  pcavr_device_sample said{};
-  said.size = sizeof said;
-  said.quaternion[3] = 1.0;
-  bool is_answer = false;
+  pcavr_device_sample sample{};
+  sample.size = sizeof sample;
+  sample.quaternion[3] = 1.0;
+  bool is_ok = false;
   const auto start = std::chrono::steady_clock::now();
   try {
-    is_answer = plugin->exchange(device, t, dt, &told, &said) == 0;
+    is_ok = plugin->exchange(device, t, dt, &plugin_feedback, &sample) == 0;
   } catch (...) {
-    is_answer = false;
+    is_ok = false;
   }
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  if (took.count() > slowest) slowest = took.count();
-  if (took.count() > kSlow) ++slow;
-  if (is_answer && (said.is_present == 0 || is_sound(said))) return said;
+  const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
+  if (duration.count() > slowest) slowest = duration.count();
+  if (duration.count() > kSlow) ++slow;
+  if (is_ok && (sample.is_present == 0 || is_valid(sample))) return sample;
   ++faults;
   return std::nullopt;
 }
@@ -144,11 +145,11 @@ Expected<std::unique_ptr<PluginDevice>> PluginDevice::open(const std::filesystem
   const auto plugin = plugin_of(content->library.get(), library.string());
   if (!plugin) return plugin.error();
   content->plugin = *plugin;
-  std::array<char, 256> why{};
-  content->device = content->plugin->open(options.text.c_str(), why.data(), why.size() - 1);
+  std::array<char, 256> reason{};
+  content->device = content->plugin->open(options.text.c_str(), reason.data(), reason.size() - 1);
   if (content->device == nullptr) {
-    return Error{.message = std::string("does not open its device: ") +
-                            (why[0] != '\0' ? why.data() : "it does not say why"),
+    return Error{.message = std::string("can't open its device: ") +
+                            (reason[0] != '\0' ? reason.data() : "no reason given"),
                  .file = library.string()};
   }
   content->name = content->plugin->name != nullptr ? content->plugin->name : "plugin";
@@ -163,19 +164,20 @@ std::string_view PluginDevice::name() const noexcept { return content_->name; }
 
 DeviceSample PluginDevice::exchange(double t, double dt, const DeviceFeedback& feedback) noexcept {
   Content& own = *content_;
-  const std::optional<pcavr_device_sample> said = own.ask(t, dt, feedback);
-  if (!said || said->is_present == 0) {
+  const std::optional<pcavr_device_sample> sample = own.call(t, dt, feedback);
+  if (!sample || sample->is_present == 0) {
     own.clutch.open();
     return {};
   }
-  const Eigen::Vector3d p_hand = own.q_base_operator * Eigen::Vector3d(said->tip);
-  if (said->is_engaged == 0) own.clutch.open();
-  if (said->is_engaged != 0 && !own.clutch.is_closed() && is_plausible_tip(feedback.p_base_tool)) {
+  const Eigen::Vector3d p_hand = own.q_base_operator * Eigen::Vector3d(sample->tip);
+  if (sample->is_engaged == 0) own.clutch.open();
+  if (sample->is_engaged != 0 && !own.clutch.is_closed() &&
+      is_plausible_tip(feedback.p_base_tool)) {
     own.clutch.close(p_hand, feedback.p_base_tool);
   }
   const bool is_engaged = own.clutch.is_closed();
   return {.p_base_tip = is_engaged ? own.clutch.follow(p_hand, own.options.max_speed * dt) : p_hand,
-          .q_base_tool = own.q_base_operator * Eigen::Quaterniond(said->quaternion).normalized(),
+          .q_base_tool = own.q_base_operator * Eigen::Quaterniond(sample->quaternion).normalized(),
           .is_engaged = is_engaged,
           .is_present = true};
 }

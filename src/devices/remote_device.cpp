@@ -10,18 +10,18 @@
 #include "pcavr/core/check.hpp"
 
 #include "devices/clutch.hpp"
+#include "devices/jitter_buffer.hpp"
 #include "devices/sample_ring.hpp"
-#include "devices/tip_playback.hpp"
 
 namespace pcavr {
 namespace {
 
-/// 0.7 s at 90 Hz: longer than the silence after which the tool is let go.
-constexpr std::uint32_t kRoom = 64;
-/// [s] 500 Hz: the fastest mice send at twice that, pages at a fifth.
+/// 0.7 s at 90 Hz: longer than the timeout.
+constexpr std::uint32_t kQueueSize = 64;
+/// [s] Rate limit of 500 Hz: pages send at a fifth of it, the fastest mice at twice.
 constexpr double kMinInterval = 0.002;
 
-bool is_sound(const RemoteSample& sample) {
+bool is_valid(const RemoteSample& sample) {
   return is_plausible_tip(sample.p_base_tip) && is_rotation(sample.q_base_tool) &&
          std::isfinite(sample.sender_clock) && std::isfinite(sample.arrival);
 }
@@ -30,27 +30,27 @@ bool is_sound(const RemoteSample& sample) {
 
 struct RemoteDevice::Content {
   RemoteDeviceOptions options;
-  SampleRing<RemoteSample, kRoom> ring;
-  std::atomic<std::uint64_t> left_out{0};
-  // The writer's.
+  SampleRing<RemoteSample, kQueueSize> ring;
+  std::atomic<std::uint64_t> rejected{0};
+  // Writer thread only.
   RemoteSample last;
   bool has_last = false;
-  // The reader's.
-  TipPlayback playback;
+  // Reader thread only.
+  JitterBuffer buffer;
   Clutch clutch;
   double closed_at = 0.0;  ///< [s] sender's clock
   bool is_closing = false;
-  bool must_open = false;  ///< let go by silence: to be opened before it can close again
+  bool must_open = false;  ///< after a timeout: must open before it can close again
   double age = 0.0;
 
-  [[nodiscard]] bool follows(const RemoteSample& sample) const noexcept {
+  [[nodiscard]] bool is_acceptable(const RemoteSample& sample) const noexcept {
     if (!has_last || sample.sender != last.sender) return true;
-    if (sample.arrival - last.arrival > options.max_silence) return true;
+    if (sample.arrival - last.arrival > options.timeout) return true;
     const double since = sample.sender_clock - last.sender_clock;
     return sample.is_engaged == last.is_engaged ? since >= kMinInterval : since > 0.0;
   }
-  void forget() noexcept {
-    playback.clear();
+  void clear() noexcept {
+    buffer.clear();
     open();
     must_open = false;
     age = 0.0;
@@ -59,15 +59,15 @@ struct RemoteDevice::Content {
     clutch.open();
     is_closing = false;
   }
-  void take(RemoteSample sample) noexcept;
+  void process(RemoteSample sample) noexcept;
   [[nodiscard]] DeviceSample move(double dt, const DeviceFeedback& feedback) noexcept;
 };
 
 /// One sample from the ring, in order.
-void RemoteDevice::Content::take(RemoteSample sample) noexcept {
-  if (!playback.is_empty() && sample.sender != playback.newest().sender) forget();
+void RemoteDevice::Content::process(RemoteSample sample) noexcept {
+  if (!buffer.is_empty() && sample.sender != buffer.newest().sender) clear();
   sample.q_base_tool.normalize();
-  const bool restarts = playback.add(sample);
+  const bool restarts = buffer.add(sample);
   if (restarts || !sample.is_engaged) open();
   if (!sample.is_engaged) must_open = false;
   if (!sample.is_engaged || must_open || clutch.is_closed() || is_closing) return;
@@ -77,23 +77,20 @@ void RemoteDevice::Content::take(RemoteSample sample) noexcept {
 
 DeviceSample RemoteDevice::Content::move(double dt, const DeviceFeedback& feedback) noexcept {
   if (is_closing && is_plausible_tip(feedback.p_base_tool)) {
-    clutch.close(playback.at(closed_at).p_base_tip, feedback.p_base_tool);
+    clutch.close(buffer.at(closed_at).p_base_tip, feedback.p_base_tool);
     is_closing = false;
   }
-  // What the hand did before the clutch closed does not move the tool.
-  const double clock =
-      clutch.is_closed() ? std::max(playback.shown(), closed_at) : playback.shown();
-  const TipPlayback::Place place = playback.at(clock);
-  const Eigen::Vector3d p_base_tip = clutch.is_closed()
-                                         ? clutch.follow(place.p_base_tip, options.max_speed * dt)
-                                         : place.p_base_tip;
-  return {p_base_tip, place.q_base_tool, clutch.is_closed(), true};
+  // Motion before the clutch closed does not move the tool.
+  const double clock = clutch.is_closed() ? std::max(buffer.shown(), closed_at) : buffer.shown();
+  const JitterBuffer::Tip tip = buffer.at(clock);
+  const Eigen::Vector3d p_base_tip =
+      clutch.is_closed() ? clutch.follow(tip.p_base_tip, options.max_speed * dt) : tip.p_base_tip;
+  return {p_base_tip, tip.q_base_tool, clutch.is_closed(), true};
 }
 
 RemoteDevice::RemoteDevice(RemoteDeviceOptions options) : content_(std::make_unique<Content>()) {
   PCAVR_REQUIRE(std::isfinite(options.max_speed) && options.max_speed > 0.0, options.max_speed);
-  PCAVR_REQUIRE(std::isfinite(options.max_silence) && options.max_silence > 0.0,
-                options.max_silence);
+  PCAVR_REQUIRE(std::isfinite(options.timeout) && options.timeout > 0.0, options.timeout);
   content_->options = std::move(options);
 }
 
@@ -101,8 +98,8 @@ RemoteDevice::~RemoteDevice() = default;
 
 bool RemoteDevice::push(const RemoteSample& sample) noexcept {
   Content& own = *content_;
-  if (!is_sound(sample) || !own.follows(sample) || !own.ring.push(sample)) {
-    own.left_out.fetch_add(1, std::memory_order_relaxed);
+  if (!is_valid(sample) || !own.is_acceptable(sample) || !own.ring.push(sample)) {
+    own.rejected.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
   own.last = sample;
@@ -110,44 +107,44 @@ bool RemoteDevice::push(const RemoteSample& sample) noexcept {
   return true;
 }
 
-void RemoteDevice::let_go() noexcept {
+void RemoteDevice::release() noexcept {
   content_->has_last = false;
-  content_->ring.forget();
+  content_->ring.request_clear();
 }
 
-std::uint64_t RemoteDevice::left_out() const noexcept {
-  return content_->left_out.load(std::memory_order_relaxed);
+std::uint64_t RemoteDevice::rejected() const noexcept {
+  return content_->rejected.load(std::memory_order_relaxed);
 }
 
 std::string_view RemoteDevice::name() const noexcept { return content_->options.name; }
 
 DeviceSample RemoteDevice::exchange(double t, double dt, const DeviceFeedback& feedback) noexcept {
   Content& own = *content_;
-  if (own.ring.forgets()) own.forget();
-  // What comes while this runs is the next cycle's, so that a flood does not hold it up.
-  for (std::uint32_t i = 0; i < kRoom; ++i) {
+  if (own.ring.is_clear_requested()) own.clear();
+  // A bounded number per cycle, so that a flood of samples does not block it.
+  for (std::uint32_t i = 0; i < kQueueSize; ++i) {
     const std::optional<RemoteSample> sample = own.ring.pop();
     if (!sample) break;
-    own.take(*sample);
+    own.process(*sample);
   }
-  if (own.playback.is_empty()) return {};
-  own.age = std::max(0.0, t - own.playback.newest().arrival);
-  const bool is_silent = own.age > own.options.max_silence;
-  if (is_silent) {
-    own.must_open = own.playback.newest().is_engaged;
+  if (own.buffer.is_empty()) return {};
+  own.age = std::max(0.0, t - own.buffer.newest().arrival);
+  const bool has_timed_out = own.age > own.options.timeout;
+  if (has_timed_out) {
+    own.must_open = own.buffer.newest().is_engaged;
     own.open();
   }
-  own.playback.advance(t, dt);
-  DeviceSample said = own.move(dt, feedback);
-  said.is_present = !is_silent;
-  return said;
+  own.buffer.advance(t, dt);
+  DeviceSample result = own.move(dt, feedback);
+  result.is_present = !has_timed_out;
+  return result;
 }
 
-RemoteUse RemoteDevice::use() const noexcept {
+RemoteStatus RemoteDevice::status() const noexcept {
   const Content& own = *content_;
-  if (own.playback.is_empty()) return {};
-  return {own.playback.newest().sender_clock, own.playback.shown(), own.age, own.playback.delay(),
-          own.playback.newest().sender};
+  if (own.buffer.is_empty()) return {};
+  return {own.buffer.newest().sender_clock, own.buffer.shown(), own.age, own.buffer.delay(),
+          own.buffer.newest().sender};
 }
 
 }  // namespace pcavr

@@ -9,14 +9,14 @@
 
 namespace pcavr {
 
-/// A bounded queue from one thread to one other, wait-free on both sides. `Size` is a power of two,
-/// so that the counters may run over.
+/// A bounded single-producer single-consumer queue, wait-free on both sides. `Size` is a power of
+/// two, so that the counters may overflow.
 template <typename T, std::uint32_t Size>
 class SampleRing {
   static_assert((Size & (Size - 1)) == 0);
 
  public:
-  /// Writer: false where there is no room.
+  /// Writer: false if the queue is full.
   bool push(const T& item) noexcept {
     const std::uint32_t head = head_.load(std::memory_order_relaxed);
     if (head - tail_.load(std::memory_order_acquire) == Size) return false;
@@ -24,22 +24,22 @@ class SampleRing {
     head_.store(head + 1, std::memory_order_release);
     return true;
   }
-  /// Writer: the reader is to forget what is in it now, and what it took from it before.
-  void forget() noexcept {
-    const std::uint64_t forgets = (forgotten_.load(std::memory_order_relaxed) >> 32) + 1;
-    forgotten_.store(forgets << 32 | head_.load(std::memory_order_relaxed),
-                     std::memory_order_release);
+  /// Writer: requests the reader to discard the current items and those it has taken before.
+  void request_clear() noexcept {
+    const std::uint64_t requests = (clear_request_.load(std::memory_order_relaxed) >> 32) + 1;
+    clear_request_.store(requests << 32 | head_.load(std::memory_order_relaxed),
+                         std::memory_order_release);
   }
 
-  /// Reader: whether the writer said to forget since the last call. What is older is gone then.
-  [[nodiscard]] bool forgets() noexcept {
-    const std::uint64_t forgotten = forgotten_.load(std::memory_order_acquire);
-    if (forgotten == seen_) return false;
-    seen_ = forgotten;
-    const auto there = static_cast<std::uint32_t>(forgotten);
-    const std::uint32_t ahead = there - tail_.load(std::memory_order_relaxed);
-    // Not back: what was taken since is the writer's to write over.
-    if (ahead <= Size) tail_.store(there, std::memory_order_release);
+  /// Reader: whether a clear was requested since the last call. Older items are then discarded.
+  [[nodiscard]] bool is_clear_requested() noexcept {
+    const std::uint64_t request = clear_request_.load(std::memory_order_acquire);
+    if (request == seen_) return false;
+    seen_ = request;
+    const auto end = static_cast<std::uint32_t>(request);
+    const std::uint32_t ahead = end - tail_.load(std::memory_order_relaxed);
+    // Never backwards: the writer may have overwritten the items taken since.
+    if (ahead <= Size) tail_.store(end, std::memory_order_release);
     return true;
   }
   /// Reader.
@@ -53,10 +53,10 @@ class SampleRing {
 
  private:
   std::array<T, Size> items_{};
-  std::atomic<std::uint32_t> head_{0};       ///< written by the writer
-  std::atomic<std::uint32_t> tail_{0};       ///< written by the reader
-  std::atomic<std::uint64_t> forgotten_{0};  ///< how often; the head at the last time
-  std::uint64_t seen_ = 0;                   ///< the reader's
+  std::atomic<std::uint32_t> head_{0};           ///< written by the writer
+  std::atomic<std::uint32_t> tail_{0};           ///< written by the reader
+  std::atomic<std::uint64_t> clear_request_{0};  ///< number of requests; the head at the last one
+  std::uint64_t seen_ = 0;                       ///< last request seen by the reader
 };
 
 }  // namespace pcavr

@@ -35,9 +35,9 @@ SimulatedForceDevice::SimulatedForceDevice(SimulatedForceDeviceOptions options)
   if (!options_.target) options_.target = sway_and_dip;
 }
 
-Eigen::Vector3d SimulatedForceDevice::motor_force(const Eigen::Vector3d& asked) noexcept {
-  if (!asked.allFinite()) return Eigen::Vector3d::Zero();
-  Eigen::Vector3d force = within_reach(Eigen::Vector3d::Zero(), asked, options_.max_force);
+Eigen::Vector3d SimulatedForceDevice::motor_force(const Eigen::Vector3d& commanded) noexcept {
+  if (!commanded.allFinite()) return Eigen::Vector3d::Zero();
+  Eigen::Vector3d force = limit_distance(Eigen::Vector3d::Zero(), commanded, options_.max_force);
   for (double& axis : force) axis += options_.force_noise * random_.normal();
   return force;
 }

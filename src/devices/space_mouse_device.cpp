@@ -21,7 +21,7 @@
 namespace pcavr {
 namespace {
 
-/// Counts at full deflection: what a cap pushed to its stop gives at the daemon's sensitivity of 1.
+/// Counts at full deflection, at the daemon's sensitivity of 1.
 constexpr double kFullDeflection = 350.0;
 constexpr int kLeftButton = 0;
 
@@ -30,7 +30,7 @@ Eigen::Vector3d deflection_of(const spnav_event_motion& motion) {
   return Eigen::Vector3d(motion.z, -motion.x, motion.y) / kFullDeflection;
 }
 
-/// libspnav keeps one connection, in variables of its own: one of these at a time.
+/// libspnav has one connection, in global variables: one instance at a time.
 class Connection {
  public:
   Connection() : was_taken_(is_taken_.exchange(true)) {
@@ -55,8 +55,8 @@ class Connection {
   bool is_open_ = false;
 };
 
-/// The product's name; nothing where the daemon has no device. A cap that moves meanwhile garbles
-/// libspnav's answers, so it is asked again.
+/// The product's name; empty if the daemon has no device. Motion events at the same time corrupt
+/// libspnav's replies, so retries.
 std::optional<std::string> product_name() {
   std::array<char, 64> name{};
   for (int attempt = 0; attempt < 3; ++attempt) {
@@ -67,8 +67,8 @@ std::optional<std::string> product_name() {
 
 bool has_ended(int socket) {
   char byte = 0;
-  const ssize_t there = recv(socket, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
-  return there == 0 || (there < 0 && errno != EAGAIN && errno != EINTR);
+  const ssize_t count = recv(socket, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+  return count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR);
 }
 
 }  // namespace
@@ -86,18 +86,18 @@ struct SpaceMouseDevice::Content {
   Content& operator=(const Content&) = delete;
 
   void read() noexcept;
-  void take(const spnav_event& event) noexcept;
+  void process(const spnav_event& event) noexcept;
 
   Connection connection;  // closed after the thread has ended
   std::string name = "SpaceMouse";
   RateTip tip;
   Newest<RateCommand> newest;
-  RateCommand command{.is_present = true};  ///< the thread's
+  RateCommand command{.is_present = true};  ///< of the thread
   int wake = eventfd(0, EFD_CLOEXEC);       ///< ends the thread
   std::thread reader;
 };
 
-void SpaceMouseDevice::Content::take(const spnav_event& event) noexcept {
+void SpaceMouseDevice::Content::process(const spnav_event& event) noexcept {
   if (event.type == SPNAV_EVENT_MOTION) command.deflection = deflection_of(event.motion);
   if (event.type == SPNAV_EVENT_BUTTON && event.button.bnum == kLeftButton) {
     command.is_engaged = event.button.press != 0;
@@ -116,7 +116,7 @@ void SpaceMouseDevice::Content::read() noexcept {
     if (files[1].revents != 0) return;
     if (has_ended(files[0].fd)) break;
     spnav_event event;
-    if (spnav_poll_event(&event) != 0) take(event);
+    if (spnav_poll_event(&event) != 0) process(event);
   }
   newest.put({});
 }
@@ -129,19 +129,19 @@ SpaceMouseDevice::~SpaceMouseDevice() = default;
 Expected<std::unique_ptr<SpaceMouseDevice>> SpaceMouseDevice::open(const RateOptions& options) {
   auto content = std::make_unique<Content>(options);
   if (content->connection.was_taken()) {
-    return Error{.message = "the SpaceMouse is open already", .hint = "use the device there is"};
+    return Error{.message = "the SpaceMouse is already open", .hint = "use the open device"};
   }
   if (!content->connection.is_open()) {
-    return Error{.message = "no SpaceMouse: its daemon, spacenavd, does not answer",
+    return Error{.message = "no SpaceMouse: can't connect to its daemon, spacenavd",
                  .hint =
-                     "apt-get install spacenavd and start it, or name its socket in the "
-                     "environment's SPNAV_SOCKET"};
+                     "apt-get install spacenavd and start it, or set its socket in the "
+                     "environment variable SPNAV_SOCKET"};
   }
-  // Daemons before 1.0 (protocol 0) cannot be asked.
+  // Daemons before 1.0 (protocol 0) have no such request.
   if (spnav_protocol() >= 1) {
     const std::optional<std::string> product = product_name();
     if (!product) {
-      return Error{.message = "no SpaceMouse: its daemon, spacenavd, knows of no device",
+      return Error{.message = "no SpaceMouse: its daemon, spacenavd, reports no device",
                    .hint = "plug it in"};
     }
     content->name += " (" + *product + ")";

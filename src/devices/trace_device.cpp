@@ -39,9 +39,9 @@ TraceSample TraceDevice::at(double t) const noexcept {
   if (later == samples_.begin()) return samples_.front();
   TraceSample sample = *(later - 1);
   if (later == samples_.end()) return sample;
-  const double part = (t - sample.t) / (later->t - sample.t);
-  sample.p_base_tip += part * (later->p_base_tip - sample.p_base_tip);
-  sample.q_base_tool = sample.q_base_tool.slerp(part, later->q_base_tool);
+  const double ratio = (t - sample.t) / (later->t - sample.t);
+  sample.p_base_tip += ratio * (later->p_base_tip - sample.p_base_tip);
+  sample.q_base_tool = sample.q_base_tool.slerp(ratio, later->q_base_tool);
   return sample;
 }
 
@@ -49,18 +49,18 @@ DeviceSample TraceDevice::exchange(double t, double dt, const DeviceFeedback& fe
   if (!has_begun_) begin_ = t;
   has_begun_ = true;
   const TraceSample now = at(t - begin_);
-  said_.q_base_tool = now.q_base_tool;
-  said_.is_present = t - begin_ <= duration();
+  sample_.q_base_tool = now.q_base_tool;
+  sample_.is_present = t - begin_ <= duration();
   const bool was_engaged =
-      std::exchange(said_.is_engaged,
-                    said_.is_present && now.is_engaged && is_plausible_tip(feedback.p_base_tool));
-  if (!said_.is_engaged) {
-    said_.p_base_tip = now.p_base_tip;
-    return said_;
+      std::exchange(sample_.is_engaged,
+                    sample_.is_present && now.is_engaged && is_plausible_tip(feedback.p_base_tool));
+  if (!sample_.is_engaged) {
+    sample_.p_base_tip = now.p_base_tip;
+    return sample_;
   }
-  if (!was_engaged) said_.p_base_tip = feedback.p_base_tool;
-  said_.p_base_tip = within_reach(said_.p_base_tip, now.p_base_tip, options_.max_speed * dt);
-  return said_;
+  if (!was_engaged) sample_.p_base_tip = feedback.p_base_tool;
+  sample_.p_base_tip = limit_distance(sample_.p_base_tip, now.p_base_tip, options_.max_speed * dt);
+  return sample_;
 }
 
 }  // namespace pcavr

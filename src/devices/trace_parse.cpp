@@ -6,22 +6,22 @@
 #include <string>
 
 #include "pcavr/devices/trace_device.hpp"
+#include "pcavr/recording/text_rows.hpp"
+#include "pcavr/recording/time_series.hpp"
 
 #include "devices/tip_bounds.hpp"
-#include "recording/text_rows.hpp"
-#include "recording/time_series.hpp"
 
 namespace pcavr {
 namespace {
 
-const std::vector<std::string> kPlace = {"t", "x", "y", "z"};
+const std::vector<std::string> kPositionColumns = {"t", "x", "y", "z"};
 const std::vector<std::string> kRotationColumns = {"qx", "qy", "qz", "qw"};
 const std::string kEngaged = "engaged";
 
-/// What the columns after x, y, z are.
+/// The columns after x, y, z.
 struct Columns {
   RowFormat format;
-  bool has_turn = false;
+  bool has_rotation = false;
   bool has_engaged = false;
 };
 
@@ -39,39 +39,39 @@ Expected<Columns> columns_of(const std::string& file, LineReader& lines) {
   if (!header) return header.error();
   Columns columns{.format = {.file = file, .columns = *header}};
   std::span<const std::string> names = *header;
-  const auto takes = [&](std::span<const std::string> wanted) {
-    if (names.size() < wanted.size() || !std::equal(wanted.begin(), wanted.end(), names.begin())) {
+  const auto takes = [&](std::span<const std::string> expected) {
+    if (names.size() < expected.size() ||
+        !std::equal(expected.begin(), expected.end(), names.begin())) {
       return false;
     }
-    names = names.subspan(wanted.size());
+    names = names.subspan(expected.size());
     return true;
   };
-  const bool has_place = takes(kPlace);
-  columns.has_turn = has_place && takes(kRotationColumns);
-  columns.has_engaged = has_place && takes(std::span(&kEngaged, 1));
-  if (has_place && names.empty()) return columns;
-  return Error{.message = "has another header",
+  const bool has_position = takes(kPositionColumns);
+  columns.has_rotation = has_position && takes(kRotationColumns);
+  columns.has_engaged = has_position && takes(std::span(&kEngaged, 1));
+  if (has_position && names.empty()) return columns;
+  return Error{.message = "has an unexpected header",
                .file = file,
                .line = lines.line(),
-               .hint = "write t,x,y,z and after it, where it is known, qx,qy,qz,qw and engaged"};
+               .hint = "write t,x,y,z and optionally qx,qy,qz,qw and engaged after it"};
 }
 
-/// A row's numbers after its time. What is wrong with them, if anything.
-std::optional<Error> take_row(const Columns& columns, std::span<const double> numbers,
+/// Reads a row's numbers after its time. Returns the error, if any.
+std::optional<Error> read_row(const Columns& columns, std::span<const double> numbers,
                               TraceSample& sample) {
   sample.p_base_tip = {numbers[0], numbers[1], numbers[2]};
   if (!is_plausible_tip(sample.p_base_tip)) {
     return Error{.message = "lies more than 100 m from the base", .hint = "write metres"};
   }
-  if (columns.has_turn) {
+  if (columns.has_rotation) {
     const std::span<const double> xyzw = numbers.subspan(3, 4);
     if (auto error = check_unit_quaternion(xyzw)) return error;
     sample.q_base_tool = Eigen::Quaterniond(xyzw[3], xyzw[0], xyzw[1], xyzw[2]).normalized();
   }
   if (columns.has_engaged) {
     if (numbers.back() != 0.0 && numbers.back() != 1.0) {
-      return Error{
-          .message = "is neither engaged nor not", .place = kEngaged, .hint = "write 0 or 1"};
+      return Error{.message = "is neither 0 nor 1", .place = kEngaged, .hint = "write 0 or 1"};
     }
     sample.is_engaged = numbers.back() == 1.0;
   }
@@ -83,9 +83,9 @@ std::optional<Error> take_row(const Columns& columns, std::span<const double> nu
 Expected<std::vector<TraceSample>> parse_trace(std::string_view text, const std::string& file) {
   LineReader lines(text);
   Columns columns{.format = {.file = file,
-                             .separator = RowFormat::Separator::blank,
+                             .separator = RowFormat::Separator::whitespace,
                              .columns = {"t", "x", "y", "z", "qx", "qy", "qz", "qw"}},
-                  .has_turn = true};
+                  .has_rotation = true};
   if (is_csv(text)) {
     Expected<Columns> of_header = columns_of(file, lines);
     if (!of_header) return of_header.error();
@@ -98,13 +98,13 @@ Expected<std::vector<TraceSample>> parse_trace(std::string_view text, const std:
                        [&](Stamp stamp, std::span<const double> numbers) -> std::optional<Error> {
                          if (!first) first = stamp;
                          TraceSample sample{.t = to_seconds(stamp - *first)};
-                         if (auto error = take_row(columns, numbers, sample)) return error;
+                         if (auto error = read_row(columns, numbers, sample)) return error;
                          samples.push_back(sample);
                          return std::nullopt;
                        });
   if (!read) return read.error();
   if (samples.empty()) {
-    return Error{.message = "has no rows", .file = file, .hint = "write one a moment: t,x,y,z"};
+    return Error{.message = "has no rows", .file = file, .hint = "write one per sample: t,x,y,z"};
   }
   return samples;
 }

@@ -3,15 +3,16 @@
 #include <algorithm>
 #include <utility>
 
+#include "pcavr/geometry/matched_poses.hpp"
+
 #include "evaluated_recording.hpp"
 #include "findings.hpp"
-#include "matched_poses.hpp"
 
 namespace pcavr {
 namespace {
 
-/// Views that decide what could be seen: more find little that these do not, and each costs a ray
-/// for every sample that stays hidden.
+/// Views for the visibility test: more find little else, and each costs a ray for every sample that
+/// is still occluded.
 constexpr std::size_t kMaxViews = 60;
 
 Error no_time_in_common(const ComparisonSide& reference, const ComparisonSide& subject,
@@ -21,10 +22,11 @@ Error no_time_in_common(const ComparisonSide& reference, const ComparisonSide& s
     return format_stamp(poses.poses().front().stamp) + " to " +
            format_stamp(poses.poses().back().stamp) + " s";
   };
-  return {.message = "has no pose of " + what + " at a time that " + reference.folder.string() +
-                     " knows (" + span(estimate) + " against " + span(reference_poses) + ")",
+  return {.message = "has no pose of " + what + " within the time span of " +
+                     reference.folder.string() + " (" + span(estimate) +
+                     "; reference: " + span(reference_poses) + ")",
           .file = subject.folder.string(),
-          .hint = "compare with the truth of the recording that it was made from"};
+          .hint = "compare with the truth of the recording it was made from"};
 }
 
 Error nothing_in_common(const ComparisonSide& reference, const ComparisonSide& subject) {
@@ -34,9 +36,9 @@ Error nothing_in_common(const ComparisonSide& reference, const ComparisonSide& s
            (side.surface_base ? "a surface" : "no surface");
   };
   return {.message = "has nothing in common with " + reference.folder.string() + ": " +
-                     contents(subject) + " against " + contents(reference),
+                     contents(subject) + "; reference: " + contents(reference),
           .file = subject.folder.string(),
-          .hint = "compare with the truth of the recording that it was made from"};
+          .hint = "compare with the truth of the recording it was made from"};
 }
 
 Expected<void> compare_cameras(const ComparisonSide& reference, const ComparisonSide& subject,
@@ -92,23 +94,23 @@ Expected<void> compare_objects(const ComparisonSide& reference, const Comparison
   return {};
 }
 
-/// Those that the reference has, and the subject at no time.
+/// Objects of the reference without a pose in the subject.
 std::vector<std::string> missing_objects(const ComparisonSide& reference,
                                          const ComparisonSide& subject) {
   std::vector<std::string> missing;
-  const auto add_unless_there = [&](const std::string& name) {
-    const bool is_there = subject.tracked.contains(name) || subject.predicted.contains(name) ||
+  const auto add_if_missing = [&](const std::string& name) {
+    const bool has_pose = subject.tracked.contains(name) || subject.predicted.contains(name) ||
                           subject.placed.contains(name);
-    if (!is_there) missing.push_back(name);
+    if (!has_pose) missing.push_back(name);
   };
-  for (const auto& [name, trajectory] : reference.tracked) add_unless_there(name);
+  for (const auto& [name, trajectory] : reference.tracked) add_if_missing(name);
   for (const auto& [name, placement] : reference.placed) {
-    if (!reference.tracked.contains(name)) add_unless_there(name);
+    if (!reference.tracked.contains(name)) add_if_missing(name);
   }
   return missing;
 }
 
-/// Where the reference has an object at the start and at the end of the subject's frames.
+/// The reference's poses of an object at the first and last of the subject's frames.
 std::optional<Placement> reference_placement(const ComparisonSide& reference,
                                              const ComparisonSide& subject,
                                              const std::string& name) {
@@ -148,7 +150,7 @@ void compare_placements(const ComparisonSide& reference, const ComparisonSide& s
   }
 }
 
-/// Each movable body that has a mesh, at the poses that the reference has for the stamps.
+/// Each movable body that has a mesh, at its reference poses for the stamps.
 std::vector<MovedBody> bodies_at(const ComparisonSide& reference,
                                  const EvaluatedRecording& recording,
                                  const std::vector<Stamp>& stamps) {
@@ -163,7 +165,7 @@ std::vector<MovedBody> bodies_at(const ComparisonSide& reference,
   return bodies;
 }
 
-/// Where the movable bodies have been, as far as the reference knows.
+/// All reference poses of the movable bodies.
 std::vector<MovedBody> swept_bodies(const ComparisonSide& reference,
                                     const EvaluatedRecording& recording) {
   std::vector<MovedBody> bodies;
@@ -216,7 +218,7 @@ void compare_surfaces(const ComparisonSide& reference, const ComparisonSide& sub
   findings.surface = std::move(surface);
 }
 
-/// The clock's zero, unless the reference begins so long after it that times would be hard to read.
+/// The clock's zero, unless the reference begins so long after it that times would be unreadable.
 Stamp origin_of(const Findings& findings) {
   constexpr Duration kLongAgo = std::chrono::seconds(1000);
   std::optional<Stamp> first;
@@ -252,8 +254,7 @@ Expected<Findings> compare(const ComparisonSide& reference, const ComparisonSide
   if (!compared) return compared.error();
   findings.objects_missing = missing_objects(reference, subject);
   for (const std::string& name : findings.objects_missing) {
-    observer.on_warning(name + " is not in " + subject.folder.string() +
-                        ", or without a single pose");
+    observer.on_warning(name + " has no pose in " + subject.folder.string());
   }
   return findings;
 }

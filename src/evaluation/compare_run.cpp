@@ -4,21 +4,21 @@
 #include <utility>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/recording/time_series.hpp"
 
 #include "findings.hpp"
-#include "recording/time_series.hpp"
 #include "run_findings.hpp"
 
 namespace pcavr {
 namespace {
 
-/// Until when the run knows an object: its last pose, force or change of phase.
+/// The last instant of an object in the run: its last pose, force or change of phase.
 Stamp end_of(const std::string& object, const RunFiles& files, const ComparisonSide& subject) {
   Stamp end;
-  bool is_known = false;
+  bool has_stamp = false;
   const auto include = [&](Stamp stamp) {
-    end = is_known ? std::max(end, stamp) : stamp;
-    is_known = true;
+    end = has_stamp ? std::max(end, stamp) : stamp;
+    has_stamp = true;
   };
   for (const auto* trajectories : {&subject.tracked, &subject.predicted}) {
     const auto found = trajectories->find(object);
@@ -38,15 +38,15 @@ void compare_phases(const std::map<std::string, PhaseTimeline>& reference,
                     const ComparisonSide& subject, PhaseComparison comparison,
                     RunFindings& findings) {
   for (const auto& [object, timeline] : estimate) {
-    const auto known = reference.find(object);
-    if (known == reference.end()) continue;
+    const auto reference_timeline = reference.find(object);
+    if (reference_timeline == reference.end()) continue;
     comparison.objects[object] =
-        phase_errors(known->second, timeline, end_of(object, files, subject));
+        phase_errors(reference_timeline->second, timeline, end_of(object, files, subject));
   }
   if (!comparison.objects.empty()) findings.phase_comparisons.push_back(std::move(comparison));
 }
 
-/// When the run has the event that is the node.
+/// When the node's event occurs in the run.
 std::optional<Stamp> match_of(const TimeNode& node, const RunFindings& findings,
                               const std::string& comparison_key) {
   for (const PhaseComparison& comparison : findings.phase_comparisons) {
@@ -72,30 +72,31 @@ void find_nodes(RunFindings& findings) {
   }
 }
 
-CorrectionFindings judge_corrections(const std::vector<RunCorrection>& corrections,
-                                     Duration round_trip,
-                                     const std::vector<ObjectFindings>& objects) {
+CorrectionFindings evaluate_corrections(const std::vector<RunCorrection>& corrections,
+                                        Duration round_trip,
+                                        const std::vector<ObjectFindings>& objects) {
   CorrectionFindings found{.counts = count_corrections(corrections)};
   found.effects.resize(corrections.size());
   for (const ObjectFindings& object : objects) {
     if (object.source != "predicted") continue;
-    const std::vector<PoseError>& shown = object.errors.absolute;
-    found.settling[object.name] = settling_of(object.name, corrections, shown, round_trip);
+    const std::vector<PoseError>& errors = object.errors.absolute;
+    found.settling[object.name] = settling_of(object.name, corrections, errors, round_trip);
     for (std::size_t i = 0; i < corrections.size(); ++i) {
-      if (corrections[i].object == object.name) found.effects[i] = effect_of(corrections[i], shown);
+      if (corrections[i].object == object.name)
+        found.effects[i] = effect_of(corrections[i], errors);
     }
   }
   return found;
 }
 
-/// How the tool moved, if the recording behind the run is at hand and says so.
+/// The tool's motion, if the run's recording is available and has it.
 Expected<Trajectory> read_tool(const std::filesystem::path& recording) {
   std::error_code ignored;
   const std::filesystem::path file = recording / "tool.csv";
   if (recording.empty() || !std::filesystem::exists(file, ignored)) return Trajectory();
   const Expected<std::string> text = read_file(file);
   if (!text) return text.error();
-  // A replay may have left out bad rows, too; what is judged here does not hang on them.
+  // As a replay may do; no metric depends on the bad rows.
   Expected<Series<Trajectory>> tool =
       parse_tool({.file = file.string(), .text = *text, .skip_bad = true});
   if (!tool) return tool.error();
@@ -139,7 +140,7 @@ RunFindings compare_run(RunFiles files, std::map<std::string, PhaseTimeline> tru
     findings.peaks[object] = contact_peaks(samples);
   }
   if (run.corrections) {
-    findings.corrections = judge_corrections(*run.corrections, findings.round_trip, objects);
+    findings.corrections = evaluate_corrections(*run.corrections, findings.round_trip, objects);
   }
   return findings;
 }
@@ -160,9 +161,9 @@ Expected<void> add_run(const ComparisonSide& reference, const ComparisonSide& su
     findings.parameters =
         parameter_errors(truth.parameters.value_or(ParameterTable()), *files->parameters);
   }
-  const bool is_of_tracking_alone = files->measured.empty() && files->forces.empty() &&
-                                    !files->corrections && subject.predicted.empty();
-  if (is_of_tracking_alone) return {};
+  const bool has_tracking_only = files->measured.empty() && files->forces.empty() &&
+                                 !files->corrections && subject.predicted.empty();
+  if (has_tracking_only) return {};
   findings.run =
       compare_run(std::move(files).value(), std::move(truth.phases), subject, findings.objects);
   const Expected<Trajectory> T_base_tool =

@@ -22,7 +22,7 @@ bool is_present(const fs::path& path) {
   return fs::exists(path, ignored);
 }
 
-/// What is in a folder, by name; nothing where there is no such folder.
+/// A folder's entries, sorted by name; empty where there is no such folder.
 std::vector<fs::path> entries_of(const fs::path& folder) {
   std::vector<fs::path> entries;
   std::error_code code;
@@ -34,8 +34,8 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
   return entries;
 }
 
-/// Fills `trajectory` if the file is there.
-Expected<void> read_if_there(const fs::path& file, Trajectory& trajectory) {
+/// Fills `trajectory` if the file exists.
+Expected<void> read_if_present(const fs::path& file, Trajectory& trajectory) {
   if (!is_present(file)) return {};
   Expected<Trajectory> read = read_trajectory(file);
   if (!read) return read.error();
@@ -43,29 +43,29 @@ Expected<void> read_if_there(const fs::path& file, Trajectory& trajectory) {
   return {};
 }
 
-/// Adds the object's trajectory if the file is there, and holds a pose: an object that never showed
+/// Adds the object's trajectory if the file exists and has a pose: an object that was never seen
 /// has none.
 Expected<void> add_object(const std::string& name, const fs::path& file,
                           std::map<std::string, Trajectory>& objects) {
   Trajectory trajectory;
-  const Expected<void> done = read_if_there(file, trajectory);
+  const Expected<void> done = read_if_present(file, trajectory);
   if (done && !trajectory.empty()) objects.emplace(name, std::move(trajectory));
   return done;
 }
 
-/// Fills the side's static surface if the file is there.
+/// Fills the side's static surface if the file exists.
 Expected<void> read_surface(const fs::path& file, ComparisonSide& side) {
   if (!is_present(file)) return {};
   Expected<TriangleMesh> mesh = read_mesh(file);
   if (!mesh) return mesh.error();
   if (mesh->triangles.empty()) {
-    return Error{.message = "holds no triangle", .file = file.string(), .hint = "make it again"};
+    return Error{.message = "has no triangles", .file = file.string(), .hint = "create it again"};
   }
   side.surface_base = std::move(mesh).value();
   return {};
 }
 
-/// A recording as a scene or a run names it: from where the command was given, or from its folder.
+/// A recording by its path in a scene or run: relative to the working directory, or to its folder.
 fs::path find_recording(const fs::path& named, const fs::path& folder) {
   for (const fs::path& candidate : {named, folder / named}) {
     if (!named.empty() && is_present(candidate / "recording.yaml")) return candidate;
@@ -74,11 +74,11 @@ fs::path find_recording(const fs::path& named, const fs::path& folder) {
 }
 
 Expected<ComparisonSide> read_truth(ComparisonSide side) {
-  // With a dot, so that "truth/" and "truth" have the same parent.
+  // With a dot, so that "truth/" and "truth" have the same parent folder.
   const fs::path recording =
       fs::absolute(side.folder / ".").lexically_normal().parent_path().parent_path();
   if (is_present(recording / "recording.yaml")) side.recording = recording;
-  Expected<void> done = read_if_there(side.folder / "camera.txt", side.camera);
+  Expected<void> done = read_if_present(side.folder / "camera.txt", side.camera);
   if (!done) return done.error();
   for (const fs::path& file : entries_of(side.folder / "objects")) {
     if (file.extension() != ".txt") continue;
@@ -95,7 +95,7 @@ Expected<ComparisonSide> read_scene(ComparisonSide side) {
   if (!manifest) return manifest.error();
   side.recording = find_recording(manifest->recording, side.folder);
   for (const SceneObjectEntry& object : manifest->objects) {
-    if (object.evidence == "not_seen") continue;  // its pose says nothing
+    if (object.evidence == "not_seen") continue;  // its pose is unknown
     side.placed[object.name] = {object.T_base_object_start, object.T_base_object};
     side.object_meshes[object.name] = side.folder / object.mesh;
   }
@@ -128,7 +128,7 @@ Expected<ComparisonSide> read_run(ComparisonSide side) {
   Expected<fs::path> recording = recording_of_run(side.folder / "run.yaml", side.folder);
   if (!recording) return recording.error();
   side.recording = std::move(recording).value();
-  Expected<void> done = read_if_there(side.folder / "camera_trajectory.txt", side.camera);
+  Expected<void> done = read_if_present(side.folder / "camera_trajectory.txt", side.camera);
   if (!done) return done.error();
   for (const fs::path& object : entries_of(side.folder / "objects")) {
     const std::string name = object.filename().string();
@@ -173,17 +173,18 @@ Expected<ComparisonSide> read_side(const fs::path& folder) {
     if (is_present(folder / file)) return read_truth(std::move(side));
   }
   if (!is_present(folder)) {
-    return Error{.message = "is not there",
+    return Error{.message = "does not exist",
                  .file = folder.string(),
-                 .hint = "name a scene, a run, or the truth folder of a recording that has one"};
+                 .hint = "give a scene, a run, or the truth folder of a recording"};
   }
-  return Error{
-      .message = "holds no scene.yaml, no run.yaml and no camera.txt, objects or scene.ply",
-      .file = folder.string(),
-      .hint = "name a scene, a run, or the truth folder of a recording"};
+  return Error{.message =
+                   "is no scene, run or truth folder: it has no scene.yaml, run.yaml, camera.txt, "
+                   "objects or scene.ply",
+               .file = folder.string(),
+               .hint = "give a scene, a run, or the truth folder of a recording"};
 }
 
-Expected<ComparisonSide> take_tracking(ComparisonSide& run) {
+Expected<ComparisonSide> extract_tracking(ComparisonSide& run) {
   ComparisonSide tracking;
   tracking.kind = SideKind::tracking;
   tracking.folder = run.folder;
@@ -194,9 +195,9 @@ Expected<ComparisonSide> take_tracking(ComparisonSide& run) {
       std::any_of(run.predicted.begin(), run.predicted.end(),
                   [&](const auto& object) { return tracking.tracked.contains(object.first); });
   if (!has_both) {
-    return Error{.message = "holds no object that is both predicted and tracked",
+    return Error{.message = "has no object that is both predicted and tracked",
                  .file = run.folder.string(),
-                 .hint = "name what to hold it against: --truth, or --reference"};
+                 .hint = "give a reference: --truth, or --reference"};
   }
   return tracking;
 }

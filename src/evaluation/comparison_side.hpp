@@ -24,31 +24,31 @@ enum class SideKind {
 /// "truth", "scene", "run", "tracking" or "parameter file".
 [[nodiscard]] std::string name_of(SideKind kind);
 
-/// Where a scene has an object at the start and at the end of its recording.
+/// An object's poses in a scene at the start and at the end of its recording.
 struct Placement {
   Pose T_base_object_start;
   Pose T_base_object_end;
 };
 
-/// What one side of a comparison holds; what its folder does not have is empty.
+/// One side of a comparison; parts that its folder does not have are empty.
 struct ComparisonSide {
   SideKind kind = SideKind::truth;
   std::filesystem::path folder;
-  std::filesystem::path recording;  ///< its recording's folder; empty where that is not to be found
-  Trajectory camera;                ///< T_base_camera
+  std::filesystem::path recording;              ///< its recording's folder; empty where not found
+  Trajectory camera;                            ///< T_base_camera
   std::map<std::string, Trajectory> tracked;    ///< T_base_object: tracked, or true
   std::map<std::string, Trajectory> predicted;  ///< T_base_object that the operator saw
   std::map<std::string, Placement> placed;
-  std::map<std::string, std::filesystem::path> object_meshes;  ///< that the folder itself holds
+  std::map<std::string, std::filesystem::path> object_meshes;  ///< in the folder itself
   std::optional<TriangleMesh> surface_base;                    ///< static
 };
 
-/// Reads a recording's truth folder, a scene or a run: told by scene.yaml, run.yaml, or what a
-/// truth folder holds. Anything that is there but can't be read is an Error.
+/// Reads a recording's truth folder, a scene or a run, as identified by scene.yaml, run.yaml, or a
+/// truth folder's files. A file that exists but can't be read is an Error.
 [[nodiscard]] Expected<ComparisonSide> read_side(const std::filesystem::path& folder);
 
-/// What a run's prediction can be held against where there is no truth: what its markers told.
-/// Takes it out of the run. An Error where the run has no object both tracked and predicted.
-[[nodiscard]] Expected<ComparisonSide> take_tracking(ComparisonSide& run);
+/// The reference for a run's prediction without truth: its marker tracking, which is moved out of
+/// the run. An Error where the run has no object both tracked and predicted.
+[[nodiscard]] Expected<ComparisonSide> extract_tracking(ComparisonSide& run);
 
 }  // namespace pcavr

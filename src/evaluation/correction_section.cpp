@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "html_text.hpp"
+#include "pcavr/evaluation/html_text.hpp"
+
 #include "run_report.hpp"
 
 namespace pcavr {
@@ -14,39 +15,41 @@ ReportTable count_table(const std::string& title, const std::string& column,
 }
 
 ReportTable settling_table(const CorrectionFindings& found) {
-  ReportTable table{.title = "How the prediction came right",
-                    .columns = {"object", "at its first pose", "corrections until below 3 mm",
-                                "seconds until then", "corrections until it stayed so"}};
+  ReportTable table{
+      .title = "Convergence of the prediction",
+      .columns = {"object", "error at first pose", "corrections until below 3 mm",
+                  "time until below 3 mm (s)", "corrections until settled below 3 mm"}};
   const auto count = [](const std::optional<std::size_t>& value) {
     return value ? std::to_string(*value) : "never";
   };
   for (const auto& [object, settling] : found.settling) {
     table.rows.push_back(
-        {object, settling.begins_good ? "below 3 mm" : "above 3 mm",
-         count(settling.corrections_until_good),
-         settling.seconds_until_good ? fixed(*settling.seconds_until_good, 3) : "never",
+        {object, settling.starts_in_tolerance ? "below 3 mm" : "above 3 mm",
+         count(settling.corrections_to_tolerance),
+         settling.seconds_to_tolerance ? fixed(*settling.seconds_to_tolerance, 3) : "never",
          count(settling.corrections_until_settled)});
   }
-  table.note = "Corrections count from when they arrive, one round trip after what they speak of.";
+  table.note =
+      "A correction counts from its arrival, one round trip after the time that it corrects.";
   return table;
 }
 
-/// From corrections that were sent while the error was above 3 mm, and arrived.
+/// Of corrections that were sent while the error was above 3 mm, and not lost.
 std::vector<double> recovery_times(const RunFindings& run) {
   std::vector<double> seconds;
   for (std::size_t i = 0; i < run.corrections->effects.size(); ++i) {
     const CorrectionEffect& effect = run.corrections->effects[i];
-    const bool was_bad = effect.error_then && *effect.error_then >= kGoodPosition;
-    if (!was_bad || (*run.files.corrections)[i].is_lost) continue;
-    if (effect.seconds_until_good) seconds.push_back(*effect.seconds_until_good);
+    const bool was_outside = effect.initial_error && *effect.initial_error >= kPositionTolerance;
+    if (!was_outside || (*run.files.corrections)[i].is_lost) continue;
+    if (effect.seconds_to_tolerance) seconds.push_back(*effect.seconds_to_tolerance);
   }
   return seconds;
 }
 
-std::size_t count_never_good(const RunFindings& run) {
+std::size_t count_never_in_tolerance(const RunFindings& run) {
   std::size_t count = 0;
   for (const CorrectionEffect& effect : run.corrections->effects) {
-    count += effect.error_then && !effect.seconds_until_good ? 1 : 0;
+    count += effect.initial_error && !effect.seconds_to_tolerance ? 1 : 0;
   }
   return count;
 }
@@ -63,9 +66,9 @@ void add_traffic(const RunFindings& run, ReportSection& section) {
 void add_settling(const CorrectionFindings& found, ReportSection& section) {
   for (const auto& [object, settling] : found.settling) {
     const std::string key = "corrections.object." + object;
-    if (settling.corrections_until_good) {
-      section.values.push_back({key + ".until_good.count", *settling.corrections_until_good});
-      section.values.push_back({key + ".until_good_s", *settling.seconds_until_good});
+    if (settling.corrections_to_tolerance) {
+      section.values.push_back({key + ".until_good.count", *settling.corrections_to_tolerance});
+      section.values.push_back({key + ".until_good_s", *settling.seconds_to_tolerance});
     }
     if (settling.corrections_until_settled) {
       section.values.push_back({key + ".until_settled.count", *settling.corrections_until_settled});
@@ -89,20 +92,20 @@ ReportSection correction_section(const Findings& findings) {
   for (const auto& [what, count] : found.counts.by_what) {
     section.values.push_back({"corrections.what." + what, count});
   }
-  section.values.push_back({"corrections.never_good", count_never_good(run)});
+  section.values.push_back({"corrections.never_good", count_never_in_tolerance(run)});
   add_settling(found, section);
   if (!found.settling.empty()) section.tables.push_back(settling_table(found));
   if (found.counts.count == 0) {
-    section.note = "None was sent.";
+    section.note = "No corrections were sent.";
     return section;
   }
   const std::vector<double> recovery = recovery_times(run);
   if (!recovery.empty()) {
-    section.rows.push_back(
-        {"until below 3 mm, where it was not", "recovery", "s", statistics(recovery)});
+    section.rows.push_back({"recovery time to below 3 mm", "recovery", "s", statistics(recovery)});
   }
-  section.tables.push_back(count_table("By case of the switch", "case", found.counts.by_case));
-  section.tables.push_back(count_table("By what was sent", "sent", found.counts.by_what));
+  section.tables.push_back(
+      count_table("By case of the correction switch", "case", found.counts.by_case));
+  section.tables.push_back(count_table("By content", "content", found.counts.by_what));
   section.tables.push_back(correction_table(findings));
   return section;
 }

@@ -35,9 +35,9 @@ ComparisonSide parameter_side(const fs::path& file) {
 /// A parameter file against another, or that of a truth or a run.
 Expected<Evaluation> evaluate_parameters(const EvaluationInput& input) {
   if (input.reference.empty()) {
-    return Error{.message = "is a parameter file, and nothing was named to hold it against",
+    return Error{.message = "is a parameter file, but no reference was given",
                  .file = input.subject.string(),
-                 .hint = "name --truth, or a second parameter file as --reference"};
+                 .hint = "give --truth, or a second parameter file as --reference"};
   }
   const fs::path reference =
       is_file(input.reference) ? input.reference : input.reference / "parameters.yaml";
@@ -55,11 +55,10 @@ Expected<Evaluation> evaluate_parameters(const EvaluationInput& input) {
 
 Expected<ComparisonSide> read_reference(const EvaluationInput& input, ComparisonSide& subject) {
   if (!input.reference.empty()) return read_side(input.reference);
-  if (subject.kind == SideKind::run) return take_tracking(subject);
-  return Error{
-      .message = "is a " + name_of(subject.kind) + ", and nothing was named to hold it against",
-      .file = subject.folder.string(),
-      .hint = "name --truth, or a second scene as --reference"};
+  if (subject.kind == SideKind::run) return extract_tracking(subject);
+  return Error{.message = "is a " + name_of(subject.kind) + ", but no reference was given",
+               .file = subject.folder.string(),
+               .hint = "give --truth, or a second scene as --reference"};
 }
 
 Expected<Evaluation> evaluate_sides(const EvaluationInput& input, Parallelism parallelism,
@@ -92,7 +91,7 @@ Expected<std::string> evaluate(const EvaluationInput& input, const fs::path& rep
   return json;
 }
 
-Expected<std::string> evaluation_figures(const EvaluationInput& input, Parallelism parallelism,
+Expected<std::string> evaluation_metrics(const EvaluationInput& input, Parallelism parallelism,
                                          const Observer& observer) {
   const Expected<Evaluation> evaluation = evaluate_sides(input, parallelism, observer);
   if (!evaluation) return evaluation.error();

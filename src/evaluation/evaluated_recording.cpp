@@ -12,23 +12,24 @@ namespace pcavr {
 namespace {
 
 Expected<void> add_mesh(const std::string& name, const std::filesystem::path& file,
-                        EvaluatedRecording& known) {
+                        EvaluatedRecording& evaluated) {
   Expected<CadModel> model = read_cad_model(file, name);
   if (!model) return model.error();
-  known.meshes_object.emplace(name, std::move(model).value().mesh_object);
+  evaluated.meshes_object.emplace(name, std::move(model).value().mesh_object);
   return {};
 }
 
-Expected<void> read_manifest(const std::filesystem::path& recording, EvaluatedRecording& known) {
+Expected<void> read_manifest(const std::filesystem::path& recording,
+                             EvaluatedRecording& evaluated) {
   const std::filesystem::path file = recording / "recording.yaml";
   const Expected<std::string> text = read_file(file);
   if (!text) return text.error();
   const Expected<Manifest> manifest = parse_manifest(*text, file.string());
   if (!manifest) return manifest.error();
-  known.camera = manifest->camera;
+  evaluated.camera = manifest->camera;
   for (const ObjectEntry& object : manifest->objects) {
     if (object.mesh.empty()) continue;
-    const Expected<void> added = add_mesh(object.name, recording / object.mesh, known);
+    const Expected<void> added = add_mesh(object.name, recording / object.mesh, evaluated);
     if (!added) return added;
   }
   return {};
@@ -39,25 +40,26 @@ Expected<void> read_manifest(const std::filesystem::path& recording, EvaluatedRe
 Expected<EvaluatedRecording> read_evaluated_recording(const ComparisonSide& reference,
                                                       const ComparisonSide& subject,
                                                       const Observer& observer) {
-  EvaluatedRecording known;
+  EvaluatedRecording evaluated;
   const std::filesystem::path& recording =
       reference.recording.empty() ? subject.recording : reference.recording;
   if (recording.empty()) {
     observer.on_warning(
-        "the recording behind these results was not found: completeness counts all of the "
-        "reference's surface, seen or not");
+        "the recording of these results was not found: completeness includes reference surface "
+        "that "
+        "no camera pose saw");
   } else {
-    const Expected<void> read = read_manifest(recording, known);
+    const Expected<void> read = read_manifest(recording, evaluated);
     if (!read) return read.error();
   }
   for (const ComparisonSide* side : {&reference, &subject}) {
     for (const auto& [name, file] : side->object_meshes) {
-      if (known.meshes_object.contains(name)) continue;
-      const Expected<void> added = add_mesh(name, file, known);
+      if (evaluated.meshes_object.contains(name)) continue;
+      const Expected<void> added = add_mesh(name, file, evaluated);
       if (!added) return added.error();
     }
   }
-  return known;
+  return evaluated;
 }
 
 }  // namespace pcavr

@@ -13,15 +13,14 @@
 
 namespace pcavr {
 
-/// What the recording behind a comparison tells: with which camera it was made, and how its objects
-/// look.
+/// The recording behind a comparison: its camera, and its objects' meshes.
 struct EvaluatedRecording {
   std::optional<CameraModel> camera;
   std::map<std::string, TriangleMesh> meshes_object;
 };
 
-/// From the reference's recording, else the subject's; meshes that no recording has come from the
-/// scenes. Warns where there is neither.
+/// From the reference's recording, else the subject's; missing meshes come from the scenes. Warns
+/// where there is neither.
 [[nodiscard]] Expected<EvaluatedRecording> read_evaluated_recording(const ComparisonSide& reference,
                                                                     const ComparisonSide& subject,
                                                                     const Observer& observer);

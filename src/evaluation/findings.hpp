@@ -32,11 +32,11 @@ struct ObjectFindings {
   Trajectory reference;
   Trajectory estimate;
   TrajectoryErrors errors;
-  std::optional<ObjectErrors> model = {};  ///< where there is a mesh of it
-  std::vector<bool> moving = {};           ///< the reference, at each absolute error
+  std::optional<ObjectErrors> model = {};  ///< where it has a mesh
+  std::vector<bool> moving = {};           ///< whether the reference moves, at each absolute error
 };
 
-/// One object's place in a scene against the reference's at that time.
+/// One object's pose in a scene against the reference's at that time.
 struct PlacementFindings {
   std::string name;
   std::string when;          ///< "start" or "end"
@@ -47,7 +47,7 @@ struct PlacementFindings {
 
 struct SurfaceFindings {
   MeshErrors errors;
-  std::size_t views = 0;                   ///< that decided what could be seen; 0: all of it counts
+  std::size_t views = 0;                   ///< of the visibility test; 0: all of the surface counts
   std::optional<double> left_behind = {};  ///< share; where the reference has movable objects
 };
 
@@ -57,21 +57,21 @@ struct Findings {
   std::vector<ObjectFindings> objects;
   std::vector<PlacementFindings> placements;
   std::optional<SurfaceFindings> surface;
-  std::vector<std::string> objects_missing;  ///< the reference has them, the subject nowhere
+  std::vector<std::string> objects_missing;  ///< without a pose in the subject
   std::optional<RunFindings> run;
   std::vector<ParameterError> parameters;
   bool has_true_parameters = false;  ///< false: `parameters` are the subject's alone
-  /// Plots and tables count time from here: the clock's zero, or for clocks that count from long
-  /// ago the first pose of the reference.
+  /// Time origin of plots and tables: the clock's zero, or, where that is long ago, the first pose
+  /// of the reference.
   Stamp origin;
 };
 
-/// Reads what the subject holds beside trajectories if it is a run, and the truth for it, and adds
-/// what follows from them to the findings. Called last.
+/// If the subject is a run, reads its files other than trajectories, and the truth for them, and
+/// adds their comparison to the findings. Called last.
 [[nodiscard]] Expected<void> add_run(const ComparisonSide& reference, const ComparisonSide& subject,
                                      Findings& findings);
 
-/// An Error where the two sides have nothing in common, or nothing at the same time.
+/// An Error where the two sides have no data or no time span in common.
 [[nodiscard]] Expected<Findings> compare(const ComparisonSide& reference,
                                          const ComparisonSide& subject, Parallelism parallelism,
                                          const Observer& observer);

@@ -11,9 +11,9 @@ namespace {
 constexpr Duration kBetweenContacts = std::chrono::milliseconds(50);
 
 void add(const ForceSample& sample, ForceErrorList& errors) {
-  const double difference = sample.felt - sample.measured;
+  const double difference = sample.rendered - sample.measured;
   errors.difference.push_back(difference);
-  if (sample.measured >= kMinJudgedForce) {
+  if (sample.measured >= kMinRelativeForce) {
     errors.relative.push_back(std::abs(difference) / sample.measured);
   }
 }
@@ -43,15 +43,15 @@ std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples) 
   std::vector<ContactPeak> contacts;
   for (const ForceSample& sample : samples) {
     if (contacts.empty() || sample.stamp - contacts.back().end > kBetweenContacts) {
-      contacts.push_back({sample.stamp, sample.stamp, sample.measured, sample.felt});
+      contacts.push_back({sample.stamp, sample.stamp, sample.measured, sample.rendered});
     }
     ContactPeak& contact = contacts.back();
     contact.end = sample.stamp;
     contact.measured = std::max(contact.measured, sample.measured);
-    contact.felt = std::max(contact.felt, sample.felt);
+    contact.rendered = std::max(contact.rendered, sample.rendered);
   }
   std::erase_if(contacts,
-                [](const ContactPeak& contact) { return contact.measured < kMinJudgedForce; });
+                [](const ContactPeak& contact) { return contact.measured < kMinRelativeForce; });
   return contacts;
 }
 

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "html_page.hpp"
+#include "pcavr/evaluation/html_page.hpp"
 
-#include "html_text.hpp"
+#include "pcavr/evaluation/html_text.hpp"
 
 namespace pcavr {
 namespace {
 
-// Series colours: Okabe & Ito's palette, which readers with any kind of colour vision can tell
-// apart; lighter ones of the same hues on dark.
+// Series colours: Okabe & Ito's palette, distinguishable with any kind of colour vision; lighter
+// ones of the same hues on dark.
 constexpr const char* kStyle = R"(
 :root { color-scheme: light dark; --ink: #1c2126; --soft: #5b6570; --paper: #ffffff;
   --panel: #f5f7f9; --rule: #d7dde3; --moving: #f3dfb4; --static: #dde3e9; --critical: #f7dd93;

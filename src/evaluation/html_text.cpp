@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "html_text.hpp"
+#include "pcavr/evaluation/html_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -46,7 +46,7 @@ std::string fixed(double value, int decimals) {
 
 std::string readable(double value) {
   if (!std::isfinite(value)) return "-";
-  // A ten-thousandth of any unit used here is less than what is measured is good for.
+  // A ten-thousandth of any unit used here is below the measurement accuracy.
   if (std::abs(value) < 0.5e-4) return "0";
   const int digits_before_point = static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;
   return fixed(value, std::clamp(3 - digits_before_point, 0, 4));

@@ -6,16 +6,15 @@
 #include <cmath>
 
 #include "pcavr/core/check.hpp"
-
-#include "matched_poses.hpp"
+#include "pcavr/geometry/matched_poses.hpp"
 
 namespace pcavr {
 namespace {
 
-/// Poses for one thread at a time: even a body of eight vertices keeps it busy for a while.
+/// Poses per task: enough work even for a body of eight vertices.
 constexpr std::size_t kPoseGrain = 256;
 
-/// How far apart two poses put a body's point: difference * p_object + offset.
+/// The displacement of a body's point between two poses: difference * p_object + offset.
 struct PoseDifference {
   Eigen::Matrix3d difference;
   Eigen::Vector3d offset;
@@ -33,11 +32,11 @@ double speed_at(const Trajectory& reference, const std::vector<Eigen::Vector3f>&
                 Stamp stamp, Duration span) {
   const PoseDifference motion(pose_near(reference, stamp + -span / 2),
                               pose_near(reference, stamp + span / 2));
-  double largest = 0.0;
+  double max_squared = 0.0;
   for (const Eigen::Vector3f& vertex : vertices_object) {
-    largest = std::max(largest, motion.squared_at(vertex));
+    max_squared = std::max(max_squared, motion.squared_at(vertex));
   }
-  return std::sqrt(largest) / to_seconds(span);
+  return std::sqrt(max_squared) / to_seconds(span);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "pcavr/contact/compliance.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -30,8 +32,8 @@ void compare(ParameterError& error) {
   if (!error.estimate || !error.truth) return;
   const double difference = error.estimate->value - *error.truth;
   if (*error.truth != 0.0) error.relative = difference / *error.truth;
-  const std::optional<double>& deviation = error.estimate->deviation;
-  if (deviation && *deviation > 0.0) error.deviations = difference / *deviation;
+  const std::optional<double>& estimate_std = error.estimate->std;
+  if (estimate_std && *estimate_std > 0.0) error.error_in_std = difference / *estimate_std;
 }
 
 bool same_exponent(const ObjectParameters& a, const ObjectParameters& b) {
@@ -39,7 +41,7 @@ bool same_exponent(const ObjectParameters& a, const ObjectParameters& b) {
          a.contact_exponent->value == b.contact_exponent->value;
 }
 
-/// Elastic forces at one depth; nothing where a law or the limiting friction is not known.
+/// Elastic forces at one penetration; nothing where a law or the limiting friction is unknown.
 std::optional<ParameterError> contact_force_error(const std::string& object,
                                                   const ObjectParameters& truth,
                                                   const ObjectParameters& estimate) {
@@ -48,10 +50,11 @@ std::optional<ParameterError> contact_force_error(const std::string& object,
     return std::nullopt;
   }
   const double force = truth.limiting_static_friction->value;
-  const double depth =
-      std::pow(force / truth.contact_stiffness->value, 1.0 / truth.contact_exponent->value);
-  const double estimated =
-      estimate.contact_stiffness->value * std::pow(depth, estimate.contact_exponent->value);
+  const Compliance true_law{.stiffness = truth.contact_stiffness->value,
+                            .exponent = truth.contact_exponent->value};
+  const Compliance law{.stiffness = estimate.contact_stiffness->value,
+                       .exponent = estimate.contact_exponent->value};
+  const double estimated = elastic_force(law, static_penetration(true_law, force));
   ParameterError error{.object = object,
                        .name = "contact.force",
                        .unit = "N",
@@ -84,9 +87,9 @@ std::vector<ParameterError> parameter_errors(const ParameterTable& truth,
                                              const ParameterTable& estimate) {
   std::vector<ParameterError> errors;
   for (const auto& [object, parameters] : estimate) {
-    const auto known = truth.find(object);
-    const auto more =
-        errors_of(object, known == truth.end() ? nullptr : &known->second, parameters);
+    const auto true_parameters = truth.find(object);
+    const auto more = errors_of(
+        object, true_parameters == truth.end() ? nullptr : &true_parameters->second, parameters);
     errors.insert(errors.end(), more.begin(), more.end());
   }
   return errors;

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "html_text.hpp"
+#include "pcavr/evaluation/html_text.hpp"
+
 #include "run_report.hpp"
 
 namespace pcavr {
@@ -13,12 +14,12 @@ std::string number_text(const std::optional<double>& value, double scale = 1.0) 
   return value ? readable(scale * *value) : "-";
 }
 
-bool is_assumed(const Findings& findings, const ParameterError& error) {
+bool is_default(const Findings& findings, const ParameterError& error) {
   if (!findings.run) return false;
   const auto& assumed = findings.run->files.settings.assumed;
   const auto names = assumed.find(error.object);
   if (names == assumed.end()) return false;
-  // A run writes contact_stiffness for the files' contact: {stiffness}.
+  // A run writes contact_stiffness for the parameter file's contact: {stiffness}.
   std::string name = error.name;
   std::replace(name.begin(), name.end(), '.', '_');
   return std::find(names->second.begin(), names->second.end(), name) != names->second.end();
@@ -31,11 +32,11 @@ void add_values(const ParameterError& error, ReportSection& section) {
   };
   if (error.estimate) {
     add("value", error.estimate->value);
-    add("std", error.estimate->deviation);
+    add("std", error.estimate->std);
   }
   add("truth", error.truth);
   add("error_relative", error.relative);
-  add("error_in_std", error.deviations);
+  add("error_in_std", error.error_in_std);
 }
 
 }  // namespace
@@ -47,35 +48,34 @@ ReportSection parameter_section(const Findings& findings) {
   if (findings.has_true_parameters) {
     table.columns.insert(table.columns.end(), {"truth", "error (%)", "error (std)"});
   }
-  bool has_assumed = false;
+  bool has_default = false;
   for (const ParameterError& error : findings.parameters) {
-    const bool assumed = is_assumed(findings, error);
-    has_assumed = has_assumed || assumed;
-    std::vector<std::string> row = {error.name + (assumed ? " *" : ""), error.object, error.unit,
-                                    error.estimate ? readable(error.estimate->value) : "not known",
-                                    error.estimate ? number_text(error.estimate->deviation) : "-"};
+    const bool uses_default = is_default(findings, error);
+    has_default = has_default || uses_default;
+    std::vector<std::string> row = {error.name + (uses_default ? " *" : ""), error.object,
+                                    error.unit,
+                                    error.estimate ? readable(error.estimate->value) : "unknown",
+                                    error.estimate ? number_text(error.estimate->std) : "-"};
     if (findings.has_true_parameters) {
       row.insert(row.end(), {number_text(error.truth), number_text(error.relative, kPercent),
-                             number_text(error.deviations)});
+                             number_text(error.error_in_std)});
     }
     table.rows.push_back(std::move(row));
     add_values(error, section);
   }
   table.note =
-      "Contact: F = stiffness d^n + damping d^n d' (n = 1: damping d'), n the exponent; stiffness "
-      "and "
-      "damping of different exponents have different units and are not compared. contact.force: "
-      "the "
-      "elastic force at the depth where the true contact bears the limiting friction. The std of "
-      "the "
-      "limiting friction is its spread over pushes.";
-  if (has_assumed) table.note += " *: assumed at the start of the run.";
+      "Contact: F = stiffness d^n + damping d^n d' (n = 1: damping d'), with penetration d and "
+      "exponent n; stiffness and damping of different exponents have different units and are not "
+      "compared. contact.force: the elastic force at the penetration where the true contact's "
+      "force equals the limiting friction. The std of the limiting friction is its spread over "
+      "pushes.";
+  if (has_default) table.note += " *: default value at the start of the run.";
   section.tables.push_back(std::move(table));
   return section;
 }
 
-std::vector<Figure> parameter_headline(const Findings& findings) {
-  std::vector<Figure> headline;
+std::vector<Metric> parameter_headline(const Findings& findings) {
+  std::vector<Metric> headline;
   for (const ParameterError& error : findings.parameters) {
     const bool is_main = error.name == "mass" || error.name == "limiting_static_friction" ||
                          error.name == "sliding_friction_coefficient";

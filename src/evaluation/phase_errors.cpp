@@ -17,16 +17,16 @@ struct Candidate {
   std::size_t estimate = 0;
 };
 
-/// Every pair of one kind within reach, the nearest first.
+/// Every pair of one kind within kMaxMatchDistance, the nearest first.
 std::vector<Candidate> candidates(const std::vector<TimedEvent>& reference,
                                   const std::vector<TimedEvent>& estimate) {
   std::vector<Candidate> pairs;
   for (std::size_t i = 0; i < reference.size(); ++i) {
     const Stamp stamp = reference[i].stamp;
     const auto first =
-        std::lower_bound(estimate.begin(), estimate.end(), stamp + -kFarthestEvent,
+        std::lower_bound(estimate.begin(), estimate.end(), stamp + -kMaxMatchDistance,
                          [](const TimedEvent& event, Stamp value) { return event.stamp < value; });
-    for (auto it = first; it != estimate.end() && it->stamp <= stamp + kFarthestEvent; ++it) {
+    for (auto it = first; it != estimate.end() && it->stamp <= stamp + kMaxMatchDistance; ++it) {
       if (it->event != reference[i].event) continue;
       pairs.push_back(
           {distance(stamp, it->stamp), i, static_cast<std::size_t>(it - estimate.begin())});
@@ -39,14 +39,15 @@ std::vector<Candidate> candidates(const std::vector<TimedEvent>& reference,
   return pairs;
 }
 
+/// Greedy nearest-neighbour matching.
 void match_events(const std::vector<TimedEvent>& reference, const std::vector<TimedEvent>& estimate,
                   Stamp begin, Stamp end, PhaseErrors& errors) {
   std::vector<std::optional<std::size_t>> match(reference.size());
-  std::vector<bool> is_taken(estimate.size(), false);
+  std::vector<bool> is_matched(estimate.size(), false);
   for (const Candidate& pair : candidates(reference, estimate)) {
-    if (match[pair.reference] || is_taken[pair.estimate]) continue;
+    if (match[pair.reference] || is_matched[pair.estimate]) continue;
     match[pair.reference] = pair.estimate;
-    is_taken[pair.estimate] = true;
+    is_matched[pair.estimate] = true;
   }
   const auto is_inside = [&](Stamp stamp) { return stamp >= begin && stamp <= end; };
   for (std::size_t i = 0; i < reference.size(); ++i) {
@@ -55,24 +56,24 @@ void match_events(const std::vector<TimedEvent>& reference, const std::vector<Ti
     if (match[i]) event.estimate = estimate[*match[i]].stamp;
   }
   for (std::size_t j = 0; j < estimate.size(); ++j) {
-    if (!is_taken[j] && is_inside(estimate[j].stamp)) errors.surplus.push_back(estimate[j]);
+    if (!is_matched[j] && is_inside(estimate[j].stamp)) errors.surplus.push_back(estimate[j]);
   }
 }
 
-/// Walks through both timelines at once.
+/// Adds up the confusion matrix over both timelines.
 void add_seconds(const PhaseTimeline& reference, const PhaseTimeline& estimate, Stamp begin,
                  Stamp end, PhaseErrors& errors) {
-  std::vector<Stamp> borders = {begin, end};
+  std::vector<Stamp> boundaries = {begin, end};
   for (const PhaseTimeline* timeline : {&reference, &estimate}) {
     for (const PhaseChange& change : *timeline) {
-      if (change.stamp > begin && change.stamp < end) borders.push_back(change.stamp);
+      if (change.stamp > begin && change.stamp < end) boundaries.push_back(change.stamp);
     }
   }
-  std::sort(borders.begin(), borders.end());
-  for (std::size_t i = 1; i < borders.size(); ++i) {
-    const auto row = static_cast<std::size_t>(*phase_at(reference, borders[i - 1]));
-    const auto column = static_cast<std::size_t>(*phase_at(estimate, borders[i - 1]));
-    errors.seconds.at(row).at(column) += to_seconds(borders[i] - borders[i - 1]);
+  std::sort(boundaries.begin(), boundaries.end());
+  for (std::size_t i = 1; i < boundaries.size(); ++i) {
+    const auto row = static_cast<std::size_t>(*phase_at(reference, boundaries[i - 1]));
+    const auto column = static_cast<std::size_t>(*phase_at(estimate, boundaries[i - 1]));
+    errors.seconds.at(row).at(column) += to_seconds(boundaries[i] - boundaries[i - 1]);
   }
 }
 
@@ -109,7 +110,7 @@ std::size_t count_surplus(const PhaseErrors& errors, std::optional<PhaseEvent> k
                     [&](const TimedEvent& event) { return !kind || event.event == *kind; }));
 }
 
-PhaseErrors together(const std::vector<PhaseErrors>& errors) {
+PhaseErrors merged(const std::vector<PhaseErrors>& errors) {
   PhaseErrors sum;
   for (const PhaseErrors& one : errors) {
     sum.events.insert(sum.events.end(), one.events.begin(), one.events.end());

@@ -12,29 +12,29 @@
 
 namespace pcavr {
 
-/// An estimated event further than this from every true one of its kind is another event: a slow
-/// push passes from contact to sliding within half a second [paper C, Fig. 11].
-inline constexpr Duration kFarthestEvent = std::chrono::milliseconds(500);
+/// Events of one kind farther apart than this do not match: a slow push goes from contact to
+/// sliding within half a second [paper C, Fig. 11].
+inline constexpr Duration kMaxMatchDistance = std::chrono::milliseconds(500);
 
 struct MatchedEvent {
   TimedEvent reference;
-  std::optional<Stamp> estimate = {};  ///< nothing: missed
+  std::optional<Stamp> estimate = {};  ///< empty: missed
 };
 
 /// One object's estimated phases against the reference's.
 struct PhaseErrors {
   std::vector<MatchedEvent> events;  ///< the reference's, by time
-  std::vector<TimedEvent> surplus;   ///< the estimate's that are no event of the reference
-  /// Time [s] by the reference's phase (row) and the estimate's (column).
+  std::vector<TimedEvent> surplus;   ///< events of the estimate without a match (false positives)
+  /// Confusion matrix: time [s] by the reference's phase (row) and the estimate's (column).
   std::array<std::array<double, kPhaseCount>, kPhaseCount> seconds{};
 };
 
-/// Over the span in which both are known; `end` is the last instant of either. Events match with
-/// those of their kind, nearest pairs first, within kFarthestEvent.
+/// Over the time span of both; `end` is the last instant of either. Events match events of their
+/// kind, nearest pairs first, within kMaxMatchDistance.
 [[nodiscard]] PhaseErrors phase_errors(const PhaseTimeline& reference,
                                        const PhaseTimeline& estimate, Stamp end);
 
-/// |time difference| [s] of the events that have a match, of one kind or of all.
+/// |time difference| [s] of the matched events, of one kind or of all.
 [[nodiscard]] std::vector<double> event_errors(const PhaseErrors& errors,
                                                std::optional<PhaseEvent> kind = std::nullopt);
 
@@ -43,11 +43,11 @@ struct PhaseErrors {
 [[nodiscard]] std::size_t count_surplus(const PhaseErrors& errors,
                                         std::optional<PhaseEvent> kind = std::nullopt);
 
-/// Several objects' errors as one list.
-[[nodiscard]] PhaseErrors together(const std::vector<PhaseErrors>& errors);
+/// Pools several objects' errors.
+[[nodiscard]] PhaseErrors merged(const std::vector<PhaseErrors>& errors);
 
-/// Share of the time in which both say the same; with `touched`, of the time in which either says
-/// other than free. 0 where there is no such time.
+/// Share of the time in which both have the same phase; with `touched`, of the time in which either
+/// has another one than free. 0 where there is no such time.
 [[nodiscard]] double agreement(const PhaseErrors& errors, bool touched);
 
 }  // namespace pcavr

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 
-#include "html_text.hpp"
+#include "pcavr/evaluation/html_text.hpp"
+
 #include "phase_timeline.hpp"
 #include "svg_parts.hpp"
 
@@ -25,12 +26,12 @@ std::string lane_class(std::size_t phase) { return "lane" + std::to_string(phase
 std::string legend() {
   std::string html = "<p class=\"legend\">";
   for (const Phase phase : kPhases) {
-    html += legend_area(lane_class(static_cast<std::size_t>(phase)), std::string(word_of(phase)));
+    html += legend_area(lane_class(static_cast<std::size_t>(phase)), std::string(to_string(phase)));
   }
   return html + "</p>\n";
 }
 
-/// Where time lies in the drawing.
+/// Time to drawing coordinates.
 struct TimeAxis {
   double from = 0.0;
   double to = 1.0;
@@ -40,21 +41,21 @@ struct TimeAxis {
 };
 
 TimeAxis axis_of(const std::vector<PhaseLane>& lanes) {
-  TimeAxis axis{lanes.front().stretches.front().from, lanes.front().stretches.back().to};
+  TimeAxis axis{lanes.front().intervals.front().from, lanes.front().intervals.back().to};
   for (const PhaseLane& lane : lanes) {
-    axis.from = std::min(axis.from, lane.stretches.front().from);
-    axis.to = std::max(axis.to, lane.stretches.back().to);
+    axis.from = std::min(axis.from, lane.intervals.front().from);
+    axis.to = std::max(axis.to, lane.intervals.back().to);
   }
-  axis.to = std::max(axis.to, axis.from + 1e-3);  // a single instant has a width all the same
+  axis.to = std::max(axis.to, axis.from + 1e-3);  // minimum width of a single instant
   return axis;
 }
 
 std::string format_lane(const PhaseLane& lane, const TimeAxis& axis, double y) {
   std::string svg = svg_text("tick end", kLaneLeft - 8.0, y + 15.0, lane.label);
-  for (const PhaseStretch& stretch : lane.stretches) {
-    const double x = axis.x(stretch.from);
-    svg += svg_rectangle(lane_class(static_cast<std::size_t>(stretch.phase)), x, y + 2.0,
-                         std::max(0.6, axis.x(stretch.to) - x), kLane - 4.0);
+  for (const PhaseInterval& interval : lane.intervals) {
+    const double x = axis.x(interval.from);
+    svg += svg_rectangle(lane_class(static_cast<std::size_t>(interval.phase)), x, y + 2.0,
+                         std::max(0.6, axis.x(interval.to) - x), kLane - 4.0);
   }
   return svg;
 }

@@ -7,19 +7,19 @@
 namespace pcavr {
 namespace {
 
-constexpr std::array<std::string_view, kPhaseCount> kPhaseWords = {"free", "static", "critical",
+constexpr std::array<std::string_view, kPhaseCount> kPhaseNames = {"free", "static", "critical",
                                                                    "sliding"};
-constexpr std::array<std::string_view, kEventCount> kEventWords = {"contact", "critical", "sliding",
+constexpr std::array<std::string_view, kEventCount> kEventNames = {"contact", "critical", "sliding",
                                                                    "stop",    "leave",    "eased"};
 
 }  // namespace
 
-std::string_view word_of(Phase phase) { return kPhaseWords.at(static_cast<std::size_t>(phase)); }
+std::string_view to_string(Phase phase) { return kPhaseNames.at(static_cast<std::size_t>(phase)); }
 
-std::optional<Phase> phase_named(std::string_view word) {
-  const auto found = std::find(kPhaseWords.begin(), kPhaseWords.end(), word);
-  if (found == kPhaseWords.end()) return std::nullopt;
-  return kPhases.at(static_cast<std::size_t>(found - kPhaseWords.begin()));
+std::optional<Phase> phase_from_string(std::string_view name) {
+  const auto found = std::find(kPhaseNames.begin(), kPhaseNames.end(), name);
+  if (found == kPhaseNames.end()) return std::nullopt;
+  return kPhases.at(static_cast<std::size_t>(found - kPhaseNames.begin()));
 }
 
 std::optional<Phase> phase_at(const PhaseTimeline& timeline, Stamp stamp) {
@@ -30,8 +30,8 @@ std::optional<Phase> phase_at(const PhaseTimeline& timeline, Stamp stamp) {
   return (after - 1)->phase;
 }
 
-std::string_view word_of(PhaseEvent event) {
-  return kEventWords.at(static_cast<std::size_t>(event));
+std::string_view to_string(PhaseEvent event) {
+  return kEventNames.at(static_cast<std::size_t>(event));
 }
 
 std::vector<TimedEvent> events_of(const PhaseTimeline& timeline) {
@@ -44,7 +44,7 @@ std::vector<TimedEvent> events_of(const PhaseTimeline& timeline) {
     };
     add(from == Phase::free, PhaseEvent::contact);
     add(from == Phase::sliding, PhaseEvent::stop);
-    add(from == Phase::critical && to == Phase::held, PhaseEvent::eased);
+    add(from == Phase::critical && to == Phase::static_contact, PhaseEvent::eased);
     add(to == Phase::critical, PhaseEvent::critical);
     add(to == Phase::sliding, PhaseEvent::sliding);
     add(to == Phase::free, PhaseEvent::leave);

@@ -12,23 +12,23 @@
 
 namespace pcavr {
 
-/// As `truth/phase.csv` and a run's `phases.csv` have them. A type of its own: what is judged here
-/// is a file, not the code that wrote it.
+/// As in `truth/phase.csv` and a run's `phases.csv`. Separate from prediction's MotionPhase, so
+/// that the evaluation depends on the files only.
 enum class Phase {
-  free,      ///< at rest, not touched
-  held,      ///< touched and at rest: "static"
-  critical,  ///< touched, at rest, friction near its limit
+  free,            ///< at rest, no contact
+  static_contact,  ///< in contact, at rest: "static"
+  critical,        ///< in contact, at rest, friction near its static limit
   sliding,
 };
 inline constexpr std::size_t kPhaseCount = 4;
-inline constexpr std::array<Phase, kPhaseCount> kPhases = {Phase::free, Phase::held,
+inline constexpr std::array<Phase, kPhaseCount> kPhases = {Phase::free, Phase::static_contact,
                                                            Phase::critical, Phase::sliding};
 
-/// The word in the files: "free", "static", "critical", "sliding".
-[[nodiscard]] std::string_view word_of(Phase phase);
-[[nodiscard]] std::optional<Phase> phase_named(std::string_view word);
+/// The name in the files: "free", "static", "critical", "sliding".
+[[nodiscard]] std::string_view to_string(Phase phase);
+[[nodiscard]] std::optional<Phase> phase_from_string(std::string_view name);
 
-/// A phase holds from its stamp until the next one's.
+/// A phase lasts from its stamp until the next one's.
 struct PhaseChange {
   Stamp stamp;
   Phase phase = Phase::free;
@@ -36,13 +36,12 @@ struct PhaseChange {
 /// One object's, by strictly ascending stamp; neighbours differ.
 using PhaseTimeline = std::vector<PhaseChange>;
 
-/// Nothing before the first change.
+/// Empty before the first change.
 [[nodiscard]] std::optional<Phase> phase_at(const PhaseTimeline& timeline, Stamp stamp);
 
-/// Borders between phases, by what happens there; the first five are paper C's time nodes (t1 to
-/// t5, Fig. 11).
+/// Phase transitions; the first five are paper C's time nodes (t1 to t5, Fig. 11).
 enum class PhaseEvent {
-  contact,   ///< from free to touched
+  contact,   ///< from free to contact
   critical,  ///< into critical
   sliding,   ///< into sliding
   stop,      ///< out of sliding
@@ -54,15 +53,15 @@ inline constexpr std::array<PhaseEvent, kEventCount> kEvents = {
     PhaseEvent::contact, PhaseEvent::critical, PhaseEvent::sliding,
     PhaseEvent::stop,    PhaseEvent::leave,    PhaseEvent::eased};
 
-[[nodiscard]] std::string_view word_of(PhaseEvent event);
+[[nodiscard]] std::string_view to_string(PhaseEvent event);
 
 struct TimedEvent {
   Stamp stamp;
   PhaseEvent event = PhaseEvent::contact;
 };
 
-/// What happens at each change but the first row. One change may be two events: an object that is
-/// let go while it slides, and comes to rest untouched, stops and is left at once.
+/// The events at each change but the first row. One change may be two events: where contact is lost
+/// while the object slides, stop and leave have the same stamp.
 [[nodiscard]] std::vector<TimedEvent> events_of(const PhaseTimeline& timeline);
 
 }  // namespace pcavr

@@ -9,7 +9,7 @@
 
 namespace pcavr {
 
-/// An object's errors while it is in one of the phases that `keep` accepts.
+/// An object's errors during the phases for which `keep` is true.
 template <typename Keep>
 [[nodiscard]] std::vector<PoseError> errors_in(const std::vector<PoseError>& errors,
                                                const PhaseTimeline& timeline, Keep keep) {
@@ -23,7 +23,7 @@ template <typename Keep>
 
 [[nodiscard]] inline bool is_touched_or_moving(Phase phase) { return phase != Phase::free; }
 
-/// Every predicted object's errors, whatever happens to it.
+/// Every predicted object's errors, in all phases.
 [[nodiscard]] inline std::vector<PoseError> predicted_errors(const Findings& findings) {
   std::vector<PoseError> pooled;
   for (const ObjectFindings& object : findings.objects) {
@@ -34,7 +34,7 @@ template <typename Keep>
   return pooled;
 }
 
-/// Every predicted object's errors while it is in one of the phases that `keep` accepts.
+/// Every predicted object's errors during the phases for which `keep` is true.
 template <typename Keep>
 [[nodiscard]] std::vector<PoseError> predicted_errors_in(const Findings& findings, Keep keep) {
   std::vector<PoseError> pooled;

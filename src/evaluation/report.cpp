@@ -22,7 +22,7 @@ void add_rows(ReportSection& section, const std::string& name, const std::string
 }
 
 template <typename Keep>
-std::vector<PoseError> chosen(const std::vector<PoseError>& errors, Keep keep) {
+std::vector<PoseError> selected(const std::vector<PoseError>& errors, Keep keep) {
   std::vector<PoseError> kept;
   for (std::size_t i = 0; i < errors.size(); ++i) {
     if (keep(i)) kept.push_back(errors[i]);
@@ -31,7 +31,7 @@ std::vector<PoseError> chosen(const std::vector<PoseError>& errors, Keep keep) {
 }
 
 std::vector<PoseError> first_second(const std::vector<PoseError>& errors) {
-  return chosen(errors, [&](std::size_t i) {
+  return selected(errors, [&](std::size_t i) {
     return errors[i].stamp - errors.front().stamp <= std::chrono::seconds(1);
   });
 }
@@ -55,9 +55,9 @@ ReportSection object_section(const ObjectFindings& object, const Findings& findi
   add_rows(section, "absolute", "absolute", absolute);
   add_rows(section, "first second", "first_second", first_second(absolute));
   add_rows(section, "at rest", "at_rest",
-           chosen(absolute, [&](std::size_t i) { return !object.moving[i]; }));
+           selected(absolute, [&](std::size_t i) { return !object.moving[i]; }));
   add_rows(section, "moving", "moving",
-           chosen(absolute, [&](std::size_t i) { return object.moving[i]; }));
+           selected(absolute, [&](std::size_t i) { return object.moving[i]; }));
   if (findings.run) {
     const std::vector<ErrorRow> rows = phase_rows(absolute, findings.run->phases_of(object.name));
     section.rows.insert(section.rows.end(), rows.begin(), rows.end());
@@ -77,13 +77,13 @@ ReportSection surface_section(const SurfaceFindings& surface) {
           .plots = plots_of(surface)};
 }
 
-void add_camera_figures(const CameraFindings& camera, std::vector<Figure>& headline) {
+void add_camera_metrics(const CameraFindings& camera, std::vector<Metric>& headline) {
   const TrajectoryErrors& errors = camera.errors;
   const auto poses = static_cast<double>(errors.absolute.size());
   headline.push_back({"Camera poses compared", poses, ""});
   if (errors.unmatched > 0) {
-    headline.push_back(
-        {"Camera poses outside the reference's time", static_cast<double>(errors.unmatched), ""});
+    headline.push_back({"Camera poses outside the reference's time span",
+                        static_cast<double>(errors.unmatched), ""});
   }
   headline.push_back({"Camera position error, rmse, not aligned",
                       kMillimetres * statistics(translations(errors.absolute)).rmse, "mm"});
@@ -96,18 +96,18 @@ void add_camera_figures(const CameraFindings& camera, std::vector<Figure>& headl
   }
 }
 
-/// What counts of a prediction is where things happen.
-void add_touched_figures(const std::string& name, const std::vector<PoseError>& errors,
-                         std::vector<Figure>& headline) {
-  const ErrorStatistics figures = statistics(translations(errors));
-  headline.push_back({name + ": position error while touched or moving, median",
-                      kMillimetres * figures.median, "mm"});
+/// A prediction matters while the object is in contact or moves.
+void add_touched_metrics(const std::string& name, const std::vector<PoseError>& errors,
+                         std::vector<Metric>& headline) {
+  const ErrorStatistics stats = statistics(translations(errors));
   headline.push_back(
-      {name + ": position error while touched or moving, 95 %", kMillimetres * figures.p95, "mm"});
+      {name + ": position error in contact or moving, median", kMillimetres * stats.median, "mm"});
+  headline.push_back({name + ": position error in contact or moving, 95th percentile",
+                      kMillimetres * stats.p95, "mm"});
 }
 
-void add_object_figures(const ObjectFindings& object, const Findings& findings,
-                        std::vector<Figure>& headline) {
+void add_object_metrics(const ObjectFindings& object, const Findings& findings,
+                        std::vector<Metric>& headline) {
   const std::vector<PoseError>& absolute = object.errors.absolute;
   const std::vector<PoseError> start = first_second(absolute);
   const std::string name = object.name + " " + object.source;
@@ -116,7 +116,7 @@ void add_object_figures(const ObjectFindings& object, const Findings& findings,
     touched = errors_in(absolute, findings.run->phases_of(object.name), is_touched_or_moving);
   }
   if (!touched.empty()) {
-    add_touched_figures(name, touched, headline);
+    add_touched_metrics(name, touched, headline);
   } else {
     headline.push_back({name + ": position error, median, first second",
                         kMillimetres * statistics(translations(start)).median, "mm"});
@@ -126,27 +126,30 @@ void add_object_figures(const ObjectFindings& object, const Findings& findings,
   headline.push_back({name + ": position error, rmse, whole run",
                       kMillimetres * statistics(translations(absolute)).rmse, "mm"});
   if (object.errors.unmatched > 0) {
-    headline.push_back({name + ": poses outside the reference's time",
+    headline.push_back({name + ": poses outside the reference's time span",
                         static_cast<double>(object.errors.unmatched), ""});
   }
 }
 
-void add_surface_figures(const SurfaceFindings& surface, std::vector<Figure>& headline) {
+void add_surface_metrics(const SurfaceFindings& surface, std::vector<Metric>& headline) {
   const MeshErrors& errors = surface.errors;
   headline.push_back({"Mesh accuracy, mean", kMillimetres * errors.accuracy.mean, "mm"});
   headline.push_back({"Mesh accuracy, median", kMillimetres * errors.accuracy.median, "mm"});
   headline.push_back({"Mesh accuracy, 95th percentile", kMillimetres * errors.accuracy.p95, "mm"});
-  const std::string of = surface.views > 0 ? " of what was seen" : " of the whole reference";
-  headline.push_back({"Completeness within 5 mm" + of, kPercent * errors.completeness_5mm, "%"});
-  headline.push_back({"Completeness within 10 mm" + of, kPercent * errors.completeness_10mm, "%"});
+  const std::string scope =
+      surface.views > 0 ? " of the seen reference" : " of the whole reference";
+  headline.push_back({"Completeness within 5 mm" + scope, kPercent * errors.completeness_5mm, "%"});
+  headline.push_back(
+      {"Completeness within 10 mm" + scope, kPercent * errors.completeness_10mm, "%"});
   if (surface.left_behind) {
-    headline.push_back({"Movable objects left in the mesh", kPercent * *surface.left_behind, "%"});
+    headline.push_back(
+        {"Residue of movable objects in the mesh", kPercent * *surface.left_behind, "%"});
   }
   headline.push_back(
       {"Mesh farther than 20 mm from the reference", kPercent * errors.share_not_explained, "%"});
 }
 
-/// What concerns one object stands together.
+/// One object's sections follow each other.
 void add_run_objects(const ComparisonSide& reference, const ComparisonSide& subject,
                      const Findings& findings, Report& report) {
   std::set<std::string> names;
@@ -170,15 +173,15 @@ void add_run(const ComparisonSide& reference, const ComparisonSide& subject,
   report.sections.insert(report.sections.end(), closing.begin(), closing.end());
 }
 
-/// What a run has in common with other things that are compared: trajectories and surfaces.
+/// Trajectories and surfaces, of any subject.
 void add_geometry(const Findings& findings, Report& report) {
   if (findings.camera) {
-    add_camera_figures(*findings.camera, report.headline);
+    add_camera_metrics(*findings.camera, report.headline);
     report.sections.push_back(camera_section(*findings.camera, findings.origin));
   }
   for (const ObjectFindings& object : findings.objects) {
-    add_object_figures(object, findings, report.headline);
-    if (findings.run && object.source == "predicted") continue;  // is there already
+    add_object_metrics(object, findings, report.headline);
+    if (findings.run && object.source == "predicted") continue;  // added above
     report.sections.push_back(object_section(object, findings));
   }
   for (const PlacementFindings& placed : findings.placements) {
@@ -187,7 +190,7 @@ void add_geometry(const Findings& findings, Report& report) {
     report.headline.push_back({name + ": rotation", kDegrees * placed.rotation, "deg"});
   }
   if (findings.surface) {
-    add_surface_figures(*findings.surface, report.headline);
+    add_surface_metrics(*findings.surface, report.headline);
     report.sections.push_back(surface_section(*findings.surface));
   }
 }
@@ -207,7 +210,7 @@ Report make_report(const ComparisonSide& reference, const ComparisonSide& subjec
   } else if (!findings.parameters.empty()) {
     report.sections = {parameter_section(findings)};
   }
-  const std::vector<Figure> parameters = parameter_headline(findings);
+  const std::vector<Metric> parameters = parameter_headline(findings);
   report.headline.insert(report.headline.end(), parameters.begin(), parameters.end());
   add_geometry(findings, report);
   return report;

@@ -8,44 +8,45 @@
 #include <variant>
 #include <vector>
 
+#include "pcavr/evaluation/svg_plot.hpp"
+
 #include "comparison_side.hpp"
 #include "findings.hpp"
 #include "phase_lanes.hpp"
-#include "svg_plot.hpp"
 
 namespace pcavr {
 
-/// One line of the headline: what a busy reader wants to know first, in everyday units.
-struct Figure {
+/// One line of the headline: the main metrics, in common units.
+struct Metric {
   std::string name;
   double value = 0.0;
   std::string unit;  ///< "mm", "deg", "ms", "N", "%"; empty for counts
 };
 
-/// A list of errors and its figures.
+/// The statistics of a list of errors.
 struct ErrorRow {
   std::string name;  ///< "position", "rotation", "ADD", ...
   std::string key;   ///< "absolute.translation", ... in report.json
-  std::string unit;  ///< SI: "m", "rad", "N", "s"; empty for shares, which are of 1
-  ErrorStatistics figures;
+  std::string unit;  ///< SI: "m", "rad", "N", "s"; empty for ratios
+  ErrorStatistics stats;
 };
 
-/// A figure of report.json that is no list of errors.
+/// A single value of report.json.
 struct ReportValue {
-  std::string key;  ///< whole, unit at the end
+  std::string key;  ///< complete, unit at the end
   std::variant<double, std::size_t, std::string> value;
 };
 
-/// A table of words and numbers for people.
+/// A table of texts and numbers for people.
 struct ReportTable {
   std::string title;
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows = {};
   std::string note = {};   ///< below it
-  bool is_folded = false;  ///< opened by a click: for lists
+  bool is_folded = false;  ///< collapsed: for long lists
 };
 
-/// One thing that was compared: its errors, and how they look.
+/// One compared item: its errors, plots and tables.
 struct ReportSection {
   std::string title;
   std::string key;  ///< "camera", "object.NAME.tracked", "mesh"
@@ -55,17 +56,17 @@ struct ReportSection {
   std::vector<ReportTable> tables = {};
   std::vector<ReportValue> values = {};
   std::string note = {};  ///< above all
-  bool is_brief = false;  ///< a few columns of the figures, not all of evo's
+  bool is_brief = false;  ///< main statistics only, not all of evo's
 };
 
-/// The figures of a comparison, before they are written one way or another.
+/// The results of a comparison, independent of the output format.
 struct Report {
   std::string subject;
   std::string subject_kind;
   std::string reference;
   std::string reference_kind;
-  std::string recording;  ///< empty where it was not found
-  std::vector<Figure> headline = {};
+  std::string recording;  ///< empty where not found
+  std::vector<Metric> headline = {};
   std::vector<ReportSection> sections = {};
 };
 
@@ -77,10 +78,10 @@ inline constexpr double kMillimetres = 1e3;
 inline constexpr double kDegrees = 57.29577951308232;
 inline constexpr double kPercent = 1e2;
 
-/// report.json: one flat object, SI units in the keys' endings; the headline in everyday units.
+/// report.json: one flat object, keys end in their SI unit; the headline in common units.
 [[nodiscard]] std::string format_json(const Report& report, const Findings& findings);
 
-/// report.html: one page with plots inside, that opens without a network.
+/// report.html: one self-contained page with inline plots, that opens offline.
 [[nodiscard]] std::string format_html(const Report& report, const Findings& findings);
 
 }  // namespace pcavr

@@ -3,20 +3,21 @@
 #include <array>
 #include <span>
 
-#include "html_page.hpp"
-#include "html_text.hpp"
+#include "pcavr/evaluation/html_page.hpp"
+#include "pcavr/evaluation/html_text.hpp"
+
 #include "report.hpp"
 
 namespace pcavr {
 namespace {
 
-/// SI to what the tables show: millimetres, degrees, milliseconds, per cent.
-struct ShownUnit {
+/// From SI to the tables' units: millimetres, degrees, milliseconds, per cent.
+struct DisplayUnit {
   const char* name;
   double scale;
 };
 
-ShownUnit shown_unit(const std::string& si_unit) {
+DisplayUnit display_unit(const std::string& si_unit) {
   if (si_unit == "rad") return {"deg", kDegrees};
   if (si_unit == "s") return {"ms", 1e3};
   if (si_unit == "N") return {"N", 1.0};
@@ -26,14 +27,14 @@ ShownUnit shown_unit(const std::string& si_unit) {
 
 std::string cell(const std::string& content) { return "<td>" + escaped(content) + "</td>"; }
 
-std::string format_figures(std::span<const Figure> figures) {
+std::string format_metrics(std::span<const Metric> metrics) {
   std::string html =
-      "<table class=\"headline\">\n<thead><tr><th>figure</th><th>value</th><th>unit</th></tr>"
+      "<table class=\"headline\">\n<thead><tr><th>metric</th><th>value</th><th>unit</th></tr>"
       "</thead>\n<tbody>\n";
-  for (const Figure& figure : figures) {
-    const bool is_count = figure.unit.empty();
-    html += "<tr>" + cell(figure.name) +
-            cell(is_count ? fixed(figure.value, 0) : readable(figure.value)) + cell(figure.unit) +
+  for (const Metric& metric : metrics) {
+    const bool is_count = metric.unit.empty();
+    html += "<tr>" + cell(metric.name) +
+            cell(is_count ? fixed(metric.value, 0) : readable(metric.value)) + cell(metric.unit) +
             "</tr>\n";
   }
   return html + "</tbody>\n</table>\n";
@@ -42,11 +43,11 @@ std::string format_figures(std::span<const Figure> figures) {
 /// A long list in two columns.
 std::string format_headline(const Report& report) {
   constexpr std::size_t kMaxColumn = 14;
-  const std::span<const Figure> all = report.headline;
-  if (all.size() <= kMaxColumn) return format_figures(all);
+  const std::span<const Metric> all = report.headline;
+  if (all.size() <= kMaxColumn) return format_metrics(all);
   const std::size_t half = (all.size() + 1) / 2;
-  return "<div class=\"two\">\n" + format_figures(all.first(half)) +
-         format_figures(all.subspan(half)) + "</div>\n";
+  return "<div class=\"two\">\n" + format_metrics(all.first(half)) +
+         format_metrics(all.subspan(half)) + "</div>\n";
 }
 
 /// A column of a table of errors, in the order in which evo prints them.
@@ -63,18 +64,18 @@ constexpr std::array<ErrorColumn, 8> kErrorColumns = {
      {"rmse", &ErrorStatistics::rmse, true},
      {"sse (unit²)", &ErrorStatistics::sse, false},
      {"std", &ErrorStatistics::std, false},
-     {"95 %", &ErrorStatistics::p95, true}}};
+     {"p95", &ErrorStatistics::p95, true}}};
 
 std::string format_row(const ErrorRow& row, bool is_brief) {
-  const ShownUnit unit = shown_unit(row.unit);
+  const DisplayUnit unit = display_unit(row.unit);
   std::string html = "<tr>" + cell(row.name) + cell(unit.name);
   for (const ErrorColumn& column : kErrorColumns) {
     if (is_brief && !column.is_brief) continue;
     const bool is_squared = column.value == &ErrorStatistics::sse;
     const double scale = is_squared ? unit.scale * unit.scale : unit.scale;
-    html += cell(row.figures.count > 0 ? readable(row.figures.*column.value * scale) : "-");
+    html += cell(row.stats.count > 0 ? readable(row.stats.*column.value * scale) : "-");
   }
-  return html + cell(std::to_string(row.figures.count)) + "</tr>\n";
+  return html + cell(std::to_string(row.stats.count)) + "</tr>\n";
 }
 
 std::string format_rows(const ReportSection& section) {
@@ -88,8 +89,8 @@ std::string format_rows(const ReportSection& section) {
   return html + "</tbody>\n</table></div>\n";
 }
 
-/// A table of sentences is set to the left, one of numbers to the right.
-bool is_of_words(const ReportTable& table) {
+/// Texts are aligned to the left, numbers to the right.
+bool is_text_table(const ReportTable& table) {
   constexpr std::size_t kMaxNumber = 24;
   for (const std::vector<std::string>& row : table.rows) {
     if (row.back().size() > kMaxNumber) return true;
@@ -101,7 +102,7 @@ std::string format_table(const ReportTable& table) {
   std::string html = table.is_folded ? "<details><summary>" + escaped(table.title) + "</summary>\n"
                                      : "<div><h3>" + escaped(table.title) + "</h3>\n";
   html += "<div class=\"scroll\"><table" +
-          std::string(is_of_words(table) ? " class=\"words\"" : "") + ">\n<thead><tr>";
+          std::string(is_text_table(table) ? " class=\"words\"" : "") + ">\n<thead><tr>";
   for (const std::string& column : table.columns) html += "<th>" + escaped(column) + "</th>";
   html += "</tr></thead>\n<tbody>\n";
   for (const std::vector<std::string>& row : table.rows) {
@@ -135,7 +136,7 @@ std::string format_placements(const std::vector<PlacementFindings>& placements) 
       "<th>when</th><th>position (mm)</th><th>rotation (deg)</th><th>ADD (mm)</th>"
       "<th>MSSD (mm)</th></tr></thead>\n<tbody>\n";
   for (const PlacementFindings& placed : placements) {
-    const ShownUnit angle = shown_unit("rad");
+    const DisplayUnit angle = display_unit("rad");
     html += "<tr>" + cell(placed.name) + cell(placed.when) +
             cell(readable(placed.translation * 1e3)) +
             cell(readable(placed.rotation * angle.scale)) +
@@ -146,13 +147,13 @@ std::string format_placements(const std::vector<PlacementFindings>& placements) 
 }
 
 std::string title_of(const Findings& findings) {
-  return findings.run ? "How far off the run is" : "Position errors";
+  return findings.run ? "Run evaluation" : "Position errors";
 }
 
 std::string format_header(const Report& report, const Findings& findings) {
   std::string html = "<h1>" + title_of(findings) + "</h1>\n<p class=\"inputs\">" +
                      escaped(report.subject_kind) + " <b>" + escaped(report.subject) +
-                     "</b><br>\nheld against the " + escaped(report.reference_kind) + " <b>" +
+                     "</b><br>\ncompared with the " + escaped(report.reference_kind) + " <b>" +
                      escaped(report.reference) + "</b>";
   if (!report.recording.empty()) {
     html += "<br>\nof the recording <b>" + escaped(report.recording) + "</b>";
@@ -173,8 +174,9 @@ std::string format_html(const Report& report, const Findings& findings) {
   html += format_placements(findings.placements);
   html +=
       "<footer>Absolute and relative errors as evo defines them; alignment is rigid, without "
-      "scale. std is of the population. ADD and MSSD: mean and largest distance of the model's "
-      "vertices, without symmetries. The same figures in SI units are in report.json. pcavr " +
+      "scale. std is of the population; p95 is the 95th percentile. ADD and MSSD: mean and maximum "
+      "distance of the model's vertices, without symmetries. The same values in SI units are in "
+      "report.json. pcavr " +
       escaped(PCAVR_VERSION) + "</footer>\n";
   return html_page(title_of(findings) + ": " + report.subject, html);
 }

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
-#include "core/json_text.hpp"
+#include "pcavr/core/json_text.hpp"
+
 #include "report.hpp"
 
 namespace pcavr {
@@ -10,19 +11,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// `si_unit` ends the keys; shares have none.
+/// Keys end in `si_unit`; ratios have none.
 void add_statistics(Json& json, const std::string& key, const std::string& si_unit,
-                    const ErrorStatistics& figures) {
+                    const ErrorStatistics& stats) {
   const std::string unit = si_unit.empty() ? "" : "_" + si_unit;
-  json[key + ".count"] = figures.count;
-  json[key + ".max" + unit] = figures.max;
-  json[key + ".mean" + unit] = figures.mean;
-  json[key + ".median" + unit] = figures.median;
-  json[key + ".min" + unit] = figures.min;
-  json[key + ".rmse" + unit] = figures.rmse;
-  json[key + ".sse" + (unit.empty() ? "" : unit + "2")] = figures.sse;
-  json[key + ".std" + unit] = figures.std;
-  json[key + ".p95" + unit] = figures.p95;
+  json[key + ".count"] = stats.count;
+  json[key + ".max" + unit] = stats.max;
+  json[key + ".mean" + unit] = stats.mean;
+  json[key + ".median" + unit] = stats.median;
+  json[key + ".min" + unit] = stats.min;
+  json[key + ".rmse" + unit] = stats.rmse;
+  json[key + ".sse" + (unit.empty() ? "" : unit + "2")] = stats.sse;
+  json[key + ".std" + unit] = stats.std;
+  json[key + ".p95" + unit] = stats.p95;
 }
 
 void add_placement(Json& json, const PlacementFindings& placed) {
@@ -46,8 +47,8 @@ void add_surface(Json& json, const SurfaceFindings& surface) {
 
 Json headline_of(const Report& report) {
   Json list = Json::array();
-  for (const Figure& figure : report.headline) {
-    list.push_back({{"name", figure.name}, {"value", figure.value}, {"unit", figure.unit}});
+  for (const Metric& metric : report.headline) {
+    list.push_back({{"name", metric.name}, {"value", metric.value}, {"unit", metric.unit}});
   }
   return list;
 }
@@ -63,7 +64,8 @@ std::string format_json(const Report& report, const Findings& findings) {
   json["reference"] = report.reference;
   json["reference_kind"] = report.reference_kind;
   json["recording"] = report.recording;
-  json["units"] = "SI, named at the end of each key; shares and completeness are of 1";
+  json["units"] =
+      "SI, named at the end of each key; shares and completeness are fractions (0 to 1)";
   json["headline"] = headline_of(report);
   if (findings.camera) json["camera.unmatched"] = findings.camera->errors.unmatched;
   for (const ObjectFindings& object : findings.objects) {
@@ -71,7 +73,7 @@ std::string format_json(const Report& report, const Findings& findings) {
   }
   for (const ReportSection& section : report.sections) {
     for (const ErrorRow& row : section.rows) {
-      add_statistics(json, section.key + "." + row.key, row.unit, row.figures);
+      add_statistics(json, section.key + "." + row.key, row.unit, row.stats);
     }
     for (const ReportValue& value : section.values) {
       std::visit([&](const auto& content) { json[value.key] = content; }, value.value);

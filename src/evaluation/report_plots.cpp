@@ -12,10 +12,10 @@
 namespace pcavr {
 namespace {
 
-/// More points than this can't be told apart in a plot 560 units wide.
+/// More points than this are not distinguishable in a plot 560 units wide.
 constexpr std::size_t kMaxPlotPoints = 2000;
 
-/// One value over time; where the estimate pauses for five usual steps, the line does too.
+/// One value over time; the line breaks at gaps of more than five median steps.
 PlotSeries over_time(const std::vector<PoseError>& errors, double PoseError::*value, double scale,
                      Stamp origin, const std::string& label, int color) {
   PlotSeries series{.label = label, .color = color};
@@ -23,9 +23,9 @@ PlotSeries over_time(const std::vector<PoseError>& errors, double PoseError::*va
   for (std::size_t i = 1; i < errors.size(); ++i) {
     steps.push_back(to_seconds(errors[i].stamp - errors[i - 1].stamp));
   }
-  const double pause = 5.0 * statistics(steps).median;
+  const double max_gap = 5.0 * statistics(steps).median;
   for (std::size_t i = 0; i < errors.size(); ++i) {
-    if (i > 0 && steps[i - 1] > pause) {
+    if (i > 0 && steps[i - 1] > max_gap) {
       series.x.push_back(kLineBreak);
       series.y.push_back(kLineBreak);
     }
@@ -35,11 +35,11 @@ PlotSeries over_time(const std::vector<PoseError>& errors, double PoseError::*va
   return series;
 }
 
-/// Of many points, the largest in each bucket: a peak must not get lost.
-PlotSeries with_peaks_kept(const PlotSeries& full) {
+/// Decimated to the maximum of each bucket, so that no peak is lost.
+PlotSeries decimated_to_peaks(const PlotSeries& full) {
   const std::size_t bucket = (full.x.size() + kMaxPlotPoints - 1) / kMaxPlotPoints;
   if (bucket <= 1) return full;
-  PlotSeries thin{.label = full.label, .color = full.color, .dashed = full.dashed};
+  PlotSeries decimated{.label = full.label, .color = full.color, .dashed = full.dashed};
   for (std::size_t begin = 0; begin < full.x.size(); begin += bucket) {
     const auto first = full.y.begin() + static_cast<std::ptrdiff_t>(begin);
     const auto last =
@@ -47,10 +47,10 @@ PlotSeries with_peaks_kept(const PlotSeries& full) {
     const auto peak = std::max_element(first, last, [](double a, double b) {
       return std::isnan(a) ? !std::isnan(b) : a < b;  // a break is smaller than any number
     });
-    thin.x.push_back(full.x[static_cast<std::size_t>(peak - full.y.begin())]);
-    thin.y.push_back(*peak);
+    decimated.x.push_back(full.x[static_cast<std::size_t>(peak - full.y.begin())]);
+    decimated.y.push_back(*peak);
   }
-  return thin;
+  return decimated;
 }
 
 /// The trajectory seen from above.
@@ -77,7 +77,7 @@ Plot error_plot(const std::string& title, const std::string& y_label) {
   return {.title = title, .x_label = "time (s)", .y_label = y_label, .y_from_zero = true};
 }
 
-/// Where the reference moves.
+/// Intervals in which the reference moves.
 std::vector<PlotBand> moving_bands(const ObjectFindings& object, Stamp origin) {
   std::vector<PlotBand> bands;
   const std::vector<PoseError>& errors = object.errors.absolute;
@@ -90,8 +90,8 @@ std::vector<PlotBand> moving_bands(const ObjectFindings& object, Stamp origin) {
   return bands;
 }
 
-/// The distances that the mesh's plots show: some times what a good mesh is off by [mm].
-constexpr double kFarthestShown = 15.0;
+/// [mm] Upper limit of the mesh's plots: several times a good mesh's error.
+constexpr double kMaxShownDistance = 15.0;
 
 /// Share of the samples (%) over distance (mm).
 PlotSeries cumulative(const std::vector<double>& ascending, const std::string& label, int color) {
@@ -103,7 +103,7 @@ PlotSeries cumulative(const std::vector<double>& ascending, const std::string& l
     series.x.push_back(kMillimetres * quantile(ascending, share));
     series.y.push_back(kPercent * share);
   }
-  series.x.push_back(std::max(kFarthestShown, series.x.back()));
+  series.x.push_back(std::max(kMaxShownDistance, series.x.back()));
   series.y.push_back(kPercent);
   return series;
 }
@@ -113,7 +113,7 @@ PlotSeries histogram(const std::vector<double>& ascending, double bin, const std
                      int color) {
   PlotSeries series{.label = label, .color = color};
   auto begin = ascending.begin();
-  for (double low = 0.0; low < kFarthestShown && !ascending.empty(); low += bin) {
+  for (double low = 0.0; low < kMaxShownDistance && !ascending.empty(); low += bin) {
     const auto end = std::lower_bound(begin, ascending.end(), (low + bin) / kMillimetres);
     const double share =
         kPercent * static_cast<double>(end - begin) / static_cast<double>(ascending.size());
@@ -132,10 +132,10 @@ std::vector<Plot> plots_of(const CameraFindings& camera, Stamp origin) {
   Plot rotation = error_plot("Camera rotation error", "rotation error (deg)");
   const auto add = [&](const std::vector<PoseError>& list, const std::string& label, int color) {
     if (list.empty()) return;
-    translation.series.push_back(with_peaks_kept(
+    translation.series.push_back(decimated_to_peaks(
         over_time(list, &PoseError::translation, kMillimetres, origin, label, color)));
     rotation.series.push_back(
-        with_peaks_kept(over_time(list, &PoseError::rotation, kDegrees, origin, label, color)));
+        decimated_to_peaks(over_time(list, &PoseError::rotation, kDegrees, origin, label, color)));
   };
   add(errors.absolute, "not aligned", 0);
   add(errors.absolute_aligned, "aligned", 1);
@@ -148,10 +148,10 @@ std::vector<Plot> plots_of(const ObjectFindings& object, const Findings& finding
   const std::string name = object.name + ", " + object.source;
   Plot translation = error_plot(name + ": position error", "position error (mm)");
   Plot rotation = error_plot(name + ": rotation error", "rotation error (deg)");
-  translation.series.push_back(with_peaks_kept(over_time(
+  translation.series.push_back(decimated_to_peaks(over_time(
       object.errors.absolute, &PoseError::translation, kMillimetres, origin, "position error", 0)));
-  rotation.series.push_back(with_peaks_kept(over_time(object.errors.absolute, &PoseError::rotation,
-                                                      kDegrees, origin, "rotation error", 0)));
+  rotation.series.push_back(decimated_to_peaks(over_time(
+      object.errors.absolute, &PoseError::rotation, kDegrees, origin, "rotation error", 0)));
   const bool has_phases = findings.run && !findings.run->phases_of(object.name).empty();
   if (has_phases) {
     annotate(object, *findings.run, origin, {&translation, &rotation});
@@ -160,7 +160,7 @@ std::vector<Plot> plots_of(const ObjectFindings& object, const Findings& finding
   }
   for (Plot* plot : {&translation, &rotation}) {
     plot->bands = moving_bands(object, origin);
-    plot->band_labels = {"reference moves"};
+    plot->band_labels = {"reference moving"};
   }
   return {translation, map_of(name + ": path from above", object.reference, object.estimate),
           rotation};
@@ -168,15 +168,14 @@ std::vector<Plot> plots_of(const ObjectFindings& object, const Findings& finding
 
 std::vector<Plot> plots_of(const SurfaceFindings& surface) {
   const MeshErrors& errors = surface.errors;
-  const std::string completeness = surface.views > 0
-                                       ? "reference that was seen, to mesh (completeness)"
-                                       : "reference to mesh (completeness)";
+  const std::string completeness = surface.views > 0 ? "seen reference to mesh (completeness)"
+                                                     : "reference to mesh (completeness)";
   Plot shares{.title = "Distance between mesh and reference, cumulative",
               .x_label = "distance (mm)",
               .y_label = "share of the surface within (%)",
               .marks = {{5.0, "5 mm"}, {10.0, "10 mm"}},
               .from_zero = true,
-              .x_to = kFarthestShown,
+              .x_to = kMaxShownDistance,
               .y_to = 100.0};
   shares.series = {cumulative(errors.mesh_to_truth, "mesh to reference (accuracy)", 0),
                    cumulative(errors.seen_truth_to_mesh, completeness, 1)};
@@ -185,7 +184,7 @@ std::vector<Plot> plots_of(const SurfaceFindings& surface) {
             .x_label = "distance (mm)",
             .y_label = "share of the surface in 0.25 mm (%)",
             .from_zero = true,
-            .x_to = kFarthestShown};
+            .x_to = kMaxShownDistance};
   bins.series = {histogram(errors.mesh_to_truth, kBin, "mesh to reference (accuracy)", 0),
                  histogram(errors.seen_truth_to_mesh, kBin, completeness, 1)};
   return {shares, bins};

@@ -4,13 +4,14 @@
 
 #include <vector>
 
+#include "pcavr/evaluation/svg_plot.hpp"
+
 #include "findings.hpp"
-#include "svg_plot.hpp"
 
 namespace pcavr {
 
-/// In the order in which the page sets them: beside two charts stands a map as high as both. Times
-/// count from `origin`.
+/// In the page's layout order: a map is as high as the two charts next to it. Times count from
+/// `origin`.
 [[nodiscard]] std::vector<Plot> plots_of(const CameraFindings& camera, Stamp origin);
 [[nodiscard]] std::vector<Plot> plots_of(const ObjectFindings& object, const Findings& findings);
 [[nodiscard]] std::vector<Plot> plots_of(const SurfaceFindings& surface);

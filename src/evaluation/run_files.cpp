@@ -11,18 +11,17 @@
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/line_counts.hpp"
 #include "pcavr/recording/parameters_file.hpp"
-
-#include "recording/text_rows.hpp"
+#include "pcavr/recording/text_rows.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
 using Fields = std::span<const std::string_view>;
-/// What is wrong with a row, if anything.
-using Fault = std::optional<Error>;
-/// A row that is about an object: its stamp, the object, and what follows.
-using TakeRow = std::function<Fault(Stamp, const std::string& object, Fields rest)>;
+/// A row's error, if any.
+using RowError = std::optional<Error>;
+/// Handles a row of an object: its stamp, the object, and the remaining fields.
+using RowHandler = std::function<RowError(Stamp, const std::string& object, Fields rest)>;
 
 enum class Stamps { ascend, may_repeat };
 
@@ -32,7 +31,7 @@ struct ObjectTable {
   Stamps stamps = Stamps::ascend;    ///< of one object
 };
 
-bool is_there(const fs::path& path) {
+bool file_exists(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
 }
@@ -53,33 +52,34 @@ std::string header_of(const ObjectTable& table) {
   return header;
 }
 
-Fault take_row(const ObjectTable& table, std::string_view line,
-               std::map<std::string, Stamp, std::less<>>& last, const TakeRow& take) {
+RowError parse_row(const ObjectTable& table, std::string_view line,
+                   std::map<std::string, Stamp, std::less<>>& last, const RowHandler& handle) {
   const std::vector<std::string_view> fields = split_at(line, ',');
   if (fields.size() != table.columns.size()) {
     return Error{.message = "has " + std::to_string(fields.size()) + " columns, not " +
                             std::to_string(table.columns.size()),
-                 .hint = "each line holds " + header_of(table)};
+                 .hint = "each line has " + header_of(table)};
   }
   const Expected<Stamp> stamp = parse_stamp(fields[0]);
   if (!stamp) return stamp.error();
   const std::string object(fields[1]);
   if (object.empty()) {
-    return Error{.message = "names no object", .place = "object", .hint = "write its name"};
+    return Error{.message = "has no object name", .place = "object", .hint = "write its name"};
   }
   const auto before = last.find(object);
   if (before != last.end() &&
       (*stamp < before->second || (table.stamps == Stamps::ascend && *stamp == before->second))) {
-    return Error{.message = "time " + std::string(fields[0]) + " is not after the one before of " +
-                            object + ", " + format_stamp(before->second),
-                 .hint = "sort the rows by time and keep one of equal ones"};
+    return Error{.message = "time " + std::string(fields[0]) +
+                            " is not after the previous one of " + object + ", " +
+                            format_stamp(before->second),
+                 .hint = "sort the rows by time and remove duplicates"};
   }
   last[object] = *stamp;
-  return take(*stamp, object, Fields(fields).subspan(2));
+  return handle(*stamp, object, Fields(fields).subspan(2));
 }
 
-/// Hands on each row of a CSV file that is about objects.
-Expected<void> read_table(const ObjectTable& table, const TakeRow& take) {
+/// Calls `handle` for each row of a CSV file by object.
+Expected<void> read_table(const ObjectTable& table, const RowHandler& handle) {
   const std::string file = table.file.string();
   const Expected<std::string> text = read_file(table.file);
   if (!text) return text.error();
@@ -87,28 +87,28 @@ Expected<void> read_table(const ObjectTable& table, const TakeRow& take) {
   const Expected<std::vector<std::string>> header = read_header(file, lines);
   if (!header) return header.error();
   if (*header != table.columns) {
-    return Error{.message = "has another header",
+    return Error{.message = "has an unexpected header",
                  .file = file,
                  .line = 1,
-                 .hint = "begin with " + header_of(table)};
+                 .hint = "the first line must be " + header_of(table)};
   }
   std::map<std::string, Stamp, std::less<>> last;
   while (const std::optional<std::string_view> line = lines.next()) {
     if (trimmed(*line).empty()) continue;
-    Fault fault = take_row(table, *line, last, take);
-    if (!fault) continue;
-    fault->file = file;
-    fault->line = lines.line();
-    return *std::move(fault);
+    RowError error = parse_row(table, *line, last, handle);
+    if (!error) continue;
+    error->file = file;
+    error->line = lines.line();
+    return *std::move(error);
   }
   return {};
 }
 
-Fault take_phase(std::string_view word, const std::string& column, Stamp stamp,
-                 PhaseTimeline& timeline) {
-  const std::optional<Phase> phase = phase_named(word);
+RowError append_phase(std::string_view word, const std::string& column, Stamp stamp,
+                      PhaseTimeline& timeline) {
+  const std::optional<Phase> phase = phase_from_string(word);
   if (!phase) {
-    return Error{.message = "'" + std::string(word) + "' is no phase",
+    return Error{.message = "'" + std::string(word) + "' is not a phase",
                  .place = column,
                  .hint = "write free, static, critical or sliding"};
   }
@@ -116,44 +116,44 @@ Fault take_phase(std::string_view word, const std::string& column, Stamp stamp,
   return std::nullopt;
 }
 
-/// [N] A prediction may show more than was ever measured: this only keeps its squares finite.
+/// [N] A prediction may exceed any measured force: this only keeps its squares finite.
 constexpr InputRange kRunForce{"force of a run", -1e9, 1e9, "N", "keeps squares and sums finite"};
-/// [byte] Of one correction: they have some 30 to 100.
+/// [byte] Of one correction: typically 30 to 100.
 constexpr InputRange kMessageSize{"message", 0.0, 1e6, "byte", "far beyond any message"};
 
-Fault take_number(std::string_view field, const std::string& column, const InputRange& range,
-                  double& number) {
+RowError read_number(std::string_view field, const std::string& column, const InputRange& range,
+                     double& number) {
   const std::optional<double> read = parse_number(field);
   if (!read) {
     return Error{.message = "'" + std::string(field) + "' is not a finite number",
                  .place = column,
                  .hint = "write a decimal number"};
   }
-  if (Fault fault = check_range(range, *read)) {
-    fault->place = column;
-    return fault;
+  if (RowError error = check_range(range, *read)) {
+    error->place = column;
+    return error;
   }
   number = *read;
   return std::nullopt;
 }
 
-Fault take_force(Stamp stamp, Fields rest, std::vector<ForceSample>& samples) {
+RowError append_force(Stamp stamp, Fields rest, std::vector<ForceSample>& samples) {
   ForceSample sample{.stamp = stamp};
-  Fault fault = take_number(rest[0], "measured", kRunForce, sample.measured);
-  if (!fault) fault = take_number(rest[1], "virtual", kRunForce, sample.felt);
-  if (!fault) samples.push_back(sample);
-  return fault;
+  RowError error = read_number(rest[0], "measured", kRunForce, sample.measured);
+  if (!error) error = read_number(rest[1], "virtual", kRunForce, sample.rendered);
+  if (!error) samples.push_back(sample);
+  return error;
 }
 
-Fault take_correction(Stamp stamp, const std::string& object, Fields rest,
-                      std::vector<RunCorrection>& corrections) {
+RowError append_correction(Stamp stamp, const std::string& object, Fields rest,
+                           std::vector<RunCorrection>& corrections) {
   RunCorrection correction{.stamp = stamp, .object = object, .which = std::string(rest[0])};
-  bool is_known = false;
+  bool is_valid = false;
   for (const char* which : {"1.1", "1.2a", "1.2b", "1.3", "2"}) {
-    is_known = is_known || correction.which == which;
+    is_valid = is_valid || correction.which == which;
   }
-  if (!is_known) {
-    return Error{.message = "'" + correction.which + "' is no case of the switch",
+  if (!is_valid) {
+    return Error{.message = "'" + correction.which + "' is not a case of the correction switch",
                  .place = "case",
                  .hint = "write 1.1, 1.2a, 1.2b, 1.3 or 2"};
   }
@@ -165,8 +165,8 @@ Fault take_correction(Stamp stamp, const std::string& object, Fields rest,
     }
   }
   double bytes = 0.0;
-  Fault fault = take_number(rest[2], "bytes", kMessageSize, bytes);
-  if (fault) return fault;
+  RowError error = read_number(rest[2], "bytes", kMessageSize, bytes);
+  if (error) return error;
   correction.bytes = static_cast<std::size_t>(bytes);
   corrections.push_back(std::move(correction));
   return std::nullopt;
@@ -175,7 +175,7 @@ Fault take_correction(Stamp stamp, const std::string& object, Fields rest,
 Expected<void> read_forces(const fs::path& file, RunFiles& run) {
   return read_table({file, {"t", "object", "measured", "virtual"}},
                     [&](Stamp stamp, const std::string& object, Fields rest) {
-                      return take_force(stamp, rest, run.forces[object]);
+                      return append_force(stamp, rest, run.forces[object]);
                     });
 }
 
@@ -183,8 +183,8 @@ Expected<void> read_run_phases(const fs::path& file, RunFiles& run) {
   return read_table(
       {file, {"t", "object", "measured", "predicted"}},
       [&](Stamp stamp, const std::string& object, Fields rest) {
-        const Fault fault = take_phase(rest[0], "measured", stamp, run.measured[object]);
-        return fault ? fault : take_phase(rest[1], "predicted", stamp, run.predicted[object]);
+        const RowError error = append_phase(rest[0], "measured", stamp, run.measured[object]);
+        return error ? error : append_phase(rest[1], "predicted", stamp, run.predicted[object]);
       });
 }
 
@@ -192,7 +192,7 @@ Expected<void> read_corrections(const fs::path& file, RunFiles& run) {
   run.corrections.emplace();
   return read_table({file, {"t", "object", "case", "what", "bytes"}, Stamps::may_repeat},
                     [&](Stamp stamp, const std::string& object, Fields rest) {
-                      return take_correction(stamp, object, rest, *run.corrections);
+                      return append_correction(stamp, object, rest, *run.corrections);
                     });
 }
 
@@ -212,13 +212,13 @@ Expected<void> read_settings(const fs::path& file, RunFiles& run) {
   return {};
 }
 
-/// Reads each file that is there; the first Error ends it.
-Expected<void> read_those_there(
+/// Reads each file that exists, up to the first Error.
+Expected<void> read_existing(
     const fs::path& folder,
     const std::vector<std::pair<const char*, std::function<Expected<void>(const fs::path&)>>>&
         readers) {
   for (const auto& [name, read] : readers) {
-    if (!is_there(folder / name)) continue;
+    if (!file_exists(folder / name)) continue;
     const Expected<void> done = read(folder / name);
     if (!done) return done;
   }
@@ -229,10 +229,10 @@ Expected<void> read_those_there(
 
 Expected<RunFiles> read_run_files(const fs::path& folder) {
   RunFiles run;
-  if (const Expected<void> whole = check_line_counts(folder / "run.yaml"); !whole) {
-    return whole.error();
+  if (const Expected<void> complete = check_line_counts(folder / "run.yaml"); !complete) {
+    return complete.error();
   }
-  const Expected<void> read = read_those_there(
+  const Expected<void> read = read_existing(
       folder,
       {{"run.yaml", [&](const fs::path& file) { return read_settings(file, run); }},
        {"force.csv", [&](const fs::path& file) { return read_forces(file, run); }},
@@ -249,10 +249,10 @@ Expected<TruthFiles> read_truth_files(const fs::path& folder) {
   const auto read_phases = [&](const fs::path& file) {
     return read_table({file, {"t", "object", "phase"}},
                       [&](Stamp stamp, const std::string& object, Fields rest) {
-                        return take_phase(rest[0], "phase", stamp, truth.phases[object]);
+                        return append_phase(rest[0], "phase", stamp, truth.phases[object]);
                       });
   };
-  const Expected<void> read = read_those_there(
+  const Expected<void> read = read_existing(
       folder, {{"phase.csv", read_phases}, {"parameters.yaml", [&](const fs::path& file) {
                                               return read_parameters_into(file, truth.parameters);
                                             }}});

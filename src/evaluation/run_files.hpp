@@ -17,16 +17,16 @@
 
 namespace pcavr {
 
-/// A row of `force.csv`: along the push, at a stamp of the wrench.
+/// A row of `force.csv`: force along the push, at a stamp of the wrench.
 struct ForceSample {
   Stamp stamp;
   double measured = 0.0;  ///< [N]
-  double felt = 0.0;      ///< virtual: what the operator felt then [N]
+  double rendered = 0.0;  ///< column `virtual`: rendered to the operator then [N]
 };
 
 /// A row of `corrections.csv`.
 struct RunCorrection {
-  Stamp stamp;  ///< the instant it speaks of
+  Stamp stamp;  ///< the time that it corrects
   std::string object;
   std::string which;                   ///< "1.1", "1.2a", "1.2b", "1.3" or "2"
   std::vector<std::string> what = {};  ///< "position", "friction parameters", ...
@@ -34,9 +34,9 @@ struct RunCorrection {
   std::size_t bytes = 0;
 };
 
-/// What `run.yaml` says of the two sites; each empty where it does not.
+/// Settings of the two sites in `run.yaml`; empty where not given.
 struct RunSettings {
-  std::optional<std::string> parameters;  ///< the file with which it began, or "none"
+  std::optional<std::string> parameters;  ///< the initial parameter file, or "none"
   std::optional<double> forward_delay;    ///< [s]
   std::optional<double> backward_delay;   ///< [s]
   std::optional<double> jitter;           ///< [s]
@@ -44,12 +44,13 @@ struct RunSettings {
   std::optional<bool> corrections;
   std::optional<bool> identifies;
   std::optional<double> correction_bytes;
-  std::optional<double> streaming_bytes;                    ///< what sending all would have cost
-  std::map<std::string, std::vector<std::string>> assumed;  ///< parameters, by object
+  std::optional<double> streaming_bytes;  ///< of streaming the whole state instead
+  std::map<std::string, std::vector<std::string>>
+      assumed;  ///< parameters with default values, by object
   std::vector<std::string> notes;
 };
 
-/// What a run holds beside trajectories; a file that is not there leaves its part empty.
+/// A run's files other than trajectories; a missing file leaves its part empty.
 struct RunFiles {
   RunSettings settings;
   std::map<std::string, std::vector<ForceSample>> forces;  ///< by object, ascending
@@ -59,18 +60,18 @@ struct RunFiles {
   std::optional<ParameterTable> parameters;
 };
 
-/// What a recording's truth holds beside trajectories and surfaces.
+/// A recording's truth files other than trajectories and surfaces.
 struct TruthFiles {
   std::map<std::string, PhaseTimeline> phases;
   std::optional<ParameterTable> parameters;
 };
 
-/// Reads strictly: what is there but can't be read is an Error with file and line. Stamps ascend
-/// within each object (corrections: may repeat).
+/// Reads strictly: a file that exists but can't be read is an Error with file and line. Stamps
+/// ascend within each object (corrections: may repeat).
 [[nodiscard]] Expected<RunFiles> read_run_files(const std::filesystem::path& run);
 [[nodiscard]] Expected<TruthFiles> read_truth_files(const std::filesystem::path& truth);
 
-/// The parts of a run.yaml that are named above; other keys are for others.
+/// The settings above of a run.yaml; other keys are ignored.
 [[nodiscard]] Expected<RunSettings> parse_run_settings(const std::string& text,
                                                        const std::string& file);
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "comparison_side.hpp"
-#include "correction_figures.hpp"
+#include "correction_metrics.hpp"
 #include "force_errors.hpp"
 #include "phase_errors.hpp"
 #include "run_files.hpp"
@@ -18,7 +18,7 @@ namespace pcavr {
 
 struct ObjectFindings;
 
-/// One record of the phases against a better one.
+/// One record of the phases against a more accurate one.
 struct PhaseComparison {
   std::string key;        ///< "measured", "predicted" or "predicted_to_measured"
   std::string estimate;   ///< "measured" or "predicted"
@@ -27,8 +27,8 @@ struct PhaseComparison {
 };
 
 struct NodeFindings {
-  TimeNode node;                       ///< as the reference has it
-  std::optional<Stamp> measured = {};  ///< of the matching event; nothing: missed
+  TimeNode node;                       ///< of the reference
+  std::optional<Stamp> measured = {};  ///< of the matching event; empty: missed
   std::optional<Stamp> predicted = {};
 };
 
@@ -38,7 +38,7 @@ struct CorrectionFindings {
   std::map<std::string, Settling> settling = {};  ///< of each predicted object
 };
 
-/// What a run tells beside its trajectories.
+/// The results of a run other than its trajectories' errors.
 struct RunFindings {
   RunFiles files;
   std::map<std::string, PhaseTimeline> true_phases;  ///< empty without truth
@@ -49,7 +49,7 @@ struct RunFindings {
   std::optional<CorrectionFindings> corrections;
   Duration round_trip{};  ///< forward and backward delay
 
-  /// The phases that errors are split by: the truth's, else those that the robot's site measured.
+  /// The phases by which errors are split: the truth's, else those measured at the robot's site.
   [[nodiscard]] const std::map<std::string, PhaseTimeline>& phases() const {
     return true_phases.empty() ? files.measured : true_phases;
   }
@@ -57,8 +57,8 @@ struct RunFindings {
   [[nodiscard]] PhaseTimeline phases_of(const std::string& object) const;
 };
 
-/// Holds what the run recorded against the truth, where there is one, and against itself.
-/// `objects` are the position errors that were found already.
+/// Compares the run's files with the truth, where there is one, and with each other. `objects` has
+/// the position errors.
 [[nodiscard]] RunFindings compare_run(RunFiles files,
                                       std::map<std::string, PhaseTimeline> true_phases,
                                       const ComparisonSide& subject,

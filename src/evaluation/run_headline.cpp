@@ -10,82 +10,82 @@ namespace {
 
 constexpr double kMilliseconds = 1e3;
 
-void add_positions(const Findings& findings, std::vector<Figure>& headline) {
+void add_positions(const Findings& findings, std::vector<Metric>& headline) {
   const std::vector<PoseError> touched = predicted_errors_in(findings, is_touched_or_moving);
   if (!touched.empty()) {
-    const ErrorStatistics figures = statistics(translations(touched));
-    headline.push_back({"Predicted position while touched or moving, median error",
-                        kMillimetres * figures.median, "mm"});
-    headline.push_back(
-        {"Predicted position while touched or moving, 95 %", kMillimetres * figures.p95, "mm"});
+    const ErrorStatistics stats = statistics(translations(touched));
+    headline.push_back({"Predicted position error in contact or moving, median",
+                        kMillimetres * stats.median, "mm"});
+    headline.push_back({"Predicted position error in contact or moving, 95th percentile",
+                        kMillimetres * stats.p95, "mm"});
   }
   const std::vector<PoseError> sliding =
       predicted_errors_in(findings, [](Phase phase) { return phase == Phase::sliding; });
   if (!sliding.empty()) {
-    const ErrorStatistics figures = statistics(translations(sliding));
+    const ErrorStatistics stats = statistics(translations(sliding));
     headline.push_back(
-        {"Predicted position while sliding, rmse", kMillimetres * figures.rmse, "mm"});
+        {"Predicted position error while sliding, rmse", kMillimetres * stats.rmse, "mm"});
     headline.push_back(
-        {"Predicted position while sliding, worst", kMillimetres * figures.max, "mm"});
+        {"Predicted position error while sliding, max", kMillimetres * stats.max, "mm"});
   }
   const std::vector<PoseError> all = predicted_errors(findings);
   if (!all.empty()) {
-    headline.push_back({"Predicted position over the whole run, worst",
+    headline.push_back({"Predicted position error, whole run, max",
                         kMillimetres * statistics(translations(all)).max, "mm"});
   }
 }
 
-void add_forces(const RunFindings& run, std::vector<Figure>& headline) {
+void add_forces(const RunFindings& run, std::vector<Metric>& headline) {
   const std::vector<double> relative = relative_force_errors(run);
   if (!relative.empty()) {
-    const ErrorStatistics figures = statistics(relative);
+    const ErrorStatistics stats = statistics(relative);
+    headline.push_back({"Rendered force error in contact, median", kPercent * stats.median, "%"});
     headline.push_back(
-        {"Force felt against measured, in contact, median error", kPercent * figures.median, "%"});
-    headline.push_back(
-        {"Force felt against measured, in contact, 95 %", kPercent * figures.p95, "%"});
+        {"Rendered force error in contact, 95th percentile", kPercent * stats.p95, "%"});
   }
   if (run.forces.empty()) return;
-  double largest = 0.0;
+  double max_error = 0.0;
   for (const auto& [object, errors] : run.forces) {
-    largest = std::max(largest, statistics(magnitudes(errors.all)).max);
+    max_error = std::max(max_error, statistics(magnitudes(errors.all)).max);
   }
-  headline.push_back({"Force felt against measured, whole run, worst", largest, "N"});
+  headline.push_back({"Rendered force error, whole run, max", max_error, "N"});
 }
 
-void add_phases(const RunFindings& run, std::vector<Figure>& headline) {
+void add_phases(const RunFindings& run, std::vector<Metric>& headline) {
   for (const PhaseComparison& comparison : run.phase_comparisons) {
-    // Against the truth where there is one; the third comparison is for the tables.
+    // Against the truth where there is one; the third comparison is in the tables only.
     if (!run.true_phases.empty() && comparison.reference != "truth") continue;
     std::vector<PhaseErrors> of_objects;
     for (const auto& [object, errors] : comparison.objects) of_objects.push_back(errors);
-    const PhaseErrors all = together(of_objects);
+    const PhaseErrors all = merged(of_objects);
     const std::string name = "Phase boundaries " + comparison.estimate;
     const std::vector<double> seconds = event_errors(all);
     if (!seconds.empty()) {
-      const ErrorStatistics figures = statistics(seconds);
-      headline.push_back({name + ", median error", kMilliseconds * figures.median, "ms"});
-      headline.push_back({name + ", 95 %", kMilliseconds * figures.p95, "ms"});
+      const ErrorStatistics stats = statistics(seconds);
+      headline.push_back({name + ", median error", kMilliseconds * stats.median, "ms"});
+      headline.push_back(
+          {name + ", 95th percentile of the error", kMilliseconds * stats.p95, "ms"});
     }
     headline.push_back({name + ", missed", static_cast<double>(count_missed(all)), ""});
     headline.push_back({name + ", surplus", static_cast<double>(count_surplus(all)), ""});
   }
 }
 
-void add_corrections(const RunFindings& run, std::vector<Figure>& headline) {
+void add_corrections(const RunFindings& run, std::vector<Metric>& headline) {
   if (!run.corrections) return;
   const CorrectionCounts& counts = run.corrections->counts;
   headline.push_back({"Corrections sent", static_cast<double>(counts.count), ""});
   const std::optional<double>& streaming = run.files.settings.streaming_bytes;
   if (streaming && *streaming > 0.0) {
-    headline.push_back({"Corrections, share of what streaming would send",
+    headline.push_back({"Correction bytes relative to streaming",
                         kPercent * static_cast<double>(counts.bytes) / *streaming, "%"});
   }
 }
 
 }  // namespace
 
-std::vector<Figure> run_headline(const Findings& findings) {
-  std::vector<Figure> headline;
+std::vector<Metric> run_headline(const Findings& findings) {
+  std::vector<Metric> headline;
   add_positions(findings, headline);
   add_forces(*findings.run, headline);
   add_phases(*findings.run, headline);

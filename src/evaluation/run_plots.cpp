@@ -6,44 +6,44 @@
 #include <cmath>
 #include <utility>
 
-#include "html_text.hpp"
+#include "pcavr/evaluation/html_text.hpp"
+
 #include "report.hpp"
 
 namespace pcavr {
 namespace {
 
-/// More points than this can't be told apart in a plot 560 units wide.
+/// More points than this are not distinguishable in a plot 560 units wide.
 constexpr std::size_t kMaxRunPoints = 2000;
-/// More time nodes than this would cover the plot: the table has them.
+/// More time nodes than this would clutter the plot; the table has them.
 constexpr std::size_t kMaxNodes = 15;
 constexpr double kMinMotion = 0.001;  // [m]
 
-/// The smallest and the largest value of each bucket, in the order of time: no peak gets lost, to
-/// either side.
-PlotSeries thinned(const PlotSeries& full) {
+/// Decimated to the minimum and maximum of each bucket, by time, so that no peak is lost.
+PlotSeries decimated(const PlotSeries& full) {
   const std::size_t bucket = (2 * full.x.size() + kMaxRunPoints - 1) / kMaxRunPoints;
   if (bucket <= 2) return full;
-  PlotSeries thin{.label = full.label, .color = full.color, .dashed = full.dashed};
+  PlotSeries result{.label = full.label, .color = full.color, .dashed = full.dashed};
   for (std::size_t begin = 0; begin < full.x.size(); begin += bucket) {
     const std::size_t end = std::min(begin + bucket, full.x.size());
     std::size_t low = begin;
     std::size_t high = begin;
-    std::optional<std::size_t> pause;
+    std::optional<std::size_t> gap;
     for (std::size_t i = begin; i < end; ++i) {
-      if (std::isnan(full.y[i])) pause = i;
+      if (std::isnan(full.y[i])) gap = i;
       if (std::isnan(full.y[low]) || full.y[i] < full.y[low]) low = i;
       if (std::isnan(full.y[high]) || full.y[i] > full.y[high]) high = i;
     }
     std::vector<std::size_t> kept = {low, high};
-    if (pause) kept.push_back(*pause);
+    if (gap) kept.push_back(*gap);
     std::sort(kept.begin(), kept.end());
     kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
     for (const std::size_t i : kept) {
-      thin.x.push_back(full.x[i]);
-      thin.y.push_back(full.y[i]);
+      result.x.push_back(full.x[i]);
+      result.y.push_back(full.y[i]);
     }
   }
-  return thin;
+  return result;
 }
 
 std::vector<PlotBand> bands_of(const PhaseTimeline& timeline, Stamp origin) {
@@ -51,7 +51,7 @@ std::vector<PlotBand> bands_of(const PhaseTimeline& timeline, Stamp origin) {
   for (std::size_t i = 0; i < timeline.size(); ++i) {
     if (timeline[i].phase == Phase::free) continue;
     const double from = to_seconds(timeline[i].stamp - origin);
-    // The last phase holds to the end: beyond every plot's edge, where it is cut off.
+    // The last phase lasts to the end: beyond every plot's edge, where it is clipped.
     const double to = i + 1 < timeline.size() ? to_seconds(timeline[i + 1].stamp - origin) : 1e12;
     bands.push_back({from, to, static_cast<int>(timeline[i].phase)});
   }
@@ -74,7 +74,7 @@ std::vector<PlotMark> marks_of(const std::string& object, const RunFindings& run
   return marks;
 }
 
-/// The last instant that any trajectory or phase is about.
+/// The last instant of any trajectory or phase.
 Stamp last_instant(const Findings& findings) {
   Stamp end = findings.origin;
   for (const ObjectFindings& object : findings.objects) {
@@ -86,10 +86,10 @@ Stamp last_instant(const Findings& findings) {
   return end;
 }
 
-/// From before the object is first touched until after it is last left, as any record has it: the
-/// same in each of its plots.
+/// Limits the x axis to the object's first contact until its last, of any record: the same in each
+/// of its plots.
 void show_pushes_only(const std::string& object, const Findings& findings, Plot& plot) {
-  constexpr double kMargin = 0.5;  // [s] to see it at rest
+  constexpr double kMargin = 0.5;  // [s] of rest on either side
   const RunFindings& run = *findings.run;
   std::vector<PlotBand> bands;
   for (const auto* timelines : {&run.true_phases, &run.files.measured, &run.files.predicted}) {
@@ -121,26 +121,26 @@ void pin_corrections(const std::string& object, const RunFindings& run, Stamp or
   plot.hollow_pin_label = "correction lost";
 }
 
-/// Where both together got farthest from where the reference began.
-Eigen::Vector3d farthest_from_start(const ObjectFindings& object) {
+/// The maximum displacement of reference or estimate from the reference's first pose.
+Eigen::Vector3d max_displacement(const ObjectFindings& object) {
   const Eigen::Vector3d start = object.reference.poses().front().pose.translation();
-  Eigen::Vector3d farthest = Eigen::Vector3d::Zero();
+  Eigen::Vector3d max = Eigen::Vector3d::Zero();
   for (const Trajectory* trajectory : {&object.reference, &object.estimate}) {
     for (const TimedPose& timed : trajectory->poses()) {
-      const Eigen::Vector3d way = timed.pose.translation() - start;
-      if (way.norm() > farthest.norm()) farthest = way;
+      const Eigen::Vector3d displacement = timed.pose.translation() - start;
+      if (displacement.norm() > max.norm()) max = displacement;
     }
   }
-  return farthest;
+  return max;
 }
 
-PlotSeries way_along(const Trajectory& trajectory, const Eigen::Vector3d& start,
-                     const Eigen::Vector3d& direction, Stamp origin, PlotSeries series) {
+PlotSeries displacement_along(const Trajectory& trajectory, const Eigen::Vector3d& start,
+                              const Eigen::Vector3d& direction, Stamp origin, PlotSeries series) {
   for (const TimedPose& timed : trajectory.poses()) {
     series.x.push_back(to_seconds(timed.stamp - origin));
     series.y.push_back(kMillimetres * direction.dot(timed.pose.translation() - start));
   }
-  return thinned(series);
+  return decimated(series);
 }
 
 std::string axes_text(const Eigen::Vector3d& direction) {
@@ -149,7 +149,7 @@ std::string axes_text(const Eigen::Vector3d& direction) {
   return text;
 }
 
-std::string word_for(SideKind reference) {
+std::string label_for(SideKind reference) {
   if (reference == SideKind::truth) return "true";
   return reference == SideKind::tracking ? "tracked" : "reference";
 }
@@ -161,7 +161,7 @@ PhaseLane lane_of(const std::string& object, const std::string& label,
   for (std::size_t i = 0; i < timeline.size(); ++i) {
     const Stamp from = timeline[i].stamp;
     const Stamp to = i + 1 < timeline.size() ? timeline[i + 1].stamp : std::max(end, from);
-    lane.stretches.push_back(
+    lane.intervals.push_back(
         {to_seconds(from - origin), to_seconds(to - origin), static_cast<int>(timeline[i].phase)});
   }
   return lane;
@@ -179,22 +179,22 @@ void annotate(const ObjectFindings& object, const RunFindings& run, Stamp origin
 
 std::optional<Plot> motion_plot(const ObjectFindings& object, const ComparisonSide& reference,
                                 const ComparisonSide& subject, const Findings& findings) {
-  const Eigen::Vector3d way = farthest_from_start(object);
-  if (way.norm() < kMinMotion) return std::nullopt;
+  const Eigen::Vector3d displacement = max_displacement(object);
+  if (displacement.norm() < kMinMotion) return std::nullopt;
   const Eigen::Vector3d start = object.reference.poses().front().pose.translation();
-  const Eigen::Vector3d direction = way.normalized();
-  Plot plot{.title = object.name + ": way along (" + axes_text(direction) + ") in base",
+  const Eigen::Vector3d direction = displacement.normalized();
+  Plot plot{.title = object.name + ": displacement along (" + axes_text(direction) + ") in base",
             .x_label = "time (s)",
-            .y_label = "way from its start (mm)",
+            .y_label = "displacement from its start (mm)",
             .marks = marks_of(object.name, *findings.run, findings.origin)};
   annotate(object, *findings.run, findings.origin, {&plot});
   const auto add = [&](const Trajectory& trajectory, PlotSeries style) {
     plot.series.push_back(
-        way_along(trajectory, start, direction, findings.origin, std::move(style)));
+        displacement_along(trajectory, start, direction, findings.origin, std::move(style)));
   };
   const auto tracked = subject.tracked.find(object.name);
   if (tracked != subject.tracked.end()) add(tracked->second, {.label = "tracked", .color = 2});
-  add(object.reference, {.label = word_for(reference.kind), .color = 1});
+  add(object.reference, {.label = label_for(reference.kind), .color = 1});
   if (object.source == "predicted") {
     add(object.estimate, {.label = "predicted", .color = 0, .dashed = true});
   }
@@ -211,11 +211,11 @@ Plot force_plot(const std::string& object, const Findings& findings) {
             .y_from_zero = true};
   shade_phases(object, run, findings.origin, plot);
   PlotSeries measured{.label = "measured", .color = 1};
-  PlotSeries felt{.label = "felt (virtual)", .color = 0, .dashed = true};
+  PlotSeries rendered{.label = "rendered (virtual)", .color = 0, .dashed = true};
   const std::vector<ForceSample>& samples = run.files.forces.at(object);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (i > 0 && samples[i].stamp - samples[i - 1].stamp > std::chrono::milliseconds(50)) {
-      for (PlotSeries* series : {&measured, &felt}) {
+      for (PlotSeries* series : {&measured, &rendered}) {
         series->x.push_back(kLineBreak);
         series->y.push_back(kLineBreak);
       }
@@ -223,10 +223,10 @@ Plot force_plot(const std::string& object, const Findings& findings) {
     const double t = to_seconds(samples[i].stamp - findings.origin);
     measured.x.push_back(t);
     measured.y.push_back(samples[i].measured);
-    felt.x.push_back(t);
-    felt.y.push_back(samples[i].felt);
+    rendered.x.push_back(t);
+    rendered.y.push_back(samples[i].rendered);
   }
-  plot.series = {thinned(measured), thinned(felt)};
+  plot.series = {decimated(measured), decimated(rendered)};
   show_pushes_only(object, findings, plot);
   return plot;
 }

@@ -5,26 +5,27 @@
 #include <optional>
 #include <vector>
 
+#include "pcavr/evaluation/svg_plot.hpp"
+
 #include "comparison_side.hpp"
 #include "findings.hpp"
 #include "phase_lanes.hpp"
-#include "svg_plot.hpp"
 
 namespace pcavr {
 
 /// Shades the object's phases in plots over time; for a prediction, pins show when corrections took
-/// effect in what the operator saw.
+/// effect at the operator's site.
 void annotate(const ObjectFindings& object, const RunFindings& run, Stamp origin,
               const std::vector<Plot*>& plots);
 
-/// How far the object got in the direction in which it got farthest: true, tracked, predicted, with
-/// its time nodes [paper C, Fig. 10 and 11]. Nothing where it kept within 1 mm, which is noise.
+/// The object's displacement along the direction of its maximum displacement: true, tracked,
+/// predicted, with its time nodes [paper C, Fig. 10 and 11]. Empty where it is below 1 mm: noise.
 [[nodiscard]] std::optional<Plot> motion_plot(const ObjectFindings& object,
                                               const ComparisonSide& reference,
                                               const ComparisonSide& subject,
                                               const Findings& findings);
 
-/// Force measured and felt over time, with phases and time nodes [paper C, Fig. 11].
+/// Measured and rendered force over time, with phases and time nodes [paper C, Fig. 11].
 [[nodiscard]] Plot force_plot(const std::string& object, const Findings& findings);
 
 /// Every object's phases: true, measured, predicted.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run_report.hpp"
 
-#include "paper_figures.hpp"
+#include "paper_comparison.hpp"
 #include "pooled_errors.hpp"
 #include "run_plots.hpp"
 
@@ -17,14 +17,14 @@ void add_pose_rows(const std::string& name, const std::string& key,
   rows.push_back({"rotation, " + name, key + ".rotation", "rad", statistics(rotations(errors))});
 }
 
-/// Split by what `errors_where` gives for a choice of phases.
+/// `select_errors` selects the errors by phase.
 template <typename ErrorsWhere>
-std::vector<ErrorRow> rows_by_phase(ErrorsWhere errors_where) {
+std::vector<ErrorRow> rows_by_phase(ErrorsWhere select_errors) {
   std::vector<ErrorRow> rows;
-  add_pose_rows("touched or moving", "touched", errors_where(is_touched_or_moving), rows);
+  add_pose_rows("in contact or moving", "touched", select_errors(is_touched_or_moving), rows);
   for (const Phase phase : kPhases) {
-    const std::string word(word_of(phase));
-    add_pose_rows(word, "phase." + word, errors_where([phase](Phase is) { return is == phase; }),
+    const std::string word(to_string(phase));
+    add_pose_rows(word, "phase." + word, select_errors([phase](Phase is) { return is == phase; }),
                   rows);
   }
   return rows;
@@ -59,14 +59,14 @@ void add_peaks(const std::vector<ContactPeak>& peaks, ReportSection& section) {
     const std::string key = section.key + ".contact." + std::to_string(i + 1) + ".";
     section.values.push_back({key + "t_s", peaks[i].begin.seconds()});
     section.values.push_back({key + "largest_measured_N", peaks[i].measured});
-    section.values.push_back({key + "largest_felt_N", peaks[i].felt});
+    section.values.push_back({key + "largest_felt_N", peaks[i].rendered});
     if (peaks[i].approach_speed) {
       section.values.push_back({key + "approach_speed_m_s", *peaks[i].approach_speed});
     }
   }
 }
 
-/// Figures of how well the events of one comparison were met.
+/// Metrics of the events of one comparison.
 void add_phase_values(const std::string& key, const PhaseErrors& errors, ReportSection& section) {
   std::size_t matched = 0;
   for (const MatchedEvent& event : errors.events) matched += event.estimate ? 1 : 0;
@@ -81,16 +81,16 @@ void add_confusion_values(const std::string& key, const PhaseErrors& errors,
                           ReportSection& section) {
   for (std::size_t row = 0; row < kPhaseCount; ++row) {
     for (std::size_t column = 0; column < kPhaseCount; ++column) {
-      section.values.push_back({key + ".confusion." + std::string(word_of(kPhases.at(row))) + "." +
-                                    std::string(word_of(kPhases.at(column))) + "_s",
+      section.values.push_back({key + ".confusion." + std::string(to_string(kPhases.at(row))) +
+                                    "." + std::string(to_string(kPhases.at(column))) + "_s",
                                 errors.seconds.at(row).at(column)});
     }
   }
 }
 
-/// "contact", and how many of them were missed or made up.
+/// "contact", and how many were missed or surplus.
 std::string name_with_counts(const PhaseErrors& errors, PhaseEvent event) {
-  std::string name(word_of(event));
+  std::string name(to_string(event));
   const std::size_t missed = count_missed(errors, event);
   const std::size_t surplus = count_surplus(errors, event);
   if (missed > 0) name += ", " + std::to_string(missed) + " missed";
@@ -99,18 +99,19 @@ std::string name_with_counts(const PhaseErrors& errors, PhaseEvent event) {
 }
 
 ReportSection phase_section(const PhaseComparison& comparison) {
-  ReportSection section{.title = "Phases " + comparison.estimate + " against " +
-                                 (comparison.reference == "truth" ? "the truth" : "those measured"),
-                        .key = "phases." + comparison.key,
-                        .is_brief = true};
+  ReportSection section{
+      .title = "Phases " + comparison.estimate + " against " +
+               (comparison.reference == "truth" ? "the truth" : "the measured ones"),
+      .key = "phases." + comparison.key,
+      .is_brief = true};
   std::vector<PhaseErrors> of_objects;
   for (const auto& [object, errors] : comparison.objects) of_objects.push_back(errors);
-  const PhaseErrors all = together(of_objects);
+  const PhaseErrors all = merged(of_objects);
   section.rows.push_back({"boundaries, all", "boundary", "s", statistics(event_errors(all))});
   for (const PhaseEvent event : kEvents) {
     const std::vector<double> seconds = event_errors(all, event);
     if (seconds.empty() && count_missed(all, event) + count_surplus(all, event) == 0) continue;
-    const std::string word(word_of(event));
+    const std::string word(to_string(event));
     section.rows.push_back(
         {name_with_counts(all, event), "boundary." + word, "s", statistics(seconds)});
   }
@@ -119,9 +120,9 @@ ReportSection phase_section(const PhaseComparison& comparison) {
   for (const auto& [object, errors] : comparison.objects) {
     const std::string key = section.key + ".object." + object;
     add_phase_values(key, errors, section);
-    const ErrorStatistics figures = statistics(event_errors(errors));
-    section.values.push_back({key + ".boundary.median_s", figures.median});
-    section.values.push_back({key + ".boundary.max_s", figures.max});
+    const ErrorStatistics stats = statistics(event_errors(errors));
+    section.values.push_back({key + ".boundary.median_s", stats.median});
+    section.values.push_back({key + ".boundary.max_s", stats.max});
   }
   section.tables.push_back(confusion_table(comparison));
   return section;
@@ -137,7 +138,7 @@ std::vector<ErrorRow> phase_rows(const std::vector<PoseError>& errors,
 
 ReportSection overview_section(const Findings& findings) {
   const RunFindings& run = *findings.run;
-  ReportSection section{.title = "The run", .key = "run"};
+  ReportSection section{.title = "Overview", .key = "run"};
   section.lanes = phase_lanes(findings);
   if (!run.nodes.empty()) section.tables.push_back(node_table(findings));
   ReportTable settings = settings_table(run);
@@ -145,7 +146,7 @@ ReportSection overview_section(const Findings& findings) {
   for (const NodeFindings& found : run.nodes) {
     const std::string key = "nodes.t" + std::to_string(found.node.number);
     section.values.push_back({key + ".object", found.node.object});
-    section.values.push_back({key + ".event", std::string(word_of(found.node.event.event))});
+    section.values.push_back({key + ".event", std::string(to_string(found.node.event.event))});
     const auto add = [&](const std::string& name, std::optional<Stamp> stamp) {
       if (stamp) section.values.push_back({key + "." + name + "_s", stamp->seconds()});
     };
@@ -160,7 +161,7 @@ ReportSection push_section(const std::string& name, const ComparisonSide& refere
                            const ComparisonSide& subject, const Findings& findings) {
   ReportSection section{
       .title = name + ": motion and force", .key = "force." + name, .is_brief = true};
-  const ObjectFindings* shown = nullptr;  // the prediction, or else what was tracked
+  const ObjectFindings* shown = nullptr;  // the prediction, or else the tracking
   for (const ObjectFindings& object : findings.objects) {
     if (object.name == name && (!shown || object.source == "predicted")) shown = &object;
   }
@@ -168,7 +169,7 @@ ReportSection push_section(const std::string& name, const ComparisonSide& refere
     if (auto plot = motion_plot(*shown, reference, subject, findings)) {
       section.plots.push_back(*std::move(plot));
     } else {
-      section.note = name + " kept within 1 mm of its start.";
+      section.note = name + " stayed within 1 mm of its start.";
     }
   }
   const auto errors = findings.run->forces.find(name);
@@ -176,7 +177,7 @@ ReportSection push_section(const std::string& name, const ComparisonSide& refere
   section.plots.push_back(force_plot(name, findings));
   add_force_rows("in contact", "in_contact", errors->second.in_contact, section.rows);
   for (const Phase phase : kPhases) {
-    const std::string word(word_of(phase));
+    const std::string word(to_string(phase));
     add_force_rows(word, word, errors->second.by_phase.at(static_cast<std::size_t>(phase)),
                    section.rows);
   }
@@ -197,7 +198,7 @@ std::vector<ReportSection> closing_sections(const Findings& findings) {
   }
   if (run.corrections) sections.push_back(correction_section(findings));
   if (!findings.parameters.empty()) sections.push_back(parameter_section(findings));
-  ReportSection papers{.title = "Beside the papers", .key = "papers"};
+  ReportSection papers{.title = "Comparison with the papers", .key = "papers"};
   papers.tables.push_back(paper_table(findings));
   ReportTable contacts = contact_table(findings);
   if (!contacts.rows.empty()) papers.tables.push_back(std::move(contacts));

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "recording/yaml_map.hpp"
+#include "pcavr/recording/yaml_map.hpp"
+
 #include "run_files.hpp"
 
 namespace pcavr {

@@ -2,14 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "html_text.hpp"
+#include "pcavr/evaluation/html_text.hpp"
+
 #include "run_report.hpp"
 
 namespace pcavr {
 namespace {
 
 constexpr double kMsPerSecond = 1e3;
-/// A longer list is for programs: it is in the run's own file.
+/// A longer list is not readable; the run's file has it.
 constexpr std::size_t kMaxRows = 200;
 
 std::string time_text(std::optional<Stamp> stamp, Stamp origin) {
@@ -32,7 +33,7 @@ std::string yes_or_no(bool value) { return value ? "yes" : "no"; }
 
 ReportTable settings_table(const RunFindings& run) {
   const RunSettings& settings = run.files.settings;
-  ReportTable table{.title = "How it was run", .columns = {"setting", "value"}};
+  ReportTable table{.title = "Run settings", .columns = {"setting", "value"}};
   const auto add = [&](const std::string& name, const std::string& value) {
     table.rows.push_back({name, value});
   };
@@ -41,14 +42,14 @@ ReportTable settings_table(const RunFindings& run) {
   };
   add_delay("delay from operator to robot", settings.forward_delay);
   add_delay("delay from robot to operator", settings.backward_delay);
-  add_delay("jitter of either (standard deviation)", settings.jitter);
+  add_delay("jitter of either delay (std)", settings.jitter);
   if (settings.loss)
     add("corrections lost by the network", readable(kPercent * *settings.loss) + " %");
-  if (settings.parameters) add("parameters known at the start", *settings.parameters);
-  if (settings.identifies) add("identifies as it goes", yes_or_no(*settings.identifies));
+  if (settings.parameters) add("initial parameters", *settings.parameters);
+  if (settings.identifies) add("online identification", yes_or_no(*settings.identifies));
   if (settings.corrections) add("corrections", yes_or_no(*settings.corrections));
   for (const auto& [object, assumed] : settings.assumed) {
-    if (!assumed.empty()) add("assumed for " + object, joined(assumed, ", "));
+    if (!assumed.empty()) add("default parameters of " + object, joined(assumed, ", "));
   }
   for (const std::string& note : settings.notes) add("note", note);
   return table;
@@ -57,7 +58,7 @@ ReportTable settings_table(const RunFindings& run) {
 ReportTable node_table(const Findings& findings) {
   const RunFindings& run = *findings.run;
   const bool has_truth = !run.true_phases.empty();
-  ReportTable table{.title = "Time nodes", .columns = {"node", "object", "what happens"}};
+  ReportTable table{.title = "Time nodes", .columns = {"node", "object", "event"}};
   if (has_truth)
     table.columns.insert(table.columns.end(), {"truth (s)", "measured (s)", "error (ms)"});
   if (!has_truth) table.columns.push_back("measured (s)");
@@ -65,7 +66,7 @@ ReportTable node_table(const Findings& findings) {
   for (const NodeFindings& found : run.nodes) {
     const Stamp reference = found.node.event.stamp;
     std::vector<std::string> row = {"t" + std::to_string(found.node.number), found.node.object,
-                                    std::string(word_of(found.node.event.event)),
+                                    std::string(to_string(found.node.event.event)),
                                     time_text(reference, findings.origin)};
     if (has_truth) {
       row.push_back(time_text(found.measured, findings.origin));
@@ -76,10 +77,9 @@ ReportTable node_table(const Findings& findings) {
     table.rows.push_back(std::move(row));
   }
   table.note =
-      "Of each push the contact, the first time that the object is near its limit and that it "
-      "slides, the last stop and the end of the contact, numbered as in paper C's figure 11. "
-      "Missed: "
-      "nothing of that kind within 0.5 s.";
+      "Of each push: the contact, the first time at the friction limit, the first slide, the last "
+      "stop and the end of the contact, numbered as in paper C's figure 11. Missed: no event of "
+      "that kind within 0.5 s.";
   table.is_folded = table.rows.size() > 20;
   return table;
 }
@@ -87,22 +87,22 @@ ReportTable node_table(const Findings& findings) {
 ReportTable confusion_table(const PhaseComparison& comparison) {
   std::vector<PhaseErrors> all;
   for (const auto& [object, errors] : comparison.objects) all.push_back(errors);
-  const PhaseErrors sum = together(all);
-  ReportTable table{.title = "Where the time went",
-                    .columns = {comparison.reference + " says", "for (s)"}};
+  const PhaseErrors sum = merged(all);
+  ReportTable table{.title = "Confusion matrix of the phases",
+                    .columns = {comparison.reference + " phase", "time (s)"}};
   for (const Phase phase : kPhases) {
-    table.columns.push_back(std::string(word_of(phase)) + " (%)");
+    table.columns.push_back(std::string(to_string(phase)) + " (%)");
   }
   for (std::size_t row = 0; row < kPhaseCount; ++row) {
     double total = 0.0;
     for (const double seconds : sum.seconds.at(row)) total += seconds;
-    std::vector<std::string> cells = {std::string(word_of(kPhases.at(row))), fixed(total, 2)};
+    std::vector<std::string> cells = {std::string(to_string(kPhases.at(row))), fixed(total, 2)};
     for (const double seconds : sum.seconds.at(row)) {
       cells.push_back(total > 0.0 ? fixed(kPercent * seconds / total, 1) : "-");
     }
     table.rows.push_back(std::move(cells));
   }
-  table.note = "Columns: what was " + comparison.estimate + " at the same time.";
+  table.note = "Columns: the " + comparison.estimate + " phase, in % of the row's time.";
   return table;
 }
 
@@ -110,20 +110,20 @@ ReportTable correction_table(const Findings& findings) {
   const RunFindings& run = *findings.run;
   const std::vector<RunCorrection>& corrections = *run.files.corrections;
   ReportTable table{.title = "Each correction",
-                    .columns = {"speaks of (s)", "object", "case", "what", "bytes",
-                                "error then (mm)", "below 3 mm after (s)"},
+                    .columns = {"corrected time (s)", "object", "case", "content", "bytes",
+                                "error at that time (mm)", "below 3 mm after (s)"},
                     .is_folded = true};
   const std::size_t shown = std::min(corrections.size(), kMaxRows);
   for (std::size_t i = 0; i < shown; ++i) {
     const RunCorrection& one = corrections[i];
     const CorrectionEffect& effect = run.corrections->effects[i];
-    table.rows.push_back({fixed(to_seconds(one.stamp - findings.origin), 3), one.object, one.which,
-                          joined(one.what, ", ") + (one.is_lost ? " (lost)" : ""),
-                          std::to_string(one.bytes),
-                          effect.error_then ? readable(kMillimetres * *effect.error_then) : "-",
-                          effect.seconds_until_good ? fixed(*effect.seconds_until_good, 3)
-                          : effect.error_then       ? "never"
-                                                    : "-"});
+    table.rows.push_back(
+        {fixed(to_seconds(one.stamp - findings.origin), 3), one.object, one.which,
+         joined(one.what, ", ") + (one.is_lost ? " (lost)" : ""), std::to_string(one.bytes),
+         effect.initial_error ? readable(kMillimetres * *effect.initial_error) : "-",
+         effect.seconds_to_tolerance ? fixed(*effect.seconds_to_tolerance, 3)
+         : effect.initial_error      ? "never"
+                                     : "-"});
   }
   if (shown < corrections.size()) {
     table.note = "The first " + std::to_string(shown) + " of " +

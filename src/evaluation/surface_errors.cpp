@@ -15,10 +15,10 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kSampleGrain = 1024;  // samples handed to a thread at once
+constexpr std::size_t kSampleGrain = 1024;  // samples per task
 
-/// Farther than any two points of the meshes are apart [m].
-float reach(const TriangleMesh& a, const TriangleMesh& b) {
+/// An upper bound of the distance between any two points of the meshes [m].
+float max_distance(const TriangleMesh& a, const TriangleMesh& b) {
   Eigen::AlignedBox3f box = bounds(a.vertices);
   box.extend(bounds(b.vertices));
   return 1.0F + box.diagonal().norm();
@@ -62,16 +62,16 @@ std::vector<SurfaceSample> seen_samples(const TriangleMesh& truth_base,
   return samples;
 }
 
-/// A body that asks whether points lie in it, at one of its poses.
-class Sweep {
+/// The volume swept by a body over its poses.
+class SweptVolume {
  public:
-  explicit Sweep(const MovedBody& body) : surface_object_(body.mesh_object) {
-    // Poses of a body at rest repeat: one stands for all that move no vertex by a millimetre.
-    constexpr double kSamePlace = 0.001;
+  explicit SweptVolume(const MovedBody& body) : surface_object_(body.mesh_object) {
+    // Poses of a body at rest repeat: skips those that move no vertex by a millimetre.
+    constexpr double kMinPoseChange = 0.001;
     const std::vector<Eigen::Vector3f>& vertices = body.mesh_object.vertices;
     const Pose* last = nullptr;
     for (const Pose& T_base_object : body.T_base_object) {
-      if (last != nullptr && model_error(vertices, *last, T_base_object).mssd < kSamePlace)
+      if (last != nullptr && model_error(vertices, *last, T_base_object).mssd < kMinPoseChange)
         continue;
       last = &T_base_object;
       T_object_base_.push_back(T_base_object.inverse());
@@ -79,7 +79,7 @@ class Sweep {
   }
 
   /// Whether the point lies inside the body, or within `margin` of it, at any pose.
-  [[nodiscard]] bool reaches(const Eigen::Vector3f& p_base, float margin) const {
+  [[nodiscard]] bool contains(const Eigen::Vector3f& p_base, float margin) const {
     return std::any_of(T_object_base_.begin(), T_object_base_.end(), [&](const Pose& pose) {
       const Eigen::Vector3f p_object = (pose * p_base.cast<double>().eval()).cast<float>();
       return surface_object_.closest(p_object, margin).has_value() || is_inside(p_object);
@@ -87,8 +87,8 @@ class Sweep {
   }
 
  private:
-  /// A ray from within a closed surface meets it from behind. Its direction is along no axis, since
-  /// the edges of bodies often are.
+  /// Ray casting: a ray from inside a closed surface hits a back face. Its direction is along no
+  /// axis, since the edges of bodies often are.
   [[nodiscard]] bool is_inside(const Eigen::Vector3f& p_object) const {
     const Eigen::Vector3f direction(0.36F, 0.48F, 0.8F);
     const std::optional<SurfaceQuery::Hit> hit = surface_object_.cast(p_object, direction);
@@ -109,7 +109,7 @@ MeshErrors mesh_errors(const TriangleMesh& truth_base, const TriangleMesh& mesh_
   if (mesh_base.triangles.empty()) return errors;
   const SurfaceQuery truth_query(truth_base);
   const SurfaceQuery mesh_query(mesh_base);
-  const float radius = reach(truth_base, mesh_base);
+  const float radius = max_distance(truth_base, mesh_base);
 
   errors.mesh_to_truth = distances(sample_surface(mesh_base, options.sample_spacing, options.seed),
                                    truth_query, radius, parallelism);
@@ -132,20 +132,22 @@ double share_left_behind(const TriangleMesh& truth_base, const TriangleMesh& mes
                          const std::vector<MovedBody>& bodies, const SurfaceErrorOptions& options,
                          Parallelism parallelism) {
   PCAVR_REQUIRE(!truth_base.triangles.empty());
-  constexpr float kExplained = 0.010F;  // [m]; several times what noise and voxels do
+  constexpr float kMaxExplainedDistance =
+      0.010F;  // [m]; several times the errors by noise and voxels
   const std::vector<SurfaceSample> samples =
       sample_surface(mesh_base, options.sample_spacing, options.seed);
   if (samples.empty()) return 0.0;
   const SurfaceQuery truth_query(truth_base);
-  const std::vector<Sweep> sweeps(bodies.begin(), bodies.end());
+  const std::vector<SweptVolume> swept_volumes(bodies.begin(), bodies.end());
   std::atomic<std::size_t> left_behind = 0;  // a count: the order of the additions does not matter
   parallel_for(parallelism, samples.size(), kSampleGrain, [&](std::size_t begin, std::size_t end) {
     std::size_t found = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const Eigen::Vector3f& point = samples[i].point;
-      if (truth_query.closest(point, kExplained)) continue;
-      found += std::any_of(sweeps.begin(), sweeps.end(),
-                           [&](const Sweep& sweep) { return sweep.reaches(point, kExplained); });
+      if (truth_query.closest(point, kMaxExplainedDistance)) continue;
+      found += std::any_of(
+          swept_volumes.begin(), swept_volumes.end(),
+          [&](const SweptVolume& swept) { return swept.contains(point, kMaxExplainedDistance); });
     }
     left_behind += found;
   });

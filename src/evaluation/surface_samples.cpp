@@ -10,12 +10,12 @@
 namespace pcavr {
 namespace {
 
-/// Points that fill the unit square evenly: multiples of the powers of 1/g, where g^3 = g + 1, less
-/// their whole part [Roberts 2018, the R2 sequence]. A share of an area is known to about one
-/// sample, where independent random points would know it to the root of their number.
-class EvenPoints {
+/// Low-discrepancy (quasi-random) points in the unit square: multiples of the powers of 1/g, where
+/// g^3 = g + 1, modulo 1 [Roberts 2018, the R2 sequence]. A share of an area is exact to about one
+/// sample; with n independent random points, to about sqrt(n) samples.
+class R2Sequence {
  public:
-  explicit EvenPoints(Random& random) : u_(random.uniform()), v_(random.uniform()) {}
+  explicit R2Sequence(Random& random) : u_(random.uniform()), v_(random.uniform()) {}
 
   Eigen::Vector2d next() {
     constexpr double kStepU = 0.7548776662466927;  // 1 / g
@@ -37,9 +37,9 @@ std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, double spaci
   PCAVR_REQUIRE(spacing > 0.0, spacing);
   const double cell = spacing * spacing;
   Random random(seed);
-  EvenPoints points(random);
+  R2Sequence points(random);
   std::vector<SurfaceSample> samples;
-  // The triangles laid end to end by area; one sample falls into each cell of that line.
+  // Systematic sampling: one sample in each cell of the cumulative area.
   const double start = cell * random.uniform();
   double next = start;
   double area_passed = 0.0;
@@ -50,7 +50,7 @@ std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, double spaci
     const Eigen::Vector3d doubled_area = (b - a).cross(c - a);
     area_passed += 0.5 * doubled_area.norm();
     for (; next < area_passed; next = start + cell * static_cast<double>(samples.size())) {
-      // The half of the square beyond its diagonal is turned onto the other: the triangle.
+      // Points beyond the square's diagonal are reflected into the triangle.
       Eigen::Vector2d uv = points.next();
       if (uv.sum() > 1.0) uv = Eigen::Vector2d::Ones() - uv;
       const Eigen::Vector3d point = a + uv.x() * (b - a) + uv.y() * (c - a);

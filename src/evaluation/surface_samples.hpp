@@ -14,8 +14,8 @@ struct SurfaceSample {
   Eigen::Vector3f normal;  ///< of the triangle, unit, by winding
 };
 
-/// One sample for each `spacing`^2 of a mesh's area, spread evenly over it: every sample stands for
-/// the same area, however the triangles are cut.
+/// One sample for each `spacing`^2 of a mesh's area, evenly distributed: every sample represents
+/// the same area, for any triangulation.
 [[nodiscard]] std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, double spacing,
                                                         std::uint64_t seed);
 

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcavr/evaluation/html_text.hpp"
 #include "pcavr/geometry/pixel.hpp"
-
-#include "html_text.hpp"
 
 namespace pcavr {
 namespace {
@@ -40,8 +39,8 @@ std::string svg_text(const std::string& css_class, double x, double y, const std
          '>' + escaped(content) + "</text>\n";
 }
 
-double tick_step(double span, double most) {
-  const double rough = span / most;
+double tick_step(double span, double max_steps) {
+  const double rough = span / max_steps;
   const double power = std::pow(10.0, std::floor(std::log10(rough)));
   for (const double factor : {1.0, 2.0, 5.0}) {
     if (factor * power >= rough) return factor * power;
@@ -56,7 +55,7 @@ std::vector<double> ticks_between(double low, double high, double step) {
   std::vector<double> ticks;
   const double first = std::ceil(low / step - 1e-9);
   const double last = std::floor(high / step + 1e-9);
-  // Counted, as beyond 2^53 a double plus 1 is itself.
+  // An integer counter: beyond 2^53 a double plus 1 is unchanged.
   const int count = clamp_to_int(last - first + 1.0, 0, kMaxTicks);
   for (int i = 0; i < count; ++i) ticks.push_back((first + i) * step);
   return ticks;

@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "svg_plot.hpp"
+#include "pcavr/evaluation/svg_plot.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "html_text.hpp"
+#include "pcavr/evaluation/html_text.hpp"
+
 #include "svg_parts.hpp"
 
 namespace pcavr {
@@ -20,7 +21,7 @@ constexpr double kRight = 14.0;
 constexpr double kTop = 12.0;
 constexpr double kBottom = 46.0;
 constexpr double kChartHeight = 300.0;
-/// As high as two charts above each other, with what the page sets between them.
+/// As high as two stacked charts with the page's gap.
 constexpr double kMapHeight = 703.0;
 
 struct Range {
@@ -33,10 +34,10 @@ struct Range {
     high = std::max(high, value);
   }
   [[nodiscard]] double span() const { return high - low; }
-  [[nodiscard]] bool holds(double value) const { return value >= low && value <= high; }
+  [[nodiscard]] bool contains(double value) const { return value >= low && value <= high; }
 };
 
-/// From data to the drawing.
+/// Data to drawing coordinates.
 class Canvas {
  public:
   explicit Canvas(const Plot& plot) : height_(plot.equal_axes ? kMapHeight : kChartHeight) {
@@ -49,12 +50,12 @@ class Canvas {
     if (plot.x_from) x_.low = *plot.x_from;
     if (plot.x_to > 0.0) x_.high = plot.x_to;
     if (plot.y_to > 0.0) y_.high = plot.y_to;
-    make_wide(x_);
-    make_wide(y_);
+    ensure_min_span(x_);
+    ensure_min_span(y_);
     if (plot.equal_axes) {
       make_equal();
     } else if (plot.y_to <= 0.0) {
-      y_.high += 0.06 * y_.span();  // so that a peak does not touch the frame
+      y_.high += 0.06 * y_.span();  // margin above the peak
     }
   }
 
@@ -71,11 +72,11 @@ class Canvas {
   [[nodiscard]] const Range& y_range() const { return y_; }
 
  private:
-  /// Gives a width to a range that has none.
-  static void make_wide(Range& range) {
+  /// Ensures a minimum span.
+  static void ensure_min_span(Range& range) {
     if (!(range.low <= range.high)) range = {0.0, 0.0};
-    constexpr double kSmallest = 0.01;  // 0.01 mm of error; 10 mm of a body's path
-    if (range.span() < kSmallest) range.high = range.low + kSmallest;
+    constexpr double kMinSpan = 0.01;  // 0.01 mm of error; 10 mm of a body's path
+    if (range.span() < kMinSpan) range.high = range.low + kMinSpan;
   }
 
   void make_equal() {
@@ -124,14 +125,14 @@ std::string format_bands(const Plot& plot, const Canvas& canvas) {
     const Range& shown = canvas.x_range();
     if (band.to < shown.low || band.from > shown.high) continue;
     const double from = canvas.x(std::max(band.from, shown.low));
-    // A stretch of a single frame shows all the same.
+    // Minimum width of a single frame.
     const double width = std::max(1.0, canvas.x(std::min(band.to, shown.high)) - from);
     svg += svg_rectangle(band_class(band.kind), from, kTop, width, canvas.inner_height());
   }
   return svg;
 }
 
-/// Labels stand at the head of their line; one that would run into the one before stands lower.
+/// Labels are at the top of their line; lower where they would overlap the previous one.
 std::string format_marks(const Plot& plot, const Canvas& canvas) {
   constexpr double kLabelWidth = 22.0;
   constexpr double kLabelHeight = 14.0;
@@ -139,7 +140,7 @@ std::string format_marks(const Plot& plot, const Canvas& canvas) {
   double last = -kWidth;
   int level = 0;
   for (const PlotMark& mark : plot.marks) {
-    if (!canvas.x_range().holds(mark.x)) continue;
+    if (!canvas.x_range().contains(mark.x)) continue;
     const double x = canvas.x(mark.x);
     level = x - last < kLabelWidth ? (level + 1) % 4 : 0;
     last = x;
@@ -153,7 +154,7 @@ std::string format_marks(const Plot& plot, const Canvas& canvas) {
 std::string format_pins(const Plot& plot, const Canvas& canvas) {
   std::string svg;
   for (const PlotPin& pin : plot.pins) {
-    if (!canvas.x_range().holds(pin.x)) continue;
+    if (!canvas.x_range().contains(pin.x)) continue;
     const double x = canvas.x(pin.x);
     svg += "<path class=\"" + std::string(pin.is_hollow ? "hollow pin" : "pin") + "\" d=\"M" +
            fixed(x - 4.0, 1) + ' ' + fixed(kTop - 8.0, 1) + 'L' + fixed(x + 4.0, 1) + ' ' +
@@ -185,16 +186,16 @@ std::string format_legend(const Plot& plot) {
   std::string html = "<p class=\"legend\">";
   for (const PlotSeries& series : plot.series) html += legend_line(class_of(series), series.label);
   for (std::size_t kind = 0; kind < plot.band_labels.size(); ++kind) {
-    const bool is_there = std::any_of(
+    const bool is_used = std::any_of(
         plot.bands.begin(), plot.bands.end(),
         [&](const PlotBand& band) { return static_cast<std::size_t>(band.kind) == kind; });
-    if (is_there) html += legend_area(band_class(static_cast<int>(kind)), plot.band_labels[kind]);
+    if (is_used) html += legend_area(band_class(static_cast<int>(kind)), plot.band_labels[kind]);
   }
   for (const bool is_hollow : {false, true}) {
-    const bool is_there = std::any_of(plot.pins.begin(), plot.pins.end(), [&](const PlotPin& pin) {
+    const bool is_used = std::any_of(plot.pins.begin(), plot.pins.end(), [&](const PlotPin& pin) {
       return pin.is_hollow == is_hollow;
     });
-    if (is_there) html += legend_pin(is_hollow, is_hollow ? plot.hollow_pin_label : plot.pin_label);
+    if (is_used) html += legend_pin(is_hollow, is_hollow ? plot.hollow_pin_label : plot.pin_label);
   }
   return html + "</p>\n";
 }
@@ -204,7 +205,7 @@ std::string format_legend(const Plot& plot) {
 std::string format_figure(const Plot& plot) {
   const Canvas canvas(plot);
   std::string drawing = format_bands(plot, canvas) + format_axes(plot, canvas);
-  // Nested, so that what lies outside the axes is cut off.
+  // Nested, so that content outside the axes is clipped.
   drawing += "<svg" + svg_attribute("x", kLeft) + svg_attribute("y", kTop) +
              svg_attribute("width", Canvas::inner_width()) +
              svg_attribute("height", canvas.inner_height()) + " viewBox=\"" + fixed(kLeft, 1) +

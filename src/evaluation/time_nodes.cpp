@@ -21,7 +21,7 @@ std::vector<Push> pushes_of(const std::string& object, const PhaseTimeline& time
   for (const TimedEvent& event : events_of(timeline)) {
     const auto kind = static_cast<std::size_t>(event.event);
     if (event.event == PhaseEvent::contact) pushes.push_back({.object = object});
-    // A timeline may begin in the middle of a push, of which the rest is no use.
+    // Skips a push that began before the timeline.
     if (pushes.empty() || kind >= kNodesOfPush) continue;
     std::optional<Stamp>& stamp = pushes.back().stamps.at(kind);
     if (!stamp || event.event == PhaseEvent::stop) stamp = event.stamp;

@@ -13,15 +13,14 @@ namespace pcavr {
 
 /// One of paper C's key times: contact, critical, sliding, stop and leave of one push. Pushes are
 /// counted by the time of their contact, over all objects: the first has t1 to t5, the second t6 to
-/// t10. A push that lacks one of the five (it never slides) leaves its number out.
+/// t10. A push without one of the five (it never slides) skips its number.
 struct TimeNode {
   int number = 0;  ///< 1 for t1
   std::string object;
   TimedEvent event;
 };
 
-/// Of each push: the contact, the first time that it is critical, the first that it slides, the
-/// last stop, and the leave.
+/// Of each push: the contact, the first critical, the first sliding, the last stop, and the leave.
 [[nodiscard]] std::vector<TimeNode> time_nodes(
     const std::map<std::string, PhaseTimeline>& timelines);
 

@@ -8,8 +8,7 @@
 #include <Eigen/SVD>
 
 #include "pcavr/core/check.hpp"
-
-#include "matched_poses.hpp"
+#include "pcavr/geometry/matched_poses.hpp"
 
 namespace pcavr {
 namespace {
@@ -24,7 +23,7 @@ PoseError error_of_motion(const MatchedPose& first, const MatchedPose& second) {
                        first.estimate.inverse() * second.estimate);
 }
 
-/// [Umeyama 1991, eq. 40 to 42, with scale 1].
+/// Least-squares alignment [Umeyama 1991, eq. 40 to 42, with scale 1] (Kabsch algorithm).
 std::optional<Pose> best_rigid_motion(const std::vector<MatchedPose>& matched) {
   if (matched.size() < 3) return std::nullopt;
   Eigen::Vector3d mean_reference = Eigen::Vector3d::Zero();
@@ -43,8 +42,8 @@ std::optional<Pose> best_rigid_motion(const std::vector<MatchedPose>& matched) {
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
-  // A rotation needs two directions. In each, the positions must spread by more than 0.1 mm: what
-  // is less is the rounding of the files, whose direction means nothing.
+  // The rotation needs two directions with a spread of more than 0.1 mm: below, it is the rounding
+  // of the files.
   constexpr double kMinVariance = 1e-8;  // [m^2]
   if (svd.singularValues()[1] < kMinVariance) return std::nullopt;
   Eigen::Vector3d signs = Eigen::Vector3d::Ones();
@@ -53,9 +52,9 @@ std::optional<Pose> best_rigid_motion(const std::vector<MatchedPose>& matched) {
   return Pose(Eigen::Quaterniond(rotation), mean_reference - rotation * mean_estimate);
 }
 
-/// Index of the pose nearest to one step after `from`, if it is a step away give or take a tenth
-/// (evo's default tolerance). Nothing where the trajectory ends before: the last pose would serve
-/// many pairs, all too short.
+/// Index of the pose nearest to one step after `from`, if it is a step away +-10 % (evo's default
+/// tolerance). Empty where the trajectory ends before: the last pose would be in many pairs, all
+/// too short.
 std::optional<std::size_t> one_step_later(const std::vector<MatchedPose>& matched, std::size_t from,
                                           Duration step) {
   const Stamp target = matched[from].stamp + step;
@@ -64,8 +63,8 @@ std::optional<std::size_t> one_step_later(const std::vector<MatchedPose>& matche
                        [](const MatchedPose& pair, Stamp stamp) { return pair.stamp < stamp; });
   if (best == matched.end()) return std::nullopt;
   if (target - (best - 1)->stamp < best->stamp - target) --best;
-  const Duration off = best->stamp > target ? best->stamp - target : target - best->stamp;
-  if (off > step / 10) return std::nullopt;
+  const Duration difference = best->stamp > target ? best->stamp - target : target - best->stamp;
+  if (difference > step / 10) return std::nullopt;
   return static_cast<std::size_t>(best - matched.begin());
 }
 

@@ -9,18 +9,18 @@
 namespace pcavr {
 namespace {
 
-/// A surface this much nearer than the sample is the sample's own [m]: float coordinates at room
-/// scale are good to a micrometre, and a ray at 75 degrees stretches that fourfold.
-constexpr float kOwnSurface = 1e-4F;
+/// [m] A hit this much nearer than the sample is on the sample's own surface: float coordinates at
+/// room scale are exact to a micrometre, and a ray at 75 degrees makes that fourfold.
+constexpr float kSelfOcclusionTolerance = 1e-4F;
 
-/// Whether rays from the views reach points of the truth. Keeps references.
+/// Occlusion test by ray casting from the views to points of the truth. Keeps references.
 class Visibility {
  public:
   Visibility(const SurfaceQuery& truth_base, const Views& views)
       : truth_base_(truth_base), views_(views) {
     for (const Pose& T_base_camera : views.T_base_camera) {
       const Pose T_camera_base = T_base_camera.inverse();
-      // As a matrix: most of the time goes into points that no view looks at.
+      // As a matrix: most of the time is spent on points outside every view.
       R_camera_base_.push_back(T_camera_base.rotation_matrix());
       p_camera_base_.push_back(T_camera_base.translation());
     }
@@ -32,7 +32,7 @@ class Visibility {
 
   [[nodiscard]] bool is_seen(const SurfaceSample& sample_base) const {
     for (std::size_t view = 0; view < R_camera_base_.size(); ++view) {
-      if (is_in_view(sample_base, view) && !is_hidden(sample_base.point, view)) return true;
+      if (is_in_view(sample_base, view) && !is_occluded(sample_base.point, view)) return true;
     }
     return false;
   }
@@ -41,10 +41,10 @@ class Visibility {
   [[nodiscard]] bool is_in_view(const SurfaceSample& sample_base, std::size_t view) const {
     const Eigen::Vector3d p_camera =
         R_camera_base_[view] * sample_base.point.cast<double>() + p_camera_base_[view];
-    if (p_camera.z() < views_.nearest || p_camera.z() > views_.farthest) return false;
+    if (p_camera.z() < views_.min_depth || p_camera.z() > views_.max_depth) return false;
     if (!is_in_image(p_camera)) return false;
     const Eigen::Vector3d normal_camera = R_camera_base_[view] * sample_base.normal.cast<double>();
-    // Either side: the winding of the truth is not part of the format.
+    // Both sides: the format does not define the winding of the truth.
     const double cosine = std::abs(p_camera.normalized().dot(normal_camera));
     return cosine >= std::cos(views_.max_incidence);
   }
@@ -54,24 +54,24 @@ class Visibility {
     return views_.camera.contains(pixel);
   }
 
-  [[nodiscard]] bool is_hidden(const Eigen::Vector3f& p_base, std::size_t view) const {
+  [[nodiscard]] bool is_occluded(const Eigen::Vector3f& p_base, std::size_t view) const {
     const Eigen::Vector3d eye_base = views_.T_base_camera[view].translation();
-    if (is_hidden_by(truth_base_, eye_base, p_base.cast<double>())) return true;
+    if (is_occluded_by(truth_base_, eye_base, p_base.cast<double>())) return true;
     for (std::size_t body = 0; body < bodies_object_.size(); ++body) {
       const Pose T_object_base = views_.bodies[body].T_base_object[view].inverse();
-      if (is_hidden_by(bodies_object_[body], T_object_base * eye_base,
-                       T_object_base * p_base.cast<double>().eval())) {
+      if (is_occluded_by(bodies_object_[body], T_object_base * eye_base,
+                         T_object_base * p_base.cast<double>().eval())) {
         return true;
       }
     }
     return false;
   }
 
-  [[nodiscard]] static bool is_hidden_by(const SurfaceQuery& surface, const Eigen::Vector3d& eye,
-                                         const Eigen::Vector3d& point) {
+  [[nodiscard]] static bool is_occluded_by(const SurfaceQuery& surface, const Eigen::Vector3d& eye,
+                                           const Eigen::Vector3d& point) {
     const Eigen::Vector3f ray = (point - eye).cast<float>();
     const std::optional<SurfaceQuery::Hit> hit = surface.cast(eye.cast<float>(), ray);
-    return hit && hit->distance < ray.norm() - kOwnSurface;
+    return hit && hit->distance < ray.norm() - kSelfOcclusionTolerance;
   }
 
   const SurfaceQuery& truth_base_;

@@ -16,7 +16,7 @@ namespace {
 using detail::evaluate_quartic;
 using detail::scale_of;
 
-constexpr int kMaxIterations = 60;  // five or six do, away from flat places
+constexpr int kMaxIterations = 60;  // five or six suffice, except in flat regions
 
 double fourth_root(double value) noexcept { return std::sqrt(std::sqrt(std::max(0.0, value))); }
 
@@ -31,8 +31,8 @@ LimitSurface quadratic_surface(double force, double length, const Eigen::Matrix3
         for (int l = 0; l < 3; ++l) {
           std::array<int, 3> powers{};
           for (const int index : {i, j, k, l}) ++powers[static_cast<std::size_t>(index)];
-          const auto place = std::find(kQuarticExponents.begin(), kQuarticExponents.end(), powers);
-          surface.coefficients[static_cast<std::size_t>(place - kQuarticExponents.begin())] +=
+          const auto term = std::find(kQuarticExponents.begin(), kQuarticExponents.end(), powers);
+          surface.coefficients[static_cast<std::size_t>(term - kQuarticExponents.begin())] +=
               a(i, j) * a(k, l);
         }
       }
@@ -70,8 +70,8 @@ Eigen::Vector3d sliding_load(const LimitSurface& surface, const Eigen::Vector3d&
   const Eigen::Vector3d scale = scale_of(surface);
   const Eigen::Vector3d target = twist.cwiseProduct(scale).normalized();
   if (!(target.norm() > 0.0)) return Eigen::Vector3d::Zero();
-  // The gradient of H is along the twist where H / 4 - target . u has its one minimum: Newton's
-  // method, damped.
+  // The gradient of H is along the twist where H / 4 - target . u has its only minimum: damped
+  // Newton's method (backtracking line search).
   Eigen::Vector3d u = target;
   double cost = evaluate_quartic(surface.coefficients, u).value / 4.0 - target.dot(u);
   for (int i = 0; i < kMaxIterations; ++i) {

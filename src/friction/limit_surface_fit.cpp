@@ -23,9 +23,9 @@ constexpr int kDirections = 90;  // of linear forms; 60 to 200 give the same sur
 constexpr int kReweightings = 25;
 constexpr int kSweeps = 200;         // of coordinate descent, each from the last solution
 constexpr double kMinAngle = 0.02;   // [rad] below which a sample no longer gains weight
-constexpr double kMinSpread = 0.02;  // of the thinnest direction over the thickest, to be excited
+constexpr double kMinSpread = 0.02;  // smallest over largest singular value, to be excited
 
-/// Evenly over half a sphere, by the golden angle.
+/// Evenly over half a sphere, by the golden angle (Fibonacci lattice).
 Vectors half_sphere() {
   Vectors directions;
   const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
@@ -37,7 +37,7 @@ Vectors half_sphere() {
   return directions;
 }
 
-/// A wrench in units of the scales, the unit twist conjugate to it, and how much they count.
+/// A wrench in units of the scales, the unit twist conjugate to it, and their weight.
 struct Target {
   Eigen::Vector3d u = Eigen::Vector3d::Zero();
   Eigen::Vector3d twist = Eigen::Vector3d::Zero();
@@ -62,8 +62,8 @@ class PowerSum {
 
   [[nodiscard]] typename Form::Coefficients coefficients() const { return powers_ * weights_; }
 
-  /// The weights that bring normals to twists and levels to 1 in least squares. What is minimised
-  /// is a quadratic in the form's few coefficients, whatever the number of its linear forms.
+  /// The weights that fit normals to twists and levels to 1 in least squares. The cost is a
+  /// quadratic in the form's few coefficients, whatever the number of its linear forms.
   void solve(const Targets& targets, double level_weight) {
     constexpr int kTerms = Form::kTerms;
     Eigen::Matrix<double, kTerms, kTerms> normal_matrix =
@@ -83,7 +83,7 @@ class PowerSum {
  private:
   using Powers = Eigen::Matrix<double, Form::kTerms, Eigen::Dynamic>;
 
-  /// Non-negative least squares by coordinate descent; the cost never grows.
+  /// Non-negative least squares (NNLS) by coordinate descent; the cost never grows.
   void descend(const Eigen::Matrix<double, Form::kTerms, Form::kTerms>& matrix,
                const typename Form::Coefficients& right) {
     const Powers slopes = matrix * powers_;
@@ -106,13 +106,13 @@ class PowerSum {
   Eigen::VectorXd weights_;
 };
 
-/// Least absolute angles, by least squares with weights from the last round: the coefficients.
+/// The coefficients of least absolute angles, by iteratively reweighted least squares (IRLS).
 template <int Degree>
 typename detail::TernaryForm<Degree>::Coefficients fit(const Targets& pushes, const Targets& prior,
                                                        double level_weight, const Vectors& forms) {
   PowerSum<Degree> surface(forms);
   Targets targets;
-  for (int round = 0; round < kReweightings; ++round) {
+  for (int iteration = 0; iteration < kReweightings; ++iteration) {
     targets = pushes;
     const typename detail::TernaryForm<Degree>::Coefficients coefficients = surface.coefficients();
     for (Target& target : targets) {
@@ -136,7 +136,7 @@ Targets scaled(std::span<const PushSample> samples, double force, double length)
   return targets;
 }
 
-/// The same number of wrenches and twists over the whole of an ellipsoid.
+/// Samples of wrench and twist over the whole ellipsoid: the prior of the quartic.
 Targets targets_on(const Eigen::Matrix3d& a, double total_weight, const Vectors& directions) {
   Targets targets;
   for (const Eigen::Vector3d& direction : directions) {
@@ -173,7 +173,7 @@ bool is_usable(const PushSample& sample) {
          sample.twist.norm() > 0.0;
 }
 
-/// Whether the vectors span space rather than a plane.
+/// Whether the vectors span space rather than a plane (full rank).
 bool spans_space(const Targets& targets, Eigen::Vector3d Target::*member) {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Target& target : targets) {
@@ -192,7 +192,7 @@ double median_angle(std::span<const PushSample> samples, const LimitSurface& sur
   return median(std::move(angles));
 }
 
-/// 1 where half the wrenches lie inside: least squares would follow the few large ones.
+/// 1 where half the wrenches lie inside: a mean would follow the few large ones.
 double median_level(std::span<const PushSample> samples, const LimitSurface& surface) {
   std::vector<double> levels;
   for (const PushSample& sample : samples) levels.push_back(level(surface, sample.wrench));
@@ -213,8 +213,8 @@ LimitSurfaceFit fit_limit_surface(std::span<const PushSample> all,
   std::vector<PushSample> samples;
   std::copy_if(all.begin(), all.end(), std::back_inserter(samples), is_usable);
   result.samples_used = static_cast<int>(samples.size());
-  const int least = options.shape == SurfaceShape::ellipsoid ? 6 : 15;
-  if (result.samples_used < least) return result;
+  const int min_pushes = options.shape == SurfaceShape::ellipsoid ? 6 : 15;
+  if (result.samples_used < min_pushes) return result;
 
   const double force =
       median_of(samples, [](const PushSample& s) { return s.wrench.head<2>().norm(); });
@@ -226,7 +226,7 @@ LimitSurfaceFit fit_limit_surface(std::span<const PushSample> all,
   Targets pushes = scaled(samples, force, length);
   if (!spans_space(pushes, &Target::u) || !spans_space(pushes, &Target::twist)) return result;
 
-  // Once to learn the length that makes the surface nearly round, once in that scale.
+  // First to find the length that makes the surface nearly round, then in that scale.
   Eigen::Matrix3d ellipsoid = fit_ellipsoid(pushes, options.level_weight, forms);
   length *= std::sqrt((ellipsoid(0, 0) + ellipsoid(1, 1)) / (2.0 * ellipsoid(2, 2)));
   pushes = scaled(samples, force, length);

@@ -12,7 +12,7 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) noexcept {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// The integral of |r| over the triangle (0, a, b), negative where it runs clockwise [m^3]:
+/// The integral of |r| over the triangle (0, a, b), negative where it is clockwise [m^3]:
 /// d^3/3 times the integral of sec^3 over the angle that the edge spans, d its distance.
 double radius_integral(const Eigen::Vector2d& a, const Eigen::Vector2d& b) noexcept {
   const double edge = (b - a).norm();

@@ -14,14 +14,15 @@
 namespace pcavr {
 namespace {
 
-/// [fx fy m] or [vx vy omega] turned by an angle about the vertical.
-Eigen::Vector3d turned(const Eigen::Vector3d& vector, double angle) noexcept {
+/// [fx fy m] or [vx vy omega] rotated by an angle about the vertical.
+Eigen::Vector3d rotated(const Eigen::Vector3d& vector, double angle) noexcept {
   Eigen::Vector3d result = vector;
   result.head<2>() = Eigen::Rotation2Dd(angle) * vector.head<2>();
   return result;
 }
 
-/// What g (target - u) lacks to be `multiplier` times the surface's normal at u, and u to be on it.
+/// Residual of the KKT conditions: metric (target - u) is `multiplier` times the surface's normal
+/// at u, and u is on the surface.
 struct Residual {
   detail::QuarticValue quartic;
   Eigen::Vector4d value;
@@ -34,25 +35,25 @@ struct Residual {
   }
 };
 
-/// A wrench on the surface in its units, and how hard the surface holds it there.
+/// A wrench on the surface in its units, and the Lagrange multiplier of that constraint.
 struct Projection {
   Eigen::Vector3d u = Eigen::Vector3d::Zero();
   double multiplier = 0.0;
   bool has_converged = false;
 };
 
-/// Newton's method on the conditions of Karush, Kuhn and Tucker, damped, from the radial point: a
-/// handful of rounds where the surface is no needle.
-Projection project_fast(const LimitSurface& surface, const Eigen::Vector3d& metric,
-                        const Eigen::Vector3d& target, double target_level) noexcept {
+/// Damped Newton's method on the Karush-Kuhn-Tucker (KKT) conditions, from the radial point: a few
+/// iterations unless the surface is extremely elongated.
+Projection project_by_newton(const LimitSurface& surface, const Eigen::Vector3d& metric,
+                             const Eigen::Vector3d& target, double target_level) noexcept {
   Projection p;
   p.u = target / target_level;
   const Eigen::Vector3d normal = detail::evaluate_quartic(surface.coefficients, p.u).gradient;
   p.multiplier = normal.dot(metric.cwiseProduct(target - p.u)) / normal.squaredNorm();
-  const double enough = 1e-11 * (1.0 + target.norm());
+  const double tolerance = 1e-11 * (1.0 + target.norm());
   Residual residual(surface, metric, target, p.u, p.multiplier);
-  for (int i = 0; i < 30 && residual.value.norm() > enough; ++i) {
-    // The multiplier is eliminated: what is left is small, and positive definite.
+  for (int i = 0; i < 30 && residual.value.norm() > tolerance; ++i) {
+    // The multiplier is eliminated (Schur complement): the rest is small, and positive definite.
     Eigen::Matrix3d curvature = p.multiplier * residual.quartic.hessian;
     curvature.diagonal() += metric;
     const Eigen::Matrix3d inverse = curvature.inverse();
@@ -70,14 +71,14 @@ Projection project_fast(const LimitSurface& surface, const Eigen::Vector3d& metr
     p.u += step.head<3>();
     p.multiplier += step[3];
   }
-  p.has_converged = residual.value.norm() <= enough && p.multiplier >= 0.0;
+  p.has_converged = residual.value.norm() <= tolerance && p.multiplier >= 0.0;
   return p;
 }
 
-/// Where half the squared distance to `target` plus multiplier times H is least: strictly convex.
-Eigen::Vector3d min_penalised(const LimitSurface& surface, const Eigen::Vector3d& metric,
-                              const Eigen::Vector3d& target, double multiplier,
-                              Eigen::Vector3d u) noexcept {
+/// The minimum of half the squared distance to `target` plus multiplier times H: strictly convex.
+Eigen::Vector3d minimise_penalised(const LimitSurface& surface, const Eigen::Vector3d& metric,
+                                   const Eigen::Vector3d& target, double multiplier,
+                                   Eigen::Vector3d u) noexcept {
   const auto cost = [&](const Eigen::Vector3d& at) {
     return 0.5 * metric.dot((target - at).cwiseAbs2()) +
            multiplier * detail::evaluate_quartic(surface.coefficients, at).value;
@@ -96,32 +97,34 @@ Eigen::Vector3d min_penalised(const LimitSurface& surface, const Eigen::Vector3d
   return u;
 }
 
-/// The slow way that can't fail: H falls as its multiplier grows.
-Projection project_surely(const LimitSurface& surface, const Eigen::Vector3d& metric,
-                          const Eigen::Vector3d& target) noexcept {
+/// The slow method, which always converges: bisection, as H decreases with its multiplier.
+Projection project_by_bisection(const LimitSurface& surface, const Eigen::Vector3d& metric,
+                                const Eigen::Vector3d& target) noexcept {
   double low = -700.0;  // of the multiplier's logarithm: the range of double
   double high = 700.0;
   Projection p;
   p.u = target;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
-    p.u = min_penalised(surface, metric, target, std::exp(middle), target);
+    p.u = minimise_penalised(surface, metric, target, std::exp(middle), target);
     (detail::evaluate_quartic(surface.coefficients, p.u).value > 1.0 ? low : high) = middle;
   }
   return p;
 }
 
-/// The point of the surface next to `target`, which lies outside, in the diagonal metric given.
+/// Projects `target`, which lies outside, on the surface: its nearest point in the diagonal metric
+/// given.
 Eigen::Vector3d project(const LimitSurface& surface, const Eigen::Vector3d& metric,
                         const Eigen::Vector3d& target, double target_level) noexcept {
   const Eigen::Vector3d weights = metric / metric.maxCoeff();
-  const Projection fast = project_fast(surface, weights, target, target_level);
-  return fast.has_converged ? fast.u : project_surely(surface, weights, target).u;
+  const Projection fast = project_by_newton(surface, weights, target, target_level);
+  return fast.has_converged ? fast.u : project_by_bisection(surface, weights, target).u;
 }
 
 FrictionPhase phase_at_rest(const PlanarFriction& friction, double load_level) noexcept {
-  return load_level < friction.holding - friction.holding_std ? FrictionPhase::held
-                                                              : FrictionPhase::critical;
+  return load_level < friction.static_to_kinetic_ratio - friction.static_to_kinetic_std
+             ? FrictionPhase::static_contact
+             : FrictionPhase::critical;
 }
 
 /// At rest under a load that friction balances.
@@ -131,8 +134,8 @@ PlanarStep rest(const PlanarFriction& friction, const PlanarState& state,
   step.state = state;
   step.state.twist.setZero();
   step.state.phase = phase_at_rest(friction, load_level);
-  const double borne = std::max(friction.holding, 1.0);
-  step.friction = load_level > borne ? Eigen::Vector3d(-load * borne / load_level) : -load;
+  const double limit = std::max(friction.static_to_kinetic_ratio, 1.0);
+  step.friction = load_level > limit ? Eigen::Vector3d(-load * limit / load_level) : -load;
   return step;
 }
 
@@ -147,17 +150,17 @@ PlanarStep step_planar(const PlanarFriction& friction, const PlanarState& state,
                        const Eigen::Vector3d& load, double dt) noexcept {
   const bool is_moving = !state.twist.isZero(0.0);
   const double axes = state.yaw + 0.5 * dt * state.twist.z();  // in the middle of the step
-  const Eigen::Vector3d load_body = turned(load, -axes);
+  const Eigen::Vector3d load_body = rotated(load, -axes);
   const double load_level = level(friction.sliding, load_body);
   if (!load.allFinite() || !(dt > 0.0)) return rest(friction, state, Eigen::Vector3d::Zero(), 0.0);
-  if (!is_moving && load_level <= std::max(friction.holding, 1.0)) {
+  if (!is_moving && load_level <= std::max(friction.static_to_kinetic_ratio, 1.0)) {
     return rest(friction, state, load, load_level);
   }
 
   const Eigen::Vector3d mass(friction.mass, friction.mass, friction.inertia);
   const Eigen::Vector3d drag(friction.viscous, friction.viscous, friction.viscous_turning);
-  const Eigen::Vector3d before = turned(state.twist, -axes);
-  // What would stop the body within the step.
+  const Eigen::Vector3d before = rotated(state.twist, -axes);
+  // The level of the wrench that would stop the body within the step.
   const double stopping_level = level(friction.sliding, load_body + mass.cwiseProduct(before) / dt);
   if (stopping_level <= 1.0) {
     PlanarStep step = rest(friction, state, load, load_level);
@@ -166,24 +169,24 @@ PlanarStep step_planar(const PlanarFriction& friction, const PlanarState& state,
     return step;
   }
 
-  // Implicit midpoint: M (mean - before) / (dt / 2) = load - drag mean - borne.
+  // Implicit midpoint: M (mean - before) / (dt / 2) = load - drag mean - friction.
   const Eigen::Vector3d inertia = 2.0 * mass / dt + drag;
   const Eigen::Vector3d pushing = load_body + 2.0 * mass.cwiseProduct(before) / dt;
   const double pushing_level = level(friction.sliding, pushing);
-  Eigen::Vector3d borne = pushing;
+  Eigen::Vector3d friction_wrench = pushing;
   if (pushing_level > 1.0) {
     const Eigen::Vector3d scale = detail::scale_of(friction.sliding);
-    borne = scale.cwiseProduct(project(friction.sliding,
-                                       scale.cwiseProduct(scale).cwiseQuotient(inertia),
-                                       pushing.cwiseQuotient(scale), pushing_level));
+    friction_wrench = scale.cwiseProduct(project(friction.sliding,
+                                                 scale.cwiseProduct(scale).cwiseQuotient(inertia),
+                                                 pushing.cwiseQuotient(scale), pushing_level));
   }
-  const Eigen::Vector3d mean = (pushing - borne).cwiseQuotient(inertia);
+  const Eigen::Vector3d mean = (pushing - friction_wrench).cwiseQuotient(inertia);
   PlanarStep step;
   step.state = state;
-  step.state.twist = turned(2.0 * mean - before, axes);
+  step.state.twist = rotated(2.0 * mean - before, axes);
   step.state.phase = FrictionPhase::sliding;
-  step.friction = turned(-borne - drag.cwiseProduct(mean), axes);
-  advance(step.state, turned(mean, axes), dt);
+  step.friction = rotated(-friction_wrench - drag.cwiseProduct(mean), axes);
+  advance(step.state, rotated(mean, axes), dt);
   return step;
 }
 

@@ -14,7 +14,7 @@ double angle_between(const Eigen::Vector2d& a, const Eigen::Vector2d& b) noexcep
   return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
 }
 
-/// What a unit force at an angle from the normal does.
+/// The quasi-static response to a unit force at an angle from the normal.
 struct Response {
   Eigen::Vector3d wrench;
   Eigen::Vector3d twist;           // of any length
@@ -26,7 +26,7 @@ struct Response {
     wrench = wrench_of(force, push.point);
     twist = sliding_direction(surface, wrench);
     point_velocity = velocity_of(push.point, twist);
-    // The two are less than a right angle apart, which keeps the sum off the cut of atan2.
+    // The two are less than a right angle apart, so the difference does not wrap.
     heading = angle + angle_between(force, point_velocity);
   }
 };
@@ -59,7 +59,7 @@ PushMotion push_at_point(const LimitSurface& surface, const PointPush& push) noe
     const double speed = approach / push.normal.normalized().dot(at_edge.point_velocity);
     return motion_of(surface, at_edge, speed, PushMode::slipping);
   }
-  for (int i = 0; i < 50; ++i) {  // to the last bit of an angle
+  for (int i = 0; i < 50; ++i) {  // bisection, to the last bit of an angle
     const double middle = 0.5 * (low + high);
     (Response(surface, push, middle).heading < heading ? low : high) = middle;
   }

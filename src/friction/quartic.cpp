@@ -12,7 +12,7 @@ QuarticValue evaluate_quartic(const std::array<double, 15>& c, const Eigen::Vect
   const double yz = u.y() * u.z();
   const double zz = u.z() * u.z();
   QuarticValue q;
-  // Written out, term by term of kQuarticExponents: this is the inner loop of every step.
+  // Unrolled, term by term of kQuarticExponents: this is the inner loop of every step.
   q.hessian(0, 0) =
       12 * c[0] * xx + 6 * (c[1] * xy + c[2] * xz) + 2 * (c[3] * yy + c[4] * yz + c[5] * zz);
   q.hessian(1, 1) =
@@ -28,7 +28,7 @@ QuarticValue evaluate_quartic(const std::array<double, 15>& c, const Eigen::Vect
   q.hessian(1, 0) = q.hessian(0, 1);
   q.hessian(2, 0) = q.hessian(0, 2);
   q.hessian(2, 1) = q.hessian(1, 2);
-  // Euler: a form of degree n is its gradient times its place over n.
+  // Euler's theorem: a form of degree n is its gradient times its argument over n.
   q.gradient = q.hessian * u / 3.0;
   q.value = q.gradient.dot(u) / 4.0;
   return q;

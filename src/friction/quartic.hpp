@@ -20,8 +20,8 @@ struct QuarticValue {
 [[nodiscard]] QuarticValue evaluate_quartic(const std::array<double, 15>& c,
                                             const Eigen::Vector3d& u) noexcept;
 
-/// What turns a wrench into u by division, and a twist into its conjugate by multiplication with
-/// scale / force.
+/// Units of a wrench: a wrench divided by them is u, and a twist multiplied by them over the force
+/// is its conjugate.
 [[nodiscard]] inline Eigen::Vector3d scale_of(const LimitSurface& surface) noexcept {
   return {surface.force, surface.force, surface.force * surface.length};
 }

@@ -8,7 +8,8 @@
 namespace pcavr {
 namespace {
 
-/// Breaking loose, a stop, a turn, and the same once more: a linear load causes no more in a step.
+/// Breaking loose, a stop, a reversal, and the same once more: a linear load causes no more in a
+/// step.
 constexpr int kMaxEvents = 8;
 
 /// The integrals of exp(-z) that solve v' + v z / t = const. and its integral, exact as z nears 0:
@@ -45,13 +46,13 @@ struct Slide {
     const Exponentials e(rate * t);
     return velocity * std::exp(-rate * t) + acceleration * t * e.one + jerk * t * t * e.two;
   }
-  [[nodiscard]] double path_at(double t) const noexcept {
+  [[nodiscard]] double displacement_at(double t) const noexcept {
     const Exponentials e(rate * t);
     return t * (velocity * e.one + t * (acceleration * e.two + jerk * t * e.three));
   }
   /// When the velocity's slope vanishes, or `limit` where it does not before.
   [[nodiscard]] double extremum_before(double limit) const noexcept {
-    // v' = (a - rate v) exp(-rate t) + jerk t one(rate t), monotone in t: bisected.
+    // v' = (a - rate v) exp(-rate t) + jerk t one(rate t), monotone in t: bisection.
     const auto slope = [this](double t) {
       return (acceleration - rate * velocity) * std::exp(-rate * t) +
              jerk * t * Exponentials(rate * t).one;
@@ -59,34 +60,34 @@ struct Slide {
     if ((slope(0.0) > 0.0) == (slope(limit) > 0.0)) return limit;
     return bisect(limit, [&](double t) { return (slope(t) > 0.0) == (slope(0.0) > 0.0); });
   }
-  /// The last instant in [0, limit] up to which `holds` is true, where it changes once.
-  template <typename Claim>
-  [[nodiscard]] static double bisect(double limit, const Claim& holds) noexcept {
+  /// The last instant in [0, limit] up to which `condition` is true, where it changes once.
+  template <typename Condition>
+  [[nodiscard]] static double bisect(double limit, const Condition& condition) noexcept {
     double low = 0.0;
     double high = limit;
     for (int i = 0; i < 60; ++i) {
       const double middle = 0.5 * (low + high);
-      (holds(middle) ? low : high) = middle;
+      (condition(middle) ? low : high) = middle;
     }
     return low;
   }
   /// The first instant in (0, limit] at which the velocity is no longer along `sign`; `limit` + 1
   /// where there is none. The velocity is convex or concave in t, so that one extremum decides.
   [[nodiscard]] double stop_before(double limit, double sign) const noexcept {
-    const auto moves_on = [&](double t) { return velocity_at(t) * sign > 0.0; };
+    const auto is_moving = [&](double t) { return velocity_at(t) * sign > 0.0; };
     double latest = limit;
-    if (moves_on(limit)) {
-      if (velocity == 0.0) return limit + 1.0;  // from rest, one bend has no room for two roots
+    if (is_moving(limit)) {
+      if (velocity == 0.0) return limit + 1.0;  // from rest: one extremum, so no second root
       latest = extremum_before(limit);
-      if (moves_on(latest)) return limit + 1.0;
+      if (is_moving(latest)) return limit + 1.0;
     }
-    return bisect(latest, moves_on);
+    return bisect(latest, is_moving);
   }
 };
 
 double clamped_to(double limit, double value) noexcept { return std::clamp(value, -limit, limit); }
 
-/// One step, event by event.
+/// One step, event by event (event-driven integration).
 class Stepper {
  public:
   Stepper(const FrictionParameters& parameters, const SliderState& state, const SliderLoad& load,
@@ -101,7 +102,7 @@ class Stepper {
   SliderStep run() noexcept {
     for (int event = 0; event < kMaxEvents && time_ < dt_; ++event) {
       if (step_.state.velocity == 0.0) {
-        hold();
+        stick();
       } else {
         slide(std::copysign(1.0, step_.state.velocity));
       }
@@ -115,9 +116,9 @@ class Stepper {
     return load_.force_at_begin + slope_ * time;
   }
 
-  /// At rest until the load exceeds what holds, then off along it.
-  void hold() noexcept {
-    const double limit = holding_force(parameters_);
+  /// At rest until the load exceeds static friction, then sliding along the load.
+  void stick() noexcept {
+    const double limit = static_friction_limit(parameters_);
     const double force = force_at(time_);
     if (std::abs(force) <= limit) {
       if (std::abs(load_.force_at_end) <= limit) {
@@ -138,11 +139,11 @@ class Stepper {
                        slope_ / mass};
     const double stop = motion.stop_before(left, sign);
     const double duration = std::min(stop, left);
-    const double path = motion.path_at(duration);
+    const double displacement = motion.displacement_at(duration);
     const double velocity = stop <= left ? 0.0 : motion.velocity_at(duration);
     step_.dissipated += work_of_load(motion, duration) -
                         0.5 * mass * (velocity * velocity - motion.velocity * motion.velocity);
-    step_.state.position += path;
+    step_.state.position += displacement;
     step_.state.velocity = velocity;
     step_.moving_time += duration;
     time_ += duration;
@@ -151,12 +152,12 @@ class Stepper {
   /// Of load and Coulomb friction now [N], for a body that moves, or just begins to, along `sign`.
   [[nodiscard]] double net_force(double sign) const noexcept {
     const double net = force_at(time_) - sign * parameters_.coulomb_force;
-    // A body breaks loose at no less than the Coulomb force: a rounding must not hold it back.
+    // A body breaks loose at no less than the Coulomb force: rounding must not decelerate it.
     return step_.state.velocity == 0.0 && net * sign < 0.0 ? 0.0 : net;
   }
 
-  /// Of the load over the path that begins now [J], by Gauss's three points: of fifth order, far
-  /// under the noise of any force.
+  /// Of the load over the motion that begins now [J], by three-point Gauss quadrature: of fifth
+  /// order, its error far below the noise of any force.
   [[nodiscard]] double work_of_load(const Slide& motion, double duration) const noexcept {
     const double offset = 0.5 * std::sqrt(0.6);
     const double at[3] = {0.5 - offset, 0.5, 0.5 + offset};
@@ -179,8 +180,8 @@ class Stepper {
       return;
     }
     const double band = parameters_.limiting_force - parameters_.limiting_force_std;
-    state.phase = std::abs(force) < band ? FrictionPhase::held : FrictionPhase::critical;
-    step_.friction = -clamped_to(holding_force(parameters_), force);
+    state.phase = std::abs(force) < band ? FrictionPhase::static_contact : FrictionPhase::critical;
+    step_.friction = -clamped_to(static_friction_limit(parameters_), force);
   }
 
   const FrictionParameters& parameters_;
@@ -195,7 +196,7 @@ class Stepper {
 
 std::string_view name_of(FrictionPhase phase) noexcept {
   switch (phase) {
-    case FrictionPhase::held:
+    case FrictionPhase::static_contact:
       return "static";
     case FrictionPhase::critical:
       return "critical";
@@ -213,19 +214,19 @@ bool is_physical(const FrictionParameters& p) noexcept {
                      [](double value) { return std::isfinite(value) && value >= 0.0; });
 }
 
-double holding_force(const FrictionParameters& parameters) noexcept {
+double static_friction_limit(const FrictionParameters& parameters) noexcept {
   return std::max(parameters.limiting_force, parameters.coulomb_force);
 }
 
 SliderStep step_slider(const FrictionParameters& parameters, const SliderState& state,
                        const SliderLoad& load, double dt) noexcept {
-  const bool is_sound = is_physical(parameters) && std::isfinite(load.force_at_begin) &&
+  const bool is_valid = is_physical(parameters) && std::isfinite(load.force_at_begin) &&
                         std::isfinite(load.force_at_end) && std::isfinite(state.velocity) &&
                         dt >= 0.0;
-  if (!is_sound) {
-    SliderStep held;
-    held.state = {state.position, 0.0, FrictionPhase::held};
-    return held;
+  if (!is_valid) {
+    SliderStep unchanged;
+    unchanged.state = {state.position, 0.0, FrictionPhase::static_contact};
+    return unchanged;
   }
   return Stepper(parameters, state, load, dt).run();
 }

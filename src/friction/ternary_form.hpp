@@ -10,8 +10,8 @@
 namespace pcavr::detail {
 
 /// A homogeneous polynomial of `Degree` in three variables is `coefficients . monomials(u)`.
-/// Its monomials are ordered as in kQuarticExponents: by falling powers of the first variable, then
-/// of the second.
+/// Its monomials are ordered as in kQuarticExponents: by descending powers of the first variable,
+/// then of the second.
 template <int Degree>
 struct TernaryForm {
   static constexpr int kTerms = (Degree + 1) * (Degree + 2) / 2;
@@ -41,8 +41,8 @@ struct TernaryForm {
     return result;
   }
 
-  /// What coefficients are multiplied by for the form's gradient at u, divided by Degree. By
-  /// Euler's theorem that vector's product with u is the form's value.
+  /// The matrix whose product with the coefficients is the form's gradient at u, divided by Degree.
+  /// By Euler's theorem that vector's product with u is the form's value.
   static Eigen::Matrix<double, 3, kTerms> gradient(const Eigen::Vector3d& u) noexcept {
     const Powers powers = powers_of(u);
     Eigen::Matrix<double, 3, kTerms> result;

@@ -29,8 +29,8 @@ Eigen::Matrix<double, 2, 3> CameraModel::projection_jacobian(
 }
 
 Eigen::Vector2d CameraModel::normalise(const Eigen::Vector2d& pixel) const {
-  const Eigen::Vector2d target((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
-  return has_distortion() ? distortion.undistort(target) : target;
+  const Eigen::Vector2d distorted((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
+  return has_distortion() ? distortion.undistort(distorted) : distorted;
 }
 
 Eigen::Vector3d CameraModel::unproject(const Eigen::Vector2d& pixel, double z) const {
@@ -43,29 +43,30 @@ bool CameraModel::contains(const Eigen::Vector2d& pixel) const {
          pixel.y() < height - 0.5;
 }
 
-CameraModel CameraModel::shrunk(int factor) const {
+CameraModel CameraModel::downsampled(int factor) const {
   PCAVR_REQUIRE(factor >= 1, factor);
-  CameraModel small = *this;
-  small.width = width / factor;
-  small.height = height / factor;
-  small.fx = fx / factor;
-  small.fy = fy / factor;
+  CameraModel binned = *this;
+  binned.width = width / factor;
+  binned.height = height / factor;
+  binned.fx = fx / factor;
+  binned.fy = fy / factor;
   // The centre of a square of pixels lies (factor - 1) / 2 from the centre of its first pixel.
-  small.cx = (cx - 0.5 * (factor - 1)) / factor;
-  small.cy = (cy - 0.5 * (factor - 1)) / factor;
-  return small;
+  binned.cx = (cx - 0.5 * (factor - 1)) / factor;
+  binned.cy = (cy - 0.5 * (factor - 1)) / factor;
+  return binned;
 }
 
 CameraModel CameraModel::undistorted() const {
-  CameraModel ideal = *this;
-  ideal.distortion = {};
-  return ideal;
+  CameraModel pinhole = *this;
+  pinhole.distortion = {};
+  return pinhole;
 }
 
 std::optional<LensFold> find_fold(const CameraModel& camera) {
-  // Lenses are smooth: 64 steps across an image are far below the width of their features.
+  // Lens distortion is smooth: 64 steps across an image resolve it.
   constexpr int kSteps = 64;
-  constexpr double kSameRay = 1e-9;  // on the plane z = 1: 1e-6 px at a focal length of 1000 px
+  constexpr double kReprojectionTolerance =
+      1e-9;  // on the plane z = 1: 1e-6 px at a focal length of 1000 px
   if (!camera.has_distortion()) return std::nullopt;
   const LensDistortion& lens = camera.distortion;
   const Eigen::Vector2d principal_point(camera.cx, camera.cy);
@@ -77,7 +78,8 @@ std::optional<LensFold> find_fold(const CameraModel& camera) {
       const Eigen::Vector2d q((pixel.x() - camera.cx) / camera.fx,
                               (pixel.y() - camera.cy) / camera.fy);
       const Eigen::Vector2d p = lens.undistort(q);
-      if (p.norm() <= lens.max_radius() && (lens.distort(p) - q).norm() < kSameRay) continue;
+      if (p.norm() <= lens.max_radius() && (lens.distort(p) - q).norm() < kReprojectionTolerance)
+        continue;
       if (fold && (fold->pixel - principal_point).norm() <= (pixel - principal_point).norm()) {
         continue;
       }

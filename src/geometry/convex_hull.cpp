@@ -8,13 +8,14 @@
 namespace pcavr {
 namespace {
 
-/// One of the two chains of the hull [Andrew 1979]; the last point is left out.
+/// The lower or upper chain of Andrew's monotone chain algorithm [Andrew 1979]; the last point is
+/// left out.
 template <typename Iterator>
 void append_chain(Iterator begin, Iterator end, std::vector<Eigen::Vector3d>& hull) {
   const std::size_t first = hull.size();
   for (Iterator point = begin; point != end; ++point) {
     while (hull.size() >= first + 2 &&
-           turn_from_above(hull[hull.size() - 2], hull.back(), *point) <= 0.0) {
+           orientation_xy(hull[hull.size() - 2], hull.back(), *point) <= 0.0) {
       hull.pop_back();
     }
     hull.push_back(*point);
@@ -24,7 +25,7 @@ void append_chain(Iterator begin, Iterator end, std::vector<Eigen::Vector3d>& hu
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> convex_hull_from_above(std::vector<Eigen::Vector3d> points) {
+std::vector<Eigen::Vector3d> convex_hull_xy(std::vector<Eigen::Vector3d> points) {
   if (points.empty()) return points;
   std::sort(points.begin(), points.end(), [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     return std::tuple(a.x(), a.y()) < std::tuple(b.x(), b.y());

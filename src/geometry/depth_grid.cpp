@@ -11,37 +11,37 @@
 namespace pcavr {
 namespace {
 
-/// Edges of a coarse pixel in fine pixels: [begin, end), with the parts of the first and last one.
+/// The fine pixels that a coarse pixel covers, with the covered fraction of the first and last one.
 struct Span {
   int first = 0;
-  int last = 0;              ///< inclusive
-  float first_share = 1.0F;  ///< 0 to 1
-  float last_share = 1.0F;
+  int last = 0;               ///< inclusive
+  float first_weight = 1.0F;  ///< 0 to 1
+  float last_weight = 1.0F;
 
   [[nodiscard]] float weight(int i) const {
-    return i == first ? first_share : i == last ? last_share : 1.0F;
+    return i == first ? first_weight : i == last ? last_weight : 1.0F;
   }
 };
 
 std::vector<Span> spans(int fine, int coarse) {
   std::vector<Span> all;
   for (std::int64_t i = 0; i < coarse; ++i) {
-    // In units of 1/coarse of a fine pixel everything is whole.
+    // In units of 1/coarse of a fine pixel all bounds are integers.
     const std::int64_t begin = i * fine;
     const std::int64_t end = begin + fine;
     Span span{.first = static_cast<int>(begin / coarse),
               .last = static_cast<int>((end - 1) / coarse)};
-    const auto share = [coarse](std::int64_t part) {
+    const auto fraction = [coarse](std::int64_t part) {
       return static_cast<float>(part) / static_cast<float>(coarse);
     };
-    span.first_share = share(coarse - begin % coarse);
-    span.last_share = share((end - 1) % coarse + 1);
+    span.first_weight = fraction(coarse - begin % coarse);
+    span.last_weight = fraction((end - 1) % coarse + 1);
     all.push_back(span);
   }
   return all;
 }
 
-/// One coarse row of weighted sums over the fine rows of `span`, still fine along the row.
+/// Sums the fine rows of `span`, weighted; the result keeps the fine resolution along the row.
 void sum_rows(const ColorImage& color, const Span& span, std::vector<float>& sums) {
   std::fill(sums.begin(), sums.end(), 0.0F);
   for (int y = span.first; y <= span.last; ++y) {
@@ -104,10 +104,10 @@ ColorImage color_on_grid(const ColorImage& color, int width, int height) {
           mean[channel] += span.weight(i) * sums[3 * static_cast<std::size_t>(i) + channel];
         }
       }
-      const auto level = [&](std::size_t channel) {
+      const auto channel_value = [&](std::size_t channel) {
         return static_cast<std::uint8_t>(std::min(255.0F, mean[channel] * per_area + 0.5F));
       };
-      coarse(x, y) = {level(0), level(1), level(2)};
+      coarse(x, y) = {channel_value(0), channel_value(1), channel_value(2)};
     }
   }
   return coarse;

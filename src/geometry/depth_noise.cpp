@@ -8,11 +8,11 @@
 
 namespace pcavr {
 
-double DepthNoise::sigma(double z, double incidence) const {
-  // At 89 degrees the term has grown 8000-fold; beyond, it would only overflow.
+double DepthNoise::depth_std(double z, double incidence) const {
+  // The term diverges at 90 degrees.
   const double angle = std::clamp(incidence, 0.0, 89.0 * std::numbers::pi / 180.0);
-  const double left = 0.5 * std::numbers::pi - angle;
-  return sigma(z) + grazing / std::sqrt(z) * (angle * angle) / (left * left);
+  const double complement = 0.5 * std::numbers::pi - angle;
+  return depth_std(z) + grazing / std::sqrt(z) * (angle * angle) / (complement * complement);
 }
 
 }  // namespace pcavr

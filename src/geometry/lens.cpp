@@ -17,22 +17,21 @@ using Coefficients = std::array<double, 8>;
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-/// Rays further from the optical axis are 11 times as long as their depth and more [rad].
+/// From the optical axis; at this angle a ray's length is 11 times its depth [rad].
 constexpr double kMaxAngle = 85.0 * std::numbers::pi / 180.0;
-/// In the middle of the image the map's slope is 1. Where it falls below the first, a pixel covers
-/// a hundred times the angle that it covers there: the fold itself follows at once. Where it rises
-/// above the second, a pole of the formula follows, or the polynomial has left what it was fitted
-/// to.
+/// Bounds of the map's slope (singular values of its Jacobian), which is 1 at the image centre.
+/// Below the first the map is about to fold; above the second it approaches a pole, or the
+/// polynomial is extrapolated too far beyond its calibration.
 constexpr double kMinSlope = 0.01;
 constexpr double kMaxSlope = 100.0;
-/// Of the map beyond max_radius: a fisheye's own tends to 0 on the plane z = 1.
-constexpr double kMinOuterSlope = 1e-3;
-/// The fold is looked for in steps of this angle [rad], far below the width of any calibrated
-/// lens's features; then bisected.
+/// Of the extrapolation beyond max_radius: a fisheye's slope tends to 0 on the plane z = 1.
+constexpr double kMinExtrapolationSlope = 1e-3;
+/// The fold is searched in steps of this angle [rad], which resolve any calibrated lens; then
+/// refined by bisection.
 constexpr double kAngleStep = 0.1 * std::numbers::pi / 180.0;
 constexpr int kDirections = 32;
-/// Distance on the plane z = 1 at which a point is found.
-constexpr double kFound = 1e-12;
+/// Convergence tolerance of undistort() on the plane z = 1.
+constexpr double kTolerance = 1e-12;
 
 /// k1 k2 p1 p2 k3. Distorted coordinates on z = 1 and, where asked for, their derivative.
 Vector2d plumb_bob(const Coefficients& d, const Vector2d& p, Matrix2d* jacobian) {
@@ -58,18 +57,18 @@ Vector2d rational(const Coefficients& d, const Vector2d& p, Matrix2d* jacobian) 
   const double x = p.x();
   const double y = p.y();
   const double r2 = x * x + y * y;
-  const double above = 1.0 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]));
-  const double below = 1.0 + r2 * (d[5] + r2 * (d[6] + r2 * d[7]));
-  const double radial = above / below;
+  const double numerator = 1.0 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]));
+  const double denominator = 1.0 + r2 * (d[5] + r2 * (d[6] + r2 * d[7]));
+  const double radial = numerator / denominator;
   if (jacobian != nullptr) {
-    const double above_slope = d[0] + r2 * (2.0 * d[1] + 3.0 * r2 * d[4]);
-    const double below_slope = d[5] + r2 * (2.0 * d[6] + 3.0 * r2 * d[7]);
-    const double slope = 2.0 * (above_slope - radial * below_slope) / below;
-    const double across = x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y;
-    (*jacobian) << radial + x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x, across,  //
-        across, radial + y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x;
-    // Past a zero of the denominator the formula comes back from infinity: no lens does.
-    if (!(below > 0.0)) jacobian->setConstant(-1.0);
+    const double numerator_slope = d[0] + r2 * (2.0 * d[1] + 3.0 * r2 * d[4]);
+    const double denominator_slope = d[5] + r2 * (2.0 * d[6] + 3.0 * r2 * d[7]);
+    const double slope = 2.0 * (numerator_slope - radial * denominator_slope) / denominator;
+    const double cross = x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y;
+    (*jacobian) << radial + x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x, cross,  //
+        cross, radial + y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x;
+    // Beyond a zero of the denominator (a pole) the model is meaningless: report it as folded.
+    if (!(denominator > 0.0)) jacobian->setConstant(-1.0);
   }
   return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
           y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
@@ -77,10 +76,10 @@ Vector2d rational(const Coefficients& d, const Vector2d& p, Matrix2d* jacobian) 
 
 struct FisheyeRadius {
   double value = 0.0;
-  double slope = 0.0;  ///< by the angle
+  double slope = 0.0;  ///< d(value)/d(angle)
 };
 
-/// Distance from the principal point [focal lengths] of a ray at an angle to the axis.
+/// Distance from the principal point [focal lengths] for a ray at `angle` to the optical axis.
 FisheyeRadius fisheye_radius(const Coefficients& k, double angle) {
   const double a2 = angle * angle;
   return {angle * (1.0 + a2 * (k[0] + a2 * (k[1] + a2 * (k[2] + a2 * k[3])))),
@@ -90,34 +89,34 @@ FisheyeRadius fisheye_radius(const Coefficients& k, double angle) {
 /// k1 k2 k3 k4.
 Vector2d fisheye(const Coefficients& k, const Vector2d& p, Matrix2d* jacobian) {
   const double r2 = p.squaredNorm();
-  // Nearer to the axis, the first terms of the series are exact to 1e-15, and nothing cancels.
+  // Near the axis the Taylor series is exact to 1e-15 and has no cancellation.
   const bool is_near_axis = r2 < 1e-8;
   const double r = std::sqrt(r2);
   const FisheyeRadius radius = fisheye_radius(k, std::atan(r));
   const double scale = is_near_axis ? 1.0 + (k[0] - 1.0 / 3.0) * r2 : radius.value / r;
   if (jacobian != nullptr) {
-    const double bend = is_near_axis ? 2.0 * (k[0] - 1.0 / 3.0)  // d(scale)/dr / r
-                                     : (radius.slope / (1.0 + r2) - scale) / r2;
-    *jacobian = scale * Matrix2d::Identity() + bend * p * p.transpose();
+    const double scale_slope = is_near_axis ? 2.0 * (k[0] - 1.0 / 3.0)  // d(scale)/dr / r
+                                            : (radius.slope / (1.0 + r2) - scale) / r2;
+    *jacobian = scale * Matrix2d::Identity() + scale_slope * p * p.transpose();
   }
   return scale * p;
 }
 
-/// Whether the slopes along and across a ray's direction from the axis are sound; those of a
-/// fisheye by the angle, as a fisheye's slope on the plane z = 1 tends to 0 without a fold.
-bool has_sound_slope(LensModel model, const Coefficients& k, double angle,
-                     const Vector2d& direction) {
-  // Written so that what is not a number fails: coefficients may be huge.
-  const auto is_sound = [](double slope) { return slope >= kMinSlope && slope <= kMaxSlope; };
+/// Whether the radial and tangential slopes lie within the bounds; for a fisheye with respect to
+/// the angle, as its slope on the plane z = 1 tends to 0 without a fold.
+bool is_locally_invertible(LensModel model, const Coefficients& k, double angle,
+                           const Vector2d& direction) {
+  // Written so that NaN fails: coefficients may be huge.
+  const auto is_in_bounds = [](double slope) { return slope >= kMinSlope && slope <= kMaxSlope; };
   if (model == LensModel::fisheye) {
     const FisheyeRadius radius = fisheye_radius(k, angle);
-    return is_sound(radius.slope) && is_sound(radius.value / angle);
+    return is_in_bounds(radius.slope) && is_in_bounds(radius.value / angle);
   }
   Matrix2d jacobian;
   const Vector2d p = std::tan(angle) * direction;
   (void)(model == LensModel::plumb_bob ? plumb_bob(k, p, &jacobian) : rational(k, p, &jacobian));
-  const double along = direction.dot(jacobian * direction);
-  return is_sound(along) && is_sound(jacobian.determinant() / along);
+  const double radial = direction.dot(jacobian * direction);
+  return is_in_bounds(radial) && is_in_bounds(jacobian.determinant() / radial);
 }
 
 }  // namespace
@@ -163,14 +162,14 @@ std::span<const double> LensDistortion::coefficients() const {
 }
 
 void LensDistortion::find_max_radius() {
-  // Tangential terms alone make the directions differ.
+  // Only tangential distortion depends on the direction.
   const bool is_radial =
       model_ == LensModel::fisheye || (coefficients_[2] == 0.0 && coefficients_[3] == 0.0);
   const auto is_one_to_one = [&](double angle) {
     for (int i = 0; i < (is_radial ? 1 : kDirections); ++i) {
-      const double turn = 2.0 * std::numbers::pi * i / kDirections;
-      const Vector2d direction(std::cos(turn), std::sin(turn));
-      if (!has_sound_slope(model_, coefficients_, angle, direction)) return false;
+      const double azimuth = 2.0 * std::numbers::pi * i / kDirections;
+      const Vector2d direction(std::cos(azimuth), std::sin(azimuth));
+      if (!is_locally_invertible(model_, coefficients_, angle, direction)) return false;
     }
     return true;
   };
@@ -188,7 +187,7 @@ void LensDistortion::find_max_radius() {
   max_radius_ = std::tan(inside);
   Matrix2d jacobian;
   (void)formula({max_radius_, 0.0}, &jacobian);
-  outer_slope_ = std::max(jacobian(0, 0), kMinOuterSlope);
+  extrapolation_slope_ = std::max(jacobian(0, 0), kMinExtrapolationSlope);
 }
 
 Vector2d LensDistortion::formula(const Vector2d& p, Matrix2d* jacobian) const {
@@ -209,42 +208,42 @@ Vector2d LensDistortion::distort(const Vector2d& p, Matrix2d* jacobian) const {
     return p;
   }
   if (p.squaredNorm() <= max_radius_ * max_radius_) return formula(p, jacobian);
-  return beyond_max_radius(p, jacobian);
+  return extrapolate(p, jacobian);
 }
 
-Vector2d LensDistortion::beyond_max_radius(const Vector2d& p, Matrix2d* jacobian) const {
+Vector2d LensDistortion::extrapolate(const Vector2d& p, Matrix2d* jacobian) const {
   const double radius = p.norm();
   const Vector2d direction = p / radius;
-  Matrix2d at_border;
-  const Vector2d border = formula(max_radius_ * direction, &at_border);
+  Matrix2d border_jacobian;
+  const Vector2d border = formula(max_radius_ * direction, &border_jacobian);
   if (jacobian != nullptr) {
-    // The direction turns by (I - d d^T) / radius, and the radius grows along d.
-    const Matrix2d along = direction * direction.transpose();
-    const Matrix2d turn = (Matrix2d::Identity() - along) / radius;
-    *jacobian =
-        max_radius_ * at_border * turn + outer_slope_ * ((radius - max_radius_) * turn + along);
+    // d(direction)/dp = (I - d d^T) / radius, and d(radius)/dp = d^T.
+    const Matrix2d radial = direction * direction.transpose();
+    const Matrix2d tangential = (Matrix2d::Identity() - radial) / radius;
+    *jacobian = max_radius_ * border_jacobian * tangential +
+                extrapolation_slope_ * ((radius - max_radius_) * tangential + radial);
   }
-  return border + outer_slope_ * (radius - max_radius_) * direction;
+  return border + extrapolation_slope_ * (radius - max_radius_) * direction;
 }
 
 Vector2d LensDistortion::undistort(const Vector2d& q) const {
   if (is_none_) return q;
   if (model_ == LensModel::fisheye) return undistort_fisheye(q);
-  // Newton's method from the distorted point comes there for most lenses and pixels.
+  // Newton's method from the distorted point converges for most lenses and pixels.
   Vector2d p = q;
   for (int i = 0; i < 20; ++i) {
     Matrix2d jacobian;
     const Vector2d residual = formula(p, &jacobian) - q;
     p -= jacobian.inverse() * residual;
-    if (residual.squaredNorm() < kFound * kFound) {
+    if (residual.squaredNorm() < kTolerance * kTolerance) {
       if (p.squaredNorm() <= max_radius_ * max_radius_) return p;
-      break;  // on another branch of the formula
+      break;  // a solution beyond the fold
     }
   }
   return undistort_damped(q);
 }
 
-/// The angle, by Newton's method between bounds that close in; the radius grows with it.
+/// Solves for the angle by Newton's method safeguarded by bisection; the radius is monotonic in it.
 Vector2d LensDistortion::undistort_fisheye(const Vector2d& q) const {
   const double target = q.norm();
   if (!(target > 1e-12)) return q;
@@ -252,7 +251,8 @@ Vector2d LensDistortion::undistort_fisheye(const Vector2d& q) const {
   double low = 0.0;
   double high = std::atan(max_radius_);
   const double border = fisheye_radius(coefficients_, high).value;
-  if (!(target < border)) return (max_radius_ + (target - border) / outer_slope_) * direction;
+  if (!(target < border))
+    return (max_radius_ + (target - border) / extrapolation_slope_) * direction;
   double angle = std::min(target, 0.5 * high);
   for (int i = 0; i < 100; ++i) {
     const FisheyeRadius radius = fisheye_radius(coefficients_, angle);
@@ -267,27 +267,27 @@ Vector2d LensDistortion::undistort_fisheye(const Vector2d& q) const {
   return std::tan(angle) * direction;
 }
 
-/// Newton's method with steps that are halved until they come nearer. As the map is one-to-one
-/// with a slope that is nowhere 0, some part of every step does, from any start.
+/// Damped Newton's method: backtracking line search that halves each step until the residual
+/// decreases. As the map is one-to-one with a non-singular Jacobian, it converges from any start.
 Vector2d LensDistortion::undistort_damped(const Vector2d& q) const {
-  constexpr double kMinDescent = 1e-3;  // of what a linear map would come nearer
-  constexpr double kMinShare = 1e-15;
+  constexpr double kMinDecrease = 1e-3;  // fraction of the linear prediction (Armijo condition)
+  constexpr double kMinFraction = 1e-15;
   Vector2d p = Vector2d::Zero();
   Matrix2d jacobian;
   Vector2d residual = distort(p, &jacobian) - q;
-  const double found = kFound * std::max(1.0, q.norm());
-  for (int i = 0; i < 200 && !(residual.norm() < found); ++i) {
+  const double tolerance = kTolerance * std::max(1.0, q.norm());
+  for (int i = 0; i < 200 && !(residual.norm() < tolerance); ++i) {
     const Vector2d step = jacobian.inverse() * residual;
-    double share = 1.0;
+    double fraction = 1.0;
     Vector2d next = p - step;
-    const auto is_nearer = [&] {
-      return (distort(next) - q).norm() < (1.0 - kMinDescent * share) * residual.norm();
+    const auto is_sufficient_decrease = [&] {
+      return (distort(next) - q).norm() < (1.0 - kMinDecrease * fraction) * residual.norm();
     };
-    while (share > kMinShare && !is_nearer()) {
-      share *= 0.5;
-      next = p - share * step;
+    while (fraction > kMinFraction && !is_sufficient_decrease()) {
+      fraction *= 0.5;
+      next = p - fraction * step;
     }
-    if (share <= kMinShare) break;  // as near as the numbers go
+    if (fraction <= kMinFraction) break;  // at the rounding error
     p = next;
     residual = distort(p, &jacobian) - q;
   }

@@ -12,10 +12,11 @@
 namespace pcavr {
 namespace {
 
-/// Below this angle [rad] series replace closed forms, whose cancellation would cost digits.
+/// Below this angle [rad] Taylor series replace closed forms, which lose digits by cancellation.
 constexpr double kSmallAngle = 1e-4;
 
-/// The matrix V with p = V v, for a rotation vector w [Murray, Li & Sastry 1994, eq. 2.36].
+/// The left Jacobian V of SO(3) with p = V v, for a rotation vector w [Murray, Li & Sastry 1994,
+/// eq. 2.36].
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& w) {
   const double angle = w.norm();
   const Eigen::Matrix3d W = skew(w);
@@ -47,10 +48,10 @@ Pose Pose::from_matrix(const Eigen::Matrix4d& matrix) {
   const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
-  const double deviation =
+  const double max_error =
       std::max((rotation - linear).cwiseAbs().maxCoeff(),
                (matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff());
-  PCAVR_REQUIRE(rotation.determinant() > 0.0 && deviation < 0.05, deviation);
+  PCAVR_REQUIRE(rotation.determinant() > 0.0 && max_error < 0.05, max_error);
   return Pose(Eigen::Quaterniond(rotation), matrix.topRightCorner<3, 1>());
 }
 

@@ -10,7 +10,7 @@
 namespace pcavr {
 namespace {
 
-auto first_not_before(const std::vector<TimedPose>& poses, Stamp stamp) {
+auto lower_bound_of(const std::vector<TimedPose>& poses, Stamp stamp) {
   return std::lower_bound(poses.begin(), poses.end(), stamp,
                           [](const TimedPose& pose, Stamp when) { return pose.stamp < when; });
 }
@@ -30,7 +30,7 @@ void Trajectory::append(Stamp stamp, const Pose& pose) {
 }
 
 std::optional<Pose> Trajectory::at(Stamp stamp, Duration max_gap) const {
-  const auto after = first_not_before(poses_, stamp);
+  const auto after = lower_bound_of(poses_, stamp);
   if (after == poses_.end()) return std::nullopt;
   if (after->stamp == stamp) return after->pose;
   if (after == poses_.begin()) return std::nullopt;
@@ -43,13 +43,13 @@ std::optional<Pose> Trajectory::at(Stamp stamp, Duration max_gap) const {
 
 std::optional<std::size_t> Trajectory::nearest(Stamp stamp, Duration tolerance) const {
   if (poses_.empty()) return std::nullopt;
-  auto best = first_not_before(poses_, stamp);
+  auto best = lower_bound_of(poses_, stamp);
   if (best == poses_.end() ||
       (best != poses_.begin() && stamp - (best - 1)->stamp <= best->stamp - stamp)) {
     --best;
   }
-  const Duration apart = best->stamp > stamp ? best->stamp - stamp : stamp - best->stamp;
-  if (apart > tolerance) return std::nullopt;
+  const Duration difference = best->stamp > stamp ? best->stamp - stamp : stamp - best->stamp;
+  if (difference > tolerance) return std::nullopt;
   return static_cast<std::size_t>(best - poses_.begin());
 }
 

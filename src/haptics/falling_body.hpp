@@ -11,8 +11,8 @@
 
 namespace pcavr::detail {
 
-/// A body whose centre of mass has left its support: it tips over the edge, as a pendulum that
-/// stands on it, and then falls freely until it is out of sight. Nothing is met on the way.
+/// A body whose centre of mass has left its support: it tips over the edge, as an
+/// inverted pendulum, and then falls freely until it is out of view. No collisions.
 class FallingBody {
  public:
   struct Start {
@@ -39,8 +39,8 @@ class FallingBody {
   Eigen::Vector3d centre_;  ///< of mass, in base
   Eigen::Vector3d v_;       ///< [m/s]
   Eigen::Quaterniond q_base_object_;
-  double tilt_ = 0.0;     ///< [rad] about the edge
-  double tilting_ = 0.0;  ///< [rad/s]
+  double tilt_ = 0.0;       ///< [rad] about the edge
+  double tilt_rate_ = 0.0;  ///< [rad/s]
 };
 
 }  // namespace pcavr::detail

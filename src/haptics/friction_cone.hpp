@@ -6,18 +6,21 @@
 
 namespace pcavr::detail {
 
-/// Where a ball at `centre` would go: below the tip by as much as friction lets it lag behind. The
-/// tip pulls by a spring, so the cone of the force is a cone of lengths. `normal` zero: no contact.
-inline Eigen::Vector3d held_back(const Eigen::Vector3d& tip, const Eigen::Vector3d& centre,
-                                 const Eigen::Vector3d& normal, double friction) noexcept {
+/// The goal of a proxy at `centre` under Coulomb friction: the tip, less what the friction cone
+/// absorbs of the tangential pull. The tip pulls by a spring, so that the force's cone is a cone of
+/// lengths. `normal` zero: no contact.
+inline Eigen::Vector3d friction_limited_goal(const Eigen::Vector3d& tip,
+                                             const Eigen::Vector3d& centre,
+                                             const Eigen::Vector3d& normal,
+                                             double friction) noexcept {
   const Eigen::Vector3d pull = tip - centre;
-  const double depth = -pull.dot(normal);
-  if (normal.isZero(0.0) || depth <= 0.0) return tip;
-  const Eigen::Vector3d along = pull + depth * normal;
-  const double length = along.norm();
-  const double held = friction * depth;
-  return length <= held ? Eigen::Vector3d(tip - along)
-                        : Eigen::Vector3d(tip - held / length * along);
+  const double penetration = -pull.dot(normal);
+  if (normal.isZero(0.0) || penetration <= 0.0) return tip;
+  const Eigen::Vector3d tangential = pull + penetration * normal;
+  const double length = tangential.norm();
+  const double static_limit = friction * penetration;
+  return length <= static_limit ? Eigen::Vector3d(tip - tangential)
+                                : Eigen::Vector3d(tip - static_limit / length * tangential);
 }
 
 }  // namespace pcavr::detail

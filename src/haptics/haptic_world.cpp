@@ -7,49 +7,48 @@
 #include <optional>
 #include <utility>
 
+#include "pcavr/contact/compliance.hpp"
 #include "pcavr/core/check.hpp"
 
-#include "haptics/ball.hpp"
 #include "haptics/body_shape.hpp"
 #include "haptics/falling_body.hpp"
 #include "haptics/friction_cone.hpp"
+#include "haptics/proxy_sphere.hpp"
 #include "haptics/supports.hpp"
-#include "prediction/contact_force.hpp"
-#include "prediction/tip_contact.hpp"
 
 namespace pcavr {
 namespace {
 
-/// The ball's surfaces: the scan, the supports, and then the bodies.
+/// The proxy's surfaces: the scan, the supports, and then the bodies.
 constexpr std::size_t kFirstBody = 2;
-/// [m/s] at which the tool sinks into a body at most: a hand that was put somewhere else pushes a
-/// body away, and does not hit it.
-constexpr double kSinking = 1.0;
-/// [m/s] by which the ball is faster than the hand while it lags behind it and nothing is between
-/// them: it fell back where its way over a rough surface or around a body was the longer one.
-constexpr double kCatchingUp = 0.5;
-/// Of what all bodies together are held by: a tool that pushes harder moves nothing that it did not
-/// move before.
-constexpr double kPushing = 2.0;
-/// [N] that a hand pushes with at most.
-constexpr double kStrongestHand = 200.0;
-/// Of a body's thickness, beyond which its other side would be the nearer one.
-constexpr double kHalf = 0.45;
-/// Cosine between the normals where the tip is nearest and where the ball rests: of one face.
-constexpr double kSameFace = 0.7;
-/// A tip that is too deep is drawn back in such steps.
-constexpr double kLess = 0.9;
-constexpr int kMaxTries = 8;
-/// [m] Where the tool of the prediction is while it pushes nothing: far from everything.
-const Eigen::Vector3d kAway(0.0, 0.0, 1e4);
-/// [m] Where a body that fell lies in the prediction, and how far from the next one.
-constexpr double kAside = 1e4;
-/// [m] A tip that is farther from base along any axis is taken for an error.
-constexpr double kFarthest = 1e3;
-/// How often the ball is moved out of bodies that came upon it.
-constexpr int kMaxEvasions = 12;
+/// [m/s] of the tool into a body: a hand whose position jumps pushes a body away without an impact.
+constexpr double kMaxPenetrationSpeed = 1.0;
+/// [m/s] by which the proxy is faster than the hand while it lags behind it with nothing between
+/// them: after a longer path over a rough surface or around a body.
+constexpr double kCatchUpSpeed = 0.5;
+/// Of the static limit of all bodies together: a higher force moves no further body.
+constexpr double kMaxPushRatio = 2.0;
+/// [N] of a hand.
+constexpr double kMaxPushForce = 200.0;
+/// Of a body's thickness: beyond half of it the opposite face would be nearer.
+constexpr double kMaxThicknessShare = 0.45;
+/// Cosine between the normals nearest to the tip and at the proxy's contact: on the same face.
+constexpr double kMinSameFaceCosine = 0.7;
+/// Backtracking of a tip that has penetrated too far.
+constexpr double kBacktrackFactor = 0.9;
+constexpr int kMaxBacktracks = 8;
+/// [m] Where the prediction's tool is parked while it is not in contact.
+const Eigen::Vector3d kParkedTip(0.0, 0.0, 1e4);
+/// [m] Where a fallen body is parked in the prediction, and its distance to the next one.
+constexpr double kParkedBodySpacing = 1e4;
+/// [m] A tip farther from the origin along any axis is invalid.
+constexpr double kMaxTipCoordinate = 1e3;
+/// Iterations that move the proxy out of overlapping bodies.
+constexpr int kMaxOverlapIterations = 12;
 
-bool is_told(const Eigen::Vector3d& p) noexcept { return (p.array().abs() <= kFarthest).all(); }
+bool is_valid_tip(const Eigen::Vector3d& p) noexcept {
+  return (p.array().abs() <= kMaxTipCoordinate).all();
+}
 
 }  // namespace
 
@@ -58,10 +57,10 @@ struct HapticWorld::Content {
     explicit Body(detail::BodyShape body_shape) : shape(std::move(body_shape)) {}
 
     detail::BodyShape shape;
-    double max_depth = 0.0;      ///< [m] to which the tool sinks in
-    bool has_support = false;    ///< it stood above one at the start
-    bool is_under_tool = false;  ///< the ball rests on it
-    Pose T_base_object;          ///< after the latest step
+    double max_penetration = 0.0;  ///< [m] of the tool
+    bool has_support = false;      ///< initially
+    bool is_under_tool = false;    ///< the proxy is in contact with it
+    Pose T_base_object;            ///< after the latest step
     std::optional<detail::FallingBody> fall;
   };
 
@@ -71,34 +70,35 @@ struct HapticWorld::Content {
   void step(const ToolCommand& command, double dt) noexcept;
 
  private:
-  [[nodiscard]] bool has_room(const Eigen::Vector3d& centre) const noexcept;
+  [[nodiscard]] bool is_collision_free(const Eigen::Vector3d& centre) const noexcept;
   [[nodiscard]] bool is_near(const Body& body, const Eigen::Vector3d& p) const noexcept;
-  [[nodiscard]] std::optional<detail::ClosestSurface::Answer> closest(const Body& body,
+  [[nodiscard]] std::optional<detail::ClosestSurface::Result> closest(const Body& body,
                                                                       const Eigen::Vector3d& p,
                                                                       double reach) const noexcept;
   [[nodiscard]] auto closest(const Body& body, const Eigen::Vector3d& p) const noexcept {
-    return closest(body, p, ball.radius());
+    return closest(body, p, proxy.radius());
   }
   [[nodiscard]] bool is_resting_on_body() const noexcept;
   [[nodiscard]] bool may_catch_up() const noexcept;
-  void follow(double moved, double dt) noexcept;
-  void sink_in(double dt) noexcept;
-  [[nodiscard]] Eigen::Vector3d sunk_towards(const Eigen::Vector3d& along, double deep,
-                                             double most) const noexcept;
-  [[nodiscard]] bool is_through_its_face(const Eigen::Vector3d& p) const noexcept;
-  void let_go() noexcept;
+  void follow(double displacement, double dt) noexcept;
+  void update_tip(double dt) noexcept;
+  [[nodiscard]] Eigen::Vector3d limited_penetration(const Eigen::Vector3d& direction,
+                                                    double desired,
+                                                    double max_change) const noexcept;
+  [[nodiscard]] bool is_through_contact_face(const Eigen::Vector3d& p) const noexcept;
+  void release() noexcept;
   void move_bodies(double dt) noexcept;
-  void drop(std::size_t i) noexcept;
-  void evade() noexcept;
-  void feel(const Eigen::Vector3d& device, double dt) noexcept;
+  void start_falling(std::size_t i) noexcept;
+  void resolve_overlap() noexcept;
+  void compute_force(const Eigen::Vector3d& device, double dt) noexcept;
   void publish_bodies() noexcept;
 
  public:
   PredictedWorld world;
   std::vector<BodyState> start;
-  std::vector<BodyState> work;  ///< so that a body can be put aside without the heap
+  std::vector<BodyState> work;  ///< buffer, so that parking a body does not allocate
   detail::Supports supports;
-  detail::Ball ball;
+  detail::ProxySphere proxy;
   RenderedForce force;
   double gravity;
   double friction;
@@ -108,14 +108,16 @@ struct HapticWorld::Content {
   HapticWorldState state;
 
   bool is_placed = false;
-  double carried = 0.0;  ///< [m] by which bodies under the tool moved in the latest step
-  Eigen::Vector3d sunk = Eigen::Vector3d::Zero();  ///< from the ball to the prediction's tip
+  double body_displacement = 0.0;  ///< [m] of the bodies under the tool in the latest step
+  Eigen::Vector3d penetration =
+      Eigen::Vector3d::Zero();  ///< [m] from the proxy to the prediction's tip
   Eigen::Vector3d scan_normal = Eigen::Vector3d::Zero();
   Eigen::Vector3d hip = Eigen::Vector3d::Zero();
   Eigen::Vector3d goal = Eigen::Vector3d::Zero();
-  Eigen::Vector3d tip = kAway;                        ///< of the prediction
-  Eigen::Vector3d tip_before = kAway;                 ///< a step earlier
-  Eigen::Vector3d on_scan = Eigen::Vector3d::Zero();  ///< where the scan alone would hold the hand
+  Eigen::Vector3d tip = kParkedTip;         ///< of the prediction
+  Eigen::Vector3d tip_before = kParkedTip;  ///< a step earlier
+  Eigen::Vector3d static_proxy =
+      Eigen::Vector3d::Zero();  ///< [m] the proxy's centre among static surfaces only
 };
 
 HapticWorld::Content::Content(const HapticWorldModel& model, PredictedWorld predicted)
@@ -123,43 +125,46 @@ HapticWorld::Content::Content(const HapticWorldModel& model, PredictedWorld pred
       start(world.state()),
       work(start),
       supports(model.supports_base),
-      ball(model.world.tool_radius),
+      proxy(model.world.tool_radius),
       force(model.force),
       gravity(model.world.gravity),
       friction(model.scan_friction),
       min_force(model.force.min_force) {
-  ball.add_static(model.world.static_mesh_base);
-  const TriangleMesh level = supports.surface_base();
-  ball.add_static(level);
-  for (const TriangleMesh* mesh : {&model.world.static_mesh_base, &level}) {
+  proxy.add_static(model.world.static_mesh_base);
+  const TriangleMesh support_mesh = supports.surface_base();
+  proxy.add_static(support_mesh);
+  for (const TriangleMesh* mesh : {&model.world.static_mesh_base, &support_mesh}) {
     for (const Eigen::Vector3f& v : mesh->vertices) top = std::max(top, static_cast<double>(v.z()));
   }
-  double held = 0.0;
-  for (const WorldBody& body : model.world.bodies) held += holding_force(body.physics.friction);
+  double static_limit = 0.0;
+  for (const WorldBody& body : model.world.bodies)
+    static_limit += static_friction_limit(body.physics.friction);
   for (const WorldBody& body : model.world.bodies) {
-    ball.add_moving(body.model.mesh_object);
+    proxy.add_moving(body.model.mesh_object);
     Body& added = bodies.emplace_back(detail::shape_of(body));
-    const double push = std::min(kPushing * held, kStrongestHand);
-    const double pushed = detail::depth_at(body.physics.contact, push);
-    added.max_depth = std::min(pushed, ball.radius() + kHalf * added.shape.thinnest);
+    const double max_push = std::min(kMaxPushRatio * static_limit, kMaxPushForce);
+    const double penetration_at_max = static_penetration(body.physics.contact, max_push);
+    added.max_penetration = std::min(
+        penetration_at_max, proxy.radius() + kMaxThicknessShare * added.shape.min_thickness);
     const Eigen::Vector3d centre = body.T_base_object * added.shape.centre_of_mass;
-    added.has_support = supports.bear(centre.head<2>(), added.shape.foot);
-    const Eigen::Vector3d middle = body.T_base_object * added.shape.middle;
-    top = std::max(top, middle.z() + added.shape.reach);
+    added.has_support = supports.is_supported(centre.head<2>(), added.shape.bottom);
+    const Eigen::Vector3d bounding_centre = body.T_base_object * added.shape.bounding_centre;
+    top = std::max(top, bounding_centre.z() + added.shape.bounding_radius);
   }
-  top += 2.0 * ball.radius();
+  top += 2.0 * proxy.radius();
   state.bodies.resize(bodies.size());
   reset({0.0, 0.0, top});
 }
 
 bool HapticWorld::Content::is_near(const Body& body, const Eigen::Vector3d& p) const noexcept {
   if (body.fall) return false;
-  const double reach = body.shape.reach + 2.0 * ball.radius();
-  return (body.T_base_object * body.shape.middle - p).squaredNorm() < reach * reach;
+  const double reach = body.shape.bounding_radius + 2.0 * proxy.radius();
+  return (body.T_base_object * body.shape.bounding_centre - p).squaredNorm() < reach * reach;
 }
 
-/// The body's surface seen from `p`, in base, where it is nearer than `reach`, or `p` inside.
-std::optional<detail::ClosestSurface::Answer> HapticWorld::Content::closest(
+/// The closest point of the body's surface to `p`, in base, where it is nearer than `reach` or `p`
+/// is inside.
+std::optional<detail::ClosestSurface::Result> HapticWorld::Content::closest(
     const Body& body, const Eigen::Vector3d& p, double reach) const noexcept {
   if (!is_near(body, p)) return std::nullopt;
   const Pose& T = body.T_base_object;
@@ -172,26 +177,26 @@ std::optional<detail::ClosestSurface::Answer> HapticWorld::Content::closest(
   return answer;
 }
 
-bool HapticWorld::Content::has_room(const Eigen::Vector3d& centre) const noexcept {
-  return ball.has_room(centre) && std::none_of(bodies.begin(), bodies.end(), [&](const Body& body) {
-           return closest(body, centre).has_value();
-         });
+bool HapticWorld::Content::is_collision_free(const Eigen::Vector3d& centre) const noexcept {
+  return proxy.is_collision_free(centre) &&
+         std::none_of(bodies.begin(), bodies.end(),
+                      [&](const Body& body) { return closest(body, centre).has_value(); });
 }
 
-void HapticWorld::Content::reset(const Eigen::Vector3d& wanted) noexcept {
+void HapticWorld::Content::reset(const Eigen::Vector3d& wanted_tip) noexcept {
   world.set_state(start);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     bodies[i].fall.reset();
     bodies[i].is_under_tool = false;
     bodies[i].T_base_object = world.T_base_object(i);
-    ball.place(kFirstBody + i, bodies[i].T_base_object);
+    proxy.set_pose(kFirstBody + i, bodies[i].T_base_object);
   }
-  is_placed = is_told(wanted);
-  Eigen::Vector3d centre = is_placed ? wanted : Eigen::Vector3d(0.0, 0.0, top);
-  while (centre.z() < top && !has_room(centre)) centre.z() += 0.5 * ball.radius();
-  ball.put(centre);
+  is_placed = is_valid_tip(wanted_tip);
+  Eigen::Vector3d centre = is_placed ? wanted_tip : Eigen::Vector3d(0.0, 0.0, top);
+  while (centre.z() < top && !is_collision_free(centre)) centre.z() += 0.5 * proxy.radius();
+  proxy.set_centre(centre);
   hip = centre;
-  let_go();
+  release();
   state.force_base.setZero();
   state.is_engaged = false;
   state.touches_scan = false;
@@ -201,23 +206,24 @@ void HapticWorld::Content::reset(const Eigen::Vector3d& wanted) noexcept {
   publish_bodies();
 }
 
-/// Whether the tool would be free where the hand is, and could go there straight.
+/// Whether the tool would be collision-free at the HIP and on the straight path to it.
 bool HapticWorld::Content::may_catch_up() const noexcept {
-  if (is_resting_on_body() || ball.centre() == hip || ball.is_kept_apart(hip)) return false;
+  if (is_resting_on_body() || proxy.centre() == hip || proxy.is_separated_from(hip)) return false;
   return std::none_of(bodies.begin(), bodies.end(),
                       [&](const Body& body) { return closest(body, hip).has_value(); });
 }
 
-/// The ball after the hand, which `moved` [m].
-void HapticWorld::Content::follow(double moved, double dt) noexcept {
-  goal = detail::held_back(hip, ball.centre(), scan_normal, friction);
-  const double budget = moved + carried + (may_catch_up() ? kCatchingUp * dt : 0.0);
+/// Moves the proxy after the HIP, which moved by `displacement` [m].
+void HapticWorld::Content::follow(double displacement, double dt) noexcept {
+  goal = detail::friction_limited_goal(hip, proxy.centre(), scan_normal, friction);
+  const double budget =
+      displacement + body_displacement + (may_catch_up() ? kCatchUpSpeed * dt : 0.0);
   if (!(budget > 0.0)) return;
-  ball.follow(goal, budget, budget);
-  scan_normal = ball.static_normal(hip);
+  proxy.follow(goal, budget, budget);
+  scan_normal = proxy.static_normal(hip);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     Body& body = bodies[i];
-    body.is_under_tool = is_near(body, ball.centre()) && ball.rests_on(kFirstBody + i, goal);
+    body.is_under_tool = is_near(body, proxy.centre()) && proxy.rests_on(kFirstBody + i, goal);
   }
 }
 
@@ -226,96 +232,101 @@ bool HapticWorld::Content::is_resting_on_body() const noexcept {
                      [](const Body& body) { return body.is_under_tool; });
 }
 
-/// Where the prediction's tip is: at the ball, or sunk from there into what the ball rests on.
-void HapticWorld::Content::sink_in(double dt) noexcept {
+/// The prediction's tip: at the proxy's centre, plus a penetration into the body that it touches.
+void HapticWorld::Content::update_tip(double dt) noexcept {
   tip_before = tip;
-  tip = ball.centre();
-  on_scan = ball.centre();
+  tip = proxy.centre();
+  static_proxy = proxy.centre();
   if (!is_resting_on_body()) {
-    sunk.setZero();
+    penetration.setZero();
   } else {
-    double deepest = std::numeric_limits<double>::infinity();
+    double max_penetration = std::numeric_limits<double>::infinity();
     for (const Body& body : bodies) {
-      if (body.is_under_tool) deepest = std::min(deepest, body.max_depth);
+      if (body.is_under_tool) max_penetration = std::min(max_penetration, body.max_penetration);
     }
-    double left = deepest;
-    on_scan = ball.beyond_the_moving(goal, left);
-    const Eigen::Vector3d way = on_scan - ball.centre();
-    const double length = way.norm();
-    sunk = sunk_towards(way, std::min(length, deepest), kSinking * dt);
-    // The prediction would take the tip for one that was put there, and the body out of its way.
-    const Eigen::Vector3d moved = ball.centre() + sunk - tip_before;
-    if (moved.norm() > detail::kFastestTip * dt) sunk.setZero();
-    tip += sunk;
-    // What the hand is deeper than a body lets the tool sink in is not the scan's to bear.
-    const double beyond = length > 0.0 ? (hip - on_scan).dot(way) / length : 0.0;
-    if (left <= 0.0 && beyond > 0.0) on_scan += beyond / length * way;
+    double budget = max_penetration;
+    static_proxy = proxy.centre_ignoring_moving(goal, budget);
+    const Eigen::Vector3d direction = static_proxy - proxy.centre();
+    const double length = direction.norm();
+    penetration = limited_penetration(direction, std::min(length, max_penetration),
+                                      kMaxPenetrationSpeed * dt);
+    // A faster tip counts as placed anew in the prediction, which would move the body away.
+    const Eigen::Vector3d displacement = proxy.centre() + penetration - tip_before;
+    if (displacement.norm() > kMaxTipSpeed * dt) penetration.setZero();
+    tip += penetration;
+    // The HIP's depth beyond the body's maximum penetration makes no force from the scan.
+    const double excess = length > 0.0 ? (hip - static_proxy).dot(direction) / length : 0.0;
+    if (budget <= 0.0 && excess > 0.0) static_proxy += excess / length * direction;
   }
-  if (tip_before == kAway) tip_before = tip;
+  if (tip_before == kParkedTip) tip_before = tip;
 }
 
-/// How the tip is sunk when it would be so deep [m] along a direction: it turns and sinks by `most`
-/// [m] in this cycle, so that where the direction swings the tip does not leap. Only so far that
-/// what it came through is still what is nearest: near an edge that is less than in the middle of a
-/// face. It does not waver there, for it stays as deep as it was.
-Eigen::Vector3d HapticWorld::Content::sunk_towards(const Eigen::Vector3d& along, double deep,
-                                                   double most) const noexcept {
-  const double before = sunk.norm();
-  const Eigen::Vector3d held = before > deep ? Eigen::Vector3d(deep / before * sunk) : sunk;
-  const Eigen::Vector3d change = deep * along.stableNormalized() - held;
-  const double size = change.norm();
-  const Eigen::Vector3d wanted = held + (size > most ? most / size : 1.0) * change;
-  double depth = wanted.norm();
-  if (depth <= ball.radius()) return wanted;
-  const Eigen::Vector3d direction = wanted / depth;
-  for (int tries = 0; tries < kMaxTries && depth > ball.radius(); ++tries) {
-    if (is_through_its_face(ball.centre() + depth * direction)) return depth * direction;
-    depth = depth > before ? before : kLess * depth;
+/// The penetration for a desired one of `desired` [m] along `direction`: changes by at most
+/// `max_change` [m] in this cycle, so that the tip does not jump where the direction does.
+/// Backtracks until the face that the tip came through is still the nearest: near an edge that is
+/// less than in the middle of a face. It does not oscillate there, because it may stay as deep
+/// as it was.
+Eigen::Vector3d HapticWorld::Content::limited_penetration(const Eigen::Vector3d& direction,
+                                                          double desired,
+                                                          double max_change) const noexcept {
+  const double before = penetration.norm();
+  const Eigen::Vector3d start_at =
+      before > desired ? Eigen::Vector3d(desired / before * penetration) : penetration;
+  const Eigen::Vector3d change = desired * direction.stableNormalized() - start_at;
+  const double change_norm = change.norm();
+  const Eigen::Vector3d next =
+      start_at + (change_norm > max_change ? max_change / change_norm : 1.0) * change;
+  double depth = next.norm();
+  if (depth <= proxy.radius()) return next;
+  const Eigen::Vector3d unit = next / depth;
+  for (int i = 0; i < kMaxBacktracks && depth > proxy.radius(); ++i) {
+    if (is_through_contact_face(proxy.centre() + depth * unit)) return depth * unit;
+    depth = depth > before ? before : kBacktrackFactor * depth;
   }
-  return std::min(depth, ball.radius()) * direction;
+  return std::min(depth, proxy.radius()) * unit;
 }
 
-bool HapticWorld::Content::is_through_its_face(const Eigen::Vector3d& p) const noexcept {
+bool HapticWorld::Content::is_through_contact_face(const Eigen::Vector3d& p) const noexcept {
   return std::all_of(bodies.begin(), bodies.end(), [&](const Body& body) {
     if (!body.is_under_tool) return true;
     const auto at_tip = closest(body, p);
-    const auto at_ball = closest(body, ball.centre(), 2.0 * ball.radius());
-    return !at_tip || !at_ball || at_tip->normal.dot(at_ball->normal) > kSameFace;
+    const auto at_proxy = closest(body, proxy.centre(), 2.0 * proxy.radius());
+    return !at_tip || !at_proxy || at_tip->normal.dot(at_proxy->normal) > kMinSameFaceCosine;
   });
 }
 
-void HapticWorld::Content::let_go() noexcept {
-  hip = ball.centre();
+void HapticWorld::Content::release() noexcept {
+  hip = proxy.centre();
   goal = hip;
-  on_scan = hip;
+  static_proxy = hip;
   scan_normal.setZero();
-  tip = kAway;
-  tip_before = kAway;
-  sunk.setZero();
-  carried = 0.0;
+  tip = kParkedTip;
+  tip_before = kParkedTip;
+  penetration.setZero();
+  body_displacement = 0.0;
   for (Body& body : bodies) body.is_under_tool = false;
 }
 
-void HapticWorld::Content::drop(std::size_t i) noexcept {
+void HapticWorld::Content::start_falling(std::size_t i) noexcept {
   Body& body = bodies[i];
   const Eigen::Vector3d centre = body.T_base_object * body.shape.centre_of_mass;
-  const auto edge = supports.nearest_edge(centre.head<2>(), body.shape.foot);
+  const auto edge = supports.nearest_edge(centre.head<2>(), body.shape.bottom);
   if (!edge) return;
-  const BodyState& last = world.state()[i];
+  const BodyState& latest = world.state()[i];
   body.fall.emplace(detail::FallingBody::Start{body.T_base_object, body.shape.centre_of_mass,
-                                               last.planar.twist.head<2>(),
+                                               latest.planar.twist.head<2>(),
                                                body.shape.gyration_radius, *edge});
   body.is_under_tool = false;
-  ball.remove(kFirstBody + i);
+  proxy.remove(kFirstBody + i);
   std::copy(world.state().begin(), world.state().end(), work.begin());
   work[i] = BodyState{};
-  work[i].planar.position = {kAside * static_cast<double>(i + 1), kAside};
+  work[i].planar.position = {kParkedBodySpacing * static_cast<double>(i + 1), kParkedBodySpacing};
   world.set_state(work);
 }
 
 void HapticWorld::Content::move_bodies(double dt) noexcept {
   world.step(tip_before, tip, dt);
-  carried = 0.0;
+  body_displacement = 0.0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     Body& body = bodies[i];
     if (body.fall) {
@@ -325,85 +336,87 @@ void HapticWorld::Content::move_bodies(double dt) noexcept {
     }
     const Pose T_before = body.T_base_object;
     body.T_base_object = world.T_base_object(i);
-    ball.place(kFirstBody + i, body.T_base_object);
+    proxy.set_pose(kFirstBody + i, body.T_base_object);
     const Eigen::Vector2d centre = world.state()[i].planar.position;
-    if (body.has_support && !supports.bear(centre, body.shape.foot)) drop(i);
+    if (body.has_support && !supports.is_supported(centre, body.shape.bottom)) start_falling(i);
     if (body.is_under_tool) {
-      const Eigen::Vector3d carried_to = body.T_base_object * (T_before.inverse() * ball.centre());
-      carried = std::max(carried, (carried_to - ball.centre()).norm());
+      const Eigen::Vector3d moved_centre =
+          body.T_base_object * (T_before.inverse() * proxy.centre());
+      body_displacement = std::max(body_displacement, (moved_centre - proxy.centre()).norm());
     }
   }
 }
 
-/// Out of the way of bodies that came upon the ball.
-void HapticWorld::Content::evade() noexcept {
-  for (int round = 0; round < kMaxEvasions; ++round) {
+/// Moves the proxy out of bodies that overlap it.
+void HapticWorld::Content::resolve_overlap() noexcept {
+  for (int round = 0; round < kMaxOverlapIterations; ++round) {
     bool is_clear = true;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
-      const auto answer = closest(bodies[i], ball.centre());
+      const auto answer = closest(bodies[i], proxy.centre());
       if (!answer) continue;
-      const double overlap = ball.radius() - answer->distance;
-      if (overlap <= detail::kTouching) continue;
-      const Eigen::Vector3d before = ball.centre();
-      ball.evade(before + (overlap + detail::kTouching) * answer->normal, kFirstBody + i);
-      carried = std::max(carried, (ball.centre() - before).norm());
+      const double overlap = proxy.radius() - answer->distance;
+      if (overlap <= detail::kContactSlack) continue;
+      const Eigen::Vector3d before = proxy.centre();
+      proxy.resolve_overlap(before + (overlap + detail::kContactSlack) * answer->normal,
+                            kFirstBody + i);
+      body_displacement = std::max(body_displacement, (proxy.centre() - before).norm());
       is_clear = false;
     }
     if (is_clear) return;
   }
 }
 
-void HapticWorld::Content::feel(const Eigen::Vector3d& device, double dt) noexcept {
-  Eigen::Vector3d of_bodies = Eigen::Vector3d::Zero();
-  double strongest = -1.0;
+void HapticWorld::Content::compute_force(const Eigen::Vector3d& device, double dt) noexcept {
+  Eigen::Vector3d body_force = Eigen::Vector3d::Zero();
+  double max_tool_force = -1.0;
   Eigen::Vector3d out = Eigen::Vector3d::Zero();
   state.touched_body = -1;
   for (std::size_t i = 0; i < bodies.size() && state.is_engaged; ++i) {
-    const Eigen::Vector3d& there = world.state()[i].tool_force_base;
-    of_bodies -= there;
+    const Eigen::Vector3d& tool_force = world.state()[i].tool_force_base;
+    body_force -= tool_force;
     if (const auto answer = closest(bodies[i], hip)) out = answer->normal;
-    if (!bodies[i].is_under_tool || there.norm() <= strongest) continue;
-    strongest = there.norm();
+    if (!bodies[i].is_under_tool || tool_force.norm() <= max_tool_force) continue;
+    max_tool_force = tool_force.norm();
     state.touched_body = static_cast<int>(i);
   }
-  const bool is_apart = state.is_engaged && ball.is_kept_apart(hip);
-  if (is_apart && out.isZero(0.0)) out = (ball.centre() - hip).stableNormalized();
-  // A body that runs away from the tool, or what the ball has not reached yet.
-  if (of_bodies.norm() < min_force) of_bodies = min_force * out;
-  const Eigen::Vector3d lift = on_scan - hip;
-  state.touches_scan = is_apart && lift.norm() > detail::kTouching;
-  state.force_base = force.step(device, device + lift, state.touches_scan, dt, of_bodies);
+  const bool is_penetrating = state.is_engaged && proxy.is_separated_from(hip);
+  if (is_penetrating && out.isZero(0.0)) out = (proxy.centre() - hip).stableNormalized();
+  // Penetration without a force: the body moves away, or the proxy has not reached the surface yet.
+  if (body_force.norm() < min_force) body_force = min_force * out;
+  const Eigen::Vector3d correction = static_proxy - hip;
+  state.touches_scan = is_penetrating && correction.norm() > detail::kContactSlack;
+  state.force_base = force.step(device, device + correction, state.touches_scan, dt, body_force);
 }
 
 void HapticWorld::Content::publish_bodies() noexcept {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const BodyState& last = world.state()[i];
-    HapticBodyState& shown = state.bodies[i];
-    shown.T_base_object = bodies[i].T_base_object;
-    shown.tool_force_base = last.tool_force_base;
-    shown.phase = last.phase;
-    shown.is_outside_model = bodies[i].fall.has_value();
+    const BodyState& latest = world.state()[i];
+    HapticBodyState& published = state.bodies[i];
+    published.T_base_object = bodies[i].T_base_object;
+    published.tool_force_base = latest.tool_force_base;
+    published.phase = latest.phase;
+    published.is_outside_model = bodies[i].fall.has_value();
   }
 }
 
 void HapticWorld::Content::step(const ToolCommand& command, double dt) noexcept {
   if (!(dt > 0.0) || !std::isfinite(dt)) return;
-  if (!is_placed && is_told(command.p_base_tip)) reset(command.p_base_tip);
-  state.is_engaged = command.is_engaged && is_told(command.p_base_tip);
+  if (!is_placed && is_valid_tip(command.p_base_tip)) reset(command.p_base_tip);
+  state.is_engaged = command.is_engaged && is_valid_tip(command.p_base_tip);
   if (state.is_engaged) {
-    const double moved = (command.p_base_tip - hip).norm();
+    const double displacement = (command.p_base_tip - hip).norm();
     hip = command.p_base_tip;
-    follow(moved, dt);
-    sink_in(dt);
+    follow(displacement, dt);
+    update_tip(dt);
   } else {
-    let_go();
+    release();
   }
   move_bodies(dt);
-  evade();
-  if (!state.is_engaged) hip = ball.centre();
-  feel(command.p_base_tip, dt);
+  resolve_overlap();
+  if (!state.is_engaged) hip = proxy.centre();
+  compute_force(command.p_base_tip, dt);
   state.p_base_hip = hip;
-  state.p_base_proxy = ball.centre();
+  state.p_base_proxy = proxy.centre();
   publish_bodies();
 }
 

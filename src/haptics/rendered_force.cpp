@@ -5,14 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcavr/contact/compliance.hpp"
 #include "pcavr/core/check.hpp"
 
 namespace pcavr {
 namespace {
 
-/// Of the least force, for a hand on its way out that has no work to its credit: from deep inside
-/// the whole of it would be worth some microjoules.
-constexpr double kUnpaid = 1e-3;
+/// Share of min_force while the hand moves out with an empty energy budget: from deep penetration
+/// all of it would return some microjoules.
+constexpr double kEmptyBudgetShare = 1e-3;
 
 }  // namespace
 
@@ -29,58 +30,63 @@ RenderedForce::RenderedForce(const ForceOptions& options) : options_(options) {
                 options.min_force);
 }
 
-double RenderedForce::wanted(double depth, double dt) const noexcept {
-  const Compliance& law = options_.compliance;
-  const double deepened = depth - depth_;
-  // The law of n = 1 damps without the depth's power (see Compliance).
-  const double ahead = std::pow(std::max(depth + 0.5 * deepened, 0.0), law.exponent);
-  const double damping = law.exponent == 1.0 ? law.damping : law.damping * ahead;
-  return law.stiffness * ahead + damping * deepened / dt;
+/// The contact law half a cycle ahead.
+double RenderedForce::law_force(double penetration, double dt) const noexcept {
+  const double change = penetration - penetration_;
+  const double ahead = std::max(penetration + 0.5 * change, 0.0);
+  return unclamped_contact_force(options_.compliance, ahead, change / dt);
 }
 
 Eigen::Vector3d RenderedForce::step(const Eigen::Vector3d& tip, const Eigen::Vector3d& proxy,
                                     bool is_inside, double dt,
-                                    const Eigen::Vector3d& beside) noexcept {
-  if (!tip.allFinite() || !proxy.allFinite() || !beside.allFinite() || !std::isfinite(dt) ||
+                                    const Eigen::Vector3d& other_force) noexcept {
+  if (!tip.allFinite() || !proxy.allFinite() || !other_force.allFinite() || !std::isfinite(dt) ||
       dt <= 0.0) {
     force_.setZero();
     has_tip_ = false;
     return force_;
   }
-  const Eigen::Vector3d moved = has_tip_ ? Eigen::Vector3d(tip - tip_) : Eigen::Vector3d::Zero();
+  const Eigen::Vector3d displacement =
+      has_tip_ ? Eigen::Vector3d(tip - tip_) : Eigen::Vector3d::Zero();
   tip_ = tip;
   has_tip_ = true;
-  work_ -= force_.dot(moved);
-  const double depth = is_inside ? (proxy - tip).norm() : 0.0;
+  energy_ -= force_.dot(displacement);  // passivity observer
+  const double penetration = is_inside ? (proxy - tip).norm() : 0.0;
   const Eigen::Vector3d out =
-      depth > 0.0 ? Eigen::Vector3d((proxy - tip) / depth) : Eigen::Vector3d::Zero();
-  const double size = std::clamp(wanted(depth, dt), options_.min_force, options_.max_force);
-  depth_ = depth;
-  const Eigen::Vector3d both = size * out + beside;
-  const double strength = both.norm();
-  const Eigen::Vector3d wished =
-      strength > options_.max_force ? Eigen::Vector3d(options_.max_force / strength * both) : both;
-  const Eigen::Vector3d change = wished - force_;
+      penetration > 0.0 ? Eigen::Vector3d((proxy - tip) / penetration) : Eigen::Vector3d::Zero();
+  const double magnitude =
+      std::clamp(law_force(penetration, dt), options_.min_force, options_.max_force);
+  penetration_ = penetration;
+  const Eigen::Vector3d total = magnitude * out + other_force;
+  const double strength = total.norm();
+  const Eigen::Vector3d limited = strength > options_.max_force
+                                      ? Eigen::Vector3d(options_.max_force / strength * total)
+                                      : total;
+  const Eigen::Vector3d change = limited - force_;
   const double max_change = options_.max_rate * dt;
-  const double grown = change.norm();
-  force_ += grown > max_change ? Eigen::Vector3d(max_change / grown * change) : change;
-  spend_no_more_than_there_is(moved, dt);
+  const double change_norm = change.norm();
+  force_ += change_norm > max_change ? Eigen::Vector3d(max_change / change_norm * change) : change;
+  limit_to_energy_budget(displacement, dt);
   if (force_.norm() < options_.min_force) {
-    const bool is_unpaid = work_ <= 0.0 && wished.dot(moved) > 0.0;
-    force_ = (is_unpaid ? kUnpaid : 1.0) * options_.min_force * wished.stableNormalized();
+    const bool is_budget_empty = energy_ <= 0.0 && limited.dot(displacement) > 0.0;
+    force_ = (is_budget_empty ? kEmptyBudgetShare : 1.0) * options_.min_force *
+             limited.stableNormalized();
   }
-  if (force_.isZero(0.0)) work_ = std::min(work_, 0.0);
+  if (force_.isZero(0.0)) energy_ = std::min(energy_, 0.0);
   return force_;
 }
 
-void RenderedForce::spend_no_more_than_there_is(const Eigen::Vector3d& moved, double dt) noexcept {
+/// Passivity controller [Hannaford & Ryu 2002].
+void RenderedForce::limit_to_energy_budget(const Eigen::Vector3d& displacement,
+                                           double dt) noexcept {
   const double strength = force_.norm();
   if (strength <= 0.0) return;
-  // How far the force can push the hand before the next cycle.
-  const double farthest = force_.dot(moved) / strength + options_.max_acceleration * dt * dt;
-  if (farthest <= 0.0) return;
-  const double affordable = std::max(work_, 0.0) / farthest;
-  if (affordable < strength) force_ *= affordable / strength;
+  // Along the force, before the next cycle.
+  const double max_displacement =
+      force_.dot(displacement) / strength + options_.max_acceleration * dt * dt;
+  if (max_displacement <= 0.0) return;
+  const double max_passive_force = std::max(energy_, 0.0) / max_displacement;
+  if (max_passive_force < strength) force_ *= max_passive_force / strength;
 }
 
 }  // namespace pcavr

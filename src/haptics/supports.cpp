@@ -15,19 +15,19 @@
 namespace pcavr::detail {
 namespace {
 
-/// A support farther above or below a body's foot [m] is another shelf. More than what a scan's
-/// plane and a body's pose are off together.
-constexpr double kSameHeight = 0.02;
+/// [m] Between a support and a body's lowest point. More than the errors of a scan's plane and a
+/// body's pose together.
+constexpr double kHeightTolerance = 0.02;
 
-Eigen::Vector2d slope_of(const Supports::Outline& corners, const Eigen::Vector3d& middle) {
-  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+Eigen::Vector2d slope_of(const Supports::Outline& corners, const Eigen::Vector3d& centroid) {
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
   Eigen::Vector2d rise = Eigen::Vector2d::Zero();
   for (const Eigen::Vector3d& corner : corners) {
-    const Eigen::Vector3d d = corner - middle;
-    spread += d.head<2>() * d.head<2>().transpose();
+    const Eigen::Vector3d d = corner - centroid;
+    scatter += d.head<2>() * d.head<2>().transpose();
     rise += d.z() * d.head<2>();
   }
-  return spread.inverse() * rise;
+  return scatter.inverse() * rise;
 }
 
 }  // namespace
@@ -35,18 +35,18 @@ Eigen::Vector2d slope_of(const Supports::Outline& corners, const Eigen::Vector3d
 Supports::Supports(const std::vector<Outline>& outlines_base) {
   for (const Outline& outline : outlines_base) {
     PCAVR_REQUIRE(outline.size() >= 3, outline.size());
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
     for (const Eigen::Vector3d& corner : outline) {
-      middle += corner / static_cast<double>(outline.size());
+      centroid += corner / static_cast<double>(outline.size());
     }
-    supports_.push_back({outline, middle, slope_of(outline, middle)});
-    PCAVR_REQUIRE(supports_.back().slope.allFinite(), middle.transpose());
+    supports_.push_back({outline, centroid, slope_of(outline, centroid)});
+    PCAVR_REQUIRE(supports_.back().slope.allFinite(), centroid.transpose());
   }
 }
 
-bool Supports::Support::is_level_with(const Eigen::Vector2d& p, double foot) const noexcept {
-  const double height = middle.z() + slope.dot(p - middle.head<2>());
-  return std::abs(height - foot) <= kSameHeight;
+bool Supports::Support::is_level_with(const Eigen::Vector2d& p, double bottom) const noexcept {
+  const double height = centroid.z() + slope.dot(p - centroid.head<2>());
+  return std::abs(height - bottom) <= kHeightTolerance;
 }
 
 bool Supports::Support::contains(const Eigen::Vector2d& p) const noexcept {
@@ -59,18 +59,18 @@ bool Supports::Support::contains(const Eigen::Vector2d& p) const noexcept {
   return true;
 }
 
-bool Supports::bear(const Eigen::Vector2d& p_base, double foot) const noexcept {
+bool Supports::is_supported(const Eigen::Vector2d& p_base, double bottom) const noexcept {
   return std::any_of(supports_.begin(), supports_.end(), [&](const Support& support) {
-    return support.is_level_with(p_base, foot) && support.contains(p_base);
+    return support.is_level_with(p_base, bottom) && support.contains(p_base);
   });
 }
 
 std::optional<Supports::Edge> Supports::nearest_edge(const Eigen::Vector2d& p_base,
-                                                     double foot) const noexcept {
+                                                     double bottom) const noexcept {
   std::optional<Edge> edge;
-  double least = std::numeric_limits<double>::infinity();
+  double min_distance2 = std::numeric_limits<double>::infinity();
   for (const Support& support : supports_) {
-    if (!support.is_level_with(p_base, foot)) continue;
+    if (!support.is_level_with(p_base, bottom)) continue;
     for (std::size_t i = 0; i < support.corners.size(); ++i) {
       const Eigen::Vector3d& a = support.corners[i];
       const Eigen::Vector3d side = support.corners[(i + 1) % support.corners.size()] - a;
@@ -79,8 +79,8 @@ std::optional<Supports::Edge> Supports::nearest_edge(const Eigen::Vector2d& p_ba
       const double share = (p_base - a.head<2>()).dot(side.head<2>()) / length2;
       const Eigen::Vector3d nearest = a + std::clamp(share, 0.0, 1.0) * side;
       const double distance2 = (nearest.head<2>() - p_base).squaredNorm();
-      if (distance2 >= least) continue;
-      least = distance2;
+      if (distance2 >= min_distance2) continue;
+      min_distance2 = distance2;
       edge = Edge{nearest, side.normalized()};
     }
   }

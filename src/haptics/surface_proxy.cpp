@@ -6,18 +6,18 @@
 
 #include "pcavr/core/check.hpp"
 
-#include "haptics/ball.hpp"
 #include "haptics/friction_cone.hpp"
+#include "haptics/proxy_sphere.hpp"
 
 namespace pcavr {
 
 struct SurfaceProxy::Impl {
   Impl(const TriangleMesh& mesh, const ProxyOptions& proxy_options)
-      : ball(proxy_options.radius), options(proxy_options) {
-    ball.add_static(mesh);
+      : proxy(proxy_options.radius), options(proxy_options) {
+    proxy.add_static(mesh);
   }
 
-  detail::Ball ball;
+  detail::ProxySphere proxy;
   ProxyOptions options;
   bool is_placed = false;
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();
@@ -27,7 +27,8 @@ struct SurfaceProxy::Impl {
 SurfaceProxy::SurfaceProxy(const TriangleMesh& mesh, const ProxyOptions& options) {
   PCAVR_REQUIRE(std::isfinite(options.radius) && options.radius > 0.0, options.radius);
   PCAVR_REQUIRE(std::isfinite(options.friction) && options.friction >= 0.0, options.friction);
-  PCAVR_REQUIRE(std::isfinite(options.max_motion) && options.max_motion >= 1.0, options.max_motion);
+  PCAVR_REQUIRE(std::isfinite(options.max_motion_ratio) && options.max_motion_ratio >= 1.0,
+                options.max_motion_ratio);
   impl_ = std::make_unique<Impl>(mesh, options);
 }
 SurfaceProxy::~SurfaceProxy() = default;
@@ -35,9 +36,9 @@ SurfaceProxy::SurfaceProxy(SurfaceProxy&&) noexcept = default;
 SurfaceProxy& SurfaceProxy::operator=(SurfaceProxy&&) noexcept = default;
 
 bool SurfaceProxy::reset(const Eigen::Vector3d& centre) noexcept {
-  if (!centre.allFinite() || !impl_->ball.has_room(centre)) return false;
+  if (!centre.allFinite() || !impl_->proxy.is_collision_free(centre)) return false;
   impl_->is_placed = true;
-  impl_->ball.put(centre);
+  impl_->proxy.set_centre(centre);
   impl_->tip = centre;
   impl_->contact_normal.setZero();
   return true;
@@ -45,20 +46,20 @@ bool SurfaceProxy::reset(const Eigen::Vector3d& centre) noexcept {
 
 ProxyState SurfaceProxy::step(const Eigen::Vector3d& tip) noexcept {
   Impl& impl = *impl_;
-  if (!tip.allFinite()) return {impl.ball.centre(), false};
+  if (!tip.allFinite()) return {impl.proxy.centre(), false};
   if (!impl.is_placed) {
-    if (!reset(tip)) impl.ball.put(tip);
+    if (!reset(tip)) impl.proxy.set_centre(tip);
     return {tip, false};
   }
-  const double moved = (tip - impl.tip).norm();
+  const double displacement = (tip - impl.tip).norm();
   impl.tip = tip;
-  if (moved > 0.0) {
-    const Eigen::Vector3d goal =
-        detail::held_back(tip, impl.ball.centre(), impl.contact_normal, impl.options.friction);
-    impl.ball.follow(goal, moved, impl.options.max_motion * moved);
-    impl.contact_normal = impl.ball.static_normal(tip);
+  if (displacement > 0.0) {
+    const Eigen::Vector3d goal = detail::friction_limited_goal(
+        tip, impl.proxy.centre(), impl.contact_normal, impl.options.friction);
+    impl.proxy.follow(goal, displacement, impl.options.max_motion_ratio * displacement);
+    impl.contact_normal = impl.proxy.static_normal(tip);
   }
-  return {impl.ball.centre(), impl.ball.is_kept_apart(tip)};
+  return {impl.proxy.centre(), impl.proxy.is_separated_from(tip)};
 }
 
 }  // namespace pcavr

@@ -13,50 +13,50 @@ namespace pcavr::detail {
 namespace {
 
 constexpr std::size_t kLeafSize = 4;
-/// Halving 2^32 triangles goes 32 levels deep, and a level leaves one node waiting.
-constexpr std::size_t kDeepest = 40;
+/// 2^32 triangles make 32 levels, and each level leaves one node on the stack.
+constexpr std::size_t kMaxStackSize = 40;
 
 double squared_distance(const Eigen::Vector3f& low, const Eigen::Vector3f& high,
                         const Eigen::Vector3d& p) noexcept {
   return (low.cast<double>() - p).cwiseMax(p - high.cast<double>()).cwiseMax(0.0).squaredNorm();
 }
 
-/// Of a triangle's size: edges overlap by it, so that rounding leaves no crack.
+/// Relative to a triangle's size: triangles overlap by this at their edges, so that rounding leaves
+/// no gap.
 constexpr double kOverlap = 1e-6;
 
-/// The segment a b against a box, by the axes of both but their cross products: it may say yes too
-/// often, never too seldom.
-bool may_meet(const Eigen::Vector3f& low, const Eigen::Vector3f& high, const Eigen::Vector3d& a,
-              const Eigen::Vector3d& b) noexcept {
+/// The segment a b against a box (slab test): conservative, false positives only.
+bool may_intersect(const Eigen::Vector3f& low, const Eigen::Vector3f& high,
+                   const Eigen::Vector3d& a, const Eigen::Vector3d& b) noexcept {
   double from = 0.0;
   double to = 1.0;
   for (Eigen::Index i = 0; i < 3; ++i) {
-    const double way = b[i] - a[i];
+    const double direction = b[i] - a[i];
     const double to_low = static_cast<double>(low[i]) - kOverlap - a[i];
     const double to_high = static_cast<double>(high[i]) + kOverlap - a[i];
-    if (way == 0.0) {
+    if (direction == 0.0) {
       if (to_low > 0.0 || to_high < 0.0) return false;
       continue;
     }
-    from = std::max(from, std::min(to_low / way, to_high / way));
-    to = std::min(to, std::max(to_low / way, to_high / way));
+    from = std::max(from, std::min(to_low / direction, to_high / direction));
+    to = std::min(to, std::max(to_low / direction, to_high / direction));
   }
   return from <= to;
 }
 
-/// Moeller and Trumbore's test [1997], both sides.
-bool is_crossed(const model::Triangle& t, const Eigen::Vector3d& a,
+/// Moeller-Trumbore intersection [1997], both sides.
+bool intersects(const model::Triangle& t, const Eigen::Vector3d& a,
                 const Eigen::Vector3d& b) noexcept {
-  const Eigen::Vector3d way = b - a;
+  const Eigen::Vector3d direction = b - a;
   const Eigen::Vector3d side_b = t.b - t.a;
   const Eigen::Vector3d side_c = t.c - t.a;
-  const Eigen::Vector3d across = way.cross(side_c);
+  const Eigen::Vector3d across = direction.cross(side_c);
   const double volume = side_b.dot(across);
   if (volume == 0.0) return false;
   const Eigen::Vector3d to_a = a - t.a;
   const double u = to_a.dot(across) / volume;
   const Eigen::Vector3d around = to_a.cross(side_b);
-  const double v = way.dot(around) / volume;
+  const double v = direction.dot(around) / volume;
   const double share = side_c.dot(around) / volume;
   return u >= -kOverlap && v >= -kOverlap && u + v <= 1.0 + kOverlap && share >= 0.0 &&
          share <= 1.0;
@@ -89,24 +89,24 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
 void TriangleTree::build(std::uint32_t node, std::span<std::uint32_t> order, std::uint32_t first,
                          const std::vector<Corners>& unordered) {
   Eigen::AlignedBox3f box;
-  Eigen::AlignedBox3f middles;
-  const auto middle = [&](std::uint32_t i, Eigen::Index axis) {
+  Eigen::AlignedBox3f centroids;
+  const auto centroid = [&](std::uint32_t i, Eigen::Index axis) {
     return unordered[i][0][axis] + unordered[i][1][axis] + unordered[i][2][axis];
   };
   for (const std::uint32_t i : order) {
     for (const Eigen::Vector3f& corner : unordered[i]) box.extend(corner);
-    middles.extend(Eigen::Vector3f(middle(i, 0), middle(i, 1), middle(i, 2)));
+    centroids.extend(Eigen::Vector3f(centroid(i, 0), centroid(i, 1), centroid(i, 2)));
   }
   nodes_[node] = {box.min(), box.max(), first, static_cast<std::uint32_t>(order.size())};
   if (order.size() <= kLeafSize) return;
   Eigen::Index axis = 0;
-  middles.sizes().maxCoeff(&axis);
+  centroids.sizes().maxCoeff(&axis);
   const std::size_t half = order.size() / 2;
-  // Equal middles by their index: one order on every machine.
+  // Equal centroids by their index: one order on every machine.
   std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(half), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) {
-                     const float at_a = middle(a, axis);
-                     const float at_b = middle(b, axis);
+                     const float at_a = centroid(a, axis);
+                     const float at_b = centroid(b, axis);
                      return at_a != at_b ? at_a < at_b : a < b;
                    });
   const auto children = static_cast<std::uint32_t>(nodes_.size());
@@ -117,23 +117,23 @@ void TriangleTree::build(std::uint32_t node, std::span<std::uint32_t> order, std
   build(children + 1, order.subspan(half), first + static_cast<std::uint32_t>(half), unordered);
 }
 
-model::Triangle TriangleTree::triangle(std::uint32_t place) const noexcept {
-  const Corners& corners = triangles_[place];
+model::Triangle TriangleTree::triangle(std::uint32_t index) const noexcept {
+  const Corners& corners = triangles_[index];
   return {corners[0].cast<double>(), corners[1].cast<double>(), corners[2].cast<double>()};
 }
 
 template <typename Enter, typename Visit>
 void TriangleTree::traverse(const Enter& enter, const Visit& visit) const noexcept {
   if (triangles_.empty()) return;
-  std::array<std::uint32_t, kDeepest> waiting;
-  std::size_t waits = 0;
-  waiting[waits++] = 0;
-  while (waits > 0) {
-    const Node& node = nodes_[waiting[--waits]];
+  std::array<std::uint32_t, kMaxStackSize> stack;
+  std::size_t stack_size = 0;
+  stack[stack_size++] = 0;
+  while (stack_size > 0) {
+    const Node& node = nodes_[stack[--stack_size]];
     if (!enter(node.low, node.high)) continue;
     if (node.count == 0) {
-      waiting[waits++] = node.first + 1;
-      waiting[waits++] = node.first;
+      stack[stack_size++] = node.first + 1;
+      stack[stack_size++] = node.first;
       continue;
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
@@ -167,9 +167,9 @@ bool TriangleTree::is_near(double reach, const Eigen::Vector3d& p) const noexcep
 
 bool TriangleTree::is_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const noexcept {
   bool is_between = false;
-  traverse([&](const auto& low, const auto& high) { return may_meet(low, high, a, b); },
+  traverse([&](const auto& low, const auto& high) { return may_intersect(low, high, a, b); },
            [&](std::uint32_t i) {
-             is_between = is_crossed(triangle(i), a, b);
+             is_between = intersects(triangle(i), a, b);
              return !is_between;
            });
   return is_between;

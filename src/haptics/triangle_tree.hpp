@@ -10,34 +10,35 @@
 #include <Eigen/Core>
 
 #include "pcavr/geometry/mesh.hpp"
-
-#include "model/triangle.hpp"
+#include "pcavr/model/triangle.hpp"
 
 namespace pcavr::detail {
 
-/// Finds the triangles near a point: a binary tree of boxes, with the triangles of a leaf, and the
-/// two halves of a node, side by side in memory. Const after construction.
+/// Finds the triangles near a point: a bounding volume hierarchy (BVH, a binary tree of
+/// axis-aligned boxes), with a leaf's triangles, and a node's two children, contiguous in memory.
+/// Const after construction.
 class TriangleTree {
  public:
   explicit TriangleTree(const TriangleMesh& mesh);
 
   struct Nearby {
     std::size_t count = 0;
-    bool is_complete = true;  ///< false: there are more than fit
+    bool is_complete = true;  ///< false: more than fit into `found`
   };
-  /// The triangles nearer than `reach` [m] to `p`, by their place in this tree, in a fixed order.
+  /// The triangles nearer than `reach` [m] to `p`, by their index in this tree, in a fixed order.
   [[nodiscard]] Nearby nearer_than(double reach, const Eigen::Vector3d& p,
                                    std::span<std::uint32_t> found) const noexcept;
 
   /// Whether a triangle is nearer than `reach` [m] to `p`.
   [[nodiscard]] bool is_near(double reach, const Eigen::Vector3d& p) const noexcept;
-  /// Whether a triangle lies between `a` and `b`. What passes through an edge is a crossing too.
+  /// Whether the segment from `a` to `b` intersects a triangle, edges included.
   [[nodiscard]] bool is_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const noexcept;
 
-  [[nodiscard]] model::Triangle triangle(std::uint32_t place) const noexcept;
+  [[nodiscard]] model::Triangle triangle(std::uint32_t index) const noexcept;
 
  private:
-  /// Depth first through the boxes that `enter(low, high)` likes, until `visit(place)` says false.
+  /// Depth-first through the boxes for which `enter(low, high)` is true, until `visit(index)`
+  /// returns false.
   template <typename Enter, typename Visit>
   void traverse(const Enter& enter, const Visit& visit) const noexcept;
 

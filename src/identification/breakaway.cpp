@@ -17,8 +17,8 @@ namespace {
 
 // The line needs some samples before it predicts anything.
 constexpr int kMinLineSamples = 20;
-// Samples in a row that must touch, or fall short, before it counts.
-constexpr int kInARow = 3;
+// Consecutive samples in contact, or below the line, that confirm it (debouncing).
+constexpr int kConsecutive = 3;
 // Share of the line's rise below which a force counts as flat.
 constexpr double kFlatShare = 0.05;
 
@@ -33,7 +33,7 @@ struct Line {
   [[nodiscard]] double at(double depth) const { return f / count + slope() * (depth - d / count); }
 };
 
-/// A push, smoothed, and what its noise is.
+/// A push, smoothed, and its noise.
 struct SmoothPush : TouchSignals {
   double half_width = 0.0;
   double interval = 0.0;
@@ -48,27 +48,28 @@ SmoothPush smooth_push(const ForceMotion& push, const BreakawayOptions& options)
   result.half_width = std::max(options.half_width, 3.0 * result.interval);
   result.force = remove_spikes(push.force).values;
   result.tool = smooth(push.t, push.tool, push.t, result.half_width);
-  result.soft_force = smooth(push.t, result.force, push.t, result.half_width);
-  result.noise = noise_deviation(result.force);
+  result.smooth_force = smooth(push.t, result.force, push.t, result.half_width);
+  result.noise = estimate_noise_std(result.force);
   result.smooth_noise =
       result.noise / std::sqrt(correlated_samples(result.half_width, result.interval));
   return result;
 }
 
 std::size_t find_contact(const SmoothPush& push, double threshold) {
-  int touching = 0;
+  int consecutive = 0;
   for (std::size_t i = 0; i < push.t.size(); ++i) {
-    touching =
-        push.soft_force[i].is_valid && push.soft_force[i].value > threshold ? touching + 1 : 0;
-    if (touching == kInARow) return i + 1 - kInARow;
+    consecutive = push.smooth_force[i].is_valid && push.smooth_force[i].value > threshold
+                      ? consecutive + 1
+                      : 0;
+    if (consecutive == kConsecutive) return i + 1 - kConsecutive;
   }
   return push.t.size();
 }
 
 std::size_t highest(const SmoothPush& push) {
-  const auto at = std::max_element(push.soft_force.begin(), push.soft_force.end(),
+  const auto at = std::max_element(push.smooth_force.begin(), push.smooth_force.end(),
                                    [](const auto& a, const auto& b) { return a.value < b.value; });
-  return static_cast<std::size_t>(std::distance(push.soft_force.begin(), at));
+  return static_cast<std::size_t>(std::distance(push.smooth_force.begin(), at));
 }
 
 struct Alarm {
@@ -80,19 +81,19 @@ struct Alarm {
 Alarm find_alarm(const SmoothPush& push, std::size_t contact, const BreakawayOptions& options) {
   Alarm alarm{push.t.size(), {}};
   Line line;
-  int short_of = 0;
+  int consecutive = 0;
   std::size_t oldest = contact;
-  for (std::size_t i = contact; i < push.t.size() && push.soft_force[i].is_valid; ++i) {
+  for (std::size_t i = contact; i < push.t.size() && push.smooth_force[i].is_valid; ++i) {
     for (; push.t[oldest] < push.t[i] - options.guard; ++oldest) {
-      line.add(push.tool[oldest].value - push.tool[contact].value, push.soft_force[oldest].value);
+      line.add(push.tool[oldest].value - push.tool[contact].value, push.smooth_force[oldest].value);
     }
     if (line.count < kMinLineSamples || line.spread() <= 0.0) continue;
     const double predicted = line.at(push.tool[i].value - push.tool[contact].value);
-    const double shortfall = predicted - push.soft_force[i].value;
-    const bool is_short = shortfall > options.alarm_deviations * push.smooth_noise &&
+    const double shortfall = predicted - push.smooth_force[i].value;
+    const bool is_below = shortfall > options.alarm_threshold * push.smooth_noise &&
                           shortfall > options.alarm_share * predicted;
-    short_of = is_short ? short_of + 1 : 0;
-    if (short_of == kInARow) return {i, line};
+    consecutive = is_below ? consecutive + 1 : 0;
+    if (consecutive == kConsecutive) return {i, line};
   }
   alarm.line = line;
   return alarm;
@@ -104,13 +105,13 @@ struct Peak {
   bool is_over = false;
 };
 
-/// Follows the force from the alarm to the end of its rise.
-Peak follow(const SmoothPush& push, std::size_t contact, const Alarm& alarm,
-            const BreakawayOptions& options) {
+/// Tracks the force from the alarm to the end of its rise.
+Peak track_peak(const SmoothPush& push, std::size_t contact, const Alarm& alarm,
+                const BreakawayOptions& options) {
   Peak peak{contact, alarm.at, false};
-  for (std::size_t i = contact; i < push.t.size() && push.soft_force[i].is_valid; ++i) {
-    const double force = push.soft_force[i].value;
-    const double highest = push.soft_force[peak.at].value;
+  for (std::size_t i = contact; i < push.t.size() && push.smooth_force[i].is_valid; ++i) {
+    const double force = push.smooth_force[i].value;
+    const double highest = push.smooth_force[peak.at].value;
     if (force > highest) peak.at = i;
     if (i < alarm.at) continue;
     peak.decided = i;
@@ -120,7 +121,7 @@ Peak follow(const SmoothPush& push, std::size_t contact, const Alarm& alarm,
     const double advance = push.tool[i].value - push.tool[before].value;
     const double expected = std::abs(alarm.line.slope()) * std::abs(advance);
     const bool is_flat = push.t[i] - push.t[before] >= options.flat_time &&
-                         force - push.soft_force[before].value < kFlatShare * expected;
+                         force - push.smooth_force[before].value < kFlatShare * expected;
     peak.is_over = has_dropped || is_flat;
     if (peak.is_over) return peak;
   }
@@ -138,36 +139,35 @@ Breakaway find_breakaway(const ForceMotion& push, const BreakawayOptions& option
     return found;
   }
   const SmoothPush smooth = smooth_push(push, options);
-  const std::size_t contact =
-      find_contact(smooth, options.contact_deviations * smooth.smooth_noise);
+  const std::size_t contact = find_contact(smooth, options.contact_threshold * smooth.smooth_noise);
   if (contact == push.t.size()) {
-    found.reason = "no contact: the force never leaves the noise";
+    found.reason = "no contact: the force stays within its noise";
     return found;
   }
   found.t_contact = touch_instant(smooth, 0, contact, std::max(contact, highest(smooth)));
   const Alarm alarm = find_alarm(smooth, contact, options);
   if (alarm.at == push.t.size()) {
-    found.reason = "the force follows the line to the end: the object did not give way";
+    found.reason = "the force follows the line to the end: the object did not break loose";
     return found;
   }
   found.t_alarm = push.t[alarm.at];
-  const Peak peak = follow(smooth, contact, alarm, options);
+  const Peak peak = track_peak(smooth, contact, alarm, options);
   found.is_found = peak.is_over;
   if (!peak.is_over) {
-    found.reason = "the force still rises where the push ends";
+    found.reason = "the force still rises at the end of the push";
     return found;
   }
   found.t_contact = touch_instant(smooth, 0, contact, peak.at);
   found.t_decided = push.t[peak.decided] + smooth.half_width;
-  const PeakSignals signals{smooth.t,     smooth.force,        smooth.soft_force,
+  const PeakSignals signals{smooth.t,     smooth.force,        smooth.smooth_force,
                             smooth.noise, smooth.smooth_noise, smooth.half_width};
   const ForcePeak fitted = fit_peak(signals, first_peak(signals, contact, peak.at));
   found.t = fitted.t;
   found.force = fitted.force;
-  found.deviation = fitted.deviation;
+  found.std = fitted.std;
   found.stiffness = alarm.line.slope();
   const double rise = found.t - push.t[contact];
-  if (rise > 0.0) found.loading_rate = (found.force - smooth.soft_force[contact].value) / rise;
+  if (rise > 0.0) found.loading_rate = (found.force - smooth.smooth_force[contact].value) / rise;
   return found;
 }
 

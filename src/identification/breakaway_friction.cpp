@@ -13,40 +13,40 @@
 namespace pcavr {
 namespace {
 
-constexpr double kMoved = 5e-4;   // [m] the object has surely gone: several position noises
-constexpr double kBefore = 0.06;  // [s] of rest that the fit sees, and of candidates for the onset
+constexpr double kMoved = 5e-4;   // [m] the object is surely moving: several position noises
+constexpr double kBefore = 0.06;  // [s] of rest that the fit uses, and of candidates for the onset
 constexpr double kAfter = 0.02;   // [s] of motion beyond `kMoved`
 constexpr double kOnsetHalfWidth = 0.008;  // [s] half width for the force at the onset
-// Share of peak minus onset by which the onset is off where the object creeps before it goes: seen
-// on LuGre plants from 5 to 30 mm/s (0.2 to 0.4).
+// Error of the onset's force, as a share of peak minus onset, where the object creeps before it
+// slides: observed on LuGre plants from 5 to 30 mm/s (0.2 to 0.4).
 constexpr double kCreepShare = 0.3;
-/// Share of the force that acceleration may take before the onset is looked for instead.
-constexpr double kMuch = 0.05;
-constexpr double kTellsApart = 4.0;  // rise of chi squared that two deviations make
+/// Share of the force due to acceleration above which the onset is searched instead.
+constexpr double kMaxAccelerationShare = 0.05;
+constexpr double kTwoStds = 4.0;  // increase of chi squared at two stds
 
 struct Track {
   std::span<const double> t;
   std::vector<double> force;   ///< [N] despiked
-  std::vector<double> object;  ///< [m] tool less deformation
+  std::vector<double> object;  ///< [m] tool less penetration
 };
 
-/// Rest until `onset`, then M s'' = F - friction with the measured F integrated twice; the rest's
-/// place and the friction by least squares. Gives the sum of squares over [begin, end).
+/// At rest until `onset`, then M s'' = F - friction with the measured F integrated twice; the rest
+/// position and the friction by least squares. Returns the sum of squares over [begin, end).
 double misfit(const Track& track, std::size_t begin, std::size_t onset, std::size_t end,
               double mass) {
   double n = 0.0, q = 0.0, qq = 0.0, y = 0.0, qy = 0.0, yy = 0.0;
-  double speed = 0.0, way = 0.0;
+  double speed = 0.0, displacement = 0.0;
   for (std::size_t i = begin; i < end; ++i) {
     double column = 0.0;
     if (i > onset) {
       const double dt = track.t[i] - track.t[i - 1];
       const double before = speed;
       speed += 0.5 * dt * (track.force[i] + track.force[i - 1]) / mass;
-      way += 0.5 * dt * (speed + before);
+      displacement += 0.5 * dt * (speed + before);
       const double since = track.t[i] - track.t[onset];
       column = -0.5 * since * since / mass;
     }
-    const double rest = track.object[i] - way;
+    const double rest = track.object[i] - displacement;
     n += 1.0, q += column, qq += column * column, y += rest, qy += column * rest, yy += rest * rest;
   }
   const double spread = qq - q * q / n;
@@ -62,7 +62,7 @@ IdentifiedParameter friction_at_breakaway(const ForceMotion& push, const Breakaw
   IdentifiedParameter friction;
   if (!breakaway.is_found) return friction;
   Track track{push.t, remove_spikes(push.force).values, {}};
-  track.object = deformation(push.t, track.force, compliance);
+  track.object = penetration_from_force(push.t, track.force, compliance);
   for (std::size_t i = 0; i < track.object.size(); ++i) {
     track.object[i] = push.tool[i] - track.object[i];
   }
@@ -71,33 +71,33 @@ IdentifiedParameter friction_at_breakaway(const ForceMotion& push, const Breakaw
     return static_cast<std::size_t>(std::lower_bound(push.t.begin(), push.t.end(), at) -
                                     push.t.begin());
   };
-  // The last rest before the object has gone for sure, looked for back from the peak's end.
-  std::size_t gone = std::min(index(breakaway.t_decided), push.t.size() - 1);
+  // The last rest before the object is surely moving, searched back from the peak's end.
+  std::size_t moving = std::min(index(breakaway.t_decided), push.t.size() - 1);
   const std::size_t touched = index(breakaway.t_contact);
   const std::size_t reference = index(std::max(breakaway.t_contact, breakaway.t - 0.15));
   if (!x[reference].is_valid) return friction;
-  while (gone > touched && !(x[gone - 1].value - x[reference].value < kMoved)) --gone;
-  const std::size_t first = std::max(touched, index(push.t[gone] - 2.0 * kBefore));
-  const std::size_t begin = std::max(touched, index(push.t[gone] - 3.0 * kBefore));
-  const std::size_t end = std::min(push.t.size(), index(push.t[gone] + kAfter));
-  if (end < first + 10 || gone <= first + 2) return friction;
+  while (moving > touched && !(x[moving - 1].value - x[reference].value < kMoved)) --moving;
+  const std::size_t first = std::max(touched, index(push.t[moving] - 2.0 * kBefore));
+  const std::size_t begin = std::max(touched, index(push.t[moving] - 3.0 * kBefore));
+  const std::size_t end = std::min(push.t.size(), index(push.t[moving] + kAfter));
+  if (end < first + 10 || moving <= first + 2) return friction;
 
   std::vector<double> sums;
-  for (std::size_t onset = first; onset < gone; ++onset) {
+  for (std::size_t onset = first; onset < moving; ++onset) {
     sums.push_back(misfit(track, begin, onset, end, mass));
   }
   const auto best = std::min_element(sums.begin(), sums.end());
   const std::size_t onset = first + static_cast<std::size_t>(best - sums.begin());
   const SmoothedSample force = smooth_at(push.t, track.force, push.t[onset], kOnsetHalfWidth);
   const double variance = *best / static_cast<double>(end - begin - 3);
-  double late = 0.0;  // the farthest onset that fits about as well
+  double late = 0.0;  // the farthest onset within two stds
   for (std::size_t k = 0; k < sums.size(); ++k) {
-    if (sums[k] > *best + kTellsApart * variance) continue;
+    if (sums[k] > *best + kTwoStds * variance) continue;
     late = std::max(late, std::abs(push.t[first + k] - push.t[onset]));
   }
   friction.value = force.value;
-  friction.deviation = std::hypot(breakaway.deviation, 0.5 * late * std::abs(force.rate),
-                                  kCreepShare * (breakaway.force - force.value));
+  friction.std = std::hypot(breakaway.std, 0.5 * late * std::abs(force.rate),
+                            kCreepShare * (breakaway.force - force.value));
   friction.is_excited = force.is_valid;
   return friction;
 }
@@ -109,11 +109,11 @@ IdentifiedParameter limit_of_push(const ForceMotion& push, const Breakaway& brea
   const double excess = breakaway.stiffness > 0.0 ? std::max(0.0, breakaway.loading_rate) *
                                                         std::sqrt(mass / breakaway.stiffness)
                                                   : 0.0;
-  if (excess > kMuch * breakaway.force) {
+  if (excess > kMaxAccelerationShare * breakaway.force) {
     const IdentifiedParameter limit = friction_at_breakaway(push, breakaway, compliance, mass);
     if (limit.is_excited) return limit;
   }
-  return {breakaway.force - 0.5 * excess, std::hypot(breakaway.deviation, excess / std::sqrt(12.0)),
+  return {breakaway.force - 0.5 * excess, std::hypot(breakaway.std, excess / std::sqrt(12.0)),
           true};
 }
 

@@ -18,9 +18,9 @@ namespace {
 
 // A regressor made of noise alone has its noise's rms; three times that is motion.
 constexpr double kNoiseFactor = 3.0;
-// A mass, which can't be negative, is told from none by this many deviations.
-constexpr double kMassToldDeviations = 2.0;
-// Residuals this near to each other do not choose between laws.
+// A mass, which can't be negative, is significant from this many stds on.
+constexpr double kMinMassStds = 2.0;
+// Residuals closer to each other than this do not decide between the laws.
 constexpr double kTie = 0.02;
 
 ContactSample mean_of(const std::vector<ContactSample>& samples) {
@@ -37,7 +37,7 @@ ContactSample mean_of(const std::vector<ContactSample>& samples) {
 
 /// Typical magnitudes of acceleration, speed and position about each press's mean.
 std::array<double, 3> scales_of(const std::vector<PressSamples>& presses) {
-  std::array<double, 3> sum = {1e-18, 1e-18, 1e-18};  // a still signal has no scale of its own
+  std::array<double, 3> sum = {1e-18, 1e-18, 1e-18};  // a constant signal has no scale of its own
   double count = 1.0;
   for (const PressSamples& press : presses) {
     if (press.samples.empty()) continue;
@@ -70,7 +70,7 @@ EstimatorOptions<3> linear_options(const std::vector<PressSamples>& presses) {
   return options;
 }
 
-/// Least squares on the signals less each press's mean: the surface's place drops out.
+/// Least squares on the signals less each press's mean: the surface's coordinate cancels.
 ParameterEstimate<3> regress(const std::vector<PressSamples>& presses, bool has_mass) {
   ParameterEstimator<3> estimator(linear_options(presses));
   for (const PressSamples& press : presses) {
@@ -85,10 +85,10 @@ ParameterEstimate<3> regress(const std::vector<PressSamples>& presses, bool has_
   return estimator.estimate();
 }
 
-void state_parameters(const ParameterEstimate<3>& estimate, ContactFit& fit) {
-  fit.mass = {estimate.value[0], estimate.deviation[0], estimate.is_excited[0]};
-  fit.damping = {estimate.value[1], estimate.deviation[1], estimate.is_excited[1]};
-  fit.stiffness = {estimate.value[2], estimate.deviation[2], estimate.is_excited[2]};
+void set_parameters(const ParameterEstimate<3>& estimate, ContactFit& fit) {
+  fit.mass = {estimate.value[0], estimate.std[0], estimate.is_excited[0]};
+  fit.damping = {estimate.value[1], estimate.std[1], estimate.is_excited[1]};
+  fit.stiffness = {estimate.value[2], estimate.std[2], estimate.is_excited[2]};
   fit.exponent = {1.0, 0.0, true};
 }
 
@@ -101,14 +101,13 @@ ContactFit fit_linear(const std::vector<PressSamples>& presses) {
   }
   if (fit.samples < 12 + presses.size() || energy <= 0.0) return fit;
   ParameterEstimate<3> estimate = regress(presses, true);
-  state_parameters(estimate, fit);
-  // A press at one frequency can't tell the mass from the stiffness: x'' is -w^2 x. A mass that is
-  // not told would take its share of k along, so it is left out, as in sliding.
-  fit.mass.is_excited =
-      fit.mass.is_excited && fit.mass.value > kMassToldDeviations * fit.mass.deviation;
+  set_parameters(estimate, fit);
+  // At one frequency the mass is confounded with the stiffness: x'' is -w^2 x. A mass that is not
+  // significant would bias k, so it is removed from the model, as in sliding.
+  fit.mass.is_excited = fit.mass.is_excited && fit.mass.value > kMinMassStds * fit.mass.std;
   if (!fit.mass.is_excited) {
     estimate = regress(presses, false);
-    state_parameters(estimate, fit);
+    set_parameters(estimate, fit);
     fit.mass = {};
   }
   const double samples = static_cast<double>(fit.samples);
@@ -124,15 +123,15 @@ ContactFit fit_linear(const std::vector<PressSamples>& presses) {
   return fit;
 }
 
-/// What the curved fit leaves open of the straight one's exponent.
-void state_linear_exponent(const ContactFit& curved, ContactFit& linear) {
+/// The uncertainty of the linear law's exponent, from the Hunt-Crossley fit.
+void set_linear_exponent(const ContactFit& curved, ContactFit& linear) {
   if (!linear.is_valid || !curved.is_valid) return;
-  linear.exponent.deviation = std::hypot(curved.exponent.deviation, curved.exponent.value - 1.0);
+  linear.exponent.std = std::hypot(curved.exponent.std, curved.exponent.value - 1.0);
 }
 
 std::string proposal_for(const ContactIdentification& found) {
   const ContactFit& best = found.best();
-  if (!best.is_valid) return "press deeper, or longer: no stiffness could be told";
+  if (!best.is_valid) return "press deeper, or longer: no stiffness could be identified";
   if (!best.damping.is_excited) {
     return "press at several speeds, or modulate the press at 2 Hz, 1 mm: damping was not excited";
   }
@@ -168,7 +167,7 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
   found.mass_damper_spring = fit_linear(samples);
   if (options.drift_half_width <= 0.0) {
     found.hunt_crossley = fit_hunt_crossley(samples, options);
-    state_linear_exponent(found.hunt_crossley, found.mass_damper_spring);
+    set_linear_exponent(found.hunt_crossley, found.mass_damper_spring);
   }
   const ContactFit& linear = found.mass_damper_spring;
   const ContactFit& curved = found.hunt_crossley;

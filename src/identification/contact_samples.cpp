@@ -13,9 +13,9 @@
 namespace pcavr {
 namespace {
 
-/// The longest stretch above `threshold`, as [begin, end).
-std::pair<std::size_t, std::size_t> max_contact(const std::vector<SmoothedSample>& force,
-                                                double threshold) {
+/// The longest interval above `threshold`, as [begin, end).
+std::pair<std::size_t, std::size_t> longest_contact(const std::vector<SmoothedSample>& force,
+                                                    double threshold) {
   std::pair<std::size_t, std::size_t> best{0, 0};
   std::size_t begin = 0;
   for (std::size_t i = 0; i <= force.size(); ++i) {
@@ -27,8 +27,8 @@ std::pair<std::size_t, std::size_t> max_contact(const std::vector<SmoothedSample
   return best;
 }
 
-/// Each signal less its own mean over a longer window.
-void take_off(const std::vector<SmoothedSample>& slow, std::vector<SmoothedSample>& samples) {
+/// Subtracts each signal's own moving mean over a longer window (detrending).
+void subtract(const std::vector<SmoothedSample>& slow, std::vector<SmoothedSample>& samples) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     samples[i].value -= slow[i].value;
     samples[i].rate -= slow[i].rate;
@@ -50,8 +50,8 @@ PressSamples press_samples(const ForceMotion& press, const ContactFitOptions& op
   const std::vector<double> force = remove_spikes(press.force).values;
   std::vector<SmoothedSample> x = smooth(press.t, press.tool, press.t, result.half_width);
   std::vector<SmoothedSample> f = smooth(press.t, force, press.t, result.half_width);
-  result.position_noise = noise_deviation(press.tool);
-  result.force_noise = noise_deviation(force);
+  result.position_noise = estimate_noise_std(press.tool);
+  result.force_noise = estimate_noise_std(force);
   const DerivativeNoise noise =
       derivative_noise(result.position_noise, result.half_width, result.interval);
   result.speed_noise = noise.rate;
@@ -59,16 +59,16 @@ PressSamples press_samples(const ForceMotion& press, const ContactFitOptions& op
 
   const double force_noise =
       result.force_noise / std::sqrt(correlated_samples(result.half_width, result.interval));
-  auto [begin, end] = max_contact(f, options.contact_deviations * force_noise);
+  auto [begin, end] = longest_contact(f, options.contact_threshold * force_noise);
   if (end > begin) result.onset = x[begin].value;
   for (std::size_t i = begin; i < end; ++i) {
     result.raw.push_back({press.tool[i], x[i].rate, x[i].acceleration, force[i]});
   }
-  // The window must not reach across the impact or the parting: the law has a kink there.
+  // The window must not include the impact or the separation: the law is not smooth there.
   const auto margin = static_cast<std::size_t>(std::ceil(result.half_width / result.interval));
   if (options.drift_half_width > 0.0) {
-    take_off(smooth(press.t, press.tool, press.t, options.drift_half_width), x);
-    take_off(smooth(press.t, force, press.t, options.drift_half_width), f);
+    subtract(smooth(press.t, press.tool, press.t, options.drift_half_width), x);
+    subtract(smooth(press.t, force, press.t, options.drift_half_width), f);
   }
   for (std::size_t i = begin + margin; i + margin < end; ++i) {
     if (!x[i].is_valid || !f[i].is_valid) continue;

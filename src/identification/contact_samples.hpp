@@ -18,12 +18,12 @@ struct ContactSample {
 
 struct PressSamples {
   std::vector<ContactSample> samples;  ///< in contact, away from its ends
-  /// The same stretch to its ends, position and force as measured (but for spikes): a smoothed
-  /// curve is no longer the law's where the tip sinks in within the filter's width.
+  /// The same interval to its ends, position and force as measured (without spikes): smoothing
+  /// distorts the law where the tip penetrates within the filter's width.
   std::vector<ContactSample> raw;
   double position_noise = 0.0;      ///< [m] standard deviations of `raw`
   double force_noise = 0.0;         ///< [N]
-  double onset = 0.0;               ///< [m] tool coordinate where the force was first seen
+  double onset = 0.0;               ///< [m] tool coordinate where the force was first detected
   double interval = 0.0;            ///< [s] between samples
   double half_width = 0.0;          ///< [s] of the smoothing
   double speed_noise = 0.0;         ///< [m/s] standard deviations of the smoothed derivatives
@@ -34,16 +34,16 @@ struct PressSamples {
 [[nodiscard]] PressSamples press_samples(const ForceMotion& press,
                                          const ContactFitOptions& options);
 
-/// Mean squared misfit of a law, in units of what the noise of force and tip makes of it. Tells
-/// laws apart where the residual force can't, because the tip's noise times the stiffness drowns
-/// it.
+/// Mean squared misfit of a law, in units of the propagated noise of force and tip (reduced chi
+/// squared). Distinguishes laws where the residual force cannot, because the tip's noise times the
+/// stiffness dominates it.
 [[nodiscard]] double normalised_misfit(const std::vector<PressSamples>& presses,
                                        const ContactFit& fit);
 
 /// F = k x^n + lambda x^n x' over k, lambda, n and the surface, one for all or one for each press.
-/// By orthogonal distances: both the force and the tip's place have noise, and on a stiff contact
-/// the tip's is the larger by far; least squares of the force alone takes it for softness. Of
-/// `options` the shared surface and the given exponent count.
+/// By orthogonal distances (total least squares): both the force and the tip's position have noise,
+/// and on a stiff contact the tip's is much larger; least squares of the force alone would
+/// underestimate the stiffness. Of `options` the shared surface and the given exponent are used.
 [[nodiscard]] ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses,
                                            const ContactFitOptions& options);
 

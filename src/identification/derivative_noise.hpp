@@ -11,8 +11,8 @@ struct DerivativeNoise {
   double acceleration = 0.0;
 };
 
-/// What white noise on a signal becomes in the derivatives that smooth() gives: integrals of the
-/// squared derivatives of the kernel (15/16)(1 - u^2)^2, 15/7 and 22.5.
+/// Noise propagation: the std in the derivatives by smooth() of white noise on a signal. Integrals
+/// of the squared derivatives of the kernel (15/16)(1 - u^2)^2, 15/7 and 22.5.
 [[nodiscard]] inline DerivativeNoise derivative_noise(double noise, double half_width,
                                                       double interval) {
   const double cube = half_width * half_width * half_width;

@@ -17,24 +17,24 @@
 namespace pcavr {
 namespace {
 
-// Regressors this far above their stated scale would drown the rest in rounding.
-constexpr double kAbsurd = 1e9;
+// Larger regressors, relative to their stated scale, would lose the rest in rounding.
+constexpr double kMaxScaled = 1e9;
 // Unity zone: a mean squared error of this many variances rounds to the first step below lambda
 // = 1.
 constexpr double kUnityZone = 9.5;
 // Standard normal deviate that one sample in a million exceeds.
 constexpr double kOneInAMillion = 4.753;
-// Share of a regressor's energy that the others must leave unexplained; below, the two parameters
-// are told apart by rounding and noise only.
+// Share of a regressor's energy that the others must leave unexplained; below, the parameters are
+// collinear within rounding and noise.
 constexpr double kMinOwnShare = 1e-4;
-// Samples that the measured noise is averaged over.
+// Samples that the estimated noise is averaged over.
 constexpr double kNoiseMemory = 1000.0;
-// Independent samples beyond the parameters that a first measure of noise takes.
+// Independent samples beyond the parameters that the first noise estimate needs.
 constexpr double kNoiseFreedom = 5.0;
 
 /// The mean squared error, in variances, that noise reaches once in a million samples: of chi
-/// squared, after [Wilson & Hilferty 1931], with as many degrees as the window holds independent
-/// samples. Of white noise that is less than the unity zone, which stays.
+/// squared, after [Wilson & Hilferty 1931], with as many degrees of freedom as the window has
+/// independent samples. For white noise that is less than the unity zone, which then applies.
 double quiet_level(double window, double correlated_samples) {
   const double spread = 2.0 / (9.0 * std::max(1.0, window / correlated_samples));
   const double cube_root = 1.0 - spread + kOneInAMillion * std::sqrt(spread);
@@ -61,7 +61,7 @@ struct ParameterEstimator<N>::State {
     if (given.method == EstimationMethod::block) {
       block.resize(static_cast<std::size_t>(given.window));
     }
-    noise_variance = given.noise_deviation ? *given.noise_deviation * *given.noise_deviation : 0.0;
+    noise_variance = given.noise_std ? *given.noise_std * *given.noise_std : 0.0;
   }
 
   struct Row {
@@ -74,12 +74,12 @@ struct ParameterEstimator<N>::State {
     next_row = (next_row + 1) % block.size();
     rows = std::min(rows + 1, block.size());
     information = Matrix::Identity() * options.prior_information;
-    Vector pull = Vector::Zero();
+    Vector rhs = Vector::Zero();
     for (std::size_t i = 0; i < rows; ++i) {
       information.noalias() += block[i].phi * block[i].phi.transpose();
-      pull += block[i].phi * (block[i].measured - block[i].phi.dot(theta));
+      rhs += block[i].phi * (block[i].measured - block[i].phi.dot(theta));
     }
-    theta += solve_positive<N>(information, pull);
+    theta += solve_positive<N>(information, rhs);
     samples = static_cast<double>(rows);
   }
 
@@ -101,42 +101,42 @@ struct ParameterEstimator<N>::State {
     const double mean = error_sum / static_cast<double>(errors.size());
     const double steps = std::round(mean / (2.0 * quiet * noise_variance));
     if (steps <= 0.0) return 1.0;
-    // What a change made wrong is of no use: at once down to the memory that lambda_min keeps.
-    const double emptying = min_memory / std::max(samples, min_memory);
-    const double least = std::min(options.min_forgetting, emptying);
-    return least + (1.0 - least) * std::exp2(-steps);
+    // Samples from before a change are wrong: reset at once to the memory that lambda_min keeps.
+    const double reset = min_memory / std::max(samples, min_memory);
+    const double min_lambda = std::min(options.min_forgetting, reset);
+    return min_lambda + (1.0 - min_lambda) * std::exp2(-steps);
   }
 
-  /// Enough samples for errors to mean something: the parameters are more than determined, and the
-  /// window holds errors made by them.
+  /// Enough samples for meaningful errors: the parameters are overdetermined, and the window
+  /// contains only their errors.
   [[nodiscard]] bool is_settled() const {
-    const double freedom = options.noise_deviation ? 0.0 : kNoiseFreedom;
-    return static_cast<double>(seen) >
+    const double freedom = options.noise_std ? 0.0 : kNoiseFreedom;
+    return static_cast<double>(total_samples) >
            (N + freedom) * options.correlated_samples + static_cast<double>(errors.size());
   }
 
-  void remember(double error) {
+  void add_error(double error) {
     // phi'R^-1 phi with the new sample in R is L = q/(1+q), so 1/(1+q) is 1 - L.
     const double squared = error * error * (1.0 - leverage);
     error_sum += squared - errors[next_error];
     errors[next_error] = squared;
     next_error = (next_error + 1) % errors.size();
-    if (next_error == 0) {  // fresh sum once a window: rounding can't pile up
+    if (next_error == 0) {  // recompute once per window: rounding errors do not accumulate
       error_sum = 0.0;
       for (const double e : errors) error_sum += e;
     }
-    ++seen;
-    if (!options.noise_deviation) measure_noise(squared);
+    ++total_samples;
+    if (!options.noise_std) update_noise(squared);
   }
 
-  /// Each parameter takes one independent sample's noise into itself.
-  void measure_noise(double squared) {
+  /// Each parameter uses up one independent sample (degrees of freedom).
+  void update_noise(double squared) {
     if (!is_settled()) {
       noise_variance = residual_sum / std::max(samples - N * options.correlated_samples, 1.0);
       return;
     }
     const double change = std::min(squared, 9.0 * noise_variance) - noise_variance;
-    noise_variance += change / std::min(static_cast<double>(seen), kNoiseMemory);
+    noise_variance += change / std::min(static_cast<double>(total_samples), kNoiseMemory);
   }
 
   [[nodiscard]] double residual_variance() const {
@@ -165,7 +165,7 @@ struct ParameterEstimator<N>::State {
   std::vector<double> errors;
   std::size_t next_error = 0;
   double error_sum = 0.0;
-  std::size_t seen = 0;
+  std::size_t total_samples = 0;
   std::vector<Row> block;
   std::size_t next_row = 0;
   std::size_t rows = 0;
@@ -184,7 +184,7 @@ ParameterEstimator<N>::ParameterEstimator(const EstimatorOptions<N>& options,
   PCAVR_REQUIRE(options.error_window >= 1, options.error_window);
   PCAVR_REQUIRE(options.prior_information > 0.0, options.prior_information);
   PCAVR_REQUIRE(options.correlated_samples >= 1.0, options.correlated_samples);
-  PCAVR_REQUIRE(!options.noise_deviation || *options.noise_deviation > 0.0);
+  PCAVR_REQUIRE(!options.noise_std || *options.noise_std > 0.0);
   state_ = std::make_unique<State>(options, initial);
 }
 
@@ -200,15 +200,15 @@ EstimatorStep ParameterEstimator<N>::step(const std::array<double, N>& regressor
                                           double measured) noexcept {
   State& state = *state_;
   typename State::Vector phi;
-  bool is_sound = std::isfinite(measured);
+  bool is_valid = std::isfinite(measured);
   for (int i = 0; i < N; ++i) {
     phi[i] = regressors[static_cast<std::size_t>(i)] * state.inverse_scale[i];
-    is_sound = is_sound && std::abs(phi[i]) < kAbsurd;  // false for NaN, too
+    is_valid = is_valid && std::abs(phi[i]) < kMaxScaled;  // false for NaN, too
   }
   EstimatorStep step;
   step.prediction = phi.dot(state.theta);
   step.error = measured - step.prediction;
-  if (!is_sound) return step;
+  if (!is_valid) return step;
   step.was_used = true;
   if (state.options.method == EstimationMethod::block) {
     state.step_block(phi, measured);
@@ -216,7 +216,7 @@ EstimatorStep ParameterEstimator<N>::step(const std::array<double, N>& regressor
   }
   step.forgetting = state.forgetting();
   state.step_recursive(phi, step.error, step.forgetting);
-  state.remember(step.error);
+  state.add_error(step.error);
   return step;
 }
 
@@ -237,7 +237,7 @@ ParameterEstimate<N> ParameterEstimator<N>::estimate() const noexcept {
     result.is_excited[k] = is_determined && own > kMinOwnShare * state.information(i, i) &&
                            own > state.options.prior_information &&
                            own_rms >= state.options.min_excitation[k];
-    result.deviation[k] =
+    result.std[k] =
         is_determined
             ? std::sqrt(result.residual_variance * P(i, i) * state.options.correlated_samples) *
                   state.inverse_scale[i]

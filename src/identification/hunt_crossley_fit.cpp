@@ -8,19 +8,21 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "pcavr/contact/compliance.hpp"
+
 #include "identification/contact_samples.hpp"
 
 namespace pcavr {
 namespace {
 
-// Exponents that bodies have: 1 for a flat face, 1.5 for spheres, 2 for cones, more for layers.
+// Exponents of real contacts: 1 for a flat face, 1.5 for spheres, 2 for cones, more for layers.
 constexpr double kMinExponent = 1.0;
-constexpr double kGreatestExponent = 3.0;
+constexpr double kMaxExponent = 3.0;
 constexpr int kIterations = 60;
 constexpr double kMinNoise = 1e-6;  // of the largest force
 
-/// F = force (d / depth)^n (1 + c d'), with d = x - surface: the parameters are then nearly
-/// independent of each other, which k, lambda and n are not.
+/// F = force (d / depth)^n (1 + c d'), with d = x - surface: these parameters are nearly
+/// uncorrelated, k, lambda and n are not.
 class Problem {
  public:
   Problem(const std::vector<PressSamples>& presses, const ContactFitOptions& options)
@@ -37,7 +39,7 @@ class Problem {
       force_variance_ = std::max(force_variance_, std::pow(press.force_noise, 2));
       for (const ContactSample& sample : press.raw) peak = std::max(peak, sample.force);
     }
-    // A made-up force may have none: distances need a measure all the same.
+    // A simulated force may have no noise: distances need a unit all the same.
     force_variance_ = std::max(force_variance_, std::pow(kMinNoise * peak, 2));
   }
 
@@ -53,13 +55,13 @@ class Problem {
     return theta;
   }
 
-  /// Sum of squared distances in units of the noise; with `normal` and `pull`, those of the
-  /// linearised problem, too.
+  /// Sum of squared distances in units of the noise; also fills `normal` and `rhs`, the normal
+  /// equations of the linearised problem, where given.
   double evaluate(const Eigen::VectorXd& theta, Eigen::MatrixXd* normal,
-                  Eigen::VectorXd* pull) const {
+                  Eigen::VectorXd* rhs) const {
     if (normal != nullptr) {
       normal->setZero(theta.size(), theta.size());
-      pull->setZero(theta.size());
+      rhs->setZero(theta.size());
     }
     double sum = 0.0;
     for (std::size_t p = 0; p < presses_.size(); ++p) {
@@ -73,15 +75,15 @@ class Problem {
         normal->col(column).head<3>() += shared * row.by[3];
         normal->row(column).head<3>() += shared.transpose() * row.by[3];
         (*normal)(column, column) += row.by[3] * row.by[3];
-        pull->head<3>() += shared * row.error;
-        (*pull)[column] += row.by[3] * row.error;
+        rhs->head<3>() += shared * row.error;
+        (*rhs)[column] += row.by[3] * row.error;
       }
     }
-    if (normal != nullptr && exponent_) hold_exponent(*normal, *pull);
+    if (normal != nullptr && exponent_) fix_exponent(*normal, *rhs);
     return sum;
   }
 
-  /// A given exponent is counted: it costs one degree of freedom of thousands.
+  /// A given exponent is counted, too: one degree of freedom of thousands.
   [[nodiscard]] std::size_t unknowns() const {
     return 3 + (is_surface_shared_ ? 1 : presses_.size());
   }
@@ -93,12 +95,13 @@ class Problem {
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
-  /// The exponent's column decoupled: no step is made in it, and nothing else is moved by it.
-  static void hold_exponent(Eigen::MatrixXd& normal, Eigen::VectorXd& pull) {
+  /// Fixes the exponent: its row and column are decoupled, so that its step is zero and it does not
+  /// affect the others.
+  static void fix_exponent(Eigen::MatrixXd& normal, Eigen::VectorXd& rhs) {
     normal.row(2).setZero();
     normal.col(2).setZero();
     normal(2, 2) = 1.0;
-    pull[2] = 0.0;
+    rhs[2] = 0.0;
   }
 
   struct Row {
@@ -106,30 +109,30 @@ class Problem {
     Eigen::Vector4d by = Eigen::Vector4d::Zero();  ///< model's change by force, c, n, surface
   };
 
-  /// One sample's distance from the curve, measured in its noises, at the curve's nearest place
-  /// [York 1966; Britt & Luecke 1973].
+  /// One sample's distance from the curve in units of its noise, at the nearest point of the curve
+  /// (errors in variables) [York 1966; Britt & Luecke 1973].
   [[nodiscard]] Row row_of(const Eigen::VectorXd& theta, double surface,
                            const ContactSample& sample) const {
-    constexpr int kSteps = 3;  // towards the nearest place; the curve is nearly straight there
+    constexpr int kSteps = 3;  // towards the nearest point; the curve is nearly straight there
     const double drag = 1.0 + theta[1] * sample.speed;
-    double place = sample.position;
+    double position = sample.position;
     Row row;
     for (int step = 0; step < kSteps; ++step) {
-      const double u = (place - surface) / depth_;
-      const double power = u > 0.0 ? std::pow(u, theta[2]) : 0.0;
+      const double u = (position - surface) / depth_;
+      const double power = penetration_power(u, theta[2]);
       const double slope = u > 0.0 ? theta[0] * theta[2] * power / u * drag / depth_ : 0.0;
-      const double left =
-          sample.force - theta[0] * power * drag - slope * (sample.position - place);
+      const double residual =
+          sample.force - theta[0] * power * drag - slope * (sample.position - position);
       const double variance = force_variance_ + slope * slope * position_variance_;
       const double scale = 1.0 / std::sqrt(variance);
-      row.error = scale * left;
+      row.error = scale * residual;
       row.by.setZero();
       if (u > 0.0) {
         row.by << power * drag, theta[0] * power * sample.speed,
             theta[0] * power * std::log(u) * drag, -slope;
         row.by *= scale;
       }
-      place = sample.position + position_variance_ * slope * left / variance;
+      position = sample.position + position_variance_ * slope * residual / variance;
     }
     return row;
   }
@@ -143,56 +146,57 @@ class Problem {
   std::size_t count_ = 0;
 };
 
-/// Levenberg-Marquardt; gives the sum of squares that was reached.
+/// Levenberg-Marquardt; returns the final sum of squares.
 double minimise(const Problem& problem, Eigen::VectorXd& theta) {
   Eigen::MatrixXd normal;
-  Eigen::VectorXd pull;
+  Eigen::VectorXd rhs;
   double damping = 1e-3;
-  double sum = problem.evaluate(theta, &normal, &pull);
+  double sum = problem.evaluate(theta, &normal, &rhs);
   for (int iteration = 0; iteration < kIterations && damping < 1e9; ++iteration) {
     Eigen::MatrixXd damped = normal;
     damped.diagonal() *= 1.0 + damping;
     damped.diagonal().array() += 1e-12;
-    Eigen::VectorXd candidate = theta + damped.ldlt().solve(pull);
-    candidate[2] = std::clamp(candidate[2], kMinExponent, kGreatestExponent);
-    const double reached = problem.evaluate(candidate, nullptr, nullptr);
-    if (!(reached < sum)) {
+    Eigen::VectorXd candidate = theta + damped.ldlt().solve(rhs);
+    candidate[2] = std::clamp(candidate[2], kMinExponent, kMaxExponent);
+    const double candidate_sum = problem.evaluate(candidate, nullptr, nullptr);
+    if (!(candidate_sum < sum)) {
       damping *= 10.0;
       continue;
     }
-    const bool is_done = sum - reached < 1e-10 * sum;
+    const bool is_done = sum - candidate_sum < 1e-10 * sum;
     theta = candidate;
-    sum = problem.evaluate(theta, &normal, &pull);
+    sum = problem.evaluate(theta, &normal, &rhs);
     damping *= 0.1;
     if (is_done) break;
   }
   return sum;
 }
 
-/// k and lambda from the problem's own parameters, with their deviations by the chain rule.
-void state_parameters(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covariance, double depth,
-                      ContactFit& fit) {
+/// k and lambda from the problem's own parameters, with their stds by the chain rule (propagation
+/// of uncertainty).
+void set_parameters(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covariance, double depth,
+                    ContactFit& fit) {
   const double log_depth = std::log(depth);
   const double k = theta[0] * std::exp(-theta[2] * log_depth);
   const Eigen::Vector3d k_by(k / theta[0], 0.0, -k * log_depth);
   const Eigen::Vector3d lambda_by = theta[1] * k_by + Eigen::Vector3d(0.0, k, 0.0);
   const Eigen::Matrix3d shared = covariance.topLeftCorner<3, 3>();
-  const auto told = [](double value, double variance) {
-    const double deviation = std::sqrt(std::max(variance, 0.0));
-    return IdentifiedParameter{value, deviation, 2.0 * deviation < std::abs(value)};
+  const auto parameter = [](double value, double variance) {
+    const double value_std = std::sqrt(std::max(variance, 0.0));
+    return IdentifiedParameter{value, value_std, 2.0 * value_std < std::abs(value)};
   };
-  fit.stiffness = told(k, k_by.dot(shared * k_by));
-  fit.damping = told(k * theta[1], lambda_by.dot(shared * lambda_by));
-  fit.exponent = told(theta[2], shared(2, 2));
+  fit.stiffness = parameter(k, k_by.dot(shared * k_by));
+  fit.damping = parameter(k * theta[1], lambda_by.dot(shared * lambda_by));
+  fit.exponent = parameter(theta[2], shared(2, 2));
 }
 
-/// Of the smoothed force, as the linear law has it.
-void state_residual(const std::vector<PressSamples>& presses, ContactFit& fit) {
+/// Of the smoothed force, for comparison with the linear law.
+void set_residual(const std::vector<PressSamples>& presses, ContactFit& fit) {
   double errors = 0.0, energy = 0.0, count = 0.0;
   for (std::size_t p = 0; p < presses.size(); ++p) {
     for (const ContactSample& sample : presses[p].samples) {
       const double depth = std::max(0.0, sample.position - fit.surface[p]);
-      const double estimated = std::pow(depth, fit.exponent.value) *
+      const double estimated = penetration_power(depth, fit.exponent.value) *
                                (fit.stiffness.value + fit.damping.value * sample.speed);
       errors += std::pow(sample.force - estimated, 2);
       energy += sample.force * sample.force;
@@ -213,7 +217,7 @@ double normalised_misfit(const std::vector<PressSamples>& presses, const Contact
     const PressSamples& press = presses[p];
     for (const ContactSample& sample : press.raw) {
       const double depth = std::max(0.0, sample.position - fit.surface[p]);
-      const double power = std::pow(depth, n);
+      const double power = penetration_power(depth, n);
       const double drag = fit.damping.value * sample.speed;
       const double slope =
           depth > 0.0 ? n * power / depth * (fit.stiffness.value + (is_curved ? drag : 0.0)) : 0.0;
@@ -240,19 +244,19 @@ ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses,
   const double sum = minimise(problem, theta);
 
   Eigen::MatrixXd normal;
-  Eigen::VectorXd pull;
-  problem.evaluate(theta, &normal, &pull);
-  // Above 1 where the law is not quite the surface's.
+  Eigen::VectorXd rhs;
+  problem.evaluate(theta, &normal, &rhs);
+  // Reduced chi squared: above 1 where the law does not fit the surface exactly.
   const double variance = sum / static_cast<double>(problem.count() - unknowns);
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(theta.size(), theta.size());
   Eigen::MatrixXd covariance = variance * normal.ldlt().solve(identity);
   if (problem.is_exponent_given()) covariance(2, 2) = 0.0;
-  state_parameters(theta, covariance, problem.depth(), fit);
+  set_parameters(theta, covariance, problem.depth(), fit);
   for (std::size_t p = 0; p < presses.size(); ++p) {
     fit.surface.push_back(theta[problem.surface_column(p)]);
   }
-  state_residual(presses, fit);
-  fit.is_valid = fit.stiffness.value > 0.0 && std::isfinite(fit.stiffness.deviation);
+  set_residual(presses, fit);
+  fit.is_valid = fit.stiffness.value > 0.0 && std::isfinite(fit.stiffness.std);
   return fit;
 }
 

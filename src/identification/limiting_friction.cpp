@@ -11,53 +11,54 @@
 namespace pcavr {
 namespace {
 
-/// A push that tells its limit this many times worse than the middle one was of another kind, as a
-/// fast one among slow ones is: what biases it then is not in its deviation.
-constexpr double kComparable = 3.0;
+/// A push whose std is this many times the median is of another kind, such as a fast one among slow
+/// ones: its bias is then not included in its std.
+constexpr double kMaxStdFactor = 3.0;
 
-// Robust deviations, and share of the middle, beyond which a push is not one of the others.
-constexpr double kFarOut = 5.0;
-constexpr double kMinFarOut = 0.05;
-constexpr std::size_t kOutliersFrom = 4;  ///< of fewer, nobody can say which one is wrong
+// Robust stds, and share of the median, beyond which a push is an outlier.
+constexpr double kOutlierStds = 5.0;
+constexpr double kMinOutlierShare = 0.05;
+constexpr std::size_t kMinForOutliers = 4;  ///< of fewer, it is undecidable which one is wrong
 
 using Indices = std::vector<std::size_t>;
 
-Indices as_sure_as_most(std::span<const Breakaway> pushes, const Indices& found) {
+Indices reject_uncertain(std::span<const Breakaway> pushes, const Indices& found) {
   if (found.empty()) return {};
-  std::vector<double> deviations;
-  deviations.reserve(found.size());
-  for (const std::size_t i : found) deviations.push_back(pushes[i].deviation);
-  // The lower one of two in the middle: of a slow and a fast push, the slow one is believed.
-  const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>((deviations.size() - 1) / 2);
-  std::nth_element(deviations.begin(), middle, deviations.end());
+  std::vector<double> stds;
+  stds.reserve(found.size());
+  for (const std::size_t i : found) stds.push_back(pushes[i].std);
+  // The lower of two medians: of a slow and a fast push, the slow one is used.
+  const auto middle = stds.begin() + static_cast<std::ptrdiff_t>((stds.size() - 1) / 2);
+  std::nth_element(stds.begin(), middle, stds.end());
   Indices kept;
   for (const std::size_t i : found) {
-    if (pushes[i].deviation <= kComparable * *middle) kept.push_back(i);
+    if (pushes[i].std <= kMaxStdFactor * *middle) kept.push_back(i);
   }
   return kept;
 }
 
-Indices near_the_middle(std::span<const Breakaway> pushes, const Indices& found) {
-  if (found.size() < kOutliersFrom) return found;
-  std::vector<double> forces, off;
+Indices reject_outliers(std::span<const Breakaway> pushes, const Indices& found) {
+  if (found.size() < kMinForOutliers) return found;
+  std::vector<double> forces, distances;
   forces.reserve(found.size());
-  off.reserve(found.size());
+  distances.reserve(found.size());
   for (const std::size_t i : found) forces.push_back(pushes[i].force);
   const double middle = median(forces);
-  for (const double force : forces) off.push_back(std::abs(force - middle));
-  // 1.4826 makes a standard deviation of a median of distances.
-  const double far = std::max(kFarOut * 1.4826 * median(off), kMinFarOut * middle);
+  for (const double force : forces) distances.push_back(std::abs(force - middle));
+  // 1.4826: from the median absolute push_std (MAD) to a standard push_std.
+  const double max_distance =
+      std::max(kOutlierStds * 1.4826 * median(distances), kMinOutlierShare * middle);
   Indices kept;
   for (const std::size_t i : found) {
-    if (std::abs(pushes[i].force - middle) <= far) kept.push_back(i);
+    if (std::abs(pushes[i].force - middle) <= max_distance) kept.push_back(i);
   }
   return kept;
 }
 
-/// Weighted mean, and the spread about it that a sample of as many equal weights would have.
+/// Weighted mean, and the std about it for the effective number of equal weights.
 struct Weighted {
   double mean = 0.0;
-  double deviation = 0.0;
+  double std = 0.0;
   double effective_count = 0.0;
 };
 
@@ -73,27 +74,27 @@ Weighted weigh(const std::vector<double>& values, const std::vector<double>& wei
     spread += weights[i] * std::pow(values[i] - result.mean, 2);
   }
   const double n = result.effective_count;
-  if (values.size() > 1 && n > 1.0) result.deviation = std::sqrt(spread / sum * n / (n - 1.0));
+  if (values.size() > 1 && n > 1.0) result.std = std::sqrt(spread / sum * n / (n - 1.0));
   return result;
 }
 
-std::vector<double> weights_of(const std::vector<double>& deviations, double scatter) {
-  // A thousandth of the largest keeps a push that claims no error at all from being the only one.
-  const double largest = *std::max_element(deviations.begin(), deviations.end());
-  const double floor = largest > 0.0 ? 1e-6 * largest * largest : 1.0;
+std::vector<double> weights_of(const std::vector<double>& stds, double scatter) {
+  // At min a thousandth of the max_std: a push with a std of zero must not get all the weight.
+  const double max_std = *std::max_element(stds.begin(), stds.end());
+  const double floor = max_std > 0.0 ? 1e-6 * max_std * max_std : 1.0;
   std::vector<double> weights;
-  weights.reserve(deviations.size());
-  for (const double deviation : deviations) {
-    weights.push_back(1.0 / (scatter * scatter + std::max(floor, deviation * deviation)));
+  weights.reserve(stds.size());
+  for (const double push_std : stds) {
+    weights.push_back(1.0 / (scatter * scatter + std::max(floor, push_std * push_std)));
   }
   return weights;
 }
 
-/// The scatter of the pushes themselves, beyond their measurement [Paule & Mandel 1982, random
-/// effects]: where the weighted sum of squares is what chance makes it, n - 1. By bisection.
-double scatter_between(const std::vector<double>& values, const std::vector<double>& deviations) {
+/// The scatter between the pushes, beyond their measurement noise [Paule & Mandel 1982, random
+/// effects]: where the weighted sum of squares has its expected value, n - 1. By bisection.
+double scatter_between(const std::vector<double>& values, const std::vector<double>& stds) {
   const auto excess = [&](double scatter) {
-    const std::vector<double> weights = weights_of(deviations, scatter);
+    const std::vector<double> weights = weights_of(stds, scatter);
     const double mean = weigh(values, weights).mean;
     double sum = 0.0;
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -101,9 +102,9 @@ double scatter_between(const std::vector<double>& values, const std::vector<doub
     }
     return sum - static_cast<double>(values.size() - 1);
   };
-  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  const auto [min, max] = std::minmax_element(values.begin(), values.end());
   double low = 0.0;
-  double high = *most - *least;
+  double high = *max - *min;
   if (high <= 0.0 || excess(low) <= 0.0) return 0.0;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
@@ -120,27 +121,27 @@ LimitingFriction limiting_friction(std::span<const Breakaway> pushes) {
   for (std::size_t i = 0; i < pushes.size(); ++i) {
     if (pushes[i].is_found) found.push_back(i);
   }
-  const Indices counted = near_the_middle(pushes, as_sure_as_most(pushes, found));
+  const Indices counted = reject_outliers(pushes, reject_uncertain(pushes, found));
   std::set_difference(found.begin(), found.end(), counted.begin(), counted.end(),
                       std::back_inserter(result.left_out));
   result.missed = static_cast<int>(pushes.size() - found.size());
   result.pushes = static_cast<int>(counted.size());
   if (counted.empty()) return result;
-  std::vector<double> forces, deviations, rates;
+  std::vector<double> forces, stds, rates;
   for (const std::size_t i : counted) {
     forces.push_back(pushes[i].force);
-    deviations.push_back(pushes[i].deviation);
+    stds.push_back(pushes[i].std);
     rates.push_back(pushes[i].loading_rate);
   }
-  const std::vector<double> weights = weights_of(deviations, scatter_between(forces, deviations));
+  const std::vector<double> weights = weights_of(stds, scatter_between(forces, stds));
   const Weighted force = weigh(forces, weights);
   const Weighted rate = weigh(rates, weights);
   result.mean = force.mean;
-  result.deviation = force.deviation;
-  result.deviation_of_mean =
-      forces.size() > 1 ? force.deviation / std::sqrt(force.effective_count) : deviations.front();
+  result.std = force.std;
+  result.std_of_mean =
+      forces.size() > 1 ? force.std / std::sqrt(force.effective_count) : stds.front();
   result.loading_rate = rate.mean;
-  result.loading_rate_deviation = rate.deviation;
+  result.loading_rate_std = rate.std;
   return result;
 }
 

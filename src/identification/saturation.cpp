@@ -9,45 +9,45 @@
 namespace pcavr {
 namespace {
 
-/// Samples in a row at the very same extreme: noise repeats itself now and then.
+/// Consecutive samples at exactly the same extreme: noise repeats a value occasionally.
 constexpr std::size_t kFlatSamples = 8;
-/// A quiet or unused axis has no end to reach: in a million samples noise goes to five deviations,
-/// and a coarse sensor may give that reading for a while.
-constexpr double kEndOverNoise = 8.0;
+/// An axis without a signal does not saturate: in a million samples noise reaches five stds, and a
+/// coarse sensor may repeat that reading for a while.
+constexpr double kMinExtremeOverNoise = 8.0;
 
-/// Of the samples that are not at an end: there is none at the end itself.
-double noise_between(const std::vector<double>& values, double least, double most) {
-  std::vector<double> between;
+/// Of the samples that are not saturated: saturated ones have no noise.
+double noise_of_unsaturated(const std::vector<double>& values, double min, double max) {
+  std::vector<double> unsaturated;
   for (const double value : values) {
-    if (value > least && value < most) between.push_back(value);
+    if (value > min && value < max) unsaturated.push_back(value);
   }
-  return noise_deviation(between);
+  return estimate_noise_std(unsaturated);
 }
 
 }  // namespace
 
-std::vector<SaturatedStretch> find_saturation(std::span<const double> t,
-                                              std::span<const Eigen::Vector3d> force) {
+std::vector<SaturatedInterval> find_saturation(std::span<const double> t,
+                                               std::span<const Eigen::Vector3d> force) {
   PCAVR_REQUIRE(t.size() == force.size());
-  std::vector<SaturatedStretch> stretches;
-  if (force.empty()) return stretches;
+  std::vector<SaturatedInterval> intervals;
+  if (force.empty()) return intervals;
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<double> values = axis_of(force, axis);
-    const auto [least, most] = std::minmax_element(values.begin(), values.end());
-    const double noise = noise_between(values, *least, *most);
-    for (const double extreme : {*least, *most}) {
-      if (!(std::abs(extreme) > kEndOverNoise * noise) || noise == 0.0) continue;
+    const auto [min, max] = std::minmax_element(values.begin(), values.end());
+    const double noise = noise_of_unsaturated(values, *min, *max);
+    for (const double extreme : {*min, *max}) {
+      if (!(std::abs(extreme) > kMinExtremeOverNoise * noise) || noise == 0.0) continue;
       for (std::size_t i = 0; i < values.size(); ++i) {
         std::size_t end = i;
         while (end < values.size() && values[end] == extreme) ++end;
-        if (end - i >= kFlatSamples) stretches.push_back({t[i], t[end - 1], std::abs(extreme)});
+        if (end - i >= kFlatSamples) intervals.push_back({t[i], t[end - 1], std::abs(extreme)});
         i = std::max(i, end);
       }
     }
   }
-  std::sort(stretches.begin(), stretches.end(),
+  std::sort(intervals.begin(), intervals.end(),
             [](const auto& a, const auto& b) { return a.begin < b.begin; });
-  return stretches;
+  return intervals;
 }
 
 }  // namespace pcavr

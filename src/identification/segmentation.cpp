@@ -19,7 +19,7 @@ namespace {
 
 using Vectors = std::vector<Eigen::Vector3d>;
 
-// [s] of free time beside a contact that the fit of its touch sees.
+// [s] of free time next to a contact that the fit of its begin and end uses.
 constexpr double kFreeTime = 0.6;
 
 struct Range {
@@ -27,20 +27,20 @@ struct Range {
   std::size_t end = 0;  ///< one past the last
 };
 
-/// Spikes out, axis by axis.
+/// Removes spikes, axis by axis.
 Vectors despike(std::span<const Eigen::Vector3d> force, Segmentation& result) {
   Vectors clean(force.begin(), force.end());
   for (int k = 0; k < 3; ++k) {
     const DespikedSignal signal = remove_spikes(axis_of(force, k));
     result.spikes += signal.spikes.size();
-    result.noise = std::max(result.noise, noise_deviation(signal.values));
+    result.noise = std::max(result.noise, estimate_noise_std(signal.values));
     for (std::size_t i = 0; i < clean.size(); ++i) clean[i][k] = signal.values[i];
   }
   return clean;
 }
 
-/// The bias to begin with: the smallest force that short means show, and what is near it. Contact
-/// only adds to a force whose gravity and gross bias are off.
+/// Initial bias: the mean near the smallest of the short-time means. Contact only adds to a force
+/// whose gravity and gross bias are removed.
 Eigen::Vector3d first_bias(const Vectors& force, std::size_t window, double nearness) {
   Vectors means;
   for (std::size_t i = 0; i + window <= force.size(); i += window) {
@@ -49,13 +49,13 @@ Eigen::Vector3d first_bias(const Vectors& force, std::size_t window, double near
     means.push_back(sum / static_cast<double>(window));
   }
   if (means.empty()) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d least = *std::min_element(
+  const Eigen::Vector3d smallest = *std::min_element(
       means.begin(), means.end(),
       [](const auto& a, const auto& b) { return a.squaredNorm() < b.squaredNorm(); });
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double count = 0.0;
   for (const Eigen::Vector3d& mean : means) {
-    if ((mean - least).norm() > nearness) continue;
+    if ((mean - smallest).norm() > nearness) continue;
     sum += mean;
     count += 1.0;
   }
@@ -74,7 +74,7 @@ std::vector<double> smooth_size(std::span<const double> t, const Vectors& force,
   return size;
 }
 
-/// Stretches above the threshold with hysteresis; short gaps closed, short stretches dropped.
+/// Intervals above the threshold with hysteresis; short gaps closed, short intervals dropped.
 std::vector<Range> find_contacts(std::span<const double> t, const std::vector<double>& size,
                                  double enter, double leave, double min_duration) {
   std::vector<Range> found;
@@ -94,8 +94,8 @@ std::vector<Range> find_contacts(std::span<const double> t, const std::vector<do
   return found;
 }
 
-/// The object's speed along the push: the tool's less that of the compression, which during sliding
-/// is small, so the straight line of the push will do for it.
+/// By the object's speed along the push: the tool's less that of the penetration, which is small
+/// during sliding, so that a linear stiffness is accurate enough.
 std::vector<SlideInterval> find_slides(const ContactEpisode& episode,
                                        const SegmentationOptions& options) {
   std::vector<SlideInterval> slides;
@@ -107,17 +107,17 @@ std::vector<SlideInterval> find_slides(const ContactEpisode& episode,
   }
   const double interval = mean_interval(episode.t);
   const double half_width = std::max(options.slide_half_width, 3.0 * interval);
-  const double noise = derivative_noise(noise_deviation(object), half_width, interval).rate;
+  const double noise = derivative_noise(estimate_noise_std(object), half_width, interval).rate;
   const double fast = std::max(options.slide_speed, 4.0 * noise);
   const std::vector<SmoothedSample> x = smooth(episode.t, object, episode.t, half_width);
   bool is_sliding = false;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double at = episode.t[i];
     if (at < breakaway.t_contact || at > episode.end || !x[i].is_valid) continue;
-    // The alarm says that the line is left; before it, speed is only the line's misfit.
+    // Before the alarm the force follows the line: a speed is only the line's misfit.
     const bool begins = !is_sliding && at >= breakaway.t_alarm && x[i].rate > fast;
     if (begins) {
-      std::size_t first = i;  // back to where the speed came out of its noise
+      std::size_t first = i;  // back to where the speed exceeded its noise
       while (first > 0 && x[first - 1].is_valid && x[first - 1].rate > 0.5 * fast) --first;
       slides.push_back({episode.t[first], at});
     }
@@ -129,7 +129,7 @@ std::vector<SlideInterval> find_slides(const ContactEpisode& episode,
   return slides;
 }
 
-/// The recording as contacts are looked for in it.
+/// The filtered recording, in which contacts are searched.
 struct Cleaned {
   std::span<const double> t;
   const Vectors& force;             ///< [N] base
@@ -139,7 +139,7 @@ struct Cleaned {
   double enter;       ///< [N] a force above is contact
 };
 
-/// Tool and force along `direction` at the force's stamps in [from, to].
+/// Tool and force along `direction` at the force's timestamps in [from, to].
 struct Along {
   std::vector<double> t, tool, force;
 
@@ -154,9 +154,9 @@ struct Along {
   }
 };
 
-/// Carries begin and end back to where the tool met and left the surface. The fits may look at the
-/// free time up to the neighbouring contacts.
-void carry_back(const Cleaned& all, double free_from, double free_to, ContactEpisode& episode) {
+/// Extrapolates begin and end to where the tool met and left the surface. The fits may use the free
+/// time up to the neighbouring contacts.
+void refine_limits(const Cleaned& all, double free_from, double free_to, ContactEpisode& episode) {
   const Along along(all, episode.direction_base, std::max(free_from, episode.begin - kFreeTime),
                     std::min(free_to, episode.end + kFreeTime));
   const std::size_t count = along.t.size();
@@ -166,17 +166,17 @@ void carry_back(const Cleaned& all, double free_from, double free_to, ContactEpi
                              smooth(along.t, along.force, along.t, all.half_width)};
   std::size_t first = count, last = 0, peak = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const SmoothedSample& force = signals.soft_force[i];
+    const SmoothedSample& force = signals.smooth_force[i];
     if (!force.is_valid || along.t[i] < episode.begin || along.t[i] > episode.end) continue;
     if (force.value > all.enter) {
       first = std::min(first, i);
       last = i;
     }
-    if (force.value > signals.soft_force[peak].value) peak = i;
+    if (force.value > signals.smooth_force[peak].value) peak = i;
   }
   if (first >= last) return;
   episode.begin = std::min(episode.begin, touch_instant(signals, 0, first, peak));
-  episode.end = std::max(episode.end, parting_instant(signals, peak, last, count - 1));
+  episode.end = std::max(episode.end, separation_instant(signals, peak, last, count - 1));
 }
 
 ContactEpisode describe(const Cleaned& all, const Range& range, double free_from, double free_to,
@@ -196,7 +196,7 @@ ContactEpisode describe(const Cleaned& all, const Range& range, double free_from
   episode.t = std::move(along.t);
   episode.tool = std::move(along.tool);
   episode.force = std::move(along.force);
-  carry_back(all, free_from, free_to, episode);
+  refine_limits(all, free_from, free_to, episode);
   if (is_press) {
     episode.kind = ContactKind::press;
     return episode;
@@ -220,16 +220,16 @@ Segmentation segment_contacts(std::span<const double> t_force,
   const double interval = mean_interval(t_force);
   const double half_width = std::max(options.half_width, 3.0 * interval);
   const Vectors clean = despike(force_base, result);
-  // Three axes add up: the size of pure noise is seldom above sqrt(3) deviations.
+  // Three axes add up: the magnitude of pure noise is rarely above sqrt(3) stds.
   const double smooth_noise =
       std::sqrt(3.0) * result.noise / std::sqrt(correlated_samples(half_width, interval));
-  const double enter = std::max(options.enter_deviations * smooth_noise, options.min_force);
+  const double enter = std::max(options.enter_threshold * smooth_noise, options.min_force);
   const auto window = static_cast<std::size_t>(std::ceil(0.05 / interval));
   result.bias_base.assign(t_force.size(), first_bias(clean, window, enter));
 
   std::vector<Range> contacts;
   std::vector<double> size;
-  // Twice: the drift is known only once the contacts are, and the contacts better once it is.
+  // Two passes: the drift is estimated between the contacts of the first.
   for (int pass = 0; pass < 2; ++pass) {
     result.force_base = clean;
     for (std::size_t i = 0; i < clean.size(); ++i) result.force_base[i] -= result.bias_base[i];
@@ -239,7 +239,7 @@ Segmentation segment_contacts(std::span<const double> t_force,
     if (pass == 1) break;
     std::vector<bool> is_free(t_force.size(), true);
     for (const Range& range : contacts) {
-      // The smoothing and the soft beginning of a contact reach beyond its threshold.
+      // The smoothing and the slow rise of a contact extend beyond its threshold.
       const double from = t_force[range.begin] - 5.0 * half_width;
       const double to = t_force[range.end - 1] + 5.0 * half_width;
       for (std::size_t i = 0; i < is_free.size(); ++i) {

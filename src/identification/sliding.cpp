@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "pcavr/contact/compliance.hpp"
 #include "pcavr/core/check.hpp"
 #include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/signals.hpp"
@@ -17,13 +18,13 @@
 namespace pcavr {
 namespace {
 
-// Fewer independent samples than this tell nothing about three parameters.
+// Fewer independent samples do not determine three parameters.
 constexpr double kMinIndependent = 5.0;
-// A regressor's rms over its noise's from which leaving it out does more harm than keeping it.
+// Ratio of a regressor's rms to its noise above which removing it biases more than keeping it.
 constexpr double kMassNoiseFactor = 3.0;
-// Deviations, as shares of the value, up to which a mass and a viscous friction count as told.
-constexpr double kMassTold = 0.1;
-constexpr double kViscousTold = 0.3;
+// Stds, as shares of the value, up to which a mass and a viscous friction count as identified.
+constexpr double kMaxMassStd = 0.1;
+constexpr double kMaxViscousStd = 0.3;
 
 struct SlidingSample {
   double t = 0.0;
@@ -38,7 +39,7 @@ struct SlidingSamples {
   double acceleration_noise = 0.0;  ///< [m/s^2] of the smoothed acceleration
 };
 
-/// Where the object slides steadily with the tool against it.
+/// Collects the samples in which the object slides steadily in contact with the tool.
 void collect(const ForceMotion& push, const Compliance& compliance, const SlidingOptions& options,
              SlidingSamples& result) {
   PCAVR_REQUIRE(push.t.size() == push.tool.size() && push.t.size() == push.force.size());
@@ -48,9 +49,10 @@ void collect(const ForceMotion& push, const Compliance& compliance, const Slidin
   const double half_width = std::max(options.half_width, 3.0 * interval);
   result.correlated = std::max(result.correlated, correlated_samples(half_width, interval));
   const std::vector<double> force = remove_spikes(push.force).values;
-  std::vector<double> object = deformation(push.t, force, compliance);
+  std::vector<double> object = penetration_from_force(push.t, force, compliance);
   for (std::size_t i = 0; i < count; ++i) object[i] = push.tool[i] - object[i];
-  const double noise = derivative_noise(noise_deviation(object), half_width, interval).acceleration;
+  const double noise =
+      derivative_noise(estimate_noise_std(object), half_width, interval).acceleration;
   result.acceleration_noise = std::max(result.acceleration_noise, noise);
   const std::vector<SmoothedSample> x = smooth(push.t, object, push.t, half_width);
   const std::vector<SmoothedSample> f = smooth(push.t, force, push.t, half_width);
@@ -59,8 +61,8 @@ void collect(const ForceMotion& push, const Compliance& compliance, const Slidin
     is_sliding[i] = x[i].is_valid && f[i].is_valid && x[i].rate > options.min_speed &&
                     f[i].value > options.min_force;
   }
-  // A window that reaches over a stop holds a force that is not sliding friction: `begin` is the
-  // first instant of the present slide, `end` the one after its last.
+  // A window over a stop contains a force that is not sliding friction: `begin` is the first sample
+  // of the present slide, `end` the one after its last.
   for (std::size_t begin = 0, end; begin < count; begin = end + 1) {
     end = begin;
     while (end < count && is_sliding[end]) ++end;
@@ -72,7 +74,7 @@ void collect(const ForceMotion& push, const Compliance& compliance, const Slidin
   }
 }
 
-/// Which columns of [a 1 v] take part.
+/// Which columns of [a 1 v] are fitted.
 struct Model {
   bool has_mass = true;
   bool has_viscous = true;
@@ -88,22 +90,22 @@ ParameterEstimate<3> fit(const SlidingSamples& all, Model model, const SlidingOp
   const double known_mass = options.mass.value_or(0.0);
   result.history.clear();
   double errors = 0.0, forces = 0.0;
-  // A curve needs no more points than this; each costs its deviations.
-  std::optional<double> drawn;
+  // 50 points a second are enough for a plot; each costs an estimate of its stds.
+  std::optional<double> last_plotted;
   for (const SlidingSample& sample : all.samples) {
-    const double carried = model.has_mass ? 0.0 : known_mass * sample.acceleration;
+    const double inertial_force = model.has_mass ? 0.0 : known_mass * sample.acceleration;
     const EstimatorStep step = estimator.step(
         {model.has_mass ? sample.acceleration : 0.0, 1.0, model.has_viscous ? sample.speed : 0.0},
-        sample.force - carried);
-    if (drawn && sample.t < *drawn + 0.02 && sample.t > *drawn) continue;
-    drawn = sample.t;
+        sample.force - inertial_force);
+    if (last_plotted && sample.t < *last_plotted + 0.02 && sample.t > *last_plotted) continue;
+    last_plotted = sample.t;
     const ParameterEstimate<3> now = estimator.estimate();
     SlidingHistory& point = result.history.emplace_back();
     point.t = sample.t;
     std::copy(now.value.begin(), now.value.end(), point.value);
-    std::copy(now.deviation.begin(), now.deviation.end(), point.deviation);
+    std::copy(now.std.begin(), now.std.end(), point.std);
     point.measured = sample.force;
-    point.estimated = step.prediction + carried;
+    point.estimated = step.prediction + inertial_force;
   }
   const ParameterEstimate<3> estimate = estimator.estimate();
   for (const SlidingSample& sample : all.samples) {
@@ -118,20 +120,20 @@ ParameterEstimate<3> fit(const SlidingSamples& all, Model model, const SlidingOp
   return estimate;
 }
 
-void state_coefficient(const SlidingOptions& options, SlidingIdentification& result) {
+void set_coefficient(const SlidingOptions& options, SlidingIdentification& result) {
   const bool is_identified = result.mass.is_excited;
   if (!is_identified && !options.mass) return;
   const double mass = is_identified ? result.mass.value : *options.mass;
-  const double mass_share = is_identified ? result.mass.deviation / mass : 0.0;
-  const double force_share = result.coulomb.deviation / result.coulomb.value;
+  const double mass_share = is_identified ? result.mass.std / mass : 0.0;
+  const double force_share = result.coulomb.std / result.coulomb.value;
   result.coefficient.value = result.coulomb.value / (mass * options.gravity);
-  result.coefficient.deviation = result.coefficient.value * std::hypot(mass_share, force_share);
+  result.coefficient.std = result.coefficient.value * std::hypot(mass_share, force_share);
   result.coefficient.is_excited = result.coulomb.is_excited;
 }
 
 void propose(SlidingIdentification& result) {
   if (!result.is_valid) {
-    result.proposal = "push on for a second or more at 40 mm/s: no steady sliding was seen";
+    result.proposal = "keep pushing for a second or more at 40 mm/s: no steady sliding was found";
   } else if (!result.mass.is_excited || !result.viscous.is_excited) {
     result.proposal = "modulate the push at 2 Hz, 3 mm, on 60 mm/s, without stopping: ";
     result.proposal += result.mass.is_excited ? "viscous friction was" : "the mass was";
@@ -141,8 +143,8 @@ void propose(SlidingIdentification& result) {
 
 }  // namespace
 
-std::vector<double> deformation(std::span<const double> t, std::span<const double> force,
-                                const Compliance& compliance) {
+std::vector<double> penetration_from_force(std::span<const double> t, std::span<const double> force,
+                                           const Compliance& compliance) {
   PCAVR_REQUIRE(t.size() == force.size(), t.size(), force.size());
   PCAVR_REQUIRE(compliance.stiffness > 0.0 && compliance.exponent >= 1.0 &&
                 compliance.damping >= 0.0);
@@ -154,14 +156,14 @@ std::vector<double> deformation(std::span<const double> t, std::span<const doubl
       before = 0.0;
       continue;
     }
-    // The first sample has no past: it is held to be at rest.
+    // The first sample has no predecessor: it is assumed to be at rest.
     const double per_step = i == 0 ? 0.0 : compliance.damping / (t[i] - t[i - 1]);
-    // g(d) = k d^n + c d^p (d - before) - F, p = n, or 0 where n is 1; from above, Newton's steps
-    // on a growing, convex g fall to its root without overshooting.
+    // g(d) = k d^n + c d^p (d - before) - F, p = n, or 0 where n is 1; from above, Newton's method
+    // on an increasing, convex g converges to its root without overshooting.
     const double p = n == 1.0 ? 0.0 : n;
-    double d = std::max(std::pow(force[i] / compliance.stiffness, 1.0 / n), before);
+    double d = std::max(static_penetration(compliance, force[i]), before);
     for (int iteration = 0; iteration < 20; ++iteration) {
-      const double power = std::pow(d, n);
+      const double power = penetration_power(d, n);
       const double drag = per_step * (p == 0.0 ? 1.0 : power);
       const double value = compliance.stiffness * power + drag * (d - before) - force[i];
       const double slope = compliance.stiffness * n * power / d + drag +
@@ -197,23 +199,22 @@ SlidingIdentification identify_sliding(std::span<const ForceMotion> pushes,
 
   Model model;
   ParameterEstimate<3> estimate = fit(all, model, options, result);
-  const bool is_mass_told =
-      estimate.is_excited[0] && estimate.deviation[0] < kMassTold * estimate.value[0];
-  // Between noise and excitation the acceleration explains some force, if not precisely enough to
-  // call it a mass.
-  if (!is_mass_told && result.acceleration < kMassNoiseFactor * all.acceleration_noise) {
+  const bool is_mass_identified =
+      estimate.is_excited[0] && estimate.std[0] < kMaxMassStd * estimate.value[0];
+  // Between noise and excitation the acceleration explains some force, though not precisely enough
+  // for a mass.
+  if (!is_mass_identified && result.acceleration < kMassNoiseFactor * all.acceleration_noise) {
     model.has_mass = false;
     estimate = fit(all, model, options, result);
   }
-  if (!estimate.is_excited[2] ||
-      estimate.deviation[2] > kViscousTold * std::abs(estimate.value[2])) {
+  if (!estimate.is_excited[2] || estimate.std[2] > kMaxViscousStd * std::abs(estimate.value[2])) {
     model.has_viscous = false;
     estimate = fit(all, model, options, result);
   }
-  if (model.has_mass) result.mass = {estimate.value[0], estimate.deviation[0], is_mass_told};
-  if (model.has_viscous) result.viscous = {estimate.value[2], estimate.deviation[2], true};
-  result.coulomb = {estimate.value[1], estimate.deviation[1], estimate.is_excited[1]};
-  state_coefficient(options, result);
+  if (model.has_mass) result.mass = {estimate.value[0], estimate.std[0], is_mass_identified};
+  if (model.has_viscous) result.viscous = {estimate.value[2], estimate.std[2], true};
+  result.coulomb = {estimate.value[1], estimate.std[1], estimate.is_excited[1]};
+  set_coefficient(options, result);
   propose(result);
   return result;
 }

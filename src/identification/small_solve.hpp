@@ -6,8 +6,8 @@
 
 namespace pcavr {
 
-/// x in A x = b for a symmetric positive definite A, by L D L' without square roots or pivots: for
-/// the few parameters of an estimator, several times faster than the general routine.
+/// Solves A x = b for a symmetric positive definite A, by L D L' without square roots or pivoting:
+/// for the few parameters of an estimator, several times faster than the general routine.
 template <int N>
 [[nodiscard]] Eigen::Matrix<double, N, 1> solve_positive(const Eigen::Matrix<double, N, N>& A,
                                                          const Eigen::Matrix<double, N, 1>& b) {

@@ -16,7 +16,7 @@ namespace {
 // A quadratic has three coefficients; two more samples make it a fit.
 constexpr std::size_t kMinSamples = 5;
 
-/// Sums of powers of u, and of value times powers of u: all that the three fits need. The weights
+/// Sums of powers of u, and of value times powers of u, for the three fits. The weights
 /// 1, 1 - u^2 and (1 - u^2)^2 are polynomials, so that their sums are differences of these.
 struct Moments {
   std::array<double, 7> powers{};
@@ -33,26 +33,26 @@ struct Moments {
 };
 
 using Sums = std::span<const double>;
-double flat(Sums m, std::size_t k) { return m[k]; }
-double round(Sums m, std::size_t k) { return m[k] - m[k + 2]; }
-double hump(Sums m, std::size_t k) { return m[k] - 2.0 * m[k + 2] + m[k + 4]; }
+double unweighted(Sums m, std::size_t k) { return m[k]; }
+double parabola_weighted(Sums m, std::size_t k) { return m[k] - m[k + 2]; }
+double kernel_weighted(Sums m, std::size_t k) { return m[k] - 2.0 * m[k + 2] + m[k + 4]; }
 
-/// Coefficients of 1, u, ... that fit best under the weight given.
+/// Weighted least squares: the coefficients of 1, u, ... under the given weight.
 template <int N>
 Eigen::Matrix<double, N, 1> fit(const Moments& moments, double (*weighted)(Sums, std::size_t)) {
   Eigen::Matrix<double, N, N> normal;
-  Eigen::Matrix<double, N, 1> pull;
+  Eigen::Matrix<double, N, 1> rhs;
   for (int i = 0; i < N; ++i) {
     for (int j = 0; j < N; ++j) {
       normal(i, j) =
           weighted(moments.powers, static_cast<std::size_t>(i) + static_cast<std::size_t>(j));
     }
-    pull(i) = weighted(moments.values, static_cast<std::size_t>(i));
+    rhs(i) = weighted(moments.values, static_cast<std::size_t>(i));
   }
-  return solve_positive<N>(normal, pull);
+  return solve_positive<N>(normal, rhs);
 }
 
-/// The window is full when no stretch longer than half its half is without a sample.
+/// The window is full when it has no gap longer than half of its half width.
 bool is_covered(std::span<const double> t, double at, double half_width) {
   double before = at - half_width;
   for (const double stamp : t) {
@@ -66,21 +66,21 @@ SmoothedSample fit_window(std::span<const double> t, std::span<const double> val
                           double half_width) {
   if (t.size() < kMinSamples || !is_covered(t, at, half_width)) return {};
   Moments moments;
-  const double middle = values[values.size() / 2];  // keeps digits where the value is large
+  const double middle = values[values.size() / 2];  // avoids cancellation where the value is large
   for (std::size_t i = 0; i < t.size(); ++i) {
     const double u = (t[i] - at) / half_width;
     moments.add(u, values[i] - middle);
   }
   SmoothedSample sample;
-  sample.value = middle + fit<2>(moments, hump)[0];
-  sample.rate = fit<3>(moments, round)[1] / half_width;
-  sample.acceleration = 2.0 * fit<3>(moments, flat)[2] / (half_width * half_width);
+  sample.value = middle + fit<2>(moments, kernel_weighted)[0];
+  sample.rate = fit<3>(moments, parabola_weighted)[1] / half_width;
+  sample.acceleration = 2.0 * fit<3>(moments, unweighted)[2] / (half_width * half_width);
   sample.is_valid = true;
   return sample;
 }
 
-std::size_t index_of(std::span<const double>::iterator place, std::span<const double> t) {
-  return static_cast<std::size_t>(std::distance(t.begin(), place));
+std::size_t index_of(std::span<const double>::iterator position, std::span<const double> t) {
+  return static_cast<std::size_t>(std::distance(t.begin(), position));
 }
 
 SmoothedSample fit_at(std::span<const double> t, std::span<const double> values, double at,
@@ -123,7 +123,7 @@ CausalFilter::CausalFilter(double half_width, double rate, double force_noise)
     : half_width_(half_width), interval_(1.0 / rate), force_noise_(force_noise) {
   PCAVR_REQUIRE(half_width > 0.0 && rate > 0.0 && force_noise > 0.0, half_width, rate);
   PCAVR_REQUIRE(half_width * rate >= 2.5, half_width, rate);
-  // Twice as many as the window holds at the stated rate, for stamps that crowd.
+  // Twice as many as the window needs at the stated rate, for timestamps that cluster.
   const auto capacity = 4 * static_cast<std::size_t>(std::ceil(half_width * rate)) + 8;
   for (std::vector<double>* ring : {&t_, &position_, &force_}) ring->resize(capacity);
 }
@@ -143,7 +143,7 @@ std::optional<CausalFilter::Output> CausalFilter::step(double t, double position
   force_[count_] = force;
   ++count_;
   if (count_ < 5) return {};
-  // The sample two back has both its neighbours now: single spikes show against the middle of five.
+  // The sample two back now has two neighbours on either side: Hampel filter over five samples.
   double* const force_end = force_.data() + count_;
   double five[5];
   std::copy(force_end - 5, force_end, five);
@@ -151,8 +151,8 @@ std::optional<CausalFilter::Output> CausalFilter::step(double t, double position
   const double middle = five[2];
   for (double& value : five) value = std::abs(value - middle);
   std::nth_element(five, five + 2, five + 5);
-  const double deviation = std::max(1.4826 * five[2], force_noise_);
-  if (std::abs(force_end[-3] - middle) > SpikeOptions{}.deviations * deviation) {
+  const double local_std = std::max(1.4826 * five[2], force_noise_);
+  if (std::abs(force_end[-3] - middle) > SpikeOptions{}.threshold * local_std) {
     force_end[-3] = middle;
   }
   const std::size_t ready = count_ - 2;

@@ -10,12 +10,12 @@
 namespace pcavr {
 namespace {
 
-// A normal distribution's standard deviation over its median absolute deviation.
+// A normal distribution's standard deviation over its median absolute deviation (MAD).
 constexpr double kFromMedian = 1.4826;
 
 }  // namespace
 
-double noise_deviation(std::span<const double> values) {
+double estimate_noise_std(std::span<const double> values) {
   std::vector<double> second;
   for (std::size_t i = 2; i < values.size(); ++i) {
     second.push_back(std::abs(values[i] - 2.0 * values[i - 1] + values[i - 2]));
@@ -26,11 +26,11 @@ double noise_deviation(std::span<const double> values) {
 
 DespikedSignal remove_spikes(std::span<const double> values, const SpikeOptions& options) {
   PCAVR_REQUIRE(options.half_window >= 1, options.half_window);
-  PCAVR_REQUIRE(options.deviations > 0.0, options.deviations);
+  PCAVR_REQUIRE(options.threshold > 0.0, options.threshold);
   DespikedSignal result;
   result.values.assign(values.begin(), values.end());
   const auto half = static_cast<std::size_t>(options.half_window);
-  const double noise = options.noise ? *options.noise : noise_deviation(values);
+  const double noise = options.noise ? *options.noise : estimate_noise_std(values);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::size_t begin = i > half ? i - half : 0;
     const std::size_t end = std::min(values.size(), i + half + 1);
@@ -38,8 +38,8 @@ DespikedSignal remove_spikes(std::span<const double> values, const SpikeOptions&
                                values.begin() + static_cast<std::ptrdiff_t>(end));
     const double middle = median(window);
     for (double& value : window) value = std::abs(value - middle);
-    const double deviation = std::max(kFromMedian * median(std::move(window)), noise);
-    if (std::abs(values[i] - middle) > options.deviations * deviation) {
+    const double local_std = std::max(kFromMedian * median(std::move(window)), noise);
+    if (std::abs(values[i] - middle) > options.threshold * local_std) {
       result.values[i] = middle;
       result.spikes.push_back(i);
     }

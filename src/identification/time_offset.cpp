@@ -12,16 +12,16 @@ namespace {
 // Half width of the smoothing, in sampling intervals of the slower stream.
 constexpr double kSmoothingIntervals = 8.0;
 
-/// Smoothed values on an even grid; a gap holds the value before it.
+/// Smoothed values on a uniform grid; a gap repeats the value before it.
 std::vector<double> resample(std::span<const double> t, std::span<const double> values,
                              double start, double interval, std::size_t count, double half_width) {
   std::vector<double> grid(count);
-  double held = values.front();
+  double last = values.front();
   for (std::size_t k = 0; k < count; ++k) {
     const SmoothedSample sample =
         smooth_at(t, values, start + interval * static_cast<double>(k), half_width);
-    if (sample.is_valid) held = sample.value;
-    grid[k] = held;
+    if (sample.is_valid) last = sample.value;
+    grid[k] = last;
   }
   return grid;
 }
@@ -32,7 +32,7 @@ struct Match {
   double residual = 0.0;  ///< variance of b about that
 };
 
-/// a[i] against b[i + lag], over i where both are.
+/// a[i] against b[i + lag], over the i where both exist.
 Match match(const std::vector<double>& a, const std::vector<double>& b, std::ptrdiff_t lag) {
   const auto count = static_cast<std::ptrdiff_t>(a.size());
   const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(0, -lag);
@@ -70,7 +70,7 @@ TimeOffset estimate_time_offset(std::span<const double> t_a, std::span<const dou
   TimeOffset result;
   if (a.size() < 3 || b.size() < 3) return result;
   const double interval = std::min(mean_interval(t_a), mean_interval(t_b));
-  // Both smoothed alike, which moves neither: white noise would make the peak's top ragged.
+  // Both smoothed alike, which shifts neither: white noise would roughen the correlation's peak.
   const double half_width = kSmoothingIntervals * std::max(mean_interval(t_a), mean_interval(t_b));
   const double start = std::max(t_a.front(), t_b.front()) + half_width;
   const double end = std::min(t_a.back(), t_b.back()) - half_width;
@@ -93,11 +93,11 @@ TimeOffset estimate_time_offset(std::span<const double> t_a, std::span<const dou
   if (std::abs(lag) == lags) return result;
   const double left = std::abs(std::prev(best)->correlation);
   const double right = std::abs(std::next(best)->correlation);
-  const double bend = left - 2.0 * std::abs(best->correlation) + right;
-  if (bend < 0.0) result.offset += 0.5 * (left - right) / bend * interval;
+  const double curvature = left - 2.0 * std::abs(best->correlation) + right;
+  if (curvature < 0.0) result.offset += 0.5 * (left - right) / curvature * interval;
   const double slopes = best->gain * best->gain * slope_energy(grid_a, interval);
   const double correlated = correlated_samples(half_width, interval);
-  if (slopes > 0.0) result.deviation = std::sqrt(best->residual * correlated / slopes);
+  if (slopes > 0.0) result.std = std::sqrt(best->residual * correlated / slopes);
   result.is_known = std::abs(result.correlation) >= options.min_correlation;
   return result;
 }

@@ -6,20 +6,23 @@
 #include <cmath>
 #include <utility>
 
+#include "pcavr/contact/compliance.hpp"
+
 namespace pcavr {
 namespace {
 
-constexpr double kFree = 0.4;  // [s] before the first sure contact that the fit sees
+constexpr double kFree = 0.4;  // [s] before the first sure contact that the fit uses
 constexpr std::size_t kMinRise = 4;
 constexpr double kMaxTouchExponent = 2.5;
-// Below this share of its speed at the touch, both over kPace, the tool is coming to a hold.
-constexpr double kHolds = 0.5;
-constexpr double kPace = 0.05;  // [s]
+// Below this share of its speed at the touch, both averaged over kSpeedWindow, the tool is
+// stopping.
+constexpr double kStoppingShare = 0.5;
+constexpr double kSpeedWindow = 0.05;  // [s]
 
-/// Depth and force of the rise, in time's order of the approach.
+/// Depth and force of the rise, in the order of the approach.
 struct Rise {
   std::vector<double> t, tool, force;
-  double deepest_free = 0.0;  ///< [m] the surface is no deeper
+  double max_surface = 0.0;  ///< [m] the surface is no deeper
 };
 
 /// Sum of squares about F = f0 + a (d - surface)^n with the best f0 and a.
@@ -29,7 +32,7 @@ double misfit(const Rise& rise, double surface, double exponent) {
   double p = 0.0, pp = 0.0, f = 0.0, pf = 0.0, ff = 0.0;
   for (std::size_t i = 0; i < rise.tool.size(); ++i) {
     const double depth = (rise.tool[i] - surface) / unit;
-    const double power = depth > 0.0 ? std::pow(depth, exponent) : 0.0;
+    const double power = penetration_power(depth, exponent);
     p += power, pp += power * power;
     f += rise.force[i], pf += power * rise.force[i], ff += rise.force[i] * rise.force[i];
   }
@@ -38,15 +41,15 @@ double misfit(const Rise& rise, double surface, double exponent) {
   return ff - f * f / n - (spread > 0.0 ? cross * cross / spread : 0.0);
 }
 
-/// Where `cost` is least in [low, high], by the golden section, and how small.
+/// The minimum of `cost` in [low, high], by golden section search: where, and its value.
 template <typename Cost>
-std::pair<double, double> least(const Cost& cost, double low, double high, int rounds) {
+std::pair<double, double> minimise(const Cost& cost, double low, double high, int iterations) {
   constexpr double kGolden = 0.6180339887498949;
   double left = high - kGolden * (high - low);
   double right = low + kGolden * (high - low);
   double at_left = cost(left);
   double at_right = cost(right);
-  for (int i = 0; i < rounds; ++i) {
+  for (int i = 0; i < iterations; ++i) {
     if (at_left < at_right) {
       high = std::exchange(right, left);
       at_right = at_left;
@@ -65,15 +68,15 @@ std::pair<double, double> least(const Cost& cost, double low, double high, int r
 double fitted_instant(const Rise& rise, double fallback) {
   if (rise.tool.size() < 2 * kMinRise) return fallback;
   const double shallowest = *std::min_element(rise.tool.begin(), rise.tool.end());
-  if (!(rise.deepest_free > shallowest)) return fallback;
+  if (!(rise.max_surface > shallowest)) return fallback;
   const auto surface_for = [&](double exponent) {
-    return least([&](double surface) { return misfit(rise, surface, exponent); }, shallowest,
-                 rise.deepest_free, 20);  // to 1e-4 of the range
+    return minimise([&](double surface) { return misfit(rise, surface, exponent); }, shallowest,
+                    rise.max_surface, 20);  // to 1e-4 of the range
   };
   const double exponent =
-      least([&](double n) { return surface_for(n).second; }, 1.0, kMaxTouchExponent, 12).first;
+      minimise([&](double n) { return surface_for(n).second; }, 1.0, kMaxTouchExponent, 12).first;
   const double surface = surface_for(exponent).first;
-  // The last crossing of the surface before the contact is sure.
+  // The last crossing of the surface before the sure contact.
   for (std::size_t i = rise.tool.size(); i-- > 1;) {
     if (rise.tool[i - 1] > surface || rise.tool[i] <= surface) continue;
     const double share = (surface - rise.tool[i - 1]) / (rise.tool[i] - rise.tool[i - 1]);
@@ -83,7 +86,7 @@ double fitted_instant(const Rise& rise, double fallback) {
 }
 
 /// From free space to half of the peak, or to where the tool stops; `step` is 1, or -1 for a
-/// parting read backwards.
+/// separation read backwards.
 double instant(const TouchSignals& signals, std::size_t limit, std::size_t detected,
                std::size_t peak, int step) {
   const auto next = [step](std::size_t i) { return step > 0 ? i + 1 : i - 1; };
@@ -95,20 +98,22 @@ double instant(const TouchSignals& signals, std::size_t limit, std::size_t detec
     first = previous(first);
   }
   Rise rise;
-  rise.deepest_free = signals.tool[detected].value;
-  const double half = 0.5 * signals.soft_force[peak].value;
-  const auto pace = [&](std::size_t i) {
+  rise.max_surface = signals.tool[detected].value;
+  const double half = 0.5 * signals.smooth_force[peak].value;
+  const auto mean_speed = [&](std::size_t i) {
     std::size_t from = i;
-    while (from != first && std::abs(signals.t[i] - signals.t[from]) < kPace) from = previous(from);
+    while (from != first && std::abs(signals.t[i] - signals.t[from]) < kSpeedWindow)
+      from = previous(from);
     return from == i ? 0.0
                      : std::abs((signals.tool[i].value - signals.tool[from].value) /
                                 (signals.t[i] - signals.t[from]));
   };
-  const double pace_at_touch = pace(detected);
+  const double speed_at_touch = mean_speed(detected);
   std::size_t in_contact = 0;
   for (std::size_t i = first; i != peak; i = next(i)) {
     const bool is_sure = step > 0 ? i >= detected : i <= detected;
-    const bool is_over = signals.soft_force[i].value > half || pace(i) < kHolds * pace_at_touch;
+    const bool is_over =
+        signals.smooth_force[i].value > half || mean_speed(i) < kStoppingShare * speed_at_touch;
     if (!signals.tool[i].is_valid || (is_sure && is_over)) break;
     in_contact += is_sure ? 1 : 0;
     rise.t.push_back(signals.t[i]);
@@ -125,8 +130,8 @@ double touch_instant(const TouchSignals& signals, std::size_t earliest, std::siz
   return instant(signals, earliest, detected, peak, 1);
 }
 
-double parting_instant(const TouchSignals& signals, std::size_t peak, std::size_t detected,
-                       std::size_t latest) {
+double separation_instant(const TouchSignals& signals, std::size_t peak, std::size_t detected,
+                          std::size_t latest) {
   return instant(signals, latest, detected, peak, -1);
 }
 

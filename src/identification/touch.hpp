@@ -10,26 +10,26 @@
 
 namespace pcavr {
 
-/// What a touch is looked for in; all of one length.
+/// Signals in which begin and end of contact are searched; all of one length.
 struct TouchSignals {
-  std::span<const double> t;               ///< [s]
-  std::vector<double> force;               ///< [N] despiked, not smoothed: its noise is white
-  std::vector<SmoothedSample> tool;        ///< [m]
-  std::vector<SmoothedSample> soft_force;  ///< [N] smoothed
+  std::span<const double> t;                 ///< [s]
+  std::vector<double> force;                 ///< [N] despiked, not smoothed: its noise is white
+  std::vector<SmoothedSample> tool;          ///< [m]
+  std::vector<SmoothedSample> smooth_force;  ///< [N]
 };
 
-/// When the tool met the surface [s]. A force is seen late: at 5 mm/s a soft face takes 0.2 s from
-/// the touch to six deviations of noise. So the rise is fitted by F = f0 + a (d - surface)^n, n
-/// from 1 to 2.5, from free space up to half of the peak, and carried back to the surface.
+/// When the tool met the surface [s]. Force detection is late: at 5 mm/s on a soft face it is 0.2 s
+/// from the touch to six stds of noise. So the rise is fitted by F = f0 + a (d - surface)^n, n from
+/// 1 to 2.5, from free space up to half of the peak, and extrapolated to the surface.
 /// `detected` is the first sample in contact for sure, `peak` one where the force is largest;
-/// `earliest` a sample before which the fit may not look. Gives t[detected] where there is too
-/// little to fit.
+/// `earliest` the first sample that the fit may use. Returns t[detected] where there are too few
+/// samples to fit.
 [[nodiscard]] double touch_instant(const TouchSignals& signals, std::size_t earliest,
                                    std::size_t detected, std::size_t peak);
 
-/// The same for the parting: `detected` is the last sample in contact for sure, `latest` the last
-/// one that the fit may look at.
-[[nodiscard]] double parting_instant(const TouchSignals& signals, std::size_t peak,
-                                     std::size_t detected, std::size_t latest);
+/// The same for the separation: `detected` is the last sample in contact for sure, `latest` the
+/// last one that the fit may use.
+[[nodiscard]] double separation_instant(const TouchSignals& signals, std::size_t peak,
+                                        std::size_t detected, std::size_t latest);
 
 }  // namespace pcavr

@@ -11,14 +11,14 @@
 
 namespace pcavr {
 
-/// How well the cells in the image agree with a tag's picture.
+/// Agreement of the cells in the image with a tag's bit pattern.
 struct BitReading {
   int wrong_bits = 0;   ///< cells on the wrong side of the threshold
-  double margin = 0.0;  ///< mean distance of the right cells from the threshold, of 255
+  double margin = 0.0;  ///< mean contrast to the threshold, of 255
 };
 
-/// Reads the grey value at each cell's centre; the threshold lies midway between the mean of the
-/// cells that should be white and the mean of those that should be black.
+/// Samples the grey value at each cell's centre; the threshold is midway between the mean of the
+/// cells expected to be white and the mean of those expected to be black.
 [[nodiscard]] BitReading read_bits(const GrayImage& image, const TagPicture& picture,
                                    const std::array<Eigen::Vector2d, 4>& corners);
 

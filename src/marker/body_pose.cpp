@@ -15,16 +15,17 @@
 namespace pcavr {
 namespace {
 
-/// A tag whose corners lie further than this from where the body's pose puts them [px rms]
-/// contradicts the others: it was misread, or it is not where the manifest says.
-constexpr double kContradiction = 3.0;
-/// Two hypotheses nearer than this are one.
+/// A tag with a larger reprojection error under the body's pose [px rms] is an outlier: it was
+/// misread, or its placement in the manifest is wrong.
+constexpr double kMaxTagResidual = 3.0;
+/// Hypotheses closer than this are the same.
 constexpr double kSameRotation = 0.02;  // [rad]
-/// The odds at which one planar solution is believed: exp(14 / 2), 1000 to 1.
-constexpr double kDecisiveCost = 14.0;
-/// Where a body may turn and move between two looks, for continuity's vote [rad]; and the most that
-/// the vote weighs, so that a wrong pose can be outvoted later.
-constexpr double kTurnBetweenLooks = 0.15;
+/// Cost difference from which the planar ambiguity is resolved: a likelihood ratio of exp(14 / 2),
+/// 1000 to 1.
+constexpr double kMinCostGap = 14.0;
+/// Standard deviation of the rotation between two frames [rad]; and the bound of the continuity
+/// cost, so that a wrong pose can be corrected later.
+constexpr double kRotationStd = 0.15;
 constexpr double kMaxContinuityCost = 25.0;
 
 const TagPlacement* find_placement(const std::vector<TagPlacement>& placements,
@@ -39,9 +40,9 @@ bool is_finite(const TagDetection& detection) {
                      [](const Eigen::Vector2d& corner) { return corner.allFinite(); });
 }
 
-double sigma_of(const TagDetection& detection, const BodyPoseOptions& options) {
-  const double own = detection.corner_sigma > 0.0 ? detection.corner_sigma : options.corner_sigma;
-  return std::hypot(own, options.model_sigma);
+double corner_std_of(const TagDetection& detection, const BodyPoseOptions& options) {
+  const double own = detection.corner_std > 0.0 ? detection.corner_std : options.corner_std;
+  return std::hypot(own, options.model_std);
 }
 
 BodyPoseProblem pose_problem(const std::vector<TagPlacement>& placements,
@@ -52,7 +53,7 @@ BodyPoseProblem pose_problem(const std::vector<TagPlacement>& placements,
     const TagPlacement* placement = find_placement(placements, detection.id);
     if (placement == nullptr || !is_finite(detection)) continue;
     SeenTag tag{placement->T_body_marker, placement->size, tag_corners(placement->size),
-                detection.corners, sigma_of(detection, options)};
+                detection.corners, corner_std_of(detection, options)};
     for (Eigen::Vector3d& corner : tag.corners_body) corner = tag.T_body_marker * corner;
     problem.tags.push_back(tag);
   }
@@ -67,29 +68,30 @@ BodyPoseProblem pose_problem(const std::vector<TagPlacement>& placements,
   return problem;
 }
 
-std::vector<Pose> start_poses(const BodyPoseProblem& problem) {
-  std::vector<Pose> starts;
+/// Initial guesses: both planar solutions of every tag.
+std::vector<Pose> initial_poses(const BodyPoseProblem& problem) {
+  std::vector<Pose> poses;
   for (const SeenTag& tag : problem.tags) {
     std::array<Eigen::Vector2d, 4> corners;
     for (std::size_t i = 0; i < 4; ++i) corners[i] = problem.camera.normalise(tag.pixels[i]);
     for (const Pose& T_camera_marker : planar_poses(corners, tag.size)) {
-      starts.push_back(T_camera_marker * tag.T_body_marker.inverse());
+      poses.push_back(T_camera_marker * tag.T_body_marker.inverse());
     }
   }
-  return starts;
+  return poses;
 }
 
 double continuity_cost(const Pose& T_camera_body, const BodyPoseHints& hints) {
   if (!hints.T_camera_body) return 0.0;
-  const double turn = rotation_distance(T_camera_body, *hints.T_camera_body) / kTurnBetweenLooks;
-  return std::min(turn * turn, kMaxContinuityCost);
+  const double rotation = rotation_distance(T_camera_body, *hints.T_camera_body) / kRotationStd;
+  return std::min(rotation * rotation, kMaxContinuityCost);
 }
 
-/// Marks the tags that the pose explains as used; returns their number.
-int mark_used(BodyPoseProblem& problem, const Pose& T_camera_body) {
+/// Marks the inlier tags of the pose as used; returns their number.
+int select_inliers(BodyPoseProblem& problem, const Pose& T_camera_body) {
   int used = 0;
   for (SeenTag& tag : problem.tags) {
-    tag.is_used = corner_rms(problem, tag, T_camera_body) <= kContradiction;
+    tag.is_used = corner_rms(problem, tag, T_camera_body) <= kMaxTagResidual;
     if (tag.is_used) ++used;
   }
   return used;
@@ -97,21 +99,22 @@ int mark_used(BodyPoseProblem& problem, const Pose& T_camera_body) {
 
 struct Hypothesis {
   RefinedPose refined;
-  double cost = 0.0;  ///< over all tags, each at most as bad as a contradiction, and continuity
+  double cost = 0.0;  ///< over all tags, bounded for each, plus continuity
 };
 
-/// The cost over all tags; one that contradicts costs the same however far off it is.
-double cost_of_all(const BodyPoseProblem& problem, const Pose& pose, const BodyPoseHints& hints) {
+/// The cost over all tags, truncated for outliers, plus continuity.
+double total_cost(const BodyPoseProblem& problem, const Pose& pose, const BodyPoseHints& hints) {
   double cost = continuity_cost(pose, hints);
   for (const SeenTag& tag : problem.tags) {
-    cost += std::min(tag_cost(problem, tag, pose), 4.0 * huber(kContradiction / tag.sigma));
+    cost +=
+        std::min(tag_cost(problem, tag, pose), 4.0 * huber_loss(kMaxTagResidual / tag.corner_std));
   }
   return cost;
 }
 
-/// How much larger the squared residuals are than their deviations say: 1 where the model holds,
-/// more where the lens, the print or the placements are off.
-double misfit(const BodyPoseProblem& problem, const RefinedPose& refined) {
+/// Variance factor (reduced chi-square), at least 1: above 1 if the residuals are larger than their
+/// standard deviations, because of errors of the lens model, the print or the placements.
+double variance_factor(const BodyPoseProblem& problem, const RefinedPose& refined) {
   int residuals = 0;
   for (const SeenTag& tag : problem.tags) {
     if (tag.is_used) residuals += tag.plane ? 11 : 8;
@@ -119,21 +122,22 @@ double misfit(const BodyPoseProblem& problem, const RefinedPose& refined) {
   return std::max(1.0, refined.cost / std::max(1, residuals - 6));
 }
 
+/// Hypotheses refined from all initial guesses, in ascending order of cost.
 std::vector<Hypothesis> refined_hypotheses(const BodyPoseProblem& problem,
                                            const BodyPoseHints& hints) {
   std::vector<Hypothesis> hypotheses;
-  for (const Pose& start : start_poses(problem)) {
-    BodyPoseProblem own = problem;
-    Pose pose = start;
+  for (const Pose& initial : initial_poses(problem)) {
+    BodyPoseProblem inlier_problem = problem;
+    Pose pose = initial;
     std::optional<RefinedPose> refined;
     for (int round = 0; round < 2; ++round) {
-      if (mark_used(own, pose) == 0) break;
-      refined = refine_body_pose(own, pose);
+      if (select_inliers(inlier_problem, pose) == 0) break;
+      refined = refine_body_pose(inlier_problem, pose);
       if (!refined) break;
       pose = refined->T_camera_body;
     }
     if (!refined) continue;
-    hypotheses.push_back({*refined, cost_of_all(problem, pose, hints)});
+    hypotheses.push_back({*refined, total_cost(problem, pose, hints)});
   }
   std::stable_sort(hypotheses.begin(), hypotheses.end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
@@ -173,8 +177,8 @@ std::vector<TagPlacement> object_placements(const Manifest& manifest, const std:
 BodyPose solve_body_pose(const std::vector<TagPlacement>& placements,
                          const std::vector<TagDetection>& detections, const CameraModel& camera,
                          const BodyPoseHints& hints, const BodyPoseOptions& options) {
-  PCAVR_REQUIRE(options.corner_sigma > 0.0, options.corner_sigma);
-  PCAVR_REQUIRE(options.model_sigma >= 0.0, options.model_sigma);
+  PCAVR_REQUIRE(options.corner_std > 0.0, options.corner_std);
+  PCAVR_REQUIRE(options.model_std >= 0.0, options.model_std);
   BodyPoseProblem problem = pose_problem(placements, detections, camera, hints, options);
   BodyPose result;
   if (problem.tags.empty()) return result;
@@ -185,17 +189,17 @@ BodyPose solve_body_pose(const std::vector<TagPlacement>& placements,
   const Hypothesis& best = hypotheses.front();
   result.status = BodyPoseStatus::solved;
   result.pose = candidate(best);
-  result.tags_used = mark_used(problem, best.refined.T_camera_body);
+  result.tags_used = select_inliers(problem, best.refined.T_camera_body);
   result.tags_rejected = static_cast<int>(problem.tags.size()) - result.tags_used;
-  const double scale = misfit(problem, best.refined);
+  const double scale = variance_factor(problem, best.refined);
   result.covariance = best.refined.information.ldlt().solve(Matrix6d::Identity()) * scale;
   for (const Hypothesis& other : hypotheses) {
     if (rotation_distance(best.refined.T_camera_body, other.refined.T_camera_body) <
         kSameRotation) {
       continue;
     }
-    result.alternative = candidate(other);
-    if (other.cost - best.cost < kDecisiveCost * scale) result.status = BodyPoseStatus::ambiguous;
+    result.second_solution = candidate(other);
+    if (other.cost - best.cost < kMinCostGap * scale) result.status = BodyPoseStatus::ambiguous;
     break;
   }
   if (result.tags_used == 0) result.status = BodyPoseStatus::failed;

@@ -13,14 +13,14 @@ namespace {
 using CornerJacobian = Eigen::Matrix<double, 2, 6>;
 using PlaneJacobian = Eigen::Matrix<double, 3, 6>;
 
-/// Huber's threshold in deviations; 1.345 per coordinate keeps 95 % efficiency on clean noise, and
-/// the residuals here are of two and three coordinates.
+/// Huber's threshold in standard deviations; 1.345 per coordinate keeps 95 % efficiency on Gaussian
+/// noise, and the residuals here have two and three coordinates.
 constexpr double kHuber = 2.0;
 constexpr int kMaxIterations = 30;
-/// Nearer than this a camera sees no tag [m].
-constexpr double kNearest = 1e-3;
+/// Minimum depth of a corner in front of the camera [m].
+constexpr double kMinDepth = 1e-3;
 
-double huber_weight(double size) { return size <= kHuber ? 1.0 : kHuber / size; }
+double huber_weight(double residual) { return residual <= kHuber ? 1.0 : kHuber / residual; }
 
 /// d(pixel)/d(p_camera), by central differences of the lens model on z = 1.
 Eigen::Matrix<double, 2, 3> projection_jacobian(const CameraModel& camera,
@@ -58,25 +58,26 @@ Eigen::Vector3d predict_plane(const Pose& T_camera_body, const SeenTag& tag,
   return normal / distance;
 }
 
-/// The normal equations at one pose.
-struct Equations {
-  Matrix6d left = Matrix6d::Zero();
-  Vector6d right = Vector6d::Zero();
+/// Gauss-Newton normal equations, H * step = -g.
+struct NormalEquations {
+  Matrix6d H = Matrix6d::Zero();
+  Vector6d g = Vector6d::Zero();
 };
 
 void add_tag(const BodyPoseProblem& problem, const SeenTag& tag, const Pose& T_camera_body,
-             Equations& equations) {
+             NormalEquations& equations) {
   const Eigen::Matrix3d R_camera_body = T_camera_body.rotation_matrix();
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d p_camera = T_camera_body * tag.corners_body[i];
     Eigen::Matrix<double, 3, 6> point_change;
     point_change << R_camera_body, -R_camera_body * skew(tag.corners_body[i]);
     const CornerJacobian jacobian =
-        projection_jacobian(problem.camera, p_camera) * point_change / tag.sigma;
-    const Eigen::Vector2d residual = (problem.camera.project(p_camera) - tag.pixels[i]) / tag.sigma;
+        projection_jacobian(problem.camera, p_camera) * point_change / tag.corner_std;
+    const Eigen::Vector2d residual =
+        (problem.camera.project(p_camera) - tag.pixels[i]) / tag.corner_std;
     const double weight = huber_weight(residual.norm());
-    equations.left += weight * jacobian.transpose() * jacobian;
-    equations.right += weight * jacobian.transpose() * residual;
+    equations.H += weight * jacobian.transpose() * jacobian;
+    equations.g += weight * jacobian.transpose() * residual;
   }
   if (!tag.plane) return;
   PlaneJacobian plane_change;
@@ -85,8 +86,8 @@ void add_tag(const BodyPoseProblem& problem, const SeenTag& tag, const Pose& T_c
       (predict_plane(T_camera_body, tag, &plane_change) - tag.plane->m);
   const PlaneJacobian jacobian = tag.plane->sqrt_information * plane_change;
   const double weight = huber_weight(residual.norm());
-  equations.left += weight * jacobian.transpose() * jacobian;
-  equations.right += weight * jacobian.transpose() * residual;
+  equations.H += weight * jacobian.transpose() * jacobian;
+  equations.g += weight * jacobian.transpose() * residual;
 }
 
 double total_cost(const BodyPoseProblem& problem, const Pose& T_camera_body) {
@@ -97,8 +98,8 @@ double total_cost(const BodyPoseProblem& problem, const Pose& T_camera_body) {
   return cost;
 }
 
-Equations equations_at(const BodyPoseProblem& problem, const Pose& T_camera_body) {
-  Equations equations;
+NormalEquations equations_at(const BodyPoseProblem& problem, const Pose& T_camera_body) {
+  NormalEquations equations;
   for (const SeenTag& tag : problem.tags) {
     if (tag.is_used) add_tag(problem, tag, T_camera_body, equations);
   }
@@ -119,13 +120,15 @@ double used_corner_rms(const BodyPoseProblem& problem, const Pose& T_camera_body
 
 }  // namespace
 
-double huber(double size) { return size <= kHuber ? size * size : kHuber * (2.0 * size - kHuber); }
+double huber_loss(double residual) {
+  return residual <= kHuber ? residual * residual : kHuber * (2.0 * residual - kHuber);
+}
 
 double corner_rms(const BodyPoseProblem& problem, const SeenTag& tag, const Pose& T_camera_body) {
   double sum = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d p_camera = T_camera_body * tag.corners_body[i];
-    if (p_camera.z() < kNearest) return std::numeric_limits<double>::infinity();
+    if (p_camera.z() < kMinDepth) return std::numeric_limits<double>::infinity();
     sum += (problem.camera.project(p_camera) - tag.pixels[i]).squaredNorm();
   }
   return std::sqrt(sum / 4.0);
@@ -135,12 +138,12 @@ double tag_cost(const BodyPoseProblem& problem, const SeenTag& tag, const Pose& 
   double cost = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d p_camera = T_camera_body * tag.corners_body[i];
-    if (p_camera.z() < kNearest) return std::numeric_limits<double>::infinity();
-    cost += huber((problem.camera.project(p_camera) - tag.pixels[i]).norm() / tag.sigma);
+    if (p_camera.z() < kMinDepth) return std::numeric_limits<double>::infinity();
+    cost += huber_loss((problem.camera.project(p_camera) - tag.pixels[i]).norm() / tag.corner_std);
   }
   if (tag.plane) {
     const Eigen::Vector3d difference = predict_plane(T_camera_body, tag) - tag.plane->m;
-    cost += huber((tag.plane->sqrt_information * difference).norm());
+    cost += huber_loss((tag.plane->sqrt_information * difference).norm());
   }
   return cost;
 }
@@ -149,12 +152,12 @@ std::optional<RefinedPose> refine_body_pose(const BodyPoseProblem& problem, cons
   Pose pose = start;
   double cost = total_cost(problem, pose);
   if (!std::isfinite(cost)) return std::nullopt;
-  double damping = 1e-4;  // of the diagonal [Marquardt 1963]
+  double damping = 1e-4;  // Levenberg-Marquardt, of the diagonal [Marquardt 1963]
   for (int i = 0; i < kMaxIterations; ++i) {
-    const Equations equations = equations_at(problem, pose);
-    Matrix6d damped = equations.left;
+    const NormalEquations equations = equations_at(problem, pose);
+    Matrix6d damped = equations.H;
     damped.diagonal() *= 1.0 + damping;
-    const Vector6d step = -damped.ldlt().solve(equations.right);
+    const Vector6d step = -damped.ldlt().solve(equations.g);
     if (!step.allFinite()) return std::nullopt;
     const Pose next = pose * Pose::exp(step);
     const double next_cost = total_cost(problem, next);
@@ -167,7 +170,7 @@ std::optional<RefinedPose> refine_body_pose(const BodyPoseProblem& problem, cons
     }
     if (damping > 1e8 || (is_better && gain < 1e-9 * (1.0 + cost))) break;
   }
-  return RefinedPose{pose, cost, used_corner_rms(problem, pose), equations_at(problem, pose).left};
+  return RefinedPose{pose, cost, used_corner_rms(problem, pose), equations_at(problem, pose).H};
 }
 
 }  // namespace pcavr

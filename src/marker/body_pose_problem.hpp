@@ -15,13 +15,13 @@
 
 namespace pcavr {
 
-/// One tag of a body and what was seen of it.
+/// One tag of a body and its measurements.
 struct SeenTag {
   Pose T_body_marker;
   double size = 0.0;                            ///< [m]
   std::array<Eigen::Vector3d, 4> corners_body;  ///< [m]
   std::array<Eigen::Vector2d, 4> pixels;        ///< [px]
-  double sigma = 0.0;                           ///< of one coordinate of a pixel [px]
+  double corner_std = 0.0;                      ///< of one pixel coordinate [px]
   std::optional<PlaneMeasurement> plane = {};
   bool is_used = true;
 };
@@ -31,28 +31,27 @@ struct BodyPoseProblem {
   std::vector<SeenTag> tags;
 };
 
-/// A pose, and how it explains what was seen.
+/// A refined pose with its residuals.
 struct RefinedPose {
   Pose T_camera_body;
-  double cost = 0.0;       ///< robust sum of squares in units of deviations, over the used tags
+  double cost = 0.0;       ///< robust sum of squared normalised residuals, over the used tags
   double pixel_rms = 0.0;  ///< [px] of the used tags' corners, per corner
   Matrix6d information = Matrix6d::Zero();  ///< of [v; w] in body axes
 };
 
-/// Huber's loss of a residual of `size` deviations: its square up to 2, then linear.
-[[nodiscard]] double huber(double size);
+/// Huber's loss of a residual in standard deviations: its square up to 2, then linear.
+[[nodiscard]] double huber_loss(double residual);
 
-/// Root mean square distance of the corners of one tag from where the pose puts them [px];
-/// infinite where it puts them behind the camera.
+/// Root mean square reprojection error of the corners of one tag [px]; infinite behind the camera.
 [[nodiscard]] double corner_rms(const BodyPoseProblem& problem, const SeenTag& tag,
                                 const Pose& T_camera_body);
 
-/// How badly the pose explains corners and depth of one tag: Huber's sum of squares.
+/// Robust cost of the corners and depth of one tag: the sum of Huber losses.
 [[nodiscard]] double tag_cost(const BodyPoseProblem& problem, const SeenTag& tag,
                               const Pose& T_camera_body);
 
-/// Damped Gauss-Newton with Huber weights over the used tags, from `start`; nothing where it leaves
-/// the part of space in front of the camera or is not determined.
+/// Levenberg-Marquardt with Huber weights (IRLS) over the used tags, from `start`; nothing if a tag
+/// is behind the camera or the pose is not determined.
 [[nodiscard]] std::optional<RefinedPose> refine_body_pose(const BodyPoseProblem& problem,
                                                           const Pose& start);
 

@@ -14,14 +14,14 @@ namespace pcavr {
 
 struct RefinedCorners {
   std::array<Eigen::Vector2d, 4> corners;  ///< [px]
-  double sigma = 0.0;                      ///< [px], of one coordinate, as the grey noise tells it
+  double corner_std = 0.0;                 ///< [px], of one coordinate, from the grey noise
 };
 
-/// Places the corners of a square where its four edges meet. Each edge is a straight line between
-/// a dark and a bright side, blurred by a Gaussian; line, both brightnesses and the blur are fitted
-/// to the grey values of all pixels near it. With a `lens` whose distortion bends straight edges,
-/// lines are straight in undistorted coordinates. `cells` is the number of cells along an edge:
-/// nothing but one cell on either side is looked at. Nothing where an edge is not to be made out.
+/// Subpixel corner refinement: intersects the four fitted edges of a square. Each edge is modelled
+/// as a step between a dark and a bright side, blurred by a Gaussian; line, both grey levels and
+/// blur are fitted to the grey values of all pixels near it. With the distortion of `lens`, lines
+/// are straight in undistorted coordinates. `cells` is the number of cells along an edge: at most
+/// one cell on either side is used. Nothing if an edge cannot be fitted.
 [[nodiscard]] std::optional<RefinedCorners> refine_corners(
     const GrayImage& image, const std::array<Eigen::Vector2d, 4>& corners, int cells,
     const std::optional<CameraModel>& lens);

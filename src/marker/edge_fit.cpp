@@ -18,29 +18,29 @@ using Information = Eigen::Matrix<double, 5, 5>;
 
 constexpr std::size_t kMinSamples = 15;  // three for each parameter
 constexpr double kMinContrast = 8.0;     // [grey]; twice the noise of a poor camera
-constexpr double kEdgeHuber = 1.5;       // [deviations]
-constexpr int kMaxEdgeIterations = 8;    // 4 are the rule from within half a pixel
-constexpr double kConverged = 1e-4;      // [px]
-/// A pixel is itself a square blur of 0.29 px, and no wider blur than the reach can be told.
-constexpr double kSharpest = 0.25;  // [px]
+constexpr double kEdgeHuber = 1.5;       // [standard deviations]
+constexpr int kMaxEdgeIterations = 8;    // usually 4 from an initial error of half a pixel
+constexpr double kMinStep = 1e-4;        // [px] convergence
+/// Minimum blur: the pixel's own box filter has a std of 0.29 px. The maximum is the reach.
+constexpr double kMinBlur = 0.25;  // [px]
 
-struct Linearised {
+struct Linearisation {
   double residual = 0.0;
-  Parameters gradient;
+  Parameters jacobian;
 };
 
-Linearised linearise(const EdgeSample& sample, const Parameters& p) {
+Linearisation linearise(const EdgeSample& sample, const Parameters& p) {
   const double u = (sample.across - p(0) - p(1) * sample.along) / p(4);
   const double step = 0.5 * std::erfc(-u / std::numbers::sqrt2);
-  const double bell = p(3) * std::exp(-0.5 * u * u) / std::sqrt(2.0 * std::numbers::pi) / p(4);
-  Linearised one;
-  one.residual = p(2) + p(3) * step - sample.grey;
-  one.gradient << -bell, -bell * sample.along, 1.0, step, -bell * u;
-  return one;
+  const double gaussian = p(3) * std::exp(-0.5 * u * u) / std::sqrt(2.0 * std::numbers::pi) / p(4);
+  Linearisation result;
+  result.residual = p(2) + p(3) * step - sample.grey;
+  result.jacobian << -gaussian, -gaussian * sample.along, 1.0, step, -gaussian * u;
+  return result;
 }
 
-/// Brightness of both sides, from the samples that lie clearly on them.
-Parameters first_guess(std::span<const EdgeSample> samples, double reach) {
+/// Initial guess: the grey levels of both sides, from the samples that lie clearly on them.
+Parameters initial_guess(std::span<const EdgeSample> samples, double reach) {
   double sum[2] = {0.0, 0.0};
   int count[2] = {0, 0};
   for (const EdgeSample& sample : samples) {
@@ -56,9 +56,10 @@ Parameters first_guess(std::span<const EdgeSample> samples, double reach) {
   return guess;
 }
 
-double noise_scale(std::vector<double>& sizes) {
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
+/// Robust standard deviation from the median absolute residual (MAD).
+double estimate_noise_std(std::vector<double>& magnitudes) {
+  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
+  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
   constexpr double kQuantisation = 0.5;  // [grey]
   return std::max(kQuantisation, 1.4826 * *middle);
 }
@@ -67,31 +68,32 @@ double noise_scale(std::vector<double>& sizes) {
 
 std::optional<EdgeFit> fit_edge(std::span<const EdgeSample> samples, double reach) {
   if (samples.size() < kMinSamples) return std::nullopt;
-  Parameters p = first_guess(samples, reach);
+  Parameters p = initial_guess(samples, reach);
   Information information;
-  double scale = 1e3;  // the first step weighs all alike
-  std::vector<double> sizes(samples.size());
+  double noise_std = 1e3;  // the first step weights all samples equally
+  std::vector<double> magnitudes(samples.size());
   for (int iteration = 0; iteration < kMaxEdgeIterations; ++iteration) {
     if (std::abs(p(3)) < kMinContrast) return std::nullopt;
     information.setZero();
     Parameters right = Parameters::Zero();
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      const Linearised one = linearise(samples[i], p);
-      sizes[i] = std::abs(one.residual);
-      const double weight = sizes[i] <= kEdgeHuber * scale ? 1.0 : kEdgeHuber * scale / sizes[i];
-      information += weight * one.gradient * one.gradient.transpose();
-      right += weight * one.residual * one.gradient;
+      const Linearisation linearised = linearise(samples[i], p);
+      magnitudes[i] = std::abs(linearised.residual);
+      const double weight =
+          magnitudes[i] <= kEdgeHuber * noise_std ? 1.0 : kEdgeHuber * noise_std / magnitudes[i];
+      information += weight * linearised.jacobian * linearised.jacobian.transpose();
+      right += weight * linearised.residual * linearised.jacobian;
     }
-    scale = noise_scale(sizes);
+    noise_std = estimate_noise_std(magnitudes);
     const Parameters step = information.ldlt().solve(right);
     p -= step;
     if (!p.allFinite() || std::abs(p(0)) > reach) return std::nullopt;
-    p(4) = std::clamp(p(4), kSharpest, reach);
-    // The second step is the first with weights.
-    if (iteration > 1 && std::abs(step(0)) < kConverged) break;
+    p(4) = std::clamp(p(4), kMinBlur, reach);
+    // The second step is the first one with Huber weights.
+    if (iteration > 1 && std::abs(step(0)) < kMinStep) break;
   }
   EdgeFit fit{p(0), p(1), {}};
-  fit.covariance = information.inverse().topLeftCorner<2, 2>() * (scale * scale);
+  fit.covariance = information.inverse().topLeftCorner<2, 2>() * (noise_std * noise_std);
   if (!fit.covariance.allFinite()) return std::nullopt;
   return fit;
 }

@@ -9,10 +9,10 @@
 
 namespace pcavr {
 
-/// A pixel near an edge, in coordinates along and across a first guess of it.
+/// A pixel near an edge, in coordinates along and across the initial guess of it.
 struct EdgeSample {
   double along = 0.0;   ///< [px], from the edge's middle
-  double across = 0.0;  ///< [px], from the guessed line
+  double across = 0.0;  ///< [px], from the initial line
   double grey = 0.0;    ///< 0 to 255
 };
 
@@ -23,9 +23,10 @@ struct EdgeFit {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (offset, slope)
 };
 
-/// Least squares of a Gaussian-blurred step, grey = low + contrast * Phi((across - line) / blur),
-/// by Gauss-Newton with Huber weights, so that a stain or a finger on the edge counts little.
-/// Nothing where there are too few samples, no contrast, or the line leaves the `reach` [px].
+/// Least-squares fit of a Gaussian-blurred step, grey = low + contrast * Phi((across - line) /
+/// blur), by Gauss-Newton with Huber weights (IRLS), so that a stain or a finger on the edge gets
+/// little weight. Nothing if there are too few samples, no contrast, or the line leaves the `reach`
+/// [px].
 [[nodiscard]] std::optional<EdgeFit> fit_edge(std::span<const EdgeSample> samples, double reach);
 
 }  // namespace pcavr

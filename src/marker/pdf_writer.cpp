@@ -14,8 +14,8 @@ std::string pdf_number(double value) {
   return text;
 }
 
-/// The numbered objects of the file, in order: catalogue, list of pages, font, then page and
-/// content by turns.
+/// The numbered objects of the file, in order: catalogue, list of pages, font, then for
+/// each page the page and its content.
 std::vector<std::string> objects_of(const std::vector<PdfPage>& pages) {
   constexpr int kFirstPage = 4;
   std::string kids;

@@ -15,7 +15,7 @@ struct PdfPage {
   std::string content;
 };
 
-/// A PDF 1.4 file of these pages [ISO 32000-1, 7.5], that asks to be printed unscaled.
+/// A PDF 1.4 file of these pages [ISO 32000-1, 7.5] with print scaling disabled.
 [[nodiscard]] std::string write_pdf(const std::vector<PdfPage>& pages);
 
 }  // namespace pcavr

@@ -20,9 +20,9 @@ Eigen::Matrix3d rotation_to(const Eigen::Vector3d& ray) {
   return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray).toRotationMatrix();
 }
 
-/// Least squares on the corners' rays: linear once the rotation is known.
-Eigen::Vector3d translation_for(const Eigen::Matrix3d& rotation,
-                                const std::array<Eigen::Vector2d, 4>& corners, double size) {
+/// Least squares on the corners' rays: linear for a given rotation.
+Eigen::Vector3d solve_translation(const Eigen::Matrix3d& rotation,
+                                  const std::array<Eigen::Vector2d, 4>& corners, double size) {
   Eigen::Matrix<double, 8, 3> a;
   Eigen::Matrix<double, 8, 1> b;
   const std::array<Eigen::Vector3d, 4> model = tag_corners(size);
@@ -37,8 +37,8 @@ Eigen::Vector3d translation_for(const Eigen::Matrix3d& rotation,
   return a.colPivHouseholderQr().solve(b);
 }
 
-/// True where the corners turn one way round, as a tag's do when it is seen from its front
-/// (clockwise on the screen in our order, as y points down there).
+/// Whether the corners form a convex quadrilateral with the orientation of a tag seen from its
+/// front (in our order clockwise in the image, where y points down).
 bool is_seen_from_front(const std::array<Eigen::Vector2d, 4>& corners) {
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector2d a = corners[(i + 1) % 4] - corners[i];
@@ -58,17 +58,18 @@ std::vector<Pose> planar_poses(const std::array<Eigen::Vector2d, 4>& corners, do
   const Eigen::Vector2d centre = h.col(2).head<2>();
   const Eigen::Matrix2d jacobian = h.topLeftCorner<2, 2>() - centre * h.row(2).head<2>();
 
-  // In axes along the line of sight the derivative is, up to scale, two columns of a rotation.
-  const Eigen::Matrix3d to_sight = rotation_to(centre.homogeneous());
+  // In a frame along the line of sight the derivative is, up to scale, two columns of a rotation.
+  const Eigen::Matrix3d R_camera_sight = rotation_to(centre.homogeneous());
   Eigen::Matrix<double, 2, 3> projection;
   projection << 1.0, 0.0, -centre.x(), 0.0, 1.0, -centre.y();
-  const Eigen::Matrix2d a = (projection * to_sight).leftCols<2>().inverse() * jacobian;
+  const Eigen::Matrix2d a = (projection * R_camera_sight).leftCols<2>().inverse() * jacobian;
   const double scale = a.jacobiSvd().singularValues()(0);
   if (!(scale > 0.0) || !std::isfinite(scale)) return {};
   const Eigen::Matrix2d r = a / scale;
-  const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - r.transpose() * r;
-  Eigen::Vector2d third(std::sqrt(std::max(0.0, rest(0, 0))), std::sqrt(std::max(0.0, rest(1, 1))));
-  if (rest(0, 1) < 0.0) third.y() = -third.y();
+  const Eigen::Matrix2d remainder = Eigen::Matrix2d::Identity() - r.transpose() * r;
+  Eigen::Vector2d third(std::sqrt(std::max(0.0, remainder(0, 0))),
+                        std::sqrt(std::max(0.0, remainder(1, 1))));
+  if (remainder(0, 1) < 0.0) third.y() = -third.y();
 
   std::vector<Pose> poses;
   for (const double sign : {1.0, -1.0}) {
@@ -76,8 +77,8 @@ std::vector<Pose> planar_poses(const std::array<Eigen::Vector2d, 4>& corners, do
     rotation.topLeftCorner<2, 2>() = r;
     rotation.bottomLeftCorner<1, 2>() = sign * third.transpose();
     rotation.col(2) = rotation.col(0).cross(rotation.col(1));
-    rotation = to_sight * rotation;
-    const Eigen::Vector3d translation = translation_for(rotation, corners, size);
+    rotation = R_camera_sight * rotation;
+    const Eigen::Vector3d translation = solve_translation(rotation, corners, size);
     if (!translation.allFinite() || translation.z() <= 0.0) continue;
     poses.emplace_back(Eigen::Quaterniond(rotation), translation);
   }

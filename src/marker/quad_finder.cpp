@@ -27,7 +27,7 @@ struct DetectionsDeleter {
 /// (-,-) (+,-) (+,+) (-,+): the half turn about x between the two frames, seen in the plane.
 constexpr double kHalfTurnAboutX[4][2] = {{-1, 1}, {1, 1}, {1, -1}, {-1, -1}};
 
-/// libapriltag counts pixels from the first pixel's outer edge, pcavr from its centre.
+/// Pixel coordinates start at the first pixel's outer edge in libapriltag, at its centre in pcavr.
 constexpr double kAprilTagPixelOffset = 0.5;
 
 Eigen::Vector2d project(const matd_t& homography, const double (&point)[2]) {
@@ -38,16 +38,16 @@ Eigen::Vector2d project(const matd_t& homography, const double (&point)[2]) {
   return {row(0) / row(2), row(1) / row(2)};
 }
 
-/// Throws std::bad_alloc where libapriltag would run out of memory: it does not check what it is
-/// given, and would write to nothing.
-void expect_memory_for(const Region& region) {
-  // [byte] The union of pixels, their clusters and the lines fitted to them, and what an image of
-  // any size takes: estimated, not measured.
+/// Throws std::bad_alloc if libapriltag would run out of memory: it does not check the result of
+/// malloc and would dereference a null pointer.
+void require_memory_for(const Region& region) {
+  // [byte] Union-find of pixels, their clusters and the lines fitted to them; and a constant per
+  // image. Estimates, not measurements.
   constexpr std::size_t kPerPixel = 200;
   constexpr std::size_t kPerImage = std::size_t{16} << 20U;
   const std::size_t pixels =
       static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height());
-  // Not touched, so it costs an entry in a table.
+  // Not touched, so no physical memory is used.
   ::operator delete(::operator new(kPerImage + kPerPixel * pixels));
 }
 
@@ -55,7 +55,7 @@ class AprilTagFinder final : public QuadFinder {
  public:
   AprilTagFinder(std::vector<AprilTagFamily> families, const TagDetectorOptions& options)
       : options_(options), families_(std::move(families)), detector_(apriltag_detector_create()) {
-    // Its own threads cut the image into pieces whose borders move with their number.
+    // With threads, its results depend on their number: they divide the image into tiles.
     detector_->nthreads = 1;
     detector_->quad_decimate = static_cast<float>(options.decimation);
     detector_->refine_edges = true;
@@ -65,8 +65,8 @@ class AprilTagFinder final : public QuadFinder {
   }
 
   std::vector<TagDetection> find(const GrayImage& image, const Region& region) override {
-    expect_memory_for(region);
-    // The library takes a plain pointer but does not write to the picture.
+    require_memory_for(region);
+    // The library takes a non-const pointer but does not write to the image.
     auto* pixels = const_cast<std::uint8_t*>(&image(region.left, region.top));
     image_u8_t view{region.width(), region.height(), image.width(), pixels};
     const std::unique_ptr<zarray_t, DetectionsDeleter> found(
@@ -101,8 +101,8 @@ class ArucoFinder final : public QuadFinder {
       : family_(std::move(family)),
         dictionary_(cv::aruco::Dictionary::get(number)),
         parameters_(cv::aruco::DetectorParameters::create()) {
-    // By default the outline of paper cut one cell from the tag replaces the tag's own: they are
-    // 1.4 cells apart, of a perimeter of some 32.
+    // With the default, the contour of paper cut one cell from the tag replaces the tag's own: they
+    // are 1.4 cells apart, of a perimeter of some 32.
     parameters_->minMarkerDistanceRate = 0.02;
   }
 
@@ -115,14 +115,14 @@ class ArucoFinder final : public QuadFinder {
     try {
       cv::aruco::detectMarkers(view, dictionary_, corners, ids, parameters_);
     } catch (const cv::Exception&) {
-      return {};  // a part of an image that it can't work on shows no tag
+      return {};  // OpenCV rejects some regions, such as very small ones
     }
     std::vector<TagDetection> detections;
     for (std::size_t i = 0; i < ids.size(); ++i) {
       TagDetection detection;
       detection.id = {family_, ids[i]};
       for (std::size_t k = 0; k < 4; ++k) {
-        // OpenCV begins top left and goes clockwise; we begin bottom left, counter-clockwise.
+        // OpenCV's order is clockwise from top left; ours is counter-clockwise from bottom left.
         const cv::Point2f& corner = corners[i][3 - k];
         detection.corners[k] = {static_cast<double>(corner.x) + region.left,
                                 static_cast<double>(corner.y) + region.top};
@@ -132,7 +132,7 @@ class ArucoFinder final : public QuadFinder {
     return detections;
   }
 
-  void judge(const GrayImage& image, TagDetection& detection) const override {
+  void score(const GrayImage& image, TagDetection& detection) const override {
     const Expected<TagPicture> picture = tag_picture(family_, detection.id.id);
     const BitReading reading = read_bits(image, *picture, detection.corners);
     detection.hamming = reading.wrong_bits;

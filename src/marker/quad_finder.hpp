@@ -13,19 +13,19 @@
 
 namespace pcavr {
 
-/// Finds and reads tags in a part of an image: a wrapper of one library. Corners are as good as
-/// the library's; they come in pcavr's order and pixel convention. Not thread-safe.
+/// Detects and decodes tags in a region of an image: a wrapper of one library. Corners have the
+/// library's accuracy, and pcavr's order and pixel convention. Not thread-safe.
 class QuadFinder {
  public:
   virtual ~QuadFinder() = default;
   /// `region` lies inside the image; its left and top are multiples of 8.
   [[nodiscard]] virtual std::vector<TagDetection> find(const GrayImage& image,
                                                        const Region& region) = 0;
-  /// Sets hamming and decision_margin from refined corners, where find() could not know them.
-  virtual void judge(const GrayImage& /*image*/, TagDetection& /*detection*/) const {}
+  /// Sets hamming and decision_margin from refined corners if find() cannot provide them.
+  virtual void score(const GrayImage& /*image*/, TagDetection& /*detection*/) const {}
 };
 
-/// One finder for each library that the families ask for. An unknown family is an Error.
+/// One finder for each library that the families need. An unknown family is an Error.
 [[nodiscard]] Expected<std::vector<std::unique_ptr<QuadFinder>>> make_quad_finders(
     const std::vector<std::string>& families, const TagDetectorOptions& options);
 

@@ -11,8 +11,9 @@
 namespace pcavr {
 namespace {
 
-/// A camera that turns by 30 degrees a second moves the image by 1/60 rad a frame at 30 Hz: 2 % of
-/// a 50 degree view. Twice that, and half the tag for what comes with its distance.
+/// A camera that rotates by 30 degrees a second moves the image by 1/60 rad a frame at 30 Hz: 2 %
+/// of a 50 degree field of view. Twice that, plus half the tag for motion that scales with its
+/// size.
 constexpr double kMotionShare = 0.04;
 constexpr double kTagShare = 0.5;
 constexpr int kGrid = 8;
@@ -36,7 +37,7 @@ bool overlap(const Region& a, const Region& b) {
   return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 }
 
-Region joined(const Region& a, const Region& b) {
+Region merged(const Region& a, const Region& b) {
   return {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
           std::max(a.bottom, b.bottom)};
 }
@@ -48,13 +49,13 @@ std::vector<Region> regions_around(const std::vector<std::array<Eigen::Vector2d,
   std::vector<Region> regions;
   for (const auto& corners : tags) {
     Region region = region_around(corners, width, height);
-    // What is joined may overlap others in turn.
+    // A merged region may overlap others in turn.
     for (std::size_t i = 0; i < regions.size();) {
       if (!overlap(region, regions[i])) {
         ++i;
         continue;
       }
-      region = joined(region, regions[i]);
+      region = merged(region, regions[i]);
       regions.erase(regions.begin() + static_cast<std::ptrdiff_t>(i));
       i = 0;
     }

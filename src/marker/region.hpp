@@ -22,9 +22,9 @@ struct Region {
   bool operator==(const Region&) const = default;
 };
 
-/// Where to look for tags that had these corners a frame ago: around each, as far as a hand-held
-/// camera may carry it; regions that overlap become one. Left and top are multiples of 8, so that
-/// a part of the image is thresholded and shrunk as the whole is.
+/// Regions of interest (ROI) for tags that had these corners in the previous frame: around each, by
+/// the possible motion of a hand-held camera; overlapping regions are merged. Left and top are
+/// multiples of 8, so that a region is thresholded and downscaled like the whole image.
 [[nodiscard]] std::vector<Region> regions_around(
     const std::vector<std::array<Eigen::Vector2d, 4>>& tags, int width, int height);
 

@@ -56,7 +56,7 @@ std::string draw_svg(const SheetPage& page) {
       width + "mm\" height=\"" + height + "mm\" viewBox=\"0 0 " + width + " " + height + "\">\n";
   svg += "<rect" + attribute("width", page.width) + attribute("height", page.height) +
          " fill=\"white\"/>\n";
-  // One path for all cells, so that no viewer shows seams between neighbours.
+  // One path for all cells, so that no viewer renders seams between neighbours.
   svg += "<path fill=\"black\" shape-rendering=\"crispEdges\" d=\"";
   for (const SheetRectangle& r : page.black) {
     svg += "M" + svg_number(r.x) + " " + svg_number(r.y) + "h" + svg_number(r.width) + "v" +

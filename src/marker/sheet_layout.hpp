@@ -7,7 +7,7 @@
 
 namespace pcavr {
 
-/// What is drawn, in millimetres from the page's top left corner, y down.
+/// Drawing primitives, in millimetres from the page's top left corner, y down.
 struct SheetRectangle {
   double x = 0.0;
   double y = 0.0;

@@ -14,14 +14,14 @@
 namespace pcavr {
 namespace {
 
-/// What the edge model leaves out (JPEG, uneven light, pixels' shape) moves the corners of rendered
-/// tags by about this [px], however little noise there is.
-constexpr double kModelSigma = 0.01;
-/// Corners that the libraries alone have placed, by comparison with rendered tags [px].
-constexpr double kUnrefinedSigma = 0.3;
-/// Regions that make up more than this share of the image cost as much as the whole.
+/// Standard deviation of the edge model's error (JPEG, uneven light, pixel shape) on rendered tags
+/// [px], independent of noise.
+constexpr double kModelStd = 0.01;
+/// Standard deviation of the libraries' own corners on rendered tags [px].
+constexpr double kUnrefinedStd = 0.3;
+/// Searching regions of more than this share of the image costs as much as the whole image.
 constexpr double kMaxRegionShare = 0.6;
-/// The libraries want some tiles to threshold; a tag has at least 8 cells with its rim [px].
+/// The libraries need some tiles to threshold; a tag has at least 8 cells with its border [px].
 constexpr int kMinEdge = 8;
 
 }  // namespace
@@ -37,14 +37,14 @@ struct TagDetector::State {
 
   std::vector<TagDetection> search(const GrayImage& image, const std::vector<Region>& regions);
   void refine(const GrayImage& image, TagDetection& detection) const;
-  [[nodiscard]] std::vector<Region> plan(const GrayImage& image) const;
+  [[nodiscard]] std::vector<Region> plan_regions(const GrayImage& image) const;
   [[nodiscard]] bool has_lost_a_tag(const std::vector<TagDetection>& found) const;
 };
 
 void TagDetector::State::refine(const GrayImage& image, TagDetection& detection) const {
   const int cells = cells_along_edge.at(detection.id.family);
   const auto refined = refine_corners(image, detection.corners, cells, options.lens);
-  detection.corner_sigma = refined ? std::hypot(refined->sigma, kModelSigma) : kUnrefinedSigma;
+  detection.corner_std = refined ? std::hypot(refined->corner_std, kModelStd) : kUnrefinedStd;
   if (refined) detection.corners = refined->corners;
 }
 
@@ -55,14 +55,14 @@ std::vector<TagDetection> TagDetector::State::search(const GrayImage& image,
     for (const Region& region : regions) {
       for (TagDetection& found : finder->find(image, region)) {
         refine(image, found);
-        finder->judge(image, found);
+        finder->score(image, found);
         if (found.hamming > options.max_hamming) continue;
         if (found.decision_margin < options.min_margin) continue;
         detections.push_back(std::move(found));
       }
     }
   }
-  // Of tags seen twice the clearer one stays.
+  // Of duplicate detections, keep the one with the larger decision margin.
   const auto is_before = [](const TagDetection& a, const TagDetection& b) {
     return a.id != b.id ? a.id < b.id : a.decision_margin > b.decision_margin;
   };
@@ -72,8 +72,8 @@ std::vector<TagDetection> TagDetector::State::search(const GrayImage& image,
   return detections;
 }
 
-/// Empty where the whole image is to be searched.
-std::vector<Region> TagDetector::State::plan(const GrayImage& image) const {
+/// The regions of interest to search; empty for the whole image.
+std::vector<Region> TagDetector::State::plan_regions(const GrayImage& image) const {
   const bool is_due = frames_since_full_search + 1 >= options.full_search_interval;
   if (is_due || image.width() != width || image.height() != height) return {};
   std::vector<std::array<Eigen::Vector2d, 4>> tags;
@@ -81,8 +81,8 @@ std::vector<Region> TagDetector::State::plan(const GrayImage& image) const {
   std::vector<Region> regions = regions_around(tags, width, height);
   long area = 0;
   for (const Region& region : regions) area += region.area();
-  const double most = kMaxRegionShare * static_cast<double>(width) * height;
-  if (static_cast<double>(area) > most) regions.clear();
+  const double max_area = kMaxRegionShare * static_cast<double>(width) * height;
+  if (static_cast<double>(area) > max_area) regions.clear();
   return regions;
 }
 
@@ -116,11 +116,11 @@ Expected<TagDetector> TagDetector::create(const std::vector<std::string>& famili
 
 std::vector<TagDetection> TagDetector::detect(const GrayImage& image) {
   State& state = *state_;
-  const int smallest = kMinEdge * state.options.decimation;
-  if (image.width() < smallest || image.height() < smallest) return {};
+  const int min_size = kMinEdge * state.options.decimation;
+  if (image.width() < min_size || image.height() < min_size) return {};
   const std::vector<Region> whole{{0, 0, image.width(), image.height()}};
   std::vector<TagDetection> found;
-  const std::vector<Region> regions = state.plan(image);
+  const std::vector<Region> regions = state.plan_regions(image);
   bool is_full = regions.empty();
   if (!is_full) {
     found = state.search(image, regions);

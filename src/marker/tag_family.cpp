@@ -69,7 +69,7 @@ const std::vector<std::string>& tag_families() {
 Error unknown_family(const std::string& name) {
   std::string known;
   for (const std::string& family : tag_families()) known += (known.empty() ? "" : ", ") + family;
-  return {.message = "no tag family is called '" + name + "'", .hint = "take one of " + known};
+  return {.message = "unknown tag family '" + name + "'", .hint = "use one of " + known};
 }
 
 }  // namespace pcavr

@@ -14,11 +14,11 @@ namespace {
 
 Error unknown_id(const std::string& family, int id, int count) {
   return {.message = family + " has no tag " + std::to_string(id),
-          .hint = "take ids from 0 to " + std::to_string(count - 1)};
+          .hint = "use ids from 0 to " + std::to_string(count - 1)};
 }
 
-/// Families with bits outside the square through the detection corners have a white ring inside it
-/// and are drawn whole; the others have a black ring inside it, and nothing outside.
+/// Families with bits outside the square through the detection corners (reversed border) have a
+/// white ring inside it and are drawn completely; the others have a black ring inside it.
 TagPicture draw_apriltag(const apriltag_family_t& family, int id) {
   const int across = family.width_at_border;
   TagPicture picture;

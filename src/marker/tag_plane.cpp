@@ -14,22 +14,24 @@
 namespace pcavr {
 namespace {
 
-/// Pixels this near the tag's edge [share of the way to its centre] may show what lies behind.
+/// Share of the tag, from its centre, whose pixels are used: those near its edge may mix tag and
+/// background.
 constexpr double kInnerShare = 0.85;
-/// Fewer pixels than this say little about a slope.
+/// Fewer pixels than this do not determine a slope.
 constexpr std::size_t kMinPixels = 30;
-/// Depth sensors match windows: neighbouring pixels share their error over about this area [px].
+/// Depth sensors match windows: errors of neighbouring pixels are correlated over this area [px].
 constexpr double kCorrelationArea = 30.0;
-/// A sensor's systematic error changes over the image; between points this far apart [share of the
-/// distance] it may differ by its whole size.
+/// A sensor's systematic error varies over the image: correlation length, as a share of the
+/// distance.
 constexpr double kDistortionLength = 0.3;
-/// Tukey's biweight rejects residuals beyond this many deviations; 4.685 keeps 95 % efficiency.
+/// Tukey's biweight rejects residuals beyond this many standard deviations; 4.685 keeps 95 %
+/// efficiency.
 constexpr double kTukey = 4.685;
 
 struct InverseDepth {
-  Eigen::Vector3d ray;  ///< (x, y, 1) relative to the tag's centre in x and y
-  double value = 0.0;   ///< [1/m]
-  double sigma = 0.0;   ///< [1/m]
+  Eigen::Vector3d ray;     ///< (x, y, 1) relative to the tag's centre in x and y
+  double value = 0.0;      ///< [1/m]
+  double value_std = 0.0;  ///< [1/m]
 };
 
 bool is_inside(const std::array<Eigen::Vector2d, 4>& corners, const Eigen::Vector2d& p) {
@@ -42,10 +44,10 @@ bool is_inside(const std::array<Eigen::Vector2d, 4>& corners, const Eigen::Vecto
   return true;
 }
 
-std::vector<InverseDepth> collect(const DepthImage& depth, const DepthNoise& noise,
-                                  const CameraModel& camera,
-                                  const std::array<Eigen::Vector2d, 4>& corners,
-                                  const Eigen::Vector2d& centre) {
+std::vector<InverseDepth> collect_samples(const DepthImage& depth, const DepthNoise& noise,
+                                          const CameraModel& camera,
+                                          const std::array<Eigen::Vector2d, 4>& corners,
+                                          const Eigen::Vector2d& centre) {
   std::array<Eigen::Vector2d, 4> inner;
   Eigen::AlignedBox2d box;
   const Eigen::Vector2d middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
@@ -61,10 +63,10 @@ std::vector<InverseDepth> collect(const DepthImage& depth, const DepthNoise& noi
   for (int y = y0; y <= y1; ++y) {
     for (int x = x0; x <= x1; ++x) {
       const double z = static_cast<double>(depth(x, y));
-      if (!(z >= noise.nearest && z <= noise.farthest)) continue;
+      if (!(z >= noise.min_depth && z <= noise.max_depth)) continue;
       if (!is_inside(inner, {x, y})) continue;
       const Eigen::Vector2d at = camera.normalise({x, y}) - centre;
-      samples.push_back({{at.x(), at.y(), 1.0}, 1.0 / z, noise.sigma(z) / (z * z)});
+      samples.push_back({{at.x(), at.y(), 1.0}, 1.0 / z, noise.depth_std(z) / (z * z)});
     }
   }
   return samples;
@@ -73,9 +75,10 @@ std::vector<InverseDepth> collect(const DepthImage& depth, const DepthNoise& noi
 struct Fit {
   Eigen::Vector3d solution;
   Eigen::Matrix3d information;
-  double weight = 0.0;  ///< number of pixels that count
+  double weight = 0.0;  ///< effective number of pixels
 };
 
+/// One iteration of iteratively reweighted least squares (IRLS).
 Fit weighted_fit(const std::vector<InverseDepth>& samples, const Fit* last, double scale) {
   Fit fit{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero(), 0.0};
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -83,10 +86,10 @@ Fit weighted_fit(const std::vector<InverseDepth>& samples, const Fit* last, doub
     double weight = 1.0;
     if (last != nullptr) {
       const double u =
-          (sample.ray.dot(last->solution) - sample.value) / (kTukey * scale * sample.sigma);
+          (sample.ray.dot(last->solution) - sample.value) / (kTukey * scale * sample.value_std);
       weight = std::abs(u) < 1.0 ? (1.0 - u * u) * (1.0 - u * u) : 0.0;
     }
-    const double information = weight / (sample.sigma * sample.sigma);
+    const double information = weight / (sample.value_std * sample.value_std);
     fit.information += information * sample.ray * sample.ray.transpose();
     right += information * sample.value * sample.ray;
     fit.weight += weight;
@@ -95,15 +98,15 @@ Fit weighted_fit(const std::vector<InverseDepth>& samples, const Fit* last, doub
   return fit;
 }
 
-/// The median size of the residuals, as the deviation of a normal distribution, in units of the
-/// model's; at least 1.
+/// Robust standard deviation of the residuals from their median magnitude (MAD), in units of the
+/// noise model's; at least 1.
 double residual_scale(const std::vector<InverseDepth>& samples, const Eigen::Vector3d& solution) {
-  std::vector<double> sizes;
+  std::vector<double> magnitudes;
   for (const InverseDepth& sample : samples) {
-    sizes.push_back(std::abs(sample.ray.dot(solution) - sample.value) / sample.sigma);
+    magnitudes.push_back(std::abs(sample.ray.dot(solution) - sample.value) / sample.value_std);
   }
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
+  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
+  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
   return std::max(1.0, 1.4826 * *middle);
 }
 
@@ -112,10 +115,10 @@ double residual_scale(const std::vector<InverseDepth>& samples, const Eigen::Vec
 std::optional<PlaneMeasurement> measure_tag_plane(const DepthImage& depth, const DepthNoise& noise,
                                                   const CameraModel& camera,
                                                   const std::array<Eigen::Vector2d, 4>& corners,
-                                                  int share) {
+                                                  int tag_count) {
   const Eigen::Vector2d centre =
       camera.normalise(0.25 * (corners[0] + corners[1] + corners[2] + corners[3]));
-  const std::vector<InverseDepth> samples = collect(depth, noise, camera, corners, centre);
+  const std::vector<InverseDepth> samples = collect_samples(depth, noise, camera, corners, centre);
   if (samples.size() < kMinPixels) return std::nullopt;
 
   double scale = 1.0;
@@ -130,10 +133,10 @@ std::optional<PlaneMeasurement> measure_tag_plane(const DepthImage& depth, const
 
   Eigen::Matrix3d covariance = fit.information.inverse() * (scale * scale * kCorrelationArea);
   const double z = 1.0 / fit.solution.z();
-  const double systematic = noise.sigma(z) / (z * z);
+  const double systematic = noise.depth_std(z) / (z * z);
   const double slope = systematic / kDistortionLength;
   covariance.diagonal() +=
-      share * Eigen::Vector3d(slope * slope, slope * slope, systematic * systematic);
+      tag_count * Eigen::Vector3d(slope * slope, slope * slope, systematic * systematic);
 
   // From coordinates relative to the tag's centre to the camera's.
   Eigen::Matrix3d shift = Eigen::Matrix3d::Identity();

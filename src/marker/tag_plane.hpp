@@ -13,18 +13,18 @@
 
 namespace pcavr {
 
-/// A plane m . p = 1 in camera coordinates, as depth saw it. In these terms it is linear in what
-/// is measured: the inverse depth at (x, y) on z = 1 is m . (x, y, 1).
+/// A plane m . p = 1 in camera coordinates, measured by depth. In this parametrisation it is linear
+/// in the measurement: the inverse depth at (x, y) on z = 1 is m . (x, y, 1).
 struct PlaneMeasurement {
   Eigen::Vector3d m = Eigen::Vector3d::Zero();                 ///< [1/m]
-  Eigen::Matrix3d sqrt_information = Eigen::Matrix3d::Zero();  ///< of m: whitens it
+  Eigen::Matrix3d sqrt_information = Eigen::Matrix3d::Zero();  ///< of m (whitening matrix)
 };
 
-/// The plane through the depth inside four corners of a tag [px]; nothing where too little of it
-/// was measured. `share` (1 or more) is the number of tags seen by the same sensor: its systematic
-/// error, taken to be as large as its noise, is not averaged away by looking at more of them.
+/// Fits a plane to the depth inside the four corners of a tag [px]; nothing if there is too little
+/// depth. `tag_count` (1 or more) is the number of tags in the same image: the sensor's systematic
+/// error, assumed as large as its noise, is not reduced by averaging over them.
 [[nodiscard]] std::optional<PlaneMeasurement> measure_tag_plane(
     const DepthImage& depth, const DepthNoise& noise, const CameraModel& camera,
-    const std::array<Eigen::Vector2d, 4>& corners, int share);
+    const std::array<Eigen::Vector2d, 4>& corners, int tag_count);
 
 }  // namespace pcavr

@@ -23,7 +23,7 @@ constexpr double kTextHeight = 3.0;
 constexpr double kLabelSpace = 6.0;
 constexpr double kCutMark = 4.0;
 
-/// A printed number: as short as it can be at a hundredth.
+/// A number for a label: two decimals without trailing zeros.
 std::string label_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f", value);
@@ -33,7 +33,7 @@ std::string label_number(double value) {
   return result;
 }
 
-/// How much room one tag takes: its cells, a white cell around them, and a line of text below.
+/// The space of one tag: its cells, a white cell around them, and a line of text below.
 struct Slot {
   double cell = 0.0;     ///< edge of one cell
   double picture = 0.0;  ///< edge of all cells
@@ -67,7 +67,7 @@ void draw_cells(const TagPicture& picture, double x, double y, double cell, Shee
   }
 }
 
-/// Corners of the slot, drawn outward, so that nothing is left on what is cut out.
+/// Corners of the slot, drawn outward, so that none remains on the cut piece.
 void draw_cut_marks(double x, double y, const Slot& slot, SheetPage& page) {
   for (const double left : {0.0, 1.0}) {
     for (const double top : {0.0, 1.0}) {
@@ -115,9 +115,9 @@ struct Grid {
   bool has_cut_marks = true;
 };
 
-/// A tag too large for cut marks has a page to itself. Its white rim may reach into the margin,
-/// where nothing is printed, below the ruler's line of text.
-std::optional<Grid> lone_grid(const TagSheetOptions& options, const Slot& slot) {
+/// A tag too large for cut marks gets its own page. Its white border may extend into the unprinted
+/// margin, below the ruler's line of text.
+std::optional<Grid> single_tag_grid(const TagSheetOptions& options, const Slot& slot) {
   const double margin = options.margin * 1e3;
   const double width = options.page_width * 1e3;
   const double room = options.page_height * 1e3 - margin - kRulerSpace;
@@ -135,10 +135,10 @@ std::optional<Grid> grid_for(const TagSheetOptions& options, const Slot& slot) {
   Grid grid;
   grid.step_x = slot.width + gap;
   grid.step_y = slot.height + gap;
-  constexpr int kMaxSlots = 10'000;  // each way: 10 m of paper, with a cut mark a millimetre
+  constexpr int kMaxSlots = 10'000;  // along each axis: 10 m of paper with a slot per millimetre
   grid.columns = clamp_to_int((width + gap) / grid.step_x, 0, kMaxSlots);
   grid.rows = clamp_to_int((height + gap) / grid.step_y, 0, kMaxSlots);
-  if (grid.columns == 0 || grid.rows == 0) return lone_grid(options, slot);
+  if (grid.columns == 0 || grid.rows == 0) return single_tag_grid(options, slot);
   grid.left = margin + kCutMark;
   grid.top = grid.left + kRulerSpace;
   return grid;
@@ -149,7 +149,7 @@ SheetPage empty_page(const TagSheetOptions& options) {
   page.width = options.page_width * 1e3;
   page.height = options.page_height * 1e3;
   const double margin = options.margin * 1e3;
-  // Narrow pages get as many whole centimetres as fit.
+  // On narrow pages the ruler has as many whole centimetres as fit.
   const double room = std::floor((page.width - 2.0 * margin) / 10.0) * 10.0;
   draw_ruler(margin, margin + 4.0, std::min(kRuler, room), page);
   return page;
@@ -170,7 +170,7 @@ std::string manifest_lines(const TagSheetOptions& options) {
 
 Expected<void> check(const TagSheetOptions& options) {
   if (options.ids.empty()) {
-    return Error{.message = "no tag ids given", .hint = "name at least one"};
+    return Error{.message = "no tag ids given", .hint = "give at least one"};
   }
   const auto is_length = [](double value) { return std::isfinite(value) && value > 0.0; };
   if (!is_length(options.size) || !is_length(options.page_width) ||
@@ -194,9 +194,9 @@ Expected<TagSheet> make_tag_sheet(const TagSheetOptions& options) {
   const std::optional<Grid> grid = grid_for(options, slot);
   if (!grid) {
     return Error{.message = "a tag of " + label_number(options.size * 1e3) +
-                            " mm with its white rim (" + label_number(slot.width) +
+                            " mm with its white border (" + label_number(slot.width) +
                             " mm) does not fit on the page",
-                 .hint = "take a larger page or a smaller tag"};
+                 .hint = "use a larger page or a smaller tag"};
   }
 
   std::vector<SheetPage> pages;

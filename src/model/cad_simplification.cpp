@@ -16,19 +16,19 @@
 namespace pcavr::model {
 namespace {
 
-// Edge collapses take some 200 bytes and 10 us a triangle: larger meshes are clustered first.
+// Edge collapse takes some 200 bytes and 10 us per triangle: larger meshes are clustered first.
 constexpr std::size_t kMaxCollapsedDirectly = 300'000;
-// Clusters to aim at. Each becomes about two triangles, and collapses take nine of ten away again,
-// where the surface is flattest.
+// Target number of clusters. Each gives about two triangles, of which edge collapse removes nine in
+// ten, where the surface is flattest.
 constexpr double kClusters = 100'000.0;
-// A grid cuts a surface into this many clusters for each cell's area of it.
+// Clusters that a grid makes per cell's area of a surface.
 constexpr double kClustersPerCellArea = 1.75;
-// Root mean square that collapses may leave the surface by [m]: half the noise of a good tracked
-// pose. A body so intricate that it needs more triangles keeps them.
+// Maximum rms error of edge collapse [m]: half the noise of a good tracked pose. Bodies with fine
+// detail keep more triangles.
 constexpr double kMaxCollapseError = 5e-4;
 constexpr double kSamplesAcross = 256.0;        // of the diagonal
 constexpr std::size_t kMaxSamples = 2'000'000;  // on large triangles: a second of work
-constexpr std::size_t kGrain = 8192;            // points a task measures
+constexpr std::size_t kGrain = 8192;            // points per parallel task
 constexpr double kRounding = 1e-7;              // [m] of single precision coordinates of a metre
 
 /// A triangle by its longest edge and the corner opposite, and how finely it is sampled.
@@ -60,7 +60,7 @@ struct SampledTriangle {
   [[nodiscard]] bool is_large() const { return rows > 1 || columns > 1; }
 };
 
-/// Points at which a deviation is measured, beside the vertices: a grid on large triangles.
+/// Sample points of the distance, in addition to the vertices: a grid on large triangles.
 std::vector<Eigen::Vector3f> points_on_large_triangles(const TriangleMesh& mesh, double spacing) {
   for (;; spacing *= 2.0) {
     std::size_t count = 0;
@@ -87,19 +87,19 @@ std::vector<Eigen::Vector3f> points_on_large_triangles(const TriangleMesh& mesh,
 
 float max_distance(const std::vector<Eigen::Vector3f>& points, const SurfaceQuery& surface,
                    float diagonal) {
-  std::vector<float> largest((points.size() + kGrain - 1) / kGrain, 0.0F);
+  std::vector<float> maxima((points.size() + kGrain - 1) / kGrain, 0.0F);
   parallel_for(Parallelism::max(), points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    float& most = largest[begin / kGrain];
+    float& max = maxima[begin / kGrain];
     for (std::size_t i = begin; i < end; ++i) {
-      // A small search ball first: nearly all points lie next to the surface.
-      for (float radius = std::max(2.0F * most, 1e-4F * diagonal);; radius *= 8.0F) {
+      // A small search radius first: nearly all points lie next to the surface.
+      for (float radius = std::max(2.0F * max, 1e-4F * diagonal);; radius *= 8.0F) {
         const auto nearest = surface.closest(points[i], radius);
-        if (nearest) most = std::max(most, nearest->distance);
+        if (nearest) max = std::max(max, nearest->distance);
         if (nearest || radius > diagonal) break;
       }
     }
   });
-  return largest.empty() ? 0.0F : *std::max_element(largest.begin(), largest.end());
+  return maxima.empty() ? 0.0F : *std::max_element(maxima.begin(), maxima.end());
 }
 
 }  // namespace
@@ -112,15 +112,15 @@ TriangleMesh simplified_cad(const TriangleMesh& full, std::size_t max_triangles)
   return simplified(cluster_vertices(full, cell), max_triangles, kMaxCollapseError);
 }
 
-double max_deviation(const TriangleMesh& full, const TriangleMesh& simple) {
+double hausdorff_distance(const TriangleMesh& full, const TriangleMesh& simple) {
   PCAVR_REQUIRE(!full.triangles.empty() && !simple.triangles.empty());
   const SurfaceQuery surface(simple);
   const float diagonal = bounds(full.vertices).diagonal().norm();
   const double spacing = static_cast<double>(diagonal) / kSamplesAcross;
   const float at_vertices = max_distance(full.vertices, surface, diagonal);
   const float between = max_distance(points_on_large_triangles(full, spacing), surface, diagonal);
-  const auto deviation = static_cast<double>(std::max(at_vertices, between));
-  return std::ceil(deviation / kRounding) * kRounding;
+  const auto distance = static_cast<double>(std::max(at_vertices, between));
+  return std::ceil(distance / kRounding) * kRounding;
 }
 
 }  // namespace pcavr::model

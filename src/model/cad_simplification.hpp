@@ -8,14 +8,14 @@
 
 namespace pcavr::model {
 
-/// A closed mesh with about `max_triangles` that stands in for `full`, which is closed, without
-/// normals and colours: first by clusters of vertices where the mesh is very large, then by edge
-/// collapses. More triangles are kept where fewer would leave the surface too far. Deterministic.
+/// Simplifies a closed mesh without normals and colours to about `max_triangles`: vertex clustering
+/// first if the mesh is very large, then edge collapse. More triangles are kept if the error would
+/// be too large. The result is closed. Deterministic.
 [[nodiscard]] TriangleMesh simplified_cad(const TriangleMesh& full, std::size_t max_triangles);
 
-/// The largest distance [m] from a point of `full` to `simple`: measured at every vertex and, on
-/// triangles larger than that, at points a 256th of the diagonal apart (further where that would be
-/// more than two million). Rounded up to 0.1 um.
-[[nodiscard]] double max_deviation(const TriangleMesh& full, const TriangleMesh& simple);
+/// One-sided Hausdorff distance: the maximum distance [m] from a point of `full` to `simple`,
+/// sampled at every vertex and, on large triangles, at points a 256th of the diagonal apart
+/// (further if that were more than two million). Rounded up to 0.1 um.
+[[nodiscard]] double hausdorff_distance(const TriangleMesh& full, const TriangleMesh& simple);
 
 }  // namespace pcavr::model

@@ -16,7 +16,7 @@ namespace {
 /// [byte] No exporter writes a longer PLY header.
 constexpr std::size_t kMaxHeader = 64 * 1024;
 
-/// The start of a file, and how large all of it is.
+/// The start of a file, and the size of the whole file.
 struct FileStart {
   std::string text;
   std::uintmax_t size = 0;
@@ -45,7 +45,7 @@ std::vector<std::string_view> header_words(std::string_view line) {
   }
 }
 
-/// [byte] Of a number in a binary PLY; 1 for a type that is not known, so that it never refuses.
+/// [byte] Of a number in a binary PLY; 1 for an unknown type, so that no valid file is rejected.
 std::uintmax_t bytes_of_type(std::string_view type) {
   for (const std::string_view two : {"short", "ushort", "int16", "uint16"}) {
     if (type == two) return 2;
@@ -56,28 +56,29 @@ std::uintmax_t bytes_of_type(std::string_view type) {
   return type == "double" || type == "float64" ? 8 : 1;
 }
 
-/// One element of a PLY header: how many there are, and the fewest bytes that one can take.
+/// One element of a PLY header: the declared count, and the minimum bytes of one.
 struct PlyElement {
   std::string_view name;
   std::uintmax_t count = 0;
-  std::uintmax_t bytes = 0;
+  std::uintmax_t min_bytes = 0;
 };
 
-std::optional<std::string> contradiction_of(const std::vector<PlyElement>& elements,
-                                            std::uintmax_t content) {
+std::optional<std::string> find_element_mismatch(const std::vector<PlyElement>& elements,
+                                                 std::uintmax_t content) {
   std::uintmax_t needed = 0;
   for (const PlyElement& element : elements) {
-    const std::uintmax_t room = element.bytes == 0 ? content : (content - needed) / element.bytes;
+    const std::uintmax_t room =
+        element.min_bytes == 0 ? content : (content - needed) / element.min_bytes;
     if (element.count > room) {
       return "its header declares " + std::to_string(element.count) + " of " +
              std::string(element.name) + ", and the file has room for " + std::to_string(room);
     }
-    needed += element.count * element.bytes;
+    needed += element.count * element.min_bytes;
   }
   return std::nullopt;
 }
 
-std::optional<std::string> contradicted_ply(const FileStart& start) {
+std::optional<std::string> find_ply_mismatch(const FileStart& start) {
   std::string_view rest = start.text;
   if (!rest.starts_with("ply")) return "its header is not that of a PLY file";
   bool is_text = true;
@@ -89,7 +90,7 @@ std::optional<std::string> contradicted_ply(const FileStart& start) {
     rest.remove_prefix(end + 1);
     if (words.empty()) continue;
     if (words[0] == "end_header") {
-      return contradiction_of(elements, start.size - (start.text.size() - rest.size()));
+      return find_element_mismatch(elements, start.size - (start.text.size() - rest.size()));
     }
     if (words[0] == "format" && words.size() > 1) is_text = words[1] == "ascii";
     if (words[0] == "element" && words.size() > 2) {
@@ -103,16 +104,17 @@ std::optional<std::string> contradicted_ply(const FileStart& start) {
       elements.push_back(element);
     }
     if (words[0] == "property" && words.size() > 2 && !elements.empty()) {
-      // Of a list the count alone is sure. In text a number takes a digit and a blank, but for the
-      // last of a file.
+      // A list has at least its count. In text a number takes a digit and a blank, except the last
+      // of a file.
       const bool is_list = words[1] == "list";
-      elements.back().bytes += is_text ? 1 : bytes_of_type(words[is_list ? 2 : 1]);
+      elements.back().min_bytes += is_text ? 1 : bytes_of_type(words[is_list ? 2 : 1]);
     }
   }
   return "its header has no end";
 }
 
-std::uint32_t whole_at(const std::string& bytes, std::size_t at) {
+/// Little-endian.
+std::uint32_t read_uint32(const std::string& bytes, std::size_t at) {
   std::uint32_t value = 0;
   for (std::size_t i = 4; i > 0; --i) {
     value = value << 8 | static_cast<std::uint8_t>(bytes[at + i - 1]);
@@ -120,36 +122,36 @@ std::uint32_t whole_at(const std::string& bytes, std::size_t at) {
   return value;
 }
 
-/// A binary STL is 80 bytes of anything, a count, and 50 bytes a triangle. One in text has no
-/// count.
-std::optional<std::string> contradicted_stl(const FileStart& start) {
+/// A binary STL is an arbitrary header of 80 bytes, a count, and 50 bytes per triangle. An ASCII
+/// STL has no count.
+std::optional<std::string> find_stl_mismatch(const FileStart& start) {
   constexpr std::size_t kHeader = 84;
   constexpr std::uintmax_t kTriangle = 50;
   const bool is_text =
       start.text.starts_with("solid") && start.text.find("facet") != std::string::npos;
   if (is_text || start.text.size() < kHeader) return std::nullopt;
-  const std::uintmax_t declared = whole_at(start.text, 80);
+  const std::uintmax_t declared = read_uint32(start.text, 80);
   const std::uintmax_t room = (start.size - kHeader) / kTriangle;
   if (declared <= room) return std::nullopt;
   return "its header declares " + std::to_string(declared) +
          " triangles, and the file has room for " + std::to_string(room);
 }
 
-/// 12 bytes of header, then chunks of 8 bytes and what they declare [glTF 2.0, 4.4].
-std::optional<std::string> contradicted_glb(const FileStart& start) {
+/// 12 bytes of header, then chunks: 8 bytes of header and the declared length [glTF 2.0, 4.4].
+std::optional<std::string> find_glb_mismatch(const FileStart& start) {
   if (start.text.size() < 20) return "it is too short for a header";
-  const std::uintmax_t declared = whole_at(start.text, 8);
-  const std::uintmax_t chunk = whole_at(start.text, 12);
+  const std::uintmax_t declared = read_uint32(start.text, 8);
+  const std::uintmax_t chunk = read_uint32(start.text, 12);
   if (declared > start.size) {
     return "its header declares " + std::to_string(declared) + " bytes, and the file has " +
            std::to_string(start.size);
   }
-  if (chunk > start.size - 20) return "its first part is longer than the file";
+  if (chunk > start.size - 20) return "its first chunk is longer than the file";
   return std::nullopt;
 }
 
-/// Whether brackets nest deeper than any exporter's: assimp's parser calls itself for each, until
-/// the stack ends. Brackets in strings do not count; the binary part of a .glb is none of it.
+/// Whether JSON brackets nest deeper than any exporter's: assimp's recursive parser would overflow
+/// the stack. Brackets in strings do not count; the binary chunk of a .glb is not scanned.
 bool is_nested_too_deeply(const fs::path& file, std::uintmax_t begin, std::uintmax_t end) {
   constexpr int kMaxDepth = 200;
   std::ifstream stream(file, std::ios::binary);
@@ -157,14 +159,14 @@ bool is_nested_too_deeply(const fs::path& file, std::uintmax_t begin, std::uintm
   int depth = 0;
   bool is_string = false;
   bool is_escaped = false;
-  std::string part(kMaxHeader, '\0');
+  std::string chunk(kMaxHeader, '\0');
   for (std::uintmax_t left = end - begin; left > 0 && stream;) {
-    stream.read(part.data(),
+    stream.read(chunk.data(),
                 static_cast<std::streamsize>(std::min<std::uintmax_t>(left, kMaxHeader)));
     const auto count = static_cast<std::size_t>(stream.gcount());
     left -= count;
     for (std::size_t i = 0; i < count; ++i) {
-      const char c = part[i];
+      const char c = chunk[i];
       if (is_string) {
         is_string = is_escaped || c != '"';
         is_escaped = !is_escaped && c == '\\';
@@ -182,18 +184,18 @@ bool is_nested_too_deeply(const fs::path& file, std::uintmax_t begin, std::uintm
 
 }  // namespace
 
-std::optional<std::string> contradicted_size(const fs::path& file, const std::string& extension) {
-  if (extension == ".ply") return contradicted_ply(start_of(file));
-  if (extension == ".stl") return contradicted_stl(start_of(file));
+std::optional<std::string> find_size_mismatch(const fs::path& file, const std::string& extension) {
+  if (extension == ".ply") return find_ply_mismatch(start_of(file));
+  if (extension == ".stl") return find_stl_mismatch(start_of(file));
   if (extension != ".glb" && extension != ".gltf") return std::nullopt;
   const FileStart start = start_of(file);
   const bool is_binary = start.text.starts_with("glTF");
   if (is_binary || extension == ".glb") {
-    if (auto reason = contradicted_glb(start)) return reason;
+    if (auto reason = find_glb_mismatch(start)) return reason;
   }
   const std::uintmax_t begin = is_binary ? 20 : 0;
-  const std::uintmax_t end = is_binary ? begin + whole_at(start.text, 12) : start.size;
-  if (is_nested_too_deeply(file, begin, end)) return "its parts nest too deeply";
+  const std::uintmax_t end = is_binary ? begin + read_uint32(start.text, 12) : start.size;
+  if (is_nested_too_deeply(file, begin, end)) return "it is nested too deeply";
   return std::nullopt;
 }
 

@@ -8,12 +8,12 @@
 
 namespace pcavr::model {
 
-/// Why a mesh file can't hold what it declares, if so: more vertices, faces or bytes than the file
-/// has room for, a header that never ends, or a glTF document that nests without end. Read before
-/// anything is made as large as a header says; assimp would allocate first, count for minutes, or
-/// run out of stack.
-/// `extension` is in lower case, with the dot.
-[[nodiscard]] std::optional<std::string> contradicted_size(const std::filesystem::path& file,
-                                                           const std::string& extension);
+/// Checks the sizes declared in a mesh file's header against the file size, before memory is
+/// allocated for them. Returns the reason if they do not match: more vertices, faces or bytes than
+/// the file has room for, a header without an end, or a glTF document nested too deeply. assimp
+/// would allocate first, loop for minutes, or overflow its stack. `extension` is in lower case,
+/// with the dot.
+[[nodiscard]] std::optional<std::string> find_size_mismatch(const std::filesystem::path& file,
+                                                            const std::string& extension);
 
 }  // namespace pcavr::model

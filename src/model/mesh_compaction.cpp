@@ -4,7 +4,7 @@
 
 namespace pcavr {
 
-void keep_used_vertices(TriangleMesh& mesh) {
+void remove_unused_vertices(TriangleMesh& mesh) {
   constexpr std::uint32_t kUnused = 0xFFFFFFFFU;
   std::vector<std::uint32_t> number(mesh.vertices.size(), kUnused);
   for (const auto& triangle : mesh.triangles) {

@@ -27,15 +27,15 @@ namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-/// [of whatever unit] Of a coordinate in a mesh. It may be in millimetres, so this is far beyond
-/// ranges::kCoordinate; squares and volumes of it stay finite in single precision.
+/// [unit of the file] Of a coordinate in a mesh. The unit may be millimetres, so this is far above
+/// ranges::kCoordinate; squares and volumes stay finite in single precision.
 constexpr float kMaxMeshCoordinate = 1e7F;
 
-/// How the types that are read differ.
+/// Properties of a supported file type.
 struct MeshType {
   std::string extension;           ///< in lower case, with the dot
   bool has_vertex_normals = true;  ///< an STL's belong to its faces
-  bool has_linear_colors = false;  ///< COLOR_0 of glTF 2.0 is linear, the others' colours are sRGB
+  bool has_linear_colors = false;  ///< COLOR_0 of glTF 2.0 is linear, the other types use sRGB
 };
 
 std::optional<MeshType> mesh_type(const fs::path& file) {
@@ -61,7 +61,7 @@ std::uint8_t to_byte(float channel, bool is_linear) {
   return static_cast<std::uint8_t>(clamp_to_int(255.0 * encoded + 0.5, 0, 255));
 }
 
-/// One part of the file in the file's own frame, appended to what is there.
+/// Appends one part of the file, transformed to the file's frame.
 void append(const aiMesh& part, const aiMatrix4x4& T_file_part, const MeshType& type,
             TriangleMesh& mesh) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -90,8 +90,8 @@ void append(const aiMesh& part, const aiMatrix4x4& T_file_part, const MeshType& 
   }
 }
 
-/// The scene's triangles with all node transforms applied. Walks with a list, not by recursion: a
-/// hostile file may nest its nodes deeply.
+/// The scene's triangles with all node transforms applied. Iterative depth-first traversal:
+/// recursion would overflow the stack on a malicious, deeply nested file.
 TriangleMesh flatten(const aiScene& scene, const MeshType& type) {
   TriangleMesh mesh;
   std::vector<std::pair<const aiNode*, aiMatrix4x4>> open{
@@ -107,25 +107,25 @@ TriangleMesh flatten(const aiScene& scene, const MeshType& type) {
       open.emplace_back(child, T_file_node * child->mTransformation);
     }
   }
-  // Parts without normals or colours leave those of the others without a place.
+  // Kept only if all parts have them.
   if (mesh.normals.size() != mesh.vertices.size()) mesh.normals.clear();
   if (mesh.colors.size() != mesh.vertices.size()) mesh.colors.clear();
   return mesh;
 }
 
 Error not_a_mesh(const fs::path& file, const std::string& reason) {
-  return {.message = "is not a mesh that can be read: " + reason,
+  return {.message = "is not a readable mesh: " + reason,
           .file = file.string(),
           .hint = "export it again as .obj, .stl, .ply or .glb"};
 }
 
-/// assimp's words are long, may hold line breaks, and repeat the path.
+/// assimp's messages are long, may have several lines, and repeat the path.
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-/// What a mesh names beside itself (buffers, materials) may be a pipe or a device, too.
+/// Rejects pipes and devices also for the files that a mesh refers to (buffers, materials).
 class RegularFiles final : public Assimp::DefaultIOSystem {
  public:
-  // The library's own opens the file to see whether it exists, and would wait for a pipe.
+  // The default implementation opens the file to test whether it exists, and would block on a pipe.
   bool Exists(const char* file) const override { return regular_file_size(file).has_value(); }
   Assimp::IOStream* Open(const char* file, const char* mode) override {
     return regular_file_size(file) ? DefaultIOSystem::Open(file, mode) : nullptr;
@@ -135,15 +135,15 @@ class RegularFiles final : public Assimp::DefaultIOSystem {
 Expected<TriangleMesh> read_with_assimp(const fs::path& file, const MeshType& type) {
   try {
     Assimp::Importer importer;
-    importer.SetIOHandler(new RegularFiles);  // the importer's from here on
-    // Coordinates as stored: no unit scaling, no axis conversion. Polygons are not cut up by
-    // assimp, which ends the process where they are malformed.
+    importer.SetIOHandler(new RegularFiles);  // the importer takes ownership
+    // Coordinates as stored: no unit scaling, no axis conversion. Polygons are not triangulated
+    // by assimp, which aborts the process if they are malformed.
     const aiScene* scene = importer.ReadFile(file.string(), aiProcess_ValidateDataStructure);
     if (scene == nullptr) return not_a_mesh(file, first_line(importer.GetErrorString()));
-    if (scene->mRootNode == nullptr) return not_a_mesh(file, "it holds nothing");
+    if (scene->mRootNode == nullptr) return not_a_mesh(file, "it is empty");
     return flatten(*scene, type);
   } catch (const std::bad_alloc&) {
-    return not_a_mesh(file, "there is no memory for it");
+    return not_a_mesh(file, "out of memory");
   } catch (const std::exception& failure) {
     return not_a_mesh(file, first_line(failure.what()));
   }
@@ -154,27 +154,27 @@ Expected<TriangleMesh> read_with_assimp(const fs::path& file, const MeshType& ty
 Expected<TriangleMesh> model::import_mesh(const fs::path& file) {
   const std::optional<MeshType> type = mesh_type(file);
   if (!type) {
-    return Error{.message = "is of an unknown mesh type '" + file.extension().string() + "'",
+    return Error{.message = "has an unknown mesh type '" + file.extension().string() + "'",
                  .file = file.string(),
-                 .hint = "give it as .obj, .stl, .ply, .glb or .gltf"};
+                 .hint = "convert it to .obj, .stl, .ply, .glb or .gltf"};
   }
   const Expected<bool> is_there = is_present(file);
   if (!is_there) return is_there.error();
   if (!*is_there) {
     return Error{.message = "mesh file is missing",
                  .file = file.string(),
-                 .hint = "put it there, or correct the path that names it"};
+                 .hint = "add the file, or correct the path"};
   }
   const Expected<std::uintmax_t> size = regular_file_size(file);
   if (!size) return size.error();
-  if (const auto reason = model::contradicted_size(file, type->extension)) {
+  if (const auto reason = model::find_size_mismatch(file, type->extension)) {
     return not_a_mesh(file, *reason);
   }
   Expected<TriangleMesh> mesh = read_with_assimp(file, *type);
   if (!mesh) return mesh;
-  if (mesh->triangles.empty()) return not_a_mesh(file, "it holds no triangles");
+  if (mesh->triangles.empty()) return not_a_mesh(file, "it has no triangles");
   for (std::size_t i = 0; i < mesh->vertices.size(); ++i) {
-    // Not a number is not below it, either.
+    // NaN fails this comparison, too.
     if ((mesh->vertices[i].cwiseAbs().array() <= kMaxMeshCoordinate).all()) continue;
     return Error{.message = "has a coordinate that is not finite, or beyond 10 000 km",
                  .file = file.string(),
@@ -187,7 +187,7 @@ Expected<TriangleMesh> model::import_mesh(const fs::path& file) {
 Expected<TriangleMesh> read_mesh(const fs::path& file) {
   const Expected<TriangleMesh> mesh = model::import_mesh(file);
   if (!mesh) return mesh;
-  TriangleMesh sound = model::without_empty_triangles(model::join_equal_vertices(*mesh));
+  TriangleMesh sound = model::without_degenerate_triangles(model::weld_vertices(*mesh));
   if (sound.triangles.empty()) return not_a_mesh(file, "its triangles have no area");
   return sound;
 }

@@ -9,8 +9,8 @@
 
 namespace pcavr::model {
 
-/// The triangles of a file as it stores them, node transforms applied: corners unshared where the
-/// file or its importer has them so, triangles without area kept. At least one triangle; all
+/// The triangles of a file as stored, node transforms applied: vertices may be duplicated, as in
+/// the file or by the importer, and degenerate triangles are kept. At least one triangle; all
 /// coordinates finite.
 [[nodiscard]] Expected<TriangleMesh> import_mesh(const std::filesystem::path& file);
 

@@ -12,10 +12,10 @@ namespace {
 
 constexpr std::uint32_t kUnused = ~std::uint32_t{0};
 
-/// Everything that tells two vertices apart.
-class VertexIdentity {
+/// Compares vertices by position, normal and colour.
+class VertexComparison {
  public:
-  explicit VertexIdentity(const TriangleMesh& mesh) : mesh_(mesh) {}
+  explicit VertexComparison(const TriangleMesh& mesh) : mesh_(mesh) {}
 
   [[nodiscard]] bool is_same(std::uint32_t i, std::uint32_t j) const {
     if (!is_identical(mesh_.vertices[i], mesh_.vertices[j])) return false;
@@ -36,15 +36,15 @@ class VertexIdentity {
   const TriangleMesh& mesh_;
 };
 
-/// For each vertex, the first one that is equal to it.
+/// For each vertex, the index of the first equal one.
 std::vector<std::uint32_t> first_equals(const TriangleMesh& mesh) {
-  const VertexIdentity identity(mesh);
+  const VertexComparison comparison(mesh);
   VertexTable table(mesh.vertices.size());
   std::vector<std::uint32_t> firsts(mesh.vertices.size());
   for (std::uint32_t i = 0; i < firsts.size(); ++i) {
     firsts[i] = table.find_or_insert(
-        identity.hash(i), i, [&](std::uint32_t j) { return identity.is_same(i, j); },
-        [&](std::uint32_t j) { return identity.hash(j); });
+        comparison.hash(i), i, [&](std::uint32_t j) { return comparison.is_same(i, j); },
+        [&](std::uint32_t j) { return comparison.hash(j); });
   }
   return firsts;
 }
@@ -55,29 +55,29 @@ Eigen::Vector3d corner(const TriangleMesh& mesh, std::uint32_t index) {
 
 }  // namespace
 
-TriangleMesh join_equal_vertices(const TriangleMesh& mesh) {
+TriangleMesh weld_vertices(const TriangleMesh& mesh) {
   const std::vector<std::uint32_t> firsts = first_equals(mesh);
-  std::vector<std::uint32_t> places(mesh.vertices.size(), kUnused);
-  TriangleMesh joined;
-  joined.triangles.reserve(mesh.triangles.size());
+  std::vector<std::uint32_t> new_indices(mesh.vertices.size(), kUnused);
+  TriangleMesh welded;
+  welded.triangles.reserve(mesh.triangles.size());
   for (const auto& triangle : mesh.triangles) {
-    std::array<std::uint32_t, 3> moved{};
+    std::array<std::uint32_t, 3> corners{};
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t source = firsts[triangle[k]];
-      if (places[source] == kUnused) {
-        places[source] = static_cast<std::uint32_t>(joined.vertices.size());
-        joined.vertices.push_back(mesh.vertices[source]);
-        if (!mesh.normals.empty()) joined.normals.push_back(mesh.normals[source]);
-        if (!mesh.colors.empty()) joined.colors.push_back(mesh.colors[source]);
+      if (new_indices[source] == kUnused) {
+        new_indices[source] = static_cast<std::uint32_t>(welded.vertices.size());
+        welded.vertices.push_back(mesh.vertices[source]);
+        if (!mesh.normals.empty()) welded.normals.push_back(mesh.normals[source]);
+        if (!mesh.colors.empty()) welded.colors.push_back(mesh.colors[source]);
       }
-      moved[k] = places[source];
+      corners[k] = new_indices[source];
     }
-    joined.triangles.push_back(moved);
+    welded.triangles.push_back(corners);
   }
-  return joined;
+  return welded;
 }
 
-TriangleMesh without_empty_triangles(TriangleMesh mesh) {
+TriangleMesh without_degenerate_triangles(TriangleMesh mesh) {
   std::erase_if(mesh.triangles, [&](const std::array<std::uint32_t, 3>& triangle) {
     const auto& [a, b, c] = triangle;
     const Eigen::Vector3d origin = corner(mesh, a);
@@ -88,7 +88,8 @@ TriangleMesh without_empty_triangles(TriangleMesh mesh) {
 }
 
 OpenEdges find_open_edges(const TriangleMesh& mesh) {
-  // By the lower vertex: where its edges begin in `edges`, each its upper vertex and its direction.
+  // Edges bucketed by their lower vertex: index of its first edge in `edges`, which hold the upper
+  // vertex and the direction.
   std::vector<std::size_t> first(mesh.vertices.size() + 1, 0);
   const auto for_each_edge = [&](const auto& take) {
     for (const auto& triangle : mesh.triangles) {
@@ -116,7 +117,7 @@ OpenEdges find_open_edges(const TriangleMesh& mesh) {
       std::ptrdiff_t balance = 0;
       for (; edge != end && *edge >> 1U == high; ++edge) balance += (*edge & 1U) != 0U ? 1 : -1;
       if (balance == 0) continue;
-      if (open.count == 0) open.somewhere = 0.5F * (mesh.vertices[low] + mesh.vertices[high]);
+      if (open.count == 0) open.location = 0.5F * (mesh.vertices[low] + mesh.vertices[high]);
       ++open.count;
     }
   }
@@ -125,7 +126,7 @@ OpenEdges find_open_edges(const TriangleMesh& mesh) {
 
 MassProperties mass_properties(const TriangleMesh& mesh) {
   if (mesh.vertices.empty()) return {};
-  // From the middle of the mesh, the tetrahedra cancel least.
+  // Relative to the centre of the mesh, cancellation errors are smallest.
   const Eigen::Vector3d middle = bounds(mesh.vertices).center().cast<double>();
   MassProperties sum;
   for (const auto& triangle : mesh.triangles) {

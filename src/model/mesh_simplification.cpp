@@ -18,16 +18,18 @@ namespace {
 using model::Quadric;
 using Triangle = std::array<std::uint32_t, 3>;
 
-// Black beside white weighs as much as a surface this far off [m]: patterns on flat surfaces, which
-// have no shape to keep them, survive.
+// Contrast of black and white counts as this geometric error [m], so that patterns on flat surfaces
+// are preserved.
 constexpr double kColorScale = 0.010;
-// A border edge counts as a plane across it this many times as heavy as its triangle.
+// Weight of the plane through a border edge, perpendicular to its triangle, relative to the
+// triangle.
 constexpr double kBorderWeight = 10.0;
-// A triangle may not turn by more than 75 deg in one collapse.
-constexpr double kMinTurnCosine = 0.26;
-// Of the edges, those in the cheapest part are collapsed in one round; none share a neighbour.
-constexpr double kShareARound = 0.35;
-constexpr double kEnoughARound = 0.005;
+// Cosine of the maximum rotation of a triangle's normal in one collapse: 75 degrees.
+constexpr double kMinRotationCosine = 0.26;
+// Share of the edges, the cheapest, that are candidates in one round; none share a neighbour.
+constexpr double kCandidateShare = 0.35;
+// A round that removes a smaller share of the triangles has stalled.
+constexpr double kMinRemovedShare = 0.005;
 
 struct Collapse {
   double cost;
@@ -40,8 +42,9 @@ bool is_cheaper(const Collapse& left, const Collapse& right) {
   return std::pair(left.a, left.b) < std::pair(right.a, right.b);
 }
 
-/// Rounds of edge collapses. In each round, the cheapest edges whose neighbourhoods do not meet are
-/// collapsed: near the order of a priority queue at a fraction of its cost.
+/// Rounds of edge collapses. In each round, the cheapest edges with disjoint neighbourhoods (an
+/// independent set) are collapsed: close to the order of a priority queue at a fraction of its
+/// cost.
 class Simplifier {
  public:
   Simplifier(const TriangleMesh& mesh, double max_error)
@@ -59,10 +62,10 @@ class Simplifier {
                     [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[0] == t[2]; });
       find_triangles_around();
       const auto removed = static_cast<double>(before - mesh_.triangles.size());
-      if (removed < kEnoughARound * static_cast<double>(before) && stuck_) break;
-      stuck_ = removed < kEnoughARound * static_cast<double>(before);
+      if (removed < kMinRemovedShare * static_cast<double>(before) && is_stalled_) break;
+      is_stalled_ = removed < kMinRemovedShare * static_cast<double>(before);
     }
-    keep_used_vertices(mesh_);
+    remove_unused_vertices(mesh_);
     return std::move(mesh_);
   }
 
@@ -92,11 +95,11 @@ class Simplifier {
 
   void add_triangle_planes() {
     for (const Triangle& t : mesh_.triangles) {
-      const Eigen::Vector3d across = doubled_area(t);
-      const double length = across.norm();
+      const Eigen::Vector3d normal = doubled_area(t);
+      const double length = normal.norm();
       if (!(length > 0.0)) continue;
       for (const std::uint32_t v : t) {
-        quadrics_[v].add_plane(across / length, point(t[0]), length / 6.0);
+        quadrics_[v].add_plane(normal / length, point(t[0]), length / 6.0);
       }
     }
   }
@@ -118,21 +121,21 @@ class Simplifier {
         const std::uint32_t b = t[(i + 1) % 3];
         if (triangles_on(a, b) == 2) continue;
         is_border_[a] = is_border_[b] = true;
-        const Eigen::Vector3d across = doubled_area(t).cross(point(b) - point(a));
-        const double length = across.norm();
+        const Eigen::Vector3d normal = doubled_area(t).cross(point(b) - point(a));
+        const double length = normal.norm();
         if (!(length > 0.0)) continue;
         const double weight = kBorderWeight * (point(b) - point(a)).squaredNorm();
         for (const std::uint32_t v : {a, b}) {
-          // Errors are told per area of surface: the border's weight is no surface.
+          // Errors are relative to the surface area: the border's weight is not part of it.
           const double area = quadrics_[v].area;
-          quadrics_[v].add_plane(across / length, point(a), weight);
+          quadrics_[v].add_plane(normal / length, point(a), weight);
           quadrics_[v].area = area;
         }
       }
     }
   }
 
-  /// Where the vertex goes that takes the place of a and b, and what that costs.
+  /// Position and cost of the vertex that replaces a and b.
   struct Placement {
     Eigen::Vector3d point;
     double error;  ///< of shape [m^4]
@@ -144,7 +147,7 @@ class Simplifier {
     sum += quadrics_[b];
     const Eigen::Vector3d pa = point(a);
     const Eigen::Vector3d pb = point(b);
-    // About the middle, the numbers are small and the determinant is sound.
+    // Relative to the midpoint, the numbers are small and the determinant is well conditioned.
     const Eigen::Vector3d middle = 0.5 * (pa + pb);
     const double length2 = (pb - pa).squaredNorm();
     Placement best{middle, sum.error(middle), 0.5};
@@ -186,7 +189,7 @@ class Simplifier {
         const Placement to = place(a, b);
         const double area = quadrics_[a].area + quadrics_[b].area;
         if (to.error > max_error_ * max_error_ * area) continue;
-        // A touch of length breaks ties on flat surfaces in favour of even triangles.
+        // A small term of the length breaks ties on flat surfaces in favour of regular triangles.
         const double length2 = (point(a) - point(b)).squaredNorm();
         edges.push_back({to.error + color_cost(a, b) + 1e-6 * length2 * area, a, b});
       }
@@ -194,25 +197,25 @@ class Simplifier {
     return edges;
   }
 
-  void collapse_round(std::size_t most) {
+  void collapse_round(std::size_t max_removed) {
     std::vector<Collapse> edges = candidates();
-    const auto wanted =
-        std::min(edges.size(),
-                 static_cast<std::size_t>(kShareARound * static_cast<double>(edges.size())) + 64);
-    const auto middle = edges.begin() + static_cast<std::ptrdiff_t>(wanted);
-    if (wanted < edges.size()) std::nth_element(edges.begin(), middle, edges.end(), is_cheaper);
+    const auto count = std::min(
+        edges.size(),
+        static_cast<std::size_t>(kCandidateShare * static_cast<double>(edges.size())) + 64);
+    const auto middle = edges.begin() + static_cast<std::ptrdiff_t>(count);
+    if (count < edges.size()) std::nth_element(edges.begin(), middle, edges.end(), is_cheaper);
     std::sort(edges.begin(), middle, is_cheaper);
     is_locked_.assign(mesh_.vertices.size(), false);
     std::size_t removed = 0;
-    for (auto edge = edges.begin(); edge != middle && removed < most; ++edge) {
+    for (auto edge = edges.begin(); edge != middle && removed < max_removed; ++edge) {
       if (is_locked_[edge->a] || is_locked_[edge->b]) continue;
       removed += try_collapse(edge->a, edge->b);
     }
   }
 
-  /// Whether a and b have no common neighbours but those of the triangles between them: else the
-  /// surface would fold onto itself [Dey et al. 1999, the link condition].
-  [[nodiscard]] bool keeps_topology(std::uint32_t a, std::uint32_t b, int between) {
+  /// Link condition [Dey et al. 1999]: a and b have no common neighbours except those of the
+  /// triangles between them; otherwise the collapse would make the surface non-manifold.
+  [[nodiscard]] bool satisfies_link_condition(std::uint32_t a, std::uint32_t b, int between) {
     common_.clear();
     for (const std::uint32_t i : triangles_around(a)) {
       for (const std::uint32_t v : mesh_.triangles[i]) {
@@ -234,8 +237,9 @@ class Simplifier {
     return static_cast<int>(others_.size()) == between;
   }
 
-  [[nodiscard]] bool keeps_sides(std::uint32_t moved, std::uint32_t other,
-                                 const Eigen::Vector3d& to) const {
+  /// Whether no triangle around `moved` flips or degenerates.
+  [[nodiscard]] bool keeps_orientation(std::uint32_t moved, std::uint32_t other,
+                                       const Eigen::Vector3d& to) const {
     for (const std::uint32_t i : triangles_around(moved)) {
       const Triangle& t = mesh_.triangles[i];
       if (t[0] == other || t[1] == other || t[2] == other) continue;
@@ -243,7 +247,7 @@ class Simplifier {
       for (std::size_t k = 0; k < 3; ++k) p[k] = t[k] == moved ? to : point(t[k]);
       const Eigen::Vector3d before = doubled_area(t);
       const Eigen::Vector3d after = (p[1] - p[0]).cross(p[2] - p[0]);
-      if (before.dot(after) < kMinTurnCosine * before.norm() * after.norm()) return false;
+      if (before.dot(after) < kMinRotationCosine * before.norm() * after.norm()) return false;
       if (!(after.norm() > 1e-3 * before.norm())) return false;
     }
     return true;
@@ -252,12 +256,12 @@ class Simplifier {
   /// Number of triangles removed.
   std::size_t try_collapse(std::uint32_t a, std::uint32_t b) {
     const int between = triangles_on(a, b);
-    if (between < 1 || between > 2 || !keeps_topology(a, b, between)) return 0;
+    if (between < 1 || between > 2 || !satisfies_link_condition(a, b, between)) return 0;
     const Placement to = place(a, b);
-    if (!keeps_sides(a, b, to.point) || !keeps_sides(b, a, to.point)) return 0;
+    if (!keeps_orientation(a, b, to.point) || !keeps_orientation(b, a, to.point)) return 0;
     lock_around(a);
     lock_around(b);
-    mix_attributes(a, b, to.share);
+    interpolate_attributes(a, b, to.share);
     mesh_.vertices[a] = to.point.cast<float>();
     quadrics_[a] += quadrics_[b];
     is_border_[a] = is_border_[a] || is_border_[b];
@@ -273,7 +277,7 @@ class Simplifier {
     }
   }
 
-  void mix_attributes(std::uint32_t a, std::uint32_t b, double share) {
+  void interpolate_attributes(std::uint32_t a, std::uint32_t b, double share) {
     if (!mesh_.colors.empty()) {
       const auto mix = [&](std::uint8_t from, std::uint8_t to) {
         return static_cast<std::uint8_t>(from + (to - from) * share + 0.5);
@@ -291,7 +295,7 @@ class Simplifier {
 
   TriangleMesh mesh_;
   double max_error_;
-  bool stuck_ = false;
+  bool is_stalled_ = false;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> first_;  ///< by vertex: where its triangles begin in around_
   std::vector<std::uint32_t> around_;

@@ -11,7 +11,7 @@ Eigen::Vector3d vertex_at(const TriangleMesh& mesh, std::uint32_t index) {
   return mesh.vertices[index].cast<double>();
 }
 
-/// Newell's normal: right for polygons that are not convex, and not quite flat.
+/// Newell's normal: correct for polygons that are not convex or not quite planar.
 Eigen::Vector3d polygon_normal(const std::vector<std::uint32_t>& corners,
                                const TriangleMesh& mesh) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
@@ -23,7 +23,7 @@ Eigen::Vector3d polygon_normal(const std::vector<std::uint32_t>& corners,
   return normal;
 }
 
-/// Whether the triangle at corner i turns with the polygon and holds no other corner.
+/// Whether the triangle at corner i is an ear: convex, and without another corner inside.
 bool is_ear(const std::vector<std::uint32_t>& corners, std::size_t i, const TriangleMesh& mesh,
             const Eigen::Vector3d& normal) {
   const std::size_t n = corners.size();
@@ -51,7 +51,7 @@ void append_polygon(std::vector<std::uint32_t> corners, TriangleMesh& mesh) {
     const std::size_t n = corners.size();
     std::size_t ear = 0;
     while (ear < n && !is_ear(corners, ear, mesh, normal)) ++ear;
-    ear %= n;  // a polygon that crosses itself may have no ear: any cut is as good
+    ear %= n;  // a self-intersecting polygon may have no ear: cut any corner
     mesh.triangles.push_back({corners[(ear + n - 1) % n], corners[ear], corners[(ear + 1) % n]});
     corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(ear));
   }

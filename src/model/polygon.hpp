@@ -9,8 +9,8 @@
 
 namespace pcavr::model {
 
-/// Cuts a polygon of the mesh's vertices, which need not be convex, into triangles of the same
-/// winding and appends them. Fewer than three corners are a point or a line, and left out.
+/// Triangulates a polygon of the mesh's vertices, which need not be convex, by ear clipping and
+/// appends the triangles, of the same winding. Fewer than three corners are ignored.
 void append_polygon(std::vector<std::uint32_t> corners, TriangleMesh& mesh);
 
 }  // namespace pcavr::model

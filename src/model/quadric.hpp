@@ -49,14 +49,15 @@ struct Quadric {
     return value > 0.0 ? value : 0.0;
   }
 
-  /// The point of least error, if the planes fix one; `p` is left alone otherwise.
+  /// The point of minimum error, if the planes determine one; otherwise `p` is not changed.
   bool best_point(Eigen::Vector3d& p) const {
     const double m00 = yy * zz - yz * yz;
     const double m01 = xz * yz - xy * zz;
     const double m02 = xy * yz - xz * yy;
     const double determinant = xx * m00 + xy * m01 + xz * m02;
     const double trace = xx + yy + zz;
-    // Planes within some 3 deg of each other leave the point free along them.
+    // Ill-conditioned: planes within some 3 deg of each other do not determine the point along
+    // them.
     if (determinant < 1e-5 * trace * trace * trace) return false;
     const double m11 = xx * zz - xz * xz;
     const double m12 = xy * xz - xx * yz;

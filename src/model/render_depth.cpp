@@ -9,19 +9,19 @@
 namespace pcavr {
 namespace {
 
-/// Lens distortion bends the edges of the box out of the rectangle of its corners: by less than
-/// this share of the rectangle for lenses that the plumb-bob model fits. Other models bend more:
-/// there, so many points of each edge are looked at, between which less than that is left.
-constexpr double kDistortionSlack = 0.1;
+/// Lens distortion bends the edges of the box beyond the rectangle of its corners: by less than
+/// this share of the rectangle with the plumb-bob model. Other models bend more: there, this many
+/// points of each edge are projected, between which the margin suffices.
+constexpr double kDistortionMargin = 0.1;
 constexpr int kEdgePoints = 9;
 
-constexpr std::size_t kRowsAtOnce = 8;
+constexpr std::size_t kRowsPerTask = 8;
 
-/// The pixels of points along the twelve edges of a box.
+/// Extends `pixels` by the projections of points along the twelve edges of a box.
 void extend_by_edges(const Eigen::AlignedBox3f& box_mesh, const CameraModel& camera,
                      const Pose& T_camera_mesh, Eigen::AlignedBox2d& pixels) {
   for (int edge = 0; edge < 12; ++edge) {
-    // Four parallel edges along each axis, told apart by the sides that they lie on.
+    // Four parallel edges along each axis, on different sides of the other two axes.
     const int axis = edge / 4;
     const Eigen::Vector3d low = box_mesh.min().cast<double>();
     const Eigen::Vector3d size = box_mesh.sizes().cast<double>();
@@ -62,10 +62,10 @@ PixelRectangle visible_rectangle(const Eigen::AlignedBox3f& bounds_mesh, const C
   if (camera.distortion.model() != LensModel::plumb_bob) {
     extend_by_edges(bounds_mesh, camera, T_camera_mesh, pixels);
   }
-  Eigen::Vector2d slack(1.0, 1.0);
-  if (camera.has_distortion()) slack += kDistortionSlack * pixels.sizes();
-  const Eigen::Vector2d low = (pixels.min() - slack).array().floor();
-  const Eigen::Vector2d high = (pixels.max() + slack).array().ceil() + 1.0;
+  Eigen::Vector2d margin(1.0, 1.0);
+  if (camera.has_distortion()) margin += kDistortionMargin * pixels.sizes();
+  const Eigen::Vector2d low = (pixels.min() - margin).array().floor();
+  const Eigen::Vector2d high = (pixels.max() + margin).array().ceil() + 1.0;
   return {clamp_to_int(low.x(), 0, camera.width), clamp_to_int(low.y(), 0, camera.height),
           clamp_to_int(high.x(), 0, camera.width), clamp_to_int(high.y(), 0, camera.height)};
 }
@@ -78,7 +78,7 @@ DepthImage render_depth(const SurfaceQuery& surface, const CameraModel& camera,
   const Eigen::Matrix3d R_mesh_camera = T_mesh_camera.rotation_matrix();
   const Eigen::Vector3f origin = T_mesh_camera.translation().cast<float>();
   const auto rows = static_cast<std::size_t>(rectangle.y_end - rectangle.y_begin);
-  parallel_for(parallelism, rows, kRowsAtOnce, [&](std::size_t begin, std::size_t end) {
+  parallel_for(parallelism, rows, kRowsPerTask, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
       const int y = rectangle.y_begin + static_cast<int>(row);
       for (int x = rectangle.x_begin; x < rectangle.x_end; ++x) {

@@ -20,13 +20,15 @@ namespace pcavr::model {
 namespace fs = std::filesystem;
 namespace {
 
-// From this size on, a general importer's memory and time are felt [bytes]: some 100 000 triangles.
+// Files from this size are streamed, because assimp would need much memory and time [bytes]: some
+// 100 000 triangles.
 constexpr std::uintmax_t kLargeFile = 8U << 20U;
-constexpr std::size_t kPiece = 1U << 20U;  // bytes read at once
-// Indices are 32 bits, and the largest marks none.
+constexpr std::size_t kChunk = 1U << 20U;  // bytes per read
+// Indices are 32 bits; the largest value is reserved for "none".
 constexpr std::uint64_t kMaxVertices = 0xFFFFFFFEU;
 
-static_assert(std::endian::native == std::endian::little, "binary meshes are read as they lie");
+static_assert(std::endian::native == std::endian::little,
+              "binary meshes are read without byte swapping");
 
 template <typename Number>
 Number number_at(const char* bytes) {
@@ -35,12 +37,12 @@ Number number_at(const char* bytes) {
   return number;
 }
 
-/// A file's bytes in pieces.
+/// Buffered reader of a file.
 class ByteReader {
  public:
   explicit ByteReader(const fs::path& file) : stream_(file, std::ios::binary) {}
 
-  /// The next `count` bytes, valid until the next call; null where the file ends before.
+  /// The next `count` bytes, valid until the next call; null if the file ends before.
   const char* take(std::size_t count) {
     if (end_ - next_ < count) refill(count);
     if (end_ - next_ < count) return nullptr;
@@ -73,12 +75,12 @@ class ByteReader {
   }
 
  private:
-  void refill(std::size_t wanted) {
+  void refill(std::size_t min_size) {
     std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(next_),
               buffer_.begin() + static_cast<std::ptrdiff_t>(end_), buffer_.begin());
     end_ -= next_;
     next_ = 0;
-    buffer_.resize(std::max(buffer_.size(), wanted + kPiece));
+    buffer_.resize(std::max(buffer_.size(), min_size + kChunk));
     stream_.read(buffer_.data() + end_, static_cast<std::streamsize>(buffer_.size() - end_));
     end_ += static_cast<std::size_t>(stream_.gcount());
     is_at_end_ = !stream_;
@@ -106,7 +108,7 @@ std::string extension_of(const fs::path& file) {
   return extension;
 }
 
-// ---- STL: 80 bytes of title, a count, then 50 bytes a triangle: normal, corners, two bytes.
+// ---- STL: 80 bytes of header, a count, then 50 bytes a triangle: normal, corners, two bytes.
 
 constexpr std::size_t kStlHeader = 84;
 constexpr std::size_t kStlTriangle = 50;
@@ -142,7 +144,7 @@ std::optional<TriangleMesh> read_stl(const fs::path& file, std::uintmax_t size) 
 
 // ---- PLY, binary little-endian: a header that names the properties, then rows.
 
-/// Bytes of a PLY number; 0 for what is none.
+/// Bytes of a PLY number type; 0 for an unknown one.
 std::size_t size_of(std::string_view type) {
   if (type == "char" || type == "uchar" || type == "int8" || type == "uint8") return 1;
   if (type == "short" || type == "ushort" || type == "int16" || type == "uint16") return 2;
@@ -164,20 +166,20 @@ std::vector<std::string_view> words_of(std::string_view line) {
   }
 }
 
-/// What a PLY must be for this reader: rows of plain numbers with x, y, z as floats, then faces
-/// that are one list of 32-bit indices.
+/// The PLY layout that this reader supports: rows of numbers with x, y, z as floats, then faces
+/// with one list of 32-bit indices.
 struct PlyLayout {
   std::uint64_t vertices = 0;
   std::uint64_t faces = 0;
   std::size_t vertex_bytes = 0;
-  std::array<std::size_t, 3> place{};  ///< of x, y and z in a vertex's row
-  std::size_t count_bytes = 0;         ///< of a face's number of corners
-  bool has_place = false;
+  std::array<std::size_t, 3> offsets{};  ///< of x, y and z in a vertex's row
+  std::size_t count_bytes = 0;           ///< of a face's number of corners
+  bool has_position = false;
   bool has_faces = false;
 };
 
-/// Takes in one line of the header. False: nothing that this reader knows.
-bool take_header_line(const std::vector<std::string_view>& words, PlyLayout& layout, int& axes) {
+/// Parses one line of the header. False: not supported by this reader.
+bool parse_header_line(const std::vector<std::string_view>& words, PlyLayout& layout, int& axes) {
   if (words.empty() || words[0] == "comment" || words[0] == "obj_info") return true;
   if (words[0] == "element" && words.size() == 3) {
     const bool is_vertex = words[1] == "vertex" && layout.vertex_bytes == 0 && !layout.has_faces;
@@ -199,11 +201,11 @@ bool take_header_line(const std::vector<std::string_view>& words, PlyLayout& lay
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (words[2] != std::string_view("xyz").substr(axis, 1)) continue;
     if (words[1] != "float" && words[1] != "float32") return false;
-    layout.place[axis] = layout.vertex_bytes;
+    layout.offsets[axis] = layout.vertex_bytes;
     ++axes;
   }
   layout.vertex_bytes += size_of(words[1]);
-  layout.has_place = axes == 3;
+  layout.has_position = axes == 3;
   return true;
 }
 
@@ -220,10 +222,10 @@ std::optional<PlyLayout> read_ply_header(ByteReader& bytes) {
     const auto line = bytes.line();
     if (!line) return std::nullopt;
     if (*line == "end_header") {
-      const bool is_known = layout.has_place && layout.count_bytes > 0;
+      const bool is_known = layout.has_position && layout.count_bytes > 0;
       return is_known ? std::optional(layout) : std::nullopt;
     }
-    if (!take_header_line(words_of(*line), layout, axes)) return std::nullopt;
+    if (!parse_header_line(words_of(*line), layout, axes)) return std::nullopt;
   }
   return std::nullopt;
 }
@@ -232,7 +234,7 @@ std::optional<TriangleMesh> read_ply(const fs::path& file, std::uintmax_t size) 
   ByteReader bytes(file);
   const std::optional<PlyLayout> layout = read_ply_header(bytes);
   if (!layout) return std::nullopt;
-  // No header reserves more than the file can hold.
+  // Never reserve more than the file can contain.
   if (layout->vertices > size / layout->vertex_bytes || layout->vertices > kMaxVertices ||
       layout->faces > size / (layout->count_bytes + 12)) {
     return std::nullopt;
@@ -243,7 +245,7 @@ std::optional<TriangleMesh> read_ply(const fs::path& file, std::uintmax_t size) 
   for (std::uint64_t i = 0; i < layout->vertices; ++i) {
     const char* row = bytes.take(layout->vertex_bytes);
     if (row == nullptr) return std::nullopt;
-    const auto& [x, y, z] = layout->place;
+    const auto& [x, y, z] = layout->offsets;
     mesh.vertices.emplace_back(number_at<float>(row + x), number_at<float>(row + y),
                                number_at<float>(row + z));
     if (!mesh.vertices.back().allFinite()) return std::nullopt;
@@ -267,7 +269,7 @@ std::optional<TriangleMesh> read_ply(const fs::path& file, std::uintmax_t size) 
   return mesh;
 }
 
-// ---- OBJ: v and f; what belongs to looks is passed over.
+// ---- OBJ: v and f; normals, texture coordinates and materials are ignored.
 
 bool parse_vertex(std::string_view text, TriangleMesh& mesh) {
   Eigen::Vector3f p;
@@ -297,12 +299,12 @@ bool parse_face(std::string_view text, std::vector<std::uint32_t>& corners, Tria
     std::int64_t index = 0;
     const auto [next, code] = std::from_chars(at, end, index);
     const auto count = static_cast<std::int64_t>(mesh.vertices.size());
-    // From 1 on; negative: back from the newest vertex.
+    // One-based; negative: relative to the last vertex.
     if (index < 0) index += count + 1;
     if (code != std::errc{} || index < 1 || index > count) return false;
     corners.push_back(static_cast<std::uint32_t>(index - 1));
     at = next;
-    while (at < end && *at != ' ' && *at != '\t') ++at;  // of texture and normal
+    while (at < end && *at != ' ' && *at != '\t') ++at;  // texture and normal indices
   }
   append_face(corners, mesh);
   return true;
@@ -313,18 +315,17 @@ std::optional<TriangleMesh> read_obj(const fs::path& file) {
   TriangleMesh mesh;
   std::vector<std::uint32_t> corners;
   while (const auto line = bytes.line()) {
-    if (line->ends_with('\\')) return std::nullopt;  // goes on in the next line
+    if (line->ends_with('\\')) return std::nullopt;  // line continuation
     if (line->starts_with("v ")) {
       if (!parse_vertex(line->substr(2), mesh)) return std::nullopt;
     } else if (line->starts_with("f ")) {
       if (!parse_face(line->substr(2), corners, mesh)) return std::nullopt;
     } else {
       const std::string_view word = line->substr(0, line->find_first_of(" \t"));
-      constexpr std::array<std::string_view, 10> kPassedOver = {"",  "vn", "vt",     "g",      "o",
-                                                                "s", "#",  "usemtl", "mtllib", "l"};
-      const bool is_known =
-          word.starts_with('#') ||
-          std::find(kPassedOver.begin(), kPassedOver.end(), word) != kPassedOver.end();
+      constexpr std::array<std::string_view, 10> kIgnored = {"",  "vn", "vt",     "g",      "o",
+                                                             "s", "#",  "usemtl", "mtllib", "l"};
+      const bool is_known = word.starts_with('#') ||
+                            std::find(kIgnored.begin(), kIgnored.end(), word) != kIgnored.end();
       if (!is_known) return std::nullopt;
     }
   }

@@ -11,8 +11,7 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/model/cad_model.hpp"
-
-#include "model/triangle.hpp"
+#include "pcavr/model/triangle.hpp"
 
 namespace pcavr {
 namespace {
@@ -26,11 +25,11 @@ struct ReleaseScene {
 using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice>;
 using Scene = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
 
-/// Embree prunes in single precision, off by a few units in the last place: looking this much
-/// further keeps whatever is equally near.
-constexpr float kPruningSlack = 1.0F + 1e-6F;
+/// Embree prunes in single precision, with an error of a few units in the last place: a radius
+/// larger by this factor keeps all equally near triangles.
+constexpr float kRadiusFactor = 1.0F + 1e-6F;
 
-void require_sound(const TriangleMesh& mesh) {
+void require_valid(const TriangleMesh& mesh) {
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
     PCAVR_REQUIRE(vertex.allFinite(), vertex.transpose());
   }
@@ -50,6 +49,7 @@ Eigen::Vector3f unit_normal(const model::Triangle& triangle) {
 
 }  // namespace
 
+/// Embree's bounding volume hierarchy (BVH) with the mesh data.
 struct SurfaceQuery::Tree {
   std::vector<Eigen::Vector3f> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -90,7 +90,7 @@ SurfaceQuery::Tree::Tree(const TriangleMesh& mesh)
   rtcCommitScene(scene.get());
   const RTCError error = rtcGetDeviceError(device.get());
   if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-  // The mesh is sound: what else Embree fails for is that its scheduler could start no thread.
+  // The mesh is valid: the remaining cause is that Embree's scheduler could not start a thread.
   if (error == RTC_ERROR_UNKNOWN) {
     throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
   }
@@ -98,7 +98,7 @@ SurfaceQuery::Tree::Tree(const TriangleMesh& mesh)
 }
 
 SurfaceQuery::SurfaceQuery(const TriangleMesh& mesh) {
-  require_sound(mesh);
+  require_valid(mesh);
   tree_ = std::make_unique<Tree>(mesh);
 }
 SurfaceQuery::~SurfaceQuery() = default;
@@ -122,7 +122,7 @@ std::optional<SurfaceQuery::Closest> SurfaceQuery::closest(const Eigen::Vector3f
   };
   Search search{tree_.get(), point.cast<double>(), static_cast<double>(radius) * radius};
 
-  // Ties go to the lower index, so that the answer does not depend on the order of traversal.
+  // Ties are broken by the lower index, so that the result does not depend on the traversal order.
   const RTCPointQueryFunction visit = [](RTCPointQueryFunctionArguments* arguments) {
     auto& best = *static_cast<Search*>(arguments->userPtr);
     const std::uint32_t triangle = arguments->primID;
@@ -136,7 +136,7 @@ std::optional<SurfaceQuery::Closest> SurfaceQuery::closest(const Eigen::Vector3f
     best.squared_distance = squared_distance;
     best.triangle = triangle;
     best.nearest = nearest;
-    arguments->query->radius = static_cast<float>(std::sqrt(squared_distance)) * kPruningSlack;
+    arguments->query->radius = static_cast<float>(std::sqrt(squared_distance)) * kRadiusFactor;
     return true;
   };
 
@@ -144,7 +144,7 @@ std::optional<SurfaceQuery::Closest> SurfaceQuery::closest(const Eigen::Vector3f
   query.x = point.x();
   query.y = point.y();
   query.z = point.z();
-  query.radius = radius * kPruningSlack;
+  query.radius = radius * kRadiusFactor;
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   rtcPointQuery(tree_->scene.get(), &query, &context, visit, &search);

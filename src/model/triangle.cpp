@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "model/triangle.hpp"
+#include "pcavr/model/triangle.hpp"
 
 #include <algorithm>
 

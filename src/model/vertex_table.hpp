@@ -13,7 +13,7 @@
 
 namespace pcavr::model {
 
-/// Bit by bit, but minus zero counts as zero: unlike ==, also for what is not a number.
+/// Bitwise comparison, except that minus zero equals zero; unlike ==, also for NaN.
 [[nodiscard]] inline bool is_identical(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x + 0.0F); };
   return bits(a.x()) == bits(b.x()) && bits(a.y()) == bits(b.y()) && bits(a.z()) == bits(b.z());
@@ -28,25 +28,25 @@ namespace pcavr::model {
   return mixed;
 }
 
-/// Numbers of vertices by their hash: open addressing, 8 to 16 bytes a vertex. The vertices
-/// themselves stay with the caller.
+/// Hash table of vertex indices: open addressing, 8 to 16 bytes per vertex. The caller stores the
+/// vertices.
 class VertexTable {
  public:
   explicit VertexTable(std::size_t expected = 0) {
     slots_.assign(std::bit_ceil(std::max<std::size_t>(16, 2 * expected)), kNone);
   }
 
-  /// The number that is kept under `hash` and for which is_same(number) holds; where there is none,
-  /// `number` is kept and returned. `rehash(number)` gives the hash of one that is kept.
+  /// The stored index with `hash` for which is_same(index) holds; if there is none, `index` is
+  /// inserted and returned. `rehash(index)` is the hash of a stored index.
   template <typename IsSame, typename Rehash>
-  std::uint32_t find_or_insert(std::uint64_t hash, std::uint32_t number, const IsSame& is_same,
+  std::uint32_t find_or_insert(std::uint64_t hash, std::uint32_t index, const IsSame& is_same,
                                const Rehash& rehash) {
     if (2 * (size_ + 1) > slots_.size()) grow(rehash);
     for (std::size_t slot = hash & mask();; slot = (slot + 1) & mask()) {
       if (slots_[slot] == kNone) {
-        slots_[slot] = number;
+        slots_[slot] = index;
         ++size_;
-        return number;
+        return index;
       }
       if (is_same(slots_[slot])) return slots_[slot];
     }
@@ -59,11 +59,11 @@ class VertexTable {
   void grow(const Rehash& rehash) {
     std::vector<std::uint32_t> old = std::exchange(slots_, {});
     slots_.assign(2 * old.size(), kNone);
-    for (const std::uint32_t number : old) {
-      if (number == kNone) continue;
-      std::size_t slot = rehash(number) & mask();
+    for (const std::uint32_t index : old) {
+      if (index == kNone) continue;
+      std::size_t slot = rehash(index) & mask();
       while (slots_[slot] != kNone) slot = (slot + 1) & mask();
-      slots_[slot] = number;
+      slots_[slot] = index;
     }
   }
 

@@ -11,13 +11,13 @@
 
 namespace pcavr {
 
-/// The CAD bodies by themselves, before any frame is read; `surfaces` are the bodies'.
+/// Checks of the CAD bodies alone, before any frame is read; `surfaces` are the bodies'.
 [[nodiscard]] std::vector<ConsistencyFinding> check_bodies(
     const Recording& recording, const std::vector<MovableBody>& bodies,
     const std::vector<SurfaceQuery>& surfaces);
 
-/// All that the frames show, added to `findings` of the bodies; contradictions first. `track` may
-/// be empty where nothing was tracked.
+/// Adds the checks that need frames to the bodies' `findings`; contradictions first. `track` may be
+/// empty where nothing was tracked.
 [[nodiscard]] std::vector<ConsistencyFinding> assess_consistency(
     const Recording& recording, const std::vector<MovableBody>& bodies,
     const ConsistencyObservations& seen, const CameraTrack& track,

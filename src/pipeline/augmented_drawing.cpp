@@ -7,13 +7,13 @@
 #include <cmath>
 #include <limits>
 
-#include "scene/preview_parts.hpp"
+#include "pcavr/scene/preview_parts.hpp"
 
 namespace pcavr {
 namespace {
 
-constexpr int kPerPixel = 2;  ///< samples along each side of a pixel
-constexpr std::size_t kRowsAtOnce = 8;
+constexpr int kPerPixel = 2;  ///< samples along each side of a pixel (supersampling)
+constexpr std::size_t kRowsPerTask = 8;
 
 constexpr Rgb8 kSolid{255, 130, 20};
 constexpr Rgb8 kSolidEdge{255, 80, 0};
@@ -21,16 +21,17 @@ constexpr Rgb8 kGhost{0, 235, 255};
 constexpr float kFillShare = 0.4F;
 constexpr float kEdgeShare = 0.9F;
 constexpr float kGhostShare = 0.9F;
-/// What is hidden keeps this share of its colour.
-constexpr float kHiddenShare = 0.3F;
-/// Recorded depth hides what is farther by more than this [m] and this share: beyond what a depth
-/// camera misses by, and what a tracked body is off.
-constexpr float kHidingDistance = 0.02F;
-constexpr float kHidingShare = 0.01F;
+/// Opacity of an occluded body, as a share of its usual opacity.
+constexpr float kOccludedOpacity = 0.3F;
+/// Recorded depth occludes a body that is farther by more than this [m] and this share: above a
+/// depth camera's error and a tracked pose's.
+constexpr float kOcclusionDistance = 0.02F;
+constexpr float kOcclusionShare = 0.01F;
 
-/// Faces that meet at more than this have an edge between them: a cylinder's of 16 sides have none.
+/// Faces at a larger angle than this have an edge between them: those of a 16-sided cylinder do
+/// not.
 const float kEdgeCosine = std::cos(0.5F);
-/// A surface that jumps by more than this from one sample to the next is two [m], or this share.
+/// A depth discontinuity between two samples: a step of more than this [m] or this share.
 constexpr float kJump = 0.002F;
 constexpr float kJumpShare = 0.005F;
 
@@ -40,7 +41,7 @@ struct Sample {
   std::uint8_t body = 0;                                 ///< from 1; 0: none
 };
 
-/// Where sample (x, y) of a window lies: through its pixel's quarters.
+/// Pixel position of sample (x, y) of a window: the centre of its quarter of the pixel.
 Eigen::Vector2d pixel_of(const PixelRectangle& window, int x, int y) {
   const auto at = [](int first, int sample) { return first + (sample + 0.5) / kPerPixel - 0.5; };
   return {at(window.x_begin, x), at(window.y_begin, y)};
@@ -62,7 +63,7 @@ PixelRectangle window_of(const std::vector<BodyInView>& bodies, const CameraMode
   return window;
 }
 
-/// What a camera sees of some bodies, in samples finer than its pixels.
+/// Some bodies rendered by ray casting into a camera, with several samples per pixel.
 class BodySamples {
  public:
   BodySamples(const std::vector<BodyInView>& bodies, const CameraModel& camera,
@@ -80,19 +81,19 @@ class BodySamples {
                [&](int y) { cast_row(y, bodies[i], static_cast<std::uint8_t>(i + 1), rectangle); });
     }
     for_rows(parallelism, [&](int y) {
-      for (int x = 0; x < samples_.width(); ++x) is_edge_(x, y) = finds_edge(x, y) ? 1 : 0;
+      for (int x = 0; x < samples_.width(); ++x) is_edge_(x, y) = has_border(x, y) ? 1 : 0;
     });
   }
 
   [[nodiscard]] const PixelRectangle& window() const { return window_; }
 
-  /// The sample of a pixel's quarter; nothing outside the window.
+  /// One sample; an empty one outside the window.
   [[nodiscard]] const Sample& at(int x, int y) const {
     static const Sample kNone;
     return samples_.contains(x, y) ? samples_(x, y) : kNone;
   }
 
-  /// Whether a line runs here: on the nearer side of a border between two samples.
+  /// Whether an edge line passes here: on the nearer side of a border between two samples.
   [[nodiscard]] bool is_edge(int x, int y) const {
     return is_edge_.contains(x, y) && is_edge_(x, y) != 0;
   }
@@ -100,7 +101,7 @@ class BodySamples {
  private:
   template <typename Row>
   void for_rows(Parallelism parallelism, Row row) {
-    parallel_for(parallelism, static_cast<std::size_t>(samples_.height()), kRowsAtOnce,
+    parallel_for(parallelism, static_cast<std::size_t>(samples_.height()), kRowsPerTask,
                  [&](std::size_t begin, std::size_t end) {
                    for (std::size_t y = begin; y < end; ++y) row(static_cast<int>(y));
                  });
@@ -112,14 +113,15 @@ class BodySamples {
     }
   }
 
-  void cast_row(int y, const BodyInView& body, std::uint8_t number, const PixelRectangle& where) {
+  void cast_row(int y, const BodyInView& body, std::uint8_t number,
+                const PixelRectangle& rectangle) {
     const int pixel_y = window_.y_begin + y / kPerPixel;
-    if (pixel_y < where.y_begin || pixel_y >= where.y_end) return;
+    if (pixel_y < rectangle.y_begin || pixel_y >= rectangle.y_end) return;
     const Pose T_object_camera = body.T_camera_object.inverse();
     const Eigen::Matrix3f R_object_camera = T_object_camera.rotation_matrix().cast<float>();
     const Eigen::Vector3f origin = T_object_camera.translation().cast<float>();
-    const int x_end = kPerPixel * (where.x_end - window_.x_begin);
-    for (int x = kPerPixel * (where.x_begin - window_.x_begin); x < x_end; ++x) {
+    const int x_end = kPerPixel * (rectangle.x_end - window_.x_begin);
+    for (int x = kPerPixel * (rectangle.x_begin - window_.x_begin); x < x_end; ++x) {
       const auto hit = body.surface->cast(origin, R_object_camera * rays_(x, y));
       if (!hit) continue;
       const float depth = hit->distance / rays_(x, y).norm();
@@ -128,7 +130,7 @@ class BodySamples {
     }
   }
 
-  [[nodiscard]] bool finds_edge(int x, int y) const {
+  [[nodiscard]] bool has_border(int x, int y) const {
     if (samples_(x, y).body == 0) return false;
     constexpr std::array<std::array<int, 2>, 4> kAround{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
     return std::any_of(kAround.begin(), kAround.end(), [&](const std::array<int, 2>& step) {
@@ -137,13 +139,13 @@ class BodySamples {
   }
 
   [[nodiscard]] bool is_border(int x, int y, int x_next, int y_next) const {
-    // The window is wider than the bodies, unless the picture ends there.
+    // The window is wider than the bodies, except at the image border.
     if (!samples_.contains(x_next, y_next)) return false;
     const Sample& here = samples_(x, y);
     const Sample& next = samples_(x_next, y_next);
     if (next.body != here.body) return here.depth <= next.depth;
     if (here.normal_camera.dot(next.normal_camera) < kEdgeCosine) return true;
-    // Where this sample's plane would be at the next ray.
+    // Depth of this sample's tangent plane at the next ray.
     const float slope = here.normal_camera.dot(rays_(x_next, y_next));
     if (slope == 0.0F) return false;
     const float expected = here.depth * here.normal_camera.dot(rays_(x, y)) / slope;
@@ -166,7 +168,7 @@ void blend(Eigen::Vector3f& color, const Eigen::Vector3f& over, float share) {
   color += share * (over - color);
 }
 
-/// Lines of solid bodies are three samples wide: one and a half pixels.
+/// Edge lines of solid bodies are three samples wide: 1.5 pixels.
 bool is_near_edge(const BodySamples& bodies, int x, int y) {
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
@@ -176,7 +178,7 @@ bool is_near_edge(const BodySamples& bodies, int x, int y) {
   return false;
 }
 
-/// The samples of one kind of bodies, by the picture's own grid of samples.
+/// The samples of one kind of bodies, addressed by sample coordinates of the whole picture.
 struct Layer {
   const BodySamples& bodies;
 
@@ -184,24 +186,25 @@ struct Layer {
   [[nodiscard]] int y(int sample) const { return sample - kPerPixel * bodies.window().y_begin; }
 };
 
-/// The colour of one sample of the picture, which was `color`.
+/// Draws both layers over `color`, the recorded colour of one sample.
 void paint(Eigen::Vector3f& color, const Layer& solid, const Layer& ghosts, float recorded_depth,
            int sample_x, int sample_y) {
   const int x = solid.x(sample_x);
   const int y = solid.y(sample_y);
   const Sample& body = solid.bodies.at(x, y);
-  const bool is_hidden = body.body != 0 && recorded_depth > 0.0F &&
-                         recorded_depth * (1.0F + kHidingShare) + kHidingDistance < body.depth;
-  const float seen = is_hidden ? kHiddenShare : 1.0F;
+  const bool is_occluded =
+      body.body != 0 && recorded_depth > 0.0F &&
+      recorded_depth * (1.0F + kOcclusionShare) + kOcclusionDistance < body.depth;
+  const float opacity = is_occluded ? kOccludedOpacity : 1.0F;
   if (body.body != 0) {
-    // Lit from the camera, so that faces differ.
+    // Shaded by a light at the camera, so that faces differ.
     const float light = 0.65F + 0.35F * std::abs(body.normal_camera.z());
-    blend(color, light * to_vector(kSolid), seen * kFillShare);
+    blend(color, light * to_vector(kSolid), opacity * kFillShare);
   }
   if (ghosts.bodies.is_edge(ghosts.x(sample_x), ghosts.y(sample_y))) {
     blend(color, to_vector(kGhost), kGhostShare);
   }
-  if (is_near_edge(solid.bodies, x, y)) blend(color, to_vector(kSolidEdge), seen * kEdgeShare);
+  if (is_near_edge(solid.bodies, x, y)) blend(color, to_vector(kSolidEdge), opacity * kEdgeShare);
 }
 
 }  // namespace
@@ -212,7 +215,7 @@ void draw_bodies(ColorImage& picture, const DepthImage& depth, const CameraModel
   const BodySamples solid_samples(solid, camera, parallelism);
   const BodySamples ghost_samples(ghosts, camera, parallelism);
   PixelRectangle window = joined(solid_samples.window(), ghost_samples.window());
-  // Lines reach a pixel out of their bodies.
+  // Lines extend a pixel beyond their bodies.
   window = {std::max(0, window.x_begin - 1), std::max(0, window.y_begin - 1),
             std::min(picture.width(), window.x_end + 1),
             std::min(picture.height(), window.y_end + 1)};
@@ -231,7 +234,7 @@ void draw_bodies(ColorImage& picture, const DepthImage& depth, const CameraModel
     sum /= kPerPixel * kPerPixel;
     picture(x, y) = {to_byte(sum.x()), to_byte(sum.y()), to_byte(sum.z())};
   };
-  parallel_for(parallelism, static_cast<std::size_t>(window.y_end - window.y_begin), kRowsAtOnce,
+  parallel_for(parallelism, static_cast<std::size_t>(window.y_end - window.y_begin), kRowsPerTask,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t row = begin; row < end; ++row) {
                    for (int x = window.x_begin; x < window.x_end; ++x) {
@@ -244,7 +247,7 @@ void draw_bodies(ColorImage& picture, const DepthImage& depth, const CameraModel
 void draw_legend(ColorImage& picture, bool has_solid, bool has_ghosts) {
   constexpr double kFromLeft = 60.0;
   constexpr double kLine = 30.0;
-  constexpr int kMinHeight = 240;  // in a smaller picture, words would cover what they explain
+  constexpr int kMinHeight = 240;  // in a smaller picture, labels would cover the bodies
   if (picture.height() < kMinHeight) return;
   double y = picture.height() - 10.0;
   if (has_ghosts) {

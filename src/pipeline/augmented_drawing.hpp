@@ -11,22 +11,22 @@
 
 namespace pcavr {
 
-/// A body as a camera sees it.
+/// A body and its pose in a camera.
 struct BodyInView {
   const SurfaceQuery* surface = nullptr;  ///< must outlive the drawing
   Pose T_camera_object;
 };
 
-/// Draws bodies over the image that `camera` took: `solid` ones filled, half seen through, with
-/// their edges; `ghosts` as thin lines only. Each pixel is four rays through the lens as it is, so
-/// that distortion bends the bodies as it bends the picture. Nearer bodies hide farther ones of
-/// their own kind; where the recorded depth (may be empty) is nearer than a solid body, that is
-/// drawn faintly. The same bits for any Parallelism.
+/// Draws bodies over an image of `camera` by ray casting: `solid` ones filled, half transparent,
+/// with their edges; `ghosts` as thin lines only. Each pixel is sampled by four rays through the
+/// lens model with its distortion, so that drawn bodies and image agree. Nearer bodies occlude
+/// farther ones of their own kind; where the recorded depth (may be empty) occludes a solid body,
+/// that is drawn faintly. The result does not depend on the Parallelism, bit for bit.
 void draw_bodies(ColorImage& picture, const DepthImage& depth, const CameraModel& camera,
                  const std::vector<BodyInView>& solid, const std::vector<BodyInView>& ghosts,
                  Parallelism parallelism);
 
-/// What the lines mean, at the lower left.
+/// The legend of the line colours, at the lower left.
 void draw_legend(ColorImage& picture, bool has_solid, bool has_ghosts);
 
 }  // namespace pcavr

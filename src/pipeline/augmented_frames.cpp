@@ -10,15 +10,15 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/median.hpp"
 #include "pcavr/geometry/depth_grid.hpp"
+#include "pcavr/geometry/matched_poses.hpp"
 #include "pcavr/recording/frame_reader.hpp"
 
 #include "augmented_drawing.hpp"
-#include "evaluation/matched_poses.hpp"
 
 namespace pcavr {
 namespace {
 
-/// A pose this near in time is the frame's own [half the format's pairing gap].
+/// A pose within this time belongs to the frame [half the format's pairing tolerance].
 constexpr Duration kSameImage = std::chrono::milliseconds(10);
 
 struct DrawnBody {
@@ -97,9 +97,9 @@ Expected<AugmentedFrames> AugmentedFrames::create(const Recording& recording,
                                                   const SceneManifest& scene,
                                                   const Replay& replay) {
   if (!recording.manifest.camera || recording.frames.empty()) {
-    return Error{.message = "the recording holds no images to draw over",
+    return Error{.message = "the recording has no images to draw over",
                  .file = recording.folder.string(),
-                 .hint = "record colour and depth, or leave the pictures out"};
+                 .hint = "record colour and depth, or omit the augmented images"};
   }
   auto content = std::make_unique<Content>();
   content->recording = recording;

@@ -21,16 +21,17 @@ namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-/// Drawn before the next ones are begun: bounds the memory.
-constexpr std::size_t kFramesAtOnce = 16;
+/// Frames that are drawn in parallel before they are written: bounds the memory.
+constexpr std::size_t kFramesPerBatch = 16;
 
-Error can_not_write(const fs::path& file, const std::string& why) {
+Error write_error(const fs::path& file, const std::string& why) {
   return {.message = "can't be written: " + why,
           .file = file.string(),
           .hint = "choose a name in a folder that you may write to, on a disk with space left"};
 }
 
-/// What --force replaces: an MP4 file names its type in its first box [ISO/IEC 14496-12, 4.3].
+/// Whether --force may replace the file: an MP4 file has a file type box first [ISO/IEC
+/// 14496-12, 4.3].
 bool is_mp4(const fs::path& file) {
   std::array<char, 8> header{};
   std::ifstream(file, std::ios::binary).read(header.data(), header.size());
@@ -41,13 +42,13 @@ OutputFileOptions output_options(bool replace) {
   return {.replace = replace, .kind = "video", .is_replaceable = is_mp4};
 }
 
-/// A video under a temporary name beside its own, gone unless it is committed. Calls of OpenCV may
-/// throw.
+/// A video under a temporary name in the target's folder, removed unless it is committed. Calls of
+/// OpenCV may throw.
 class VideoFile {
  public:
   VideoFile(const fs::path& target, OutputFile file) : target_(target), file_(std::move(file)) {}
 
-  /// H.264 first, because browsers play it. Its pictures have even sides.
+  /// Tries H.264 first, because browsers play it. It needs even image sides.
   [[nodiscard]] bool open(int width, int height, double rate) {
     size_ = cv::Size(width / 2 * 2, height / 2 * 2);
     is_h264_ = open_as("avc1", rate);
@@ -64,15 +65,16 @@ class VideoFile {
     ++pictures_;
   }
 
-  /// The writer does not tell of a full disk: what was written is opened and counted.
+  /// cv::VideoWriter does not report a full disk: the written frames are counted by reading the
+  /// file.
   [[nodiscard]] Expected<void> commit() {
     writer_.release();
     cv::VideoCapture written(file_.path().string(), cv::CAP_FFMPEG);
     const double count = written.isOpened() ? written.get(cv::CAP_PROP_FRAME_COUNT) : 0.0;
     written.release();
     if (std::lround(count) != static_cast<long>(pictures_)) {
-      return can_not_write(target_, "only " + std::to_string(std::lround(count)) + " of " +
-                                        std::to_string(pictures_) + " pictures reached the disk");
+      return write_error(target_, "only " + std::to_string(std::lround(count)) + " of " +
+                                      std::to_string(pictures_) + " frames were written");
     }
     return file_.commit();
   }
@@ -94,7 +96,7 @@ class VideoFile {
   std::size_t pictures_ = 0;
 };
 
-/// Some frames, drawn side by side.
+/// Draws a range of frames in parallel.
 std::vector<std::optional<Expected<ColorImage>>> drawn(const AugmentedFrames& frames,
                                                        std::size_t first, std::size_t last,
                                                        Parallelism parallelism) {
@@ -112,8 +114,8 @@ Expected<AugmentedVideo> write_pictures(const AugmentedFrames& frames, const fs:
   if (!output) return output.error();
   VideoFile file(target, *std::move(output));
   AugmentedVideo video{.rate = frames.rate()};
-  for (std::size_t first = 0; first < frames.size(); first += kFramesAtOnce) {
-    const std::size_t last = std::min(first + kFramesAtOnce, frames.size());
+  for (std::size_t first = 0; first < frames.size(); first += kFramesPerBatch) {
+    const std::size_t last = std::min(first + kFramesPerBatch, frames.size());
     for (const auto& picture : drawn(frames, first, last, options.parallelism)) {
       if (!*picture && !options.skip_bad) return picture->error();
       if (!*picture) {
@@ -122,13 +124,13 @@ Expected<AugmentedVideo> write_pictures(const AugmentedFrames& frames, const fs:
       }
       const ColorImage& image = picture->value();
       if (file.pictures() == 0 && !file.open(image.width(), image.height(), video.rate)) {
-        return can_not_write(target, "OpenCV's FFmpeg can't make such a file here");
+        return write_error(target, "OpenCV's FFmpeg has no encoder for H.264 or MPEG-4");
       }
       file.add(image);
     }
     observer.on_progress("drawing", last, frames.size());
   }
-  if (file.pictures() == 0) return can_not_write(target, "no frame decodes");
+  if (file.pictures() == 0) return write_error(target, "no frame decodes");
   video.pictures = file.pictures();
   video.is_h264 = file.is_h264();
   if (const auto done = file.commit(); !done) return done.error();
@@ -139,8 +141,9 @@ Expected<AugmentedVideo> write_pictures(const AugmentedFrames& frames, const fs:
 
 Expected<void> check_video_target(const fs::path& file, bool replace) {
   if (file.extension() != ".mp4") {
-    return Error{
-        .message = "is no name for a video", .file = file.string(), .hint = "end it in .mp4"};
+    return Error{.message = "is not the name of an MP4 video",
+                 .file = file.string(),
+                 .hint = "use the extension .mp4"};
   }
   return OutputFile::check(file, output_options(replace));
 }
@@ -148,16 +151,18 @@ Expected<void> check_video_target(const fs::path& file, bool replace) {
 Expected<AugmentedVideo> write_augmented_video(const AugmentedFrames& frames, const fs::path& file,
                                                const AugmentedVideoOptions& options,
                                                const Observer& observer) {
-  if (const auto sound = check_video_target(file, options.replace); !sound) return sound.error();
+  if (const auto target = check_video_target(file, options.replace); !target) {
+    return target.error();
+  }
   if (frames.placed() == 0) {
-    return Error{.message = "no frame's camera is known, so nothing can be drawn over it",
+    return Error{.message = "no frame has a camera pose, so no body can be drawn",
                  .file = file.string(),
-                 .hint = "leave --tracked out, so that the camera's way is found"};
+                 .hint = "omit --tracked, so that the camera is tracked"};
   }
   try {
     return write_pictures(frames, file, options, observer);
   } catch (const cv::Exception& exception) {
-    return can_not_write(file, exception.err);
+    return write_error(file, exception.err);
   }
 }
 

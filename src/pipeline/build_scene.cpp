@@ -19,29 +19,29 @@
 #include "pcavr/scene/support_plane.hpp"
 
 #include "assess_consistency.hpp"
-#include "beside.hpp"
+#include "async_if_parallel.hpp"
 #include "clock_checks.hpp"
 #include "follow_objects.hpp"
+#include "scene_from_manifest.hpp"
 #include "scene_quality.hpp"
-#include "stated_scene.hpp"
 #include "survey.hpp"
 
 namespace pcavr {
 namespace {
 
-/// What a headset carries at 72 Hz, and two coarser steps for what is far [triangles].
+/// What a headset renders at 72 Hz, and two coarser levels for distant views [triangles].
 constexpr std::size_t kLevelOfDetailTriangles[] = {300'000, 75'000, 20'000};
-/// The finest level may leave the surface by this share of a voxel, each further one by four times
-/// the one before.
+/// Maximum error of the finest level as a share of a voxel; each further level may have four times
+/// that of the previous one.
 constexpr double kLevelOfDetailError = 0.5;
 
-/// What the second pass gathers: the static scene, and how its bodies moved.
+/// The result of the second pass: the static scene, and the tracks of its bodies.
 class Fusion {
  public:
   Fusion(const CameraModel& camera, std::size_t bodies, const BuildOptions& options)
       : volume({.voxel_size = options.voxel_size, .depth_noise = options.depth_noise}),
-        occupancy(
-            {.resolution = options.occupancy_resolution, .farthest = options.depth_noise.farthest}),
+        occupancy({.resolution = options.occupancy_resolution,
+                   .max_range = options.depth_noise.max_depth}),
         tracks(bodies),
         camera_(camera),
         options_(options),
@@ -50,7 +50,7 @@ class Fusion {
   void add(const FollowedFrame& followed) {
     const Stamp stamp = followed.frame.depth_stamp;
     const DepthImage& raw = followed.frame.depth;
-    // On the depth image's grid: colour that is finer than the surface adds nothing to it.
+    // On the depth image's grid: finer colour does not improve the surface.
     const CameraModel camera = on_grid(camera_, raw.width(), raw.height());
     const bool is_one_grid = camera.width == camera_.width;
     const ColorImage coarse =
@@ -58,11 +58,11 @@ class Fusion {
                     : color_on_grid(followed.frame.color, camera.width, camera.height);
     const ColorImage& color = is_one_grid ? followed.frame.color : coarse;
     const DepthImage depth = filter_depth(raw, camera, options_.depth_noise, options_.parallelism);
-    // Beside the fusion, because neither fills both cores by itself.
+    // In parallel with the fusion, because neither of them uses both cores fully.
     std::future<void> carved;
     if (!last_carved_ || stamp - *last_carved_ >= occupancy_interval_) {
       last_carved_ = stamp;
-      carved = beside(options_.parallelism, [&] {
+      carved = async_if_parallel(options_.parallelism, [&] {
         occupancy.integrate(depth, followed.is_dynamic, camera, followed.T_base_camera);
       });
     }
@@ -95,7 +95,7 @@ std::vector<TriangleMesh> levels_of_detail(const TriangleMesh& mesh, double voxe
   return levels;
 }
 
-/// The mesh's vertices are the registered cloud, averaged over all frames: one point a voxel.
+/// The mesh's vertices are the registered cloud, averaged over all frames: about a point per voxel.
 PointCloud cloud_of(const TriangleMesh& mesh) {
   return remove_outliers({mesh.vertices, mesh.normals, mesh.colors});
 }
@@ -113,7 +113,7 @@ SceneObject to_scene_object(const MovableBody& body, const std::vector<ObjectObs
   bool still_at_start = true;
   for (const ObjectObservation& seen : track) {
     if (seen.evidence == ObjectEvidence::none) continue;
-    // While it rests where it started, each observation knows that place better than the last.
+    // While the object rests at its start, each observation is more accurate than the previous one.
     still_at_start = still_at_start && (seen.is_at_rest || first == nullptr || !first->is_at_rest);
     if (first == nullptr || (still_at_start && seen.is_at_rest)) first = &seen;
     last = &seen;
@@ -130,16 +130,16 @@ SceneObject to_scene_object(const MovableBody& body, const std::vector<ObjectObs
   }
   object.T_base_object_start = first->T_base_object;
   object.T_base_object = last->T_base_object;
-  object.evidence = evidence_word(last->evidence);
-  object.position_sigma = std::sqrt(last->covariance.topLeftCorner<3, 3>().trace());
-  object.rotation_sigma = std::sqrt(last->covariance.bottomRightCorner<3, 3>().trace());
+  object.evidence = evidence_name(last->evidence);
+  object.position_std = std::sqrt(last->covariance.topLeftCorner<3, 3>().trace());
+  object.rotation_std = std::sqrt(last->covariance.bottomRightCorner<3, 3>().trace());
   object.refinement_translation = median(std::move(translations));
   object.refinement_rotation = median(std::move(rotations));
   return object;
 }
 
-std::vector<StandingBody> standing_bodies(const std::vector<SceneObject>& objects) {
-  std::vector<StandingBody> bodies;
+std::vector<SupportedBody> standing_bodies(const std::vector<SceneObject>& objects) {
+  std::vector<SupportedBody> bodies;
   for (const SceneObject& object : objects) {
     if (object.evidence == kNotSeen) continue;
     bodies.push_back({object.model.name, &object.model.mesh_object, object.T_base_object});
@@ -147,7 +147,7 @@ std::vector<StandingBody> standing_bodies(const std::vector<SceneObject>& object
   return bodies;
 }
 
-/// How the camera moves from frame to frame.
+/// Median motion of the camera from frame to frame.
 CameraSteps steps_of(const Trajectory& camera) {
   std::vector<double> translations;
   std::vector<double> rotations;
@@ -165,12 +165,12 @@ Error empty_scene_error(const Recording& recording, const Survey& survey, const 
   const EmptySceneCause cause =
       explain_empty_scene(survey.depth, options.depth_noise, recording.manifest.depth_scale,
                           steps_of(camera), options.min_weight);
-  return {.message = "the frames make no surface: " + cause.message,
+  return {.message = "the frames yield no surface: " + cause.message,
           .file = recording.folder.string(),
           .hint = cause.hint};
 }
 
-/// Objects that were not placed although their tags were seen.
+/// Objects without a pose although their tags were detected.
 std::vector<ConsistencyFinding> rejected_tags(const Recording& recording, const Survey& survey,
                                               const std::vector<SceneObject>& objects) {
   std::vector<ConsistencyFinding> findings;
@@ -181,7 +181,7 @@ std::vector<ConsistencyFinding> rejected_tags(const Recording& recording, const 
     if (reason.empty()) continue;
     findings.push_back({.file = "recording.yaml",
                         .place = "markers",
-                        .message = object.model.name + " was not placed: " + reason,
+                        .message = object.model.name + " has no pose: " + reason,
                         .hint = kRejectedTagsHint});
   }
   return findings;
@@ -193,13 +193,14 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
                             const Observer& observer) {
   warn_of_clocks(recording, observer);
   if (!recording.manifest.camera || recording.frames.empty()) {
-    Expected<Scene> stated =
-        stated_scene(recording, options.voxel_size, options.occupancy_resolution);
-    if (stated) {
-      for (const SceneObject& object : stated->objects) report_simplified(object.model, observer);
-      observer.on_warning("no images: the scene holds what the manifest states, and no surfaces");
+    Expected<Scene> scene =
+        scene_from_manifest(recording, options.voxel_size, options.occupancy_resolution);
+    if (scene) {
+      for (const SceneObject& object : scene->objects) report_simplified(object.model, observer);
+      observer.on_warning(
+          "no images: the scene has the manifest's bodies only, and no reconstructed surfaces");
     }
-    return stated;
+    return scene;
   }
   StageClock clock;
   const SurveyOptions survey_options{.depth_noise = options.depth_noise,
@@ -207,7 +208,7 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
                                      .skip_bad = options.skip_bad,
                                      .parallelism = options.parallelism};
 
-  // Registration: the tags, and the camera in base.
+  // Registration: tag detection and the camera's poses in base.
   clock.begin("tags and camera");
   const Expected<std::vector<MovableBody>> bodies = load_movable_bodies(recording);
   if (!bodies) return bodies.error();
@@ -215,7 +216,8 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
   const Expected<Survey> survey = survey_recording(recording, *bodies, survey_options, observer);
   if (!survey) return survey.error();
 
-  // Reconstruction: movable objects are followed and taken out, the rest is fused and meshed.
+  // Reconstruction: movable objects are tracked and masked, the rest is fused and meshed (TSDF,
+  // marching cubes).
   clock.begin("objects and fusion");
   Fusion fusion(*recording.manifest.camera, bodies->size(), options);
   const Expected<void> followed =
@@ -224,13 +226,13 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
   if (!followed) return followed.error();
   clock.begin("mesh");
   TriangleMesh mesh = fusion.volume.extract_mesh(options.min_weight, options.parallelism);
-  remove_small_islands(mesh, options.min_island);
+  remove_small_components(mesh, options.min_island);
   if (mesh.triangles.empty()) {
     return empty_scene_error(recording, *survey, fusion.camera_trajectory, options);
   }
   fusion.occupancy.clear_unsupported(mesh);
 
-  // Scene: what is displayed, and the CAD bodies where the markers say.
+  // Scene: the surfaces to display, and the CAD bodies at the poses from their markers.
   clock.begin("levels of detail and cloud");
   Scene scene{.mesh_base = std::move(mesh),
               .levels_of_detail_base = {},
@@ -244,7 +246,7 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
               .recording = recording.folder.string(),
               .voxel_size = options.voxel_size};
   std::future<PointCloud> cloud =
-      beside(options.parallelism, [&] { return cloud_of(scene.mesh_base); });
+      async_if_parallel(options.parallelism, [&] { return cloud_of(scene.mesh_base); });
   scene.levels_of_detail_base = levels_of_detail(scene.mesh_base, options.voxel_size);
   scene.cloud_base = cloud.get();
   for (std::size_t i = 0; i < bodies->size(); ++i) {

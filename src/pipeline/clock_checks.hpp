@@ -15,16 +15,16 @@ namespace pcavr {
 /// Whether the images are used together with the tool and its force.
 enum class ImageUse { none, tracking };
 
-/// Force, motion and tracked images that do not overlap at all are an Error; what overlaps little,
-/// or is not used, is a warning.
+/// An Error where force, motion or tracked images do not overlap in time at all; a warning where
+/// they overlap little, or are not used.
 [[nodiscard]] std::optional<Error> check_clocks(const Recording& recording, ImageUse images,
                                                 const Observer& observer);
 
-/// All conflicts as warnings: for what needs one of the streams only.
+/// All conflicts as warnings: for commands that need only one of the streams.
 void warn_of_clocks(const Recording& recording, const Observer& observer);
 
 /// Tracked poses of an object, in seconds from the recording's start, that lie wholly before or
-/// after the tool's motion: a warning, because they may be what was measured beside it.
+/// after the tool's motion: a warning, because the object may have been tracked on another clock.
 void warn_of_tracked_clock(const Recording& recording, const std::string& object,
                            std::span<const TrackedPose> tracked, const Observer& observer);
 

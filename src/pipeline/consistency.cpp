@@ -23,18 +23,20 @@ void append(std::vector<ConsistencyFinding>& findings, std::vector<ConsistencyFi
   std::move(more.begin(), more.end(), std::back_inserter(findings));
 }
 
-/// The outline in the depth decides about a mesh whose tags lie off it: it is as large as the body
-/// that depth shows, or the finding says more than the tags'.
-void weigh_outline(std::vector<ConsistencyFinding>& findings, const ConsistencyFinding& outline) {
+/// A finding from the depth in the outline replaces a warning about tags off the mesh: it is more
+/// certain about the mesh's scale.
+void add_outline_finding(std::vector<ConsistencyFinding>& findings,
+                         const ConsistencyFinding& outline) {
   std::erase_if(findings, [&](const ConsistencyFinding& finding) {
     return finding.place == outline.place && !is_contradiction(finding);
   });
   findings.push_back(outline);
 }
 
-/// How inspect looks at a recording: enough for a median, and little against decoding it all.
+/// Frames that inspect samples: enough for a median, and quick compared with decoding all.
 constexpr std::size_t kInspectedFrames = 16;
-/// Frames in a row, for the camera's motion: some seconds, and near enough to be aligned.
+/// Consecutive frames for the camera's motion: some seconds, close enough in time for alignment
+/// (ICP).
 constexpr std::size_t kTrackedFrames = 24;
 constexpr double kTrackedInterval = 0.12;  // [s]
 
@@ -47,7 +49,7 @@ std::vector<std::size_t> spread_frames(std::size_t frames, std::size_t count) {
   return chosen;
 }
 
-/// Frames from the recording's middle on, as far apart in time as the constant says.
+/// Frames from a quarter of the recording on, at least kTrackedInterval apart.
 std::vector<std::size_t> consecutive_frames(const Recording& recording) {
   std::vector<std::size_t> chosen;
   const std::size_t count = recording.frames.size();
@@ -71,7 +73,7 @@ Expected<CameraTrack> track_some(const Recording& recording, const DepthNoise& n
   return tracker.solve();
 }
 
-/// The movable objects that have a CAD body: what is missing is for build to say.
+/// The movable objects that have a CAD body; a missing one is reported by build.
 Expected<std::vector<MovableBody>> bodies_with_mesh(const Recording& recording) {
   std::vector<MovableBody> bodies;
   for (const ObjectEntry& entry : recording.manifest.objects) {
@@ -83,7 +85,7 @@ Expected<std::vector<MovableBody>> bodies_with_mesh(const Recording& recording) 
   return bodies;
 }
 
-/// The tags of some frames, and the bodies that they show.
+/// Measures tags and body outlines in a subset of the frames.
 Expected<ConsistencyObservations> observe_some(const Recording& recording,
                                                const std::vector<MovableBody>& bodies,
                                                const std::vector<SurfaceQuery>& surfaces,
@@ -128,7 +130,7 @@ Error contradiction_error(const Recording& recording,
   if (others > 0) {
     error.hint += " (" + std::to_string(others) +
                   (others == 1 ? " contradiction" : " contradictions") +
-                  " more: see pcavr inspect)";
+                  " more: run pcavr inspect)";
   }
   return error;
 }
@@ -153,13 +155,13 @@ std::vector<ConsistencyFinding> assess_consistency(const Recording& recording,
   const auto focal_lengths = check_focal_lengths(manifest, seen.tags, min_frames);
   if (focal_lengths) {
     findings.push_back(*focal_lengths);
-    // What follows measures with these focal lengths.
+    // The following checks use these focal lengths.
     if (is_contradiction(*focal_lengths)) return sorted(std::move(findings));
   }
   std::vector<ScaleRatio> ratios = tag_ratios(manifest, seen.tags, min_frames);
   const auto motion = check_camera_motion(track, recording.groundtruth);
   if (motion) findings.push_back(*motion);
-  // Poses of another convention have no unit to speak of.
+  // The unit of poses in another convention can't be checked.
   const auto distance = motion_ratio(track, recording.groundtruth);
   if (distance && !(motion && is_contradiction(*motion))) ratios.push_back(*distance);
   const std::vector<ConsistencyFinding> scales = check_scales(manifest, ratios);
@@ -174,7 +176,7 @@ std::vector<ConsistencyFinding> assess_consistency(const Recording& recording,
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const auto outline = check_outline(manifest, bodies[i].entry, seen.outlines[i], min_frames);
-    if (outline) weigh_outline(findings, *outline);
+    if (outline) add_outline_finding(findings, *outline);
   }
   return sorted(std::move(findings));
 }

@@ -11,21 +11,21 @@
 namespace pcavr {
 namespace {
 
-/// What a tool on a table moves is smaller; a mesh in millimetres or inches is not [m].
+/// Objects on a table are smaller; a mesh in millimetres or inches is larger [m].
 constexpr double kMaxUsualSize = 2.0;
-/// No body that a camera with a range of 5 m can show whole [m].
+/// Larger than the view of a camera with a range of 5 m [m].
 constexpr double kMaxSize = 20.0;
 /// Smaller than a pixel at half a metre [m].
 constexpr double kMinSize = 0.001;
 /// Lighter than expanded foam or heavier than any metal [kg/m^3].
 constexpr double kMinDensity = 1.0;
 constexpr double kMaxDensity = 25000.0;
-/// A tag's plate or foam board holds it off the body [m, and share of the body's size].
+/// A tag's plate or foam board offsets it from the body [m, and share of the body's size].
 constexpr double kTagOffset = 0.015;
 constexpr double kTagOffsetShare = 0.05;
-/// A tag lies on a scaled body where it is this near [share of the scaled body's size].
+/// A tag counts as on a scaled body within this distance [share of the scaled body's size].
 constexpr double kFitShare = 0.02;
-/// From this factor on it is a unit that is wrong, not a drawing.
+/// From this factor on the unit is wrong, not just the model.
 constexpr double kUnitFactor = 9.0;
 
 std::string shape_of(const Eigen::Vector3f& sizes) {
@@ -33,7 +33,7 @@ std::string shape_of(const Eigen::Vector3f& sizes) {
          " x " + metres(static_cast<double>(sizes.z()));
 }
 
-/// What a mesh may have to be multiplied with: units, and a fine grid between a half and two.
+/// Candidate scales of a mesh: conversions of units, and a fine grid from a quarter to four.
 std::vector<double> candidate_scales() {
   std::vector<double> scales = {1e-3, 1e-2, 0.0254, 0.1, 0.3048, 3.2808, 10.0, 39.370, 100.0, 1e3};
   constexpr int kSteps = 100;
@@ -48,7 +48,7 @@ class TagsOnBody {
     for (const Eigen::Vector3d& tag : tags) reach_ = std::max(reach_, tag.norm());
   }
 
-  /// Of the farthest tag from the body scaled about its frame's origin [m].
+  /// Distance of the farthest tag from the body, scaled about its frame's origin [m].
   [[nodiscard]] double distance(double scale) const {
     double farthest = 0.0;
     for (const Eigen::Vector3d& tag : tags_) {
@@ -61,12 +61,12 @@ class TagsOnBody {
     return farthest;
   }
 
-  /// By which all tags lie on the body; nothing where none does it.
+  /// The scale at which all tags lie on the body; nothing where there is none.
   [[nodiscard]] std::optional<double> fitting_scale() const {
     std::optional<double> best;
     double best_share = kFitShare;
     for (const double scale : candidate_scales()) {
-      // By the smaller of both: seen from a huge body, all tags lie at its frame's origin.
+      // Relative to the smaller of both: at a huge scale, all tags would lie at the frame's origin.
       const double share = distance(scale) / std::min(scale * size_, reach_);
       if (share >= best_share) continue;
       best = scale;
@@ -93,8 +93,8 @@ std::optional<ConsistencyFinding> check_size(const std::string& key, const Objec
       .file = "recording.yaml",
       .place = key + ".mesh",
       .message = entry.mesh.string() + " is " + shape_of(sizes) +
-                 (largest > kMaxUsualSize ? ", larger than anything that a tool moves on a table"
-                                          : ", smaller than a camera can see"),
+                 (largest > kMaxUsualSize ? ", larger than any object that a tool moves on a table"
+                                          : ", smaller than a pixel of a depth camera"),
       .hint = "check that the mesh is in metres"};
 }
 
@@ -134,7 +134,7 @@ std::optional<ConsistencyFinding> check_tags(const Manifest& manifest, const std
   finding.factor = std::max(*scale, 1.0 / *scale);
   finding.message += std::string("; ") + (tags.size() > 1 ? "all its tags lie" : "it lies") +
                      " on the mesh scaled by " + number(*scale);
-  // A tag on a mast looks like a smaller factor; the depth in the outline decides there.
+  // A tag on a mast is similar to a small factor; there the depth in the outline decides.
   if (finding.factor >= kUnitFactor) finding.severity = FindingSeverity::contradiction;
   return finding;
 }
@@ -155,9 +155,9 @@ std::vector<ConsistencyFinding> check_body(const Manifest& manifest, const Objec
 
 std::optional<ConsistencyFinding> check_outline(const Manifest& manifest, const ObjectEntry& entry,
                                                 const OutlineFit& fit, std::size_t min_frames) {
-  /// Another scale is taken where it explains this much more [pixels, as a factor].
+  /// Another scale is accepted where it explains more pixels by this factor.
   constexpr double kDecisiveFactor = 1.5;
-  /// And where the depth lies on most of the scaled body [share of its outline].
+  /// And where the depth lies on most of the scaled body [share of its outline's pixels].
   constexpr double kMinExplained = 0.6;
   if (fit.frames < min_frames) return std::nullopt;
   const auto best = static_cast<std::size_t>(std::max_element(fit.score.begin(), fit.score.end()) -
@@ -172,9 +172,9 @@ std::optional<ConsistencyFinding> check_outline(const Manifest& manifest, const 
                                                  : FindingSeverity::warning,
       .file = "recording.yaml",
       .place = key_of_object(manifest, entry.name) + ".mesh",
-      .message = entry.mesh.string() + " is not the size of the body that depth shows: scaled by " +
+      .message = entry.mesh.string() + " does not have the size that depth measures: scaled by " +
                  number(scale) + " it fits best (" + factor_over_frames(factor, fit.frames) + ")",
-      .hint = "check the mesh's unit and scale, or the size and place of the object's tags",
+      .hint = "check the mesh's unit and scale, or the sizes and poses of the object's tags",
       .factor = factor,
       .frames = fit.frames};
 }

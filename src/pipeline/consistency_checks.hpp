@@ -17,10 +17,10 @@
 
 namespace pcavr {
 
-/// Frames that a finding needs: a misread tag or a bad alignment is seen in one or two.
+/// Frames that a finding needs: a misread tag or a bad alignment occurs in one or two.
 inline constexpr std::size_t kMinFindingFrames = 3;
 
-/// A length that an input states, held against what depth says it is.
+/// A length that an input states, and the same length measured by depth.
 struct ScaleRatio {
   enum class Kind {
     tag_size,       ///< of markers[first]
@@ -38,32 +38,34 @@ struct ScaleRatio {
 
 /// The sizes of the tags seen, and the distances of those seen together.
 [[nodiscard]] std::vector<ScaleRatio> tag_ratios(const Manifest& manifest,
-                                                 const std::vector<TagSight>& sights,
+                                                 const std::vector<TagMeasurement>& measurements,
                                                  std::size_t min_frames);
 
-/// How far the camera went by groundtruth.txt, and by tracking the depth; nothing where it did not
-/// go far enough to tell.
+/// The camera's path length by groundtruth.txt and by tracking the depth; nothing where the path is
+/// too short.
 [[nodiscard]] std::optional<ScaleRatio> motion_ratio(const CameraTrack& track,
                                                      const Trajectory& groundtruth);
 
-/// Which inputs explain the ratios that are off: the fewest that do. Where two explain them equally
-/// well, the finding names both.
+/// The smallest set of wrong inputs that explains the ratios that are off. Where two explain them
+/// equally well, the finding names both.
 [[nodiscard]] std::vector<ConsistencyFinding> check_scales(const Manifest& manifest,
                                                            const std::vector<ScaleRatio>& ratios);
 
-/// Focal lengths, by the shape that depth and image give the tags: a square stays one whatever its
-/// size and whatever the unit of depth. Nothing where another input explains the tags as well.
+/// Focal lengths, by the shape of the tags measured by depth and image: a square remains a square
+/// for any size and any unit of depth. Nothing where another input explains the tags as well.
 [[nodiscard]] std::optional<ConsistencyFinding> check_focal_lengths(
-    const Manifest& manifest, const std::vector<TagSight>& sights, std::size_t min_frames);
+    const Manifest& manifest, const std::vector<TagMeasurement>& measurements,
+    std::size_t min_frames);
 
-/// groundtruth.txt against tracking: rotations, and directions of motion. No unit plays a part.
+/// groundtruth.txt against tracking: rotations and directions of motion, independent of units.
 [[nodiscard]] std::optional<ConsistencyFinding> check_camera_motion(const CameraTrack& track,
                                                                     const Trajectory& groundtruth);
 
-/// groundtruth.txt against the base tags, where depth sees them.
+/// groundtruth.txt against the base tags, as measured by depth.
 [[nodiscard]] std::optional<ConsistencyFinding> check_camera_offset(
-    const Manifest& manifest, const Trajectory& groundtruth, const std::vector<TagSight>& sights,
-    const std::vector<Stamp>& depth_stamps, std::size_t min_frames);
+    const Manifest& manifest, const Trajectory& groundtruth,
+    const std::vector<TagMeasurement>& measurements, const std::vector<Stamp>& depth_stamps,
+    std::size_t min_frames);
 
 /// A CAD body alone: size, density, and whether its tags lie on it.
 [[nodiscard]] std::vector<ConsistencyFinding> check_body(const Manifest& manifest,
@@ -77,7 +79,7 @@ struct ScaleRatio {
                                                               const OutlineFit& fit,
                                                               std::size_t min_frames);
 
-/// Why a scene has no surface, as far as the frames say.
+/// The probable cause of a scene without a surface.
 struct EmptySceneCause {
   std::string message;
   std::string hint;

@@ -13,9 +13,9 @@
 namespace pcavr {
 namespace {
 
-/// With less of the depth in range, what is left is chance: edges and reflections.
+/// With a smaller share of the depth in range, the rest are artefacts at edges and reflections.
 constexpr double kMinInRange = 0.05;
-/// Frames farther apart than this show different things [m, rad]: no surface is seen twice.
+/// Frames farther apart than this do not overlap [m, rad]: no surface is observed twice.
 constexpr double kMaxStep = 0.5;
 constexpr double kMaxTurn = 45.0 * std::numbers::pi / 180.0;
 
@@ -41,17 +41,17 @@ EmptySceneCause explain_empty_scene(const DepthSummary& depth, const DepthNoise&
   const double in_range = part_of(depth.in_range, depth.measured);
   const std::string seen = "the median depth is " + measured(median(depth.medians)) + ", and " +
                            per_cent(in_range) + " of the readings lie within " +
-                           number(noise.nearest) + " to " + metres(noise.farthest);
+                           number(noise.min_depth) + " to " + metres(noise.max_depth);
   const auto frames_used = static_cast<double>(camera.frames_used);
   if (is_out_of_range(depth)) {
     return {seen, "check camera.depth_scale (" + number(depth_scale) +
-                      " units a metre), or give the sensor's range with --sensor"};
+                      " units per metre), or give the sensor's range with --sensor"};
   }
   if (frames_used < min_weight) {
     return {std::to_string(camera.frames_used) + " of " + std::to_string(depth.frames) +
-                " frames could be used, and a surface counts from " + number(min_weight) +
-                " frames on",
-            "record more frames of the same place"};
+                " frames could be used, but a surface needs at least " + number(min_weight) +
+                " frames",
+            "record more frames of the same scene"};
   }
   if (camera.translation > kMaxStep || camera.rotation > kMaxTurn) {
     return {"the camera poses are scattered: from frame to frame it moves by " +

@@ -13,8 +13,8 @@
 namespace pcavr {
 namespace {
 
-/// A distance on a tag: its squared components by depth, and its square by the manifest [m^2].
-/// Where x is off by a factor kx, y by ky and z by kz: kx^2 x + ky^2 y + kz^2 z = stated.
+/// A distance on a tag: its squared components by depth, and its square by the manifest [m^2]. With
+/// scale errors kx, ky and kz of the axes: kx^2 x + ky^2 y + kz^2 z = stated.
 struct SquaredLength {
   double x = 0.0;
   double y = 0.0;
@@ -22,16 +22,16 @@ struct SquaredLength {
   double stated = 0.0;
 };
 
-/// Edges and diagonals of the tags seen.
+/// Edges and diagonals of the measured tags.
 std::vector<SquaredLength> squared_lengths(const Manifest& manifest,
-                                           const std::vector<TagSight>& sights) {
+                                           const std::vector<TagMeasurement>& measurements) {
   std::vector<SquaredLength> lengths;
-  for (const TagSight& sight : sights) {
-    const double size = manifest.markers[sight.marker].size;
+  for (const TagMeasurement& tag : measurements) {
+    const double size = manifest.markers[tag.marker].size;
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t j = i + 1; j < 4; ++j) {
         const Eigen::Array3d squares =
-            (sight.corners_camera[j] - sight.corners_camera[i]).array().square();
+            (tag.corners_camera[j] - tag.corners_camera[i]).array().square();
         const bool is_diagonal = j - i == 2;
         lengths.push_back(
             {squares.x(), squares.y(), squares.z(), (is_diagonal ? 2.0 : 1.0) * size * size});
@@ -41,7 +41,7 @@ std::vector<SquaredLength> squared_lengths(const Manifest& manifest,
   return lengths;
 }
 
-/// Which axes share the factor; the others are right.
+/// Which axes have the scale error; the others are correct.
 struct Hypothesis {
   bool has_x = false;
   bool has_y = false;
@@ -53,12 +53,12 @@ constexpr Hypothesis kFx{true, false, false};
 constexpr Hypothesis kFy{false, true, false};
 
 struct Fit {
-  double factor = 1.0;    ///< on the lengths along the hypothesis's axes
-  double residual = 0.0;  ///< median of |log| of the lengths left
+  double factor = 1.0;    ///< of the lengths along the hypothesis's axes
+  double residual = 0.0;  ///< median |log| of the corrected lengths' ratios
 };
 
 Fit fit(const Hypothesis& hypothesis, const std::vector<SquaredLength>& lengths) {
-  /// A length that lies across the hypothesis's axes says nothing about them.
+  /// A length perpendicular to the hypothesis's axes is not informative about them.
   constexpr double kMinShare = 0.3;
   std::vector<double> squares;
   for (const SquaredLength& length : lengths) {
@@ -98,8 +98,8 @@ ConsistencyFinding focal_finding(const Manifest& manifest, const Hypothesis& hyp
     const std::string fy = number(std::round(10.0 * camera.fy / divisor) / 10.0);
     return has_both ? fx + " and " + fy : hypothesis.has_x ? fx : fy;
   };
-  // A focal length that is too small makes what is seen too large, by the same factor.
-  finding.message = values(1.0) + " px, but the tags are squares in the images and by depth with " +
+  // Too small a focal length makes the measured lengths too large by the same factor.
+  finding.message = values(1.0) + " px, but by images and depth the tags are square with " +
                     values(found.factor) + " px (" + factor_over_frames(finding.factor, frames) +
                     ")";
   finding.hint =
@@ -109,18 +109,18 @@ ConsistencyFinding focal_finding(const Manifest& manifest, const Hypothesis& hyp
 
 }  // namespace
 
-std::optional<ConsistencyFinding> check_focal_lengths(const Manifest& manifest,
-                                                      const std::vector<TagSight>& sights,
-                                                      std::size_t min_frames) {
-  /// A hypothesis is taken where what it leaves unexplained is less than this share of what the
-  /// others leave: chance does not do that over the many lengths of three frames.
+std::optional<ConsistencyFinding> check_focal_lengths(
+    const Manifest& manifest, const std::vector<TagMeasurement>& measurements,
+    std::size_t min_frames) {
+  /// A hypothesis is accepted where its residual is less than this share of the alternative's:
+  /// improbable by chance over the many lengths of three frames.
   constexpr double kDecisiveShare = 0.5;
   std::size_t frames = 0;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
-    frames += i == 0 || sights[i].frame != sights[i - 1].frame ? 1 : 0;
+  for (std::size_t i = 0; i < measurements.size(); ++i) {
+    frames += i == 0 || measurements[i].frame != measurements[i - 1].frame ? 1 : 0;
   }
   if (frames < min_frames) return std::nullopt;
-  const std::vector<SquaredLength> lengths = squared_lengths(manifest, sights);
+  const std::vector<SquaredLength> lengths = squared_lengths(manifest, measurements);
   const Fit scale = fit(kScale, lengths);
   const Hypothesis* best = nullptr;
   Fit best_fit = scale;

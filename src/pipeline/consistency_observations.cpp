@@ -14,19 +14,19 @@
 namespace pcavr {
 namespace {
 
-/// Depth nearer to the tag's edge [share of the way from its centre] may show what lies behind it.
+/// Depth nearer to the tag's edge [share of its half width] may belong to the background.
 constexpr double kInnerShare = 0.8;
-/// Rows and columns of a grid of readings inside a tag: more would only cost time.
+/// Rows and columns of a grid of readings inside a tag: more do not improve the fit.
 constexpr int kGrid = 14;
-/// Fewer readings than this [a fifth of the grid] leave the tag's slope to chance.
+/// Fewer readings than this [a fifth of the grid] do not determine the tag's slope.
 constexpr std::size_t kMinReadings = kGrid * kGrid / 5;
-/// Readings farther than this from the plane [multiples of the median residual, which is two thirds
-/// of a normal distribution's standard deviation] are left out of the second fit.
+/// Readings with larger residuals than this are outliers of the first fit [multiples of the median
+/// absolute residual, which is two thirds of a normal distribution's std].
 constexpr double kMaxResidual = 4.0;
-/// No sensor measures finer than this [share of the distance].
+/// Lower bound of the threshold [share of the distance]: no sensor is more precise.
 constexpr double kMinRelativeResidual = 1e-4;
 
-/// A reading as a plane sees it: 1/z is linear in the ray (x, y, 1) that hits the plane.
+/// On a plane, 1/z is linear in the ray (x, y, 1): the fit is linear least squares.
 struct DepthReading {
   Eigen::Vector3d ray;
   double inverse_depth = 0.0;  ///< [1/m]
@@ -62,55 +62,55 @@ Eigen::Vector3d fit_plane(const std::vector<DepthReading>& readings) {
   return left.ldlt().solve(right);
 }
 
-/// Without the readings that lie off the plane.
-std::vector<DepthReading> on_plane(const std::vector<DepthReading>& readings,
-                                   const Eigen::Vector3d& plane) {
+/// The inliers of the plane.
+std::vector<DepthReading> inliers_of(const std::vector<DepthReading>& readings,
+                                     const Eigen::Vector3d& plane) {
   std::vector<double> residuals;
   residuals.reserve(readings.size());
   for (const DepthReading& reading : readings) {
     residuals.push_back(std::abs(reading.ray.dot(plane) - reading.inverse_depth));
   }
-  const double limit = std::max(kMaxResidual * median(residuals),
-                                kMinRelativeResidual * readings.front().inverse_depth);
-  std::vector<DepthReading> kept;
+  const double threshold = std::max(kMaxResidual * median(residuals),
+                                    kMinRelativeResidual * readings.front().inverse_depth);
+  std::vector<DepthReading> inliers;
   for (std::size_t i = 0; i < readings.size(); ++i) {
-    if (residuals[i] <= limit) kept.push_back(readings[i]);
+    if (residuals[i] <= threshold) inliers.push_back(readings[i]);
   }
-  return kept;
+  return inliers;
 }
 
-/// Rays through a body's outline: some hundreds tell a scale to a few per cent.
+/// Rays through a body's outline: some hundreds determine a scale to a few per cent.
 constexpr double kOutlineRays = 400.0;
-/// Depth this near to the body's surface is on it, noise apart [m]: the pose's own error.
+/// Tolerance of depth on the body's surface, besides the noise [m]: the pose's error.
 constexpr double kOnSurface = 0.01;
-/// Outlines of a body that are looked at: they are alike.
+/// Outlines of a body that are evaluated: more are redundant.
 constexpr std::size_t kOutlineFrames = 12;
 
 }  // namespace
 
-Eigen::Vector3d TagSight::centre_camera() const {
+Eigen::Vector3d TagMeasurement::centre_camera() const {
   return 0.25 * (corners_camera[0] + corners_camera[1] + corners_camera[2] + corners_camera[3]);
 }
 
-std::optional<TagSight> measure_tag(const DepthImage& depth, const CameraModel& camera,
-                                    const TagDetection& detection) {
+std::optional<TagMeasurement> measure_tag(const DepthImage& depth, const CameraModel& camera,
+                                          const TagDetection& detection) {
   if (!std::all_of(detection.corners.begin(), detection.corners.end(),
                    [](const Eigen::Vector2d& corner) { return corner.allFinite(); })) {
     return std::nullopt;
   }
   std::vector<DepthReading> readings = readings_inside(depth, camera, detection.corners);
   if (readings.size() < kMinReadings) return std::nullopt;
-  readings = on_plane(readings, fit_plane(readings));
+  readings = inliers_of(readings, fit_plane(readings));
   if (readings.size() < kMinReadings) return std::nullopt;
   const Eigen::Vector3d plane = fit_plane(readings);
-  TagSight sight;
+  TagMeasurement tag;
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d ray = camera.normalise(detection.corners[i]).homogeneous();
     const double inverse_depth = ray.dot(plane);
     if (!std::isfinite(inverse_depth) || inverse_depth <= 0.0) return std::nullopt;
-    sight.corners_camera[i] = ray / inverse_depth;
+    tag.corners_camera[i] = ray / inverse_depth;
   }
-  return sight;
+  return tag;
 }
 
 void add_outline(const SurfaceQuery& surface_object, const Pose& T_camera_object,
@@ -118,7 +118,7 @@ void add_outline(const SurfaceQuery& surface_object, const Pose& T_camera_object
                  OutlineFit& fit) {
   const Pose T_object_camera = T_camera_object.inverse();
   for (std::size_t i = 0; i < kOutlineScales.size(); ++i) {
-    // The body is scaled by looking at it from a distance that is scaled the other way.
+    // Scaling the body is equivalent to scaling the camera's distance inversely.
     const double scale = kOutlineScales[i];
     const Pose T_scaled_camera(T_object_camera.rotation(), T_object_camera.translation() / scale);
     const PixelRectangle box = visible_rectangle(surface_object.bounds(), camera, T_scaled_camera);
@@ -137,7 +137,7 @@ void add_outline(const SurfaceQuery& surface_object, const Pose& T_camera_object
             surface_object.cast(origin, (T_scaled_camera.rotation() * ray).cast<float>());
         if (!hit) continue;
         const double z_body = scale * static_cast<double>(hit->distance) / ray.norm();
-        const double tolerance = kOnSurface + 3.0 * noise.sigma(z_body);
+        const double tolerance = kOnSurface + 3.0 * noise.depth_std(z_body);
         fit.outline[i] += weight;
         if (std::abs(z - z_body) <= tolerance) {
           fit.explained[i] += weight;
@@ -163,7 +163,7 @@ ConsistencyCollector::ConsistencyCollector(const Manifest& manifest, const Depth
 
 void ConsistencyCollector::add(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
                                const std::vector<std::optional<Pose>>& T_camera_body) {
-  // All on the depth image's grid, which may be coarser than colour's.
+  // All on the depth image's grid, which may be coarser than the colour image's.
   const CameraModel camera = on_grid(*manifest_.camera, frame.depth.width(), frame.depth.height());
   observations_.depth.add(frame.depth, noise_);
   for (std::size_t marker = 0; marker < manifest_.markers.size(); ++marker) {
@@ -173,16 +173,16 @@ void ConsistencyCollector::add(const RgbdFrame& frame, const std::vector<TagDete
       for (Eigen::Vector2d& corner : on_depth.corners) {
         corner = to_grid(corner, *manifest_.camera, camera);
       }
-      std::optional<TagSight> sight = measure_tag(frame.depth, camera, on_depth);
-      if (!sight) continue;
-      sight->frame = frame.index;
-      sight->marker = marker;
-      observations_.tags.push_back(*sight);
+      std::optional<TagMeasurement> tag = measure_tag(frame.depth, camera, on_depth);
+      if (!tag) continue;
+      tag->frame = frame.index;
+      tag->marker = marker;
+      observations_.tags.push_back(*tag);
     }
   }
-  const bool looks_at_bodies = looks_at_bodies_next();
+  const bool uses_body_poses = needs_body_poses_next();
   ++frames_seen_;
-  if (!looks_at_bodies) return;
+  if (!uses_body_poses) return;
   for (std::size_t i = 0; i < surfaces_object_.size(); ++i) {
     if (!T_camera_body[i]) continue;
     add_outline(surfaces_object_[i], *T_camera_body[i], camera, frame.depth, noise_,
@@ -199,7 +199,7 @@ void DepthSummary::add(const DepthImage& depth, const DepthNoise& noise) {
       const double z = static_cast<double>(depth(x, y));
       if (!(z > 0.0)) continue;
       readings.push_back(z);
-      if (z >= noise.nearest && z <= noise.farthest) ++in_range;
+      if (z >= noise.min_depth && z <= noise.max_depth) ++in_range;
     }
   }
   ++frames;

@@ -18,8 +18,9 @@
 
 namespace pcavr {
 
-/// A tag in one frame, by its corners in the image and the depth inside it: its size plays no part.
-struct TagSight {
+/// A tag measured in one frame by its corners in the image and the depth inside it, without using
+/// its stated size.
+struct TagMeasurement {
   std::size_t frame = 0;   ///< in Recording::frames
   std::size_t marker = 0;  ///< in Manifest::markers
   /// Corners in camera coordinates, in the order of TagDetection::corners [m].
@@ -28,20 +29,21 @@ struct TagSight {
   [[nodiscard]] Eigen::Vector3d centre_camera() const;
 };
 
-/// Where depth and image put a tag; nothing where too little depth was measured inside it.
-[[nodiscard]] std::optional<TagSight> measure_tag(const DepthImage& depth,
-                                                  const CameraModel& camera,
-                                                  const TagDetection& detection);
+/// Measures a tag's corners by image and depth; nothing where too little depth was measured inside.
+[[nodiscard]] std::optional<TagMeasurement> measure_tag(const DepthImage& depth,
+                                                        const CameraModel& camera,
+                                                        const TagDetection& detection);
 
-/// By how much a CAD body is scaled to be held against the depth. The factors are 1 /
-/// kContradiction apart at the ends, and finer where only a warning is due.
+/// Scales of a CAD body that are compared with the depth. The factors are 1 / kContradictionFactor
+/// apart at the ends, and finer in the range of warnings.
 inline constexpr std::array<double, 7> kOutlineScales = {0.5, 1.0 / 1.5, 0.8, 1.0, 1.25, 1.5, 2.0};
 inline constexpr std::size_t kUnscaled = 3;  ///< index of 1 above
 
-/// How a CAD body, scaled about its frame's origin, explains the depth in its outline.
+/// How well a CAD body, scaled about its frame's origin, explains the depth in its outline
+/// (silhouette).
 struct OutlineFit {
   std::size_t frames = 0;
-  /// By scale: pixels whose depth lies on the body, less those whose depth lies behind it.
+  /// By scale: number of pixels with depth on the body, minus those with depth behind it.
   std::array<double, kOutlineScales.size()> score{};
   std::array<double, kOutlineScales.size()> explained{};  ///< pixels
   std::array<double, kOutlineScales.size()> outline{};    ///< pixels with depth
@@ -52,36 +54,36 @@ void add_outline(const SurfaceQuery& surface_object, const Pose& T_camera_object
                  const CameraModel& camera, const DepthImage& depth, const DepthNoise& noise,
                  OutlineFit& fit);
 
-/// The depth that a recording's frames hold.
+/// Statistics of the depth in a recording's frames.
 struct DepthSummary {
   std::size_t frames = 0;
-  std::size_t pixels = 0;            ///< looked at: some of each image's
+  std::size_t pixels = 0;            ///< sampled: a subset of each image
   std::size_t measured = 0;          ///< of these, not 0
   std::size_t in_range = 0;          ///< of these, within the sensor's range
-  std::vector<double> medians = {};  ///< by frame that measured anything [m]
+  std::vector<double> medians = {};  ///< of each frame with any measurement [m]
 
   void add(const DepthImage& depth, const DepthNoise& noise);
 };
 
-/// What the frames show of the inputs' scale.
+/// Measurements in the frames that check the inputs' scale.
 struct ConsistencyObservations {
-  std::vector<TagSight> tags;        ///< by frame
+  std::vector<TagMeasurement> tags;  ///< by frame
   std::vector<OutlineFit> outlines;  ///< by movable body
   DepthSummary depth;
 };
 
-/// Gathers them, frame by frame. Keeps references to what its constructor is given.
+/// Collects them, frame by frame. Keeps references to the constructor's arguments.
 class ConsistencyCollector {
  public:
-  /// `surfaces_object` are the movable bodies'; `frames` is how many will come, at most.
+  /// `surfaces_object` are the movable bodies'; `frames` is the maximum number of frames.
   ConsistencyCollector(const Manifest& manifest, const DepthNoise& noise,
                        const std::vector<SurfaceQuery>& surfaces_object, std::size_t frames);
 
-  /// Whether the next add() looks at the bodies: some frames are enough for their outlines. In the
-  /// others their poses are not used.
-  [[nodiscard]] bool looks_at_bodies_next() const { return frames_seen_ % outline_stride_ == 0; }
+  /// Whether the next add() uses the bodies' poses: a subset of the frames is enough for their
+  /// outlines.
+  [[nodiscard]] bool needs_body_poses_next() const { return frames_seen_ % outline_stride_ == 0; }
 
-  /// `T_camera_body` has an item for each body, empty where its tags do not show a pose.
+  /// `T_camera_body` has an item for each body, empty where its tags give no pose.
   void add(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
            const std::vector<std::optional<Pose>>& T_camera_body);
 

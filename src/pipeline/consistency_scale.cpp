@@ -15,10 +15,10 @@
 namespace pcavr {
 namespace {
 
-/// The distance of two tags that depth sees is good to this [m]: twice a sensor's noise at 1.5 m,
-/// and what paper on a table lies off.
+/// Accuracy of a distance of two tags measured by depth [m]: twice a sensor's noise at 1.5 m, and
+/// the flatness of paper on a table.
 constexpr double kDistanceError = 0.012;
-/// Tags nearer to each other than this say nothing about a scale [m].
+/// Tags closer together than this do not determine a scale [m].
 constexpr double kMinTagDistance = 0.05;
 
 double log_factor(const ScaleRatio& ratio) { return std::log(ratio.by_depth / ratio.stated); }
@@ -27,10 +27,10 @@ bool is_off(const ScaleRatio& ratio, double log_expected) {
   return std::abs(log_factor(ratio) - log_expected) > ratio.tolerance;
 }
 
-double edge_length(const TagSight& sight) {
+double edge_length(const TagMeasurement& tag) {
   double squares = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
-    squares += (sight.corners_camera[(i + 1) % 4] - sight.corners_camera[i]).squaredNorm();
+    squares += (tag.corners_camera[(i + 1) % 4] - tag.corners_camera[i]).squaredNorm();
   }
   return std::sqrt(0.25 * squares);
 }
@@ -39,39 +39,40 @@ bool share_a_body(const MarkerEntry& a, const MarkerEntry& b) {
   return a.role == b.role && a.object == b.object;
 }
 
-/// An input that may be wrong, and what it then does to the ratios.
-struct Suspect {
+/// The hypothesis that one input is wrong, and its effect on the ratios.
+struct FaultHypothesis {
   std::string place;
   std::string check;  ///< what to check: "the printed size"
-  /// Whether the ratio is at this input's mercy; others keep the value that they should have.
+  /// Whether the ratio depends on this input; the others must be 1.
   std::function<bool(const ScaleRatio&)> is_affected;
-  /// All that it affects are off by one factor; else each may be off by its own.
+  /// All affected ratios are off by one common factor; else each by its own.
   bool is_common = true;
 };
 
-/// The ratios' common logarithm where the suspect is wrong.
-double common_log(const Suspect& suspect, const std::vector<ScaleRatio>& ratios) {
+/// The logarithm of the affected ratios' common factor.
+double common_log(const FaultHypothesis& hypothesis, const std::vector<ScaleRatio>& ratios) {
   std::vector<double> logs;
   for (const ScaleRatio& ratio : ratios) {
-    if (suspect.is_affected(ratio)) logs.push_back(log_factor(ratio));
+    if (hypothesis.is_affected(ratio)) logs.push_back(log_factor(ratio));
   }
   return median(std::move(logs));
 }
 
-/// What is left of the ratios' disagreement where one suspect is wrong.
+/// The ratios that remain unexplained under a hypothesis.
 struct Explanation {
-  std::vector<bool> off;   ///< by ratio: still off
-  std::size_t count = 0;   ///< of these
-  std::size_t broken = 0;  ///< of these, in order otherwise: the suspect is not alone at fault
+  std::vector<bool> off;  ///< by ratio: still unexplained
+  std::size_t count = 0;  ///< of these
+  std::size_t broken =
+      0;  ///< of these, consistent without the hypothesis, which so contradicts them
 };
 
-Explanation explain(const Suspect& suspect, const std::vector<ScaleRatio>& ratios) {
-  const double common = common_log(suspect, ratios);
+Explanation explain(const FaultHypothesis& hypothesis, const std::vector<ScaleRatio>& ratios) {
+  const double common = common_log(hypothesis, ratios);
   Explanation explanation;
   for (const ScaleRatio& ratio : ratios) {
     const bool was_off = is_off(ratio, 0.0);
     bool off = was_off;
-    if (suspect.is_affected(ratio)) off = suspect.is_common && is_off(ratio, common);
+    if (hypothesis.is_affected(ratio)) off = hypothesis.is_common && is_off(ratio, common);
     explanation.off.push_back(off);
     explanation.count += off ? 1 : 0;
     explanation.broken += off && !was_off ? 1 : 0;
@@ -79,31 +80,32 @@ Explanation explain(const Suspect& suspect, const std::vector<ScaleRatio>& ratio
   return explanation;
 }
 
-struct Verdict {
-  std::size_t suspect = 0;
+struct Diagnosis {
+  std::size_t hypothesis = 0;
   Explanation explanation;
-  std::string alternatives = {};  ///< what explains as much: " or camera.depth_scale"
+  std::string alternatives = {};  ///< equally good explanations: " or camera.depth_scale"
 };
 
-/// The suspect that explains most, the first of those alike; nothing where none explains anything.
-std::optional<Verdict> find_verdict(const std::vector<Suspect>& suspects,
-                                    const std::vector<ScaleRatio>& ratios) {
+/// The hypothesis that explains most ratios, the first among equals; nothing where none explains
+/// any.
+std::optional<Diagnosis> diagnose(const std::vector<FaultHypothesis>& hypotheses,
+                                  const std::vector<ScaleRatio>& ratios) {
   const auto before = static_cast<std::size_t>(std::count_if(
       ratios.begin(), ratios.end(), [](const ScaleRatio& ratio) { return is_off(ratio, 0.0); }));
-  std::optional<Verdict> verdict;
-  for (std::size_t i = 0; i < suspects.size(); ++i) {
-    Explanation explanation = explain(suspects[i], ratios);
+  std::optional<Diagnosis> diagnosis;
+  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+    Explanation explanation = explain(hypotheses[i], ratios);
     if (explanation.count >= before) continue;
-    if (!verdict || explanation.count < verdict->explanation.count) {
-      verdict = Verdict{i, std::move(explanation)};
-    } else if (explanation.count == verdict->explanation.count && explanation.broken == 0) {
-      verdict->alternatives += " or " + suspects[i].check;
+    if (!diagnosis || explanation.count < diagnosis->explanation.count) {
+      diagnosis = Diagnosis{i, std::move(explanation)};
+    } else if (explanation.count == diagnosis->explanation.count && explanation.broken == 0) {
+      diagnosis->alternatives += " or " + hypotheses[i].check;
     }
   }
-  return verdict;
+  return diagnosis;
 }
 
-Suspect size_suspect(std::size_t marker) {
+FaultHypothesis wrong_size(std::size_t marker) {
   return {.place = key_of_marker(marker) + ".size",
           .check = "the printed size",
           .is_affected = [marker](const ScaleRatio& ratio) {
@@ -111,7 +113,7 @@ Suspect size_suspect(std::size_t marker) {
           }};
 }
 
-Suspect pose_suspect(const Manifest& manifest, std::size_t marker) {
+FaultHypothesis wrong_pose(const Manifest& manifest, std::size_t marker) {
   return {.place = key_of_marker(marker) + ".pose",
           .check = "where " + manifest.markers[marker].id.to_string() + " is",
           .is_affected =
@@ -122,105 +124,107 @@ Suspect pose_suspect(const Manifest& manifest, std::size_t marker) {
           .is_common = false};
 }
 
-/// In the order in which a finding names them.
-std::vector<Suspect> suspects_of(const Manifest& manifest, const std::vector<ScaleRatio>& ratios) {
-  std::vector<Suspect> suspects;
+/// All hypotheses, in the order in which a finding names them.
+std::vector<FaultHypothesis> hypotheses_of(const Manifest& manifest,
+                                           const std::vector<ScaleRatio>& ratios) {
+  std::vector<FaultHypothesis> hypotheses;
   std::set<std::size_t> placed;
   bool has_motion = false;
   for (const ScaleRatio& ratio : ratios) {
-    if (ratio.kind == ScaleRatio::Kind::tag_size) suspects.push_back(size_suspect(ratio.first));
+    if (ratio.kind == ScaleRatio::Kind::tag_size) hypotheses.push_back(wrong_size(ratio.first));
     if (ratio.kind == ScaleRatio::Kind::tag_distance) placed.insert({ratio.first, ratio.second});
     has_motion = has_motion || ratio.kind == ScaleRatio::Kind::camera_motion;
   }
-  for (const std::size_t marker : placed) suspects.push_back(pose_suspect(manifest, marker));
+  for (const std::size_t marker : placed) hypotheses.push_back(wrong_pose(manifest, marker));
   if (!placed.empty()) {
-    suspects.push_back({.place = "markers",
-                        .check = "the unit of the tags' poses",
-                        .is_affected = [](const ScaleRatio& ratio) {
-                          return ratio.kind == ScaleRatio::Kind::tag_distance;
-                        }});
+    hypotheses.push_back({.place = "markers",
+                          .check = "the unit of the tags' poses",
+                          .is_affected = [](const ScaleRatio& ratio) {
+                            return ratio.kind == ScaleRatio::Kind::tag_distance;
+                          }});
   }
-  if (has_motion && placed.empty() && suspects.empty()) {
-    // Tags would show the focal lengths by their shape.
-    suspects.push_back({.place = "camera.fx, camera.fy",
-                        .check = "fx and fy",
-                        .is_affected = [](const ScaleRatio&) { return true; }});
+  if (has_motion && placed.empty() && hypotheses.empty()) {
+    // Where there are tags, their shape checks the focal lengths.
+    hypotheses.push_back({.place = "camera.fx, camera.fy",
+                          .check = "fx and fy",
+                          .is_affected = [](const ScaleRatio&) { return true; }});
   }
   if (has_motion) {
-    suspects.push_back({.place = "groundtruth.txt",
-                        .check = "the unit of its positions (metres)",
-                        .is_affected = [](const ScaleRatio& ratio) {
-                          return ratio.kind == ScaleRatio::Kind::camera_motion;
-                        }});
+    hypotheses.push_back({.place = "groundtruth.txt",
+                          .check = "the unit of its positions (metres)",
+                          .is_affected = [](const ScaleRatio& ratio) {
+                            return ratio.kind == ScaleRatio::Kind::camera_motion;
+                          }});
   }
-  suspects.push_back({.place = "camera.depth_scale",
-                      .check = "camera.depth_scale",
-                      .is_affected = [](const ScaleRatio&) { return true; }});
-  return suspects;
+  hypotheses.push_back({.place = "camera.depth_scale",
+                        .check = "camera.depth_scale",
+                        .is_affected = [](const ScaleRatio&) { return true; }});
+  return hypotheses;
 }
 
-/// What a ratio says, in words.
+/// The message of a ratio.
 std::string statement(const Manifest& manifest, const ScaleRatio& ratio) {
   const auto tag = [&](std::size_t marker) { return manifest.markers[marker].id.to_string(); };
   const std::string by_depth = measured(ratio.by_depth);
   switch (ratio.kind) {
     case ScaleRatio::Kind::tag_size:
       return tag(ratio.first) + " is given as " + metres(ratio.stated) +
-             " across, but depth says it is " + by_depth;
+             " across, but depth measures " + by_depth;
     case ScaleRatio::Kind::tag_distance:
       return tag(ratio.first) + " and " + tag(ratio.second) + " are given " + metres(ratio.stated) +
-             " apart, but depth says " + by_depth;
+             " apart, but depth measures " + by_depth;
     case ScaleRatio::Kind::camera_motion:
       break;
   }
   return "between " + std::to_string(ratio.frames) + " pairs of frames the camera moved by " +
-         metres(ratio.stated) + " (median), but tracking the depth says by " + by_depth;
+         metres(ratio.stated) + " (median), but by tracking the depth it moved by " + by_depth;
 }
 
-/// `explained` are the ratios that were off and are no longer; not empty.
-ConsistencyFinding finding_of(const Manifest& manifest, const Suspect& suspect,
+/// `explained` are the ratios that the hypothesis explains; not empty.
+ConsistencyFinding finding_of(const Manifest& manifest, const FaultHypothesis& hypothesis,
                               const std::vector<ScaleRatio>& explained) {
   const ScaleRatio& worst = *std::max_element(
       explained.begin(), explained.end(), [](const ScaleRatio& a, const ScaleRatio& b) {
         return std::abs(log_factor(a)) < std::abs(log_factor(b));
       });
   ConsistencyFinding finding;
-  const bool is_file = suspect.place == "groundtruth.txt";
-  finding.file = is_file ? suspect.place : "recording.yaml";
-  finding.place = is_file ? "" : suspect.place;
+  const bool is_file = hypothesis.place == "groundtruth.txt";
+  finding.file = is_file ? hypothesis.place : "recording.yaml";
+  finding.place = is_file ? "" : hypothesis.place;
   finding.factor = std::exp(std::abs(log_factor(worst)));
   finding.frames = worst.frames;
   finding.severity = finding.factor >= kContradictionFactor ? FindingSeverity::contradiction
                                                             : FindingSeverity::warning;
   finding.message =
       statement(manifest, worst) + " (" + factor_over_frames(finding.factor, finding.frames) + ")";
-  finding.hint = "check " + suspect.check;
+  finding.hint = "check " + hypothesis.check;
   return finding;
 }
 
-/// With depth at fault, the message states the scale that would fit.
+/// For a wrong depth scale, the message states the scale that would fit.
 void describe_depth_scale(const Manifest& manifest, const std::vector<ScaleRatio>& explained,
                           double log_common, ConsistencyFinding& finding) {
   finding.factor = std::exp(std::abs(log_common));
-  finding.message = number(manifest.depth_scale) + " units a metre, but " +
-                    std::to_string(explained.size()) + " other inputs say about " +
+  finding.message = number(manifest.depth_scale) + " units per metre, but " +
+                    std::to_string(explained.size()) + " other inputs indicate about " +
                     std::to_string(std::llround(manifest.depth_scale * std::exp(log_common))) +
                     ": " + finding.message;
 }
 
 }  // namespace
 
-std::vector<ScaleRatio> tag_ratios(const Manifest& manifest, const std::vector<TagSight>& sights,
+std::vector<ScaleRatio> tag_ratios(const Manifest& manifest,
+                                   const std::vector<TagMeasurement>& tags,
                                    std::size_t min_frames) {
   std::map<std::size_t, std::vector<double>> sizes;
   std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> distances;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
-    sizes[sights[i].marker].push_back(edge_length(sights[i]));
-    for (std::size_t j = i + 1; j < sights.size() && sights[j].frame == sights[i].frame; ++j) {
-      const auto [first, second] = std::minmax(sights[i].marker, sights[j].marker);
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    sizes[tags[i].marker].push_back(edge_length(tags[i]));
+    for (std::size_t j = i + 1; j < tags.size() && tags[j].frame == tags[i].frame; ++j) {
+      const auto [first, second] = std::minmax(tags[i].marker, tags[j].marker);
       if (!share_a_body(manifest.markers[first], manifest.markers[second])) continue;
       distances[{first, second}].push_back(
-          (sights[i].centre_camera() - sights[j].centre_camera()).norm());
+          (tags[i].centre_camera() - tags[j].centre_camera()).norm());
     }
   }
   std::vector<ScaleRatio> ratios;
@@ -252,25 +256,26 @@ std::vector<ScaleRatio> tag_ratios(const Manifest& manifest, const std::vector<T
 std::vector<ConsistencyFinding> check_scales(const Manifest& manifest,
                                              const std::vector<ScaleRatio>& ratios) {
   std::vector<ConsistencyFinding> findings;
-  std::vector<ScaleRatio> open = ratios;
+  std::vector<ScaleRatio> unexplained = ratios;
+  // Greedy: each pass removes the ratios that the best hypothesis explains.
   while (true) {
-    const std::vector<Suspect> suspects = suspects_of(manifest, open);
-    const std::optional<Verdict> verdict = find_verdict(suspects, open);
-    if (!verdict) return findings;
-    const Suspect& suspect = suspects[verdict->suspect];
+    const std::vector<FaultHypothesis> hypotheses = hypotheses_of(manifest, unexplained);
+    const std::optional<Diagnosis> diagnosis = diagnose(hypotheses, unexplained);
+    if (!diagnosis) return findings;
+    const FaultHypothesis& hypothesis = hypotheses[diagnosis->hypothesis];
     std::vector<ScaleRatio> explained;
     std::vector<ScaleRatio> rest;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      const bool is_explained = is_off(open[i], 0.0) && !verdict->explanation.off[i];
-      (is_explained ? explained : rest).push_back(open[i]);
+    for (std::size_t i = 0; i < unexplained.size(); ++i) {
+      const bool is_explained = is_off(unexplained[i], 0.0) && !diagnosis->explanation.off[i];
+      (is_explained ? explained : rest).push_back(unexplained[i]);
     }
-    ConsistencyFinding finding = finding_of(manifest, suspect, explained);
-    if (suspect.place == "camera.depth_scale") {
-      describe_depth_scale(manifest, explained, common_log(suspect, open), finding);
+    ConsistencyFinding finding = finding_of(manifest, hypothesis, explained);
+    if (hypothesis.place == "camera.depth_scale") {
+      describe_depth_scale(manifest, explained, common_log(hypothesis, unexplained), finding);
     }
-    finding.hint += verdict->alternatives;
+    finding.hint += diagnosis->alternatives;
     findings.push_back(std::move(finding));
-    open = std::move(rest);
+    unexplained = std::move(rest);
   }
 }
 

@@ -9,7 +9,7 @@
 
 namespace pcavr {
 
-// The words of findings.
+// Formatting of the findings' messages.
 
 /// Five significant digits: "0.06", "25000".
 [[nodiscard]] std::string number(double value);

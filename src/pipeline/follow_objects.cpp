@@ -9,44 +9,44 @@
 #include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/scene/scene.hpp"
 
-#include "one_ahead.hpp"
+#include "prefetcher.hpp"
 #include "tool_mask.hpp"
 
 namespace pcavr {
 namespace {
 
-/// A body's silhouette is grown by this much, for colour bleeding and the pose's last error [px].
+/// Dilation of a body's silhouette, for colour bleeding and the remaining error of the pose [px].
 constexpr int kBodyMarginPixels = 3;
-/// Rays for all bodies of a frame together, at each step of their fits. Up to six bodies have as
-/// many as they can use; more share them.
+/// Rays for all bodies of a frame together, at each iteration of their fits. Up to six bodies get
+/// their maximum; more bodies share them.
 constexpr std::size_t kSamplesPerFrame = 10000;
-/// And none has fewer. The readings of neighbouring pixels share their noise over some four pixels
-/// each way: on a body of 70 x 70 pixels no more than 300 are independent.
+/// The minimum for each. The noise of neighbouring pixels is correlated over some four pixels in
+/// each direction: on a body of 70 x 70 pixels no more than 300 readings are independent.
 constexpr std::size_t kMinSamplesPerBody = 300;
 
-/// What may look like the object's motion and is the camera's. A fixed camera has none.
-CameraUncertainty jitter_of(const FramePlacement& placement, bool is_fixed_camera) {
-  if (is_fixed_camera || !std::isfinite(placement.position_sigma)) return {};
-  return {placement.position_sigma, placement.rotation_sigma};
+/// The camera pose's uncertainty, which may appear as object motion. A fixed camera has none.
+CameraUncertainty uncertainty_of(const FramePlacement& placement, bool is_fixed_camera) {
+  if (is_fixed_camera || !std::isfinite(placement.position_std)) return {};
+  return {placement.position_std, placement.rotation_std};
 }
 
-/// A body's tracker, and where the body was last known to be: from the start where it was first
-/// seen, because a body rests until it is touched.
-struct Followed {
+/// A body's tracker, and the body's last known pose: initially that of its first detection, because
+/// a body rests until it is touched.
+struct TrackedBody {
   ObjectTracker tracker;
   std::optional<Pose> T_base_object;
 };
 
-std::vector<Followed> start_following(const Recording& recording,
-                                      const std::vector<MovableBody>& bodies, const Survey& survey,
-                                      const DepthNoise& noise) {
-  std::vector<Followed> all;
+std::vector<TrackedBody> start_tracking(const Recording& recording,
+                                        const std::vector<MovableBody>& bodies,
+                                        const Survey& survey, const DepthNoise& noise) {
+  std::vector<TrackedBody> all;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     ObjectTrackerOptions options;
     options.depth_noise = noise;
     options.max_samples = samples_per_body(bodies.size());
     const std::optional<Pose>& seen = survey.T_base_object_first[i];
-    Followed body{
+    TrackedBody body{
         ObjectTracker(bodies[i].model, bodies[i].tags, *recording.manifest.camera, options),
         seen ? seen : bodies[i].entry.T_base_object};
     if (body.T_base_object) body.tracker.set_initial_pose(*body.T_base_object);
@@ -58,12 +58,12 @@ std::vector<Followed> start_following(const Recording& recording,
 }  // namespace
 
 int samples_per_body(std::size_t bodies) {
-  const auto most = static_cast<std::size_t>(ObjectTrackerOptions{}.max_samples);
+  const auto max_samples = static_cast<std::size_t>(ObjectTrackerOptions{}.max_samples);
   const std::size_t share = kSamplesPerFrame / std::max<std::size_t>(1, bodies);
-  return static_cast<int>(std::clamp(share, kMinSamplesPerBody, most));
+  return static_cast<int>(std::clamp(share, kMinSamplesPerBody, max_samples));
 }
 
-const char* evidence_word(ObjectEvidence evidence) {
+const char* evidence_name(ObjectEvidence evidence) {
   switch (evidence) {
     case ObjectEvidence::tags_and_shape:
       return "tags_and_shape";
@@ -82,7 +82,7 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
                               const Observer& observer,
                               const std::function<void(const FollowedFrame&)>& use) {
   const CameraModel& camera = *recording.manifest.camera;
-  std::vector<Followed> all = start_following(recording, bodies, survey, options.depth_noise);
+  std::vector<TrackedBody> all = start_tracking(recording, bodies, survey, options.depth_noise);
   FrameReader reader(recording, {.skip_bad = options.skip_bad});
   ToolMask tool(recording);
   std::size_t next_placement = 0;
@@ -102,10 +102,10 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
       const CameraModel depth_camera = on_grid(camera, image.depth.width(), image.depth.height());
       followed.is_dynamic = MaskImage(depth_camera.width, depth_camera.height);
       const Pose T_camera_base = followed.T_base_camera.inverse();
-      for (Followed& body : all) {
+      for (TrackedBody& body : all) {
         followed.objects.push_back(
             body.tracker.track(image, survey.detections[image.index], followed.T_base_camera,
-                               jitter_of(placement, survey.camera.is_fixed_camera)));
+                               uncertainty_of(placement, survey.camera.is_fixed_camera)));
         const ObjectObservation& seen = followed.objects.back();
         if (seen.evidence != ObjectEvidence::none) body.T_base_object = seen.T_base_object;
         if (!body.T_base_object) continue;
@@ -120,13 +120,13 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
     return !item || !*item;
   };
 
-  OneAhead ahead(follow_next, options.parallelism);
+  Prefetcher prefetcher(follow_next, options.parallelism);
   while (true) {
-    const Expected<std::optional<FollowedFrame>> followed = ahead.take(is_last);
+    const Expected<std::optional<FollowedFrame>> followed = prefetcher.take(is_last);
     if (!followed) return followed.error();
     if (!*followed) return {};
     use(**followed);
-    observer.on_progress("following", (*followed)->frame.index + 1, recording.frames.size());
+    observer.on_progress("tracking objects", (*followed)->frame.index + 1, recording.frames.size());
   }
 }
 

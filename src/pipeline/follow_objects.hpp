@@ -15,23 +15,23 @@
 
 namespace pcavr {
 
-/// A placed frame, with every movable object's pose in it and what shows no static scene masked.
+/// A frame with a camera pose, every movable object's pose, and a mask of the dynamic pixels.
 struct FollowedFrame {
   RgbdFrame frame;
   Pose T_base_camera;
-  std::vector<ObjectObservation> objects;  ///< as the bodies are ordered
+  std::vector<ObjectObservation> objects;  ///< in the order of the bodies
   MaskImage is_dynamic;                    ///< of the depth image's size
 };
 
-/// As written into files: "tags_and_shape", "tags", "shape", "not_seen".
-[[nodiscard]] const char* evidence_word(ObjectEvidence evidence);
+/// The name that is written to files: "tags_and_shape", "tags", "shape", "not_seen".
+[[nodiscard]] const char* evidence_name(ObjectEvidence evidence);
 
-/// ObjectTrackerOptions::max_samples where so many bodies are followed: work per frame is bounded.
+/// ObjectTrackerOptions::max_samples for so many tracked bodies: bounds the work per frame.
 [[nodiscard]] int samples_per_body(std::size_t bodies);
 
-/// Second pass: goes through the frames again with the camera's final poses, follows the movable
-/// bodies by tags and shape, and masks them and the tool's tip. Calls `use` for each placed frame
-/// in order, while the next one is being prepared on a second thread.
+/// Second pass: reads the frames again with the camera's final poses, tracks the movable bodies by
+/// tags and shape, and masks them and the tool. Calls `use` for each frame with a camera pose, in
+/// order, while the next one is prefetched on a second thread.
 [[nodiscard]] Expected<void> follow_objects(const Recording& recording,
                                             const std::vector<MovableBody>& bodies,
                                             const Survey& survey, const SurveyOptions& options,

@@ -9,28 +9,28 @@
 namespace pcavr {
 namespace {
 
-constexpr double kGridInterval = 0.05;  // [s] a contact lasts longer
-constexpr double kFirstPart = 600.0;    // [s]
-constexpr double kMaxShift = 60.0;      // [s] more is another recording, and costs time
-/// Of the shorter stream: what a shift leaves of both.
+constexpr double kGridInterval = 0.05;  // [s] shorter than a contact
+constexpr double kMaxAnalysed = 600.0;  // [s]
+constexpr double kMaxShift = 60.0;      // [s]; a larger one would be another recording
+/// Overlap at a shift, as a share of the shorter stream.
 constexpr double kMinShared = 0.5;
-/// One contact fits any other of its length.
+/// A single contact matches any other of its length.
 constexpr std::size_t kMinContacts = 2;
-// The correlation that a shift has to reach, and its lead over other shifts.
+// Minimum correlation of a shift, and its margin over other shifts.
 constexpr double kDecisive = 0.8;
 constexpr double kLead = 0.15;
-/// Meshes and poses that are off by a millimetre or two show a tip at a surface some tenths of a
-/// second early or late: sound laboratory recordings of slow pushes have 0.6.
+/// Errors of meshes and poses of a millimetre or two shift the touch by some tenths of a second:
+/// sound laboratory recordings of slow pushes reach 0.6.
 constexpr double kMaxAsWritten = 0.4;
-/// Alike pushes fit each other: then the shift is open, but not that there is one.
+/// Similar pushes match each other: then there is a shift, but its size is ambiguous.
 constexpr double kClearLead = 0.5;
-/// Nearer shifts belong to the same peak, or to offsets that identification takes off by itself.
-constexpr double kSamePeak = 1.0;   // [s]
-constexpr double kTakenOff = 0.25;  // [s] as force_offset looks for
-/// A tip nearer than this to a surface may touch it: poses and meshes are off by millimetres.
+/// Closer shifts belong to the same peak; smaller ones are estimated and removed by force_offset.
+constexpr double kSamePeak = 1.0;          // [s]
+constexpr double kEstimatedOffset = 0.25;  // [s] search range of force_offset
+/// A tip closer than this to a surface may touch it: poses and meshes have errors of millimetres.
 constexpr double kTouchRange = 0.003;  // [m]
 
-/// Values on an even grid from `start` on.
+/// Samples on a uniform grid from `start` on.
 struct Signal {
   double start = 0.0;  ///< [s]
   std::vector<double> values;
@@ -41,14 +41,15 @@ std::size_t grid_size(double from, double to) {
 }
 
 /// 1 where the tip is at a surface or in it, 0 where it is kTouchRange away.
-Signal touching(const IdentificationInput& input, const PathView& tip, const ObjectPlaces& places) {
+Signal touching(const IdentificationInput& input, const PathView& tip,
+                const ObjectPoses& object_poses) {
   Signal signal{input.t_tool.front(), {}};
   const std::size_t count = grid_size(input.t_tool.front(), input.t_tool.back());
   for (std::size_t k = 0; k < count; ++k) {
     const double t = signal.start + kGridInterval * static_cast<double>(k);
     double value = 0.0;
     for (std::size_t i = 0; i < input.objects.size(); ++i) {
-      const auto touch = places.touch(i, t, tip.at(t), input.tool_radius);
+      const auto touch = object_poses.touch(i, t, tip.at(t), input.tool_radius);
       if (touch) value = std::max(value, std::clamp(1.0 - touch->gap / kTouchRange, 0.0, 1.0));
     }
     signal.values.push_back(value);
@@ -69,7 +70,8 @@ Signal loaded(const IdentificationInput& input, const Segmentation& found) {
   return signal;
 }
 
-/// Of a[i] and b[i + lag] where both are; nothing where they share too little, or do not change.
+/// Pearson correlation of a[i] and b[i + lag] over their overlap; nothing where that is too short,
+/// or one of them is constant.
 std::optional<double> correlation(const std::vector<double>& a, const std::vector<double>& b,
                                   std::ptrdiff_t lag) {
   const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(0, -lag);
@@ -88,13 +90,13 @@ std::optional<double> correlation(const std::vector<double>& a, const std::vecto
 }
 
 struct Match {
-  double shift = 0.0;  ///< [s] the force is this much late
+  double shift = 0.0;  ///< [s] delay of the force
   double correlation = 0.0;
 };
 
 std::vector<Match> match_all(const Signal& touch, const Signal& load) {
   const auto lags = static_cast<std::ptrdiff_t>(kMaxShift / kGridInterval);
-  // A lag of 0 on the grids is this shift in time.
+  // The time shift at a lag of 0.
   const double zero = load.start - touch.start;
   const auto middle = static_cast<std::ptrdiff_t>(std::llround(-zero / kGridInterval));
   std::vector<Match> matches;
@@ -105,31 +107,32 @@ std::vector<Match> match_all(const Signal& touch, const Signal& load) {
   return matches;
 }
 
-double highest_if(const std::vector<Match>& matches, const auto& counts) {
-  double highest = -1.0;  // no correlation is lower
+double max_correlation_if(const std::vector<Match>& matches, const auto& is_counted) {
+  double max_correlation = -1.0;  // the minimum of a correlation
   for (const Match& match : matches) {
-    if (counts(match)) highest = std::max(highest, match.correlation);
+    if (is_counted(match)) max_correlation = std::max(max_correlation, match.correlation);
   }
-  return highest;
+  return max_correlation;
 }
 
 }  // namespace
 
 std::optional<Error> clock_fault(const IdentificationInput& input, const Segmentation& found,
-                                 const PathView& tip, const ObjectPlaces& places) {
+                                 const PathView& tip, const ObjectPoses& object_poses) {
   if (found.contacts.size() < kMinContacts || input.objects.empty()) return std::nullopt;
-  const std::vector<Match> matches = match_all(touching(input, tip, places), loaded(input, found));
+  const std::vector<Match> matches =
+      match_all(touching(input, tip, object_poses), loaded(input, found));
   if (matches.empty()) return std::nullopt;
   const Match best = *std::max_element(
       matches.begin(), matches.end(),
       [](const Match& a, const Match& b) { return a.correlation < b.correlation; });
-  const double as_written =
-      highest_if(matches, [](const Match& m) { return std::abs(m.shift) <= kTakenOff; });
-  const double rival = highest_if(
+  const double as_written = max_correlation_if(
+      matches, [](const Match& m) { return std::abs(m.shift) <= kEstimatedOffset; });
+  const double second_best = max_correlation_if(
       matches, [&](const Match& m) { return std::abs(m.shift - best.shift) > kSamePeak; });
   const double gain = best.correlation - as_written;
-  const bool is_only_shift = best.correlation - rival >= kLead;
-  const bool is_fault = best.correlation >= kDecisive && std::abs(best.shift) > kTakenOff &&
+  const bool is_only_shift = best.correlation - second_best >= kLead;
+  const bool is_fault = best.correlation >= kDecisive && std::abs(best.shift) > kEstimatedOffset &&
                         as_written <= kMaxAsWritten && (is_only_shift || gain >= kClearLead);
   if (!is_fault) return std::nullopt;
   char text[240];
@@ -142,9 +145,9 @@ std::optional<Error> clock_fault(const IdentificationInput& input, const Segment
 }
 
 std::optional<Error> clock_fault(const TeleopInput& input) {
-  // Clocks that are apart are so from the start; more would cost memory and time.
+  // A clock offset is present from the start; the whole recording would take memory and time.
   const auto first_part = [](const std::vector<double>& t) {
-    return std::upper_bound(t.begin(), t.end(), t.front() + kFirstPart) - t.begin();
+    return std::upper_bound(t.begin(), t.end(), t.front() + kMaxAnalysed) - t.begin();
   };
   const auto tool = first_part(input.t_tool);
   const auto force = first_part(input.t_force);
@@ -163,7 +166,7 @@ std::optional<Error> clock_fault(const TeleopInput& input) {
   const Segmentation found =
       segment_contacts(part.t_force, part.force_base, part.t_tool, part.p_base_tip);
   return clock_fault(part, found, PathView(part.t_tool, part.p_base_tip),
-                     ObjectPlaces(part.objects));
+                     ObjectPoses(part.objects));
 }
 
 }  // namespace pcavr

@@ -10,13 +10,13 @@
 
 namespace pcavr {
 
-/// Clocks of force and tool that are some seconds apart: the instants at which the force shows
-/// contact, against those at which the tip is at an object's surface. Only where one shift, up to a
-/// minute, makes both agree decisively better than no shift.
+/// An Error where the clocks of force and tool are some seconds apart, by cross-correlation of the
+/// times at which the force shows contact with those at which the tip is at an object's surface.
+/// Only where a shift, up to a minute, correlates decisively better than no shift.
 [[nodiscard]] std::optional<Error> clock_fault(const IdentificationInput& input,
                                                const Segmentation& found, const PathView& tip,
-                                               const ObjectPlaces& places);
-/// The same of the first ten minutes that a replay is given.
+                                               const ObjectPoses& object_poses);
+/// The same for a replay's input, from its first ten minutes.
 [[nodiscard]] std::optional<Error> clock_fault(const TeleopInput& input);
 
 }  // namespace pcavr

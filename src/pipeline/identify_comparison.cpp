@@ -3,37 +3,38 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcavr/contact/compliance.hpp"
+
 #include "identify_parts.hpp"
 
 namespace pcavr {
 namespace {
 
-constexpr double kFilterHalfWidth =
-    0.014;                              // [s] of the filter, as the estimators' own tests have it
-constexpr double kMinForce = 0.02;      // of the largest: below, the relative error means little
-constexpr double kSettled = 0.10;       // of the force: paper C's threshold
-constexpr double kErrorWindow = 0.020;  // [s] over which an error has to last to count
-constexpr double kMinNoise = 1e-6;      // of the largest force: a made-up one may have none
-constexpr double kStill = 0.050;        // [s] on either side over which a tip that holds is still
-constexpr double kStillShare = 0.01;    // of the depth: to move by less is to be still
-constexpr int kDrawn = 5;               // of the samples, one is kept for the picture
+constexpr double kFilterHalfWidth = 0.014;  // [s] of the filter, as in the estimators' tests
+constexpr double kMinForce = 0.02;  // of the largest: below, the relative error is not meaningful
+constexpr double kSettled = 0.10;   // of the force: paper C's threshold
+constexpr double kErrorWindow = 0.020;  // [s] minimum duration of an error that counts
+constexpr double kMinNoise = 1e-6;      // of the largest force: a synthetic one may have none
+constexpr double kStationaryHalfWidth = 0.050;  // [s] over which a stationary tip is at rest
+constexpr double kMaxStationaryMotion = 0.01;   // of the penetration
+constexpr int kPlotStride = 5;                  // one of so many samples is kept for the plots
 
 struct FilteredSample {
   double t = 0.0;  ///< [s] in contact
   std::array<double, 3> regressors{};
   double force = 0.0;
   std::size_t press = 0;
-  bool is_held = false;  ///< the tip stands in the object
+  bool is_stationary = false;  ///< the tip is at rest in the object
 };
 
-/// Whether the tip moves by less than one sample's noise, or next to nothing of its depth.
-bool is_still(const ForceMotion& press, double t, double depth, double tip_noise) {
-  const SmoothedSample slow = smooth_at(press.t, press.tool, t, kStill);
-  return slow.is_valid &&
-         2.0 * kStill * std::abs(slow.rate) < std::max(tip_noise, kStillShare * depth);
+/// Whether the tip moves by less than one sample's noise, or a small share of its penetration.
+bool is_stationary(const ForceMotion& press, double t, double penetration, double tip_noise) {
+  const SmoothedSample slow = smooth_at(press.t, press.tool, t, kStationaryHalfWidth);
+  return slow.is_valid && 2.0 * kStationaryHalfWidth * std::abs(slow.rate) <
+                              std::max(tip_noise, kMaxStationaryMotion * penetration);
 }
 
-/// What the filter lets out while there is contact, press after press on one clock of contact time.
+/// The filtered samples in contact, press after press, on a common axis of contact time.
 std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses,
                                      const ContactIdentification& found,
                                      std::vector<double>& touches, double& half_width) {
@@ -47,23 +48,23 @@ std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses,
   for (std::size_t k = 0; k < found.touched.size(); ++k) {
     const ForceMotion& press = presses[found.touched[k]];
     const double interval = mean_interval(press.t);
-    const double noise = std::max(noise_deviation(press.force), kMinNoise * largest);
+    const double noise = std::max(estimate_noise_std(press.force), kMinNoise * largest);
     half_width = std::max(kFilterHalfWidth, 3.0 * interval);
     CausalFilter filter(half_width, 1.0 / interval, noise);
-    const double tip_noise = noise_deviation(press.tool);
+    const double tip_noise = estimate_noise_std(press.tool);
     touches.push_back(clock);
     for (std::size_t i = 0; i < press.t.size(); ++i) {
       const auto out = filter.step(press.t[i], press.tool[i], press.force[i]);
-      const double depth = out ? out->position - fit.surface[k] : 0.0;
-      if (depth <= 0.0 || out->force < kMinForce * largest) continue;
+      const double penetration = out ? out->position - fit.surface[k] : 0.0;
+      if (penetration <= 0.0 || out->force < kMinForce * largest) continue;
       FilteredSample& sample = samples.emplace_back();
-      const double power = std::pow(depth, fit.exponent.value);
+      const double power = penetration_power(penetration, fit.exponent.value);
       const bool is_curved = fit.regressor == ContactRegressor::hunt_crossley;
       sample.t = clock;
       sample.regressors = {out->acceleration, is_curved ? power * out->speed : out->speed, power};
       sample.force = out->force;
       sample.press = k;
-      sample.is_held = is_still(press, out->t, depth, tip_noise);
+      sample.is_stationary = is_stationary(press, out->t, penetration, tip_noise);
       clock += interval;
     }
   }
@@ -83,50 +84,56 @@ EstimatorOptions<3> options_of(EstimationMethod method, const std::vector<Filter
   return options;
 }
 
-/// Estimated against measured force once an estimator has settled.
+/// Errors of the estimated force once an estimator has settled.
 class SteadyErrors {
  public:
   void add(const FilteredSample& sample, double estimated) {
     squares_ += std::pow(sample.force - estimated, 2);
     force_squares_ += sample.force * sample.force;
-    if (!sample.is_held) return;
-    if (holds_.empty() || holds_.back().press != sample.press) holds_.push_back({sample.press});
-    holds_.back().measured += sample.force;
-    holds_.back().estimated += estimated;
+    if (!sample.is_stationary) return;
+    if (presses_.empty() || presses_.back().press != sample.press) {
+      presses_.push_back({sample.press});
+    }
+    presses_.back().measured += sample.force;
+    presses_.back().estimated += estimated;
   }
 
   [[nodiscard]] double rms() const { return std::sqrt(squares_ / force_squares_); }
-  /// Mean over the presses; nothing where none was held.
-  [[nodiscard]] std::optional<double> held() const {
-    if (holds_.empty()) return std::nullopt;
+  /// Relative error of each press's mean force, averaged over the presses; nothing where the tip
+  /// was stationary in none.
+  [[nodiscard]] std::optional<double> mean_force_error() const {
+    if (presses_.empty()) return std::nullopt;
     double sum = 0.0;
-    for (const Hold& hold : holds_) sum += std::abs(hold.estimated / hold.measured - 1.0);
-    return sum / static_cast<double>(holds_.size());
+    for (const PressForces& press : presses_) {
+      sum += std::abs(press.estimated / press.measured - 1.0);
+    }
+    return sum / static_cast<double>(presses_.size());
   }
 
  private:
-  struct Hold {
+  struct PressForces {
     std::size_t press = 0;
     double measured = 0.0, estimated = 0.0;  ///< [N] sums
   };
   double squares_ = 0.0;
   double force_squares_ = 0.0;
-  std::vector<Hold> holds_;
+  std::vector<PressForces> presses_;
 };
 
-/// [s] from the first touch to the last of its long errors; nothing where it never settles.
+/// Settling time [s]: from the first touch to the end of the last long error; nothing where it
+/// never settles.
 std::optional<double> settling_of(const EstimatorTrace& trace,
                                   std::optional<double> first_press_end, double interval,
                                   double half_width) {
-  const auto lasting = static_cast<std::size_t>(std::ceil(kErrorWindow / interval));
+  const auto min_samples = static_cast<std::size_t>(std::ceil(kErrorWindow / interval));
   double settled = 0.0;
-  std::size_t in_a_row = 0;
+  std::size_t consecutive = 0;
   std::size_t last = 0;
   for (std::size_t i = 0; i < trace.t.size(); ++i) {
     if (first_press_end && trace.t[i] >= *first_press_end) break;
     const double error = std::abs(trace.estimated[i] - trace.measured[i]);
-    in_a_row = error > kSettled * std::abs(trace.measured[i]) ? in_a_row + 1 : 0;
-    if (in_a_row >= lasting) settled = trace.t[i] + interval;
+    consecutive = error > kSettled * std::abs(trace.measured[i]) ? consecutive + 1 : 0;
+    if (consecutive >= min_samples) settled = trace.t[i] + interval;
     last = i;
   }
   if (last == 0 || settled >= trace.t[last]) return std::nullopt;
@@ -157,20 +164,20 @@ std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> pres
       whole.measured.push_back(samples[i].force);
       whole.estimated.push_back(step.prediction);
       if (i >= samples.size() / 2) steady.add(samples[i], step.prediction);
-      if (i % kDrawn != 0) continue;
+      if (i % kPlotStride != 0) continue;
       const ParameterEstimate<3> now = estimator.estimate();
       trace.t.push_back(samples[i].t);
       trace.measured.push_back(samples[i].force);
       trace.estimated.push_back(step.prediction);
       for (std::size_t k = 0; k < 3; ++k) {
         trace.value[k].push_back(now.value[k]);
-        trace.deviation[k].push_back(now.deviation[k]);
+        trace.std[k].push_back(now.std[k]);
       }
     }
     trace.steady_error = steady.rms();
-    trace.held_error = steady.held();
-    const auto first_press_end =
-        touches.size() > 1 ? std::optional(touches[1]) : std::nullopt;  // else one press is all
+    trace.mean_force_error = steady.mean_force_error();
+    const auto first_press_end = touches.size() > 1 ? std::optional(touches[1])
+                                                    : std::nullopt;  // else there is only one press
     trace.settling = settling_of(whole, first_press_end, interval, half_width);
   }
   return traces;

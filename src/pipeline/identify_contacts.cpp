@@ -14,20 +14,20 @@ namespace {
 
 /// Pushes on one face have normals this near to each other.
 constexpr double kSameFace = 0.98;
-/// The exponent of a spherical tip on a flat face [Hertz 1882]. Before it breaks away a pushed
-/// object creeps, which looks like another exponent: over known plants fits gave 1.0 to 1.4 where
-/// 1.5 was true, five to ten of their standard deviations off. So it is given; with the standard
-/// deviation of what lies anywhere between 1 (a flat tip, a layer) and 2 (a cone).
+/// The exponent of a spherical tip on a flat face [Hertz 1882]. Before breakaway a pushed object
+/// creeps, which biases the exponent: on simulated plants fits gave 1.0 to 1.4 where 1.5 was true,
+/// five to ten of their stds off. So it is assumed, with the std of a uniform distribution between
+/// 1 (a flat tip, a layer) and 2 (a cone).
 constexpr double kGivenExponent = 1.5;
 constexpr double kGivenExponentStd = 0.289;  // 1 / sqrt(12)
-/// By which creep makes a stiffness under that exponent too small: 2 to 4 % on the same plants.
+/// Relative bias of the stiffness under that exponent by creep: 2 to 4 % on the same plants.
 constexpr double kCreep = 0.04;
 constexpr double kMinStds = 2.0;  // a stiffness nearer to 0 is not identified
-/// Shorter than this a contact is an impact, if the tip came faster than that.
+/// A contact is an impact if it is shorter than this and the tip approaches faster than that.
 constexpr double kMaxImpact = 0.08;       // [s]
 constexpr double kMinImpactSpeed = 0.02;  // [m/s]
 
-/// All presses meet one surface where they go the same way onto the same plane.
+/// All presses share one surface position where they have the same direction.
 bool is_one_surface(const std::vector<IdentifiedContact*>& presses) {
   return std::all_of(presses.begin(), presses.end(), [&](const IdentifiedContact* press) {
     return press->episode.direction_base.dot(presses.front()->episode.direction_base) > 0.999999;
@@ -43,7 +43,7 @@ void take_parameters(const ContactFit& fit, ObjectParameters& parameters) {
   }
 }
 
-/// The push until it left its line: the object stood.
+/// The push until the breakaway alarm: the object is at rest.
 ForceMotion until_alarm(const ContactEpisode& episode) {
   const double until = episode.breakaway.is_found ? episode.breakaway.t_alarm : episode.end;
   const auto end = std::lower_bound(episode.t.begin(), episode.t.end(), until);
@@ -52,7 +52,7 @@ ForceMotion until_alarm(const ContactEpisode& episode) {
   return {all.t.first(count), all.tool.first(count), all.force.first(count)};
 }
 
-/// Relative scatter of the stiffness from push to push, which the fit of all together does not see.
+/// Relative std of the stiffness from push to push, which the joint fit does not include.
 double stiffness_scatter(const std::vector<ForceMotion>& pushes, const ContactFitOptions& options) {
   std::vector<double> logs;
   for (const ForceMotion& push : pushes) {
@@ -84,14 +84,14 @@ std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& p
     series[index].push_back(until_alarm(push->episode));
   }
   ContactFitOptions options;
-  options.is_surface_shared = false;  // the object has gone on between pushes
+  options.is_surface_shared = false;  // the object moves between pushes
   options.exponent = exponent;
   for (std::size_t i = 0; i < faces.size(); ++i) {
     faces[i].contact = identify_contact(series[i], options);
     IdentifiedParameter& stiffness = faces[i].contact.hunt_crossley.stiffness;
     const double share = std::hypot(kCreep, stiffness_scatter(series[i], options));
-    stiffness.deviation = std::hypot(stiffness.deviation, stiffness.value * share);
-    stiffness.is_excited = stiffness.value > kMinStds * stiffness.deviation;
+    stiffness.std = std::hypot(stiffness.std, stiffness.value * share);
+    stiffness.is_excited = stiffness.value > kMinStds * stiffness.std;
   }
   return faces;
 }
@@ -99,7 +99,7 @@ std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& p
 }  // namespace
 
 ParameterValue as_value(const IdentifiedParameter& parameter) {
-  return {parameter.value, parameter.deviation};
+  return {parameter.value, parameter.std};
 }
 
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
@@ -122,12 +122,12 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
     best = &result.presses.best();
     result.comparison = compare_estimators(series, result.presses);
   } else {
-    // The face that was pushed most.
-    int most = 0;
+    // The face with the most pushes.
+    int max_pushes = 0;
     for (const FaceContact& face : result.faces) {
       const ContactFit& fit = face.contact.best();
-      if (fit.is_valid && fit.stiffness.is_excited && face.pushes > most) {
-        most = face.pushes;
+      if (fit.is_valid && fit.stiffness.is_excited && face.pushes > max_pushes) {
+        max_pushes = face.pushes;
         best = &fit;
       }
     }
@@ -137,7 +137,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
     result.is_exponent_given = !result.presses.best().is_valid;
     if (result.is_exponent_given) {
       result.parameters.contact_exponent = exponent;
-      result.parameters.contact_damping.reset();  // creep looks like damping, too
+      result.parameters.contact_damping.reset();  // creep biases the damping, too
     }
   }
   identify_impacts(pushes, result);
@@ -153,7 +153,7 @@ void identify_impacts(const std::vector<IdentifiedContact*>& pushes, ObjectIdent
     const SmoothedSample after = smooth_at(episode.t, episode.tool, episode.end + 0.03, 0.025);
     if (duration > kMaxImpact || !before.is_valid || !after.is_valid) continue;
     if (before.rate < kMinImpactSpeed) continue;
-    // The object's speed afterwards from the impulse, less what friction took.
+    // The object's speed after the impact from the impulse, less that of friction.
     double impulse = 0.0;
     for (std::size_t i = 1; i < episode.t.size(); ++i) {
       if (episode.t[i] < episode.begin || episode.t[i] > episode.end) continue;

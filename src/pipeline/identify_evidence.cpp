@@ -11,16 +11,16 @@
 namespace pcavr {
 namespace {
 
-/// Above this share of its peak a contact is loaded, or slides at about that force.
+/// A contact is loaded above this share of its peak force, or slides at about that force.
 constexpr double kLoaded = 0.8;
-// Steps of the motion: long enough that the tip's noise is small beside them, short enough that a
-// bent path is followed [s].
+// Steps of the motion [s]: long compared with the tip's noise, short enough for a curved path.
 constexpr double kMinMotionStep = 0.02;
 constexpr double kMaxMotionStep = 0.10;
 constexpr double kStepsOfContact = 6.0;
-/// Six to ten times what markers leave open of a pose.
-constexpr double kMoved = 0.002;  // [m]
-/// The middle of a motion: at its ends the object does not slide yet, or no longer.
+/// Six to ten times the position noise of marker tracking.
+constexpr double kMinDisplacement = 0.002;  // [m]
+/// Range of the motion that counts, as shares of the displacement: at its ends the object may not
+/// slide.
 constexpr double kMotionBegins = 0.1;
 constexpr double kMotionEnds = 0.9;
 
@@ -70,23 +70,24 @@ void add_forces(const IdentificationInput& input, const IdentifiedContact& conta
   }
 }
 
-/// Where the object was before, at the beginning and at the end of a contact.
-double displacement_until(const IdentifiedContact& contact, const ObjectPlaces& places, double t) {
-  if (!places.is_tracked(*contact.object)) return way_at(contact.episode, t);
-  return translation_distance(places.at(*contact.object, contact.episode.begin),
-                              places.at(*contact.object, t));
+/// Displacement of the object from the beginning of a contact until `t`.
+double displacement_until(const IdentifiedContact& contact, const ObjectPoses& object_poses,
+                          double t) {
+  if (!object_poses.is_tracked(*contact.object)) return displacement_at(contact.episode, t);
+  return translation_distance(object_poses.at(*contact.object, contact.episode.begin),
+                              object_poses.at(*contact.object, t));
 }
 
 double cosine(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  const double size = a.norm() * b.norm();
-  return size > 0.0 ? a.dot(b) / size : 0.0;
+  const double norms = a.norm() * b.norm();
+  return norms > 0.0 ? a.dot(b) / norms : 0.0;
 }
 
 }  // namespace
 
 std::vector<ContactEvidence> gather_evidence(const IdentificationInput& input,
                                              std::span<const IdentifiedContact> contacts,
-                                             const PathView& tip, const ObjectPlaces& places) {
+                                             const PathView& tip, const ObjectPoses& object_poses) {
   std::vector<ContactEvidence> all;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const IdentifiedContact& contact = contacts[i];
@@ -95,7 +96,7 @@ std::vector<ContactEvidence> gather_evidence(const IdentificationInput& input,
     if (range.end < range.begin + 2) continue;
     ContactEvidence evidence{.contact = i};
     const double t = contact.episode.begin;
-    const auto touch = places.touch(*contact.object, t, tip.at(t), input.tool_radius);
+    const auto touch = object_poses.touch(*contact.object, t, tip.at(t), input.tool_radius);
     if (!touch) continue;
     evidence.inward_base = touch->inward_base;
     add_forces(input, contact, range, tip, evidence);
@@ -133,25 +134,26 @@ DirectionAgreement agreement_in_tool_axes(std::span<const ContactEvidence> evide
           effort > 0.0 ? sum.motion / effort : 0.0};
 }
 
-std::optional<double> friction_share(const IdentificationInput& input,
-                                     const IdentifiedContact& contact, const ObjectPlaces& places) {
+std::optional<double> friction_ratio(const IdentificationInput& input,
+                                     const IdentifiedContact& contact,
+                                     const ObjectPoses& object_poses) {
   if (!contact.object || contact.episode.kind == ContactKind::press) return std::nullopt;
   const std::optional<double> mass = input.objects[*contact.object].mass;
   const ContactEpisode& episode = contact.episode;
-  const double moved = displacement_until(contact, places, episode.end);
-  if (!mass || moved < kMoved) return std::nullopt;
-  std::vector<double> shares;
+  const double moved = displacement_until(contact, object_poses, episode.end);
+  if (!mass || moved < kMinDisplacement) return std::nullopt;
+  std::vector<double> ratios;
   for (std::size_t i = 0; i < contact.force_base.size(); ++i) {
     if (episode.t[i] < episode.begin || episode.t[i] > episode.end) continue;
-    const double done = displacement_until(contact, places, episode.t[i]) / moved;
+    const double done = displacement_until(contact, object_poses, episode.t[i]) / moved;
     if (done < kMotionBegins || done > kMotionEnds) continue;
     const Eigen::Vector3d& force = contact.force_base[i];
-    // A tip that presses down adds to what rests on the support.
-    shares.push_back(force.head<2>().norm() /
+    // A tip that presses down adds to the normal force on the support.
+    ratios.push_back(force.head<2>().norm() /
                      (*mass * kStandardGravity + std::max(0.0, -force.z())));
   }
-  if (shares.empty()) return std::nullopt;
-  return median(std::move(shares));
+  if (ratios.empty()) return std::nullopt;
+  return median(std::move(ratios));
 }
 
 }  // namespace pcavr

@@ -13,31 +13,32 @@
 
 namespace pcavr {
 
-/// Where the force of one contact points while it is loaded and the object is pushed along, in sums
-/// from which the same follows for any other axes.
+/// Direction of one contact's force while it is loaded and the object is pushed, as sums from which
+/// the same follows for any permutation of the axes.
 struct ContactEvidence {
   std::size_t contact = 0;                                 ///< index
   Eigen::Vector3d force_base = Eigen::Vector3d::Zero();    ///< [N] sum, bias removed
   Eigen::Vector3d inward_base = Eigen::Vector3d::Zero();   ///< unit, from the tip to the surface
   Eigen::Matrix3d force_motion = Eigen::Matrix3d::Zero();  ///< [N m] sum of F dx'
   double effort = 0.0;                                     ///< [N m] sum of |F| |dx|
-  // As if what was recorded were in the tool's axes; only where its orientation is known.
+  // As if the force were recorded in the tool's axes; only where the tool's orientation is known.
   Eigen::Vector3d tool_force_base = Eigen::Vector3d::Zero();
   double tool_work = 0.0;  ///< [N m]
 };
 
-/// How well forces go with the surfaces touched and with the tool's motion.
+/// How well the force agrees with the surfaces touched and with the tool's motion.
 struct DirectionAgreement {
   double inward = 0.0;  ///< mean cosine between force and the direction into the body, by contact
-  double motion = 0.0;  ///< work over effort, -1 to 1: what is pushed cannot push back for long
+  double motion =
+      0.0;  ///< work over effort, -1 to 1: positive, because a pushed object dissipates work
 };
 
-/// Of the contacts that have an object.
+/// For the contacts that are attributed to an object.
 [[nodiscard]] std::vector<ContactEvidence> gather_evidence(
     const IdentificationInput& input, std::span<const IdentifiedContact> contacts,
-    const PathView& tip, const ObjectPlaces& places);
+    const PathView& tip, const ObjectPoses& object_poses);
 
-/// `axes` maps what was recorded to base.
+/// `axes` maps the recorded force to base.
 [[nodiscard]] DirectionAgreement agreement_of(std::span<const ContactEvidence> evidence,
                                               const Eigen::Matrix3d& axes);
 [[nodiscard]] DirectionAgreement agreement_in_tool_axes(std::span<const ContactEvidence> evidence);
@@ -45,10 +46,10 @@ struct DirectionAgreement {
 /// Cosine between the force and the direction into the body.
 [[nodiscard]] double inward_cosine(const ContactEvidence& evidence);
 
-/// Horizontal force over the weight that rests on the support, at the middle of the samples while
-/// the object moves by more than 2 mm in one contact; nothing for less, or an unknown mass.
-[[nodiscard]] std::optional<double> friction_share(const IdentificationInput& input,
+/// Apparent friction coefficient: median of horizontal force over the normal force on the support,
+/// while the object moves by more than 2 mm in one contact; nothing for less, or an unknown mass.
+[[nodiscard]] std::optional<double> friction_ratio(const IdentificationInput& input,
                                                    const IdentifiedContact& contact,
-                                                   const ObjectPlaces& places);
+                                                   const ObjectPoses& object_poses);
 
 }  // namespace pcavr

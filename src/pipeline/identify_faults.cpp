@@ -15,18 +15,18 @@
 namespace pcavr {
 namespace {
 
-/// Friction of tip and object turns a sound force away from the face's normal by up to 45 degrees,
-/// rubber by 60.
+/// Minimum cosine of a sound force to the face's normal: friction cones of tip and object reach 45
+/// degrees, of rubber 60.
 constexpr double kSound = 0.5;
-/// A face is not pushed by a force that points past it: beyond 75 degrees.
+/// A force at more than 75 degrees to the normal does not push the face.
 constexpr double kMisdirected = 0.26;
-// Another reading has to point into the bodies this well, be better by this much, and go with the
-// motion better by this much. A tip that slides along a face moves across its force, so that the
-// motion alone says little; a wrong pose of the body turns its normals, so that they alone do not.
+// Another interpretation must agree with the inward direction by this, exceed the one as written by
+// this, and agree better with the motion by this. Neither criterion is sufficient alone: a tip that
+// slides along a face moves across its force, and a wrong pose of the body rotates its normals.
 constexpr double kExplains = 0.8;
 constexpr double kInwardGain = 0.4;
 constexpr double kMotionGain = 0.2;
-/// Readings this near to each other in their cosine are not told apart.
+/// Interpretations within this difference of their cosines are equally good.
 constexpr double kTie = 0.05;
 /// [m] between tip and surface at a touch, as for attribution.
 constexpr double kMaxGap = 0.015;
@@ -43,12 +43,12 @@ std::string printed(const char* format, double a, double b) {
   return text;
 }
 
-bool explains(const DirectionAgreement& reading, const DirectionAgreement& as_written) {
-  return reading.inward >= kExplains && reading.inward - as_written.inward >= kInwardGain &&
-         reading.motion > 0.0 && reading.motion - as_written.motion >= kMotionGain;
+bool explains(const DirectionAgreement& candidate, const DirectionAgreement& as_written) {
+  return candidate.inward >= kExplains && candidate.inward - as_written.inward >= kInwardGain &&
+         candidate.motion > 0.0 && candidate.motion - as_written.motion >= kMotionGain;
 }
 
-/// All rows and columns of one 1 or -1: the axes that a driver may mix up.
+/// All signed permutation matrices: the axes that a driver may permute.
 std::vector<Eigen::Matrix3d> signed_permutations() {
   constexpr int kOrders[6][3] = {{0, 1, 2}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}, {1, 2, 0}, {2, 0, 1}};
   std::vector<Eigen::Matrix3d> all;
@@ -83,7 +83,8 @@ std::string cosines(double better, double as_written, std::size_t contacts) {
          std::to_string(contacts) + (contacts == 1 ? " contact" : " contacts");
 }
 
-/// The reading of the force's axes that the unsound contacts show; `all` must not contradict it.
+/// The interpretation of the force's axes that explains the unsound contacts; `all` contacts must
+/// be consistent with it.
 std::optional<Error> axes_fault(std::span<const ContactEvidence> evidence,
                                 std::span<const ContactEvidence> all) {
   if (evidence.empty()) return std::nullopt;
@@ -101,12 +102,13 @@ std::optional<Error> axes_fault(std::span<const ContactEvidence> evidence,
                     (is_either ? ", or is in the tool's axes" : "") +
                     ": reversed it points into the objects that the tool touches (" +
                     cosines(flipped.inward, as_written.inward, evidence.size()) + ")";
-    error.hint = "write the force that the tool exerts, in base axes, not the one that it feels";
+    error.hint =
+        "write the force that the tool exerts, in base axes, not the reaction force on the tool";
     return error;
   }
   if (is_in_tool) {
     error.message =
-        "the force is in the tool's axes: turned by the tool's orientation it points into the "
+        "the force is in the tool's axes: rotated by the tool's orientation it points into the "
         "objects that the tool touches (" +
         cosines(tool.inward, as_written.inward, evidence.size()) + ")";
     error.hint = "write it in base axes";
@@ -115,13 +117,13 @@ std::optional<Error> axes_fault(std::span<const ContactEvidence> evidence,
   std::optional<Eigen::Matrix3d> best;
   double inward = 0.0;
   for (const Eigen::Matrix3d& axes : signed_permutations()) {
-    const DirectionAgreement reading = agreement_of(evidence, axes);
-    // Turned axes before mirrored ones, where both explain it.
+    const DirectionAgreement candidate = agreement_of(evidence, axes);
+    // Prefers rotated axes to mirrored ones where both explain the data.
     const double needed = inward + (axes.determinant() > 0.0 ? 1e-9 : kTie);
     const bool fits_all = agreement_of(all, axes).inward >= kExplains;
-    if (!fits_all || !explains(reading, as_written) || reading.inward < needed) continue;
+    if (!fits_all || !explains(candidate, as_written) || candidate.inward < needed) continue;
     best = axes;
-    inward = reading.inward;
+    inward = candidate.inward;
   }
   if (!best) return std::nullopt;
   error.message = "the force is in other axes than the tool's motion: read as, for example, " +
@@ -131,15 +133,15 @@ std::optional<Error> axes_fault(std::span<const ContactEvidence> evidence,
   return error;
 }
 
-/// How many of the contacts meet an object, with the force into it, if the tip were where `points`
-/// has it.
+/// Number of contacts in which the tip touches an object, with the force into it, if the tip's path
+/// is `points`.
 std::size_t count_touches(const FaultEvidence& known, const PathView& points) {
-  const ObjectPlaces places(known.input.objects);
+  const ObjectPoses object_poses(known.input.objects);
   std::size_t count = 0;
   for (const IdentifiedContact& contact : known.contacts) {
     const double t = contact.episode.begin;
     for (std::size_t i = 0; i < known.input.objects.size(); ++i) {
-      const auto touch = places.touch(i, t, points.at(t), known.input.tool_radius);
+      const auto touch = object_poses.touch(i, t, points.at(t), known.input.tool_radius);
       const bool is_near = touch && std::abs(touch->gap) < kMaxGap;
       if (!is_near || touch->inward_base.dot(contact.episode.direction_base) < kSound) continue;
       ++count;
@@ -158,8 +160,9 @@ std::optional<Error> tool_unit_fault(const FaultEvidence& known) {
     const std::size_t touches = count_touches(known, PathView(known.tip.t(), points));
     if (touches == 0 || 2 * touches < known.contacts.size()) continue;
     return Error{.message = std::string("the tool's position is in ") + unit.name +
-                            ": read so, the tip touches an object in " + std::to_string(touches) +
-                            " of " + std::to_string(known.contacts.size()) +
+                            ": with that unit, the tip touches an object in " +
+                            std::to_string(touches) + " of " +
+                            std::to_string(known.contacts.size()) +
                             " contacts, and in metres in none",
                  .file = "tool.csv",
                  .hint = "write metres"};
@@ -173,8 +176,8 @@ std::size_t count_sound(std::span<const ContactEvidence> evidence) {
                     [](const ContactEvidence& one) { return inward_cosine(one) >= kSound; }));
 }
 
-/// Touched from above, or from the side: axes may be mixed up in the plane alone, or along z.
-enum class Side { above, beside };
+/// Touched from above, or from the side: axes may be permuted in the plane only, or along z.
+enum class Side { above, lateral };
 
 std::vector<ContactEvidence> from(Side side, std::span<const ContactEvidence> evidence) {
   std::vector<ContactEvidence> chosen;
@@ -188,7 +191,7 @@ std::vector<ContactEvidence> from(Side side, std::span<const ContactEvidence> ev
 /// The contacts of the sides from which no more than half are sound.
 std::vector<ContactEvidence> unsound_sides(std::span<const ContactEvidence> evidence) {
   std::vector<ContactEvidence> unsound;
-  for (const Side side : {Side::above, Side::beside}) {
+  for (const Side side : {Side::above, Side::lateral}) {
     const std::vector<ContactEvidence> contacts = from(side, evidence);
     if (2 * count_sound(contacts) > contacts.size()) continue;
     unsound.insert(unsound.end(), contacts.begin(), contacts.end());
@@ -206,9 +209,11 @@ std::string at_time(double t) {
 
 std::optional<Error> find_fault(const FaultEvidence& known) {
   if (auto error = tool_unit_fault(known)) return error;
-  // Some seconds late, one push may well meet the face that another one pushed.
-  if (auto error = clock_fault(known.input, known.found, known.tip, known.places)) return error;
-  // From a side from which most contacts are sound, the others were with something unknown.
+  // Before the axes: with a clock offset of seconds, a push may be compared with another one's
+  // face.
+  if (auto error = clock_fault(known.input, known.found, known.tip, known.object_poses))
+    return error;
+  // Where most contacts from one side are sound, the others were with an unknown object.
   return axes_fault(unsound_sides(known.evidence), known.evidence);
 }
 
@@ -220,7 +225,8 @@ void leave_out_misdirected(std::span<const ContactEvidence> evidence,
     if (cosine >= kMisdirected || !contact.left_out.empty()) continue;
     const double degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
     contact.left_out =
-        printed("the force points %.0f degrees off the face that the tool touches", degrees, 0.0);
+        printed("the force points %.0f degrees off the normal of the face that the tool touches",
+                degrees, 0.0);
   }
 }
 

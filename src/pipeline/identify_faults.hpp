@@ -14,39 +14,41 @@
 
 namespace pcavr {
 
-/// Faults of a recording's force and tool that the data show positively: another reading of them
+/// Faults of a recording's force and tool that the data show positively: another interpretation
 /// (the other sign, other axes, another unit, another clock) explains where the tool touched and
-/// what moved decisively better than the one as written. A recording that shows none of them may
-/// still be too poor to identify anything from: that is for the findings to say.
+/// what moved decisively better than the data as written. A recording without such a fault may
+/// still be insufficient to identify a parameter: the findings report that.
 
-/// What is known when faults are looked for.
+/// The data from which faults are detected.
 struct FaultEvidence {
   const IdentificationInput& input;
   const Segmentation& found;
   std::span<const IdentifiedContact> contacts;
   std::span<const ContactEvidence> evidence;
   const PathView& tip;
-  const ObjectPlaces& places;
+  const ObjectPoses& object_poses;
 };
 
-/// Sign, axes, unit of the tool's positions or clock, where most contacts do not fit the objects.
+/// Detects a wrong sign, axes, unit of the tool's positions or clock, where most contacts do not
+/// fit the objects.
 [[nodiscard]] std::optional<Error> find_fault(const FaultEvidence& known);
 
-/// The force's unit, by the mass that somebody weighed: by accelerations where these are
-/// identified, else by the friction of pushes that moved the object.
+/// Detects a wrong unit of the force by the object's given mass: by accelerations where the mass is
+/// identified from these, else by the friction of pushes that moved the object.
 [[nodiscard]] std::optional<Error> force_unit_fault(const IdentifiableObject& object,
                                                     const IdentifiedParameter& mass,
-                                                    std::vector<double> friction_shares);
+                                                    std::vector<double> friction_ratios);
 
-/// What to check where an object slides as few do, though nothing shows a fault; else empty.
-[[nodiscard]] std::string doubtful_friction(std::vector<double> friction_shares);
+/// A note on what to check where an object's friction is unusually low, but not a proven fault;
+/// else empty.
+[[nodiscard]] std::string doubtful_friction(std::vector<double> friction_ratios);
 
-/// Of a recording whose force shows no contact: its unit, where objects were pushed along all the
-/// same; else what is missing.
+/// The error of a recording whose force shows no contact: the force's unit, where objects were
+/// pushed nevertheless; else what is missing.
 [[nodiscard]] Error no_contact_error(const IdentificationInput& input, const PathView& tip);
 
-/// Contacts whose force points past or out of the face touched: nothing is to be identified from
-/// them. Says so in the contact's `left_out`.
+/// Excludes contacts whose force does not point into the face touched; the reason goes into the
+/// contact's `left_out`.
 void leave_out_misdirected(std::span<const ContactEvidence> evidence,
                            std::vector<IdentifiedContact>& contacts);
 

@@ -6,8 +6,8 @@
 
 namespace pcavr {
 
-/// The table of what was sought: value, deviation, and what motion would tell it where this one
-/// did not.
+/// Fills the table of parameters: value, std, and where a parameter is not identified, the motion
+/// that would identify it.
 void state_findings(IdentificationGoal goal, const IdentifiableObject& object,
                     ObjectIdentification& found);
 

@@ -9,23 +9,23 @@
 namespace pcavr {
 namespace {
 
-/// A push past the centre by more than this meets less friction, because the object turns, too:
-/// 1.5 % at a friction radius of 60 mm.
-constexpr double kCentred = 0.010;  // [m]
+/// A push with a larger lever arm about the centre meets less friction, because the object also
+/// rotates: 1.5 % at a friction radius of 60 mm.
+constexpr double kMaxLever = 0.010;  // [m]
 
-constexpr double kQuiet = 0.01;  // smoothed noise over force: a third of the drop that ends a peak
-constexpr double kWidestSmoothing = 0.030;  // [s] half width; the peak is wider than that
+constexpr double kMaxNoise = 0.01;  // smoothed noise over force: a third of the drop after a peak
+constexpr double kMaxHalfWidth = 0.030;  // [s] half width; the peak is wider than that
 
-bool is_centred(const IdentifiedContact* push) { return std::abs(push->lever) <= kCentred; }
+bool is_centred(const IdentifiedContact* push) { return std::abs(push->lever) <= kMaxLever; }
 
-void take_sliding(std::optional<double> weighed, ObjectIdentification& result) {
+void take_sliding(std::optional<double> given_mass, ObjectIdentification& result) {
   const SlidingIdentification& sliding = result.sliding;
   ObjectParameters& parameters = result.parameters;
   if (!sliding.is_valid) return;
   if (sliding.mass.is_excited) {
     parameters.mass = as_value(sliding.mass);
-  } else if (weighed) {
-    parameters.mass = ParameterValue{*weighed, {}};
+  } else if (given_mass) {
+    parameters.mass = ParameterValue{*given_mass, {}};
   }
   if (sliding.coefficient.is_excited && sliding.coefficient.value > 0.0) {
     parameters.sliding_friction_coefficient = as_value(sliding.coefficient);
@@ -36,35 +36,36 @@ void take_sliding(std::optional<double> weighed, ObjectIdentification& result) {
   }
 }
 
-/// A weak push is smoothed for longer: where the sensor's noise is some per cent of the force, it
-/// looks like the drop that ends the peak. Slow loading keeps a wider window from cutting the peak.
-void smooth_longer(ContactEpisode& episode) {
+/// Smooths a weak push with a wider window: noise of some per cent of the force resembles the drop
+/// after the peak. Loading is slow, so that the wider window does not flatten the peak.
+void widen_smoothing(ContactEpisode& episode) {
   const Breakaway& found = episode.breakaway;
-  const double noise_share = found.deviation / std::max(episode.peak_force, 1e-9);
-  if (!found.is_found || noise_share <= kQuiet) return;
-  // The noise falls with the root of the width.
+  const double noise_share = found.std / std::max(episode.peak_force, 1e-9);
+  if (!found.is_found || noise_share <= kMaxNoise) return;
+  // The noise decreases with the square root of the width.
   BreakawayOptions options;
   options.half_width =
-      std::min(options.half_width * std::pow(noise_share / kQuiet, 2), kWidestSmoothing);
+      std::min(options.half_width * std::pow(noise_share / kMaxNoise, 2), kMaxHalfWidth);
   const Breakaway smoother = find_breakaway(episode.series(), options);
   if (smoother.is_found) episode.breakaway = smoother;
 }
 
-/// F_M of each push: the friction's own limit, which needs the mass; else the force at the peak.
+/// F_M of each push: the limiting static friction without inertia, which needs the mass; else the
+/// force at the peak.
 void find_limits(const std::vector<IdentifiedContact*>& pushes,
                  const std::optional<Compliance>& compliance, ObjectIdentification& result) {
   std::vector<Breakaway> breakaways;
   for (IdentifiedContact* push : pushes) {
-    smooth_longer(push->episode);
+    widen_smoothing(push->episode);
     Breakaway breakaway = push->episode.breakaway;
     if (breakaway.is_found) {
-      push->limit = {breakaway.force, breakaway.deviation, true};
+      push->limit = {breakaway.force, breakaway.std, true};
       if (compliance && result.parameters.mass) {
         push->limit = limit_of_push(push->episode.series(), breakaway, *compliance,
                                     result.parameters.mass->value);
       }
       breakaway.force = push->limit.value;
-      breakaway.deviation = push->limit.deviation;
+      breakaway.std = push->limit.std;
     }
     breakaways.push_back(breakaway);
   }
@@ -73,16 +74,16 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
     char text[160];
     std::snprintf(text, sizeof text,
                   "the push at t = %.3f s (%.2f N +- %.2f N) is not counted for the limiting "
-                  "friction: it is unlike the others",
-                  pushes[i]->episode.begin, breakaways[i].force, breakaways[i].deviation);
+                  "friction: it is an outlier",
+                  pushes[i]->episode.begin, breakaways[i].force, breakaways[i].std);
     result.notes.push_back(text);
   }
   if (result.limit.pushes == 0) return;
-  ParameterValue limit{result.limit.mean, result.limit.deviation_of_mean};
+  ParameterValue limit{result.limit.mean, result.limit.std_of_mean};
   ParameterValue rate{result.limit.loading_rate, {}};
   if (result.limit.pushes > 1) {
-    limit.deviation = result.limit.deviation;
-    rate.deviation = result.limit.loading_rate_deviation;
+    limit.std = result.limit.std;
+    rate.std = result.limit.loading_rate_std;
   }
   result.parameters.limiting_static_friction = limit;
   if (rate.value > 0.0) result.parameters.loading_rate = rate;
@@ -91,16 +92,17 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
 }  // namespace
 
 void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
-                          std::optional<double> weighed, ObjectIdentification& result) {
+                          std::optional<double> given_mass, ObjectIdentification& result) {
   std::vector<IdentifiedContact*> pushes = contacts_of(contacts, object, false);
-  const auto aside = std::partition(pushes.begin(), pushes.end(), is_centred);
-  const auto turned = static_cast<std::size_t>(pushes.end() - aside);
-  if (turned > 0) {
-    result.notes.push_back(std::to_string(turned) + (turned == 1 ? " push" : " pushes") +
-                           " past the centre of mass: used for turning, not for the limiting and "
-                           "the sliding friction");
+  const auto off_centre = std::partition(pushes.begin(), pushes.end(), is_centred);
+  const auto off_centre_count = static_cast<std::size_t>(pushes.end() - off_centre);
+  if (off_centre_count > 0) {
+    result.notes.push_back(std::to_string(off_centre_count) +
+                           (off_centre_count == 1 ? " push" : " pushes") +
+                           " off the centre of mass: used for the friction radius, not for the "
+                           "limiting and sliding friction");
   }
-  pushes.erase(aside, pushes.end());
+  pushes.erase(off_centre, pushes.end());
   const std::optional<Compliance> compliance = compliance_of(result.parameters);
   if (compliance) {
     std::vector<ForceMotion> slides;
@@ -108,13 +110,13 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
       if (push->episode.kind == ContactKind::slide) slides.push_back(push->episode.series());
     }
     SlidingOptions options;
-    options.mass = weighed;
-    if (!weighed && result.parameters.mass) options.mass = result.parameters.mass->value;
+    options.mass = given_mass;
+    if (!given_mass && result.parameters.mass) options.mass = result.parameters.mass->value;
     result.sliding = identify_sliding(slides, *compliance, options);
-    take_sliding(weighed, result);
+    take_sliding(given_mass, result);
   } else if (!pushes.empty()) {
     result.notes.push_back(
-        "without a contact law the object's own motion is not known, only the tool's: press it "
+        "without a contact law only the tool's motion is known, not the object's: press it "
         "along z, or give --parameters");
   }
   find_limits(pushes, compliance, result);

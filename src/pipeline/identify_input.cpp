@@ -12,8 +12,8 @@
 namespace pcavr {
 namespace {
 
-/// Where a recording does not say how thick its tip is.
-constexpr double kUsualTipRadius = 0.01;  // [m] as the recording format's example has it
+/// Where a recording does not state the tip's radius.
+constexpr double kDefaultTipRadius = 0.01;  // [m] as in the recording format's example
 
 Expected<std::vector<IdentifiableObject>> objects_of_scene(const SceneManifest& scene) {
   std::vector<IdentifiableObject> objects;
@@ -35,7 +35,7 @@ Expected<std::vector<IdentifiableObject>> objects_of_manifest(const Recording& r
   for (const ObjectEntry& entry : recording.manifest.objects) {
     if (!entry.is_movable || entry.mesh.empty()) continue;
     if (!entry.T_base_object && !is_tracked) {
-      return Error{.message = "does not say where object " + entry.name + " stands",
+      return Error{.message = "has no pose for object " + entry.name,
                    .file = (recording.folder / "recording.yaml").string(),
                    .place = "objects",
                    .hint = "add its pose, or give --scene or --tracked"};
@@ -65,9 +65,9 @@ Expected<void> track(const Recording& recording, const IdentificationSources& so
       has_any |= !object.tracked.empty();
     }
     if (!has_any) {
-      return Error{.message = "holds no objects/NAME/tracked.txt of any of the objects",
+      return Error{.message = "contains no objects/NAME/tracked.txt of any of the objects",
                    .file = sources.tracked.string(),
-                   .hint = "give a folder that pcavr replay wrote"};
+                   .hint = "give a run from pcavr replay"};
     }
     return {};
   }
@@ -96,7 +96,7 @@ Expected<IdentificationInput> identification_input(const Recording& recording,
                                                    const Observer& observer) {
   IdentificationInput input;
   input.left_out = recording.left_out;
-  input.tool_radius = recording.manifest.tool_radius.value_or(kUsualTipRadius);
+  input.tool_radius = recording.manifest.tool_radius.value_or(kDefaultTipRadius);
   const Stamp start = start_of(recording);
   for (const auto& [stamp, pose] : recording.tool.poses()) {
     input.t_tool.push_back(to_seconds(stamp - start));
@@ -107,7 +107,7 @@ Expected<IdentificationInput> identification_input(const Recording& recording,
     input.t_force.push_back(to_seconds(sample.stamp - start));
     input.force_base.push_back(sample.force);
   }
-  // Tracking is dear: what is missing is said before.
+  // Tracking takes long: missing inputs are reported first.
   const bool is_tracked_in_images = !sources.scene.empty() && sources.tracked.empty();
   const auto conflict =
       check_clocks(recording, is_tracked_in_images ? ImageUse::tracking : ImageUse::none, observer);

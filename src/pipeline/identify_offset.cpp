@@ -7,47 +7,49 @@
 
 #include <Eigen/Dense>
 
+#include "pcavr/contact/compliance.hpp"
+
 #include "identify_signals.hpp"
 
 namespace pcavr {
 namespace {
 
-constexpr double kRange = 0.25;       // [s] as estimate_time_offset looks for
-constexpr double kGrid = 0.010;       // [s] well below the time in which a contact is let go
-constexpr double kHalfWidth = 0.016;  // [s] smoothing of both signals alike
-// Two neighbours of the line between two of the tip's samples share one of them.
-constexpr double kInterpolated = 2.0;
+constexpr double kRange = 0.25;       // [s] as the search range of estimate_time_offset
+constexpr double kGrid = 0.010;       // [s] well below the time in which a contact is released
+constexpr double kHalfWidth = 0.016;  // [s] smoothing of both signals
+// Neighbouring linear interpolations of the tip's samples share one sample.
+constexpr double kCorrelatedByInterpolation = 2.0;
 constexpr double kExponents[] = {1.0, 1.5, 2.0};
-constexpr double kHold = 0.15;            // [s] of a push before it is let go
+constexpr double kBeforeRelease = 0.15;   // [s] of a push before its release that are used
 constexpr std::size_t kMaxSamples = 250;  // of a contact: more are not independent
 
-/// Instants on the force's clock at which the object stands under the tip.
-struct StandingContact {
+/// Samples on the force's clock at which the object is at rest under the tip.
+struct StationaryContact {
   Eigen::Vector3d direction_base;
   std::vector<double> t;
   std::vector<double> smooth_force;  ///< [N]
   std::vector<double> force;         ///< [N] as measured
 };
 
-StandingContact standing(const ContactEpisode& episode) {
-  StandingContact result{episode.direction_base, {}, {}, {}};
+StationaryContact stationary_samples(const ContactEpisode& episode) {
+  StationaryContact result{episode.direction_base, {}, {}, {}};
   const std::vector<SmoothedSample> f = smooth(episode.t, episode.force, episode.t, kHalfWidth);
-  // A push is let go from its last high force on; before, the object may have moved.
+  // The release of a push begins at its last force peak; before, the object may have moved.
   double from = episode.begin;
-  const double low = 0.1 * episode.peak_force;
+  const double min_force = 0.1 * episode.peak_force;
   if (episode.kind != ContactKind::press) {
-    double held = 0.0;
+    double last_peak = 0.0;
     for (std::size_t i = f.size(); i-- > 0;) {
       if (!f[i].is_valid || episode.t[i] > episode.end) continue;
-      if (f[i].value > held) held = f[i].value, from = episode.t[i];
-      if (held > 0.3 * episode.peak_force && f[i].value < 0.9 * held) break;
-      if (held > 0.3 * episode.peak_force && from - episode.t[i] > kHold) break;
+      if (f[i].value > last_peak) last_peak = f[i].value, from = episode.t[i];
+      if (last_peak > 0.3 * episode.peak_force && f[i].value < 0.9 * last_peak) break;
+      if (last_peak > 0.3 * episode.peak_force && from - episode.t[i] > kBeforeRelease) break;
     }
-    from -= kHold;
+    from -= kBeforeRelease;
   }
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < f.size(); ++i) {
-    if (f[i].is_valid && episode.t[i] >= from && f[i].value > low) chosen.push_back(i);
+    if (f[i].is_valid && episode.t[i] >= from && f[i].value > min_force) chosen.push_back(i);
   }
   const std::size_t step = chosen.size() / kMaxSamples + 1;
   for (std::size_t k = 0; k < chosen.size(); k += step) {
@@ -58,23 +60,24 @@ StandingContact standing(const ContactEpisode& episode) {
   return result;
 }
 
-struct Misfit {
-  double squares = 0.0;  ///< [m^2] of the residuals
-  double slopes = 0.0;   ///< [m^2/s^2] of q' that nothing else explains
-  double pull = 0.0;     ///< [m^2/s] of the residual on it
-  double motion = 0.0;   ///< [m^2] of q about its means
+/// Sums of a least-squares fit: the residual, and its gradient in the offset.
+struct ResidualSums {
+  double squares = 0.0;         ///< [m^2] of the residuals
+  double rate_squares = 0.0;    ///< [m^2/s^2] of q' after elimination of the other parameters
+  double gradient = 0.0;        ///< [m^2/s] of the residual in the offset
+  double motion_squares = 0.0;  ///< [m^2] of q about its means
   double count = 0.0;
 };
 
-/// Smoothed, the best offset stands out of the noise; but where they bend, signals smoothed alike
-/// keep to no power law, and on a stiff object, loaded in 10 ms, that makes 2 ms.
+/// With smoothed signals the minimum is clear of the noise; but smoothing distorts the power law
+/// where the signals are curved: a bias of 2 ms on a stiff object that is loaded in 10 ms.
 enum class Signals { smoothed, measured };
 
-/// Everything but the offset is eliminated, contact by contact.
-Misfit misfit(const std::vector<StandingContact>& contacts, const PathView& tip, double offset,
-              double exponent, Signals signals) {
-  Misfit total;
-  for (const StandingContact& contact : contacts) {
+/// Eliminates all parameters but the offset, contact by contact (variable projection).
+ResidualSums residual_sums(const std::vector<StationaryContact>& contacts, const PathView& tip,
+                           double offset, double exponent, Signals signals) {
+  ResidualSums total;
+  for (const StationaryContact& contact : contacts) {
     const auto n = static_cast<Eigen::Index>(contact.t.size());
     if (n < 12) continue;
     const bool is_smoothed = signals == Signals::smoothed;
@@ -85,55 +88,56 @@ Misfit misfit(const std::vector<StandingContact>& contacts, const PathView& tip,
       const auto k = static_cast<std::size_t>(i);
       const double at = contact.t[k] - offset;
       // The tip smoothed by differences over the same window as the force.
-      double sum = 0.0, weights = 0.0, slope = 0.0, spread = 0.0;
+      double sum = 0.0, weights = 0.0, slope = 0.0, slope_weights = 0.0;
       for (int j = -4; j <= 4; ++j) {
         const double u = j / 5.0;
         const double weight = (1.0 - u * u) * (1.0 - u * u);
         const double value = tip.at(at + u * kHalfWidth).dot(contact.direction_base);
         sum += weight * value, weights += weight;
-        slope += (1.0 - u * u) * u * value, spread += (1.0 - u * u) * u * u;
+        slope += (1.0 - u * u) * u * value, slope_weights += (1.0 - u * u) * u * u;
       }
       q[i] = is_smoothed ? sum / weights : tip.at(at).dot(contact.direction_base);
-      rate[i] = slope / (spread * kHalfWidth);
-      const double depth = std::pow(force[k], 1.0 / exponent);
-      columns.row(i) << 1.0, depth, depth * rate[i];
+      rate[i] = slope / (slope_weights * kHalfWidth);
+      const double penetration =
+          static_penetration({.stiffness = 1.0, .exponent = exponent}, force[k]);
+      columns.row(i) << 1.0, penetration, penetration * rate[i];
     }
     const auto solver = columns.colPivHouseholderQr();
-    const Eigen::VectorXd left = q - columns * solver.solve(q);
-    const Eigen::VectorXd slope = rate - columns * solver.solve(rate);
-    total.squares += left.squaredNorm();
-    total.slopes += slope.squaredNorm();
-    total.pull += slope.dot(left);
-    total.motion += (q.array() - q.mean()).matrix().squaredNorm();
+    const Eigen::VectorXd residual = q - columns * solver.solve(q);
+    const Eigen::VectorXd rate_residual = rate - columns * solver.solve(rate);
+    total.squares += residual.squaredNorm();
+    total.rate_squares += rate_residual.squaredNorm();
+    total.gradient += rate_residual.dot(residual);
+    total.motion_squares += (q.array() - q.mean()).matrix().squaredNorm();
     total.count += static_cast<double>(n) - 4.0;
   }
   return total;
 }
 
-/// Down the slope of the residual; false where the tip's pace tells nothing.
-bool refine(const std::vector<StandingContact>& contacts, const PathView& tip, double exponent,
+/// Gauss-Newton in the offset; false where the tip's speed does not determine it.
+bool refine(const std::vector<StationaryContact>& contacts, const PathView& tip, double exponent,
             Signals signals, double& offset) {
   for (int iteration = 0; iteration < 4; ++iteration) {
-    const Misfit at = misfit(contacts, tip, offset, exponent, signals);
-    if (!(at.slopes > 0.0)) return false;
-    // The residual is that of q(t - offset), which falls with the offset where q grows.
-    offset += std::clamp(at.pull / at.slopes, -kGrid, kGrid);
+    const ResidualSums at = residual_sums(contacts, tip, offset, exponent, signals);
+    if (!(at.rate_squares > 0.0)) return false;
+    // The residual is that of q(t - offset), which decreases with the offset where q increases.
+    offset += std::clamp(at.gradient / at.rate_squares, -kGrid, kGrid);
   }
   return true;
 }
 
-/// With the exponent that what was measured keeps to best.
-void refine_by_measured(const std::vector<StandingContact>& contacts, const PathView& tip,
+/// Refines offset and exponent on the measured signals: the exponent with the smallest residual.
+void refine_by_measured(const std::vector<StationaryContact>& contacts, const PathView& tip,
                         double& offset, double& exponent) {
   const double start = offset;
-  double least = std::numeric_limits<double>::infinity();
+  double min_squares = std::numeric_limits<double>::infinity();
   for (const double n : kExponents) {
-    double reached = start;
-    if (!refine(contacts, tip, n, Signals::measured, reached)) continue;
-    const double squares = misfit(contacts, tip, reached, n, Signals::measured).squares;
-    if (squares >= least) continue;
-    least = squares;
-    offset = reached;
+    double refined = start;
+    if (!refine(contacts, tip, n, Signals::measured, refined)) continue;
+    const double squares = residual_sums(contacts, tip, refined, n, Signals::measured).squares;
+    if (squares >= min_squares) continue;
+    min_squares = squares;
+    offset = refined;
     exponent = n;
   }
 }
@@ -143,46 +147,48 @@ void refine_by_measured(const std::vector<StandingContact>& contacts, const Path
 TimeOffset force_offset(const Segmentation& found, std::span<const double> t_force,
                         const PathView& tip) {
   TimeOffset result;
-  // Presses tell it, being loaded and let go; pushes speak where there are none.
+  // Presses determine it best, by loading and release; pushes are used where there are none.
   const bool has_presses =
       std::any_of(found.contacts.begin(), found.contacts.end(),
                   [](const ContactEpisode& e) { return e.kind == ContactKind::press; });
-  std::vector<StandingContact> contacts;
+  std::vector<StationaryContact> contacts;
   for (const ContactEpisode& episode : found.contacts) {
     const bool is_press = episode.kind == ContactKind::press;
-    if (!episode.t.empty() && is_press == has_presses) contacts.push_back(standing(episode));
+    if (!episode.t.empty() && is_press == has_presses)
+      contacts.push_back(stationary_samples(episode));
   }
-  double least = std::numeric_limits<double>::infinity();
+  double min_squares = std::numeric_limits<double>::infinity();
   double exponent = 1.0;
   bool is_at_end = false;
   for (const double n : kExponents) {
     for (double offset = -kRange; offset < kRange + 0.5 * kGrid; offset += kGrid) {
-      const Misfit at = misfit(contacts, tip, offset, n, Signals::smoothed);
-      if (!(at.count > 0.0) || at.squares >= least) continue;
-      least = at.squares;
+      const ResidualSums at = residual_sums(contacts, tip, offset, n, Signals::smoothed);
+      if (!(at.count > 0.0) || at.squares >= min_squares) continue;
+      min_squares = at.squares;
       result.offset = offset;
       exponent = n;
       is_at_end = std::abs(offset) > kRange - 0.5 * kGrid;
     }
   }
-  if (!std::isfinite(least)) return result;
-  // A weak push is lost in the noise of what was measured.
+  if (!std::isfinite(min_squares)) return result;
+  // For a weak push, the measured signals are too noisy.
   if (has_presses) {
     refine_by_measured(contacts, tip, result.offset, exponent);
   } else if (!refine(contacts, tip, exponent, Signals::smoothed, result.offset)) {
     return result;
   }
   const Signals signals = has_presses ? Signals::measured : Signals::smoothed;
-  const Misfit at = misfit(contacts, tip, result.offset, exponent, signals);
-  if (!(at.slopes > 0.0)) return result;
-  // What is left of a press is noise; of a push it is creep, too.
-  const double correlated =
-      has_presses ? kInterpolated : correlated_samples(kHalfWidth, mean_interval(t_force));
-  result.deviation = std::sqrt(at.squares / at.count * correlated / at.slopes);
-  const Misfit trend = misfit(contacts, tip, result.offset, exponent, Signals::smoothed);
-  result.correlation = std::sqrt(std::max(0.0, 1.0 - trend.squares / trend.motion));
-  // Where nothing changes its pace under load, any offset would do.
-  result.is_known = !is_at_end && result.correlation > 0.9 && result.deviation < 0.5 * kGrid;
+  const ResidualSums at = residual_sums(contacts, tip, result.offset, exponent, signals);
+  if (!(at.rate_squares > 0.0)) return result;
+  // The residual of a press is noise; that of a push contains creep, too.
+  const double correlated = has_presses ? kCorrelatedByInterpolation
+                                        : correlated_samples(kHalfWidth, mean_interval(t_force));
+  result.std = std::sqrt(at.squares / at.count * correlated / at.rate_squares);
+  const ResidualSums trend =
+      residual_sums(contacts, tip, result.offset, exponent, Signals::smoothed);
+  result.correlation = std::sqrt(std::max(0.0, 1.0 - trend.squares / trend.motion_squares));
+  // At constant speed under load, any offset would fit.
+  result.is_known = !is_at_end && result.correlation > 0.9 && result.std < 0.5 * kGrid;
   return result;
 }
 

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "evaluation/html_text.hpp"
+#include "pcavr/evaluation/html_text.hpp"
+
 #include "identify_parts.hpp"
 
 namespace pcavr {
@@ -16,21 +17,21 @@ void add_point(PlotSeries& series, double x, double y) {
   series.y.push_back(y);
 }
 
-/// Both edges of value +- deviation as one dashed line; where it is not known, nothing is drawn.
+/// Both edges of value +- std as one dashed line; where std is not finite, nothing is drawn.
 PlotSeries band_of(const std::vector<double>& t, const std::vector<double>& value,
-                   const std::vector<double>& deviation, int color) {
+                   const std::vector<double>& std_of_value, int color) {
   PlotSeries band{.label = "± standard deviation", .color = color, .dashed = true};
   for (const double sign : {1.0, -1.0}) {
     for (std::size_t i = 0; i < t.size(); ++i) {
       add_point(band, t[i],
-                std::isfinite(deviation[i]) ? value[i] + sign * deviation[i] : kLineBreak);
+                std::isfinite(std_of_value[i]) ? value[i] + sign * std_of_value[i] : kLineBreak);
     }
     add_point(band, kLineBreak, kLineBreak);
   }
   return band;
 }
 
-/// What the second half of the values keeps to: first guesses must not squeeze the picture.
+/// Upper limit of the axis, by the second half of the values: the initial transient is cut off.
 double upper_edge(const std::vector<double>& values) {
   double largest = 0.0;
   for (std::size_t i = values.size() / 2; i < values.size(); ++i) {
@@ -39,8 +40,8 @@ double upper_edge(const std::vector<double>& values) {
   return 1.5 * largest;
 }
 
-/// Breaks the line where it leaves the picture.
-void keep_inside(double edge, PlotSeries& series) {
+/// Interrupts the line where it leaves the plot.
+void clip(double edge, PlotSeries& series) {
   for (double& y : series.y) {
     if (!(y <= edge && y >= -0.3 * edge)) y = kLineBreak;
   }
@@ -56,10 +57,10 @@ Plot parameter_plot(const ObjectIdentification& object, std::size_t which, const
     plot.series.push_back(
         {.label = name_of(trace.method), .color = color, .x = trace.t, .y = trace.value[which]});
     if (trace.method != EstimationMethod::adaptive) continue;
-    plot.series.push_back(band_of(trace.t, trace.value[which], trace.deviation[which], color));
+    plot.series.push_back(band_of(trace.t, trace.value[which], trace.std[which], color));
   }
   const double edge = upper_edge(object.comparison.back().value[which]);
-  for (PlotSeries& series : plot.series) keep_inside(edge, series);
+  for (PlotSeries& series : plot.series) clip(edge, series);
   return plot;
 }
 
@@ -117,7 +118,7 @@ std::vector<Plot> sliding_plots(const ObjectIdentification& object) {
   std::vector<Plot> plots;
   const std::vector<SlidingHistory>& history = object.sliding.history;
   if (history.size() < 3) return plots;
-  // Several slides, one after the other: their own time, without what lies between them.
+  // Several slides in sequence, on an axis of sliding time, without the gaps between them.
   std::vector<double> t{0.0};
   for (std::size_t i = 1; i < history.size(); ++i) {
     const double step = history[i].t - history[i - 1].t;
@@ -141,26 +142,26 @@ std::vector<Plot> sliding_plots(const ObjectIdentification& object) {
   struct Row {
     const char* title;
     const char* label;
-    bool is_told;
+    bool is_identified;
   };
   const SlidingIdentification& sliding = object.sliding;
   const Row rows[] = {{"Mass over time", "mass (kg)", sliding.mass.is_excited},
                       {"Coulomb friction over time", "force (N)", sliding.coulomb.is_excited},
                       {"Viscous friction over time", "N s/m", sliding.viscous.is_excited}};
   for (std::size_t k = 0; k < 3; ++k) {
-    if (!rows[k].is_told) continue;
-    std::vector<double> value, deviation;
+    if (!rows[k].is_identified) continue;
+    std::vector<double> value, std_of_value;
     for (const SlidingHistory& point : history) {
       value.push_back(point.value[k]);
-      deviation.push_back(point.deviation[k]);
+      std_of_value.push_back(point.std[k]);
     }
     Plot plot{.title = rows[k].title,
               .x_label = "time of sliding (s)",
               .y_label = rows[k].label,
               .y_from_zero = true};
     plot.series = {{.label = "affRLS", .color = 0, .x = t, .y = value},
-                   band_of(t, value, deviation, 0)};
-    for (PlotSeries& series : plot.series) keep_inside(upper_edge(value), series);
+                   band_of(t, value, std_of_value, 0)};
+    for (PlotSeries& series : plot.series) clip(upper_edge(value), series);
     plots.push_back(std::move(plot));
   }
   return plots;
@@ -169,7 +170,7 @@ std::vector<Plot> sliding_plots(const ObjectIdentification& object) {
 std::vector<Plot> surface_plots(const ObjectIdentification& object) {
   if (object.surface.status != LimitSurfaceFitStatus::fitted) return {};
   const LimitSurface& surface = object.surface.surface;
-  Plot plot{.title = "Limit surface: wrenches while it turned",
+  Plot plot{.title = "Limit surface: wrenches during rotation",
             .x_label = "force across x and y (N), signed by y",
             .y_label = "moment over " + fixed(surface.length * kMillimetres, 1) + " mm (N)",
             .equal_axes = true};

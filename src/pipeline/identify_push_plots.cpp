@@ -10,15 +10,15 @@
 namespace pcavr {
 namespace {
 
-/// Points of one contact: more can't be told apart in the picture.
+/// Points of one contact: more can't be distinguished in the plot.
 constexpr std::size_t kMaxPoints = 400;
-constexpr double kShortest = 0.020;  // [s] a phase that is drawn
-// Kinds of the page's shades.
+constexpr double kMinPhase = 0.020;  // [s] of a phase that is drawn
+// Indices of the page's shades.
 constexpr int kStatic = 1, kCritical = 2, kSliding = 3;
 
 double critical_from(const LimitingFriction& limit) {
   return limit.pushes == 0 ? std::numeric_limits<double>::infinity()
-                           : limit.mean - std::max(limit.deviation, 0.1 * limit.mean);
+                           : limit.mean - std::max(limit.std, 0.1 * limit.mean);
 }
 
 void add_bands(const IdentifiedContact& contact, double critical, std::vector<PlotBand>& bands) {
@@ -32,7 +32,7 @@ void add_bands(const IdentifiedContact& contact, double critical, std::vector<Pl
         std::any_of(episode.slides.begin(), episode.slides.end(),
                     [t](const SlideInterval& slide) { return t >= slide.begin && t <= slide.end; });
     const int kind = slides ? kSliding : force[i].value >= critical ? kCritical : kStatic;
-    if (open == nullptr || (open->kind != kind && open->to - open->from >= kShortest)) {
+    if (open == nullptr || (open->kind != kind && open->to - open->from >= kMinPhase)) {
       bands.push_back({t, t, kind});
       open = &bands.back();
     } else if (open->kind != kind) {
@@ -42,32 +42,32 @@ void add_bands(const IdentifiedContact& contact, double critical, std::vector<Pl
   }
 }
 
-/// Force along the push, and how far the object went: the tip's way less the contact's give.
+/// Force along the push, and the object's displacement: the tip's less the contact's penetration.
 struct PushSeries {
   PlotSeries force{.label = "force along the push", .color = 1};
   PlotSeries object{.label = "object", .color = 0};
   PlotSeries tool{.label = "tool", .color = 2, .dashed = true};
-  double base = 0.0;  ///< [m] gone in earlier contacts
+  double base = 0.0;  ///< [m] displacement in earlier contacts
 
   void add(const IdentifiedContact& contact, const std::optional<Compliance>& compliance) {
     const ContactEpisode& episode = contact.episode;
-    std::vector<double> give(episode.t.size(), 0.0);
-    if (compliance) give = deformation(episode.t, episode.force, *compliance);
+    std::vector<double> penetration(episode.t.size(), 0.0);
+    if (compliance) penetration = penetration_from_force(episode.t, episode.force, *compliance);
     const auto first = static_cast<std::size_t>(
         std::lower_bound(episode.t.begin(), episode.t.end(), episode.begin) - episode.t.begin());
-    const double zero = episode.tool[first] - give[first];
+    const double zero = episode.tool[first] - penetration[first];
     const std::size_t step = episode.t.size() / kMaxPoints + 1;
-    double gone = 0.0;
+    double displacement = 0.0;
     for (std::size_t i = 0; i < episode.t.size(); i += step) {
       const double t = episode.t[i];
       force.x.push_back(t), force.y.push_back(episode.force[i]);
       const double tip = episode.tool[i] - zero;
       tool.x.push_back(t), tool.y.push_back(kMillimetres * (base + tip));
       const bool touches = t >= episode.begin && t <= episode.end;
-      if (touches) gone = tip - give[i];
-      object.x.push_back(t), object.y.push_back(kMillimetres * (base + gone));
+      if (touches) displacement = tip - penetration[i];
+      object.x.push_back(t), object.y.push_back(kMillimetres * (base + displacement));
     }
-    base += gone;
+    base += displacement;
     for (PlotSeries* series : {&force, &object, &tool}) {
       series->x.push_back(kLineBreak), series->y.push_back(kLineBreak);
     }
@@ -94,8 +94,8 @@ void add_figures(const std::string& what, const PushSeries& series,
 Plot breakaway_plot(const std::vector<const IdentifiedContact*>& pushes,
                     const LimitingFriction& limit) {
   Plot plot{.title = "Breakaway of each push", .x_label = "push", .y_label = "force (N)"};
-  PlotSeries peak{.label = "felt by the tool", .color = 1};
-  PlotSeries own{.label = "friction's own limit", .color = 0};
+  PlotSeries peak{.label = "measured at the tool", .color = 1};
+  PlotSeries own{.label = "friction limit without inertia", .color = 0};
   double number = 0.0;
   for (const IdentifiedContact* push : pushes) {
     if (!push->limit.is_excited) continue;
@@ -106,7 +106,7 @@ Plot breakaway_plot(const std::vector<const IdentifiedContact*>& pushes,
   plot.series = {peak, own};
   const std::vector<double> ends{0.5, number + 0.5};
   plot.series.push_back({.label = "F_M", .color = 2, .x = ends, .y = {limit.mean, limit.mean}});
-  const double high = limit.mean + limit.deviation, low = limit.mean - limit.deviation;
+  const double high = limit.mean + limit.std, low = limit.mean - limit.std;
   plot.series.push_back({.label = "± STD",
                          .color = 2,
                          .x = {ends[0], ends[1], kLineBreak, ends[0], ends[1]},

@@ -5,11 +5,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pcavr/core/json_text.hpp"
 #include "pcavr/core/output.hpp"
+#include "pcavr/evaluation/html_page.hpp"
+#include "pcavr/evaluation/html_text.hpp"
 
-#include "core/json_text.hpp"
-#include "evaluation/html_page.hpp"
-#include "evaluation/html_text.hpp"
 #include "identify_plots.hpp"
 
 namespace pcavr {
@@ -25,7 +25,7 @@ std::string note(const std::string& text) {
   return "<p class=\"note\">" + escaped(text) + "</p>\n";
 }
 
-/// Of any size, which stiffnesses of curved laws have.
+/// A number of any magnitude: stiffnesses of nonlinear laws may be very large.
 std::string figure(double value) {
   if (std::abs(value) < 1e5) return readable(value);
   char text[32];
@@ -36,12 +36,12 @@ std::string figure(double value) {
 std::string findings_table(const ObjectIdentification& object) {
   std::string html =
       "<div class=\"scroll\"><table>\n<thead><tr><th>parameter</th><th>value</th><th>± std</th>"
-      "<th>unit</th><th>told</th><th style=\"text-align:left\">by what, or what would tell it"
-      "</th></tr></thead>\n<tbody>\n";
+      "<th>unit</th><th>identified</th><th style=\"text-align:left\">source, or the motion that "
+      "would identify it</th></tr></thead>\n<tbody>\n";
   for (const ParameterFinding& row : object.findings) {
     const bool is_known = row.is_excited || row.value != 0.0;
     html += "<tr>" + cell(row.name) + cell(is_known ? figure(row.value) : "-") +
-            cell(row.deviation ? figure(*row.deviation) : "-") + cell(row.unit) +
+            cell(row.std ? figure(*row.std) : "-") + cell(row.unit) +
             cell(row.is_excited ? "yes" : "no") +
             "<td style=\"text-align:left;white-space:normal\">" + escaped(row.remark) +
             "</td></tr>\n";
@@ -53,15 +53,15 @@ std::string comparison_table(const ObjectIdentification& object) {
   if (object.comparison.empty()) return {};
   std::string html =
       "<h3>Estimators on the presses</h3>\n<div class=\"scroll\"><table>\n<thead><tr>"
-      "<th>method</th><th>under 10 % after (ms)</th><th>steady error (%)</th><th>mean force while "
-      "held, error (%)</th></tr>"
+      "<th>method</th><th>settling to 10 % (ms)</th><th>steady error (%)</th><th>mean force error, "
+      "tip stationary (%)</th></tr>"
       "</thead>\n"
       "<tbody>\n";
   for (const EstimatorTrace& trace : object.comparison) {
     html += "<tr>" + cell(name_of(trace.method)) +
             cell(trace.settling ? fixed(*trace.settling * kMilliseconds, 0) : "never") +
             cell(readable(trace.steady_error * kPercent)) +
-            cell(trace.held_error ? readable(*trace.held_error * kPercent) : "not held") +
+            cell(trace.mean_force_error ? readable(*trace.mean_force_error * kPercent) : "-") +
             "</tr>\n";
   }
   return html + "</tbody>\n</table></div>\n";
@@ -70,22 +70,22 @@ std::string comparison_table(const ObjectIdentification& object) {
 std::string faces_table(const ObjectIdentification& object) {
   if (object.faces.empty()) return {};
   std::string html =
-      "<h3>Faces, from pushes before they broke away</h3>\n<div class=\"scroll\"><table>\n<thead>"
+      "<h3>Faces, from pushes before breakaway</h3>\n<div class=\"scroll\"><table>\n<thead>"
       "<tr><th>normal in the object's axes</th><th>pushes</th><th>stiffness</th><th>damping</th>"
       "<th>exponent</th></tr></thead>\n<tbody>\n";
   for (const FaceContact& face : object.faces) {
     const ContactFit& fit = face.contact.best();
     const Eigen::Vector3d& n = face.normal_object;
-    const auto told = [](const IdentifiedParameter& p) {
-      return figure(p.value) + " ± " + figure(p.deviation);
+    const auto with_std = [](const IdentifiedParameter& p) {
+      return figure(p.value) + " ± " + figure(p.std);
     };
     html += "<tr>" + cell(fixed(n.x(), 2) + " " + fixed(n.y(), 2) + " " + fixed(n.z(), 2)) +
             cell(std::to_string(face.pushes));
     html += fit.is_valid
-                ? cell(told(fit.stiffness)) +
-                      cell(fit.damping.is_excited && fit.damping.value > 0.0 ? told(fit.damping)
-                                                                             : "not told") +
-                      cell(told(fit.exponent))
+                ? cell(with_std(fit.stiffness)) +
+                      cell(fit.damping.is_excited && fit.damping.value > 0.0 ? with_std(fit.damping)
+                                                                             : "not identified") +
+                      cell(with_std(fit.exponent))
                 : cell("-") + cell("-") + cell("-");
     html += "</tr>\n";
   }
@@ -96,7 +96,7 @@ std::string impacts_table(const ObjectIdentification& object) {
   if (object.impacts.empty()) return {};
   std::string html =
       "<h3>Impacts</h3>\n<div class=\"scroll\"><table>\n<thead><tr><th>time (s)</th>"
-      "<th>approach (mm/s)</th><th>restitution</th><th>damping law of the smallest error</th>"
+      "<th>approach (mm/s)</th><th>restitution</th><th>damping law with the smallest error</th>"
       "<th>damping over stiffness, exact (s/m)</th></tr></thead>\n<tbody>\n";
   for (const MeasuredImpact& impact : object.impacts) {
     html += "<tr>" + cell(fixed(impact.t, 2)) + cell(fixed(impact.approach_speed * 1e3, 0)) +
@@ -124,9 +124,9 @@ std::string object_section(const Identification& found, std::size_t index) {
 }
 
 std::string offset_text(const TimeOffset& offset) {
-  if (!offset.is_known) return "not known: nothing in this recording tells it";
-  return fixed(offset.offset * kMilliseconds, 2) + " ± " +
-         fixed(offset.deviation * kMilliseconds, 2) + " ms";
+  if (!offset.is_known) return "not known: this recording does not identify it";
+  return fixed(offset.offset * kMilliseconds, 2) + " ± " + fixed(offset.std * kMilliseconds, 2) +
+         " ms";
 }
 
 std::string format_report(const Identification& found, const std::string& recording) {
@@ -134,16 +134,16 @@ std::string format_report(const Identification& found, const std::string& record
   std::string html =
       "<h1>Identification of " + std::string(goal) + "</h1>\n<p class=\"inputs\">recording <b>" +
       escaped(recording) + "</b><br>\nforce after tool: <b>" + offset_text(found.tool_to_force) +
-      "</b>" + (found.is_offset_applied ? ", taken off" : "") + "<br>\ntracking after tool: <b>" +
+      "</b>" + (found.is_offset_applied ? ", removed" : "") + "<br>\ntracking after tool: <b>" +
       offset_text(found.tool_to_camera) + "</b><br>\nforce noise <b>" +
       readable(found.force_noise) + " N</b>, bias up to <b>" + readable(found.max_drift) +
-      " N</b>, <b>" + std::to_string(found.spikes) + "</b> spikes taken out</p>\n";
+      " N</b>, <b>" + std::to_string(found.spikes) + "</b> spikes removed</p>\n";
   for (const std::string& text : found.notes) html += note(text);
   for (std::size_t i = 0; i < found.objects.size(); ++i) html += object_section(found, i);
   html +=
-      "<footer>F = stiffness dⁿ + damping dⁿ ḋ (n = 1: damping ḋ). Deviations are standard "
-      "deviations for independent noise, widened by the filters' correlation; they do not cover a "
-      "wrong model. The same figures in SI units are in report.json. pcavr " +
+      "<footer>F = stiffness dⁿ + damping dⁿ ḋ (n = 1: damping ḋ). Std: standard "
+      "deviation for independent noise, increased for the filters' correlation; it does not cover "
+      "model errors. The same figures in SI units are in report.json. pcavr " +
       escaped(PCAVR_VERSION) + "</footer>\n";
   return html_page("Identification: " + recording, html);
 }
@@ -152,8 +152,7 @@ void add_object(Json& json, const ObjectIdentification& object) {
   const std::string key = "object." + object.name + ".";
   for (const ParameterFinding& row : object.findings) {
     if (row.is_excited || row.value != 0.0) json[key + row.name] = row.value;
-    if (row.deviation && std::isfinite(*row.deviation))
-      json[key + row.name + "_std"] = *row.deviation;
+    if (row.std && std::isfinite(*row.std)) json[key + row.name + "_std"] = *row.std;
     json[key + row.name + ".is_excited"] = row.is_excited;
     json[key + row.name + ".remark"] = row.remark;
   }
@@ -164,7 +163,7 @@ void add_object(Json& json, const ObjectIdentification& object) {
     const std::string method = key + "estimator." + name_of(trace.method) + ".";
     if (trace.settling) json[method + "settling_s"] = *trace.settling;
     json[method + "steady_error"] = trace.steady_error;
-    if (trace.held_error) json[method + "held_error"] = *trace.held_error;
+    if (trace.mean_force_error) json[method + "held_error"] = *trace.mean_force_error;
   }
   if (object.surface.status == LimitSurfaceFitStatus::fitted) {
     json[key + "limit_surface.median_angle_rad"] = object.surface.median_angle;
@@ -176,7 +175,7 @@ void add_object(Json& json, const ObjectIdentification& object) {
 void add_offset(Json& json, const std::string& key, const TimeOffset& offset) {
   if (!offset.is_known) return;
   json[key + "_s"] = offset.offset;
-  json[key + "_std_s"] = offset.deviation;
+  json[key + "_std_s"] = offset.std;
 }
 
 std::string format_json(const Identification& found, const std::string& recording) {
@@ -199,7 +198,7 @@ std::string format_json(const Identification& found, const std::string& recordin
   }
   for (const ObjectIdentification& object : found.objects) add_object(json, object);
   json["notes"] = found.notes;
-  // A path need not be UTF-8, but JSON is.
+  // JSON must be UTF-8, but a path need not be.
   return json_text(json, 2) + '\n';
 }
 

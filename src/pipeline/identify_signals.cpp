@@ -9,19 +9,19 @@
 namespace pcavr {
 namespace {
 
-/// No tip is thrown about like this: at 500 Hz it makes a millimetre off the way.
+/// Above the acceleration of any tip: at 500 Hz it is a millimetre off a straight line.
 constexpr double kMaxAcceleration = 250.0;  // [m/s^2]
-/// Of the mean interval between samples, by which a stamp may be off: seen of real drivers.
+/// Maximum error of a stamp, in mean sample intervals: observed with real drivers.
 constexpr double kJitter = 2.0;
 
 }  // namespace
 
 std::vector<Eigen::Vector3d> without_spikes(std::span<const Eigen::Vector3d> points) {
-  // Only what is far out: a tip's way bends, and its noise is taken care of by the smoothing.
-  constexpr SpikeOptions kFarOut{.half_window = 3, .deviations = 12.0};
+  // Only far outliers: a tip's path is curved, and the smoothing reduces its noise.
+  constexpr SpikeOptions kFarOutliers{.half_window = 3, .threshold = 12.0};
   std::vector<Eigen::Vector3d> clean(points.begin(), points.end());
   for (int axis = 0; axis < 3; ++axis) {
-    const DespikedSignal signal = remove_spikes(axis_of(points, axis), kFarOut);
+    const DespikedSignal signal = remove_spikes(axis_of(points, axis), kFarOutliers);
     for (const std::size_t i : signal.spikes) clean[i][axis] = signal.values[i];
   }
   return clean;
@@ -32,7 +32,7 @@ std::vector<double> find_jumps(std::span<const double> t, std::span<const Eigen:
   if (points.size() < 8) return jumps;
   double noise = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
-    noise = std::max(noise, noise_deviation(axis_of(points, axis)));
+    noise = std::max(noise, estimate_noise_std(axis_of(points, axis)));
   }
   const double interval = mean_interval(t);
   for (std::size_t i = 2; i + 2 < points.size(); ++i) {

@@ -13,20 +13,19 @@
 
 namespace pcavr {
 
-/// The tip without single wild samples.
+/// The tip's path with outliers (spikes) replaced.
 [[nodiscard]] std::vector<Eigen::Vector3d> without_spikes(std::span<const Eigen::Vector3d> points);
 
-/// Instants [s] at which the tip leaps farther than any tip can between two samples.
+/// Times [s] at which the tip jumps farther between two samples than a tip can accelerate.
 [[nodiscard]] std::vector<double> find_jumps(std::span<const double> t,
                                              std::span<const Eigen::Vector3d> points);
 
-/// How much later the force's stamps are than the tool's. While a press lasts, and while a push is
-/// let go, the object stands, so that the tip's place is
+/// Clock offset: the delay of the force's stamps against the tool's. During a press, and while a
+/// push is released, the object is at rest, so that the tip's position is
 ///     q(t - offset) = surface + c u + e u q',  u = F^(1/n),
-/// by the law of the contact and its damping; the offset is the one of the smallest residual, first
-/// on a grid over +-0.25 s, then by the slope of q. n of 1, 1.5 or 2 by the residual. The grid is
-/// searched in smoothed signals; where there are presses, the rest of the way goes by those
-/// measured.
+/// by the contact law with damping. The offset with the smallest residual is found by a grid search
+/// over +-0.25 s on smoothed signals, then refined by Gauss-Newton: on the measured signals where
+/// there are presses, else on the smoothed ones. n is 1, 1.5 or 2, by the residual.
 [[nodiscard]] TimeOffset force_offset(const Segmentation& found, std::span<const double> t_force,
                                       const PathView& tip);
 

@@ -13,13 +13,13 @@
 namespace pcavr {
 namespace {
 
-/// What an object has to move for one sample of its twist: many times the noise of its tracking.
-constexpr double kMinWay = 0.004;  // [m], a turn counting with the lever below
-constexpr double kTurnArm = 0.05;  // [m]
-/// A twist in which the turn counts at least this share of the way tells the radius.
-constexpr double kTurns = 0.2;
+/// Displacement for one sample of the object's twist: many times the noise of its tracking.
+constexpr double kMinDisplacement = 0.004;  // [m], with rotations weighted by the lever below
+constexpr double kRotationLever = 0.05;     // [m]
+/// Minimum weighted rotation, as a share of the translation, of a twist that determines the radius.
+constexpr double kMinRotationShare = 0.2;
 
-/// The object in the plane, by its centre of mass.
+/// Planar pose of the object's centre of mass.
 struct Planar {
   Eigen::Vector2d p_base;
   double heading = 0.0;
@@ -29,7 +29,7 @@ Planar planar_of(const Pose& T_base_object, const CadModel& model) {
   return {(T_base_object * model.centre_of_mass_object).head<2>(), heading_of(T_base_object)};
 }
 
-/// In the planar axes half way between the two.
+/// In the axes of the planar pose midway between the two.
 PushSample sample_between(const Planar& a, const Planar& b, const Eigen::Vector2d& force_base,
                           double moment) {
   const double turn = std::remainder(b.heading - a.heading, 2.0 * std::numbers::pi);
@@ -63,7 +63,8 @@ class Turning {
         const Planar a = planar_of(from->T_base_object, body_.model);
         const Planar b = planar_of(pose.T_base_object, body_.model);
         const double turn = std::remainder(b.heading - a.heading, 2.0 * std::numbers::pi);
-        if (std::hypot((b.p_base - a.p_base).norm(), kTurnArm * turn) < kMinWay) continue;
+        if (std::hypot((b.p_base - a.p_base).norm(), kRotationLever * turn) < kMinDisplacement)
+          continue;
         const MeanLoad load = mean_load(contact, *from, pose);
         if (load.count >= 3.0) samples.push_back(sample_between(a, b, load.force, load.moment));
         from = &pose;
@@ -99,23 +100,25 @@ class Turning {
   double tool_radius_;
 };
 
-/// Of an ellipsoid, r^2 = (m / f) (v / omega), from each sample that turns.
+/// Friction radius of an ellipsoidal limit surface, r^2 = (m / f) (v / omega), as the median over
+/// the samples with sufficient rotation.
 std::optional<ParameterValue> radius_of(const std::vector<PushSample>& samples) {
   std::vector<double> radii;
   for (const PushSample& sample : samples) {
-    const double way = sample.twist.head<2>().norm();
-    if (kTurnArm * std::abs(sample.twist.z()) < kTurns * way) continue;
+    const double translation = sample.twist.head<2>().norm();
+    if (kRotationLever * std::abs(sample.twist.z()) < kMinRotationShare * translation) continue;
     const double square =
-        sample.wrench.z() / sample.wrench.head<2>().norm() * way / sample.twist.z();
+        sample.wrench.z() / sample.wrench.head<2>().norm() * translation / sample.twist.z();
     if (square > 0.0) radii.push_back(std::sqrt(square));
   }
   if (radii.size() < 3) return std::nullopt;
   const double middle = median(radii);
-  std::vector<double> off;
-  for (const double radius : radii) off.push_back(std::abs(radius - middle));
-  // 1.4826 makes a deviation of a median of distances; 1.2533 is the median's own over the mean's.
-  const double spread = 1.4826 * median(off);
-  return ParameterValue{middle, 1.2533 * spread / std::sqrt(static_cast<double>(radii.size()))};
+  std::vector<double> residuals;
+  for (const double radius : radii) residuals.push_back(std::abs(radius - middle));
+  // 1.4826: std from the median absolute residual; 1.2533: std of a median over that of a mean.
+  const double std_of_radius = 1.4826 * median(residuals);
+  return ParameterValue{middle,
+                        1.2533 * std_of_radius / std::sqrt(static_cast<double>(radii.size()))};
 }
 
 }  // namespace
@@ -137,8 +140,8 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   const LimitSurface& surface = result.surface.surface;
   result.parameters.limit_surface = surface;
   if (!result.friction_radius) return;
-  // An ellipsoid takes the turn of a nearly straight push for the whole surface's: of a square
-  // patch its radius is a quarter too small. The fitted surface has its own.
+  // The ellipsoid's radius from nearly straight pushes is biased: a quarter too small for a square
+  // patch. The radius of the fitted surface is used instead.
   const double force = 0.5 * (sliding_load(surface, {1.0, 0.0, 0.0}).x() +
                               sliding_load(surface, {0.0, 1.0, 0.0}).y());
   result.friction_radius->value = sliding_load(surface, {0.0, 0.0, 1.0}).z() / force;

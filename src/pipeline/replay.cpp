@@ -22,10 +22,10 @@
 namespace pcavr {
 namespace {
 
-/// A scene pose this near in time is the frame's own [half the format's pairing gap].
+/// A scene pose within this time belongs to the frame [half the format's pairing tolerance].
 constexpr Duration kSameFrame = std::chrono::milliseconds(10);
 
-/// The scene's bodies, with the recording's tags on them and its word on where they start.
+/// The scene's movable bodies at their initial poses, with the recording's tags.
 Expected<std::vector<MovableBody>> bodies_of(const Recording& recording,
                                              const SceneManifest& scene) {
   std::vector<MovableBody> bodies;
@@ -42,7 +42,7 @@ Expected<std::vector<MovableBody>> bodies_of(const Recording& recording,
         {std::move(entry), std::move(*model), object_placements(recording.manifest, object.name)});
   }
   if (bodies.empty()) {
-    return Error{.message = "the scene has no movable object to follow",
+    return Error{.message = "the scene has no movable object to track",
                  .file = (scene.folder / "scene.yaml").string()};
   }
   return bodies;
@@ -62,8 +62,8 @@ std::optional<CameraTrack> camera_of_scene(const Recording& recording, const Tra
     if (const auto nearest = poses.nearest(stamp, kSameFrame)) {
       placement.status = PlacementStatus::placed;
       placement.T_base_camera = poses.poses()[*nearest].pose;
-      placement.position_sigma = quality.camera_position_sigma;
-      placement.rotation_sigma = quality.camera_rotation_sigma;
+      placement.position_std = quality.camera_position_std;
+      placement.rotation_std = quality.camera_rotation_std;
       ++placed;
     }
     track.frames.push_back(placement);
@@ -91,10 +91,11 @@ void warn_of_unseen(const Recording& recording, const Survey& survey, const Repl
   for (const ReplayedObject& object : replay.objects) {
     if (!object.tracked.empty()) continue;
     const std::string rejected = explain_rejected_tags(recording, survey.detections, object.name);
-    observer.on_warning(
-        rejected.empty()
-            ? object.name + " was not seen in any frame: are its tags in the recording's manifest?"
-            : object.name + " was not placed: " + rejected + "; " + kRejectedTagsHint);
+    observer.on_warning(rejected.empty()
+                            ? object.name +
+                                  " was not detected in any frame: check that its tags are in the "
+                                  "recording's manifest"
+                            : object.name + " has no pose: " + rejected + "; " + kRejectedTagsHint);
   }
 }
 
@@ -108,10 +109,10 @@ std::vector<ReplayedObject> replayed_objects(const std::vector<MovableBody>& bod
   return objects;
 }
 
-/// Puts every frame's observations into a replay, or into its folder.
-class TrackingKeeper {
+/// Stores each frame's observations in the replay, or streams them to its folder.
+class TrackingSink {
  public:
-  explicit TrackingKeeper(Replay& replay) : replay_(replay) {}
+  explicit TrackingSink(Replay& replay) : replay_(replay) {}
 
   Expected<void> open() {
     if (!replay_.run_folder) return {};
@@ -139,11 +140,11 @@ class TrackingKeeper {
  private:
   Replay& replay_;
   TrackingWriter writer_;
-  Expected<void> written_;  ///< the first that failed
+  Expected<void> written_;  ///< the first failure
 };
 
-/// Of what is shown, the poses around the stamps of the frames, and the first and the last: all
-/// that pictures ask for.
+/// Keeps the displayed poses around the frames' stamps, and the first and the last: enough to draw
+/// the augmented frames.
 class ShownAroundFrames {
  public:
   ShownAroundFrames(const std::vector<FrameFiles>& frames, std::vector<ShownPose>& kept)
@@ -174,8 +175,8 @@ class ShownAroundFrames {
   bool is_kept_ = false;
 };
 
-/// From the recording's start to its clock.
-void put_on_clock(Stamp start, TeleopRun& run) {
+/// Shifts times from the recording's start to its clock.
+void shift_to_clock(Stamp start, TeleopRun& run) {
   const double seconds = start.seconds();
   for (std::vector<ShownPose>& shown : run.shown) {
     for (ShownPose& pose : shown) pose.t += seconds;
@@ -185,14 +186,14 @@ void put_on_clock(Stamp start, TeleopRun& run) {
   for (SentCorrection& sent : run.corrections) sent.t += seconds;
 }
 
-/// Both sites; what they give goes to the replay's folder where it has one.
+/// Runs both sites; their output is streamed to the replay's folder where it has one.
 Expected<TeleopRun> run_sites(const Recording& recording, const TeleopInput& input,
                               const ReplayOptions& options, const Replay& replay,
                               const Observer& observer) {
   const Stamp start = start_of(recording);
   if (!options.run_folder) {
     Expected<TeleopRun> run = run_teleop(input, options.teleop, observer);
-    if (run) put_on_clock(start, *run);
+    if (run) shift_to_clock(start, *run);
     return run;
   }
   TeleopWriter writer;
@@ -220,13 +221,13 @@ Expected<TeleopRun> run_sites(const Recording& recording, const TeleopInput& inp
   const Expected<void> closed = writer.close();
   if (!closed) return closed.error();
   for (ShownAroundFrames& shown : around) shown.keep_newest();
-  put_on_clock(start, *run);  // the phases: the sink took all else
+  shift_to_clock(start, *run);  // the phases only: the sink has all other rows
   run->shown = std::move(kept);
   return run;
 }
 
-/// How much later the force's stamps are than the tool's, by the first part of the recording that
-/// tells.
+/// Clock offset of the force against the tool, from the first part of the recording that determines
+/// it.
 TimeOffset offset_of_force(const TeleopInput& input) {
   const std::span<const double> stamps(input.t_force);
   const std::span<const Eigen::Vector3d> forces(input.force_base);
@@ -244,8 +245,8 @@ TimeOffset offset_of_force(const TeleopInput& input) {
   return offset;
 }
 
-/// Tracking that was done before, for the scene's bodies.
-Expected<Replay> tracking_from(const std::filesystem::path& folder,
+/// Reads earlier tracking of the scene's bodies.
+Expected<Replay> read_tracking(const std::filesystem::path& folder,
                                const std::vector<MovableBody>& bodies) {
   Replay replay;
   replay.tracked_folder = folder;
@@ -260,17 +261,17 @@ Expected<Replay> tracking_from(const std::filesystem::path& folder,
   if (!has_any) {
     return Error{.message = "no objects/NAME/tracked.txt of the scene's objects",
                  .file = folder.string(),
-                 .hint = "name a run, or the folder tracked of a simulated recording"};
+                 .hint = "give a run, or the folder tracked of a simulated recording"};
   }
   return replay;
 }
 
-/// Follows the bodies through the recording's images.
+/// Tracks the bodies through the recording's images.
 Expected<Replay> track_by_images(const Recording& recording, const SceneManifest& scene,
                                  const std::vector<MovableBody>& bodies,
                                  const ReplayOptions& options, const Observer& observer) {
   if (!recording.manifest.camera || recording.frames.empty()) {
-    return Error{.message = "the recording holds no frames to track objects in",
+    return Error{.message = "the recording has no images to track objects in",
                  .file = recording.folder.string()};
   }
   StageClock clock;
@@ -282,8 +283,8 @@ Expected<Replay> track_by_images(const Recording& recording, const SceneManifest
   if (!scene_camera) return scene_camera.error();
   if (!scene.lines) {
     observer.on_warning((scene.folder / "scene.yaml").string() +
-                        ": an older version built it and counted no lines: a cut of "
-                        "camera_trajectory.txt between two lines would not be noticed");
+                        ": written by an older version, without line counts: a truncation of "
+                        "camera_trajectory.txt between two lines can't be detected");
   }
 
   clock.begin("tags and camera");
@@ -297,13 +298,13 @@ Expected<Replay> track_by_images(const Recording& recording, const SceneManifest
   clock.begin("objects");
   replay.objects = replayed_objects(bodies);
   replay.run_folder = options.run_folder;
-  TrackingKeeper keeper(replay);
-  if (const Expected<void> opened = keeper.open(); !opened) return opened.error();
+  TrackingSink tracking(replay);
+  if (const Expected<void> opened = tracking.open(); !opened) return opened.error();
   const Expected<void> done =
       follow_objects(recording, bodies, *survey, survey_options, observer,
-                     [&](const FollowedFrame& followed) { keeper.add(followed); });
+                     [&](const FollowedFrame& followed) { tracking.add(followed); });
   if (!done) return done.error();
-  if (const Expected<void> closed = keeper.close(); !closed) return closed.error();
+  if (const Expected<void> closed = tracking.close(); !closed) return closed.error();
   warn_of_unseen(recording, *survey, replay, observer);
   clock.end();
   replay.frames_recorded = recording.frames.size() + recording.unpaired_color;
@@ -317,7 +318,7 @@ Expected<Replay> track(const Recording& recording, const SceneManifest& scene,
                        const std::vector<MovableBody>& bodies, const ReplayOptions& options,
                        const Observer& observer) {
   if (options.tracked) {
-    Expected<Replay> replay = tracking_from(*options.tracked, bodies);
+    Expected<Replay> replay = read_tracking(*options.tracked, bodies);
     if (!replay || recording.frames.empty()) return replay;
     const Expected<Trajectory> camera = read_camera_trajectory(scene);
     if (!camera) return camera.error();
@@ -329,16 +330,16 @@ Expected<Replay> track(const Recording& recording, const SceneManifest& scene,
   if (has_images || recording.tool.empty()) {
     return track_by_images(recording, scene, bodies, options, observer);
   }
-  observer.on_warning("the recording holds no images: objects are predicted, and never seen");
+  observer.on_warning("the recording has no images: objects are predicted without tracking");
   Replay replay;
   replay.objects = replayed_objects(bodies);
   return replay;
 }
 
-/// Tracking in seconds from the recording's start. Seconds since 1970 are held to 0.2 us: rounded
-/// to whole microseconds, as stamps are written, they are again what was written.
+/// Tracking in seconds from the recording's start. A double resolves seconds since 1970 to 0.2 us:
+/// rounding to microseconds, the resolution of written stamps, restores the exact values.
 std::vector<TrackedPose> tracked_from_start(std::vector<TrackedPose> tracked, Stamp start) {
-  constexpr double kMicroseconds = 1e6;  // in a second
+  constexpr double kMicroseconds = 1e6;  // per second
   for (TrackedPose& pose : tracked) {
     pose.t = std::round((pose.t - start.seconds()) * kMicroseconds) / kMicroseconds;
   }
@@ -356,7 +357,7 @@ Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManife
                              known.at(body.entry.name),
                              tracked_from_start(replay.objects[i].tracked, start)});
   }
-  // A scene of a recording without images is what the manifest stated: nothing was scanned.
+  // The scene of a recording without images has no reconstructed mesh.
   if (scene.quality.frames_used > 0) {
     Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
     if (!mesh) return mesh.error();

@@ -7,10 +7,10 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/output.hpp"
+#include "pcavr/core/utf8.hpp"
 #include "pcavr/pipeline/replay.hpp"
 #include "pcavr/recording/line_counts.hpp"
 
-#include "recording/utf8.hpp"
 #include "run_writer.hpp"
 #include "teleop_files.hpp"
 
@@ -29,7 +29,7 @@ void emit_frames(const Replay& replay, YAML::Emitter& yaml) {
   yaml << YAML::EndMap;
 }
 
-/// As they stand in the folder that tracking was taken from; none where the object was not in it.
+/// Copies the tracking files unchanged; none where the folder has no such object.
 Expected<void> copy_tracking(const std::filesystem::path& from, const std::filesystem::path& to) {
   for (const char* name : {"tracked.txt", "tracking.csv"}) {
     if (!std::filesystem::exists(from / name)) continue;
@@ -44,13 +44,14 @@ Expected<void> copy_tracking(const std::filesystem::path& from, const std::files
 Expected<void> write_tracking(const Replay& replay, const std::filesystem::path& folder) {
   if (replay.tracked_folder) {
     for (const ReplayedObject& object : replay.objects) {
-      const std::filesystem::path place = std::filesystem::path("objects") / object.name;
-      const Expected<void> copied = copy_tracking(*replay.tracked_folder / place, folder / place);
+      const std::filesystem::path object_folder = std::filesystem::path("objects") / object.name;
+      const Expected<void> copied =
+          copy_tracking(*replay.tracked_folder / object_folder, folder / object_folder);
       if (!copied) return copied;
     }
     return {};
   }
-  // Written as it came.
+  // Streamed already.
   if (replay.run_folder && replay.frames_recorded > 0) return {};
   TrackingWriter writer;
   const Expected<void> opened = writer.open(folder, object_names(replay));
@@ -66,7 +67,7 @@ Expected<void> write_tracking(const Replay& replay, const std::filesystem::path&
 
 void emit_left_out(const Recording& recording, YAML::Emitter& yaml) {
   yaml << YAML::Key << "left_out" << YAML::Value << YAML::BeginSeq;
-  for (const LeftOut& entry : recording.left_out) {
+  for (const SkippedRows& entry : recording.left_out) {
     yaml << YAML::Flow << YAML::BeginMap << YAML::Key << "file" << YAML::Value << entry.file;
     yaml << YAML::Key << "reason" << YAML::Value << entry.reason;
     yaml << YAML::Key << "rows" << YAML::Value << entry.count << YAML::EndMap;
@@ -113,10 +114,12 @@ Expected<void> write_run(const Replay& replay, const Recording& recording,
                          const SceneManifest& scene, const std::filesystem::path& folder) {
   PCAVR_REQUIRE(!replay.run_folder || *replay.run_folder == folder, folder.string());
   for (const ReplayedObject& object : replay.objects) {
-    const std::filesystem::path place = folder / "objects" / object.name;
+    const std::filesystem::path object_folder = folder / "objects" / object.name;
     std::error_code code;
-    std::filesystem::create_directories(place, code);
-    if (code) return Error{.message = "can't be made: " + code.message(), .file = place.string()};
+    std::filesystem::create_directories(object_folder, code);
+    if (code)
+      return Error{.message = "can't be created: " + code.message(),
+                   .file = object_folder.string()};
   }
   const Expected<void> tracking = write_tracking(replay, folder);
   if (!tracking) return tracking;

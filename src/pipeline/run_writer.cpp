@@ -15,7 +15,7 @@ namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kPiece = std::size_t{64} << 10U;  // bytes written at once
+constexpr std::size_t kBufferSize = std::size_t{64} << 10U;  // bytes
 
 Error cannot_write(const fs::path& file) {
   return {.message = std::string("can't be written: ") +
@@ -28,7 +28,7 @@ fs::path folder_of(const fs::path& run, const std::string& object) {
   return run / "objects" / object;
 }
 
-/// The first error of several files' closing.
+/// Closes several files; returns the first error.
 template <typename Files>
 Expected<void> close_all(Files& files) {
   for (StreamedFile& file : files) {
@@ -50,7 +50,7 @@ Expected<void> StreamedFile::open(const fs::path& file, std::string_view header)
   std::error_code code;
   fs::create_directories(file.parent_path(), code);
   if (code) {
-    return Error{.message = "can't be made: " + code.message(),
+    return Error{.message = "can't be created: " + code.message(),
                  .file = file.parent_path().string()};
   }
   errno = 0;
@@ -70,7 +70,7 @@ Expected<void> StreamedFile::write() {
 }
 
 Expected<void> StreamedFile::write_if_full() {
-  if (text_.size() < kPiece) return {};
+  if (text_.size() < kBufferSize) return {};
   return write();
 }
 
@@ -88,11 +88,12 @@ Expected<void> TrackingWriter::open(const fs::path& folder, const std::vector<st
   tracked_.resize(names.size());
   tracking_.resize(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const fs::path place = folder_of(folder, names[i]);
-    const Expected<void> tracked = tracked_[i].open(place / "tracked.txt", trajectory_header());
+    const fs::path object_folder = folder_of(folder, names[i]);
+    const Expected<void> tracked =
+        tracked_[i].open(object_folder / "tracked.txt", trajectory_header());
     if (!tracked) return tracked;
     const Expected<void> tracking =
-        tracking_[i].open(place / "tracking.csv",
+        tracking_[i].open(object_folder / "tracking.csv",
                           "t,evidence,tags,position_sigma,rotation_sigma,surface_rms,at_rest\n");
     if (!tracking) return tracking;
   }
@@ -104,7 +105,7 @@ Expected<void> TrackingWriter::add(std::size_t object, const ObjectObservation& 
   const double rotation = std::sqrt(seen.covariance.bottomRightCorner<3, 3>().trace());
   char row[160];
   std::snprintf(row, sizeof row, "%s,%s,%d,%.6f,%.6f,%.6f,%d\n", format_stamp(seen.stamp).c_str(),
-                evidence_word(seen.evidence), seen.tags_used, position, rotation, seen.surface_rms,
+                evidence_name(seen.evidence), seen.tags_used, position, rotation, seen.surface_rms,
                 seen.is_at_rest ? 1 : 0);
   tracking_[object].text() += row;
   const Expected<void> written = tracking_[object].write_if_full();

@@ -18,13 +18,12 @@ namespace pcavr {
 
 [[nodiscard]] std::vector<std::string> object_names(const Replay& replay);
 
-/// A text file in an OutputFolder, written piece by piece. A full disk is an Error of the call that
-/// meets it.
+/// A buffered text file in an OutputFolder. A full disk is an Error of the call that fails.
 class StreamedFile {
  public:
-  /// Makes the file, and the folder that it lies in.
+  /// Creates the file and its parent folder.
   [[nodiscard]] Expected<void> open(const std::filesystem::path& file, std::string_view header);
-  /// Where to append the next rows; write_if_full() hands them on.
+  /// The buffer to which rows are appended; write_if_full() flushes it.
   [[nodiscard]] std::string& text() { return text_; }
   [[nodiscard]] Expected<void> write_if_full();
   [[nodiscard]] Expected<void> close();
@@ -50,12 +49,13 @@ class TrackingWriter {
   std::vector<StreamedFile> tracking_;  ///< by object
 };
 
-/// objects/NAME/predicted.txt of every object, force.csv and corrections.csv, as a run goes.
+/// objects/NAME/predicted.txt of every object, force.csv and corrections.csv, streamed during a
+/// run.
 class TeleopWriter {
  public:
   [[nodiscard]] Expected<void> open(const std::filesystem::path& folder,
                                     const std::vector<std::string>& names);
-  /// Writes to these files; the writer must outlive it.
+  /// A sink that writes to these files; the writer must outlive it.
   [[nodiscard]] TeleopSink sink();
   [[nodiscard]] Expected<void> add_shown(std::size_t object, const ShownPose& shown);
   [[nodiscard]] Expected<void> add_force(const ForceRow& row);

@@ -12,9 +12,9 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kFramesHeldAgainstMesh = 8;
-constexpr int kPixelStride = 8;    ///< of the pixels held against the mesh
-constexpr float kMaxMiss = 0.05F;  ///< farther readings belong to something else [m]
+constexpr std::size_t kComparedFrames = 8;
+constexpr int kPixelStride = 8;        ///< of the pixels that are compared with the mesh
+constexpr float kMaxDistance = 0.05F;  ///< farther readings are outliers [m]
 
 /// Distances of a frame's readings from the mesh, along the mesh's normals [m].
 void collect_distances(const SurfaceQuery& surface, const RgbdFrame& frame,
@@ -27,7 +27,7 @@ void collect_distances(const SurfaceQuery& surface, const RgbdFrame& frame,
       if (z <= 0.0F) continue;
       const Eigen::Vector3f p_base =
           (T_base_camera * camera.unproject(Eigen::Vector2d(x, y), z)).cast<float>();
-      const auto nearest = surface.closest(p_base, kMaxMiss);
+      const auto nearest = surface.closest(p_base, kMaxDistance);
       if (nearest) distances.push_back(std::abs(nearest->normal.dot(p_base - nearest->point)));
     }
   }
@@ -38,7 +38,7 @@ double surface_distance(const Recording& recording, const Survey& survey, const 
   if (scene.mesh_base.triangles.empty()) return 0.0;
   const SurfaceQuery surface(scene.mesh_base);
   const std::vector<FramePlacement>& frames = survey.camera.frames;
-  const std::size_t stride = std::max<std::size_t>(1, frames.size() / kFramesHeldAgainstMesh);
+  const std::size_t stride = std::max<std::size_t>(1, frames.size() / kComparedFrames);
   std::vector<double> distances;
   for (std::size_t i = stride / 2; i < frames.size(); i += stride) {
     if (frames[i].status != PlacementStatus::placed) continue;
@@ -70,15 +70,15 @@ SceneQuality assess_quality(const Recording& recording, const Survey& survey, co
   quality.tag_reprojection_rms = survey.camera.tag_reprojection_rms;
   quality.tracking_rms = survey.camera.tracking_rms;
   quality.is_fixed_camera = survey.camera.is_fixed_camera;
-  std::vector<double> position_sigmas;
-  std::vector<double> rotation_sigmas;
+  std::vector<double> position_stds;
+  std::vector<double> rotation_stds;
   for (const FramePlacement& frame : survey.camera.frames) {
     if (frame.status != PlacementStatus::placed) continue;
-    position_sigmas.push_back(frame.position_sigma);
-    rotation_sigmas.push_back(frame.rotation_sigma);
+    position_stds.push_back(frame.position_std);
+    rotation_stds.push_back(frame.rotation_std);
   }
-  quality.camera_position_sigma = median(position_sigmas);
-  quality.camera_rotation_sigma = median(rotation_sigmas);
+  quality.camera_position_std = median(position_stds);
+  quality.camera_rotation_std = median(rotation_stds);
   quality.surface_rms = surface_distance(recording, survey, scene);
   for (const ConsistencyFinding& finding : survey.findings) {
     quality.input_warnings.push_back(to_warning(finding));

@@ -8,10 +8,10 @@
 
 namespace pcavr {
 
-/// As a scene keeps it.
+/// The form that a scene stores.
 [[nodiscard]] InputWarning to_warning(const ConsistencyFinding& finding);
 
-/// The figures by which a person can judge a scene; all but the times.
+/// The scene's quality figures, all but the times.
 [[nodiscard]] SceneQuality assess_quality(const Recording& recording, const Survey& survey,
                                           const Scene& scene);
 

@@ -12,16 +12,18 @@
 #include "pcavr/tracking/object_tracker.hpp"
 
 #include "assess_consistency.hpp"
-#include "one_ahead.hpp"
+#include "prefetcher.hpp"
 
 namespace pcavr {
 namespace {
 
-/// Around a body's silhouette in the first pass, where its pose comes from the tags alone [px].
+/// Dilation of a body's silhouette in the first pass, where its pose comes from the tags alone
+/// [px].
 constexpr int kMaskMarginPixels = 4;
 
-struct Look {
-  std::optional<RgbdFrame> frame;  ///< nothing after the last one
+/// A frame and its tag detections.
+struct DetectedFrame {
+  std::optional<RgbdFrame> frame;  ///< empty after the last one
   std::vector<TagDetection> detections = {};
   bool has_depth = false;
 };
@@ -32,15 +34,14 @@ std::vector<std::string> families_of(const Manifest& manifest) {
   return {families.begin(), families.end()};
 }
 
-/// A body's first sighting.
-struct Sighting {
+/// A body's first detection.
+struct FirstDetection {
   std::size_t frame = 0;
   Pose T_camera_body;
 };
 
-/// Marks the pixels that show movable bodies, as far as this frame's tags tell where they are, and
-/// keeps where each body was first seen. Without masks it looks at bodies after that only in frames
-/// whose poses somebody wants.
+/// Masks the pixels of movable bodies whose poses follow from a frame's tags, and stores each
+/// body's first detection. Without masks, later poses are solved only in frames that need them.
 class BodyMasker {
  public:
   BodyMasker(const std::vector<MovableBody>& bodies, const CameraModel& camera,
@@ -50,26 +51,26 @@ class BodyMasker {
         noise_(noise),
         with_masks_(with_masks),
         last_poses_(bodies.size()),
-        first_sightings_(bodies.size()) {
+        first_detections_(bodies.size()) {
     for (const MovableBody& body : bodies) surfaces_.emplace_back(body.model.mesh_object);
   }
 
-  [[nodiscard]] const std::vector<std::optional<Sighting>>& first_sightings() const {
-    return first_sightings_;
+  [[nodiscard]] const std::vector<std::optional<FirstDetection>>& first_detections() const {
+    return first_detections_;
   }
 
-  /// Where the last frame's tags showed the bodies.
+  /// The bodies' poses by the last frame's tags.
   [[nodiscard]] const std::vector<std::optional<Pose>>& last_poses() const { return last_poses_; }
   [[nodiscard]] const std::vector<SurfaceQuery>& surfaces() const { return surfaces_; }
 
   [[nodiscard]] MaskImage mask(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
-                               bool wants_poses) {
+                               bool needs_poses) {
     if (bodies_.empty()) return {};
     const CameraModel depth_camera = on_grid(camera_, frame.depth.width(), frame.depth.height());
     MaskImage mask;
     if (with_masks_) mask = MaskImage(depth_camera.width, depth_camera.height);
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (!with_masks_ && !wants_poses && first_sightings_[i]) {
+      if (!with_masks_ && !needs_poses && first_detections_[i]) {
         last_poses_[i].reset();
         continue;
       }
@@ -79,7 +80,7 @@ class BodyMasker {
       last_poses_[i].reset();
       if (body.status != BodyPoseStatus::solved) continue;
       last_poses_[i] = body.pose.T_camera_body;
-      if (!first_sightings_[i]) first_sightings_[i] = {frame.index, body.pose.T_camera_body};
+      if (!first_detections_[i]) first_detections_[i] = {frame.index, body.pose.T_camera_body};
       if (!with_masks_) continue;
       mask_body(surfaces_[i], body.pose.T_camera_body, depth_camera, frame.depth, noise_,
                 kMaskMarginPixels, mask);
@@ -94,27 +95,27 @@ class BodyMasker {
   bool with_masks_;
   std::vector<SurfaceQuery> surfaces_;
   std::vector<std::optional<Pose>> last_poses_;
-  std::vector<std::optional<Sighting>> first_sightings_;
+  std::vector<std::optional<FirstDetection>> first_detections_;
 };
 
-/// The first sightings, carried to base by the camera's final poses.
-std::vector<std::optional<Pose>> first_poses(const std::vector<std::optional<Sighting>>& sightings,
-                                             const CameraTrack& camera) {
-  std::vector<std::optional<Pose>> poses(sightings.size());
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
+/// The first detections, transformed to base by the camera's final poses.
+std::vector<std::optional<Pose>> first_poses(
+    const std::vector<std::optional<FirstDetection>>& detections, const CameraTrack& camera) {
+  std::vector<std::optional<Pose>> poses(detections.size());
+  for (std::size_t i = 0; i < detections.size(); ++i) {
     for (const FramePlacement& placement : camera.frames) {
-      if (!sightings[i] || placement.frame != sightings[i]->frame) continue;
+      if (!detections[i] || placement.frame != detections[i]->frame) continue;
       if (placement.status != PlacementStatus::placed) continue;
-      poses[i] = placement.T_base_camera * sightings[i]->T_camera_body;
+      poses[i] = placement.T_base_camera * detections[i]->T_camera_body;
     }
   }
   return poses;
 }
 
 Error no_depth_error(const Recording& recording) {
-  return {.message = "no depth image holds a single measurement",
+  return {.message = "no depth image has a measurement",
           .file = (recording.folder / "depth.txt").string(),
-          .hint = "check that the sensor measured, and that the images are 16-bit depth"};
+          .hint = "check the sensor, and that the images are 16-bit depth"};
 }
 
 Error not_placed_error(const Recording& recording, const Survey& survey, const DepthNoise& noise) {
@@ -126,7 +127,7 @@ Error not_placed_error(const Recording& recording, const Survey& survey, const D
                   });
   if (has_anchor || !recording.groundtruth.empty()) {
     const std::string rejected = explain_rejected_tags(recording, survey.detections, "");
-    EmptySceneCause cause{survey.camera.why_not, ""};
+    EmptySceneCause cause{survey.camera.failure_reason, ""};
     if (is_out_of_range(survey.depth)) {
       cause = explain_empty_scene(survey.depth, noise, recording.manifest.depth_scale, {}, 1.0);
     }
@@ -149,11 +150,11 @@ Error not_placed_error(const Recording& recording, const Survey& survey, const D
           .hint = "declare a tag that is in view with role: base, its size and its pose"};
 }
 
-/// What a body's tags came to in the frames that show them.
+/// How often a body's tags were detected, and how often they gave no pose.
 struct TagOutcome {
   std::set<std::string> names;
   std::size_t frames = 0;
-  std::size_t rejected = 0;  ///< of these, frames in which no pose explained a tag
+  std::size_t rejected = 0;  ///< of these, frames without a pose that fits the tags
 };
 
 TagOutcome outcome_of_tags(const std::vector<TagPlacement>& placements,
@@ -202,8 +203,7 @@ std::string explain_rejected_tags(const Recording& recording,
   for (const std::string& name : outcome.names) names += (names.empty() ? "" : ", ") + name;
   return names + (outcome.names.size() == 1 ? " was" : " were") + " seen in " +
          std::to_string(outcome.frames) + " frames, but rejected in " +
-         std::to_string(outcome.rejected) +
-         ": no pose of a square puts its corners where they were seen";
+         std::to_string(outcome.rejected) + ": no pose of a square fits the detected corners";
 }
 
 Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recording) {
@@ -211,10 +211,10 @@ Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recordin
   for (const ObjectEntry& entry : recording.manifest.objects) {
     if (!entry.is_movable) continue;
     if (entry.mesh.empty()) {
-      return Error{.message = "the movable object has no CAD mesh to stand in its place",
+      return Error{.message = "the movable object has no CAD mesh",
                    .file = (recording.folder / "recording.yaml").string(),
                    .place = "objects: " + entry.name,
-                   .hint = "name its .obj, .stl, .ply or .glb file as mesh:"};
+                   .hint = "add mesh: with its .obj, .stl, .ply or .glb file"};
     }
     Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name);
     if (!model) return model.error();
@@ -227,10 +227,10 @@ void report_simplified(const CadModel& model, const Observer& observer) {
   if (!model.simplification) return;
   char text[160];
   std::snprintf(text, sizeof text,
-                ": CAD mesh of %zu triangles simplified to %zu, within %.3f mm of it; volume and "
-                "centre of mass are the full mesh's",
+                ": CAD mesh of %zu triangles simplified to %zu, error at most %.3f mm; volume and "
+                "centre of mass are those of the full mesh",
                 model.simplification->full_triangles, model.mesh_object.triangles.size(),
-                1e3 * model.simplification->max_deviation);
+                1e3 * model.simplification->max_error);
   observer.on_warning(model.name + text);
 }
 
@@ -253,24 +253,26 @@ Expected<Survey> survey_recording(const Recording& recording,
   Expected<std::optional<TagDetector>> detector = make_tag_detector(recording);
   if (!detector) return detector.error();
   FrameReader reader(recording, {.skip_bad = options.skip_bad});
-  const auto look_at_next = [&]() -> Expected<Look> {
+  const auto detect_next = [&]() -> Expected<DetectedFrame> {
     Expected<std::optional<RgbdFrame>> frame = reader.next();
     if (!frame) return frame.error();
-    Look look{.frame = std::move(*frame)};
-    if (look.frame && *detector) look.detections = (*detector)->detect(to_gray(look.frame->color));
-    if (look.frame) {
-      look.has_depth =
-          std::any_of(look.frame->depth.pixels().begin(), look.frame->depth.pixels().end(),
+    DetectedFrame detected{.frame = std::move(*frame)};
+    if (detected.frame && *detector) {
+      detected.detections = (*detector)->detect(to_gray(detected.frame->color));
+    }
+    if (detected.frame) {
+      detected.has_depth =
+          std::any_of(detected.frame->depth.pixels().begin(), detected.frame->depth.pixels().end(),
                       [](float z) { return z > 0.0F; });
     }
-    return look;
+    return detected;
   };
-  const auto is_last = [](const Expected<Look>& look) { return !look || !look->frame; };
+  const auto is_last = [](const Expected<DetectedFrame>& item) { return !item || !item->frame; };
 
   const CameraModel& camera = *recording.manifest.camera;
   CameraTracker tracker(recording.manifest, recording.groundtruth,
                         {.depth_noise = options.depth_noise, .trust_poses = options.trust_poses});
-  // Only a camera that has to be found needs what moves to be masked.
+  // Masks of dynamic pixels are needed only where the camera is tracked.
   const bool needs_masks = !known_camera && !options.trust_poses;
   BodyMasker masker(bodies, camera, options.depth_noise, needs_masks);
   Survey survey;
@@ -280,20 +282,20 @@ Expected<Survey> survey_recording(const Recording& recording,
                                  recording.frames.size());
   survey.detections.resize(recording.frames.size());
   bool any_depth = false;
-  OneAhead looks(look_at_next, options.parallelism);
+  Prefetcher prefetcher(detect_next, options.parallelism);
   while (true) {
-    Expected<Look> look = looks.take(is_last);
-    if (!look) return look.error();
-    if (!look->frame) break;
-    const RgbdFrame& frame = *look->frame;
-    any_depth = any_depth || look->has_depth;
-    for (const TagDetection& tag : look->detections) ++survey.tags_seen[tag.id];
+    Expected<DetectedFrame> detected = prefetcher.take(is_last);
+    if (!detected) return detected.error();
+    if (!detected->frame) break;
+    const RgbdFrame& frame = *detected->frame;
+    any_depth = any_depth || detected->has_depth;
+    for (const TagDetection& tag : detected->detections) ++survey.tags_seen[tag.id];
     const MaskImage is_dynamic =
-        masker.mask(frame, look->detections, collector.looks_at_bodies_next());
-    collector.add(frame, look->detections, masker.last_poses());
-    if (!known_camera) tracker.add(frame, look->detections, is_dynamic, options.parallelism);
-    survey.detections[frame.index] = std::move(look->detections);
-    observer.on_progress("looking", frame.index + 1, recording.frames.size());
+        masker.mask(frame, detected->detections, collector.needs_body_poses_next());
+    collector.add(frame, detected->detections, masker.last_poses());
+    if (!known_camera) tracker.add(frame, detected->detections, is_dynamic, options.parallelism);
+    survey.detections[frame.index] = std::move(detected->detections);
+    observer.on_progress("detecting tags", frame.index + 1, recording.frames.size());
   }
   survey.undecoded = reader.skipped();
   if (!any_depth) return no_depth_error(recording);
@@ -310,7 +312,7 @@ Expected<Survey> survey_recording(const Recording& recording,
       survey.camera.frames.begin(), survey.camera.frames.end(),
       [](const FramePlacement& frame) { return frame.status == PlacementStatus::placed; });
   if (!any_placed) return not_placed_error(recording, survey, options.depth_noise);
-  survey.T_base_object_first = first_poses(masker.first_sightings(), survey.camera);
+  survey.T_base_object_first = first_poses(masker.first_detections(), survey.camera);
   return survey;
 }
 

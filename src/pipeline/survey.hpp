@@ -28,11 +28,11 @@ struct MovableBody {
   std::vector<TagPlacement> tags;
 };
 
-/// Reads the CAD body of every movable object. One without a mesh is an Error: it could not take
-/// the place of its points.
+/// Reads the CAD body of every movable object. One without a mesh is an Error: the mesh
+/// replaces the object's points.
 [[nodiscard]] Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recording);
 
-/// Tells the user where a body's mesh stands in for a finer one, and within what error.
+/// Warns where a body's mesh is a simplification of a finer one, with its error bound.
 void report_simplified(const CadModel& model, const Observer& observer);
 
 /// The tags that a scene keeps: those of base and of the movable objects.
@@ -45,11 +45,11 @@ struct SurveyOptions {
   Parallelism parallelism = {};
 };
 
-/// What one look at every frame tells.
+/// Results of the first pass over the frames.
 struct Survey {
   std::vector<std::vector<TagDetection>> detections;  ///< by index in Recording::frames
   CameraTrack camera;
-  /// Where each body was first seen, by its tags alone; by body.
+  /// Pose of each body at its first detection, from its tags alone; by body.
   std::vector<std::optional<Pose>> T_base_object_first;
   std::map<MarkerId, std::size_t> tags_seen;  ///< frames in which each declared tag was seen
   std::size_t undecoded = 0;                  ///< left out by skip_bad
@@ -60,16 +60,17 @@ struct Survey {
 /// Finds the manifest's tags; nothing where it names none.
 [[nodiscard]] Expected<std::optional<TagDetector>> make_tag_detector(const Recording& recording);
 
-/// What to check where tags were rejected.
+/// The hint where tags were rejected.
 inline constexpr char kRejectedTagsHint[] = "check fx, fy, cx, cy and the tags' sizes and poses";
-/// Why the tags of a body (base, where `object` is empty) gave no pose although they were seen:
-/// "tag36h11:0 was seen in 38 frames, but ...". Empty where they were not seen, or did.
+/// Why the tags of a body (base, where `object` is empty) gave no pose although they were detected:
+/// "tag36h11:0 was seen in 38 frames, but ...". Empty where they were not
+/// detected, or gave a pose.
 [[nodiscard]] std::string explain_rejected_tags(const Recording& recording,
                                                 const std::vector<std::vector<TagDetection>>& seen,
                                                 const std::string& object);
 
 /// First pass: finds the tags, and the camera's pose in base for every frame, unless it is known
-/// already, and holds the inputs against each other. An Error where they contradict each other
+/// already, and cross-checks the inputs. An Error where they contradict each other
 /// (consistency.hpp), and where no frame can be placed.
 [[nodiscard]] Expected<Survey> survey_recording(const Recording& recording,
                                                 const std::vector<MovableBody>& bodies,
@@ -77,7 +78,7 @@ inline constexpr char kRejectedTagsHint[] = "check fx, fy, cx, cy and the tags' 
                                                 const Observer& observer,
                                                 std::optional<CameraTrack> known_camera = {});
 
-/// Why frames were not used, with counts; reasons that never came up are left out.
+/// Why frames were not used, with counts; reasons that do not occur are omitted.
 [[nodiscard]] std::vector<std::pair<std::string, std::size_t>> dropped_frames(
     const Recording& recording, const Survey& survey);
 

@@ -9,15 +9,15 @@
 #include <yaml-cpp/yaml.h>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/core/utf8.hpp"
 #include "pcavr/recording/parameters_file.hpp"
 
-#include "recording/utf8.hpp"
 #include "run_writer.hpp"
 
 namespace pcavr {
 namespace {
 
-/// What a run without a folder of its own kept.
+/// Writes the data that a run without a run_folder kept in memory.
 Expected<void> write_kept(const Replay& replay, const std::filesystem::path& folder) {
   const TeleopRun& run = *replay.teleop;
   TeleopWriter writer;
@@ -51,7 +51,7 @@ std::string format_phases(const Replay& replay) {
 void emit_offset(const std::optional<TimeOffset>& offset, const char* key, YAML::Emitter& yaml) {
   if (!offset || !offset->is_known) return;
   yaml << YAML::Key << key << YAML::Value << offset->offset;
-  yaml << YAML::Key << std::string(key) + "_std" << YAML::Value << offset->deviation;
+  yaml << YAML::Key << std::string(key) + "_std" << YAML::Value << offset->std;
 }
 
 }  // namespace
@@ -69,7 +69,7 @@ Expected<void> write_teleop_files(const Replay& replay, const std::filesystem::p
   const auto phases = write_file(folder / "phases.csv", format_phases(replay));
   if (!phases) return phases;
   return write_file(folder / "parameters.yaml",
-                    format_parameters(known, "what was known at the end of a replay"));
+                    format_parameters(known, "parameters at the end of a replay"));
 }
 
 void emit_teleop(const Replay& replay, YAML::Emitter& yaml) {

@@ -15,7 +15,7 @@ namespace pcavr {
 [[nodiscard]] Expected<void> write_teleop_files(const Replay& replay,
                                                 const std::filesystem::path& folder);
 
-/// The keys that both sites add to run.yaml, inside its map.
+/// Writes the run.yaml keys of a run of both sites, inside its map.
 void emit_teleop(const Replay& replay, YAML::Emitter& yaml);
 
 }  // namespace pcavr

@@ -15,17 +15,16 @@
 namespace pcavr {
 namespace {
 
-/// The tip is masked with this much around it: its shaft begins there [m].
+/// Margin of the mask around the tip, where the shaft begins [m].
 constexpr double kTipMargin = 0.01;
-/// A tool pose further from the frame in time is no longer the tool's; tools are logged at 100 Hz
-/// and more.
+/// Maximum time between a frame and a tool pose; tools are logged at 100 Hz and more.
 constexpr Duration kMaxToolGap = std::chrono::milliseconds(100);
-/// Neighbouring pixels further apart in depth than this belong to two things [m]: above a sensor's
-/// noise at 2 m, below the gap between a tool and what it passes.
+/// Maximum depth step between neighbouring pixels of one region [m]: above a sensor's noise at 2 m,
+/// below the gap between a tool and its background.
 constexpr float kMaxStep = 0.02F;
-/// The rim of what was found is grown by this much, for pixels that mix tool and background [px].
-constexpr int kRimPixels = 3;
-/// Of the pixels one in so many each way is remembered: the cells are no finer.
+/// Dilation of the region, for mixed pixels of tool and background at its border [px].
+constexpr int kDilationPixels = 3;
+/// Stride of the pixels that are stored in each direction: the cells are not finer.
 constexpr int kStride = 3;
 
 struct Disc {
@@ -57,10 +56,10 @@ void for_disc(const Disc& disc, const CameraModel& camera, const Visit& visit) {
 
 using Pixel = std::pair<int, int>;
 
-/// The pixels that hang together in depth with `seeds` and lie above `lowest` in base. `seeds` are
-/// part of the answer.
+/// Region growing: the pixels that are connected with the seeds in `region` by continuous depth and
+/// lie above `min_height` in base, including the seeds.
 std::vector<Pixel> grow(std::vector<Pixel> region, const RgbdFrame& frame,
-                        const CameraModel& camera, const Pose& T_base_camera, double lowest) {
+                        const CameraModel& camera, const Pose& T_base_camera, double min_height) {
   const DepthImage& depth = frame.depth;
   const Eigen::Vector3d up_camera = T_base_camera.inverse().rotation() * Eigen::Vector3d::UnitZ();
   const double height_of_camera = T_base_camera.translation().z();
@@ -75,7 +74,7 @@ std::vector<Pixel> grow(std::vector<Pixel> region, const RgbdFrame& frame,
       if (!depth.contains(u, v) || is_known(u, v) != 0 || depth(u, v) <= 0.0F) continue;
       if (std::abs(depth(u, v) - depth(x, y)) > kMaxStep) continue;
       const Eigen::Vector3d p_camera = camera.unproject(Eigen::Vector2d(u, v), depth(u, v));
-      if (height_of_camera + up_camera.dot(p_camera) < lowest) continue;
+      if (height_of_camera + up_camera.dot(p_camera) < min_height) continue;
       is_known(u, v) = 1;
       region.emplace_back(u, v);
     }
@@ -83,7 +82,7 @@ std::vector<Pixel> grow(std::vector<Pixel> region, const RgbdFrame& frame,
   return region;
 }
 
-/// Readings of the tool's remembered shape that agree in depth, and that nothing marked yet.
+/// Unmasked pixels whose depth agrees with the tool's stored shape.
 std::vector<Pixel> seeds_of(const ToolShape& shape, const RgbdFrame& frame,
                             const CameraModel& camera, const Pose& T_camera_tool,
                             const MaskImage& mask) {
@@ -117,12 +116,12 @@ void ToolMask::mark(const RgbdFrame& frame, const Pose& T_base_camera, MaskImage
   const Disc disc{camera.project(p_camera), camera.fx * reach / p_camera.z()};
 
   std::vector<Pixel> seeds;
-  const double lowest = T_base_tool->translation().z();
+  const double min_height = T_base_tool->translation().z();
   for_disc(disc, camera, [&](int x, int y) {
     const float z = frame.depth(x, y);
-    // A reading of the body that the tip touches is masked already, and no seed.
+    // Pixels of the body that the tip touches are masked already, and are not seeds.
     if (mask(x, y) == 0 && z > 0.0F && std::abs(z - p_camera.z()) <= reach &&
-        (T_base_camera * camera.unproject(Eigen::Vector2d(x, y), z)).z() >= lowest) {
+        (T_base_camera * camera.unproject(Eigen::Vector2d(x, y), z)).z() >= min_height) {
       seeds.emplace_back(x, y);
     }
   });
@@ -131,11 +130,12 @@ void ToolMask::mark(const RgbdFrame& frame, const Pose& T_base_camera, MaskImage
     seeds.push_back(seed);
   }
   for_disc(disc, camera, [&](int x, int y) { mask(x, y) = 1; });
-  for (const auto& [x, y] : grow(std::move(seeds), frame, camera, T_base_camera, lowest)) {
-    for_disc({Eigen::Vector2d(x, y), kRimPixels}, camera, [&](int u, int v) { mask(u, v) = 1; });
+  for (const auto& [x, y] : grow(std::move(seeds), frame, camera, T_base_camera, min_height)) {
+    for_disc({Eigen::Vector2d(x, y), kDilationPixels}, camera,
+             [&](int u, int v) { mask(u, v) = 1; });
     if (!is_tip_seen || x % kStride != 0 || y % kStride != 0) continue;
     const Eigen::Vector3d p = camera.unproject(Eigen::Vector2d(x, y), frame.depth(x, y));
-    shape_.remember(T_camera_tool.inverse() * p, T_base_tool->translation());
+    shape_.add(T_camera_tool.inverse() * p, T_base_tool->translation());
   }
 }
 

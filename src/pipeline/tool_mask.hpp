@@ -8,18 +8,18 @@
 
 namespace pcavr {
 
-/// Finds the tool in frame after frame, where `tool.csv` and the tip's radius tell where its tip
-/// is: the disc that the tip covers, whatever depth was measured there, and what hangs together
-/// with it in depth above it: the shaft, the hand, the arm. What lies lower than the tip's centre
-/// is never marked beyond the disc, so that a tip that touches the table does not take the table
-/// along. What went along with the tip is remembered, and found again where a body hides the tip.
-/// One thread at a time.
+/// Masks the tool in each frame, where `tool.csv` and the tip's radius give the tip's position: the
+/// disc that the tip covers, whatever depth was measured there, and by region growing what is
+/// connected with it in depth above it: the shaft, the hand, the arm. Nothing lower than the tip's
+/// centre is masked beyond the disc, so that the region does not grow into a table that the tip
+/// touches. The shape that moves with the tip is stored (ToolShape), and is found again where a
+/// body occludes the tip. Not thread-safe.
 class ToolMask {
  public:
   /// `recording` has to outlive this.
   explicit ToolMask(const Recording& recording) : recording_(recording) {}
 
-  /// Frames in their order; `mask` holds the movable bodies already.
+  /// Call with the frames in order; `mask` contains the movable bodies already.
   void mark(const RgbdFrame& frame, const Pose& T_base_camera, MaskImage& mask);
 
  private:

@@ -7,28 +7,28 @@
 namespace pcavr {
 namespace {
 
-constexpr double kApart = 0.03;  // [m] between two places of the tip: more than a cell's diagonal
-constexpr int kPlaces = 3;       // that a cell has to be seen at
-constexpr double kReach = 2.0;   // [m] from the tip: an arm is not longer
+constexpr double kMinTipMotion = 0.03;  // [m] between two tip positions: above a cell's diagonal
+constexpr int kMinTipPositions = 3;     // with a reading in the cell
+constexpr double kMaxDistance = 2.0;    // [m] from the tip: an arm's length
 
 }  // namespace
 
-void ToolShape::remember(const Eigen::Vector3d& p_tool, const Eigen::Vector3d& p_base_tip) {
-  if (!(p_tool.norm() < kReach)) return;
-  const Eigen::Vector3d cell = (p_tool / kEdge).array().floor();
-  Sighting& sighting =
-      cells_[{static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())}];
-  if (sighting.places >= kPlaces) return;
-  if (sighting.places > 0 && (p_base_tip - sighting.p_base_tip).norm() < kApart) return;
-  ++sighting.places;
-  sighting.p_base_tip = p_base_tip;
+void ToolShape::add(const Eigen::Vector3d& p_tool, const Eigen::Vector3d& p_base_tip) {
+  if (!(p_tool.norm() < kMaxDistance)) return;
+  const Eigen::Vector3d index = (p_tool / kEdge).array().floor();
+  Cell& cell = cells_[{static_cast<int>(index.x()), static_cast<int>(index.y()),
+                       static_cast<int>(index.z())}];
+  if (cell.tip_positions >= kMinTipPositions) return;
+  if (cell.tip_positions > 0 && (p_base_tip - cell.p_base_tip).norm() < kMinTipMotion) return;
+  ++cell.tip_positions;
+  cell.p_base_tip = p_base_tip;
 }
 
 std::vector<Eigen::Vector3d> ToolShape::points() const {
   std::vector<Eigen::Vector3d> points;
-  for (const auto& [cell, sighting] : cells_) {
-    if (sighting.places < kPlaces) continue;
-    points.push_back(kEdge * Eigen::Vector3d(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5));
+  for (const auto& [index, cell] : cells_) {
+    if (cell.tip_positions < kMinTipPositions) continue;
+    points.push_back(kEdge * Eigen::Vector3d(index[0] + 0.5, index[1] + 0.5, index[2] + 0.5));
   }
   return points;
 }

@@ -10,24 +10,25 @@
 
 namespace pcavr {
 
-/// What goes along with a tool's tip: cells of the tool frame that held a reading while the tip was
-/// at several places. A wall behind the tool holds one at a single place only.
+/// The shape that moves with a tool's tip: grid cells of the tool frame that contained a depth
+/// reading at several positions of the tip. A static wall falls into one cell at a single position
+/// only.
 class ToolShape {
  public:
-  static constexpr double kEdge = 0.01;  ///< of a cell [m]: a shaft is hardly thinner
+  static constexpr double kEdge = 0.01;  ///< of a cell [m]: about the thinnest shaft
 
-  /// A reading at `p_tool` [m] while the tip was at `p_base_tip` [m].
-  void remember(const Eigen::Vector3d& p_tool, const Eigen::Vector3d& p_base_tip);
+  /// Adds a reading at `p_tool` [m] while the tip was at `p_base_tip` [m].
+  void add(const Eigen::Vector3d& p_tool, const Eigen::Vector3d& p_base_tip);
 
-  /// The centres [m], tool frame, of the cells that went along.
+  /// The centres [m], tool frame, of the cells that move with the tip.
   [[nodiscard]] std::vector<Eigen::Vector3d> points() const;
 
  private:
-  struct Sighting {
-    int places = 0;
-    Eigen::Vector3d p_base_tip;  ///< at the last of them
+  struct Cell {
+    int tip_positions = 0;       ///< distinct, with a reading in this cell
+    Eigen::Vector3d p_base_tip;  ///< the last of them
   };
-  std::map<std::array<int, 3>, Sighting> cells_;
+  std::map<std::array<int, 3>, Cell> cells_;
 };
 
 }  // namespace pcavr

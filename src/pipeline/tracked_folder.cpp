@@ -16,16 +16,16 @@
 namespace pcavr {
 namespace {
 
-// Where a run does not say how sure it is.
-constexpr double kUnstatedPosition = 0.001;  // [m]
-constexpr double kUnstatedRotation = 0.010;  // [rad]
+// Where a run has no stds.
+constexpr double kDefaultPositionStd = 0.001;  // [m]
+constexpr double kDefaultRotationStd = 0.010;  // [rad]
 
-struct Deviations {
-  double position = kUnstatedPosition;
-  double rotation = kUnstatedRotation;
+struct PoseStd {
+  double position = kDefaultPositionStd;
+  double rotation = kDefaultRotationStd;
 };
 
-/// Takes the next part off `text`, up to the separator.
+/// Removes and returns the next part of `text`, up to the separator.
 std::string_view take_part(std::string_view& text, char separator) {
   const std::size_t end = text.find(separator);
   const std::string_view part = text.substr(0, end);
@@ -41,7 +41,7 @@ std::vector<std::string_view> cells_of(std::string_view line) {
 }
 
 /// A number in the range; nothing for anything else.
-std::optional<double> deviation_of(std::string_view cell, const InputRange& range) {
+std::optional<double> parse_std(std::string_view cell, const InputRange& range) {
   double value = 0.0;
   const auto [end, code] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   const bool is_number = code == std::errc{} && end == cell.data() + cell.size();
@@ -55,10 +55,10 @@ std::size_t column_of(const std::vector<std::string_view>& header,
   return static_cast<std::size_t>(found - header.begin());
 }
 
-/// Reads a text file of the folder, which has to be whole where the folder's run.yaml counts its
-/// lines. Nothing where there is no such file.
-Expected<std::optional<std::string>> read_if_there(const std::filesystem::path& folder,
-                                                   const std::string& name) {
+/// Reads a text file of the folder; an Error where it is truncated against the line counts of the
+/// folder's run.yaml. Nothing where there is no such file.
+Expected<std::optional<std::string>> read_if_present(const std::filesystem::path& folder,
+                                                     const std::string& name) {
   using Text = std::optional<std::string>;
   const Expected<bool> is_there = is_present(folder / name);
   if (!is_there) return is_there.error();
@@ -77,10 +77,10 @@ Expected<std::optional<std::string>> read_if_there(const std::filesystem::path& 
   return Text(*std::move(text));
 }
 
-/// By stamp.
-Expected<std::map<Stamp, Deviations>> parse_deviations(std::string_view text,
-                                                       const std::filesystem::path& file) {
-  std::map<Stamp, Deviations> result;
+/// The stds by stamp.
+Expected<std::map<Stamp, PoseStd>> parse_stds(std::string_view text,
+                                              const std::filesystem::path& file) {
+  std::map<Stamp, PoseStd> result;
   const std::vector<std::string_view> header = cells_of(take_part(text, '\n'));
   const std::size_t position = column_of(header, {"position_std", "position_sigma"});
   const std::size_t rotation = column_of(header, {"rotation_std", "rotation_sigma"});
@@ -88,14 +88,14 @@ Expected<std::map<Stamp, Deviations>> parse_deviations(std::string_view text,
     const std::string_view line = take_part(text, '\n');
     if (line.empty()) continue;
     const std::vector<std::string_view> cells = cells_of(line);
-    const Error bad{.message = "is no tracking row: '" + std::string(line) + "'",
+    const Error bad{.message = "is not a tracking row: '" + std::string(line) + "'",
                     .file = file.string(),
                     .line = number,
                     .hint = "write t,position_std,rotation_std under these names, in m and rad"};
     if (cells.size() <= std::max(position, rotation)) return bad;
     const Expected<Stamp> stamp = parse_stamp(cells.front());
-    const auto first = deviation_of(cells[position], ranges::kPositionStd);
-    const auto second = deviation_of(cells[rotation], ranges::kRotationStd);
+    const auto first = parse_std(cells[position], ranges::kPositionStd);
+    const auto second = parse_std(cells[rotation], ranges::kRotationStd);
     if (!stamp || !first || !second) return bad;
     result[*stamp] = {*first, *second};
   }
@@ -107,21 +107,21 @@ Expected<std::map<Stamp, Deviations>> parse_deviations(std::string_view text,
 Expected<std::vector<TrackedPose>> read_tracked_poses(const std::filesystem::path& folder,
                                                       const std::string& name, Stamp zero) {
   std::vector<TrackedPose> result;
-  const std::string place = "objects/" + name + '/';
-  const auto tracked = read_if_there(folder, place + "tracked.txt");
+  const std::string object_folder = "objects/" + name + '/';
+  const auto tracked = read_if_present(folder, object_folder + "tracked.txt");
   if (!tracked) return tracked.error();
   if (!*tracked) return result;
-  const Expected<Trajectory> poses = read_trajectory(folder / (place + "tracked.txt"));
+  const Expected<Trajectory> poses = read_trajectory(folder / (object_folder + "tracked.txt"));
   if (!poses) return poses.error();
-  const auto text = read_if_there(folder, place + "tracking.csv");
+  const auto text = read_if_present(folder, object_folder + "tracking.csv");
   if (!text) return text.error();
-  const auto deviations = parse_deviations(text->value_or(""), folder / (place + "tracking.csv"));
-  if (!deviations) return deviations.error();
+  const auto stds = parse_stds(text->value_or(""), folder / (object_folder + "tracking.csv"));
+  if (!stds) return stds.error();
   for (const TimedPose& timed : poses->poses()) {
-    const auto found = deviations->find(timed.stamp);
-    const Deviations deviation = found == deviations->end() ? Deviations{} : found->second;
+    const auto found = stds->find(timed.stamp);
+    const PoseStd std_of_pose = found == stds->end() ? PoseStd{} : found->second;
     result.push_back(
-        {to_seconds(timed.stamp - zero), timed.pose, deviation.position, deviation.rotation});
+        {to_seconds(timed.stamp - zero), timed.pose, std_of_pose.position, std_of_pose.rotation});
   }
   return result;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pcavr/contact/compliance.hpp"
 #include "pcavr/core/check.hpp"
 
 #include "prediction/support_patch.hpp"
@@ -13,15 +14,15 @@
 namespace pcavr {
 namespace {
 
-// Of things that are pushed about on tables: wood, and filled boxes and tins.
-constexpr double kDensity = 700.0;           // [kg/m^3]
-constexpr double kSlidingCoefficient = 0.5;  // rather too high: most dry pairs have 0.2 to 0.5
-constexpr double kHoldingOverSliding = 1.1;  // F_M over the Coulomb force
-constexpr double kToolFriction = 0.3;        // a smooth metal tip on most things
-constexpr double kIndentation = 1e-3;        // [m] of the tip when the body breaks loose
-constexpr double kHertzExponent = 1.5;       // of a sphere on a flat face
-constexpr double kDampingRatio = 0.2;        // of the body on the contact's spring
-constexpr double kSteep = 0.5;               // cosine of 60 degrees
+// Typical of objects that are pushed on tables: wood, and filled boxes and tins.
+constexpr double kDensity = 700.0;             // [kg/m^3]
+constexpr double kSlidingCoefficient = 0.5;    // rather too high: most dry pairs have 0.2 to 0.5
+constexpr double kStaticToKineticRatio = 1.1;  // F_M over the Coulomb force
+constexpr double kToolFriction = 0.3;          // a smooth metal tip on most materials
+constexpr double kPenetration = 1e-3;          // [m] of the tip when the body breaks loose
+constexpr double kHertzExponent = 1.5;         // of a sphere on a flat face
+constexpr double kDampingRatio = 0.2;          // of the body on the contact's spring
+constexpr double kSteep = 0.5;                 // cosine of 60 degrees
 
 void require_not_negative(const std::optional<ParameterValue>& given) {
   if (given) PCAVR_REQUIRE(std::isfinite(given->value) && given->value >= 0.0, given->value);
@@ -32,8 +33,8 @@ void require_positive(const std::optional<ParameterValue>& given) {
 
 void require_physical(const ObjectParameters& known) {
   require_positive(known.mass);
-  if (const auto& limit = known.limiting_static_friction; limit && limit->deviation) {
-    PCAVR_REQUIRE(std::isfinite(*limit->deviation) && *limit->deviation >= 0.0);
+  if (const auto& limit = known.limiting_static_friction; limit && limit->std) {
+    PCAVR_REQUIRE(std::isfinite(*limit->std) && *limit->std >= 0.0);
   }
   require_not_negative(known.limiting_static_friction);
   require_not_negative(known.sliding_friction_coefficient);
@@ -47,15 +48,15 @@ void require_physical(const ObjectParameters& known) {
   require_not_negative(known.tool_friction_coefficient);
 }
 
-/// What was given, or what stands in for it, noted by name.
+/// The given value, or a default that is recorded by name.
 class Completion {
  public:
   explicit Completion(std::vector<std::string>& assumed) : assumed_(assumed) {}
-  double operator()(const std::optional<ParameterValue>& given, double otherwise,
+  double operator()(const std::optional<ParameterValue>& given, double default_value,
                     const char* name) const {
     if (given) return given->value;
     assumed_.emplace_back(name);
-    return otherwise;
+    return default_value;
   }
 
  private:
@@ -68,16 +69,18 @@ FrictionParameters complete_friction(const ObjectParameters& known, double volum
   const auto& coefficient = known.sliding_friction_coefficient;
   double mass = kDensity * volume;
   if (limit && coefficient && limit->value > 0.0 && coefficient->value > 0.0) {
-    mass = limit->value / (kHoldingOverSliding * coefficient->value * gravity);
+    mass = limit->value / (kStaticToKineticRatio * coefficient->value * gravity);
   }
   FrictionParameters friction;
   friction.mass = value_of(known.mass, mass, "mass");
   const double weight = friction.mass * gravity;
-  const double likely = limit ? limit->value / (kHoldingOverSliding * weight) : kSlidingCoefficient;
-  friction.coulomb_force = weight * value_of(coefficient, likely, "sliding_friction_coefficient");
+  const double default_coefficient =
+      limit ? limit->value / (kStaticToKineticRatio * weight) : kSlidingCoefficient;
+  friction.coulomb_force =
+      weight * value_of(coefficient, default_coefficient, "sliding_friction_coefficient");
   friction.limiting_force =
-      value_of(limit, kHoldingOverSliding * friction.coulomb_force, "limiting_static_friction");
-  if (limit && limit->deviation) friction.limiting_force_std = *limit->deviation;
+      value_of(limit, kStaticToKineticRatio * friction.coulomb_force, "limiting_static_friction");
+  if (limit && limit->std) friction.limiting_force_std = *limit->std;
   friction.viscous = value_of(known.viscous_friction, 0.0, "viscous_friction");
   return friction;
 }
@@ -85,20 +88,20 @@ FrictionParameters complete_friction(const ObjectParameters& known, double volum
 Compliance complete_contact(const ObjectParameters& known, const FrictionParameters& friction,
                             const Completion& value_of) {
   Compliance contact;
-  // A stiffness without its exponent is meant in N/m.
+  // A stiffness without its exponent is in N/m.
   contact.exponent = value_of(known.contact_exponent,
                               known.contact_stiffness ? 1.0 : kHertzExponent, "contact_exponent");
-  // Without any friction there is no force to scale by: that of one newton.
-  const double force = std::max(holding_force(friction), 1.0);
+  // Without any friction there is no force to scale by: one newton.
+  const double force = std::max(static_friction_limit(friction), 1.0);
   contact.stiffness =
-      value_of(known.contact_stiffness, force / std::pow(kIndentation, contact.exponent),
+      value_of(known.contact_stiffness, force / penetration_power(kPenetration, contact.exponent),
                "contact_stiffness");
-  const double depth = std::pow(force / contact.stiffness, 1.0 / contact.exponent);
+  const double depth = static_penetration(contact, force);
   const double slope = contact.exponent * force / depth;
   const double damping = 2.0 * kDampingRatio * std::sqrt(slope * friction.mass);
   contact.damping =
       value_of(known.contact_damping,
-               contact.exponent == 1.0 ? damping : damping / std::pow(depth, contact.exponent),
+               damping / contact_damping({.damping = 1.0, .exponent = contact.exponent}, depth),
                "contact_damping");
   return contact;
 }

@@ -9,24 +9,24 @@
 
 namespace pcavr::detail {
 
-/// Into how many parts a step has to be cut so that the tip's contact is followed through its
-/// swing: 1 for all but the stiffest contacts of light bodies.
-[[nodiscard]] int parts_of_step(const UprightBody& body, const BodyState& state, const TipPath& tip,
-                                double dt) noexcept;
+/// Number of substeps that resolve the oscillation of the body on the tip's contact: 1 for all but
+/// the stiffest contacts of light bodies.
+[[nodiscard]] int count_substeps(const UprightBody& body, const BodyState& state,
+                                 const TipPath& tip, double dt) noexcept;
 
 struct BodyStep {
   BodyState state;
-  /// [m] by which the body's motion is off what its contacts' forces lead to: large where no end of
-  /// the step suits both.
-  double gap = 0.0;
+  /// [m] between the body's motion and the one that its contacts' forces cause: large where the
+  /// solver did not converge.
+  double residual = 0.0;
 };
 
 /// Moves one body by dt [s] under the tip's contact, its neighbours' and the support's friction.
-/// `guess`, the end as one believes it, only saves time. Where `enough_share` is not zero, an end
-/// that is so much nearer to the solution than the guess will do.
+/// `guess` of the end only saves time (a warm start). Where `relative_tolerance` is not zero,
+/// iteration stops once the residual is below this share of the guess's error.
 [[nodiscard]] BodyStep step_body(const UprightBody& body, const BodyState& state,
                                  const TipPath& tip, std::span<const SideContact> sides, double dt,
                                  const PlanarState* guess = nullptr,
-                                 double enough_share = 0.0) noexcept;
+                                 double relative_tolerance = 0.0) noexcept;
 
 }  // namespace pcavr::detail

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "prediction/closest_surface.hpp"
+#include "pcavr/prediction/closest_surface.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,7 @@ namespace {
 
 constexpr std::uint32_t kLeafSize = 4;
 
-/// Where on a triangle, and on which of its seven features: face 0, edges 01 12 20 as 1 2 3,
-/// corners as 4 5 6.
+/// A point on a triangle, and its feature: face 0, edges 01 12 20 as 1 2 3, corners as 4 5 6.
 struct PointOnTriangle {
   Eigen::Vector3d point;
   std::size_t feature = 0;
@@ -140,7 +139,7 @@ void ClosestSurface::search(std::uint32_t index, const Eigen::Vector3d& p,
   }
 }
 
-std::optional<ClosestSurface::Answer> ClosestSurface::closest(const Eigen::Vector3d& p,
+std::optional<ClosestSurface::Result> ClosestSurface::closest(const Eigen::Vector3d& p,
                                                               double reach) const noexcept {
   const double outside2 = bounds().squaredExteriorDistance(p);
   if (!(outside2 < reach * reach)) return std::nullopt;
@@ -154,9 +153,9 @@ std::optional<ClosestSurface::Answer> ClosestSurface::closest(const Eigen::Vecto
   const double size = std::sqrt(best.distance2);
   const double sign = away.dot(outward) >= 0.0 ? 1.0 : -1.0;
   if (sign > 0.0 && size > reach) return std::nullopt;
-  // Next to the surface the difference is rounding: there its normal is the better direction.
+  // Very close to the surface the difference is rounding error: there its normal is more accurate.
   const Eigen::Vector3d normal = size > 1e-9 ? Eigen::Vector3d(sign / size * away) : outward;
-  return Answer{sign * size, best.on.point, normal};
+  return Result{sign * size, best.on.point, normal};
 }
 
 }  // namespace pcavr::detail

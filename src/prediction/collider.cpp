@@ -21,22 +21,22 @@
 namespace pcavr::detail {
 namespace {
 
-/// Steeper ones (sine of the normal's rise) bear weight and don't stop a slide.
-constexpr double kSteepestNormal = 0.7;
-/// What rises less above the body's foot [m] is the support and its noise.
-constexpr double kMinRise = 0.005;
-/// A scanned surface this deep [m] inside a body is not what it leans on.
-constexpr double kDeepest = 0.01;
-/// Beyond this [m] the static mesh is not told: 3 m/s at 1 kHz, less the grid.
+/// Contacts with a more vertical normal (its z component) bear weight and do not stop sliding.
+constexpr double kMaxNormalZ = 0.7;
+/// Surfaces less high above the body's lowest point [m] are the support and its noise.
+constexpr double kMinHeight = 0.005;
+/// A scanned surface deeper [m] inside a body is not in contact with it.
+constexpr double kMaxDepth = 0.01;
+/// Contacts with the static mesh are found up to this gap [m]: 3 m/s at 1 kHz, less the grid.
 constexpr double kStaticMargin = 3e-3;
 constexpr double kGrid = 0.25e-3;      // [m]
 constexpr double kGridAngle = 2.5e-3;  // [rad]
-/// Points nearer to each other [m] count as one.
+/// Points closer to each other [m] count as one.
 constexpr double kMinApart = 1e-3;
-/// Points found in one go before they are thinned out.
-constexpr std::size_t kRoom = 2048;
+/// Points found in one call before the reduction.
+constexpr std::size_t kMaxFound = 2048;
 /// Corners of a clipped face: those of two hulls at most.
-constexpr int kClipRoom = 256;
+constexpr int kMaxClipCorners = 256;
 
 Eigen::Vector3d from_bullet(const btVector3& p) { return {p.x(), p.y(), p.z()}; }
 
@@ -45,21 +45,21 @@ btTransform to_bullet(const PlanarState& planar) {
                      btVector3(planar.position.x(), planar.position.y(), 0.0));
 }
 
-/// Takes what Bullet reports, up to a number.
+/// Collects the points that Bullet reports, up to kMaxFound.
 struct Points final : btDiscreteCollisionDetectorInterface::Result {
   std::vector<CollisionPoint> found;
-  double deepest = std::numeric_limits<double>::infinity();
+  double max_depth = std::numeric_limits<double>::infinity();
 
-  Points() { found.reserve(kRoom); }
+  Points() { found.reserve(kMaxFound); }
   void setShapeIdentifiersA(int /*part*/, int /*index*/) override {}
   void setShapeIdentifiersB(int /*part*/, int /*index*/) override {}
   void addContactPoint(const btVector3& normal, const btVector3& point, btScalar gap) override {
-    if (found.size() == kRoom || -gap > deepest) return;
+    if (found.size() == kMaxFound || -gap > max_depth) return;
     found.push_back({from_bullet(point), from_bullet(normal), -gap});
   }
 };
 
-/// The nearest axis only.
+/// Keeps the separating axis only.
 struct Axis final : btDiscreteCollisionDetectorInterface::Result {
   bool is_found = false;
   btVector3 normal;
@@ -75,17 +75,18 @@ struct Axis final : btDiscreteCollisionDetectorInterface::Result {
   }
 };
 
-/// In the plane a handful of points do: of each direction of the normal the deepest one, and the
-/// ones furthest to either side, where 1 mm of depth weighs as much as 10 mm to the side.
-void thin_out(std::vector<CollisionPoint>& found, std::vector<CollisionPoint>& points) {
-  std::array<bool, kRoom> is_used{};
+/// Contact reduction: in the plane a few points suffice: of each direction of the normal the
+/// deepest one, and the ones furthest to either side, where 1 mm of depth counts as 10 mm to the
+/// side.
+void reduce_contacts(std::vector<CollisionPoint>& found, std::vector<CollisionPoint>& points) {
+  std::array<bool, kMaxFound> is_used{};
   std::size_t room = Collider::kMaxPoints;
   while (room > 0) {
-    std::size_t first = kRoom;
+    std::size_t first = kMaxFound;
     for (std::size_t i = 0; i < found.size(); ++i) {
-      if (!is_used[i] && (first == kRoom || found[i].depth > found[first].depth)) first = i;
+      if (!is_used[i] && (first == kMaxFound || found[i].depth > found[first].depth)) first = i;
     }
-    if (first == kRoom) return;
+    if (first == kMaxFound) return;
     const Eigen::Vector3d normal = found[first].normal;
     const Eigen::Vector2d along(-normal.y(), normal.x());
     std::array<std::size_t, 2> ends{first, first};
@@ -94,8 +95,8 @@ void thin_out(std::vector<CollisionPoint>& found, std::vector<CollisionPoint>& p
       if (is_used[i] || found[i].normal.dot(normal) < 0.9) continue;
       is_used[i] = true;
       for (std::size_t side = 0; side < 2; ++side) {
-        const double way = (side == 0 ? 1.0 : -1.0) * along.dot(found[i].p_base.head<2>());
-        const double score = way + 10.0 * found[i].depth;
+        const double offset = (side == 0 ? 1.0 : -1.0) * along.dot(found[i].p_base.head<2>());
+        const double score = offset + 10.0 * found[i].depth;
         if (score > best[side]) {
           best[side] = score;
           ends[side] = i;
@@ -121,7 +122,7 @@ struct Collider::Content {
     std::vector<std::unique_ptr<btConvexHullShape>> hulls;
     double reach = 0.0;
     double foot = 0.0;  ///< height of its lowest point in base [m]
-    // The latest answer about the static mesh: a function of the grid's pose alone.
+    // Cached contacts with the static mesh: a function of the grid's pose alone.
     std::array<double, 3> grid_pose{};
     std::vector<CollisionPoint> static_points;
     bool has_static_points = false;
@@ -131,7 +132,7 @@ struct Collider::Content {
   std::vector<int> indices;
   std::unique_ptr<btTriangleIndexVertexArray> triangles;
   std::unique_ptr<btBvhTriangleMeshShape> mesh;
-  // Work space, so that a search does not allocate.
+  // Work space, so that a query does not allocate.
   Points found;
   btVertexArray clip_in;
   btVertexArray clip_out;
@@ -168,7 +169,7 @@ void Collider::Content::add(const TriangleMesh& static_mesh_base) {
   for (const auto& t : static_mesh_base.triangles) {
     const Eigen::Vector3d normal =
         (vertices[t[1]] - vertices[t[0]]).cross(vertices[t[2]] - vertices[t[0]]);
-    if (!(std::abs(normal.z()) < kSteepestNormal * normal.norm())) continue;
+    if (!(std::abs(normal.z()) < kMaxNormalZ * normal.norm())) continue;
     for (const std::uint32_t index : t) indices.push_back(static_cast<int>(index));
   }
   if (indices.empty()) return;
@@ -203,7 +204,7 @@ void Collider::Content::collide(const btConvexHullShape& a, const btTransform& T
     if (!axis.is_found || axis.gap > margin) return;
     normal = axis.normal;
   }
-  if (std::abs(normal.z()) > kSteepestNormal) return;
+  if (std::abs(normal.z()) > kMaxNormalZ) return;
   clip_in.resize(0);
   btPolyhedralContactClipping::clipHullAgainstHull(normal, hull_a, hull_b, T_a, T_b, -1e3, margin,
                                                    clip_in, clip_out, found);
@@ -213,15 +214,15 @@ void Collider::Content::collide(const btConvexHullShape& a, const btTransform& T
                                 const btVector3* triangle, double margin) {
   btVector3 normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
   const btConvexPolyhedron& hull = *a.getConvexPolyhedron();
-  // Seen from behind it is something else's skin, or what the scan kept of this very body.
+  // A back face belongs to another object, or to a scan of this body.
   if (normal.fuzzyZero() || normal.dot(T_a * hull.m_localCenter - triangle[0]) <= 0.0) return;
   normal.normalize();
-  // The triangle's own normal as the axis: a scanned wall is many small triangles, of which GJK's
-  // answer would be one point each, at ten times the cost.
+  // The triangle's own normal as the axis: a scanned wall is many small triangles, for each of
+  // which GJK would give one point, at ten times the cost.
   const btVector3 nearest =
       T_a * a.localGetSupportingVertexWithoutMargin(T_a.getBasis().transpose() * -normal);
   const btScalar gap = normal.dot(nearest - triangle[0]);
-  if (gap > margin || gap < -kDeepest) return;
+  if (gap > margin || gap < -kMaxDepth) return;
   clip_in.resize(0);
   for (int i = 0; i < 3; ++i) clip_in.push_back(triangle[i]);
   btPolyhedralContactClipping::clipFaceAgainstHull(normal, hull, T_a, clip_in, clip_out, -1e3,
@@ -240,7 +241,7 @@ void Collider::Content::search_static(Body& body, const btTransform& T_body) {
     }
   };
   found.found.clear();
-  found.deepest = kDeepest;
+  found.max_depth = kMaxDepth;
   for (const auto& hull : body.hulls) {
     btVector3 low, high;
     hull->getAabb(T_body, low, high);
@@ -248,20 +249,20 @@ void Collider::Content::search_static(Body& body, const btTransform& T_body) {
     callback.content = this;
     callback.hull = hull.get();
     callback.T_body = &T_body;
-    callback.min_top = body.foot + kMinRise;
+    callback.min_top = body.foot + kMinHeight;
     const btVector3 gap(kStaticMargin, kStaticMargin, 0.0);
     mesh->processAllTriangles(&callback, low - gap, high + gap);
   }
   body.static_points.clear();
-  thin_out(found.found, body.static_points);
+  reduce_contacts(found.found, body.static_points);
 }
 
 Collider::Collider(const std::vector<WorldBody>& bodies, const TriangleMesh& static_mesh_base)
     : content_(std::make_unique<Content>()) {
   for (const WorldBody& body : bodies) content_->add(body);
   content_->add(static_mesh_base);
-  content_->clip_in.reserve(kClipRoom);
-  content_->clip_out.reserve(kClipRoom);
+  content_->clip_in.reserve(kMaxClipCorners);
+  content_->clip_out.reserve(kMaxClipCorners);
 }
 Collider::~Collider() = default;
 
@@ -275,7 +276,7 @@ void Collider::between(std::size_t a, const PlanarState& planar_a, std::size_t b
   const btTransform T_a = to_bullet(planar_a);
   const btTransform T_b = to_bullet(planar_b);
   c.found.found.clear();
-  c.found.deepest = std::numeric_limits<double>::infinity();
+  c.found.max_depth = std::numeric_limits<double>::infinity();
   for (const auto& hull_a : c.bodies[a].hulls) {
     for (const auto& hull_b : c.bodies[b].hulls) {
       btVector3 low_a, high_a, low_b, high_b;
@@ -286,7 +287,7 @@ void Collider::between(std::size_t a, const PlanarState& planar_a, std::size_t b
       c.collide(*hull_a, T_a, *hull_b, T_b, margin);
     }
   }
-  thin_out(c.found.found, points);
+  reduce_contacts(c.found.found, points);
 }
 
 void Collider::with_static(std::size_t a, const PlanarState& planar,
@@ -296,21 +297,21 @@ void Collider::with_static(std::size_t a, const PlanarState& planar,
   const std::array<double, 3> pose{std::round(planar.position.x() / kGrid) * kGrid,
                                    std::round(planar.position.y() / kGrid) * kGrid,
                                    std::round(planar.yaw / kGridAngle) * kGridAngle};
-  PlanarState there;
-  there.position = {pose[0], pose[1]};
-  there.yaw = pose[2];
+  PlanarState cached;
+  cached.position = {pose[0], pose[1]};
+  cached.yaw = pose[2];
   if (!body.has_static_points || body.grid_pose != pose) {
-    content_->search_static(body, to_bullet(there));
+    content_->search_static(body, to_bullet(cached));
     body.grid_pose = pose;
     body.has_static_points = true;
   }
   for (CollisionPoint point : body.static_points) {
-    const Eigen::Vector2d arm = point.p_base.head<2>() - there.position;
-    const double turned = planar.yaw - there.yaw;
-    const Eigen::Vector2d way =
-        planar.position - there.position + Eigen::Vector2d(-turned * arm.y(), turned * arm.x());
-    point.depth -= point.normal.head<2>().dot(way);
-    point.p_base.head<2>() += way;
+    const Eigen::Vector2d arm = point.p_base.head<2>() - cached.position;
+    const double rotation = planar.yaw - cached.yaw;
+    const Eigen::Vector2d displacement = planar.position - cached.position +
+                                         Eigen::Vector2d(-rotation * arm.y(), rotation * arm.x());
+    point.depth -= point.normal.head<2>().dot(displacement);
+    point.p_base.head<2>() += displacement;
     points.push_back(point);
   }
 }

@@ -13,16 +13,17 @@
 
 namespace pcavr::detail {
 
-/// Where two things touch, or nearly do.
+/// Contact point of two shapes, or their closest points.
 struct CollisionPoint {
   Eigen::Vector3d p_base = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitX();  ///< into the first thing, base axes
-  double depth = 0.0;                                 ///< [m]; negative: a gap
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitX();  ///< into the first shape, base axes
+  double depth = 0.0;                                 ///< penetration [m]; negative: a gap
 };
 
-/// Finds where bodies touch each other and the static mesh: Bullet's hulls, tree, GJK, separating
-/// axes and clipping, called one by one, so that nothing of an earlier call is kept and the same
-/// poses give the same points. What is mostly level, the support above all, does not count.
+/// Collision detection between bodies and with the static mesh: Bullet's hulls, BVH, GJK,
+/// separating axes (SAT) and clipping, called directly, without a persistent contact manifold, so
+/// that the same poses give the same points. Faces that are mostly horizontal, such as the support,
+/// are ignored.
 class Collider {
  public:
   Collider(const std::vector<WorldBody>& bodies, const TriangleMesh& static_mesh_base);
@@ -30,17 +31,17 @@ class Collider {
 
   /// Whether a body's mesh spans a volume.
   [[nodiscard]] bool has_shape(std::size_t body) const;
-  /// Of a body's hulls about the vertical through its centre of mass [m].
+  /// Radius of a body's hulls about the vertical through its centre of mass [m].
   [[nodiscard]] double reach(std::size_t body) const;
 
   static constexpr std::size_t kMaxPoints = 8;
   /// Points where `a` and `b` are closer than `margin` [m], the normal into `a`; appended.
   void between(std::size_t a, const PlanarState& planar_a, std::size_t b,
                const PlanarState& planar_b, double margin, std::vector<CollisionPoint>& points);
-  /// Points where `a` is closer than kStaticMargin to the static mesh; appended. Searched for in
-  /// the nearest pose of a grid of 0.25 mm and 2.5 mrad and carried from there to first order: a
-  /// scan's noise then does not shake a body that leans on it, and what was found is good for the
-  /// next steps, too.
+  /// Points where `a` is closer than kStaticMargin to the static mesh; appended. Found in
+  /// the nearest pose of a grid of 0.25 mm and 2.5 mrad and extrapolated from there to first order:
+  /// a scan's noise then does not shake a body in contact with it, and the result is reused in the
+  /// next steps.
   void with_static(std::size_t a, const PlanarState& planar_a, std::vector<CollisionPoint>& points);
 
  private:

@@ -22,7 +22,7 @@ using Surface = std::vector<Triangle>;
 
 btVector3 to_bullet(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
 
-/// The hull with its faces known; nothing where the points lie in a plane.
+/// The hull with its faces; null where the points lie in a plane.
 std::unique_ptr<btConvexHullShape> hull_of(const std::vector<Eigen::Vector3d>& points) {
   auto hull = std::make_unique<btConvexHullShape>();
   for (const Eigen::Vector3d& p : points) hull->addPoint(to_bullet(p), false);
@@ -33,7 +33,7 @@ std::unique_ptr<btConvexHullShape> hull_of(const std::vector<Eigen::Vector3d>& p
   return hull;
 }
 
-/// At most so many points that the hull stays quick: the furthest ones along even directions.
+/// Limits the number of points for speed: the extreme ones along evenly distributed directions.
 std::vector<Eigen::Vector3d> extreme_points(const Surface& surface) {
   std::vector<Eigen::Vector3d> points;
   for (const Triangle& t : surface) points.insert(points.end(), t.begin(), t.end());
@@ -59,9 +59,9 @@ std::vector<Eigen::Vector3d> extreme_points(const Surface& surface) {
   return extremes;
 }
 
-/// How deep the surface lies under its hull at most [m].
+/// Maximum depth of the surface under its hull [m].
 double concavity_of(const Surface& surface, const btConvexHullShape& hull) {
-  double deepest = 0.0;
+  double max_depth = 0.0;
   for (const Triangle& t : surface) {
     const Eigen::Vector3d middle = (t[0] + t[1] + t[2]) / 3.0;
     for (const Eigen::Vector3d& p : {t[0], t[1], t[2], middle}) {
@@ -72,10 +72,10 @@ double concavity_of(const Surface& surface, const btConvexHullShape& hull) {
         const Eigen::Vector3d normal(plane[0], plane[1], plane[2]);
         depth = std::min(depth, -(normal.dot(p) + plane[3]));
       }
-      deepest = std::max(deepest, depth);
+      max_depth = std::max(max_depth, depth);
     }
   }
-  return deepest;
+  return max_depth;
 }
 
 struct Part {
@@ -92,8 +92,8 @@ Part make_part(Surface surface) {
   return part;
 }
 
-/// What lies on one side of a plane across an axis: `side` 1 beyond it, -1 before it. A face in the
-/// plane belongs to the side that its solid is on.
+/// The part on one side of a plane across an axis: `side` 1 beyond it, -1 before it. A face in the
+/// plane belongs to the side of its solid.
 Surface side_of(const Surface& surface, Eigen::Index axis, double at, double side) {
   Surface result;
   for (const Triangle& t : surface) {
@@ -117,7 +117,7 @@ Surface side_of(const Surface& surface, Eigen::Index axis, double at, double sid
   return result;
 }
 
-/// Heights at which an axis may be cut: the surface's own vertices, thinned out where many.
+/// Coordinates at which an axis may be cut: the surface's own vertices, subsampled where many.
 std::vector<double> cuts_along(const Surface& surface, Eigen::Index axis, double tolerance) {
   std::vector<double> heights;
   for (const Triangle& t : surface) {
@@ -139,20 +139,21 @@ std::vector<double> cuts_along(const Surface& surface, Eigen::Index axis, double
   return some;
 }
 
-/// The cut after which both sides are most convex together; nothing where none helps.
+/// The cut that minimises the concavity of both sides together; empty where none reduces it.
 std::vector<Part> cut(const Part& part, double tolerance) {
   std::vector<Part> best;
-  double least = 1.999 * part.concavity;
+  double min_concavity = 1.999 * part.concavity;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     for (const double at : cuts_along(part.surface, axis, tolerance)) {
       Part before = make_part(side_of(part.surface, axis, at, -1.0));
       Part beyond = make_part(side_of(part.surface, axis, at, 1.0));
       if (!before.hull && !beyond.hull) continue;
       const double sum = before.concavity + beyond.concavity;
-      if (!(sum < least - 1e-9)) continue;
-      least = sum;
+      if (!(sum < min_concavity - 1e-9)) continue;
+      min_concavity = sum;
       best.clear();
-      for (Part* side : {&before, &beyond}) {  // what spans no volume is the empty side of a face
+      for (Part* side :
+           {&before, &beyond}) {  // a side without volume is that of a face in the plane
         if (side->hull) best.push_back(std::move(*side));
       }
     }
@@ -186,7 +187,7 @@ std::vector<std::unique_ptr<btConvexHullShape>> convex_parts(const TriangleMesh&
     parts[i] = std::move(sides[0]);
     if (sides.size() == 2) parts.push_back(std::move(sides[1]));
   }
-  // Cut along the mesh's own axes, where a CAD body's faces lie; then placed.
+  // Cut along the mesh's own axes, where a CAD body's faces lie; then transformed.
   std::vector<std::unique_ptr<btConvexHullShape>> hulls;
   for (const Part& part : parts) {
     std::vector<Eigen::Vector3d> corners = extreme_points(part.surface);

@@ -18,25 +18,25 @@ CorrectionLog::CorrectionLog(const PredictedWorld& world) {
 }
 
 void CorrectionLog::add(std::int64_t step, const Correction& correction) noexcept {
-  if (entries_.size() == kMaxEntries) forget_first();
+  if (entries_.size() == kMaxEntries) discard_first();
   const auto after =
       std::upper_bound(entries_.begin(), entries_.end(), step,
                        [](std::int64_t at, const Entry& entry) { return at < entry.step; });
-  const auto place = entries_.insert(after, Entry{step, correction});
+  const auto inserted = entries_.insert(after, Entry{step, correction});
   if (!correction.physics) return;
-  for (auto later = place + 1; later != entries_.end(); ++later) {
-    if (later->said.body == correction.body) later->said.physics.reset();
+  for (auto later = inserted + 1; later != entries_.end(); ++later) {
+    if (later->correction.body == correction.body) later->correction.physics.reset();
   }
 }
 
-void CorrectionLog::forget_first() noexcept {
-  const Correction& said = entries_.front().said;
-  if (said.physics) before_[said.body] = *said.physics;
+void CorrectionLog::discard_first() noexcept {
+  const Correction& correction = entries_.front().correction;
+  if (correction.physics) before_[correction.body] = *correction.physics;
   entries_.erase(entries_.begin());
 }
 
-void CorrectionLog::forget_before(std::int64_t oldest) noexcept {
-  while (!entries_.empty() && entries_.front().step < oldest) forget_first();
+void CorrectionLog::discard_before(std::int64_t oldest) noexcept {
+  while (!entries_.empty() && entries_.front().step < oldest) discard_first();
 }
 
 void CorrectionLog::restore_physics(std::int64_t step, PredictedWorld& world) const noexcept {
@@ -44,7 +44,8 @@ void CorrectionLog::restore_physics(std::int64_t step, PredictedWorld& world) co
     const BodyPhysics* physics = &before_[body];
     for (const Entry& entry : entries_) {
       if (entry.step > step) break;
-      if (entry.said.body == body && entry.said.physics) physics = &*entry.said.physics;
+      if (entry.correction.body == body && entry.correction.physics)
+        physics = &*entry.correction.physics;
     }
     world.set_physics(body, *physics);
   }
@@ -55,21 +56,22 @@ void CorrectionLog::apply(std::int64_t step, PredictedWorld& world,
   auto entry = std::lower_bound(entries_.begin(), entries_.end(), step,
                                 [](const Entry& e, std::int64_t at) { return e.step < at; });
   for (; entry != entries_.end() && entry->step == step; ++entry) {
-    if (entry->said.physics) world.set_physics(entry->said.body, *entry->said.physics);
-    apply_pose(entry->said, world, scratch);
+    if (entry->correction.physics)
+      world.set_physics(entry->correction.body, *entry->correction.physics);
+    apply_pose(entry->correction, world, scratch);
   }
 }
 
-void apply_pose(const Correction& said, PredictedWorld& world,
+void apply_pose(const Correction& correction, PredictedWorld& world,
                 std::vector<BodyState>& scratch) noexcept {
-  if (!said.T_base_object && !said.twist) return;
-  const PlanarState before = world.state()[said.body].planar;
-  if (said.T_base_object) world.set_pose(said.body, *said.T_base_object);
+  if (!correction.T_base_object && !correction.twist) return;
+  const PlanarState before = world.state()[correction.body].planar;
+  if (correction.T_base_object) world.set_pose(correction.body, *correction.T_base_object);
   std::copy(world.state().begin(), world.state().end(), scratch.begin());
-  PlanarState& planar = scratch[said.body].planar;
-  planar.twist = said.twist.value_or(before.twist);
+  PlanarState& planar = scratch[correction.body].planar;
+  planar.twist = correction.twist.value_or(before.twist);
   if (planar.twist.isZero(0.0)) {
-    planar.phase = before.twist.isZero(0.0) ? before.phase : FrictionPhase::held;
+    planar.phase = before.twist.isZero(0.0) ? before.phase : FrictionPhase::static_contact;
   } else {
     planar.phase = FrictionPhase::sliding;
   }

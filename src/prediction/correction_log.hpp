@@ -10,37 +10,38 @@
 
 namespace pcavr::detail {
 
-/// What was said about the past, so that it is said again whenever that past is predicted anew.
-/// Holds a bounded number; allocates only when made.
+/// Corrections of the past, to be re-applied in every re-simulation. Bounded in number; allocates
+/// only in the constructor.
 class CorrectionLog {
  public:
-  /// With the physics from before the memory.
+  /// Starts with the world's present physics.
   explicit CorrectionLog(const PredictedWorld& world);
 
-  /// A newer word on a body's physics stands for all later ones; a pose stays true for its time.
+  /// A newer correction of a body's physics replaces those of all later times; one of a pose stays
+  /// valid for its time.
   void add(std::int64_t step, const Correction& correction) noexcept;
-  /// What lies before `oldest` is no longer needed one by one.
-  void forget_before(std::int64_t oldest) noexcept;
+  /// Merges corrections before `oldest` into the initial physics.
+  void discard_before(std::int64_t oldest) noexcept;
 
-  /// Gives the world the physics that held just after `step`.
+  /// Gives the world the physics that was valid just after `step`.
   void restore_physics(std::int64_t step, PredictedWorld& world) const noexcept;
-  /// Says again what was said of `step`. `scratch` has the world's size.
+  /// Re-applies the corrections of `step`. `scratch` has the world's size.
   void apply(std::int64_t step, PredictedWorld& world,
              std::vector<BodyState>& scratch) const noexcept;
 
  private:
   struct Entry {
     std::int64_t step = 0;
-    Correction said;
+    Correction correction;
   };
-  void forget_first() noexcept;
+  void discard_first() noexcept;
 
   std::vector<BodyPhysics> before_;  ///< by body, from before the first entry
-  std::vector<Entry> entries_;       ///< by step, then as they came
+  std::vector<Entry> entries_;       ///< by step, then by arrival
 };
 
-/// Places a body as a correction says.
-void apply_pose(const Correction& said, PredictedWorld& world,
+/// Sets a body's pose and twist from a correction.
+void apply_pose(const Correction& correction, PredictedWorld& world,
                 std::vector<BodyState>& scratch) noexcept;
 
 }  // namespace pcavr::detail

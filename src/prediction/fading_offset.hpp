@@ -6,9 +6,10 @@
 
 namespace pcavr::detail {
 
-/// What is still shown beside the truth of the state, of six numbers at once: a quintic in time
-/// that begins with a value and a rate and ends flat, so that what is shown neither jumps nor
-/// kinks, however often it begins anew.
+/// Offset of the displayed from the predicted state, six numbers, that fades to zero: a quintic in
+/// time (blending polynomial) that begins with a value and a rate and ends with zero value, rate
+/// and acceleration, so that neither position nor speed of the display jumps, however often it
+/// restarts.
 class FadingOffset {
  public:
   void begin(double t, double duration, const Vector6d& value, const Vector6d& rate) noexcept {
@@ -18,14 +19,14 @@ class FadingOffset {
     rate_ = rate;
   }
   [[nodiscard]] Vector6d value_at(double t) const noexcept {
-    if (!is_shown_at(t)) return Vector6d::Zero();
+    if (!is_active_at(t)) return Vector6d::Zero();
     const double s = (t - t_) / duration_;
     const double cube = s * s * s;
     return (1.0 + cube * (-10.0 + s * (15.0 - 6.0 * s))) * value_ +
            duration_ * (s + cube * (-6.0 + s * (8.0 - 3.0 * s))) * rate_;
   }
   [[nodiscard]] Vector6d rate_at(double t) const noexcept {
-    if (!is_shown_at(t)) return Vector6d::Zero();
+    if (!is_active_at(t)) return Vector6d::Zero();
     const double s = (t - t_) / duration_;
     const double square = s * s;
     return square * (-30.0 + s * (60.0 - 30.0 * s)) / duration_ * value_ +
@@ -33,13 +34,13 @@ class FadingOffset {
   }
 
  private:
-  /// Also where nothing was ever begun and times lie below 0: no quotient may be taken then.
-  [[nodiscard]] bool is_shown_at(double t) const noexcept {
+  /// False before the first begin(), also for negative times: no division by a zero duration.
+  [[nodiscard]] bool is_active_at(double t) const noexcept {
     return duration_ > 0.0 && t - t_ < duration_;
   }
 
   double t_ = 0.0;         ///< [s]
-  double duration_ = 0.0;  ///< [s]; 0: nothing is shown beside the state
+  double duration_ = 0.0;  ///< [s]; 0: no offset
   Vector6d value_ = Vector6d::Zero();
   Vector6d rate_ = Vector6d::Zero();  ///< [1/s]
 };

@@ -8,7 +8,7 @@ std::string_view name_of(MotionPhase phase) noexcept {
   switch (phase) {
     case MotionPhase::free:
       return "free";
-    case MotionPhase::held:
+    case MotionPhase::static_contact:
       return "static";
     case MotionPhase::critical:
       return "critical";

@@ -13,22 +13,24 @@ namespace {
 
 constexpr double kMargin = 1e-3;   // [m] contacts that may close within a step
 constexpr double kOverlap = 5e-5;  // [m] of two bodies under the force at which one breaks loose
-constexpr double kSettled = 1e-8;  // [m] a change that neighbours need not hear of
+constexpr double kSettled = 1e-8;  // [m] a smaller change does not affect neighbours
 constexpr int kMaxSweeps = 12;
-/// In the first sweeps, what betters a body's end this much is enough: its neighbours will move.
+/// In the first sweeps a relative tolerance is enough for a body: its neighbours will move.
 constexpr int kRoughSweeps = 6;
-constexpr double kRough = 0.1;
-/// [m] Where the motions and the forces in a step disagree by more, they have no common solution
-/// that was found.
-constexpr double kUnsolved = 1e-5;
+constexpr double kRoughTolerance = 0.1;
+/// [m] Where the motions and the forces in a step disagree by more, the solver did not converge.
+constexpr double kMaxResidual = 1e-5;
 constexpr std::size_t kMaxSides = 64;    // of one body
 constexpr double kMinCoefficient = 0.1;  // of friction, for the stiffness of a contact without any
 
-double turning_way(const PlanarState& from, const PlanarState& to) { return to.yaw - from.yaw; }
+double rotation_between(const PlanarState& from, const PlanarState& to) {
+  return to.yaw - from.yaw;
+}
 
-Eigen::Vector2d way_of(const PlanarState& from, const PlanarState& to, const Eigen::Vector2d& arm) {
-  const double turned = turning_way(from, to);
-  return to.position - from.position + Eigen::Vector2d(-turned * arm.y(), turned * arm.x());
+Eigen::Vector2d displacement_of(const PlanarState& from, const PlanarState& to,
+                                const Eigen::Vector2d& arm) {
+  const double rotation = rotation_between(from, to);
+  return to.position - from.position + Eigen::Vector2d(-rotation * arm.y(), rotation * arm.x());
 }
 
 double speed_of(const UprightBody& body, const BodyState& state) {
@@ -36,20 +38,21 @@ double speed_of(const UprightBody& body, const BodyState& state) {
          2.0 * body.gyration_radius() * std::abs(state.planar.twist.z());
 }
 
-/// As it was, and stands.
+/// As at the begin, and at rest.
 BodyState stopped(const UprightBody& body, const BodyState& begin, const TipPath& tip) {
   BodyState end = begin;
   end.planar.twist.setZero();
-  end.penetration = touch_of(body, end.planar, tip.to, tip.radius).value_or(Touch{}).depth;
+  end.penetration =
+      find_tip_contact(body, end.planar, tip.to, tip.radius).value_or(TipContact{}).depth;
   return end;
 }
 
-/// Like that of things laid on the same support: by the larger force at which one of them breaks
-/// loose.
+/// By the larger force at which one of the two breaks loose.
 double stiffness_between(const BodyPhysics& a, const BodyPhysics& b) {
   const double light =
       kStandardGravity * kMinCoefficient * std::min(a.friction.mass, b.friction.mass);
-  return std::max({holding_force(a.friction), holding_force(b.friction), light}) / kOverlap;
+  return std::max({static_friction_limit(a.friction), static_friction_limit(b.friction), light}) /
+         kOverlap;
 }
 
 }  // namespace
@@ -74,12 +77,12 @@ void Neighbourhood::step(const std::vector<UprightBody>& bodies, const TipPath& 
       is_together = true;
       continue;
     }
-    TipPath part = tip;
-    const int parts = parts_of_step(bodies[i], states[i], tip, dt);
-    for (int k = 1; k <= parts; ++k) {
-      part.to = tip.from + (static_cast<double>(k) / parts) * (tip.to - tip.from);
-      states[i] = step_body(bodies[i], states[i], part, {}, dt / parts).state;
-      part.from = part.to;
+    TipPath substep = tip;
+    const int substeps = count_substeps(bodies[i], states[i], tip, dt);
+    for (int k = 1; k <= substeps; ++k) {
+      substep.to = tip.from + (static_cast<double>(k) / substeps) * (tip.to - tip.from);
+      states[i] = step_body(bodies[i], states[i], substep, {}, dt / substeps).state;
+      substep.from = substep.to;
     }
   }
   if (!is_together) return;
@@ -90,21 +93,23 @@ void Neighbourhood::step(const std::vector<UprightBody>& bodies, const TipPath& 
   }
 }
 
-/// From the bodies that move, or that the tip may move, on to those that lean on them.
+/// Starts at the bodies that move, or that the tip may move, and continues to those in contact with
+/// them (builds the island).
 void Neighbourhood::find_contacts(const std::vector<UprightBody>& bodies, const TipPath& tip,
                                   double dt, const std::vector<BodyState>& states) {
   queue_.clear();
-  strongest_ = 0.0;
+  max_static_friction_ = 0.0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    strongest_ = std::max(strongest_, holding_force(bodies[i].physics().friction));
+    max_static_friction_ =
+        std::max(max_static_friction_, static_friction_limit(bodies[i].physics().friction));
     Member& member = members_[i];
     member.sides.clear();
     member.partners.clear();
     member.is_searched = false;
     const double travel = (tip.to - tip.from).head<2>().norm();
     const double near = collider_.reach(i) + tip.radius + travel + kMargin;
-    const double away = (tip.to.head<2>() - states[i].planar.position).norm();
-    member.is_awake = !states[i].planar.twist.isZero(0.0) || away < near;
+    const double distance = (tip.to.head<2>() - states[i].planar.position).norm();
+    member.is_awake = !states[i].planar.twist.isZero(0.0) || distance < near;
     if (member.is_awake) queue_.push_back(i);
   }
   for (std::size_t i = 0; i < queue_.size(); ++i) search(queue_[i], bodies, dt, states);
@@ -148,80 +153,84 @@ void Neighbourhood::link(std::size_t body, std::ptrdiff_t partner, const Collisi
   SideContact side;
   side.normal = (sign * point.normal.head<2>()).normalized();
   side.arm = point.p_base.head<2>() - states[body].planar.position;
-  // Along the level, an overlap is longer than along a normal that rises.
+  // Horizontally an overlap is larger than along a normal that is not horizontal.
   side.depth = point.depth / point.normal.head<2>().norm();
   side.stiffness = stiffness_between(own, other);
-  // What stands still bears a light body that a heavy one, or who can push that, presses on it.
-  if (partner < 0) side.stiffness = std::max(side.stiffness, strongest_ / kOverlap);
+  // The static mesh has to support a light body that a heavy one, or a tool that can push the
+  // heavy one, presses against it.
+  if (partner < 0) side.stiffness = std::max(side.stiffness, max_static_friction_ / kOverlap);
   side.damping = 2.0 * std::sqrt(side.stiffness * std::min(own.friction.mass, other.friction.mass));
-  Partner across;
-  across.body = partner;
+  Partner opposite;
+  opposite.body = partner;
   if (partner >= 0) {
-    across.arm = point.p_base.head<2>() - states[static_cast<std::size_t>(partner)].planar.position;
+    opposite.arm =
+        point.p_base.head<2>() - states[static_cast<std::size_t>(partner)].planar.position;
   }
   member.sides.push_back(side);
-  member.partners.push_back(across);
+  member.partners.push_back(opposite);
 }
 
 void Neighbourhood::step_together(const std::vector<UprightBody>& bodies, const TipPath& tip,
                                   double dt) {
-  int parts = 1;
+  int substeps = 1;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (members_[i].sides.empty()) continue;
-    parts = std::max(parts, parts_of_step(bodies[i], members_[i].begin, tip, dt));
+    substeps = std::max(substeps, count_substeps(bodies[i], members_[i].begin, tip, dt));
   }
-  const double time = dt / parts;
-  TipPath part = tip;
-  for (int k = 1; k <= parts; ++k) {
-    part.to = tip.from + (static_cast<double>(k) / parts) * (tip.to - tip.from);
+  const double time = dt / substeps;
+  TipPath substep = tip;
+  for (int k = 1; k <= substeps; ++k) {
+    substep.to = tip.from + (static_cast<double>(k) / substeps) * (tip.to - tip.from);
     for (Member& member : members_) {
       member.is_dirty = !member.sides.empty();
       member.end = member.begin;
       member.end.planar.position += time * member.begin.planar.twist.head<2>();
       member.end.planar.yaw += time * member.begin.planar.twist.z();
     }
-    for (Member& member : members_) tell_speeds(member);
+    for (Member& member : members_) update_closing_speeds(member);
     bool is_settled = false;
     for (int sweep = 0; sweep < kMaxSweeps && !is_settled; ++sweep) {
       is_settled = true;
-      for (std::size_t i = 0; i < members_.size(); ++i) {  // to and fro
+      for (std::size_t i = 0; i < members_.size();
+           ++i) {  // symmetric Gauss-Seidel: forward, then backward
         const std::size_t body = sweep % 2 == 0 ? i : members_.size() - 1 - i;
-        const double enough_share = sweep < kRoughSweeps ? kRough : 0.0;
+        const double relative_tolerance = sweep < kRoughSweeps ? kRoughTolerance : 0.0;
         if (!members_[body].is_dirty) continue;
-        if (solve(body, bodies, part, time, enough_share)) is_settled = false;
+        if (solve(body, bodies, substep, time, relative_tolerance)) is_settled = false;
       }
     }
     for (std::size_t i = 0; i < members_.size(); ++i) {
       Member& member = members_[i];
-      if (member.sides.empty() || member.unsolved <= kUnsolved) continue;
-      member.end = stopped(bodies[i], member.begin, part);
+      if (member.sides.empty() || member.residual <= kMaxResidual) continue;
+      member.end = stopped(bodies[i], member.begin, substep);
     }
     for (Member& member : members_) {
-      follow_neighbours(member);
+      update_neighbour_displacements(member);
       for (SideContact& side : member.sides) {
-        side.depth += side.normal.dot(side.neighbour_way -
-                                      way_of(member.begin.planar, member.end.planar, side.arm));
+        side.depth +=
+            side.normal.dot(side.neighbour_displacement -
+                            displacement_of(member.begin.planar, member.end.planar, side.arm));
       }
     }
     for (Member& member : members_) member.begin = member.end;
-    part.from = part.to;
+    substep.from = substep.to;
   }
 }
 
 /// Whether it moved enough for itself and its neighbours to be solved again.
 bool Neighbourhood::solve(std::size_t body, const std::vector<UprightBody>& bodies,
-                          const TipPath& tip, double dt, double enough_share) {
+                          const TipPath& tip, double dt, double relative_tolerance) {
   Member& member = members_[body];
-  follow_neighbours(member);
+  update_neighbour_displacements(member);
   const PlanarState before = member.end.planar;
   const BodyStep step =
-      step_body(bodies[body], member.begin, tip, member.sides, dt, &before, enough_share);
+      step_body(bodies[body], member.begin, tip, member.sides, dt, &before, relative_tolerance);
   member.end = step.state;
   member.is_dirty = false;
   const double change =
       (member.end.planar.position - before.position).norm() +
-      bodies[body].gyration_radius() * std::abs(turning_way(before, member.end.planar));
-  member.unsolved = std::max(step.gap, change);
+      bodies[body].gyration_radius() * std::abs(rotation_between(before, member.end.planar));
+  member.residual = std::max(step.residual, change);
   if (change <= kSettled) return false;
   member.is_dirty = true;
   for (const Partner& partner : member.partners) {
@@ -230,7 +239,7 @@ bool Neighbourhood::solve(std::size_t body, const std::vector<UprightBody>& bodi
   return true;
 }
 
-void Neighbourhood::tell_speeds(Member& member) const {
+void Neighbourhood::update_closing_speeds(Member& member) const {
   for (std::size_t i = 0; i < member.sides.size(); ++i) {
     const Partner& partner = member.partners[i];
     SideContact& side = member.sides[i];
@@ -243,12 +252,13 @@ void Neighbourhood::tell_speeds(Member& member) const {
   }
 }
 
-void Neighbourhood::follow_neighbours(Member& member) const {
+void Neighbourhood::update_neighbour_displacements(Member& member) const {
   for (std::size_t i = 0; i < member.sides.size(); ++i) {
     const Partner& partner = member.partners[i];
     if (partner.body < 0) continue;
     const Member& other = members_[static_cast<std::size_t>(partner.body)];
-    member.sides[i].neighbour_way = way_of(other.begin.planar, other.end.planar, partner.arm);
+    member.sides[i].neighbour_displacement =
+        displacement_of(other.begin.planar, other.end.planar, partner.arm);
   }
 }
 

@@ -10,8 +10,9 @@
 
 namespace pcavr::detail {
 
-/// Steps all bodies of a world, those that touch each other together. What it holds between steps
-/// is work space only.
+/// Contact solver: steps all bodies of a world, those in contact with each other together (a
+/// simulation island), by Gauss-Seidel sweeps over the bodies. Between steps it keeps no state,
+/// only work space.
 class Neighbourhood {
  public:
   Neighbourhood(const std::vector<WorldBody>& bodies, const TriangleMesh& static_mesh_base);
@@ -23,15 +24,15 @@ class Neighbourhood {
  private:
   /// The other side of a SideContact.
   struct Partner {
-    std::ptrdiff_t body = -1;  ///< -1: it stands still
+    std::ptrdiff_t body = -1;  ///< -1: the static mesh
     Eigen::Vector2d arm = Eigen::Vector2d::Zero();
   };
-  /// A body, while a step is under way.
+  /// A body during a step.
   struct Member {
-    bool is_awake = false;     ///< it moves, or something may move it
+    bool is_awake = false;     ///< active: it moves, or something may move it
     bool is_searched = false;  ///< its contacts are known
     bool is_dirty = false;     ///< a neighbour moved since it was solved
-    double unsolved = 0.0;     ///< [m] by which its motion is not that of the forces on it
+    double residual = 0.0;     ///< [m] between its motion and the one its forces cause
     BodyState begin;
     BodyState end;
     std::vector<SideContact> sides;
@@ -46,15 +47,15 @@ class Neighbourhood {
             const std::vector<UprightBody>& bodies, const std::vector<BodyState>& states);
   void step_together(const std::vector<UprightBody>& bodies, const TipPath& tip, double dt);
   [[nodiscard]] bool solve(std::size_t body, const std::vector<UprightBody>& bodies,
-                           const TipPath& tip, double dt, double enough_share);
-  void tell_speeds(Member& member) const;
-  void follow_neighbours(Member& member) const;
+                           const TipPath& tip, double dt, double relative_tolerance);
+  void update_closing_speeds(Member& member) const;
+  void update_neighbour_displacements(Member& member) const;
 
   Collider collider_;
   std::vector<Member> members_;
   std::vector<std::size_t> queue_;
   std::vector<CollisionPoint> points_;
-  double strongest_ = 0.0;  ///< [N] that any of the bodies withstands
+  double max_static_friction_ = 0.0;  ///< [N] of all bodies
 };
 
 }  // namespace pcavr::detail

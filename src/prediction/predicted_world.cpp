@@ -41,7 +41,7 @@ Expected<PredictedWorld> PredictedWorld::create(WorldModel model) {
   auto content = std::make_unique<Content>(model);
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     if (content->neighbourhood.has_shape(i)) continue;
-    return Error{.message = "its corners lie in one plane, so that it is no body",
+    return Error{.message = "all vertices of its mesh lie in one plane",
                  .place = model.bodies[i].model.name,
                  .hint = "give it a closed CAD mesh"};
   }

@@ -17,14 +17,15 @@
 namespace pcavr {
 namespace {
 
-/// The place and the force that are shown, as six numbers: x, y, yaw, force.
+/// The displayed pose and force, as six numbers: x, y, yaw, force.
 Vector6d shown_of(const BodyState& state) {
   Vector6d shown;
   shown << state.planar.position, state.planar.yaw, state.tool_force_base;
   return shown;
 }
 
-/// Its rate. A force's is not told by the state: what is felt may turn sharply, but does not jump.
+/// Its rate. The force's rate is not part of the state: the rendered force has no jump, but may
+/// have a kink.
 Vector6d rate_of(const BodyState& state) {
   Vector6d rate = Vector6d::Zero();
   rate.head<3>() = state.planar.twist;
@@ -38,7 +39,7 @@ struct Predictor::Content {
   double start;
   PredictorOptions options;
   std::int64_t steps = 0;  ///< done since the start
-  // Rings by step: the tip and the states after it.
+  // Ring buffers by step: the tip and the states after it.
   std::vector<Eigen::Vector3d> p_base_tip;
   std::vector<std::vector<BodyState>> states;
   detail::CorrectionLog log;
@@ -50,13 +51,13 @@ struct Predictor::Content {
       : world(std::move(the_world)),
         start(the_start),
         options(the_options),
-        p_base_tip(static_cast<std::size_t>(std::ceil(options.memory / options.step)) + 1, tip),
+        p_base_tip(static_cast<std::size_t>(std::ceil(options.history / options.step)) + 1, tip),
         states(p_base_tip.size(), world.state()),
         log(world),
         offsets(world.size()),
         scratch(world.state()) {}
 
-  [[nodiscard]] std::size_t place_of(std::int64_t step) const {
+  [[nodiscard]] std::size_t index_of(std::int64_t step) const {
     return static_cast<std::size_t>(step) % states.size();
   }
   [[nodiscard]] double time_of(std::int64_t step) const {
@@ -65,14 +66,14 @@ struct Predictor::Content {
   [[nodiscard]] std::int64_t oldest() const {
     return std::max<std::int64_t>(0, steps - static_cast<std::int64_t>(states.size()) + 1);
   }
-  /// The step next to `t`; nothing outside the memory.
+  /// The step nearest to `t`; empty outside the history.
   [[nodiscard]] std::optional<std::int64_t> step_at(double t) const {
     const double step = std::round((t - start) / options.step);
     if (!(step >= static_cast<double>(oldest()) && step <= static_cast<double>(steps))) return {};
     return static_cast<std::int64_t>(step);
   }
-  void keep(std::int64_t step) {
-    std::copy(world.state().begin(), world.state().end(), states[place_of(step)].begin());
+  void save_state(std::int64_t step) {
+    std::copy(world.state().begin(), world.state().end(), states[index_of(step)].begin());
   }
   [[nodiscard]] Vector6d shown(std::size_t body) const {
     return shown_of(world.state()[body]) + offsets[body].value_at(time_of(steps));
@@ -80,16 +81,17 @@ struct Predictor::Content {
   [[nodiscard]] Vector6d shown_rate(std::size_t body) const {
     return rate_of(world.state()[body]) + offsets[body].rate_at(time_of(steps));
   }
-  void predict_again_from(std::int64_t step) {
+  void resimulate_from(std::int64_t step) {
     for (std::int64_t i = step + 1; i <= steps; ++i) {
-      world.step(p_base_tip[place_of(i - 1)], p_base_tip[place_of(i)], options.step);
+      world.step(p_base_tip[index_of(i - 1)], p_base_tip[index_of(i)], options.step);
       log.apply(i, world, scratch);
-      keep(i);
+      save_state(i);
     }
   }
-  /// Remembers what is shown as an offset to the present state, and subtracts it after a change.
+  /// Blends what is displayed over a change of the state: the offset that keeps it continuous
+  /// fades.
   template <typename Change>
-  void change_unseen(const Change& change) {
+  void change_with_blending(const Change& change) {
     const double now = time_of(steps);
     for (std::size_t i = 0; i < offsets.size(); ++i) {
       offsets[i].begin(now, options.blending, shown(i), shown_rate(i));
@@ -107,7 +109,7 @@ Predictor::Predictor(PredictedWorld world, double start, const Eigen::Vector3d& 
   PCAVR_REQUIRE(std::isfinite(start), start);
   PCAVR_REQUIRE(p_base_tip.allFinite());
   PCAVR_REQUIRE(options.step > 0.0 && std::isfinite(options.step), options.step);
-  PCAVR_REQUIRE(options.memory >= 0.0 && options.memory / options.step < 1e7, options.memory);
+  PCAVR_REQUIRE(options.history >= 0.0 && options.history / options.step < 1e7, options.history);
   PCAVR_REQUIRE(options.blending >= 0.0 && std::isfinite(options.blending), options.blending);
   content_ = std::make_unique<Content>(std::move(world), start, p_base_tip, options);
 }
@@ -117,14 +119,14 @@ Predictor::~Predictor() = default;
 
 void Predictor::step(const Eigen::Vector3d& p_base_tip) noexcept {
   Content& c = *content_;
-  const Eigen::Vector3d before = c.p_base_tip[c.place_of(c.steps)];
-  // A tip that nobody can place stays where it was.
+  const Eigen::Vector3d before = c.p_base_tip[c.index_of(c.steps)];
+  // An invalid tip position is ignored: the tip stays where it was.
   const Eigen::Vector3d after = p_base_tip.allFinite() ? p_base_tip : before;
   ++c.steps;
-  c.p_base_tip[c.place_of(c.steps)] = after;
+  c.p_base_tip[c.index_of(c.steps)] = after;
   c.world.step(before, after, c.options.step);
-  c.keep(c.steps);
-  c.log.forget_before(c.oldest());
+  c.save_state(c.steps);
+  c.log.discard_before(c.oldest());
 }
 
 double Predictor::now() const { return content_->time_of(content_->steps); }
@@ -135,13 +137,13 @@ bool Predictor::correct(const Correction& correction) noexcept {
   if (!step || correction.body >= c.world.size()) return false;
   if (correction.twist && !correction.twist->allFinite()) return false;
   if (correction.physics && !detail::is_physical(*correction.physics)) return false;
-  c.change_unseen([&] {
+  c.change_with_blending([&] {
     c.log.add(*step, correction);
     c.log.restore_physics(*step, c.world);
-    c.world.set_state(c.states[c.place_of(*step)]);
+    c.world.set_state(c.states[c.index_of(*step)]);
     detail::apply_pose(correction, c.world, c.scratch);
-    c.keep(*step);
-    c.predict_again_from(*step);
+    c.save_state(*step);
+    c.resimulate_from(*step);
   });
   return true;
 }
@@ -161,7 +163,7 @@ std::optional<BodyState> Predictor::state_at(std::size_t body, double t) const {
   PCAVR_REQUIRE(body < content_->world.size(), body);
   const auto step = content_->step_at(t);
   if (!step) return std::nullopt;
-  return content_->states[content_->place_of(*step)][body];
+  return content_->states[content_->index_of(*step)][body];
 }
 
 }  // namespace pcavr

@@ -8,8 +8,8 @@
 namespace pcavr::detail {
 namespace {
 
-/// Where the coefficient of u0^i u1^j u2^(4 - i - j) stands.
-constexpr std::array<std::array<std::size_t, 5>, 5> places() {
+/// Index of the coefficient of u0^i u1^j u2^(4 - i - j).
+constexpr std::array<std::array<std::size_t, 5>, 5> indices() {
   std::array<std::array<std::size_t, 5>, 5> result{};
   for (std::size_t k = 0; k < kQuarticExponents.size(); ++k) {
     const auto& powers = kQuarticExponents[k];
@@ -17,7 +17,7 @@ constexpr std::array<std::array<std::size_t, 5>, 5> places() {
   }
   return result;
 }
-constexpr auto kPlaces = places();
+constexpr auto kIndices = indices();
 
 /// n! / (p! q! (n - p - q)!).
 constexpr std::array<std::array<std::array<double, 5>, 5>, 5> multinomials() {
@@ -41,7 +41,7 @@ std::array<double, 5> powers_of(double x) noexcept {
 }  // namespace
 
 LimitSurface shifted(const LimitSurface& surface, const Eigen::Vector2d& centre) noexcept {
-  // The moment about the centre in units of F L: u2 + a u0 + b u1, put in and multiplied out.
+  // The moment about the centre in units of F L: u2 + a u0 + b u1, substituted and expanded.
   const std::array<double, 5> a = powers_of(centre.y() / surface.length);
   const std::array<double, 5> b = powers_of(-centre.x() / surface.length);
   LimitSurface result{surface.force, surface.length, {}};
@@ -52,7 +52,7 @@ LimitSurface shifted(const LimitSurface& surface, const Eigen::Vector2d& centre)
     const auto n = static_cast<std::size_t>(kQuarticExponents[k][2]);
     for (std::size_t p = 0; p <= n; ++p) {
       for (std::size_t q = 0; p + q <= n; ++q) {
-        result.coefficients[kPlaces[i + p][j + q]] +=
+        result.coefficients[kIndices[i + p][j + q]] +=
             surface.coefficients[k] * kMultinomials[n][p][q] * a[p] * b[q];
       }
     }

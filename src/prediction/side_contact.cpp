@@ -8,12 +8,12 @@
 namespace pcavr::detail {
 namespace {
 
-constexpr double kFriction = 0.3;         // between bodies; nothing measures it
-constexpr double kMinSlip = 0.002;        // [m/s] below, friction grows with the speed
-constexpr double kFastestParting = 0.05;  // [m/s] at which an overlap is undone
-/// [m] The damper takes hold over this depth: a force that set in at once would leave a step in
-/// which two bodies meet without a solution.
-constexpr double kFadesIn = 1e-5;
+constexpr double kFriction = 0.3;             // between bodies; not identified
+constexpr double kMinSlip = 0.002;            // [m/s] below, friction grows with the speed
+constexpr double kMaxSeparationSpeed = 0.05;  // [m/s] at which an overlap is resolved
+/// [m] The damping increases from 0 over this depth: with a discontinuous force, a step in which
+/// two bodies touch first may have no solution.
+constexpr double kDampingRamp = 1e-5;
 
 }  // namespace
 
@@ -23,21 +23,22 @@ SideForce side_force(const SideContact& contact, const Eigen::Vector2d& slip,
   const double closing = contact.normal.dot(slip);
   const double depth = contact.depth + closing;
   if (!(depth > 0.0)) return result;
-  // Where the spring pushes the bodies apart at the fastest rate, damper and spring balance.
-  const double parting = contact.stiffness * depth / kFastestParting;
-  const double damping = std::max(contact.damping * std::min(depth / kFadesIn, 1.0), parting);
-  // The speed at the step's end, of which the way tells the mean: so a contact that stops the body
-  // in one step does not throw it back.
+  // Damper and spring balance at the maximum separation speed.
+  const double min_damping = contact.stiffness * depth / kMaxSeparationSpeed;
+  const double damping =
+      std::max(contact.damping * std::min(depth / kDampingRamp, 1.0), min_damping);
+  // The speed at the step's end (the displacement gives the mean): so a contact that stops the body
+  // in one step does not make it rebound.
   const double rate = 2.0 * closing / time - contact.closing;
   const double force = contact.stiffness * depth + damping * rate;
   if (!(force > 0.0)) return result;
-  const double rising = damping != contact.damping ? damping / depth * rate : 0.0;
-  const double pressing = contact.stiffness + rising + 2.0 * damping / time;
+  const double damping_slope = damping != contact.damping ? damping / depth * rate : 0.0;
+  const double normal_stiffness = contact.stiffness + damping_slope + 2.0 * damping / time;
   const Eigen::Vector2d along(-contact.normal.y(), contact.normal.x());
   const double speed = along.dot(slip) / time;
   const double drag = kFriction * force / (std::abs(speed) + kMinSlip);
   result.force = force * contact.normal + drag * speed * along;
-  result.stiffness = pressing * contact.normal * contact.normal.transpose() +
+  result.stiffness = normal_stiffness * contact.normal * contact.normal.transpose() +
                      drag / time * along * along.transpose();
   return result;
 }

@@ -18,14 +18,14 @@
 namespace pcavr::detail {
 namespace {
 
-constexpr double kPatchHeight = 1e-3;  // [m] what lies so near the lowest point bears
-constexpr int kCells = 16;             // across the patch: its surface is then right to 1 %
+constexpr double kPatchHeight = 1e-3;  // [m] vertices so close to the lowest one are in contact
+constexpr int kCells = 16;             // across the patch: its surface is then accurate to 1 %
 constexpr int kTwists = 200;           // a dozen for each of a quartic's coefficients
 
 /// The convex hull of points with z = 0.
 std::vector<Eigen::Vector2d> flat_hull(std::vector<Eigen::Vector3d> points) {
   std::vector<Eigen::Vector2d> outline;
-  for (const Eigen::Vector3d& p : convex_hull_from_above(std::move(points))) {
+  for (const Eigen::Vector3d& p : convex_hull_xy(std::move(points))) {
     outline.emplace_back(p.head<2>());
   }
   return outline;
@@ -34,13 +34,13 @@ std::vector<Eigen::Vector2d> flat_hull(std::vector<Eigen::Vector3d> points) {
 bool is_inside(const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d& p) {
   for (std::size_t k = 0; k < outline.size(); ++k) {
     const Eigen::Vector2d edge = outline[(k + 1) % outline.size()] - outline[k];
-    const Eigen::Vector2d way = p - outline[k];
-    if (edge.x() * way.y() - edge.y() * way.x() < 0.0) return false;
+    const Eigen::Vector2d offset = p - outline[k];
+    if (edge.x() * offset.y() - edge.y() * offset.x() < 0.0) return false;
   }
   return true;
 }
 
-/// The middles of the cells of a grid that lie inside a convex outline.
+/// The centres of a grid's cells that lie inside a convex outline.
 std::vector<Eigen::Vector2d> cells_of(const std::vector<Eigen::Vector2d>& outline) {
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector2d& corner : outline) box.extend(corner);
@@ -63,23 +63,24 @@ SupportPatch support_patch(const CadModel& model, const Pose& T_base_object) {
   for (const auto& v : model.mesh_object.vertices) {
     lowest = std::min(lowest, (T_base_object * v.cast<double>()).z());
   }
-  std::vector<Eigen::Vector3d> all, bearing;
+  std::vector<Eigen::Vector3d> all, in_contact;
   for (const auto& v : model.mesh_object.vertices) {
     const Eigen::Vector3d p = T_base_object * v.cast<double>();
     all.emplace_back(p.x() - centre.x(), p.y() - centre.y(), 0.0);
-    if (p.z() <= lowest + kPatchHeight) bearing.push_back(all.back());
+    if (p.z() <= lowest + kPatchHeight) in_contact.push_back(all.back());
   }
   SupportPatch patch;
-  patch.outline = flat_hull(std::move(bearing));
-  patch.shadow = flat_hull(std::move(all));
+  patch.outline = flat_hull(std::move(in_contact));
+  patch.projection = flat_hull(std::move(all));
   return patch;
 }
 
 double radius_of(const SupportPatch& patch) {
   const double radius = mean_radius(patch.outline, Eigen::Vector2d::Zero());
   if (radius > 0.0) return radius;
-  // It stands on an edge or a point, which in truth is a small patch: between it and the shadow.
-  return 0.5 * mean_radius(patch.shadow, Eigen::Vector2d::Zero());
+  // It stands on an edge or a point, which in reality is a small patch: the mean of none and the
+  // whole projection.
+  return 0.5 * mean_radius(patch.projection, Eigen::Vector2d::Zero());
 }
 
 std::optional<LimitSurface> surface_of(const SupportPatch& patch, double radius, double heading) {

@@ -15,17 +15,17 @@ namespace pcavr::detail {
 
 /// Counter-clockwise outlines about the centre of mass, base axes [m].
 struct SupportPatch {
-  std::vector<Eigen::Vector2d> outline;  ///< of what touches the support
-  std::vector<Eigen::Vector2d> shadow;   ///< of the whole body, seen from above
+  std::vector<Eigen::Vector2d> outline;     ///< of what is in contact with the support
+  std::vector<Eigen::Vector2d> projection;  ///< of the whole body, on the horizontal plane
 };
 [[nodiscard]] SupportPatch support_patch(const CadModel& model, const Pose& T_base_object);
 
-/// How far out it bears on average under even pressure [m].
+/// The mean_radius under uniform pressure [m].
 [[nodiscard]] double radius_of(const SupportPatch& patch);
 
-/// What friction bears under even pressure on the outline, stretched so that it bears `radius` [m]
-/// out on average, in axes turned by `heading` [rad]; force 1 N. A sum over the patch's parts, and
-/// a quartic fitted to it. Nothing where the outline has no area.
+/// The limit surface of uniform pressure on the outline, scaled to the mean radius `radius` [m], in
+/// axes rotated by `heading` [rad]; force 1 N. A sum over the patch's cells, and a quartic fitted
+/// to it. Empty where the outline has no area.
 [[nodiscard]] std::optional<LimitSurface> surface_of(const SupportPatch& patch, double radius,
                                                      double heading);
 

@@ -9,25 +9,25 @@
 
 #include <Eigen/Geometry>
 
+#include "pcavr/contact/compliance.hpp"
 #include "pcavr/core/check.hpp"
 
-#include "prediction/contact_force.hpp"
 #include "prediction/shifted_surface.hpp"
 
 namespace pcavr::detail {
 namespace {
 
-/// A support that bears no force at all has no surface to slide on; this [N] counts as none.
+/// Minimum friction [N]: without any, the limit surface would be degenerate.
 constexpr double kMinFriction = 1e-6;
-/// A body held down by less than this share of its weight slides as if by that much.
+/// Minimum normal load on the support, as a share of the weight.
 constexpr double kMinShare = 1e-3;
-/// How far the pressure's centre can shift, over the friction radius: on the edge of the patch the
-/// body would tip, which it does not do here.
-constexpr double kFurthestPressure = 1.0;
-/// The least band below F_M that counts as about to go, as a share of it: phases.csv's 0.9.
+/// Maximum shift of the centre of pressure, over the friction radius: at the edge of the patch the
+/// body would tip, which is not modelled.
+constexpr double kMaxPressureShift = 1.0;
+/// Minimum critical band below F_M, as a share of it: phases.csv's 0.9.
 constexpr double kCriticalShare = 0.1;
 
-double turn_of(const Eigen::Matrix3d& rotation) {
+double yaw_of(const Eigen::Matrix3d& rotation) {
   return std::atan2(rotation(1, 0) - rotation(0, 1), rotation(0, 0) + rotation(1, 1));
 }
 
@@ -56,7 +56,7 @@ double gyration_radius_of(const TriangleMesh& mesh_object, const Pose& T_body_ob
   return std::sqrt(moment / volume);
 }
 
-/// The force that keeps the body sliding without turning, on average over the directions.
+/// The force that keeps the body sliding without rotation, averaged over the directions.
 double mean_force(const LimitSurface& surface) {
   constexpr int kDirections = 24;
   double sum = 0.0;
@@ -70,8 +70,8 @@ double mean_force(const LimitSurface& surface) {
 
 PlanarFriction friction_of(const BodyPhysics& physics, double gyration_radius) {
   const FrictionParameters& f = physics.friction;
-  const double holding = std::max(holding_force(f), kMinFriction);
-  const double coulomb = std::max(f.coulomb_force, kMinShare * holding);
+  const double static_limit = std::max(static_friction_limit(f), kMinFriction);
+  const double coulomb = std::max(f.coulomb_force, kMinShare * static_limit);
   PlanarFriction friction;
   friction.mass = f.mass;
   friction.inertia = f.mass * gyration_radius * gyration_radius;
@@ -81,8 +81,9 @@ PlanarFriction friction_of(const BodyPhysics& physics, double gyration_radius) {
   } else {
     friction.sliding = ellipsoid_surface(coulomb, coulomb * physics.friction_radius);
   }
-  friction.holding = holding / coulomb;
-  friction.holding_std = std::max(f.limiting_force_std, kCriticalShare * holding) / coulomb;
+  friction.static_to_kinetic_ratio = static_limit / coulomb;
+  friction.static_to_kinetic_std =
+      std::max(f.limiting_force_std, kCriticalShare * static_limit) / coulomb;
   friction.viscous = f.viscous;
   friction.viscous_turning = f.viscous * physics.friction_radius * physics.friction_radius;
   return friction;
@@ -91,8 +92,8 @@ PlanarFriction friction_of(const BodyPhysics& physics, double gyration_radius) {
 }  // namespace
 
 bool is_physical(const BodyPhysics& p) noexcept {
-  const auto is_at_least = [](double value, double least) {
-    return std::isfinite(value) && value >= least;
+  const auto is_at_least = [](double value, double min) {
+    return std::isfinite(value) && value >= min;
   };
   const double tiny = std::numeric_limits<double>::min();
   const bool has_surface = !p.limit_surface || (is_at_least(p.limit_surface->force, tiny) &&
@@ -111,7 +112,7 @@ UprightBody::UprightBody(const WorldBody& body, double gravity)
       gyration_radius_(gyration_radius_of(
           body.model.mesh_object, to_body_axes(T_base_object_start_, centre_of_mass_object_))),
       gravity_(gravity),
-      foot_(surface_.bounds().min().z()) {
+      lowest_(surface_.bounds().min().z()) {
   set_physics(body.physics);
 }
 
@@ -119,11 +120,12 @@ void UprightBody::set_physics(const BodyPhysics& physics) {
   PCAVR_REQUIRE(is_physical(physics));
   physics_ = physics;
   friction_ = friction_of(physics, gyration_radius_);
-  const double holding = friction_.holding * friction_.sliding.force;
-  holding_depth_ = depth_at(physics.contact, holding);
-  working_stiffness_ = contact_force(physics.contact, holding_depth_, 0.0).stiffness;
-  sliding_depth_ = depth_at(physics.contact, physics.friction.coulomb_force);
-  critical_share_ = 1.0 - friction_.holding_std / friction_.holding;
+  const double static_limit = friction_.static_to_kinetic_ratio * friction_.sliding.force;
+  static_limit_depth_ = static_penetration(physics.contact, static_limit);
+  working_stiffness_ =
+      contact_force(physics.contact, static_limit_depth_, 0.0, kMaxContactForce).stiffness;
+  sliding_depth_ = static_penetration(physics.contact, physics.friction.coulomb_force);
+  critical_share_ = 1.0 - friction_.static_to_kinetic_std / friction_.static_to_kinetic_ratio;
 }
 
 Pose UprightBody::pose_of(const PlanarState& planar) const {
@@ -139,7 +141,7 @@ PlanarState UprightBody::at_rest_in(const Pose& T_base_object, double yaw_near) 
       T_base_object.rotation_matrix() * T_base_object_start_.rotation_matrix().transpose();
   PlanarState planar;
   planar.position = (T_base_object * centre_of_mass_object_).head<2>();
-  planar.yaw = yaw_near + std::remainder(turn_of(turn) - yaw_near, 2.0 * std::numbers::pi);
+  planar.yaw = yaw_near + std::remainder(yaw_of(turn) - yaw_near, 2.0 * std::numbers::pi);
   return planar;
 }
 
@@ -151,22 +153,22 @@ PlanarFriction UprightBody::friction_under(const Eigen::Vector3d& force, const E
                                            double height, double yaw) const noexcept {
   PlanarFriction friction = friction_;
   if (force.isZero(0.0)) return friction;
-  const double bearing = friction_.mass * gravity_ * weight_share(-force.z());
-  Eigen::Vector2d centre = ((height - foot_) * force.head<2>() - force.z() * arm) / bearing;
-  const double most = kFurthestPressure * physics_.friction_radius;
-  const double away = centre.norm();
-  if (away > most) centre *= most / away;
+  const double normal_load = friction_.mass * gravity_ * weight_share(-force.z());
+  Eigen::Vector2d centre = ((height - lowest_) * force.head<2>() - force.z() * arm) / normal_load;
+  const double max_shift = kMaxPressureShift * physics_.friction_radius;
+  const double shift = centre.norm();
+  if (shift > max_shift) centre *= max_shift / shift;
   friction.sliding = shifted(friction.sliding, Eigen::Rotation2Dd(-yaw - heading_) * centre);
   return friction;
 }
 
 PlanarStep UprightBody::step(const PlanarFriction& friction, const PlanarState& state,
                              const Eigen::Vector3d& load, double dt) const noexcept {
-  PlanarState turned = state;
-  turned.yaw += heading_;
-  PlanarStep result = step_planar(friction, turned, load, dt);
-  // The difference, so that a body that did not turn keeps its yaw to the last bit.
-  result.state.yaw = state.yaw + (result.state.yaw - turned.yaw);
+  PlanarState rotated = state;
+  rotated.yaw += heading_;
+  PlanarStep result = step_planar(friction, rotated, load, dt);
+  // The difference, so that a body that did not rotate keeps its yaw to the last bit.
+  result.state.yaw = state.yaw + (result.state.yaw - rotated.yaw);
   return result;
 }
 

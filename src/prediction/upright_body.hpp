@@ -8,17 +8,20 @@
 
 #include "pcavr/friction/planar_slider.hpp"
 #include "pcavr/geometry/pose.hpp"
+#include "pcavr/prediction/closest_surface.hpp"
 #include "pcavr/prediction/predicted_world.hpp"
-
-#include "prediction/closest_surface.hpp"
 
 namespace pcavr::detail {
 
+/// No arm that pushes objects over a table exerts more [N]; a tip that jumps into a stiff body
+/// would otherwise accelerate it without limit.
+constexpr double kMaxContactForce = 2000.0;
+
 [[nodiscard]] bool is_physical(const BodyPhysics& physics) noexcept;
 
-/// A body that slides upright over the support, with all that does not change while it does.
-/// Body axes: base axes as the body stood at the start, z the height in base, origin above its
-/// centre of mass. So yaw and the centre's place tell the whole pose.
+/// A body that slides upright over the support, with all its constants. Body axes: parallel to base
+/// at the start, z the height in base, origin on the vertical through its centre of mass. So yaw
+/// and the centre's position determine the whole pose.
 class UprightBody {
  public:
   UprightBody(const WorldBody& body, double gravity);
@@ -29,32 +32,32 @@ class UprightBody {
   void set_physics(const BodyPhysics& physics);
 
   [[nodiscard]] Pose pose_of(const PlanarState& planar) const;
-  /// The yaw is the one next to `yaw_near`.
+  /// The yaw is the one closest to `yaw_near` (unwrapped).
   [[nodiscard]] PlanarState at_rest_in(const Pose& T_base_object, double yaw_near) const;
   [[nodiscard]] PlanarState start() const { return at_rest_in(T_base_object_start_, 0.0); }
 
   /// The support's friction under a `force` [N] on the body, base axes, at `arm` [m] from the
-  /// centre of mass and `height` [m] in base: what presses down adds to the weight, and what pushes
-  /// above the support shifts the pressure ahead.
+  /// centre of mass and `height` [m] in base: vertical force adds to the weight, and a push above
+  /// the support shifts the centre of pressure ahead.
   [[nodiscard]] PlanarFriction friction_under(const Eigen::Vector3d& force,
                                               const Eigen::Vector2d& arm, double height,
                                               double yaw) const noexcept;
-  /// How many times the weight bears on the support under a force `down` [N] beside it.
+  /// Normal load on the support over the weight, under an additional force `down` [N].
   [[nodiscard]] double weight_share(double down) const noexcept;
-  /// step_planar, with the yaw that its surface is stated in.
+  /// step_planar, in the axes of its limit surface.
   [[nodiscard]] PlanarStep step(const PlanarFriction& friction, const PlanarState& state,
                                 const Eigen::Vector3d& load, double dt) const noexcept;
-  /// How much of what the support's friction bears while sliding `load` needs; see level.
+  /// `load` relative to the limit surface of sliding; see level.
   [[nodiscard]] double level_of(const PlanarFriction& friction, double yaw,
                                 const Eigen::Vector3d& load) const noexcept;
 
   [[nodiscard]] double gyration_radius() const { return gyration_radius_; }
-  /// Of the tip's contact near the force at which the body breaks loose [N/m].
+  /// Of the tip's contact at the force at which the body breaks loose [N/m].
   [[nodiscard]] double working_stiffness() const { return working_stiffness_; }
-  /// Where the tip's contact, at rest, bears the friction of sliding, and all that holds [m].
+  /// Penetration of the tip, at rest, under the Coulomb force and the static friction limit [m].
   [[nodiscard]] double sliding_depth() const { return sliding_depth_; }
-  [[nodiscard]] double holding_depth() const { return holding_depth_; }
-  /// Of what the support holds at rest: from here on the body is about to go.
+  [[nodiscard]] double static_limit_depth() const { return static_limit_depth_; }
+  /// Share of the static friction limit above which the phase is critical.
   [[nodiscard]] double critical_share() const { return critical_share_; }
 
  private:
@@ -65,12 +68,12 @@ class UprightBody {
   double heading_;          ///< of the friction's axes at the start [rad]
   double gyration_radius_;  ///< about the vertical through the centre of mass [m]
   double gravity_;
-  double foot_;  ///< height of the lowest point in base [m]
+  double lowest_;  ///< height of the lowest point in base [m]
   BodyPhysics physics_;
   PlanarFriction friction_;
   double working_stiffness_ = 0.0;
   double sliding_depth_ = 0.0;
-  double holding_depth_ = 0.0;
+  double static_limit_depth_ = 0.0;
   double critical_share_ = 1.0;
 };
 

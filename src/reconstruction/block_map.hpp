@@ -11,15 +11,15 @@
 
 namespace pcavr {
 
-/// Place -> small number, by open addressing with linear probing.
-class PlaceIndex {
+/// Hash table from block coordinates to block number: open addressing with linear probing.
+class BlockHashTable {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
-  PlaceIndex();
-  [[nodiscard]] std::uint32_t find(const BlockPlace& place) const;
-  /// The place must not be there yet.
-  void insert(const BlockPlace& place, std::uint32_t number);
+  BlockHashTable();
+  [[nodiscard]] std::uint32_t find(const BlockCoordinates& coordinates) const;
+  /// The coordinates must not be in the table yet.
+  void insert(const BlockCoordinates& coordinates, std::uint32_t number);
   [[nodiscard]] std::size_t memory_bytes() const { return slots_.capacity() * sizeof(Slot); }
 
  private:
@@ -33,45 +33,51 @@ class PlaceIndex {
   std::size_t used_ = 0;
 };
 
-/// All blocks, numbered in the order in which they were added, and grouped by regions of 8^3
-/// blocks so that a frame looks only at regions in its view.
+/// All blocks, numbered in the order in which they were added, and grouped by regions of 8^3 blocks
+/// for frustum culling.
 class BlockMap {
  public:
   static constexpr int kRegionSide = 8;  ///< blocks
   struct Region {
-    BlockPlace place;  ///< in regions
+    BlockCoordinates coordinates;  ///< [regions]
     std::vector<std::uint32_t> blocks;
   };
 
-  /// Number of the block there, or PlaceIndex::kNone.
-  [[nodiscard]] std::uint32_t find(const BlockPlace& place) const { return index_.find(place); }
-  /// Adds an empty block; there must be none at that place.
-  std::uint32_t add(const BlockPlace& place);
+  /// Number of the block with these coordinates, or BlockHashTable::kNone.
+  [[nodiscard]] std::uint32_t find(const BlockCoordinates& coordinates) const {
+    return index_.find(coordinates);
+  }
+  /// Adds an empty block; none may exist with these coordinates.
+  std::uint32_t add(const BlockCoordinates& coordinates);
 
-  [[nodiscard]] std::size_t size() const { return places_.size(); }
-  [[nodiscard]] const BlockPlace& place(std::uint32_t number) const { return places_[number]; }
+  [[nodiscard]] std::size_t size() const { return coordinates_.size(); }
+  [[nodiscard]] const BlockCoordinates& coordinates(std::uint32_t number) const {
+    return coordinates_[number];
+  }
   [[nodiscard]] VoxelBlock& block(std::uint32_t number) {
     return chunks_[number / kChunkBlocks][number % kChunkBlocks];
   }
   [[nodiscard]] const VoxelBlock& block(std::uint32_t number) const {
     return chunks_[number / kChunkBlocks][number % kChunkBlocks];
   }
-  /// Frames that saw through the block as a whole, on top of what its voxels count.
-  [[nodiscard]] std::uint8_t& through_whole(std::uint32_t number) { return through_whole_[number]; }
-  [[nodiscard]] std::uint8_t through_whole(std::uint32_t number) const {
-    return through_whole_[number];
+  /// Frames that observed the whole block as free, in addition to its voxels' free counts.
+  [[nodiscard]] std::uint8_t& block_free_count(std::uint32_t number) {
+    return block_free_counts_[number];
+  }
+  [[nodiscard]] std::uint8_t block_free_count(std::uint32_t number) const {
+    return block_free_counts_[number];
   }
   [[nodiscard]] const std::vector<Region>& regions() const { return regions_; }
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  static constexpr std::uint32_t kChunkBlocks = 64;  ///< 256 KiB: growth never moves a block
+  static constexpr std::uint32_t kChunkBlocks = 64;  ///< 256 KiB; blocks have stable addresses
 
-  PlaceIndex index_;
-  std::vector<BlockPlace> places_;
-  std::vector<std::uint8_t> through_whole_;
+  BlockHashTable index_;
+  std::vector<BlockCoordinates> coordinates_;
+  std::vector<std::uint8_t> block_free_counts_;
   std::vector<std::unique_ptr<VoxelBlock[]>> chunks_;
-  PlaceIndex region_index_;
+  BlockHashTable region_index_;
   std::vector<Region> regions_;
 };
 

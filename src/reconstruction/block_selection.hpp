@@ -14,26 +14,28 @@
 
 namespace pcavr {
 
-/// Places of the blocks that the bands around a frame's surface pass through, each once, in an
-/// order that depends on the frame alone.
-[[nodiscard]] std::vector<BlockPlace> places_near_surface(const FrameSurface& frame,
-                                                          const Pose& T_base_camera,
-                                                          const NoiseTables& tables,
-                                                          double voxel_size,
-                                                          Parallelism parallelism);
+/// Coordinates of the blocks in the truncation band around a frame's surface, without duplicates,
+/// in a deterministic order.
+[[nodiscard]] std::vector<BlockCoordinates> blocks_near_surface(const FrameSurface& frame,
+                                                                const Pose& T_base_camera,
+                                                                const NoiseTables& tables,
+                                                                double voxel_size,
+                                                                Parallelism parallelism);
 
-/// A block that a frame has something to say about, and at which depths.
-struct SeenBlock {
+/// A block in a frame's view, and the depth ranges that affect it.
+struct VisibleBlock {
   std::uint32_t number = 0;
-  bool wholly_free = false;   ///< the frame sees through all of it
-  float band_nearest = 0.0F;  ///< see BlockView
-  float band_farthest = 0.0F;
-  float free_farthest = 0.0F;
+  bool is_entirely_free = false;  ///< the frame observes all of it as free
+  float min_band_depth = 0.0F;    ///< see BlockView
+  float max_band_depth = 0.0F;
+  float max_free_depth = 0.0F;
 };
 
-/// The blocks in view, in the map's order of regions.
-[[nodiscard]] std::vector<SeenBlock> seen_blocks(const BlockMap& map, const FrameSurface& frame,
-                                                 const Pose& T_base_camera,
-                                                 const NoiseTables& tables, double voxel_size);
+/// The blocks in view (frustum culling), in the map's order of regions.
+[[nodiscard]] std::vector<VisibleBlock> visible_blocks(const BlockMap& map,
+                                                       const FrameSurface& frame,
+                                                       const Pose& T_base_camera,
+                                                       const NoiseTables& tables,
+                                                       double voxel_size);
 
 }  // namespace pcavr

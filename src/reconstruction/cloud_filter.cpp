@@ -22,12 +22,12 @@ PointCloud remove_outliers(const PointCloud& cloud, const OutlierOptions& option
   pcl::StatisticalOutlierRemoval<pcl::PointXYZ> filter;
   filter.setInputCloud(points);
   filter.setMeanK(options.neighbours);
-  filter.setStddevMulThresh(options.deviations);
-  pcl::Indices kept;
-  filter.filter(kept);
+  filter.setStddevMulThresh(options.std_multiplier);
+  pcl::Indices inliers;
+  filter.filter(inliers);
 
   PointCloud result;
-  for (const pcl::index_t signed_index : kept) {
+  for (const pcl::index_t signed_index : inliers) {
     const auto index = static_cast<std::size_t>(signed_index);
     result.points.push_back(cloud.points[index]);
     if (!cloud.normals.empty()) result.normals.push_back(cloud.normals[index]);

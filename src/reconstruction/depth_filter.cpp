@@ -14,30 +14,30 @@ namespace pcavr {
 namespace {
 
 constexpr std::size_t kGrainRows = 32;
-// Steeper than this the reading is more guess than measurement [Nguyen et al. 2012: the noise
-// grows without bound from 70 to 80 deg].
-constexpr double kSteepest = 80.0 * std::numbers::pi / 180.0;
+// Beyond this incidence depth is unreliable [Nguyen et al. 2012: the noise diverges from 70 to 80
+// deg].
+constexpr double kMaxIncidence = 80.0 * std::numbers::pi / 180.0;
 
-/// Largest difference in depth between neighbouring pixels of one surface [m], over depth.
-class LargestSteps {
+/// Maximum depth difference between neighbouring pixels of one surface [m], tabulated over depth.
+class MaxDepthSteps {
  public:
-  LargestSteps(const CameraModel& camera, const DepthNoise& noise)
-      : nearest_(static_cast<float>(noise.nearest)),
-        farthest_(static_cast<float>(noise.farthest)),
-        steps_per_metre_(static_cast<float>((kSteps - 1) / (noise.farthest - noise.nearest))) {
-    // One more than is asked for, against rounding.
+  MaxDepthSteps(const CameraModel& camera, const DepthNoise& noise)
+      : min_depth_(static_cast<float>(noise.min_depth)),
+        max_depth_(static_cast<float>(noise.max_depth)),
+        steps_per_metre_(static_cast<float>((kSteps - 1) / (noise.max_depth - noise.min_depth))) {
+    // One extra entry, against rounding.
     for (int i = 0; i <= kSteps; ++i) {
-      const double z = noise.nearest + (noise.farthest - noise.nearest) * i / (kSteps - 1);
-      const double slope = z / camera.fx * std::tan(kSteepest);
-      steps_.push_back(static_cast<float>(3.0 * std::numbers::sqrt2 * noise.sigma(z) + slope));
+      const double z = noise.min_depth + (noise.max_depth - noise.min_depth) * i / (kSteps - 1);
+      const double slope = z / camera.fx * std::tan(kMaxIncidence);
+      steps_.push_back(static_cast<float>(3.0 * std::numbers::sqrt2 * noise.depth_std(z) + slope));
     }
   }
   /// Also false for NaN.
-  [[nodiscard]] bool is_in_range(float z) const { return z >= nearest_ && z <= farthest_; }
-  /// The row's table; the rest is the caller's.
+  [[nodiscard]] bool is_in_range(float z) const { return z >= min_depth_ && z <= max_depth_; }
+  /// With the table set; the caller sets the rest.
   [[nodiscard]] FilterRow filter_row() const {
     FilterRow row{};
-    row.nearest = nearest_;
+    row.min_depth = min_depth_;
     row.steps_per_metre = steps_per_metre_;
     row.max_steps = steps_.data();
     return row;
@@ -45,15 +45,14 @@ class LargestSteps {
 
  private:
   static constexpr int kSteps = 1024;
-  float nearest_;
-  float farthest_;
+  float min_depth_;
+  float max_depth_;
   float steps_per_metre_;
   std::vector<float> steps_;
 };
 
-/// Readings in range, with a border of one empty pixel, and at each row's end as many as vectors
-/// may reach.
-DepthImage padded_readings(const DepthImage& depth, const LargestSteps& steps) {
+/// Depth in range, padded by one empty pixel on each side and by a SIMD vector at each row's end.
+DepthImage padded_depth(const DepthImage& depth, const MaxDepthSteps& steps) {
   DepthImage padded(depth.width() + 2 + kMaxLanes, depth.height() + 2);
   for (int v = 0; v < depth.height(); ++v) {
     const std::span<const float> from = depth.row(v);
@@ -69,8 +68,8 @@ DepthImage padded_readings(const DepthImage& depth, const LargestSteps& steps) {
 
 DepthImage filter_depth(const DepthImage& depth, const CameraModel& camera, const DepthNoise& noise,
                         Parallelism parallelism) {
-  const LargestSteps steps(camera, noise);
-  const DepthImage padded = padded_readings(depth, steps);
+  const MaxDepthSteps steps(camera, noise);
+  const DepthImage padded = padded_depth(depth, steps);
   DepthImage filtered(depth.width(), depth.height());
   parallel_for(parallelism, static_cast<std::size_t>(depth.height()), kGrainRows,
                [&](std::size_t begin, std::size_t end) {

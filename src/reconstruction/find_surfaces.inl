@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Planes through the inverse depth around pixels, a vector of pixels at a time. Inverse depth is
-// where stereo and structured light have even noise and even steps.
+// Least-squares planes in inverse depth around pixels, a SIMD vector of pixels at a time. In
+// inverse depth (disparity) stereo and structured light have uniform noise and quantisation.
 #include "reconstruction/kernels.hpp"
 #include "reconstruction/noise_table_sizes.hpp"
 #include "reconstruction/simd_records.hpp"
@@ -12,15 +12,15 @@ namespace {
 
 struct Moments {
   Floats n = {}, u = {}, v = {}, uu = {}, uv = {}, vv = {};
-  Floats q = {}, uq = {}, vq = {};  ///< q: inverse depth less the centre's
+  Floats q = {}, uq = {}, vq = {};  ///< q: inverse depth minus the centre's
 };
 
-/// Over the taps that belong to the centre's surface.
+/// Over the pixels of the window that belong to the centre's surface.
 inline Moments window_moments(const float* centre_at, int stride, Floats centre, Floats tolerance) {
   Moments m;
-  for (int dv = -kPlaneReach; dv <= kPlaneReach; ++dv) {
+  for (int dv = -kPlaneWindowRadius; dv <= kPlaneWindowRadius; ++dv) {
     Floats n = {}, u = {}, uu = {}, q = {}, uq = {};
-    for (int du = -kPlaneReach; du <= kPlaneReach; ++du) {
+    for (int du = -kPlaneWindowRadius; du <= kPlaneWindowRadius; ++du) {
       const auto x = static_cast<float>(du);
       const Floats difference = load(centre_at + dv * stride + du) - centre;
       const Ints is_same = (difference <= tolerance) & (difference >= -tolerance);
@@ -51,8 +51,8 @@ struct InversePlanes {
   Floats inverse, slope_u, slope_v;
 };
 
-/// Cramer's rule on the normal equations. Level through the centre where there is no plane to be
-/// had: fewer than six taps, or all in a line.
+/// Cramer's rule on the normal equations. Constant where the fit is degenerate: fewer than six
+/// pixels, or collinear ones.
 inline InversePlanes solve(const Moments& m, Floats centre) {
   const Floats c00 = m.uu * m.vv - m.uv * m.uv;
   const Floats c01 = m.uv * m.v - m.u * m.vv;
@@ -61,22 +61,22 @@ inline InversePlanes solve(const Moments& m, Floats centre) {
   const Floats c11 = m.n * m.vv - m.v * m.v;
   const Floats c12 = m.u * m.v - m.n * m.uv;
   const Floats c22 = m.n * m.uu - m.u * m.u;
-  const Ints is_fixed = (m.n >= 6.0F) & (determinant >= 1.0F);
-  const Floats scale = 1.0F / select(is_fixed, determinant, splat(1.0F));
-  return {centre + masked(is_fixed, (c00 * m.q + c01 * m.uq + c02 * m.vq) * scale),
-          masked(is_fixed, (c01 * m.q + c11 * m.uq + c12 * m.vq) * scale),
-          masked(is_fixed, (c02 * m.q + c12 * m.uq + c22 * m.vq) * scale)};
+  const Ints is_well_determined = (m.n >= 6.0F) & (determinant >= 1.0F);
+  const Floats scale = 1.0F / select(is_well_determined, determinant, splat(1.0F));
+  return {centre + masked(is_well_determined, (c00 * m.q + c01 * m.uq + c02 * m.vq) * scale),
+          masked(is_well_determined, (c01 * m.q + c11 * m.uq + c12 * m.vq) * scale),
+          masked(is_well_determined, (c02 * m.q + c12 * m.uq + c22 * m.vq) * scale)};
 }
 
-/// The numbers of kLanes PixelSurfaces, from pixel u.
-inline EightMembers find_lanes(const PixelRow& row, int u, Floats free_depth, Floats color) {
+/// The members of kLanes PixelSurfaces, from pixel u.
+inline RecordLanes find_lanes(const PixelRow& row, int u, Floats free_depth, Floats color) {
   const float* at = row.inverse + u;
   const Floats inverse = load(at);
   const Ints has_depth = inverse > 0.0F;
   const Floats depth = 1.0F / select(has_depth, inverse, splat(1.0F));
-  const Floats place = (depth - row.nearest) * row.steps_per_metre;
+  const Floats position = (depth - row.min_depth) * row.steps_per_metre;
   const Ints step =
-      to_ints(smaller(larger(place, Floats{}), splat(static_cast<float>(row.last_step))));
+      to_ints(lane_min(lane_max(position, Floats{}), splat(static_cast<float>(row.last_step))));
   const Floats tolerance = gather(row.inverse_tolerances, step) + inverse * row.slope_tolerance;
   const InversePlanes plane =
       solve(window_moments(at, row.inverse_stride, inverse, tolerance), inverse);
@@ -90,7 +90,7 @@ inline EightMembers find_lanes(const PixelRow& row, int u, Floats free_depth, Fl
   const Floats cosine =
       offset * plane.inverse / square_root(x * x + (row.ray_y * row.ray_y + 1.0F));
   const Floats cosine_step =
-      smaller(larger(cosine, Floats{}), splat(1.0F)) * (kNoiseCosines - 1) + 0.5F;
+      lane_min(lane_max(cosine, Floats{}), splat(1.0F)) * (kNoiseCosines - 1) + 0.5F;
   const Ints entry = step / kNoiseDepthsPerWeight * kNoiseCosines + to_ints(cosine_step);
 
   return {{a * offset, b * offset, c * offset, select(has_depth, offset, splat(-1e9F)),
@@ -98,7 +98,7 @@ inline EightMembers find_lanes(const PixelRow& row, int u, Floats free_depth, Fl
 }
 
 void find_surfaces(const PixelRow& row, PixelSurface* pixels) {
-  const auto* colors = reinterpret_cast<const float*>(row.color);  // moved only, never counted with
+  const auto* colors = reinterpret_cast<const float*>(row.color);  // copied only, no arithmetic
   int u = 0;
   for (; u + kLanes <= row.width; u += kLanes) {
     store_records(find_lanes(row, u, load(row.free_depth + u), load(colors + u)), pixels[u].normal);

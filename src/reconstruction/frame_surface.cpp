@@ -12,31 +12,31 @@ namespace pcavr {
 namespace {
 
 constexpr std::size_t kGrainRows = 32;
-// The window of the plane fit takes in surfaces up to this steep.
-constexpr double kSteepestFit = 70.0 * std::numbers::pi / 180.0;
+// The window of the plane fit accepts surfaces up to this incidence.
+constexpr double kMaxFitIncidence = 70.0 * std::numbers::pi / 180.0;
 
-/// Readings in range; 0 elsewhere.
-DepthImage used_readings(const DepthImage& depth, const DepthNoise& noise) {
+/// Depth in range; 0 elsewhere.
+DepthImage depth_in_range(const DepthImage& depth, const DepthNoise& noise) {
   DepthImage used(depth.width(), depth.height());
-  const auto nearest = static_cast<float>(noise.nearest);
-  const auto farthest = static_cast<float>(noise.farthest);
+  const auto min_depth = static_cast<float>(noise.min_depth);
+  const auto max_depth = static_cast<float>(noise.max_depth);
   const std::span<const float> from = depth.pixels();
   const std::span<float> to = used.pixels();
   // Also false for NaN.
   for (std::size_t i = 0; i < from.size(); ++i) {
-    to[i] = from[i] >= nearest && from[i] <= farthest ? from[i] : 0.0F;
+    to[i] = from[i] >= min_depth && from[i] <= max_depth ? from[i] : 0.0F;
   }
   return used;
 }
 
-void drop_masked(const MaskImage& is_dynamic, DepthImage& depth) {
+void remove_masked(const MaskImage& is_dynamic, DepthImage& depth) {
   const std::span<float> to = depth.pixels();
   for (std::size_t i = 0; i < is_dynamic.pixels().size(); ++i) {
     if (is_dynamic.pixels()[i] != 0) to[i] = 0.0F;
   }
 }
 
-/// Two by two pixels to one, by one of the kernels.
+/// Pools 2x2 pixels with one of the kernels.
 DepthImage pooled(const DepthImage& used, decltype(Kernels::pool_depth) pool) {
   DepthImage half(used.width() / 2, used.height() / 2);
   for (int v = 0; v < half.height(); ++v) {
@@ -45,12 +45,12 @@ DepthImage pooled(const DepthImage& used, decltype(Kernels::pool_depth) pool) {
   return half;
 }
 
-/// Inverse depth with kPlaneReach empty pixels around it.
+/// Inverse depth, padded by kPlaneWindowRadius empty pixels.
 struct PaddedInverse {
   explicit PaddedInverse(const DepthImage& depth)
-      // Rows end on whole vectors, so that a vector may be loaded at any pixel.
-      : stride((depth.width() + 2 * kPlaneReach + 31) / 16 * 16),
-        values(static_cast<std::size_t>(stride * (depth.height() + 2 * kPlaneReach)), 0.0F) {
+      // Rows are padded to whole SIMD vectors, so that a vector may be loaded at any pixel.
+      : stride((depth.width() + 2 * kPlaneWindowRadius + 31) / 16 * 16),
+        values(static_cast<std::size_t>(stride * (depth.height() + 2 * kPlaneWindowRadius)), 0.0F) {
     for (int v = 0; v < depth.height(); ++v) {
       float* to = row(v);
       const std::span<const float> from = depth.row(v);
@@ -58,37 +58,37 @@ struct PaddedInverse {
     }
   }
   [[nodiscard]] float* row(int v) {
-    return values.data() + (v + kPlaneReach) * stride + kPlaneReach;
+    return values.data() + (v + kPlaneWindowRadius) * stride + kPlaneWindowRadius;
   }
   int stride;
   std::vector<float> values;
 };
 
-/// What is nearer than a measurement by its truncation and noise is free, if that holds over three
-/// by three of the halved pixels. That guards two full pixels to every side, about as far as
-/// 0.2 deg of pose error move an edge.
-DepthImage find_free_depth(const DepthImage& nearest, const NoiseTables& tables) {
-  const int width = nearest.width();
-  const int height = nearest.height();
-  // Least of three rows, then of three columns; outside the image nothing is known.
+/// Space in front of a measurement by its truncation and noise is free, if that holds over 3x3 of
+/// the downsampled pixels (erosion). That is a margin of two full pixels on each side, about as far
+/// as a pose error of 0.2 deg moves an edge.
+DepthImage find_free_depth(const DepthImage& min_depth, const NoiseTables& tables) {
+  const int width = min_depth.width();
+  const int height = min_depth.height();
+  // Separable 3x3 minimum; outside the image nothing is known.
   DepthImage rows(width, height, 0.0F);
   for (int v = 1; v + 1 < height; ++v) {
-    const float* above = nearest.row(v - 1).data();
-    const float* here = nearest.row(v).data();
-    const float* below = nearest.row(v + 1).data();
+    const float* above = min_depth.row(v - 1).data();
+    const float* here = min_depth.row(v).data();
+    const float* below = min_depth.row(v + 1).data();
     float* to = rows.row(v).data();
     for (int u = 0; u < width; ++u) to[u] = std::min(std::min(above[u], here[u]), below[u]);
   }
-  DepthImage least(width, height, 0.0F);
+  DepthImage free_depth(width, height, 0.0F);
   for (int v = 1; v + 1 < height; ++v) {
     const float* row = rows.row(v).data();
-    float* to = least.row(v).data();
+    float* to = free_depth.row(v).data();
     for (int u = 1; u + 1 < width; ++u) {
       const float z = std::min(std::min(row[u - 1], row[u]), row[u + 1]);
       to[u] = std::max(0.0F, z - tables.free_margin(z));
     }
   }
-  return least;
+  return free_depth;
 }
 
 DepthTile summarise(const FrameSurface& frame, int tile_x, int tile_y) {
@@ -99,8 +99,8 @@ DepthTile summarise(const FrameSurface& frame, int tile_x, int tile_y) {
   for (int v = tile_y * kTile; v < v_end; ++v) {
     for (int u = tile_x * kTile; u < u_end; ++u) {
       const float z = frame.depth(u, v);
-      tile.nearest = std::min(tile.nearest, z > 0.0F ? z : 1e9F);
-      tile.farthest = std::max(tile.farthest, z);
+      tile.min_depth = std::min(tile.min_depth, z > 0.0F ? z : 1e9F);
+      tile.max_depth = std::max(tile.max_depth, z);
       tile.min_free = std::min(tile.min_free, frame.free_depth(u, v));
       tile.max_free = std::max(tile.max_free, frame.free_depth(u, v));
     }
@@ -125,8 +125,9 @@ PixelRow row_template(const CameraModel& camera, const NoiseTables& tables) {
   row.ray_step = static_cast<float>(1.0 / camera.fx);
   row.fx = static_cast<float>(camera.fx);
   row.fy = static_cast<float>(camera.fy);
-  row.slope_tolerance = static_cast<float>(std::tan(kSteepestFit) * kPlaneReach / camera.fx);
-  row.nearest = tables.nearest();
+  row.slope_tolerance =
+      static_cast<float>(std::tan(kMaxFitIncidence) * kPlaneWindowRadius / camera.fx);
+  row.min_depth = tables.min_depth();
   row.steps_per_metre = tables.steps_per_metre();
   row.last_step = kNoiseDepths - 1;
   row.truncations = tables.truncations();
@@ -140,11 +141,11 @@ PixelRow row_template(const CameraModel& camera, const NoiseTables& tables) {
 void prepare_frame(const DepthImage& depth, const ColorImage& color, const MaskImage& is_dynamic,
                    const CameraModel& camera, const NoiseTables& tables, Parallelism parallelism,
                    FrameSurface& frame) {
-  DepthImage used = used_readings(depth, tables.noise());
-  frame.camera = camera.shrunk(2);
-  // What moves is no surface, but all before it is free.
-  frame.free_depth = find_free_depth(pooled(used, kernels().pool_nearest), tables);
-  drop_masked(is_dynamic, used);
+  DepthImage used = depth_in_range(depth, tables.noise());
+  frame.camera = camera.downsampled(2);
+  // Dynamic pixels add no surface, but the space in front of them is free.
+  frame.free_depth = find_free_depth(pooled(used, kernels().pool_min), tables);
+  remove_masked(is_dynamic, used);
   frame.pixels_used = static_cast<std::size_t>(
       std::count_if(used.pixels().begin(), used.pixels().end(), [](float z) { return z > 0.0F; }));
   frame.depth = pooled(used, kernels().pool_depth);

@@ -14,22 +14,22 @@
 
 namespace pcavr {
 
-/// Ranges of depth over a square of pixels, to tell what a block can meet.
+/// Depth ranges over a square of pixels, for culling blocks.
 struct DepthTile {
-  float nearest = 1e9F;  ///< of the measured depths [m]
-  float farthest = 0.0F;
+  float min_depth = 1e9F;  ///< of the measured depths [m]
+  float max_depth = 0.0F;
   float min_free = 1e9F;  ///< of the free depths [m]
   float max_free = 0.0F;
 };
 
-/// A frame made ready for fusion, at half the camera's resolution: the planes carry a surface from
-/// pixel to pixel, so that nothing is lost but the last pixel at edges.
+/// A frame prepared for fusion, at half the camera's resolution: the planes interpolate the surface
+/// between pixels, so that only the last pixel at edges is lost.
 struct FrameSurface {
   static constexpr int kTile = 4;    ///< [px]
   CameraModel camera;                ///< of the halved image
-  std::vector<PixelSurface> pixels;  ///< row-major, then one without a surface
-  DepthImage depth;                  ///< used readings only [m]
-  /// All that is nearer is free, for certain [m].
+  std::vector<PixelSurface> pixels;  ///< row-major, followed by one without a surface
+  DepthImage depth;                  ///< 0 outside the range and where dynamic [m]
+  /// Space up to this depth is certainly free [m].
   DepthImage free_depth;
   int tiles_x = 0;
   int tiles_y = 0;
@@ -42,8 +42,8 @@ struct FrameSurface {
   }
 };
 
-/// The camera has no distortion. `color` and `is_dynamic` may be empty. What `frame` held before is
-/// lost, but its memory is used again.
+/// The camera has no distortion. `color` and `is_dynamic` may be empty. Overwrites `frame`, reusing
+/// its memory.
 void prepare_frame(const DepthImage& depth, const ColorImage& color, const MaskImage& is_dynamic,
                    const CameraModel& camera, const NoiseTables& tables, Parallelism parallelism,
                    FrameSurface& frame);

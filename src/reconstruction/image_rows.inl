@@ -1,40 +1,40 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The passes over whole depth images, a row of pixels at a time.
+// Passes over whole depth images, a row of pixels at a time.
 #include "reconstruction/kernels.hpp"
 #include "reconstruction/simd_lanes.hpp"
 
 namespace pcavr {
 namespace {
 
-// A straight edge leaves five of eight neighbours, a corner three; a gross error has none.
-constexpr int kLeastCompanions = 3;
-// A jump along an edge disagrees with three neighbours, a lone gross error with one.
-constexpr int kMostStrangers = 1;
-// Four pixels are one surface where none is farther than the nearest by more than this.
-constexpr float kLargestPoolRatio = 1.02F;
+// A straight edge has five of eight neighbours on its surface, a corner three; an outlier none.
+constexpr int kMinConsistent = 3;
+// At a depth discontinuity three neighbours are inconsistent; next to an isolated outlier one is.
+constexpr int kMaxInconsistent = 1;
+// Four pixels are one surface where their maximum depth is at most this multiple of the minimum.
+constexpr float kMaxPoolRatio = 1.02F;
 
 inline Floats filtered_lanes(const FilterRow& row, int u) {
   const float* centre = row.centre + u;
   const Floats z = load(centre);
-  const Floats place = larger(Floats{}, (z - row.nearest) * row.steps_per_metre);
-  const Floats step = gather(row.largest_steps, to_ints(place));
-  Ints companions = {};
-  Ints strangers = {};
+  const Floats position = lane_max(Floats{}, (z - row.min_depth) * row.steps_per_metre);
+  const Floats step = gather(row.max_steps, to_ints(position));
+  Ints consistent = {};
+  Ints inconsistent = {};
   for (int dv = -1; dv <= 1; ++dv) {
     for (int du = -1; du <= 1; ++du) {
       if (dv == 0 && du == 0) continue;
       const Floats other = load(centre + dv * row.stride + du);
-      const Ints is_there = other > 0.0F;
+      const Ints is_valid = other > 0.0F;
       const Floats difference = other - z;
       const Ints is_near = (difference <= step) & (difference >= -step);
-      // A mask is -1.
-      companions -= is_there & is_near;
-      strangers -= is_there & ~is_near;
+      // A true lane of a mask is -1.
+      consistent -= is_valid & is_near;
+      inconsistent -= is_valid & ~is_near;
     }
   }
-  return masked((companions >= kLeastCompanions) & (strangers <= kMostStrangers), z);
+  return masked((consistent >= kMinConsistent) & (inconsistent <= kMaxInconsistent), z);
 }
 
 void filter_row(const FilterRow& row, float* filtered) {
@@ -43,7 +43,7 @@ void filter_row(const FilterRow& row, float* filtered) {
   if (u < row.width) store_some(filtered_lanes(row, u), row.width - u, filtered + u);
 }
 
-/// Two by two pixels in each lane.
+/// 2x2 pixels in each lane.
 struct Pools {
   Floats of[4];
 };
@@ -67,14 +67,14 @@ inline Pools load_some_pools(const float* top, const float* bottom, int count) {
   return pools;
 }
 
-inline Floats least(const Pools& pools) {
-  return smaller(smaller(pools.of[0], pools.of[1]), smaller(pools.of[2], pools.of[3]));
+inline Floats min_of(const Pools& pools) {
+  return lane_min(lane_min(pools.of[0], pools.of[1]), lane_min(pools.of[2], pools.of[3]));
 }
 
 inline Floats pooled(const Pools& pools) {
-  Pools there;
-  for (int i = 0; i < 4; ++i) there.of[i] = select(pools.of[i] > 0.0F, pools.of[i], splat(1e9F));
-  const Floats limit = least(there) * kLargestPoolRatio;
+  Pools valid;
+  for (int i = 0; i < 4; ++i) valid.of[i] = select(pools.of[i] > 0.0F, pools.of[i], splat(1e9F));
+  const Floats limit = min_of(valid) * kMaxPoolRatio;
   Floats sum = {};
   Floats count = {};
   for (const Floats z : pools.of) {
@@ -82,16 +82,16 @@ inline Floats pooled(const Pools& pools) {
     sum += masked(is_same, z);
     count += masked(is_same, splat(1.0F));
   }
-  return sum / larger(count, splat(1.0F));
+  return sum / lane_max(count, splat(1.0F));
 }
 
-void pool_nearest(const float* top, const float* bottom, int width, float* to) {
+void pool_min(const float* top, const float* bottom, int width, float* to) {
   int u = 0;
   for (; u + kLanes <= width; u += kLanes) {
-    store(least(load_pools(top + 2 * u, bottom + 2 * u)), to + u);
+    store(min_of(load_pools(top + 2 * u, bottom + 2 * u)), to + u);
   }
   if (u == width) return;
-  store_some(least(load_some_pools(top + 2 * u, bottom + 2 * u, width - u)), width - u, to + u);
+  store_some(min_of(load_some_pools(top + 2 * u, bottom + 2 * u, width - u)), width - u, to + u);
 }
 
 void pool_depth(const float* top, const float* bottom, int width, float* to) {
@@ -103,11 +103,11 @@ void pool_depth(const float* top, const float* bottom, int width, float* to) {
   store_some(pooled(load_some_pools(top + 2 * u, bottom + 2 * u, width - u)), width - u, to + u);
 }
 
-/// Red, green and blue of every second pixel, from the lowest byte up.
+/// Red, green and blue (lowest byte first) of every second pixel.
 inline Words load_colors(const std::uint8_t* first) {
   return (Words)gather_bytes(first, (Ints)lane_numbers() * 6) & 0xFFFFFFU;
 }
-/// Of the pixels after them; nothing beyond the last is read.
+/// Of the pixels after those; does not read beyond the last pixel.
 inline Words load_next_colors(const std::uint8_t* first) {
   return (Words)gather_bytes(first + 2, (Ints)lane_numbers() * 6) >> 8;
 }
@@ -118,7 +118,7 @@ void pool_colors(const std::uint8_t* top, const std::uint8_t* bottom, int width,
   for (; u + kLanes <= width; u += kLanes) {
     const Words four[4] = {load_colors(top + 6 * u), load_next_colors(top + 6 * u),
                            load_colors(bottom + 6 * u), load_next_colors(bottom + 6 * u)};
-    // Two sums of ten bits beside each other, half a unit added for rounding.
+    // Two sums of ten bits in one word, plus half a unit for rounding.
     Words red_blue = Words{} + 0x020002U;
     Words green = Words{} + 0x000200U;
     for (const Words color : four) {
@@ -126,7 +126,7 @@ void pool_colors(const std::uint8_t* top, const std::uint8_t* bottom, int width,
       green += color & 0x00FF00U;
     }
     const Words mean = ((red_blue >> 2) & 0xFF00FFU) | ((green >> 2) & 0x00FF00U);
-    const Words visible = (Words)larger((Ints)mean, Ints{} + 1);
+    const Words visible = (Words)lane_max((Ints)mean, Ints{} + 1);
     __builtin_memcpy(to + u, &visible, sizeof(visible));
   }
   for (; u < width; ++u) {

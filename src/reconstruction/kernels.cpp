@@ -8,19 +8,19 @@ extern const Kernels kBaselineKernels;
 extern const Kernels kAvx2Kernels;
 extern const Kernels kAvx512Kernels;
 
-std::vector<const Kernels*> runnable_kernels() {
-  std::vector<const Kernels*> runnable = {&kBaselineKernels};
+std::vector<const Kernels*> supported_kernels() {
+  std::vector<const Kernels*> supported = {&kBaselineKernels};
 #ifdef PCAVR_HAS_X86_KERNELS
-  if (__builtin_cpu_supports("avx2")) runnable.push_back(&kAvx2Kernels);
+  if (__builtin_cpu_supports("avx2")) supported.push_back(&kAvx2Kernels);
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) {
-    runnable.push_back(&kAvx512Kernels);
+    supported.push_back(&kAvx512Kernels);
   }
 #endif
-  return runnable;
+  return supported;
 }
 
 const Kernels& kernels() {
-  static const Kernels& fastest = *runnable_kernels().back();
+  static const Kernels& fastest = *supported_kernels().back();
   return fastest;
 }
 

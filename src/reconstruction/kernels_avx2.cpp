@@ -7,7 +7,7 @@
 namespace pcavr {
 
 extern const Kernels kAvx2Kernels;
-const Kernels kAvx2Kernels = {filter_row,  pool_nearest,  pool_depth,
+const Kernels kAvx2Kernels = {filter_row,  pool_min,      pool_depth,
                               pool_colors, find_surfaces, fuse_block};
 
 }  // namespace pcavr

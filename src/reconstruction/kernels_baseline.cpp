@@ -7,7 +7,7 @@
 namespace pcavr {
 
 extern const Kernels kBaselineKernels;
-const Kernels kBaselineKernels = {filter_row,  pool_nearest,  pool_depth,
+const Kernels kBaselineKernels = {filter_row,  pool_min,      pool_depth,
                                   pool_colors, find_surfaces, fuse_block};
 
 }  // namespace pcavr

@@ -32,9 +32,10 @@ std::array<std::array<int, 4>, 6> cube_faces() {
   return faces;
 }
 
-/// For each crossed edge the next one along the border of the inside region. Walking around a face
-/// clockwise, the surface's border on it runs from where the walk leaves the inside to
-/// where it last entered: each inside run of corners is closed off by itself.
+/// For each crossed edge the next one along the border of the inside region. Around a face
+/// clockwise, the surface's border runs from the edge where the inside ends to the edge where it
+/// began: each run of inside corners is separated, which resolves the face ambiguity of marching
+/// cubes.
 std::array<std::optional<std::uint8_t>, 12> successors(int inside) {
   std::array<std::optional<std::uint8_t>, 12> next;
   const auto is_inside = [&](int corner) { return (inside >> corner & 1) != 0; };
@@ -52,13 +53,13 @@ std::array<std::optional<std::uint8_t>, 12> successors(int inside) {
 
 std::vector<Polygon> polygons_of(int inside) {
   const auto next = successors(inside);
-  std::array<bool, 12> used{};
+  std::array<bool, 12> visited{};
   std::vector<Polygon> polygons;
   for (std::uint8_t start = 0; start < 12; ++start) {
-    if (!next[start].has_value() || used[start]) continue;
+    if (!next[start].has_value() || visited[start]) continue;
     Polygon polygon;
-    for (std::uint8_t e = start; !used[e]; e = *next[e]) {
-      used[e] = true;
+    for (std::uint8_t e = start; !visited[e]; e = *next[e]) {
+      visited[e] = true;
       polygon.push_back(e);
     }
     polygons.push_back(polygon);
@@ -66,7 +67,7 @@ std::vector<Polygon> polygons_of(int inside) {
   return polygons;
 }
 
-bool share_a_face(std::uint8_t a, std::uint8_t b) {
+bool lie_on_one_face(std::uint8_t a, std::uint8_t b) {
   const auto has = [](const std::array<int, 4>& face, std::uint8_t e) {
     const CubeEdge edge = cube_edges()[e];
     const int to = edge.from | (1 << edge.axis);
@@ -80,8 +81,8 @@ bool share_a_face(std::uint8_t a, std::uint8_t b) {
   return false;
 }
 
-/// Cuts a polygon into triangles by ears, so that no cut lies in a face of the cube, where the
-/// neighbour could lay the same one: then four triangles would meet at it.
+/// Triangulates a polygon by ear clipping with no diagonal on a face of the cube, where the
+/// neighbouring cube could have the same one: four triangles would share it (non-manifold).
 bool triangulate(const Polygon& polygon, CubeCase& result) {
   if (polygon.size() == 3) {
     result.corners[result.triangles++] = {polygon[0], polygon[1], polygon[2]};
@@ -90,7 +91,7 @@ bool triangulate(const Polygon& polygon, CubeCase& result) {
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const std::uint8_t before = polygon[(i + polygon.size() - 1) % polygon.size()];
     const std::uint8_t after = polygon[(i + 1) % polygon.size()];
-    if (share_a_face(before, after)) continue;
+    if (lie_on_one_face(before, after)) continue;
     const CubeCase saved = result;
     result.corners[result.triangles++] = {before, polygon[i], after};
     Polygon rest = polygon;

@@ -7,8 +7,8 @@
 
 namespace pcavr {
 
-/// Corner c of a cube lies at (c & 1, c >> 1 & 1, c >> 2). An edge runs from its corner `from` one
-/// step along `axis`.
+/// Corner c of a cube has the coordinates (c & 1, c >> 1 & 1, c >> 2). An edge goes from corner
+/// `from` one step along `axis`.
 struct CubeEdge {
   std::uint8_t from = 0;
   std::uint8_t axis = 0;
@@ -24,9 +24,9 @@ struct CubeCase {
   std::array<std::array<std::uint8_t, 3>, 5> corners{};
 };
 
-/// Indexed by the mask of corners inside (negative distance). On a face where both diagonals
-/// disagree, the inside corners are kept apart; as both cubes at the face decide alike, the surface
-/// has no cracks.
+/// Marching cubes lookup table, indexed by the mask of corners inside (negative distance). On an
+/// ambiguous face (inside corners at a diagonal) the inside corners are separated; both cubes at
+/// the face resolve the ambiguity the same way, so that the surface has no cracks.
 [[nodiscard]] const std::array<CubeCase, 256>& marching_cubes_table();
 
 }  // namespace pcavr

@@ -10,10 +10,10 @@
 namespace pcavr {
 namespace {
 
-/// Sets of vertices that triangles connect, by union and find with path halving.
-class VertexSets {
+/// Connected components of vertices: union-find with path halving.
+class DisjointSets {
  public:
-  explicit VertexSets(std::size_t count) : parent_(count) {
+  explicit DisjointSets(std::size_t count) : parent_(count) {
     std::iota(parent_.begin(), parent_.end(), 0U);
   }
   std::uint32_t find(std::uint32_t v) {
@@ -23,10 +23,10 @@ class VertexSets {
     }
     return v;
   }
-  void join(std::uint32_t a, std::uint32_t b) {
+  void unite(std::uint32_t a, std::uint32_t b) {
     a = find(a);
     b = find(b);
-    // The lower number leads, whatever the order of joining.
+    // The lower index is the root, independent of the order.
     if (a < b) parent_[b] = a;
     if (b < a) parent_[a] = b;
   }
@@ -43,11 +43,11 @@ double area_of(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t) 
 
 }  // namespace
 
-std::size_t remove_small_islands(TriangleMesh& mesh, double min_area) {
-  VertexSets sets(mesh.vertices.size());
+std::size_t remove_small_components(TriangleMesh& mesh, double min_area) {
+  DisjointSets sets(mesh.vertices.size());
   for (const auto& t : mesh.triangles) {
-    sets.join(t[0], t[1]);
-    sets.join(t[0], t[2]);
+    sets.unite(t[0], t[1]);
+    sets.unite(t[0], t[2]);
   }
   std::vector<double> area(mesh.vertices.size(), 0.0);
   std::vector<bool> has_triangle(mesh.vertices.size(), false);
@@ -60,7 +60,7 @@ std::size_t remove_small_islands(TriangleMesh& mesh, double min_area) {
     dropped += has_triangle[v] && area[v] < min_area ? 1 : 0;
   }
   std::erase_if(mesh.triangles, [&](const auto& t) { return area[sets.find(t[0])] < min_area; });
-  keep_used_vertices(mesh);
+  remove_unused_vertices(mesh);
   return dropped;
 }
 

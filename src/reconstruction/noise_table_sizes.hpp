@@ -5,7 +5,7 @@
 namespace pcavr {
 
 /// Entries of NoiseTables: over depth, over the cosine of the incidence, and depths that share a
-/// row of weights. Apart, because the kernels may include no more of it.
+/// row of weights. A separate header, as the kernels must not include noise_tables.hpp.
 inline constexpr int kNoiseDepths = 1024;
 inline constexpr int kNoiseCosines = 64;
 inline constexpr int kNoiseDepthsPerWeight = 4;

@@ -12,7 +12,7 @@ namespace pcavr {
 namespace {
 
 float weight_of(const DepthNoise& noise, double z, double cosine) {
-  const double ratio = noise.constant / noise.sigma(z, std::acos(cosine));
+  const double ratio = noise.constant / noise.depth_std(z, std::acos(cosine));
   return std::max(1.0F, static_cast<float>(kWeightUnits * ratio * ratio));
 }
 
@@ -20,15 +20,16 @@ float weight_of(const DepthNoise& noise, double z, double cosine) {
 
 NoiseTables::NoiseTables(const DepthNoise& noise, double voxel_size, double truncation)
     : noise_(noise) {
-  const double step = (noise.farthest - noise.nearest) / (kNoiseDepths - 1);
+  const double step = (noise.max_depth - noise.min_depth) / (kNoiseDepths - 1);
   steps_per_metre_ = static_cast<float>(1.0 / step);
   for (int i = 0; i < kNoiseDepths; ++i) {
-    const double z = noise.nearest + i * step;
-    const double sigma = noise.sigma(z);
-    const double reach = std::max(truncation, 3.0 * sigma + 2.0 * voxel_size);
-    truncation_.push_back(static_cast<float>(reach));
-    free_margin_.push_back(static_cast<float>(reach + 3.0 * sigma));
-    inverse_tolerance_.push_back(static_cast<float>(3.0 * std::numbers::sqrt2 * sigma / (z * z)));
+    const double z = noise.min_depth + i * step;
+    const double depth_std = noise.depth_std(z);
+    const double truncation_at_z = std::max(truncation, 3.0 * depth_std + 2.0 * voxel_size);
+    truncation_.push_back(static_cast<float>(truncation_at_z));
+    free_margin_.push_back(static_cast<float>(truncation_at_z + 3.0 * depth_std));
+    inverse_tolerance_.push_back(
+        static_cast<float>(3.0 * std::numbers::sqrt2 * depth_std / (z * z)));
     if (i % kNoiseDepthsPerWeight != 0) continue;
     for (int c = 0; c < kNoiseCosines; ++c) {
       weight_.push_back(weight_of(noise, z, static_cast<double>(c) / (kNoiseCosines - 1)));

@@ -12,32 +12,33 @@
 
 namespace pcavr {
 
-/// What fusion asks of the noise model for every pixel, tabulated over depth: within a step of
-/// some 5 mm nothing changes by more than a hundredth.
+/// The noise model's values for fusion, tabulated over depth: within a step of about 5 mm they
+/// change by less than 1 %.
 class NoiseTables {
  public:
-  /// `voxel_size` and the least `truncation` in metres.
+  /// `voxel_size` and the minimum `truncation` in metres.
   NoiseTables(const DepthNoise& noise, double voxel_size, double truncation);
 
   [[nodiscard]] const DepthNoise& noise() const { return noise_; }
-  [[nodiscard]] float nearest() const { return static_cast<float>(noise_.nearest); }
+  [[nodiscard]] float min_depth() const { return static_cast<float>(noise_.min_depth); }
   [[nodiscard]] float steps_per_metre() const { return steps_per_metre_; }
 
-  /// Distance at which a measurement at depth z is cut off: its noise fits inside (3 sigma), with
-  /// two voxels to spare for the zero crossing [m].
+  /// Truncation distance of a measurement at depth z: 3 standard deviations of its noise plus two
+  /// voxels for the zero crossing [m].
   [[nodiscard]] float truncation(float z) const { return truncation_[index(z)]; }
-  /// How much nearer than a measurement at depth z space is free for certain [m].
+  /// Distance in front of a measurement at depth z from which space is certainly free [m].
   [[nodiscard]] float free_margin(float z) const { return free_margin_[index(z)]; }
 
   [[nodiscard]] const float* truncations() const { return truncation_.data(); }
-  /// Largest difference of inverse depth by noise alone, 3 sigma of a difference [1/m].
+  /// Maximum difference of inverse depth by noise alone: 3 standard deviations of a difference
+  /// [1/m].
   [[nodiscard]] const float* inverse_tolerances() const { return inverse_tolerance_.data(); }
   /// Weights, [depth / kNoiseDepthsPerWeight][cosine of the incidence * (kNoiseCosines - 1)].
   [[nodiscard]] const float* weights() const { return weight_.data(); }
 
  private:
   [[nodiscard]] std::size_t index(float z) const {
-    const int step = static_cast<int>((z - nearest()) * steps_per_metre_);
+    const int step = static_cast<int>((z - min_depth()) * steps_per_metre_);
     return static_cast<std::size_t>(std::clamp(step, 0, kNoiseDepths - 1));
   }
 

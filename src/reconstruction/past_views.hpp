@@ -14,18 +14,20 @@
 
 namespace pcavr {
 
-/// What frames saw through before a block was there. Without it, something that comes to rest where
-/// earlier frames saw nothing would stay: blocks count only from the frame that adds them. Kept
-/// evenly over time, at most kMaxViews, so that memory does not grow with the recording.
+/// Free space observed by past frames, for blocks that are added later. Without it, an object that
+/// comes to rest in space that earlier frames observed as free would remain: blocks count only from
+/// the frame that adds them. Views are sampled uniformly over time, at most kMaxViews, so that
+/// memory does not grow with the recording.
 class PastViews {
  public:
   static constexpr std::size_t kMaxViews = 64;  ///< 10 MB at 640 x 480
 
-  /// Remembers the frame if it is its turn.
-  void keep(const FrameSurface& frame, const Pose& T_base_camera);
+  /// Adds every n-th frame; n doubles whenever kMaxViews is reached.
+  void add(const FrameSurface& frame, const Pose& T_base_camera);
 
-  /// Adds to each voxel's count how many of the views saw through it.
-  void count_through(const BlockPlace& place, double voxel_size, VoxelBlock& block) const;
+  /// Adds to each voxel's free count the number of views that observed it as free.
+  void count_free_views(const BlockCoordinates& coordinates, double voxel_size,
+                        VoxelBlock& block) const;
 
   [[nodiscard]] std::size_t memory_bytes() const;
 
@@ -33,13 +35,13 @@ class PastViews {
   struct View {
     Eigen::Matrix3f R_camera_base;
     Eigen::Vector3f p_camera_base;
-    float fx, fy, cx, cy;  ///< with the half pixel for rounding
+    float fx, fy, cx, cy;  ///< cx and cy plus half a pixel, for rounding
     int width, height;
-    float farthest;                         ///< of all free depths [m]
+    float max_free_depth;                   ///< of all free depths [m]
     std::vector<std::uint16_t> free_depth;  ///< in kDepthUnit, rounded down
   };
-  static void count_through(const View& view, const Eigen::Vector3f& p_base, float voxel_size,
-                            VoxelBlock& block);
+  static void count_free_views(const View& view, const Eigen::Vector3f& p_base, float voxel_size,
+                               VoxelBlock& block);
 
   std::vector<View> views_;
   std::size_t stride_ = 1;

@@ -9,7 +9,7 @@
 
 // Lanes of 32 bits, as GCC's and clang's vector types: sixteen with AVX-512, otherwise eight.
 // Everything has internal linkage: the files that include this are compiled for different
-// instruction sets, and no code for one may end up in another's place.
+// instruction sets, and the linker must not merge their functions.
 namespace pcavr {
 namespace {
 
@@ -34,7 +34,7 @@ using Words = std::uint32_t __attribute__((vector_size(kLanes * 4)));
 [[maybe_unused]] inline Floats to_floats(Ints value) {
   return __builtin_convertvector(value, Floats);
 }
-/// Towards zero.
+/// Truncates towards zero.
 [[maybe_unused]] inline Ints to_ints(Floats value) { return __builtin_convertvector(value, Ints); }
 
 [[maybe_unused]] inline Floats masked(Ints mask, Floats value) {
@@ -46,8 +46,8 @@ using Words = std::uint32_t __attribute__((vector_size(kLanes * 4)));
 [[maybe_unused]] inline Floats select(Ints mask, Floats yes, Floats no) {
   return (Floats)select(mask, (Ints)yes, (Ints)no);
 }
-// Both give b where a number is no number, like the instructions.
-[[maybe_unused]] inline Floats smaller(Floats a, Floats b) {
+// Both give b for NaN, like the instructions.
+[[maybe_unused]] inline Floats lane_min(Floats a, Floats b) {
 #if defined(__AVX512F__)
   return (Floats)_mm512_min_ps((__m512)a, (__m512)b);
 #elif defined(__AVX2__)
@@ -56,7 +56,7 @@ using Words = std::uint32_t __attribute__((vector_size(kLanes * 4)));
   return select(a < b, a, b);
 #endif
 }
-[[maybe_unused]] inline Floats larger(Floats a, Floats b) {
+[[maybe_unused]] inline Floats lane_max(Floats a, Floats b) {
 #if defined(__AVX512F__)
   return (Floats)_mm512_max_ps((__m512)a, (__m512)b);
 #elif defined(__AVX2__)
@@ -65,10 +65,10 @@ using Words = std::uint32_t __attribute__((vector_size(kLanes * 4)));
   return select(a > b, a, b);
 #endif
 }
-[[maybe_unused]] inline Ints smaller(Ints a, Ints b) { return select(a < b, a, b); }
-[[maybe_unused]] inline Ints larger(Ints a, Ints b) { return select(a > b, a, b); }
+[[maybe_unused]] inline Ints lane_min(Ints a, Ints b) { return select(a < b, a, b); }
+[[maybe_unused]] inline Ints lane_max(Ints a, Ints b) { return select(a > b, a, b); }
 
-/// To the nearest whole number, halves away from zero.
+/// To the nearest integer, halves away from zero.
 [[maybe_unused]] inline Ints rounded(Floats value) {
   const Ints sign = (Ints)value & INT32_MIN;
   return to_ints(value + (Floats)(sign | (Ints)splat(0.5F)));
@@ -117,7 +117,7 @@ using Words = std::uint32_t __attribute__((vector_size(kLanes * 4)));
   for (int i = 0; i < count; ++i) to[i] = value[i];
 }
 
-/// Every second lane of a and then b.
+/// The even lanes of a, followed by those of b.
 [[maybe_unused]] inline Floats even_lanes(Floats a, Floats b) {
 #ifdef __AVX512F__
   return __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
@@ -145,15 +145,15 @@ using Words = std::uint32_t __attribute__((vector_size(kLanes * 4)));
 #endif
 }
 
-/// Four bytes from each place, which counts bytes.
-[[maybe_unused]] inline Ints gather_bytes(const std::uint8_t* base, Ints place) {
+/// Four bytes from each byte offset.
+[[maybe_unused]] inline Ints gather_bytes(const std::uint8_t* base, Ints offset) {
 #if defined(__AVX512F__)
-  return (Ints)_mm512_i32gather_epi32((__m512i)place, base, 1);
+  return (Ints)_mm512_i32gather_epi32((__m512i)offset, base, 1);
 #elif defined(__AVX2__)
-  return (Ints)_mm256_i32gather_epi32(reinterpret_cast<const int*>(base), (__m256i)place, 1);
+  return (Ints)_mm256_i32gather_epi32(reinterpret_cast<const int*>(base), (__m256i)offset, 1);
 #else
   std::int32_t lanes[kLanes];
-  for (int i = 0; i < kLanes; ++i) __builtin_memcpy(lanes + i, base + place[i], 4);
+  for (int i = 0; i < kLanes; ++i) __builtin_memcpy(lanes + i, base + offset[i], 4);
   Ints result;
   __builtin_memcpy(&result, lanes, sizeof(result));
   return result;

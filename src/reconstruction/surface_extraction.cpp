@@ -16,46 +16,48 @@ namespace {
 
 constexpr std::size_t kMeshGrainBlocks = 64;
 constexpr std::int16_t kUnknown = std::numeric_limits<std::int16_t>::min();
-// A crossing keeps this far from the voxels, in edge lengths: there the vertices of several edges
-// would fall together.
+// Minimum distance of a zero crossing from the voxels, in edge lengths: closer, the vertices of
+// several edges would coincide.
 constexpr float kMinFraction = 1.0F / 64.0F;
 
 using Distances = std::array<std::int16_t, kBlockVoxels>;
 
-/// What is known of a block, with kUnknown where nothing is. A surface where others saw through is
-/// no surface: the inside of a voxel that is free is unknown, and its outside stays what it is.
-void decode(const VoxelBlock& block, std::uint32_t through_whole, std::uint32_t min_hits,
+/// The signed distances of a block, or kUnknown. A surface in observed free space is removed (space
+/// carving): a negative distance of a free voxel becomes unknown, a positive one stays.
+void decode(const VoxelBlock& block, std::uint32_t block_free_count, std::uint32_t min_hits,
             std::uint32_t frames_to_clear, Distances& distances) {
   for (std::size_t i = 0; i < kBlockVoxels; ++i) {
     const std::uint32_t counts = block.color_counts[i];
     const int steps = distance_steps(block.distance_weight[i]);
-    const bool is_free = through_count(counts) + through_whole >= frames_to_clear;
+    const bool is_free = free_count(counts) + block_free_count >= frames_to_clear;
     const bool is_known = hit_count(counts) >= min_hits && !(is_free && steps <= 0);
-    // Never exactly on the surface, so that each vertex has one edge.
+    // Never exactly zero, so that each vertex belongs to one edge.
     const int distance = steps == 0 ? 1 : std::max(steps, -32767);
     distances[i] = is_known ? static_cast<std::int16_t>(distance) : kUnknown;
   }
 }
 
-/// Block numbers around a block, x fastest, from -1 to +1 on each axis.
+/// Numbers of the 3x3x3 blocks around a block, x fastest.
 using Neighbours = std::array<std::uint32_t, 27>;
 
 Neighbours neighbours_of(const BlockMap& map, std::uint32_t number) {
-  const BlockPlace& place = map.place(number);
+  const BlockCoordinates& coordinates = map.coordinates(number);
   Neighbours neighbours;
   std::size_t i = 0;
   for (int dz = -1; dz <= 1; ++dz) {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         const bool is_self = dx == 0 && dy == 0 && dz == 0;
-        neighbours[i++] = is_self ? number : map.find({place.x + dx, place.y + dy, place.z + dz});
+        neighbours[i++] =
+            is_self ? number
+                    : map.find({coordinates.x + dx, coordinates.y + dy, coordinates.z + dz});
       }
     }
   }
   return neighbours;
 }
 
-/// Voxels -1 to 9 of a block on each axis, its neighbours' included.
+/// Voxels -1 to 9 of a block on each axis, including its neighbours' voxels.
 class Window {
  public:
   static constexpr int kSide = kBlockSide + 3;
@@ -81,7 +83,7 @@ class Window {
     const auto copy = [&](int block, int from, int count, int to) {
       std::int16_t* target = values_.data() + index(to, y, z);
       const std::uint32_t number = neighbours[static_cast<std::size_t>(side + block)];
-      if (number == PlaceIndex::kNone) {
+      if (number == BlockHashTable::kNone) {
         std::fill_n(target, count, kUnknown);
       } else {
         std::copy_n(distances[number].data() + row + from, count, target);
@@ -95,11 +97,11 @@ class Window {
   std::array<std::int16_t, kSide * kSide * kSide> values_;
 };
 
-/// Where a block's surface is: a bit for each edge with a vertex, and for each cube with triangles.
-/// Edges belong to the block of their lower end.
+/// Bit masks of a block's edges with a vertex and of its cubes with triangles. Edges belong to the
+/// block of their lower end.
 struct SurfaceMap {
   std::array<std::array<std::uint64_t, 8>, 3> edges{};   ///< by axis and z; bit 8 y + x
-  std::array<std::array<std::uint16_t, 8>, 3> before{};  ///< vertices before that word
+  std::array<std::array<std::uint16_t, 8>, 3> before{};  ///< number of vertices before that word
   std::array<std::uint64_t, 8> cubes{};
   std::uint32_t vertices = 0;
   std::uint32_t triangles = 0;
@@ -107,7 +109,7 @@ struct SurfaceMap {
   std::uint32_t first_triangle = 0;
 };
 
-/// Signs of the window, a bit a voxel; row and column 0 are voxel -1.
+/// Signs of the window, one bit per voxel; row and column 0 are voxel -1.
 struct SignRows {
   std::array<std::array<std::uint32_t, 10>, 10> inside{};
   std::array<std::array<std::uint32_t, 10>, 10> known{};
@@ -120,16 +122,16 @@ struct SignRows {
     for (int z = 0; z < 10; ++z) {
       for (int y = 0; y < 10; ++y) {
         std::uint32_t in = 0;
-        std::uint32_t seen = 0;
+        std::uint32_t is_known = 0;
         for (int x = 0; x < 10; ++x) {
           const std::int16_t value = window(x - 1, y - 1, z - 1);
           in |= static_cast<std::uint32_t>(value < 0) << x;
-          seen |= static_cast<std::uint32_t>(value != kUnknown) << x;
+          is_known |= static_cast<std::uint32_t>(value != kUnknown) << x;
         }
         inside[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)] = in;
-        known[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)] = seen;
-        any_inside |= in & seen;
-        any_outside |= ~in & seen;
+        known[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)] = is_known;
+        any_inside |= in & is_known;
+        any_outside |= ~in & is_known;
       }
     }
     has_inside = any_inside != 0;
@@ -199,7 +201,8 @@ SurfaceMap map_surface(const SignRows& signs) {
   return map;
 }
 
-/// Of the distance field at a voxel, in steps; one-sided where a neighbour is unknown.
+/// Gradient of the distance field at a voxel [steps]: central differences, one-sided where a
+/// neighbour is unknown.
 Eigen::Vector3f gradient_at(const Window& window, const std::array<int, 3>& at) {
   Eigen::Vector3f gradient;
   const std::int16_t centre = window(at[0], at[1], at[2]);
@@ -223,19 +226,19 @@ Eigen::Vector3f gradient_at(const Window& window, const std::array<int, 3>& at) 
   return gradient;
 }
 
-Rgb8 mixed_color(std::uint32_t a, std::uint32_t b, float share) {
-  // A voxel that never had a colour lends it from the other end of the edge.
+Rgb8 interpolated_color(std::uint32_t a, std::uint32_t b, float fraction) {
+  // A voxel without a colour takes that of the edge's other end.
   if ((a & 0xFFFFFFU) == 0) a = b;
   if ((b & 0xFFFFFFU) == 0) b = a;
   const auto channel = [&](int shift) {
     const auto from = static_cast<float>((a >> shift) & 255U);
     const auto to = static_cast<float>((b >> shift) & 255U);
-    return static_cast<std::uint8_t>(from + (to - from) * share + 0.5F);
+    return static_cast<std::uint8_t>(from + (to - from) * fraction + 0.5F);
   };
   return {channel(0), channel(8), channel(16)};
 }
 
-/// Fills in one block's part of the mesh.
+/// Writes one block's part of the mesh.
 class BlockMesher {
  public:
   BlockMesher(const BlockMap& map, const std::vector<SurfaceMap>& surfaces,
@@ -254,7 +257,7 @@ class BlockMesher {
         for (std::uint64_t left = surface.edges[axis][static_cast<std::size_t>(z)]; left != 0;
              left &= left - 1) {
           const int bit = std::countr_zero(left);
-          add_vertex(map_.place(number), {bit % 8, bit / 8, z}, axis, next++, mesh);
+          add_vertex(map_.coordinates(number), {bit % 8, bit / 8, z}, axis, next++, mesh);
         }
       }
     }
@@ -285,28 +288,28 @@ class BlockMesher {
   }
 
  private:
-  void add_vertex(const BlockPlace& place, const std::array<int, 3>& at, std::size_t axis,
-                  std::size_t index, TriangleMesh& mesh) const {
+  void add_vertex(const BlockCoordinates& coordinates, const std::array<int, 3>& at,
+                  std::size_t axis, std::size_t index, TriangleMesh& mesh) const {
     std::array<int, 3> end = at;
     ++end[axis];
     const auto a = static_cast<float>(window_(at[0], at[1], at[2]));
     const auto b = static_cast<float>(window_(end[0], end[1], end[2]));
-    const float share = std::clamp(a / (a - b), kMinFraction, 1.0F - kMinFraction);
-    Eigen::Vector3f p(static_cast<float>(place.x * kBlockSide + at[0]),
-                      static_cast<float>(place.y * kBlockSide + at[1]),
-                      static_cast<float>(place.z * kBlockSide + at[2]));
-    p[static_cast<Eigen::Index>(axis)] += share;
+    const float fraction = std::clamp(a / (a - b), kMinFraction, 1.0F - kMinFraction);
+    Eigen::Vector3f p(static_cast<float>(coordinates.x * kBlockSide + at[0]),
+                      static_cast<float>(coordinates.y * kBlockSide + at[1]),
+                      static_cast<float>(coordinates.z * kBlockSide + at[2]));
+    p[static_cast<Eigen::Index>(axis)] += fraction;
     mesh.vertices[index] = p * voxel_size_;
     const Eigen::Vector3f normal =
-        (1.0F - share) * gradient_at(window_, at) + share * gradient_at(window_, end);
+        (1.0F - fraction) * gradient_at(window_, at) + fraction * gradient_at(window_, end);
     const float length = normal.norm();
     mesh.normals[index] =
         length > 0.0F ? Eigen::Vector3f(normal / length) : Eigen::Vector3f::UnitZ();
-    mesh.colors[index] = mixed_color(color_at(at), color_at(end), share);
+    mesh.colors[index] = interpolated_color(color_at(at), color_at(end), fraction);
   }
 
   [[nodiscard]] std::uint32_t color_at(const std::array<int, 3>& at) const {
-    // Ends of edges lie at 0 to 8.
+    // Ends of edges have coordinates 0 to 8.
     const int side = (at[2] / 8 + 1) * 9 + (at[1] / 8 + 1) * 3 + at[0] / 8 + 1;
     const int voxel = (at[2] % 8 * kBlockSide + at[1] % 8) * kBlockSide + at[0] % 8;
     return map_.block(neighbours_[static_cast<std::size_t>(side)])
@@ -341,15 +344,15 @@ std::vector<Distances> decode_all(const BlockMap& map, const ExtractionParameter
   parallel_for(parallelism, map.size(), kMeshGrainBlocks, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto number = static_cast<std::uint32_t>(i);
-      decode(map.block(number), map.through_whole(number), min_hits,
+      decode(map.block(number), map.block_free_count(number), min_hits,
              static_cast<std::uint32_t>(parameters.frames_to_clear), distances[i]);
     }
   });
   return distances;
 }
 
-/// Gives each block its places in the mesh; returns the numbers of vertices and triangles.
-std::pair<std::size_t, std::size_t> number_surfaces(std::vector<SurfaceMap>& surfaces) {
+/// Assigns each block its offsets in the mesh (prefix sum); returns the vertex and triangle counts.
+std::pair<std::size_t, std::size_t> assign_offsets(std::vector<SurfaceMap>& surfaces) {
   std::uint32_t vertices = 0;
   std::uint32_t triangles = 0;
   for (SurfaceMap& surface : surfaces) {
@@ -373,7 +376,7 @@ TriangleMesh extract_surface(const BlockMap& map, const ExtractionParameters& pa
       surfaces[i] = map_surface(SignRows(window));
     }
   });
-  const auto [vertices, triangles] = number_surfaces(surfaces);
+  const auto [vertices, triangles] = assign_offsets(surfaces);
   TriangleMesh mesh;
   mesh.vertices.resize(vertices);
   mesh.normals.resize(vertices);

@@ -15,8 +15,8 @@ struct ExtractionParameters {
   int frames_to_clear = 3;
 };
 
-/// Marching cubes over all cubes whose eight corners are known. Vertices and triangles come in the
-/// order of the blocks, whatever the number of threads.
+/// Marching cubes over all cubes whose eight corners are known. The order of vertices and triangles
+/// does not depend on the number of threads.
 [[nodiscard]] TriangleMesh extract_surface(const BlockMap& map,
                                            const ExtractionParameters& parameters,
                                            Parallelism parallelism);

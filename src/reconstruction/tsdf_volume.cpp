@@ -45,60 +45,61 @@ BlockView view_of(const FrameSurface& frame, const Pose& T_camera_base, double v
 }  // namespace
 
 struct TsdfVolume::Blocks {
-  explicit Blocks(const TsdfOptions& wanted)
-      : options(wanted),
-        tables(wanted.depth_noise, wanted.voxel_size,
-               wanted.truncation_voxels * wanted.voxel_size) {}
+  explicit Blocks(const TsdfOptions& chosen)
+      : options(chosen),
+        tables(chosen.depth_noise, chosen.voxel_size,
+               chosen.truncation_voxels * chosen.voxel_size) {}
 
   TsdfOptions options;
   NoiseTables tables;
   BlockMap map;
-  PastViews past;
+  PastViews past_views;
   Undistortion undistortion;
-  FrameSurface frame;  ///< kept for its memory
+  FrameSurface frame;  ///< reused to avoid allocations
   std::uint32_t frames = 0;
 
-  /// Adds those that are missing; returns how many.
-  std::uint32_t add_blocks(const std::vector<BlockPlace>& places, Parallelism parallelism);
-  /// `next`: what will be fused after it, if anything.
-  void fuse(const SeenBlock& seen, const SeenBlock* next, BlockView view,
+  /// Allocates the missing blocks; returns their number.
+  std::uint32_t add_blocks(const std::vector<BlockCoordinates>& coordinates,
+                           Parallelism parallelism);
+  /// `next`: the block that is fused after it, or null; prefetched.
+  void fuse(const VisibleBlock& visible, const VisibleBlock* next, BlockView view,
             const Pose& T_camera_base);
 };
 
-std::uint32_t TsdfVolume::Blocks::add_blocks(const std::vector<BlockPlace>& places,
+std::uint32_t TsdfVolume::Blocks::add_blocks(const std::vector<BlockCoordinates>& coordinates,
                                              Parallelism parallelism) {
   const auto first = static_cast<std::uint32_t>(map.size());
-  for (const BlockPlace& place : places) {
-    if (map.find(place) == PlaceIndex::kNone) map.add(place);
+  for (const BlockCoordinates& block : coordinates) {
+    if (map.find(block) == BlockHashTable::kNone) map.add(block);
   }
   parallel_for(parallelism, map.size() - first, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t number = first + static_cast<std::uint32_t>(i);
-      past.count_through(map.place(number), options.voxel_size, map.block(number));
+      past_views.count_free_views(map.coordinates(number), options.voxel_size, map.block(number));
     }
   });
   return static_cast<std::uint32_t>(map.size()) - first;
 }
 
-void TsdfVolume::Blocks::fuse(const SeenBlock& seen, const SeenBlock* next, BlockView view,
+void TsdfVolume::Blocks::fuse(const VisibleBlock& visible, const VisibleBlock* next, BlockView view,
                               const Pose& T_camera_base) {
-  if (seen.wholly_free) {
-    std::uint8_t& count = map.through_whole(seen.number);
+  if (visible.is_entirely_free) {
+    std::uint8_t& count = map.block_free_count(visible.number);
     if (static_cast<int>(count) < options.frames_to_clear) ++count;
     return;
   }
-  const BlockPlace& place = map.place(seen.number);
-  const Eigen::Vector3d p_base =
-      Eigen::Vector3d(place.x, place.y, place.z) * (kBlockSide * options.voxel_size);
+  const BlockCoordinates& coordinates = map.coordinates(visible.number);
+  const Eigen::Vector3d p_base = Eigen::Vector3d(coordinates.x, coordinates.y, coordinates.z) *
+                                 (kBlockSide * options.voxel_size);
   const Eigen::Vector3d p_camera = T_camera_base * p_base;
   for (int i = 0; i < 3; ++i) view.origin[i] = static_cast<float>(p_camera[i]);
-  view.band_nearest = seen.band_nearest;
-  view.band_farthest = seen.band_farthest;
-  view.free_farthest = seen.free_farthest;
-  view.through_enough = static_cast<std::uint32_t>(options.frames_to_clear);
+  view.min_band_depth = visible.min_band_depth;
+  view.max_band_depth = visible.max_band_depth;
+  view.max_free_depth = visible.max_free_depth;
+  view.max_free_count = static_cast<std::uint32_t>(options.frames_to_clear);
   const VoxelBlock* next_block =
-      next != nullptr && !next->wholly_free ? &map.block(next->number) : nullptr;
-  kernels().fuse_block(view, map.block(seen.number), next_block);
+      next != nullptr && !next->is_entirely_free ? &map.block(next->number) : nullptr;
+  kernels().fuse_block(view, map.block(visible.number), next_block);
 }
 
 TsdfVolume::TsdfVolume(const TsdfOptions& options) {
@@ -124,9 +125,9 @@ IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImag
   Blocks& blocks = *blocks_;
   if (camera.has_distortion()) {
     blocks.undistortion.prepare(camera);
-    const Undistortion& ideal = blocks.undistortion;
-    return integrate(ideal(depth), ideal(color), ideal(is_dynamic), ideal.ideal_camera(),
-                     T_base_camera, parallelism);
+    const Undistortion& undistort = blocks.undistortion;
+    return integrate(undistort(depth), undistort(color), undistort(is_dynamic),
+                     undistort.undistorted_camera(), T_base_camera, parallelism);
   }
   const double voxel_size = blocks.options.voxel_size;
   FrameSurface& frame = blocks.frame;
@@ -134,20 +135,20 @@ IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImag
   IntegrationReport report;
   report.pixels_used = frame.pixels_used;
   report.blocks_added = blocks.add_blocks(
-      places_near_surface(frame, T_base_camera, blocks.tables, voxel_size, parallelism),
+      blocks_near_surface(frame, T_base_camera, blocks.tables, voxel_size, parallelism),
       parallelism);
-  const std::vector<SeenBlock> seen =
-      seen_blocks(blocks.map, frame, T_base_camera, blocks.tables, voxel_size);
-  report.blocks_visible = seen.size();
+  const std::vector<VisibleBlock> visible =
+      visible_blocks(blocks.map, frame, T_base_camera, blocks.tables, voxel_size);
+  report.blocks_visible = visible.size();
   const Pose T_camera_base = T_base_camera.inverse();
   const BlockView view = view_of(frame, T_camera_base, voxel_size, blocks.frames);
-  parallel_for(parallelism, seen.size(), kGrainBlocks, [&](std::size_t begin, std::size_t end) {
+  parallel_for(parallelism, visible.size(), kGrainBlocks, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const SeenBlock* next = i + 1 < end ? &seen[i + 1] : nullptr;
-      blocks.fuse(seen[i], next, view, T_camera_base);
+      const VisibleBlock* next = i + 1 < end ? &visible[i + 1] : nullptr;
+      blocks.fuse(visible[i], next, view, T_camera_base);
     }
   });
-  blocks.past.keep(frame, T_base_camera);
+  blocks.past_views.add(frame, T_base_camera);
   ++blocks.frames;
   return report;
 }
@@ -160,7 +161,8 @@ TriangleMesh TsdfVolume::extract_mesh(double min_weight, Parallelism parallelism
 
 std::size_t TsdfVolume::block_count() const { return blocks_->map.size(); }
 std::size_t TsdfVolume::memory_bytes() const {
-  return blocks_->map.memory_bytes() + blocks_->past.memory_bytes() + blocks_->frame.memory_bytes();
+  return blocks_->map.memory_bytes() + blocks_->past_views.memory_bytes() +
+         blocks_->frame.memory_bytes();
 }
 const TsdfOptions& TsdfVolume::options() const { return blocks_->options; }
 

@@ -12,37 +12,40 @@
 namespace pcavr {
 namespace {
 
-/// tan(60 degrees). Margins up to 80 degrees, which the widest lenses see, would take eleven times
-/// the pixels.
+/// tan(60 degrees). Margins up to 80 degrees, as of the widest lenses, would need eleven times the
+/// pixels.
 constexpr double kMaxSlope = 1.7321;
 
-/// Whole pixels by which an ideal image must be longer on a side that a lens sees past by `slope`.
+/// Pixels by which the undistorted image must be extended on a side where the lens's field of view
+/// ends at `slope`.
 int margin(double slope, double focal_length, double to_border) {
-  constexpr int kMaxSide = 16'384;  // [px] more than any sensor has
+  constexpr int kMaxSide = 16'384;  // [px], beyond any sensor
   return clamp_to_int(std::ceil(std::min(slope, kMaxSlope) * focal_length - to_border), 0,
                       kMaxSide);
 }
 
-CameraModel ideal_of(const CameraModel& camera) {
-  CameraModel ideal = camera.undistorted();
-  if (!camera.has_distortion()) return ideal;
-  // The rays of the border tell how far to each side the lens sees.
-  Eigen::AlignedBox2d view;
+CameraModel undistorted_of(const CameraModel& camera) {
+  CameraModel undistorted = camera.undistorted();
+  if (!camera.has_distortion()) return undistorted;
+  // The border's rays give the field of view.
+  Eigen::AlignedBox2d field_of_view;
   for (int x = 0; x < camera.width; ++x) {
-    view.extend(camera.normalise(Eigen::Vector2d(x, 0)));
-    view.extend(camera.normalise(Eigen::Vector2d(x, camera.height - 1)));
+    field_of_view.extend(camera.normalise(Eigen::Vector2d(x, 0)));
+    field_of_view.extend(camera.normalise(Eigen::Vector2d(x, camera.height - 1)));
   }
   for (int y = 0; y < camera.height; ++y) {
-    view.extend(camera.normalise(Eigen::Vector2d(0, y)));
-    view.extend(camera.normalise(Eigen::Vector2d(camera.width - 1, y)));
+    field_of_view.extend(camera.normalise(Eigen::Vector2d(0, y)));
+    field_of_view.extend(camera.normalise(Eigen::Vector2d(camera.width - 1, y)));
   }
-  const int left = margin(-view.min().x(), camera.fx, camera.cx);
-  const int top = margin(-view.min().y(), camera.fy, camera.cy);
-  ideal.width += left + margin(view.max().x(), camera.fx, camera.width - 1 - camera.cx);
-  ideal.height += top + margin(view.max().y(), camera.fy, camera.height - 1 - camera.cy);
-  ideal.cx += left;
-  ideal.cy += top;
-  return ideal;
+  const int left = margin(-field_of_view.min().x(), camera.fx, camera.cx);
+  const int top = margin(-field_of_view.min().y(), camera.fy, camera.cy);
+  undistorted.width +=
+      left + margin(field_of_view.max().x(), camera.fx, camera.width - 1 - camera.cx);
+  undistorted.height +=
+      top + margin(field_of_view.max().y(), camera.fy, camera.height - 1 - camera.cy);
+  undistorted.cx += left;
+  undistorted.cy += top;
+  return undistorted;
 }
 
 }  // namespace
@@ -51,10 +54,10 @@ void Undistortion::prepare(const CameraModel& camera) {
   if (camera_ && *camera_ == camera) return;
   camera_ = camera;
   source_.clear();
-  ideal_ = ideal_of(camera);
-  for (int v = 0; v < ideal_.height; ++v) {
-    for (int u = 0; u < ideal_.width; ++u) {
-      const Eigen::Vector2d pixel = camera.project(ideal_.unproject({u, v}, 1.0));
+  undistorted_ = undistorted_of(camera);
+  for (int v = 0; v < undistorted_.height; ++v) {
+    for (int u = 0; u < undistorted_.width; ++u) {
+      const Eigen::Vector2d pixel = camera.project(undistorted_.unproject({u, v}, 1.0));
       const std::optional<int> x = pixel_index(pixel.x(), camera.width);
       const std::optional<int> y = pixel_index(pixel.y(), camera.height);
       source_.push_back(x && y ? *y * camera.width + *x : -1);

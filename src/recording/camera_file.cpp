@@ -3,14 +3,14 @@
 #include "pcavr/recording/camera_file.hpp"
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/recording/yaml_map.hpp"
 
 #include "recording/camera_keys.hpp"
-#include "recording/yaml_map.hpp"
 
 namespace pcavr {
 namespace {
 
-/// No depth camera measures farther [m]: the longest stereo baselines end at a tenth of it.
+/// No depth camera measures farther [m]: stereo with the longest baselines reaches a tenth of it.
 constexpr double kMaxDepth = 1000.0;
 
 DepthNoise read_noise(const YamlValue& noise) {
@@ -19,18 +19,18 @@ DepthNoise read_noise(const YamlValue& noise) {
                           .quadratic = noise.at("quadratic").number(),
                           .offset = noise.at("offset").number(),
                           .grazing = noise.at("grazing").number(),
-                          .nearest = noise.at("nearest").positive_number(),
-                          .farthest = noise.at("farthest").positive_number()};
-  if (result.farthest <= result.nearest) {
+                          .min_depth = noise.at("nearest").positive_number(),
+                          .max_depth = noise.at("farthest").positive_number()};
+  if (result.max_depth <= result.min_depth) {
     noise.at("farthest").fail("is not greater than nearest", "write the farthest usable depth");
   }
-  if (result.farthest > kMaxDepth) {
+  if (result.max_depth > kMaxDepth) {
     noise.at("farthest").fail("is more than 1000 m", "write the farthest usable depth in metres");
   }
   return result;
 }
 
-CameraFile read_own(const YamlValue& root) {
+CameraFile read_pcavr_camera(const YamlValue& root) {
   root.expect_keys({"name", "source", "camera", "depth_scale", "depth_noise"});
   CameraFile result;
   if (const auto name = root.find("name")) result.name = name->text();
@@ -42,7 +42,7 @@ CameraFile read_own(const YamlValue& root) {
   return result;
 }
 
-/// ROS's names [REP 112 and image_geometry]; absent, the model is plumb_bob.
+/// ROS's names [REP 112 and image_geometry]; plumb_bob where the key is absent.
 LensModel ros_model(const YamlValue& root) {
   const std::optional<YamlValue> model = root.find("distortion_model");
   if (!model) return LensModel::plumb_bob;
@@ -54,7 +54,7 @@ LensModel ros_model(const YamlValue& root) {
               "known are plumb_bob, rational_polynomial and equidistant; calibrate with one");
 }
 
-/// ROS's sensor_msgs/CameraInfo as camera_calibration writes it.
+/// ROS's sensor_msgs/CameraInfo, as camera_calibration writes it.
 CameraFile read_camera_info(const YamlValue& root) {
   const LensModel model = ros_model(root);
   CameraFile result;
@@ -62,7 +62,7 @@ CameraFile read_camera_info(const YamlValue& root) {
   const YamlValue matrix = root.at("camera_matrix").at("data");
   const std::vector<double> k = matrix.numbers(9);
   if (!(k[0] > 0.0) || !(k[4] > 0.0)) {
-    matrix.fail("has a focal length that is not more than 0", "write fx 0 cx 0 fy cy 0 0 1");
+    matrix.fail("has a focal length that is not positive", "write fx 0 cx 0 fy cy 0 0 1");
   }
   result.camera = {.width = root.at("image_width").integer(1, kMaxImageSide),
                    .height = root.at("image_height").integer(1, kMaxImageSide),
@@ -85,7 +85,7 @@ CameraFile read_camera_info(const YamlValue& root) {
 
 Expected<CameraFile> parse_camera_file(const std::string& text, const std::string& file) {
   return parse_yaml<CameraFile>(text, file, [](const YamlValue& root) {
-    return root.find("camera_matrix") ? read_camera_info(root) : read_own(root);
+    return root.find("camera_matrix") ? read_camera_info(root) : read_pcavr_camera(root);
   });
 }
 

@@ -14,14 +14,15 @@ namespace {
 
 constexpr std::array kModels = {LensModel::plumb_bob, LensModel::rational, LensModel::fisheye};
 
-// Focal lengths, of the image's longer side: from a pinhole that sees 157 degrees across it to a
-// telescope that sees half a degree. Nothing beyond measures depth.
-constexpr double kMinFocalShare = 0.1;
-constexpr double kMaxFocalShare = 100.0;
-/// Pixels are square but for the tolerance of a calibration; binning one direction alone makes
+// Focal length over the image's longer side: from a pinhole with a field of view of 157 degrees to
+// a telescope with half a degree. No depth camera lies beyond.
+constexpr double kMinFocalRatio = 0.1;
+constexpr double kMaxFocalRatio = 100.0;
+/// Pixels are square within the tolerance of a calibration; binning in one direction only makes
 /// them twice as long.
 constexpr double kMaxAspect = 2.5;
-/// The principal point lies in the image but for crops: at most so many widths or heights away.
+/// The principal point lies in the image unless it was cropped: then at most this many widths or
+/// heights outside.
 constexpr double kMaxCropShift = 1.0;
 
 LensModel model_of(const YamlValue& value) {
@@ -41,13 +42,13 @@ std::string size_of(const CameraModel& camera) {
 std::optional<CameraFault> focal_length_fault(const CameraModel& camera, CameraKey key) {
   const double focal_length = key == CameraKey::fx ? camera.fx : camera.fy;
   const int side = std::max(camera.width, camera.height);
-  if (focal_length >= kMinFocalShare * side && focal_length <= kMaxFocalShare * side) return {};
+  if (focal_length >= kMinFocalRatio * side && focal_length <= kMaxFocalRatio * side) return {};
   return CameraFault{key,
                      "a focal length of " + shortest_decimal(focal_length) +
                          " px is impossible for a " + size_of(camera),
                      "write pixels of the image's own size, as it was calibrated: " +
-                         shortest_decimal(kMinFocalShare * side) + " to " +
-                         shortest_decimal(kMaxFocalShare * side)};
+                         shortest_decimal(kMinFocalRatio * side) + " to " +
+                         shortest_decimal(kMaxFocalRatio * side)};
 }
 
 std::optional<CameraFault> aspect_fault(const CameraModel& camera) {

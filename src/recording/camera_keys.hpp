@@ -6,15 +6,14 @@
 #include <string>
 
 #include "pcavr/recording/camera_file.hpp"
-
-#include "recording/yaml_map.hpp"
+#include "pcavr/recording/yaml_map.hpp"
 
 namespace pcavr {
 
-/// Sides of JPEG files are 16 bits long [ITU-T T.81, B.2.2]; libjpeg stops at this [px].
+/// Sides of JPEG files are 16 bits long [ITU-T T.81, B.2.2]; libjpeg's own limit [px].
 inline constexpr int kMaxImageSide = 65500;
 
-/// The word of a lens model in the keys `model` of recording.yaml and camera files.
+/// The name of a lens model, the value of the key `model` in recording.yaml and camera files.
 [[nodiscard]] std::string_view name_of(LensModel model);
 
 enum class CameraKey { fx, fy, cx, cy, distortion };
@@ -25,21 +24,22 @@ struct CameraFault {
   std::string hint;
 };
 
-/// Intrinsics that no camera of that image has, or a lens that folds inside the image.
+/// Intrinsics that are impossible for the image size, or a lens that folds inside the image.
 [[nodiscard]] std::optional<CameraFault> find_camera_fault(const CameraModel& camera);
 
-/// The keys of a YAML text that a camera came from, for errors.
+/// The YAML nodes that a camera was read from, for the line in errors.
 struct CameraKeys {
   YamlValue fx, fy, cx, cy;
   std::optional<YamlValue> distortion = {};
 };
 
-/// The model's coefficients, in the order of coefficient_names(). Throws YamlFailure, as the rest.
+/// The model's coefficients, in the order of coefficient_names(). Throws YamlFailure, as the
+/// functions below.
 [[nodiscard]] LensDistortion distortion_of(const YamlValue& value, LensModel model);
-/// Refuses a camera with a fault.
+/// Throws where the camera has a fault.
 void check_camera(const CameraModel& camera, const CameraKeys& keys);
-/// The keys width, height, fx, fy, cx, cy, and model and distortion, which may be absent; checked.
-/// Does not look for unknown keys.
+/// Reads and checks the keys width, height, fx, fy, cx, cy, and model and distortion, which may be
+/// absent. Does not check for unknown keys.
 [[nodiscard]] CameraModel camera_of(const YamlValue& value);
 
 /// read_camera_file for a text; `file` names it in errors.

@@ -11,8 +11,7 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/output.hpp"
-
-#include "recording/image_codec.hpp"
+#include "pcavr/recording/image_codec.hpp"
 
 namespace pcavr {
 namespace {
@@ -49,7 +48,7 @@ Expected<RgbdFrame> decode_frame(const Recording& recording, std::size_t index) 
   return decode_with(decoder, recording, index);
 }
 
-/// A bounded queue between the thread that decodes and the one that asks.
+/// A bounded queue (backpressure) between the thread that decodes and the consumer.
 struct FrameReader::Worker {
   Worker(const Recording& recording_in, const FrameReaderOptions& options_in)
       : recording(recording_in), options(options_in) {}
@@ -83,7 +82,7 @@ struct FrameReader::Worker {
       if (frame && !has_first_size(frame->depth)) return size_error(frame->depth, index);
       return frame;
     } catch (const std::bad_alloc&) {
-      return Error{.message = "there is no memory left for frame " + std::to_string(index),
+      return Error{.message = "not enough memory for frame " + std::to_string(index),
                    .file = recording.folder.string(),
                    .hint = "free memory, or use smaller images"};
     }
@@ -104,10 +103,10 @@ struct FrameReader::Worker {
     return {.message = "is " + text(depth.width(), depth.height()) +
                        " pixels; the first depth image is " + text(depth_width, depth_height),
             .file = (recording.folder / recording.frames[index].depth_path).string(),
-            .hint = "all depth images of a recording have one size"};
+            .hint = "all depth images of a recording must have the same size"};
   }
 
-  /// False when nothing more is wanted.
+  /// False when decoding should stop.
   bool put(Expected<RgbdFrame> frame) {
     std::unique_lock lock(mutex);
     if (!frame && options.skip_bad) {
@@ -116,7 +115,7 @@ struct FrameReader::Worker {
     }
     const bool is_last = !frame;
     has_room.wait(lock, [&] {
-      return is_stopping || frames.size() < static_cast<std::size_t>(options.frames_ahead);
+      return is_stopping || frames.size() < static_cast<std::size_t>(options.max_prefetched);
     });
     if (is_stopping) return false;
     frames.push_back(std::move(frame));
@@ -151,7 +150,7 @@ struct FrameReader::Worker {
 
 FrameReader::FrameReader(const Recording& recording, const FrameReaderOptions& options)
     : worker_(std::make_unique<Worker>(recording, options)) {
-  PCAVR_REQUIRE(options.frames_ahead >= 1, options.frames_ahead);
+  PCAVR_REQUIRE(options.max_prefetched >= 1, options.max_prefetched);
 }
 
 FrameReader::~FrameReader() = default;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "recording/image_codec.hpp"
+#include "pcavr/recording/image_codec.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -25,10 +25,10 @@ struct JpegHeader {
 
 constexpr int kJpegQuality = 95;
 
-Error damaged(const ExpectedImage& image, const std::string& reason) {
-  return {.message = "does not decode: " + reason,
+Error decode_error(const ExpectedImage& image, const std::string& reason) {
+  return {.message = "can't be decoded: " + reason,
           .file = image.file,
-          .hint = "replace the image, or leave such frames out with --skip-bad"};
+          .hint = "replace the image, or skip such frames with --skip-bad"};
 }
 
 std::string size_text(int width, int height) {
@@ -55,7 +55,7 @@ std::optional<Error> check_depth_size(const ExpectedImage& image, const PngImage
                .file = image.file,
                .hint =
                    "register depth to the colour image of recording.yaml's camera: the same "
-                   "view, the same shape"};
+                   "view, the same aspect ratio"};
 }
 
 bool is_jpeg(std::string_view bytes) { return bytes.starts_with("\xFF\xD8"); }
@@ -71,14 +71,14 @@ Expected<ColorImage> decode_jpeg(std::string_view bytes, const ExpectedImage& im
   int colorspace = 0;
   if (tjDecompressHeader3(handle.get(), as_bytes(bytes), bytes.size(), &header.width,
                           &header.height, &subsampling, &colorspace) != 0) {
-    return damaged(image, tjGetErrorStr2(handle.get()));
+    return decode_error(image, tjGetErrorStr2(handle.get()));
   }
   if (std::optional<Error> error = check_size(image, header)) return *std::move(error);
   ColorImage color(header.width, header.height);
   if (tjDecompress2(handle.get(), as_bytes(bytes), bytes.size(),
                     reinterpret_cast<unsigned char*>(color.pixels().data()), header.width, 0,
                     header.height, TJPF_RGB, TJFLAG_LIMITSCANS) != 0) {
-    return damaged(image, tjGetErrorStr2(handle.get()));
+    return decode_error(image, tjGetErrorStr2(handle.get()));
   }
   return color;
 }
@@ -98,7 +98,7 @@ ColorImage to_color(const PngImage& png) {
   return color;
 }
 
-/// Each 16-bit pixel through `convert` into an image.
+/// Applies `convert` to each 16-bit pixel.
 template <typename Pixel, typename Convert>
 Image<Pixel> from_gray16(const PngImage& png, Convert convert) {
   Image<Pixel> image(png.width, png.height);
@@ -120,15 +120,15 @@ Expected<ColorImage> ImageDecoder::color(std::string_view bytes, const ExpectedI
 
 Expected<ColorImage> ImageDecoder::color_png(std::string_view bytes, const ExpectedImage& image) {
   const Expected<PngImage> header = decode_png_header(bytes);
-  if (!header) return damaged(image, header.error().message);
+  if (!header) return decode_error(image, header.error().message);
   if (std::optional<Error> error = check_size(image, *header)) return *std::move(error);
   if (header->bit_depth != 8) {
-    return Error{.message = "is not a colour image: it has 16 bits a channel",
+    return Error{.message = "is not a colour image: it has 16 bits per channel",
                  .file = image.file,
-                 .hint = "colour images are JPEG or PNG files with 8 bits a channel"};
+                 .hint = "colour images are JPEG or PNG files with 8 bits per channel"};
   }
   if (const Expected<void> done = decode_png(bytes, png_); !done) {
-    return damaged(image, done.error().message);
+    return decode_error(image, done.error().message);
   }
   return to_color(png_);
 }
@@ -136,7 +136,7 @@ Expected<ColorImage> ImageDecoder::color_png(std::string_view bytes, const Expec
 Expected<void> ImageDecoder::gray16(std::string_view bytes, const ExpectedImage& image,
                                     SizeCheck check) {
   const Expected<PngImage> header = decode_png_header(bytes);
-  if (!header) return damaged(image, header.error().message);
+  if (!header) return decode_error(image, header.error().message);
   if (std::optional<Error> error = check(image, *header)) return *std::move(error);
   if (header->bit_depth != 16 || header->channels != 1) {
     return Error{.message = "is not a depth image: it has " + std::to_string(header->channels) +
@@ -145,7 +145,7 @@ Expected<void> ImageDecoder::gray16(std::string_view bytes, const ExpectedImage&
                  .hint = "depth images are PNG files with one channel of 16 bits"};
   }
   if (const Expected<void> done = decode_png(bytes, png_); !done) {
-    return damaged(image, done.error().message);
+    return decode_error(image, done.error().message);
   }
   return {};
 }
@@ -186,7 +186,7 @@ std::string encode_depth(const RawDepthImage& image) {
   PngImage png{.width = image.width(), .height = image.height(), .bit_depth = 16, .channels = 1};
   png.rows.reserve(static_cast<std::size_t>(image.height()) * (png.row_size() + 1));
   for (int y = 0; y < image.height(); ++y) {
-    // No filter: on depth, whose low bits are noise, filters cost some 5 % of size (measured).
+    // No filter: on depth, whose low bits are noise, filters increase the size by 5 % (measured).
     png.rows.push_back(0);
     for (const std::uint16_t pixel : image.row(y)) {
       png.rows.push_back(static_cast<std::uint8_t>(pixel >> 8));

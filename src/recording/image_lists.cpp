@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/recording/time_series.hpp"
 
 #include "recording/pairing.hpp"
-#include "recording/time_series.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;
@@ -15,7 +15,7 @@ namespace {
 
 using Images = std::vector<ListedImage>;
 
-/// The images of one list, each of which is there.
+/// The images of one list; all of their files exist.
 Expected<Series<Images>> read_list(const fs::path& folder, const char* name, bool skip_bad) {
   const fs::path file = folder / name;
   const Expected<std::string> text = read_file(file);
@@ -28,12 +28,12 @@ Expected<Series<Images>> read_list(const fs::path& folder, const char* name, boo
     if (fs::is_regular_file(folder / image.path, code)) {
       present.content.push_back(std::move(image));
     } else if (skip_bad) {
-      present.report.leave_out("image is missing");
+      present.report.count_skipped("image is missing");
     } else {
       return Error{.message = "the image " + image.path.string() + " is missing",
                    .file = file.string(),
                    .line = image.line,
-                   .hint = "add the file, or take the line out"};
+                   .hint = "add the file, or remove the line"};
     }
   }
   return present;
@@ -46,7 +46,8 @@ std::vector<Stamp> stamps_of(const Images& images) {
   return stamps;
 }
 
-PairedImages paired(const Series<Images>& color, const Series<Images>& depth, Duration max_gap) {
+PairedImages pair_images(const Series<Images>& color, const Series<Images>& depth,
+                         Duration max_gap) {
   PairedImages images;
   const std::vector<Stamp> color_stamps = stamps_of(color.content);
   const std::vector<Stamp> depth_stamps = stamps_of(depth.content);
@@ -68,12 +69,12 @@ Expected<PairedImages> read_image_lists(const fs::path& folder, const ReadOption
   if (!color) return color.error();
   const Expected<Series<Images>> depth = read_list(folder, "depth.txt", options.skip_bad);
   if (!depth) return depth.error();
-  PairedImages images = paired(*color, *depth, options.max_pair_gap);
+  PairedImages images = pair_images(*color, *depth, options.max_pair_gap);
   if (!images.frames.empty()) return images;
   const double gap = to_seconds(options.max_pair_gap) * 1000.0;
-  return Error{.message = "holds no frames: of " + std::to_string(images.unpaired_color) +
+  return Error{.message = "contains no frames: of " + std::to_string(images.unpaired_color) +
                           " colour and " + std::to_string(images.unpaired_depth) +
-                          " depth images none belong together",
+                          " depth images no two match in time",
                .file = folder.string(),
                .hint = "rgb.txt and depth.txt must name images at most " +
                        std::to_string(static_cast<int>(gap)) + " ms apart"};

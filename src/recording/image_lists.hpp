@@ -8,12 +8,11 @@
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/recording/recording.hpp"
-
-#include "recording/text_rows.hpp"
+#include "pcavr/recording/text_rows.hpp"
 
 namespace pcavr {
 
-/// What `rgb.txt` and `depth.txt` hold together.
+/// The frames of `rgb.txt` and `depth.txt`, paired by time.
 struct PairedImages {
   std::vector<FrameFiles> frames;  ///< at least one
   std::size_t unpaired_color = 0;
@@ -22,7 +21,7 @@ struct PairedImages {
   RowReport depth_report = {};
 };
 
-/// Reads both lists of `folder`, checks that the images are there, and pairs them by time.
+/// Reads both lists of `folder`, checks that the images exist, and pairs them by time.
 [[nodiscard]] Expected<PairedImages> read_image_lists(const std::filesystem::path& folder,
                                                       const ReadOptions& options);
 

@@ -13,16 +13,17 @@ namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-Expected<ImportFormat> format_of(const fs::path& source) {
+Expected<ImportFormat> detect_format(const fs::path& source) {
   std::error_code code;
   if (!fs::is_directory(source, code)) {
     return Error{.message = "is not a folder",
                  .file = source.string(),
-                 .hint = "give the folder that holds the images"};
+                 .hint = "give the folder that contains the images"};
   }
   if (fs::exists(source / "recording.yaml", code)) {
-    return Error{
-        .message = "is a recording already", .file = source.string(), .hint = "use it as it is"};
+    return Error{.message = "is already a recording",
+                 .file = source.string(),
+                 .hint = "use it without importing"};
   }
   if (fs::exists(source / "rgb.txt", code) && fs::exists(source / "depth.txt", code)) {
     return ImportFormat::tum_rgbd;
@@ -38,7 +39,7 @@ Expected<ImportFormat> format_of(const fs::path& source) {
 Expected<ImportReport> import_tum(const fs::path& source, const fs::path& target,
                                   const ImportOptions& options, const Observer& observer) {
   if (!options.camera) {
-    return Error{.message = "holds no camera calibration, as TUM RGB-D folders never do",
+    return Error{.message = "contains no camera calibration; TUM RGB-D folders never do",
                  .file = source.string(),
                  .hint = "give --camera with a calibration file"};
   }
@@ -75,7 +76,7 @@ Expected<ImportReport> import_recording(const fs::path& source, const fs::path& 
   PCAVR_REQUIRE(options.stride >= 1, options.stride);
   PCAVR_REQUIRE(options.frame_rate >= 0.1 && options.frame_rate <= 1e5, options.frame_rate);
   const Expected<ImportFormat> format =
-      options.format ? Expected<ImportFormat>(*options.format) : format_of(source);
+      options.format ? Expected<ImportFormat>(*options.format) : detect_format(source);
   if (!format) return format.error();
   Expected<ImportReport> report = *format == ImportFormat::tum_rgbd
                                       ? import_tum(source, target, options, observer)

@@ -10,7 +10,7 @@
 
 namespace pcavr {
 
-/// Whether there is a file frame-*.color.*.
+/// Whether the folder has a file frame-*.color.*.
 [[nodiscard]] bool has_seven_scenes_frames(const std::filesystem::path& source);
 
 /// A sequence of 7-Scenes [Shotton et al. 2013]: frame-NUMBER.color.png (or .jpg), .depth.png in

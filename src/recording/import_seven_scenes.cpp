@@ -11,12 +11,12 @@
 #include <Eigen/LU>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/recording/image_codec.hpp"
+#include "pcavr/recording/png_codec.hpp"
+#include "pcavr/recording/text_rows.hpp"
 
 #include "recording/camera_keys.hpp"
-#include "recording/image_codec.hpp"
 #include "recording/import_formats.hpp"
-#include "recording/png_codec.hpp"
-#include "recording/text_rows.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;
@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::string_view kPrefix = "frame-";
 
-/// What depth of 7-Scenes holds where nothing was measured.
+/// The value of 7-Scenes depth images where nothing was measured.
 constexpr std::uint16_t kInvalidDepth = 65535;
 
 /// Keeps stamps in range at any frame rate; the names have six digits.
@@ -38,8 +38,8 @@ struct SourceFrame {
 /// By the number in the file names.
 using SourceFrames = std::map<std::int64_t, SourceFrame>;
 
-/// Notes the file if it is one of a frame's.
-void note_file(const fs::path& file, SourceFrames& frames) {
+/// Adds the file to its frame, if it belongs to one.
+void add_file(const fs::path& file, SourceFrames& frames) {
   const std::string name = file.filename().string();
   if (!name.starts_with(kPrefix)) return;
   std::int64_t number = 0;
@@ -56,12 +56,12 @@ SourceFrames list_frames(const fs::path& source) {
   SourceFrames frames;
   std::error_code code;
   for (const fs::directory_entry& entry : fs::directory_iterator(source, code)) {
-    note_file(entry.path(), frames);
+    add_file(entry.path(), frames);
   }
   return frames;
 }
 
-/// Exactly `count` finite numbers between blanks and line ends.
+/// Exactly `count` finite numbers, separated by whitespace.
 std::optional<std::vector<double>> read_numbers(const fs::path& file, std::size_t count) {
   const Expected<std::string> text = read_file(file);
   if (!text) return std::nullopt;
@@ -80,14 +80,16 @@ std::optional<std::vector<double>> read_numbers(const fs::path& file, std::size_
   return numbers;
 }
 
-/// Nothing where tracking was lost: no file, numbers that are not finite, or no rigid motion.
+/// nullopt where tracking was lost: no file, numbers that are not finite, or not a rigid
+/// transformation.
 std::optional<Pose> read_pose(const fs::path& file) {
   const std::optional<std::vector<double>> numbers = read_numbers(file, 16);
   if (!numbers) return std::nullopt;
   const Eigen::Matrix4d matrix =
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers->data());
   const Eigen::Matrix3d R = matrix.topLeftCorner<3, 3>();
-  // The poses are written with 7 digits and orthonormal to some 1e-4; lost ones are far off.
+  // The poses are written with 7 digits and are orthonormal to about 1e-4; invalid ones are far
+  // off.
   constexpr double kTolerance = 0.01;
   const Eigen::Matrix3d error = R * R.transpose() - Eigen::Matrix3d::Identity();
   const Eigen::RowVector4d last_row(0.0, 0.0, 0.0, 1.0);
@@ -105,7 +107,7 @@ Expected<CameraModel> find_camera(const fs::path& source, const fs::path& depth_
   if (!bytes) return bytes.error();
   const Expected<PngImage> header = decode_png_header(*bytes);
   if (!header) {
-    return Error{.message = "does not decode: " + header.error().message,
+    return Error{.message = "can't be decoded: " + header.error().message,
                  .file = depth_file.string(),
                  .hint = "replace the image"};
   }
@@ -148,8 +150,8 @@ Expected<EncodedImage> convert_depth(const fs::path& file, const CameraModel& ca
   return EncodedImage{encode_depth(*depth), ".png"};
 }
 
-/// Takes the frames without both images out, and counts them.
-std::size_t take_out_incomplete(SourceFrames& frames) {
+/// Removes the frames without both images, and returns their number.
+std::size_t remove_incomplete(SourceFrames& frames) {
   return std::erase_if(frames, [](const auto& frame) {
     return frame.second.color.empty() || frame.second.depth.empty();
   });
@@ -177,7 +179,7 @@ Expected<ImportReport> import_seven_scenes(const fs::path& source, const fs::pat
                                            const ImportOptions& options, const Observer& observer) {
   ImportReport report{.format = ImportFormat::seven_scenes};
   SourceFrames frames = list_frames(source);
-  report.left_out = take_out_incomplete(frames);
+  report.left_out = remove_incomplete(frames);
   if (frames.empty()) return report;
   const Expected<CameraModel> camera = find_camera(source, frames.begin()->second.depth, options);
   if (!camera) return camera.error();

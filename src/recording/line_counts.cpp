@@ -10,9 +10,8 @@
 
 #include "pcavr/core/input_file.hpp"
 #include "pcavr/core/output.hpp"
-
-#include "recording/time_series.hpp"
-#include "recording/yaml_map.hpp"
+#include "pcavr/recording/time_series.hpp"
+#include "pcavr/recording/yaml_map.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;
@@ -24,44 +23,44 @@ constexpr int kMaxLines = 1'000'000'000;
 
 struct Lines {
   std::size_t count = 0;
-  bool is_whole = true;  ///< the last has an end too
+  bool is_complete = true;  ///< the last line has a line end, too
 };
 
 Lines lines_of(std::string_view text) {
   const auto ends = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-  const bool is_whole = text.empty() || text.back() == '\n';
-  return {ends + (is_whole ? 0 : 1), is_whole};
+  const bool is_complete = text.empty() || text.back() == '\n';
+  return {ends + (is_complete ? 0 : 1), is_complete};
 }
 
-/// In pieces: the files of a long run are larger than what should be in memory at once.
+/// In blocks: the files of a long run are too large to be read into memory at once.
 Expected<Lines> lines_of_file(const fs::path& file) {
   const Expected<std::uintmax_t> size = regular_file_size(file);
   if (!size) return size.error();
   std::ifstream stream(file, std::ios::binary);
   Lines lines;
-  std::vector<char> piece(1 << 16);
+  std::vector<char> block(1 << 16);
   for (;;) {
-    stream.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    stream.read(block.data(), static_cast<std::streamsize>(block.size()));
     const auto count = static_cast<std::size_t>(stream.gcount());
     if (count == 0) break;
-    const Lines more = lines_of({piece.data(), count});
-    // A piece that ends inside a line counts that line, and so does the next.
-    lines.count += more.count - (lines.is_whole ? 0 : 1);
-    lines.is_whole = more.is_whole;
+    const Lines more = lines_of({block.data(), count});
+    // A block that ends inside a line counts that line, and so does the next.
+    lines.count += more.count - (lines.is_complete ? 0 : 1);
+    lines.is_complete = more.is_complete;
   }
-  if (stream.bad()) return Error{.message = "could not be read to its end", .file = file.string()};
+  if (stream.bad()) return Error{.message = "could not be read to the end", .file = file.string()};
   return lines;
 }
 
 Expected<void> check_lines(const Lines& found, std::size_t lines, const fs::path& file) {
-  if (found.is_whole && found.count == lines) return {};
+  if (found.is_complete && found.count == lines) return {};
   const std::string count = std::to_string(found.count);
   return Error{
-      .message = "was cut or changed since it was written: it " +
-                 (found.is_whole ? "has " + count + " lines" : "ends inside line " + count) +
+      .message = "was truncated or changed since it was written: it " +
+                 (found.is_complete ? "has " + count + " lines" : "ends inside line " + count) +
                  ", and " + std::to_string(lines) + " were written",
       .file = file.string(),
-      .hint = "copy or make it again"};
+      .hint = "copy or create it again"};
 }
 
 bool is_counted(const fs::path& relative) {
@@ -102,8 +101,8 @@ Expected<void> write_line_counts(const fs::path& folder) {
   if (!counts) return counts.error();
   YAML::Emitter out;
   out << YAML::Comment(
-      "How many lines each file had when it was written: another number is refused.\n"
-      "Remove this file after a change that is meant.");
+      "Number of lines of each file when it was written: another number is refused.\n"
+      "Remove this file after an intended change.");
   out << YAML::BeginMap << YAML::Key << "format" << YAML::Value << kWrittenFormat;
   out << YAML::Key << "lines" << YAML::Value << YAML::BeginMap;
   for (const auto& [file, count] : *counts) out << YAML::Key << file << YAML::Value << count;
@@ -140,14 +139,14 @@ Expected<void> check_line_counts(const fs::path& manifest) {
   if (!*counts) return {};
   for (const auto& [name, lines] : **counts) {
     const fs::path file = manifest.parent_path() / name;
-    const Expected<bool> is_there = is_present(file);
-    if (!is_there) return is_there.error();
-    if (!*is_there) continue;
-    const Expected<void> whole = check_line_count(file, lines);
-    if (whole) continue;
-    Error error = whole.error();
+    const Expected<bool> exists = is_present(file);
+    if (!exists) return exists.error();
+    if (!*exists) continue;
+    const Expected<void> intact = check_line_count(file, lines);
+    if (intact) continue;
+    Error error = intact.error();
     if (manifest.filename() == kWrittenFile) {
-      error.hint += ", or remove " + std::string(kWrittenFile) + " where the change is meant";
+      error.hint += ", or remove " + std::string(kWrittenFile) + " if the change is intended";
     }
     return error;
   }

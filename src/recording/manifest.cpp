@@ -6,11 +6,11 @@
 #include <cstdint>
 
 #include "pcavr/core/input_file.hpp"
+#include "pcavr/recording/manifest_parser.hpp"
+#include "pcavr/recording/time_series.hpp"
+#include "pcavr/recording/yaml_map.hpp"
 
 #include "recording/camera_keys.hpp"
-#include "recording/manifest_parser.hpp"
-#include "recording/time_series.hpp"
-#include "recording/yaml_map.hpp"
 
 namespace pcavr {
 namespace {
@@ -31,13 +31,13 @@ Pose pose_of(const YamlValue& value) {
   return Pose(Eigen::Quaterniond(q[3], q[0], q[1], q[2]), {t[0], t[1], t[2]});
 }
 
-/// A path inside the folder; that the file is there is checked where the folder is known.
+/// A path inside the folder; where the folder is known, the file must exist.
 std::filesystem::path path_of(const YamlValue& value, const std::filesystem::path& folder) {
   const Expected<std::filesystem::path> path = path_inside_folder(value.text());
   if (!path) value.fail(path.error().message, path.error().hint);
   if (folder.empty()) return *path;
-  const Expected<bool> is_there = is_present(folder / *path);
-  if (is_there && !*is_there) {
+  const Expected<bool> exists = is_present(folder / *path);
+  if (exists && !*exists) {
     value.fail("the file " + path->string() + " is missing", "add it, or correct the path");
   }
   const Expected<std::uintmax_t> size = regular_file_size(folder / *path);
@@ -69,7 +69,7 @@ void read_object(const YamlValue& value, const std::filesystem::path& folder, Ma
   object.name = name.text();
   expect_object_name(object.name, name);
   if (has_object(manifest, object.name)) {
-    name.fail("object '" + object.name + "' is there twice", "give each object its own name");
+    name.fail("object '" + object.name + "' is listed twice", "give each object its own name");
   }
   if (const std::optional<YamlValue> mesh = value.find("mesh")) {
     object.mesh = path_of(*mesh, folder);
@@ -103,7 +103,7 @@ void read_marker(const YamlValue& value, Manifest& manifest) {
       std::any_of(manifest.markers.begin(), manifest.markers.end(),
                   [&](const MarkerEntry& other) { return other.id == marker.id; });
   if (is_known) {
-    id.fail("tag " + marker.id.to_string() + " is there twice", "give each tag one entry");
+    id.fail("tag " + marker.id.to_string() + " is listed twice", "give each tag one entry");
   }
   marker.size = value.at("size").number_in(ranges::kTagSize);
   marker.role = role_of(value.at("role"));
@@ -114,7 +114,7 @@ void read_marker(const YamlValue& value, Manifest& manifest) {
       object->fail("object '" + marker.object + "' is not declared", "add it under objects");
     }
   } else if (object) {
-    object->fail("a base marker has no object", "leave the key out, or write role: object");
+    object->fail("a base marker has no object", "remove the key, or write role: object");
   }
   marker.T_parent_marker = pose_of(value.at("pose"));
   manifest.markers.push_back(std::move(marker));
@@ -150,13 +150,14 @@ Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folde
 }  // namespace
 
 void expect_object_name(const std::string& name, const YamlValue& key) {
-  const auto is_odd = [](char c) {
+  const auto is_forbidden = [](char c) {
     return c == '/' || c == ',' || c == '"' || (c >= 0 && c < ' ');
   };
-  const bool is_plain = std::none_of(name.begin(), name.end(), is_odd);
-  if (name.empty() || name == "." || name == ".." || !is_plain || name.front() == ' ' ||
-      name.back() == ' ') {
-    key.fail("'" + name + "' can't be the name of a file and a column", "choose a plain word");
+  const bool has_allowed_characters = std::none_of(name.begin(), name.end(), is_forbidden);
+  if (name.empty() || name == "." || name == ".." || !has_allowed_characters ||
+      name.front() == ' ' || name.back() == ' ') {
+    key.fail("'" + name + "' can't be the name of a file and a column",
+             "choose a name without / , \" and spaces at its ends");
   }
 }
 

@@ -5,16 +5,16 @@
 namespace pcavr {
 namespace {
 
-Duration apart(Stamp a, Stamp b) { return a > b ? a - b : b - a; }
+Duration time_difference(Stamp a, Stamp b) { return a > b ? a - b : b - a; }
 
-/// For each stamp of `from` the index of its nearest in `to`, which is not empty.
-std::vector<std::size_t> nearest_of_each(std::span<const Stamp> from, std::span<const Stamp> to) {
+/// For each stamp of `from` the index of the nearest in `to`, which is not empty.
+std::vector<std::size_t> nearest_indices(std::span<const Stamp> from, std::span<const Stamp> to) {
   std::vector<std::size_t> nearest;
   nearest.reserve(from.size());
   std::size_t candidate = 0;
   for (const Stamp stamp : from) {
     while (candidate + 1 < to.size() &&
-           apart(to[candidate + 1], stamp) < apart(to[candidate], stamp)) {
+           time_difference(to[candidate + 1], stamp) < time_difference(to[candidate], stamp)) {
       ++candidate;
     }
     nearest.push_back(candidate);
@@ -28,12 +28,12 @@ std::vector<std::pair<std::size_t, std::size_t>> pair_by_time(std::span<const St
                                                               std::span<const Stamp> b,
                                                               Duration max_gap) {
   if (a.empty() || b.empty()) return {};
-  const std::vector<std::size_t> nearest_b = nearest_of_each(a, b);
-  const std::vector<std::size_t> nearest_a = nearest_of_each(b, a);
+  const std::vector<std::size_t> nearest_b = nearest_indices(a, b);
+  const std::vector<std::size_t> nearest_a = nearest_indices(b, a);
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const std::size_t j = nearest_b[i];
-    if (nearest_a[j] == i && apart(a[i], b[j]) <= max_gap) pairs.emplace_back(i, j);
+    if (nearest_a[j] == i && time_difference(a[i], b[j]) <= max_gap) pairs.emplace_back(i, j);
   }
   return pairs;
 }

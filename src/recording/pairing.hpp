@@ -11,9 +11,9 @@
 
 namespace pcavr {
 
-/// Pairs of indices (a, b) of stamps that are each other's nearest and at most `max_gap`
-/// apart; of two at the same distance the earlier is the nearest. Both lists ascend strictly, and
-/// so do the pairs in both indices; no index occurs twice. O(n).
+/// Approximate time synchronisation: pairs of indices (a, b) of stamps that are mutual nearest
+/// neighbours and at most `max_gap` apart; of two at the same distance the earlier is the nearest.
+/// Both lists ascend strictly, and so do the pairs in both indices; no index occurs twice. O(n).
 [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> pair_by_time(
     std::span<const Stamp> a, std::span<const Stamp> b, Duration max_gap);
 

@@ -8,17 +8,17 @@
 
 #include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output.hpp"
+#include "pcavr/core/utf8.hpp"
+#include "pcavr/recording/manifest_parser.hpp"
+#include "pcavr/recording/text_rows.hpp"
+#include "pcavr/recording/yaml_map.hpp"
 
-#include "recording/manifest_parser.hpp"
 #include "recording/recording_text.hpp"
-#include "recording/text_rows.hpp"
-#include "recording/utf8.hpp"
-#include "recording/yaml_map.hpp"
 
 namespace pcavr {
 namespace {
 
-/// One key, where its value is kept, and which values are not absurd.
+/// One key, the member that stores its value, and the permitted range.
 struct Field {
   const char* key;
   std::optional<ParameterValue> ObjectParameters::*member;
@@ -44,27 +44,29 @@ constexpr std::array kContactFields{
     Field{"exponent", &ObjectParameters::contact_exponent, ranges::kExponent},
 };
 
-std::string deviation_key(const Field& field) { return std::string(field.key) + "_std"; }
+std::string std_key(const Field& field) { return std::string(field.key) + "_std"; }
 
 void read_field(const YamlValue& map, const Field& field, ObjectParameters& parameters) {
   const std::optional<YamlValue> value = map.find(field.key);
-  const std::optional<YamlValue> deviation = map.find(deviation_key(field));
+  const std::optional<YamlValue> std_value = map.find(std_key(field));
   if (!value) {
-    if (deviation) {
-      deviation->fail("has no " + std::string(field.key) + " beside it", "add that, or drop this");
+    if (std_value) {
+      std_value->fail("is given without " + std::string(field.key),
+                      "add the value, or remove its std");
     }
     return;
   }
   ParameterValue parameter{.value = value->number_in(field.range)};
-  if (deviation) parameter.deviation = deviation->number_in(ranges::kParameterStd);
+  if (std_value) parameter.std = std_value->number_in(ranges::kParameterStd);
   parameters.*field.member = parameter;
 }
 
-/// Whether H is positive and convex, by what that means for the norm it makes: each of its tangent
-/// planes keeps the whole surface on one side. Held against many directions, each with each.
+/// Whether the quartic H is positive and its level set convex: each tangent plane is a supporting
+/// plane, with the whole surface on one side. Checked for many directions, each against each
+/// (Fibonacci sphere).
 bool is_convex(const std::array<double, 15>& coefficients) {
   constexpr int kDirections = 200;
-  constexpr double kMinLevel = 1e-4;  // thinner, it is no surface in the scales given
+  constexpr double kMinLevel = 1e-4;  // below, the surface is degenerate in the given scales
   constexpr double kRounding = 1e-6;
   const LimitSurface surface{1.0, 1.0, coefficients};
   std::vector<Eigen::Vector3d> directions;
@@ -93,7 +95,7 @@ LimitSurface read_limit_surface(const YamlValue& map) {
   const std::vector<double> coefficients = list.numbers(surface.coefficients.size());
   std::copy(coefficients.begin(), coefficients.end(), surface.coefficients.begin());
   if (!is_convex(surface.coefficients)) {
-    list.fail("are not those of a convex surface", "identify it anew, or leave limit_surface out");
+    list.fail("are not those of a convex surface", "identify it again, or remove limit_surface");
   }
   return surface;
 }
@@ -122,9 +124,8 @@ void emit_field(YAML::Emitter& out, const Field& field, const ObjectParameters& 
   const std::optional<ParameterValue>& parameter = parameters.*field.member;
   if (!parameter) return;
   out << YAML::Key << field.key << YAML::Value << shortest_decimal(parameter->value);
-  if (parameter->deviation && std::isfinite(*parameter->deviation)) {
-    out << YAML::Key << deviation_key(field) << YAML::Value
-        << shortest_decimal(*parameter->deviation);
+  if (parameter->std && std::isfinite(*parameter->std)) {
+    out << YAML::Key << std_key(field) << YAML::Value << shortest_decimal(*parameter->std);
   }
 }
 
@@ -149,7 +150,7 @@ void emit_object(YAML::Emitter& out, const ObjectParameters& parameters) {
   out << YAML::EndMap;
 }
 
-/// Each line of it behind a '#'.
+/// Each line prefixed by '#'.
 std::string as_comment(const std::string& comment) {
   std::string text;
   const std::string readable = as_utf8_text(comment);
@@ -191,7 +192,7 @@ std::string format_parameters(const ParameterTable& table, const std::string& co
   return as_comment(comment) + out.c_str() + '\n';
 }
 
-std::vector<std::pair<std::string, ParameterValue>> listed_parameters(
+std::vector<std::pair<std::string, ParameterValue>> list_parameters(
     const ObjectParameters& parameters) {
   std::vector<std::pair<std::string, ParameterValue>> listed;
   const auto list = [&](const Field& field, const std::string& prefix) {

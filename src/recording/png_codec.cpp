@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "recording/png_codec.hpp"
+#include "pcavr/recording/png_codec.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kSignature("\x89PNG\r\n\x1A\n", 8);
 constexpr std::size_t kHeaderSize = 13;
-/// Sides up to which sizes of images fit well into every type used here; 4-byte lengths allow more.
+/// Sides up to which image sizes fit into every integer type used here; PNG allows 4 bytes.
 constexpr std::uint32_t kMaxSide = 1u << 16;
 
 struct Chunk {
@@ -37,16 +37,16 @@ std::uint32_t checksum(std::string_view bytes) {
   return libdeflate_crc32(0, bytes.data(), bytes.size());
 }
 
-/// Takes the next chunk off `rest`.
+/// Removes the next chunk from `rest` and returns it.
 Expected<Chunk> next_chunk(std::string_view& rest) {
   constexpr std::size_t kFrame = 12;  // length, type and checksum, 4 bytes each
   if (rest.size() < kFrame || rest.size() - kFrame < big_endian_32(rest)) {
-    return Error{.message = "it ends too early"};
+    return Error{.message = "unexpected end of file"};
   }
   const std::size_t length = big_endian_32(rest);
   const Chunk chunk{rest.substr(4, 4), rest.substr(8, length)};
   if (checksum(rest.substr(4, 4 + length)) != big_endian_32(rest.substr(8 + length))) {
-    return Error{.message = "a checksum is wrong"};
+    return Error{.message = "checksum (CRC) mismatch"};
   }
   rest.remove_prefix(kFrame + length);
   return chunk;
@@ -57,7 +57,7 @@ Expected<PngImage> parse_header(std::string_view header) {
   const std::uint32_t width = big_endian_32(header);
   const std::uint32_t height = big_endian_32(header.substr(4));
   if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide) {
-    return Error{.message = "its size is not possible"};
+    return Error{.message = "its size is invalid"};
   }
   image.width = static_cast<int>(width);
   image.height = static_cast<int>(height);
@@ -65,27 +65,28 @@ Expected<PngImage> parse_header(std::string_view header) {
   constexpr int kChannels[] = {1, 0, 3, 0, 2, 0, 4};  // by colour type; 3 is a palette
   const auto color_type = static_cast<std::uint8_t>(header[9]);
   if (color_type < std::size(kChannels)) image.channels = kChannels[color_type];
-  if (image.channels == 0) return Error{.message = "it has a palette"};
+  if (image.channels == 0) return Error{.message = "palettes are not supported"};
   if (image.bit_depth != 8 && image.bit_depth != 16) {
-    return Error{.message = "it has " + std::to_string(image.bit_depth) + " bits a channel"};
+    return Error{.message = "it has " + std::to_string(image.bit_depth) +
+                            " bits per channel; 8 and 16 are supported"};
   }
-  if (header[12] != 0) return Error{.message = "it is interlaced"};
+  if (header[12] != 0) return Error{.message = "interlacing is not supported"};
   return image;
 }
 
-/// Takes signature and header chunk off `rest`.
+/// Removes signature and header chunk from `rest`.
 Expected<PngImage> take_header(std::string_view& rest) {
   if (!rest.starts_with(kSignature)) return Error{.message = "it is not a PNG file"};
   rest.remove_prefix(kSignature.size());
   const Expected<Chunk> chunk = next_chunk(rest);
   if (!chunk) return chunk.error();
   if (chunk->type != "IHDR" || chunk->data.size() != kHeaderSize) {
-    return Error{.message = "its header is damaged"};
+    return Error{.message = "its header is corrupt"};
   }
   return parse_header(chunk->data);
 }
 
-/// The compressed pixels; `joined` holds them where they come in several chunks.
+/// The compressed pixels; concatenated in `joined` where there are several chunks.
 Expected<std::string_view> compressed_pixels(std::string_view rest, std::string& joined) {
   std::string_view pixels;
   for (;;) {
@@ -122,8 +123,8 @@ std::uint8_t paeth(int a, int b, int c) {
   return static_cast<std::uint8_t>(to_a <= to_b && to_a <= to_c ? a : nearest_of_bc);
 }
 
-/// Undoes a row's filter in place [ISO/IEC 15948, 9.2]. `above` is the row before, undone.
-/// The pixel's size is known to the compiler, which keeps the neighbours in registers.
+/// Undoes a row's filter in place [ISO/IEC 15948, 9.2]. `above` is the previous row, unfiltered.
+/// The pixel size is a compile-time constant, so that the neighbours stay in registers.
 template <std::size_t pixel_size>
 bool undo_filter(std::uint8_t filter, std::uint8_t* row, const std::uint8_t* above,
                  std::size_t size) {
@@ -170,7 +171,7 @@ bool undo_filters(PngImage& image) {
   return true;
 }
 
-bool undo_filters_of_any(PngImage& image) {
+bool undo_filters_by_size(PngImage& image) {
   switch (image.pixel_size()) {
     case 1:
       return undo_filters<1>(image);
@@ -218,17 +219,18 @@ Expected<void> decode_png(std::string_view bytes, PngImage& image) {
   std::string joined;
   const Expected<std::string_view> compressed = compressed_pixels(rest, joined);
   if (!compressed) return compressed.error();
-  // No stream of deflate grows by more than this [RFC 1951]: before memory is taken for a header.
-  constexpr std::size_t kMaxInflation = 1032;
+  // Maximum compression ratio of deflate [RFC 1951]: checked before memory is allocated for the
+  // size in the header, against decompression bombs.
+  constexpr std::size_t kMaxCompressionRatio = 1032;
   const std::size_t needed = static_cast<std::size_t>(header->height) * (header->row_size() + 1);
-  if (needed / kMaxInflation > compressed->size()) {
-    return Error{.message = "its pixels are too few for its size"};
+  if (needed / kMaxCompressionRatio > compressed->size()) {
+    return Error{.message = "its pixel data is too short for its size"};
   }
   header->rows = std::move(image.rows);
   image = *std::move(header);
   image.rows.resize(needed);
-  if (!inflate(*compressed, image.rows)) return Error{.message = "its pixels are damaged"};
-  if (!undo_filters_of_any(image)) return Error{.message = "a row has an unknown filter"};
+  if (!inflate(*compressed, image.rows)) return Error{.message = "its pixel data is corrupt"};
+  if (!undo_filters_by_size(image)) return Error{.message = "a row has an unknown filter"};
   return {};
 }
 
@@ -239,7 +241,7 @@ std::string encode_png(const PngImage& image) {
   append_big_endian_32(header, static_cast<std::uint32_t>(image.height));
   header += static_cast<char>(image.bit_depth);
   header += kColorTypes[image.channels - 1];
-  header.append(3, '\0');  // compression and filters of the only kinds there are, not interlaced
+  header.append(3, '\0');  // the only methods of compression and filtering, not interlaced
 
   std::string file(kSignature);
   append_chunk(file, "IHDR", header);

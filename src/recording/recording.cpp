@@ -8,41 +8,41 @@
 #include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/line_counts.hpp"
+#include "pcavr/recording/manifest_parser.hpp"
+#include "pcavr/recording/time_series.hpp"
 
 #include "recording/image_lists.hpp"
-#include "recording/manifest_parser.hpp"
-#include "recording/time_series.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-/// Notes what was left out of a file, and that its last line may have been cut.
-void note(const RowReport& report, const char* name, Recording& recording) {
+/// Adds a file's skipped rows to the recording, and a warning if its last line may be truncated.
+void add_report(const RowReport& report, const char* name, Recording& recording) {
   for (const auto& [reason, count] : report.left_out) {
     recording.left_out.push_back({name, reason, count});
   }
   if (report.short_last_line) {
     recording.warnings.push_back((recording.folder / name).string() + ':' +
                                  std::to_string(*report.short_last_line) +
-                                 ": the last line has no end and is shorter than those before it; "
-                                 "was the file cut?");
+                                 ": the last line has no line end and is shorter than the previous "
+                                 "lines; the file may be truncated");
   }
 }
 
-/// A file of the recording through its parser; an empty content where there is no such file.
+/// Reads and parses a file of the recording; empty content where the file does not exist.
 template <typename Content>
-Expected<Content> read_if_there(Recording& recording, const char* name, bool skip_bad,
-                                Expected<Series<Content>> (*parse)(const SeriesText&)) {
+Expected<Content> read_if_present(Recording& recording, const char* name, bool skip_bad,
+                                  Expected<Series<Content>> (*parse)(const SeriesText&)) {
   const fs::path file = recording.folder / name;
-  const Expected<bool> is_there = is_present(file);
-  if (!is_there) return is_there.error();
-  if (!*is_there) return Content{};
+  const Expected<bool> exists = is_present(file);
+  if (!exists) return exists.error();
+  if (!*exists) return Content{};
   const Expected<std::string> text = read_file(file);
   if (!text) return text.error();
   Expected<Series<Content>> series = parse({file.string(), *text, skip_bad});
   if (!series) return series.error();
-  note(series->report, name, recording);
+  add_report(series->report, name, recording);
   return std::move(series->content);
 }
 
@@ -55,10 +55,10 @@ Expected<void> read_frames(Recording& recording, const ReadOptions& options) {
   if (*has_color != *has_depth) {
     return Error{.message = std::string(*has_color ? "depth.txt" : "rgb.txt") + " is missing",
                  .file = recording.folder.string(),
-                 .hint = "a recording has both lists, or none where it holds no images"};
+                 .hint = "a recording has both lists, or neither if it has no images"};
   }
   if (!recording.manifest.camera) {
-    return Error{.message = "key 'camera' is missing, though there are images",
+    return Error{.message = "key 'camera' is missing, but there are images",
                  .file = (recording.folder / "recording.yaml").string(),
                  .hint = "add the camera with its intrinsics and depth_scale"};
   }
@@ -67,79 +67,81 @@ Expected<void> read_frames(Recording& recording, const ReadOptions& options) {
   recording.frames = std::move(images->frames);
   recording.unpaired_color = images->unpaired_color;
   recording.unpaired_depth = images->unpaired_depth;
-  note(images->color_report, "rgb.txt", recording);
-  note(images->depth_report, "depth.txt", recording);
+  add_report(images->color_report, "rgb.txt", recording);
+  add_report(images->depth_report, "depth.txt", recording);
   return {};
 }
 
 Expected<Manifest> read_manifest(const fs::path& folder) {
   const fs::path file = folder / "recording.yaml";
-  const Expected<bool> is_there = is_present(file);
-  if (!is_there) return is_there.error();
-  if (!*is_there) {
-    return Error{.message = "is not a recording: it holds no recording.yaml",
+  const Expected<bool> exists = is_present(file);
+  if (!exists) return exists.error();
+  if (!*exists) {
+    return Error{.message = "is not a recording: it contains no recording.yaml",
                  .file = folder.string(),
-                 .hint = "check the path; 'pcavr import' turns other folders into recordings"};
+                 .hint = "check the path; 'pcavr import' converts other datasets"};
   }
   const Expected<std::string> text = read_file(file);
   if (!text) return text.error();
   return parse_manifest(*text, file.string(), folder);
 }
 
-/// Moves a value into its place, or hands its error back.
+/// Moves a value to `place`, or returns the error.
 template <typename Content>
-Expected<void> keep(Expected<Content> read, Content& place) {
+Expected<void> store(Expected<Content> read, Content& place) {
   if (!read) return read.error();
   place = *std::move(read);
   return {};
 }
 
 Expected<void> read_series(Recording& recording, bool skip_bad) {
-  if (auto kept = keep(read_if_there(recording, "groundtruth.txt", skip_bad, parse_trajectory),
-                       recording.groundtruth);
-      !kept) {
-    return kept;
+  if (auto stored = store(read_if_present(recording, "groundtruth.txt", skip_bad, parse_trajectory),
+                          recording.groundtruth);
+      !stored) {
+    return stored;
   }
-  if (auto kept = keep(read_if_there(recording, "tool.csv", skip_bad, parse_tool), recording.tool);
-      !kept) {
-    return kept;
+  if (auto stored =
+          store(read_if_present(recording, "tool.csv", skip_bad, parse_tool), recording.tool);
+      !stored) {
+    return stored;
   }
-  if (auto kept =
-          keep(read_if_there(recording, "wrench.csv", skip_bad, parse_wrench), recording.wrench);
-      !kept) {
-    return kept;
+  if (auto stored =
+          store(read_if_present(recording, "wrench.csv", skip_bad, parse_wrench), recording.wrench);
+      !stored) {
+    return stored;
   }
-  return keep(read_if_there(recording, "joints.csv", skip_bad, parse_joints), recording.joints);
+  return store(read_if_present(recording, "joints.csv", skip_bad, parse_joints), recording.joints);
 }
 
-/// A series' stamps, first and last, and the file that they are from.
-struct Ends {
+/// First and last stamp of a series, and its file.
+struct SeriesSpan {
   const char* file;
   Stamp first;
   Stamp last;
 };
 
 template <typename Samples>
-void add_ends(const char* file, const Samples& samples, std::vector<Ends>& ends) {
-  if (!samples.empty()) ends.push_back({file, samples.front().stamp, samples.back().stamp});
+void add_span(const char* file, const Samples& samples, std::vector<SeriesSpan>& spans) {
+  if (!samples.empty()) spans.push_back({file, samples.front().stamp, samples.back().stamp});
 }
 
-/// Ten hours in one series are a slip of a stamp's unit: what is made of it would never end.
+/// More than ten hours in one series means that a stamp has the wrong unit; computations over such
+/// a span would take unlimited time and memory.
 Expected<void> check_spans(const Recording& recording) {
-  std::vector<Ends> all;
-  add_ends("groundtruth.txt", recording.groundtruth.poses(), all);
-  add_ends("tool.csv", recording.tool.poses(), all);
-  add_ends("wrench.csv", recording.wrench, all);
-  add_ends("joints.csv", recording.joints, all);
+  std::vector<SeriesSpan> spans;
+  add_span("groundtruth.txt", recording.groundtruth.poses(), spans);
+  add_span("tool.csv", recording.tool.poses(), spans);
+  add_span("wrench.csv", recording.wrench, spans);
+  add_span("joints.csv", recording.joints, spans);
   if (!recording.frames.empty()) {
-    all.push_back(
+    spans.push_back(
         {"depth.txt", recording.frames.front().depth_stamp, recording.frames.back().depth_stamp});
   }
-  for (const Ends& ends : all) {
-    std::optional<Error> error = check_range(ranges::kSpan, to_seconds(ends.last - ends.first));
+  for (const SeriesSpan& span : spans) {
+    std::optional<Error> error = check_range(ranges::kSpan, to_seconds(span.last - span.first));
     if (!error) continue;
-    error->file = (recording.folder / ends.file).string();
-    error->message = "goes from " + format_stamp(ends.first) + " to " + format_stamp(ends.last) +
+    error->file = (recording.folder / span.file).string();
+    error->message = "goes from " + format_stamp(span.first) + " to " + format_stamp(span.last) +
                      " s, more than ten hours";
     error->hint = "write stamps in seconds on one clock, or split the recording";
     return *std::move(error);
@@ -147,11 +149,11 @@ Expected<void> check_spans(const Recording& recording) {
   return {};
 }
 
-/// What pcavr wrote itself has to be whole.
-Expected<void> check_whole(Recording& recording, bool skip_bad) {
-  const Expected<void> whole = check_line_counts(recording.folder / kWrittenFile);
-  if (whole || !skip_bad) return whole;
-  recording.warnings.push_back(whole.error().to_string());
+/// Checks that files that pcavr wrote are complete (line_counts.hpp).
+Expected<void> check_intact(Recording& recording, bool skip_bad) {
+  const Expected<void> intact = check_line_counts(recording.folder / kWrittenFile);
+  if (intact || !skip_bad) return intact;
+  recording.warnings.push_back(intact.error().to_string());
   return {};
 }
 
@@ -159,26 +161,27 @@ Expected<void> check_whole(Recording& recording, bool skip_bad) {
 
 std::size_t Recording::skipped_rows() const {
   std::size_t sum = 0;
-  for (const LeftOut& entry : left_out) sum += entry.count;
+  for (const SkippedRows& entry : left_out) sum += entry.count;
   return sum;
 }
 
 Expected<Recording> read_recording(const fs::path& folder, const ReadOptions& options) {
-  const Expected<bool> is_there = is_present(folder);
-  if (!is_there) return is_there.error();
+  const Expected<bool> exists = is_present(folder);
+  if (!exists) return exists.error();
   std::error_code code;
   if (!fs::is_directory(folder, code)) {
-    return Error{.message = *is_there ? "is not a folder" : "is not there",
+    return Error{.message = *exists ? "is not a folder" : "does not exist",
                  .file = folder.string(),
-                 .hint = "give the folder that holds recording.yaml"};
+                 .hint = "give the folder that contains recording.yaml"};
   }
   Recording recording;
   recording.folder = folder;
-  if (auto kept = keep(read_manifest(folder), recording.manifest); !kept) return kept.error();
+  if (auto stored = store(read_manifest(folder), recording.manifest); !stored)
+    return stored.error();
   if (auto read = read_frames(recording, options); !read) return read.error();
   if (auto read = read_series(recording, options.skip_bad); !read) return read.error();
-  if (auto sound = check_spans(recording); !sound) return sound.error();
-  if (auto whole = check_whole(recording, options.skip_bad); !whole) return whole.error();
+  if (auto valid = check_spans(recording); !valid) return valid.error();
+  if (auto intact = check_intact(recording, options.skip_bad); !intact) return intact.error();
   return recording;
 }
 

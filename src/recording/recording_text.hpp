@@ -14,10 +14,9 @@ namespace pcavr {
 [[nodiscard]] std::string shortest_decimal(double number);
 /// A stamp for lists and file names: six decimals, or nine where six would round it.
 [[nodiscard]] std::string format_file_stamp(Stamp stamp);
-/// A field of a list, in quotes where it holds blanks or what else would be taken for another
-/// thing.
+/// A field of a list, quoted where it contains whitespace or other special characters.
 [[nodiscard]] std::string quoted_field(const std::string& field);
-/// The texts of a recording's files, which the parsers read back to the same values.
+/// The texts of a recording's files (serialisation), from which the parsers read the same values.
 [[nodiscard]] std::string format_tool(const Trajectory& T_base_tool);
 [[nodiscard]] std::string format_wrench(const std::vector<WrenchSample>& wrench);
 /// Wavefront OBJ with normals where the mesh has them.

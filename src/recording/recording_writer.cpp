@@ -7,9 +7,9 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/output.hpp"
+#include "pcavr/recording/image_codec.hpp"
 #include "pcavr/recording/line_counts.hpp"
 
-#include "recording/image_codec.hpp"
 #include "recording/recording_text.hpp"
 
 namespace pcavr {
@@ -31,14 +31,14 @@ Expected<void> create_parent(const fs::path& file) {
   std::error_code code;
   fs::create_directories(file.parent_path(), code);
   if (!code) return {};
-  return Error{.message = "can't be made: " + code.message(),
+  return Error{.message = "can't be created: " + code.message(),
                .file = file.parent_path().string(),
                .hint = "choose a folder that you may write to"};
 }
 
-/// Adds a line to a list, and gives the path in it.
-std::string list(Stamp stamp, const std::string& folder, const std::string& extension,
-                 std::optional<Stamp>& last, std::string& text) {
+/// Appends a line to an image list, and returns the image's path.
+std::string append_to_list(Stamp stamp, const std::string& folder, const std::string& extension,
+                           std::optional<Stamp>& last, std::string& text) {
   PCAVR_REQUIRE(!last || *last < stamp);
   last = stamp;
   const std::string time = format_file_stamp(stamp);
@@ -57,7 +57,7 @@ struct RecordingWriter::State {
   std::optional<Stamp> last_color;
   std::optional<Stamp> last_depth;
 
-  /// A file under `relative`, its folder made where it is absent.
+  /// Writes a file at `relative`, and creates its folder where needed.
   [[nodiscard]] Expected<void> write(const fs::path& relative, std::string_view content) const {
     const fs::path file = folder / relative;
     if (Expected<void> made = create_parent(file); !made) return made;
@@ -78,9 +78,9 @@ Expected<void> RecordingWriter::add_encoded_frame(Stamp color_stamp, const Encod
                                                   Stamp depth_stamp, const EncodedImage& depth) {
   PCAVR_REQUIRE(state_->manifest.camera.has_value());
   const std::string color_path =
-      list(color_stamp, "rgb/", color.extension, state_->last_color, state_->color_list);
-  const std::string depth_path =
-      list(depth_stamp, "depth/", depth.extension, state_->last_depth, state_->depth_list);
+      append_to_list(color_stamp, "rgb/", color.extension, state_->last_color, state_->color_list);
+  const std::string depth_path = append_to_list(depth_stamp, "depth/", depth.extension,
+                                                state_->last_depth, state_->depth_list);
   if (Expected<void> written = state_->write(color_path, color.bytes); !written) return written;
   return state_->write(depth_path, depth.bytes);
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "recording/text_rows.hpp"
+#include "pcavr/recording/text_rows.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -12,7 +12,7 @@ namespace {
 
 using Separator = RowFormat::Separator;
 
-constexpr std::string_view kBlanks = " \t";
+constexpr std::string_view kWhitespace = " \t";
 
 void split_at_commas(std::string_view line, std::vector<std::string_view>& fields) {
   for (;;) {
@@ -23,21 +23,21 @@ void split_at_commas(std::string_view line, std::vector<std::string_view>& field
   }
 }
 
-void split_at_blanks(std::string_view line, std::vector<std::string_view>& fields) {
+void split_at_whitespace(std::string_view line, std::vector<std::string_view>& fields) {
   for (;;) {
-    const std::size_t begin = line.find_first_not_of(kBlanks);
+    const std::size_t begin = line.find_first_not_of(kWhitespace);
     if (begin == line.npos) return;
-    const std::size_t end = line.find_first_of(kBlanks, begin);
+    const std::size_t end = line.find_first_of(kWhitespace, begin);
     fields.push_back(line.substr(begin, end - begin));
     if (end == line.npos) return;
     line.remove_prefix(end);
   }
 }
 
-/// The fields of one row after the other; keeps its memory.
+/// Splits one row after the other into fields; reuses its memory.
 class RowFields {
  public:
-  /// False where the line holds no row.
+  /// False where the line is empty or a comment.
   [[nodiscard]] bool split(std::string_view line, Separator separator) {
     fields_.clear();
     if (separator == Separator::comma) {
@@ -49,14 +49,14 @@ class RowFields {
     if (line.substr(0, line.find('#')).find_first_of("\"\\") != line.npos) {
       split_quoted(line);
     } else {
-      split_at_blanks(line.substr(0, line.find('#')), fields_);
+      split_at_whitespace(line.substr(0, line.find('#')), fields_);
     }
     return !fields_.empty();
   }
   [[nodiscard]] std::span<const std::string_view> all() const { return fields_; }
 
  private:
-  /// "..." and a backslash keep what follows: blanks, '#', quotes and backslashes.
+  /// "..." and a backslash quote whitespace, '#', quotes and backslashes.
   void split_quoted(std::string_view line) {
     unquoted_.clear();
     std::string field;
@@ -77,7 +77,7 @@ class RowFields {
         has_field = true;
       } else if (!is_quoted && c == '#') {
         break;
-      } else if (!is_quoted && kBlanks.find(c) != kBlanks.npos) {
+      } else if (!is_quoted && kWhitespace.find(c) != kWhitespace.npos) {
         finish();
       } else {
         field += c;
@@ -104,30 +104,31 @@ std::string joined(const std::vector<std::string>& names, char separator) {
 RowFault wrong_column_count(const RowFormat& format, std::size_t found) {
   return {{.message = "has " + std::to_string(found) + " columns, not " +
                       std::to_string(format.columns.size()),
-           .hint = "each line holds " +
+           .hint = "each line has the columns " +
                    joined(format.columns, format.separator == Separator::comma ? ',' : ' ')},
           "wrong number of columns"};
 }
 
-/// Checks count and stamp, and hands the rest to `take`.
-std::optional<RowFault> take_row(const RowFormat& format, std::span<const std::string_view> fields,
-                                 std::optional<Stamp>& last, const TakeFields& take) {
+/// Checks the number of columns and the stamp, and passes the rest to `handle`.
+std::optional<RowFault> handle_row(const RowFormat& format,
+                                   std::span<const std::string_view> fields,
+                                   std::optional<Stamp>& last, const FieldsHandler& handle) {
   if (fields.size() != format.columns.size()) return wrong_column_count(format, fields.size());
   const Expected<Stamp> stamp = parse_stamp(fields[0]);
   if (!stamp) return RowFault(stamp.error(), "not a time");
   if (last && *stamp <= *last) {
     return RowFault(Error{.message = "time " + std::string(fields[0]) +
-                                     " is not after the one before, " + format_stamp(*last),
-                          .hint = "sort the rows by time and keep one of equal ones"},
+                                     " is not after the previous one, " + format_stamp(*last),
+                          .hint = "sort the rows by time and remove duplicates"},
                     "time is not after the one before");
   }
-  if (std::optional<RowFault> fault = take(*stamp, fields.subspan(1))) return fault;
+  if (std::optional<RowFault> fault = handle(*stamp, fields.subspan(1))) return fault;
   last = *stamp;
   return std::nullopt;
 }
 
-/// Watches whether the last line was cut: it has no end, and fewer characters than those before.
-class LastLineWatch {
+/// Detects a truncated last line: one without a line end and shorter than all previous lines.
+class TruncationDetector {
  public:
   void add(const LineReader& lines, std::string_view line) {
     if (!lines.has_line_end() && rows_ > 0 && line.size() < shortest_) short_line_ = lines.line();
@@ -161,9 +162,9 @@ std::optional<std::string_view> LineReader::next() {
 }
 
 std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(kBlanks);
+  const std::size_t begin = text.find_first_not_of(kWhitespace);
   if (begin == text.npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+  return text.substr(begin, text.find_last_not_of(kWhitespace) - begin + 1);
 }
 
 std::optional<double> parse_number(std::string_view text) {
@@ -176,7 +177,7 @@ std::optional<double> parse_number(std::string_view text) {
   return number;
 }
 
-void RowReport::leave_out(const std::string& reason) {
+void RowReport::count_skipped(const std::string& reason) {
   const auto known = std::find_if(left_out.begin(), left_out.end(),
                                   [&](const auto& entry) { return entry.first == reason; });
   if (known == left_out.end()) {
@@ -192,29 +193,30 @@ std::size_t RowReport::skipped() const {
   return sum;
 }
 
-Expected<RowReport> read_rows(const RowFormat& format, LineReader& lines, const TakeFields& take) {
+Expected<RowReport> read_rows(const RowFormat& format, LineReader& lines,
+                              const FieldsHandler& handle) {
   RowReport report;
-  LastLineWatch watch;
+  TruncationDetector truncation;
   std::optional<Stamp> last;
   RowFields fields;
   while (std::optional<std::string_view> line = lines.next()) {
     if (!fields.split(*line, format.separator)) continue;
-    watch.add(lines, *line);
-    std::optional<RowFault> fault = take_row(format, fields.all(), last, take);
+    truncation.add(lines, *line);
+    std::optional<RowFault> fault = handle_row(format, fields.all(), last, handle);
     if (!fault) continue;
     if (!format.skip_bad) {
       fault->error.file = format.file;
       fault->error.line = lines.line();
       return std::move(fault->error);
     }
-    report.leave_out(fault->reason);
+    report.count_skipped(fault->reason);
   }
-  report.short_last_line = watch.short_line();
+  report.short_last_line = truncation.short_line();
   return report;
 }
 
 Expected<RowReport> read_number_rows(const RowFormat& format, LineReader& lines,
-                                     const TakeNumbers& take) {
+                                     const NumbersHandler& handle) {
   std::vector<double> numbers(format.columns.size() - 1);
   return read_rows(
       format, lines,
@@ -225,12 +227,12 @@ Expected<RowReport> read_number_rows(const RowFormat& format, LineReader& lines,
             return RowFault(
                 Error{.message = "'" + std::string(fields[i]) + "' is not a finite number",
                       .place = format.columns[i + 1],
-                      .hint = "write a decimal number, or leave the row out"},
+                      .hint = "write a decimal number, or remove the row"},
                 "not a finite number");
           }
           numbers[i] = *number;
         }
-        return take(stamp, numbers);
+        return handle(stamp, numbers);
       });
 }
 

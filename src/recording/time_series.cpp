@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "recording/time_series.hpp"
+#include "pcavr/recording/time_series.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,21 +17,21 @@ RowFormat format_of(const SeriesText& text, Separator separator, std::vector<std
   return {text.file, separator, std::move(columns), text.skip_bad};
 }
 
-/// Reads the header line and compares it with the columns that the format wants.
+/// Reads the header line and compares it with the columns that the format requires.
 Expected<void> expect_header(const RowFormat& format, LineReader& lines) {
   const Expected<std::vector<std::string>> header = read_header(format.file, lines);
   if (!header) return header.error();
   if (*header == format.columns) return {};
-  std::string wanted;
-  for (const std::string& column : format.columns) wanted += (wanted.empty() ? "" : ",") + column;
-  return Error{.message = "the header is not '" + wanted + "'",
+  std::string expected;
+  for (const std::string& column : format.columns)
+    expected += (expected.empty() ? "" : ",") + column;
+  return Error{.message = "the header is not '" + expected + "'",
                .file = format.file,
                .line = lines.line(),
-               .hint = "name the columns so, in this order"};
+               .hint = "use these column names in this order"};
 }
 
-/// What is wrong with numbers of one kind, if anything; `format` names the column, the first of
-/// which is `first`.
+/// Checks the range of numbers of one quantity. The first of them is column `first` of `format`.
 std::optional<RowFault> check_columns(const RowFormat& format, const InputRange& range,
                                       std::span<const double> numbers, std::size_t first) {
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -46,7 +46,7 @@ std::optional<RowFault> check_columns(const RowFormat& format, const InputRange&
 /// Rows of `x y z qx qy qz qw`.
 Expected<Series<Trajectory>> read_poses(const RowFormat& format, LineReader& lines) {
   std::vector<TimedPose> poses;
-  const auto take = [&](Stamp stamp, std::span<const double> n) -> std::optional<RowFault> {
+  const auto handle = [&](Stamp stamp, std::span<const double> n) -> std::optional<RowFault> {
     if (auto fault = check_columns(format, ranges::kCoordinate, n.first(3), 1)) return fault;
     if (std::optional<Error> error = check_unit_quaternion(n.subspan(3))) {
       return RowFault(*std::move(error), "no unit quaternion");
@@ -54,7 +54,7 @@ Expected<Series<Trajectory>> read_poses(const RowFormat& format, LineReader& lin
     poses.push_back({stamp, Pose(Eigen::Quaterniond(n[6], n[3], n[4], n[5]), {n[0], n[1], n[2]})});
     return std::nullopt;
   };
-  Expected<RowReport> report = read_number_rows(format, lines, take);
+  Expected<RowReport> report = read_number_rows(format, lines, handle);
   if (!report) return report.error();
   return Series<Trajectory>{Trajectory(std::move(poses)), *std::move(report)};
 }
@@ -93,8 +93,8 @@ std::optional<JointColumns> joint_columns(const std::vector<std::string>& names)
 
 std::optional<Error> check_unit_quaternion(std::span<const double> xyzw) {
   const double norm = Eigen::Vector4d(xyzw[0], xyzw[1], xyzw[2], xyzw[3]).norm();
-  // Written with few digits a unit quaternion is off by some 1e-3; beyond a tenth it is something
-  // else, such as columns in another order.
+  // A unit quaternion written with few digits has an error of about 1e-3; beyond a tenth it is
+  // something else, such as columns in another order.
   if (std::abs(norm - 1.0) <= 0.1) return std::nullopt;
   return Error{.message = "the quaternion has the norm " + std::to_string(norm) + ", not 1",
                .hint = "write a unit quaternion in the order qx qy qz qw"};
@@ -113,16 +113,17 @@ Expected<std::filesystem::path> path_inside_folder(std::string_view text) {
 Expected<Series<std::vector<ListedImage>>> parse_image_list(const SeriesText& text) {
   Series<std::vector<ListedImage>> list;
   LineReader lines(text.text);
-  const auto take = [&](Stamp stamp,
-                        std::span<const std::string_view> fields) -> std::optional<RowFault> {
+  const auto handle = [&](Stamp stamp,
+                          std::span<const std::string_view> fields) -> std::optional<RowFault> {
     const Expected<std::filesystem::path> path = path_inside_folder(fields[0]);
     if (!path) return RowFault(path.error(), "path that leaves the folder");
     list.content.push_back({stamp, *path, lines.line()});
     return std::nullopt;
   };
-  Expected<RowReport> report = read_rows(
-      format_of(text, Separator::blank, {"timestamp", "path (in \"...\" where it has blanks)"}),
-      lines, take);
+  Expected<RowReport> report =
+      read_rows(format_of(text, Separator::whitespace,
+                          {"timestamp", "path (in \"...\" where it has spaces)"}),
+                lines, handle);
   if (!report) return report.error();
   list.report = *std::move(report);
   return list;
@@ -131,7 +132,8 @@ Expected<Series<std::vector<ListedImage>>> parse_image_list(const SeriesText& te
 Expected<Series<Trajectory>> parse_trajectory(const SeriesText& text) {
   LineReader lines(text.text);
   return read_poses(
-      format_of(text, Separator::blank, {"t", "tx", "ty", "tz", "qx", "qy", "qz", "qw"}), lines);
+      format_of(text, Separator::whitespace, {"t", "tx", "ty", "tz", "qx", "qy", "qz", "qw"}),
+      lines);
 }
 
 Expected<Series<Trajectory>> parse_tool(const SeriesText& text) {
@@ -148,13 +150,13 @@ Expected<Series<std::vector<WrenchSample>>> parse_wrench(const SeriesText& text)
       format_of(text, Separator::comma, {"t", "fx", "fy", "fz", "tx", "ty", "tz"});
   if (const Expected<void> header = expect_header(format, lines); !header) return header.error();
   Series<std::vector<WrenchSample>> wrench;
-  const auto take = [&](Stamp stamp, std::span<const double> n) -> std::optional<RowFault> {
+  const auto handle = [&](Stamp stamp, std::span<const double> n) -> std::optional<RowFault> {
     if (auto fault = check_columns(format, ranges::kForce, n.first(3), 1)) return fault;
     if (auto fault = check_columns(format, ranges::kTorque, n.subspan(3), 4)) return fault;
     wrench.content.push_back({stamp, {n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
     return std::nullopt;
   };
-  Expected<RowReport> report = read_number_rows(format, lines, take);
+  Expected<RowReport> report = read_number_rows(format, lines, handle);
   if (!report) return report.error();
   wrench.report = *std::move(report);
   return wrench;
@@ -169,11 +171,11 @@ Expected<Series<std::vector<JointSample>>> parse_joints(const SeriesText& text) 
     return Error{.message = "the header is not 't,q1..qn,dq1..dqn,tau1..taun'",
                  .file = text.file,
                  .line = lines.line(),
-                 .hint = "name the columns so; all dq or all tau may be absent"};
+                 .hint = "use these column names; all dq or all tau may be absent"};
   }
   Series<std::vector<JointSample>> joints;
   const RowFormat format = format_of(text, Separator::comma, *header);
-  const auto take = [&](Stamp stamp, std::span<const double> numbers) -> std::optional<RowFault> {
+  const auto handle = [&](Stamp stamp, std::span<const double> numbers) -> std::optional<RowFault> {
     if (auto fault = check_columns(format, ranges::kJoint, numbers, 1)) return fault;
     JointSample& sample = joints.content.emplace_back();
     sample.stamp = stamp;
@@ -187,7 +189,7 @@ Expected<Series<std::vector<JointSample>>> parse_joints(const SeriesText& text) 
     if (columns->has_torque) fill(sample.torque);
     return std::nullopt;
   };
-  Expected<RowReport> report = read_number_rows(format, lines, take);
+  Expected<RowReport> report = read_number_rows(format, lines, handle);
   if (!report) return report.error();
   joints.report = *std::move(report);
   return joints;

@@ -1,25 +1,31 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "recording/yaml_map.hpp"
+#include "pcavr/recording/yaml_map.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
-#include "recording/text_rows.hpp"
-#include "recording/utf8.hpp"
+#include <yaml-cpp/yaml.h>
+
+#include "pcavr/core/utf8.hpp"
+#include "pcavr/recording/text_rows.hpp"
 
 namespace pcavr {
 
+YamlValue::YamlValue(const YAML::Node& node, std::string place)
+    : node_(std::make_shared<const YAML::Node>(node)), place_(std::move(place)) {}
+
 void YamlValue::fail(const std::string& message, const std::string& hint) const {
   throw YamlFailure{
-      {.message = message, .line = node_.Mark().line + 1, .place = place_, .hint = hint}};
+      {.message = message, .line = node_->Mark().line + 1, .place = place_, .hint = hint}};
 }
 
 std::string YamlValue::text() const {
-  if (!node_.IsScalar()) fail("is not a text", "write one value");
-  if (!is_utf8_text(node_.Scalar())) fail("is not UTF-8 text", "save the file as UTF-8");
-  return node_.Scalar();
+  if (!node_->IsScalar()) fail("is not a text", "write one value");
+  if (!is_utf8_text(node_->Scalar())) fail("is not UTF-8 text", "save the file as UTF-8");
+  return node_->Scalar();
 }
 
 double YamlValue::number() const {
@@ -31,7 +37,7 @@ double YamlValue::number() const {
 
 double YamlValue::positive_number() const {
   const double value = number();
-  if (!(value > 0.0)) fail("is " + text() + ", not more than 0", "write its true value");
+  if (!(value > 0.0)) fail("is " + text() + ", not positive", "write a positive number");
   return value;
 }
 
@@ -43,12 +49,12 @@ double YamlValue::number_in(const InputRange& range) const {
   return value;
 }
 
-int YamlValue::integer(int least, int most) const {
+int YamlValue::integer(int min, int max) const {
   const double value = number();
-  if (value != std::floor(value) || value < least || value > most) {
-    fail("'" + text() + "' is not a whole number from " + std::to_string(least) + " to " +
-             std::to_string(most),
-         "write such a number");
+  if (value != std::floor(value) || value < min || value > max) {
+    fail("'" + text() + "' is not an integer from " + std::to_string(min) + " to " +
+             std::to_string(max),
+         "write an integer in this range");
   }
   return static_cast<int>(value);
 }
@@ -79,39 +85,39 @@ std::vector<double> YamlValue::numbers_in(std::size_t count, const InputRange& r
 }
 
 std::vector<YamlValue> YamlValue::items() const {
-  if (!node_.IsSequence()) fail("is not a list", "write a list: [a, b] or lines that begin with -");
+  if (!node_->IsSequence()) fail("is not a list", "write a list: [a, b] or lines that begin with -");
   std::vector<YamlValue> items;
-  for (const YAML::Node& item : node_) {
+  for (const YAML::Node& item : *node_) {
     items.emplace_back(item, place_ + "[" + std::to_string(items.size()) + "]");
   }
   return items;
 }
 
 std::vector<std::pair<std::string, YamlValue>> YamlValue::entries() const {
-  if (!node_.IsMap()) fail("is not a map of keys", "write 'key: value' lines");
+  if (!node_->IsMap()) fail("is not a map of keys", "write 'key: value' lines");
   std::vector<std::pair<std::string, YamlValue>> entries;
   std::set<std::string> seen;
-  for (const auto& entry : node_) {
+  for (const auto& entry : *node_) {
     const YamlValue key(entry.first, place_);
     const std::string name = key.text();
-    if (!seen.insert(name).second) key.fail("key '" + name + "' is there twice", "keep one");
+    if (!seen.insert(name).second) key.fail("key '" + name + "' is listed twice", "keep one");
     entries.emplace_back(name, YamlValue(entry.second, place_of(name)));
   }
   return entries;
 }
 
 void YamlValue::expect_keys(std::initializer_list<std::string_view> keys) const {
-  if (!node_.IsMap()) fail("is not a map of keys", "write 'key: value' lines");
-  for (const auto& entry : node_) {
+  if (!node_->IsMap()) fail("is not a map of keys", "write 'key: value' lines");
+  for (const auto& entry : *node_) {
     const YamlValue key(entry.first, place_);
     const std::string name = key.text();
     if (std::find(keys.begin(), keys.end(), name) == keys.end()) {
       std::string known;
       for (const std::string_view k : keys) known += (known.empty() ? "" : ", ") + std::string(k);
-      key.fail("unknown key '" + name + "'", "known here: " + known);
+      key.fail("unknown key '" + name + "'", "known keys: " + known);
     }
   }
-  (void)entries();  // for its refusal of twins
+  (void)entries();  // rejects duplicate keys
 }
 
 YamlValue YamlValue::at(const std::string& key) const {
@@ -121,14 +127,35 @@ YamlValue YamlValue::at(const std::string& key) const {
 }
 
 std::optional<YamlValue> YamlValue::find(const std::string& key) const {
-  if (!node_.IsMap()) fail("is not a map of keys", "write 'key: value' lines");
-  const YAML::Node value = node_[key];
+  if (!node_->IsMap()) fail("is not a map of keys", "write 'key: value' lines");
+  const YAML::Node value = (*node_)[key];
   if (!value || value.IsNull()) return std::nullopt;
   return YamlValue(value, place_of(key));
 }
 
 std::string YamlValue::place_of(const std::string& key) const {
   return place_.empty() ? key : place_ + "." + key;
+}
+
+std::optional<Error> read_yaml(const std::string& text, const std::string& file,
+                               const std::function<void(const YamlValue& root)>& read) {
+  try {
+    const YAML::Node root = YAML::Load(text);
+    if (root.IsNull()) {
+      return Error{.message = "is empty", .file = file, .hint = "write the required keys"};
+    }
+    read(YamlValue(root, ""));
+    return std::nullopt;
+  } catch (const YamlFailure& failure) {
+    Error error = failure.error;
+    error.file = file;
+    return error;
+  } catch (const YAML::Exception& exception) {
+    return Error{.message = "is not YAML: " + exception.msg,
+                 .file = file,
+                 .line = exception.mark.line + 1,
+                 .hint = "correct the line; check the indentation"};
+  }
 }
 
 }  // namespace pcavr

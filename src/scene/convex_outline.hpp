@@ -8,12 +8,12 @@
 
 namespace pcavr {
 
-/// Convex outline of the points' projections onto a plane that is not upright: counter-clockwise
-/// from above, corners that matter less than 2 mm left out.
+/// Convex hull of the points projected onto a plane that is not vertical: counter-clockwise from
+/// above, without corners that protrude less than 2 mm.
 [[nodiscard]] std::vector<Eigen::Vector3d> convex_outline(
     const std::vector<Eigen::Vector3d>& points, const Plane& plane);
 
-/// Whether a point lies straight above (or below) the inside of an outline.
+/// Whether a point lies vertically above (or below) the inside of an outline.
 [[nodiscard]] bool is_above_outline(const std::vector<Eigen::Vector3d>& outline,
                                     const Eigen::Vector3d& point);
 

@@ -8,9 +8,9 @@
 namespace pcavr {
 namespace {
 
-const float kSmooth = std::cos(30.0F * static_cast<float>(M_PI) / 180.0F);
+const float kMinSmoothCosine = std::cos(30.0F * static_cast<float>(M_PI) / 180.0F);
 
-/// Twice the triangle's area along its normal.
+/// The normal, with twice the triangle's area as its length.
 Eigen::Vector3f area_normal(const TriangleMesh& mesh, std::size_t triangle) {
   const auto& [a, b, c] = mesh.triangles[triangle];
   return (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
@@ -44,7 +44,8 @@ TriangleMesh with_sharp_edges(const TriangleMesh& mesh) {
       const std::uint32_t vertex = mesh.triangles[i][corner];
       Eigen::Vector3f sum = Eigen::Vector3f::Zero();
       for (const std::size_t other : triangles_at[vertex]) {
-        if (area_normals[other].normalized().dot(own) >= kSmooth) sum += area_normals[other];
+        if (area_normals[other].normalized().dot(own) >= kMinSmoothCosine)
+          sum += area_normals[other];
       }
       triangle[corner] = vertex_with(vertex, sum.norm() > 0.0F ? sum.normalized() : own);
     }

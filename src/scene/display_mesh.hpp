@@ -6,8 +6,8 @@
 
 namespace pcavr {
 
-/// The mesh of a CAD body as a viewer should shade it: round surfaces smooth, edges sharp. Where
-/// faces meet at more than 30 degrees their common vertices are split, each with its own normal.
+/// The mesh of a CAD body for shading: smooth surfaces with sharp edges (crease angle 30 degrees).
+/// Vertices on a sharp edge are split, each with its own normal.
 [[nodiscard]] TriangleMesh with_sharp_edges(const TriangleMesh& mesh);
 
 }  // namespace pcavr

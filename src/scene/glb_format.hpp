@@ -6,7 +6,7 @@
 
 namespace pcavr {
 
-// Numbers of the glTF 2.0 specification, sections 3.6.2, 4.4 and 5.
+// Constants of the glTF 2.0 specification, sections 3.6.2, 4.4 and 5.
 inline constexpr std::uint32_t kGlbMagic = 0x46546C67;
 inline constexpr std::uint32_t kGlbJsonChunk = 0x4E4F534A;
 inline constexpr std::uint32_t kGlbBinaryChunk = 0x004E4942;

@@ -4,17 +4,18 @@
 #include <string_view>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/core/raw_bytes.hpp"
+#include "pcavr/scene/glb_file.hpp"
 
-#include "bytes.hpp"
-#include "glb_file.hpp"
 #include "glb_format.hpp"
+#include "scene/glb_writer.hpp"
 
 namespace pcavr {
 namespace {
 
 using nlohmann::json;
 
-/// Why a file is not read; never leaves read_parts. JSON's own exceptions are caught there, too.
+/// Invalid content of a file; caught in read_chunks, like JSON exceptions.
 class InvalidGlb : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -26,21 +27,21 @@ struct Chunks {
 };
 
 Chunks chunks_of(std::string_view bytes) {
-  const auto number = [&](std::size_t at) { return value_at<std::uint32_t>(bytes.data(), at); };
+  const auto word = [&](std::size_t at) { return load_value<std::uint32_t>(bytes.data(), at); };
   constexpr std::size_t kHeader = 20;
-  if (bytes.size() < kHeader || number(0) != kGlbMagic || number(4) != 2) {
+  if (bytes.size() < kHeader || word(0) != kGlbMagic || word(4) != 2) {
     throw InvalidGlb("is not a binary glTF 2.0 file");
   }
-  const std::size_t text_size = number(12);
-  if (number(8) != bytes.size() || text_size > bytes.size() - kHeader) {
-    throw InvalidGlb("differs in size from its header");
+  const std::size_t text_size = word(12);
+  if (word(8) != bytes.size() || text_size > bytes.size() - kHeader) {
+    throw InvalidGlb("size differs from the header");
   }
   Chunks chunks{json::parse(bytes.substr(kHeader, text_size)), bytes.substr(kHeader + text_size)};
   if (chunks.buffer.empty()) return chunks;
   const std::size_t at = kHeader + text_size;
-  if (chunks.buffer.size() < 8 || number(at + 4) != kGlbBinaryChunk ||
-      number(at) != chunks.buffer.size() - 8) {
-    throw InvalidGlb("has a binary part that differs in size from its header");
+  if (chunks.buffer.size() < 8 || word(at + 4) != kGlbBinaryChunk ||
+      word(at) != chunks.buffer.size() - 8) {
+    throw InvalidGlb("size of the binary chunk differs from its header");
   }
   chunks.buffer.remove_prefix(8);
   return chunks;
@@ -55,15 +56,15 @@ std::string_view elements(const Chunks& chunks, const json& accessor, std::size_
   const auto count = accessor.at("count").get<std::size_t>();
   if (offset > chunks.buffer.size() || length > chunks.buffer.size() - offset ||
       count > length / element_size) {
-    throw InvalidGlb("has an accessor that leaves its buffer");
+    throw InvalidGlb("has an accessor that exceeds its buffer");
   }
   return chunks.buffer.substr(offset, count * element_size);
 }
 
 std::size_t triangles_of(const Chunks& chunks, std::size_t mesh) {
   const json& primitive = chunks.document.at("meshes").at(mesh).at("primitives").at(0);
-  const auto accessor_at = [&](const json& number) -> const json& {
-    return chunks.document.at("accessors").at(number.get<std::size_t>());
+  const auto accessor_at = [&](const json& index) -> const json& {
+    return chunks.document.at("accessors").at(index.get<std::size_t>());
   };
   const json& attributes = primitive.at("attributes");
   const auto vertices = accessor_at(attributes.at("POSITION")).at("count").get<std::size_t>();
@@ -72,8 +73,8 @@ std::size_t triangles_of(const Chunks& chunks, std::size_t mesh) {
   const std::string_view indices =
       elements(chunks, accessor_at(primitive.at("indices")), sizeof(std::uint32_t));
   for (std::size_t at = 0; at < indices.size(); at += sizeof(std::uint32_t)) {
-    if (value_at<std::uint32_t>(indices.data(), at) >= vertices) {
-      throw InvalidGlb("has an index without a vertex");
+    if (load_value<std::uint32_t>(indices.data(), at) >= vertices) {
+      throw InvalidGlb("has a vertex index out of range");
     }
   }
   return indices.size() / (3 * sizeof(std::uint32_t));
@@ -83,7 +84,8 @@ Pose pose_of(const json& node) {
   const auto t = node.at("translation").get<std::array<double, 3>>();
   const auto q = node.at("rotation").get<std::array<double, 4>>();
   const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
-  if (!(std::abs(rotation.norm() - 1.0) < 1e-3)) throw InvalidGlb("has a rotation that is none");
+  if (!(std::abs(rotation.norm() - 1.0) < 1e-3))
+    throw InvalidGlb("has a rotation that is not a unit quaternion");
   return Pose(rotation, Eigen::Vector3d(t[0], t[1], t[2]));
 }
 
@@ -94,8 +96,8 @@ GlbContent content_of(const Chunks& chunks) {
   GlbContent content;
   content.root = root.at("name").get<std::string>();
   content.T_viewer_root = pose_of(root);
-  for (const json& number : root.value("children", json::array())) {
-    const json& node = document.at("nodes").at(number.get<std::size_t>());
+  for (const json& index : root.value("children", json::array())) {
+    const json& node = document.at("nodes").at(index.get<std::size_t>());
     content.nodes.push_back({node.at("name").get<std::string>(), pose_of(node),
                              triangles_of(chunks, node.at("mesh").get<std::size_t>())});
   }
@@ -115,17 +117,17 @@ StaticMeshGlb static_mesh_of(Chunks chunks) {
   return {};
 }
 
-/// What `make` makes of a file's parts; its faults as Errors.
-template <typename Result, typename Make>
-Expected<Result> read_parts(const std::filesystem::path& file, Make make) {
+/// Reads a file and converts its chunks with `convert`; invalid content is an Error.
+template <typename Result, typename Convert>
+Expected<Result> read_chunks(const std::filesystem::path& file, Convert convert) {
   const Expected<std::string> bytes = read_file(file);
   if (!bytes) return bytes.error();
   try {
-    return make(chunks_of(*bytes));
+    return convert(chunks_of(*bytes));
   } catch (const InvalidGlb& invalid) {
     return Error{.message = invalid.what(), .file = file.string()};
   } catch (const json::exception&) {
-    return Error{.message = "lacks a part of a scene's glTF, or has it in another form",
+    return Error{.message = "is not a scene's glTF: a property is missing or has another type",
                  .file = file.string()};
   }
 }
@@ -133,11 +135,11 @@ Expected<Result> read_parts(const std::filesystem::path& file, Make make) {
 }  // namespace
 
 Expected<GlbContent> read_glb(const std::filesystem::path& file) {
-  return read_parts<GlbContent>(file, content_of);
+  return read_chunks<GlbContent>(file, content_of);
 }
 
 Expected<StaticMeshGlb> read_static_mesh_glb(const std::filesystem::path& file) {
-  return read_parts<StaticMeshGlb>(file, static_mesh_of);
+  return read_chunks<StaticMeshGlb>(file, static_mesh_of);
 }
 
 }  // namespace pcavr

@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include "scene/glb_writer.hpp"
+
 #include <array>
 #include <cmath>
 #include <cstdint>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/core/raw_bytes.hpp"
 
-#include "bytes.hpp"
-#include "glb_file.hpp"
 #include "glb_format.hpp"
 
 namespace pcavr {
@@ -15,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-/// 16-bit linear intensity of an 8-bit sRGB one [IEC 61966-2-1].
+/// Lookup table from 8-bit sRGB to 16-bit linear intensity [IEC 61966-2-1].
 std::array<std::uint16_t, 256> make_linear_of_srgb() {
   std::array<std::uint16_t, 256> table{};
   for (std::size_t i = 0; i < table.size(); ++i) {
@@ -28,8 +29,8 @@ std::array<std::uint16_t, 256> make_linear_of_srgb() {
 
 json list_of(const Eigen::Vector3f& v) { return json::array({v.x(), v.y(), v.z()}); }
 
-void pad(std::string& bytes, char filling) {
-  while (bytes.size() % 4 != 0) bytes += filling;
+void pad(std::string& bytes, char padding) {
+  while (bytes.size() % 4 != 0) bytes += padding;
 }
 
 std::vector<Eigen::Vector3f> unit_normals(const TriangleMesh& mesh) {
@@ -42,7 +43,7 @@ std::vector<Eigen::Vector3f> unit_normals(const TriangleMesh& mesh) {
   normals.reserve(mesh.normals.size());
   for (const Eigen::Vector3f& normal : mesh.normals) {
     const double norm = normal.cast<double>().norm();
-    // A viewer needs some direction, and the format forbids a zero one.
+    // glTF requires unit normals.
     normals.push_back(norm > 1e-12 ? (normal.cast<double>() / norm).cast<float>().eval()
                                    : Eigen::Vector3f::UnitZ().eval());
   }
@@ -87,7 +88,7 @@ int GlbWriter::add_colors(const std::vector<Rgb8>& colors) {
     for (const std::uint8_t channel : {color.r, color.g, color.b}) {
       append_bytes(buffer_, kLinearOfSrgb[channel]);
     }
-    append_bytes(buffer_, std::uint16_t{65535});  // opaque; it keeps the elements aligned
+    append_bytes(buffer_, std::uint16_t{65535});  // opaque; keeps the elements 4-byte aligned
   }
   const int accessor =
       add_accessor(add_view(first_byte, kGlbArrayBuffer), kGlbUnsignedShort, "VEC4", colors.size());
@@ -104,7 +105,7 @@ int GlbWriter::add_indices(const TriangleMesh& mesh) {
                       mesh.triangles.size() * 3);
 }
 
-int GlbWriter::material_number(GlbMaterial kind, bool has_colors) {
+int GlbWriter::material_index(GlbMaterial kind, bool has_colors) {
   json material;
   if (kind == GlbMaterial::captured) {
     material["name"] = "captured";
@@ -117,7 +118,7 @@ int GlbWriter::material_number(GlbMaterial kind, bool has_colors) {
   auto& surface = material["pbrMetallicRoughness"];
   surface["metallicFactor"] = 0.0;
   surface["roughnessFactor"] = 0.9;
-  // Bodies without colours of their own: a warm orange that scenes seldom hold.
+  // Bodies without colours: orange, which is rare in scenes.
   if (kind == GlbMaterial::body && !has_colors) {
     surface["baseColorFactor"] = json::array({0.85, 0.30, 0.05, 1.0});
   }
@@ -136,7 +137,7 @@ int GlbWriter::add_mesh(const std::string& name, const TriangleMesh& mesh, GlbMa
   primitive["attributes"]["NORMAL"] = add_vectors(unit_normals(mesh), false);
   if (!mesh.colors.empty()) primitive["attributes"]["COLOR_0"] = add_colors(mesh.colors);
   primitive["indices"] = add_indices(mesh);
-  primitive["material"] = material_number(material, !mesh.colors.empty());
+  primitive["material"] = material_index(material, !mesh.colors.empty());
   document_["meshes"].push_back({{"name", name}, {"primitives", json::array({primitive})}});
   return static_cast<int>(document_["meshes"].size()) - 1;
 }
@@ -165,7 +166,7 @@ std::string GlbWriter::finish(int root, const std::vector<int>& children) {
 }
 
 std::string assemble_glb(const json& document, std::string_view buffer) {
-  // A name that is not UTF-8 is no reason to fail.
+  // Replaces invalid UTF-8 in names instead of throwing.
   std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
   pad(text, ' ');
   std::string file;

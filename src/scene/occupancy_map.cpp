@@ -14,23 +14,23 @@
 namespace pcavr {
 namespace {
 
-/// The cell that holds a point, both in cells; for coordinates within twice kFarthestCell.
+/// The cell that contains a point [cells]; for coordinates within twice kMaxCell.
 Eigen::Vector3i cell_of(const Eigen::Vector3d& point) {
-  // Above zero a cast rounds down, and costs less than std::floor.
-  constexpr int kAboveZero = 1 << 16;
-  const auto down = [](double x) { return static_cast<int>(x + kAboveZero) - kAboveZero; };
-  return {down(point.x()), down(point.y()), down(point.z())};
+  // A cast of a positive number rounds down, and is faster than std::floor.
+  constexpr int kShift = 1 << 16;
+  const auto floor = [](double x) { return static_cast<int>(x + kShift) - kShift; };
+  return {floor(point.x()), floor(point.y()), floor(point.z())};
 }
 
 double log_odds(double probability) { return std::log(probability / (1.0 - probability)); }
 
-void require_sound(const OccupancyOptions& options) {
+void validate(const OccupancyOptions& options) {
   PCAVR_REQUIRE(options.resolution > 0.0, options.resolution);
-  PCAVR_REQUIRE(options.farthest >= options.resolution, options.farthest);
-  PCAVR_REQUIRE(options.hit > 0.5 && options.hit < 1.0, options.hit);
-  PCAVR_REQUIRE(options.miss > 0.0 && options.miss < 0.5, options.miss);
-  PCAVR_REQUIRE(options.clamp_low > 0.0 && options.clamp_low < 0.5, options.clamp_low);
-  PCAVR_REQUIRE(options.clamp_high > 0.5 && options.clamp_high < 1.0, options.clamp_high);
+  PCAVR_REQUIRE(options.max_range >= options.resolution, options.max_range);
+  PCAVR_REQUIRE(options.prob_hit > 0.5 && options.prob_hit < 1.0, options.prob_hit);
+  PCAVR_REQUIRE(options.prob_miss > 0.0 && options.prob_miss < 0.5, options.prob_miss);
+  PCAVR_REQUIRE(options.clamping_min > 0.0 && options.clamping_min < 0.5, options.clamping_min);
+  PCAVR_REQUIRE(options.clamping_max > 0.5 && options.clamping_max < 1.0, options.clamping_max);
 }
 
 /// Calls `visit(i)` for each bit that is set.
@@ -46,17 +46,17 @@ void for_each_bit(const BlockBits& bits, const Visit& visit) {
 }  // namespace
 
 OccupancyMap::State::State(const OccupancyOptions& chosen) : options(chosen) {
-  const double low = log_odds(options.clamp_low);
-  const double high = log_odds(options.clamp_high);
-  const double hit = log_odds(options.hit);
-  const double miss = log_odds(options.miss);
-  // As fine as 16 bits allow, with room for unknown.
+  const double low = log_odds(options.clamping_min);
+  const double high = log_odds(options.clamping_max);
+  const double hit = log_odds(options.prob_hit);
+  const double miss = log_odds(options.prob_miss);
+  // The full range of 16 bits, except kUnknown.
   units_per_log_odds = 32000.0 / std::max({-low, high, hit, -miss});
   const auto units = [&](double value) {
     return static_cast<int>(std::lround(value * units_per_log_odds));
   };
-  clamp_low = units(low);
-  clamp_high = units(high);
+  clamping_min = units(low);
+  clamping_max = units(high);
   hit_update = units(hit);
   miss_update = units(miss);
 }
@@ -79,7 +79,7 @@ void OccupancyMap::State::collect_ends(const DepthImage& depth, const MaskImage&
                                        const Eigen::Vector3d& origin) {
   const std::vector<Eigen::Vector2f>& directions = rays_of(camera);
   const Eigen::Matrix3f R = (T_base_camera.rotation_matrix() / options.resolution).cast<float>();
-  const float farthest = static_cast<float>(kFarthestCell);
+  const float max_coordinate = static_cast<float>(kMaxCell);
   const std::span<const float> depths = depth.pixels();
   const std::span<const std::uint8_t> dynamic = is_dynamic.pixels();
   end_cells.clear();
@@ -88,40 +88,40 @@ void OccupancyMap::State::collect_ends(const DepthImage& depth, const MaskImage&
     if (!(z > 0.0F) || (!dynamic.empty() && dynamic[i] != 0)) continue;
     const Eigen::Vector3f ray =
         R * Eigen::Vector3f(directions[i].x() * z, directions[i].y() * z, z);
-    if (!(ray.cwiseAbs().maxCoeff() < farthest)) continue;
+    if (!(ray.cwiseAbs().maxCoeff() < max_coordinate)) continue;
     const Eigen::Vector3i cell = cell_of(origin + ray.cast<double>());
-    // Neighbours mostly share their cell.
+    // Neighbouring pixels mostly share a cell.
     if (end_cells.empty() || end_cells.back() != cell) end_cells.push_back(cell);
   }
 }
 
 void OccupancyMap::State::trace(const Eigen::Vector3d& origin) {
-  const double farthest = options.farthest / options.resolution;
+  const double max_range = options.max_range / options.resolution;
   const auto ray_to = [&](const Eigen::Vector3i& cell) {
     return Eigen::Vector3d(cell.cast<double>() + Eigen::Vector3d::Constant(0.5) - origin);
   };
-  // Cells beyond the range come last, each once; their rays are cut.
+  // Cells beyond the range are last, without duplicates; their rays are truncated.
   const auto far =
       std::partition(end_cells.begin(), end_cells.end(), [&](const Eigen::Vector3i& cell) {
-        return ray_to(cell).squaredNorm() <= farthest * farthest;
+        return ray_to(cell).squaredNorm() <= max_range * max_range;
       });
   std::sort(far, end_cells.end(), [](const Eigen::Vector3i& a, const Eigen::Vector3i& b) {
     return std::tie(a.x(), a.y(), a.z()) < std::tie(b.x(), b.y(), b.z());
   });
   end_cells.erase(std::unique(far, end_cells.end()), end_cells.end());
-  const auto cut = [&](const Eigen::Vector3i& cell) {
-    return Eigen::Vector3d(origin + ray_to(cell).normalized() * farthest);
+  const auto truncated = [&](const Eigen::Vector3i& cell) {
+    return Eigen::Vector3d(origin + ray_to(cell).normalized() * max_range);
   };
 
   Eigen::AlignedBox3i box(cell_of(origin));
   for (auto cell = end_cells.begin(); cell != far; ++cell) box.extend(*cell);
-  for (auto cell = far; cell != end_cells.end(); ++cell) box.extend(cell_of(cut(*cell)));
-  // A cell to spare on each side, for the rounding of rays along the box's faces.
+  for (auto cell = far; cell != end_cells.end(); ++cell) box.extend(cell_of(truncated(*cell)));
+  // One cell of margin on each side, for rounding of rays along the box's faces.
   frame.reset(box.min() - Eigen::Vector3i::Ones(), box.max() + Eigen::Vector3i::Ones());
   for (auto cell = end_cells.begin(); cell != far; ++cell) {
     if (frame.mark_hit(*cell)) frame.mark_ray(origin, origin + ray_to(*cell));
   }
-  for (auto cell = far; cell != end_cells.end(); ++cell) frame.mark_ray(origin, cut(*cell));
+  for (auto cell = far; cell != end_cells.end(); ++cell) frame.mark_ray(origin, truncated(*cell));
 }
 
 OccupancyBlock& OccupancyMap::State::block_at(const Eigen::Vector3i& position) {
@@ -130,30 +130,31 @@ OccupancyBlock& OccupancyMap::State::block_at(const Eigen::Vector3i& position) {
   return blocks[found->second];
 }
 
-std::optional<OccupancyMap::State::Place> OccupancyMap::State::place_of(
+std::optional<OccupancyMap::State::CellIndex> OccupancyMap::State::index_of(
     const Eigen::Vector3i& cell) const {
-  // An arithmetic shift rounds down, below zero too.
+  // An arithmetic shift rounds down, also for negative numbers.
   const auto found = index_of_block.find(block_key(cell.unaryExpr([](int c) { return c >> 3; })));
   if (found == index_of_block.end()) return std::nullopt;
   const auto inside = [&](int axis) { return static_cast<unsigned>(cell[axis]) & 7U; };
-  return Place{found->second, index_in_block(inside(0), inside(1), inside(2))};
+  return CellIndex{found->second, index_in_block(inside(0), inside(1), inside(2))};
 }
 
 void OccupancyMap::State::update_from_frame() {
-  frame.for_each_block([&](const Eigen::Vector3i& position, const BlockBits& passed,
-                           const BlockBits& hit) {
-    auto& values = block_at(position).values;
-    const auto update = [&](std::size_t cell, int change) {
-      const int before = values[cell] == kUnknown ? 0 : values[cell];
-      values[cell] = static_cast<std::int16_t>(std::clamp(before + change, clamp_low, clamp_high));
-    };
-    for_each_bit(passed, [&](std::size_t cell) { update(cell, miss_update); });
-    for_each_bit(hit, [&](std::size_t cell) { update(cell, hit_update); });
-  });
+  frame.for_each_block(
+      [&](const Eigen::Vector3i& position, const BlockBits& traversed, const BlockBits& hit) {
+        auto& values = block_at(position).values;
+        const auto update = [&](std::size_t cell, int change) {
+          const int before = values[cell] == kUnknown ? 0 : values[cell];
+          values[cell] =
+              static_cast<std::int16_t>(std::clamp(before + change, clamping_min, clamping_max));
+        };
+        for_each_bit(traversed, [&](std::size_t cell) { update(cell, miss_update); });
+        for_each_bit(hit, [&](std::size_t cell) { update(cell, hit_update); });
+      });
 }
 
 OccupancyMap::OccupancyMap(const OccupancyOptions& options) {
-  require_sound(options);
+  validate(options);
   state_ = std::make_unique<State>(options);
 }
 OccupancyMap::~OccupancyMap() = default;
@@ -170,9 +171,9 @@ void OccupancyMap::integrate(const DepthImage& depth, const MaskImage& is_dynami
                 (is_dynamic.width() == depth.width() && is_dynamic.height() == depth.height()));
   const double resolution = state_->options.resolution;
   const Eigen::Vector3d origin = T_base_camera.translation() / resolution;
-  const double reach = state_->options.farthest / resolution;
-  // Written so that what is not a number fails.
-  if (!(origin.cwiseAbs().maxCoeff() + reach <= kFarthestCell)) return;
+  const double max_range = state_->options.max_range / resolution;
+  // Written so that NaN fails.
+  if (!(origin.cwiseAbs().maxCoeff() + max_range <= kMaxCell)) return;
   state_->collect_ends(depth, is_dynamic, camera, T_base_camera, origin);
   if (state_->end_cells.empty()) return;
   state_->trace(origin);
@@ -181,10 +182,10 @@ void OccupancyMap::integrate(const DepthImage& depth, const MaskImage& is_dynami
 
 OccupancyMap::Cell OccupancyMap::at(const Eigen::Vector3d& p_base) const {
   const Eigen::Vector3d point = p_base / state_->options.resolution;
-  if (!(point.cwiseAbs().maxCoeff() < 2.0 * kFarthestCell)) return Cell::unknown;
-  const auto place = state_->place_of(cell_of(point));
-  if (!place) return Cell::unknown;
-  const std::int16_t value = state_->blocks[place->block].values[place->index];
+  if (!(point.cwiseAbs().maxCoeff() < 2.0 * kMaxCell)) return Cell::unknown;
+  const auto index = state_->index_of(cell_of(point));
+  if (!index) return Cell::unknown;
+  const std::int16_t value = state_->blocks[index->block].values[index->cell];
   if (value == kUnknown) return Cell::unknown;
   return value >= 0 ? Cell::occupied : Cell::free;
 }
@@ -201,7 +202,7 @@ OccupancyMap::Counts OccupancyMap::counts() const {
 }
 
 std::size_t OccupancyMap::memory_bytes() const {
-  // A hash node holds key, index, and two pointers with its bucket.
+  // Estimate per hash node: key, index, next pointer and bucket.
   return state_->blocks.capacity() * sizeof(OccupancyBlock) +
          state_->index_of_block.size() * 4 * sizeof(void*);
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <sstream>
 
-// OctoMap prints what it writes, unless told not to.
+// Disables OctoMap's debug output.
 #define OCTOMAP_NODEBUGOUT
 #include <octomap/OcTree.h>
 
@@ -13,7 +13,7 @@
 namespace pcavr {
 namespace {
 
-/// OctoMap's key of the cell whose corner is base's origin.
+/// OctoMap's key of the cell whose lower corner is base's origin.
 constexpr int kCentralKey = 32768;
 
 octomap::key_type key_of(int block, unsigned inside) {
@@ -39,15 +39,15 @@ void copy_block(const OccupancyBlock& block, double units_per_log_odds, octomap:
 
 Expected<void> OccupancyMap::write(const std::filesystem::path& file) const {
   octomap::OcTree tree(state_->options.resolution);
-  tree.setClampingThresMin(state_->options.clamp_low);
-  tree.setClampingThresMax(state_->options.clamp_high);
+  tree.setClampingThresMin(state_->options.clamping_min);
+  tree.setClampingThresMax(state_->options.clamping_max);
   for (const OccupancyBlock& block : state_->blocks) {
     copy_block(block, state_->units_per_log_odds, tree);
   }
   tree.updateInnerOccupancy();
   tree.toMaxLikelihood();
   tree.prune();
-  // The header is written here: OctoMap's own, compiled elsewhere, prints what it writes.
+  // The header is written here: OctoMap's compiled writeBinary() prints debug output.
   std::ostringstream content;
   content << "# Octomap OcTree binary file\n# written by pcavr " PCAVR_VERSION "\nid "
           << tree.getTreeType() << "\nsize " << tree.size() << "\nres " << tree.getResolution()

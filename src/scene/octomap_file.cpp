@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "octomap_file.hpp"
+#include "pcavr/scene/octomap_file.hpp"
 
 #include <sstream>
 #include <string>
@@ -12,32 +12,33 @@ namespace pcavr {
 namespace {
 
 constexpr int kLevels = 16;
-constexpr int kOriginKey = 32768;  // of the cell whose corner is base's origin
+constexpr int kOriginKey = 32768;  // of the cell whose lower corner is base's origin
 
-/// Two bits for each of eight children: unknown (0), free (1), occupied (2) or with children (3)
+/// Octree parser: two bits for each of eight children: unknown (0), free (1), occupied (2) or inner
+/// node (3)
 /// [Hornung et al. 2013, sec. 3.5].
-class TreeWalker {
+class OctreeParser {
  public:
-  TreeWalker(std::string_view bytes, OctomapContent& content,
-             const std::function<void(const OctomapLeaf&)>& on_leaf)
+  OctreeParser(std::string_view bytes, OctomapContent& content,
+               const std::function<void(const OctomapLeaf&)>& on_leaf)
       : bytes_(bytes), content_(content), on_leaf_(on_leaf) {}
 
-  /// False where the bytes end too early, or lead deeper than a tree can be.
-  bool walk(int level, const Eigen::Vector3i& corner) {
+  /// False where the bytes end early, or the tree is deeper than kLevels.
+  bool parse(int level, const Eigen::Vector3i& corner) {
     if (level == kLevels || bytes_.size() < 2) return false;
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes_[i]); };
     const unsigned children = byte(0) | static_cast<unsigned>(byte(1)) << 8;
     bytes_.remove_prefix(2);
     const int edge = 1 << (kLevels - level - 1);
     for (int child = 0; child < 8; ++child) {
-      const unsigned kind = children >> (2 * child) & 3;
-      if (kind == 0) continue;
+      const unsigned state = children >> (2 * child) & 3;
+      if (state == 0) continue;
       const Eigen::Vector3i at =
           corner + edge * Eigen::Vector3i(child & 1, child >> 1 & 1, child >> 2 & 1);
-      if (kind == 3) {
-        if (!walk(level + 1, at)) return false;
+      if (state == 3) {
+        if (!parse(level + 1, at)) return false;
       } else {
-        add_leaf({at, edge, kind == 2});
+        add_leaf({at, edge, state == 2});
       }
     }
     return true;
@@ -47,7 +48,7 @@ class TreeWalker {
 
  private:
   void add_leaf(const OctomapLeaf& leaf) {
-    // A tree is at most 2^48 cells large.
+    // A tree has at most 2^48 cells.
     const auto edge = static_cast<std::uint64_t>(leaf.edge);
     (leaf.is_occupied ? content_.occupied : content_.free) += edge * edge * edge;
     const Eigen::Vector3d corner = leaf.corner.cast<double>();
@@ -68,31 +69,31 @@ Expected<OctomapContent> read_octomap(const std::filesystem::path& file,
                                       const std::function<void(const OctomapLeaf& leaf)>& on_leaf) {
   const Expected<std::string> bytes = read_file(file);
   if (!bytes) return bytes.error();
-  const auto not_sound = [&](const std::string& message) {
+  const auto invalid = [&](const std::string& message) {
     return Error{.message = message, .file = file.string()};
   };
-  constexpr std::string_view kEnd = "\ndata\n";
-  const std::size_t end = bytes->find(kEnd);
+  constexpr std::string_view kHeaderEnd = "\ndata\n";
+  const std::size_t end = bytes->find(kHeaderEnd);
   if (!bytes->starts_with("# Octomap OcTree binary file\n") || end == std::string::npos) {
-    return not_sound("is not an OctoMap binary tree");
+    return invalid("is not an OctoMap binary tree");
   }
   OctomapContent content;
   std::istringstream header(bytes->substr(0, end));
   std::size_t nodes = 0;
   for (std::string line; std::getline(header, line);) {
-    std::istringstream words(line);
+    std::istringstream tokens(line);
     std::string key;
-    words >> key;
-    if (key == "res") words >> content.resolution;
-    if (key == "size") words >> nodes;
+    tokens >> key;
+    if (key == "res") tokens >> content.resolution;
+    if (key == "size") tokens >> nodes;
   }
   if (!ranges::kOccupancyCell.contains(content.resolution)) {
-    return not_sound("has no cell size that a scene can have");
+    return invalid("cell size (res) is out of range");
   }
-  TreeWalker walker(std::string_view(*bytes).substr(end + kEnd.size()), content, on_leaf);
-  const bool is_sound = nodes == 0 || walker.walk(0, Eigen::Vector3i::Constant(-kOriginKey));
-  if (!is_sound) return not_sound("is cut short");
-  if (!walker.is_at_end()) return not_sound("holds more than its tree");
+  OctreeParser parser(std::string_view(*bytes).substr(end + kHeaderEnd.size()), content, on_leaf);
+  const bool is_complete = nodes == 0 || parser.parse(0, Eigen::Vector3i::Constant(-kOriginKey));
+  if (!is_complete) return invalid("is truncated");
+  if (!parser.is_at_end()) return invalid("has extra bytes after its tree");
   return content;
 }
 

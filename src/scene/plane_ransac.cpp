@@ -13,22 +13,22 @@
 namespace pcavr {
 namespace {
 
-/// RANSAC only has to find the plane; a least-squares fit to all points follows.
+/// RANSAC only gives the initial plane; a least-squares fit to all points follows.
 constexpr std::size_t kMaxPoints = 20'000;
 constexpr int kMaxIterations = 500;
-/// With which a sample without outliers is drawn.
-constexpr double kProbability = 0.9999;
+/// Confidence of drawing a sample without outliers.
+constexpr double kConfidence = 0.9999;
 
-/// PCL says on the terminal that it found nothing; for its caller that is an answer like others.
-class QuietPcl {
+/// Silences PCL's message that it found no model, which is an expected result here.
+class SilencePcl {
  public:
-  QuietPcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
-  ~QuietPcl() { pcl::console::setVerbosityLevel(before_); }
-  QuietPcl(const QuietPcl&) = delete;
-  QuietPcl& operator=(const QuietPcl&) = delete;
+  SilencePcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
+  ~SilencePcl() { pcl::console::setVerbosityLevel(previous_level_); }
+  SilencePcl(const SilencePcl&) = delete;
+  SilencePcl& operator=(const SilencePcl&) = delete;
 
  private:
-  pcl::console::VERBOSITY_LEVEL before_ = pcl::console::getVerbosityLevel();
+  pcl::console::VERBOSITY_LEVEL previous_level_ = pcl::console::getVerbosityLevel();
 };
 
 }  // namespace
@@ -48,8 +48,8 @@ std::optional<Plane> ransac_plane(const std::vector<Eigen::Vector3d>& points, do
   model->setEpsAngle(std::acos(min_upward));
   pcl::RandomSampleConsensus<pcl::PointXYZ> ransac(model, distance);
   ransac.setMaxIterations(kMaxIterations);
-  ransac.setProbability(kProbability);
-  const QuietPcl quiet;
+  ransac.setProbability(kConfidence);
+  const SilencePcl silence;
   if (!ransac.computeModel()) return std::nullopt;
   Eigen::VectorXf coefficients;
   ransac.getModelCoefficients(coefficients);

@@ -9,8 +9,8 @@
 
 namespace pcavr {
 
-/// The plane that explains the most points within `distance` [m], with an upward normal whose z is
-/// at least `min_upward` (PCL's RANSAC with its fixed seed: the same points give the same plane).
+/// The plane with the most inliers within `distance` [m], with an upward normal whose z is at least
+/// `min_upward` (PCL's RANSAC with its fixed seed: deterministic).
 [[nodiscard]] std::optional<Plane> ransac_plane(const std::vector<Eigen::Vector3d>& points,
                                                 double distance, double min_upward);
 

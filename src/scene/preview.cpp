@@ -6,35 +6,36 @@
 #include <array>
 #include <cmath>
 
+#include "pcavr/scene/preview_parts.hpp"
+
 #include "display_mesh.hpp"
-#include "preview_parts.hpp"
 
 namespace pcavr {
 namespace {
 
 constexpr int kSupersampling = 2;
 
-// Numbers of the things on the canvas.
+// Ids in Canvas::id.
 constexpr std::uint8_t kStatic = 1;
-constexpr std::uint8_t kPath = 2;
+constexpr std::uint8_t kTrajectory = 2;
 constexpr std::uint8_t kAxis = 3;
 constexpr std::uint8_t kFirstObject = 4;
 
 constexpr double kAxisLength = 0.15;    ///< of the base frame's axes [m]
-constexpr std::size_t kFrustums = 8;    ///< drawn along a camera's path
-constexpr int kPathPercent = 40;        ///< how much of the camera's path covers what is behind
+constexpr std::size_t kFrustums = 8;    ///< drawn along the camera trajectory
+constexpr int kTrajectoryOpacity = 40;  ///< opacity of the camera trajectory [%]
 constexpr double kFrustumDepth = 0.04;  ///< [m]
 
-/// Colours for bodies that are far from each other, and seldom found on a table.
+/// Distinct object colours that are rare in scenes.
 constexpr std::array<Rgb8, 6> kTints = {
     {{255, 122, 26}, {41, 121, 255}, {0, 176, 117}, {224, 49, 140}, {245, 190, 0}, {126, 87, 194}}};
 
 Eigen::Vector3f as_vector(const Rgb8& c) { return Eigen::Vector3f(c.r, c.g, c.b) / 255.0F; }
 
-/// Draws the parts of one picture in turn.
-class Painter {
+/// Renders the preview image.
+class PreviewRenderer {
  public:
-  Painter(const Scene& scene, Parallelism parallelism)
+  PreviewRenderer(const Scene& scene, Parallelism parallelism)
       : scene_(scene),
         parallelism_(parallelism),
         view_(choose_view(scene, kPreviewWidth * kSupersampling, kPreviewHeight * kSupersampling)),
@@ -43,15 +44,15 @@ class Painter {
                            .normalized()
                            .cast<float>()) {}
 
-  ColorImage paint() {
+  ColorImage render() {
     draw_background(canvas_);
     draw_static_mesh();
     draw_objects();
     draw_base_axes();
     draw_contours(canvas_, kFirstObject);
-    draw_camera_path();
+    draw_camera_trajectory();
     ColorImage picture = halved(canvas_.color);
-    draw_words(picture);
+    draw_labels(picture);
     return picture;
   }
 
@@ -71,10 +72,10 @@ class Painter {
   }
 
   void draw_static_mesh() {
-    // The colours hold the light of the place; a little more shows the shape.
-    const bool is_plain = scene_.mesh_base.colors.empty();
+    // The colours contain the scene's lighting; some additional shading shows the shape.
+    const bool is_uncolored = scene_.mesh_base.colors.empty();
     draw(scene_.mesh_base, kStatic, [&](const Eigen::Vector3f& color, const Eigen::Vector3f& n) {
-      const Eigen::Vector3f shaded = is_plain
+      const Eigen::Vector3f shaded = is_uncolored
                                          ? Eigen::Vector3f(color * (0.45F + 0.4F * lambert(n)))
                                          : Eigen::Vector3f(color * (0.88F + 0.24F * lambert(n)));
       return shaded;
@@ -96,15 +97,15 @@ class Painter {
     }
   }
 
-  /// A line that is `pixels` wide in the final picture where it begins.
+  /// A polyline, `pixels` wide at its start in the final image.
   void draw_line(const std::vector<Eigen::Vector3d>& line, double pixels, std::uint8_t id,
                  const Rgb8& color) {
     const double distance = (line.front() - view_.T_base_view.translation()).norm();
     const double radius = 0.5 * pixels * kSupersampling * distance / view_.camera.fx;
-    const Eigen::Vector3f plain = as_vector(color);
+    const Eigen::Vector3f uniform = as_vector(color);
     draw_mesh(
         canvas_, view_, tubes(line, radius), id,
-        [&](const Eigen::Vector3f&, const Eigen::Vector3f&) { return plain; }, parallelism_);
+        [&](const Eigen::Vector3f&, const Eigen::Vector3f&) { return uniform; }, parallelism_);
   }
 
   void draw_base_axes() {
@@ -115,34 +116,35 @@ class Painter {
     }
   }
 
-  void draw_camera_path() {
+  void draw_camera_trajectory() {
     const std::vector<TimedPose>& poses = scene_.camera_trajectory.poses();
     if (poses.empty()) return;
     const ColorImage before = canvas_.color;
     const Rgb8 color{20, 40, 90};
-    std::vector<Eigen::Vector3d> path;
-    for (const TimedPose& pose : poses) path.push_back(pose.pose.translation());
-    draw_line(path, 1.2, kPath, color);
-    const std::size_t shown =
+    std::vector<Eigen::Vector3d> positions;
+    for (const TimedPose& pose : poses) positions.push_back(pose.pose.translation());
+    draw_line(positions, 1.2, kTrajectory, color);
+    const std::size_t count =
         scene_.quality.is_fixed_camera ? 1 : std::min(kFrustums, poses.size());
-    for (std::size_t i = 0; i < shown; ++i) {
-      const std::size_t which = shown == 1 ? 0 : i * (poses.size() - 1) / (shown - 1);
-      draw_frustum(poses[which].pose, color);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t index = count == 1 ? 0 : i * (poses.size() - 1) / (count - 1);
+      draw_frustum(poses[index].pose, color);
     }
-    // Half seen through: the path is beside the point, and may hang before what matters.
+    // Alpha blending: the trajectory is secondary, and may occlude the scene.
     for (std::size_t i = 0; i < before.pixels().size(); ++i) {
-      if (canvas_.id.pixels()[i] != kPath) continue;
+      if (canvas_.id.pixels()[i] != kTrajectory) continue;
       Rgb8& pixel = canvas_.color.pixels()[i];
       for (std::uint8_t Rgb8::*channel : {&Rgb8::r, &Rgb8::g, &Rgb8::b}) {
-        pixel.*channel = static_cast<std::uint8_t>(
-            (pixel.*channel * kPathPercent + before.pixels()[i].*channel * (100 - kPathPercent)) /
-            100);
+        pixel.*channel =
+            static_cast<std::uint8_t>((pixel.*channel * kTrajectoryOpacity +
+                                       before.pixels()[i].*channel * (100 - kTrajectoryOpacity)) /
+                                      100);
       }
     }
   }
 
   void draw_frustum(const Pose& T_base_camera, const Rgb8& color) {
-    // The proportions of most depth cameras; the scene does not keep its own.
+    // Aspect ratio of most depth cameras; the scene does not store the camera model.
     const double z = kFrustumDepth;
     const std::array<Eigen::Vector3d, 4> corners = {{{-0.6 * z, -0.45 * z, z},
                                                      {0.6 * z, -0.45 * z, z},
@@ -151,24 +153,24 @@ class Painter {
     for (std::size_t i = 0; i < corners.size(); ++i) {
       draw_line({T_base_camera.translation(), T_base_camera * corners[i],
                  T_base_camera * corners[(i + 1) % corners.size()]},
-                1.2, kPath, color);
+                1.2, kTrajectory, color);
     }
   }
 
-  /// Middle of the upper edge of a box in the final picture; nothing where it is behind the viewer.
-  [[nodiscard]] std::optional<Eigen::Vector2d> place_above(const Eigen::AlignedBox3d& box) const {
-    Eigen::AlignedBox2d seen;
+  /// Top centre of a box in the final image; nullopt where it is behind the viewer.
+  [[nodiscard]] std::optional<Eigen::Vector2d> top_centre_of(const Eigen::AlignedBox3d& box) const {
+    Eigen::AlignedBox2d projected;
     for (int corner = 0; corner < 8; ++corner) {
       const Eigen::Vector3d p_view =
           view_.T_base_view.inverse() *
           box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)).eval();
       if (p_view.z() <= 0.0) return std::nullopt;
-      seen.extend(Eigen::Vector2d(view_.camera.project(p_view) / kSupersampling));
+      projected.extend(Eigen::Vector2d(view_.camera.project(p_view) / kSupersampling));
     }
-    return Eigen::Vector2d(seen.center().x(), seen.min().y());
+    return Eigen::Vector2d(projected.center().x(), projected.min().y());
   }
 
-  void draw_words(ColorImage& picture) const {
+  void draw_labels(ColorImage& picture) const {
     Eigen::AlignedBox3d objects;
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
       const SceneObject& object = scene_.objects[i];
@@ -177,7 +179,7 @@ class Painter {
           bounds(transformed(object.T_base_object, object.model.mesh_object).vertices)
               .cast<double>();
       objects.extend(box);
-      if (const auto at = place_above(box)) {
+      if (const auto at = top_centre_of(box)) {
         draw_label(picture, *at, object.model.name, kTints[i % kTints.size()]);
       }
     }
@@ -198,7 +200,7 @@ class Painter {
 }  // namespace
 
 ColorImage render_preview(const Scene& scene, Parallelism parallelism) {
-  return Painter(scene, parallelism).paint();
+  return PreviewRenderer(scene, parallelism).render();
 }
 
 }  // namespace pcavr

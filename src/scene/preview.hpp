@@ -5,20 +5,19 @@
 #include <string>
 
 #include "pcavr/core/parallel.hpp"
+#include "pcavr/scene/rasteriser.hpp"
 #include "pcavr/scene/scene.hpp"
-
-#include "rasteriser.hpp"
 
 namespace pcavr {
 
 inline constexpr int kPreviewWidth = 1280;  ///< [px]
 inline constexpr int kPreviewHeight = 960;  ///< [px]
 
-/// A view that shows the scene well: obliquely from above the support planes and their objects,
-/// from the side that the camera looked from. Without either, over the camera's shoulder.
+/// Viewpoint of the preview: oblique, from above the support planes and their objects, on the
+/// recording camera's side. Without planes and objects: from behind the recording camera.
 [[nodiscard]] View choose_view(const Scene& scene, int width, int height);
 
-/// A picture of the scene, objects, base axes and the camera's path included.
+/// Renders the scene with objects, base axes and the camera trajectory.
 [[nodiscard]] ColorImage render_preview(const Scene& scene, Parallelism parallelism);
 
 /// The bytes of a PNG file.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "preview_parts.hpp"
+#include "pcavr/scene/preview_parts.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,15 +31,15 @@ Rgb8 scaled(const Rgb8& color, float factor) {
   return {channel(color.r), channel(color.g), channel(color.b)};
 }
 
-constexpr Rgb8 kInk{38, 44, 54};
-constexpr Rgb8 kPaper{255, 255, 255};
+constexpr Rgb8 kTextColor{38, 44, 54};
+constexpr Rgb8 kOutlineColor{255, 255, 255};
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr double kFontScale = 0.55;
 
 void draw_text(cv::Mat& mat, const std::string& text, const cv::Point& at) {
-  // A light rim keeps the words readable on any ground.
-  cv::putText(mat, text, at, kFont, kFontScale, as_scalar(kPaper), 4, cv::LINE_AA);
-  cv::putText(mat, text, at, kFont, kFontScale, as_scalar(kInk), 1, cv::LINE_AA);
+  // An outline keeps the text readable on any background.
+  cv::putText(mat, text, at, kFont, kFontScale, as_scalar(kOutlineColor), 4, cv::LINE_AA);
+  cv::putText(mat, text, at, kFont, kFontScale, as_scalar(kTextColor), 1, cv::LINE_AA);
 }
 
 }  // namespace
@@ -47,8 +47,8 @@ void draw_text(cv::Mat& mat, const std::string& text, const cv::Point& at) {
 TriangleMesh tubes(const std::vector<Eigen::Vector3d>& line, double radius) {
   constexpr std::uint32_t kSides = 8;
   TriangleMesh mesh;
-  for (std::size_t part = 0; part + 1 < line.size(); ++part) {
-    const Eigen::Vector3d along = line[part + 1] - line[part];
+  for (std::size_t segment = 0; segment + 1 < line.size(); ++segment) {
+    const Eigen::Vector3d along = line[segment + 1] - line[segment];
     if (along.norm() < 1e-9) continue;
     const Eigen::Vector3d u = along.unitOrthogonal();
     const Eigen::Vector3d v = along.normalized().cross(u);
@@ -56,7 +56,7 @@ TriangleMesh tubes(const std::vector<Eigen::Vector3d>& line, double radius) {
     for (std::uint32_t side = 0; side < kSides; ++side) {
       const double angle = 2.0 * M_PI * side / kSides;
       const Eigen::Vector3d normal = std::cos(angle) * u + std::sin(angle) * v;
-      for (const Eigen::Vector3d& end : {line[part], line[part + 1]}) {
+      for (const Eigen::Vector3d& end : {line[segment], line[segment + 1]}) {
         mesh.vertices.emplace_back((end + radius * normal).cast<float>());
         mesh.normals.emplace_back(normal.cast<float>());
       }
@@ -70,11 +70,11 @@ TriangleMesh tubes(const std::vector<Eigen::Vector3d>& line, double radius) {
 }
 
 void draw_background(Canvas& canvas) {
-  const Eigen::Vector3f above(246.0F, 248.0F, 251.0F);
-  const Eigen::Vector3f below(203.0F, 210.0F, 220.0F);
+  const Eigen::Vector3f top_color(246.0F, 248.0F, 251.0F);
+  const Eigen::Vector3f bottom_color(203.0F, 210.0F, 220.0F);
   for (int y = 0; y < canvas.color.height(); ++y) {
     const float down = static_cast<float>(y) / static_cast<float>(canvas.color.height());
-    const Eigen::Vector3f c = above + down * (below - above);
+    const Eigen::Vector3f c = top_color + down * (bottom_color - top_color);
     const auto byte = [&](int channel) {
       return static_cast<std::uint8_t>(std::lround(c[channel]));
     };
@@ -83,25 +83,27 @@ void draw_background(Canvas& canvas) {
 }
 
 void draw_contours(Canvas& canvas, std::uint8_t first_outlined) {
-  constexpr int kReach = 3;           // [px]
-  constexpr float kStrength = 12.0F;  // of the darkness, by the share of depth stepped back
-  constexpr float kDarkest = 0.55F;
+  constexpr int kRadius = 3;          // [px]
+  constexpr float kStrength = 12.0F;  // of the darkening, by relative depth difference
+  constexpr float kMinBrightness = 0.55F;
   ColorImage shaded = canvas.color;
-  for (int y = kReach; y < canvas.color.height() - kReach; ++y) {
-    for (int x = kReach; x < canvas.color.width() - kReach; ++x) {
+  for (int y = kRadius; y < canvas.color.height() - kRadius; ++y) {
+    for (int x = kRadius; x < canvas.color.width() - kRadius; ++x) {
       const float depth = canvas.depth(x, y);
       if (depth == 0.0F) continue;
       const std::uint8_t id = canvas.id(x, y);
       float behind = 0.0F;
       bool is_border = false;
-      for (const auto& [dx, dy] : {std::pair{kReach, 0}, {-kReach, 0}, {0, kReach}, {0, -kReach}}) {
+      for (const auto& [dx, dy] :
+           {std::pair{kRadius, 0}, {-kRadius, 0}, {0, kRadius}, {0, -kRadius}}) {
         const float other = canvas.depth(x + dx, y + dy);
         if (other > 0.0F) behind += std::max(0.0F, 1.0F - other / depth) / 4.0F;
         is_border = is_border || canvas.id(x + dx, y + dy) != id;
       }
       const bool is_outline = is_border && id >= first_outlined;
-      const float light = is_outline ? 0.35F : std::max(kDarkest, 1.0F - kStrength * behind);
-      shaded(x, y) = scaled(canvas.color(x, y), light);
+      const float brightness =
+          is_outline ? 0.35F : std::max(kMinBrightness, 1.0F - kStrength * behind);
+      shaded(x, y) = scaled(canvas.color(x, y), brightness);
     }
   }
   canvas.color = std::move(shaded);
@@ -111,7 +113,7 @@ void draw_label(ColorImage& picture, const Eigen::Vector2d& at, const std::strin
                 const Rgb8& color) {
   cv::Mat mat = as_mat(picture);
   const cv::Size size = cv::getTextSize(text, kFont, kFontScale, 1, nullptr);
-  constexpr int kFarOutside = 1'000'000;  // [px] of any picture
+  constexpr int kFarOutside = 1'000'000;  // [px], outside any image
   const cv::Point corner(
       clamp_to_int(std::round(at.x()), -kFarOutside, kFarOutside) - size.width / 2,
       clamp_to_int(std::round(at.y()), -kFarOutside, kFarOutside) - 12);
@@ -121,10 +123,12 @@ void draw_label(ColorImage& picture, const Eigen::Vector2d& at, const std::strin
 }
 
 void draw_scale_bar(ColorImage& picture, double metre) {
-  // The longest of 1, 2, 5, 10, ... that takes no more than a fifth of the width.
-  const double most = 0.2 * picture.width() / metre;
-  const double decade = std::pow(10.0, std::floor(std::log10(most)));
-  const double length = decade * (most >= 5.0 * decade ? 5.0 : most >= 2.0 * decade ? 2.0 : 1.0);
+  // The maximum of 1, 2, 5, 10, ... that is at most a fifth of the width.
+  const double max_length = 0.2 * picture.width() / metre;
+  const double decade = std::pow(10.0, std::floor(std::log10(max_length)));
+  const double length = decade * (max_length >= 5.0 * decade   ? 5.0
+                                  : max_length >= 2.0 * decade ? 2.0
+                                                               : 1.0);
   char text[32];
   std::snprintf(text, sizeof(text), length >= 1.0 ? "%.0f m" : "%.0f cm",
                 length >= 1.0 ? length : 100.0 * length);
@@ -132,7 +136,7 @@ void draw_scale_bar(ColorImage& picture, double metre) {
   const cv::Point left(40, picture.height() - 40);
   const cv::Point right = left + cv::Point(static_cast<int>(std::lround(length * metre)), 0);
   const cv::Point up(0, -7);
-  for (const auto& [rgb, thickness] : {std::pair{kPaper, 5}, {kInk, 2}}) {
+  for (const auto& [rgb, thickness] : {std::pair{kOutlineColor, 5}, {kTextColor, 2}}) {
     const cv::Scalar color = as_scalar(rgb);
     cv::line(mat, left, right, color, thickness, cv::LINE_AA);
     cv::line(mat, left, left + up, color, thickness, cv::LINE_AA);

@@ -11,13 +11,13 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
 
-constexpr double kFieldOfView = 40.0 * M_PI / 180.0;     ///< across the picture [rad]
-constexpr double kTableElevation = 48.0 * M_PI / 180.0;  ///< of the view, from the horizon [rad]
-constexpr double kMinElevation = 20.0 * M_PI / 180.0;    ///< where there is no table [rad]
-constexpr double kFilledShare = 0.86;                    ///< of the picture, by what it is about
-constexpr double kMinDistance = 0.3;                     ///< to what is nearest [m]
+constexpr double kFieldOfView = 40.0 * M_PI / 180.0;     ///< horizontal [rad]
+constexpr double kTableElevation = 48.0 * M_PI / 180.0;  ///< above the horizon [rad]
+constexpr double kMinElevation = 20.0 * M_PI / 180.0;    ///< without a table [rad]
+constexpr double kFillFraction = 0.86;  ///< of the image, by the points of interest
+constexpr double kMinDistance = 0.3;    ///< to the nearest point [m]
 
-/// Corners of the objects, and outlines of what they stand on.
+/// Corners of the objects' bounding boxes, and outlines of the support planes.
 Points points_of_interest(const Scene& scene) {
   Points points;
   for (const SceneObject& object : scene.objects) {
@@ -34,9 +34,9 @@ Points points_of_interest(const Scene& scene) {
   return points;
 }
 
-/// Vertices of the mesh but for its outermost ones along each axis.
+/// Vertices of the mesh, without outliers: inside the 2 % to 98 % quantiles along each axis.
 Points points_of_bulk(const TriangleMesh& mesh) {
-  constexpr double kOutermost = 0.02;  // share on each side
+  constexpr double kTail = 0.02;  // fraction on each side
   constexpr std::size_t kMaxFramedPoints = 20'000;
   if (mesh.vertices.empty()) return {Eigen::Vector3d::Zero()};
   Eigen::Vector3f low;
@@ -45,14 +45,14 @@ Points points_of_bulk(const TriangleMesh& mesh) {
   for (int axis = 0; axis < 3; ++axis) {
     std::transform(mesh.vertices.begin(), mesh.vertices.end(), coordinates.begin(),
                    [&](const Eigen::Vector3f& vertex) { return vertex[axis]; });
-    const auto at_share = [&](double share) {
+    const auto quantile = [&](double fraction) {
       const auto index =
-          static_cast<std::ptrdiff_t>(share * static_cast<double>(coordinates.size() - 1));
+          static_cast<std::ptrdiff_t>(fraction * static_cast<double>(coordinates.size() - 1));
       std::nth_element(coordinates.begin(), coordinates.begin() + index, coordinates.end());
       return coordinates[static_cast<std::size_t>(index)];
     };
-    low[axis] = at_share(kOutermost);
-    high[axis] = at_share(1.0 - kOutermost);
+    low[axis] = quantile(kTail);
+    high[axis] = quantile(1.0 - kTail);
   }
   const Eigen::AlignedBox3f box(low, high);
   Points points;
@@ -77,8 +77,8 @@ Points camera_positions(const Scene& scene) {
   return positions;
 }
 
-/// Against gravity. That is base's z axis, but for recordings whose world was taken from elsewhere
-/// and need not stand upright: a camera that looks at the zenith all the time is a sign of it.
+/// Opposite to gravity: base's z axis, except for recordings with an arbitrary world frame, which
+/// is assumed where the camera looks at the zenith all the time.
 Eigen::Vector3d up_direction(const Scene& scene) {
   Eigen::Vector3d forward = Eigen::Vector3d::Zero();
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
@@ -90,22 +90,22 @@ Eigen::Vector3d up_direction(const Scene& scene) {
   return is_upright ? Eigen::Vector3d::UnitZ().eval() : up.normalized().eval();
 }
 
-/// Unit vector from the centre to the viewer.
+/// Unit vector from the centre to the viewpoint.
 Eigen::Vector3d direction_to_viewer(const Scene& scene, const Eigen::Vector3d& centre,
                                     const Eigen::Vector3d& up, bool has_table) {
   const Points positions = camera_positions(scene);
   const Eigen::Vector3d to_camera =
       positions.empty() ? Eigen::Vector3d(-1.0, 0.0, 0.5) : (mean(positions) - centre).eval();
-  Eigen::Vector3d level = to_camera - to_camera.dot(up) * up;
-  // Seen straight from above, any side will do: the robot's.
-  if (level.norm() < 0.01) level = -Eigen::Vector3d::UnitX();
-  const double seen_from = std::atan2(to_camera.dot(up), level.norm());
+  Eigen::Vector3d horizontal = to_camera - to_camera.dot(up) * up;
+  // Degenerate from vertically above: use the robot's side.
+  if (horizontal.norm() < 0.01) horizontal = -Eigen::Vector3d::UnitX();
+  const double camera_elevation = std::atan2(to_camera.dot(up), horizontal.norm());
   const double elevation =
-      has_table ? kTableElevation : std::clamp(seen_from, kMinElevation, kTableElevation);
-  return std::cos(elevation) * level.normalized() + std::sin(elevation) * up;
+      has_table ? kTableElevation : std::clamp(camera_elevation, kMinElevation, kTableElevation);
+  return std::cos(elevation) * horizontal.normalized() + std::sin(elevation) * up;
 }
 
-/// Camera axes for a viewer who looks along -`to_viewer`, upright.
+/// Upright camera axes, looking along -`to_viewer`.
 Eigen::Matrix3d axes_of_view(const Eigen::Vector3d& to_viewer, const Eigen::Vector3d& up) {
   Eigen::Matrix3d R_base_view;
   const Eigen::Vector3d forward = -to_viewer;
@@ -132,11 +132,11 @@ View choose_view(const Scene& scene, int width, int height) {
   camera.fx = camera.fy = 0.5 * width / std::tan(0.5 * kFieldOfView);
   camera.cx = 0.5 * (width - 1);
   camera.cy = 0.5 * (height - 1);
-  const double slope_x = kFilledShare * 0.5 * width / camera.fx;
-  const double slope_y = kFilledShare * 0.5 * height / camera.fy;
+  const double slope_x = kFillFraction * 0.5 * width / camera.fx;
+  const double slope_y = kFillFraction * 0.5 * height / camera.fy;
 
-  // For each side of the picture, how far the viewer must be right (down) of and behind the points:
-  // the two extreme lines of sight through them meet in the viewer's place.
+  // For each side of the image the tightest frustum plane through the points; the planes of
+  // opposite sides intersect at the viewpoint.
   double left = -INFINITY, right = -INFINITY, top = -INFINITY, bottom = -INFINITY;
   double nearest = INFINITY;
   for (const Eigen::Vector3d& point : points) {
@@ -150,8 +150,8 @@ View choose_view(const Scene& scene, int width, int height) {
   const double behind_x = -(left + right) / (2.0 * slope_x);
   const double behind_y = -(top + bottom) / (2.0 * slope_y);
   const double z = std::min({behind_x, behind_y, nearest - kMinDistance});
-  const Eigen::Vector3d viewer(0.5 * (right - left), 0.5 * (bottom - top), z);
-  view.T_base_view = Pose(Eigen::Quaterniond(R_base_view), R_base_view * viewer);
+  const Eigen::Vector3d viewpoint(0.5 * (right - left), 0.5 * (bottom - top), z);
+  view.T_base_view = Pose(Eigen::Quaterniond(R_base_view), R_base_view * viewpoint);
   return view;
 }
 

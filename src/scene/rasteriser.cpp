@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "rasteriser.hpp"
+#include "pcavr/scene/rasteriser.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,15 +10,15 @@
 namespace pcavr {
 namespace {
 
-constexpr float kNearest = 0.01F;  ///< [m]
+constexpr float kNearPlane = 0.01F;  ///< [m]
 constexpr std::size_t kVerticesPerChunk = 1 << 16;
 constexpr std::size_t kRowsPerBand = 64;
 
-/// A vertex in the picture, with the inverse of its depth, which is linear there.
+/// A projected vertex, with its inverse depth, which is linear in the image.
 struct Projected {
   float x = 0.0F;
   float y = 0.0F;
-  float inverse_depth = 0.0F;  ///< [1/m]; 0 behind the camera
+  float inverse_depth = 0.0F;  ///< [1/m]; 0 behind the near plane
 };
 
 std::vector<Projected> project(const View& view, const std::vector<Eigen::Vector3f>& points,
@@ -33,7 +33,7 @@ std::vector<Projected> project(const View& view, const std::vector<Eigen::Vector
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t i = begin; i < end; ++i) {
                    const Eigen::Vector3f p = R * points[i] + t;
-                   if (!(p.z() > kNearest)) continue;
+                   if (!(p.z() > kNearPlane)) continue;
                    projected[i] = {focal.x() * p.x() / p.z() + centre.x(),
                                    focal.y() * p.y() / p.z() + centre.y(), 1.0F / p.z()};
                  }
@@ -51,7 +51,7 @@ std::uint8_t to_byte(float channel) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(channel, 0.0F, 1.0F) * 255.0F));
 }
 
-/// Draws the rows [first, last) of one mesh.
+/// Draws one mesh in the rows [first, last).
 class BandPainter {
  public:
   BandPainter(Canvas& canvas, const TriangleMesh& mesh, const std::vector<Projected>& projected,
@@ -73,7 +73,7 @@ class BandPainter {
     const int from_y = std::max(first_, rounded_up(low_y));
     const int to_y = std::min(last_ - 1, rounded_down(high_y));
     if (from_y > to_y) return;
-    // Rows go down: counter-clockwise is a negative area.
+    // The image's y axis points down: counter-clockwise triangles have a negative area.
     const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if (!(area < 0.0F)) return;
     const auto [low_x, high_x] = std::minmax({a.x, b.x, c.x});
@@ -93,7 +93,7 @@ class BandPainter {
   }
 
  private:
-  /// Far outside of any picture [px]: vertices beyond it are brought there.
+  /// Outside any image [px]; coordinates are clamped to it.
   static constexpr int kFarOutside = 1'000'000;
   static int rounded_up(float value) {
     return clamp_to_int(std::ceil(value), -kFarOutside, kFarOutside);
@@ -102,13 +102,14 @@ class BandPainter {
     return clamp_to_int(std::floor(value), -kFarOutside, kFarOutside);
   }
 
-  /// `weights`: barycentric ones, each over its corner's depth.
+  /// `weights`: barycentric coordinates, each divided by its corner's depth (perspective-correct
+  /// interpolation).
   void set_pixel(int x, int y, const std::array<std::uint32_t, 3>& triangle,
                  const Eigen::Vector3f& weights) {
     const float depth = 1.0F / weights.sum();
-    float& nearest = canvas_.depth(x, y);
-    if (nearest != 0.0F && nearest <= depth) return;
-    nearest = depth;
+    float& z_buffer = canvas_.depth(x, y);
+    if (z_buffer != 0.0F && z_buffer <= depth) return;
+    z_buffer = depth;
     canvas_.id(x, y) = id_;
     Eigen::Vector3f color = Eigen::Vector3f::Zero();
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();

@@ -8,18 +8,19 @@
 
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/recording.hpp"
+#include "pcavr/scene/ply_file.hpp"
+#include "pcavr/scene/scene_text.hpp"
 
 #include "display_mesh.hpp"
-#include "glb_file.hpp"
-#include "ply_file.hpp"
 #include "preview.hpp"
-#include "scene_text.hpp"
+#include "scene/glb_writer.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-/// The static mesh as a child of the node that turns it upright; nothing where it is empty.
+/// Adds the static mesh as a node; returns its index as the root's child, or none where it is
+/// empty.
 std::vector<int> add_static_mesh(GlbWriter& glb, const TriangleMesh& mesh_base) {
   if (mesh_base.triangles.empty()) return {};
   const int mesh = glb.add_mesh("static_mesh", mesh_base, GlbMaterial::captured);
@@ -55,14 +56,14 @@ std::string format_object(const CadModel& model) {
   return glb.finish(glb.add_node(model.name, Pose(), mesh), {});
 }
 
-/// Writes a file, and makes its folder where there is none yet.
+/// Writes a file; creates its folder where needed.
 Expected<void> write_with_folder(const fs::path& file, const std::string& content) {
   std::error_code code;
   fs::create_directories(file.parent_path(), code);
   if (code) {
-    return Error{.message = "can't be made: " + code.message(),
+    return Error{.message = "can't be created: " + code.message(),
                  .file = file.parent_path().string(),
-                 .hint = "choose a folder that you may write to, on a disk with space left"};
+                 .hint = "choose a writable folder on a disk with free space"};
   }
   return write_file(file, content);
 }
@@ -72,7 +73,7 @@ Expected<void> write_with_folder(const fs::path& file, const std::string& conten
 Expected<void> write_scene(const Scene& scene, const fs::path& folder, Parallelism parallelism) {
   struct File {
     fs::path name;
-    std::function<std::string()> content;  ///< made when it is its turn: one in memory at a time
+    std::function<std::string()> content;  ///< lazy, to keep only one file in memory
   };
   std::vector<File> files = {
       {kManifestFile, [&] { return format_scene_manifest(manifest_of(scene)); }},
@@ -104,9 +105,9 @@ Expected<SceneManifest> read_scene_manifest(const fs::path& folder) {
   Expected<SceneManifest> manifest = parse_scene_manifest(*text, file.string());
   if (!manifest) return manifest;
   if (!text->ends_with('\n')) {
-    return Error{.message = "was cut: its last line has no end",
+    return Error{.message = "is truncated: the last line has no newline",
                  .file = file.string(),
-                 .hint = "build the scene again, or end the line where an editor left it so"};
+                 .hint = "build the scene again, or add the newline if an editor removed it"};
   }
   manifest->folder = folder;
   return manifest;
@@ -114,7 +115,7 @@ Expected<SceneManifest> read_scene_manifest(const fs::path& folder) {
 
 Expected<CadModel> read_object_model(const SceneManifest& scene, const SceneObjectEntry& object) {
   CadOptions options;
-  // What was simplified once is not simplified again: the error that is stated would not hold.
+  // Not simplified again: the stated error would be wrong.
   if (object.simplified) options.max_triangles = std::numeric_limits<std::size_t>::max();
   Expected<CadModel> model = read_cad_model(scene.folder / object.mesh, object.name, options);
   if (!model || !object.simplified) return model;
@@ -128,12 +129,12 @@ Expected<Trajectory> read_camera_trajectory(const SceneManifest& scene) {
   const fs::path file = scene.folder / kTrajectoryFile;
   const Expected<std::string> text = read_file(file);
   if (!text) return text.error();
-  // Every version ended the last line; an older one did not count them.
+  // Every version writes a final newline; older ones do not write the line count.
   const bool is_counted = scene.lines && scene.lines->contains(kTrajectoryFile);
-  const auto ends = static_cast<std::size_t>(std::count(text->begin(), text->end(), '\n'));
-  const Expected<void> whole =
-      check_line_count(*text, is_counted ? scene.lines->at(kTrajectoryFile) : ends, file);
-  if (!whole) return whole.error();
+  const auto newlines = static_cast<std::size_t>(std::count(text->begin(), text->end(), '\n'));
+  const Expected<void> complete =
+      check_line_count(*text, is_counted ? scene.lines->at(kTrajectoryFile) : newlines, file);
+  if (!complete) return complete.error();
   return read_trajectory(file);
 }
 

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <yaml-cpp/yaml.h>
 
-#include "recording/utf8.hpp"
-#include "scene_text.hpp"
+#include "pcavr/core/utf8.hpp"
+#include "pcavr/scene/scene_text.hpp"
 
 namespace pcavr {
 namespace {
 
-/// Nanometres in a room, and a quaternion to a nanoradian: finer than any figure is known.
+/// Significant digits: nanometres in a room and nanoradians of rotation, below any uncertainty.
 constexpr std::size_t kDigits = 10;
 
 template <typename Value>
@@ -32,21 +32,21 @@ void emit_pose(YAML::Emitter& out, const char* key, const Pose& pose) {
   out << YAML::Key << "t" << YAML::Value;
   emit_list(out, pose.translation());
   out << YAML::Key << "q" << YAML::Value;
-  emit_list(out, pose.rotation().coeffs());  // Eigen keeps them in the order x y z w
+  emit_list(out, pose.rotation().coeffs());  // Eigen's order: x y z w
   out << YAML::EndMap;
 }
 
-/// A pair of figures for one pose: along [m] and about [rad].
-void emit_pose_figures(YAML::Emitter& out, const char* key, double translation, double rotation) {
+/// A pair of values for a pose: translation [m] and rotation [rad].
+void emit_pose_values(YAML::Emitter& out, const char* key, double translation, double rotation) {
   out << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginMap;
   emit(out, "translation", translation);
   emit(out, "rotation", rotation);
   out << YAML::EndMap;
 }
 
-/// What the CAD mesh was before it was simplified, and by how much the scene's mesh misses it.
+/// Properties of the original CAD mesh, and the simplification error of the scene's mesh.
 void emit_simplified(YAML::Emitter& out, const SceneObjectEntry::Simplified& simplified) {
-  emit(out, "simplified_error", simplified.simplification.max_deviation);
+  emit(out, "simplified_error", simplified.simplification.max_error);
   emit(out, "full_triangles", simplified.simplification.full_triangles);
   emit(out, "volume", simplified.volume);
   out << YAML::Key << "centre_of_mass" << YAML::Value;
@@ -62,8 +62,8 @@ void emit_object(YAML::Emitter& out, const SceneObjectEntry& object) {
   emit_pose(out, "pose", object.T_base_object);
   emit_pose(out, "start", object.T_base_object_start);
   emit(out, "evidence", object.evidence);
-  emit_pose_figures(out, "sigma", object.position_sigma, object.rotation_sigma);
-  emit_pose_figures(out, "refinement", object.refinement_translation, object.refinement_rotation);
+  emit_pose_values(out, "sigma", object.position_std, object.rotation_std);
+  emit_pose_values(out, "refinement", object.refinement_translation, object.refinement_rotation);
   if (object.simplified) emit_simplified(out, *object.simplified);
   out << YAML::EndMap;
 }
@@ -129,10 +129,10 @@ void emit_warnings(YAML::Emitter& out, const std::vector<InputWarning>& warnings
   out << YAML::EndSeq;
 }
 
-void emit_left_out(YAML::Emitter& out, const std::vector<LeftOut>& left_out) {
+void emit_left_out(YAML::Emitter& out, const std::vector<SkippedRows>& left_out) {
   emit_section(out, "left_out");
   out << YAML::BeginSeq;
-  for (const LeftOut& entry : left_out) {
+  for (const SkippedRows& entry : left_out) {
     out << YAML::Flow << YAML::BeginMap;
     emit(out, "file", entry.file);
     emit(out, "reason", entry.reason);
@@ -159,8 +159,7 @@ void emit_quality(YAML::Emitter& out, const SceneQuality& quality) {
   emit_counts(out, "tags_seen", "tag", quality.tags_seen);
   emit(out, "tag_reprojection_rms", quality.tag_reprojection_rms);
   emit(out, "tracking_rms", quality.tracking_rms);
-  emit_pose_figures(out, "camera_sigma", quality.camera_position_sigma,
-                    quality.camera_rotation_sigma);
+  emit_pose_values(out, "camera_sigma", quality.camera_position_std, quality.camera_rotation_std);
   emit(out, "surface_rms", quality.surface_rms);
   if (!quality.input_warnings.empty()) emit_warnings(out, quality.input_warnings);
   out << YAML::EndMap;
@@ -193,8 +192,8 @@ SceneManifest manifest_of(const Scene& scene) {
                                 .T_base_object = object.T_base_object,
                                 .T_base_object_start = object.T_base_object_start,
                                 .evidence = object.evidence,
-                                .position_sigma = object.position_sigma,
-                                .rotation_sigma = object.rotation_sigma,
+                                .position_std = object.position_std,
+                                .rotation_std = object.rotation_std,
                                 .refinement_translation = object.refinement_translation,
                                 .refinement_rotation = object.refinement_rotation,
                                 .mass = object.mass,
@@ -210,7 +209,7 @@ SceneManifest manifest_of(const Scene& scene) {
   manifest.is_fixed_camera = scene.quality.is_fixed_camera;
   manifest.quality = scene.quality;
   manifest.quality.times.clear();
-  // A comment names the columns.
+  // Plus one comment line with the column names.
   manifest.lines = LineCounts{{kTrajectoryFile, scene.camera_trajectory.size() + 1}};
   return manifest;
 }
@@ -240,7 +239,7 @@ std::string format_scene_manifest(const SceneManifest& manifest) {
   out << YAML::BeginSeq;
   for (const SupportPlane& plane : manifest.support_planes) emit_plane(out, plane);
   out << YAML::EndSeq;
-  // Before the figures: a manifest that was cut lacks some of these, and is not read.
+  // Before `quality`: a truncated manifest then lacks required keys, and is rejected.
   if (manifest.lines) emit_lines(out, *manifest.lines);
   emit_quality(out, manifest.quality);
   out << YAML::EndMap;

@@ -9,24 +9,25 @@
 
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/recording.hpp"
+#include "pcavr/scene/glb_file.hpp"
+#include "pcavr/scene/octomap_file.hpp"
+#include "pcavr/scene/ply_file.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/scene/scene_text.hpp"
 
-#include "glb_file.hpp"
-#include "octomap_file.hpp"
-#include "ply_file.hpp"
 #include "preview.hpp"
-#include "scene_text.hpp"
+#include "scene/glb_writer.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-/// scene.yaml keeps ten digits of a number.
+/// scene.yaml stores numbers with ten digits.
 constexpr double kSamePosition = 1e-7;  ///< [m]
 constexpr double kSameRotation = 1e-6;  ///< [rad]
 
 /// 1234567 as "1 234 567".
-std::string grouped(std::uint64_t count) {
+std::string with_digit_groups(std::uint64_t count) {
   std::string text = std::to_string(count);
   for (std::size_t from_end = 3; from_end < text.size(); from_end += 4) {
     text.insert(text.size() - from_end, 1, ' ');
@@ -44,7 +45,7 @@ bool is_same(const Pose& a, const Pose& b) {
   return translation_distance(a, b) <= kSamePosition && rotation_distance(a, b) <= kSameRotation;
 }
 
-/// Looks through one scene's files in turn.
+/// Checks all files of one scene.
 class Inspection {
  public:
   explicit Inspection(const SceneManifest& manifest) : manifest_(manifest) {}
@@ -63,39 +64,38 @@ class Inspection {
   }
 
  private:
-  void report(const fs::path& what, std::string figure, const std::string& complaint) {
-    if (!complaint.empty()) figure += (figure.empty() ? "" : ", ") + complaint;
-    checks_.push_back({what.string(), std::move(figure), complaint.empty()});
+  void report(const fs::path& what, std::string summary, const std::string& problem) {
+    if (!problem.empty()) summary += (summary.empty() ? "" : ", ") + problem;
+    checks_.push_back({what.string(), std::move(summary), problem.empty()});
   }
-  /// The file itself can't be read: the reason, without the file's name once more.
+  /// The file can't be read: the reason, without repeating the file name.
   void report(const fs::path& what, const Error& error) { report(what, "", error.message); }
 
   void check_manifest() {
-    std::string complaint;
+    std::string problem;
     std::set<std::string> names;
     for (const SceneObjectEntry& object : manifest_.objects) {
-      if (!names.insert(object.name).second)
-        complaint = "object " + object.name + " is there twice";
+      if (!names.insert(object.name).second) problem = "object " + object.name + " is listed twice";
     }
     for (const SupportPlane& plane : manifest_.support_planes) {
       for (const std::string& name : plane.objects) {
-        if (!names.contains(name)) complaint = "a plane bears " + name + ", which is no object";
+        if (!names.contains(name)) problem = "a support plane lists the unknown object " + name;
       }
     }
     for (const MarkerEntry& tag : manifest_.tags) {
       if (tag.role == MarkerRole::object && !names.contains(tag.object)) {
-        complaint = "tag " + tag.id.to_string() + " is on " + tag.object + ", which is no object";
+        problem = "tag " + tag.id.to_string() + " is on the unknown object " + tag.object;
       }
     }
     if (manifest_.quality.frames_used > manifest_.quality.frames_recorded) {
-      complaint = "more frames used than recorded";
+      problem = "more frames used than recorded";
     }
     report(kManifestFile,
            std::to_string(manifest_.objects.size()) + " objects, " +
                std::to_string(manifest_.support_planes.size()) + " support planes, " +
                std::to_string(manifest_.quality.frames_used) + " of " +
                std::to_string(manifest_.quality.frames_recorded) + " frames used",
-           complaint);
+           problem);
   }
 
   void check_display() {
@@ -103,21 +103,22 @@ class Inspection {
     if (!glb) return report(kDisplayFile, glb.error());
     std::size_t triangles = 0;
     for (const GlbNode& node : glb->nodes) triangles += node.triangles;
-    std::string complaint;
+    std::string problem;
     if (glb->root != "base" || !is_same(glb->T_viewer_root, glb_root_pose())) {
-      complaint = "the root does not turn z-up into y-up";
+      problem = "the root node does not rotate z-up to y-up";
     }
     for (const SceneObjectEntry& object : manifest_.objects) {
       const auto node = std::find_if(glb->nodes.begin(), glb->nodes.end(), [&](const auto& n) {
         return n.name == object.name && is_same(n.T_parent_node, object.T_base_object);
       });
       if ((node == glb->nodes.end()) != (object.evidence == kNotSeen)) {
-        complaint = "object " + object.name + " does not stand where scene.yaml says";
+        problem = "object " + object.name + " is not at its pose in scene.yaml";
       }
     }
     report(kDisplayFile,
-           std::to_string(glb->nodes.size()) + " nodes, " + grouped(triangles) + " triangles",
-           complaint);
+           std::to_string(glb->nodes.size()) + " nodes, " + with_digit_groups(triangles) +
+               " triangles",
+           problem);
   }
 
   void check_level(std::size_t level) {
@@ -125,8 +126,8 @@ class Inspection {
     const Expected<GlbContent> glb = read_glb(manifest_.folder / name);
     if (!glb) return report(name, glb.error());
     const bool is_sound = glb->nodes.size() == 1 && glb->nodes.front().name == "static_mesh";
-    report(name, is_sound ? grouped(glb->nodes.front().triangles) + " triangles" : "",
-           is_sound ? "" : "does not hold the static mesh alone");
+    report(name, is_sound ? with_digit_groups(glb->nodes.front().triangles) + " triangles" : "",
+           is_sound ? "" : "is not only the static mesh");
   }
 
   void check_mesh() {
@@ -135,16 +136,16 @@ class Inspection {
     mesh_ = std::move(*mesh);
     const bool has_all =
         mesh_.vertices.empty() || (!mesh_.normals.empty() && !mesh_.colors.empty());
-    report(
-        kMeshFile,
-        grouped(mesh_.triangles.size()) + " triangles, " + rounded(surface_area(mesh_), 2) + " m^2",
-        has_all ? "" : "without normals or colours");
+    report(kMeshFile,
+           with_digit_groups(mesh_.triangles.size()) + " triangles, " +
+               rounded(surface_area(mesh_), 2) + " m^2",
+           has_all ? "" : "without normals or colours");
   }
 
   void check_cloud() {
     const Expected<TriangleMesh> cloud = read_ply(manifest_.folder / kCloudFile);
     if (!cloud) return report(kCloudFile, cloud.error());
-    report(kCloudFile, grouped(cloud->vertices.size()) + " points",
+    report(kCloudFile, with_digit_groups(cloud->vertices.size()) + " points",
            cloud->triangles.empty() ? "" : "has faces");
   }
 
@@ -152,25 +153,28 @@ class Inspection {
     const Expected<OctomapContent> map = read_octomap(manifest_.folder / kOccupancyFile);
     if (!map) return report(kOccupancyFile, map.error());
     report(kOccupancyFile,
-           grouped(map->occupied) + " cells occupied, " + grouped(map->free) + " free, " +
-               rounded(map->resolution, 3) + " m",
-           complaint_about_bounds(*map));
+           with_digit_groups(map->occupied) + " cells occupied, " + with_digit_groups(map->free) +
+               " free, " + rounded(map->resolution, 3) + " m",
+           bounds_problem(*map));
   }
 
-  /// The mesh shows what the map was made from. Rays are cut by their length and depth by its z, so
-  /// that a little of the mesh may stand out at the far end.
-  [[nodiscard]] std::string complaint_about_bounds(const OctomapContent& map) const {
-    constexpr double kMinShare = 0.95;
+  /// Compares the map's bounds to the mesh, as both are made from the same depth. Rays are
+  /// truncated by length but depth by z, so that a small part of the mesh may be outside at the far
+  /// end.
+  [[nodiscard]] std::string bounds_problem(const OctomapContent& map) const {
+    constexpr double kMinFraction = 0.95;
     const Eigen::Vector3d margin = Eigen::Vector3d::Constant(2.0 * map.resolution);
     Eigen::AlignedBox3d box = map.known_base;
     if (!box.isEmpty()) box = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
     const auto inside = std::count_if(
         mesh_.vertices.begin(), mesh_.vertices.end(),
         [&](const Eigen::Vector3f& vertex) { return box.contains(vertex.cast<double>()); });
-    const double share = mesh_.vertices.empty() ? 1.0
-                                                : static_cast<double>(inside) /
-                                                      static_cast<double>(mesh_.vertices.size());
-    return share >= kMinShare ? "" : "holds only " + rounded(100.0 * share, 0) + " % of the mesh";
+    const double fraction = mesh_.vertices.empty() ? 1.0
+                                                   : static_cast<double>(inside) /
+                                                         static_cast<double>(mesh_.vertices.size());
+    return fraction >= kMinFraction
+               ? ""
+               : "contains only " + rounded(100.0 * fraction, 0) + " % of the mesh";
   }
 
   void check_trajectory() {
@@ -178,8 +182,10 @@ class Inspection {
     if (!track) return report(kTrajectoryFile, track.error());
     report(kTrajectoryFile,
            std::to_string(track->size()) + " poses" +
-               (manifest_.lines ? "" : ", lines not counted: by an older version"),
-           track->size() == manifest_.quality.frames_used ? "" : "not one for each frame used");
+               (manifest_.lines ? "" : ", line count not checked: written by an older version"),
+           track->size() == manifest_.quality.frames_used
+               ? ""
+               : "differs from the number of frames used");
   }
 
   void check_preview() {
@@ -195,18 +201,18 @@ class Inspection {
     const bool is_sound = image.cols == kPreviewWidth && image.rows == kPreviewHeight;
     report(kPreviewFile,
            std::to_string(image.cols) + " x " + std::to_string(image.rows) + " pixels",
-           is_sound ? "" : "is not the picture of a scene");
+           is_sound ? "" : "is not a scene's preview image");
   }
 
   void check_object(const SceneObjectEntry& object) {
     const Expected<CadModel> model = read_object_model(manifest_, object);
     if (!model) return report(object.mesh, model.error());
-    std::string figure = grouped(model->mesh_object.triangles.size()) + " triangles, ";
+    std::string summary = with_digit_groups(model->mesh_object.triangles.size()) + " triangles, ";
     if (const auto& simplification = model->simplification) {
-      figure += "simplified from " + grouped(simplification->full_triangles) + " within " +
-                rounded(1e3 * simplification->max_deviation, 3) + " mm, ";
+      summary += "simplified from " + with_digit_groups(simplification->full_triangles) +
+                 " within " + rounded(1e3 * simplification->max_error, 3) + " mm, ";
     }
-    report(object.mesh, figure + rounded(1e3 * model->volume, 3) + " litres, " + object.evidence,
+    report(object.mesh, summary + rounded(1e3 * model->volume, 3) + " litres, " + object.evidence,
            "");
   }
 

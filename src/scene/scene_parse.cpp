@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "recording/manifest_parser.hpp"
-#include "recording/yaml_map.hpp"
-#include "scene_text.hpp"
+#include "pcavr/recording/manifest_parser.hpp"
+#include "pcavr/recording/yaml_map.hpp"
+#include "pcavr/scene/scene_text.hpp"
 
 namespace pcavr {
 namespace {
@@ -13,15 +13,15 @@ namespace {
 constexpr char kFormat[] = "pcavr-scene/1";
 constexpr double kUnitTolerance = 1e-3;  ///< of a quaternion's or a normal's length
 
-/// Of a body within ranges::kBodySize, above the share of its bounding cube that is rounding.
+/// Of a body within ranges::kBodySize, above the rounding error of its bounding cube's volume.
 constexpr InputRange kVolume{"volume", 1e-20, 1e9, "m^3", "see ranges::kBodySize"};
-/// [m^2] A square centimetre: less bears nothing.
+/// [m^2] A square centimetre: a smaller plane supports nothing.
 constexpr double kMinPlaneArea = 1e-4;
-/// Of a plane's normal: things slide off a slope of 60 degrees.
+/// Of a plane's normal: objects slide off a slope of 60 degrees.
 constexpr double kMinUpward = 0.5;
 
-/// Of a polygon, seen from above [m^2]; negative where it runs clockwise.
-double area_from_above(const std::vector<Eigen::Vector3d>& corners) {
+/// Signed area of a polygon in the x-y plane (shoelace formula) [m^2]; negative where clockwise.
+double signed_area_xy(const std::vector<Eigen::Vector3d>& corners) {
   double doubled = 0.0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Eigen::Vector3d& a = corners[i];
@@ -42,7 +42,7 @@ Pose pose_of(const YamlValue& value) {
   const std::vector<double> q = rotation.numbers(4);
   const Eigen::Quaterniond quaternion(q[3], q[0], q[1], q[2]);
   if (std::abs(quaternion.norm() - 1.0) > kUnitTolerance) {
-    rotation.fail("is no unit quaternion", "write qx qy qz qw with a length of 1");
+    rotation.fail("is not a unit quaternion", "write qx qy qz qw with a length of 1");
   }
   return Pose(quaternion, vector_of(value.at("t")));
 }
@@ -50,17 +50,17 @@ Pose pose_of(const YamlValue& value) {
 std::filesystem::path path_of(const YamlValue& value) {
   const std::filesystem::path path = std::filesystem::path(value.text()).lexically_normal();
   if (path.empty() || path.is_absolute() || *path.begin() == "..") {
-    value.fail("leaves the scene's folder", "write a path inside it");
+    value.fail("is outside the scene's folder", "write a path inside it");
   }
   return path;
 }
 
-struct PoseFigures {
+struct PoseValues {
   double translation = 0.0;
   double rotation = 0.0;
 };
 
-PoseFigures figures_of(const YamlValue& value) {
+PoseValues pose_values_of(const YamlValue& value) {
   value.expect_keys({"translation", "rotation"});
   return {value.at("translation").number_in(ranges::kPositionStd),
           value.at("rotation").number_in(ranges::kRotationStd)};
@@ -70,10 +70,10 @@ std::size_t count_of(const YamlValue& value) {
   return static_cast<std::size_t>(value.integer(0, std::numeric_limits<int>::max()));
 }
 
-/// The four keys stand together.
+/// The four keys occur together.
 SceneObjectEntry::Simplified simplified_of(const YamlValue& object) {
   SceneObjectEntry::Simplified simplified;
-  simplified.simplification.max_deviation =
+  simplified.simplification.max_error =
       object.at("simplified_error").number_in(ranges::kPositionStd);
   simplified.simplification.full_triangles = count_of(object.at("full_triangles"));
   simplified.volume = object.at("volume").number_in(kVolume);
@@ -94,17 +94,17 @@ SceneObjectEntry object_of(const YamlValue& value) {
   object.T_base_object = pose_of(value.at("pose"));
   object.T_base_object_start = pose_of(value.at("start"));
   object.evidence = value.at("evidence").text();
-  const PoseFigures sigma = figures_of(value.at("sigma"));
-  object.position_sigma = sigma.translation;
-  object.rotation_sigma = sigma.rotation;
-  const PoseFigures refinement = figures_of(value.at("refinement"));
+  const PoseValues std_values = pose_values_of(value.at("sigma"));
+  object.position_std = std_values.translation;
+  object.rotation_std = std_values.rotation;
+  const PoseValues refinement = pose_values_of(value.at("refinement"));
   object.refinement_translation = refinement.translation;
   object.refinement_rotation = refinement.rotation;
   if (value.find("simplified_error")) object.simplified = simplified_of(value);
   return object;
 }
 
-/// A tag of base, unless it names its object.
+/// A tag of base, unless it has an object.
 MarkerEntry tag_of(const YamlValue& value) {
   value.expect_keys({"family", "id", "size", "object", "pose"});
   MarkerEntry tag;
@@ -125,17 +125,17 @@ SupportPlane plane_of(const YamlValue& value) {
   const YamlValue normal = value.at("normal");
   plane.plane_base.normal = vector_of(normal);
   if (std::abs(plane.plane_base.normal.norm() - 1.0) > kUnitTolerance) {
-    normal.fail("is no unit vector", "write a direction with a length of 1");
+    normal.fail("is not a unit vector", "write a direction with a length of 1");
   }
   if (plane.plane_base.normal.z() < kMinUpward) {
-    normal.fail("does not point upward", "write the normal of a plane that things can stand on");
+    normal.fail("does not point upward", "write the normal of a plane that can support objects");
   }
   plane.plane_base.offset = value.at("offset").number_in(ranges::kCoordinate);
   plane.rms = value.at("rms").number_in(ranges::kFigure);
   for (const YamlValue& name : value.at("objects").items()) plane.objects.push_back(name.text());
   const YamlValue outline = value.at("outline");
   for (const YamlValue& corner : outline.items()) plane.outline_base.push_back(vector_of(corner));
-  if (!(area_from_above(plane.outline_base) > kMinPlaneArea)) {
+  if (!(signed_area_xy(plane.outline_base) > kMinPlaneArea)) {
     outline.fail("encloses no area", "write the corners counter-clockwise as seen from above");
   }
   return plane;
@@ -161,8 +161,8 @@ std::vector<InputWarning> warnings_of(const YamlValue& value) {
   return warnings;
 }
 
-std::vector<LeftOut> left_out_of(const YamlValue& value) {
-  std::vector<LeftOut> left_out;
+std::vector<SkippedRows> left_out_of(const YamlValue& value) {
+  std::vector<SkippedRows> left_out;
   for (const YamlValue& item : value.items()) {
     item.expect_keys({"file", "reason", "rows"});
     left_out.push_back(
@@ -183,9 +183,9 @@ SceneQuality quality_of(const YamlValue& value) {
   quality.tags_seen = counts_of(value.at("tags_seen"), "tag");
   quality.tag_reprojection_rms = value.at("tag_reprojection_rms").number_in(ranges::kFigure);
   quality.tracking_rms = value.at("tracking_rms").number_in(ranges::kFigure);
-  const PoseFigures sigma = figures_of(value.at("camera_sigma"));
-  quality.camera_position_sigma = sigma.translation;
-  quality.camera_rotation_sigma = sigma.rotation;
+  const PoseValues std_values = pose_values_of(value.at("camera_sigma"));
+  quality.camera_position_std = std_values.translation;
+  quality.camera_rotation_std = std_values.rotation;
   quality.surface_rms = value.at("surface_rms").number_in(ranges::kFigure);
   if (const auto warnings = value.find("input_warnings")) {
     quality.input_warnings = warnings_of(*warnings);
@@ -193,7 +193,7 @@ SceneQuality quality_of(const YamlValue& value) {
   return quality;
 }
 
-/// The names of the files are part of the format; only the levels of detail vary in number.
+/// The file names are part of the format; only the number of levels of detail varies.
 std::vector<std::filesystem::path> levels_of(const YamlValue& files) {
   const std::pair<const char*, const char*> names[] = {
       {"display", kDisplayFile}, {"mesh", kMeshFile},

@@ -18,25 +18,26 @@
 namespace pcavr {
 namespace {
 
-/// Steeper ones bear no box: most things slide from a slope of 15 degrees (friction 0.27) on.
+/// Slope limit of a support plane: most objects slide above 15 degrees (friction 0.27).
 const double kMinUpward = std::cos(15.0 * M_PI / 180.0);
-/// Vertex normals of a noisy mesh stray further than the surface itself.
+/// Slope limit of vertex normals, wider due to mesh noise.
 const float kMinNormalUpward = std::cos(30.0F * static_cast<float>(M_PI) / 180.0F);
-/// From a body's lowest point to the plane: its pose and the surface may each be off [m].
-constexpr double kAbove = 0.03;
-/// Around the body: what lies right beneath it was never seen [m].
-constexpr double kAround = 0.15;
-/// From a point to the plane that explains it, at first [m].
+/// Max vertical distance of a body's lowest point from the plane, for errors of pose and surface
+/// [m].
+constexpr double kMaxGap = 0.03;
+/// Search margin around the body, as the surface beneath it was not observed [m].
+constexpr double kSearchMargin = 0.15;
+/// Initial inlier distance; also the maximum [m].
 constexpr double kInlierDistance = 0.01;
-/// The distance is then three standard deviations, but no less than this [m].
+/// The inlier distance is then 3 standard deviations, at least this [m].
 constexpr double kMinInlierDistance = 0.003;
-/// Points within a cell of this edge, or in cells side by side, are connected [m].
+/// Cell edge for clustering: points in the same or in adjacent cells are connected [m].
 constexpr double kCellEdge = 0.03;
 constexpr std::size_t kMinPoints = 30;
 
 using Points = std::vector<Eigen::Vector3d>;
 
-/// Vertices where the surface looks upward.
+/// Vertices with an upward normal.
 Points upward_points(const TriangleMesh& mesh) {
   const TriangleMesh* with_normals = &mesh;
   TriangleMesh copy;
@@ -62,7 +63,7 @@ struct Footprint {
   }
 };
 
-Footprint footprint_of(const StandingBody& body) {
+Footprint footprint_of(const SupportedBody& body) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3f& vertex : body.mesh_object->vertices) {
     box.extend(body.T_base_object * vertex.cast<double>().eval());
@@ -70,7 +71,7 @@ Footprint footprint_of(const StandingBody& body) {
   return {{box.min().head<2>(), box.max().head<2>()}, box.min().z()};
 }
 
-/// Least squares, normal upward [Pearson 1901]; and the points' rms distance.
+/// Total least squares plane fit (PCA) [Pearson 1901], normal upward; and the rms distance.
 std::pair<Plane, double> fit(const Points& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& point : points) mean += point;
@@ -91,24 +92,23 @@ std::pair<Plane, double> fit(const Points& points) {
 
 using Cell = std::pair<int, int>;
 
-Cell plane_cell_of(const Eigen::Vector3d& point) {
-  constexpr int kFarAway = 1'000'000'000;  // cells; a mesh file may hold any number
+Cell cell_of(const Eigen::Vector3d& point) {
+  constexpr int kFarAway = 1'000'000'000;  // [cells]; a mesh file may contain any number
   return {clamp_to_int(std::floor(point.x() / kCellEdge), -kFarAway, kFarAway),
           clamp_to_int(std::floor(point.y() / kCellEdge), -kFarAway, kFarAway)};
 }
 
-/// The points that the plane explains, and that are connected from above: the part that holds the
-/// most of them with one of `near` (empty: the most of all).
+/// Inliers of the plane, clustered in the x-y plane (connected components): the largest cluster
+/// with a point close to `near` (empty: the largest of all).
 Points connected_inliers(const Points& points, const Plane& plane, double distance,
                          const std::optional<Footprint>& near) {
   std::map<Cell, Points> cells;
   for (const Eigen::Vector3d& point : points) {
-    if (std::abs(plane.signed_distance(point)) <= distance)
-      cells[plane_cell_of(point)].push_back(point);
+    if (std::abs(plane.signed_distance(point)) <= distance) cells[cell_of(point)].push_back(point);
   }
   Points largest;
   while (!cells.empty()) {
-    Points part;
+    Points cluster;
     bool is_near = !near;
     std::vector<Cell> open = {cells.begin()->first};
     while (!open.empty()) {
@@ -117,22 +117,22 @@ Points connected_inliers(const Points& points, const Plane& plane, double distan
       const auto found = cells.find(cell);
       if (found == cells.end()) continue;
       for (const Eigen::Vector3d& point : found->second) {
-        is_near = is_near || near->box.exteriorDistance(point.head<2>().eval()) <= kAround;
+        is_near = is_near || near->box.exteriorDistance(point.head<2>().eval()) <= kSearchMargin;
       }
-      part.insert(part.end(), found->second.begin(), found->second.end());
+      cluster.insert(cluster.end(), found->second.begin(), found->second.end());
       cells.erase(found);
       for (int dx = -1; dx <= 1; ++dx) {
         for (int dy = -1; dy <= 1; ++dy) open.emplace_back(cell.first + dx, cell.second + dy);
       }
     }
-    if (is_near && part.size() > largest.size()) largest = std::move(part);
+    if (is_near && cluster.size() > largest.size()) largest = std::move(cluster);
   }
   return largest;
 }
 
-/// From the plane that RANSAC saw near a body to all that belongs to it.
-std::optional<SupportPlane> grown(Plane plane, const Points& points,
-                                  const std::optional<Footprint>& near) {
+/// Region growing: from the RANSAC plane near a body to all connected inliers, in three rounds.
+std::optional<SupportPlane> grow_region(Plane plane, const Points& points,
+                                        const std::optional<Footprint>& near) {
   double distance = kInlierDistance;
   SupportPlane support;
   Points inliers;
@@ -151,13 +151,13 @@ std::optional<SupportPlane> grown(Plane plane, const Points& points,
 std::optional<SupportPlane> plane_below(const Points& points, const Footprint& footprint) {
   Points candidates;
   for (const Eigen::Vector3d& point : points) {
-    if (std::abs(point.z() - footprint.lowest) > kAbove) continue;
-    if (footprint.box.exteriorDistance(point.head<2>().eval()) > kAround) continue;
+    if (std::abs(point.z() - footprint.lowest) > kMaxGap) continue;
+    if (footprint.box.exteriorDistance(point.head<2>().eval()) > kSearchMargin) continue;
     candidates.push_back(point);
   }
   const std::optional<Plane> seed = ransac_plane(candidates, kInlierDistance, kMinUpward);
   if (!seed) return std::nullopt;
-  return grown(*seed, points, footprint);
+  return grow_region(*seed, points, footprint);
 }
 
 bool stands_on(const SupportPlane& plane, const Footprint& footprint) {
@@ -168,10 +168,10 @@ bool stands_on(const SupportPlane& plane, const Footprint& footprint) {
 }  // namespace
 
 std::vector<SupportPlane> find_support_planes(const TriangleMesh& mesh_base,
-                                              const std::vector<StandingBody>& bodies) {
+                                              const std::vector<SupportedBody>& bodies) {
   const Points points = upward_points(mesh_base);
   std::vector<SupportPlane> planes;
-  for (const StandingBody& body : bodies) {
+  for (const SupportedBody& body : bodies) {
     PCAVR_REQUIRE(body.mesh_object != nullptr && !body.mesh_object->vertices.empty(), body.name);
     const Footprint footprint = footprint_of(body);
     auto found = std::find_if(planes.begin(), planes.end(), [&](const SupportPlane& plane) {
@@ -186,7 +186,7 @@ std::vector<SupportPlane> find_support_planes(const TriangleMesh& mesh_base,
   }
   if (!bodies.empty()) return planes;
   if (const auto seed = ransac_plane(points, kInlierDistance, kMinUpward)) {
-    if (auto plane = grown(*seed, points, std::nullopt)) planes.push_back(std::move(*plane));
+    if (auto plane = grow_region(*seed, points, std::nullopt)) planes.push_back(std::move(*plane));
   }
   return planes;
 }

@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kDays = 397;
-constexpr double kDaysToSpare = 7.0;
+constexpr double kMinDaysLeft = 7.0;
 constexpr long kDay = 24L * 3600;  // [s]
 
 struct FreeOpenSsl {
@@ -44,21 +44,21 @@ struct FreeOpenSsl {
 template <typename Handle>
 using Owned = std::unique_ptr<Handle, FreeOpenSsl>;
 
-Error no_certificate(const fs::path& file) {
-  return Error{.message = "can't make a certificate", .file = file.string()};
+Error cannot_create(const fs::path& file) {
+  return Error{.message = "can't create a certificate", .file = file.string()};
 }
 
-std::string address_of(const sockaddr* place) {
+std::string address_of(const sockaddr* address) {
   std::array<char, INET6_ADDRSTRLEN> text{};
   const void* number =
-      place->sa_family == AF_INET
-          ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in*>(place)->sin_addr)
-          : &reinterpret_cast<const sockaddr_in6*>(place)->sin6_addr;
-  return ::inet_ntop(place->sa_family, number, text.data(), text.size()) == nullptr ? ""
-                                                                                    : text.data();
+      address->sa_family == AF_INET
+          ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in*>(address)->sin_addr)
+          : &reinterpret_cast<const sockaddr_in6*>(address)->sin6_addr;
+  return ::inet_ntop(address->sa_family, number, text.data(), text.size()) == nullptr ? ""
+                                                                                      : text.data();
 }
 
-/// As GENERAL_NAMES are written: "DNS:localhost,IP:127.0.0.1".
+/// The subject alternative names in OpenSSL's syntax: "DNS:localhost,IP:127.0.0.1".
 std::string alternative_names() {
   std::string names = "DNS:localhost,IP:127.0.0.1,IP:::1";
   for (const std::string& name : machine_names()) names += ",DNS:" + name;
@@ -78,24 +78,24 @@ bool add_extension(X509* certificate, int kind, const std::string& value) {
 }
 
 bool set_serial(X509* certificate) {
-  // Two of the same issuer must differ; 63 bits, so that it is positive.
+  // Serial numbers of one issuer must differ; 63 random bits, so that it is positive.
   std::uint64_t serial = 0;
   if (RAND_bytes(reinterpret_cast<unsigned char*>(&serial), sizeof serial) != 1) return false;
   return ASN1_INTEGER_set_uint64(X509_get_serialNumber(certificate), serial >> 1 | 1) == 1;
 }
 
-Owned<X509> sign_for_itself(EVP_PKEY* key) {
+Owned<X509> self_sign(EVP_PKEY* key) {
   Owned<X509> certificate(X509_new());
   X509* c = certificate.get();
   if (c == nullptr || X509_set_version(c, 2) != 1 || !set_serial(c)) return nullptr;
-  // A day before, for a headset whose clock is behind.
+  // Valid since a day ago, for a headset whose clock is behind.
   X509_gmtime_adj(X509_getm_notBefore(c), -kDay);
   X509_gmtime_adj(X509_getm_notAfter(c), (kDays - 1) * kDay);
   X509_NAME* name = X509_get_subject_name(c);
-  const std::string_view who = "pcavr on this machine";
+  const std::string_view common_name = "pcavr on this machine";
   X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_UTF8,
-                             reinterpret_cast<const unsigned char*>(who.data()),
-                             static_cast<int>(who.size()), -1, 0);
+                             reinterpret_cast<const unsigned char*>(common_name.data()),
+                             static_cast<int>(common_name.size()), -1, 0);
   const bool is_signed = X509_set_issuer_name(c, name) == 1 && X509_set_pubkey(c, key) == 1 &&
                          add_extension(c, NID_basic_constraints, "critical,CA:FALSE") &&
                          add_extension(c, NID_key_usage, "critical,digitalSignature") &&
@@ -115,7 +115,7 @@ std::string pem(Write write) {
   return {bytes, static_cast<std::size_t>(length)};
 }
 
-/// Nobody else may read it, not even while it is being written.
+/// Writes a file that only its owner can read, at no time readable by others.
 Expected<void> write_secret(const fs::path& file, const std::string& text) {
   const fs::path temporary = file.string() + ".new";
   ::unlink(temporary.c_str());
@@ -131,20 +131,20 @@ Expected<void> write_secret(const fs::path& file, const std::string& text) {
                .file = file.string()};
 }
 
-Expected<void> make_certificate(const TlsFiles& files) {
+Expected<void> create_certificate(const TlsFiles& files) {
   const Owned<EVP_PKEY> key(EVP_EC_gen("P-256"));
-  if (!key) return no_certificate(files.certificate);
-  const Owned<X509> certificate = sign_for_itself(key.get());
-  if (!certificate) return no_certificate(files.certificate);
+  if (!key) return cannot_create(files.certificate);
+  const Owned<X509> certificate = self_sign(key.get());
+  if (!certificate) return cannot_create(files.certificate);
   const std::string secret = pem([&](BIO* text) {
     return PEM_write_bio_PrivateKey(text, key.get(), nullptr, nullptr, 0, nullptr, nullptr);
   });
-  const std::string shown =
+  const std::string public_pem =
       pem([&](BIO* text) { return PEM_write_bio_X509(text, certificate.get()); });
-  if (secret.empty() || shown.empty()) return no_certificate(files.certificate);
-  const Expected<void> kept = write_secret(files.key, secret);
-  if (!kept) return kept;
-  return write_file(files.certificate, shown);
+  if (secret.empty() || public_pem.empty()) return cannot_create(files.certificate);
+  const Expected<void> written = write_secret(files.key, secret);
+  if (!written) return written;
+  return write_file(files.certificate, public_pem);
 }
 
 std::vector<std::string> names_of(X509* certificate) {
@@ -189,26 +189,26 @@ Owned<X509> read_pem(const std::string& text) {
   return Owned<X509>(bytes ? PEM_read_bio_X509(bytes.get(), nullptr, nullptr, nullptr) : nullptr);
 }
 
-/// They are not where two servers made them at the same time.
-bool belong_together(const TlsFiles& files) {
-  const Expected<std::string> shown = read_file(files.certificate);
+/// Whether the key is the certificate's: not so after two servers wrote them at the same time.
+bool is_key_pair(const TlsFiles& files) {
+  const Expected<std::string> public_pem = read_file(files.certificate);
   const Expected<std::string> secret = read_file(files.key);
-  if (!shown || !secret) return false;
+  if (!public_pem || !secret) return false;
   const Owned<BIO> bytes(BIO_new_mem_buf(secret->data(), static_cast<int>(secret->size())));
   const Owned<EVP_PKEY> key(bytes ? PEM_read_bio_PrivateKey(bytes.get(), nullptr, nullptr, nullptr)
                                   : nullptr);
-  const Owned<X509> certificate = read_pem(*shown);
+  const Owned<X509> certificate = read_pem(*public_pem);
   return key && certificate && X509_check_private_key(certificate.get(), key.get()) == 1;
 }
 
-bool still_serves(const TlsFiles& files) {
-  if (!belong_together(files)) return false;
-  const Expected<CertificateFacts> facts = read_certificate(files.certificate);
-  if (!facts || facts->days_left < kDaysToSpare) return false;
-  std::vector<std::string> wanted = machine_addresses();
-  for (const std::string& name : machine_names()) wanted.push_back(name);
-  return std::all_of(wanted.begin(), wanted.end(), [&](const std::string& name) {
-    return std::find(facts->names.begin(), facts->names.end(), name) != facts->names.end();
+bool is_still_valid(const TlsFiles& files) {
+  if (!is_key_pair(files)) return false;
+  const Expected<CertificateInfo> info = read_certificate(files.certificate);
+  if (!info || info->days_left < kMinDaysLeft) return false;
+  std::vector<std::string> required = machine_addresses();
+  for (const std::string& name : machine_names()) required.push_back(name);
+  return std::all_of(required.begin(), required.end(), [&](const std::string& name) {
+    return std::find(info->names.begin(), info->names.end(), name) != info->names.end();
   });
 }
 
@@ -219,14 +219,14 @@ std::vector<std::string> machine_addresses() {
   if (::getifaddrs(&first) != 0) return {};
   const Owned<ifaddrs> list(first);
   std::vector<std::string> addresses;
-  for (const ifaddrs* place = first; place != nullptr; place = place->ifa_next) {
-    const bool is_used = place->ifa_addr != nullptr && (place->ifa_flags & IFF_UP) != 0 &&
-                         (place->ifa_flags & IFF_LOOPBACK) == 0;
+  for (const ifaddrs* entry = first; entry != nullptr; entry = entry->ifa_next) {
+    const bool is_used = entry->ifa_addr != nullptr && (entry->ifa_flags & IFF_UP) != 0 &&
+                         (entry->ifa_flags & IFF_LOOPBACK) == 0;
     if (!is_used) continue;
-    const int family = place->ifa_addr->sa_family;
+    const int family = entry->ifa_addr->sa_family;
     if (family != AF_INET && family != AF_INET6) continue;
-    const std::string address = address_of(place->ifa_addr);
-    // One that means something on one link only is of no use in a browser's address bar.
+    const std::string address = address_of(entry->ifa_addr);
+    // Link-local addresses do not work in a browser's address bar.
     if (!address.empty() && !address.starts_with("fe80")) addresses.push_back(address);
   }
   std::sort(addresses.begin(), addresses.end(), [](const std::string& a, const std::string& b) {
@@ -241,8 +241,8 @@ std::vector<std::string> machine_names() {
   std::array<char, 256> text{};
   if (::gethostname(text.data(), text.size() - 1) != 0) return {};
   const std::string name(text.data());
-  const bool is_plain = std::all_of(name.begin(), name.end(), [](unsigned char sign) {
-    return std::isalnum(sign) != 0 || sign == '-' || sign == '.';
+  const bool is_plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '.';
   });
   if (name.empty() || name == "localhost" || !is_plain) return {};
   return {name, name + ".local"};
@@ -255,18 +255,18 @@ fs::path data_folder() {
   return fs::path(home != nullptr ? home : "/") / ".local/share/pcavr";
 }
 
-Expected<TlsFiles> own_certificate(const fs::path& folder) {
+Expected<TlsFiles> load_or_create_certificate(const fs::path& folder) {
   const TlsFiles files{folder / "certificate.pem", folder / "key.pem"};
-  if (still_serves(files)) return files;
+  if (is_still_valid(files)) return files;
   std::error_code fault;
   fs::create_directories(folder, fault);
   if (fault) return Error{.message = fault.message(), .file = folder.string()};
-  const Expected<void> made = make_certificate(files);
-  if (!made) return made.error();
+  const Expected<void> created = create_certificate(files);
+  if (!created) return created.error();
   return files;
 }
 
-Expected<CertificateFacts> read_certificate(const fs::path& file) {
+Expected<CertificateInfo> read_certificate(const fs::path& file) {
   const Expected<std::string> text = read_file(file);
   if (!text) return text.error();
   const Owned<X509> certificate = read_pem(*text);
@@ -274,10 +274,10 @@ Expected<CertificateFacts> read_certificate(const fs::path& file) {
   int seconds = 0;
   if (!certificate ||
       ASN1_TIME_diff(&days, &seconds, nullptr, X509_get0_notAfter(certificate.get())) != 1) {
-    return Error{.message = "not a certificate in PEM", .file = file.string()};
+    return Error{.message = "not a PEM certificate", .file = file.string()};
   }
-  return CertificateFacts{names_of(certificate.get()), fingerprint_of(certificate.get()),
-                          days + static_cast<double>(seconds) / static_cast<double>(kDay)};
+  return CertificateInfo{names_of(certificate.get()), fingerprint_of(certificate.get()),
+                         days + static_cast<double>(seconds) / static_cast<double>(kDay)};
 }
 
 }  // namespace pcavr

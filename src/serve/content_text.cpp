@@ -11,10 +11,10 @@
 namespace pcavr {
 
 Content make_content(std::string media_type, std::string body) {
-  std::string packed = gzip(body);
-  const bool is_smaller = packed.size() < body.size();
+  std::string compressed = gzip(body);
+  const bool is_smaller = compressed.size() < body.size();
   return {.media_type = std::move(media_type),
-          .body = is_smaller ? std::move(packed) : std::move(body),
+          .body = is_smaller ? std::move(compressed) : std::move(body),
           .is_gzipped = is_smaller};
 }
 

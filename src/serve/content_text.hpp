@@ -13,7 +13,7 @@ inline constexpr char kJsonMedia[] = "application/json";
 inline constexpr char kBinaryMedia[] = "application/octet-stream";
 inline constexpr char kGlbMedia[] = "model/gltf-binary";
 
-/// Gzipped where that saves anything.
+/// Gzipped if that makes it smaller.
 [[nodiscard]] Content make_content(std::string media_type, std::string body);
 
 /// A name as one segment of a path: everything but letters, digits and -._~ as %XX [RFC 3986].

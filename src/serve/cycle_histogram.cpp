@@ -10,7 +10,7 @@
 namespace pcavr {
 namespace {
 
-constexpr double kLeast = 0.25e-6;  // [s] what the first bin ends with; no cycle is shorter
+constexpr double kMinDuration = 0.25e-6;  // [s] end of the first bin; no cycle is shorter
 constexpr double kBinsPerOctave = 8.0;
 
 }  // namespace
@@ -21,9 +21,9 @@ CycleHistogram::CycleHistogram(std::uint32_t cycles_per_slice)
 }
 
 std::size_t CycleHistogram::bin_of(double duration) noexcept {
-  if (!(duration > kLeast)) return 0;
-  const double place = std::ceil(kBinsPerOctave * std::log2(duration / kLeast));
-  return static_cast<std::size_t>(std::min(place, static_cast<double>(kBins - 1)));
+  if (!(duration > kMinDuration)) return 0;
+  const double bin = std::ceil(kBinsPerOctave * std::log2(duration / kMinDuration));
+  return static_cast<std::size_t>(std::min(bin, static_cast<double>(kBins - 1)));
 }
 
 void CycleHistogram::Slice::add(std::size_t bin, double duration) noexcept {
@@ -39,13 +39,14 @@ void CycleHistogram::add(double duration) noexcept {
   if (++in_slice_ >= cycles_per_slice_) close_slice();
 }
 
-double CycleHistogram::quantile(const Slice& slice, double share) noexcept {
-  const double wanted = share * static_cast<double>(slice.total);
-  double seen = 0.0;
+double CycleHistogram::quantile(const Slice& slice, double fraction) noexcept {
+  const double target = fraction * static_cast<double>(slice.total);
+  double count = 0.0;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
-    seen += static_cast<double>(slice.counts[bin]);
-    if (seen < wanted) continue;
-    return std::min(slice.longest, kLeast * std::exp2(static_cast<double>(bin) / kBinsPerOctave));
+    count += static_cast<double>(slice.counts[bin]);
+    if (count < target) continue;
+    return std::min(slice.longest,
+                    kMinDuration * std::exp2(static_cast<double>(bin) / kBinsPerOctave));
   }
   return slice.longest;
 }

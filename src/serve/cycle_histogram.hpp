@@ -10,21 +10,21 @@
 
 namespace pcavr {
 
-/// Durations of the last second, and of all, in bins an eighth of an octave wide: a quantile is
-/// right to 9 %. One thread; never allocates.
+/// Histogram of durations over a sliding window of one second, and over all, with logarithmic bins
+/// an eighth of an octave wide: a quantile is exact to 9 %. One thread; never allocates.
 class CycleHistogram {
  public:
-  /// `cycles_per_slice` >= 1 durations make a tenth of the window.
+  /// `cycles_per_slice` >= 1: number of durations in a tenth of the window.
   explicit CycleHistogram(std::uint32_t cycles_per_slice);
 
   void add(double duration) noexcept;
-  /// Of the last ten full slices; before the first is full, zeros.
+  /// Of the last ten full slices; zeros before the first is full.
   [[nodiscard]] const CycleTimes& times() const noexcept { return times_; }
   /// Of all that were added.
   [[nodiscard]] CycleTimes times_of_all() const noexcept { return times_of(all_); }
 
  private:
-  static constexpr std::size_t kBins = 160;  ///< from 0.25 us on: 20 octaves, to 0.26 s
+  static constexpr std::size_t kBins = 160;  ///< 20 octaves from 0.25 us to 0.26 s
   static constexpr std::size_t kSlices = 10;
   struct Slice {
     void add(std::size_t bin, double duration) noexcept;
@@ -34,7 +34,7 @@ class CycleHistogram {
   };
 
   [[nodiscard]] static std::size_t bin_of(double duration) noexcept;
-  [[nodiscard]] static double quantile(const Slice& slice, double share) noexcept;
+  [[nodiscard]] static double quantile(const Slice& slice, double fraction) noexcept;
   [[nodiscard]] static CycleTimes times_of(const Slice& slice) noexcept;
   void close_slice() noexcept;
 

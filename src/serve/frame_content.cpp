@@ -9,13 +9,13 @@
 #include <optional>
 #include <utility>
 
-#include "recording/image_codec.hpp"
+#include "pcavr/recording/image_codec.hpp"
 
 namespace pcavr {
 namespace {
 
-/// Enough for going back and forth around a moment; at 640 x 480 some 5 MB.
-constexpr std::size_t kMaxKept = 32;
+/// Enough for scrubbing around one moment of a replay; at 640 x 480 some 5 MB.
+constexpr std::size_t kMaxCached = 32;
 
 /// The N of "/api/frames/N.jpg", written as a plain number.
 std::optional<std::size_t> frame_of(std::string_view path) {
@@ -35,23 +35,23 @@ std::optional<std::size_t> frame_of(std::string_view path) {
 }  // namespace
 
 struct FrameContent::Store {
-  explicit Store(AugmentedFrames given) : frames(std::move(given)) {}
+  explicit Store(AugmentedFrames rendered) : frames(std::move(rendered)) {}
 
   AugmentedFrames frames;
   std::mutex mutex;
-  /// Latest last.
-  std::deque<std::pair<std::size_t, std::shared_ptr<const Content>>> kept;
+  /// FIFO cache of JPEG files by frame, newest last.
+  std::deque<std::pair<std::size_t, std::shared_ptr<const Content>>> cached;
 
-  std::shared_ptr<const Content> recall(std::size_t frame) {
+  std::shared_ptr<const Content> find_cached(std::size_t frame) {
     const std::lock_guard lock(mutex);
-    const auto found = std::find_if(kept.begin(), kept.end(),
+    const auto found = std::find_if(cached.begin(), cached.end(),
                                     [&](const auto& item) { return item.first == frame; });
-    return found == kept.end() ? nullptr : found->second;
+    return found == cached.end() ? nullptr : found->second;
   }
-  void keep(std::size_t frame, std::shared_ptr<const Content> picture) {
+  void add_to_cache(std::size_t frame, std::shared_ptr<const Content> picture) {
     const std::lock_guard lock(mutex);
-    kept.emplace_back(frame, std::move(picture));
-    if (kept.size() > kMaxKept) kept.pop_front();
+    cached.emplace_back(frame, std::move(picture));
+    if (cached.size() > kMaxCached) cached.pop_front();
   }
 };
 
@@ -64,15 +64,15 @@ FrameContent::~FrameContent() = default;
 Expected<std::shared_ptr<const Content>> FrameContent::find(std::string_view path) const {
   const std::optional<std::size_t> frame = frame_of(path);
   if (!frame || *frame >= store_->frames.size()) return std::shared_ptr<const Content>();
-  if (auto picture = store_->recall(*frame)) return picture;
-  // One thread: the world's own may not wait for a picture.
-  const Expected<ColorImage> drawn = store_->frames.render(*frame);
-  if (!drawn) return drawn.error();
-  Expected<std::string> jpeg = encode_color(*drawn);
+  if (auto picture = store_->find_cached(*frame)) return picture;
+  // One thread: the other cores stay free for the world's thread.
+  const Expected<ColorImage> rendered = store_->frames.render(*frame);
+  if (!rendered) return rendered.error();
+  Expected<std::string> jpeg = encode_color(*rendered);
   if (!jpeg) return jpeg.error();
   const auto picture =
       std::make_shared<const Content>(Content{"image/jpeg", std::move(*jpeg), false});
-  store_->keep(*frame, picture);
+  store_->add_to_cache(*frame, picture);
   return picture;
 }
 

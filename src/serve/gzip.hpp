@@ -10,7 +10,7 @@ namespace pcavr {
 
 /// RFC 1952. Thread-safe.
 [[nodiscard]] std::string gzip(std::string_view plain);
-/// Nothing where it is no gzip file of one member, or would be larger than `most` bytes.
-[[nodiscard]] std::optional<std::string> gunzip(std::string_view packed, std::size_t most);
+/// Empty if it is not a gzip file with one member, or is larger than `max_bytes` uncompressed.
+[[nodiscard]] std::optional<std::string> gunzip(std::string_view compressed, std::size_t max_bytes);
 
 }  // namespace pcavr

@@ -16,31 +16,32 @@ namespace pcavr::network {
 
 inline constexpr auto kMaxReadTime = std::chrono::seconds(20);
 inline constexpr auto kMaxWriteTime = std::chrono::seconds(30);
-/// [bytes/s] a file may go as slowly as that.
-inline constexpr std::size_t kSlowest = 64 * 1024;
+/// [bytes/s] Slower downloads time out.
+inline constexpr std::size_t kMinRate = 64 * 1024;
 inline constexpr std::uint32_t kMaxHeader = 16 * 1024;
 inline constexpr std::uint64_t kMaxBody = 4 * 1024;
 
-/// What every answer says, so that a browser holds the page to what is its own. The page makes
-/// workers and textures of what it holds in memory (blob:), and a decoder is WebAssembly.
+/// The Content-Security-Policy of every response: a browser loads only this server's resources. The
+/// page creates workers and textures from memory (blob:), and a decoder is WebAssembly.
 inline constexpr char kPolicy[] =
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob:; worker-src 'self' blob:; object-src 'none'; base-uri 'none'; "
     "form-action 'self'; frame-ancestors 'self'; connect-src 'self' blob: ";
 
-/// One connection's requests, one after the other; a WebSocket takes the connection over.
+/// Handles one connection's requests in sequence; a WebSocket upgrade takes the connection over.
 template <typename Stream>
 class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream>> {
  public:
   static constexpr bool kIsTls = std::is_same_v<Stream, TlsStream>;
 
-  /// `sends_to_tls`: whatever is asked, the answer is to ask over TLS.
-  HttpSession(Hub& hub, Stream&& stream, beast::flat_buffer buffer, Peer peer, bool sends_to_tls)
+  /// `redirects_to_https`: every response is a redirect to https.
+  HttpSession(Hub& hub, Stream&& stream, beast::flat_buffer buffer, Peer peer,
+              bool redirects_to_https)
       : hub_(hub),
         stream_(std::move(stream)),
         buffer_(std::move(buffer)),
         peer_(std::move(peer)),
-        sends_to_tls_(sends_to_tls) {}
+        redirects_to_https_(redirects_to_https) {}
 
   void begin() {
     if constexpr (kIsTls) {
@@ -70,81 +71,84 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream
   }
 
   void on_request(error_code fault) {
-    if (fault) return refuse(fault);
+    if (fault) return respond_to(fault);
     const auto& request = parser_->get();
-    HttpRequest asked = plain_request();
+    HttpRequest plain = plain_request();
     keeps_alive_ = request.keep_alive();
-    if (sends_to_tls_) return write(FrontDesk::send_to_tls(asked));
-    if (!websocket::is_upgrade(request)) return fetch(std::move(asked));
-    if (const auto refused = hub_.desk->refuse_live(asked)) {
+    if (redirects_to_https_) return write(HttpHandler::redirect_to_https(plain));
+    if (!websocket::is_upgrade(request)) return fetch(std::move(plain));
+    if (const auto rejected = hub_.http_handler->reject_upgrade(plain)) {
       keeps_alive_ = false;
-      return write(*refused);
+      return write(*rejected);
     }
     std::make_shared<LiveSession<Stream>>(hub_, std::move(stream_), std::move(peer_))
         ->open(request);
   }
 
-  void refuse(error_code fault) {
+  void respond_to(error_code fault) {
     keeps_alive_ = false;
     if (fault == http::error::header_limit) {
-      return write(FrontDesk::refusal(431, "the header is longer than 16 KiB"));
+      return write(HttpHandler::error_response(431, "the header exceeds 16 KiB"));
     }
     if (fault == http::error::body_limit) {
-      return write(FrontDesk::refusal(413, "the body is longer than 4 KiB"));
+      return write(HttpHandler::error_response(413, "the body exceeds 4 KiB"));
     }
-    const bool is_gone = fault == http::error::end_of_stream ||
-                         fault == http::error::partial_message || fault == beast::error::timeout;
-    // Only what came and is no HTTP gets an answer.
-    if (is_gone || fault.category() != http::make_error_code(http::error::bad_method).category()) {
+    const bool is_disconnected = fault == http::error::end_of_stream ||
+                                 fault == http::error::partial_message ||
+                                 fault == beast::error::timeout;
+    // Only malformed HTTP gets a response.
+    if (is_disconnected ||
+        fault.category() != http::make_error_code(http::error::bad_method).category()) {
       return;
     }
-    write(FrontDesk::refusal(400, "not HTTP: " + fault.message()));
+    write(HttpHandler::error_response(400, "malformed HTTP request: " + fault.message()));
   }
 
   [[nodiscard]] HttpRequest plain_request() const {
     const auto& request = parser_->get();
     const auto field = [&](http::field name) { return std::string(request[name]); };
-    HttpRequest asked;
-    asked.method = std::string(request.method_string());
-    asked.target = std::string(request.target());
-    asked.host = field(http::field::host);
-    asked.origin = field(http::field::origin);
-    asked.cookie = field(http::field::cookie);
-    asked.known_tag = field(http::field::if_none_match);
-    asked.accepts_gzip = field(http::field::accept_encoding).find("gzip") != std::string::npos;
-    asked.body = request.body();
-    asked.address = peer_.address;
-    asked.is_loopback = peer_.is_loopback;
-    asked.is_encrypted = kIsTls;
-    return asked;
+    HttpRequest plain;
+    plain.method = std::string(request.method_string());
+    plain.target = std::string(request.target());
+    plain.host = field(http::field::host);
+    plain.origin = field(http::field::origin);
+    plain.cookie = field(http::field::cookie);
+    plain.if_none_match = field(http::field::if_none_match);
+    plain.accepts_gzip = field(http::field::accept_encoding).find("gzip") != std::string::npos;
+    plain.body = request.body();
+    plain.address = peer_.address;
+    plain.is_loopback = peer_.is_loopback;
+    plain.is_encrypted = kIsTls;
+    return plain;
   }
 
-  /// Files are read and packed elsewhere: states go out meanwhile. The session itself goes there
-  /// and back: were it still held there, it could end on that thread.
-  void fetch(HttpRequest asked) {
-    asio::post(hub_.files, [self = this->shared_from_this(), asked = std::move(asked)]() mutable {
+  /// Files are read and compressed on another thread, so that states are still sent. Ownership of
+  /// the session moves there and back: a copy left there could destroy the session on that thread.
+  void fetch(HttpRequest plain) {
+    asio::post(hub_.files, [self = this->shared_from_this(), plain = std::move(plain)]() mutable {
       Hub& hub = self->hub_;
-      HttpAnswer answer = hub.desk->answer(asked);
-      asio::post(hub.io,
-                 [self = std::move(self), answer = std::move(answer)] { self->write(answer); });
+      HttpResponse response = hub.http_handler->respond(plain);
+      asio::post(hub.io, [self = std::move(self), response = std::move(response)] {
+        self->write(response);
+      });
     });
   }
 
-  void write(const HttpAnswer& answer) {
-    content_ = answer.content;
+  void write(const HttpResponse& response) {
+    content_ = response.content;
     const std::string_view body = content_ ? std::string_view(content_->body) : std::string_view();
     response_.emplace();
-    response_->result(answer.status);
+    response_->result(response.status);
     response_->version(11);
     response_->keep_alive(keeps_alive_);
-    for (const auto& [name, value] : answer.headers) response_->insert(name, value);
+    for (const auto& [name, value] : response.headers) response_->insert(name, value);
     if (content_) response_->set(http::field::content_type, content_->media_type);
-    if (answer.status != 304) response_->content_length(body.size());
+    if (response.status != 304) response_->content_length(body.size());
     set_policy();
-    const bool has_body = parser_->get().method() != http::verb::head && answer.status != 304;
+    const bool has_body = parser_->get().method() != http::verb::head && response.status != 304;
     response_->body() = {has_body ? body.data() : nullptr, has_body ? body.size() : 0};
     beast::get_lowest_layer(stream_).expires_after(kMaxWriteTime +
-                                                   std::chrono::seconds(body.size() / kSlowest));
+                                                   std::chrono::seconds(body.size() / kMinRate));
     http::async_write(stream_, *response_,
                       [self = this->shared_from_this()](error_code fault, std::size_t) {
                         self->on_written(fault);
@@ -153,7 +157,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream
 
   void set_policy() {
     const std::string host(parser_->get()[http::field::host]);
-    // Older browsers do not count a WebSocket to the same place as 'self'. The host was checked.
+    // Older browsers do not match a WebSocket of the same origin by 'self'. The host was checked.
     const bool is_plain = host.find_first_of(" ;,'\"\r\n") == std::string::npos;
     response_->set("Content-Security-Policy",
                    kPolicy + (is_plain ? (kIsTls ? "wss://" : "ws://") + host : std::string()));
@@ -175,11 +179,11 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream
   Stream stream_;
   beast::flat_buffer buffer_;
   Peer peer_;
-  bool sends_to_tls_;
+  bool redirects_to_https_;
   bool keeps_alive_ = false;
   std::optional<http::request_parser<http::string_body>> parser_;
   std::optional<http::response<http::span_body<const char>>> response_;
-  std::shared_ptr<const Content> content_;  ///< what is being written
+  std::shared_ptr<const Content> content_;  ///< keeps the body alive while it is written
 };
 
 }  // namespace pcavr::network

@@ -22,7 +22,7 @@ WorldSnapshot first_snapshot(const HapticWorld& world) {
   return snapshot;
 }
 
-std::uint32_t tenth_of_a_second(double cycle) {
+std::uint32_t cycles_per_slice(double cycle) {
   PCAVR_REQUIRE(cycle > 0.0 && cycle <= 0.1, cycle);
   return static_cast<std::uint32_t>(std::lround(0.1 / cycle));
 }
@@ -36,8 +36,8 @@ LiveCycle::LiveCycle(HapticWorld world, std::unique_ptr<Device> device,
       page_device_(dynamic_cast<RemoteDevice*>(device_.get())),
       options_(options),
       names_(names_of(world_)),
-      pulse_(world_.size(), options.full_force),
-      histogram_(tenth_of_a_second(options.cycle)),
+      pulses_(world_.size(), options.full_scale_force),
+      histogram_(cycles_per_slice(options.cycle)),
       buffer_((world_.reset(options.p_base_tool_start), first_snapshot(world_))),
       speeds_(world_.size(), 0.0) {
   PCAVR_REQUIRE(device_ != nullptr);
@@ -53,20 +53,20 @@ ToolCommand LiveCycle::command_from(const DeviceSample& sample, bool is_on_hold)
     return {world_.state().p_base_hip, false};
   }
   if (!is_on_hold) return {sample.p_base_tip + p_tip_offset_, true};
-  // A clutch that closes on hold takes hold of nothing; and whatever the hand does meanwhile, the
-  // tool goes on from where it is.
+  // A clutch that closes on hold does not engage the tool. The offset absorbs the device's motion
+  // during the hold, so that the tool does not jump when it resumes.
   const Eigen::Vector3d frozen =
       command_.is_engaged ? command_.p_base_tip : world_.state().p_base_hip;
   p_tip_offset_ = frozen - sample.p_base_tip;
   return {frozen, command_.is_engaged};
 }
 
-void LiveCycle::reset_if_asked(const DeviceSample& sample) noexcept {
-  const std::uint32_t asked = resets_.load(std::memory_order_relaxed);
-  if (asked == resets_done_) return;
-  resets_done_ = asked;
+void LiveCycle::reset_if_requested(const DeviceSample& sample) noexcept {
+  const std::uint32_t requested = resets_.load(std::memory_order_relaxed);
+  if (requested == resets_done_) return;
+  resets_done_ = requested;
   world_.reset(options_.p_base_tool_start);
-  pulse_.reset();
+  pulses_.reset();
   command_.p_base_tip = world_.state().p_base_hip;
   p_tip_offset_ = command_.p_base_tip - sample.p_base_tip;
   for (std::size_t i = 0; i < positions_.size(); ++i) {
@@ -85,13 +85,13 @@ void LiveCycle::measure_speeds() noexcept {
 void LiveCycle::step(double t) noexcept {
   const HapticWorldState& state = world_.state();
   const DeviceSample sample = device_->exchange(
-      t, options_.cycle, {state.p_base_proxy, state.force_base, pulse_.amplitude()});
-  reset_if_asked(sample);
+      t, options_.cycle, {state.p_base_proxy, state.force_base, pulses_.amplitude()});
+  reset_if_requested(sample);
   was_on_hold_ = is_on_hold_.load(std::memory_order_relaxed);
   command_ = command_from(sample, was_on_hold_);
   world_.step(command_, options_.cycle);
   ++cycles_;
-  pulse_.step(state, options_.cycle);
+  pulses_.step(state, options_.cycle);
   measure_speeds();
 }
 
@@ -103,12 +103,12 @@ void LiveCycle::publish(double duration, std::uint32_t late_cycles, double now) 
   snapshot.world = world_.state();
   snapshot.speeds = speeds_;
   snapshot.is_on_hold = was_on_hold_;
-  snapshot.pulse = pulse_.amplitude();
-  snapshot.pulses = pulse_.count();
+  snapshot.pulse = pulses_.amplitude();
+  snapshot.pulses = pulses_.count();
   snapshot.cycles = cycles_;
   snapshot.late_cycles = late_cycles;
   snapshot.times = histogram_.times();
-  if (page_device_ != nullptr) snapshot.page = page_device_->use();
+  if (page_device_ != nullptr) snapshot.page = page_device_->status();
   buffer_.publish();
 }
 

@@ -10,19 +10,19 @@
 #include "pcavr/serve/live_world.hpp"
 
 #include "cycle_histogram.hpp"
-#include "pulse_meter.hpp"
+#include "pulse_generator.hpp"
 #include "triple_buffer.hpp"
 
 namespace pcavr {
 
-/// What a live world does in one cycle, without a clock: device, world, pulses, publish.
+/// One cycle of a live world, without a clock: device, world, vibration, publish.
 class LiveCycle {
  public:
   LiveCycle(HapticWorld world, std::unique_ptr<Device> device, const LiveWorldOptions& options);
 
-  /// One thread; neither allocates, locks, waits nor throws. `t` [s] is the clock's for the device.
+  /// One thread; never allocates, locks, waits or throws. `t` [s]: the device's clock.
   void step(double t) noexcept;
-  /// Ends a cycle that took `duration` [s]: what was reckoned becomes the newest at `now`.
+  /// Ends a cycle that took `duration` [s]: publishes its result as the newest, stamped `now`.
   void publish(double duration, std::uint32_t late_cycles, double now) noexcept;
 
   void hold(bool is_on_hold) noexcept { is_on_hold_.store(is_on_hold, std::memory_order_relaxed); }
@@ -36,7 +36,7 @@ class LiveCycle {
 
  private:
   [[nodiscard]] ToolCommand command_from(const DeviceSample& sample, bool is_on_hold) noexcept;
-  void reset_if_asked(const DeviceSample& sample) noexcept;
+  void reset_if_requested(const DeviceSample& sample) noexcept;
   void measure_speeds() noexcept;
 
   HapticWorld world_;
@@ -44,10 +44,10 @@ class LiveCycle {
   RemoteDevice* page_device_;
   LiveWorldOptions options_;
   std::vector<std::string> names_;
-  PulseMeter pulse_;
+  PulseGenerator pulses_;
   CycleHistogram histogram_;
   TripleBuffer<WorldSnapshot> buffer_;
-  std::vector<Eigen::Vector3d> positions_;  ///< of the bodies, a cycle ago
+  std::vector<Eigen::Vector3d> positions_;  ///< of the bodies, one cycle ago
   std::vector<double> speeds_;
   std::atomic<bool> is_on_hold_{false};
   std::atomic<std::uint32_t> resets_{0};

@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "pcavr/core/bytes.hpp"
+#include "pcavr/core/json_text.hpp"
 
-#include "core/json_text.hpp"
 #include "live_wire.hpp"
 
 namespace pcavr {
@@ -17,21 +17,21 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr std::array<std::uint8_t, 4> kMagic{'P', 'C', 'V', 'R'};
-constexpr std::size_t kHeadBytes = 24;
-// A unit quaternion in single precision is one to 1e-6; what is farther off was never one.
-constexpr float kNotAUnit = 1e-3F;
-constexpr std::uint8_t kHands = 4;
-// A number that is larger names no protocol.
+constexpr std::size_t kHeaderBytes = 24;
+// A unit quaternion in single precision has norm 1 to 1e-6; the rest is margin.
+constexpr float kMaxNormError = 1e-3F;
+constexpr std::uint8_t kInputDevices = 4;
+// Larger numbers are not protocol versions.
 constexpr std::uint64_t kMaxProtocol = 1'000'000;
 constexpr std::uint32_t kCommands = 5;
 
 Expected<PageMessage> read_hello(const LiveFrame& frame) {
   const auto json = ordered_json::parse(frame.body.begin(), frame.body.end(), nullptr, false);
   const std::optional<int> protocol = protocol_in(json);
-  if (!protocol) return refused("the hello is not JSON with a whole number \"protocol\"");
+  if (!protocol) return invalid_message("the hello is not JSON with an integer \"protocol\"");
   LiveHello hello{*protocol, {}};
   if (json.contains("version") && json["version"].is_string()) hello.version = json["version"];
-  return PageMessage{frame.head, std::move(hello)};
+  return PageMessage{frame.header, std::move(hello)};
 }
 
 Expected<PageMessage> read_tool(const LiveFrame& frame) {
@@ -39,29 +39,31 @@ Expected<PageMessage> read_tool(const LiveFrame& frame) {
   LiveTool tool;
   tool.p_base_tip = read_vector(reader);
   tool.q_base_tool = read_quaternion(reader);
-  const auto flags = reader.whole<std::uint8_t>();
-  const auto hand = reader.whole<std::uint8_t>();
-  const auto padding = reader.whole<std::uint16_t>();
-  if (!reader.is_sound() || !reader.is_at_end()) return refused("a tool of another length");
+  const auto flags = reader.integer<std::uint8_t>();
+  const auto device = reader.integer<std::uint8_t>();
+  const auto padding = reader.integer<std::uint16_t>();
+  if (!reader.is_valid() || !reader.is_at_end())
+    return invalid_message("a tool has the wrong length");
   if (!tool.p_base_tip.allFinite() || !tool.q_base_tool.coeffs().allFinite()) {
-    return refused("a tool that is not finite");
+    return invalid_message("a tool has a number that is not finite");
   }
-  if (std::abs(tool.q_base_tool.norm() - 1.0F) > kNotAUnit) {
-    return refused("a tool whose orientation is no unit quaternion");
+  if (std::abs(tool.q_base_tool.norm() - 1.0F) > kMaxNormError) {
+    return invalid_message("a tool's orientation is not a unit quaternion");
   }
-  if (flags > 1 || hand >= kHands || padding != 0) return refused("a tool of an unknown kind");
+  if (flags > 1 || device >= kInputDevices || padding != 0)
+    return invalid_message("a tool has unknown flags or an unknown device");
   tool.is_engaged = flags == 1;
-  tool.hand = static_cast<LiveHand>(hand);
-  return PageMessage{frame.head, tool};
+  tool.device = static_cast<LiveInputDevice>(device);
+  return PageMessage{frame.header, tool};
 }
 
 Expected<PageMessage> read_command(const LiveFrame& frame) {
   ByteReader reader(frame.body);
-  const auto command = reader.whole<std::uint32_t>();
-  if (!reader.is_sound() || !reader.is_at_end() || command < 1 || command > kCommands) {
-    return refused("an unknown command");
+  const auto command = reader.integer<std::uint32_t>();
+  if (!reader.is_valid() || !reader.is_at_end() || command < 1 || command > kCommands) {
+    return invalid_message("unknown command");
   }
-  return PageMessage{frame.head, static_cast<LiveCommand>(command)};
+  return PageMessage{frame.header, static_cast<LiveCommand>(command)};
 }
 
 struct PageBody {
@@ -69,20 +71,26 @@ struct PageBody {
   void operator()(const LiveTool& tool) {
     write_vector(tool.p_base_tip, writer);
     write_quaternion(tool.q_base_tool, writer);
-    writer.whole(static_cast<std::uint8_t>(tool.is_engaged ? 1 : 0));
-    writer.whole(static_cast<std::uint8_t>(tool.hand));
-    writer.whole(std::uint16_t{0});
+    writer.integer(static_cast<std::uint8_t>(tool.is_engaged ? 1 : 0));
+    writer.integer(static_cast<std::uint8_t>(tool.device));
+    writer.integer(std::uint16_t{0});
   }
-  void operator()(const LiveCommand& command) { writer.whole(static_cast<std::uint32_t>(command)); }
+  void operator()(const LiveCommand& command) {
+    writer.integer(static_cast<std::uint32_t>(command));
+  }
   void operator()(const LivePing&) {}
   void operator()(const LiveHello& hello) {
-    write_text(json_text({{"protocol", hello.protocol}, {"version", hello.version}}), writer);
+    write_text(
+        json_text(nlohmann::ordered_json{{"protocol", hello.protocol}, {"version", hello.version}}),
+        writer);
   }
 };
 
 }  // namespace
 
-Error refused(std::string why) { return Error{.message = std::move(why), .place = "message"}; }
+Error invalid_message(std::string reason) {
+  return Error{.message = std::move(reason), .place = "message"};
+}
 
 std::optional<int> protocol_in(const ordered_json& json) {
   if (!json.is_object() || !json.contains("protocol")) return std::nullopt;
@@ -94,44 +102,45 @@ std::optional<int> protocol_in(const ordered_json& json) {
 }
 
 Expected<LiveFrame> read_frame(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() > kLiveMostBytes) return refused("longer than 64 KiB");
+  if (bytes.size() > kMaxLiveMessageBytes) return invalid_message("it exceeds 64 KiB");
   ByteReader reader(bytes);
   for (const std::uint8_t letter : kMagic) {
-    if (reader.whole<std::uint8_t>() != letter) return refused("it does not begin with PCVR");
+    if (reader.integer<std::uint8_t>() != letter)
+      return invalid_message("it does not begin with PCVR");
   }
   LiveFrame frame;
-  const auto version = reader.whole<std::uint8_t>();
-  frame.type = reader.whole<std::uint8_t>();
-  const auto padding = reader.whole<std::uint16_t>();
-  frame.head.sequence = reader.whole<std::uint32_t>();
-  const auto length = reader.whole<std::uint32_t>();
-  frame.head.clock = reader.f64();
+  const auto version = reader.integer<std::uint8_t>();
+  frame.type = reader.integer<std::uint8_t>();
+  const auto padding = reader.integer<std::uint16_t>();
+  frame.header.sequence = reader.integer<std::uint32_t>();
+  const auto length = reader.integer<std::uint32_t>();
+  frame.header.clock = reader.f64();
   frame.body = reader.rest();
-  if (!reader.is_sound()) return refused("shorter than its head");
-  if (version != kLiveProtocol) {
-    return refused("protocol " + std::to_string(version) + " where the server speaks " +
-                   std::to_string(kLiveProtocol));
+  if (!reader.is_valid()) return invalid_message("it is shorter than its header");
+  if (version != kLiveProtocolVersion) {
+    return invalid_message("protocol " + std::to_string(version) + ", expected " +
+                           std::to_string(kLiveProtocolVersion));
   }
-  if (padding != 0 || frame.head.sequence == 0 || !std::isfinite(frame.head.clock)) {
-    return refused("its head is not sound");
+  if (padding != 0 || frame.header.sequence == 0 || !std::isfinite(frame.header.clock)) {
+    return invalid_message("its header is invalid");
   }
-  if (length != frame.body.size()) return refused("its length is not what its head says");
+  if (length != frame.body.size()) return invalid_message("its length differs from its header");
   return frame;
 }
 
-void write_frame(LiveType type, const LiveHead& head, std::vector<std::uint8_t>& bytes,
+void write_frame(LiveType type, const LiveHeader& header, std::vector<std::uint8_t>& bytes,
                  const std::function<void(ByteWriter&)>& write_body) {
   bytes.clear();
   ByteWriter writer(bytes);
-  for (const std::uint8_t letter : kMagic) writer.whole(letter);
-  writer.whole(static_cast<std::uint8_t>(kLiveProtocol));
-  writer.whole(static_cast<std::uint8_t>(type));
-  writer.whole(std::uint16_t{0});
-  writer.whole(head.sequence);
-  writer.whole(std::uint32_t{0});
-  writer.f64(head.clock);
+  for (const std::uint8_t letter : kMagic) writer.integer(letter);
+  writer.integer(static_cast<std::uint8_t>(kLiveProtocolVersion));
+  writer.integer(static_cast<std::uint8_t>(type));
+  writer.integer(std::uint16_t{0});
+  writer.integer(header.sequence);
+  writer.integer(std::uint32_t{0});
+  writer.f64(header.clock);
   write_body(writer);
-  const std::size_t length = bytes.size() - kHeadBytes;
+  const std::size_t length = bytes.size() - kHeaderBytes;
   for (std::size_t i = 0; i < 4; ++i) {
     bytes[12 + i] = static_cast<std::uint8_t>(length >> (8 * i));
   }
@@ -148,17 +157,18 @@ Expected<PageMessage> decode_page_message(std::span<const std::uint8_t> bytes) {
     case LiveType::command:
       return read_command(*frame);
     case LiveType::ping:
-      if (!frame->body.empty()) return refused("a ping that says something");
-      return PageMessage{frame->head, LivePing{}};
+      if (!frame->body.empty()) return invalid_message("a ping has content");
+      return PageMessage{frame->header, LivePing{}};
     default:
-      return refused("type " + std::to_string(frame->type) + " is none that a page sends");
+      return invalid_message("type " + std::to_string(frame->type) +
+                             " is not one that a page sends");
   }
 }
 
 std::vector<std::uint8_t> encode(const PageMessage& message) {
   constexpr std::array kTypes{LiveType::hello, LiveType::tool, LiveType::command, LiveType::ping};
   std::vector<std::uint8_t> bytes;
-  write_frame(kTypes[message.content.index()], message.head, bytes,
+  write_frame(kTypes[message.content.index()], message.header, bytes,
               [&](ByteWriter& writer) { std::visit(PageBody{writer}, message.content); });
   return bytes;
 }

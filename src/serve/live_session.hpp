@@ -14,26 +14,28 @@
 
 namespace pcavr::network {
 
-/// Words wait here while one is on its way; a page that lets more than this pile up does not read.
-inline constexpr std::size_t kMaxWords = 16;
-/// Between two states; a page has some 70 to 90 samples a second to say, and no reason for more.
+/// Messages are queued while one is being written; a longer queue means that the page does not
+/// read.
+inline constexpr std::size_t kMaxQueuedMessages = 16;
+/// Rate limit, between two states; a page sends some 70 to 90 samples a second.
 inline constexpr int kMaxMessagesPerTick = 20;
-/// [bytes] What the system may keep back for us: some 50 ms of states. With more, a slow page would
-/// see what was long ago.
+/// [bytes] of the socket's send buffer (SO_SNDBUF): some 50 ms of states. A larger buffer would
+/// delay the states of a slow page.
 inline constexpr int kSendBuffer = 8192;
 
-/// One page's WebSocket. At most one message is being written; a state is made only when it can go.
+/// One page's WebSocket. Backpressure: at most one message is in flight, and a state is only
+/// encoded when it can be sent at once.
 template <typename Stream>
 class LiveSession final : public LivePage,
                           public std::enable_shared_from_this<LiveSession<Stream>> {
  public:
   LiveSession(Hub& hub, Stream&& stream, Peer peer)
-      : hub_(hub), peer_(std::move(peer)), socket_(std::move(stream)), page_(hub.room.join()) {
+      : hub_(hub), peer_(std::move(peer)), socket_(std::move(stream)), page_(hub.sessions.join()) {
     hub_.pages.emplace(page_, this);
   }
   ~LiveSession() override {
     hub_.pages.erase(page_);
-    hub_.room.leave(page_);
+    hub_.sessions.leave(page_);
   }
 
   template <typename Request>
@@ -48,7 +50,7 @@ class LiveSession final : public LivePage,
     limits.idle_timeout = std::chrono::seconds(20);
     limits.keep_alive_pings = true;
     socket_.set_option(limits);
-    socket_.read_message_max(kLiveMostBytes);
+    socket_.read_message_max(kMaxLiveMessageBytes);
     socket_.auto_fragment(false);
     socket_.binary(true);
     socket_.async_accept(request, [self = this->shared_from_this()](error_code fault) {
@@ -57,70 +59,70 @@ class LiveSession final : public LivePage,
   }
 
   void send(std::vector<std::uint8_t> message) override {
-    if (words_.size() >= kMaxWords) return drop();
-    words_.push_back(std::move(message));
+    if (queue_.size() >= kMaxQueuedMessages) return drop();
+    queue_.push_back(std::move(message));
     write_next();
   }
 
   void tick(double now) override {
-    heard_since_tick_ = 0;
-    if (const auto self = std::exchange(waits_to_read_, nullptr)) read();
+    received_since_tick_ = 0;
+    if (const auto self = std::exchange(paused_self_, nullptr)) read();
     if (is_writing_) {
       if (now - write_began_ > hub_.options.max_write_time) drop();
       return;
     }
-    if (!is_open_ || is_ending_ || !hub_.room.is_greeted(page_)) return;
-    hub_.room.write_state(page_, now, last_write_, message_);
+    if (!is_open_ || is_ending_ || !hub_.sessions.has_sent_hello(page_)) return;
+    hub_.sessions.write_state(page_, now, last_write_, message_);
     write(now);
   }
 
   void end() override {
     is_ending_ = true;
     write_next();
-    waits_to_read_.reset();
+    paused_self_.reset();
   }
 
  private:
   void begin() {
     is_open_ = true;
     if (hub_.pages.size() > hub_.options.max_pages) {
-      const std::string most = std::to_string(hub_.options.max_pages);
-      words_.push_back(
-          encode(ServerMessage{{1, LiveWorld::clock()},
-                               LiveNotice{LiveLevel::error, most + " pages are open: no more"}}));
+      const std::string limit = std::to_string(hub_.options.max_pages);
+      queue_.push_back(encode(ServerMessage{
+          {1, LiveWorld::clock()},
+          LiveNotice{LiveLevel::error, limit + " pages are open, which is the limit"}}));
       return end();
     }
     read();
   }
 
   void read() {
-    if (heard_since_tick_ >= kMaxMessagesPerTick) {
-      // Until then nothing else may hold the session.
-      waits_to_read_ = this->shared_from_this();
+    if (received_since_tick_ >= kMaxMessagesPerTick) {
+      // Without a pending read, this is the only reference to the session.
+      paused_self_ = this->shared_from_this();
       return;
     }
     socket_.async_read(buffer_, [self = this->shared_from_this()](error_code fault, std::size_t) {
-      if (!fault) self->hear();
+      if (!fault) self->on_message();
     });
   }
 
-  void hear() {
-    ++heard_since_tick_;
+  void on_message() {
+    ++received_since_tick_;
     const auto bytes = buffer_.cdata();
-    const bool goes_on =
-        !is_ending_ &&
-        hub_.room.hear(page_, {static_cast<const std::uint8_t*>(bytes.data()), bytes.size()},
-                       LiveWorld::clock());
+    const bool keeps_open =
+        !is_ending_ && hub_.sessions.on_message(
+                           page_, {static_cast<const std::uint8_t*>(bytes.data()), bytes.size()},
+                           LiveWorld::clock());
     buffer_.consume(buffer_.size());
-    if (!goes_on) return end();
+    if (!keeps_open) return end();
     read();
   }
 
   void write_next() {
     if (!is_open_ || is_writing_ || is_closing_) return;
-    if (!words_.empty()) {
-      message_ = std::move(words_.front());
-      words_.pop_front();
+    if (!queue_.empty()) {
+      message_ = std::move(queue_.front());
+      queue_.pop_front();
       return write(LiveWorld::clock());
     }
     if (!is_ending_) return;
@@ -140,20 +142,20 @@ class LiveSession final : public LivePage,
                         });
   }
 
-  /// At once: whoever does not read can't be told either.
+  /// Without a closing handshake: a page that does not read would not receive it.
   void drop() { beast::get_lowest_layer(socket_).close(); }
 
   Hub& hub_;
   Peer peer_;
   websocket::stream<Stream> socket_;
-  LiveRoom::PageId page_;
-  beast::flat_buffer buffer_{kLiveMostBytes};
-  std::deque<std::vector<std::uint8_t>> words_;
+  LiveSessions::PageId page_;
+  beast::flat_buffer buffer_{kMaxLiveMessageBytes};
+  std::deque<std::vector<std::uint8_t>> queue_;
   std::vector<std::uint8_t> message_;  ///< the one that is being written
   double write_began_ = 0.0;           ///< [s]
-  double last_write_ = 0.0;            ///< [s] that the last message took to go
-  int heard_since_tick_ = 0;
-  std::shared_ptr<LiveSession> waits_to_read_;  ///< itself, until the next tick
+  double last_write_ = 0.0;            ///< [s] duration of the last write
+  int received_since_tick_ = 0;
+  std::shared_ptr<LiveSession> paused_self_;  ///< keeps itself alive until the next tick
   bool is_open_ = false;
   bool is_writing_ = false;
   bool is_ending_ = false;

@@ -29,21 +29,21 @@ enum class LiveType : std::uint8_t {
   ping = 19,
 };
 
-/// A message whose head was found sound; `body` lies in the bytes it was read from.
+/// A message with a valid header; `body` refers to the bytes it was read from.
 struct LiveFrame {
-  LiveHead head;
+  LiveHeader header;
   std::uint8_t type = 0;
   std::span<const std::uint8_t> body;
 };
 [[nodiscard]] Expected<LiveFrame> read_frame(std::span<const std::uint8_t> bytes);
 
-/// What is said of a message that is not understood.
-[[nodiscard]] Error refused(std::string why);
-/// What `json` says under "protocol"; nothing where it says no number that could be one.
+/// The error for a message that can't be decoded.
+[[nodiscard]] Error invalid_message(std::string reason);
+/// The value of "protocol"; empty if it is not a valid version number.
 [[nodiscard]] std::optional<int> protocol_in(const nlohmann::ordered_json& json);
 
-/// Replaces `bytes` by a head and what `write_body` puts behind it.
-void write_frame(LiveType type, const LiveHead& head, std::vector<std::uint8_t>& bytes,
+/// Replaces `bytes` by a header and what `write_body` writes after it.
+void write_frame(LiveType type, const LiveHeader& header, std::vector<std::uint8_t>& bytes,
                  const std::function<void(ByteWriter&)>& write_body);
 
 [[nodiscard]] inline Eigen::Vector3f read_vector(ByteReader& reader) {
@@ -63,7 +63,7 @@ inline void write_quaternion(const Eigen::Quaternionf& quaternion, ByteWriter& w
   for (const float value : quaternion.coeffs()) writer.f32(value);
 }
 inline void write_text(std::string_view text, ByteWriter& writer) {
-  for (const char letter : text) writer.whole(static_cast<std::uint8_t>(letter));
+  for (const char c : text) writer.integer(static_cast<std::uint8_t>(c));
 }
 
 }  // namespace pcavr

@@ -21,10 +21,10 @@
 namespace pcavr {
 namespace {
 
-// Over ordinary programs, under what a machine runs for itself at 50 and above.
+// SCHED_FIFO: above ordinary programs, below the kernel's interrupt threads (50 and above).
 constexpr int kPriority = 20;
-// What is more than this in arrears is left out: a hand has gone on since then.
-constexpr std::int64_t kMaxArrears = 20;
+// A longer backlog is skipped: its device samples are out of date.
+constexpr std::int64_t kMaxBacklog = 20;
 constexpr std::int64_t kNanoseconds = 1'000'000'000;
 
 std::int64_t now_in_nanoseconds() noexcept {
@@ -44,20 +44,20 @@ double in_seconds(std::int64_t nanoseconds) noexcept {
   return static_cast<double>(nanoseconds) * 1e-9;
 }
 
-/// What is there already stays; what comes later does not count against the limit.
-void keep_memory(std::vector<std::string>& notes) {
+/// Locks the memory that is mapped now, on its first use (MCL_ONFAULT). Later mappings are not
+/// locked, and so do not count against the limit.
+void lock_memory(std::vector<std::string>& notes) {
   if (::mlockall(MCL_CURRENT | MCL_ONFAULT) == 0) return;
-  notes.push_back(std::string("the world's memory may be paged out (") + std::strerror(errno) +
-                  "); ulimit -l unlimited permits to keep it");
+  notes.push_back(std::string("the world's memory is not locked and may be paged out (") +
+                  std::strerror(errno) + "); allow it with ulimit -l unlimited");
 }
 
-void ask_for_real_time(std::thread& thread, std::vector<std::string>& notes) {
+void set_real_time_priority(std::thread& thread, std::vector<std::string>& notes) {
   const sched_param priority{.sched_priority = kPriority};
-  const int refused = ::pthread_setschedparam(thread.native_handle(), SCHED_FIFO, &priority);
-  if (refused == 0) return;
+  const int fault = ::pthread_setschedparam(thread.native_handle(), SCHED_FIFO, &priority);
+  if (fault == 0) return;
   notes.push_back(std::string("the world runs without real-time priority (") +
-                  std::strerror(refused) + "); ulimit -r " + std::to_string(kPriority) +
-                  " permits it");
+                  std::strerror(fault) + "); allow it with ulimit -r " + std::to_string(kPriority));
 }
 
 }  // namespace
@@ -69,28 +69,28 @@ struct LiveWorld::Content {
 
   void run() noexcept {
     std::int64_t deadline = now_in_nanoseconds() + period;
-    while (!is_ending.load(std::memory_order_relaxed)) {
+    while (!is_stopping.load(std::memory_order_relaxed)) {
       sleep_until(deadline);
       const std::int64_t begin = now_in_nanoseconds();
-      if (begin - deadline >= period) ++late;
+      if (begin - deadline >= period) ++late_cycles;
       cycle.step(in_seconds(deadline));
       const std::int64_t end = now_in_nanoseconds();
-      cycle.publish(in_seconds(end - begin), late, in_seconds(end));
-      deadline = next_after(deadline);
+      cycle.publish(in_seconds(end - begin), late_cycles, in_seconds(end));
+      deadline = next_deadline(deadline);
     }
   }
 
-  [[nodiscard]] std::int64_t next_after(std::int64_t deadline) noexcept {
-    const std::int64_t arrears = (now_in_nanoseconds() - deadline) / period;
-    if (arrears <= kMaxArrears) return deadline + period;
-    late += static_cast<std::uint32_t>(arrears);
-    return deadline + (arrears + 1) * period;
+  [[nodiscard]] std::int64_t next_deadline(std::int64_t deadline) noexcept {
+    const std::int64_t backlog = (now_in_nanoseconds() - deadline) / period;
+    if (backlog <= kMaxBacklog) return deadline + period;
+    late_cycles += static_cast<std::uint32_t>(backlog);
+    return deadline + (backlog + 1) * period;
   }
 
   LiveCycle cycle;
   std::int64_t period;  ///< [ns]
-  std::uint32_t late = 0;
-  std::atomic<bool> is_ending{false};
+  std::uint32_t late_cycles = 0;
+  std::atomic<bool> is_stopping{false};
   std::thread thread;
 };
 
@@ -105,19 +105,19 @@ double LiveWorld::clock() noexcept { return in_seconds(now_in_nanoseconds()); }
 Expected<std::vector<std::string>> LiveWorld::start() {
   PCAVR_REQUIRE(!content_->thread.joinable());
   std::vector<std::string> notes;
-  // First: it takes long, and holds up whoever touches new memory meanwhile.
-  keep_memory(notes);
+  // Before the thread starts: mlockall takes long and blocks page faults meanwhile.
+  lock_memory(notes);
   try {
     content_->thread = std::thread([content = content_.get()] { content->run(); });
   } catch (const std::system_error& error) {
-    return Error{.message = std::string("no thread for the world: ") + error.what()};
+    return Error{.message = std::string("can't start the world's thread: ") + error.what()};
   }
-  ask_for_real_time(content_->thread, notes);
+  set_real_time_priority(content_->thread, notes);
   return notes;
 }
 
 void LiveWorld::stop() noexcept {
-  content_->is_ending.store(true, std::memory_order_relaxed);
+  content_->is_stopping.store(true, std::memory_order_relaxed);
   if (content_->thread.joinable()) content_->thread.join();
 }
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Boost.Beast takes most of a minute to compile: only server.cpp includes this, and what builds on
-// it.
+// Boost.Beast takes most of a minute to compile: only server.cpp may include this header and those
+// that include it.
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -24,8 +24,8 @@
 
 #include "pcavr/serve/server.hpp"
 
-#include "front_desk.hpp"
-#include "live_room.hpp"
+#include "http_handler.hpp"
+#include "live_sessions.hpp"
 
 namespace pcavr::network {
 
@@ -38,48 +38,48 @@ using tcp = boost::asio::ip::tcp;
 using PlainStream = beast::tcp_stream;
 using TlsStream = beast::ssl_stream<beast::tcp_stream>;
 
-/// A page's connection, whatever it goes over.
+/// A page's WebSocket connection, over TLS or plain TCP.
 class LivePage {
  public:
   virtual ~LivePage() = default;
   virtual void send(std::vector<std::uint8_t> message) = 0;
-  /// Sends the newest state if the last message is on its way.
+  /// Sends the newest state if no message is in flight.
   virtual void tick(double now) = 0;
-  /// After what is still to be said.
+  /// Closes the connection after the queued messages.
   virtual void end() = 0;
 };
 
-/// What all connections share. The network's thread only, but for the desk.
+/// State shared by all connections. For the network thread only, except `http_handler`.
 struct Hub {
-  Hub(const ServerOptions& server_options, LiveWorld& world, std::unique_ptr<FrontDesk> front_desk)
+  Hub(const ServerOptions& server_options, LiveWorld& world, std::unique_ptr<HttpHandler> handler)
       : options(server_options),
-        desk(std::move(front_desk)),
-        room(world,
-             {.version = options.version,
-              .is_replay = options.is_replay,
-              .scene = options.scene,
-              .objects = world.names(),
-              .tool_radius = options.tool_radius,
-              .rate = options.rate,
-              .device = std::string(world.device_name())},
-             [this](LiveRoom::PageId id, std::vector<std::uint8_t> message) {
-               const auto page = pages.find(id);
-               if (page != pages.end()) page->second->send(std::move(message));
-             }) {}
+        http_handler(std::move(handler)),
+        sessions(world,
+                 {.version = options.version,
+                  .is_replay = options.is_replay,
+                  .scene = options.scene,
+                  .objects = world.names(),
+                  .tool_radius = options.tool_radius,
+                  .rate = options.rate,
+                  .device = std::string(world.device_name())},
+                 [this](LiveSessions::PageId id, std::vector<std::uint8_t> message) {
+                   const auto page = pages.find(id);
+                   if (page != pages.end()) page->second->send(std::move(message));
+                 }) {}
 
   ServerOptions options;
-  std::unique_ptr<FrontDesk> desk;
-  LiveRoom room;
-  std::map<LiveRoom::PageId, LivePage*> pages;
+  std::unique_ptr<HttpHandler> http_handler;
+  LiveSessions sessions;
+  std::map<LiveSessions::PageId, LivePage*> pages;
   std::size_t connections = 0;
-  /// After all of the above: what it holds at the end refers to that.
+  /// Declared after the above, so destroyed before: its pending handlers refer to them.
   asio::io_context io{1};
-  /// Reads and packs files; one thread, so that two never do the same work. Last, and so ended
-  /// first: whoever still waits for a file has a socket of `io`.
+  /// Reads and compresses files; one thread, so that no file is compressed twice. Declared last, so
+  /// destroyed first: pending requests own sockets of `io`.
   asio::thread_pool files{1};
 };
 
-/// Counts a connection for as long as it lives.
+/// RAII counter of the open connections.
 class Connection {
  public:
   explicit Connection(Hub& hub) : hub_(hub) { ++hub_.connections; }
@@ -91,7 +91,7 @@ class Connection {
   Hub& hub_;
 };
 
-/// Where a connection comes from, and its place in the count.
+/// The remote end of a connection, and its share of the connection count.
 struct Peer {
   std::shared_ptr<Connection> connection;
   std::string address;

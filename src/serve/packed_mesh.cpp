@@ -26,12 +26,12 @@ namespace {
 constexpr char kProgram[] = "gltfpack";
 constexpr char kGlbStart[] = "glTF";
 /// A million triangles take about a second.
-constexpr auto kLongest = std::chrono::seconds(30);
-constexpr auto kBetweenLooks = std::chrono::milliseconds(2);
+constexpr auto kTimeout = std::chrono::seconds(30);
+constexpr auto kPollInterval = std::chrono::milliseconds(2);
 
-Error not_packed(const std::string& why) { return {.message = why, .file = kProgram}; }
+Error gltfpack_error(const std::string& message) { return {.message = message, .file = kProgram}; }
 
-/// A folder that only this user sees, gone with its content at the end.
+/// A temporary folder that only this user can read; the destructor removes it.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -46,14 +46,14 @@ class ScratchFolder {
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
-  /// Empty where it could not be made.
+  /// Empty if it could not be created.
   [[nodiscard]] const fs::path& path() const { return path_; }
 
  private:
   fs::path path_;
 };
 
-/// The exit status, or nothing after kLongest: then the child is ended.
+/// The exit status, or empty after kTimeout: then the child is killed.
 std::optional<int> wait_for(pid_t child) {
   const auto start = std::chrono::steady_clock::now();
   int status = 0;
@@ -61,40 +61,40 @@ std::optional<int> wait_for(pid_t child) {
     const pid_t ended = ::waitpid(child, &status, WNOHANG);
     if (ended == child) return status;
     if (ended < 0 && errno != EINTR) return std::nullopt;
-    if (std::chrono::steady_clock::now() - start > kLongest) break;
-    std::this_thread::sleep_for(kBetweenLooks);
+    if (std::chrono::steady_clock::now() - start > kTimeout) break;
+    std::this_thread::sleep_for(kPollInterval);
   }
   ::kill(child, SIGKILL);
   ::waitpid(child, &status, 0);
   return std::nullopt;
 }
 
-/// Runs gltfpack, found on the PATH, with its words thrown away.
+/// Runs gltfpack, found on the PATH, with its output discarded.
 Expected<void> run(const fs::path& input, const fs::path& output) {
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     ::posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
   }
-  // Colours in 12 bits: they are linear, where 8 would show as bands in the dark.
-  std::vector<std::string> words{kProgram, "-i",   input.string(), "-o",  output.string(),
+  // Colours in 12 bits: they are linear, so that 8 bits would show banding in dark areas.
+  std::vector<std::string> texts{kProgram, "-i",   input.string(), "-o",  output.string(),
                                  "-cc",    "-noq", "-kn",          "-vc", "12"};
   std::vector<char*> arguments;
-  arguments.reserve(words.size() + 1);
-  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.reserve(texts.size() + 1);
+  for (std::string& text : texts) arguments.push_back(text.data());
   arguments.push_back(nullptr);
   pid_t child = 0;
   const int failure =
       ::posix_spawnp(&child, kProgram, &actions, nullptr, arguments.data(), ::environ);
   ::posix_spawn_file_actions_destroy(&actions);
   if (failure != 0) {
-    Error error = not_packed(std::string("can't be run: ") + std::strerror(failure));
+    Error error = gltfpack_error(std::string("can't be run: ") + std::strerror(failure));
     error.hint = "apt-get install gltfpack";
     return error;
   }
   const std::optional<int> status = wait_for(child);
-  if (!status) return not_packed("did not end in time");
-  if (!WIFEXITED(*status) || WEXITSTATUS(*status) != 0) return not_packed("failed on a mesh");
+  if (!status) return gltfpack_error("timed out after 30 s");
+  if (!WIFEXITED(*status) || WEXITSTATUS(*status) != 0) return gltfpack_error("failed on a mesh");
   return {};
 }
 
@@ -102,13 +102,14 @@ Expected<void> run(const fs::path& input, const fs::path& output) {
 
 Expected<std::string> packed_mesh(const std::string& glb) {
   const ScratchFolder folder;
-  if (folder.path().empty()) return not_packed("found no folder for its temporary files");
+  if (folder.path().empty()) return gltfpack_error("can't create a temporary folder");
   const fs::path input = folder.path() / "mesh.glb";
   const fs::path output = folder.path() / "packed.glb";
   if (const auto written = write_file(input, glb); !written) return written.error();
   if (const auto done = run(input, output); !done) return done.error();
   Expected<std::string> packed = read_file(output);
-  if (packed && !packed->starts_with(kGlbStart)) return not_packed("wrote no binary glTF");
+  if (packed && !packed->starts_with(kGlbStart))
+    return gltfpack_error("its output is not binary glTF");
   return packed;
 }
 

@@ -47,15 +47,15 @@ const MediaType& media_type_of(const fs::path& file) {
   return found == kMediaTypes.end() ? kAnyBytes : *found;
 }
 
-/// Names, one after the other, that neither lead upward nor are hidden.
+/// No parent folder (path traversal), no hidden name, only common characters.
 bool is_plain(std::string_view path) {
   constexpr std::string_view kOthers = "._-/";
-  const bool has_odd_sign = std::any_of(path.begin(), path.end(), [&](char sign) {
-    const bool is_common = (sign >= 'a' && sign <= 'z') || (sign >= 'A' && sign <= 'Z') ||
-                           (sign >= '0' && sign <= '9');
-    return !is_common && kOthers.find(sign) == std::string_view::npos;
+  const bool has_odd_character = std::any_of(path.begin(), path.end(), [&](char c) {
+    const bool is_common =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    return !is_common && kOthers.find(c) == std::string_view::npos;
   });
-  return path.starts_with('/') && !has_odd_sign && path.find("/.") == std::string_view::npos &&
+  return path.starts_with('/') && !has_odd_character && path.find("/.") == std::string_view::npos &&
          path.find("//") == std::string_view::npos && path.size() < 256;
 }
 
@@ -80,15 +80,15 @@ Expected<std::shared_ptr<const Content>> PageFiles::find(std::string_view path) 
   if (fault || !is_inside(file, folder_) || !fs::is_regular_file(file, fault)) return nothing;
   const auto changed = fs::last_write_time(file, fault);
   const std::lock_guard lock(mutex_);
-  const auto kept = kept_.find(name);
-  if (kept != kept_.end() && kept->second.changed == changed) return kept->second.content;
+  const auto cached = cache_.find(name);
+  if (cached != cache_.end() && cached->second.changed == changed) return cached->second.content;
   Expected<std::string> bytes = read_file(file);
   if (!bytes) return bytes.error();
   const MediaType& type = media_type_of(file);
   auto shared =
       std::make_shared<const Content>(type.is_text ? make_content(type.name, std::move(*bytes))
                                                    : Content{type.name, std::move(*bytes), false});
-  kept_[name] = {changed, shared};
+  cache_[name] = {changed, shared};
   return shared;
 }
 

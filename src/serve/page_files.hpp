@@ -11,8 +11,9 @@
 
 namespace pcavr {
 
-/// The page's own files, as they were built: "/" is index.html. Text is compressed once and kept;
-/// a file that changed is read again. Nothing outside of the folder, and nothing hidden, is found.
+/// The page's static files as built: "/" is index.html. Text is compressed once and cached; a file
+/// that has changed is read again. Files outside the folder (path traversal, symbolic links) and
+/// hidden files are not found.
 class PageFiles final : public ContentSource {
  public:
   explicit PageFiles(std::filesystem::path folder);
@@ -20,14 +21,14 @@ class PageFiles final : public ContentSource {
   [[nodiscard]] Expected<std::shared_ptr<const Content>> find(std::string_view path) const override;
 
  private:
-  struct Kept {
+  struct CacheEntry {
     std::filesystem::file_time_type changed;
     std::shared_ptr<const Content> content;
   };
 
-  std::filesystem::path folder_;  ///< without links
+  std::filesystem::path folder_;  ///< without symbolic links
   mutable std::mutex mutex_;
-  mutable std::map<std::string, Kept, std::less<>> kept_;
+  mutable std::map<std::string, CacheEntry, std::less<>> cache_;
 };
 
 }  // namespace pcavr

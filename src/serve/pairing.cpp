@@ -14,23 +14,24 @@
 namespace pcavr {
 namespace {
 
-// 32 signs, so that each takes five bits and all are equally likely; no 0 O 1 I.
-constexpr std::string_view kSigns = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789";
-// 30 bits: at thirty tries a minute, half of them takes 34 years.
+// 32 characters, so that each takes five bits and all are equally likely; no 0 O 1 I.
+constexpr std::string_view kAlphabet = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789";
+// 30 bits: at thirty attempts a minute, trying half of the codes takes 34 years.
 constexpr std::size_t kCodeLength = 6;
 constexpr std::size_t kTokenBytes = 32;
 constexpr std::size_t kMaxTokens = 64;
 constexpr double kMinute = 60.0;
-constexpr std::size_t kTriesOfOne = 5;
-constexpr std::size_t kTriesOfAll = 30;
+constexpr std::size_t kMaxAttemptsPerAddress = 5;
+constexpr std::size_t kMaxAttempts = 30;
 
-Expected<void> fill_at_random(std::span<std::uint8_t> bytes) {
-  // Up to 256 bytes come at once, or not at all.
+Expected<void> fill_with_random(std::span<std::uint8_t> bytes) {
+  // getrandom() fills up to 256 bytes at once, or fails.
   if (::getrandom(bytes.data(), bytes.size(), 0) == static_cast<ssize_t>(bytes.size())) return {};
   return Error{.message =
-                   std::string("no random numbers from the system: ") + std::strerror(errno)};
+                   std::string("the system gave no random numbers: ") + std::strerror(errno)};
 }
 
+/// In constant time, against timing attacks.
 bool are_equal(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned difference = 0;
@@ -40,18 +41,18 @@ bool are_equal(std::string_view a, std::string_view b) {
   return difference == 0;
 }
 
-std::string as_written(std::string_view code) {
+std::string normalized(std::string_view code) {
   std::string plain;
-  for (const char sign : code.substr(0, 4 * kCodeLength)) {
-    if (sign == ' ' || sign == '-') continue;
-    plain += static_cast<char>(std::toupper(static_cast<unsigned char>(sign)));
+  for (const char c : code.substr(0, 4 * kCodeLength)) {
+    if (c == ' ' || c == '-') continue;
+    plain += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   }
   return plain;
 }
 
 Expected<std::string> new_token() {
   std::array<std::uint8_t, kTokenBytes> bytes{};
-  const Expected<void> filled = fill_at_random(bytes);
+  const Expected<void> filled = fill_with_random(bytes);
   if (!filled) return filled.error();
   std::string token;
   for (const std::uint8_t byte : bytes) {
@@ -65,37 +66,37 @@ Expected<std::string> new_token() {
 
 Expected<Pairing> Pairing::create() {
   std::array<std::uint8_t, kCodeLength> bytes{};
-  const Expected<void> filled = fill_at_random(bytes);
+  const Expected<void> filled = fill_with_random(bytes);
   if (!filled) return filled.error();
   std::string code;
-  for (const std::uint8_t byte : bytes) code += kSigns[byte % kSigns.size()];
+  for (const std::uint8_t byte : bytes) code += kAlphabet[byte % kAlphabet.size()];
   return Pairing(std::move(code));
 }
 
 Pairing::Pairing(Pairing&& other) noexcept
     : code_(std::move(other.code_)),
       tokens_(std::move(other.tokens_)),
-      tries_(std::move(other.tries_)) {}
+      attempts_(std::move(other.attempts_)) {}
 
-bool Pairing::may_try(const std::string& address, double now) {
-  std::size_t of_all = 0;
-  for (auto place = tries_.begin(); place != tries_.end();) {
-    std::erase_if(place->second, [&](double t) { return now - t > kMinute; });
-    of_all += place->second.size();
-    place = place->second.empty() ? tries_.erase(place) : std::next(place);
+bool Pairing::is_within_rate_limit(const std::string& address, double now) {
+  std::size_t count = 0;
+  for (auto entry = attempts_.begin(); entry != attempts_.end();) {
+    std::erase_if(entry->second, [&](double t) { return now - t > kMinute; });
+    count += entry->second.size();
+    entry = entry->second.empty() ? attempts_.erase(entry) : std::next(entry);
   }
-  if (of_all >= kTriesOfAll) return false;
-  std::vector<double>& of_one = tries_[address];
-  if (of_one.size() >= kTriesOfOne) return false;
-  of_one.push_back(now);
+  if (count >= kMaxAttempts) return false;
+  std::vector<double>& own = attempts_[address];
+  if (own.size() >= kMaxAttemptsPerAddress) return false;
+  own.push_back(now);
   return true;
 }
 
 Expected<Pairing::Answer> Pairing::pair(std::string_view code, const std::string& address,
                                         double now) {
   const std::lock_guard lock(mutex_);
-  if (!may_try(address, now)) return Answer{Outcome::too_many_tries, {}};
-  if (!are_equal(as_written(code), code_)) return Answer{Outcome::wrong, {}};
+  if (!is_within_rate_limit(address, now)) return Answer{Outcome::too_many_attempts, {}};
+  if (!are_equal(normalized(code), code_)) return Answer{Outcome::wrong, {}};
   Expected<std::string> token = new_token();
   if (!token) return token.error();
   if (tokens_.size() >= kMaxTokens) tokens_.erase(tokens_.begin());

@@ -12,36 +12,37 @@
 
 namespace pcavr {
 
-/// Who may come in: a code that is shown where the server runs, a token for who knows it.
-/// Thread-safe; secrets are compared in constant time. Times [s] of any clock that ascends.
+/// Authentication of pages by a pairing code, which is shown where the server runs, and session
+/// tokens for those who sent it. Rate-limited; secrets are compared in constant time. Thread-safe.
+/// Times [s] of any monotonic clock.
 class Pairing {
  public:
-  /// Fails where the system's random source does.
+  /// An Error if the system's random source fails.
   [[nodiscard]] static Expected<Pairing> create();
   Pairing(Pairing&& other) noexcept;
 
-  /// Six letters and digits that cannot be taken for each other.
+  /// Six letters and digits that can't be confused with each other.
   [[nodiscard]] const std::string& code() const { return code_; }
 
-  enum class Outcome { paired, wrong, too_many_tries };
+  enum class Outcome { paired, wrong, too_many_attempts };
   struct Answer {
     Outcome outcome = Outcome::wrong;
-    std::string token;  ///< where paired
+    std::string token;  ///< if paired
   };
-  /// Blanks, hyphens and small letters in `code` do not matter. `address` is where it came from:
-  /// five tries a minute for each, thirty for all.
+  /// Spaces, hyphens and case in `code` are ignored. `address` is the client's. Rate limit: five
+  /// attempts a minute for each address, thirty for all.
   [[nodiscard]] Expected<Answer> pair(std::string_view code, const std::string& address,
                                       double now);
   [[nodiscard]] bool is_paired(std::string_view token) const;
 
  private:
   explicit Pairing(std::string code) : code_(std::move(code)) {}
-  [[nodiscard]] bool may_try(const std::string& address, double now);
+  [[nodiscard]] bool is_within_rate_limit(const std::string& address, double now);
 
   std::string code_;
   mutable std::mutex mutex_;
-  std::vector<std::string> tokens_;                   ///< newest last
-  std::map<std::string, std::vector<double>> tries_;  ///< [s] by address, of the last minute
+  std::vector<std::string> tokens_;                      ///< newest last
+  std::map<std::string, std::vector<double>> attempts_;  ///< [s] by address, of the last minute
 };
 
 }  // namespace pcavr

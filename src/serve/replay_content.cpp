@@ -8,8 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
+#include "pcavr/core/json_text.hpp"
+
 #include "content_text.hpp"
-#include "core/json_text.hpp"
 #include "replay_rows.hpp"
 
 namespace pcavr {
@@ -17,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// From the first to the last stamp of anything that a replay shows [s].
+/// From the first to the last stamp of a replay's data [s].
 struct ReplaySpan {
   double start = std::numeric_limits<double>::infinity();
   double end = -std::numeric_limits<double>::infinity();
@@ -49,7 +52,7 @@ ReplaySpan span_of(const Recording& recording, const Replay& replay) {
   return span;
 }
 
-/// Those rows of a run that are about one object.
+/// The rows of a run for one object.
 template <typename Row>
 std::vector<Row> of_object(const std::vector<Row>& rows, std::size_t object) {
   std::vector<Row> own;
@@ -147,8 +150,8 @@ Expected<ReplayContent> ReplayContent::create(const Recording& recording,
   if (!frames) return frames.error();
   if (frames->placed() == 0) {
     observer.on_warning(
-        "no frame's camera is known, so nothing is drawn over the pictures: leave --tracked out to "
-        "have it found");
+        "the camera's pose is not known in any frame, so nothing is drawn over the images: omit "
+        "--tracked to estimate it");
   }
   content.frames_.emplace(std::move(*frames));
   return content;

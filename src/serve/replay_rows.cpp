@@ -8,29 +8,29 @@
 #include <limits>
 #include <set>
 
-#include "evaluation/matched_poses.hpp"
-#include "scene/bytes.hpp"
+#include "pcavr/core/raw_bytes.hpp"
+#include "pcavr/geometry/matched_poses.hpp"
 
 namespace pcavr {
 namespace {
 
-/// A screen draws at most 120 pictures a second.
+/// Screens refresh at most 120 times a second.
 constexpr double kPoseInterval = 0.005;  ///< [s]
-constexpr double kSamePosition = 1e-5;   ///< [m] less than a pixel from any distance
+constexpr double kSamePosition = 1e-5;   ///< [m] less than a pixel at any distance
 constexpr double kSameRotation = 1e-5;   ///< [rad]
 /// A plot of a minute is at most 3 000 pixels wide.
 constexpr double kForceInterval = 0.02;  ///< [s]
-/// The wrench comes at 100 Hz and more: a longer pause is the end of a contact.
-constexpr double kForcePause = 0.05;  ///< [s]
-constexpr double kRounding = 1e-9;    ///< [s] of times that are multiples of a step
+/// The wrench is sampled at 100 Hz or more: a longer gap is the end of a contact.
+constexpr double kMaxForceGap = 0.05;  ///< [s]
+constexpr double kRounding = 1e-9;     ///< [s] of times that are multiples of a step
 
-constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
 
 bool is_same(const Pose& a, const Pose& b) {
   return translation_distance(a, b) <= kSamePosition && rotation_distance(a, b) <= kSameRotation;
 }
 
-/// The rows that stand around each of the times.
+/// The rows just before and after each of the times.
 std::set<std::size_t> rows_around(const std::vector<ShownPose>& shown,
                                   const std::vector<double>& times) {
   std::set<std::size_t> rows;
@@ -44,14 +44,14 @@ std::set<std::size_t> rows_around(const std::vector<ShownPose>& shown,
   return rows;
 }
 
-/// Rows 5 ms apart, and those that must be kept; the first and the last among them.
+/// Rows 5 ms apart and those in `required`, including the first and the last.
 std::vector<std::size_t> spaced_rows(const std::vector<ShownPose>& shown,
-                                     const std::set<std::size_t>& must) {
+                                     const std::set<std::size_t>& required) {
   std::vector<std::size_t> rows;
   double next = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const bool is_due = shown[i].t >= next - kRounding;
-    if (!is_due && !must.contains(i) && i + 1 < shown.size()) continue;
+    if (!is_due && !required.contains(i) && i + 1 < shown.size()) continue;
     rows.push_back(i);
     if (is_due) next = shown[i].t + kPoseInterval;
   }
@@ -60,14 +60,15 @@ std::vector<std::size_t> spaced_rows(const std::vector<ShownPose>& shown,
 
 std::vector<std::size_t> kept_rows(const std::vector<ShownPose>& shown,
                                    const std::vector<double>& keep) {
-  const std::set<std::size_t> must = rows_around(shown, keep);
-  const std::vector<std::size_t> spaced = spaced_rows(shown, must);
+  const std::set<std::size_t> required = rows_around(shown, keep);
+  const std::vector<std::size_t> spaced = spaced_rows(shown, required);
   std::vector<std::size_t> kept;
   for (std::size_t k = 0; k < spaced.size(); ++k) {
     const Pose& pose = shown[spaced[k]].T_base_object;
     const bool is_end = k == 0 || k + 1 == spaced.size();
-    // The last row of a rest is needed, too, or the next motion would seem to begin with it.
-    if (is_end || must.contains(spaced[k]) || !is_same(pose, shown[kept.back()].T_base_object) ||
+    // The last row at rest is kept, too: interpolation would start the next motion too early.
+    if (is_end || required.contains(spaced[k]) ||
+        !is_same(pose, shown[kept.back()].T_base_object) ||
         !is_same(shown[spaced[k + 1]].T_base_object, shown[kept.back()].T_base_object)) {
       kept.push_back(spaced[k]);
     }
@@ -75,9 +76,9 @@ std::vector<std::size_t> kept_rows(const std::vector<ShownPose>& shown,
   return kept;
 }
 
-/// Of the rows [first, last): the first, and the extremes of both curves, ascending.
-std::set<std::size_t> outline(const std::vector<ForceRow>& forces, std::size_t first,
-                              std::size_t last) {
+/// Of the rows [first, last): the first, and the extremes of both curves (min-max decimation).
+std::set<std::size_t> envelope(const std::vector<ForceRow>& forces, std::size_t first,
+                               std::size_t last) {
   std::set<std::size_t> rows{first};
   for (double ForceRow::*curve : {&ForceRow::measured, &ForceRow::predicted}) {
     std::size_t lowest = first;
@@ -107,7 +108,7 @@ void ReplayTables::append(double number) { append_bytes(bytes_, static_cast<floa
 void ReplayTables::append_pose(double t, const Pose& pose, ReplayTable& table) {
   append_time(t);
   for (const double coordinate : pose.translation()) append(coordinate);
-  for (const double part : pose.rotation().coeffs()) append(part);  // x y z w
+  for (const double coefficient : pose.rotation().coeffs()) append(coefficient);  // x y z w
   ++table.rows;
 }
 
@@ -138,14 +139,14 @@ ReplayTable ReplayTables::add_force(const std::vector<ForceRow>& forces) {
   while (first < forces.size()) {
     std::size_t last = first + 1;
     while (last < forces.size() && forces[last].t < forces[first].t + kForceInterval - kRounding &&
-           forces[last].t - forces[last - 1].t <= kForcePause) {
+           forces[last].t - forces[last - 1].t <= kMaxForceGap) {
       ++last;
     }
-    std::set<std::size_t> rows = outline(forces, first, last);
-    const bool is_end = last == forces.size() || forces[last].t - forces[last - 1].t > kForcePause;
+    std::set<std::size_t> rows = envelope(forces, first, last);
+    const bool is_end = last == forces.size() || forces[last].t - forces[last - 1].t > kMaxForceGap;
     if (is_end) rows.insert(last - 1);
     for (const std::size_t i : rows) add(forces[i].t, forces[i].measured, forces[i].predicted);
-    if (is_end && last < forces.size()) add(forces[last - 1].t, kNothing, kNothing);
+    if (is_end && last < forces.size()) add(forces[last - 1].t, kNoValue, kNoValue);
     first = last;
   }
   return table;
@@ -174,7 +175,7 @@ ReplayTable ReplayTables::add_tool(const Trajectory& tool,
     append_time(t);
     for (const double coordinate : pose.pose.translation()) append(coordinate);
     for (int axis = 0; axis < 3; ++axis) {
-      append(sample == 0 ? double{kNothing} : wrench[sample - 1].force[axis]);
+      append(sample == 0 ? double{kNoValue} : wrench[sample - 1].force[axis]);
     }
     ++table.rows;
   }

@@ -11,35 +11,34 @@
 
 namespace pcavr {
 
-/// Rows of numbers in /api/replay.bin.
+/// A table of numbers in /api/replay.bin.
 struct ReplayTable {
   std::size_t at = 0;  ///< byte offset
   std::size_t rows = 0;
 };
 
-/// Writes the tables of docs/live-protocol.md one after the other. Times are written from `start`
-/// [s] on the recording's clock.
+/// Writes the tables of docs/live-protocol.md in sequence. Times are relative to `start` [s] on the
+/// recording's clock.
 ///
-/// What is predicted at 1 kHz is thinned out: at most 200 rows a second, none between two that show
-/// the same pose (to 10 um and 10 urad), but always those around a change of phase and around the
-/// largest error. Force keeps, of each 20 ms, the first row and the highest and lowest of either
-/// curve.
+/// The prediction at 1 kHz is decimated: at most 200 rows a second, none between two with the same
+/// pose (to 10 um and 10 urad), but always those around a change of phase and around the largest
+/// error. Force keeps, of each 20 ms, the first row and the maximum and minimum of either curve.
 class ReplayTables {
  public:
   explicit ReplayTables(double start) : start_(start) {}
 
   ReplayTable add_predicted(const std::vector<ShownPose>& shown, const std::vector<double>& keep);
   ReplayTable add_tracked(const std::vector<TrackedPose>& tracked);
-  /// Of one object, ascending; a row of NaN stands where the contact was interrupted.
+  /// Of one object, by ascending time; a row of NaN marks a gap in the contact.
   ReplayTable add_force(const std::vector<ForceRow>& forces);
-  /// Predicted against tracked, at the stamps of the latter.
+  /// Distance of the predicted from the tracked pose, at the stamps of the latter.
   struct Error {
     double t = 0.0;         ///< [s] on the recording's clock
     double position = 0.0;  ///< [m]
     double rotation = 0.0;  ///< [rad]
   };
   ReplayTable add_errors(const std::vector<Error>& errors);
-  /// The wrench is that of the nearest sample before; NaN where there is none.
+  /// The wrench is that of the last sample before; NaN if there is none.
   ReplayTable add_tool(const Trajectory& tool, const std::vector<WrenchSample>& wrench);
 
   [[nodiscard]] const std::string& bytes() const { return bytes_; }
@@ -54,7 +53,7 @@ class ReplayTables {
   std::string bytes_;
 };
 
-/// The errors of what was shown; empty where nothing was, or nothing was tracked.
+/// The errors of the shown poses; empty if none were shown or none were tracked.
 [[nodiscard]] std::vector<ReplayTables::Error> replay_errors(
     const std::vector<ShownPose>& shown, const std::vector<TrackedPose>& tracked);
 

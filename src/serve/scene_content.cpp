@@ -7,57 +7,57 @@
 #include <utility>
 #include <vector>
 
+#include "pcavr/core/json_text.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/recording.hpp"
+#include "pcavr/scene/glb_file.hpp"
+#include "pcavr/scene/scene_text.hpp"
 
 #include "content_text.hpp"
-#include "core/json_text.hpp"
 #include "packed_mesh.hpp"
-#include "scene/glb_file.hpp"
-#include "scene/scene_text.hpp"
 #include "scene_json.hpp"
 #include "scene_points.hpp"
 
 namespace pcavr {
 namespace {
 
-/// One file of a page, made by itself so that several can be made at a time.
+/// One file of a page; independent of the others, so that several are created in parallel.
 struct Item {
-  std::string path;  ///< as find() knows it: not encoded
+  std::string path;  ///< not percent-encoded
   std::function<Expected<void>(Item&)> make = {};
   std::shared_ptr<const Content> content = {};
   std::size_t bytes = 0;  ///< before gzip
-  std::size_t count = 0;  ///< triangles, points or cells; 0: nothing to be served
+  std::size_t count = 0;  ///< triangles, points or cells; 0: no file
   double edge = 0.0;      ///< [m] of an occupied cell
   std::optional<Error> error = {};
   std::optional<Error> warning = {};
 };
 
-void keep(Item& item, const char* media_type, std::string body) {
+void set_content(Item& item, const char* media_type, std::string body) {
   item.bytes = body.size();
   item.content = std::make_shared<const Content>(make_content(media_type, std::move(body)));
 }
 
-void keep_mesh(Item& item, std::string glb) {
+void set_mesh(Item& item, std::string glb) {
   Expected<std::string> packed = packed_mesh(glb);
   if (!packed) item.warning = packed.error();
-  keep(item, kGlbMedia, packed ? std::move(*packed) : std::move(glb));
+  set_content(item, kGlbMedia, packed ? std::move(*packed) : std::move(glb));
 }
 
 Expected<void> make_level(Item& item, const std::filesystem::path& file) {
   Expected<StaticMeshGlb> mesh = read_static_mesh_glb(file);
   if (!mesh) return mesh.error();
   item.count = mesh->triangles;
-  if (item.count > 0) keep_mesh(item, std::move(mesh.value().bytes));
+  if (item.count > 0) set_mesh(item, std::move(mesh.value().bytes));
   return {};
 }
 
 Expected<void> make_object(Item& item, const std::filesystem::path& file) {
-  const Expected<GlbContent> sound = read_glb(file);
-  if (!sound) return sound.error();
+  const Expected<GlbContent> checked = read_glb(file);
+  if (!checked) return checked.error();
   Expected<std::string> glb = read_file(file);
   if (!glb) return glb.error();
-  keep_mesh(item, std::move(*glb));
+  set_mesh(item, std::move(*glb));
   return {};
 }
 
@@ -65,7 +65,7 @@ Expected<void> make_cloud(Item& item, const std::filesystem::path& file) {
   Expected<PageCloud> cloud = page_cloud(file);
   if (!cloud) return cloud.error();
   item.count = cloud->points;
-  keep(item, kBinaryMedia, std::move(cloud.value().bytes));
+  set_content(item, kBinaryMedia, std::move(cloud.value().bytes));
   return {};
 }
 
@@ -74,7 +74,7 @@ Expected<void> make_occupancy(Item& item, const std::filesystem::path& file) {
   if (!occupancy) return occupancy.error();
   item.count = occupancy->cells;
   item.edge = occupancy->edge;
-  keep(item, kBinaryMedia, std::move(occupancy.value().bytes));
+  set_content(item, kBinaryMedia, std::move(occupancy.value().bytes));
   return {};
 }
 
@@ -97,32 +97,32 @@ std::vector<Item> items_of(const SceneManifest& scene) {
   return items;
 }
 
-PageFile page_file(const Item& item) { return {item.path, item.bytes, item.count}; }
+SceneFile scene_file(const Item& item) { return {item.path, item.bytes, item.count}; }
 
-PageFiles page_files(const std::vector<Item>& items, const SceneManifest& scene) {
-  PageFiles files;
+SceneFiles scene_files(const std::vector<Item>& items, const SceneManifest& scene) {
+  SceneFiles files;
   const std::size_t levels = scene.levels_of_detail.size();
   for (std::size_t i = 0; i < levels; ++i) {
-    if (items[i].content) files.mesh.push_back(page_file(items[i]));
+    if (items[i].content) files.mesh.push_back(scene_file(items[i]));
   }
-  files.cloud = page_file(items[levels]);
-  files.occupancy = page_file(items[levels + 1]);
+  files.cloud = scene_file(items[levels]);
+  files.occupancy = scene_file(items[levels + 1]);
   files.occupancy_edge = items[levels + 1].edge;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    files.objects.push_back(page_file(items[levels + 2 + i]));
+    files.objects.push_back(scene_file(items[levels + 2 + i]));
     files.objects.back().path = "/scene/objects/" + percent_encoded(scene.objects[i].name) + ".glb";
   }
   return files;
 }
 
-/// The first Error, in the items' order; what was merely not compressed is told once.
+/// The first Error, in the items' order. Warns of meshes that are not compressed, once per reason.
 Expected<void> check(const std::vector<Item>& items, const Observer& observer) {
-  std::set<std::string> told;
+  std::set<std::string> reported;
   for (const Item& item : items) {
     if (item.error) return *item.error;
     if (!item.warning) continue;
     const std::string line = item.warning->to_string();
-    if (told.insert(line).second) {
+    if (reported.insert(line).second) {
       observer.on_warning("meshes are served without compression: " + line);
     }
   }
@@ -139,14 +139,14 @@ Expected<SceneContent> SceneContent::create(const SceneManifest& scene,
   std::vector<Item> items = items_of(scene);
   parallel_for(parallelism, items.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Expected<void> made = items[i].make(items[i]);
-      if (!made) items[i].error = made.error();
+      const Expected<void> result = items[i].make(items[i]);
+      if (!result) items[i].error = result.error();
     }
   });
-  if (const auto sound = check(items, observer); !sound) return sound.error();
+  if (const auto checked = check(items, observer); !checked) return checked.error();
   SceneContent content;
   const std::string text =
-      json_text(scene_json(scene, page_files(items, scene), parameters, *camera));
+      json_text(scene_json(scene, scene_files(items, scene), parameters, *camera));
   content.contents_["/api/scene.json"] =
       std::make_shared<const Content>(make_content(kJsonMedia, text));
   for (Item& item : items) {

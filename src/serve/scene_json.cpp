@@ -15,34 +15,34 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Of a moving camera, so many poses show the way it took.
+/// Number of poses that show a moving camera's path.
 constexpr std::size_t kMaxCameras = 100;
 
 Json vector_json(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
-/// [x, y, z] and [x, y, z, w], under the names that all of the protocol's JSON uses.
+/// Position [x, y, z] and quaternion [x, y, z, w], as everywhere in the protocol.
 void add_pose(Json& to, const Pose& pose) {
   const Eigen::Quaterniond& q = pose.rotation();
   to["position"] = vector_json(pose.translation());
   to["quaternion"] = Json::array({q.x(), q.y(), q.z(), q.w()});
 }
 
-Json file_json(const PageFile& file, const char* count) {
+Json file_json(const SceneFile& file, const char* count) {
   return {{"path", file.path}, {count, file.count}, {"bytes", file.bytes}};
 }
 
 Json parameters_json(const ObjectParameters& known) {
   Json json = Json::object();
-  for (const auto& [key, parameter] : listed_parameters(known)) {
+  for (const auto& [key, parameter] : list_parameters(known)) {
     json[key] = parameter.value;
-    if (parameter.deviation && std::isfinite(*parameter.deviation)) {
-      json[key + "_std"] = *parameter.deviation;
+    if (parameter.std && std::isfinite(*parameter.std)) {
+      json[key + "_std"] = *parameter.std;
     }
   }
   return json;
 }
 
-Json object_json(const SceneObjectEntry& object, const PageFile& file,
+Json object_json(const SceneObjectEntry& object, const SceneFile& file,
                  const ObjectParameters& known) {
   Json json = {{"name", object.name}, {"path", file.path}, {"bytes", file.bytes}};
   add_pose(json, object.T_base_object);
@@ -69,7 +69,7 @@ Json plane_json(const SupportPlane& plane) {
   return {{"outline", outline}};
 }
 
-/// One pose where the camera stood still, else poses spread evenly over its frames.
+/// One pose of a fixed camera, else poses spaced evenly over its frames.
 Json cameras_json(const Trajectory& camera, bool is_fixed) {
   Json cameras = Json::array();
   const std::size_t count =
@@ -90,11 +90,11 @@ std::string scene_name(const SceneManifest& scene) {
   return folder.parent_path().filename().string();
 }
 
-Json scene_json(const SceneManifest& scene, const PageFiles& files,
+Json scene_json(const SceneManifest& scene, const SceneFiles& files,
                 const std::optional<ParameterTable>& parameters, const Trajectory& camera) {
-  Json json = {{"name", scene_name(scene)}, {"protocol", kLiveProtocol}, {"up", {0, 0, 1}}};
+  Json json = {{"name", scene_name(scene)}, {"protocol", kLiveProtocolVersion}, {"up", {0, 0, 1}}};
   json["mesh"] = Json::array();
-  for (const PageFile& level : files.mesh) json["mesh"].push_back(file_json(level, "triangles"));
+  for (const SceneFile& level : files.mesh) json["mesh"].push_back(file_json(level, "triangles"));
   json["cloud"] = file_json(files.cloud, "points");
   json["occupancy"] = file_json(files.occupancy, "cells");
   json["occupancy"]["edge"] = files.occupancy_edge;

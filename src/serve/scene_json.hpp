@@ -15,25 +15,25 @@
 
 namespace pcavr {
 
-/// What scene.json says of one file: its path, its length before gzip, and how much is in it
-/// (triangles, points, cells; by the file's kind).
-struct PageFile {
+/// One file in scene.json: its path, its length before gzip, and the number of its elements
+/// (triangles, points or cells, by the file's kind).
+struct SceneFile {
   std::string path;
   std::size_t bytes = 0;
   std::size_t count = 0;
 };
 
 /// The files that a page loads for a scene.
-struct PageFiles {
-  std::vector<PageFile> mesh;  ///< finest first
-  PageFile cloud;
-  PageFile occupancy;
-  double occupancy_edge = 0.0;    ///< [m]
-  std::vector<PageFile> objects;  ///< as in the scene
+struct SceneFiles {
+  std::vector<SceneFile> mesh;  ///< finest first
+  SceneFile cloud;
+  SceneFile occupancy;
+  double occupancy_edge = 0.0;     ///< [m]
+  std::vector<SceneFile> objects;  ///< in the scene's order
 };
 
 /// /api/scene.json of docs/live-protocol.md.
-[[nodiscard]] nlohmann::ordered_json scene_json(const SceneManifest& scene, const PageFiles& files,
+[[nodiscard]] nlohmann::ordered_json scene_json(const SceneManifest& scene, const SceneFiles& files,
                                                 const std::optional<ParameterTable>& parameters,
                                                 const Trajectory& camera);
 

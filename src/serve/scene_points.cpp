@@ -10,12 +10,11 @@
 #include <numeric>
 #include <vector>
 
+#include "pcavr/core/raw_bytes.hpp"
 #include "pcavr/geometry/mesh.hpp"
 #include "pcavr/geometry/pixel.hpp"
-
-#include "scene/bytes.hpp"
-#include "scene/octomap_file.hpp"
-#include "scene/ply_file.hpp"
+#include "pcavr/scene/octomap_file.hpp"
+#include "pcavr/scene/ply_file.hpp"
 
 namespace pcavr {
 namespace {
@@ -23,12 +22,12 @@ namespace {
 using Cell = std::array<std::uint16_t, 3>;
 
 constexpr int kMaxSteps = std::numeric_limits<std::uint16_t>::max();
-/// No depth camera tells less than this [m]; finer steps would store its noise.
-constexpr double kFinestStep = 0.00025;
+/// [m] Quantization step. Below a depth camera's resolution; finer steps would store its noise.
+constexpr double kMinStep = 0.00025;
 constexpr std::size_t kMaxPoints = 500'000;
 constexpr std::uint64_t kMaxCells = 4'000'000;
 
-/// The place of a cell on Morton's curve: the bits of its coordinates, interleaved.
+/// A cell's Morton code (Z-order curve): the bits of its coordinates, interleaved.
 std::uint64_t morton(const Cell& cell) {
   std::uint64_t code = 0;
   for (std::size_t bit = 0; bit < 16; ++bit) {
@@ -39,8 +38,9 @@ std::uint64_t morton(const Cell& cell) {
   return code;
 }
 
-/// What both files begin with.
-void append_head(std::string& bytes, const Eigen::Vector3f& origin, float step, std::size_t count) {
+/// The header of both files.
+void append_header(std::string& bytes, const Eigen::Vector3f& origin, float step,
+                   std::size_t count) {
   for (const float coordinate : origin) append_bytes(bytes, coordinate);
   append_bytes(bytes, step);
   append_bytes(bytes, static_cast<std::uint32_t>(count));
@@ -60,7 +60,7 @@ Cell cell_of(const Eigen::Vector3f& point, const Eigen::Vector3f& origin, float 
   return cell;
 }
 
-/// The points that are kept, in the curve's order; equal cells stay in the cloud's order.
+/// The points that are kept, in Morton order; those with equal cells stay in the cloud's order.
 std::vector<std::size_t> kept_points(const std::vector<Cell>& cells) {
   std::vector<std::uint64_t> codes(cells.size());
   std::transform(cells.begin(), cells.end(), codes.begin(), morton);
@@ -82,7 +82,7 @@ Expected<PageCloud> page_cloud(const std::filesystem::path& cloud_ply) {
   const Eigen::AlignedBox3f box = bounds(cloud->vertices);
   const Eigen::Vector3f origin = box.isEmpty() ? Eigen::Vector3f(0, 0, 0) : box.min();
   const float extent = box.isEmpty() ? 0.0F : box.sizes().maxCoeff();
-  const auto step = static_cast<float>(std::max(double{extent} / kMaxSteps, kFinestStep));
+  const auto step = static_cast<float>(std::max(double{extent} / kMaxSteps, kMinStep));
   std::vector<Cell> cells;
   cells.reserve(cloud->vertices.size());
   for (const Eigen::Vector3f& point : cloud->vertices) {
@@ -90,7 +90,7 @@ Expected<PageCloud> page_cloud(const std::filesystem::path& cloud_ply) {
   }
   const std::vector<std::size_t> kept = kept_points(cells);
   PageCloud page{.bytes = {}, .points = kept.size()};
-  append_head(page.bytes, origin, step, kept.size());
+  append_header(page.bytes, origin, step, kept.size());
   for (const std::size_t i : kept) append_cell(page.bytes, cells[i]);
   for (const std::size_t i : kept) {
     const Rgb8 color = cloud->colors.empty() ? Rgb8{255, 255, 255} : cloud->colors[i];
@@ -103,7 +103,7 @@ Expected<PageCloud> page_cloud(const std::filesystem::path& cloud_ply) {
 
 Expected<PageOccupancy> page_occupancy(const std::filesystem::path& occupancy_bt) {
   std::vector<Eigen::Vector3i> cells;
-  const auto take = [&](const OctomapLeaf& leaf) {
+  const auto add_leaf = [&](const OctomapLeaf& leaf) {
     const std::int64_t edge = leaf.edge;
     const auto count = static_cast<std::uint64_t>(edge * edge * edge);
     if (!leaf.is_occupied || cells.size() + count > kMaxCells) return;
@@ -112,11 +112,11 @@ Expected<PageOccupancy> page_occupancy(const std::filesystem::path& occupancy_bt
       cells.push_back(leaf.corner + offset.cast<int>());
     }
   };
-  const Expected<OctomapContent> map = read_octomap(occupancy_bt, take);
+  const Expected<OctomapContent> map = read_octomap(occupancy_bt, add_leaf);
   if (!map) return map.error();
   if (map->occupied > kMaxCells) {
-    return Error{.message = "has " + std::to_string(map->occupied) + " occupied cells, more than " +
-                            "the " + std::to_string(kMaxCells) + " that a page can show",
+    return Error{.message = std::to_string(map->occupied) + " occupied cells exceed the limit of " +
+                            std::to_string(kMaxCells) + " that a page can show",
                  .file = occupancy_bt.string(),
                  .hint = "build the scene with a larger --occupancy-resolution"};
   }
@@ -124,7 +124,7 @@ Expected<PageOccupancy> page_occupancy(const std::filesystem::path& occupancy_bt
   for (const Eigen::Vector3i& cell : cells) first = first.cwiseMin(cell);
   PageOccupancy page{.bytes = {}, .cells = cells.size(), .edge = map->resolution};
   const Eigen::Vector3f origin = (first.cast<double>() * map->resolution).cast<float>();
-  append_head(page.bytes, origin, static_cast<float>(map->resolution), cells.size());
+  append_header(page.bytes, origin, static_cast<float>(map->resolution), cells.size());
   for (const Eigen::Vector3i& cell : cells) {
     // An OctoMap is 65 536 cells wide.
     const Eigen::Vector3i offset = cell - first;

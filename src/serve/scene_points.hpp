@@ -15,9 +15,9 @@ struct PageCloud {
   std::string bytes;
   std::size_t points = 0;
 };
-/// Points lie within half a step of where they were. Ordered along a curve through space [Morton
-/// 1966], which compresses better; of more than 500 000 points, which is what a headset carries at
-/// 72 Hz, every n-th along that curve is kept.
+/// Quantizes the points: the error is at most half a step. Sorted by Morton code (Z-order curve)
+/// [Morton 1966], which compresses better; of more than 500 000 points, which is what a headset
+/// renders at 72 Hz, every n-th in that order is kept.
 [[nodiscard]] Expected<PageCloud> page_cloud(const std::filesystem::path& cloud_ply);
 
 /// occupancy.bin of docs/live-protocol.md, from a scene's occupancy.bt.
@@ -26,7 +26,7 @@ struct PageOccupancy {
   std::size_t cells = 0;
   double edge = 0.0;  ///< [m]
 };
-/// An Error where there are more cells than a page can draw (4 million).
+/// An Error if there are more cells than a page can draw (4 million).
 [[nodiscard]] Expected<PageOccupancy> page_occupancy(const std::filesystem::path& occupancy_bt);
 
 }  // namespace pcavr

@@ -13,30 +13,30 @@
 namespace pcavr {
 namespace {
 
-/// What the proxy is measured to walk on at 1 kHz.
+/// Measured: the proxy search runs at 1 kHz with this many.
 constexpr std::size_t kMaxTriangles = 1'000'000;
-/// [m] over what can be pushed: clear of it, and in view.
-constexpr double kWaitingHeight = 0.1;
-/// [s] in which the force may grow to its bound: a stroke, not a knock.
+/// [m] above the movable objects: without contact, and in view.
+constexpr double kStartHeight = 0.1;
+/// [s] in which the force may rise to its limit: avoids force steps.
 constexpr double kRiseTime = 0.0025;
 
 bool is_seen(const SceneObjectEntry& object) { return object.evidence != kNotSeen; }
 
-/// A scene of a recording without images is what the manifest stated: nothing was scanned.
+/// The scene of a recording without images has only the manifest's objects: nothing was scanned.
 bool is_scanned(const SceneManifest& scene) { return scene.quality.frames_used > 0; }
 
 Expected<TriangleMesh> static_mesh(const SceneManifest& scene, SceneWorld& world) {
   if (!is_scanned(scene)) return TriangleMesh{};
   Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
-  // The first level is for the eye, and holds the objects too.
+  // Level 0 is for display only, and contains the objects too.
   for (std::size_t i = 1; mesh && mesh->triangles.size() > kMaxTriangles; ++i) {
     if (i >= scene.levels_of_detail.size()) {
-      return Error{.message = "more than a million triangles, and no coarser level",
+      return Error{.message = "more than a million triangles, and no coarser level of detail",
                    .file = (scene.folder / "mesh.ply").string(),
                    .hint = "build the scene again with a larger --voxel"};
     }
-    world.notes.push_back("the hand feels " + scene.levels_of_detail[i].string() +
-                          ": mesh.ply has more than a million triangles");
+    world.notes.push_back("using " + scene.levels_of_detail[i].string() +
+                          " for contact: mesh.ply has more than a million triangles");
     mesh = read_mesh(scene.folder / scene.levels_of_detail[i]);
   }
   return mesh;
@@ -61,13 +61,14 @@ Expected<void> add_object(const SceneManifest& scene, const SceneObjectEntry& ob
   }
   CompletedPhysics completed =
       complete_physics(known.at(object.name), *model, object.T_base_object);
-  world.full_force = std::max(world.full_force, completed.physics.friction.limiting_force);
+  world.full_scale_force =
+      std::max(world.full_scale_force, completed.physics.friction.limiting_force);
   world.assumed.push_back({object.name, std::move(completed.assumed)});
   world.model.world.bodies.push_back({std::move(*model), object.T_base_object, completed.physics});
   return {};
 }
 
-Eigen::Vector3d waiting_place(const WorldModel& world) {
+Eigen::Vector3d tool_start(const WorldModel& world) {
   Eigen::AlignedBox3f box;
   for (const WorldBody& body : world.bodies) {
     box.extend(bounds(transformed(body.T_base_object, body.model.mesh_object).vertices));
@@ -75,7 +76,7 @@ Eigen::Vector3d waiting_place(const WorldModel& world) {
   if (box.isEmpty()) box = bounds(world.static_mesh_base.vertices);
   if (box.isEmpty()) return Eigen::Vector3d::Zero();
   const Eigen::Vector3f middle = box.center();
-  return {middle.x(), middle.y(), box.max().z() + kWaitingHeight};
+  return {middle.x(), middle.y(), box.max().z() + kStartHeight};
 }
 
 }  // namespace
@@ -95,7 +96,7 @@ Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
   world.model.force.max_rate = options.max_force / kRiseTime;
   for (const SceneObjectEntry& object : scene.objects) {
     if (!is_seen(object)) {
-      world.notes.push_back(object.name + " was not seen when the scene was built: left out");
+      world.notes.push_back(object.name + " was not seen when the scene was built: ignored");
       continue;
     }
     const Expected<void> added = add_object(scene, object, *known, world);
@@ -105,7 +106,7 @@ Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
     world.model.supports_base.push_back(plane.outline_base);
   }
   world.triangles = world.model.world.static_mesh_base.triangles.size();
-  world.p_base_tool_start = waiting_place(world.model.world);
+  world.p_base_tool_start = tool_start(world.model.world);
   return world;
 }
 

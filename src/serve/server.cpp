@@ -19,25 +19,25 @@ namespace {
 
 using namespace network;
 
-/// [s] How long pages may take to hear that the server ends.
-constexpr auto kFarewell = std::chrono::milliseconds(200);
+/// Time for the closing handshakes with the pages.
+constexpr auto kShutdownTimeout = std::chrono::milliseconds(200);
 
-/// Tells TLS from plain HTTP by the first bytes, on a port that wants TLS.
-class Doorman final : public std::enable_shared_from_this<Doorman> {
+/// Detects by the first bytes whether a client on a TLS port uses TLS or plain HTTP.
+class TlsDetector final : public std::enable_shared_from_this<TlsDetector> {
  public:
-  Doorman(Hub& hub, asio::ssl::context& tls, tcp::socket&& socket, Peer peer)
+  TlsDetector(Hub& hub, asio::ssl::context& tls, tcp::socket&& socket, Peer peer)
       : hub_(hub), tls_(tls), stream_(std::move(socket)), peer_(std::move(peer)) {}
 
-  void look() {
+  void detect() {
     stream_.expires_after(kMaxReadTime);
     beast::async_detect_ssl(stream_, buffer_,
                             [self = shared_from_this()](error_code fault, bool is_tls) {
-                              if (!fault) self->let_in(is_tls);
+                              if (!fault) self->start_session(is_tls);
                             });
   }
 
  private:
-  void let_in(bool is_tls) {
+  void start_session(bool is_tls) {
     if (!is_tls) {
       std::make_shared<HttpSession<PlainStream>>(hub_, std::move(stream_), std::move(buffer_),
                                                  std::move(peer_), true)
@@ -59,8 +59,9 @@ class Doorman final : public std::enable_shared_from_this<Doorman> {
 Error cannot_listen(const ServerOptions& options, const error_code& fault) {
   Error error{.message = "can't listen: " + fault.message(),
               .place = options.host + ':' + std::to_string(options.port)};
-  if (fault == asio::error::address_in_use) error.hint = "another --port, or 0 for a free one";
-  if (fault == asio::error::access_denied) error.hint = "a --port from 1024 on";
+  if (fault == asio::error::address_in_use)
+    error.hint = "choose another --port, or 0 for a free one";
+  if (fault == asio::error::access_denied) error.hint = "choose a --port of 1024 or above";
   return error;
 }
 
@@ -71,13 +72,13 @@ Expected<tcp::endpoint> endpoint_of(const ServerOptions& options) {
   if (!fault) return tcp::endpoint(address, options.port);
   return Error{.message = "not an address: '" + options.host + "'",
                .place = "host",
-               .hint = "a number such as 192.168.1.5, or 0.0.0.0 for all of this machine's"};
+               .hint = "use an IP address such as 192.168.1.5, or 0.0.0.0 for all interfaces"};
 }
 
-/// Loads the files, and hands back the names that the certificate is for.
+/// Loads certificate and key; returns the names that the certificate is for.
 Expected<std::vector<std::string>> load(const TlsFiles& files, asio::ssl::context& context) {
-  const Expected<CertificateFacts> facts = read_certificate(files.certificate);
-  if (!facts) return facts.error();
+  const Expected<CertificateInfo> info = read_certificate(files.certificate);
+  if (!info) return info.error();
   error_code fault;
   context.set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_sslv2 |
                           asio::ssl::context::no_sslv3 | asio::ssl::context::no_tlsv1 |
@@ -93,34 +94,35 @@ Expected<std::vector<std::string>> load(const TlsFiles& files, asio::ssl::contex
     return Error{.message = "not the certificate's key: " + fault.message(),
                  .file = files.key.string()};
   }
-  return facts->names;
+  return info->names;
 }
 
-struct Certified {
+struct TlsSetup {
   std::optional<asio::ssl::context> tls;
   std::vector<std::string> names;
 };
 
-/// All that can be said against the options without listening.
-Expected<Certified> check(const ServerOptions& options, const tcp::endpoint& endpoint) {
+/// Checks the options, except that the port is free.
+Expected<TlsSetup> check(const ServerOptions& options, const tcp::endpoint& endpoint) {
   if (!endpoint.address().is_loopback() && !options.tls) {
-    return Error{.message = "others can reach " + options.host + ": that wants TLS",
-                 .place = "host",
-                 .hint = "add --tls, or leave --host away"};
+    return Error{
+        .message = options.host + " can be reached from other machines, which requires TLS",
+        .place = "host",
+        .hint = "add --tls, or omit --host"};
   }
   std::error_code ignored;
   if (!std::filesystem::exists(options.page / "index.html", ignored)) {
-    return Error{.message = "the page is not there: no index.html",
+    return Error{.message = "no index.html: the page was not built",
                  .file = options.page.string(),
-                 .hint = "build apps/viewer, or name its folder by --page"};
+                 .hint = "build apps/viewer, or give its folder with --page"};
   }
-  Certified certified;
-  if (!options.tls) return certified;
-  certified.tls.emplace(asio::ssl::context::tls_server);
-  Expected<std::vector<std::string>> names = load(*options.tls, *certified.tls);
+  TlsSetup setup;
+  if (!options.tls) return setup;
+  setup.tls.emplace(asio::ssl::context::tls_server);
+  Expected<std::vector<std::string>> names = load(*options.tls, *setup.tls);
   if (!names) return names.error();
-  certified.names = std::move(*names);
-  return certified;
+  setup.names = std::move(*names);
+  return setup;
 }
 
 Expected<void> listen(tcp::acceptor& acceptor, const tcp::endpoint& endpoint,
@@ -137,19 +139,19 @@ Expected<void> listen(tcp::acceptor& acceptor, const tcp::endpoint& endpoint,
 }  // namespace
 
 struct LiveServer::Impl {
-  Impl(const ServerOptions& options, LiveWorld& world, std::unique_ptr<FrontDesk> desk)
-      : hub(options, world, std::move(desk)) {}
+  Impl(const ServerOptions& options, LiveWorld& world, std::unique_ptr<HttpHandler> http_handler)
+      : hub(options, world, std::move(http_handler)) {}
 
   void accept() {
     acceptor.async_accept([this](error_code fault, tcp::socket socket) {
       if (fault == asio::error::operation_aborted) return;
       if (fault) return accept_later();
-      greet(std::move(socket));
+      open_connection(std::move(socket));
       accept();
     });
   }
 
-  /// The system has no more to give: it will, once a connection ends.
+  /// Out of file descriptors: retries, since a connection may have ended.
   void accept_later() {
     retry.expires_after(std::chrono::milliseconds(100));
     retry.async_wait([this](error_code fault) {
@@ -157,15 +159,15 @@ struct LiveServer::Impl {
     });
   }
 
-  void greet(tcp::socket socket) {
+  void open_connection(tcp::socket socket) {
     error_code fault;
     const tcp::endpoint remote = socket.remote_endpoint(fault);
     if (fault) return;
-    if (hub.connections >= hub.options.max_connections) return turn_away(std::move(socket));
+    if (hub.connections >= hub.options.max_connections) return reject_connection(std::move(socket));
     Peer peer{std::make_shared<Connection>(hub), remote.address().to_string(),
               remote.address().is_loopback()};
     if (tls) {
-      std::make_shared<Doorman>(hub, *tls, std::move(socket), std::move(peer))->look();
+      std::make_shared<TlsDetector>(hub, *tls, std::move(socket), std::move(peer))->detect();
       return;
     }
     std::make_shared<HttpSession<PlainStream>>(hub, PlainStream(std::move(socket)),
@@ -173,21 +175,21 @@ struct LiveServer::Impl {
         ->begin();
   }
 
-  /// In one go: nobody waits for who is one too many.
-  static void turn_away(tcp::socket socket) {
-    static constexpr char kWords[] =
+  /// Non-blocking, without a session.
+  static void reject_connection(tcp::socket socket) {
+    static constexpr char kResponse[] =
         "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Length: 21\r\n\r\n"
         "too many connections\n";
     error_code ignored;
     socket.non_blocking(true, ignored);
-    socket.write_some(asio::buffer(kWords, sizeof kWords - 1), ignored);
+    socket.write_some(asio::buffer(kResponse, sizeof kResponse - 1), ignored);
     socket.shutdown(tcp::socket::shutdown_send, ignored);
   }
 
   void tick() {
     const double now = LiveWorld::clock();
-    hub.room.look_around(now);
-    // A page that is dropped leaves the list only when its last handler has run.
+    hub.sessions.check_timeouts(now);
+    // A page is removed from the list when its last handler has run, so not in this loop.
     for (const auto& [id, page] : hub.pages) page->tick(now);
     next_tick += std::chrono::duration_cast<std::chrono::steady_clock::duration>(
         std::chrono::duration<double>(1.0 / hub.options.rate));
@@ -198,21 +200,21 @@ struct LiveServer::Impl {
     });
   }
 
-  void say_farewell() {
+  void shutdown_gracefully() {
     error_code ignored;
     acceptor.close(ignored);
     timer.cancel();
     for (const auto& [id, page] : hub.pages) page->end();
-    retry.expires_after(kFarewell);
+    retry.expires_after(kShutdownTimeout);
     retry.async_wait([this](error_code) { hub.io.stop(); });
   }
 
-  /// Before anybody is told that there is a server: a signal may follow at once.
-  void heed_signals() {
+  /// Before the server is announced: a signal may follow at once.
+  void install_signal_handlers() {
     signals.add(SIGINT);
     signals.add(SIGTERM);
     signals.async_wait([this](error_code fault, int) {
-      if (!fault) say_farewell();
+      if (!fault) shutdown_gracefully();
     });
   }
 
@@ -234,8 +236,8 @@ struct LiveServer::Impl {
 Expected<void> check_server(const ServerOptions& options) {
   const Expected<tcp::endpoint> endpoint = endpoint_of(options);
   if (!endpoint) return endpoint.error();
-  const Expected<Certified> certified = check(options, *endpoint);
-  if (!certified) return certified.error();
+  const Expected<TlsSetup> setup = check(options, *endpoint);
+  if (!setup) return setup.error();
   asio::io_context io;
   tcp::acceptor acceptor(io);
   return listen(acceptor, *endpoint, options);
@@ -247,20 +249,20 @@ Expected<LiveServer> LiveServer::open(const ServerOptions& options, LiveWorld& w
   PCAVR_REQUIRE(options.max_write_time > 0.0, options.max_write_time);
   const Expected<tcp::endpoint> endpoint = endpoint_of(options);
   if (!endpoint) return endpoint.error();
-  Expected<Certified> certified = check(options, *endpoint);
-  if (!certified) return certified.error();
+  Expected<TlsSetup> setup = check(options, *endpoint);
+  if (!setup) return setup.error();
   Expected<Pairing> pairing = Pairing::create();
   if (!pairing) return pairing.error();
-  HouseFacts facts{options.version, options.scene, options.is_replay, machine_names(),
-                   !endpoint->address().is_loopback()};
-  facts.host_names.insert(facts.host_names.end(), certified->names.begin(), certified->names.end());
+  ServerInfo info{options.version, options.scene, options.is_replay, machine_names(),
+                  !endpoint->address().is_loopback()};
+  info.host_names.insert(info.host_names.end(), setup->names.begin(), setup->names.end());
   auto impl = std::make_unique<Impl>(
       options, world,
-      std::make_unique<FrontDesk>(std::move(facts), content, options.page, std::move(*pairing)));
-  impl->tls = std::move(certified->tls);
+      std::make_unique<HttpHandler>(std::move(info), content, options.page, std::move(*pairing)));
+  impl->tls = std::move(setup->tls);
   const Expected<void> listening = listen(impl->acceptor, *endpoint, options);
   if (!listening) return listening.error();
-  if (options.ends_on_signals) impl->heed_signals();
+  if (options.ends_on_signals) impl->install_signal_handlers();
   return LiveServer(std::move(impl));
 }
 
@@ -273,10 +275,10 @@ std::uint16_t LiveServer::port() const {
   error_code ignored;
   return impl_->acceptor.local_endpoint(ignored).port();
 }
-const std::string& LiveServer::pairing_code() const { return impl_->hub.desk->code(); }
+const std::string& LiveServer::pairing_code() const { return impl_->hub.http_handler->code(); }
 void LiveServer::run() { impl_->run(); }
 void LiveServer::stop() {
-  asio::post(impl_->hub.io, [impl = impl_.get()] { impl->say_farewell(); });
+  asio::post(impl_->hub.io, [impl = impl_.get()] { impl->shutdown_gracefully(); });
 }
 
 }  // namespace pcavr

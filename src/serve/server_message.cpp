@@ -4,9 +4,9 @@
 #include <array>
 #include <string_view>
 
+#include "pcavr/core/json_text.hpp"
 #include "pcavr/serve/live_protocol.hpp"
 
-#include "core/json_text.hpp"
 #include "live_wire.hpp"
 
 namespace pcavr {
@@ -30,9 +30,9 @@ void write_object(const LiveObject& object, ByteWriter& writer) {
   write_vector(object.position, writer);
   write_quaternion(object.orientation, writer);
   write_vector(object.force, writer);
-  writer.whole(static_cast<std::uint8_t>(object.phase));
-  writer.whole(static_cast<std::uint8_t>(object.is_outside_model ? 1 : 0));
-  writer.whole(std::uint16_t{0});
+  writer.integer(static_cast<std::uint8_t>(object.phase));
+  writer.integer(static_cast<std::uint8_t>(object.is_outside_model ? 1 : 0));
+  writer.integer(std::uint16_t{0});
   writer.f32(object.speed);
 }
 
@@ -41,10 +41,10 @@ LiveObject read_object(ByteReader& reader) {
   object.position = read_vector(reader);
   object.orientation = read_quaternion(reader);
   object.force = read_vector(reader);
-  const auto phase = reader.whole<std::uint8_t>();
+  const auto phase = reader.integer<std::uint8_t>();
   object.phase = static_cast<MotionPhase>(phase < kPhases ? phase : 0);
-  object.is_outside_model = (reader.whole<std::uint8_t>() & 1U) != 0;
-  (void)reader.whole<std::uint16_t>();
+  object.is_outside_model = (reader.integer<std::uint8_t>() & 1U) != 0;
+  (void)reader.integer<std::uint16_t>();
   object.speed = reader.f32();
   return object;
 }
@@ -58,20 +58,20 @@ std::uint32_t flags_of(const LiveState& state) {
 void write_state(const LiveState& state, ByteWriter& writer) {
   writer.f64(state.t);
   writer.f64(state.page_clock);
-  writer.whole(flags_of(state));
-  writer.whole(static_cast<std::uint32_t>(state.touched_object));
+  writer.integer(flags_of(state));
+  writer.integer(static_cast<std::uint32_t>(state.touched_object));
   write_vector(state.p_base_hip, writer);
   write_vector(state.p_base_proxy, writer);
   write_vector(state.force_base, writer);
   writer.f32(state.pulse);
-  writer.whole(state.pulses);
-  writer.whole(state.cycles);
-  writer.whole(state.late_cycles);
+  writer.integer(state.pulses);
+  writer.integer(state.cycles);
+  writer.integer(state.late_cycles);
   for (const float value : {state.cycle_median, state.cycle_p99, state.cycle_longest,
                             state.tool_age, state.state_age, state.queue_age}) {
     writer.f32(value);
   }
-  writer.whole(static_cast<std::uint32_t>(state.objects.size()));
+  writer.integer(static_cast<std::uint32_t>(state.objects.size()));
   for (const LiveObject& object : state.objects) write_object(object, writer);
 }
 
@@ -88,42 +88,42 @@ Expected<ServerMessage> read_state(const LiveFrame& frame) {
   LiveState state;
   state.t = reader.f64();
   state.page_clock = reader.f64();
-  read_flags(reader.whole<std::uint32_t>(), state);
-  state.touched_object = static_cast<std::int32_t>(reader.whole<std::uint32_t>());
+  read_flags(reader.integer<std::uint32_t>(), state);
+  state.touched_object = static_cast<std::int32_t>(reader.integer<std::uint32_t>());
   state.p_base_hip = read_vector(reader);
   state.p_base_proxy = read_vector(reader);
   state.force_base = read_vector(reader);
   state.pulse = reader.f32();
-  state.pulses = reader.whole<std::uint32_t>();
-  state.cycles = reader.whole<std::uint32_t>();
-  state.late_cycles = reader.whole<std::uint32_t>();
+  state.pulses = reader.integer<std::uint32_t>();
+  state.cycles = reader.integer<std::uint32_t>();
+  state.late_cycles = reader.integer<std::uint32_t>();
   for (float* value : {&state.cycle_median, &state.cycle_p99, &state.cycle_longest, &state.tool_age,
                        &state.state_age, &state.queue_age}) {
     *value = reader.f32();
   }
-  const auto count = reader.whole<std::uint32_t>();
-  if (!reader.is_sound() || reader.rest().size() != std::size_t{count} * kObjectBytes) {
-    return refused("a state of another length");
+  const auto count = reader.integer<std::uint32_t>();
+  if (!reader.is_valid() || reader.rest().size() != std::size_t{count} * kObjectBytes) {
+    return invalid_message("a state has the wrong length");
   }
   state.objects.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) state.objects.push_back(read_object(reader));
-  return ServerMessage{frame.head, std::move(state)};
+  return ServerMessage{frame.header, std::move(state)};
 }
 
 Expected<ServerMessage> read_notice(const LiveFrame& frame, const ordered_json& json) {
   if (!json.contains("level") || !json.contains("text") || !json["text"].is_string()) {
-    return refused("a notice without its words");
+    return invalid_message("a notice has no level or text");
   }
   for (std::size_t i = 0; i < kLevels.size(); ++i) {
     if (json["level"] != kLevels[i]) continue;
-    return ServerMessage{frame.head, LiveNotice{static_cast<LiveLevel>(i), json["text"]}};
+    return ServerMessage{frame.header, LiveNotice{static_cast<LiveLevel>(i), json["text"]}};
   }
-  return refused("a notice of an unknown level");
+  return invalid_message("a notice has an unknown level");
 }
 
 Expected<ServerMessage> read_welcome(const LiveFrame& frame, const ordered_json& json) {
-  const auto has = [&](const char* key, auto is_right) {
-    return json.contains(key) && is_right(json[key]);
+  const auto has = [&](const char* key, auto is_valid) {
+    return json.contains(key) && is_valid(json[key]);
   };
   const auto text = [](const ordered_json& value) { return value.is_string(); };
   const auto number = [](const ordered_json& value) { return value.is_number(); };
@@ -135,32 +135,33 @@ Expected<ServerMessage> read_welcome(const LiveFrame& frame, const ordered_json&
   if (!protocol || !has("version", text) || !has("mode", text) || !has("scene", text) ||
       !has("objects", names) || !has("tool_radius", number) || !has("rate", number) ||
       !has("device", text)) {
-    return refused("a welcome that lacks something");
+    return invalid_message("a welcome lacks a field");
   }
   LiveWelcome welcome{*protocol,     json["version"], json["mode"] == "replay",
                       json["scene"], json["objects"], json["tool_radius"],
                       json["rate"],  json["device"]};
-  return ServerMessage{frame.head, std::move(welcome)};
+  return ServerMessage{frame.header, std::move(welcome)};
 }
 
 struct ServerBody {
   ByteWriter& writer;
   void operator()(const LiveWelcome& welcome) {
-    write_text(json_text({{"protocol", welcome.protocol},
-                          {"version", welcome.version},
-                          {"mode", welcome.is_replay ? "replay" : "live"},
-                          {"scene", welcome.scene},
-                          {"objects", welcome.objects},
-                          {"tool_radius", welcome.tool_radius},
-                          {"rate", welcome.rate},
-                          {"device", welcome.device}}),
+    write_text(json_text(nlohmann::ordered_json{{"protocol", welcome.protocol},
+                                                {"version", welcome.version},
+                                                {"mode", welcome.is_replay ? "replay" : "live"},
+                                                {"scene", welcome.scene},
+                                                {"objects", welcome.objects},
+                                                {"tool_radius", welcome.tool_radius},
+                                                {"rate", welcome.rate},
+                                                {"device", welcome.device}}),
                writer);
   }
   void operator()(const LiveState& state) { write_state(state, writer); }
   void operator()(const LiveNotice& notice) {
-    write_text(json_text({{"level", kLevels[static_cast<std::size_t>(notice.level)]},
-                          {"text", notice.text}}),
-               writer);
+    write_text(
+        json_text(nlohmann::ordered_json{{"level", kLevels[static_cast<std::size_t>(notice.level)]},
+                                         {"text", notice.text}}),
+        writer);
   }
   void operator()(const LivePong& pong) { writer.f64(pong.clock); }
 };
@@ -175,27 +176,30 @@ Expected<ServerMessage> decode_server_message(std::span<const std::uint8_t> byte
   if (type == LiveType::pong) {
     ByteReader reader(frame->body);
     const double clock = reader.f64();
-    if (!reader.is_sound() || !reader.is_at_end()) return refused("a pong of another length");
-    return ServerMessage{frame->head, LivePong{clock}};
+    if (!reader.is_valid() || !reader.is_at_end())
+      return invalid_message("a pong has the wrong length");
+    return ServerMessage{frame->header, LivePong{clock}};
   }
   if (type != LiveType::welcome && type != LiveType::notice) {
-    return refused("type " + std::to_string(frame->type) + " is none that a server sends");
+    return invalid_message("type " + std::to_string(frame->type) +
+                           " is not one that a server sends");
   }
   const auto json = ordered_json::parse(frame->body.begin(), frame->body.end(), nullptr, false);
-  if (!json.is_object()) return refused("what should be JSON is none");
+  if (!json.is_object()) return invalid_message("its body is not a JSON object");
   return type == LiveType::notice ? read_notice(*frame, json) : read_welcome(*frame, json);
 }
 
 std::vector<std::uint8_t> encode(const ServerMessage& message) {
   constexpr std::array kTypes{LiveType::welcome, LiveType::state, LiveType::notice, LiveType::pong};
   std::vector<std::uint8_t> bytes;
-  write_frame(kTypes[message.content.index()], message.head, bytes,
+  write_frame(kTypes[message.content.index()], message.header, bytes,
               [&](ByteWriter& writer) { std::visit(ServerBody{writer}, message.content); });
   return bytes;
 }
 
-void encode_state(const LiveHead& head, const LiveState& state, std::vector<std::uint8_t>& bytes) {
-  write_frame(LiveType::state, head, bytes,
+void encode_state(const LiveHeader& header, const LiveState& state,
+                  std::vector<std::uint8_t>& bytes) {
+  write_frame(LiveType::state, header, bytes,
               [&](ByteWriter& writer) { write_state(state, writer); });
 }
 

@@ -8,33 +8,33 @@
 
 namespace pcavr {
 
-/// From one thread to one other, the newest only. Neither ever waits for the other: each owns a
-/// place, and the third goes to and fro between them.
+/// Passes the newest value from one thread to another, wait-free: writer and reader each own a
+/// slot, and exchange it atomically for the third.
 template <typename Value>
 class TripleBuffer {
  public:
-  explicit TripleBuffer(const Value& start) : places_{start, start, start} {}
+  explicit TripleBuffer(const Value& start) : slots_{start, start, start} {}
 
-  /// The writer's place. What it holds is of some time before: all of it has to be written.
-  [[nodiscard]] Value& back() noexcept { return places_[back_]; }
-  /// The writer: what is in back() is the newest from now on.
+  /// The writer's slot. It contains an old value: all of it must be overwritten.
+  [[nodiscard]] Value& back() noexcept { return slots_[back_]; }
+  /// Writer: publishes back() as the newest value.
   void publish() noexcept {
     back_ = middle_.exchange(static_cast<std::uint8_t>(back_ | kIsNew), std::memory_order_acq_rel) &
-            kPlace;
+            kSlotMask;
   }
-  /// The reader: the newest that was published; stays as it is until the next call.
+  /// Reader: the newest published value; valid until the next call.
   [[nodiscard]] const Value& newest() noexcept {
     if ((middle_.load(std::memory_order_relaxed) & kIsNew) != 0) {
-      front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kPlace;
+      front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kSlotMask;
     }
-    return places_[front_];
+    return slots_[front_];
   }
 
  private:
   static constexpr std::uint8_t kIsNew = 4;
-  static constexpr std::uint8_t kPlace = 3;
+  static constexpr std::uint8_t kSlotMask = 3;
 
-  std::array<Value, 3> places_;
+  std::array<Value, 3> slots_;
   std::uint8_t back_ = 0;
   std::uint8_t front_ = 1;
   std::atomic<std::uint8_t> middle_{2};

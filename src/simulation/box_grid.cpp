@@ -6,11 +6,11 @@ namespace pcavr::simulation {
 namespace {
 
 constexpr int kColumns = 4;
-// Between columns: a box (0.1 m), a push (0.03 m) and a tip with its stand-off on both sides
-// (2 x 0.045 m) fit with 3 cm to spare.
+// A column's width: a box (0.1 m), a push (0.03 m), a tip with its standoff on both sides
+// (2 x 0.045 m), and 3 cm of clearance.
 constexpr double kColumnPitch = 0.25;  ///< along base y [m]
 constexpr double kRowPitch = 0.125;    ///< along base x [m]
-constexpr double kMiddleX = 0.51;      ///< [m]; the base tag lies before the nearest row
+constexpr double kCentreX = 0.51;      ///< [m]; the base tag lies in front of the nearest row
 constexpr double kMaxYaw = 0.08;       ///< [rad]; rows stay 2 cm apart
 
 }  // namespace
@@ -27,7 +27,7 @@ Pose grid_pose(int number, int count, double half_height, Random& random) {
   const double column = number % kColumns - 0.5 * (kColumns - 1);
   const double yaw = random.uniform(-kMaxYaw, kMaxYaw);
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
-          {kMiddleX + kRowPitch * row, kColumnPitch * column, half_height}};
+          {kCentreX + kRowPitch * row, kColumnPitch * column, half_height}};
 }
 
 }  // namespace pcavr::simulation

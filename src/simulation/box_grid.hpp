@@ -7,20 +7,22 @@
 #include "pcavr/core/random.hpp"
 #include "pcavr/geometry/pose.hpp"
 
-/// Where more than two movable boxes stand: small ones in a grid of four columns along base y. Each
-/// has room to be pushed along its y by some centimetres and back, with the tip on either side.
+/// The layout of more than two movable boxes: small ones in a grid of four columns along base y.
+/// Each has room to be pushed along its y by some centimetres and back, with the tip on either
+/// side.
 namespace pcavr::simulation {
 
-/// Two drawn boxes stand apart; more take the grid.
+/// Up to two boxes stand apart; more stand in the grid.
 [[nodiscard]] inline bool needs_grid(int boxes) { return boxes > 2; }
 
 /// [m]
 [[nodiscard]] Eigen::Vector3d grid_half_extents(Random& random);
 
-/// Of box `number` (from 0) among `count`, upright on the table; turned by a few degrees at most.
+/// The pose of box `number` (from 0) of `count`, upright on the table, rotated by a few degrees at
+/// most.
 [[nodiscard]] Pose grid_pose(int number, int count, double half_height, Random& random);
 
-/// How far a box in the grid may be pushed [m].
+/// Range of push distances in the grid [m].
 inline constexpr double kMinGridPush = 0.015;
 inline constexpr double kMaxGridPush = 0.03;
 

@@ -14,12 +14,12 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// A grid of boxes is looked at from further above, so that none hides the next one's tags.
+/// A grid of boxes is viewed from higher up, so that no box occludes the next one's tags.
 constexpr double kGridElevation = 22.0 * kDegree;
-constexpr double kGridMiddle = 0.645;  ///< base x of the middle between farthest box and tag [m]
+constexpr double kGridCentre = 0.645;  ///< base x halfway between the farthest box and the tag [m]
 
-/// A camera at `p_base` that looks at `target` with its rows level.
-Pose looking_at(const Eigen::Vector3d& p_base, const Eigen::Vector3d& target) {
+/// The pose of a camera at `p_base` that looks at `target` without roll.
+Pose look_at(const Eigen::Vector3d& p_base, const Eigen::Vector3d& target) {
   const Eigen::Vector3d forward = (target - p_base).normalized();
   const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
   Eigen::Matrix3d R_base_camera;
@@ -29,18 +29,18 @@ Pose looking_at(const Eigen::Vector3d& p_base, const Eigen::Vector3d& target) {
 
 }  // namespace
 
-double CameraPath::Wave::at(double t) const {
+double CameraPath::Sinusoid::at(double t) const {
   return mean + amplitude * std::sin(2.0 * std::numbers::pi * t / period + phase);
 }
 
 CameraPath::CameraPath(const SimulationCase& simulation, std::uint64_t seed)
     : is_fixed_(simulation.is_camera_fixed) {
   Random random = Random(seed).fork(4);
-  const auto wave = [&](double mean, double amplitude, double shortest, double longest) {
-    return Wave{.mean = mean,
-                .amplitude = amplitude,
-                .period = random.uniform(shortest, longest),
-                .phase = random.uniform(0.0, 2.0 * std::numbers::pi)};
+  const auto sinusoid = [&](double mean, double amplitude, double min_period, double max_period) {
+    return Sinusoid{.mean = mean,
+                    .amplitude = amplitude,
+                    .period = random.uniform(min_period, max_period),
+                    .phase = random.uniform(0.0, 2.0 * std::numbers::pi)};
   };
   if (is_fixed_) {
     azimuth_.mean = random.uniform(-6.0, 6.0) * kDegree;
@@ -51,23 +51,25 @@ CameraPath::CameraPath(const SimulationCase& simulation, std::uint64_t seed)
     if (needs_grid(simulation.movable_boxes)) {
       elevation_.mean += kGridElevation;
       distance_.mean += 0.07;
-      target_[0].mean = kGridMiddle;
+      target_[0].mean = kGridCentre;
     }
     return;
   }
-  // A hand sweeps at some 0.3 m/s and 20 degrees/s at most: periods of several seconds.
-  azimuth_ = wave(0.0, 26.0 * kDegree, 6.5, 8.0);
-  // Down on the table; or, where there is a tag on the wall too, far enough up to see it.
-  const bool looks_at_wall = simulation.base_tags >= 2;
-  elevation_ = wave((looks_at_wall ? 27.0 : 36.0) * kDegree, 5.0 * kDegree, 4.0, 6.0);
-  distance_ = wave(looks_at_wall ? 1.15 : 0.92, 0.10, 5.0, 7.0);
+  // A hand moves a camera at up to 0.3 m/s and 20 degrees/s: periods of several seconds.
+  azimuth_ = sinusoid(0.0, 26.0 * kDegree, 6.5, 8.0);
+  // Down at the table; where there is a tag on the wall too, high enough to see it.
+  const bool sees_wall = simulation.base_tags >= 2;
+  elevation_ = sinusoid((sees_wall ? 27.0 : 36.0) * kDegree, 5.0 * kDegree, 4.0, 6.0);
+  distance_ = sinusoid(sees_wall ? 1.15 : 0.92, 0.10, 5.0, 7.0);
   if (needs_grid(simulation.movable_boxes)) {
     elevation_.mean += kGridElevation;
     distance_.mean += 0.16;
   }
-  target_ = {wave(0.66, 0.06, 4.5, 6.5), wave(0.02, 0.10, 4.0, 6.0), wave(0.03, 0.02, 3.0, 5.0)};
+  target_ = {sinusoid(0.66, 0.06, 4.5, 6.5), sinusoid(0.02, 0.10, 4.0, 6.0),
+             sinusoid(0.03, 0.02, 3.0, 5.0)};
   for (std::size_t i = 0; i < 6; ++i) {
-    tremor_[i] = i < 3 ? wave(0.0, 0.0015, 0.25, 0.6) : wave(0.0, 0.15 * kDegree, 0.25, 0.6);
+    tremor_[i] =
+        i < 3 ? sinusoid(0.0, 0.0015, 0.25, 0.6) : sinusoid(0.0, 0.15 * kDegree, 0.25, 0.6);
   }
 }
 
@@ -77,7 +79,7 @@ Pose CameraPath::T_base_camera(double t) const {
   const double elevation = elevation_.at(t);
   const Eigen::Vector3d direction(std::cos(elevation) * std::cos(azimuth),
                                   std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-  const Pose steady = looking_at(target + distance_.at(t) * direction, target);
+  const Pose steady = look_at(target + distance_.at(t) * direction, target);
   if (is_fixed_) return steady;
   Vector6d twist;
   for (Eigen::Index i = 0; i < 6; ++i) twist[i] = tremor_[static_cast<std::size_t>(i)].at(t);

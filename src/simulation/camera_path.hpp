@@ -12,8 +12,9 @@
 
 namespace pcavr::simulation {
 
-/// Where the camera is. A camera on a stand keeps still; one in a hand goes to and fro around the
-/// table, looks at places on it, and trembles [sums of sines with phases by seed].
+/// The camera's trajectory. A camera on a stand is fixed; a hand-held one moves back and forth
+/// around the table, looks at changing points on it, and has a hand tremor: sums of sines with
+/// phases by seed.
 class CameraPath {
  public:
   CameraPath(const SimulationCase& simulation, std::uint64_t seed);
@@ -22,7 +23,7 @@ class CameraPath {
   [[nodiscard]] Pose T_base_camera(double t) const;
 
  private:
-  struct Wave {
+  struct Sinusoid {
     double mean = 0.0;
     double amplitude = 0.0;
     double period = 1.0;  ///< [s]
@@ -31,11 +32,11 @@ class CameraPath {
   };
 
   bool is_fixed_ = false;
-  Wave azimuth_;                ///< of the camera, seen from the table, from base x towards y [rad]
-  Wave elevation_;              ///< [rad]
-  Wave distance_;               ///< [m]
-  std::array<Wave, 3> target_;  ///< what it looks at, in base [m]
-  std::array<Wave, 6> tremor_;  ///< twist in camera axes [m, rad]
+  Sinusoid azimuth_;    ///< of the camera as seen from the table, from base x towards y [rad]
+  Sinusoid elevation_;  ///< [rad]
+  Sinusoid distance_;   ///< [m]
+  std::array<Sinusoid, 3> target_;  ///< what it looks at, in base [m]
+  std::array<Sinusoid, 6> tremor_;  ///< twist in camera axes [m, rad]
 };
 
 }  // namespace pcavr::simulation

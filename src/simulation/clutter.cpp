@@ -11,16 +11,16 @@
 namespace pcavr::simulation {
 namespace {
 
-constexpr double kNeighbourGap = 0.02;  ///< between neighbours [m]: a cloud can tell them apart
-constexpr int kTries = 300;             ///< more hardly ever finds room that these did not
-constexpr int kSegments = 48;           ///< of round bodies: their facets are under 0.1 mm off
+constexpr double kNeighbourGap = 0.02;  ///< between neighbours [m]: separable in a point cloud
+constexpr int kMaxAttempts = 300;  ///< of rejection sampling; more attempts hardly ever succeed
+constexpr int kSegments = 48;      ///< of round bodies: the facets' error is below 0.1 mm
 
-Pose upright(const Eigen::Vector2d& place, double yaw) {
+Pose upright(const Eigen::Vector2d& position, double yaw) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
-          {place.x(), place.y(), 0.0}};
+          {position.x(), position.y(), 0.0}};
 }
 
-/// `number` counts the pieces: neighbours in the count are far apart in hue (golden section).
+/// `number` counts the pieces: consecutive ones are far apart in hue (golden section).
 Material random_material(double first_hue, int number, Random& random) {
   constexpr Texture kTextures[] = {Texture::plaster, Texture::fabric, Texture::patches,
                                    Texture::terrazzo};
@@ -35,19 +35,19 @@ Material random_material(double first_hue, int number, Random& random) {
           .seed = static_cast<std::uint32_t>(random.bits())};
 }
 
-/// What stands on one free place: its footprint's radius is drawn first, then the rest.
-void add_piece(Surface& surface, double radius, const Eigen::Vector2d& place, Random& random,
+/// Adds one piece of clutter of random shape with the given footprint radius.
+void add_piece(Surface& surface, double radius, const Eigen::Vector2d& position, Random& random,
                std::uint16_t material) {
-  const Pose T_base_shape = upright(place, random.uniform(0.0, 2.0 * std::numbers::pi));
-  const double tall = random.uniform(0.06, 0.20);
+  const Pose T_base_shape = upright(position, random.uniform(0.0, 2.0 * std::numbers::pi));
+  const double height = random.uniform(0.06, 0.20);
   switch (random.below(5)) {
     case 0:
-      return add_revolution(surface, cylinder_profile(radius, tall), kSegments, T_base_shape,
+      return add_revolution(surface, cylinder_profile(radius, height), kSegments, T_base_shape,
                             material);
     case 1:
       return add_revolution(surface, sphere_profile(radius), kSegments, T_base_shape, material);
     case 2:
-      return add_revolution(surface, cup_profile(radius, 1.2 * radius + 0.4 * tall, 0.005),
+      return add_revolution(surface, cup_profile(radius, 1.2 * radius + 0.4 * height, 0.005),
                             kSegments, T_base_shape, material);
     case 3: {
       const double angle = random.uniform(0.5, 1.0);
@@ -57,7 +57,7 @@ void add_piece(Surface& surface, double radius, const Eigen::Vector2d& place, Ra
                         {half.x(), -half.y()},
                         {half.x(), half.y()},
                         {-half.x(), half.y()}},
-                       0.0, 0.7 * tall, T_base_shape, material);
+                       0.0, 0.7 * height, T_base_shape, material);
     }
     default: {
       // A wedge: a prism on a triangle, laid on its side.
@@ -73,7 +73,7 @@ void add_piece(Surface& surface, double radius, const Eigen::Vector2d& place, Ra
 
 }  // namespace
 
-void Occupancy::take(const Eigen::Vector2d& centre, double radius) {
+void Occupancy::occupy(const Eigen::Vector2d& centre, double radius) {
   discs_.push_back({centre, radius});
 }
 
@@ -92,13 +92,15 @@ bool Occupancy::is_free(const Eigen::Vector2d& centre, double radius) const {
          });
 }
 
-std::optional<Eigen::Vector2d> Occupancy::find_room(double radius, const Eigen::Vector2d& low,
-                                                    const Eigen::Vector2d& high, Random& random) {
-  for (int i = 0; i < kTries; ++i) {
+std::optional<Eigen::Vector2d> Occupancy::find_free_position(double radius,
+                                                             const Eigen::Vector2d& low,
+                                                             const Eigen::Vector2d& high,
+                                                             Random& random) {
+  for (int i = 0; i < kMaxAttempts; ++i) {
     const double x = random.uniform(low.x(), high.x());
     const Eigen::Vector2d centre(x, random.uniform(low.y(), high.y()));
     if (!is_free(centre, radius)) continue;
-    take(centre, radius);
+    occupy(centre, radius);
     return centre;
   }
   return std::nullopt;
@@ -110,25 +112,26 @@ int add_clutter(Body& room, int count, Random& random, Occupancy& occupancy) {
   for (int i = 0; i < count; ++i) {
     const double radius = random.uniform(0.025, 0.055);
     const double edge = radius + kNeighbourGap;
-    const auto place = occupancy.find_room(radius, {kTableNear + edge, -kTableSide + edge},
-                                           {kTableFar - 0.1 - edge, kTableSide - edge}, random);
-    if (!place) continue;
+    const auto position =
+        occupancy.find_free_position(radius, {kTableNear + edge, -kTableSide + edge},
+                                     {kTableFar - 0.1 - edge, kTableSide - edge}, random);
+    if (!position) continue;
     const auto material = static_cast<std::uint16_t>(room.materials.size());
     room.materials.push_back(random_material(first_hue, i, random));
-    add_piece(room.surface, radius, *place, random, material);
+    add_piece(room.surface, radius, *position, random, material);
     ++placed;
   }
   return placed;
 }
 
-Eigen::Vector3f color_of_hue(double hue, double least, double brightness) {
-  const auto channel = [&](double place) {
-    // One third of the circle full, one third none, with ramps of a sixth between.
-    const double away = std::abs(std::remainder(hue - place, 1.0));
-    return std::clamp(2.0 - 6.0 * away, 0.0, 1.0);
+Eigen::Vector3f color_of_hue(double hue, double min_channel, double brightness) {
+  const auto channel = [&](double position) {
+    // HSV: one third of the circle full, one third zero, with ramps of a sixth between.
+    const double hue_distance = std::abs(std::remainder(hue - position, 1.0));
+    return std::clamp(2.0 - 6.0 * hue_distance, 0.0, 1.0);
   };
   const Eigen::Vector3d pure(channel(0.0), channel(1.0 / 3.0), channel(2.0 / 3.0));
-  return (brightness * (least + (1.0 - least) * pure.array())).matrix().cast<float>();
+  return (brightness * (min_channel + (1.0 - min_channel) * pure.array())).matrix().cast<float>();
 }
 
 }  // namespace pcavr::simulation

@@ -14,16 +14,18 @@
 
 namespace pcavr::simulation {
 
-/// Which parts of the table's top are taken: discs and rectangles in base x and y [m].
+/// The occupied parts of the table's top: discs and rectangles in base x and y [m].
 class Occupancy {
  public:
-  void take(const Eigen::Vector2d& centre, double radius);
+  void occupy(const Eigen::Vector2d& centre, double radius);
   void keep_out(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
 
-  /// A random place for a disc within the rectangle, clear of all that is taken, and takes it.
-  [[nodiscard]] std::optional<Eigen::Vector2d> find_room(double radius, const Eigen::Vector2d& low,
-                                                         const Eigen::Vector2d& high,
-                                                         Random& random);
+  /// Finds a random free position for a disc in the rectangle (rejection sampling), and occupies
+  /// it.
+  [[nodiscard]] std::optional<Eigen::Vector2d> find_free_position(double radius,
+                                                                  const Eigen::Vector2d& low,
+                                                                  const Eigen::Vector2d& high,
+                                                                  Random& random);
 
  private:
   [[nodiscard]] bool is_free(const Eigen::Vector2d& centre, double radius) const;
@@ -36,14 +38,14 @@ class Occupancy {
   std::vector<Eigen::AlignedBox2d> rectangles_;
 };
 
-/// Puts cylinders, balls, blocks, prisms and cups on the table. Returns how many found room.
+/// Puts cylinders, spheres, blocks, prisms and cups on the table. Returns how many fitted.
 int add_clutter(Body& room, int count, Random& random, Occupancy& occupancy);
 
-/// Steps of this many turns around the hue circle never come near one another soon.
+/// Golden ratio conjugate: hues that are steps of this many turns stay far apart (low discrepancy).
 inline constexpr double kGoldenSection = 0.6180339887;
 
-/// An albedo by hue [turns: 0 red, 1/3 green, 2/3 blue]; `least` is the darkest channel's part of
-/// the brightest, which is `brightness`, both 0 to 1.
-[[nodiscard]] Eigen::Vector3f color_of_hue(double hue, double least, double brightness);
+/// Converts HSV to an albedo: hue [turns: 0 red, 1/3 green, 2/3 blue], saturation 1 - `min_channel`
+/// and value `brightness`, both 0 to 1.
+[[nodiscard]] Eigen::Vector3f color_of_hue(double hue, double min_channel, double brightness);
 
 }  // namespace pcavr::simulation

@@ -17,8 +17,8 @@ ColorImage expose(const ColorSensor& sensor, const Image<Eigen::Vector3f>& radia
   const int width = radiance.width();
   const int height = radiance.height();
   const float corner = 0.25F * static_cast<float>(width * width + height * height);
-  const auto read = static_cast<float>(sensor.read_noise);
-  const auto shot = static_cast<float>(sensor.shot_noise);
+  const auto read_noise = static_cast<float>(sensor.read_noise);
+  const auto shot_noise = static_cast<float>(sensor.shot_noise);
   ColorImage color(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -29,9 +29,9 @@ ColorImage expose(const ColorSensor& sensor, const Image<Eigen::Vector3f>& radia
       const auto level = [&](int channel) {
         const float clean =
             blurred(x, y)[channel] * static_cast<float>(sensor.exposure) * (1.0F - loss);
-        const float sigma = read + shot * std::sqrt(std::max(0.0F, clean));
+        const float noise_std = read_noise + shot_noise * std::sqrt(std::max(0.0F, clean));
         const float noise =
-            sigma * normal_of(hash(seed, pixel, static_cast<std::uint64_t>(channel)));
+            noise_std * normal_of(hash(seed, pixel, static_cast<std::uint64_t>(channel)));
         return static_cast<std::uint8_t>(std::clamp(clean + noise, 0.0F, 255.0F) + 0.5F);
       };
       color(x, y) = {level(0), level(1), level(2)};

@@ -10,7 +10,7 @@
 
 namespace pcavr::simulation {
 
-/// A colour camera with a linear response, so that a blurred edge is where the edge is.
+/// A colour camera with a linear response, so that blur does not shift edges.
 struct ColorSensor {
   double blur = 0.55;        ///< Gaussian of lens and pixel [px]
   double exposure = 225.0;   ///< level of radiance 1

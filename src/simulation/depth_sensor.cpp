@@ -13,10 +13,10 @@
 namespace pcavr::simulation {
 namespace {
 
-/// What one seed is used for. Each use has numbers of its own.
-enum Stream : std::uint64_t { kAxial = 1, kAcross, kDown, kEdge, kLost, kGross, kGrossDepth };
+/// Independent random streams of one seed, one per effect.
+enum Stream : std::uint64_t { kAxial = 1, kAcross, kDown, kEdge, kLost, kOutlier, kOutlierDepth };
 
-/// Unit variance at each pixel, correlated over `sigma` pixels.
+/// A Gaussian random field: unit variance at each pixel, correlated over `sigma` pixels.
 Image<float> gaussian_field(int width, int height, double sigma, std::uint64_t seed) {
   Image<float> field(width, height);
   for (int y = 0; y < height; ++y) {
@@ -34,9 +34,9 @@ Image<float> gaussian_field(int width, int height, double sigma, std::uint64_t s
   return field;
 }
 
-/// The projector's light reaches a point unless another one hides it. Projector and camera see a
-/// point at normalised abscissae x + b/z and x, so in a row the points come in the same order for
-/// both, except where one is hidden [rectified stereo's ordering].
+/// Stereo shadow: the projector's light reaches a point unless another one occludes it. Projector
+/// and camera see a point at normalised abscissae x + b/z and x, so along a row the points have the
+/// same order for both, except where one is occluded [ordering constraint of rectified stereo].
 MaskImage projector_shadow(const DepthSensor& sensor, const CameraModel& camera,
                            const DepthImage& depth) {
   MaskImage shadow(depth.width(), depth.height());
@@ -55,7 +55,7 @@ MaskImage projector_shadow(const DepthSensor& sensor, const CameraModel& camera,
 
 bool is_depth_edge(const DepthSensor& sensor, const DepthImage& depth, int x, int y) {
   const float z = depth(x, y);
-  const float jump = static_cast<float>(sensor.edge_jump) * z;
+  const float jump = static_cast<float>(sensor.edge_depth_ratio) * z;
   for (const auto& [u, v] : {std::pair(x - 1, y), {x + 1, y}, {x, y - 1}, {x, y + 1}}) {
     if (depth.contains(u, v) && std::abs(depth(u, v) - z) > jump) return true;
   }
@@ -63,12 +63,12 @@ bool is_depth_edge(const DepthSensor& sensor, const DepthImage& depth, int x, in
 }
 
 /// Angle between ray and normal [rad].
-double incidence_of(const Eigen::Vector3d& direction, const Eigen::Vector3f& normal) {
+double incidence_angle(const Eigen::Vector3d& direction, const Eigen::Vector3f& normal) {
   const double cosine = -direction.dot(normal.cast<double>()) / direction.norm();
   return std::acos(std::clamp(cosine, 0.0, 1.0));
 }
 
-double quantised(const DepthSensor& sensor, double z) {
+double quantise(const DepthSensor& sensor, double z) {
   const double product = sensor.focal_length * sensor.baseline;
   const auto steps = static_cast<int>(product / z * sensor.disparity_steps + 0.5);
   return steps > 0 ? product * sensor.disparity_steps / steps : 0.0;
@@ -88,22 +88,25 @@ class Measurement {
         down_(field(kDown)) {}
 
   [[nodiscard]] float at(int x, int y) const {
-    if (chance(kGross, x, y) < sensor_.gross_errors) {
-      const double span = sensor_.noise.farthest - sensor_.noise.nearest;
-      return static_cast<float>(sensor_.noise.nearest + span * chance(kGrossDepth, x, y));
+    if (sample_uniform(kOutlier, x, y) < sensor_.outlier_probability) {
+      const double span = sensor_.noise.max_depth - sensor_.noise.min_depth;
+      return static_cast<float>(sensor_.noise.min_depth +
+                                span * sample_uniform(kOutlierDepth, x, y));
     }
     const Eigen::Vector3d direction = camera_.unproject(Eigen::Vector2d(x, y), 1.0);
     const auto [u, v] = seen_pixel(x, y, direction);
     const double z = plane_depth(u, v, direction);
-    if (z <= 0.0 || shadow_(u, v) != 0 || chance(kLost, x, y) < sensor_.lost_anywhere) return 0.0F;
-    if (is_depth_edge(sensor_, frame_.depth, x, y) && chance(kEdge, x, y) < sensor_.lost_on_edges) {
+    if (z <= 0.0 || shadow_(u, v) != 0) return 0.0F;
+    if (sample_uniform(kLost, x, y) < sensor_.loss_probability) return 0.0F;
+    if (is_depth_edge(sensor_, frame_.depth, x, y) &&
+        sample_uniform(kEdge, x, y) < sensor_.edge_loss_probability) {
       return 0.0F;
     }
-    const double incidence = incidence_of(direction, frame_.normal_camera(u, v));
-    if (incidence > sensor_.grazing_limit * std::numbers::pi / 180.0) return 0.0F;
-    const double noisy = z + sensor_.noise.sigma(z, incidence) * axial_(x, y);
-    if (noisy < sensor_.noise.nearest || noisy > sensor_.noise.farthest) return 0.0F;
-    return static_cast<float>(quantised(sensor_, noisy));
+    const double incidence = incidence_angle(direction, frame_.normal_camera(u, v));
+    if (incidence > sensor_.max_incidence * std::numbers::pi / 180.0) return 0.0F;
+    const double noisy = z + sensor_.noise.depth_std(z, incidence) * axial_(x, y);
+    if (noisy < sensor_.noise.min_depth || noisy > sensor_.noise.max_depth) return 0.0F;
+    return static_cast<float>(quantise(sensor_, noisy));
   }
 
  private:
@@ -112,16 +115,17 @@ class Measurement {
                           hash(seed_, stream));
   }
 
-  [[nodiscard]] double chance(Stream stream, int x, int y) const {
+  [[nodiscard]] double sample_uniform(Stream stream, int x, int y) const {
     const auto pixel = static_cast<std::uint64_t>(y) << 32 | static_cast<std::uint64_t>(x);
     return uniform_of(hash(seed_, stream, pixel));
   }
 
   [[nodiscard]] std::pair<int, int> seen_pixel(int x, int y, const Eigen::Vector3d& ray) const {
     if (frame_.depth(x, y) <= 0.0F) return {x, y};
-    const double sigma = DepthSensor::lateral_sigma(incidence_of(ray, frame_.normal_camera(x, y)));
-    const int u = x + static_cast<int>(std::lround(sigma * across_(x, y)));
-    const int v = y + static_cast<int>(std::lround(sigma * down_(x, y)));
+    const double lateral =
+        DepthSensor::lateral_std(incidence_angle(ray, frame_.normal_camera(x, y)));
+    const int u = x + static_cast<int>(std::lround(lateral * across_(x, y)));
+    const int v = y + static_cast<int>(std::lround(lateral * down_(x, y)));
     return {std::clamp(u, 0, frame_.depth.width() - 1),
             std::clamp(v, 0, frame_.depth.height() - 1)};
   }
@@ -132,7 +136,7 @@ class Measurement {
     if (z <= 0.0) return 0.0;
     const Eigen::Vector3d normal = frame_.normal_camera(u, v).cast<double>();
     const double facing = normal.dot(ray);
-    // Seen edge-on, the plane runs away from the ray: keep the depth itself.
+    // Seen edge-on, the intersection is ill-conditioned: keep the depth itself.
     if (facing > -0.2 * ray.norm()) return z;
     return normal.dot(camera_.unproject(Eigen::Vector2d(u, v), z)) / facing;
   }
@@ -149,8 +153,8 @@ class Measurement {
 
 }  // namespace
 
-double DepthSensor::lateral_sigma(double incidence) {
-  // Beyond 80 degrees the formula runs off; nothing is measured there anyway.
+double DepthSensor::lateral_std(double incidence) {
+  // Beyond 80 degrees the formula diverges; nothing is measured there anyway.
   const double angle = std::min(incidence, 80.0 * std::numbers::pi / 180.0);
   return 0.8 + 0.035 * angle / (0.5 * std::numbers::pi - angle);
 }

@@ -6,8 +6,8 @@
 
 namespace pcavr::simulation {
 
-/// A well-mixed word from what a random number belongs to: seed, stream, frame, pixel. So a pixel
-/// gets the same noise whichever thread draws it. The mixer is splitmix64's [Steele et al. 2014].
+/// Counter-based random numbers: a hash of seed, stream, frame and pixel, so that a pixel's noise
+/// does not depend on the thread. The mixer is splitmix64's [Steele et al. 2014].
 [[nodiscard]] inline std::uint64_t hash(std::uint64_t a, std::uint64_t b, std::uint64_t c = 0) {
   std::uint64_t z = a * 0x9e3779b97f4a7c15ULL + b * 0xd1342543de82ef95ULL + c + 1;
   for (int round = 0; round < 2; ++round) {
@@ -23,8 +23,8 @@ namespace pcavr::simulation {
   return static_cast<float>(word >> 40) * 0x1.0p-24F;
 }
 
-/// Nearly standard normal: four uniforms of 16 bits added (Irwin-Hall). Mean 0 and variance 1 are
-/// exact; nothing lies beyond 3.46, where a normal would have 1 in 1900.
+/// Approximately standard normal: the sum of four 16-bit uniforms (Irwin-Hall). Mean 0 and variance
+/// 1 are exact; nothing lies beyond 3.46, where a normal would have 1 in 1900.
 [[nodiscard]] inline float normal_of(std::uint64_t word) {
   const std::uint64_t sum =
       (word & 0xffff) + ((word >> 16) & 0xffff) + ((word >> 32) & 0xffff) + (word >> 48);

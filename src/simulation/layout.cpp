@@ -17,8 +17,8 @@ namespace {
 
 constexpr const char* kFamily = "tag36h11";
 constexpr int kFirstObjectTag = 5;
-constexpr double kRoomToPush = 0.20;  ///< [m], before each body of a plant
-constexpr double kGridTagX = 0.91;    ///< [m]: the base tag before a grid of boxes
+constexpr double kPushClearance = 0.20;  ///< [m], in front of each body of a plant
+constexpr double kGridBaseTagX = 0.91;   ///< [m]: the base tag in front of a grid of boxes
 
 Material material_of(Texture texture, const Eigen::Vector3f& base, const Eigen::Vector3f& accent,
                      float scale, Random& random) {
@@ -69,55 +69,55 @@ double paper_radius(const Decal& decal) {
   return std::numbers::sqrt2 * 0.5 * cell * (decal.picture.cells + 2);
 }
 
-Pose turned(const Eigen::Vector3d& p, double yaw) {
+Pose rotated_about_z(const Eigen::Vector3d& p, double yaw) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), p};
 }
 
-/// A marker on a face that looks along the body's +x, upright.
+/// An upright marker on a face with normal +x.
 Pose facing_x(const Eigen::Vector3d& p) { return {Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5), p}; }
 
 Expected<void> add_base_tags(World& world, const SimulationCase& simulation, Random& random,
                              Occupancy& occupancy) {
   Body& room = world.bodies.front();
   if (simulation.base_tags >= 1) {
-    // Before the boxes for a fixed camera, or where they fill the table; else beside them.
-    Eigen::Vector3d place =
+    // In front of the boxes for a fixed camera, or where they fill the table; else next to them.
+    Eigen::Vector3d position =
         simulation.task != ToolTask::none
             ? Eigen::Vector3d(random.uniform(0.93, 0.97), random.uniform(-0.05, 0.05), 0.0)
             : Eigen::Vector3d(random.uniform(0.70, 0.85), random.uniform(0.18, 0.32), 0.0);
-    if (needs_grid(simulation.movable_boxes)) place = {kGridTagX, 0.0, 0.0};
+    if (needs_grid(simulation.movable_boxes)) position = {kGridBaseTagX, 0.0, 0.0};
     const double yaw = simulation.task != ToolTask::none
                            ? 0.5 * std::numbers::pi
                            : random.uniform(0.0, 2.0 * std::numbers::pi);
-    const auto added = add_decal(room, 0, 0.12, turned(place, yaw));
+    const auto added = add_decal(room, 0, 0.12, rotated_about_z(position, yaw));
     if (!added) return added;
-    occupancy.take(place.head<2>(), paper_radius(room.decals.back()));
+    occupancy.occupy(position.head<2>(), paper_radius(room.decals.back()));
   }
   if (simulation.base_tags >= 2) {
-    const Eigen::Vector3d place(kWall, random.uniform(-0.30, -0.10), random.uniform(0.10, 0.16));
-    return add_decal(room, 1, 0.24, facing_x(place));
+    const Eigen::Vector3d position(kWall, random.uniform(-0.30, -0.10), random.uniform(0.10, 0.16));
+    return add_decal(room, 1, 0.24, facing_x(position));
   }
   return {};
 }
 
 /// A cuboid with one tag on its top and one on its +x side.
 Expected<Body> make_box(const std::string& name, const Eigen::Vector3d& half, int number,
-                        bool is_turned, Random& random) {
+                        bool has_random_yaw, Random& random) {
   Body body{.name = name, .surface = {}, .materials = {}, .decals = {}};
   constexpr Texture kTextures[] = {Texture::plaster, Texture::terrazzo, Texture::fabric};
-  // All boxes of a world draw the same first hue, then go on from it by number.
+  // All boxes of a world start from the same hue, and step from it by number.
   const Eigen::Vector3f tone =
       color_of_hue(random.fork(0).uniform() + kGoldenSection * number, 0.45, 0.75);
   body.materials.push_back(material_of(kTextures[random.below(3)], tone, 0.55F * tone,
                                        static_cast<float>(random.uniform(0.02, 0.05)), random));
   add_box(body.surface, half, Pose(), 0);
-  // The paper, 10 of the tag's 8 cells wide, has to fit the face.
+  // The paper, 10 cells wide for a tag of 8, must fit on the face.
   const double top = std::min(0.08, 0.72 * 2.0 * std::min(half.x(), half.y()));
   const double side = std::min(0.06, 0.72 * 2.0 * std::min(half.y(), half.z()));
-  const double yaw = is_turned ? random.uniform(0.0, 2.0 * std::numbers::pi) : 0.0;
+  const double yaw = has_random_yaw ? random.uniform(0.0, 2.0 * std::numbers::pi) : 0.0;
   const int id = kFirstObjectTag + 2 * number;
   const double shrunk = top / (std::abs(std::sin(2.0 * yaw)) * 0.42 + 1.0);
-  auto added = add_decal(body, id, shrunk, turned({0.0, 0.0, half.z()}, yaw));
+  auto added = add_decal(body, id, shrunk, rotated_about_z({0.0, 0.0, half.z()}, yaw));
   if (added) added = add_decal(body, id + 1, side, facing_x({half.x(), 0.0, 0.0}));
   if (!added) return added.error();
   return body;
@@ -143,8 +143,8 @@ Expected<Body> make_slotted_block(const PlantBody& plant, Random& random) {
 Expected<void> add_grid_box(World& world, const SimulationCase& simulation, int number,
                             Random& random) {
   if (number >= PushOptions::kMaxBoxes) {
-    return Error{.message = "found no room on the table for box " + std::to_string(number + 1),
-                 .hint = "ask for at most " + std::to_string(PushOptions::kMaxBoxes) + " boxes"};
+    return Error{.message = "there is no room on the table for box " + std::to_string(number + 1),
+                 .hint = "use at most " + std::to_string(PushOptions::kMaxBoxes) + " boxes"};
   }
   Box box;
   box.half_extents = grid_half_extents(random);
@@ -167,14 +167,14 @@ Expected<void> add_resting_box(World& world, const SimulationCase& simulation, i
                       random.uniform(0.045, 0.065)};
   box.mass = random.uniform(1.5, 3.5);
   const double radius = box.half_extents.head<2>().norm();
-  const auto place = occupancy.find_room(radius, {0.50, -0.30}, {0.85, 0.12}, random);
-  if (!place) {
-    return Error{.message = "found no room on the table for box " + std::to_string(number + 1),
-                 .hint = "ask for fewer boxes, or take another seed"};
+  const auto position = occupancy.find_free_position(radius, {0.50, -0.30}, {0.85, 0.12}, random);
+  if (!position) {
+    return Error{.message = "there is no room on the table for box " + std::to_string(number + 1),
+                 .hint = "use fewer boxes or another seed"};
   }
-  // Its tagged side looks towards the camera, more or less.
-  box.T_base_object =
-      turned({place->x(), place->y(), box.half_extents.z()}, random.uniform(-0.6, 0.6));
+  // Its tagged side roughly faces the camera.
+  box.T_base_object = rotated_about_z({position->x(), position->y(), box.half_extents.z()},
+                                      random.uniform(-0.6, 0.6));
   const std::string name =
       simulation.movable_boxes == 1 ? "box" : "box_" + std::to_string(number + 1);
   auto body = make_box(name, box.half_extents, number, true, random);
@@ -184,7 +184,7 @@ Expected<void> add_resting_box(World& world, const SimulationCase& simulation, i
   return {};
 }
 
-/// A body of the plant, where it starts, with room around it to be pushed.
+/// A body of the plant at its initial pose, with free space to be pushed.
 Expected<void> add_plant_body(World& world, const PlantBody& plant, int number, Random& random,
                               Occupancy& occupancy) {
   const Box box{.half_extents = half_extents_of(plant),
@@ -193,10 +193,10 @@ Expected<void> add_plant_body(World& world, const PlantBody& plant, int number, 
                 .is_movable = plant.is_movable};
   const double radius = box.half_extents.head<2>().norm();
   const Eigen::Vector2d start = box.T_base_object.translation().head<2>();
-  const Eigen::Vector2d onward =
+  const Eigen::Vector2d push_direction =
       (box.T_base_object.rotation() * Eigen::Vector3d::UnitY()).head<2>();
-  for (double along = -0.06; along <= kRoomToPush; along += 0.02) {
-    occupancy.take(start + along * onward, radius);
+  for (double along = -0.06; along <= kPushClearance; along += 0.02) {
+    occupancy.occupy(start + along * push_direction, radius);
   }
   auto body = plant.parts.size() == 1
                   ? make_box(plant.name, box.half_extents, number, false, random)
@@ -207,7 +207,7 @@ Expected<void> add_plant_body(World& world, const PlantBody& plant, int number, 
   return {};
 }
 
-/// A ball on a thin shaft under a handle; the tool's z points down, out of the tip.
+/// A sphere on a thin shaft under a handle; the tool's z points down, out of the tip.
 Body make_tool(double radius, Random& random) {
   Body tool{.name = "tool", .surface = {}, .materials = {}, .decals = {}};
   tool.materials.push_back(
@@ -216,7 +216,7 @@ Body make_tool(double radius, Random& random) {
   tool.materials.push_back(
       material_of(Texture::fabric, {0.16F, 0.17F, 0.20F}, {0.30F, 0.31F, 0.34F}, 0.03F, random));
   const auto at = [](double z) {
-    // Shapes stand upright, so they are turned over: their z is the tool's -z.
+    // Shapes stand upright, so they are flipped: their z is the tool's -z.
     return Pose(Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {0.0, 0.0, -z});
   };
   constexpr int kRimSegments = 40;
@@ -261,8 +261,8 @@ Expected<World> make_world(const SimulationCase& simulation, const PlantCase& pl
     added = add_plant_body(world, plant.bodies[i], static_cast<int>(i), boxes, occupancy);
   }
   if (!added) return added.error();
-  // A fixed camera has to see past the clutter: keep it out of the strip before the boxes; a grid
-  // of boxes takes that much of the table.
+  // Clutter must not occlude a fixed camera: keep it out of the strip in front of the boxes; a grid
+  // of boxes needs that part of the table, too.
   if (simulation.is_camera_fixed || needs_grid(simulation.movable_boxes)) {
     occupancy.keep_out({0.55, -0.6}, {kTableFar, 0.6});
   }

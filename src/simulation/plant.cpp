@@ -19,10 +19,11 @@ namespace {
 
 using namespace simulation;
 
-/// A body that nothing touches and that is slower than that rests until it is touched again [m/s].
+/// Sleeping threshold: a body that is not touched and slower than this rests until it is touched
+/// again [m/s].
 constexpr double kRestingSpeed = 1e-7;
 
-/// Of a servo drive: well damped, without overshoot to speak of.
+/// Of a servo drive: well damped, with negligible overshoot.
 constexpr double kArmDampingRatio = 0.8;
 
 double yaw_of(const Pose& T_base_object) {
@@ -30,12 +31,12 @@ double yaw_of(const Pose& T_base_object) {
   return std::atan2(x.y(), x.x());
 }
 
-struct MassShape {
+struct MassDistribution {
   double inertia_over_mass = 0.0;  ///< about the vertical through the volume's centre [m^2]
   double height = 0.0;             ///< of that centre above the lowest face [m]
 };
 
-MassShape mass_shape(const std::vector<PlantCuboid>& parts) {
+MassDistribution mass_distribution(const std::vector<PlantCuboid>& parts) {
   double volume = 0.0;
   double bottom = 1e9;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -52,19 +53,19 @@ MassShape mass_shape(const std::vector<PlantCuboid>& parts) {
   return {square / volume - centre.head<2>().squaredNorm(), centre.z() - bottom};
 }
 
-/// One body that slides, turns and is touched.
-class Mover {
+/// Planar rigid-body dynamics of one body with support friction and tip contact.
+class BodyDynamics {
  public:
-  Mover(const PlantBody& body, double tip_radius)
+  BodyDynamics(const PlantBody& body, double tip_radius)
       : support_(body),
         contact_(body, tip_radius),
         mass_(body.parameters.mass),
         height_(body.T_base_object.translation().z()),
         is_movable_(body.is_movable),
         centre_(body.T_base_object.translation().head<2>()) {
-    const MassShape shape = mass_shape(body.parts);
-    inertia_ = mass_ * shape.inertia_over_mass;
-    centre_height_ = shape.height;
+    const MassDistribution distribution = mass_distribution(body.parts);
+    inertia_ = mass_ * distribution.inertia_over_mass;
+    centre_height_ = distribution.height;
     yaw_ = yaw_of(body.T_base_object);
     centre_ += Eigen::Rotation2Dd(yaw_) * support_.centre_body();
     limit_ = body.parameters.limiting_static_friction / (mass_ * kStandardGravity);
@@ -77,9 +78,10 @@ class Mover {
     if (!is_movable_) return load;
     if (!load.is_touched && is_resting_) return load;
     const Eigen::Vector2d inertial = mass_ * centre_height_ * acceleration_;
-    friction_ = support_.advance(
-        twist_, yaw_,
-        {.down = normal_ - mass_ * kStandardGravity, .tipping = load.tipping - inertial}, dt);
+    friction_ = support_.advance(twist_, yaw_,
+                                 {.extra_normal_force = normal_ - mass_ * kStandardGravity,
+                                  .tipping_moment = load.tipping_moment - inertial},
+                                 dt);
     acceleration_ = (load.force.head<2>() + friction_.head<2>()) / mass_;
     twist_.head<2>() += dt * acceleration_;
     twist_.z() += dt * (load.moment + friction_.z()) / inertia_;
@@ -104,13 +106,13 @@ class Mover {
         .p_base = motion().p_base.head<2>(), .yaw = yaw_, .twist = twist_, .friction = friction_};
   }
 
-  /// What its phase is told by.
-  [[nodiscard]] PhaseSigns signs() const {
+  /// Quantities that determine the body's phase.
+  [[nodiscard]] PhaseInputs phase_inputs() const {
     const double radius = support_.radius();
     const double force = std::hypot(friction_.head<2>().norm(), friction_.z() / radius);
     return {.speed = speed(),
             .is_touched = touches_,
-            .friction_share = normal_ > 0.0 ? force / (limit_ * normal_) : 1.0};
+            .friction_ratio = normal_ > 0.0 ? force / (limit_ * normal_) : 1.0};
   }
 
  private:
@@ -147,7 +149,8 @@ class Mover {
   Eigen::Vector3d friction_ = Eigen::Vector3d::Zero();
 };
 
-/// The arm with its tip: a mass on a damped spring whose other end follows the command.
+/// The arm with its tip: a mass on a damped spring whose other end follows the command (servo
+/// compliance).
 class Arm {
  public:
   explicit Arm(const PlantTool& tool)
@@ -167,7 +170,7 @@ class Arm {
 
  private:
   double rate_;  ///< [rad/s]
-  double mass_;  ///< [kg] felt at the tip
+  double mass_;  ///< [kg] effective mass at the tip
   Tip tip_;
 };
 
@@ -183,8 +186,8 @@ void check(const std::vector<PlantBody>& bodies, const PlantTool& tool,
                   p.sliding_friction_coefficient, p.limiting_static_friction);
     PCAVR_REQUIRE(p.contact_stiffness > 0.0 && p.contact_exponent >= 1.0, p.contact_stiffness,
                   p.contact_exponent);
-    PCAVR_REQUIRE(p.bristle_reach > 0.0 && p.stribeck_speed > 0.0, p.bristle_reach,
-                  p.stribeck_speed);
+    PCAVR_REQUIRE(p.breakaway_displacement > 0.0 && p.stribeck_speed > 0.0,
+                  p.breakaway_displacement, p.stribeck_speed);
     PCAVR_REQUIRE(!body.parts.empty() && body.patches.size() >= 3);
   }
   PCAVR_REQUIRE(tool.radius > 0.0 && tool.stiffness > 0.0 && tool.bandwidth > 0.0, tool.radius,
@@ -197,8 +200,8 @@ void check(const std::vector<PlantBody>& bodies, const PlantTool& tool,
   PCAVR_REQUIRE(options.substeps >= 1 && options.tail >= 0.0, options.substeps, options.tail);
 }
 
-/// What the tip felt over a step.
-struct Felt {
+/// Mean wrench at the tip over a step.
+struct MeanWrench {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
 };
@@ -208,19 +211,19 @@ class Plant {
   Plant(const std::vector<PlantBody>& bodies, const PlantTool& tool,
         const std::vector<ToolMove>& moves, int substeps)
       : plan_(moves, tool.p_base_start), arm_(tool), substeps_(substeps) {
-    for (const PlantBody& body : bodies) movers_.emplace_back(body, tool.radius);
+    for (const PlantBody& body : bodies) bodies_.emplace_back(body, tool.radius);
   }
 
-  /// One PlantRun::kStep; the mean of what the tip exerts.
-  Felt step() {
+  /// Advances by PlantRun::kStep; returns the mean wrench that the tip exerts.
+  MeanWrench step() {
     const double dt = PlantRun::kStep / substeps_;
-    Felt sum;
+    MeanWrench sum;
     for (int i = 0; i < substeps_; ++i) {
       const std::optional<std::size_t> watched = plan_.watched_body();
-      plan_.advance(watched ? movers_[*watched].pose() : Pose(), load_.norm(), dt);
+      plan_.advance(watched ? bodies_[*watched].pose() : Pose(), load_.norm(), dt);
       load_.setZero();
-      for (Mover& mover : movers_) {
-        const TipLoad load = mover.advance(arm_.tip(), dt);
+      for (BodyDynamics& body : bodies_) {
+        const TipLoad load = body.advance(arm_.tip(), dt);
         load_ += load.force;
         sum.torque += load.tip_torque / substeps_;
       }
@@ -232,26 +235,26 @@ class Plant {
 
   [[nodiscard]] const ToolPlan& plan() const { return plan_; }
   [[nodiscard]] const Eigen::Vector3d& p_base_tip() const { return arm_.tip().p_base; }
-  [[nodiscard]] const std::vector<Mover>& movers() const { return movers_; }
+  [[nodiscard]] const std::vector<BodyDynamics>& dynamics() const { return bodies_; }
 
  private:
   ToolPlan plan_;
   Arm arm_;
   int substeps_;
-  std::vector<Mover> movers_;
+  std::vector<BodyDynamics> bodies_;
   Eigen::Vector3d load_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace
 
-std::vector<PlantPatch> even_patches(const Eigen::Vector2d& half_extents, int along) {
-  PCAVR_REQUIRE(along >= 2, along);
+std::vector<PlantPatch> uniform_patches(const Eigen::Vector2d& half_extents, int per_side) {
+  PCAVR_REQUIRE(per_side >= 2, per_side);
   std::vector<PlantPatch> patches;
-  const auto at = [along](int i) { return (2.0 * i + 1.0) / along - 1.0; };
-  for (int i = 0; i < along; ++i) {
-    for (int k = 0; k < along; ++k) {
+  const auto at = [per_side](int i) { return (2.0 * i + 1.0) / per_side - 1.0; };
+  for (int i = 0; i < per_side; ++i) {
+    for (int k = 0; k < per_side; ++k) {
       patches.push_back({.p_body = half_extents.cwiseProduct(Eigen::Vector2d(at(i), at(k))),
-                         .share = 1.0 / (along * along)});
+                         .share = 1.0 / (per_side * per_side)});
     }
   }
   return patches;
@@ -275,44 +278,44 @@ PlantRun run_plant(const std::vector<PlantBody>& bodies, const PlantTool& tool,
   Plant plant(bodies, tool, moves, options.substeps);
   PlantRun run;
   run.bodies.resize(bodies.size());
-  std::vector<PhaseLog> logs;
-  for (std::size_t i = 0; i < bodies.size(); ++i) logs.emplace_back(i);
-  const auto most = static_cast<std::size_t>(options.max_duration / PlantRun::kStep);
+  std::vector<PhaseRecorder> recorders;
+  for (std::size_t i = 0; i < bodies.size(); ++i) recorders.emplace_back(i);
+  const auto max_steps = static_cast<std::size_t>(options.max_duration / PlantRun::kStep);
   auto tail = static_cast<std::size_t>(options.tail / PlantRun::kStep) + 1;
-  for (std::size_t step = 0; step <= most && tail > 0; ++step) {
+  for (std::size_t step = 0; step <= max_steps && tail > 0; ++step) {
     const double t = PlantRun::kStep * static_cast<double>(step);
     if (plant.plan().is_done()) --tail;
     run.p_base_tip.push_back(plant.p_base_tip());
     for (std::size_t i = 0; i < bodies.size(); ++i) {
-      run.bodies[i].push_back(plant.movers()[i].state());
-      logs[i].add(t, plant.movers()[i].signs());
+      run.bodies[i].push_back(plant.dynamics()[i].state());
+      recorders[i].add(t, plant.dynamics()[i].phase_inputs());
     }
-    const Felt felt = plant.step();
-    run.force_base.push_back(felt.force);
-    run.torque_base.push_back(felt.torque);
+    const MeanWrench mean = plant.step();
+    run.force_base.push_back(mean.force);
+    run.torque_base.push_back(mean.torque);
   }
-  run.phases = merged(logs);
+  run.phases = merge_by_time(recorders);
   return run;
 }
 
 namespace {
 
-struct Place {
+struct StepFraction {
   std::size_t before = 0;
   double fraction = 0.0;
 };
 
-Place place_at(const PlantRun& run, double t) {
+StepFraction locate(const PlantRun& run, double t) {
   const double last = static_cast<double>(run.p_base_tip.size() - 1);
-  const double place = std::clamp(t / PlantRun::kStep, 0.0, last);
-  const auto before = std::min(static_cast<std::size_t>(place), run.p_base_tip.size() - 2);
-  return {before, place - static_cast<double>(before)};
+  const double index_at_t = std::clamp(t / PlantRun::kStep, 0.0, last);
+  const auto before = std::min(static_cast<std::size_t>(index_at_t), run.p_base_tip.size() - 2);
+  return {before, index_at_t - static_cast<double>(before)};
 }
 
 }  // namespace
 
 Pose T_base_object_at(const PlantRun& run, const PlantBody& body, std::size_t index, double t) {
-  const auto [before, fraction] = place_at(run, t);
+  const auto [before, fraction] = locate(run, t);
   const PlantBodyState& a = run.bodies[index][before];
   const PlantBodyState& b = run.bodies[index][before + 1];
   const Eigen::Vector2d p = a.p_base + fraction * (b.p_base - a.p_base);
@@ -322,7 +325,7 @@ Pose T_base_object_at(const PlantRun& run, const PlantBody& body, std::size_t in
 }
 
 Eigen::Vector3d p_base_tip_at(const PlantRun& run, double t) {
-  const auto [before, fraction] = place_at(run, t);
+  const auto [before, fraction] = locate(run, t);
   return run.p_base_tip[before] + fraction * (run.p_base_tip[before + 1] - run.p_base_tip[before]);
 }
 

@@ -15,48 +15,49 @@ namespace pcavr::simulation {
 namespace {
 
 constexpr int kPatchesAlong = 7;
-constexpr double kLaneX = 0.62;             ///< [m]: the boxes stand one behind the other along
+constexpr double kLaneX = 0.62;             ///< [m]: the boxes stand in a row along
 constexpr double kLaneY[] = {-0.34, 0.26};  ///< base y, with room to be pushed
-constexpr double kMaxYaw = 0.25;            ///< [rad]
-constexpr double kMaxOffCentre = 0.0015;    ///< [m] of a centre of mass: uneven contents
+constexpr double kMaxBoxYaw = 0.25;         ///< [rad]
+constexpr double kMaxOffCentre = 0.0015;    ///< [m] of the centre of mass: uneven contents
 
-/// Uniform in the logarithm, so that small values are as likely as large ones.
-double drawn_between(double low, double high, Random& random) {
+/// Log-uniform, so that every order of magnitude is equally likely.
+double sample_log_uniform(double low, double high, Random& random) {
   return low * std::pow(high / low, random.uniform());
 }
 
-/// Stiffness that gives `indentation` [m] under `force` [N].
-double stiffness_for(double force, double indentation, double exponent) {
-  return force / std::pow(indentation, exponent);
+/// Stiffness for which `force` [N] causes `penetration` [m].
+double stiffness_for(double force, double penetration, double exponent) {
+  return force / std::pow(penetration, exponent);
 }
 
-PlantParameters drawn_parameters(Random& random) {
+PlantParameters sample_parameters(Random& random) {
   PlantParameters p;
-  p.mass = drawn_between(0.8, 6.0, random);
-  const double coefficient = drawn_between(0.2, 1.1, random);
+  p.mass = sample_log_uniform(0.8, 6.0, random);
+  const double coefficient = sample_log_uniform(0.2, 1.1, random);
   p.limiting_static_friction = coefficient * p.mass * kStandardGravity;
   p.sliding_friction_coefficient = random.uniform(0.72, 0.96) * coefficient;
-  p.viscous_friction = drawn_between(2.0, 30.0, random);
+  p.viscous_friction = sample_log_uniform(2.0, 30.0, random);
   p.contact_exponent = random.uniform(1.3, 1.7);
-  p.contact_stiffness = stiffness_for(p.limiting_static_friction,
-                                      drawn_between(0.0002, 0.002, random), p.contact_exponent);
-  p.contact_damping = drawn_between(0.5, 6.0, random) * p.contact_stiffness;
+  p.contact_stiffness = stiffness_for(
+      p.limiting_static_friction, sample_log_uniform(0.0002, 0.002, random), p.contact_exponent);
+  p.contact_damping = sample_log_uniform(0.5, 6.0, random) * p.contact_stiffness;
   p.tool_friction_coefficient = random.uniform(0.15, 0.5);
-  p.stribeck_speed = drawn_between(0.0005, 0.002, random);
-  p.bristle_reach = drawn_between(4e-6, 1.5e-5, random);
+  p.stribeck_speed = sample_log_uniform(0.0005, 0.002, random);
+  p.breakaway_displacement = sample_log_uniform(4e-6, 1.5e-5, random);
   return p;
 }
 
-/// Makes the pressure uneven, with its centre (where the centre of mass is) at `centre`.
-void make_uneven(std::vector<PlantPatch>& patches, double unevenness, const Eigen::Vector2d& centre,
-                 Random& random) {
+/// Makes the pressure distribution uneven, with the centre of pressure (below the centre of mass)
+/// at `centre`.
+void make_pressure_uneven(std::vector<PlantPatch>& patches, double unevenness,
+                          const Eigen::Vector2d& centre, Random& random) {
   double total = 0.0;
   for (PlantPatch& patch : patches) {
     patch.share *= 1.0 + unevenness * random.uniform(-1.0, 1.0);
     total += patch.share;
   }
   for (PlantPatch& patch : patches) patch.share /= total;
-  // Twice a linear correction: the first one shifts the second moments that it was worked out with.
+  // Repeated linear correction: each one changes the second moments that it was computed from.
   for (int round = 0; round < 3; ++round) {
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     Eigen::Vector2d square = Eigen::Vector2d::Zero();
@@ -69,12 +70,12 @@ void make_uneven(std::vector<PlantPatch>& patches, double unevenness, const Eige
   }
 }
 
-Eigen::Vector2d drawn_centre(Random& random) {
+Eigen::Vector2d sample_centre(Random& random) {
   const double x = random.uniform(-kMaxOffCentre, kMaxOffCentre);
   return {x, random.uniform(-kMaxOffCentre, kMaxOffCentre)};
 }
 
-Pose standing(double x, double y, double half_height, double yaw) {
+Pose upright_pose(double x, double y, double half_height, double yaw) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
           {x, y, half_height}};
 }
@@ -83,37 +84,37 @@ PlantBody box(const std::string& name, const Eigen::Vector3d& half) {
   PlantBody body;
   body.name = name;
   body.parts.push_back({.half_extents = half});
-  body.patches = even_patches(half.head<2>(), kPatchesAlong);
+  body.patches = uniform_patches(half.head<2>(), kPatchesAlong);
   return body;
 }
 
-/// Where the box numbered `number` stands, by seed.
-Pose drawn_place(int number, double half_height, Random& random) {
+/// A random pose of the box with this number.
+Pose sample_box_pose(int number, double half_height, Random& random) {
   const double x = kLaneX + random.uniform(-0.02, 0.02);
-  const double yaw = random.uniform(-kMaxYaw, kMaxYaw);
-  return standing(x, kLaneY[number], half_height, yaw);
+  const double yaw = random.uniform(-kMaxBoxYaw, kMaxBoxYaw);
+  return upright_pose(x, kLaneY[number], half_height, yaw);
 }
 
 }  // namespace
 
-std::vector<PlantBody> drawn_boxes(std::uint64_t seed, int count) {
+std::vector<PlantBody> sample_boxes(std::uint64_t seed, int count) {
   std::vector<PlantBody> bodies;
   const bool is_grid = needs_grid(count);
   for (int number = 0; number < count; ++number) {
-    // Streams of its own for more than two: 20 to 22, 30 and 31 belong to other bodies.
+    // Separate streams for more than two: 20 to 22, 30 and 31 are used for other bodies.
     Random random = Random(seed).fork((is_grid ? 200U : 20U) + static_cast<std::uint64_t>(number));
     const Eigen::Vector3d half =
         is_grid ? grid_half_extents(random)
                 : Eigen::Vector3d(random.uniform(0.05, 0.125), random.uniform(0.05, 0.125),
                                   random.uniform(0.05, 0.09));
     PlantBody body = box("box_" + std::to_string(number + 1), half);
-    body.parameters = drawn_parameters(random);
+    body.parameters = sample_parameters(random);
     const double unevenness = random.uniform() < 0.5 ? 0.0 : random.uniform(0.1, 0.6);
     const Eigen::Vector2d centre =
         kMaxOffCentre * Eigen::Vector2d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
-    if (unevenness > 0.0) make_uneven(body.patches, unevenness, centre, random);
+    if (unevenness > 0.0) make_pressure_uneven(body.patches, unevenness, centre, random);
     body.T_base_object = is_grid ? grid_pose(number, count, half.z(), random)
-                                 : drawn_place(number, half.z(), random);
+                                 : sample_box_pose(number, half.z(), random);
     bodies.push_back(std::move(body));
   }
   return bodies;
@@ -122,8 +123,8 @@ std::vector<PlantBody> drawn_boxes(std::uint64_t seed, int count) {
 std::vector<PlantBody> paper_boxes(std::uint64_t seed) {
   const Eigen::Vector3d half(0.0875, 0.0875, 0.0625);
   std::vector<PlantBody> bodies{box("fp_box", half), box("r_box", half)};
-  // Mass and limiting friction are the paper's. It names no others: soft foam gives by 6 mm before
-  // the box goes, rubber by 3 mm.
+  // Mass and limiting friction are the paper's, which gives no others: at breakaway soft foam is
+  // compressed by 6 mm, rubber by 3 mm.
   PlantParameters& foam = bodies[0].parameters;
   foam.mass = 3.0;
   foam.limiting_static_friction = 9.57;
@@ -141,8 +142,8 @@ std::vector<PlantBody> paper_boxes(std::uint64_t seed) {
   for (int number = 0; number < 2; ++number) {
     Random random = Random(seed).fork(30 + static_cast<std::uint64_t>(number));
     PlantBody& body = bodies[static_cast<std::size_t>(number)];
-    body.T_base_object = drawn_place(number, half.z(), random);
-    make_uneven(body.patches, 0.3, drawn_centre(random), random);
+    body.T_base_object = sample_box_pose(number, half.z(), random);
+    make_pressure_uneven(body.patches, 0.3, sample_centre(random), random);
   }
   return bodies;
 }
@@ -161,17 +162,17 @@ PlantBody slotted_block(std::uint64_t seed, double tip_radius) {
                  .half_extents = {half.x(), half.y(), 0.5 * floor}},
                 {.centre = {-slot - 0.5 * wall, 0.0, wall_middle}, .half_extents = wall_half},
                 {.centre = {slot + 0.5 * wall, 0.0, wall_middle}, .half_extents = wall_half}};
-  body.parameters = drawn_parameters(random);
+  body.parameters = sample_parameters(random);
   body.parameters.mass = random.uniform(6.0, 9.0);
-  // It has to hold against some 40 N of rubbing.
+  // It must not slide under 40 N of friction from the tip.
   body.parameters.limiting_static_friction = 1.1 * body.parameters.mass * kStandardGravity;
   body.parameters.sliding_friction_coefficient = 0.95;
-  body.parameters.contact_stiffness =
-      stiffness_for(40.0, drawn_between(0.0003, 0.0015, random), body.parameters.contact_exponent);
+  body.parameters.contact_stiffness = stiffness_for(
+      40.0, sample_log_uniform(0.0003, 0.0015, random), body.parameters.contact_exponent);
   body.parameters.contact_damping =
-      drawn_between(0.5, 6.0, random) * body.parameters.contact_stiffness;
-  body.patches = even_patches(half.head<2>(), kPatchesAlong);
-  body.T_base_object = drawn_place(0, half.z(), random);
+      sample_log_uniform(0.5, 6.0, random) * body.parameters.contact_stiffness;
+  body.patches = uniform_patches(half.head<2>(), kPatchesAlong);
+  body.T_base_object = sample_box_pose(0, half.z(), random);
   return body;
 }
 

@@ -9,9 +9,10 @@
 
 namespace pcavr::simulation {
 
-/// Boxes on the table, drawn wide: 0.8 to 6 kg, friction 0.2 to 1.1, 0.2 to 2 mm of give. Up to two
-/// stand far apart; more are small and stand in a grid (box_grid.hpp).
-[[nodiscard]] std::vector<PlantBody> drawn_boxes(std::uint64_t seed, int count = 2);
+/// Boxes on the table with parameters from wide ranges: 0.8 to 6 kg, friction coefficient 0.2
+/// to 1.1, penetration at breakaway 0.2 to 2 mm. Up to two stand far apart; more are small and
+/// stand in a grid (box_grid.hpp).
+[[nodiscard]] std::vector<PlantBody> sample_boxes(std::uint64_t seed, int count = 2);
 
 /// The foam-faced and the rubber-faced box of paper C.
 [[nodiscard]] std::vector<PlantBody> paper_boxes(std::uint64_t seed);
@@ -19,7 +20,7 @@ namespace pcavr::simulation {
 /// A heavy block with a slot along its y, open above, a little wider than a tip of `tip_radius`.
 [[nodiscard]] PlantBody slotted_block(std::uint64_t seed, double tip_radius);
 
-/// Half the extents of all parts together [m]; bodies here are centred on their origin.
+/// Half extents of the bounding box of all parts [m]; bodies here are centred on their origin.
 [[nodiscard]] Eigen::Vector3d half_extents_of(const PlantBody& body);
 
 }  // namespace pcavr::simulation

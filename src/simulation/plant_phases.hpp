@@ -9,19 +9,19 @@
 
 namespace pcavr::simulation {
 
-/// What a body's phase is told by.
-struct PhaseSigns {
+/// Quantities that determine a body's phase.
+struct PhaseInputs {
   double speed = 0.0;  ///< [m/s]
   bool is_touched = false;
-  double friction_share = 0.0;  ///< of what friction can bear at rest
+  double friction_ratio = 0.0;  ///< over the limiting static friction
 };
 
-/// Follows the phase of one body, by the recording format's definitions.
-class PhaseLog {
+/// State machine of one body's phase, by the recording format's definitions.
+class PhaseRecorder {
  public:
-  explicit PhaseLog(std::size_t body) : body_(body) {}
+  explicit PhaseRecorder(std::size_t body) : body_(body) {}
   /// Call with ascending times [s].
-  void add(double t, const PhaseSigns& signs);
+  void add(double t, const PhaseInputs& inputs);
   [[nodiscard]] const std::vector<PlantPhaseChange>& changes() const { return changes_; }
 
  private:
@@ -30,7 +30,8 @@ class PhaseLog {
   std::vector<PlantPhaseChange> changes_;
 };
 
-/// The changes of all bodies in the order of time.
-[[nodiscard]] std::vector<PlantPhaseChange> merged(const std::vector<PhaseLog>& logs);
+/// The changes of all bodies in ascending time.
+[[nodiscard]] std::vector<PlantPhaseChange> merge_by_time(
+    const std::vector<PhaseRecorder>& recorders);
 
 }  // namespace pcavr::simulation

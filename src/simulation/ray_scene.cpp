@@ -22,19 +22,19 @@ struct SceneDeleter {
 using Device = std::unique_ptr<RTCDeviceTy, DeviceDeleter>;
 using Scene = std::unique_ptr<RTCSceneTy, SceneDeleter>;
 
-Scene make_tree(RTCDevice device, const TriangleMesh& mesh) {
+Scene build_bvh(RTCDevice device, const TriangleMesh& mesh) {
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                            sizeof(Eigen::Vector3f), mesh.vertices.size());
   void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                             3 * sizeof(std::uint32_t), mesh.triangles.size());
-  // Sizes are those of the mesh: memory alone can be missing.
+  // The sizes are valid, so that out of memory is the only possible cause.
   if (vertices == nullptr || triangles == nullptr) throw std::bad_alloc();
   std::memcpy(vertices, mesh.vertices.data(), mesh.vertices.size() * sizeof(Eigen::Vector3f));
   std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]));
   rtcCommitGeometry(geometry);
   Scene scene(rtcNewScene(device));
-  // Without it, rays slip through between triangles now and then.
+  // Without it, rays occasionally pass between adjacent triangles.
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
   rtcAttachGeometry(scene.get(), geometry);
   rtcReleaseGeometry(geometry);
@@ -42,7 +42,7 @@ Scene make_tree(RTCDevice device, const TriangleMesh& mesh) {
   return scene;
 }
 
-alignas(32) constexpr int kLanes[kPacket + 1][kPacket] = {
+alignas(32) constexpr int kLaneMasks[kPacket + 1][kPacket] = {
     {0, 0, 0, 0, 0, 0, 0, 0},         {-1, 0, 0, 0, 0, 0, 0, 0},
     {-1, -1, 0, 0, 0, 0, 0, 0},       {-1, -1, -1, 0, 0, 0, 0, 0},
     {-1, -1, -1, -1, 0, 0, 0, 0},     {-1, -1, -1, -1, -1, 0, 0, 0},
@@ -50,7 +50,7 @@ alignas(32) constexpr int kLanes[kPacket + 1][kPacket] = {
     {-1, -1, -1, -1, -1, -1, -1, -1},
 };
 
-void fill(RTCRay8& to, const RayPacket& from, float farthest) {
+void fill(RTCRay8& to, const RayPacket& from, float max_distance) {
   for (int i = 0; i < kPacket; ++i) {
     const auto k = static_cast<std::size_t>(i < from.count ? i : 0);
     to.org_x[i] = from.origin[k].x();
@@ -60,7 +60,7 @@ void fill(RTCRay8& to, const RayPacket& from, float farthest) {
     to.dir_y[i] = from.direction[k].y();
     to.dir_z[i] = from.direction[k].z();
     to.tnear[i] = 0.0F;
-    to.tfar[i] = farthest;
+    to.tfar[i] = max_distance;
     to.time[i] = 0.0F;
     to.mask[i] = 0xffffffffU;
     to.id[i] = 0;
@@ -76,11 +76,11 @@ struct RayBodies::Trees {
 };
 
 RayBodies::RayBodies(const World& world) : trees_(std::make_unique<Trees>()) {
-  // Not "threads=1": Embree would then bind the whole process's TBB to one thread.
+  // Not "threads=1": Embree would then limit TBB of the whole process to one thread.
   trees_->device.reset(rtcNewDevice(nullptr));
   PCAVR_REQUIRE(trees_->device != nullptr, rtcGetDeviceError(nullptr));
   for (const Body& body : world.bodies) {
-    trees_->scenes.push_back(make_tree(trees_->device.get(), body.surface.mesh));
+    trees_->scenes.push_back(build_bvh(trees_->device.get(), body.surface.mesh));
   }
 }
 
@@ -121,7 +121,7 @@ std::array<RayHit, kPacket> RayScene::cast(const RayPacket& rays) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect8(kLanes[rays.count], instances_->scene.get(), &context, &query);
+  rtcIntersect8(kLaneMasks[rays.count], instances_->scene.get(), &context, &query);
   std::array<RayHit, kPacket> hits;
   for (int i = 0; i < rays.count; ++i) {
     if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
@@ -140,7 +140,7 @@ std::array<bool, kPacket> RayScene::is_blocked(const RayPacket& rays) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcOccluded8(kLanes[rays.count], instances_->scene.get(), &context, &query);
+  rtcOccluded8(kLaneMasks[rays.count], instances_->scene.get(), &context, &query);
   std::array<bool, kPacket> blocked{};
   for (int i = 0; i < rays.count; ++i) blocked[static_cast<std::size_t>(i)] = query.tfar[i] < 0.0F;
   return blocked;

@@ -16,7 +16,7 @@
 
 namespace pcavr::simulation {
 
-inline constexpr int kPacket = 8;  ///< rays cast together; neighbours share most of their way
+inline constexpr int kPacket = 8;  ///< rays cast together (SIMD); neighbours are coherent
 
 /// Up to kPacket rays in base. Directions need not be of unit length.
 struct RayPacket {
@@ -34,9 +34,9 @@ struct RayHit {
   float v = 0.0F;  ///< barycentric weight of the third corner
 };
 
-/// The search trees of a world's bodies, each in its own frame. They are built before work is
-/// split, so that their shape, and with it which triangle a ray through an edge takes, does not
-/// depend on the number of threads that render. Const members are thread-safe.
+/// Bounding volume hierarchies (BVH) of a world's bodies, each in its own frame. They are built
+/// before the parallel part, so that their structure, and which triangle a ray through an edge
+/// hits, does not depend on the number of threads that render. Const members are thread-safe.
 class RayBodies {
  public:
   explicit RayBodies(const World& world);
@@ -50,7 +50,8 @@ class RayBodies {
   std::unique_ptr<Trees> trees_;
 };
 
-/// The bodies at their poses of one instant. Keeps a reference to `bodies`, which must outlive it.
+/// The bodies at their poses at one instant (instancing). Keeps a reference to `bodies`, which must
+/// outlive it.
 class RayScene {
  public:
   /// `T_base_body` has a pose for each of the world's bodies.
@@ -62,7 +63,7 @@ class RayScene {
   /// The first surface along each ray.
   [[nodiscard]] std::array<RayHit, kPacket> cast(const RayPacket& rays) const;
 
-  /// True where something stands between a ray's origin and origin + direction.
+  /// Occlusion test: true where a surface lies between a ray's origin and origin + direction.
   [[nodiscard]] std::array<bool, kPacket> is_blocked(const RayPacket& rays) const;
 
  private:

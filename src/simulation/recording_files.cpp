@@ -22,7 +22,7 @@ Expected<void> make_folder(const fs::path& folder) {
   std::error_code code;
   fs::create_directories(folder, code);
   if (!code) return {};
-  return Error{.message = "can't be made: " + code.message(),
+  return Error{.message = "can't be created: " + code.message(),
                .file = folder.string(),
                .hint = "choose a folder that you may write to"};
 }
@@ -86,15 +86,16 @@ Trajectory object_trajectory(const Truth& truth, std::size_t box) {
   return T_base_object;
 }
 
-std::string format_tracking(const std::vector<SimulatedSighting>& sightings) {
+std::string format_tracking(const std::vector<SimulatedMeasurement>& measurements) {
   std::string text = "t,evidence,tags,position_sigma,rotation_sigma,surface_rms,at_rest\n";
   char row[160];
-  for (const SimulatedSighting& seen : sightings) {
-    const char* evidence = seen.is_seen ? "tags_and_shape" : "none";
-    // Two tags, and a surface that lies within a camera's noise of a millimetre.
-    std::snprintf(row, sizeof row, "%s,%s,%d,%.6f,%.6f,%.6f,%d\n", format_stamp(seen.stamp).c_str(),
-                  evidence, seen.is_seen ? 2 : 0, seen.position_sigma, seen.rotation_sigma,
-                  seen.is_seen ? 0.001 : 0.0, seen.is_at_rest ? 1 : 0);
+  for (const SimulatedMeasurement& measurement : measurements) {
+    const char* evidence = measurement.is_seen ? "tags_and_shape" : "none";
+    // Two tags, and a surface RMS of a millimetre, as for a camera's noise.
+    std::snprintf(row, sizeof row, "%s,%s,%d,%.6f,%.6f,%.6f,%d\n",
+                  format_stamp(measurement.stamp).c_str(), evidence, measurement.is_seen ? 2 : 0,
+                  measurement.position_std, measurement.rotation_std,
+                  measurement.is_seen ? 0.001 : 0.0, measurement.is_at_rest ? 1 : 0);
     text += row;
   }
   return text;
@@ -147,15 +148,15 @@ Expected<void> write_tracking(const fs::path& folder, const Truth& truth, std::u
   for (std::size_t i = 0; i < truth.plant.bodies.size(); ++i) {
     const PlantBody& body = truth.plant.bodies[i];
     if (!body.is_movable) continue;
-    const auto sightings = simulated_tracking(truth.run, body, i, seed, faults);
+    const auto measurements = simulated_tracking(truth.run, body, i, seed, faults);
     Trajectory T_base_object;
-    for (const SimulatedSighting& seen : sightings) {
-      if (seen.is_seen) T_base_object.append(seen.stamp, seen.T_base_object);
+    for (const SimulatedMeasurement& measurement : measurements) {
+      if (measurement.is_seen) T_base_object.append(measurement.stamp, measurement.T_base_object);
     }
-    const fs::path place = folder / "tracked" / "objects" / body.name;
-    auto written = make_folder(place);
-    if (written) written = write_file(place / "tracked.txt", format_trajectory(T_base_object));
-    if (written) written = write_file(place / "tracking.csv", format_tracking(sightings));
+    const fs::path target = folder / "tracked" / "objects" / body.name;
+    auto written = make_folder(target);
+    if (written) written = write_file(target / "tracked.txt", format_trajectory(T_base_object));
+    if (written) written = write_file(target / "tracking.csv", format_tracking(measurements));
     if (!written) return written;
   }
   return {};

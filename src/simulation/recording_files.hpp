@@ -16,7 +16,7 @@
 
 namespace pcavr::simulation {
 
-/// What is really so, apart from what the sensors say of it.
+/// Ground truth, without sensor errors.
 struct Truth {
   const World& world;
   const CameraPath& camera;
@@ -25,14 +25,14 @@ struct Truth {
   std::vector<Stamp> frames;  ///< empty without images
 };
 
-/// Poses of all of the world's bodies at `t` [s]. Without a tool, all rest where they start.
+/// Poses of all of the world's bodies at `t` [s]. Without a tool, all rest at their initial poses.
 [[nodiscard]] std::vector<Pose> body_poses(const World& world, const PlantCase& plant,
                                            const PlantRun& run, double t);
 
-/// Writes `truth/` as the recording format has it.
+/// Writes `truth/` in the recording format.
 [[nodiscard]] Expected<void> write_truth(const std::filesystem::path& folder, const Truth& truth);
 
-/// Writes tracked/objects/NAME/tracked.txt and tracking.csv as a replay does.
+/// Writes tracked/objects/NAME/tracked.txt and tracking.csv in the format of a replay.
 [[nodiscard]] Expected<void> write_tracking(const std::filesystem::path& folder, const Truth& truth,
                                             std::uint64_t seed, const SensorFaults& faults);
 

@@ -10,21 +10,22 @@ namespace pcavr::simulation {
 namespace {
 
 constexpr int kGrid = 4;               ///< sub-samples a side of a pixel on an edge
-constexpr float kLightRadius = 0.02F;  ///< of the lamp that casts shadows [m]
+constexpr float kLightRadius = 0.02F;  ///< of the light that casts shadows [m]
 
-/// Place of the k-th sub-sample, from the pixel's centre [px]: one in each cell of a 4x4 grid, and
-/// no two in the same sixteenth of a row or column [Chiu, Shirley & Wang 1994], so that an edge
-/// along the rows is placed to 1/32 px where a plain grid would place it to 1/8.
-Eigen::Vector2d place_in_pixel(int k) {
+/// Offset of the k-th sub-sample from the pixel's centre [px] (multi-jittered sampling [Chiu,
+/// Shirley & Wang 1994] without the jitter): one in each cell of a 4x4 grid, and no two in the same
+/// sixteenth of a row or column, so that an edge along the rows is rendered to 1/32 px instead of
+/// 1/8 px with a regular grid.
+Eigen::Vector2d subpixel_offset(int k) {
   const double column = k % kGrid;
   const double row = k / kGrid;
   return {(column + (row + 0.5) / kGrid) / kGrid - 0.5,
           (row + (column + 0.5) / kGrid) / kGrid - 0.5};
 }
 
-/// Where on the lamp the k-th of the 4x4 sub-samples looks: a 4x4 grid as well, shuffled, so that
-/// place in the pixel and place on the lamp are not tied together.
-Eigen::Vector3f lamp_offset(int k) {
+/// The point on the area light for the k-th sub-sample: a 4x4 grid as well, shuffled, so that the
+/// position in the pixel and on the light are not correlated.
+Eigen::Vector3f light_offset(int k) {
   const int shuffled = (k * 7 + 3) % (kGrid * kGrid);
   const auto along = [](int step) {
     return kLightRadius * ((static_cast<float>(step) + 0.5F) * (2.0F / kGrid) - 1.0F);
@@ -32,7 +33,7 @@ Eigen::Vector3f lamp_offset(int k) {
   return {along(shuffled % kGrid), along(shuffled / kGrid), 0.0F};
 }
 
-/// Pixels that do not see the same piece of surface as all their neighbours.
+/// Whether a neighbour of the pixel sees another piece of surface: it needs supersampling.
 bool is_on_edge(const Image<std::uint64_t>& keys, int x, int y) {
   const std::uint64_t key = keys(x, y);
   for (int v = std::max(0, y - 1); v <= std::min(keys.height() - 1, y + 1); ++v) {
@@ -43,7 +44,7 @@ bool is_on_edge(const Image<std::uint64_t>& keys, int x, int y) {
   return false;
 }
 
-/// The rays' common place, and how camera axes turn into base's.
+/// The rays' common origin, and the rotation from camera to base axes.
 struct View {
   Eigen::Vector3f origin;
   Eigen::Matrix3f R_base_camera;
@@ -52,8 +53,8 @@ struct View {
 void sample_centres(const Shader& shader, const View& view,
                     const Image<Eigen::Vector3f>& directions, IdealFrame& frame,
                     Image<std::uint64_t>& keys) {
-  std::array<Eigen::Vector3f, kPacket> lamp;
-  lamp.fill(Eigen::Vector3f::Zero());
+  std::array<Eigen::Vector3f, kPacket> light;
+  light.fill(Eigen::Vector3f::Zero());
   for (int y = 0; y < directions.height(); ++y) {
     for (int x = 0; x < directions.width(); x += kPacket) {
       RayPacket rays;
@@ -62,7 +63,7 @@ void sample_centres(const Shader& shader, const View& view,
         rays.origin[static_cast<std::size_t>(i)] = view.origin;
         rays.direction[static_cast<std::size_t>(i)] = view.R_base_camera * directions(x + i, y);
       }
-      const auto samples = shader.shade(rays, lamp);
+      const auto samples = shader.shade(rays, light);
       for (int i = 0; i < rays.count; ++i) {
         const ShadedSample& sample = samples[static_cast<std::size_t>(i)];
         frame.radiance(x + i, y) = sample.radiance;
@@ -74,22 +75,22 @@ void sample_centres(const Shader& shader, const View& view,
   }
 }
 
-Eigen::Vector3f mean_over_pixel(const Shader& shader, const View& view, const CameraModel& camera,
-                                int x, int y) {
+Eigen::Vector3f supersample(const Shader& shader, const View& view, const CameraModel& camera,
+                            int x, int y) {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   for (int first = 0; first < kGrid * kGrid; first += kPacket) {
     RayPacket rays;
     rays.count = kPacket;
-    std::array<Eigen::Vector3f, kPacket> lamp;
+    std::array<Eigen::Vector3f, kPacket> light;
     for (int i = 0; i < kPacket; ++i) {
       const int k = first + i;
-      const Eigen::Vector2d pixel = Eigen::Vector2d(x, y) + place_in_pixel(k);
+      const Eigen::Vector2d pixel = Eigen::Vector2d(x, y) + subpixel_offset(k);
       const auto lane = static_cast<std::size_t>(i);
       rays.origin[lane] = view.origin;
       rays.direction[lane] = view.R_base_camera * camera.unproject(pixel, 1.0).cast<float>();
-      lamp[lane] = lamp_offset(k);
+      light[lane] = light_offset(k);
     }
-    for (const ShadedSample& sample : shader.shade(rays, lamp)) sum += sample.radiance;
+    for (const ShadedSample& sample : shader.shade(rays, light)) sum += sample.radiance;
   }
   return sum / (kGrid * kGrid);
 }
@@ -123,7 +124,7 @@ IdealFrame Renderer::render(const Pose& T_base_camera, std::span<const Pose> T_b
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       if (is_on_edge(keys, x, y)) {
-        frame.radiance(x, y) = mean_over_pixel(shader, view, camera_, x, y);
+        frame.radiance(x, y) = supersample(shader, view, camera_, x, y);
       }
     }
   }

@@ -16,21 +16,21 @@
 
 namespace pcavr::simulation {
 
-/// What a perfect camera would see: no blur, no noise.
+/// The image of an ideal camera: no blur, no noise.
 struct IdealFrame {
   Image<Eigen::Vector3f> radiance;       ///< linear RGB; white paper lit head-on is about 1
   DepthImage depth;                      ///< at pixel centres [m]; 0 where no surface is
   Image<Eigen::Vector3f> normal_camera;  ///< of the triangle seen at the centre, toward the camera
 };
 
-/// Ray-casts images of a world. Keeps references to what it is given, which must outlive it.
-/// Thread-safe.
+/// Renders images of a world by ray casting. Keeps references to its arguments, which must outlive
+/// it. Thread-safe.
 class Renderer {
  public:
   Renderer(const World& world, const RayBodies& bodies, const CameraModel& camera);
 
-  /// One sample at each pixel's centre; where neighbours differ in surface, print, colour cell or
-  /// shadow, the mean of 16 samples over the pixel's square.
+  /// One sample at each pixel's centre; adaptive supersampling (antialiasing): the mean of 16
+  /// samples over the pixel where neighbours differ in surface, print, colour cell or shadow.
   [[nodiscard]] IdealFrame render(const Pose& T_base_camera,
                                   std::span<const Pose> T_base_body) const;
 

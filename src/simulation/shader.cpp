@@ -10,11 +10,11 @@
 namespace pcavr::simulation {
 namespace {
 
-constexpr float kPaperThickness = 1e-4F;  ///< a point this near a tag's plane is on the tag [m]
+constexpr float kPaperThickness = 1e-4F;  ///< a point closer to a tag's plane is on the tag [m]
 constexpr float kWhitePaper = 0.88F;      ///< albedo of office paper, and of toner on it
 constexpr float kBlackToner = 0.05F;
-/// Shadow rays start this far above the surface, or it would shade itself by rounding [m].
-constexpr float kLift = 2e-4F;
+/// Shadow rays start this far above the surface, against self-shadowing by rounding [m].
+constexpr float kShadowBias = 2e-4F;
 
 }  // namespace
 
@@ -77,7 +77,7 @@ std::array<bool, kPacket> Shader::shadows(
   for (std::size_t i = 0; i < static_cast<std::size_t>(rays.count); ++i) {
     to_light.origin[i] = rays.origin[i];
     if (hits[i].body != RayHit::kNone) {
-      to_light.origin[i] += hits[i].t * rays.direction[i] + kLift * triangle_normal(hits[i]);
+      to_light.origin[i] += hits[i].t * rays.direction[i] + kShadowBias * triangle_normal(hits[i]);
     }
     to_light.direction[i] = light->p_base + light_offsets[i] - to_light.origin[i];
   }
@@ -94,9 +94,9 @@ Eigen::Vector3f Shader::lit(const Eigen::Vector3f& p_base, const Eigen::Vector3f
     const float distance = to_light.norm();
     const float facing = normal.dot(to_light) / distance;
     if (facing <= 0.0F) continue;
-    // A lamp with a shade fades slower than a bare point would.
+    // Weaker attenuation than a point light's.
     const float strength = light.reach / (0.3F * light.reach + 0.7F * distance);
-    // Lambert's cosine, and Blinn's highlight where there is one.
+    // Lambertian diffuse reflection, and a Blinn-Phong highlight.
     Eigen::Vector3f reflected = facing * albedo;
     if (gloss > 0.0F) {
       const Eigen::Vector3f half = (to_light / distance + to_viewer).normalized();
@@ -126,7 +126,8 @@ ShadedSample Shader::shade_hit(const Eigen::Vector3f& origin, const Eigen::Vecto
   if (print.is_hit) {
     texture.albedo.setConstant(print.is_white ? kWhitePaper : kBlackToner);
   } else {
-    // A slanted pixel is longer one way; the mean of both ways blurs less than the longer would.
+    // A slanted footprint is longer in one direction; the geometric mean of both blurs less than
+    // the longer one.
     const float footprint = hit.t * pixel_angle_ / std::sqrt(std::max(0.05F, flat.dot(to_viewer)));
     texture = sample_texture(material, p_body, footprint);
   }

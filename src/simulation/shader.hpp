@@ -13,21 +13,21 @@
 
 namespace pcavr::simulation {
 
-/// What one ray saw.
+/// The result of one ray.
 struct ShadedSample {
   float depth = 0.0F;  ///< ray parameter of the hit; 0 where nothing is hit
-  /// What is seen: body, face, cell of print or texture, lit or in shadow. Two neighbours with the
-  /// same key see one smooth piece of surface.
+  /// Identifies the visible piece of surface: body, face, cell of print or texture, lit or in
+  /// shadow. Two neighbours with the same key see one smooth piece of surface.
   std::uint64_t key = 0;
   Eigen::Vector3f radiance = Eigen::Vector3f::Zero();
   Eigen::Vector3f normal_base = Eigen::Vector3f::Zero();  ///< of the triangle, toward the viewer
 };
 
-/// Finds what rays see and in which light, at one instant. Keeps references, which must outlive
-/// it. Thread-safe.
+/// Casts rays and computes their radiance at one instant. Keeps references, which must outlive it.
+/// Thread-safe.
 class Shader {
  public:
-  /// `pixel_angle` is the width of a pixel [rad], which sets how fine a texture may be.
+  /// `pixel_angle` is the width of a pixel [rad], which limits the detail of textures.
   Shader(const World& world, const RayScene& scene, std::span<const Pose> T_base_body,
          float pixel_angle);
 

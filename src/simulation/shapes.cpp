@@ -35,7 +35,7 @@ void add_triangle(Surface& surface, const std::array<Index, 3>& corners,
   surface.material.push_back(material);
 }
 
-/// A flat convex face, as a fan.
+/// A planar convex face, as a triangle fan.
 void add_face(Surface& surface, const std::vector<Index>& loop, std::uint16_t material) {
   const auto& vertices = surface.mesh.vertices;
   const Eigen::Vector3f normal = (vertices[loop[1]] - vertices[loop[0]])
@@ -170,7 +170,7 @@ void add_slotted_block(Surface& surface, const Eigen::Vector3d& half_extents, do
     const std::size_t j = (i + 1) % outline.size();
     add_face(surface, {front[i], back[i], back[j], front[j]}, material);
   }
-  // The ends: under the slot and one piece a wall, with the outline's corners alone.
+  // The end faces: one piece under the slot and one per wall, without additional vertices.
   for (const std::array<std::size_t, 4>& c :
        {std::array<std::size_t, 4>{0, 1, 4, 5}, {1, 2, 3, 4}, {7, 0, 5, 6}}) {
     add_face(surface, {front[c[0]], front[c[1]], front[c[2]], front[c[3]]}, material);

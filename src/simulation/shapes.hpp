@@ -13,7 +13,7 @@
 
 namespace pcavr::simulation {
 
-/// The surface of one body in its own frame: exact triangles, and beside each what it looks like.
+/// The surface of one body in its own frame: exact triangles with shading attributes.
 struct Surface {
   TriangleMesh mesh;                    ///< closed parts, outward winding
   std::vector<Eigen::Vector3f> normal;  ///< by triangle: unit, outward
@@ -26,7 +26,7 @@ struct Surface {
 
 /// Adds a surface of revolution about z, closed by a profile that runs from the axis to the axis,
 /// counter-clockwise seen with r to the right and z up. `profile` holds (r, z) [m]. Edges of the
-/// profile that bend by less than 40 degrees are shaded as round.
+/// profile that bend by less than 40 degrees are shaded smoothly.
 void add_revolution(Surface& surface, const std::vector<Eigen::Vector2d>& profile, int segments,
                     const Pose& T_body_shape, std::uint16_t material);
 

@@ -22,7 +22,7 @@ namespace {
 
 using namespace simulation;
 
-constexpr double kDepthScale = 5000.0;  ///< image units in one metre, as TUM RGB-D has it
+constexpr double kDepthScale = 5000.0;  ///< image units in one metre, as in TUM RGB-D
 
 void check(const SimulationCase& simulation) {
   PCAVR_REQUIRE(simulation.duration > 0.0 && simulation.frame_rate > 0.0, simulation.duration,
@@ -32,7 +32,7 @@ void check(const SimulationCase& simulation) {
   PCAVR_REQUIRE(simulation.movable_boxes >= 0 && simulation.clutter >= 0, simulation.movable_boxes,
                 simulation.clutter);
   PCAVR_REQUIRE(simulation.push_duration >= 0.0, simulation.push_duration);
-  // Depth on the colour's grid, or on one that is coarser by the same factor both ways.
+  // Depth on the colour image's grid, or on one that is coarser by the same factor in x and y.
   PCAVR_REQUIRE(simulation.depth_width <= camera.width &&
                     std::int64_t{simulation.depth_width} * camera.height ==
                         std::int64_t{simulation.depth_height} * camera.width,
@@ -47,7 +47,7 @@ CameraModel depth_camera_of(const SimulationCase& simulation) {
   return on_grid(color, simulation.depth_width, simulation.depth_height);
 }
 
-/// At whole microseconds, as the lists have them, so that truth is exact at the stamps written.
+/// In whole microseconds, as in the image lists, so that truth is exact at the written stamps.
 std::vector<Stamp> frame_stamps(double duration, double frame_rate) {
   std::vector<Stamp> stamps;
   const auto count = std::max(1L, std::lround(duration * frame_rate));
@@ -63,10 +63,11 @@ struct Frame {
   DepthImage depth;
 };
 
-/// Renders in batches: while one batch is cast, the one before is encoded and written, in order.
-class FrameMaker {
+/// Renders in batches: while one batch is rendered, the previous one is encoded and written in
+/// order (pipelining).
+class FrameRenderer {
  public:
-  FrameMaker(const SimulationCase& simulation, std::uint64_t seed, const Truth& truth)
+  FrameRenderer(const SimulationCase& simulation, std::uint64_t seed, const Truth& truth)
       : truth_(truth),
         seed_(seed),
         camera_(simulated_camera(simulation)),
@@ -82,21 +83,21 @@ class FrameMaker {
                                          const Observer& observer) const {
     const std::size_t count = truth_.frames.size();
     const std::size_t batch = 4 * static_cast<std::size_t>(parallelism.threads);
-    std::vector<Frame> finished;
+    std::vector<Frame> previous;
     Expected<void> written;
     for (std::size_t first = 0; first < count + batch && written; first += batch) {
-      std::vector<Frame> coming(first < count ? std::min(batch, count - first) : 0);
-      parallel_for(parallelism, coming.size() + 1, 1, [&](std::size_t item, std::size_t) {
+      std::vector<Frame> current(first < count ? std::min(batch, count - first) : 0);
+      parallel_for(parallelism, current.size() + 1, 1, [&](std::size_t item, std::size_t) {
         if (item > 0) {
-          coming[item - 1] = make(first + item - 1);
+          current[item - 1] = make(first + item - 1);
           return;
         }
-        for (std::size_t i = 0; i < finished.size() && written; ++i) {
+        for (std::size_t i = 0; i < previous.size() && written; ++i) {
           const Stamp stamp = truth_.frames[first - batch + i];
-          written = writer.add_frame(stamp, finished[i].color, stamp, finished[i].depth);
+          written = writer.add_frame(stamp, previous[i].color, stamp, previous[i].depth);
         }
       });
-      finished = std::move(coming);
+      previous = std::move(current);
       observer.on_progress("rendering", std::min(first, count), count);
     }
     return written;
@@ -183,7 +184,8 @@ const std::vector<SimulationCase>& simulation_cases() {
     tabletop.duration = 3.0;
     SimulationCase room;
     room.name = "room";
-    room.description = "a hand-held camera in a corner of a room; two base tags, nothing movable";
+    room.description =
+        "a hand-held camera in a corner of a room; two base tags, no movable objects";
     room.movable_boxes = 0;
     room.base_tags = 2;
     room.clutter = 10;
@@ -200,7 +202,7 @@ const std::vector<SimulationCase>& simulation_cases() {
         with_tool("press", ToolTask::press,
                   "presses along z at seven speeds, on each of two boxes"),
         with_tool("slot", ToolTask::slot, "along both walls of the slot in a block"),
-        with_tool("turn", ToolTask::turn, "pushes beside the centre, which turn two boxes"),
+        with_tool("turn", ToolTask::turn, "off-centre pushes, which turn two boxes"),
         paper};
   }();
   return cases;
@@ -237,7 +239,7 @@ Expected<void> simulate(const SimulationCase& simulation, std::uint64_t seed,
     written = writer.write_wrench(measured_wrench(run, seed, simulation.faults));
   }
   if (written && simulation.with_images) {
-    written = FrameMaker(simulation, seed, truth).write_all(writer, parallelism, observer);
+    written = FrameRenderer(simulation, seed, truth).write_all(writer, parallelism, observer);
   }
   if (written && !simulation.with_images) {
     written = write_tracking(folder, truth, seed, simulation.faults);

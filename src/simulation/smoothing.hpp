@@ -25,8 +25,8 @@ namespace pcavr::simulation {
   return kernel;
 }
 
-/// Convolves rows, then columns, with a kernel of odd length; the image goes on beyond its border
-/// as mirrored there.
+/// Separable convolution of rows, then columns, with a kernel of odd length; the border is
+/// reflected.
 template <typename Pixel>
 void smooth(Image<Pixel>& image, const std::vector<float>& kernel) {
   const int reach = static_cast<int>(kernel.size() / 2);

@@ -12,15 +12,16 @@
 
 namespace pcavr::simulation {
 
-/// What presses a body on its support, but for its weight. Base axes.
+/// The load on the support in addition to the body's weight. Base axes.
 struct SupportLoad {
-  double down = 0.0;  ///< [N]
-  /// Moment that tips the body, as the force's way [N m]: pushes the pressure forward along it.
-  Eigen::Vector2d tipping = Eigen::Vector2d::Zero();
+  double extra_normal_force = 0.0;  ///< [N]
+  /// Tipping moment, directed as the force that causes it [N m]: shifts the centre of pressure in
+  /// this direction.
+  Eigen::Vector2d tipping_moment = Eigen::Vector2d::Zero();
 };
 
-/// The friction under one body: bristles on patches. A tipping load moves pressure from patch to
-/// patch, linearly as an even elastic bed would; patches can't pull.
+/// The friction under one body: bristles on patches. A tipping moment shifts pressure from patch to
+/// patch, linearly as a uniform elastic (Winkler) foundation; patches can't pull (unilateral).
 class Support {
  public:
   explicit Support(const PlantBody& body);
@@ -37,17 +38,17 @@ class Support {
   struct Patch {
     Eigen::Vector2d r_body;  ///< from the centre of mass [m]
     double share;
-    double pressure;                                 ///< [N] at present
-    Eigen::Vector2d bend = Eigen::Vector2d::Zero();  ///< base axes [m]
+    double pressure;                                       ///< [N] at present
+    Eigen::Vector2d deflection = Eigen::Vector2d::Zero();  ///< base axes [m]
   };
 
-  void distribute(double down, const Eigen::Vector2d& tipping_body);
+  void distribute(double extra_normal_force, const Eigen::Vector2d& tipping_moment_body);
 
   BristleLaw law_;
   double weight_ = 0.0;   ///< [N]
   double viscous_ = 0.0;  ///< [N s/m]
   double radius_ = 0.0;
-  double reach_ = 0.0;  ///< half the smaller side of the patches' rectangle [m]
+  double half_side_ = 0.0;  ///< half the smaller side of the patches' rectangle [m]
   Eigen::Vector2d centre_;
   std::vector<Patch> patches_;
 };

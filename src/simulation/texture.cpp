@@ -12,20 +12,22 @@ struct Cell {
   std::int32_t x, y, z;
 };
 
-/// std::floor as an integer; that one is a library call on the plain x86-64 that we build for.
+/// std::floor as an integer, which is a slow library call on baseline x86-64 (no SSE4.1).
 std::int32_t floor_of(float value) {
   const auto towards_zero = static_cast<std::int32_t>(value);
   return towards_zero - (value < static_cast<float>(towards_zero) ? 1 : 0);
 }
 
-/// How far a number is from the nearest whole one.
-float to_whole(float value) { return std::abs(value - static_cast<float>(floor_of(value + 0.5F))); }
+/// Distance from the nearest integer.
+float distance_to_integer(float value) {
+  return std::abs(value - static_cast<float>(floor_of(value + 0.5F)));
+}
 
 Cell cell_of(const Eigen::Vector3f& p) {
   return {floor_of(p.x()), floor_of(p.y()), floor_of(p.z())};
 }
 
-/// 32 well-mixed bits a lattice point; the final mixer is MurmurHash3's [Appleby 2011].
+/// Hash of a lattice point to 32 bits; the finaliser is MurmurHash3's [Appleby 2011].
 std::uint32_t lattice(const Cell& c, std::uint32_t seed) {
   std::uint32_t h = seed + 0x9e3779b9U * static_cast<std::uint32_t>(c.x) +
                     0x7f4a7c15U * static_cast<std::uint32_t>(c.y) +
@@ -57,18 +59,19 @@ float value_noise(const Eigen::Vector3f& p, std::uint32_t seed) {
   return near + (face(1) - near) * z;
 }
 
-/// How much of a feature of this size survives a pixel of this footprint.
-float visible(float feature, float footprint) {
+/// Fades out features that are too small for a pixel of this footprint (antialiasing).
+float fade_weight(float feature, float footprint) {
   return std::clamp(feature / footprint - 1.0F, 0.0F, 1.0F);
 }
 
-/// Octaves of value noise about 0, within about +-1; each half as large and half as strong.
+/// Fractal Brownian motion: octaves of value noise about 0, within about +-1; each half as large
+/// and about half as strong.
 float fractal(const Eigen::Vector3f& p, float scale, int octaves, float footprint,
               std::uint32_t seed) {
   float sum = 0.0F;
   float amplitude = 1.0F;
   for (int i = 0; i < octaves; ++i) {
-    const float weight = visible(scale, footprint);
+    const float weight = fade_weight(scale, footprint);
     if (weight <= 0.0F) break;
     sum += amplitude * weight *
            (2.0F * value_noise(p / scale, seed + 7919U * static_cast<std::uint32_t>(i)) - 1.0F);
@@ -78,13 +81,13 @@ float fractal(const Eigen::Vector3f& p, float scale, int octaves, float footprin
   return sum;
 }
 
-Eigen::Vector3f mixed(const Material& m, float fraction) {
+Eigen::Vector3f mix(const Material& m, float fraction) {
   const Eigen::Vector3f color = m.base + (m.accent - m.base) * std::clamp(fraction, 0.0F, 1.0F);
   return color;
 }
 
 TextureSample wood(const Material& m, const Eigen::Vector3f& p, float footprint) {
-  // Boards of one scale in width along x, each cut from another place of the tree.
+  // Boards along x of width `scale`, each from another part of the solid wood texture.
   const std::int32_t board = floor_of(p.y() / m.scale);
   const std::uint32_t tone = lattice({board, 0, 0}, m.seed);
   const Eigen::Vector3f q(p.x() * 0.12F + 10.0F * unit(tone), p.y(), p.z());
@@ -92,57 +95,57 @@ TextureSample wood(const Material& m, const Eigen::Vector3f& p, float footprint)
   const float rings = 0.5F + 0.5F * std::sin(6.2832F * (q.y() / 0.024F + 1.6F * warp));
   const float grain = fractal(Eigen::Vector3f(p.x() * 0.06F, p.y(), p.z()), 0.006F, 3, footprint,
                               m.seed + tone + 1U);
-  const float ring_weight = visible(0.012F, footprint);
+  const float ring_weight = fade_weight(0.012F, footprint);
   float fraction =
       0.30F + 0.25F * unit(tone) + 0.35F * ring_weight * (rings * rings - 0.375F) + 0.22F * grain;
-  const float to_seam = m.scale * to_whole(p.y() / m.scale);
+  const float to_seam = m.scale * distance_to_integer(p.y() / m.scale);
   if (to_seam < 0.0007F) fraction = 1.0F;
   const auto cell = to_seam < 0.0007F ? 1U : 2U + (static_cast<std::uint32_t>(board) & 0xffU);
-  return {mixed(m, fraction), cell};
+  return {mix(m, fraction), cell};
 }
 
 TextureSample plaster(const Material& m, const Eigen::Vector3f& p, float footprint) {
   const float stain = fractal(p, m.scale, 6, footprint, m.seed);
-  return {mixed(m, 0.5F + 0.45F * stain), 0};
+  return {mix(m, 0.5F + 0.45F * stain), 0};
 }
 
 TextureSample fabric(const Material& m, const Eigen::Vector3f& p, float footprint) {
   const float thread = 0.1F * m.scale;
-  const float weight = visible(0.5F * thread, footprint);
+  const float weight = fade_weight(0.5F * thread, footprint);
   const Eigen::Vector3f q = p * (6.2832F / thread);
   const float weave = std::sin(q.x() + q.z()) * std::sin(q.y() - q.z());
   const float stain = fractal(p, m.scale, 5, footprint, m.seed);
-  return {mixed(m, 0.45F + 0.25F * weight * weave + 0.4F * stain), 0};
+  return {mix(m, 0.45F + 0.25F * weight * weave + 0.4F * stain), 0};
 }
 
 TextureSample patches(const Material& m, const Eigen::Vector3f& p, float footprint) {
-  const float weight = visible(m.scale, footprint);
+  const float weight = fade_weight(m.scale, footprint);
   const Eigen::Vector3f q = p / m.scale + Eigen::Vector3f::Constant(0.37F);
   // Rows are shifted against each other, like bricks.
   const float shift = unit(lattice({0, cell_of(q).y, cell_of(q).z}, m.seed + 1U));
   const std::uint32_t h = lattice(cell_of({q.x() + shift, q.y(), q.z()}), m.seed);
   const float stain = fractal(p, 0.5F * m.scale, 4, footprint, m.seed + 2U);
   const float fraction = 0.5F + weight * (unit(h) - 0.5F) + 0.25F * stain;
-  return {mixed(m, fraction), weight > 0.0F ? 1U + (h & 0xffffU) : 0U};
+  return {mix(m, fraction), weight > 0.0F ? 1U + (h & 0xffffU) : 0U};
 }
 
 TextureSample terrazzo(const Material& m, const Eigen::Vector3f& p, float footprint) {
-  // One ball of another colour within each cell of the lattice.
+  // One sphere of another colour in each cell of the lattice.
   const Eigen::Vector3f q = p / m.scale;
   const Cell c = cell_of(q);
   const std::uint32_t h = lattice(c, m.seed);
   const float radius = 0.12F + 0.22F * unit(lattice(c, m.seed + 1U));
-  const auto place = [&](std::uint32_t salt) {
+  const auto coordinate = [&](std::uint32_t salt) {
     return radius + (1.0F - 2.0F * radius) * unit(lattice(c, m.seed + salt));
   };
-  const Eigen::Vector3f centre(static_cast<float>(c.x) + place(2U),
-                               static_cast<float>(c.y) + place(3U),
-                               static_cast<float>(c.z) + place(4U));
-  const float weight = visible(radius * m.scale, footprint);
-  const bool is_in_ball = weight > 0.0F && (q - centre).squaredNorm() < radius * radius;
+  const Eigen::Vector3f centre(static_cast<float>(c.x) + coordinate(2U),
+                               static_cast<float>(c.y) + coordinate(3U),
+                               static_cast<float>(c.z) + coordinate(4U));
+  const float weight = fade_weight(radius * m.scale, footprint);
+  const bool is_in_sphere = weight > 0.0F && (q - centre).squaredNorm() < radius * radius;
   const float stain = 0.2F * fractal(p, m.scale, 4, footprint, m.seed + 5U);
-  if (!is_in_ball) return {mixed(m, 0.15F + stain), 0};
-  return {mixed(m, 0.15F + weight * (0.35F + 0.5F * unit(h)) + stain), 1U + (h & 0xffffU)};
+  if (!is_in_sphere) return {mix(m, 0.15F + stain), 0};
+  return {mix(m, 0.15F + weight * (0.35F + 0.5F * unit(h)) + stain), 1U + (h & 0xffffU)};
 }
 
 TextureSample tiles(const Material& m, const Eigen::Vector3f& p, float footprint) {
@@ -150,12 +153,12 @@ TextureSample tiles(const Material& m, const Eigen::Vector3f& p, float footprint
   const Cell c = cell_of(q);
   const float joint = 0.004F / m.scale;
   const float stain = fractal(p, 0.3F * m.scale, 6, footprint, m.seed);
-  if (to_whole(q.x()) < joint || to_whole(q.y()) < joint) {
-    const float weight = visible(0.008F, footprint);
-    return {mixed(m, 0.4F + 0.6F * weight), 1U};
+  if (distance_to_integer(q.x()) < joint || distance_to_integer(q.y()) < joint) {
+    const float weight = fade_weight(0.008F, footprint);
+    return {mix(m, 0.4F + 0.6F * weight), 1U};
   }
   const std::uint32_t h = lattice({c.x, c.y, 0}, m.seed);
-  return {mixed(m, 0.4F * unit(h) + 0.15F + 0.3F * stain), 2U + (h & 0xffffU)};
+  return {mix(m, 0.4F * unit(h) + 0.15F + 0.3F * stain), 2U + (h & 0xffffU)};
 }
 
 }  // namespace

@@ -10,23 +10,23 @@
 namespace pcavr::simulation {
 namespace {
 
-/// How far the tip's surface goes along with the body before it slips: a rubber tip's shear [m].
-constexpr double kTipReach = 5e-5;
+/// Presliding displacement between tip and body: the shear of a rubber tip [m].
+constexpr double kTipShearDisplacement = 5e-5;
 
-struct Nearest {
+struct ClosestPoint {
   Eigen::Vector3d point;   ///< on the cuboid
-  Eigen::Vector3d normal;  ///< unit, from the cuboid towards the ball's centre
-  double distance;         ///< of the ball's centre, negative inside [m]
+  Eigen::Vector3d normal;  ///< unit, from the cuboid towards the sphere's centre
+  double distance;         ///< signed distance of the sphere's centre, negative inside [m]
 };
 
-Nearest nearest_on(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p) {
+ClosestPoint closest_point_on(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p) {
   if (!box.contains(p)) {
     const Eigen::Vector3d point = p.cwiseMax(box.min()).cwiseMin(box.max());
     const double distance = (p - point).norm();
     return {point, (p - point) / std::max(distance, 1e-12), distance};
   }
-  // Inside: out through the nearest face.
-  Nearest best{p, Eigen::Vector3d::UnitZ(), -1e9};
+  // Inside: out through the closest face.
+  ClosestPoint best{p, Eigen::Vector3d::UnitZ(), -1e9};
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool is_upper : {false, true}) {
       const double out = is_upper ? p[axis] - box.max()[axis] : box.min()[axis] - p[axis];
@@ -41,24 +41,25 @@ Nearest nearest_on(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p) {
 }  // namespace
 
 TipContact::TipContact(const PlantBody& body, double tip_radius)
-    : parameters_(body.parameters), radius_(tip_radius), bottom_body_(1e9), reach_(0.0) {
+    : parameters_(body.parameters), radius_(tip_radius), bottom_body_(1e9), bounding_radius_(0.0) {
   const double coefficient = body.parameters.tool_friction_coefficient;
-  law_ = {
-      .static_coefficient = coefficient, .sliding_coefficient = coefficient, .reach = kTipReach};
+  law_ = {.static_coefficient = coefficient,
+          .sliding_coefficient = coefficient,
+          .breakaway_deflection = kTipShearDisplacement};
   if (coefficient > 0.0) law_.damping = bristle_damping(law_.stiffness(), kStandardGravity);
   for (const PlantCuboid& part : body.parts) {
     const Eigen::Vector3d low = part.centre - part.half_extents;
     const Eigen::Vector3d high = part.centre + part.half_extents;
     parts_.push_back({.box_body = Eigen::AlignedBox3d(low, high)});
     bottom_body_ = std::min(bottom_body_, low.z());
-    reach_ = std::max(reach_, low.cwiseAbs().cwiseMax(high.cwiseAbs()).norm());
+    bounding_radius_ = std::max(bounding_radius_, low.cwiseAbs().cwiseMax(high.cwiseAbs()).norm());
   }
 }
 
 TipLoad TipContact::advance(const Tip& tip, const BodyMotion& body, double dt) {
   TipLoad load;
-  if ((tip.p_base - body.p_base).norm() > reach_ + radius_) {
-    for (Part& part : parts_) part.bend.setZero();
+  if ((tip.p_base - body.p_base).norm() > bounding_radius_ + radius_) {
+    for (Part& part : parts_) part.deflection.setZero();
     return load;
   }
   for (Part& part : parts_) add(part, tip, body, dt, load);
@@ -68,34 +69,34 @@ TipLoad TipContact::advance(const Tip& tip, const BodyMotion& body, double dt) {
 void TipContact::add(Part& part, const Tip& tip, const BodyMotion& body, double dt,
                      TipLoad& load) const {
   const Eigen::Vector3d p_body = body.R_base_body.transpose() * (tip.p_base - body.p_base);
-  const Nearest nearest = nearest_on(part.box_body, p_body);
-  const double depth = radius_ - nearest.distance;
-  if (depth <= 0.0) {
-    part.bend.setZero();
+  const ClosestPoint closest = closest_point_on(part.box_body, p_body);
+  const double penetration = radius_ - closest.distance;
+  if (penetration <= 0.0) {
+    part.deflection.setZero();
     return;
   }
-  const Eigen::Vector3d normal = body.R_base_body * nearest.normal;
-  const Eigen::Vector3d point = body.p_base + body.R_base_body * nearest.point;
+  const Eigen::Vector3d normal = body.R_base_body * closest.normal;
+  const Eigen::Vector3d point = body.p_base + body.R_base_body * closest.point;
   const Eigen::Vector3d r = point - body.centre_base;
   const Eigen::Vector3d v_body(body.twist.x() - body.twist.z() * r.y(),
                                body.twist.y() + body.twist.z() * r.x(), 0.0);
   const Eigen::Vector3d velocity = tip.v_base - v_body;
-  const double approach = -velocity.dot(normal);
-  const double power = std::pow(depth, parameters_.contact_exponent);
-  const double pressing = std::max(
-      0.0, power * (parameters_.contact_stiffness + parameters_.contact_damping * approach));
-  Eigen::Vector3d force = -pressing * normal;
+  const double approach_speed = -velocity.dot(normal);
+  const double power = std::pow(penetration, parameters_.contact_exponent);
+  const double normal_force = std::max(
+      0.0, power * (parameters_.contact_stiffness + parameters_.contact_damping * approach_speed));
+  Eigen::Vector3d force = -normal_force * normal;
   if (parameters_.tool_friction_coefficient > 0.0) {
-    part.bend -= part.bend.dot(normal) * normal;
-    const Eigen::Vector3d along = velocity + approach * normal;
-    force += pressing * advance_bristles<3>(law_, along, dt, part.bend);
+    part.deflection -= part.deflection.dot(normal) * normal;
+    const Eigen::Vector3d tangential_velocity = velocity + approach_speed * normal;
+    force += normal_force * advance_bristles<3>(law_, tangential_velocity, dt, part.deflection);
   }
   load.is_touched = true;
   load.force += force;
   load.tip_torque += (point - tip.p_base).cross(force);
   load.moment += r.x() * force.y() - r.y() * force.x();
-  const double height = nearest.point.z() - bottom_body_;
-  load.tipping += height * force.head<2>() - force.z() * r.head<2>();
+  const double height = closest.point.z() - bottom_body_;
+  load.tipping_moment += height * force.head<2>() - force.z() * r.head<2>();
 }
 
 }  // namespace pcavr::simulation

@@ -19,11 +19,11 @@ void ToolPlan::begin(const Pose& T_base_body) {
                              : Eigen::Vector3d(Eigen::Vector3d::UnitX());
   body_at_start_ = T_base_body.translation();
   has_begun_ = true;
-  noticed_.reset();
-  way_ = time_ = rested_ = 0.0;
+  stop_detected_.reset();
+  distance_ = time_ = dwelled_ = 0.0;
 }
 
-bool ToolPlan::shall_stop(const Pose& T_base_body, double force) const {
+bool ToolPlan::should_stop(const Pose& T_base_body, double force) const {
   const ToolMove& move = moves_[current_];
   if (move.until_force && force > *move.until_force) return true;
   return move.until_moved &&
@@ -36,29 +36,29 @@ void ToolPlan::advance(const Pose& T_base_body, double force, double dt) {
   if (!has_begun_) begin(T_base_body);
   const ToolMove& move = moves_[current_];
   time_ += dt;
-  if (!noticed_ && shall_stop(T_base_body, force)) noticed_ = time_;
-  const bool is_stopping = noticed_ && time_ >= *noticed_ + move.reaction;
-  if (is_stopping && move.flows_on) {
+  if (!stop_detected_ && should_stop(T_base_body, force)) stop_detected_ = time_;
+  const bool is_stopping = stop_detected_ && time_ >= *stop_detected_ + move.reaction_time;
+  if (is_stopping && move.blends_into_next) {
     ++current_;
     has_begun_ = false;
     return;
   }
-  const double left = std::max(0.0, length_ - way_);
-  const double braking = std::sqrt(2.0 * move.acceleration * left);
-  const double goal = is_stopping ? 0.0 : std::min(move.speed, braking);
+  const double remaining = std::max(0.0, length_ - distance_);
+  const double braking = std::sqrt(2.0 * move.acceleration * remaining);
+  const double target_speed = is_stopping ? 0.0 : std::min(move.speed, braking);
   const double change = move.acceleration * dt;
-  speed_ = std::clamp(goal, speed_ - change, speed_ + change);
-  way_ = std::min(length_, way_ + speed_ * dt);
-  // The swing grows and fades with the speed, so that the move begins and ends at rest.
-  const double swing = move.swing * speed_ / move.speed *
-                       std::sin(2.0 * std::numbers::pi * move.swing_frequency * time_);
-  const Eigen::Vector3d next = start_ + (way_ + swing) * direction_;
-  v_base_ = (next - p_base_) / dt;
-  p_base_ = next;
-  const bool has_ended = is_stopping ? speed_ <= 0.0 : length_ - way_ < 1e-7;
+  speed_ = std::clamp(target_speed, speed_ - change, speed_ + change);
+  distance_ = std::min(length_, distance_ + speed_ * dt);
+  // The modulation grows and fades with the speed, so that the move begins and ends at rest.
+  const double modulation = move.modulation_amplitude * speed_ / move.speed *
+                            std::sin(2.0 * std::numbers::pi * move.modulation_frequency * time_);
+  const Eigen::Vector3d p_base_next = start_ + (distance_ + modulation) * direction_;
+  v_base_ = (p_base_next - p_base_) / dt;
+  p_base_ = p_base_next;
+  const bool has_ended = is_stopping ? speed_ <= 0.0 : length_ - distance_ < 1e-7;
   if (!has_ended) return;
-  rested_ += dt;
-  if (rested_ < move.dwell) return;
+  dwelled_ += dt;
+  if (dwelled_ < move.dwell) return;
   speed_ = 0.0;
   ++current_;
   has_begun_ = false;

@@ -13,21 +13,22 @@
 
 namespace pcavr::simulation {
 
-/// Plays the moves of a tool, each worked out from where the bodies are when it begins.
+/// Generates the commanded trajectory of a tool from its moves, each planned from the bodies' poses
+/// when it begins.
 class ToolPlan {
  public:
   ToolPlan(const std::vector<ToolMove>& moves, const Eigen::Vector3d& p_base_start)
       : moves_(moves), p_base_(p_base_start) {}
 
   [[nodiscard]] bool is_done() const { return current_ == moves_.size(); }
-  /// Index of the move that is being made.
+  /// Index of the current move.
   [[nodiscard]] std::size_t current() const { return current_; }
   [[nodiscard]] std::optional<std::size_t> watched_body() const {
     return is_done() ? std::nullopt : moves_[current_].body;
   }
 
-  /// The command dt [s] later. `T_base_body` is the watched body's pose now, `force` [N] that of
-  /// the tip.
+  /// Advances the command by dt [s]. `T_base_body` is the watched body's pose now, `force` [N] that
+  /// of the tip.
   void advance(const Pose& T_base_body, double force, double dt);
 
   [[nodiscard]] const Eigen::Vector3d& p_base() const { return p_base_; }
@@ -35,22 +36,22 @@ class ToolPlan {
 
  private:
   void begin(const Pose& T_base_body);
-  [[nodiscard]] bool shall_stop(const Pose& T_base_body, double force) const;
+  [[nodiscard]] bool should_stop(const Pose& T_base_body, double force) const;
 
   const std::vector<ToolMove>& moves_;
   Eigen::Vector3d p_base_;
   Eigen::Vector3d v_base_ = Eigen::Vector3d::Zero();
   std::size_t current_ = 0;
   bool has_begun_ = false;
-  std::optional<double> noticed_;  ///< `time_` at which there was reason to stop
+  std::optional<double> stop_detected_;  ///< `time_` at which the stop condition was met
   Eigen::Vector3d start_;
   Eigen::Vector3d direction_;
   Eigen::Vector3d body_at_start_;
-  double length_ = 0.0;  ///< [m]
-  double way_ = 0.0;     ///< without the swing [m]
-  double speed_ = 0.0;   ///< without the swing [m/s]
-  double time_ = 0.0;    ///< since the move began [s]
-  double rested_ = 0.0;  ///< since it ended [s]
+  double length_ = 0.0;    ///< [m]
+  double distance_ = 0.0;  ///< along the path, without modulation [m]
+  double speed_ = 0.0;     ///< without modulation [m/s]
+  double time_ = 0.0;      ///< since the move began [s]
+  double dwelled_ = 0.0;   ///< since it ended [s]
 };
 
 }  // namespace pcavr::simulation

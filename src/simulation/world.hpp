@@ -25,7 +25,7 @@ struct Decal {
   TagPicture picture;
 };
 
-/// A rigid body with its looks, in its own frame.
+/// A rigid body with its appearance, in its own frame.
 struct Body {
   std::string name;
   Surface surface;
@@ -33,15 +33,15 @@ struct Body {
   std::vector<Decal> decals;
 };
 
-/// A body with a CAD model that may move: a box, or what fits into one.
+/// A body with a CAD model that may be movable; its shape is inside this bounding box.
 struct Box {
   Eigen::Vector3d half_extents;  ///< [m]
   double mass = 0.0;             ///< [kg]
-  Pose T_base_object;            ///< where it starts
+  Pose T_base_object;            ///< initial pose
   bool is_movable = true;
 };
 
-/// A point-like light with some size, which makes the edges of its shadows soft.
+/// A small area light, which makes the edges of its shadows soft.
 struct Light {
   Eigen::Vector3f p_base;
   Eigen::Vector3f color;  ///< radiance of a white surface lit head-on at `reach`
@@ -49,8 +49,8 @@ struct Light {
   bool casts_shadow = false;
 };
 
-/// All there is to see. bodies[0] is what never moves, in base; then the boxes; then the tool, if
-/// there is one.
+/// Everything that is visible. bodies[0] is the static environment, in base; then the boxes; then
+/// the tool, if there is one.
 struct World {
   std::vector<Body> bodies;
   std::vector<Box> boxes;  ///< boxes[i] belongs to bodies[1 + i]

@@ -9,21 +9,21 @@
 
 namespace pcavr {
 
-/// How the tool's tip stands to a body.
+/// Distance and direction from the tool's tip to a body.
 struct Reach {
-  double clearance = 0.0;  ///< between their surfaces [m]; below 0 the tip presses in
+  double clearance = 0.0;  ///< between their surfaces [m]; below 0: penetration
   Eigen::Vector3d direction_base = Eigen::Vector3d::UnitX();  ///< unit, from the tip into the body
 };
 
-/// Further away than this is far [m].
+/// Maximum distance that is searched [m].
 inline constexpr double kFarAway = 0.1;
 
-/// A body's CAD surface, asked for its nearest point.
+/// Closest-point queries to a body's CAD surface.
 class BodySurface {
  public:
   explicit BodySurface(const CadModel& model) : surface_(model.mesh_object) {}
 
-  /// Clearance kFarAway where the body is no nearer than that.
+  /// Clearance kFarAway if the body is farther away.
   [[nodiscard]] Reach reach(const Pose& T_base_object, const Eigen::Vector3d& p_base_tip,
                             double tool_radius) const;
 

@@ -7,38 +7,38 @@
 
 namespace pcavr {
 
-/// The contact's law as the push itself shows it while the object stands: the tip's coordinate is
-/// surface + (F / k)^(1/n), fitted over running sums for n = 1 and n = 1.5, of which the smaller
-/// residual holds. An object that moves leaves the line [paper C, SMA]. Until the fit is sure of
-/// its slope, and on contacts so stiff that it never is, the straight line from first touch to the
-/// latest sample stands in: it bends less than any law with n >= 1, so it takes no compression for
-/// motion.
+/// The contact law, fitted online to the push itself while the object is static: the tip's
+/// coordinate is surface + (F / k)^(1/n), a least-squares fit over running sums for n = 1 (linear)
+/// and n = 1.5 (Hertz), of which the one with the smaller residual is used. An object that moves
+/// deviates from the line [paper C, SMA]. Until the slope's standard error is small enough, and on
+/// contacts so stiff that it never is, the chord from first contact to the latest sample is used:
+/// it curves less than any law with n >= 1, so compression is not mistaken for motion.
 class ContactLine {
  public:
-  /// The tip's coordinate [m] and the force [N] when the touch was noticed.
+  /// The tip's coordinate [m] and the force [N] when contact was detected.
   explicit ContactLine(double touch = 0.0, double touch_force = 0.0)
       : touch_(touch), touch_force_(touch_force) {}
 
   /// tip: coordinate growing into the object [m]; force > 0 [N].
-  /// `correlated`: how many successive samples count as one.
+  /// `correlated`: number of correlated samples per independent one.
   void add(double tip, double force, double correlated);
 
-  /// The fit's slope is known to a tenth.
+  /// The relative standard error of the fit's slope is below 10 %.
   [[nodiscard]] bool is_ready() const { return is_ready_; }
-  /// There is at least the straight line: the force has doubled since the touch was noticed.
+  /// At least the chord exists: the force has doubled since contact was detected.
   [[nodiscard]] bool is_usable() const { return is_ready_ || chord_ > 0.0; }
-  [[nodiscard]] double surface() const;            ///< the tip's coordinate at first touch [m]
-  [[nodiscard]] double depth(double force) const;  ///< under a resting force [m]
-  /// Inverse of depth(): the resting force [N].
-  [[nodiscard]] double force(double depth) const;
+  [[nodiscard]] double surface() const;  ///< the tip's coordinate at first contact [m]
+  [[nodiscard]] double penetration(double force) const;  ///< at a quasi-static force [m]
+  /// Inverse of penetration(): the quasi-static force [N].
+  [[nodiscard]] double force(double penetration) const;
 
  private:
   static constexpr std::array<double, 2> kExponents{1.0, 1.5};
   struct Fit {
-    double slope = 0.0;     ///< depth over F^(1/n)
+    double slope = 0.0;     ///< penetration over F^(1/n)
     double surface = 0.0;   ///< relative to origin_
     double residual = 0.0;  ///< [m^2]
-    double slope_deviation = 0.0;
+    double slope_std = 0.0;
   };
   struct Sums {
     double g = 0.0, gg = 0.0, gx = 0.0;
@@ -48,10 +48,10 @@ class ContactLine {
 
   std::array<Sums, 2> sums_{};
   double x_ = 0.0, xx_ = 0.0;
-  double origin_ = 0.0;  ///< the first tip: keeps the sums small
+  double origin_ = 0.0;  ///< the first tip coordinate, subtracted for numerical accuracy
   double touch_;
   double touch_force_;
-  double chord_ = 0.0;  ///< of the straight line [m/N]
+  double chord_ = 0.0;  ///< slope of the chord [m/N]
   std::size_t count_ = 0;
   bool is_ready_ = false;
 };

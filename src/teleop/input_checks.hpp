@@ -13,19 +13,19 @@
 
 namespace pcavr {
 
-/// What is wrong with a recording's force and clocks, as far as they tell by themselves.
+/// Faults of a recording's force and clocks that can be detected from its data alone.
 struct InputFindings {
   bool is_force_usable = true;
   std::optional<double> force_ceiling = {};       ///< [N] where the sensor saturates
-  std::optional<TimeOffset> tool_to_force = {};   ///< the force is this much late
-  std::optional<TimeOffset> tool_to_camera = {};  ///< tracking is this much late
+  std::optional<TimeOffset> tool_to_force = {};   ///< delay of the force
+  std::optional<TimeOffset> tool_to_camera = {};  ///< delay of the tracking
   std::vector<std::string> notes;
 };
 
-/// Looks at the recording once, as a calibration before the run would: the sign and the unit of the
-/// force by its correlation with how far the tip presses into the tracked bodies, a flat top, the
-/// clocks' offsets by the same correlation and by what is pushed against what pushes. Of a long
-/// recording, sign, unit and offset by the first ten minutes that tell them.
+/// Analyses the recording once, as a calibration before the run would: sign and unit of the force
+/// by its cross-correlation with the tip's penetration of the tracked bodies; saturation; the clock
+/// offsets by the same correlation, and by the pushed object's motion against the tip's. Of a long
+/// recording, sign, unit and offset by the first ten minutes from which they can be estimated.
 [[nodiscard]] InputFindings check_input(const TeleopInput& input, const TipMotion& tip);
 
 }  // namespace pcavr

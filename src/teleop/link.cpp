@@ -17,11 +17,11 @@ Link::Link(const Options& options, const Random& random)
 }
 
 std::optional<double> Link::arrival(double t) {
-  // Both are drawn for every message, so that one's fate does not shift the numbers of the next.
+  // Both are drawn for every message, so that a loss does not shift the random sequence.
   const bool is_lost = random_.uniform() < options_.loss;
-  const double held_up = options_.jitter * random_.normal();
+  const double jitter = options_.jitter * random_.normal();
   if (is_lost) return std::nullopt;
-  last_arrival_ = std::max(last_arrival_, t + std::max(options_.delay + held_up, 0.0));
+  last_arrival_ = std::max(last_arrival_, t + std::max(options_.delay + jitter, 0.0));
   return last_arrival_;
 }
 

@@ -8,20 +8,20 @@
 
 namespace pcavr {
 
-/// One direction of the network in virtual time: a delay, its jitter, and loss. Messages keep their
-/// order: one that was held up holds up those behind it.
+/// One direction of the network in virtual time: delay, jitter and packet loss. In-order delivery:
+/// a delayed message delays those after it (head-of-line blocking).
 class Link {
  public:
   struct Options {
     double delay = 0.0;   ///< [s], >= 0
     double jitter = 0.0;  ///< standard deviation of the delay [s], >= 0
-    double loss = 0.0;    ///< share of messages that never arrive, 0 to 1
+    double loss = 0.0;    ///< packet loss rate, 0 to 1
   };
 
-  /// Throws ContractError for an option out of its range.
+  /// Throws ContractError if an option is out of range.
   Link(const Options& options, const Random& random);
 
-  /// When a message sent at `t` [s] arrives; nothing where it is lost. Call in order of time.
+  /// Arrival time of a message sent at `t` [s]; empty if it is lost. Call in order of time.
   [[nodiscard]] std::optional<double> arrival(double t);
 
  private:

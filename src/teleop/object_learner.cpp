@@ -6,43 +6,44 @@
 #include <cmath>
 #include <iterator>
 
+#include "pcavr/contact/compliance.hpp"
 #include "pcavr/core/gravity.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 
 namespace pcavr {
 namespace {
 
-// A number of which nobody said how sure it is [share].
-constexpr double kUnstatedDeviation = 0.05;
-// From where data speak against a number: chance, and what the models themselves are off by.
+// Relative standard deviation of a parameter without a stated one.
+constexpr double kDefaultRelativeStd = 0.05;
+// Data contradict a parameter beyond this many standard deviations and this relative model error.
 constexpr double kContradiction = 4.0;
-constexpr double kModelShare = 0.05;
-// A new estimate from more data may be this much less sure than the old one and still replace it.
-constexpr double kWorse = 1.2;
-// Spread of breakaways that a single one leaves open [share].
-constexpr double kOneBreakaway = 0.03;
-// A contact fit that misses the force by more is no law [share].
-constexpr double kLawError = 0.1;
-// A fit that does not know a depth any better than this is no law either [share].
-constexpr double kUnsure = 0.25;
-// Less force shows no law [N].
+constexpr double kModelError = 0.05;
+// A new estimate from more data replaces the old one up to this ratio of standard deviations.
+constexpr double kMaxStdRatio = 1.2;
+// Relative standard deviation of the breakaway force, if only one was observed.
+constexpr double kSingleBreakawayStd = 0.03;
+// A contact fit with a larger relative force residual is rejected.
+constexpr double kMaxFitError = 0.1;
+// As is one with a larger relative standard deviation of the penetration.
+constexpr double kMaxRelativeStd = 0.25;
+// [N] Contacts with less force are not used for the contact law.
 constexpr double kMinPeak = 1.0;
-// Over what an object has withstood: the next newton must not be its last.
-constexpr double kRougher = 1.5;
-// Of a contact that has just begun, the begin may still move by this much as more is seen [s].
+// Safety factor of the conservative F_M over the largest force without breakaway.
+constexpr double kLimitFactor = 1.5;
+// The estimated start of a new contact may still change by this much with more data [s].
 constexpr double kSameContact = 0.25;
-// Contacts that are learned from together: work must not grow with what was recorded. What older
-// ones told stays known until newer ones contradict it.
-constexpr std::ptrdiff_t kNewest = 6;
-// A spread wants more of them.
-constexpr std::size_t kRemembered = 20;
+// Number of newest contacts that are fitted together, which bounds the cost. Estimates from older
+// ones are kept until newer ones contradict them.
+constexpr std::ptrdiff_t kMaxFittedContacts = 6;
+// A standard deviation of breakaways needs more of them.
+constexpr std::size_t kMaxStoredContacts = 20;
 
 ParameterValue value_of(const IdentifiedParameter& parameter) {
-  return {parameter.value, parameter.deviation};
+  return {parameter.value, parameter.std};
 }
 
-/// Until when the object stood: the alarm, and nothing after a slide.
-double standing_until(const ContactEpisode& contact) {
+/// End of the static phase: the breakaway alarm, at the latest the first slide.
+double static_until(const ContactEpisode& contact) {
   if (contact.kind == ContactKind::press) return contact.t.back();
   double until = contact.t.back();
   if (contact.breakaway.t_alarm > 0.0) until = std::min(until, contact.breakaway.t_alarm);
@@ -76,7 +77,7 @@ bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_sl
   const bool is_same =
       !contacts_.empty() && std::abs(contacts_.back().begin - nearest->begin) < kSameContact;
   if (!is_same) contacts_.emplace_back();
-  if (contacts_.size() > kRemembered) contacts_.erase(contacts_.begin());
+  if (contacts_.size() > kMaxStoredContacts) contacts_.erase(contacts_.begin());
   contacts_.back() = *nearest;
   learn_contact();
   if (nearest->kind != ContactKind::press && has_slid) {
@@ -86,8 +87,8 @@ bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_sl
   return has_changed_;
 }
 
-void ObjectLearner::withstand(double friction) {
-  supposed_limit_ = std::max(supposed_limit_.value_or(0.0), kRougher * friction);
+void ObjectLearner::raise_static_limit(double friction) {
+  conservative_limit_ = std::max(conservative_limit_.value_or(0.0), kLimitFactor * friction);
   for (ObjectParameters* parameters : {&known_, &given_}) {
     parameters->limiting_static_friction.reset();
     parameters->sliding_friction_coefficient.reset();
@@ -95,62 +96,65 @@ void ObjectLearner::withstand(double friction) {
   }
 }
 
-ObjectParameters ObjectLearner::supposed() const {
-  ObjectParameters supposed = known_;
-  if (supposed_limit_ && !supposed.limiting_static_friction) {
-    supposed.limiting_static_friction = ParameterValue{*supposed_limit_};
+ObjectParameters ObjectLearner::conservative_estimate() const {
+  ObjectParameters estimate = known_;
+  if (conservative_limit_ && !estimate.limiting_static_friction) {
+    estimate.limiting_static_friction = ParameterValue{*conservative_limit_};
   }
-  return supposed;
+  return estimate;
 }
 
 bool ObjectLearner::is_contradicted(const std::optional<ParameterValue>& old,
                                     const ParameterValue& found) const {
   if (!old) return true;
   const double gap = std::abs(found.value - old->value);
-  const double old_deviation = old->deviation.value_or(kUnstatedDeviation * std::abs(old->value));
-  return gap > kContradiction * std::hypot(old_deviation, found.deviation.value_or(0.0)) &&
-         gap > kModelShare * std::abs(found.value);
+  const double old_std = old->std.value_or(kDefaultRelativeStd * std::abs(old->value));
+  return gap > kContradiction * std::hypot(old_std, found.std.value_or(0.0)) &&
+         gap > kModelError * std::abs(found.value);
 }
 
 void ObjectLearner::accept(std::optional<ParameterValue> ObjectParameters::*field,
                            const ParameterValue& found) {
   std::optional<ParameterValue>& old = known_.*field;
   const bool was_given = (given_.*field).has_value();
-  const bool is_surer = old && old->deviation && !was_given &&
-                        found.deviation.value_or(0.0) <= kWorse * *old->deviation;
-  if (!is_surer && !is_contradicted(old, found)) return;
+  const bool is_more_certain =
+      old && old->std && !was_given && found.std.value_or(0.0) <= kMaxStdRatio * *old->std;
+  if (!is_more_certain && !is_contradicted(old, found)) return;
   old = found;
   (given_.*field).reset();
   has_changed_ = true;
 }
 
 void ObjectLearner::learn_contact() {
-  std::vector<ForceMotion> presses, standing;
+  std::vector<ForceMotion> presses, static_parts;
   for (const ContactEpisode& contact : contacts_) {
-    const ForceMotion part = part_until(contact, standing_until(contact));
+    const ForceMotion part = part_until(contact, static_until(contact));
     if (contact.peak_force < kMinPeak || part.t.size() < 30) continue;
-    (contact.kind == ContactKind::press ? presses : standing).push_back(part);
+    (contact.kind == ContactKind::press ? presses : static_parts).push_back(part);
   }
-  for (std::vector<ForceMotion>* parts : {&presses, &standing}) {
-    if (std::ssize(*parts) > kNewest) parts->erase(parts->begin(), parts->end() - kNewest);
+  for (std::vector<ForceMotion>* parts : {&presses, &static_parts}) {
+    if (std::ssize(*parts) > kMaxFittedContacts)
+      parts->erase(parts->begin(), parts->end() - kMaxFittedContacts);
   }
   const bool has_presses = !presses.empty();
-  if (!has_presses && standing.empty()) return;
+  if (!has_presses && static_parts.empty()) return;
   const ContactIdentification identified =
       has_presses ? identify_contact(presses)
-                  : identify_contact(standing, {.is_surface_shared = false});
+                  : identify_contact(static_parts, {.is_surface_shared = false});
   const ContactFit& fit = identified.best();
-  if (!fit.is_valid || !fit.stiffness.is_excited || fit.relative_error > kLawError) return;
-  // The three numbers belong together; what counts is how deep they let the tip in.
-  const double unsure = fit.stiffness.deviation / fit.stiffness.value / fit.exponent.value;
-  if (unsure > kUnsure) return;
+  if (!fit.is_valid || !fit.stiffness.is_excited || fit.relative_error > kMaxFitError) return;
+  // The three parameters are correlated: compared by the penetration that they predict.
+  const double relative_std = fit.stiffness.std / fit.stiffness.value / fit.exponent.value;
+  if (relative_std > kMaxRelativeStd) return;
   const std::optional<Compliance> old = compliance_of(known_);
   if (old && given_.contact_stiffness) {
     const double force = contacts_.back().peak_force;
-    const double depth = std::pow(force / fit.stiffness.value, 1.0 / fit.exponent.value);
-    const double old_depth = std::pow(force / old->stiffness, 1.0 / old->exponent);
-    const double deviation = std::hypot(kUnstatedDeviation, unsure);
-    if (std::abs(old_depth - depth) < kContradiction * deviation * depth) return;
+    const double penetration = static_penetration(
+        {.stiffness = fit.stiffness.value, .exponent = fit.exponent.value}, force);
+    const double old_penetration = static_penetration(*old, force);
+    const double combined_std = std::hypot(kDefaultRelativeStd, relative_std);
+    if (std::abs(old_penetration - penetration) < kContradiction * combined_std * penetration)
+      return;
   }
   known_.contact_stiffness = value_of(fit.stiffness);
   known_.contact_exponent = value_of(fit.exponent);
@@ -174,19 +178,19 @@ void ObjectLearner::learn_breakaway() {
           limit_of_push(contact.series(), breakaway, *compliance, known_.mass->value);
       if (own.is_excited && own.value > 0.0) {
         breakaway.force = own.value;
-        breakaway.deviation = own.deviation;
+        breakaway.std = own.std;
       }
     }
-    noise = std::max(noise, breakaway.deviation);
+    noise = std::max(noise, breakaway.std);
     breakaways.push_back(breakaway);
   }
   if (breakaways.empty()) return;
   const LimitingFriction limit = limiting_friction(breakaways);
-  const double spread = limit.pushes > 1 ? std::max(limit.deviation, noise)
-                                         : std::max(noise, kOneBreakaway * limit.mean);
+  const double spread = limit.pushes > 1 ? std::max(limit.std, noise)
+                                         : std::max(noise, kSingleBreakawayStd * limit.mean);
   accept(&ObjectParameters::limiting_static_friction, {limit.mean, spread});
   known_.loading_rate = ParameterValue{limit.loading_rate};
-  if (limit.pushes > 1) known_.loading_rate->deviation = limit.loading_rate_deviation;
+  if (limit.pushes > 1) known_.loading_rate->std = limit.loading_rate_std;
 }
 
 void ObjectLearner::learn_sliding() {
@@ -197,7 +201,8 @@ void ObjectLearner::learn_sliding() {
     if (!contact.slides.empty()) pushes.push_back(contact.series());
   }
   if (pushes.empty()) return;
-  if (std::ssize(pushes) > kNewest) pushes.erase(pushes.begin(), pushes.end() - kNewest);
+  if (std::ssize(pushes) > kMaxFittedContacts)
+    pushes.erase(pushes.begin(), pushes.end() - kMaxFittedContacts);
   SlidingOptions options;
   if (known_.mass) options.mass = known_.mass->value;
   const SlidingIdentification found = identify_sliding(pushes, *compliance, options);
@@ -208,13 +213,13 @@ void ObjectLearner::learn_sliding() {
   if (found.viscous.is_excited && found.viscous.value >= 0.0) {
     accept(&ObjectParameters::viscous_friction, value_of(found.viscous));
   }
-  // What is carried at this speed is known; how it splits is the viscous friction's business.
+  // The total friction at this speed is known; its split depends on the viscous friction.
   if (found.viscous.is_excited) coulomb += found.viscous.value * found.speed;
   if (known_.viscous_friction) coulomb -= known_.viscous_friction->value * found.speed;
   const double weight = known_.mass->value * kStandardGravity;
   if (coulomb <= 0.0) return;
   accept(&ObjectParameters::sliding_friction_coefficient,
-         {coulomb / weight, found.coulomb.deviation / weight});
+         {coulomb / weight, found.coulomb.std / weight});
 }
 
 }  // namespace pcavr

@@ -13,7 +13,7 @@
 
 namespace pcavr {
 
-/// What a site has recorded about a contact up to now, with some free time before it.
+/// The data of a contact up to now, with some time without contact before it.
 struct ContactRecord {
   std::span<const double> t_force;
   std::span<const Eigen::Vector3d> force_base;
@@ -21,32 +21,31 @@ struct ContactRecord {
   std::span<const Eigen::Vector3d> p_base_tip;
 };
 
-/// The robot's knowledge of one object, learned contact by contact with the procedures of
-/// identification: the contact's law from presses, or where there were none from what pushes show
-/// while the object stands; F_M from each breakaway; M, mu and B from sliding. What the motion did
-/// not excite stays as it was.
+/// Online identification of one object's parameters, contact by contact, with the methods of
+/// `identification`: the contact law from presses, or without any from pushes while the object is
+/// static; F_M from each breakaway; M, mu and B from sliding. Parameters without excitation keep
+/// their values.
 ///
-/// A number replaces another where the older one was learned from less, or where the data
-/// contradict it: by more than four deviations and 5 %. So what was given beforehand is not worn
-/// away by noise, and a wrong file is found out.
+/// An estimate replaces a previous one that was based on less data, or that the data contradict: by
+/// more than four standard deviations and 5 %. So noise does not degrade given parameters, but
+/// wrong ones are corrected.
 class ObjectLearner {
  public:
-  /// `force_ceiling` [N]: at which the sensor saturates; contacts that reach it teach nothing.
+  /// `force_ceiling` [N]: at which the sensor saturates; contacts that reach it are not used.
   ObjectLearner(const ObjectParameters& given, std::optional<double> force_ceiling);
 
-  /// Looks at a contact that began at `begin` [s], again if it has been shown before. A contact in
-  /// which the object has not slid yet tells nothing of friction: a tool that stops looks like a
-  /// breakaway that goes flat. True where something was learned.
+  /// Identifies from a contact that began at `begin` [s], again if it was processed before. A
+  /// contact in which the object has not slid yet has no information on friction: a tool that stops
+  /// looks like a breakaway. True if a parameter has changed.
   bool learn(const ContactRecord& record, double begin, bool has_slid);
 
-  /// The object stood still under `friction` [N], where its physics let it go: what was said of its
-  /// friction is not true, and is forgotten. Until it breaks away it counts as rougher by half than
-  /// what it has withstood.
-  void withstand(double friction);
+  /// The object was static at `friction` [N], beyond its supposed limit F_M: discards its friction
+  /// parameters. Until the next breakaway, F_M is taken as 1.5 times that force.
+  void raise_static_limit(double friction);
 
   [[nodiscard]] const ObjectParameters& known() const { return known_; }
-  /// With what stands in for F_M until a breakaway is seen.
-  [[nodiscard]] ObjectParameters supposed() const;
+  /// The known parameters, with a conservative F_M until a breakaway is observed.
+  [[nodiscard]] ObjectParameters conservative_estimate() const;
 
  private:
   void learn_contact();
@@ -59,7 +58,7 @@ class ObjectLearner {
   ObjectParameters known_;
   ObjectParameters given_;
   std::optional<double> force_ceiling_;
-  std::optional<double> supposed_limit_;  ///< [N]
+  std::optional<double> conservative_limit_;  ///< [N]
   std::vector<ContactEpisode> contacts_;
   bool has_changed_ = false;
 };

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "teleop/told_parameters.hpp"
+#include "teleop/sent_parameters.hpp"
 
 namespace pcavr {
 
@@ -20,18 +20,18 @@ Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const TeleopObject& object = input.objects[i];
     model.bodies.push_back({object.model, object.T_base_object, physics[i]});
-    objects.push_back({object.model, object.T_base_object, told_parameters(physics[i]), 0});
+    objects.push_back({object.model, object.T_base_object, sent_parameters(physics[i]), 0});
   }
   Expected<PredictedWorld> world = PredictedWorld::create(std::move(model));
   if (!world) return world.error();
   PredictorOptions options;
-  // A correction speaks of a round trip ago, and of what took time to be seen.
-  options.memory = std::max(options.memory, round_trip + 1.0);
+  // A correction is for the past: a round trip, and the latency of its detection.
+  options.history = std::max(options.history, round_trip + 1.0);
   return OperatorSite(Predictor(std::move(*world), start, p_base_tip, options), std::move(objects),
                       start);
 }
 
-void OperatorSite::expect(double arrival, std::vector<std::uint8_t> bytes) {
+void OperatorSite::enqueue(double arrival, std::vector<std::uint8_t> bytes) {
   arriving_.push_back({arrival, std::move(bytes)});
 }
 
@@ -50,7 +50,7 @@ void OperatorSite::apply(const CorrectionMessage& message) {
   Correction correction;
   correction.t = message.t;
   correction.body = message.object;
-  if (message.place) correction.T_base_object = pose_at(*message.place, object.T_base_start);
+  if (message.pose) correction.T_base_object = pose_at(*message.pose, object.T_base_start);
   correction.twist = message.twist;
   if (!is_empty(message.parameters)) {
     overwrite(object.parameters, message.parameters);
@@ -62,7 +62,7 @@ void OperatorSite::apply(const CorrectionMessage& message) {
 
 Prediction OperatorSite::prediction(std::size_t object) const {
   const BodyState& state = predictor_.world().state()[object];
-  return {place_of(predictor_.world().T_base_object(object)), state.tool_force_base,
+  return {planar_pose_of(predictor_.world().T_base_object(object)), state.tool_force_base,
           predictor_.shown(object).force_base, state.phase, objects_[object].received};
 }
 

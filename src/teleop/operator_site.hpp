@@ -17,29 +17,29 @@
 
 namespace pcavr {
 
-/// What the operator's site sends along with a command: its prediction of one object for the
-/// instant at which the command will be carried out, and the last correction that it has.
+/// Sent by the operator's site with each command: its prediction of one object for the time at
+/// which the command will be executed, and the acknowledgement of the last correction.
 struct Prediction {
-  PlanarPlace place;
-  Eigen::Vector3d force_base = Eigen::Vector3d::Zero();  ///< of the tip on the object [N]
-  Eigen::Vector3d felt_base = Eigen::Vector3d::Zero();   ///< the same after blending [N]
+  PlanarPose pose;
+  Eigen::Vector3d force_base = Eigen::Vector3d::Zero();           ///< of the tip on the object [N]
+  Eigen::Vector3d rendered_force_base = Eigen::Vector3d::Zero();  ///< the same after blending [N]
   MotionPhase phase = MotionPhase::free;
   std::uint8_t received = 0;  ///< sequence of the last correction received
 };
 
-/// The site at which the operator sees and feels the predicted world. Time is the robot's: the
-/// operator at work at w predicts w + forward delay.
+/// The operator's site, which displays and renders the predicted world. Time is the robot's: at
+/// wall time w the operator's site predicts w + forward delay.
 class OperatorSite {
  public:
-  /// Fails where an object cannot be made a body.
+  /// An Error if an object can't be made a body.
   [[nodiscard]] static Expected<OperatorSite> create(const TeleopInput& input,
                                                      const std::vector<BodyPhysics>& physics,
                                                      double round_trip, double start,
                                                      const Eigen::Vector3d& p_base_tip);
 
-  /// A message that will be there at `arrival` of the operator's wall clock [s]. In order.
-  void expect(double arrival, std::vector<std::uint8_t> bytes);
-  /// One cycle, with what has come by `wall` [s].
+  /// Queues a message that arrives at `arrival` [s] of the operator's wall clock. Call in order.
+  void enqueue(double arrival, std::vector<std::uint8_t> bytes);
+  /// One cycle, with the messages that have arrived by `wall` [s].
   void step(double wall, const Eigen::Vector3d& p_base_tip);
 
   [[nodiscard]] double now() const { return predictor_.now(); }

@@ -8,32 +8,32 @@
 namespace pcavr {
 namespace {
 
-// Samples in a row that must say the same before it counts.
+// Debouncing: consecutive samples that must agree.
 constexpr int kInARow = 3;
-// Share of the entering force below which a contact ends, and for how long [s].
-constexpr double kLeaveShare = 0.5;
+// Hysteresis: ratio of the contact threshold below which a contact ends, and for how long [s].
+constexpr double kLeaveRatio = 0.5;
 constexpr double kLeaveTime = 0.008;
-// A tip has gone back from where it pressed [m].
+// Retraction of the tip from where it last pressed [m].
 constexpr double kRetreat = 1e-4;
-// The newest stretch, in which the object may already move, is kept out of the line [s].
+// The newest samples, in which the object may already move, are not used for the line [s].
 constexpr double kGuard = 0.080;
-// By then the line's beginning is known well enough to say when the tip touched [s].
+// After this the line's start is known well enough to estimate the time of contact [s].
 constexpr double kStampAfter = 0.150;
-// Over which the tip's speed is taken where damping is looked at [s].
+// Window of the tip's speed for damping [s].
 constexpr double kRateWindow = 0.012;
-// Shortest and longest stretch over which the object's speed is measured [s].
-constexpr double kShortWindow = 0.060;
-constexpr double kLongWindow = 0.120;
-// An onset is stamped by two levels of the way, this factor apart.
+// Minimum and maximum window of the object's speed estimate [s].
+constexpr double kMinWindow = 0.060;
+constexpr double kMaxWindow = 0.120;
+// An onset is extrapolated from two levels of the displacement, this factor apart.
 constexpr double kLevels = 4.0;
-constexpr double kLately = 0.020;  // [s]
-constexpr double kShareOfTool = 0.35;
+constexpr double kRecentTime = 0.020;  // [s]
+constexpr double kToolSpeedRatio = 0.35;
 constexpr double kMinLevel = 1e-4;  // [m]
-// After this long a slide is stamped with what there is [s].
+// After this long a slide is stamped with the available data [s].
 constexpr double kSlideSettled = 0.080;
-constexpr double kInertialShare = 0.2;
-// The format's share of the limit from which friction counts as critical.
-constexpr double kCriticalShare = 0.9;
+constexpr double kInertialRatio = 0.2;
+// Ratio of the limit from which friction counts as critical, as in the file format.
+constexpr double kCriticalRatio = 0.9;
 
 }  // namespace
 
@@ -46,16 +46,16 @@ void PhaseMonitor::change_to(double t, MotionPhase phase) {
   changes_.push_back({std::max(t, changes_.back().t), phase});
 }
 
-void PhaseMonitor::see(double t, bool is_moving, bool is_near) {
+void PhaseMonitor::update_from_camera(double t, bool is_moving, bool is_near) {
   if (is_touched_) return;
-  const MotionPhase at_rest = is_near ? MotionPhase::held : MotionPhase::free;
+  const MotionPhase at_rest = is_near ? MotionPhase::static_contact : MotionPhase::free;
   change_to(t, is_moving ? MotionPhase::sliding : at_rest);
 }
 
-std::optional<double> PhaseMonitor::way_at(double t) const {
+std::optional<double> PhaseMonitor::displacement_at(double t) const {
   if (!is_touched_ || is_press_ || !line_.is_usable()) return std::nullopt;
   if (t < contact_.front().t || t > contact_.back().t) return std::nullopt;
-  return way(contact_[first_after(t)]);
+  return displacement(contact_[first_after(t)]);
 }
 
 void PhaseMonitor::step(const MonitorSample& sample,
@@ -69,11 +69,12 @@ void PhaseMonitor::step(const MonitorSample& sample,
     begin_contact(sample);
   }
   const double tip = sample.p_base_tip.dot(direction_base_);
-  if (size > kLeaveShare * options_.enter_force) {
+  if (size > kLeaveRatio * options_.enter_force) {
     last_loaded_ = sample.t;
     loaded_tip_ = tip;
   }
-  // A tip that stays where it last pressed still touches, if with less than the noise.
+  // A tip that stays where it last pressed is still in contact, even if the force is below the
+  // noise.
   const bool has_left = tip < loaded_tip_ - std::max(kRetreat, options_.tip_noise);
   if (!has_left) last_near_ = sample.t;
   if (has_left && sample.t - last_loaded_ > kLeaveTime) {
@@ -81,25 +82,26 @@ void PhaseMonitor::step(const MonitorSample& sample,
     return;
   }
   const double force = sample.force_base.dot(direction_base_);
-  follow({sample.t, tip, without_damping(sample.t, tip, force, damping),
-          sample.force_base.head<2>().norm()},
-         limiting_friction);
+  process({sample.t, tip, without_damping(sample.t, tip, force, damping),
+           sample.force_base.head<2>().norm()},
+          limiting_friction);
 }
 
 double PhaseMonitor::without_damping(double t, double tip, double force, double damping) const {
   if (damping <= 0.0 || force <= 0.0 || contact_.empty()) return force;
   if (!line_.is_ready()) {
-    // The object stands, as far as is known: the depth grows as the tip goes.
+    // The object is taken as static: the penetration grows with the tip's displacement.
     const Point& past = contact_[first_after(t - kRateWindow)];
     const double rate = t > past.t ? (tip - past.tip) / (t - past.t) : 0.0;
     return force / std::max(1.0 + damping * rate, 0.5);
   }
-  // Implicit in the depth d: line(d) (1 + damping (d - before) / dt) = force; the left side grows
-  // with d, and d lies between the depth before and the one that the whole force would hold.
-  const double before = line_.depth(contact_.back().force);
+  // Implicit in the penetration d: line(d) (1 + damping (d - before) / dt) = force. Bisection: the
+  // left side grows with d, and d lies between the previous penetration and that of the whole
+  // force.
+  const double before = line_.penetration(contact_.back().force);
   const double per_step = damping / std::max(t - contact_.back().t, 1e-6);
-  double low = std::min(before, line_.depth(force));
-  double high = std::max(before, line_.depth(force));
+  double low = std::min(before, line_.penetration(force));
+  double high = std::max(before, line_.penetration(force));
   for (int i = 0; i < 30; ++i) {
     const double middle = 0.5 * (low + high);
     const bool is_above =
@@ -131,7 +133,7 @@ void PhaseMonitor::begin_contact(const MonitorSample& sample) {
   fast_in_a_row_ = critical_in_a_row_ = 0;
   rest_since_ = above_since_;
   loaded_tip_ = sample.p_base_tip.dot(direction_base_);
-  change_to(above_since_, MotionPhase::held);
+  change_to(above_since_, MotionPhase::static_contact);
 }
 
 void PhaseMonitor::end_contact() {
@@ -142,8 +144,8 @@ void PhaseMonitor::end_contact() {
   change_to(std::max(last_loaded_, last_near_), MotionPhase::free);
 }
 
-void PhaseMonitor::follow(const Point& point,
-                          const std::optional<ParameterValue>& limiting_friction) {
+void PhaseMonitor::process(const Point& point,
+                           const std::optional<ParameterValue>& limiting_friction) {
   contact_.push_back(point);
   if (is_press_) return;
   while (!is_line_final_ && contact_[next_for_line_].t < point.t - kGuard) {
@@ -152,7 +154,7 @@ void PhaseMonitor::follow(const Point& point,
   }
   if (point.t - contact_.front().t > kStampAfter) stamp_contact();
   if (!line_.is_usable()) {
-    judge_rest(limiting_friction);
+    update_static_phase(limiting_friction);
     return;
   }
   measure_speed();
@@ -162,17 +164,17 @@ void PhaseMonitor::follow(const Point& point,
     return;
   }
   const double fast = std::max(options_.slide_speed, 4.0 * speed_noise_);
-  // Slower than a good part of the tool's advance is the line's misfit, not the object.
-  // A tip that has just come to rest relaxes the contact, which looks like a way, too.
-  const Point& lately = contact_[first_after(point.t - kLately)];
-  const bool advances = point.tip - lately.tip > 0.5 * fast * (point.t - lately.t);
-  const bool is_fast = speed_ > std::max(fast, kShareOfTool * tip_speed_) && advances;
+  // An apparent speed below this ratio of the tool's is the line's fit error, not motion. A tip
+  // that has just stopped relaxes the contact, which also looks like motion.
+  const Point& recent = contact_[first_after(point.t - kRecentTime)];
+  const bool advances = point.tip - recent.tip > 0.5 * fast * (point.t - recent.t);
+  const bool is_fast = speed_ > std::max(fast, kToolSpeedRatio * tip_speed_) && advances;
   fast_in_a_row_ = is_fast ? fast_in_a_row_ + 1 : 0;
   if (fast_in_a_row_ >= kInARow) begin_slide();
-  if (phase() != MotionPhase::sliding) judge_rest(limiting_friction);
+  if (phase() != MotionPhase::sliding) update_static_phase(limiting_friction);
 }
 
-void PhaseMonitor::judge_rest(const std::optional<ParameterValue>& limiting_friction) {
+void PhaseMonitor::update_static_phase(const std::optional<ParameterValue>& limiting_friction) {
   limit_ = limiting_friction;
   if (!limiting_friction) return;
   const double limit = limiting_friction->value;
@@ -184,12 +186,12 @@ void PhaseMonitor::judge_rest(const std::optional<ParameterValue>& limiting_fric
               MotionPhase::critical);
   } else if (phase() == MotionPhase::critical &&
              now.friction < critical_force() - std::max(0.02 * limit, noise)) {
-    change_to(now.t, MotionPhase::held);
+    change_to(now.t, MotionPhase::static_contact);
   }
 }
 
-double PhaseMonitor::way(const Point& point) const {
-  return point.tip - line_.surface() - line_.depth(point.force);
+double PhaseMonitor::displacement(const Point& point) const {
+  return point.tip - line_.surface() - line_.penetration(point.force);
 }
 
 std::size_t PhaseMonitor::first_after(double t) const {
@@ -198,56 +200,57 @@ std::size_t PhaseMonitor::first_after(double t) const {
   return static_cast<std::size_t>(found - contact_.begin());
 }
 
-double PhaseMonitor::mean_way(double from, double to) const {
+double PhaseMonitor::mean_displacement(double from, double to) const {
   double sum = 0.0, count = 0.0;
   for (std::size_t i = first_after(from); i < contact_.size() && contact_[i].t <= to; ++i) {
-    sum += way(contact_[i]);
+    sum += displacement(contact_[i]);
     count += 1.0;
   }
-  return count > 0.0 ? sum / count : way(contact_.back());
+  return count > 0.0 ? sum / count : displacement(contact_.back());
 }
 
-double PhaseMonitor::way_noise(double force) const {
-  // Of one raw sample: the tip's, and the force's through the line's slope.
-  const double slope = (line_.depth(force + 0.5) - line_.depth(std::max(force - 0.5, 0.0)));
+double PhaseMonitor::displacement_noise(double force) const {
+  // Of one raw sample: the tip's noise, and the force's through the line's slope.
+  const double slope =
+      (line_.penetration(force + 0.5) - line_.penetration(std::max(force - 0.5, 0.0)));
   return std::hypot(options_.tip_noise, slope * options_.force_noise);
 }
 
 void PhaseMonitor::measure_speed() {
-  const double noise = way_noise(contact_.back().force);
-  const auto deviation = [&](double window) {
+  const double noise = displacement_noise(contact_.back().force);
+  const auto speed_std = [&](double window) {
     return noise * std::sqrt(12.0 * options_.interval / window) / window;
   };
-  // As short as the noise allows.
-  window_ = kShortWindow;
-  while (window_ < kLongWindow && 4.0 * deviation(window_) > options_.slide_speed) window_ += 0.01;
-  speed_noise_ = deviation(window_);
+  // Least-squares slope over the shortest window that the noise allows.
+  window_ = kMinWindow;
+  while (window_ < kMaxWindow && 4.0 * speed_std(window_) > options_.slide_speed) window_ += 0.01;
+  speed_noise_ = speed_std(window_);
   const double end = contact_.back().t;
   double n = 0.0, t = 0.0, tt = 0.0, s = 0.0, st = 0.0, x = 0.0, xt = 0.0;
   const double surface = contact_.back().tip;
   for (std::size_t i = first_after(end - window_); i < contact_.size(); ++i) {
     const double at = contact_[i].t - end;
     const double tip = contact_[i].tip - surface;
-    const double object = tip - line_.depth(contact_[i].force);
+    const double object = tip - line_.penetration(contact_[i].force);
     n += 1.0, t += at, tt += at * at, s += object, st += object * at, x += tip, xt += tip * at;
   }
-  const double spread = n * tt - t * t;
-  if (n < 5.0 || spread <= 0.0) return;
-  speed_ = (n * st - t * s) / spread;
-  tip_speed_ = (n * xt - t * x) / spread;
+  const double determinant = n * tt - t * t;
+  if (n < 5.0 || determinant <= 0.0) return;
+  speed_ = (n * st - t * s) / determinant;
+  tip_speed_ = (n * xt - t * x) / determinant;
 }
 
 void PhaseMonitor::begin_slide() {
   const double now = contact_.back().t;
   const double rest_from = std::max(rest_since_, now - 2.0 * window_);
-  const double rest = mean_way(rest_from, std::max(rest_from, now - window_));
-  const double level = std::max(kMinLevel, 2.0 * way_noise(contact_.back().force));
-  if (way(contact_.back()) - rest < level) return;
-  rest_way_ = rest;
+  const double rest = mean_displacement(rest_from, std::max(rest_from, now - window_));
+  const double level = std::max(kMinLevel, 2.0 * displacement_noise(contact_.back().force));
+  if (displacement(contact_.back()) - rest < level) return;
+  rest_displacement_ = rest;
   is_line_final_ = true;
   stamp_contact();
   is_slide_stamped_ = false;
-  seen_since_ = now;
+  slide_detected_ = now;
   fast_in_a_row_ = 0;
   change_to(now, MotionPhase::sliding);
   stamp_slide();
@@ -255,19 +258,19 @@ void PhaseMonitor::begin_slide() {
 
 void PhaseMonitor::stamp_slide() {
   const double now = contact_.back().t;
-  const double level = std::max(kMinLevel, 2.0 * way_noise(contact_.back().force));
-  const bool has_both = way(contact_.back()) - rest_way_ > kLevels * level;
-  if (!has_both && now - seen_since_ < kSlideSettled) return;
+  const double level = std::max(kMinLevel, 2.0 * displacement_noise(contact_.back().force));
+  const bool has_both = displacement(contact_.back()) - rest_displacement_ > kLevels * level;
+  if (!has_both && now - slide_detected_ < kSlideSettled) return;
   is_slide_stamped_ = true;
-  // Last time below each level, so that noise before the onset does not count.
+  // The last time below each level, so that noise before the onset is ignored.
   double t_low = now, t_high = now;
   for (std::size_t i = contact_.size(); i-- > 0;) {
-    const double gone = way(contact_[i]) - rest_way_;
-    if (gone > kLevels * level) t_high = contact_[i].t;
-    if (gone > level) t_low = contact_[i].t;
-    if (gone <= level || contact_[i].t < rest_since_) break;
+    const double moved = displacement(contact_[i]) - rest_displacement_;
+    if (moved > kLevels * level) t_high = contact_[i].t;
+    if (moved > level) t_low = contact_[i].t;
+    if (moved <= level || contact_[i].t < rest_since_) break;
   }
-  // Between an even start (a third) and an accelerated one (the whole).
+  // Extrapolation between a start at constant speed (a third) and an accelerated one (all).
   const double before = has_both ? 0.5 * (t_high - t_low) : 0.0;
   const double t_onset = std::max(t_low - before, rest_since_);
   const MonitoredPhase& previous = changes_[changes_.size() - 2];
@@ -278,19 +281,19 @@ void PhaseMonitor::stamp_slide() {
 void PhaseMonitor::stamp_critical(double t_onset) {
   double peak = 0.0;
   const std::size_t from = first_after(rest_since_);
-  // Not beyond the onset: what accelerates the object is no friction.
+  // Not beyond the onset: the force that accelerates the object is not friction.
   for (std::size_t i = from; i < contact_.size() && contact_[i].t <= t_onset; ++i) {
     peak = std::max(peak, contact_[i].friction);
   }
-  // A known limit has already told it, unless the push speaks against it by more than the force
-  // that accelerates an object adds to a fast one [identification's README: 12 to 18 %].
-  const bool was_told = changes_[changes_.size() - 2].phase == MotionPhase::critical;
-  const bool is_borne_out = limit_ && peak > (1.0 - kInertialShare) * limit_->value &&
-                            peak < (1.0 + kInertialShare) * limit_->value;
-  if (was_told && is_borne_out) return;
+  // Already reported by the known limit, unless the push contradicts that limit by more than the
+  // inertial force of a fast push [identification's README: 12 to 18 %].
+  const bool was_reported = changes_[changes_.size() - 2].phase == MotionPhase::critical;
+  const bool is_consistent = limit_ && peak > (1.0 - kInertialRatio) * limit_->value &&
+                             peak < (1.0 + kInertialRatio) * limit_->value;
+  if (was_reported && is_consistent) return;
   double t_critical = t_onset;
   for (std::size_t i = first_after(t_onset); i-- > from;) {
-    if (contact_[i].friction < kCriticalShare * peak) break;
+    if (contact_[i].friction < kCriticalRatio * peak) break;
     t_critical = contact_[i].t;
   }
   const MonitoredPhase slide = changes_.back();
@@ -305,64 +308,64 @@ void PhaseMonitor::stamp_critical(double t_onset) {
 
 void PhaseMonitor::end_slide() {
   if (!is_slide_stamped_) {
-    seen_since_ = -1e300;
+    slide_detected_ = -1e300;
     stamp_slide();
   }
   const double now = contact_.back().t;
-  const double level = std::max(kMinLevel, 2.0 * way_noise(contact_.back().force));
-  const double rest = mean_way(now - 0.5 * kShortWindow, now);
+  const double level = std::max(kMinLevel, 2.0 * displacement_noise(contact_.back().force));
+  const double rest = mean_displacement(now - 0.5 * kMinWindow, now);
   double t_low = now, t_high = now;
   for (std::size_t i = contact_.size(); i-- > 0;) {
-    const double left = rest - way(contact_[i]);
+    const double left = rest - displacement(contact_[i]);
     if (left < level) t_low = contact_[i].t;
     if (left < kLevels * level) t_high = contact_[i].t;
     if (left >= kLevels * level || contact_[i].t <= changes_.back().t) break;
   }
   const double t_stop = std::min(t_low + 0.5 * (t_low - t_high), now);
-  rest_way_ = rest;
+  rest_displacement_ = rest;
   rest_since_ = t_stop;
   speed_ = 0.0;
   critical_in_a_row_ = 0;
-  change_to(t_stop, MotionPhase::held);
+  change_to(t_stop, MotionPhase::static_contact);
   stamp_rest(t_stop);
 }
 
-/// The stop was noticed late: what the force has said since.
+/// The stop was detected late: evaluates the force since then.
 void PhaseMonitor::stamp_rest(double t_stop) {
   if (!limit_) return;
   for (std::size_t i = first_after(t_stop); i < contact_.size(); ++i) {
     const bool is_critical = contact_[i].friction > critical_force();
-    if (is_critical && contact_[i].t - t_stop < kLately) {
-      if (changes_.back().phase == MotionPhase::held && changes_.back().t == t_stop) {
+    if (is_critical && contact_[i].t - t_stop < kRecentTime) {
+      if (changes_.back().phase == MotionPhase::static_contact && changes_.back().t == t_stop) {
         changes_.back().phase = MotionPhase::critical;
       }
     } else if (!is_critical && changes_.back().phase == MotionPhase::critical) {
-      change_to(contact_[i].t, MotionPhase::held);
+      change_to(contact_[i].t, MotionPhase::static_contact);
       return;
     }
   }
 }
 
 double PhaseMonitor::critical_force() const {
-  const double band =
-      std::max(limit_->deviation.value_or(0.0), (1.0 - kCriticalShare) * limit_->value);
+  const double band = std::max(limit_->std.value_or(0.0), (1.0 - kCriticalRatio) * limit_->value);
   return limit_->value - band;
 }
 
 void PhaseMonitor::stamp_contact() {
   if (is_contact_stamped_ || !line_.is_ready()) return;
   is_contact_stamped_ = true;
-  // Back from the first sample known to be in contact to where the tip met the surface; the speed
-  // there is that of the first samples.
+  // Extrapolates from the first sample in contact back to the surface, with the speed of the first
+  // samples.
   const std::size_t early = std::min<std::size_t>(contact_.size() - 1, 20);
-  const double passed = contact_[early].t - contact_.front().t;
+  const double duration = contact_[early].t - contact_.front().t;
   const double advance = contact_[early].tip - contact_.front().tip;
-  if (passed <= 0.0 || advance <= 0.0) return;
+  if (duration <= 0.0 || advance <= 0.0) return;
   const double inside = std::max(contact_.front().tip - line_.surface(), 0.0);
-  const double back = std::min(inside * passed / advance, kGuard);
+  const double back = std::min(inside * duration / advance, kGuard);
   const double t_touch = contact_.front().t - back;
   for (std::size_t i = changes_.size(); i-- > 1;) {
-    if (changes_[i].phase != MotionPhase::held || changes_[i].t < contact_begin_) continue;
+    if (changes_[i].phase != MotionPhase::static_contact || changes_[i].t < contact_begin_)
+      continue;
     if (changes_[i].t == contact_begin_) {
       changes_[i].t = std::max(std::min(t_touch, contact_begin_), changes_[i - 1].t);
     }

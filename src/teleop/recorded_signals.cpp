@@ -14,57 +14,58 @@
 namespace pcavr {
 namespace {
 
-// Faster than any arm that pushes things [m/s].
-constexpr double kAbsurdSpeed = 3.0;
-// Noise of two samples that lie close together must not look fast [m].
-constexpr double kSmallStep = 0.005;
-// A tool that stays where it jumped to for this long is there [s].
-constexpr double kBelieved = 0.1;
-// Half width [s]: a hand and an arm move below 10 Hz.
+// Faster than any arm that pushes objects [m/s].
+constexpr double kMaxToolSpeed = 3.0;
+// Margin for the noise of two samples shortly after each other [m].
+constexpr double kMaxStepNoise = 0.005;
+// After this long at its new position, a jump is accepted as motion [s].
+constexpr double kMaxJumpDuration = 0.1;
+// Half width [s]: hand and arm motion is below 10 Hz.
 constexpr double kCommandSmoothing = 0.020;
-// The spike filter looks at this many later samples.
+// The spike filter uses this many later samples.
 constexpr int kSpikeWindow = 3;
 
-// Time before a sample that may be asked for with it [s].
-constexpr double kBelongsTo = 2.0;
-// Cycles of a command, and samples of a force, worked out at once: seconds of either.
+// Time before a sample that may be requested with it [s].
+constexpr double kMaxHistory = 2.0;
+// Cycles of a command, and samples of a force, computed at once: some seconds of each.
 constexpr std::size_t kBlock = 4096;
 
-struct Stretch {
+struct IndexRange {
   std::size_t begin = 0;
   std::size_t count = 0;
 };
 
-/// The samples that smoothing at instants `from` to `to` looks at, and one more on either side, by
-/// which it knows that its window is full.
-Stretch stretch_around(std::span<const double> t, double from, double to, double half_width) {
+/// The samples that smoothing at times `from` to `to` uses, and one more on either side, which
+/// shows that its window is complete.
+IndexRange range_around(std::span<const double> t, double from, double to, double half_width) {
   const auto first = std::lower_bound(t.begin(), t.end(), from - half_width);
   const auto last = std::upper_bound(first, t.end(), to + half_width);
   const auto begin = static_cast<std::size_t>(first - t.begin());
   const auto end = static_cast<std::size_t>(last - t.begin());
-  Stretch stretch;
-  stretch.begin = begin > 0 ? begin - 1 : 0;
-  stretch.count = std::min(end + 1, t.size()) - stretch.begin;
-  return stretch;
+  IndexRange range;
+  range.begin = begin > 0 ? begin - 1 : 0;
+  range.count = std::min(end + 1, t.size()) - range.begin;
+  return range;
 }
 
-/// One axis of a path, smoothed at instants in ascending order.
+/// One axis of a path, smoothed at the given times in ascending order.
 std::vector<SmoothedSample> smooth_axis(const TipMotion& tip, int axis, std::span<const double> at,
                                         double half_width) {
-  const Stretch near = stretch_around(tip.t, at.front(), at.back(), half_width);
+  const IndexRange near = range_around(tip.t, at.front(), at.back(), half_width);
   return smooth(tip.t.subspan(near.begin, near.count),
                 axis_of(tip.p_base.subspan(near.begin, near.count), axis), at, half_width);
 }
 
-/// Whether the tip cannot have got from the last good sample to this one.
+/// Whether the tip can't have moved from the last accepted sample to this one.
 bool is_jump(const TeleopInput& input, std::size_t last, std::size_t i) {
-  const double passed = input.t_tool[i] - input.t_tool[last];
-  const double reach = kSmallStep + kAbsurdSpeed * passed;
-  return (input.p_base_tip[i] - input.p_base_tip[last]).norm() > reach && passed < kBelieved;
+  const double duration = input.t_tool[i] - input.t_tool[last];
+  const double reach = kMaxStepNoise + kMaxToolSpeed * duration;
+  return (input.p_base_tip[i] - input.p_base_tip[last]).norm() > reach &&
+         duration < kMaxJumpDuration;
 }
 
-/// Spikes out of `count` samples from `begin` on, as if the whole axis were looked at.
-std::vector<double> despiked(const TeleopInput& input, const Stretch& part, int axis,
+/// The samples of `part` without spikes, with the same result as for the whole axis.
+std::vector<double> despiked(const TeleopInput& input, const IndexRange& part, int axis,
                              double noise) {
   const std::size_t before = std::min<std::size_t>(part.begin, kSpikeWindow);
   const std::size_t end = std::min(part.begin + part.count + kSpikeWindow, input.t_force.size());
@@ -91,14 +92,14 @@ Eigen::Vector3d TipMotion::at(double time) const { return PathView(t, p_base).at
 TipMotion clean_tip(const TeleopInput& input) {
   TipMotion tip;
   for (std::size_t i = 0, last = 0; i < input.t_tool.size(); ++i) {
-    const bool is_left_out = i > 0 && is_jump(input, last, i);
-    if (is_left_out && tip.jumps++ == 0) {
+    const bool is_rejected = i > 0 && is_jump(input, last, i);
+    if (is_rejected && tip.jumps++ == 0) {
       const auto end = static_cast<std::ptrdiff_t>(i);
       tip.first_jump = input.t_tool[i];
       tip.t_without_jumps.assign(input.t_tool.begin(), input.t_tool.begin() + end);
       tip.p_base_without_jumps.assign(input.p_base_tip.begin(), input.p_base_tip.begin() + end);
     }
-    if (is_left_out) continue;
+    if (is_rejected) continue;
     last = i;
     if (tip.jumps == 0) continue;
     tip.t_without_jumps.push_back(input.t_tool[i]);
@@ -108,7 +109,7 @@ TipMotion clean_tip(const TeleopInput& input) {
   tip.p_base = tip.jumps > 0 ? tip.p_base_without_jumps : input.p_base_tip;
   const std::span<const Eigen::Vector3d> part = tip.p_base.first(calibration_count(tip.t));
   for (int axis = 0; axis < 3 && tip.t.size() > 2; ++axis) {
-    tip.noise = std::max(tip.noise, noise_deviation(axis_of(part, axis)));
+    tip.noise = std::max(tip.noise, estimate_noise_std(axis_of(part, axis)));
   }
   return tip;
 }
@@ -120,23 +121,23 @@ CommandPath::CommandPath(const TipMotion& tip, double start, double step)
       half_width_(std::max(kCommandSmoothing, 3.0 * mean_interval(tip.t))) {}
 
 Eigen::Vector3d CommandPath::at(std::size_t cycle) {
-  if (cycle / kBlock != block_) work_out(cycle / kBlock);
+  if (cycle / kBlock != block_) compute_block(cycle / kBlock);
   return path_[cycle % kBlock];
 }
 
-void CommandPath::work_out(std::size_t block) {
+void CommandPath::compute_block(std::size_t block) {
   block_ = block;
   path_.resize(kBlock);
-  // At every other instant: in between, a hand bends the way by less than a micrometre.
+  // At every other time, with linear interpolation: its error is below a micrometre for a hand.
   std::vector<double> at(kBlock / 2 + 1);
   const std::size_t first = block * (kBlock / 2);
   for (std::size_t k = 0; k < at.size(); ++k) {
     at[k] = start_ + 2.0 * step_ * static_cast<double>(first + k);
   }
   for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<SmoothedSample> place = smooth_axis(tip_, axis, at, half_width_);
+    const std::vector<SmoothedSample> position = smooth_axis(tip_, axis, at, half_width_);
     const auto value = [&](std::size_t k) {
-      return place[k].is_valid ? place[k].value : tip_.at(at[k])[axis];
+      return position[k].is_valid ? position[k].value : tip_.at(at[k])[axis];
     };
     for (std::size_t k = 0; k < kBlock; ++k) {
       path_[k][axis] = k % 2 == 1 ? 0.5 * (value(k / 2) + value(k / 2 + 1)) : value(k / 2);
@@ -147,14 +148,14 @@ void CommandPath::work_out(std::size_t block) {
 std::string describe_jumps(const TipMotion& tip) {
   char text[128];
   std::snprintf(text, sizeof text,
-                "the tool's pose jumps (%zu samples, the first at %.3f s): left out", tip.jumps,
+                "the tool's pose jumps (%zu samples, the first at %.3f s): ignored", tip.jumps,
                 tip.first_jump);
   return text;
 }
 
 ForceSignal::ForceSignal(const TeleopInput& input, const TipMotion& tip, double offset)
     : input_(input), tip_(tip), offset_(offset) {
-  // Without ten samples there is nothing to smooth, and no push in them.
+  // Fewer than ten samples can't be smoothed, and contain no push.
   if (input.t_force.size() < 10 || tip.t.size() < 2) return;
   count_ = input.t_force.size();
   interval_ = (t(count_ - 1) - t(0)) / static_cast<double>(count_ - 1);
@@ -170,10 +171,10 @@ void ForceSignal::measure_noise() {
       std::span(input_.force_base).first(calibration_count(input_.t_force));
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<double> raw = axis_of(part, axis);
-    const double noise = noise_deviation(raw);
+    const double noise = estimate_noise_std(raw);
     spike_noise_[static_cast<std::size_t>(axis)] = noise;
     const DespikedSignal clean = remove_spikes(raw, {.half_window = kSpikeWindow, .noise = noise});
-    noise_ = std::max(noise_, noise_deviation(clean.values));
+    noise_ = std::max(noise_, estimate_noise_std(clean.values));
   }
 }
 
@@ -185,29 +186,29 @@ void ForceSignal::extend() {
   smooth_base_.resize(t_.size());
   p_base_tip_.resize(t_.size());
   const std::span<const double> at = std::span(t_).last(end - begin);
-  // By the input's own stamps, and with samples to spare: the offset rounds.
-  const Stretch near = stretch_around(input_.t_force, input_.t_force[begin],
-                                      input_.t_force[end - 1], half_width_ + interval_);
+  // By the input's own stamps, with margin for the offset's rounding.
+  const IndexRange near = range_around(input_.t_force, input_.t_force[begin],
+                                       input_.t_force[end - 1], half_width_ + interval_);
   std::vector<double> t_near;
   for (std::size_t i = 0; i < near.count; ++i) t_near.push_back(t(near.begin + i));
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<double> clean =
         despiked(input_, near, axis, spike_noise_[static_cast<std::size_t>(axis)]);
     const std::vector<SmoothedSample> force = smooth(t_near, clean, at, half_width_);
-    const std::vector<SmoothedSample> place = smooth_axis(tip_, axis, at, half_width_);
+    const std::vector<SmoothedSample> position = smooth_axis(tip_, axis, at, half_width_);
     for (std::size_t i = 0; i < at.size(); ++i) {
       const std::size_t k = begin - first_ + i;
       clean_base_[k][axis] = clean[begin - near.begin + i];
       smooth_base_[k][axis] = force[i].is_valid ? force[i].value : clean_base_[k][axis];
-      p_base_tip_[k][axis] = place[i].is_valid ? place[i].value : tip_.at(at[i])[axis];
+      p_base_tip_[k][axis] = position[i].is_valid ? position[i].value : tip_.at(at[i])[axis];
     }
   }
 }
 
 ForceSignal::Sample ForceSignal::at(std::size_t index) {
   PCAVR_REQUIRE(index >= first_ && index < count_, index, first_, count_);
-  // What lies long before the first one asked for, where a force begins before the tool, is no use.
-  while (t_.empty() && first_ < index && t(first_) < t(index) - kBelongsTo) ++first_;
+  // Samples long before the first requested one (force starts before the tool) are not needed.
+  while (t_.empty() && first_ < index && t(first_) < t(index) - kMaxHistory) ++first_;
   while (index >= first_ + t_.size()) extend();
   const std::size_t i = index - first_;
   return {t_[i], clean_base_[i], smooth_base_[i], p_base_tip_[i]};
@@ -221,9 +222,9 @@ ForceSignal::Record ForceSignal::between(double from, double to) const {
   return {std::span(t_).subspan(first, count), std::span(clean_base_).subspan(first, count)};
 }
 
-void ForceSignal::forget_before(double time) {
+void ForceSignal::discard_before(double time) {
   const auto old = std::lower_bound(t_.begin(), t_.end(), time) - t_.begin();
-  // Rarely, and many at once: what is kept has to be moved.
+  // Rarely, in large blocks: the remaining samples must be moved.
   if (old < static_cast<std::ptrdiff_t>(kBlock)) return;
   t_.erase(t_.begin(), t_.begin() + old);
   for (std::vector<Eigen::Vector3d>* values : {&clean_base_, &smooth_base_, &p_base_tip_}) {

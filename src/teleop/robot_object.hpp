@@ -21,80 +21,82 @@
 
 namespace pcavr {
 
-/// Tip and force at one instant, as the robot's site knows them.
+/// Tip and force at one time, at the robot's site.
 struct TouchSample {
   double t = 0.0;
   Eigen::Vector3d p_base_tip = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_base = Eigen::Vector3d::Zero();  ///< bias removed [N]
 };
 
-/// By which the place of an object that moves unseen becomes less sure: of its way.
-inline constexpr double kUnseenShare = 0.05;
+/// Growth of the position's std of an object that moves untracked, per displacement.
+inline constexpr double kUntrackedDrift = 0.05;
 
-/// Where the robot's site holds an object to be, and how surely.
-struct KnownPlace {
+/// The robot site's estimate of an object's pose, with its uncertainty.
+struct PoseEstimate {
   Pose T_base_object;
-  double sigma = 0.0;      ///< along one axis [m]
-  bool is_current = true;  ///< false: it moves, and was last seen some time before
+  double std = 0.0;        ///< along one axis [m]
+  bool is_current = true;  ///< false: it is moving, and was last tracked some time before
 };
 
-/// All that the robot's site knows of one object.
+/// The robot site's state of one object.
 class RobotObject {
  public:
   RobotObject(const TeleopObject& object, const BodyPhysics& assumed, const MonitorOptions& monitor,
-              const SwitchOptions& gate, std::optional<double> force_ceiling, double tool_radius,
-              double start);
+              const SwitchOptions& correction_options, std::optional<double> force_ceiling,
+              double tool_radius, double start);
 
-  /// Takes in the frames up to `t` [s].
-  void look(double t);
+  /// Processes the frames up to `t` [s].
+  void update_tracking(double t);
   [[nodiscard]] Reach reach(const Eigen::Vector3d& p_base_tip) const;
-  /// Whether the camera alone has shown it moving lately.
+  /// Whether it moves according to the camera alone.
   [[nodiscard]] bool is_seen_moving() const { return is_seen_moving_; }
   [[nodiscard]] bool is_lost(double t) const;
 
-  /// Its place at a sample's instant: the latest frame, carried on by the object's way since, and
-  /// while the tip presses, the face where force and contact law say it is, weighted by variances.
-  /// What the touch told stays true until the camera sees the object move.
-  [[nodiscard]] KnownPlace place_at(const TouchSample& sample);
-  /// [vx vy omega] as known now.
+  /// Its pose at a sample's time: the latest frame, extrapolated by the object's displacement
+  /// since, and during contact fused with the face's position by force and contact law, weighted by
+  /// the inverse variances. The correction by contact is kept until the camera sees the object
+  /// move.
+  [[nodiscard]] PoseEstimate estimate_pose(const TouchSample& sample);
+  /// Current estimate of [vx vy omega].
   [[nodiscard]] Eigen::Vector3d twist() const;
 
-  /// The physics in use at this site: what was learned, completed.
+  /// The physics used at this site: identified parameters, completed by defaults.
   [[nodiscard]] BodyPhysics physics() const;
 
   PhaseMonitor monitor;
   ObjectLearner learner;
-  CorrectionSwitch gate;
-  ObjectParameters told;  ///< what the operator's site has for certain
-  struct OnItsWay {
+  CorrectionSwitch correction_switch;
+  ObjectParameters acknowledged;  ///< parameters that the operator's site has confirmed
+  struct InFlight {
     std::uint8_t sequence = 0;
     ObjectParameters parameters;
   };
-  std::optional<OnItsWay> on_its_way = {};
+  std::optional<InFlight> in_flight = {};
   std::uint8_t sequence = 0;
-  /// Another object moved along: the force is not this one's alone.
+  /// Another object moved with it: the force does not act on this one alone.
   bool is_shared = false;
   double last_learned = -1e300;  ///< [s]
-  double learn_at = 1e300;       ///< [s] next time that something new may be there
-  double withstood_since = 1e300;
+  double learn_at = 1e300;       ///< [s] next time to identify
+  double above_limit_since = 1e300;
 
   [[nodiscard]] const TeleopObject& source() const { return *source_; }
 
  private:
-  [[nodiscard]] double way_since_frame(double t) const;
+  [[nodiscard]] double displacement_since_frame(double t) const;
 
   const TeleopObject* source_;
   BodySurface surface_;
-  /// As assumed at the start: its shape does not change on the way, and is dear to find.
+  /// As completed at the start: its shape stays constant, and is expensive to compute.
   std::optional<LimitSurface> limit_surface_;
   double tool_radius_;
-  std::size_t frames_ = 0;  ///< looked at
+  std::size_t frames_ = 0;  ///< processed
   TrackedPose latest_;
-  double turn_rate_ = 0.0;  ///< [rad/s]
+  double yaw_rate_ = 0.0;  ///< [rad/s]
   bool is_seen_moving_ = false;
   double frame_interval_ = 0.033;
-  Eigen::Vector3d touched_offset_ = Eigen::Vector3d::Zero();  ///< tracked to touched place [m]
-  double touched_sigma_ = 0.0;                                ///< [m]; 0: never touched here
+  Eigen::Vector3d touched_offset_ =
+      Eigen::Vector3d::Zero();  ///< from the tracked position to that by contact [m]
+  double touched_std_ = 0.0;    ///< [m]; 0: not touched at this pose
 };
 
 }  // namespace pcavr

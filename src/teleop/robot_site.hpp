@@ -21,67 +21,67 @@
 
 namespace pcavr {
 
-/// What the operator's site predicted lately, by instant and object: the commands' companions.
+/// The operator site's recent predictions by time and object, as received with its commands.
 class PredictionLog {
  public:
   PredictionLog(double start, double step, std::size_t objects)
       : start_(start), step_(step), objects_(objects) {}
   void append(const Prediction& prediction) { rows_.push_back(prediction); }
-  /// The one for the cycle that ended nearest to `t`; the first or last outside. Throws
-  /// ContractError where it was forgotten.
+  /// The prediction of the cycle that ended nearest to `t`; the first or last one outside. Throws
+  /// ContractError if it was discarded.
   [[nodiscard]] const Prediction& at(double t, std::size_t object) const;
-  /// What was predicted for instants before `t` will not be asked for again.
-  void forget_before(double t);
+  /// Predictions for times before `t` will not be requested again.
+  void discard_before(double t);
 
  private:
   double start_;
   double step_;
   std::size_t objects_;
-  std::size_t forgotten_ = 0;     ///< cycles
-  std::vector<Prediction> rows_;  ///< cycle by cycle, in it object by object
+  std::size_t discarded_ = 0;     ///< cycles
+  std::vector<Prediction> rows_;  ///< by cycle, then by object
   [[nodiscard]] std::size_t cycle_at(double t) const;
 };
 
-/// The site at which things happen: watches force, tip and tracking, learns, compares with what the
-/// operator's site predicted for the same instants, and says what has to be corrected.
+/// The robot's site: measures force, tip and tracking, identifies parameters online, compares with
+/// the operator site's predictions for the same times, and sends corrections.
 class RobotSite {
  public:
-  /// Keeps references to all that is given; they must outlive it.
+  /// Keeps references to the arguments, which must outlive it.
   RobotSite(const TeleopInput& input, const TeleopOptions& options, const TipMotion& tip,
             ForceSignal& force, const InputFindings& findings,
             const std::vector<BodyPhysics>& physics, double start);
 
-  /// All that can be known at `now` [s]; `log` reaches to then. What is to be sent comes back.
+  /// Processes all data available at `now` [s]; `log` covers it. Returns the corrections to send.
   [[nodiscard]] std::vector<CorrectionMessage> advance(double now, const PredictionLog& log);
 
   [[nodiscard]] const std::vector<RobotObject>& objects() const { return objects_; }
-  /// Those that came up since the last call.
+  /// The rows since the last call.
   [[nodiscard]] std::vector<ForceRow> take_forces() { return std::exchange(forces_, {}); }
-  /// No instant before this one will be asked of the log again [s].
-  [[nodiscard]] double looks_back_to() const;
+  /// No prediction before this time will be requested from the log again [s].
+  [[nodiscard]] double oldest_needed() const;
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   void note_bytes(std::size_t sent) { sent_bytes_ += sent; }
   [[nodiscard]] std::size_t streaming_bytes() const { return streaming_bytes_; }
 
  private:
-  void take_sample(std::size_t index, const PredictionLog& log);
-  void take_instant(const TouchSample& sample, const PredictionLog& log);
+  void process_sample(std::size_t index, const PredictionLog& log);
+  void process_time(const TouchSample& sample, const PredictionLog& log);
   [[nodiscard]] std::optional<std::size_t> attribute(const TouchSample& sample,
                                                      std::vector<Reach>& reaches);
-  void follow_bias(const TouchSample& sample, const std::vector<Reach>& reaches);
-  void look(double t);
-  void confirm(RobotObject& object, const Prediction& prediction);
-  void watch_limit(RobotObject& object, const TouchSample& sample);
+  void estimate_bias(const TouchSample& sample, const std::vector<Reach>& reaches);
+  void update_tracking(double t);
+  void acknowledge(RobotObject& object, const Prediction& prediction);
+  void check_static_limit(RobotObject& object, const TouchSample& sample);
   void plan_learning(RobotObject& object, MotionPhase before, bool was_touched, double t);
   void learn(RobotObject& object, double t);
   void record_force(const TouchSample& sample, const Eigen::Vector3d& clean_base,
                     const PredictionLog& log);
-  void judge(std::size_t index, const TouchSample& sample, const Prediction& prediction);
+  void compare(std::size_t index, const TouchSample& sample, const Prediction& prediction);
   [[nodiscard]] std::optional<CorrectionMessage> compose(std::size_t index, CorrectionCase which,
                                                          const TouchSample& sample,
-                                                         const KnownPlace& place, double gap,
+                                                         const PoseEstimate& estimate, double gap,
                                                          bool operator_slides);
-  void see_without_force(double t);
+  void update_from_camera(double t);
   void note_once(const std::string& text);
 
   const TeleopInput& input_;
@@ -95,7 +95,7 @@ class RobotSite {
   std::vector<std::string> notes_;
   std::vector<CorrectionMessage> outgoing_;
   std::size_t next_sample_ = 0;
-  double next_look_ = 0.0;
+  double next_camera_update_ = 0.0;
   Eigen::Vector3d bias_base_ = Eigen::Vector3d::Zero();
   double bias_since_ = 0.0;
   std::size_t far_samples_ = 0;

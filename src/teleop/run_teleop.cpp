@@ -23,16 +23,16 @@ namespace pcavr {
 namespace {
 
 constexpr double kStep = 0.001;           // [s] the operator's cycle
-constexpr std::size_t kMaxObjects = 255;  // a message names its object by one byte
-// An offset between clocks is taken off where it is beyond doubt and matters.
+constexpr std::size_t kMaxObjects = 255;  // a message has one byte for its object's index
+// A clock offset is corrected if it is statistically significant and large enough.
 constexpr double kOffsetSigmas = 3.0;
-constexpr double kLongGap = 0.2;         // [s] without a frame of an object
-constexpr double kSameInstant = 5e-7;    // [s] half the last digit that is written
-constexpr double kShortest = 0.008;      // [s] of a phase
-constexpr double kForceOffset = 0.005;   // [s]
-constexpr double kCameraOffset = 0.020;  // [s]
+constexpr double kMinTrackingGap = 0.2;      // [s] without a frame of an object
+constexpr double kTimeTolerance = 5e-7;      // [s] half the last digit in files
+constexpr double kMinPhaseDuration = 0.008;  // [s]
+constexpr double kMinForceOffset = 0.005;    // [s]
+constexpr double kMinCameraOffset = 0.020;   // [s]
 
-void require_sound(const TeleopInput& input, const TeleopOptions& options) {
+void require_valid(const TeleopInput& input, const TeleopOptions& options) {
   PCAVR_REQUIRE(input.t_tool.size() == input.p_base_tip.size());
   PCAVR_REQUIRE(input.t_force.size() == input.force_base.size());
   PCAVR_REQUIRE(input.tool_radius > 0.0, input.tool_radius);
@@ -43,31 +43,29 @@ void require_sound(const TeleopInput& input, const TeleopOptions& options) {
 }
 
 Error too_many_objects(std::size_t count) {
-  return {.message = "there are " + std::to_string(count) +
-                     " movable objects, and a message can "
-                     "name " +
+  return {.message = std::to_string(count) + " movable objects exceed the limit of " +
                      std::to_string(kMaxObjects),
           .file = "scene.yaml",
           .place = "objects",
-          .hint = "split the scene, or mark those that stay as movable: false"};
+          .hint = "split the scene, or set movable: false for objects that do not move"};
 }
 
-bool matters(const std::optional<TimeOffset>& offset, double least) {
-  return offset && std::abs(offset->offset) > std::max(kOffsetSigmas * offset->deviation, least);
+bool is_significant(const std::optional<TimeOffset>& offset, double min_offset) {
+  return offset && std::abs(offset->offset) > std::max(kOffsetSigmas * offset->std, min_offset);
 }
 
-std::string late(const char* what, const TimeOffset& offset) {
+std::string offset_note(const char* what, const TimeOffset& offset) {
   char text[128];
-  std::snprintf(text, sizeof text, "%s comes %.0f +- %.0f ms late by its stamps: taken off", what,
-                1e3 * offset.offset, 1e3 * offset.deviation);
+  std::snprintf(text, sizeof text, "%s lags by %.0f +- %.0f ms by its stamps: corrected", what,
+                1e3 * offset.offset, 1e3 * offset.std);
   return text;
 }
 
-/// What the sites know of the world, with the camera's offset taken off; the tool's clock counts.
-/// Without the series of tool and force. Nothing where the input serves as it is.
+/// The input on the tool's clock, with the camera's offset subtracted, and without the series of
+/// tool and force. Empty if the input needs no correction.
 std::optional<TeleopInput> on_one_clock(const TeleopInput& input, const InputFindings& findings,
                                         std::vector<std::string>& notes) {
-  if (!matters(findings.tool_to_camera, kCameraOffset)) return std::nullopt;
+  if (!is_significant(findings.tool_to_camera, kMinCameraOffset)) return std::nullopt;
   TeleopInput result;
   result.objects = input.objects;
   result.static_mesh_base = input.static_mesh_base;
@@ -75,7 +73,7 @@ std::optional<TeleopInput> on_one_clock(const TeleopInput& input, const InputFin
   for (TeleopObject& object : result.objects) {
     for (TrackedPose& pose : object.tracked) pose.t -= findings.tool_to_camera->offset;
   }
-  notes.push_back(late("tracking", *findings.tool_to_camera));
+  notes.push_back(offset_note("tracking", *findings.tool_to_camera));
   return result;
 }
 
@@ -85,17 +83,17 @@ struct Span {
 };
 
 Span span_of(const TipMotion& tip) {
-  // A stamp's rounding may not cost the last cycle: far from zero it is some 1e-6 of one.
+  // A stamp's rounding must not drop the last cycle: far from zero it is some 1e-6 of one.
   constexpr double kRounding = 1e-5;
   const double cycles = (tip.t.back() - tip.t.front()) / kStep;
   return {tip.t.front(), static_cast<std::size_t>(std::floor(cycles + kRounding))};
 }
 
-/// The operator's phases of one object, as they change.
+/// Phase changes of one object at the operator's site.
 using Changes = std::vector<MonitoredPhase>;
 
-/// What the operator's site shows after one cycle, which ended at `t`; the first stands for the
-/// start, too.
+/// Records the operator site's result of one cycle, which ended at `t`; the first one also gives
+/// the phases at the start.
 Expected<void> show(const OperatorSite& site, const Span& span, double t, const TeleopSink& sink,
                     std::vector<Changes>& phases, PredictionLog& log) {
   for (std::size_t i = 0; i < phases.size(); ++i) {
@@ -106,31 +104,31 @@ Expected<void> show(const OperatorSite& site, const Span& span, double t, const 
     } else if (phases[i].back().phase != prediction.phase) {
       phases[i].push_back({t, prediction.phase});
     }
-    const Expected<void> taken = sink.take_shown(i, {site.now(), site.shown(i).T_base_object});
-    if (!taken) return taken;
+    const Expected<void> stored = sink.take_shown(i, {site.now(), site.shown(i).T_base_object});
+    if (!stored) return stored;
   }
   return {};
 }
 
-/// A command on its way to the robot's site, by the instant that it is for.
+/// A command in flight to the robot's site.
 struct Command {
   double arrival = 0.0;  ///< [s]
-  double t = 0.0;        ///< [s]
+  double t = 0.0;        ///< [s] of its execution
 };
 
-/// Takes what has come by `now`, or all of it, and returns the newest.
-std::optional<double> newest_by(double now, bool all, std::deque<Command>& on_the_way) {
+/// Removes the commands that have arrived by `now`, or all, and returns the newest one's time.
+std::optional<double> newest_by(double now, bool all, std::deque<Command>& in_flight) {
   std::optional<double> newest;
-  while (!on_the_way.empty() && (all || on_the_way.front().arrival <= now)) {
-    newest = on_the_way.front().t;
-    on_the_way.pop_front();
+  while (!in_flight.empty() && (all || in_flight.front().arrival <= now)) {
+    newest = in_flight.front().t;
+    in_flight.pop_front();
   }
   return newest;
 }
 
 Expected<void> send(const CorrectionMessage& message, double now, double epoch, Link& link,
                     OperatorSite& site, RobotSite& robot, const TeleopSink& sink, TeleopRun& run) {
-  // What is found out about the time before the sites began holds from their begin.
+  // A correction for a time before the simulation applies from its start.
   CorrectionMessage sendable = message;
   sendable.t = std::max(message.t, epoch);
   std::vector<std::uint8_t> bytes = encode(sendable, epoch);
@@ -144,17 +142,18 @@ Expected<void> send(const CorrectionMessage& message, double now, double epoch, 
   robot.note_bytes(bytes.size());
   const std::optional<double> arrival = link.arrival(now);
   sent.is_lost = !arrival;
-  if (arrival) site.expect(*arrival, std::move(bytes));
+  if (arrival) site.enqueue(*arrival, std::move(bytes));
   ++run.sent_corrections;
   return sink.take_correction(sent);
 }
 
-/// Without stretches shorter than 8 ms, which join what was before, as the format has it; the first
-/// joins what comes after.
+/// Merges phases shorter than 8 ms into the one before, as the file format requires; the first into
+/// the one after.
 Changes merged(const Changes& changes) {
   Changes result;
   for (std::size_t i = 0; i < changes.size(); ++i) {
-    const bool is_short = i + 1 < changes.size() && changes[i + 1].t - changes[i].t < kShortest;
+    const bool is_short =
+        i + 1 < changes.size() && changes[i + 1].t - changes[i].t < kMinPhaseDuration;
     if (is_short) continue;
     if (result.empty() || result.back().phase != changes[i].phase) result.push_back(changes[i]);
   }
@@ -162,7 +161,7 @@ Changes merged(const Changes& changes) {
   return result;
 }
 
-/// Both sites' phases merged into rows that each state both.
+/// Both sites' phases merged into rows with both.
 std::vector<PhaseRow> phase_rows(std::size_t object, const Changes& measured,
                                  const Changes& predicted) {
   std::vector<PhaseRow> rows;
@@ -174,24 +173,23 @@ std::vector<PhaseRow> phase_rows(std::size_t object, const Changes& measured,
     const double next_p = p + 1 < predicted.size() ? predicted[p + 1].t : 1e300;
     row.t = std::min(next_m, next_p);
     if (row.t == 1e300) return rows;
-    if (next_m < row.t + kSameInstant) row.measured = measured[++m].phase;
-    if (next_p < row.t + kSameInstant) row.predicted = predicted[++p].phase;
+    if (next_m < row.t + kTimeTolerance) row.measured = measured[++m].phase;
+    if (next_p < row.t + kTimeTolerance) row.predicted = predicted[++p].phase;
   }
 }
 
-/// Where the camera lost an object: what was shown then was prediction, and how far it may be off.
+/// Notes the times without tracking of an object, and the uncertainty of the prediction after them.
 void note_gaps(const TeleopObject& object, TeleopRun& run) {
   for (std::size_t i = 1; i < object.tracked.size(); ++i) {
     const TrackedPose& before = object.tracked[i - 1];
     const TrackedPose& after = object.tracked[i];
-    if (after.t - before.t < kLongGap) continue;
-    const double way = translation_distance(before.T_base_object, after.T_base_object);
+    if (after.t - before.t < kMinTrackingGap) continue;
+    const double distance = translation_distance(before.T_base_object, after.T_base_object);
     char text[160];
-    std::snprintf(
-        text, sizeof text,
-        " was not seen from %.2f to %.2f s: prediction went on alone, and its uncertainty "
-        "grew to %.1f mm",
-        before.t, after.t, 1e3 * (before.position_sigma + kUnseenShare * way));
+    std::snprintf(text, sizeof text,
+                  " was not tracked from %.2f to %.2f s: predicted without corrections, with an "
+                  "uncertainty of up to %.1f mm",
+                  before.t, after.t, 1e3 * (before.position_std + kUntrackedDrift * distance));
     run.notes.push_back(object.name + text);
   }
 }
@@ -202,11 +200,12 @@ void note_unseen(const TeleopInput& input, const RobotSite& robot, TeleopRun& ru
     note_gaps(object, run);
     if (object.tracked.empty()) {
       run.notes.push_back(object.name +
-                          " was never tracked: its place is the scene's, carried on "
-                          "by what was felt");
+                          " was never tracked: its pose is that of the scene, updated "
+                          "by contact only");
     }
     if (robot.objects()[i].monitor.changes().size() == 1) {
-      run.notes.push_back(object.name + " was never touched: nothing could be learned of it");
+      run.notes.push_back(object.name +
+                          " was never touched: none of its parameters could be identified");
     }
   }
 }
@@ -224,15 +223,14 @@ void finish(const TeleopInput& input, const RobotSite& robot, const OperatorSite
   run.streaming_bytes = robot.streaming_bytes();
   if (site.late() > 0) {
     run.notes.push_back(
-        "corrections that came too late, further back than the prediction remembers, and were left "
-        "out: " +
+        "corrections discarded because they came too late for the prediction's history: " +
         std::to_string(site.late()));
   }
   run.notes.insert(run.notes.end(), robot.notes().begin(), robot.notes().end());
   note_unseen(input, robot, run);
 }
 
-/// Both sites, cycle by cycle.
+/// Simulates both sites cycle by cycle.
 class Session {
  public:
   Session(const TeleopInput& world, const TeleopOptions& options, const TipMotion& tip,
@@ -262,24 +260,24 @@ class Session {
  private:
   Expected<void> step(std::size_t k, TeleopRun& run) {
     const double t = span_.start + kStep * static_cast<double>(k);
-    // The command for t was given a forward delay ago; jitter holds it, and those behind it, up.
+    // The command for t was sent a forward delay ago; jitter delays it and those after it.
     const double wall = t - options_.forward_delay;
     site_.step(wall, command_.at(k));
     const Expected<void> shown = show(site_, span_, t, sink_, predicted_, log_);
     if (!shown) return shown;
-    on_the_way_.push_back({*forward_.arrival(t), t});
-    const std::optional<double> heard = newest_by(t, k == span_.cycles, on_the_way_);
-    if (!heard) return {};
-    for (const CorrectionMessage& message : robot_.advance(*heard, log_)) {
+    in_flight_.push_back({*forward_.arrival(t), t});
+    const std::optional<double> received = newest_by(t, k == span_.cycles, in_flight_);
+    if (!received) return {};
+    for (const CorrectionMessage& message : robot_.advance(*received, log_)) {
       const Expected<void> sent =
           send(message, t, span_.start, backward_, site_, robot_, sink_, run);
       if (!sent) return sent;
     }
     for (const ForceRow& row : robot_.take_forces()) {
-      const Expected<void> taken = sink_.take_force(row);
-      if (!taken) return taken;
+      const Expected<void> stored = sink_.take_force(row);
+      if (!stored) return stored;
     }
-    log_.forget_before(robot_.looks_back_to());
+    log_.discard_before(robot_.oldest_needed());
     return {};
   }
 
@@ -293,22 +291,22 @@ class Session {
   Link backward_;
   Link forward_;
   PredictionLog log_;
-  std::deque<Command> on_the_way_;
+  std::deque<Command> in_flight_;
   std::vector<Changes> predicted_;
 };
 
-/// A sink that keeps everything.
-TeleopSink keeping_sink(TeleopRun& kept) {
-  return {.take_shown = [&kept](std::size_t object, const ShownPose& shown) -> Expected<void> {
-            kept.shown[object].push_back(shown);
+/// A sink that stores everything.
+TeleopSink storing_sink(TeleopRun& stored) {
+  return {.take_shown = [&stored](std::size_t object, const ShownPose& shown) -> Expected<void> {
+            stored.shown[object].push_back(shown);
             return {};
           },
-          .take_force = [&kept](const ForceRow& row) -> Expected<void> {
-            kept.forces.push_back(row);
+          .take_force = [&stored](const ForceRow& row) -> Expected<void> {
+            stored.forces.push_back(row);
             return {};
           },
-          .take_correction = [&kept](const SentCorrection& sent) -> Expected<void> {
-            kept.corrections.push_back(sent);
+          .take_correction = [&stored](const SentCorrection& sent) -> Expected<void> {
+            stored.corrections.push_back(sent);
             return {};
           }};
 }
@@ -317,25 +315,25 @@ TeleopSink keeping_sink(TeleopRun& kept) {
 
 Expected<TeleopRun> run_teleop(const TeleopInput& input, const TeleopOptions& options,
                                const Observer& observer) {
-  TeleopRun kept;
-  kept.shown.resize(input.objects.size());
-  Expected<TeleopRun> run = run_teleop(input, options, keeping_sink(kept), observer);
+  TeleopRun stored;
+  stored.shown.resize(input.objects.size());
+  Expected<TeleopRun> run = run_teleop(input, options, storing_sink(stored), observer);
   if (!run) return run;
-  run->shown = std::move(kept.shown);
-  run->forces = std::move(kept.forces);
-  run->corrections = std::move(kept.corrections);
+  run->shown = std::move(stored.shown);
+  run->forces = std::move(stored.forces);
+  run->corrections = std::move(stored.corrections);
   return run;
 }
 
 Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions& options,
                                const TeleopSink& sink, const Observer& observer) {
-  require_sound(recorded, options);
+  require_valid(recorded, options);
   if (recorded.objects.size() > kMaxObjects) return too_many_objects(recorded.objects.size());
   TeleopRun run;
   run.shown.resize(recorded.objects.size());
   const TipMotion tip = clean_tip(recorded);
   if (recorded.objects.empty() || tip.t.size() < 2 || span_of(tip).cycles == 0) {
-    run.notes.emplace_back("nothing was predicted: no object to push, or no tool motion");
+    run.notes.emplace_back("nothing was predicted: no movable object, or no tool motion");
     run.parameters.resize(recorded.objects.size());
     run.assumed.resize(recorded.objects.size());
     return run;
@@ -347,9 +345,9 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
   run.tool_to_camera = findings.tool_to_camera;
   const std::optional<TeleopInput> shifted = on_one_clock(recorded, findings, run.notes);
   const TeleopInput& world = shifted ? *shifted : recorded;
-  const bool is_force_late = matters(findings.tool_to_force, kForceOffset);
+  const bool is_force_late = is_significant(findings.tool_to_force, kMinForceOffset);
   const double force_late = is_force_late ? findings.tool_to_force->offset : 0.0;
-  if (is_force_late) run.notes.push_back(late("the force", *findings.tool_to_force));
+  if (is_force_late) run.notes.push_back(offset_note("the force", *findings.tool_to_force));
   ForceSignal force(recorded, tip, force_late);
 
   std::vector<BodyPhysics> physics;

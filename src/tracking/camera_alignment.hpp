@@ -15,13 +15,13 @@
 
 namespace pcavr::tracking {
 
-/// A point of the model that was found again in the frame's colour image.
+/// A landmark of the model that was matched in the frame's colour image.
 struct FeatureMatch {
   Eigen::Vector3d p_model;   ///< [m]
-  Eigen::Vector2d ray;       ///< where it was found, undistorted, on the plane z = 1
-  std::size_t landmark = 0;  ///< whose it is
-  /// What the lens makes of small offsets from `ray`: with distortion, pixels are not of one size.
-  Eigen::Matrix2d lens = Eigen::Matrix2d::Identity();
+  Eigen::Vector2d ray;       ///< of the match, undistorted, on the plane z = 1
+  std::size_t landmark = 0;  ///< index of the landmark
+  /// Derivative of the lens distortion at `ray`: converts small offsets on z = 1 to distorted ones.
+  Eigen::Matrix2d lens_jacobian = Eigen::Matrix2d::Identity();
 };
 
 struct AlignmentInput {
@@ -36,32 +36,32 @@ struct AlignmentInput {
   Pose T_depth_color = {};
 };
 
-/// How a frame lies against a model, and how well they agree.
+/// Pose of a frame in a model, and the quality of the fit.
 struct Alignment {
   Pose T_model_frame;
-  Matrix6d information = Matrix6d::Zero();  ///< of T * exp([v; w]), correlated noise allowed for
+  Matrix6d information = Matrix6d::Zero();  ///< of T * exp([v; w]); accounts for correlated noise
   int surface_in_view = 0;            ///< cells of the frame that fall onto the model's surface
-  int surface_matched = 0;            ///< of these, the ones that lie on it within the noise
+  int surface_matched = 0;            ///< inliers: of these, the ones within the noise
   double surface_rms = 0.0;           ///< point to plane, of the matched cells [m]
   double overlap = 0.0;               ///< surface_in_view over the frame's cells
-  int features = 0;                   ///< offered
-  int features_matched = 0;           ///< of these, the ones that agree with the pose
-  std::vector<std::size_t> agreeing;  ///< landmarks found where the pose puts them
-  std::vector<std::size_t> straying;  ///< landmarks found elsewhere
+  int features = 0;                   ///< all matches
+  int features_matched = 0;           ///< inliers of the final pose
+  std::vector<std::size_t> inliers;   ///< landmarks consistent with the pose
+  std::vector<std::size_t> outliers;  ///< the other matched landmarks
 
-  /// The frame was placed: well conditioned, and what it shows agrees with the model.
-  [[nodiscard]] bool is_sound() const;
+  /// Whether the pose can be used: well conditioned, and enough inliers.
+  [[nodiscard]] bool is_valid() const;
 };
 
-/// Robust Gauss-Newton on the point-to-plane distances of all cells with projective association
-/// [Newcombe et al. 2011 (KinectFusion), eq. 16 to 24] and the reprojections of the features
-/// together, from `start`. The same bits for any Parallelism.
+/// Point-to-plane ICP with projective data association [Newcombe et al. 2011 (KinectFusion), eq. 16
+/// to 24] on all cells, together with the reprojection errors of the features, by robust
+/// Gauss-Newton (IRLS) from `start`. Bitwise identical for any Parallelism.
 [[nodiscard]] Alignment align(const AlignmentInput& input, const Pose& start,
                               Parallelism parallelism);
 
-/// The pose that the features alone ask for, from `start`, the scale of outliers brought down in
-/// steps from `coarsest_pixels`; a start for align.
+/// The pose from the features alone, from `start`, by graduated non-convexity: the scale of the
+/// robust loss is reduced in steps from `initial_scale` [px]. An initial guess for align.
 [[nodiscard]] Pose align_features(const AlignmentInput& input, const Pose& start,
-                                  double coarsest_pixels);
+                                  double initial_scale);
 
 }  // namespace pcavr::tracking

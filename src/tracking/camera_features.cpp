@@ -10,19 +10,19 @@
 namespace pcavr::tracking {
 namespace {
 
-// The image is cut into tiles, each with its own quota: what moves may have the best corners, but
-// it doesn't have all of them.
+// The image is divided into tiles, each with its own maximum: a moving object may have the best
+// corners, but does not get all of them.
 constexpr int kTile = 128;           // [px]
 constexpr int kCornersPerTile = 12;  // 240 in an image of 640x480
 constexpr int kBucket = 16;          // [px]; one corner in each, so that windows overlap little
-constexpr int kBlock = 5;            // [px]; edge of the square that a corner is judged by
+constexpr int kBlock = 5;            // [px]; window of the corner score
 
-// Root mean square of the gradient along a corner's weaker direction, so that noise of two or
-// three gray levels is no corner [gray levels / px].
+// Threshold on the rms gradient along a corner's weaker direction, so that noise of two or three
+// gray levels is not detected as a corner [gray levels / px].
 constexpr double kMinGradient = 3.0;
 
 const cv::Size kWindow(17, 17);  // [px]
-constexpr int kTopLevel = 3;     // an eighth of the resolution: offsets to some 60 px
+constexpr int kMaxLevel = 3;     // an eighth of the resolution: displacements to some 60 px
 
 bool is_smooth(const CellGrid& grid, const Surface& surface, const cv::Point& pixel) {
   const int x = pixel.x / grid.pixels;
@@ -37,8 +37,9 @@ struct Corner {
 };
 
 /// The strongest corner of each bucket of a tile, where the surface is smooth.
-std::vector<Corner> bucket_corners(const cv::Mat& strength, const cv::Rect& tile, float weakest,
-                                   const CellGrid& grid, const Surface& surface) {
+std::vector<Corner> bucket_corners(const cv::Mat& strength, const cv::Rect& tile,
+                                   float min_strength, const CellGrid& grid,
+                                   const Surface& surface) {
   std::vector<Corner> corners;
   for (int y = tile.y; y < tile.br().y; y += kBucket) {
     for (int x = tile.x; x < tile.br().x; x += kBucket) {
@@ -47,7 +48,7 @@ std::vector<Corner> bucket_corners(const cv::Mat& strength, const cv::Rect& tile
       cv::Point at;
       cv::minMaxLoc(strength(bucket), nullptr, &best, nullptr, &at);
       at += bucket.tl();
-      if (best < double{weakest} || !is_smooth(grid, surface, at)) continue;
+      if (best < double{min_strength} || !is_smooth(grid, surface, at)) continue;
       corners.push_back({static_cast<float>(best), at});
     }
   }
@@ -56,8 +57,8 @@ std::vector<Corner> bucket_corners(const cv::Mat& strength, const cv::Rect& tile
 
 }  // namespace
 
-cv::Mat gray_of(const ColorImage& color) {
-  // OpenCV has no read-only header; the pixels are only read.
+cv::Mat to_gray_mat(const ColorImage& color) {
+  // cv::Mat has no const data pointer; the pixels are only read.
   const cv::Mat rgb(color.height(), color.width(), CV_8UC3,
                     const_cast<Rgb8*>(color.pixels().data()));
   cv::Mat gray;
@@ -67,7 +68,7 @@ cv::Mat gray_of(const ColorImage& color) {
 
 Pyramid make_pyramid(const cv::Mat& gray, bool with_derivatives) {
   Pyramid pyramid;
-  cv::buildOpticalFlowPyramid(gray, pyramid, kWindow, kTopLevel, with_derivatives);
+  cv::buildOpticalFlowPyramid(gray, pyramid, kWindow, kMaxLevel, with_derivatives);
   return pyramid;
 }
 
@@ -78,12 +79,12 @@ std::vector<cv::Point2f> find_corners(const cv::Mat& gray, const CellGrid& grid,
   // OpenCV scales Sobel's gradient (8 for one gray level a pixel) by 1 / (4 * block * 255), and
   // sums its squares over the block.
   const double gradient = kMinGradient * 8.0 / (4.0 * kBlock * 255.0);
-  const auto weakest = static_cast<float>(kBlock * kBlock * gradient * gradient);
+  const auto min_strength = static_cast<float>(kBlock * kBlock * gradient * gradient);
   std::vector<cv::Point2f> corners;
   for (int y = 0; y < gray.rows; y += kTile) {
     for (int x = 0; x < gray.cols; x += kTile) {
       const cv::Rect tile = cv::Rect(x, y, kTile, kTile) & cv::Rect({0, 0}, gray.size());
-      std::vector<Corner> found = bucket_corners(strength, tile, weakest, grid, surface);
+      std::vector<Corner> found = bucket_corners(strength, tile, min_strength, grid, surface);
       const auto kept = std::min<std::size_t>(found.size(), kCornersPerTile);
       std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(kept),
                         found.end(),
@@ -105,10 +106,10 @@ std::vector<Landmark> make_landmarks(const std::vector<cv::Point2f>& corners, co
   return landmarks;
 }
 
-std::vector<FeatureMatch> find_landmarks(const Pyramid& model,
-                                         const std::vector<Landmark>& landmarks,
-                                         const Pyramid& frame, const Pose& T_model_color,
-                                         const CameraModel& camera) {
+std::vector<FeatureMatch> track_landmarks(const Pyramid& model,
+                                          const std::vector<Landmark>& landmarks,
+                                          const Pyramid& frame, const Pose& T_model_color,
+                                          const CameraModel& camera) {
   const Pose T_color_model = T_model_color.inverse();
   std::vector<cv::Point2f> before;
   std::vector<cv::Point2f> after;
@@ -127,14 +128,14 @@ std::vector<FeatureMatch> find_landmarks(const Pyramid& model,
   if (before.empty()) return matches;
   std::vector<std::uint8_t> found;
   cv::calcOpticalFlowPyrLK(
-      model, frame, before, after, found, cv::noArray(), kWindow, kTopLevel,
+      model, frame, before, after, found, cv::noArray(), kWindow, kMaxLevel,
       cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 20, 0.02),
       cv::OPTFLOW_USE_INITIAL_FLOW, 1e-3);
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const Eigen::Vector2d pixel(after[i].x, after[i].y);
     if (found[i] == 0 || !camera.contains(pixel)) continue;
     FeatureMatch match{landmarks[indices[i]].p_model, camera.normalise(pixel), indices[i]};
-    (void)camera.distortion.distort(match.ray, &match.lens);
+    (void)camera.distortion.distort(match.ray, &match.lens_jacobian);
     matches.push_back(match);
   }
   return matches;

@@ -16,34 +16,34 @@ namespace pcavr::tracking {
 
 using Pyramid = std::vector<cv::Mat>;
 
-[[nodiscard]] cv::Mat gray_of(const ColorImage& color);
+[[nodiscard]] cv::Mat to_gray_mat(const ColorImage& color);
 
-/// As optical flow wants it; with derivatives where it is to be searched for again and again.
+/// Image pyramid for optical flow; with derivatives if it is the template of many searches.
 [[nodiscard]] Pyramid make_pyramid(const cv::Mat& gray, bool with_derivatives);
 
-/// Corners [Shi & Tomasi 1994] where the surface is smooth, spread over the image [px].
+/// Corners [Shi & Tomasi 1994] where the surface is smooth, distributed over the image [px].
 [[nodiscard]] std::vector<cv::Point2f> find_corners(const cv::Mat& gray, const CellGrid& grid,
                                                     const Surface& surface);
 
-/// A corner of a keyframe and the point that it shows.
+/// A corner of a keyframe and its 3D point.
 struct Landmark {
   cv::Point2f pixel;
   Eigen::Vector3d p_model;  ///< [m]
-  int strayed = 0;          ///< how many frames in a row contradicted it
+  int outlier_frames = 0;   ///< consecutive frames in which it was an outlier
 };
 
-/// `T_depth_color` is the keyframe's own; corners without a surface under them are left out.
+/// `T_depth_color` is that of the keyframe; corners without a surface are left out.
 [[nodiscard]] std::vector<Landmark> make_landmarks(const std::vector<cv::Point2f>& corners,
                                                    const CellGrid& grid, const Surface& surface,
                                                    const CameraModel& camera,
                                                    const Pose& T_depth_color);
 
-/// Finds landmarks again by pyramidal optical flow [Lucas & Kanade 1981; Bouguet 2001] from where
-/// the predicted pose of the frame's colour camera puts them.
-[[nodiscard]] std::vector<FeatureMatch> find_landmarks(const Pyramid& model,
-                                                       const std::vector<Landmark>& landmarks,
-                                                       const Pyramid& frame,
-                                                       const Pose& T_model_color,
-                                                       const CameraModel& camera);
+/// Tracks landmarks by pyramidal optical flow (KLT) [Lucas & Kanade 1981; Bouguet 2001], starting
+/// at their projections with the predicted pose of the frame's colour camera.
+[[nodiscard]] std::vector<FeatureMatch> track_landmarks(const Pyramid& model,
+                                                        const std::vector<Landmark>& landmarks,
+                                                        const Pyramid& frame,
+                                                        const Pose& T_model_color,
+                                                        const CameraModel& camera);
 
 }  // namespace pcavr::tracking

@@ -13,18 +13,18 @@
 namespace pcavr::tracking {
 namespace {
 
-// A keyframe serves until the view has changed by one unit of view_change.
-constexpr double kBaseline = 0.15;                          // of the mean depth
-constexpr double kAngle = 12.0 * std::numbers::pi / 180.0;  // [rad]
-constexpr double kNear = 0.7;                               // an old keyframe is taken up again
+// A keyframe is used until the view has changed by one unit of view_change.
+constexpr double kMaxBaseline = 0.15;                          // of the mean depth
+constexpr double kMaxAngle = 12.0 * std::numbers::pi / 180.0;  // [rad]
+constexpr double kMaxReuseChange = 0.7;  // view change up to which an old keyframe is reused
 constexpr double kMinOverlap = 0.65;
-constexpr double kMinLandmarks = 0.35;  // of the keyframe's
+constexpr double kMinLandmarkRatio = 0.35;  // of the keyframe's landmarks
 
-// Motion is carried forward at most this long: a hand changes its mind [s].
-constexpr double kMaxPrediction = 0.2;
+// Limit of the constant-velocity prediction: a hand-held camera accelerates [s].
+constexpr double kMaxPredictionTime = 0.2;
 
-// A frame that shows less surface than a tenth of the image is no model for others.
-constexpr std::size_t kMinShare = 10;
+// A keyframe needs surface in at least 1 / kMinSurfaceDivisor of the image.
+constexpr std::size_t kMinSurfaceDivisor = 10;
 
 double mean_depth(const InverseDepth& cells) {
   double sum = 0.0;
@@ -38,31 +38,33 @@ double mean_depth(const InverseDepth& cells) {
 }
 
 double view_change(const Pose& T_keyframe_frame, double depth) {
-  return T_keyframe_frame.translation().norm() / (kBaseline * depth) +
-         rotation_distance(Pose(), T_keyframe_frame) / kAngle;
+  return T_keyframe_frame.translation().norm() / (kMaxBaseline * depth) +
+         rotation_distance(Pose(), T_keyframe_frame) / kMaxAngle;
 }
 
-/// The picture on the depth image's grid.
-cv::Mat gray_of_depth_grid(const RgbdFrame& frame) {
+/// The colour image in grey, resampled to the depth image's grid.
+cv::Mat gray_on_depth_grid(const RgbdFrame& frame) {
   const int width = frame.depth.width();
   const int height = frame.depth.height();
-  if (frame.color.width() == width && frame.color.height() == height) return gray_of(frame.color);
-  return gray_of(color_on_grid(frame.color, width, height));
+  if (frame.color.width() == width && frame.color.height() == height)
+    return to_gray_mat(frame.color);
+  return to_gray_mat(color_on_grid(frame.color, width, height));
 }
 
-/// Landmarks that keep straying lie on something that moves.
-void drop_strays(const Alignment& alignment, ActiveModel& model) {
-  constexpr int kPatience = 3;  // frames
-  for (const std::size_t i : alignment.agreeing) model.landmarks[i].strayed = 0;
-  for (const std::size_t i : alignment.straying) ++model.landmarks[i].strayed;
-  std::erase_if(model.landmarks,
-                [](const Landmark& landmark) { return landmark.strayed >= kPatience; });
+/// Removes landmarks that are outliers in several consecutive frames: they lie on a moving object.
+void remove_outliers(const Alignment& alignment, ActiveModel& model) {
+  constexpr int kMaxOutlierFrames = 3;
+  for (const std::size_t i : alignment.inliers) model.landmarks[i].outlier_frames = 0;
+  for (const std::size_t i : alignment.outliers) ++model.landmarks[i].outlier_frames;
+  std::erase_if(model.landmarks, [](const Landmark& landmark) {
+    return landmark.outlier_frames >= kMaxOutlierFrames;
+  });
 }
 
-bool shows_surface(const FrameView& view) {
+bool has_enough_surface(const FrameView& view) {
   const auto filled = static_cast<std::size_t>(std::count_if(
       view.inverse_depth.begin(), view.inverse_depth.end(), [](float w) { return w > 0.0F; }));
-  return filled * kMinShare >= view.inverse_depth.size();
+  return filled * kMinSurfaceDivisor >= view.inverse_depth.size();
 }
 
 }  // namespace
@@ -71,43 +73,43 @@ CameraFrontEnd::CameraFrontEnd(const CameraModel& camera, const DepthNoise& nois
     : sensor_{camera, noise, CellGrid(camera)} {}
 
 double CameraFrontEnd::tracking_rms() const {
-  return aligned_ > 0 ? std::sqrt(squares_ / aligned_) : 0.0;
+  return aligned_ > 0 ? std::sqrt(sum_squares_ / aligned_) : 0.0;
 }
 
 FrameRecord& CameraFrontEnd::add(const RgbdFrame& frame, const MaskImage& is_dynamic,
                                  Parallelism parallelism) {
-  const double color_lag = to_seconds(frame.color_stamp - frame.depth_stamp);
+  const double color_delay = to_seconds(frame.color_stamp - frame.depth_stamp);
   FrameView view;
   view.inverse_depth = cell_inverse_depth(sensor_.grid, frame.depth, is_dynamic, sensor_.noise);
-  view.gray = gray_of_depth_grid(frame);
+  view.gray = gray_on_depth_grid(frame);
   view.pyramid = make_pyramid(view.gray, false);
-  view.T_depth_color = Pose::exp(velocity_ * color_lag);
+  view.T_depth_color = Pose::exp(velocity_ * color_delay);
   FrameRecord& record = records_.emplace_back();
   record.index = frame.index;
   record.stamp = frame.depth_stamp;
   record.T_depth_color = view.T_depth_color;
-  if (follow(view, record, parallelism) || relocalise(view, record, parallelism)) return record;
+  if (track(view, record, parallelism) || relocalise(view, record, parallelism)) return record;
   velocity_.setZero();
-  if (shows_surface(view)) {
-    // Perhaps the first frame of a new stretch; if the next ones don't follow it, it stays alone.
+  if (has_enough_surface(view)) {
+    // The first frame of a new segment; if no later frame aligns to it, it remains the only one.
     make_keyframe(view, record, next_segment_++, Pose());
   }
   return record;
 }
 
 Pose CameraFrontEnd::predict(Stamp stamp) const {
-  const double ahead = to_seconds(stamp - last_->stamp);
-  if (ahead > kMaxPrediction) return last_->T_keyframe_frame;
-  return last_->T_keyframe_frame * Pose::exp(velocity_ * ahead);
+  const double elapsed = to_seconds(stamp - last_->stamp);
+  if (elapsed > kMaxPredictionTime) return last_->T_keyframe_frame;
+  return last_->T_keyframe_frame * Pose::exp(velocity_ * elapsed);
 }
 
-bool CameraFrontEnd::follow(const FrameView& view, FrameRecord& record, Parallelism parallelism) {
+bool CameraFrontEnd::track(const FrameView& view, FrameRecord& record, Parallelism parallelism) {
   if (!active_ || !last_) return false;
   Alignment alignment = match(sensor_, *active_, view, predict(record.stamp), parallelism);
-  if (!alignment.is_sound()) {
+  if (!alignment.is_valid()) {
     alignment = match(sensor_, *active_, view, last_->T_keyframe_frame, parallelism);
   }
-  if (!alignment.is_sound()) return false;
+  if (!alignment.is_valid()) return false;
   accept(view, alignment, record);
   choose_keyframe(view, alignment, record, parallelism);
   return true;
@@ -116,7 +118,7 @@ bool CameraFrontEnd::follow(const FrameView& view, FrameRecord& record, Parallel
 void CameraFrontEnd::accept(const FrameView& view, const Alignment& alignment,
                             FrameRecord& record) {
   record.links.push_back({active_->keyframe, alignment.T_model_frame, alignment.information});
-  squares_ += alignment.surface_rms * alignment.surface_rms;
+  sum_squares_ += alignment.surface_rms * alignment.surface_rms;
   ++aligned_;
   if (last_) {
     const double elapsed = to_seconds(record.stamp - last_->stamp);
@@ -125,11 +127,11 @@ void CameraFrontEnd::accept(const FrameView& view, const Alignment& alignment,
     }
   }
   last_ = Placed{alignment.T_model_frame, record.stamp};
-  drop_strays(alignment, *active_);
+  remove_outliers(alignment, *active_);
   Keyframe& keyframe = keyframes_[active_->keyframe];
   fuse(sensor_.grid, active_->surface, view.inverse_depth, alignment.T_model_frame, sensor_.noise,
        keyframe.model);
-  // Noise goes down with the square root of the frames: worth the work when they have doubled.
+  // Noise decreases with the square root of the frames: refresh only when their number has doubled.
   const int frames = keyframe.model.frames;
   if ((frames & (frames - 1)) == 0 && frames <= 32) refresh(sensor_, keyframe, *active_);
 }
@@ -137,27 +139,28 @@ void CameraFrontEnd::accept(const FrameView& view, const Alignment& alignment,
 void CameraFrontEnd::choose_keyframe(const FrameView& view, const Alignment& alignment,
                                      FrameRecord& record, Parallelism parallelism) {
   const double depth = mean_depth(view.inverse_depth);
-  const bool is_enough = view_change(alignment.T_model_frame, depth) < 1.0 &&
-                         alignment.overlap > kMinOverlap &&
-                         alignment.features_matched >= kMinLandmarks * alignment.features;
-  if (is_enough || !shows_surface(view)) return;
+  const bool is_similar = view_change(alignment.T_model_frame, depth) < 1.0 &&
+                          alignment.overlap > kMinOverlap &&
+                          alignment.features_matched >= kMinLandmarkRatio * alignment.features;
+  if (is_similar || !has_enough_surface(view)) return;
   const int segment = keyframes_[active_->keyframe].segment;
   const Pose T_segment_frame =
       keyframes_[active_->keyframe].T_segment_keyframe * alignment.T_model_frame;
+  // Loop closure: an old keyframe that shows the place is reused.
   if (const auto old = nearest_keyframe(T_segment_frame, segment, depth)) {
     ActiveModel model = activate(sensor_, keyframes_, *old);
-    const Alignment again =
+    const Alignment closure =
         match(sensor_, model, view, keyframes_[*old].T_segment_keyframe.inverse() * T_segment_frame,
               parallelism);
-    if (again.is_sound() && again.overlap > kMinOverlap) {
-      record.links.push_back({*old, again.T_model_frame, again.information});
-      switch_to(std::move(model), again.T_model_frame, record.stamp);
+    if (closure.is_valid() && closure.overlap > kMinOverlap) {
+      record.links.push_back({*old, closure.T_model_frame, closure.information});
+      switch_to(std::move(model), closure.T_model_frame, record.stamp);
       return;
     }
   }
   make_keyframe(view, record, segment, T_segment_frame);
   if (segment != keyframes_.front().segment) {
-    // A stretch that lost its link to the first one looks for it at each new keyframe.
+    // A segment not connected to the first one tries to relocalise at each new keyframe.
     (void)relocalise(view, record, parallelism);
   }
 }
@@ -165,7 +168,7 @@ void CameraFrontEnd::choose_keyframe(const FrameView& view, const Alignment& ali
 std::optional<std::size_t> CameraFrontEnd::nearest_keyframe(const Pose& T_segment_frame,
                                                             int segment, double depth) const {
   std::optional<std::size_t> best;
-  double best_change = kNear;
+  double best_change = kMaxReuseChange;
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
     if (keyframes_[k].segment != segment || k == active_->keyframe) continue;
     const double change =
@@ -203,17 +206,18 @@ bool CameraFrontEnd::relocalise(const FrameView& view, FrameRecord& record,
                                 Parallelism parallelism) {
   const bool is_keyframe = !keyframes_.empty() && keyframes_.back().record + 1 == records_.size();
   const int segment = is_keyframe ? keyframes_.back().segment : -1;
-  for (const RelocalisationStart& start :
-       find_relocalisation_starts(sensor_, keyframes_, view, segment)) {
-    ActiveModel model = activate(sensor_, keyframes_, start.keyframe);
-    const Alignment alignment = match(sensor_, model, view, start.T_keyframe_frame, parallelism);
-    if (!alignment.is_sound()) continue;
-    record.links.push_back({start.keyframe, alignment.T_model_frame, alignment.information});
+  for (const RelocalisationCandidate& candidate :
+       find_relocalisation_candidates(sensor_, keyframes_, view, segment)) {
+    ActiveModel model = activate(sensor_, keyframes_, candidate.keyframe);
+    const Alignment alignment =
+        match(sensor_, model, view, candidate.T_keyframe_frame, parallelism);
+    if (!alignment.is_valid()) continue;
+    record.links.push_back({candidate.keyframe, alignment.T_model_frame, alignment.information});
     if (is_keyframe) {
       const Pose T_into_frame =
-          keyframes_[start.keyframe].T_segment_keyframe * alignment.T_model_frame;
-      join_segments(segment, keyframes_[start.keyframe].segment,
-                    T_into_frame * keyframes_.back().T_segment_keyframe.inverse());
+          keyframes_[candidate.keyframe].T_segment_keyframe * alignment.T_model_frame;
+      merge_segments(segment, keyframes_[candidate.keyframe].segment,
+                     T_into_frame * keyframes_.back().T_segment_keyframe.inverse());
     } else {
       velocity_.setZero();
       switch_to(std::move(model), alignment.T_model_frame, record.stamp);
@@ -223,7 +227,7 @@ bool CameraFrontEnd::relocalise(const FrameView& view, FrameRecord& record,
   return false;
 }
 
-void CameraFrontEnd::join_segments(int from, int into, const Pose& T_into_from) {
+void CameraFrontEnd::merge_segments(int from, int into, const Pose& T_into_from) {
   for (Keyframe& keyframe : keyframes_) {
     if (keyframe.segment != from) continue;
     keyframe.segment = into;

@@ -11,13 +11,14 @@
 
 namespace pcavr::tracking {
 
-/// Follows the camera from frame to frame against keyframes, and says how each frame lies against
-/// them. Knows nothing of base. Not thread-safe.
+/// SLAM front end: tracks the camera from frame to frame against keyframes and gives each frame's
+/// pose relative to them, with loop closures and relocalisation. Does not use base tags. Not
+/// thread-safe.
 class CameraFrontEnd {
  public:
   CameraFrontEnd(const CameraModel& camera, const DepthNoise& noise);
 
-  /// Aligns the frame and appends its record; a record without links is a lost frame's.
+  /// Aligns the frame and appends its record; the record of a lost frame has no links.
   FrameRecord& add(const RgbdFrame& frame, const MaskImage& is_dynamic, Parallelism parallelism);
 
   [[nodiscard]] const Sensor& sensor() const { return sensor_; }
@@ -32,7 +33,7 @@ class CameraFrontEnd {
   };
 
   [[nodiscard]] Pose predict(Stamp stamp) const;
-  [[nodiscard]] bool follow(const FrameView& view, FrameRecord& record, Parallelism parallelism);
+  [[nodiscard]] bool track(const FrameView& view, FrameRecord& record, Parallelism parallelism);
   [[nodiscard]] bool relocalise(const FrameView& view, FrameRecord& record,
                                 Parallelism parallelism);
   void accept(const FrameView& view, const Alignment& alignment, FrameRecord& record);
@@ -43,7 +44,7 @@ class CameraFrontEnd {
   [[nodiscard]] std::optional<std::size_t> nearest_keyframe(const Pose& T_segment_frame,
                                                             int segment, double depth) const;
   void switch_to(ActiveModel model, const Pose& T_keyframe_frame, Stamp stamp);
-  void join_segments(int from, int into, const Pose& T_into_from);
+  void merge_segments(int from, int into, const Pose& T_into_from);
 
   Sensor sensor_;
   std::vector<Keyframe> keyframes_;
@@ -52,7 +53,7 @@ class CameraFrontEnd {
   std::optional<Placed> last_;            ///< in the active keyframe
   Vector6d velocity_ = Vector6d::Zero();  ///< [v; w] per second, in camera axes
   int next_segment_ = 0;
-  double squares_ = 0.0;  ///< of point-to-plane distances, by frame
+  double sum_squares_ = 0.0;  ///< of the frames' point-to-plane rms
   int aligned_ = 0;
 };
 

@@ -15,15 +15,16 @@
 namespace pcavr::tracking {
 namespace {
 
-/// Not SuiteSparse: its BLAS adds in an order that differs from run to run, in the last bits.
+/// Not SuiteSparse: the summation order of its BLAS differs from run to run, hence the last bits.
 constexpr ceres::SparseLinearAlgebraLibraryType kSparseLibrary = ceres::EIGEN_SPARSE;
 
-// Beyond so many standard deviations a residual counts less and less [Cauchy].
-constexpr double kCornerLoss = 3.0;
+// Scales of the robust losses, in standard deviations. Cauchy's loss is redescending and so rejects
+// outliers.
+constexpr double kCornerLossScale = 3.0;
 
-constexpr double kPriorLoss = 3.0;
-// Links were checked frame by frame: they bend, but don't let go [Huber].
-constexpr double kLinkLoss = 3.0;
+constexpr double kPriorLossScale = 3.0;
+// Huber's loss: links were validated frame by frame, so they keep their influence.
+constexpr double kLinkLossScale = 3.0;
 
 /// qx qy qz qw, tx ty tz: of T_base_node.
 using Block = std::array<double, 7>;
@@ -52,6 +53,7 @@ Eigen::Matrix<T, 6, 1> pose_error(const Pose& measured, const Eigen::Quaternion<
   return error;
 }
 
+/// Relative pose error of a link (between factor).
 struct LinkError {
   Pose T_a_b;
   Matrix6d root_information;
@@ -71,16 +73,16 @@ struct LinkError {
 
 struct PriorError {
   Pose T_base_node;
-  double position_sigma = 0.0;
-  double rotation_sigma = 0.0;
+  double position_std = 0.0;
+  double rotation_std = 0.0;
 
   template <typename T>
   bool operator()(const T* node, T* residual) const {
     const Eigen::Matrix<T, 6, 1> error =
         pose_error<T>(T_base_node, Rotation<T>(node), Position<T>(node + 4));
     for (int i = 0; i < 3; ++i) {
-      residual[i] = error(i) / position_sigma;
-      residual[i + 3] = error(i + 3) / rotation_sigma;
+      residual[i] = error(i) / position_std;
+      residual[i + 3] = error(i + 3) / rotation_std;
     }
     return true;
   }
@@ -90,8 +92,8 @@ struct CornerError {
   Pose T_color_node;
   Eigen::Vector3d p_base;
   Eigen::Vector2d ray;
-  Eigen::Matrix2d lens;
-  double scale = 0.0;  ///< focal length over sigma
+  Eigen::Matrix2d lens_jacobian;
+  double scale = 0.0;  ///< focal length over corner std
 
   template <typename T>
   bool operator()(const T* node, T* residual) const {
@@ -102,8 +104,8 @@ struct CornerError {
     if (p.z() < T(1e-3)) return false;
     const T x = p.x() / p.z() - ray.x();
     const T y = p.y() / p.z() - ray.y();
-    residual[0] = scale * (lens(0, 0) * x + lens(0, 1) * y);
-    residual[1] = scale * (lens(1, 0) * x + lens(1, 1) * y);
+    residual[0] = scale * (lens_jacobian(0, 0) * x + lens_jacobian(0, 1) * y);
+    residual[1] = scale * (lens_jacobian(1, 0) * x + lens_jacobian(1, 1) * y);
     return true;
   }
 };
@@ -111,14 +113,14 @@ struct CornerError {
 }  // namespace
 
 struct PoseGraph::Problem {
-  /// One array that never moves: Ceres orders the covariance's blocks by their addresses, and the
-  /// last bits of the sums follow that order.
+  /// Never reallocated: Ceres orders the covariance's blocks by their addresses, and the last bits
+  /// of the sums depend on that order.
   std::vector<Block> blocks;
 
   ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>> manifold;
-  ceres::CauchyLoss corner_loss{kCornerLoss};
-  ceres::HuberLoss link_loss{kLinkLoss};
-  ceres::CauchyLoss prior_loss{kPriorLoss};
+  ceres::CauchyLoss corner_loss{kCornerLossScale};
+  ceres::HuberLoss link_loss{kLinkLossScale};
+  ceres::CauchyLoss prior_loss{kPriorLossScale};
   ceres::Problem ceres{options()};
 
   static ceres::Problem::Options options() {
@@ -155,17 +157,17 @@ void PoseGraph::add_corners(const CornerFactor& corners) {
   for (std::size_t i = 0; i < 4; ++i) {
     problem_->ceres.AddResidualBlock(
         new ceres::AutoDiffCostFunction<CornerError, 2, 7>(
-            new CornerError{T_color_node, corners.p_base[i], corners.rays[i], corners.lens[i],
-                            corners.focal_length / corners.sigma}),
+            new CornerError{T_color_node, corners.p_base[i], corners.rays[i],
+                            corners.lens_jacobians[i], corners.focal_length / corners.corner_std}),
         &problem_->corner_loss, problem_->blocks[corners.node].data());
   }
 }
 
-void PoseGraph::add_prior(std::size_t node, const Pose& T_base_node, double position_sigma,
-                          double rotation_sigma) {
-  PCAVR_REQUIRE(position_sigma > 0.0 && rotation_sigma > 0.0, position_sigma, rotation_sigma);
+void PoseGraph::add_prior(std::size_t node, const Pose& T_base_node, double position_std,
+                          double rotation_std) {
+  PCAVR_REQUIRE(position_std > 0.0 && rotation_std > 0.0, position_std, rotation_std);
   problem_->ceres.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorError, 6, 7>(
-                                       new PriorError{T_base_node, position_sigma, rotation_sigma}),
+                                       new PriorError{T_base_node, position_std, rotation_std}),
                                    &problem_->prior_loss, problem_->blocks[node].data());
 }
 
@@ -173,7 +175,7 @@ void PoseGraph::solve() {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.sparse_linear_algebra_library_type = kSparseLibrary;
-  options.num_threads = 1;  // the same order of summation everywhere
+  options.num_threads = 1;  // deterministic order of summation
   options.max_num_iterations = 50;
   options.function_tolerance = 1e-8;
   options.logging_type = ceres::SILENT;
@@ -187,9 +189,9 @@ const Pose PoseGraph::pose(std::size_t node) const {
           Eigen::Vector3d(block[4], block[5], block[6])};
 }
 
-std::vector<std::optional<NodeSigma>> PoseGraph::sigmas(
+std::vector<std::optional<NodeStd>> PoseGraph::node_stds(
     const std::vector<std::size_t>& nodes) const {
-  std::vector<std::optional<NodeSigma>> sigmas(nodes.size());
+  std::vector<std::optional<NodeStd>> stds(nodes.size());
   std::vector<std::pair<const double*, const double*>> pairs;
   for (const std::size_t node : nodes) {
     const double* block = problem_->blocks[node].data();
@@ -199,16 +201,16 @@ std::vector<std::optional<NodeSigma>> PoseGraph::sigmas(
   options.sparse_linear_algebra_library_type = kSparseLibrary;
   options.num_threads = 1;
   ceres::Covariance covariance(options);
-  if (pairs.empty() || !covariance.Compute(pairs, &problem_->ceres)) return sigmas;
+  if (pairs.empty() || !covariance.Compute(pairs, &problem_->ceres)) return stds;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     Matrix6d tangent;
     const double* block = pairs[i].first;
     if (!covariance.GetCovarianceBlockInTangentSpace(block, block, tangent.data())) continue;
     // The quaternion manifold's tangent is half the rotation vector.
-    sigmas[i] = NodeSigma{std::sqrt(tangent.bottomRightCorner<3, 3>().trace()),
-                          2.0 * std::sqrt(tangent.topLeftCorner<3, 3>().trace())};
+    stds[i] = NodeStd{std::sqrt(tangent.bottomRightCorner<3, 3>().trace()),
+                      2.0 * std::sqrt(tangent.topLeftCorner<3, 3>().trace())};
   }
-  return sigmas;
+  return stds;
 }
 
 std::array<double, 4> PoseGraph::corner_errors(const CornerFactor& corners) const {
@@ -216,9 +218,10 @@ std::array<double, 4> PoseGraph::corner_errors(const CornerFactor& corners) cons
   std::array<double, 4> errors{};
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d p = T_color_base * corners.p_base[i];
-    errors[i] = p.z() > 0.0 ? corners.focal_length *
-                                  (corners.lens[i] * (p.hnormalized() - corners.rays[i])).norm()
-                            : HUGE_VAL;
+    errors[i] = p.z() > 0.0
+                    ? corners.focal_length *
+                          (corners.lens_jacobians[i] * (p.hnormalized() - corners.rays[i])).norm()
+                    : HUGE_VAL;
   }
   return errors;
 }

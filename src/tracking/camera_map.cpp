@@ -27,11 +27,11 @@ void refresh(const Sensor& sensor, const Keyframe& keyframe, ActiveModel& active
 
 Alignment match(const Sensor& sensor, const ActiveModel& model, const FrameView& frame,
                 const Pose& T_keyframe_frame_predicted, Parallelism parallelism) {
-  // Wrong by this much, a prediction is still mended by the features.
-  constexpr double kCoarsestPixels = 20.0;
+  // Error of the prediction that the features still correct [px].
+  constexpr double kInitialScale = 20.0;
   const std::vector<FeatureMatch> features =
-      find_landmarks(model.pyramid, model.landmarks, frame.pyramid,
-                     T_keyframe_frame_predicted * frame.T_depth_color, sensor.camera);
+      track_landmarks(model.pyramid, model.landmarks, frame.pyramid,
+                      T_keyframe_frame_predicted * frame.T_depth_color, sensor.camera);
   AlignmentInput input;
   input.grid = &sensor.grid;
   input.model = &model.surface;
@@ -41,7 +41,7 @@ Alignment match(const Sensor& sensor, const ActiveModel& model, const FrameView&
   input.has_distortion = sensor.camera.has_distortion();
   input.noise = sensor.noise;
   input.T_depth_color = frame.T_depth_color;
-  const Pose start = align_features(input, T_keyframe_frame_predicted, kCoarsestPixels);
+  const Pose start = align_features(input, T_keyframe_frame_predicted, kInitialScale);
   return align(input, start, parallelism);
 }
 

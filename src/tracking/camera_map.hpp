@@ -16,9 +16,9 @@
 
 namespace pcavr::tracking {
 
-/// A frame that others are aligned to; all that stays of its images.
+/// A frame that others are aligned to; the data kept of its images.
 struct Keyframe {
-  std::size_t record = 0;  ///< its own in the track's frames
+  std::size_t record = 0;  ///< index of its frame record
   int segment = 0;         ///< keyframes of one segment are linked by alignments
   Pose T_segment_keyframe;
   SurfaceModel model;
@@ -27,24 +27,24 @@ struct Keyframe {
   Pose T_depth_color;
 };
 
-/// A measured pose of a frame in a keyframe.
+/// A measured pose of a frame in a keyframe: an edge of the pose graph.
 struct FrameLink {
   std::size_t keyframe = 0;
   Pose T_keyframe_frame;
   Matrix6d information = Matrix6d::Zero();  ///< of [v; w] in the frame's axes
 };
 
-/// What stays of every frame.
+/// Data kept of every frame.
 struct FrameRecord {
   std::size_t index = 0;         ///< in Recording::frames
   Stamp stamp;                   ///< of the depth image
-  std::vector<FrameLink> links;  ///< none: lost
-  Pose T_depth_color;            ///< the colour camera at its stamp, in the depth camera at its own
+  std::vector<FrameLink> links;  ///< empty if lost
+  Pose T_depth_color;            ///< colour camera at its stamp in the depth camera at its stamp
   std::vector<TagDetection> base_tags;
   BodyPose base_from_tags;  ///< in the colour camera
 };
 
-/// A frame's images as alignment wants them.
+/// A frame's images, preprocessed for alignment.
 struct FrameView {
   InverseDepth inverse_depth;
   cv::Mat gray;
@@ -52,7 +52,7 @@ struct FrameView {
   Pose T_depth_color;
 };
 
-/// A keyframe made ready to be aligned to.
+/// A keyframe with the data precomputed for alignment.
 struct ActiveModel {
   std::size_t keyframe = 0;
   Surface surface;
@@ -60,7 +60,7 @@ struct ActiveModel {
   std::vector<Landmark> landmarks;
 };
 
-/// The camera and noise that all alignments share.
+/// Camera and noise model of all alignments.
 struct Sensor {
   CameraModel camera;
   DepthNoise noise;
@@ -70,7 +70,7 @@ struct Sensor {
 [[nodiscard]] ActiveModel activate(const Sensor& sensor, const std::vector<Keyframe>& keyframes,
                                    std::size_t keyframe);
 
-/// Brings surface and landmarks up to date with what the keyframe's model has taken in.
+/// Recomputes surface and landmarks after frames were fused into the keyframe's model.
 void refresh(const Sensor& sensor, const Keyframe& keyframe, ActiveModel& active);
 
 /// Aligns a frame to a keyframe: optical flow from the predicted pose, then surface and features

@@ -8,17 +8,17 @@
 
 namespace pcavr::tracking {
 
-/// A keyframe that may show the same place, and roughly how the frame lies in it.
-struct RelocalisationStart {
+/// A keyframe that may show the same place, with an approximate pose of the frame in it.
+struct RelocalisationCandidate {
   std::size_t keyframe = 0;
   Pose T_keyframe_frame;
 };
 
-/// Looks for the frame's place among the keyframes that are not of `segment_left_out`, by ORB
-/// features [Rublee et al. 2011] and their points in space, best first. To be checked by an
-/// alignment.
-[[nodiscard]] std::vector<RelocalisationStart> find_relocalisation_starts(
+/// Relocalisation and loop closure: matches the frame to keyframes outside `excluded_segment` by
+/// ORB features [Rublee et al. 2011] and RANSAC on their 3D points, best first. To be verified by
+/// an alignment.
+[[nodiscard]] std::vector<RelocalisationCandidate> find_relocalisation_candidates(
     const Sensor& sensor, const std::vector<Keyframe>& keyframes, const FrameView& view,
-    int segment_left_out);
+    int excluded_segment);
 
 }  // namespace pcavr::tracking

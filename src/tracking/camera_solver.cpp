@@ -15,17 +15,17 @@
 namespace pcavr::tracking {
 namespace {
 
-// Corner errors from one viewpoint are alike (blur, shading, print): more looks than these from
-// where the camera stands still add nothing.
-constexpr double kIndependentLooks = 8.0;
+// Corner errors from one viewpoint are correlated (blur, shading, print): more observations than
+// these from one place add no information.
+constexpr double kMaxIndependentObservations = 8.0;
 
-// A corner further off than this is counted as rejected; the loss has let it go by then.
-constexpr double kRejectedCorner = 6.0;  // [sigma]
+// A corner with a larger error counts as rejected; the robust loss leaves it little weight.
+constexpr double kCornerRejectionThreshold = 6.0;  // [std]
 
-// Where the covariance could not be had: no claim is made.
-constexpr NodeSigma kUnknown{HUGE_VAL, HUGE_VAL};
+// If the covariance could not be computed.
+constexpr NodeStd kUnknownStd{HUGE_VAL, HUGE_VAL};
 
-struct InSegment {
+struct SegmentPose {
   int segment = -1;
   Pose T_segment_camera;
 };
@@ -36,8 +36,8 @@ class TrackSolver {
       : input_(input), graph_(std::max<std::size_t>(1, input.records->size())) {}
 
   CameraTrack solve() {
-    locate();
-    anchor();
+    locate_in_segments();
+    anchor_segments();
     track_.is_fixed_camera = is_fixed();
     track_.is_fixed_camera ? build_fixed() : build_moving();
     graph_.solve();
@@ -54,31 +54,31 @@ class TrackSolver {
   const std::vector<FrameRecord>& records() const { return *input_.records; }
   const std::vector<Keyframe>& keyframes() const { return *input_.keyframes; }
 
-  void locate();
-  void anchor();
+  void locate_in_segments();
+  void anchor_segments();
   [[nodiscard]] bool is_fixed() const;
   [[nodiscard]] bool is_anchored(std::size_t r) const;
   void build_fixed();
   void build_moving();
-  void measure_tags(std::size_t r, std::size_t node, double looks);
-  void measure_pose(std::size_t r, std::size_t node, double looks);
+  void add_tag_corners(std::size_t r, std::size_t node, double observations);
+  void add_pose_prior(std::size_t r, std::size_t node, double observations);
   void report_corners();
   void place_fixed();
   void place_moving();
-  [[nodiscard]] std::vector<NodeSigma> node_sigmas() const;
+  [[nodiscard]] std::vector<NodeStd> node_stds() const;
 
   const SolverInput& input_;
   CameraTrack track_;
   PoseGraph graph_;
   std::vector<CornerFactor> corners_;
-  std::vector<InSegment> located_;                 ///< by record
+  std::vector<SegmentPose> located_;               ///< by record
   std::map<int, Pose> T_base_segment_;             ///< of the anchored segments
   std::vector<std::optional<std::size_t>> nodes_;  ///< by record
   std::size_t node_count_ = 0;
 };
 
-/// Where each frame lies in its segment. A frame that stands alone, but sees base, is a segment.
-void TrackSolver::locate() {
+/// Sets each frame's pose in its segment. An unlinked frame that shows base is its own segment.
+void TrackSolver::locate_in_segments() {
   located_.assign(records().size(), {});
   std::vector<int> members(keyframes().size(), 0);
   int next_segment = 0;
@@ -98,15 +98,15 @@ void TrackSolver::locate() {
   }
 }
 
-void TrackSolver::anchor() {
-  std::map<int, std::vector<AnchorSight>> sights;
+void TrackSolver::anchor_segments() {
+  std::map<int, std::vector<AnchorObservation>> observations;
   for (std::size_t r = 0; r < records().size(); ++r) {
     if (located_[r].segment < 0) continue;
-    sights[located_[r].segment].push_back({located_[r].T_segment_camera, &records()[r]});
+    observations[located_[r].segment].push_back({located_[r].T_segment_camera, &records()[r]});
   }
-  for (const auto& [segment, seen] : sights) {
+  for (const auto& [segment, of_segment] : observations) {
     const auto T_base_segment =
-        anchor_segment(seen, *input_.base_tags, *input_.groundtruth, *input_.color_camera);
+        anchor_segment(of_segment, *input_.base_tags, *input_.groundtruth, *input_.color_camera);
     if (T_base_segment) T_base_segment_[segment] = *T_base_segment;
   }
 }
@@ -115,9 +115,9 @@ bool TrackSolver::is_anchored(std::size_t r) const {
   return located_[r].segment >= 0 && T_base_segment_.contains(located_[r].segment);
 }
 
-/// All frames of the one anchored segment stand where the first one stood.
+/// Whether there is one anchored segment and no frame of it moved relative to the first.
 bool TrackSolver::is_fixed() const {
-  constexpr double kTypicalDepth = 1.0;  // [m]; turns an angle into a motion of what is seen
+  constexpr double kTypicalDepth = 1.0;  // [m]; converts an angle to a displacement of the scene
   std::optional<std::size_t> first;
   int frames = 0;
   for (std::size_t r = 0; r < records().size(); ++r) {
@@ -128,17 +128,20 @@ bool TrackSolver::is_fixed() const {
         located_[*first].T_segment_camera.inverse() * located_[r].T_segment_camera;
     const double motion = T_first_frame.translation().norm() +
                           kTypicalDepth * rotation_distance(Pose(), T_first_frame);
-    if (motion > input_.options.fixed_camera_motion) return false;
+    if (motion > input_.options.max_fixed_camera_motion) return false;
     ++frames;
   }
   return frames > 1;
 }
 
-/// How much wider to take a measurement that is one of `looks` from the same place.
-double inflation(double looks) { return std::sqrt(std::max(1.0, looks / kIndependentLooks)); }
+/// Factor on the standard deviation of a measurement that is one of `observations` from the same
+/// place.
+double std_inflation(double observations) {
+  return std::sqrt(std::max(1.0, observations / kMaxIndependentObservations));
+}
 
 /// Adds the base tags of frame `r` to a node.
-void TrackSolver::measure_tags(std::size_t r, std::size_t node, double looks) {
+void TrackSolver::add_tag_corners(std::size_t r, std::size_t node, double observations) {
   const FrameRecord& record = records()[r];
   for (const TagDetection& tag : record.base_tags) {
     const auto p_base = corners_in_base(*input_.base_tags, tag.id);
@@ -149,27 +152,28 @@ void TrackSolver::measure_tags(std::size_t r, std::size_t node, double looks) {
     factor.p_base = *p_base;
     for (std::size_t i = 0; i < 4; ++i) {
       factor.rays[i] = input_.color_camera->normalise(tag.corners[i]);
-      (void)input_.color_camera->distortion.distort(factor.rays[i], &factor.lens[i]);
+      (void)input_.color_camera->distortion.distort(factor.rays[i], &factor.lens_jacobians[i]);
     }
     factor.focal_length = input_.color_camera->fx;
-    factor.sigma = input_.options.corner_sigma * inflation(looks);
+    factor.corner_std = input_.options.corner_std * std_inflation(observations);
     graph_.add_corners(factor);
     corners_.push_back(factor);
   }
 }
 
-/// Adds the pose that groundtruth gives for frame `r`, if it does, to a node.
-void TrackSolver::measure_pose(std::size_t r, std::size_t node, double looks) {
+/// Adds the groundtruth pose of frame `r`, if there is one, to a node.
+void TrackSolver::add_pose_prior(std::size_t r, std::size_t node, double observations) {
   if (const auto given = input_.groundtruth->at(records()[r].stamp)) {
-    graph_.add_prior(node, *given, input_.options.groundtruth_position_sigma * inflation(looks),
-                     input_.options.groundtruth_rotation_sigma * inflation(looks));
+    graph_.add_prior(node, *given,
+                     input_.options.groundtruth_position_std * std_inflation(observations),
+                     input_.options.groundtruth_rotation_std * std_inflation(observations));
   }
 }
 
 void TrackSolver::build_fixed() {
-  double looks = 0.0;
+  double observations = 0.0;
   for (std::size_t r = 0; r < records().size(); ++r) {
-    if (is_anchored(r) && !records()[r].base_tags.empty()) looks += 1.0;
+    if (is_anchored(r) && !records()[r].base_tags.empty()) observations += 1.0;
   }
   for (std::size_t r = 0; r < records().size(); ++r) {
     if (!is_anchored(r)) continue;
@@ -177,12 +181,13 @@ void TrackSolver::build_fixed() {
       node_count_ = 1 + graph_.add_node(T_base_segment_.at(located_[r].segment) *
                                         located_[r].T_segment_camera);
     }
-    measure_tags(r, 0, looks);
-    measure_pose(r, 0, static_cast<double>(records().size()));
+    add_tag_corners(r, 0, observations);
+    add_pose_prior(r, 0, static_cast<double>(records().size()));
   }
 }
 
-/// Keyframes and frames with a measurement of their own are nodes; all others hang on a keyframe.
+/// Keyframes and frames with tags or several links are nodes; the others are relative to a
+/// keyframe.
 void TrackSolver::build_moving() {
   nodes_.assign(records().size(), std::nullopt);
   std::vector<bool> is_keyframe(records().size(), false);
@@ -197,9 +202,9 @@ void TrackSolver::build_moving() {
   }
   for (std::size_t r = 0; r < records().size(); ++r) {
     if (!nodes_[r]) continue;
-    measure_tags(r, *nodes_[r], 1.0);
-    // A given pose errs much like the ones before and after it: one a keyframe is enough.
-    if (is_keyframe[r]) measure_pose(r, *nodes_[r], 1.0);
+    add_tag_corners(r, *nodes_[r], 1.0);
+    // Errors of consecutive given poses are correlated: one per keyframe is enough.
+    if (is_keyframe[r]) add_pose_prior(r, *nodes_[r], 1.0);
     for (const FrameLink& link : records()[r].links) {
       const auto keyframe = nodes_[keyframes()[link.keyframe].record];
       if (keyframe) {
@@ -210,19 +215,19 @@ void TrackSolver::build_moving() {
 }
 
 void TrackSolver::report_corners() {
-  double squares = 0.0;
+  double sum_squares = 0.0;
   for (const CornerFactor& factor : corners_) {
     for (const double error : graph_.corner_errors(factor)) {
-      if (error > kRejectedCorner * input_.options.corner_sigma) {
+      if (error > kCornerRejectionThreshold * input_.options.corner_std) {
         ++track_.tag_corners_rejected;
       } else {
         ++track_.tag_corners_used;
-        squares += error * error;
+        sum_squares += error * error;
       }
     }
   }
   if (track_.tag_corners_used > 0) {
-    track_.tag_reprojection_rms = std::sqrt(squares / track_.tag_corners_used);
+    track_.tag_reprojection_rms = std::sqrt(sum_squares / track_.tag_corners_used);
   }
 }
 
@@ -235,22 +240,22 @@ FramePlacement placement_of(const FrameRecord& record) {
 }
 
 void TrackSolver::place_fixed() {
-  const NodeSigma sigma = graph_.sigmas({0}).front().value_or(kUnknown);
+  const NodeStd std_dev = graph_.node_stds({0}).front().value_or(kUnknownStd);
   for (std::size_t r = 0; r < records().size(); ++r) {
     FramePlacement placement = placement_of(records()[r]);
     if (is_anchored(r)) {
       placement.status = PlacementStatus::placed;
       placement.T_base_camera = graph_.pose(0);
-      placement.position_sigma = sigma.position;
-      placement.rotation_sigma = sigma.rotation;
+      placement.position_std = std_dev.position;
+      placement.rotation_std = std_dev.rotation;
     }
     track_.frames.push_back(placement);
   }
 }
 
-/// By node. Inverting the whole information matrix would take time with the square of the frames:
-/// of many nodes some are looked at, and the ones between take the larger of their neighbours'.
-std::vector<NodeSigma> TrackSolver::node_sigmas() const {
+/// By node. Inverting the whole information matrix takes time quadratic in the frames: of many
+/// nodes only some are computed, and the ones between get the larger value of their neighbours.
+std::vector<NodeStd> TrackSolver::node_stds() const {
   constexpr std::size_t kMaxNodes = 200;
   const std::size_t stride = (node_count_ + kMaxNodes - 1) / kMaxNodes;
   std::vector<std::size_t> chosen;
@@ -258,22 +263,22 @@ std::vector<NodeSigma> TrackSolver::node_sigmas() const {
     chosen.push_back(node);
   }
   if (node_count_ > 0 && chosen.back() + 1 != node_count_) chosen.push_back(node_count_ - 1);
-  const std::vector<std::optional<NodeSigma>> found = graph_.sigmas(chosen);
-  std::vector<NodeSigma> sigmas(node_count_);
+  const std::vector<std::optional<NodeStd>> found = graph_.node_stds(chosen);
+  std::vector<NodeStd> stds(node_count_);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    const NodeSigma sigma = found[i].value_or(kUnknown);
-    const NodeSigma before = i > 0 ? found[i - 1].value_or(kUnknown) : sigma;
+    const NodeStd current = found[i].value_or(kUnknownStd);
+    const NodeStd before = i > 0 ? found[i - 1].value_or(kUnknownStd) : current;
     for (std::size_t node = i > 0 ? chosen[i - 1] + 1 : 0; node < chosen[i]; ++node) {
-      sigmas[node] = {std::max(before.position, sigma.position),
-                      std::max(before.rotation, sigma.rotation)};
+      stds[node] = {std::max(before.position, current.position),
+                    std::max(before.rotation, current.rotation)};
     }
-    sigmas[chosen[i]] = sigma;
+    stds[chosen[i]] = current;
   }
-  return sigmas;
+  return stds;
 }
 
-/// Where a frame hangs on a keyframe, its errors add to the keyframe's.
-NodeSigma hanging(const NodeSigma& keyframe, const FrameLink& link) {
+/// Error propagation to a frame relative to a keyframe: the link's covariance adds.
+NodeStd propagate_std(const NodeStd& keyframe, const FrameLink& link) {
   const Matrix6d covariance = link.information.inverse();
   return {
       std::sqrt(keyframe.position * keyframe.position + covariance.topLeftCorner<3, 3>().trace()),
@@ -282,24 +287,24 @@ NodeSigma hanging(const NodeSigma& keyframe, const FrameLink& link) {
 }
 
 void TrackSolver::place_moving() {
-  const std::vector<NodeSigma> sigmas = node_sigmas();
+  const std::vector<NodeStd> stds = node_stds();
   for (std::size_t r = 0; r < records().size(); ++r) {
     FramePlacement placement = placement_of(records()[r]);
     if (located_[r].segment >= 0) placement.status = PlacementStatus::not_anchored;
     if (is_anchored(r)) {
       placement.status = PlacementStatus::placed;
-      NodeSigma sigma;
+      NodeStd std_dev;
       if (nodes_[r]) {
         placement.T_base_camera = graph_.pose(*nodes_[r]);
-        sigma = sigmas[*nodes_[r]];
+        std_dev = stds[*nodes_[r]];
       } else {
         const FrameLink& link = records()[r].links.front();
         const std::size_t node = *nodes_[keyframes()[link.keyframe].record];
         placement.T_base_camera = graph_.pose(node) * link.T_keyframe_frame;
-        sigma = hanging(sigmas[node], link);
+        std_dev = propagate_std(stds[node], link);
       }
-      placement.position_sigma = sigma.position;
-      placement.rotation_sigma = sigma.rotation;
+      placement.position_std = std_dev.position;
+      placement.rotation_std = std_dev.rotation;
     }
     track_.frames.push_back(placement);
   }

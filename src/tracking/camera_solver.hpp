@@ -11,9 +11,9 @@
 
 namespace pcavr::tracking {
 
-/// All that the front end and the tags found out about a recording.
+/// Results of the front end and the tag detection for a recording.
 struct SolverInput {
-  const CameraModel* color_camera = nullptr;  ///< which the tags' corners were found with
+  const CameraModel* color_camera = nullptr;  ///< of the tag detections
   const std::vector<Keyframe>* keyframes = nullptr;
   const std::vector<FrameRecord>* records = nullptr;
   const std::vector<TagPlacement>* base_tags = nullptr;
@@ -21,8 +21,8 @@ struct SolverInput {
   CameraTrackerOptions options = {};
 };
 
-/// Places every frame in base: segments are anchored, all measurements are solved together, and
-/// where the camera never moved one pose is fitted to all of them.
+/// SLAM back end: estimates every frame's pose in base. Anchors the segments and optimises the pose
+/// graph of all measurements; for a fixed camera it fits one pose to all of them.
 [[nodiscard]] CameraTrack solve_track(const SolverInput& input);
 
 }  // namespace pcavr::tracking

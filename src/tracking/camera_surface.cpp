@@ -12,26 +12,26 @@ namespace pcavr::tracking {
 namespace {
 
 // About 160 cells across: point-to-plane alignment gains little from more [Newcombe et al. 2011
-// run the same pyramid], and averages over a cell take out most of the noise.
+// use the same pyramid], and averaging over a cell removes most of the noise.
 constexpr int kCellsAcross = 160;
 
-// A step of more than this between the pixels of a cell is an edge; a plane seen at 80 degrees
-// changes by 4 % over a cell.
+// A larger depth step between the pixels of a cell is an edge (depth discontinuity); a plane seen
+// at 80 degrees changes by 4 % over a cell.
 constexpr float kMaxRelativeStep = 0.04F;
 
-// The model forgets slowly: what a keyframe sees may change.
+// Limit of the running average's weight, so that the model adapts to slow changes.
 constexpr float kMaxWeight = 30.0F;
 
 struct PlaneFit {
   float slope_x = 0.0F;  ///< per cell
   float slope_y = 0.0F;
   float mean = 0.0F;
-  bool is_good = false;
+  bool is_valid = false;
 };
 
-/// Least squares over a square of (2 reach + 1)^2 cells; not good where a cell is empty or the
-/// residuals are larger than `sigma` explains.
-PlaneFit fit_plane(const InverseDepth& w, int width, int x, int y, int reach, float sigma) {
+/// Least squares over a window of (2 reach + 1)^2 cells; invalid if a cell is empty or the
+/// residuals are larger than noise of `noise_std`.
+PlaneFit fit_plane(const InverseDepth& w, int width, int x, int y, int reach, float noise_std) {
   const auto at = [&](int i, int j) {
     return w[static_cast<std::size_t>((y + j) * width + x + i)];
   };
@@ -52,17 +52,17 @@ PlaneFit fit_plane(const InverseDepth& w, int width, int x, int y, int reach, fl
     }
   }
   const auto count = static_cast<float>((2 * reach + 1) * (2 * reach + 1));
-  const float spread = count * static_cast<float>(reach * (reach + 1)) / 3.0F;  // sum of i^2
-  PlaneFit fit{moment_x / spread, moment_y / spread, centre + sum / count, false};
+  const float sum_offsets2 = count * static_cast<float>(reach * (reach + 1)) / 3.0F;  // sum of i^2
+  PlaneFit fit{moment_x / sum_offsets2, moment_y / sum_offsets2, centre + sum / count, false};
   const float residual = sum_squares - sum * sum / count -
-                         spread * (fit.slope_x * fit.slope_x + fit.slope_y * fit.slope_y);
-  fit.is_good = residual < (count - 3.0F) * sigma * sigma;
+                         sum_offsets2 * (fit.slope_x * fit.slope_x + fit.slope_y * fit.slope_y);
+  fit.is_valid = residual < (count - 3.0F) * noise_std * noise_std;
   return fit;
 }
 
-/// Between the centres of four cells; 0 where one of them is empty or outside.
+/// Bilinear interpolation between the centres of four cells; 0 if one of them is empty or outside.
 float interpolate(const InverseDepth& w, const CellGrid& grid, const Eigen::Vector2f& at) {
-  // Before the cast: beside the camera a cell is out of an int's range.
+  // Checked before the cast to int, which overflows for points near the plane z = 0.
   const bool is_inside = at.x() >= 0.0F && at.y() >= 0.0F &&
                          at.x() < static_cast<float>(grid.width() - 1) &&
                          at.y() < static_cast<float>(grid.height() - 1);
@@ -84,7 +84,7 @@ float interpolate(const InverseDepth& w, const CellGrid& grid, const Eigen::Vect
 
 CellGrid::CellGrid(const CameraModel& full)
     : pixels(std::max(1, static_cast<int>(std::lround(full.width / double{kCellsAcross})))),
-      camera(full.shrunk(pixels)) {
+      camera(full.downsampled(pixels)) {
   rays.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
@@ -93,7 +93,7 @@ CellGrid::CellGrid(const CameraModel& full)
       if (!camera.has_distortion()) continue;
       Eigen::Matrix2d jacobian;
       (void)camera.distortion.distort(ray, &jacobian);
-      lens.push_back(jacobian.cast<float>());
+      lens_jacobians.push_back(jacobian.cast<float>());
     }
   }
 }
@@ -110,36 +110,37 @@ InverseDepth cell_inverse_depth(const CellGrid& grid, const DepthImage& depth,
                                 const MaskImage& is_dynamic, const DepthNoise& noise) {
   PCAVR_REQUIRE(is_dynamic.empty() ||
                 (is_dynamic.width() == depth.width() && is_dynamic.height() == depth.height()));
-  const auto nearest = static_cast<float>(noise.nearest);
-  const auto farthest = static_cast<float>(noise.farthest);
+  const auto min_depth = static_cast<float>(noise.min_depth);
+  const auto max_depth = static_cast<float>(noise.max_depth);
   InverseDepth cells(grid.size(), 0.0F);
   const int n = grid.pixels;
   for (int y = 0; y < grid.height(); ++y) {
     for (int x = 0; x < grid.width(); ++x) {
-      float low = farthest;
-      float high = nearest;
+      float low = max_depth;
+      float high = min_depth;
       float sum = 0.0F;
-      bool is_whole = true;
-      for (int j = 0; j < n && is_whole; ++j) {
+      bool is_complete = true;
+      for (int j = 0; j < n && is_complete; ++j) {
         const auto row = depth.row(y * n + j).subspan(static_cast<std::size_t>(x * n),
                                                       static_cast<std::size_t>(n));
         for (const float z : row) {
-          is_whole = is_whole && z >= nearest && z <= farthest;
+          is_complete = is_complete && z >= min_depth && z <= max_depth;
           low = std::min(low, z);
           high = std::max(high, z);
           sum += 1.0F / z;
         }
       }
-      if (!is_whole) continue;
-      const float step = kMaxRelativeStep * low + 6.0F * static_cast<float>(noise.sigma(low));
+      if (!is_complete) continue;
+      const float step = kMaxRelativeStep * low + 6.0F * static_cast<float>(noise.depth_std(low));
       if (high - low > step) continue;
-      bool is_still = true;
+      bool is_static = true;
       if (!is_dynamic.empty()) {
         for (int j = 0; j < n; ++j) {
-          for (int i = 0; i < n; ++i) is_still = is_still && is_dynamic(x * n + i, y * n + j) == 0;
+          for (int i = 0; i < n; ++i)
+            is_static = is_static && is_dynamic(x * n + i, y * n + j) == 0;
         }
       }
-      if (is_still) {
+      if (is_static) {
         cells[static_cast<std::size_t>(y * grid.width() + x)] = sum / static_cast<float>(n * n);
       }
     }
@@ -163,13 +164,14 @@ Surface make_surface(const CellGrid& grid, const InverseDepth& inverse_depth,
       const Eigen::Vector2f ray = grid.rays[cell];
       surface.points[cell] = Eigen::Vector3f(ray.x(), ray.y(), 1.0F) / w;
       if (x < 2 || y < 2 || x >= width - 2 || y >= grid.height() - 2) continue;
-      const float sigma = static_cast<float>(noise.sigma(1.0 / double{w})) * w * w;
-      PlaneFit fit = fit_plane(inverse_depth, width, x, y, 2, sigma);
-      if (!fit.is_good) fit = fit_plane(inverse_depth, width, x, y, 1, sigma);
-      if (!fit.is_good) continue;
+      const float noise_std = static_cast<float>(noise.depth_std(1.0 / double{w})) * w * w;
+      PlaneFit fit = fit_plane(inverse_depth, width, x, y, 2, noise_std);
+      if (!fit.is_valid) fit = fit_plane(inverse_depth, width, x, y, 1, noise_std);
+      if (!fit.is_valid) continue;
       // On a plane 1/z = a x + b y + c, so that (a, b, c) . p = 1: (a, b, c) is its normal.
       Eigen::Vector2f slope(fit.slope_x * step_x, fit.slope_y * step_y);
-      if (!grid.lens.empty()) slope = (grid.lens[cell].transpose() * slope).eval();
+      if (!grid.lens_jacobians.empty())
+        slope = (grid.lens_jacobians[cell].transpose() * slope).eval();
       const float a = slope.x();
       const float b = slope.y();
       const Eigen::Vector3f normal(a, b, fit.mean - a * ray.x() - b * ray.y());
@@ -193,7 +195,7 @@ std::optional<Eigen::Vector3d> point_at(const CellGrid& grid, const Surface& sur
   const Eigen::Vector3d ray = full.normalise(pixel).homogeneous();
   const double slope = normal.dot(ray);
   const double z = normal.dot(surface.points[cell].cast<double>()) / slope;
-  // Seen at more than 84 degrees, the plane says little about the depth of one pixel.
+  // At incidence above 84 degrees the plane does not determine the depth of a pixel.
   if (std::abs(slope) < 0.1 * ray.norm() || !(z > 0.0)) return std::nullopt;
   return ray * z;
 }
@@ -204,16 +206,16 @@ void fuse(const CellGrid& grid, const Surface& surface, const InverseDepth& fram
   for (std::size_t cell = 0; cell < surface.points.size(); ++cell) {
     const Eigen::Vector3f& normal = surface.normals[cell];
     if (normal.isZero()) continue;
-    const Eigen::Vector3f p_frame = to_frame.move(surface.points[cell]);
+    const Eigen::Vector3f p_frame = to_frame.transform(surface.points[cell]);
     if (p_frame.z() <= 0.0F) continue;
     const float w = interpolate(frame, grid, to_frame.cell(p_frame));
     if (w <= 0.0F) continue;
-    // The frame's point lies on its own ray; slide it along the plane onto the model's ray.
-    const float off_plane =
+    // The measured point lies on the frame's ray: shift it along the plane onto the model's ray.
+    const float plane_distance =
         (1.0F / w / p_frame.z() - 1.0F) * (to_frame.rotation() * normal).dot(p_frame);
     const float z = surface.points[cell].z();
-    if (std::abs(off_plane) > 3.0F * static_cast<float>(noise.sigma(z))) continue;
-    const float measured = 1.0F / (z + off_plane * z / normal.dot(surface.points[cell]));
+    if (std::abs(plane_distance) > 3.0F * static_cast<float>(noise.depth_std(z))) continue;
+    const float measured = 1.0F / (z + plane_distance * z / normal.dot(surface.points[cell]));
     float& weight = model.weight[cell];
     float& mean = model.inverse_depth[cell];
     mean += (measured - mean) / (weight + 1.0F);

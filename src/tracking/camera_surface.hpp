@@ -15,13 +15,13 @@
 
 namespace pcavr::tracking {
 
-/// The image cut into square cells, some 160 across: the resolution of dense alignment.
+/// The image divided into square cells, some 160 across: the resolution of dense alignment.
 struct CellGrid {
   int pixels = 1;                     ///< edge length of a cell [px]
-  CameraModel camera;                 ///< whose pixels are the cells
+  CameraModel camera;                 ///< downscaled: its pixels are the cells
   std::vector<Eigen::Vector2f> rays;  ///< through the cells' centres, on the plane z = 1
-  /// The lens's derivative at each ray; empty without distortion.
-  std::vector<Eigen::Matrix2f> lens;
+  /// Derivative of the lens distortion at each ray; empty without distortion.
+  std::vector<Eigen::Matrix2f> lens_jacobians;
 
   explicit CellGrid(const CameraModel& full);
 
@@ -30,15 +30,15 @@ struct CellGrid {
   [[nodiscard]] int height() const { return camera.height; }
 };
 
-/// Moves points into the camera of a grid, and tells where in the grid they are seen.
+/// Transforms points into the camera frame of a grid and projects them to cells.
 class CellProjector {
  public:
   /// Keeps a reference to the grid, which must outlive it.
   CellProjector(const CellGrid& grid, const Pose& T_camera_points);
 
   [[nodiscard]] const Eigen::Matrix3f& rotation() const { return R_; }
-  [[nodiscard]] Eigen::Vector3f move(const Eigen::Vector3f& p) const { return R_ * p + t_; }
-  /// In cells, whole numbers at their centres; z must be > 0.
+  [[nodiscard]] Eigen::Vector3f transform(const Eigen::Vector3f& p) const { return R_ * p + t_; }
+  /// Projection in cells, with integers at their centres; z must be > 0.
   [[nodiscard]] Eigen::Vector2f cell(const Eigen::Vector3f& p_camera) const {
     if (has_distortion_) return grid_->camera.project(p_camera.cast<double>()).cast<float>();
     return focal_.cwiseProduct(p_camera.head<2>()) / p_camera.z() + centre_;
@@ -53,40 +53,40 @@ class CellProjector {
   bool has_distortion_;
 };
 
-/// Inverse depth of each cell [1/m]; 0 where a cell holds an edge or a hole. Inverse depth is
-/// linear in the image of a plane, so that means and interpolations of it are exact there.
+/// Inverse depth of each cell [1/m]; 0 where a cell contains an edge or a hole. The inverse depth
+/// of a plane is linear in the image, so that averaging and interpolation are exact.
 using InverseDepth = std::vector<float>;
 
-/// Mean inverse depth of the cells that `depth` fills without a gap or a step, and that
-/// `is_dynamic` (may be empty) leaves untouched.
+/// Mean inverse depth of the cells without a hole or a depth step, and without a pixel of
+/// `is_dynamic` (may be empty).
 [[nodiscard]] InverseDepth cell_inverse_depth(const CellGrid& grid, const DepthImage& depth,
                                               const MaskImage& is_dynamic, const DepthNoise& noise);
 
-/// A point and a unit normal for each cell, in camera axes; z = 0 where there is none.
+/// A point and a unit normal for each cell, in camera axes; z = 0 if there is none.
 struct Surface {
   std::vector<Eigen::Vector3f> points;   ///< [m]
-  std::vector<Eigen::Vector3f> normals;  ///< zero where the surface isn't smooth
+  std::vector<Eigen::Vector3f> normals;  ///< zero where the surface is not smooth
 };
 
-/// Normals are those of the plane that fits 5x5 cells best, or 3x3 at edges.
+/// Normals from a plane fit to 5x5 cells, or to 3x3 at edges.
 [[nodiscard]] Surface make_surface(const CellGrid& grid, const InverseDepth& inverse_depth,
                                    const DepthNoise& noise);
 
-/// Where the ray through `pixel` of the full image meets the surface [m, in camera axes]; nothing
-/// where the surface isn't smooth.
+/// Intersection of the ray through `pixel` of the full image with the surface [m, in camera axes];
+/// nothing where the surface is not smooth.
 [[nodiscard]] std::optional<Eigen::Vector3d> point_at(const CellGrid& grid, const Surface& surface,
                                                       const CameraModel& full,
                                                       const Eigen::Vector2d& pixel);
 
-/// The keyframe's surface averaged over all frames that matched it, so that noise goes down with
-/// their number (the model of frame-to-model tracking).
+/// The keyframe's surface fused from all frames that matched it (the model of frame-to-model
+/// tracking): a running average, which reduces noise.
 struct SurfaceModel {
   InverseDepth inverse_depth;
   std::vector<float> weight;  ///< number of measurements in each cell
   int frames = 1;
 };
 
-/// Takes a frame into the model. `surface` is the model's as make_surface gave it.
+/// Fuses a frame into the model. `surface` is the model's, from make_surface.
 void fuse(const CellGrid& grid, const Surface& surface, const InverseDepth& frame,
           const Pose& T_model_frame, const DepthNoise& noise, SurfaceModel& model);
 

@@ -15,7 +15,8 @@
 namespace pcavr {
 namespace {
 
-std::string nothing_placed(const CameraTrack& track, bool has_base_tags) {
+/// Why no frame was placed; empty if one was.
+std::string find_failure_reason(const CameraTrack& track, bool has_base_tags) {
   if (track.frames.empty()) return "no frames";
   const bool is_any_placed = std::any_of(
       track.frames.begin(), track.frames.end(),
@@ -24,9 +25,9 @@ std::string nothing_placed(const CameraTrack& track, bool has_base_tags) {
   const bool is_any_tracked = std::any_of(
       track.frames.begin(), track.frames.end(),
       [](const FramePlacement& frame) { return frame.status == PlacementStatus::not_anchored; });
-  if (!is_any_tracked) return "no frame matches another one, and none shows a base tag";
-  return has_base_tags ? "no base tag was seen, and there is no camera pose for any frame"
-                       : "the recording names no base tags, and has no camera poses";
+  if (!is_any_tracked) return "no frame matches another one, and no base tag was detected";
+  return has_base_tags ? "no base tag was detected, and no frame has a given camera pose"
+                       : "the recording defines no base tags and has no given camera poses";
 }
 
 }  // namespace
@@ -42,20 +43,20 @@ struct CameraTracker::State {
   std::vector<TagPlacement> base_tags;
   Trajectory groundtruth;
   CameraModel camera;  ///< of the colour images
-  /// From the first frame on. Works on the depth images' grid: what it measures with is depth, and
-  /// finer colour would only cost time and memory.
+  /// Set at the first frame. Works at the resolution of the depth images: it measures with depth,
+  /// and finer colour would only cost time and memory.
   std::optional<tracking::CameraFrontEnd> front_end;
-  std::vector<FramePlacement> trusted;  ///< where poses are taken as given
+  std::vector<FramePlacement> trusted;  ///< if `trust_poses`
   bool is_solved = false;
 
-  void look_for_base(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
-                     tracking::FrameRecord& record) const;
+  void detect_base(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
+                   tracking::FrameRecord& record) const;
   [[nodiscard]] CameraTrack trusted_track() const;
 };
 
-void CameraTracker::State::look_for_base(const RgbdFrame& frame,
-                                         const std::vector<TagDetection>& detections,
-                                         tracking::FrameRecord& record) const {
+void CameraTracker::State::detect_base(const RgbdFrame& frame,
+                                       const std::vector<TagDetection>& detections,
+                                       tracking::FrameRecord& record) const {
   for (const TagDetection& detection : detections) {
     const bool is_base =
         std::any_of(base_tags.begin(), base_tags.end(),
@@ -67,7 +68,7 @@ void CameraTracker::State::look_for_base(const RgbdFrame& frame,
   hints.depth = &frame.depth;
   hints.depth_noise = options.depth_noise;
   record.base_from_tags = solve_body_pose(base_tags, record.base_tags, camera, hints,
-                                          {.corner_sigma = options.corner_sigma});
+                                          {.corner_std = options.corner_std});
 }
 
 CameraTrack CameraTracker::State::trusted_track() const {
@@ -79,7 +80,7 @@ CameraTrack CameraTracker::State::trusted_track() const {
 CameraTracker::CameraTracker(const Manifest& manifest, Trajectory groundtruth,
                              const CameraTrackerOptions& options) {
   PCAVR_REQUIRE(manifest.camera.has_value());
-  PCAVR_REQUIRE(options.corner_sigma > 0.0, options.corner_sigma);
+  PCAVR_REQUIRE(options.corner_std > 0.0, options.corner_std);
   state_ = std::make_unique<State>(manifest, std::move(groundtruth), options);
 }
 
@@ -108,7 +109,7 @@ void CameraTracker::add(const RgbdFrame& frame, const std::vector<TagDetection>&
   if (!front_end) front_end.emplace(depth_camera, state_->options.depth_noise);
   PCAVR_REQUIRE(front_end->sensor().camera.width == depth_camera.width);
   tracking::FrameRecord& record = front_end->add(frame, is_dynamic, parallelism);
-  state_->look_for_base(frame, detections, record);
+  state_->detect_base(frame, detections, record);
 }
 
 CameraTrack CameraTracker::solve(const Observer& observer) {
@@ -123,7 +124,7 @@ CameraTrack CameraTracker::solve(const Observer& observer) {
                                    &state_->groundtruth, state_->options});
     track.tracking_rms = state_->front_end->tracking_rms();
   }
-  track.why_not = nothing_placed(track, !state_->base_tags.empty());
+  track.failure_reason = find_failure_reason(track, !state_->base_tags.empty());
   observer.on_progress("camera", track.frames.size(), track.frames.size());
   return track;
 }

@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-#include "tracking/object_rim.hpp"
+#include "tracking/object_contour.hpp"
 #include "tracking/object_samples.hpp"
 
 namespace pcavr::tracking {
@@ -17,26 +17,26 @@ using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 using ImageJacobian = Eigen::Matrix<double, 2, 6>;
 
-/// Huber's threshold for corners and outline, in deviations.
+/// Huber's threshold for corners and contour, in standard deviations.
 constexpr double kHuber = 2.0;
-/// Of one place on the outline [px]: depth images lose a pixel or two there, or gain one.
-constexpr double kRimSigma = 2.0;
-/// A sample further from the surface than this many deviations belongs to something else.
+/// Standard deviation of a contour match [px]: depth edges are off by a pixel or two.
+constexpr double kContourStd = 2.0;
+/// A sample further from the surface than this many standard deviations is an outlier.
 constexpr double kGate = 4.0;
 constexpr int kMaxIterations = 12;
-/// Below this a wider gate than the noise gives draws nothing more in [m].
-constexpr double kMinCapture = 0.005;
-/// A step below these ends the iteration: a tenth of what a single frame can tell.
-constexpr double kMinShift = 2e-5;  // [m]
-constexpr double kMinTurn = 1e-4;   // [rad]
-/// Pixels nearer to each other than this share their noise: block matching uses windows of about
-/// nine pixels, weighted to the middle.
+/// Below this capture range only the noise gate is used [m].
+constexpr double kMinCaptureRange = 0.005;
+/// Convergence: a step below these ends the iteration; a tenth of the accuracy of a single frame.
+constexpr double kMinTranslationStep = 2e-5;  // [m]
+constexpr double kMinRotationStep = 1e-4;     // [rad]
+/// Noise of pixels closer than this is correlated: block matching uses windows of about nine
+/// pixels, weighted to the middle.
 constexpr double kCorrelationLength = 4.0;  // [px]
 
-/// Normal equations of [v; w; bias].
-struct Equations {
-  Matrix7d left = Matrix7d::Zero();
-  Vector7d right = Vector7d::Zero();
+/// Gauss-Newton normal equations H * step = b of [v; w; bias].
+struct NormalEquations {
+  Matrix7d H = Matrix7d::Zero();
+  Vector7d b = Vector7d::Zero();
 };
 
 double incidence(const SurfaceSample& sample) {
@@ -44,8 +44,8 @@ double incidence(const SurfaceSample& sample) {
   return std::acos(std::clamp(cosine, 0.0, 1.0));
 }
 
-double deviation(const FitProblem& problem, const SurfaceSample& sample) {
-  return problem.noise.sigma(sample.expected_depth, incidence(sample));
+double sample_std(const FitProblem& problem, const SurfaceSample& sample) {
+  return problem.noise.depth_std(sample.expected_depth, incidence(sample));
 }
 
 /// d(pixel)/d[v; w] of a point of the object; z > 0.
@@ -65,34 +65,37 @@ ImageJacobian image_jacobian(const CameraModel& camera, const Pose& T_camera_obj
   return perspective * point_change;
 }
 
-double huber_weight(double deviations) { return deviations <= kHuber ? 1.0 : kHuber / deviations; }
+/// `residual` in standard deviations.
+double huber_weight(double residual) { return residual <= kHuber ? 1.0 : kHuber / residual; }
 
-void add_corner(const FitProblem& problem, const CornerSight& corner, const Pose& T_camera_color,
-                Equations& equations) {
+void add_corner(const FitProblem& problem, const CornerObservation& corner,
+                const Pose& T_camera_color, NormalEquations& equations) {
   const Eigen::Vector3d p = T_camera_color * corner.p_object;
   if (p.z() <= 0.0) return;
-  const Eigen::Vector2d residual = corner_offset(problem.camera, corner, p) / problem.corner_sigma;
+  const Eigen::Vector2d residual =
+      reprojection_error(problem.camera, corner, p) / problem.corner_std;
   const ImageJacobian jacobian =
-      image_jacobian(problem.camera, T_camera_color, corner.p_object) / problem.corner_sigma;
+      image_jacobian(problem.camera, T_camera_color, corner.p_object) / problem.corner_std;
   const double weight = huber_weight(residual.norm());
-  equations.left.topLeftCorner<6, 6>() += weight * jacobian.transpose() * jacobian;
-  equations.right.head<6>() += weight * jacobian.transpose() * residual;
+  equations.H.topLeftCorner<6, 6>() += weight * jacobian.transpose() * jacobian;
+  equations.b.head<6>() += weight * jacobian.transpose() * residual;
 }
 
-void add_rim(const FitProblem& problem, const Pose& T_camera_object, Equations& equations) {
-  for (const RimSight& sight : find_rim(problem.surface_object, problem.depth_camera, problem.depth,
-                                        problem.noise, T_camera_object)) {
+void add_contour(const FitProblem& problem, const Pose& T_camera_object,
+                 NormalEquations& equations) {
+  for (const ContourMatch& match : match_contour(problem.surface_object, problem.depth_camera,
+                                                 problem.depth, problem.noise, T_camera_object)) {
     const Vector6d jacobian =
-        image_jacobian(problem.depth_camera, T_camera_object, sight.p_object).transpose() *
-        sight.normal / kRimSigma;
-    const double residual = sight.outward_pixels / kRimSigma;
+        image_jacobian(problem.depth_camera, T_camera_object, match.p_object).transpose() *
+        match.normal / kContourStd;
+    const double residual = match.outward_pixels / kContourStd;
     const double weight = huber_weight(std::abs(residual));
-    equations.left.topLeftCorner<6, 6>() += weight * jacobian * jacobian.transpose();
-    equations.right.head<6>() += weight * residual * jacobian;
+    equations.H.topLeftCorner<6, 6>() += weight * jacobian * jacobian.transpose();
+    equations.b.head<6>() += weight * residual * jacobian;
   }
 }
 
-/// A surface point that moves by dp changes the depth along its ray by n.dp / n.ray.
+/// A displacement dp of a surface point changes the depth along its ray by n.dp / n.ray.
 Vector7d depth_jacobian(const SurfaceSample& sample) {
   Vector7d jacobian;
   jacobian << sample.normal_object, sample.p_object.cross(sample.normal_object),
@@ -100,121 +103,122 @@ Vector7d depth_jacobian(const SurfaceSample& sample) {
   return jacobian / sample.normal_object.dot(sample.ray_object);
 }
 
-/// Tukey's biweight: what lies beyond the gate has no pull at all.
-double tukey_weight(double share_of_gate) {
-  if (share_of_gate >= 1.0) return 0.0;
-  const double rest = 1.0 - share_of_gate * share_of_gate;
-  return rest * rest;
+/// Weight of Tukey's biweight loss: zero beyond the gate.
+double tukey_weight(double ratio_to_gate) {
+  if (ratio_to_gate >= 1.0) return 0.0;
+  const double root = 1.0 - ratio_to_gate * ratio_to_gate;
+  return root * root;
 }
 
 void add_depth(const FitProblem& problem, const std::vector<SurfaceSample>& samples, int stride,
-               double bias, double capture, Equations& equations) {
+               double bias, double capture_range, NormalEquations& equations) {
   const double area = static_cast<double>(stride * stride);
-  const double independence = std::min(1.0, area / (kCorrelationLength * kCorrelationLength));
+  const double independent_share = std::min(1.0, area / (kCorrelationLength * kCorrelationLength));
   for (const SurfaceSample& sample : samples) {
-    const double sigma = deviation(problem, sample);
+    const double std_dev = sample_std(problem, sample);
     const double residual = sample.measured_depth - sample.expected_depth - bias;
-    const double gate = std::max(kGate * sigma, capture);
-    const double weight = independence * tukey_weight(std::abs(residual) / gate) / (sigma * sigma);
+    const double gate = std::max(kGate * std_dev, capture_range);
+    const double weight =
+        independent_share * tukey_weight(std::abs(residual) / gate) / (std_dev * std_dev);
     if (weight == 0.0) continue;
     const Vector7d jacobian = depth_jacobian(sample);
-    equations.left += weight * jacobian * jacobian.transpose();
-    equations.right += weight * residual * jacobian;
+    equations.H += weight * jacobian * jacobian.transpose();
+    equations.b += weight * residual * jacobian;
   }
 }
 
-/// What depth alone says of the pose when the common bias is not known better than its prior.
-Matrix6d without_bias(const Matrix7d& left) {
-  return left.topLeftCorner<6, 6>() -
-         left.topRightCorner<6, 1>() * left.bottomLeftCorner<1, 6>() / left(6, 6);
+/// Information of the pose with the common bias marginalised (Schur complement).
+Matrix6d marginalise_bias(const Matrix7d& H) {
+  return H.topLeftCorner<6, 6>() - H.topRightCorner<6, 1>() * H.bottomLeftCorner<1, 6>() / H(6, 6);
 }
 
 double bias_information(const FitProblem& problem, const Pose& T_camera_object) {
   const double z = T_camera_object.translation().z();
-  const double sigma = std::max(problem.depth_bias * z * z, 1e-6);
-  return 1.0 / (sigma * sigma);
+  const double bias_std = std::max(problem.depth_bias * z * z, 1e-6);
+  return 1.0 / (bias_std * bias_std);
 }
 
-ShapeAgreement agreement_of(const FitProblem& problem, const std::vector<SurfaceSample>& samples,
-                            double bias) {
+ShapeAgreement evaluate_agreement(const FitProblem& problem,
+                                  const std::vector<SurfaceSample>& samples, double bias) {
   ShapeAgreement agreement;
-  double squares = 0.0;
-  double normalised = 0.0;
+  double sum_squares = 0.0;
+  double sum_normalised_squares = 0.0;
   for (const SurfaceSample& sample : samples) {
-    const double sigma = deviation(problem, sample);
+    const double std_dev = sample_std(problem, sample);
     const double residual = sample.measured_depth - sample.expected_depth - bias;
-    if (residual < -kGate * sigma) {
-      ++agreement.hidden;
-    } else if (residual > kGate * sigma) {
-      ++agreement.contradicted;
+    if (residual < -kGate * std_dev) {
+      ++agreement.occluded;
+    } else if (residual > kGate * std_dev) {
+      ++agreement.behind;
     } else {
-      ++agreement.explained;
-      squares += residual * residual;
-      normalised += residual * residual / (sigma * sigma);
+      ++agreement.inliers;
+      sum_squares += residual * residual;
+      sum_normalised_squares += residual * residual / (std_dev * std_dev);
     }
   }
-  if (agreement.explained > 0) {
-    agreement.rms = std::sqrt(squares / agreement.explained);
-    agreement.chi = std::sqrt(normalised / agreement.explained);
+  if (agreement.inliers > 0) {
+    agreement.rms = std::sqrt(sum_squares / agreement.inliers);
+    agreement.normalised_rms = std::sqrt(sum_normalised_squares / agreement.inliers);
   }
   return agreement;
 }
 
-void add_prior(const PosePrior& prior, const Pose& T_camera_object, Equations& equations) {
-  const Vector6d off = (prior.T_camera_object.inverse() * T_camera_object).log();
-  equations.left.topLeftCorner<6, 6>() += prior.information;
-  equations.right.head<6>() -= prior.information * off;
+void add_prior(const PosePrior& prior, const Pose& T_camera_object, NormalEquations& equations) {
+  const Vector6d error = (prior.T_camera_object.inverse() * T_camera_object).log();
+  equations.H.topLeftCorner<6, 6>() += prior.information;
+  equations.b.head<6>() -= prior.information * error;
 }
 
 }  // namespace
 
-Eigen::Vector2d corner_offset(const CameraModel& camera, const CornerSight& corner,
-                              const Eigen::Vector3d& p_camera) {
+Eigen::Vector2d reprojection_error(const CameraModel& camera, const CornerObservation& corner,
+                                   const Eigen::Vector3d& p_camera) {
   if (camera.has_distortion()) {
-    return camera.project(corner.on_unit_plane.homogeneous()) - camera.project(p_camera);
+    return camera.project(corner.ray.homogeneous()) - camera.project(p_camera);
   }
   return Eigen::Vector2d(camera.fx, camera.fy)
-      .cwiseProduct(corner.on_unit_plane - p_camera.head<2>() / p_camera.z());
+      .cwiseProduct(corner.ray - p_camera.head<2>() / p_camera.z());
 }
 
-FitResult fit_object(const FitProblem& problem, const Pose& start, double capture) {
+FitResult fit_object(const FitProblem& problem, const Pose& start, double capture_range) {
   const SampleGrid grid(problem.surface_object, problem.normals_object, problem.depth_camera,
                         problem.depth, start, problem.max_samples);
   FitResult result;
   result.T_camera_object = start;
   double bias = 0.0;
   for (int i = 0; i < kMaxIterations && !result.is_converged; ++i) {
-    Equations corners;
+    NormalEquations corners;
     const Pose T_camera_color = result.T_camera_object * problem.motion_to_color;
-    for (const CornerSight& corner : problem.corners) {
+    for (const CornerObservation& corner : problem.corners) {
       add_corner(problem, corner, T_camera_color, corners);
     }
-    Equations depth;
-    depth.left(6, 6) = bias_information(problem, result.T_camera_object);
-    depth.right(6) = -depth.left(6, 6) * bias;
-    add_depth(problem, grid.samples(result.T_camera_object), grid.stride(), bias, capture, depth);
-    if (problem.corners.empty()) add_rim(problem, result.T_camera_object, depth);
-    result.corner_information = corners.left.topLeftCorner<6, 6>();
-    result.depth_information = without_bias(depth.left);
+    NormalEquations depth;
+    depth.H(6, 6) = bias_information(problem, result.T_camera_object);
+    depth.b(6) = -depth.H(6, 6) * bias;
+    add_depth(problem, grid.samples(result.T_camera_object), grid.stride(), bias, capture_range,
+              depth);
+    if (problem.corners.empty()) add_contour(problem, result.T_camera_object, depth);
+    result.corner_information = corners.H.topLeftCorner<6, 6>();
+    result.depth_information = marginalise_bias(depth.H);
 
-    Equations all{corners.left + depth.left, corners.right + depth.right};
+    NormalEquations all{corners.H + depth.H, corners.b + depth.b};
     if (problem.prior) add_prior(*problem.prior, result.T_camera_object, all);
-    const Vector7d step = all.left.ldlt().solve(all.right);
+    const Vector7d step = all.H.ldlt().solve(all.b);
     if (!step.allFinite()) break;
     result.T_camera_object = result.T_camera_object * Pose::exp(step.head<6>());
     bias += step(6);
-    result.is_converged =
-        capture == 0.0 && step.head<3>().norm() < kMinShift && step.segment<3>(3).norm() < kMinTurn;
-    capture = capture > kMinCapture ? 0.5 * capture : 0.0;
+    result.is_converged = capture_range == 0.0 && step.head<3>().norm() < kMinTranslationStep &&
+                          step.segment<3>(3).norm() < kMinRotationStep;
+    capture_range = capture_range > kMinCaptureRange ? 0.5 * capture_range : 0.0;
   }
-  result.agreement = agreement_of(problem, grid.samples(result.T_camera_object), bias);
+  result.agreement = evaluate_agreement(problem, grid.samples(result.T_camera_object), bias);
   return result;
 }
 
-ShapeAgreement judge_shape(const FitProblem& problem, const Pose& T_camera_object) {
+ShapeAgreement evaluate_shape(const FitProblem& problem, const Pose& T_camera_object) {
   const SampleGrid grid(problem.surface_object, problem.normals_object, problem.depth_camera,
                         problem.depth, T_camera_object, problem.max_samples);
-  return agreement_of(problem, grid.samples(T_camera_object), 0.0);
+  return evaluate_agreement(problem, grid.samples(T_camera_object), 0.0);
 }
 
 }  // namespace pcavr::tracking

@@ -10,27 +10,27 @@
 namespace pcavr {
 namespace {
 
-/// Rays are cast for every second pixel of every second row; growing closes the gaps.
+/// Rays are cast for every second pixel of every second row; dilation closes the gaps.
 constexpr int kStride = 2;
-/// Deviations by which a reading must lie in front of the body to belong to something else.
-constexpr double kInFront = 3.0;
+/// Standard deviations in front of the body from which a reading belongs to an occluder.
+constexpr double kOccluderGate = 3.0;
 
 constexpr float kNoSurface = std::numeric_limits<float>::infinity();
 
-/// Depth of a body in a part of the image; infinite where it is not seen.
+/// Rendered depth of a body in a part of the image; infinite outside the body.
 struct Silhouette {
   PixelRectangle area;
   int columns = 0;
   int rows = 0;
-  std::vector<float> nearest;  ///< row-major [m]
+  std::vector<float> min_depth;  ///< row-major [m]
 
   [[nodiscard]] float& at(int column, int row) {
-    return nearest[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-                   static_cast<std::size_t>(column)];
+    return min_depth[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                     static_cast<std::size_t>(column)];
   }
 };
 
-PixelRectangle grown(const PixelRectangle& area, int margin, const CameraModel& camera) {
+PixelRectangle expanded(const PixelRectangle& area, int margin, const CameraModel& camera) {
   return {std::max(area.x_begin - margin, 0), std::max(area.y_begin - margin, 0),
           std::min(area.x_end + margin, camera.width),
           std::min(area.y_end + margin, camera.height)};
@@ -39,10 +39,10 @@ PixelRectangle grown(const PixelRectangle& area, int margin, const CameraModel& 
 Silhouette cast_silhouette(const SurfaceQuery& surface_object, const Pose& T_object_camera,
                            const CameraModel& camera, const PixelRectangle& seen, int margin) {
   Silhouette silhouette;
-  silhouette.area = grown(seen, margin, camera);
+  silhouette.area = expanded(seen, margin, camera);
   silhouette.columns = silhouette.area.x_end - silhouette.area.x_begin;
   silhouette.rows = silhouette.area.y_end - silhouette.area.y_begin;
-  silhouette.nearest.assign(
+  silhouette.min_depth.assign(
       static_cast<std::size_t>(silhouette.columns) * static_cast<std::size_t>(silhouette.rows),
       kNoSurface);
   const Eigen::Matrix3d R_object_camera = T_object_camera.rotation_matrix();
@@ -59,8 +59,9 @@ Silhouette cast_silhouette(const SurfaceQuery& surface_object, const Pose& T_obj
   return silhouette;
 }
 
-/// The least of each value and its neighbours up to `reach` away, along a line of `count` values.
-void spread(float* values, int count, std::ptrdiff_t step, int reach, std::vector<float>& line) {
+/// Minimum filter along a line of `count` values, over neighbours up to `reach` away.
+void min_filter(float* values, int count, std::ptrdiff_t step, int reach,
+                std::vector<float>& line) {
   line.resize(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) line[static_cast<std::size_t>(i)] = values[i * step];
   for (int i = 0; i < count; ++i) {
@@ -70,13 +71,14 @@ void spread(float* values, int count, std::ptrdiff_t step, int reach, std::vecto
   }
 }
 
-void grow(Silhouette& silhouette, int reach) {
+/// Dilation by a square of (2 reach + 1)^2 pixels; overlaps take the nearest depth.
+void dilate(Silhouette& silhouette, int reach) {
   std::vector<float> line;
   for (int row = 0; row < silhouette.rows; ++row) {
-    spread(&silhouette.at(0, row), silhouette.columns, 1, reach, line);
+    min_filter(&silhouette.at(0, row), silhouette.columns, 1, reach, line);
   }
   for (int column = 0; column < silhouette.columns; ++column) {
-    spread(&silhouette.at(column, 0), silhouette.rows, silhouette.columns, reach, line);
+    min_filter(&silhouette.at(column, 0), silhouette.rows, silhouette.columns, reach, line);
   }
 }
 
@@ -95,14 +97,14 @@ void mask_body(const SurfaceQuery& surface_object, const Pose& T_camera_object,
   if (seen.empty()) return;
   const int reach = margin_pixels + kStride;
   Silhouette silhouette = cast_silhouette(surface_object, T_object_camera, camera, seen, reach);
-  grow(silhouette, reach);
+  dilate(silhouette, reach);
   for (int row = 0; row < silhouette.rows; ++row) {
     for (int column = 0; column < silhouette.columns; ++column) {
       const float surface = silhouette.at(column, row);
       if (surface == kNoSurface) continue;
       const int x = silhouette.area.x_begin + column;
       const int y = silhouette.area.y_begin + row;
-      const double margin = kInFront * noise.sigma(static_cast<double>(surface));
+      const double margin = kOccluderGate * noise.depth_std(static_cast<double>(surface));
       const bool is_measured = depth(x, y) > 0.0F;
       if (!is_measured || depth(x, y) > surface - static_cast<float>(margin)) mask(x, y) = 1;
     }

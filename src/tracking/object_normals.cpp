@@ -7,10 +7,10 @@
 namespace pcavr::tracking {
 namespace {
 
-/// cos 30 degrees: the angle at which CAD and modelling tools break edges by default.
+/// cos 30 degrees: the usual crease angle of CAD and modelling tools.
 constexpr double kCreaseCosine = 0.866;
 
-/// Along the normal, twice as long as the triangle is large.
+/// Normal scaled by twice the triangle's area.
 Eigen::Vector3d doubled_area(const TriangleMesh& mesh, std::size_t triangle) {
   const auto& [a, b, c] = mesh.triangles[triangle];
   const Eigen::Vector3d origin = mesh.vertices[a].cast<double>();

@@ -12,9 +12,9 @@
 
 namespace pcavr::tracking {
 
-/// Normals of the surface that a CAD mesh stands for: interpolated across edges that bend by less
-/// than 30 degrees, which are facets of something round, and broken at sharper ones. Facets taken
-/// at their word would make a ball's rotation seem visible.
+/// Smooth (Phong) normals of a CAD mesh with a crease angle of 30 degrees: interpolated across
+/// edges below it, which tessellate a curved surface, and discontinuous at sharper ones. Facet
+/// normals would make a sphere's rotation seem observable.
 class SmoothNormals {
  public:
   explicit SmoothNormals(const TriangleMesh& mesh);

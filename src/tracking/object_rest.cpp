@@ -9,40 +9,42 @@
 namespace pcavr::tracking {
 namespace {
 
-/// Measurements in the mean that is tested against the average: a sixth of a second at 30 Hz.
-constexpr std::size_t kNewest = 5;
-/// Measurements after which an object that has passed the tests is said to rest.
-constexpr int kFirstRest = 5;
-/// The squared Mahalanobis distance that chance exceeds once in a million frames (chi-square, six
-/// degrees of freedom).
-constexpr double kUnlikely = 38.3;
-/// What an average of measurements is trusted to at best: lens, print and pixel grid err alike in
-/// all frames. Motion below it is none.
-constexpr double kRepeatability = 5e-5;      // [m]
-constexpr double kTurnRepeatability = 2e-4;  // [rad]
-/// Older measurements than these many are forgotten bit by bit.
+/// Window of the mean that is tested against the average: a sixth of a second at 30 Hz.
+constexpr std::size_t kRecentWindow = 5;
+/// Measurements that must pass the tests before an object counts as at rest.
+constexpr int kMinRestCount = 5;
+/// Threshold of the squared Mahalanobis distance: false alarm rate of one in a million frames
+/// (chi-square, six degrees of freedom).
+constexpr double kChiSquareThreshold = 38.3;
+/// Standard deviation of the errors that averaging does not reduce: those of lens, print and pixel
+/// grid are the same in all frames. Smaller motion is not detected.
+constexpr double kTranslationFloorStd = 5e-5;  // [m]
+constexpr double kRotationFloorStd = 2e-4;     // [rad]
+/// Window of the average: beyond it, older measurements are forgotten exponentially.
 constexpr double kMaxAveraged = 60.0;
-/// How far the learnt scatter may lie from what the measurements claim.
-constexpr double kMinScatter = 0.02;
-constexpr double kMaxScatter = 4.0;
-constexpr int kScatterMemory = 60;
-/// Makes the information of a measurement that leaves a direction open invertible: 1 m, 1 rad.
-constexpr double kNothingKnown = 1.0;
+/// Bounds of the variance factor.
+constexpr double kMinVarianceFactor = 0.02;
+constexpr double kMaxVarianceFactor = 4.0;
+constexpr int kVarianceWindow = 60;
+/// Regularises the information of a measurement with unobservable directions: std of 1 m, 1 rad.
+constexpr double kMinInformation = 1.0;
 
 Matrix6d covariance_of(const Matrix6d& information) {
-  const Matrix6d regular = information + kNothingKnown * Matrix6d::Identity();
+  const Matrix6d regular = information + kMinInformation * Matrix6d::Identity();
   return regular.ldlt().solve(Matrix6d::Identity());
 }
 
-Matrix6d repeatability() {
+/// Covariance of the errors that averaging does not reduce.
+Matrix6d floor_covariance() {
   Vector6d variances;
-  variances << Eigen::Vector3d::Constant(kRepeatability * kRepeatability),
-      Eigen::Vector3d::Constant(kTurnRepeatability * kTurnRepeatability);
+  variances << Eigen::Vector3d::Constant(kTranslationFloorStd * kTranslationFloorStd),
+      Eigen::Vector3d::Constant(kRotationFloorStd * kRotationFloorStd);
   return variances.asDiagonal();
 }
 
-double squared_distance(const Vector6d& off, const Matrix6d& covariance) {
-  return off.dot(covariance.ldlt().solve(off));
+/// Squared Mahalanobis distance.
+double squared_distance(const Vector6d& difference, const Matrix6d& covariance) {
+  return difference.dot(covariance.ldlt().solve(difference));
 }
 
 Matrix6d full_covariance(const PoseMeasurement& measurement) {
@@ -56,84 +58,84 @@ void RestFilter::Average::add(const PoseMeasurement& measurement) {
   const Matrix6d own = full_covariance(measurement).ldlt().solve(Matrix6d::Identity());
   if (count >= static_cast<int>(kMaxAveraged)) information *= 1.0 - 1.0 / kMaxAveraged;
   information += own;
-  const Vector6d off = (T_base_object.inverse() * measurement.T_base_object).log();
-  T_base_object = T_base_object * Pose::exp(information.ldlt().solve(own * off));
+  const Vector6d difference = (T_base_object.inverse() * measurement.T_base_object).log();
+  T_base_object = T_base_object * Pose::exp(information.ldlt().solve(own * difference));
   ++count;
 }
 
-RestFilter::Average RestFilter::everything() const {
-  Average average = old_;
-  for (const PoseMeasurement& measurement : newest_) average.add(measurement);
+RestFilter::Average RestFilter::average_of_all() const {
+  Average average = older_;
+  for (const PoseMeasurement& measurement : recent_) average.add(measurement);
   return average;
 }
 
 bool RestFilter::has_jumped(const PoseMeasurement& measurement) const {
-  const Average average = everything();
+  const Average average = average_of_all();
   if (average.count == 0) return false;
-  const Vector6d off = (average.T_base_object.inverse() * measurement.T_base_object).log();
-  const Matrix6d covariance =
-      scatter_ * (covariance_of(measurement.information) + covariance_of(average.information)) +
-      measurement.camera_covariance + repeatability();
-  return squared_distance(off, covariance) > kUnlikely;
+  const Vector6d difference = (average.T_base_object.inverse() * measurement.T_base_object).log();
+  const Matrix6d covariance = variance_factor_ * (covariance_of(measurement.information) +
+                                                  covariance_of(average.information)) +
+                              measurement.camera_covariance + floor_covariance();
+  return squared_distance(difference, covariance) > kChiSquareThreshold;
 }
 
-bool RestFilter::has_crept() const {
-  if (old_.count == 0) return false;
+bool RestFilter::has_drifted() const {
+  if (older_.count == 0) return false;
   Average recent;
-  for (const PoseMeasurement& measurement : newest_) recent.add(measurement);
-  const Vector6d off = (old_.T_base_object.inverse() * recent.T_base_object).log();
+  for (const PoseMeasurement& measurement : recent_) recent.add(measurement);
+  const Vector6d difference = (older_.T_base_object.inverse() * recent.T_base_object).log();
   const Matrix6d covariance =
-      scatter_ * (covariance_of(recent.information) + covariance_of(old_.information)) +
-      newest_.back().camera_covariance + repeatability();
-  return squared_distance(off, covariance) > kUnlikely;
+      variance_factor_ * (covariance_of(recent.information) + covariance_of(older_.information)) +
+      recent_.back().camera_covariance + floor_covariance();
+  return squared_distance(difference, covariance) > kChiSquareThreshold;
 }
 
-void RestFilter::learn_scatter(const PoseMeasurement& measurement) {
+void RestFilter::update_variance_factor(const PoseMeasurement& measurement) {
   if (!last_) return;
-  const Vector6d off = (last_->T_base_object.inverse() * measurement.T_base_object).log();
+  const Vector6d difference = (last_->T_base_object.inverse() * measurement.T_base_object).log();
   const Matrix6d covariance = covariance_of(last_->information) +
                               covariance_of(measurement.information) +
                               measurement.camera_covariance;
-  const double ratio = std::min(squared_distance(off, covariance) / 6.0, kMaxScatter);
-  scatter_count_ = std::min(scatter_count_ + 1, kScatterMemory);
-  // The claim counts as one measurement among those learnt from.
-  scatter_ += (ratio - scatter_) / (scatter_count_ + 1.0);
-  scatter_ = std::clamp(scatter_, kMinScatter, kMaxScatter);
+  const double ratio = std::min(squared_distance(difference, covariance) / 6.0, kMaxVarianceFactor);
+  variance_count_ = std::min(variance_count_ + 1, kVarianceWindow);
+  // The initial value of 1 counts as one measurement.
+  variance_factor_ += (ratio - variance_factor_) / (variance_count_ + 1.0);
+  variance_factor_ = std::clamp(variance_factor_, kMinVarianceFactor, kMaxVarianceFactor);
 }
 
-void RestFilter::start_anew() {
-  old_ = {};
-  newest_.clear();
+void RestFilter::reset() {
+  older_ = {};
+  recent_.clear();
   jumps_ = 0;
 }
 
 RestFilter::Estimate RestFilter::add(const PoseMeasurement& measurement) {
-  const Estimate alone{measurement.T_base_object, full_covariance(measurement), false};
+  const Estimate unfiltered{measurement.T_base_object, full_covariance(measurement), false};
   if (has_jumped(measurement)) {
     last_.reset();
-    if (++jumps_ < 2) return alone;
-    start_anew();
+    if (++jumps_ < 2) return unfiltered;
+    reset();
   } else {
     jumps_ = 0;
-    learn_scatter(measurement);
+    update_variance_factor(measurement);
   }
   last_ = measurement;
-  newest_.push_back(measurement);
-  if (newest_.size() > kNewest) {
-    old_.add(newest_.front());
-    newest_.pop_front();
+  recent_.push_back(measurement);
+  if (recent_.size() > kRecentWindow) {
+    older_.add(recent_.front());
+    recent_.pop_front();
   }
-  if (has_crept()) {
-    start_anew();
-    newest_.push_back(measurement);
+  if (has_drifted()) {
+    reset();
+    recent_.push_back(measurement);
   }
-  return at_rest().value_or(alone);
+  return at_rest().value_or(unfiltered);
 }
 
 std::optional<RestFilter::Estimate> RestFilter::at_rest() const {
-  const Average average = everything();
-  if (average.count < kFirstRest || jumps_ > 0) return std::nullopt;
-  return Estimate{average.T_base_object, covariance_of(average.information) + repeatability(),
+  const Average average = average_of_all();
+  if (average.count < kMinRestCount || jumps_ > 0) return std::nullopt;
+  return Estimate{average.T_base_object, covariance_of(average.information) + floor_covariance(),
                   true};
 }
 

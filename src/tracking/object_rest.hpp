@@ -9,20 +9,22 @@
 
 namespace pcavr::tracking {
 
-/// One frame's say on where an object is.
+/// One frame's measurement of an object's pose.
 struct PoseMeasurement {
   Pose T_base_object;
   Matrix6d information = Matrix6d::Zero();  ///< of [v; w] in object axes; may be singular
-  /// What the camera's own pose adds [of [v; w] in object axes].
+  /// Contribution of the camera pose's uncertainty, of [v; w] in object axes.
   Matrix6d camera_covariance = Matrix6d::Zero();
 };
 
-/// Decides whether an object rests, and averages its measurements while it does.
+/// Stationarity detector: decides whether an object is at rest, and averages its measurements while
+/// it is.
 ///
-/// Two tests against the average, each by the squared Mahalanobis distance: of one measurement
-/// (twice in a row, so that one bad frame does not end a rest), and of the mean of the newest few
-/// (so that slow sliding is found and not averaged away). The scatter of the measurements, which
-/// scales both, is learnt from differences of consecutive ones, which slow motion does not inflate.
+/// Two change-detection tests against the average, each by the squared Mahalanobis distance: of one
+/// measurement (twice in a row, so that one outlier does not reset the average), and of the mean of
+/// the most recent ones (so that slow sliding is detected instead of averaged). The variance factor
+/// that scales both is estimated from differences of consecutive measurements, which slow motion
+/// does not inflate.
 class RestFilter {
  public:
   struct Estimate {
@@ -44,18 +46,18 @@ class RestFilter {
     void add(const PoseMeasurement& measurement);
   };
 
-  [[nodiscard]] Average everything() const;
+  [[nodiscard]] Average average_of_all() const;
   [[nodiscard]] bool has_jumped(const PoseMeasurement& measurement) const;
-  [[nodiscard]] bool has_crept() const;
-  void learn_scatter(const PoseMeasurement& measurement);
-  void start_anew();
+  [[nodiscard]] bool has_drifted() const;
+  void update_variance_factor(const PoseMeasurement& measurement);
+  void reset();
 
-  Average old_;  ///< all but the newest
-  std::deque<PoseMeasurement> newest_;
+  Average older_;  ///< all but the recent ones
+  std::deque<PoseMeasurement> recent_;
   std::optional<PoseMeasurement> last_;
-  double scatter_ = 1.0;  ///< variance of the measurements over what they claim
-  int scatter_count_ = 0;
-  int jumps_ = 0;  ///< in a row
+  double variance_factor_ = 1.0;  ///< observed variance of the measurements over the stated one
+  int variance_count_ = 0;
+  int jumps_ = 0;  ///< consecutive
 };
 
 }  // namespace pcavr::tracking

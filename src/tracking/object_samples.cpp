@@ -9,8 +9,8 @@
 namespace pcavr::tracking {
 namespace {
 
-/// Beyond this angle between ray and normal, sensors return nothing that can be relied on.
-constexpr double kMinSampleCosine = 0.26;  // of 75 degrees
+/// Cosine of the maximum incidence angle of a reliable depth reading.
+constexpr double kMinSampleCosine = 0.26;  // 75 degrees
 
 }  // namespace
 

@@ -16,26 +16,26 @@
 
 namespace pcavr::tracking {
 
-/// One pixel whose ray meets the body, away from the body's rim.
+/// One pixel whose ray hits the body, away from its contour.
 struct SurfaceSample {
-  Eigen::Vector3d p_object;       ///< where the ray meets the surface
+  Eigen::Vector3d p_object;       ///< where the ray hits the surface
   Eigen::Vector3d normal_object;  ///< unit, toward the camera
-  Eigen::Vector3d ray_object;     ///< the pixel's ray, one metre long in depth
+  Eigen::Vector3d ray_object;     ///< the pixel's ray, scaled to a depth of 1 m
   double expected_depth = 0.0;    ///< [m]
   double measured_depth = 0.0;    ///< [m], > 0
 };
 
-/// A grid of at most `max_samples` pixels or a few more, at its ends, over the part of the image in
-/// which a body is expected. The grid is laid once;
-/// the rays are cast for every pose that is tried. Keeps references.
+/// A grid of about `max_samples` pixels (a few more at its ends) over the part of the image in
+/// which a body is expected. The grid is fixed; the rays are cast again at every iteration. Keeps
+/// references.
 class SampleGrid {
  public:
   SampleGrid(const SurfaceQuery& surface_object, const SmoothNormals& normals_object,
              const CameraModel& camera, const DepthImage& depth, const Pose& T_camera_object,
              int max_samples);
 
-  /// Rays that meet the body and whose neighbours in the grid meet it too, so that no sample lies
-  /// on the rim, where a pixel mixes the body with what is behind it.
+  /// Rays that hit the body and whose neighbours in the grid hit it too, so that no sample lies on
+  /// the contour, where a pixel mixes the body with the background.
   [[nodiscard]] std::vector<SurfaceSample> samples(const Pose& T_camera_object) const;
 
   [[nodiscard]] int stride() const { return stride_; }

@@ -22,7 +22,7 @@ TEST(ContactLaw, MassDamperSpringAddsInertia) {
   EXPECT_DOUBLE_EQ(contact_force(MassDamperSpring{0.5, 10.0, 2000.0}, {0.003, 0.02, 4.0}), 8.2);
 }
 
-TEST(ContactLaw, HuntCrossleyFollowsItsPower) {
+TEST(ContactLaw, HuntCrossleyIsAPowerOfPenetration) {
   const HuntCrossley law{1e5, 2e4, 1.5};
   EXPECT_NEAR(contact_force(law, {0.01, 0.0}), 100.0, 1e-12);
   EXPECT_NEAR(contact_force(law, {0.01, 0.5}), 110.0, 1e-12);
@@ -45,7 +45,7 @@ TEST(ContactLaw, NeverPullsWhenRenderedButMayWhenFitted) {
   }
 }
 
-TEST(ContactLaw, IsNothingOutOfContact) {
+TEST(ContactLaw, IsZeroOutOfContact) {
   for (const double penetration : {0.0, -1e-3, kNaN}) {
     const ContactMotion apart{penetration, 1.0, 1.0};
     EXPECT_EQ(contact_force(KelvinVoigt{2000.0, 10.0}, apart), 0.0);
@@ -54,7 +54,7 @@ TEST(ContactLaw, IsNothingOutOfContact) {
   }
 }
 
-TEST(ContactLaw, NeverGivesEnergyOverAClosedPress) {
+TEST(ContactLaw, IsPassiveOverAClosedCycle) {
   Random random(3);
   for (int trial = 0; trial < 20; ++trial) {
     const ContactLaw laws[] = {KelvinVoigt{random.uniform(100, 5000), random.uniform(0, 50)},
@@ -74,7 +74,7 @@ TEST(ContactLaw, NeverGivesEnergyOverAClosedPress) {
   }
 }
 
-TEST(ContactLaw, KnowsWhatIsPhysical) {
+TEST(ContactLaw, RejectsParametersThatAreNotPhysical) {
   EXPECT_TRUE(is_physical(KelvinVoigt{2000.0, 0.0}));
   EXPECT_FALSE(is_physical(KelvinVoigt{2000.0, -1.0}));
   EXPECT_FALSE(is_physical(KelvinVoigt{0.0, 1.0}));

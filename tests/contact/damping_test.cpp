@@ -27,13 +27,13 @@ TEST(ExactDampingFactor, SolvesItsEquation) {
   }
 }
 
-TEST(ExactDampingFactor, NearsOneOverCWhereNothingRebounds) {
+TEST(ExactDampingFactor, ApproachesOneOverCForSmallRestitution) {
   for (const double c : {1e-300, 1e-30, 1e-6, 1e-3, 0.02}) {
     EXPECT_NEAR(exact_damping_factor(c) * c, 1.0, 1e-12) << c;
   }
 }
 
-TEST(ExactDampingFactor, NearsTheSmallLossLimitWhereAllRebounds) {
+TEST(ExactDampingFactor, ApproachesTheSmallLossLimitNearOne) {
   // To second order in d = 1 - c: chi = 3 d / 2 + 6 d^2 / 4 ..., so chi / d - 3/2 is of the order
   // d.
   for (const double d : {1e-3, 1e-6, 1e-9, 1e-12}) {
@@ -42,7 +42,7 @@ TEST(ExactDampingFactor, NearsTheSmallLossLimitWhereAllRebounds) {
   }
 }
 
-TEST(ExactDampingFactor, FallsAllTheWayFromZeroToOne) {
+TEST(ExactDampingFactor, DecreasesMonotonically) {
   double before = std::numeric_limits<double>::infinity();
   for (int i = 1; i < 2000; ++i) {
     const double chi = exact_damping_factor(i / 2000.0);

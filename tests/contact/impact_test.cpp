@@ -23,10 +23,10 @@ TEST(SimulatedImpact, OnASpringTakesHalfAPeriodAndLosesNothing) {
   EXPECT_TRUE(impact.has_separated);
   EXPECT_NEAR(impact.restitution, 1.0, 1e-8);
   EXPECT_NEAR(impact.duration, std::numbers::pi / omega, 1e-8);
-  EXPECT_NEAR(impact.deepest, 0.3 / omega, 1e-7);  // from a parabola between two steps
+  EXPECT_NEAR(impact.max_penetration, 0.3 / omega, 1e-7);  // from a parabola between two steps
 }
 
-TEST(SimulatedImpact, OnADampedSpringLeavesWhereItWouldPull) {
+TEST(SimulatedImpact, OnADampedSpringSeparatesWhereItWouldPull) {
   // x = v / wd exp(-s t) sin(wd t); the acceleration, and so the force, vanishes where
   // tan(wd t) = 2 s wd / (s^2 - wd^2).
   const double m = 2.0, k = 5000.0, b = 40.0, v = 0.3;
@@ -39,12 +39,12 @@ TEST(SimulatedImpact, OnADampedSpringLeavesWhereItWouldPull) {
   EXPECT_NEAR(impact.duration, t, 1e-8);
 }
 
-TEST(SimulatedImpact, CarriesTheMassOfTheMaterialAlong) {
+TEST(SimulatedImpact, IncludesTheMassOfTheMaterial) {
   const Impact impact = simulate_impact(MassDamperSpring{1.0, 0.0, 5000.0}, 1.0, 0.3);
   EXPECT_NEAR(impact.duration, std::numbers::pi * std::sqrt(2.0 / 5000.0), 1e-8);
 }
 
-TEST(SimulatedImpact, KeepsTheExactRelationForAnyBodyAndExponent) {
+TEST(SimulatedImpact, SatisfiesTheExactRelationForAnyBodyAndExponent) {
   for (const double c : {0.05, 0.2, 0.5, 0.8, 0.95}) {
     EXPECT_NEAR(restitution_of(DampingLaw::exact, c, 1.0, 1.0, 1.0, 1.5), c, 2e-8);
     EXPECT_NEAR(restitution_of(DampingLaw::exact, c, 4e9, 0.7, 0.02, 1.5), c, 2e-8);
@@ -53,7 +53,7 @@ TEST(SimulatedImpact, KeepsTheExactRelationForAnyBodyAndExponent) {
   }
 }
 
-TEST(SimulatedImpact, OfNonsenseDoesNotSeparate) {
+TEST(SimulatedImpact, OfInvalidInputDoesNotSeparate) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(simulate_impact(KelvinVoigt{0.0, 1.0}, 1.0, 1.0).has_separated);
   EXPECT_FALSE(simulate_impact(KelvinVoigt{100.0, 1.0}, nan, 1.0).has_separated);
@@ -61,8 +61,8 @@ TEST(SimulatedImpact, OfNonsenseDoesNotSeparate) {
 }
 
 TEST(DampingScores, AgreeWithTheTableOfReferenceImpacts) {
-  // Percent, in the order of kPublishedDampingLaws; made by another integrator. Two decimals, or
-  // whole percents where large, were printed.
+  // Percent, in the order of kPublishedDampingLaws; from another integrator, printed with two
+  // decimals, or as whole percents where large.
   struct Row {
     double c;
     double percent[7];

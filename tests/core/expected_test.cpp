@@ -25,7 +25,7 @@ TEST(Expected, HoldsAValueOrAnError) {
   EXPECT_EQ(error.error().message, "none");
 }
 
-TEST(Expected, RefusesToGiveWhatItDoesNotHold) {
+TEST(Expected, ThrowsOnAccessToWhatItDoesNotHold) {
   const Expected<int> value = 3;
   const Expected<int> error = Error{.message = "none"};
   EXPECT_THROW((void)value.error(), ContractError);

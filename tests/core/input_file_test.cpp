@@ -19,42 +19,42 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string refusal(const fs::path& path) {
+std::string error_of(const fs::path& path) {
   const Expected<std::string> content = read_file(path);
   EXPECT_EQ(regular_file_size(path).has_value(), content.has_value()) << path;
   return content ? "" : content.error().to_string();
 }
 
 void expect_refused(const fs::path& path, const std::string& reason) {
-  const std::string line = refusal(path);
+  const std::string line = error_of(path);
   EXPECT_NE(line.find(path.string()), line.npos) << line;
   EXPECT_NE(line.find(reason), line.npos) << line;
 }
 
-TEST(ReadFile, RefusesAPipeWithoutAWriterAtOnce) {
+TEST(ReadFile, RefusesAPipeWithoutAWriterImmediately) {
   const TemporaryFolder folder;
   const fs::path pipe = folder.path() / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   expect_refused(pipe, "is a named pipe, not a regular file");
 }
 
-TEST(ReadFile, RefusesADeviceThatNeverEnds) { expect_refused("/dev/zero", "is a device"); }
+TEST(ReadFile, RefusesAnEndlessDevice) { expect_refused("/dev/zero", "is a device"); }
 
 TEST(ReadFile, RefusesASocketAndAFolder) {
   const TemporaryFolder folder;
-  const fs::path place = folder.path() / "socket";
+  const fs::path address_path = folder.path() / "socket";
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  ASSERT_LT(place.string().size(), sizeof address.sun_path);
-  place.string().copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_LT(address_path.string().size(), sizeof address.sun_path);
+  address_path.string().copy(address.sun_path, sizeof address.sun_path - 1);
   const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
   ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  expect_refused(place, "is a socket");
+  expect_refused(address_path, "is a socket");
   ::close(socket);
   expect_refused(folder.path(), "is a folder");
 }
 
-TEST(ReadFile, SaysThatSymbolicLinksRunInACircle) {
+TEST(ReadFile, ReportsALoopOfSymbolicLinks) {
   const TemporaryFolder folder;
   fs::create_symlink(folder.path() / "b", folder.path() / "a");
   fs::create_symlink(folder.path() / "a", folder.path() / "b");
@@ -73,8 +73,8 @@ TEST(ReadFile, RefusesASparseFileOfATerabyte) {
   EXPECT_NE(line.find("too large"), line.npos) << line;
 }
 
-TEST(ReadFile, ReadsWhatTheSystemMakesUp) {
-  // Its size is 0 to the file system.
+TEST(ReadFile, ReadsAVirtualFileOfProc) {
+  // The file system reports its size as 0.
   EXPECT_FALSE(read_file("/proc/self/status").value().empty());
 }
 
@@ -87,7 +87,7 @@ TEST(ReadFile, ReadsAllBytesOfAFile) {
   EXPECT_EQ(regular_file_size(folder.path() / "file").value(), bytes.size());
 }
 
-TEST(IsPresent, TellsAnAbsentFileFromALinkToNothing) {
+TEST(IsPresent, DistinguishesAnAbsentFileFromADanglingLink) {
   const TemporaryFolder folder;
   EXPECT_FALSE(is_present(folder.path() / "absent").value());
   EXPECT_TRUE(is_present(folder.path()).value());
@@ -97,7 +97,7 @@ TEST(IsPresent, TellsAnAbsentFileFromALinkToNothing) {
   EXPECT_NE(link.error().message.find("symbolic link"), std::string::npos);
 }
 
-TEST(IsPresent, SaysThatAFolderMayNotBeRead) {
+TEST(IsPresent, ReportsAFolderThatMayNotBeRead) {
   if (::geteuid() == 0) GTEST_SKIP() << "the superuser may read everything";
   const TemporaryFolder folder;
   const fs::path inside = folder.path() / "closed";

@@ -14,7 +14,7 @@
 namespace pcavr {
 namespace {
 
-TEST(InputRange, HoldsItsEndsAndNothingThatIsNotFinite) {
+TEST(InputRange, ContainsItsLimitsAndNothingThatIsNotFinite) {
   for (const InputRange& range : ranges::kAll) {
     EXPECT_LT(range.min, range.max) << range.quantity;
     EXPECT_TRUE(range.contains(range.min)) << range.quantity;
@@ -30,7 +30,7 @@ TEST(InputRange, HoldsItsEndsAndNothingThatIsNotFinite) {
   }
 }
 
-TEST(InputRange, SaysWhatIsWrongAndWhatWouldDo) {
+TEST(InputRange, ReportsTheFaultAndThePermittedRange) {
   EXPECT_FALSE(check_range(ranges::kMass, 3.0).has_value());
   const std::optional<Error> error = check_range(ranges::kMass, 1e300, "1e300");
   ASSERT_TRUE(error.has_value());

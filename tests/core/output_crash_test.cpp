@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// A process killed at any instant leaves the old or the new output, whole, and the next one removes
-// what is left of it.
+// A process killed at any instant leaves the old or the new output, complete, and the next one
+// removes its temporary files.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -36,7 +36,7 @@ FileTree scene(const std::string& generation) {
 
 enum class Path { exchange, renames, inside };
 
-/// Replaces the old scene, or makes the first one, as a process that is killed does it.
+/// Replaces the old scene, or writes the first one; runs in the process that is killed.
 void write_new(const fs::path& target, Path path, CommitHooks hooks) {
   if (path == Path::inside) fs::current_path(target);
   hooks.can_exchange = path != Path::renames;
@@ -46,8 +46,8 @@ void write_new(const fs::path& target, Path path, CommitHooks hooks) {
   if (!folder->commit(hooks)) ::_exit(3);
 }
 
-/// After a run that does not replace anything: the old or the new, and nothing beside it.
-void expect_whole(const fs::path& parent, const FileTree& old) {
+/// After a run that does not replace anything: the old or the new content, and nothing else.
+void expect_intact(const fs::path& parent, const FileTree& old) {
   const fs::path target = parent / "scene";
   const bool is_created = OutputFolder::create(target).has_value();
   const FileTree found = tree(target);
@@ -56,7 +56,7 @@ void expect_whole(const fs::path& parent, const FileTree& old) {
   EXPECT_EQ(tree(parent).size(), found.size()) << testing::PrintToString(tree(parent));
 }
 
-/// The kernel does it, at an instant that does not depend on when the parent gets to run.
+/// By a kernel timer, so that the instant does not depend on when the parent is scheduled.
 void kill_self_after(long microseconds) {
   sigevent event{};
   event.sigev_notify = SIGEV_SIGNAL;
@@ -68,18 +68,17 @@ void kill_self_after(long microseconds) {
   ::timer_settime(timer, 0, &instant, nullptr);
 }
 
-/// [us] How long a commit takes that is not killed: the least of three, since others use the
-/// machine.
+/// [us] Duration of a commit that is not killed: the minimum of three, because of other load.
 long usual_duration(const fs::path& target, Path path) {
-  long least = 1'000'000;
+  long shortest = 1'000'000;
   for (int i = 0; i < 3; ++i) {
     const auto start = std::chrono::steady_clock::now();
     ForkedProcess([&] { write_new(target, path, {}); }).wait();
     const auto duration = std::chrono::steady_clock::now() - start;
-    least = std::min<long>(least,
-                           std::chrono::duration_cast<std::chrono::microseconds>(duration).count());
+    shortest = std::min<long>(
+        shortest, std::chrono::duration_cast<std::chrono::microseconds>(duration).count());
   }
-  return least;
+  return shortest;
 }
 
 class Crash : public testing::TestWithParam<Path> {};
@@ -109,12 +108,12 @@ TEST_P(Crash, AtEachStepLeavesTheOldOrTheNew) {
         EXPECT_TRUE(found == old || found == scene("new")) << "at once, before any other run";
       }
       if (GetParam() == Path::inside && fs::exists(target / "scene.yaml")) {
-        // What a reader sees: behind a manifest all of its content.
+        // What a reader sees: where there is a manifest, all of its content is there.
         FileTree shown = tree(target);
         std::erase_if(shown, [](const auto& file) { return file.first.front() == '.'; });
         EXPECT_TRUE(shown == old || shown == scene("new")) << testing::PrintToString(shown);
       }
-      expect_whole(parent.path(), old);
+      expect_intact(parent.path(), old);
       if (!is_killed) {
         EXPECT_GE(kill_at, has_old ? 4 : 3) << "as many steps were tried";
         EXPECT_EQ(tree(target), scene("new"));
@@ -125,8 +124,8 @@ TEST_P(Crash, AtEachStepLeavesTheOldOrTheNew) {
 
 TEST_P(Crash, AtARandomInstantLeavesTheOldOrTheNew) {
   constexpr int kKills = 200;
-  // In memory where there is such a folder: nothing waits for the disk, and most kills fall
-  // between two system calls of the writer.
+  // In memory where possible: nothing waits for the disk, and most kills fall between two system
+  // calls of the writer.
   if (fs::exists("/dev/shm")) ::setenv("TMPDIR", "/dev/shm", 1);
   const TemporaryFolder parent;
   ::unsetenv("TMPDIR");
@@ -144,7 +143,7 @@ TEST_P(Crash, AtARandomInstantLeavesTheOldOrTheNew) {
       kill_self_after(instant);
       write_new(target, GetParam(), {});
     }).wait();
-    expect_whole(parent.path(), scene("old"));
+    expect_intact(parent.path(), scene("old"));
     kept_old += tree(target) == scene("old") ? 1 : 0;
   }
   RecordProperty("kept_old", kept_old);
@@ -170,9 +169,9 @@ int run_mounted(const fs::path& folder, const char* source, const Function& func
   });
 }
 
-/// A container's file system: what its image holds lies in a layer that is only read. Neither an
-/// exchange nor a rename of its folders is possible there.
-TEST(OverlayFileSystem, ReplacesAnOutputOfItsLowerLayerAndLeavesItWholeInACrash) {
+/// A container's file system: its image lies in a read-only layer. Neither an exchange nor a rename
+/// of its folders is possible there.
+TEST(OverlayFileSystem, ReplacesAnOutputOfItsLowerLayerAndKeepsItIntactInACrash) {
   const TemporaryFolder parent;
   bool is_killed = true;
   for (int kill_at = 0; is_killed; ++kill_at) {
@@ -196,7 +195,7 @@ TEST(OverlayFileSystem, ReplacesAnOutputOfItsLowerLayerAndLeavesItWholeInACrash)
       }};
       const int status =
           ForkedProcess([&] { write_new(merged / "scene", Path::exchange, hooks); }).wait();
-      expect_whole(merged, scene("old"));
+      expect_intact(merged, scene("old"));
       const bool has_ended = WIFEXITED(status);
       if (has_ended && (WEXITSTATUS(status) != 0 || tree(merged / "scene") != scene("new"))) {
         return 2;
@@ -229,7 +228,7 @@ class MountPoint : public testing::TestWithParam<bool> {
   TemporaryFolder parent_;
 };
 
-TEST_P(MountPoint, IsWrittenWithin) {
+TEST_P(MountPoint, IsWrittenInPlace) {
   run([&] {
     fs::create_directory(target() / "lost+found");
     Expected<OutputFolder> folder = OutputFolder::create(target());
@@ -241,7 +240,7 @@ TEST_P(MountPoint, IsWrittenWithin) {
   });
 }
 
-TEST_P(MountPoint, IsReplacedWithin) {
+TEST_P(MountPoint, IsReplacedInPlace) {
   run([&] {
     write_tree(target(), scene("old"));
     if (OutputFolder::create(target())) return 1;
@@ -254,7 +253,7 @@ TEST_P(MountPoint, IsReplacedWithin) {
   });
 }
 
-TEST_P(MountPoint, KeepsWhatIsNotAnOutput) {
+TEST_P(MountPoint, KeepsFilesThatAreNotAnOutput) {
   run([&] {
     const FileTree precious{{"thesis.tex", "years"}};
     write_tree(target(), precious);

@@ -25,19 +25,19 @@ const OutputFileOptions kReplaceOurs{
 
 class OutputFileTest : public testing::Test {
  protected:
-  [[nodiscard]] fs::path place(const std::string& name) const { return folder_.path() / name; }
+  [[nodiscard]] fs::path path_of(const std::string& name) const { return folder_.path() / name; }
 
   TemporaryFolder folder_;
 };
 
-TEST_F(OutputFileTest, AppearsWholeAtItsCommit) {
+TEST_F(OutputFileTest, AppearsAtomicallyAtItsCommit) {
   {
-    Expected<OutputFile> file = OutputFile::create(place("a.mp4"), {});
+    Expected<OutputFile> file = OutputFile::create(path_of("a.mp4"), {});
     ASSERT_TRUE(file);
     EXPECT_EQ(file->path().extension(), ".mp4");
     ASSERT_TRUE(file->write("longer"));
     ASSERT_TRUE(file->write("whole"));
-    EXPECT_FALSE(fs::exists(place("a.mp4")));
+    EXPECT_FALSE(fs::exists(path_of("a.mp4")));
     ASSERT_TRUE(file->commit());
   }
   EXPECT_EQ(tree(folder_.path()), (FileTree{{"a.mp4", "whole"}}));
@@ -45,7 +45,7 @@ TEST_F(OutputFileTest, AppearsWholeAtItsCommit) {
 
 TEST_F(OutputFileTest, LeavesNothingWithoutACommit) {
   {
-    Expected<OutputFile> file = OutputFile::create(place("a.yaml"), {});
+    Expected<OutputFile> file = OutputFile::create(path_of("a.yaml"), {});
     ASSERT_TRUE(file->write("half"));
   }
   EXPECT_TRUE(fs::is_empty(folder_.path()));
@@ -53,24 +53,24 @@ TEST_F(OutputFileTest, LeavesNothingWithoutACommit) {
 
 TEST_F(OutputFileTest, ReplacesOnlyItsOwnKindAndOnlyWhereAsked) {
   write_tree(folder_.path(), {{"ours", "ours"}, {"mine", "mine"}, {"empty", ""}});
-  EXPECT_FALSE(OutputFile::create(place("ours"), {}));
-  EXPECT_TRUE(OutputFile::check(place("ours"), kReplaceOurs));
-  EXPECT_TRUE(OutputFile::check(place("empty"), kReplaceOurs));
-  const Expected<void> refused = OutputFile::check(place("mine"), kReplaceOurs);
+  EXPECT_FALSE(OutputFile::create(path_of("ours"), {}));
+  EXPECT_TRUE(OutputFile::check(path_of("ours"), kReplaceOurs));
+  EXPECT_TRUE(OutputFile::check(path_of("empty"), kReplaceOurs));
+  const Expected<void> refused = OutputFile::check(path_of("mine"), kReplaceOurs);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("parameter file"), std::string::npos);
   {
-    Expected<OutputFile> file = OutputFile::create(place("ours"), kReplaceOurs);
+    Expected<OutputFile> file = OutputFile::create(path_of("ours"), kReplaceOurs);
     ASSERT_TRUE(file->write("new"));
     ASSERT_TRUE(file->commit());
   }
   EXPECT_EQ(tree(folder_.path()), (FileTree{{"ours", "new"}, {"mine", "mine"}, {"empty", ""}}));
 }
 
-TEST_F(OutputFileTest, TakesACommitBack) {
+TEST_F(OutputFileTest, UndoRevertsACommit) {
   write_tree(folder_.path(), {{"old", "ours"}});
   for (const char* name : {"old", "new"}) {
-    Expected<OutputFile> file = OutputFile::create(place(name), kReplaceOurs);
+    Expected<OutputFile> file = OutputFile::create(path_of(name), kReplaceOurs);
     ASSERT_TRUE(file->write("new"));
     ASSERT_TRUE(file->commit());
     file->undo();
@@ -78,37 +78,37 @@ TEST_F(OutputFileTest, TakesACommitBack) {
   EXPECT_EQ(tree(folder_.path()), (FileTree{{"old", "ours"}}));
 }
 
-TEST_F(OutputFileTest, RefusesWhatIsNoRegularFile) {
-  ASSERT_EQ(::mkfifo(place("fifo").c_str(), 0600), 0);
-  fs::create_directory(place("folder"));
-  fs::create_symlink("loop", place("loop"));
+TEST_F(OutputFileTest, RefusesPathsThatAreNotRegularFiles) {
+  ASSERT_EQ(::mkfifo(path_of("fifo").c_str(), 0600), 0);
+  fs::create_directory(path_of("folder"));
+  fs::create_symlink("loop", path_of("loop"));
   for (const fs::path& target :
-       {place("fifo"), place("folder"), place("folder/"), fs::path("/dev/null"), fs::path(),
-        place("loop"), place("absent/a"), place(std::string(300, 'n'))}) {
+       {path_of("fifo"), path_of("folder"), path_of("folder/"), fs::path("/dev/null"), fs::path(),
+        path_of("loop"), path_of("absent/a"), path_of(std::string(300, 'n'))}) {
     const Expected<void> checked = OutputFile::check(target, kReplaceOurs);
     EXPECT_FALSE(checked) << target;
     EXPECT_FALSE(OutputFile::create(target, kReplaceOurs)) << target;
   }
 }
 
-TEST_F(OutputFileTest, RefusesAMountPointBeforeTheWork) {
+TEST_F(OutputFileTest, RefusesAMountPointBeforeWriting) {
   write_tree(folder_.path(), {{"host", "ours"}, {"mounted", ""}});
   const int code = run_forked([&] {
-    if (::unshare(CLONE_NEWNS) != 0 ||
-        ::mount(place("host").c_str(), place("mounted").c_str(), nullptr, MS_BIND, nullptr) != 0) {
+    if (::unshare(CLONE_NEWNS) != 0 || ::mount(path_of("host").c_str(), path_of("mounted").c_str(),
+                                               nullptr, MS_BIND, nullptr) != 0) {
       return kForkedSkip;
     }
-    return OutputFile::check(place("mounted"), kReplaceOurs) ? 1 : 0;
+    return OutputFile::check(path_of("mounted"), kReplaceOurs) ? 1 : 0;
   });
   if (code == kForkedSkip) GTEST_SKIP() << "may not mount here";
   EXPECT_EQ(code, 0);
 }
 
-TEST_F(OutputFileTest, FollowsALinkAndKeepsIt) {
-  fs::create_directory(place("disk"));
-  fs::create_symlink("disk/a", place("link"));
+TEST_F(OutputFileTest, WritesThroughASymbolicLink) {
+  fs::create_directory(path_of("disk"));
+  fs::create_symlink("disk/a", path_of("link"));
   {
-    Expected<OutputFile> file = OutputFile::create(place("link"), {});
+    Expected<OutputFile> file = OutputFile::create(path_of("link"), {});
     ASSERT_TRUE(file->write("a"));
     ASSERT_TRUE(file->commit());
   }
@@ -116,10 +116,10 @@ TEST_F(OutputFileTest, FollowsALinkAndKeepsIt) {
 }
 
 TEST_F(OutputFileTest, RemovesWhatADeadProcessLeft) {
-  const std::string dead = std::to_string(forked_process_that_ended());
+  const std::string dead = std::to_string(id_of_dead_process());
   write_tree(folder_.path(), {{".a.mp4.partial-" + dead + ".mp4", "half"},
                               {".a.mp4.partial-" + dead, "a folder's: not of this name"}});
-  EXPECT_TRUE(OutputFile::create(place("a.mp4"), {}));
+  EXPECT_TRUE(OutputFile::create(path_of("a.mp4"), {}));
   EXPECT_EQ(tree(folder_.path()).size(), 1U);
 }
 

@@ -24,7 +24,7 @@ class CheckOutputs : public testing::Test {
   }
 
   [[nodiscard]] fs::path root() const { return folder_.path(); }
-  [[nodiscard]] bool is_sound(const fs::path& output) const {
+  [[nodiscard]] bool is_accepted(const fs::path& output) const {
     return check_outputs({output}, {root() / "home/recording", root() / "home/p.yaml", ""})
         .has_value();
   }
@@ -32,38 +32,38 @@ class CheckOutputs : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(CheckOutputs, AllowsWhatIsApartFromTheInputs) {
-  EXPECT_TRUE(is_sound(root() / "scene"));
-  EXPECT_TRUE(is_sound(root() / "home/scene"));
-  EXPECT_TRUE(is_sound(root() / "home/recording2"));
-  EXPECT_TRUE(is_sound(root() / "home/recording/../scene"));
+TEST_F(CheckOutputs, AllowsOutputsThatDoNotOverlapTheInputs) {
+  EXPECT_TRUE(is_accepted(root() / "scene"));
+  EXPECT_TRUE(is_accepted(root() / "home/scene"));
+  EXPECT_TRUE(is_accepted(root() / "home/recording2"));
+  EXPECT_TRUE(is_accepted(root() / "home/recording/../scene"));
 }
 
 TEST_F(CheckOutputs, RefusesAnInputWhateverItsName) {
-  EXPECT_FALSE(is_sound(root() / "home/recording"));
-  EXPECT_FALSE(is_sound(root() / "home/recording/"));
-  EXPECT_FALSE(is_sound(root() / "home/./x/../recording"));
-  EXPECT_FALSE(is_sound(root() / "link"));
-  EXPECT_FALSE(is_sound(root() / "home/p.yaml"));
+  EXPECT_FALSE(is_accepted(root() / "home/recording"));
+  EXPECT_FALSE(is_accepted(root() / "home/recording/"));
+  EXPECT_FALSE(is_accepted(root() / "home/./x/../recording"));
+  EXPECT_FALSE(is_accepted(root() / "link"));
+  EXPECT_FALSE(is_accepted(root() / "home/p.yaml"));
 }
 
-TEST_F(CheckOutputs, RefusesWhatContainsAnInput) {
-  EXPECT_FALSE(is_sound(root() / "home"));
-  EXPECT_FALSE(is_sound(root()));
-  EXPECT_FALSE(is_sound("/"));
-  EXPECT_FALSE(is_sound(root() / "link/.."));
+TEST_F(CheckOutputs, RefusesAnOutputThatContainsAnInput) {
+  EXPECT_FALSE(is_accepted(root() / "home"));
+  EXPECT_FALSE(is_accepted(root()));
+  EXPECT_FALSE(is_accepted("/"));
+  EXPECT_FALSE(is_accepted(root() / "link/.."));
 }
 
-TEST_F(CheckOutputs, RefusesWhatLiesInAnInputThereOrNot) {
-  EXPECT_FALSE(is_sound(root() / "home/recording/rgb"));
-  EXPECT_FALSE(is_sound(root() / "home/recording/new/scene"));
-  EXPECT_FALSE(is_sound(root() / "link/new"));
-  EXPECT_TRUE(is_sound(root() / "home/recording/up/apart")) << "a link that leads out";
+TEST_F(CheckOutputs, RefusesAnOutputInsideAnInputExistingOrNot) {
+  EXPECT_FALSE(is_accepted(root() / "home/recording/rgb"));
+  EXPECT_FALSE(is_accepted(root() / "home/recording/new/scene"));
+  EXPECT_FALSE(is_accepted(root() / "link/new"));
+  EXPECT_TRUE(is_accepted(root() / "home/recording/up/apart")) << "a link that leads out";
 }
 
-TEST_F(CheckOutputs, FollowsALinkToWhatIsNotThereYet) {
+TEST_F(CheckOutputs, FollowsALinkToAPathThatDoesNotExistYet) {
   fs::create_symlink("home/recording/new", root() / "dangling");
-  EXPECT_FALSE(is_sound(root() / "dangling"));
+  EXPECT_FALSE(is_accepted(root() / "dangling"));
 }
 
 TEST_F(CheckOutputs, NamesBothPathsAndHowTheyOverlap) {
@@ -81,12 +81,12 @@ TEST_F(CheckOutputs, RefusesOutputsThatOverlap) {
   EXPECT_TRUE(check_outputs({root() / "p.yaml", root() / "p.report"}, {}));
 }
 
-TEST_F(CheckOutputs, RefusesAnEmptyOutputAndIgnoresAnInputThatIsNotThere) {
+TEST_F(CheckOutputs, RefusesAnEmptyOutputAndIgnoresAMissingInput) {
   EXPECT_FALSE(check_outputs({""}, {}));
   EXPECT_TRUE(check_outputs({root() / "out"}, {root() / "absent", "/proc/nowhere/x"}));
 }
 
-TEST_F(CheckOutputs, SeesThroughABindMount) {
+TEST_F(CheckOutputs, DetectsAnOverlapThroughABindMount) {
   fs::create_directory(root() / "mounted");
   const int code = run_forked([&] {
     if (::unshare(CLONE_NEWNS) != 0 ||
@@ -94,7 +94,7 @@ TEST_F(CheckOutputs, SeesThroughABindMount) {
                 nullptr) != 0) {
       return kForkedSkip;
     }
-    return is_sound(root() / "mounted/recording") || is_sound(root() / "mounted") ? 1 : 0;
+    return is_accepted(root() / "mounted/recording") || is_accepted(root() / "mounted") ? 1 : 0;
   });
   if (code == kForkedSkip) GTEST_SKIP() << "may not mount here";
   EXPECT_EQ(code, 0);

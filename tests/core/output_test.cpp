@@ -27,7 +27,7 @@ void write_scene(const fs::path& folder, const std::string& text) {
   ASSERT_TRUE(write_file(folder / "lod/static_mesh_1.glb", text));
 }
 
-/// A folder that a run of that process left when it was killed.
+/// A folder as a run of that process leaves it when it is killed.
 fs::path left_by(const fs::path& parent, const std::string& name, long process) {
   const fs::path left = parent / ("." + name + ".partial-" + std::to_string(process));
   fs::create_directory(left);
@@ -35,7 +35,7 @@ fs::path left_by(const fs::path& parent, const std::string& name, long process) 
   return left;
 }
 
-TEST(OutputFolder, AppearsWholeAtItsCommit) {
+TEST(OutputFolder, AppearsAtomicallyAtItsCommit) {
   const TemporaryFolder parent;
   const fs::path target = parent.path() / "scene";
   Expected<OutputFolder> folder = OutputFolder::create(target);
@@ -101,7 +101,7 @@ TEST(OutputFolder, NeverReplacesWhatIsNotAnOutputOfItsKind) {
   }
 }
 
-TEST(OutputFolder, KnowsEveryKindByItsManifest) {
+TEST(OutputFolder, IdentifiesEveryKindByItsManifest) {
   const TemporaryFolder parent;
   const std::vector<std::pair<OutputKind, FileTree>> cases{
       {OutputKind::recording, {{"recording.yaml", "# mine\n\"format\": 'pcavr-recording/1'\n"}}},
@@ -134,7 +134,7 @@ TEST(OutputFolder, ChecksTheOldContentAgainAtTheCommit) {
   EXPECT_NE(committed.error().hint.find("scene.new"), std::string::npos);
 }
 
-TEST(OutputFolder, RefusesAFileInItsPlace) {
+TEST(OutputFolder, RefusesATargetThatIsAFile) {
   const TemporaryFolder parent;
   ASSERT_TRUE(write_file(parent.path() / "file", ""));
   EXPECT_FALSE(OutputFolder::create(parent.path() / "file", kReplaceScene));
@@ -154,7 +154,7 @@ TEST(OutputFolder, RefusesAnEmptyNameAndALoopOfLinks) {
   }
 }
 
-TEST(OutputFolder, TakesANameAsLongAsTheFileSystemDoesAndRefusesALongerOne) {
+TEST(OutputFolder, AcceptsTheLongestNameOfTheFileSystemAndRefusesALongerOne) {
   const TemporaryFolder parent;
   Expected<OutputFolder> folder = OutputFolder::create(parent.path() / std::string(255, 'n'));
   ASSERT_TRUE(folder) << folder.error().to_string();
@@ -165,7 +165,7 @@ TEST(OutputFolder, TakesANameAsLongAsTheFileSystemDoesAndRefusesALongerOne) {
   EXPECT_TRUE(write_file(parent.path() / std::string(254, 'f'), "a"));
 }
 
-TEST(OutputFolder, FollowsALinkAndKeepsIt) {
+TEST(OutputFolder, WritesThroughASymbolicLink) {
   const TemporaryFolder parent;
   fs::create_directory(parent.path() / "disk");
   fs::create_symlink("disk/scene", parent.path() / "link");
@@ -177,7 +177,7 @@ TEST(OutputFolder, FollowsALinkAndKeepsIt) {
   EXPECT_EQ(*read_file(parent.path() / "disk/scene/mesh.ply"), "new");
 }
 
-TEST(OutputFolder, RefusesFoldersThatCanNotBeReadOrWrittenBeforeTheWork) {
+TEST(OutputFolder, RefusesUnreadableAndUnwritableFoldersBeforeWriting) {
   const TemporaryFolder parent;
   fs::permissions(parent.path(), fs::perms::all);
   for (const auto& [name, mode] : {std::pair("unreadable", 0300), std::pair("unwritable", 0500)}) {
@@ -187,7 +187,7 @@ TEST(OutputFolder, RefusesFoldersThatCanNotBeReadOrWrittenBeforeTheWork) {
     fs::permissions(parent.path() / (std::string(name) + "-parent"), static_cast<fs::perms>(0500));
   }
   const int code = run_forked([&] {
-    if (!become_nobody()) return kForkedSkip;
+    if (!drop_privileges()) return kForkedSkip;
     for (const char* name : {"unreadable", "unwritable", "unwritable-parent/scene"}) {
       const auto folder = OutputFolder::create(parent.path() / name, kReplaceScene);
       if (folder || folder.error().message.find("ermission") == std::string::npos) {
@@ -203,7 +203,7 @@ TEST(OutputFolder, RefusesFoldersThatCanNotBeReadOrWrittenBeforeTheWork) {
   EXPECT_EQ(code, 0);
 }
 
-TEST(OutputFolder, WritesWithinTheCurrentFolderSoThatAShellInItStays) {
+TEST(OutputFolder, WritesTheCurrentFolderInPlaceSoThatAShellInItStays) {
   const TemporaryFolder parent;
   const fs::path target = parent.path() / "here";
   fs::create_directory(target);
@@ -220,7 +220,7 @@ TEST(OutputFolder, WritesWithinTheCurrentFolderSoThatAShellInItStays) {
 
 TEST(OutputFolder, RemovesWhatADeadProcessLeft) {
   const TemporaryFolder parent;
-  const long dead = forked_process_that_ended();
+  const long dead = id_of_dead_process();
   const fs::path left = left_by(parent.path(), "scene", dead);
   const fs::path other = left_by(parent.path(), "scene2", dead);
   EXPECT_TRUE(OutputFolder::create(parent.path() / "scene"));
@@ -228,7 +228,7 @@ TEST(OutputFolder, RemovesWhatADeadProcessLeft) {
   EXPECT_TRUE(fs::exists(other)) << "another target's";
 }
 
-TEST(OutputFolder, TakesItsOwnProcessIdForReusedWhereItDidNotMakeTheFolder) {
+TEST(OutputFolder, TreatsItsOwnProcessIdAsReusedIfItDidNotCreateTheFolder) {
   const TemporaryFolder parent;
   left_by(parent.path(), "scene", ::getpid());
   Expected<OutputFolder> folder = OutputFolder::create(parent.path() / "scene");
@@ -236,7 +236,7 @@ TEST(OutputFolder, TakesItsOwnProcessIdForReusedWhereItDidNotMakeTheFolder) {
   EXPECT_TRUE(fs::is_empty(folder->path()));
 }
 
-TEST(OutputFolder, LeavesALiveProcessItsFolder) {
+TEST(OutputFolder, KeepsTheFolderOfALiveProcess) {
   const TemporaryFolder parent;
   const fs::path target = parent.path() / "scene";
   ForkedProcess writer([&] {
@@ -253,7 +253,7 @@ TEST(OutputFolder, LeavesALiveProcessItsFolder) {
   EXPECT_FALSE(fs::exists(partial));
 }
 
-TEST(OutputFolder, LeavesALiveProcessAFolderThatItHasNotLocked) {
+TEST(OutputFolder, KeepsAFolderThatALiveProcessHasNotLocked) {
   const TemporaryFolder parent;
   ForkedProcess writer([&] {
     ForkedProcess::report_ready();
@@ -264,10 +264,10 @@ TEST(OutputFolder, LeavesALiveProcessAFolderThatItHasNotLocked) {
   EXPECT_TRUE(fs::exists(left));
 }
 
-TEST(OutputFolder, LeavesALockedFolderEvenIfItsProcessIsNotSeen) {
+TEST(OutputFolder, KeepsALockedFolderEvenIfItsProcessIsNotVisible) {
   // As where the process runs in another container, with process ids of its own.
   const TemporaryFolder parent;
-  const fs::path left = left_by(parent.path(), "scene", forked_process_that_ended());
+  const fs::path left = left_by(parent.path(), "scene", id_of_dead_process());
   const int file = ::open(left.c_str(), O_RDONLY);
   ASSERT_EQ(::flock(file, LOCK_EX), 0);
   EXPECT_TRUE(OutputFolder::create(parent.path() / "scene"));
@@ -275,7 +275,7 @@ TEST(OutputFolder, LeavesALockedFolderEvenIfItsProcessIsNotSeen) {
   ::close(file);
 }
 
-TEST(WriteFile, ReplacesAFileAndLeavesNothingBeside) {
+TEST(WriteFile, ReplacesAFileAndLeavesNoTemporaryFile) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "a.txt";
   ASSERT_TRUE(write_file(file, "long content"));
@@ -283,7 +283,7 @@ TEST(WriteFile, ReplacesAFileAndLeavesNothingBeside) {
   EXPECT_EQ(tree(folder.path()), (FileTree{{"a.txt", std::string("s\0rt", 4)}}));
 }
 
-TEST(WriteFile, SaysWhereItCanNot) {
+TEST(WriteFile, NamesTheFileThatCanNotBeWritten) {
   const TemporaryFolder folder;
   const Expected<void> written = write_file(folder.path() / "absent/a.txt", "a");
   ASSERT_FALSE(written);
@@ -293,7 +293,7 @@ TEST(WriteFile, SaysWhereItCanNot) {
 TEST(WriteFile, ReportsAFullDisk) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
   const TemporaryFolder folder;
-  // The temporary name stands beside the target, so the full device is reached through a link.
+  // The temporary name is a sibling of the target, so a link leads to the full device.
   const fs::path partial = folder.path() / (".a.partial-" + std::to_string(::getpid()));
   fs::create_symlink("/dev/full", partial);
   const Expected<void> written = write_file(folder.path() / "a", "content");
@@ -308,7 +308,7 @@ TEST(ReadFile, RefusesFoldersAndAbsentFiles) {
   EXPECT_FALSE(read_file(folder.path() / "absent"));
 }
 
-TEST(ReadFile, ReadsFilesThatTellNoSize) {
+TEST(ReadFile, ReadsFilesWithoutASize) {
   if (!fs::exists("/proc/self/status")) GTEST_SKIP() << "needs /proc";
   EXPECT_FALSE(read_file("/proc/self/status")->empty());
 }

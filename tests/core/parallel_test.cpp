@@ -29,7 +29,7 @@ Chunks chunks_of(int threads, std::size_t count, std::size_t grain) {
   return chunks;
 }
 
-TEST(ParallelFor, CutsTheSameChunksForAnyThreadCount) {
+TEST(ParallelFor, MakesTheSameChunksForAnyThreadCount) {
   const Chunks expected{{0, 4}, {4, 8}, {8, 10}};
   for (const int threads : {1, 2, 4}) EXPECT_EQ(chunks_of(threads, 10, 4), expected) << threads;
 }
@@ -52,7 +52,7 @@ TEST(ParallelFor, SumsInChunkOrderHaveTheSameBits) {
   EXPECT_EQ(sum(1), sum(4));
 }
 
-TEST(ParallelFor, PassesAnExceptionOn) {
+TEST(ParallelFor, RethrowsAnException) {
   for (const int threads : {1, 3}) {
     EXPECT_THROW(parallel_for({threads}, 100, 1,
                               [](std::size_t begin, std::size_t) {
@@ -62,7 +62,7 @@ TEST(ParallelFor, PassesAnExceptionOn) {
   }
 }
 
-TEST(ParallelFor, RefusesNoThreadsAndNoGrain) {
+TEST(ParallelFor, RefusesZeroThreadsAndZeroGrain) {
   const auto nothing = [](std::size_t, std::size_t) {};
   EXPECT_THROW(parallel_for({0}, 1, 1, nothing), ContractError);
   EXPECT_THROW(parallel_for({1}, 1, 0, nothing), ContractError);

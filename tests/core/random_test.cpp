@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kDraws = 100000;
 
-TEST(Random, RepeatsItselfForTheSameSeed) {
+TEST(Random, IsReproducibleForTheSameSeed) {
   Random a(7);
   Random b(7);
   Random c(8);

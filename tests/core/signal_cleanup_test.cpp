@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Writes files until it ends, as a command in its long work.
-[[noreturn]] void write_for_ever(const fs::path& folder) {
+/// Writes files until the process ends, like a command that is computing.
+[[noreturn]] void write_forever(const fs::path& folder) {
   for (int i = 0;; ++i) {
     std::error_code ignored;
     fs::create_directories(folder / "rgb", ignored);
@@ -27,16 +27,16 @@ namespace fs = std::filesystem;
   }
 }
 
-TEST(SignalCleanup, RemovesWhatIsNotCommittedAndExitsAsAShellSays) {
+TEST(SignalCleanup, RemovesUncommittedOutputAndExitsWithTheShellsCode) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const TemporaryFolder parent;
     ForkedProcess command([&] {
       install_signal_cleanup();
       Expected<OutputFolder> folder = OutputFolder::create(parent.path() / "new/scene");
       Expected<OutputFile> file = OutputFile::create(parent.path() / "p.yaml", {});
-      std::thread([&] { write_for_ever(folder->path()); }).detach();
+      std::thread([&] { write_forever(folder->path()); }).detach();
       ForkedProcess::report_ready();
-      write_for_ever(folder->path());
+      write_forever(folder->path());
     });
     const int status = command.kill(signal);
     ASSERT_TRUE(WIFEXITED(status)) << signal;
@@ -45,7 +45,7 @@ TEST(SignalCleanup, RemovesWhatIsNotCommittedAndExitsAsAShellSays) {
   }
 }
 
-TEST(SignalCleanup, KeepsWhatIsCommitted) {
+TEST(SignalCleanup, KeepsCommittedOutput) {
   const TemporaryFolder parent;
   ForkedProcess command([&] {
     install_signal_cleanup();
@@ -58,7 +58,7 @@ TEST(SignalCleanup, KeepsWhatIsCommitted) {
   EXPECT_EQ(tree(parent.path()), (FileTree{{"scene/a", "a"}}));
 }
 
-TEST(SignalCleanup, LetsNoErrorBeReportedMeanwhile) {
+TEST(SignalCleanup, SuppressesErrorsDuringTheCleanup) {
   ForkedProcess command([&] {
     install_signal_cleanup();
     ::raise(SIGINT);

@@ -20,7 +20,7 @@ TEST(ParseStamp, ReadsDecimalSecondsExactly) {
   EXPECT_EQ(parse_stamp("12.")->nanoseconds, 12'000'000'000);
 }
 
-TEST(ParseStamp, RefusesWhatIsNoTime) {
+TEST(ParseStamp, RefusesTextThatIsNotATime) {
   for (const char* text : {"", "-", ".5", "1e9", "nan", "1.2.3", "1 ", "+1", "0.0000000001",
                            "9999999999999999999999", "4611686019"}) {
     EXPECT_FALSE(parse_stamp(text)) << text;

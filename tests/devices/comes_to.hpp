@@ -9,27 +9,27 @@
 
 namespace pcavr::test {
 
-/// What a world says to a stick's device while the tool is pushed.
+/// A world's feedback while the tool is in contact.
 inline const DeviceFeedback kPushed{
     .p_base_tool = {0.5, 0.1, 0.2}, .force_base = {0.0, 0.0, 2.5}, .pulse = 1.0};
 
 inline bool comes_to_be(Device& device, bool is_present, bool is_engaged) {
   return eventually([&] {
-    const DeviceSample said = device.exchange(0.0, kCycle, kPushed);
-    return said.is_present == is_present && said.is_engaged == is_engaged;
+    const DeviceSample sample = device.exchange(0.0, kCycle, kPushed);
+    return sample.is_present == is_present && sample.is_engaged == is_engaged;
   });
 }
 
-/// Whether the tip, and the tool with it, comes to move by `v` [m/s] in base.
+/// Whether the tip, and the tool with it, eventually moves at `v` [m/s] in base.
 inline bool comes_to_move_by(Device& device, const Eigen::Vector3d& v) {
   DeviceFeedback feedback = kPushed;
   Eigen::Vector3d before = feedback.p_base_tool;
   return eventually([&] {
-    const DeviceSample said = device.exchange(0.0, kCycle, feedback);
-    feedback.p_base_tool = said.p_base_tip;
-    const Eigen::Vector3d moved = said.p_base_tip - before;
-    before = said.p_base_tip;
-    return said.is_engaged && (moved / kCycle - v).norm() < 1e-9;
+    const DeviceSample sample = device.exchange(0.0, kCycle, feedback);
+    feedback.p_base_tool = sample.p_base_tip;
+    const Eigen::Vector3d moved = sample.p_base_tip - before;
+    before = sample.p_base_tip;
+    return sample.is_engaged && (moved / kCycle - v).norm() < 1e-9;
   });
 }
 

@@ -7,12 +7,12 @@
 
 namespace pcavr::test {
 
-/// Asks until it is so. A driver's thread takes its time, so the limit is one for what hangs.
-template <typename Is>
-bool eventually(const Is& is) {
+/// Polls until the condition is true, with a timeout that is far longer than a driver's latency.
+template <typename Condition>
+bool eventually(const Condition& condition) {
   using namespace std::chrono_literals;
   for (int i = 0; i < 10'000; ++i) {
-    if (is()) return true;
+    if (condition()) return true;
     std::this_thread::sleep_for(1ms);
   }
   return false;

@@ -19,8 +19,8 @@
 
 namespace pcavr::test {
 
-/// The part of spacenavd's protocol 1 that libspnav's open and dev_name ask for, for one client at
-/// a time; and its events. SPNAV_SOCKET names it while it lives.
+/// The part of spacenavd's protocol 1 that libspnav's open and dev_name use, for one client at a
+/// time, and its events. SPNAV_SOCKET is set to its socket during its lifetime.
 class FakeSpacenavd {
  public:
   using Packet = std::array<std::int32_t, 8>;
@@ -36,7 +36,7 @@ class FakeSpacenavd {
       std::abort();
     }
     setenv("SPNAV_SOCKET", path.c_str(), 1);
-    thread_ = std::thread([this] { answer(); });
+    thread_ = std::thread([this] { serve(); });
   }
   ~FakeSpacenavd() {
     end();
@@ -47,7 +47,7 @@ class FakeSpacenavd {
 
   void end() {
     if (!thread_.joinable()) return;
-    is_ending_ = true;
+    is_stopping_ = true;
     thread_.join();
     if (client_ >= 0) close(client_);
     close(listener_);
@@ -67,18 +67,18 @@ class FakeSpacenavd {
   static constexpr std::int32_t kChangeProtocol = 0x5500;
   static constexpr std::int32_t kDeviceName = 0x2000;
 
-  void answer() {
-    while (!is_ending_) {
+  void serve() {
+    while (!is_stopping_) {
       pollfd file{client_ >= 0 ? client_.load() : listener_, POLLIN, 0};
       if (poll(&file, 1, 10) <= 0) continue;
       if (client_ < 0) {
         client_ = accept(listener_, nullptr, nullptr);
       } else {
-        answer_one();
+        serve_request();
       }
     }
   }
-  void answer_one() {
+  void serve_request() {
     Packet request{};
     const ssize_t length = read(client_, request.data(), sizeof request);
     if (length <= 0) {
@@ -98,7 +98,7 @@ class FakeSpacenavd {
   bool has_device_;
   int listener_ = -1;
   std::atomic<int> client_{-1};
-  std::atomic<bool> is_ending_{false};
+  std::atomic<bool> is_stopping_{false};
   std::thread thread_;
 };
 

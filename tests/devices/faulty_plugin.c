@@ -1,18 +1,18 @@
 /* SPDX-FileCopyrightText: The pcavr authors
  * SPDX-License-Identifier: Apache-2.0
  *
- * What a plugin can do wrong, one way for each FAULT that it is built with; by FAULT_answers, what
- * it answers wrongly at run time, by its options. It is C, as the header says a plugin may be. */
+ * Faults of a plugin, one for each FAULT that it is built with; with FAULT_answers, invalid samples
+ * at run time, by its options. In C, as the header allows. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "pcavr/devices/device_plugin.h"
 
-static char asked[32];
+static char chosen_fault[32];
 
 static void* open_device(const char* options, char* error, size_t error_size) {
-  snprintf(asked, sizeof asked, "%s", options);
+  snprintf(chosen_fault, sizeof chosen_fault, "%s", options);
   if (strcmp(options, "unplugged") == 0) {
     snprintf(error, error_size, "no device on the bus");
     return NULL;
@@ -22,7 +22,7 @@ static void* open_device(const char* options, char* error, size_t error_size) {
     memset(error, 'x', error_size);
     return NULL;
   }
-  return asked;
+  return chosen_fault;
 }
 
 static void close_device(void* device) { (void)device; }
@@ -34,12 +34,12 @@ static int exchange(void* device, double t, double dt, const pcavr_device_feedba
   sample->is_engaged = 1;
   sample->tip[0] = 0.1 * t;
   const int is_bad = t >= 0.1 && t < 0.2;
-  if (is_bad && strcmp(asked, "nan") == 0) sample->tip[1] = NAN;
-  if (is_bad && strcmp(asked, "far") == 0) sample->tip[1] = 1e9;
-  if (is_bad && strcmp(asked, "turn") == 0)
+  if (is_bad && strcmp(chosen_fault, "nan") == 0) sample->tip[1] = NAN;
+  if (is_bad && strcmp(chosen_fault, "far") == 0) sample->tip[1] = 1e9;
+  if (is_bad && strcmp(chosen_fault, "turn") == 0)
     memset(sample->quaternion, 0, sizeof sample->quaternion);
-  if (is_bad && strcmp(asked, "away") == 0) sample->is_present = 0;
-  if (is_bad && strcmp(asked, "code") == 0) return -1;
+  if (is_bad && strcmp(chosen_fault, "away") == 0) sample->is_present = 0;
+  if (is_bad && strcmp(chosen_fault, "code") == 0) return -1;
   return 0;
 }
 

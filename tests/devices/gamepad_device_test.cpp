@@ -17,7 +17,7 @@ using test::kCycle;
 using test::kPushed;
 using test::VirtualGamepad;
 
-TEST(GamepadDevice, MovesTheTipAsTheSticksArePushedWhileTheShoulderIsHeld) {
+TEST(GamepadDevice, SticksMoveTheTipWhileTheShoulderIsHeld) {
   VirtualGamepad pad;
   auto device = GamepadDevice::open({.rate = {.max_speed = 0.1}});
   ASSERT_TRUE(device) << device.error().to_string();
@@ -45,7 +45,7 @@ TEST(GamepadDevice, IsEngagedByTheTriggerToo) {
   EXPECT_TRUE(comes_to_be(**device, true, true));
 }
 
-TEST(GamepadDevice, ShakesWithTheForceAndThePulseWhileEngaged) {
+TEST(GamepadDevice, VibratesByForceAndPulseWhileEngaged) {
   VirtualGamepad pad;
   auto device = GamepadDevice::open();
   ASSERT_TRUE(device) << device.error().to_string();
@@ -76,7 +76,7 @@ TEST(GamepadDevice, IsAbsentWhileUnpluggedAndFindsTheNextOne) {
   EXPECT_TRUE(comes_to_be(**device, true, false));
 }
 
-TEST(GamepadDevice, SaysWhenThereIsNone) {
+TEST(GamepadDevice, ReportsIfThereIsNone) {
   const auto device = GamepadDevice::open();
   if (device) GTEST_SKIP() << "a real gamepad is plugged in";
   EXPECT_NE(device.error().message.find("no gamepad"), std::string::npos);

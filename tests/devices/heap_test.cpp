@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// No device's exchange asks for memory, whatever it is told. The counter is the whole process's.
+// No device's exchange allocates. The counter is that of the whole process.
 #include <gtest/gtest.h>
 
 #include "pcavr/devices/gamepad_device.hpp"
@@ -21,7 +21,7 @@ namespace {
 
 using test::kCycle;
 
-/// How often the heap was asked over 2 s of cycles; the device engages in between.
+/// Number of heap allocations over 2 s of cycles, after the device has engaged.
 long allocations_of(Device& device) {
   DeviceFeedback feedback{.force_base = {1.0, 0.0, -2.0}, .pulse = 0.5};
   EXPECT_TRUE(test::eventually([&] { return device.exchange(0.0, kCycle, feedback).is_engaged; }));
@@ -32,33 +32,33 @@ long allocations_of(Device& device) {
   return heap_allocations - before;
 }
 
-TEST(Heap, IsLeftAloneByARemoteDevice) {
+TEST(Heap, IsNotUsedByARemoteDevice) {
   RemoteDevice device;
   const std::vector<RemoteSample> samples = test::sent_over({}, 2.0, 7);
   const long before = heap_allocations;
   test::run(device, samples, 1.0, {}, [](double, const DeviceSample&) {});
-  device.let_go();
+  device.release();
   test::run(device, samples, 3.0, {}, [](double, const DeviceSample&) {});
   EXPECT_EQ(heap_allocations, before);
 }
 
-TEST(Heap, IsLeftAloneByATrace) {
+TEST(Heap, IsNotUsedByATrace) {
   TraceDevice device({{.t = 0.0}, {.t = 0.5, .p_base_tip = {0.1, 0.0, 0.0}}, {.t = 1.0}});
   EXPECT_EQ(allocations_of(device), 0);
 }
 
-TEST(Heap, IsLeftAloneByASimulatedForceDevice) {
+TEST(Heap, IsNotUsedByASimulatedForceDevice) {
   SimulatedForceDevice device;
   EXPECT_EQ(allocations_of(device), 0);
 }
 
-TEST(Heap, IsLeftAloneByAPlugin) {
+TEST(Heap, IsNotUsedByAPlugin) {
   auto device = PluginDevice::open(std::string(PCAVR_FAULTY_PLUGINS) + "answers.so");
   ASSERT_TRUE(device) << device.error().to_string();
   EXPECT_EQ(allocations_of(**device), 0);
 }
 
-TEST(Heap, IsLeftAloneByASpaceMouse) {
+TEST(Heap, IsNotUsedByASpaceMouse) {
   test::FakeSpacenavd daemon;
   auto device = SpaceMouseDevice::open();
   ASSERT_TRUE(device) << device.error().to_string();
@@ -67,7 +67,7 @@ TEST(Heap, IsLeftAloneByASpaceMouse) {
   EXPECT_EQ(allocations_of(**device), 0);
 }
 
-TEST(Heap, IsLeftAloneByAGamepad) {
+TEST(Heap, IsNotUsedByAGamepad) {
   test::VirtualGamepad pad;
   auto device = GamepadDevice::open();
   ASSERT_TRUE(device) << device.error().to_string();

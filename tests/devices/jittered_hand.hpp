@@ -14,34 +14,34 @@ namespace pcavr::test {
 
 inline constexpr double kCycle = 0.001;  // [s]
 
-/// A hand that goes round a circle of 10 cm: 0.31 m/s, 0.99 m/s^2.
+/// A hand that moves on a circle of 10 cm radius: 0.31 m/s, 0.99 m/s^2.
 struct CirclingHand {
-  static constexpr double kRadius = 0.1;  // [m]
-  static constexpr double kTurn = M_PI;   // [rad/s]
-  static constexpr double kSpeed = kRadius * kTurn;
-  static constexpr double kAcceleration = kRadius * kTurn * kTurn;
+  static constexpr double kRadius = 0.1;         // [m]
+  static constexpr double kAngularSpeed = M_PI;  // [rad/s]
+  static constexpr double kSpeed = kRadius * kAngularSpeed;
+  static constexpr double kAcceleration = kRadius * kAngularSpeed * kAngularSpeed;
 
   Eigen::Vector3d operator()(double t) const {
-    return {kRadius * std::cos(kTurn * t), kRadius * std::sin(kTurn * t), 0.3};
+    return {kRadius * std::cos(kAngularSpeed * t), kRadius * std::sin(kAngularSpeed * t), 0.3};
   }
 };
 
 struct Link {
   double interval = 1.0 / 60.0;  // [s]
-  double way = 0.002;            // [s] the fastest
+  double latency = 0.002;        // [s] minimum
   double jitter = 0.006;         // [s] on top, uniform
   double clock_offset = 1000.0;  // [s] sender's clock - ours
 };
 
-/// What CirclingHand sends over `duration` [s], in the order in which it comes.
+/// The samples of CirclingHand over `duration` [s], in order of arrival.
 inline std::vector<RemoteSample> sent_over(const Link& link, double duration, std::uint64_t seed) {
   Random random(seed);
   std::vector<RemoteSample> samples;
   double last_arrival = 0.0;
   for (int i = 0; i * link.interval < duration; ++i) {
     const double t = i * link.interval;
-    // A stream keeps its order.
-    last_arrival = std::max(last_arrival, t + link.way + random.uniform(0.0, link.jitter));
+    // In-order delivery, as by TCP.
+    last_arrival = std::max(last_arrival, t + link.latency + random.uniform(0.0, link.jitter));
     samples.push_back({.p_base_tip = CirclingHand()(t),
                        .is_engaged = true,
                        .sender_clock = t + link.clock_offset,
@@ -50,7 +50,7 @@ inline std::vector<RemoteSample> sent_over(const Link& link, double duration, st
   return samples;
 }
 
-/// A cycle every millisecond, each sample pushed when it has come; `at_cycle(t, said)`.
+/// Runs a cycle every millisecond, each sample pushed on arrival; `at_cycle(t, sample)`.
 template <typename AtCycle>
 void run(RemoteDevice& device, const std::vector<RemoteSample>& samples, double duration,
          const DeviceFeedback& feedback, const AtCycle& at_cycle) {

@@ -12,7 +12,7 @@
 #include "devices/fake_spacenavd.hpp"
 #include "support/temporary_folder.hpp"
 
-/// For the leak sanitizer: libspnav 1.0 forgets a few bytes where its open fails.
+/// For the leak sanitizer: libspnav 1.0 leaks a few bytes if its open fails.
 extern "C" const char* __lsan_default_suppressions();   // NOLINT(bugprone-reserved-identifier)
 extern "C" const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reserved-identifier)
   return "leak:spnav_open";
@@ -21,12 +21,12 @@ extern "C" const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reser
 namespace pcavr {
 namespace {
 
-std::string complaint(const std::string& description) {
+std::string error_text(const std::string& description) {
   const auto device = open_device(description);
   return device ? "it opened" : device.error().to_string();
 }
 
-TEST(OpenDevice, OpensWhatNeedsNoHardware) {
+TEST(OpenDevice, OpensDevicesWithoutHardware) {
   const TemporaryFolder folder;
   const std::string trace = (folder.path() / "trace.csv").string();
   ASSERT_TRUE(write_file(trace, "t,x,y,z\n0,0,0,0\n1,0.1,0,0\n"));
@@ -48,26 +48,28 @@ TEST(OpenDevice, OpensASpaceMouse) {
   EXPECT_EQ((*device)->name(), "SpaceMouse (FakeNavigator)");
 }
 
-TEST(OpenDevice, NamesTheChoicesToWhoeverNamesAnother) {
+TEST(OpenDevice, ListsTheChoicesForAnUnknownType) {
   for (const char* description : {"", "mouse", "spacemouse:1", "gamepad:", "simulated:x", "trace",
                                   "trace:", "plugin", "plugin:", ":"}) {
-    const std::string line = complaint(description);
-    EXPECT_NE(line.find("is no device; choose " + std::string(kDeviceChoices)), std::string::npos)
+    const std::string line = error_text(description);
+    EXPECT_NE(line.find("unknown device '" + std::string(description) + "'; choose " +
+                        std::string(kDeviceChoices)),
+              std::string::npos)
         << line;
     EXPECT_EQ(line.find('\n'), std::string::npos);
   }
 }
 
-TEST(OpenDevice, PassesOnWhatIsWrongWithAFile) {
-  EXPECT_NE(complaint("trace:/nowhere.csv").find("/nowhere.csv"), std::string::npos);
-  EXPECT_NE(complaint("plugin:/nowhere.so,x").find("/nowhere.so: does not exist"),
+TEST(OpenDevice, ReportsTheErrorOfAFile) {
+  EXPECT_NE(error_text("trace:/nowhere.csv").find("/nowhere.csv"), std::string::npos);
+  EXPECT_NE(error_text("plugin:/nowhere.so,x").find("/nowhere.so: does not exist"),
             std::string::npos);
-  EXPECT_NE(complaint("plugin:" + std::string(PCAVR_FAULTY_PLUGINS) + "answers.so,unplugged")
+  EXPECT_NE(error_text("plugin:" + std::string(PCAVR_FAULTY_PLUGINS) + "answers.so,unplugged")
                 .find("no device on the bus"),
             std::string::npos);
 }
 
-TEST(OpenDevice, SaysHowToGetADaemonForTheSpaceMouse) {
+TEST(OpenDevice, HintsHowToInstallTheSpaceMouseDaemon) {
   const TemporaryFolder folder;
   setenv("SPNAV_SOCKET", (folder.path() / "none").c_str(), 1);
   const auto device = open_device("spacemouse");

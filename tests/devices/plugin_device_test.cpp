@@ -21,64 +21,66 @@ std::string faulty(const std::string& fault) {
   return std::string(PCAVR_FAULTY_PLUGINS) + fault + ".so";
 }
 
-/// What is said about a plugin that cannot be used.
-std::string complaint(const std::filesystem::path& file, const std::string& options = "") {
+/// The error message for a plugin that cannot be used.
+std::string error_text(const std::filesystem::path& file, const std::string& options = "") {
   const auto device = PluginDevice::open(file, {.text = options});
   return device ? "it opened" : device.error().to_string();
 }
 
-bool says(const std::string& line, const std::string& words) {
-  return line.find(words) != std::string::npos && line.find('\n') == std::string::npos;
+bool is_line_with(const std::string& line, const std::string& part) {
+  return line.find(part) != std::string::npos && line.find('\n') == std::string::npos;
 }
 
-TEST(PluginDevice, RefusesWhatCannotBeLoadedInOneClearLine) {
+TEST(PluginDevice, RejectsWhatCannotBeLoadedWithAOneLineError) {
   const TemporaryFolder folder;
   const auto text = folder.path() / "text.so";
   ASSERT_TRUE(write_file(text, "not a library"));
-  EXPECT_PRED2(says, complaint("/nowhere/device.so"), "/nowhere/device.so: does not exist");
-  EXPECT_PRED2(says, complaint(text), "is no library that can be loaded");
-  EXPECT_PRED2(says, complaint(folder.path()), "is no library that can be loaded");
-  EXPECT_PRED2(says, complaint(faulty("symbol")), "it lacks pcavr_get_device_plugin");
+  EXPECT_PRED2(is_line_with, error_text("/nowhere/device.so"),
+               "/nowhere/device.so: does not exist");
+  EXPECT_PRED2(is_line_with, error_text(text), "can't be loaded as a library");
+  EXPECT_PRED2(is_line_with, error_text(folder.path()), "can't be loaded as a library");
+  EXPECT_PRED2(is_line_with, error_text(faulty("symbol")), "it lacks pcavr_get_device_plugin");
 }
 
-TEST(PluginDevice, RefusesAnotherAbiAndWhatIsNotWhole) {
-  EXPECT_PRED2(says, complaint(faulty("abi")), "has plugin ABI 2 of");
-  EXPECT_PRED2(says, complaint(faulty("size")), "has plugin ABI 1 of");
-  EXPECT_PRED2(says, complaint(faulty("null")), "gives no plugin");
-  EXPECT_PRED2(says, complaint(faulty("function")), "lacks one of open, close and exchange");
+TEST(PluginDevice, RejectsAnotherAbiAndIncompletePlugins) {
+  EXPECT_PRED2(is_line_with, error_text(faulty("abi")), "has plugin ABI 2 of");
+  EXPECT_PRED2(is_line_with, error_text(faulty("size")), "has plugin ABI 1 of");
+  EXPECT_PRED2(is_line_with, error_text(faulty("null")), "returned no plugin");
+  EXPECT_PRED2(is_line_with, error_text(faulty("function")),
+               "lacks one of open, close and exchange");
 }
 
-TEST(PluginDevice, SaysWhyADeviceDoesNotOpen) {
-  EXPECT_PRED2(says, complaint(faulty("answers"), "unplugged"), "no device on the bus");
-  EXPECT_PRED2(says, complaint(faulty("answers"), "mute"), "it does not say why");
-  // A text without its zero is cut at the buffer's end.
-  EXPECT_PRED2(says, complaint(faulty("answers"), "long"), std::string(255, 'x'));
+TEST(PluginDevice, ReportsWhyADeviceDoesNotOpen) {
+  EXPECT_PRED2(is_line_with, error_text(faulty("answers"), "unplugged"), "no device on the bus");
+  EXPECT_PRED2(is_line_with, error_text(faulty("answers"), "mute"), "no reason given");
+  // A text without terminating zero is cut at the buffer's end.
+  EXPECT_PRED2(is_line_with, error_text(faulty("answers"), "long"), std::string(255, 'x'));
 }
 
-class WrongAnswers : public testing::TestWithParam<const char*> {};
+class InvalidSamples : public testing::TestWithParam<const char*> {};
 
-INSTANTIATE_TEST_SUITE_P(PluginDevice, WrongAnswers,
+INSTANTIATE_TEST_SUITE_P(PluginDevice, InvalidSamples,
                          testing::Values("nan", "far", "turn", "code", "away"));
 
-TEST_P(WrongAnswers, MakeItAbsentForAsLongAsTheyLastAndLeaveNoJump) {
+TEST_P(InvalidSamples, MakeItAbsentMeanwhileWithoutAJump) {
   auto device = PluginDevice::open(faulty("answers"), {.text = GetParam()});
   ASSERT_TRUE(device) << device.error().to_string();
   DeviceFeedback feedback = kFeedback;
   for (int i = 0; i < 300; ++i) {
-    const DeviceSample said = (*device)->exchange(i * kCycle, kCycle, feedback);
-    EXPECT_EQ(said.is_present, i < 100 || i >= 200) << i;
-    EXPECT_EQ(said.is_engaged, said.is_present) << i;
-    EXPECT_TRUE(said.p_base_tip.allFinite());
-    if (!said.is_engaged) continue;
-    EXPECT_LT((said.p_base_tip - feedback.p_base_tool).norm(), 0.11 * kCycle);
-    feedback.p_base_tool = said.p_base_tip;
+    const DeviceSample sample = (*device)->exchange(i * kCycle, kCycle, feedback);
+    EXPECT_EQ(sample.is_present, i < 100 || i >= 200) << i;
+    EXPECT_EQ(sample.is_engaged, sample.is_present) << i;
+    EXPECT_TRUE(sample.p_base_tip.allFinite());
+    if (!sample.is_engaged) continue;
+    EXPECT_LT((sample.p_base_tip - feedback.p_base_tool).norm(), 0.11 * kCycle);
+    feedback.p_base_tool = sample.p_base_tip;
   }
   const bool is_fault = std::string(GetParam()) != "away";
   EXPECT_EQ((*device)->health().faults, is_fault ? 100u : 0u);
   EXPECT_GT((*device)->health().slowest, 0.0);
 }
 
-TEST(PluginDevice, OutlivesAnExceptionOfThePlugins) {
+TEST(PluginDevice, SurvivesAnExceptionOfThePlugin) {
   auto device = PluginDevice::open(faulty("exception"));
   ASSERT_TRUE(device) << device.error().to_string();
   EXPECT_EQ((*device)->name(), "plugin");
@@ -86,39 +88,39 @@ TEST(PluginDevice, OutlivesAnExceptionOfThePlugins) {
   EXPECT_EQ((*device)->health().faults, 1u);
 }
 
-TEST(PluginDevice, DoesNotCloseOnAToolThatIsNowhere) {
+TEST(PluginDevice, DoesNotEngageAtAnInvalidToolPosition) {
   auto device = PluginDevice::open(faulty("answers"));
   ASSERT_TRUE(device) << device.error().to_string();
   const DeviceFeedback nowhere{
       .p_base_tool = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN())};
-  const DeviceSample said = (*device)->exchange(0.0, kCycle, nowhere);
-  EXPECT_FALSE(said.is_engaged);
-  EXPECT_TRUE(said.p_base_tip.allFinite());
+  const DeviceSample sample = (*device)->exchange(0.0, kCycle, nowhere);
+  EXPECT_FALSE(sample.is_engaged);
+  EXPECT_TRUE(sample.p_base_tip.allFinite());
 }
 
 #ifdef PCAVR_SAMPLE_PLUGIN
 
-TEST(SamplePlugin, LeadsTheToolRoundACircleOfTheRadiusAskedFor) {
+TEST(SamplePlugin, MovesTheToolOnACircleOfTheGivenRadius) {
   auto device = PluginDevice::open(PCAVR_SAMPLE_PLUGIN, {.text = "50"});
   ASSERT_TRUE(device) << device.error().to_string();
   EXPECT_EQ((*device)->name(), "round device");
-  Eigen::Vector3d least = Eigen::Vector3d::Constant(1e9);
-  Eigen::Vector3d most = -least;
+  Eigen::Vector3d min = Eigen::Vector3d::Constant(1e9);
+  Eigen::Vector3d max = -min;
   for (int i = 0; i < 14'000; ++i) {
-    const DeviceSample said = (*device)->exchange(i * kCycle, kCycle, kFeedback);
-    ASSERT_TRUE(said.is_engaged);
+    const DeviceSample sample = (*device)->exchange(i * kCycle, kCycle, kFeedback);
+    ASSERT_TRUE(sample.is_engaged);
     if (i < 1000) continue;
-    least = least.cwiseMin(said.p_base_tip);
-    most = most.cwiseMax(said.p_base_tip);
+    min = min.cwiseMin(sample.p_base_tip);
+    max = max.cwiseMax(sample.p_base_tip);
   }
-  // The spring lets it lag by a twentieth of a radian, and shrink by a thousandth.
-  EXPECT_NEAR((most - least).x(), 0.1, 5e-4);
-  EXPECT_NEAR((most - least).y(), 0.1, 5e-4);
-  EXPECT_EQ((most - least).z(), 0.0);
+  // The spring causes a lag of a twentieth of a radian, and a smaller radius by a thousandth.
+  EXPECT_NEAR((max - min).x(), 0.1, 5e-4);
+  EXPECT_NEAR((max - min).y(), 0.1, 5e-4);
+  EXPECT_EQ((max - min).z(), 0.0);
   EXPECT_EQ((*device)->health().faults, 0u);
 }
 
-TEST(SamplePlugin, IsPushedByTheForceInTheDirectionThatTheOperatorFaces) {
+TEST(SamplePlugin, AppliesTheForceInTheOperatorsFrame) {
   PluginDeviceOptions options;
   options.facing = M_PI / 2.0;
   auto device = PluginDevice::open(PCAVR_SAMPLE_PLUGIN, options);
@@ -135,8 +137,9 @@ TEST(SamplePlugin, IsPushedByTheForceInTheDirectionThatTheOperatorFaces) {
   EXPECT_LT((difference - Eigen::Vector3d(0.0, 0.01, -0.005)).norm(), 1e-6);
 }
 
-TEST(SamplePlugin, SaysWhatItsOptionsMayBe) {
-  EXPECT_PRED2(says, complaint(PCAVR_SAMPLE_PLUGIN, "-1"), "'-1' is no radius from 0 to 100 mm");
+TEST(SamplePlugin, ReportsInvalidOptions) {
+  EXPECT_PRED2(is_line_with, error_text(PCAVR_SAMPLE_PLUGIN, "-1"),
+               "'-1' is not a radius from 0 to 100 mm");
 }
 
 #endif

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// How a RemoteDevice's tip goes, judged by a motion that is known.
+// A RemoteDevice's tip, compared with a known motion.
 #include <gtest/gtest.h>
 
 #include "devices/jittered_hand.hpp"
@@ -23,23 +23,23 @@ INSTANTIATE_TEST_SUITE_P(RemoteMotion, OverLinks,
                                          Link{1.0 / 90.0}, Link{1.0 / 60.0, 0.02, 0.0},
                                          Link{1.0 / 60.0, 0.002, 0.012, -5.0}));
 
-TEST_P(OverLinks, IsWhereTheHandWasAtTheClockThatItShows) {
+TEST_P(OverLinks, IsTheHandsPositionAtThePlayoutTime) {
   const Link link = GetParam();
   RemoteDevice device;
   const DeviceFeedback feedback{.p_base_tool = CirclingHand()(0.0)};
   double worst = 0.0;
   test::run(device, test::sent_over(link, kDuration, 1), kDuration, feedback,
-            [&](double, const DeviceSample& said) {
-              if (!said.is_engaged) return;
-              const double shown = std::max(device.use().shown_clock - link.clock_offset, 0.0);
-              worst = std::max(worst, (said.p_base_tip - CirclingHand()(shown)).norm());
+            [&](double, const DeviceSample& sample) {
+              if (!sample.is_engaged) return;
+              const double shown = std::max(device.status().shown_clock - link.clock_offset, 0.0);
+              worst = std::max(worst, (sample.p_base_tip - CirclingHand()(shown)).norm());
             });
   // A chord's distance from its arc is a h^2 / 8; the rest is the clocks' rounding.
   EXPECT_LT(worst, CirclingHand::kAcceleration * link.interval * link.interval / 8.0 + 1e-9);
   EXPECT_GT(worst, 0.0);
 }
 
-TEST_P(OverLinks, StaysBackByAnIntervalAndTheJitterAndNoMore) {
+TEST_P(OverLinks, IsDelayedByAnIntervalPlusTheJitter) {
   const Link link = GetParam();
   RemoteDevice device;
   double sum = 0.0;
@@ -47,14 +47,14 @@ TEST_P(OverLinks, StaysBackByAnIntervalAndTheJitterAndNoMore) {
   test::run(device, test::sent_over(link, kDuration, 2), kDuration, {},
             [&](double t, const DeviceSample&) {
               if (t < kSettled) return;
-              const double behind = t - (device.use().shown_clock - link.clock_offset);
-              EXPECT_LT(behind, link.way + link.interval + link.jitter + 3.0 * kCycle);
-              EXPECT_LT(device.use().delay, link.interval + link.jitter + kCycle + 1e-6);
-              EXPECT_GT(device.use().delay, link.interval - 1e-6);
+              const double behind = t - (device.status().shown_clock - link.clock_offset);
+              EXPECT_LT(behind, link.latency + link.interval + link.jitter + 3.0 * kCycle);
+              EXPECT_LT(device.status().delay, link.interval + link.jitter + kCycle + 1e-6);
+              EXPECT_GT(device.status().delay, link.interval - 1e-6);
               sum += behind;
               ++cycles;
             });
-  EXPECT_LT(sum / cycles, link.way + link.interval + link.jitter + kCycle + 1e-6);
+  EXPECT_LT(sum / cycles, link.latency + link.interval + link.jitter + kCycle + 1e-6);
 }
 
 TEST_P(OverLinks, HasNoStepsAtTheRateOfTheSamples) {
@@ -65,51 +65,51 @@ TEST_P(OverLinks, HasNoStepsAtTheRateOfTheSamples) {
   int cycles = 0;
   int slow = 0;
   test::run(device, test::sent_over(link, kDuration, 3), kDuration, {},
-            [&](double t, const DeviceSample& said) {
-              const double speed = (said.p_base_tip - before).norm() / kCycle;
-              before = said.p_base_tip;
+            [&](double t, const DeviceSample& sample) {
+              const double speed = (sample.p_base_tip - before).norm() / kCycle;
+              before = sample.p_base_tip;
               if (t < kSettled) return;
               fastest = std::max(fastest, speed);
               ++cycles;
               if (speed < 0.75 * CirclingHand::kSpeed) ++slow;
             });
-  // The delay's changes with the jitter change the speed; one arrival in 32 may be later than it.
-  // With steps the tip would stand in 15 cycles of 16, and go 16 times too fast in one.
+  // Delay changes by jitter change the speed; one arrival in 32 may be later than the delay.
+  // With steps the tip would stop in 15 cycles of 16, and move 16 times too fast in one.
   EXPECT_LT(fastest, 1.25 * CirclingHand::kSpeed);
   EXPECT_LT(slow, cycles / 200);
 }
 
-TEST(RemoteMotion, WaitsForALateSampleAndCatchesUpWithoutAJump) {
+TEST(RemoteMotion, StopsForALateSampleAndCatchesUpWithoutAJump) {
   std::vector<RemoteSample> samples = test::sent_over({}, kDuration, 4);
-  // The page stutters for 0.1 s: what it sent comes at once after that.
+  // The page stutters for 0.1 s: its samples arrive together after that.
   for (RemoteSample& sample : samples) {
     if (sample.arrival > 1.5 && sample.arrival < 1.6) sample.arrival = 1.6;
   }
   RemoteDevice device;
   Eigen::Vector3d before = Eigen::Vector3d::Zero();
   bool waited = false;
-  test::run(device, samples, kDuration, {}, [&](double t, const DeviceSample& said) {
-    const double moved = (said.p_base_tip - before).norm();
-    before = said.p_base_tip;
+  test::run(device, samples, kDuration, {}, [&](double t, const DeviceSample& sample) {
+    const double moved = (sample.p_base_tip - before).norm();
+    before = sample.p_base_tip;
     if (t < kSettled) return;
     if (t > 1.5 && t < 1.6 && moved == 0.0) waited = true;
-    // 0.1 s behind is caught up at three times the speed.
+    // 0.1 s behind: catches up at three times the speed.
     EXPECT_LT(moved, 3.5 * CirclingHand::kSpeed * kCycle) << t;
   });
   EXPECT_TRUE(waited);
-  EXPECT_LT(device.use().delay, 0.03);
+  EXPECT_LT(device.status().delay, 0.03);
 }
 
-TEST(RemoteMotion, IsKeptBackBy50MillisecondsAtMostHoweverBadThePageIs) {
-  const Link bad{.interval = 0.1, .way = 0.01, .jitter = 0.3};
+TEST(RemoteMotion, HasAMaximumDelayOf50Milliseconds) {
+  const Link bad{.interval = 0.1, .latency = 0.01, .jitter = 0.3};
   RemoteDevice device;
   test::run(device, test::sent_over(bad, kDuration, 8), kDuration, {},
-            [&](double, const DeviceSample&) { EXPECT_LE(device.use().delay, 0.05 + 1e-9); });
-  EXPECT_GT(device.use().delay, 0.049);
+            [&](double, const DeviceSample&) { EXPECT_LE(device.status().delay, 0.05 + 1e-9); });
+  EXPECT_GT(device.status().delay, 0.049);
 }
 
-TEST(RemoteMotion, NeverGoesWhereTheHandWasNot) {
-  // A hand that runs at 1 m/s and stops dead.
+TEST(RemoteMotion, NeverLeavesTheHandsPath) {
+  // A hand that moves at 1 m/s and stops abruptly.
   RemoteDevice device;
   std::vector<RemoteSample> samples;
   for (int i = 0; i < 60; ++i) {
@@ -119,28 +119,29 @@ TEST(RemoteMotion, NeverGoesWhereTheHandWasNot) {
                        .sender_clock = t,
                        .arrival = t + 0.002});
   }
-  test::run(device, samples, 1.0, {}, [&](double, const DeviceSample& said) {
-    EXPECT_LE(said.p_base_tip.x(), 0.5 + 1e-12);
-    EXPECT_GE(said.p_base_tip.x(), 0.0);
+  test::run(device, samples, 1.0, {}, [&](double, const DeviceSample& sample) {
+    EXPECT_LE(sample.p_base_tip.x(), 0.5 + 1e-12);
+    EXPECT_GE(sample.p_base_tip.x(), 0.0);
   });
 }
 
-TEST(RemoteMotion, SaysTheSameBitsAgain) {
-  std::vector<double> said_first;
+TEST(RemoteMotion, IsDeterministicToTheBit) {
+  std::vector<double> first_pass;
   for (int pass = 0; pass < 2; ++pass) {
     RemoteDevice device;
     std::size_t i = 0;
-    test::run(device, test::sent_over({}, 1.0, 5), 1.0, {}, [&](double, const DeviceSample& said) {
-      if (pass == 0) {
-        said_first.push_back(said.p_base_tip.x());
-      } else {
-        EXPECT_EQ(said.p_base_tip.x(), said_first[i++]);
-      }
-    });
+    test::run(device, test::sent_over({}, 1.0, 5), 1.0, {},
+              [&](double, const DeviceSample& sample) {
+                if (pass == 0) {
+                  first_pass.push_back(sample.p_base_tip.x());
+                } else {
+                  EXPECT_EQ(sample.p_base_tip.x(), first_pass[i++]);
+                }
+              });
   }
 }
 
-TEST(RemoteMotion, TurnsWithTheHand) {
+TEST(RemoteMotion, RotatesWithTheHand) {
   RemoteDevice device;
   const Eigen::Quaterniond quarter(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitZ()));
   std::vector<RemoteSample> samples;
@@ -150,12 +151,12 @@ TEST(RemoteMotion, TurnsWithTheHand) {
                        .sender_clock = t,
                        .arrival = t});
   }
-  samples[30].q_base_tool.coeffs() *= 3.0;  // a page's rounding is no reason to leave it out
-  test::run(device, samples, 0.98, {}, [&](double t, const DeviceSample& said) {
+  samples[30].q_base_tool.coeffs() *= 3.0;  // is normalized, not rejected
+  test::run(device, samples, 0.98, {}, [&](double t, const DeviceSample& sample) {
     if (t < 0.1) return;
-    const double turned = said.q_base_tool.angularDistance(Eigen::Quaterniond::Identity());
-    EXPECT_NEAR(turned, M_PI / 2.0 * device.use().shown_clock, 1e-6);
-    EXPECT_NEAR(said.q_base_tool.norm(), 1.0, 1e-9);
+    const double angle = sample.q_base_tool.angularDistance(Eigen::Quaterniond::Identity());
+    EXPECT_NEAR(angle, M_PI / 2.0 * device.status().shown_clock, 1e-6);
+    EXPECT_NEAR(sample.q_base_tool.norm(), 1.0, 1e-9);
   });
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Two threads on one RemoteDevice; the thread sanitizer looks on where the build has it.
+// Two threads on one RemoteDevice, for builds with the thread sanitizer.
 #include <atomic>
 #include <thread>
 
@@ -13,10 +13,10 @@
 namespace pcavr {
 namespace {
 
-TEST(SampleRing, HandsEverythingOnInOrderBetweenTwoThreads) {
+TEST(SampleRing, PassesAllItemsInOrderBetweenTwoThreads) {
   struct Item {
     std::uint64_t number = 0;
-    std::uint64_t inverse = 0;  ///< tells a torn one
+    std::uint64_t inverse = 0;  ///< detects a torn read
   };
   constexpr std::uint64_t kItems = 20'000;
   SampleRing<Item, 8> ring;
@@ -36,30 +36,30 @@ TEST(SampleRing, HandsEverythingOnInOrderBetweenTwoThreads) {
   EXPECT_FALSE(ring.pop());
 }
 
-TEST(SampleRing, ForgetsOnlyWhatWasThere) {
+TEST(SampleRing, ClearsOnlyOlderItems) {
   SampleRing<int, 4> ring;
   ASSERT_TRUE(ring.push(1));
-  ring.forget();
+  ring.request_clear();
   ASSERT_TRUE(ring.push(2));
-  EXPECT_TRUE(ring.forgets());
+  EXPECT_TRUE(ring.is_clear_requested());
   EXPECT_EQ(ring.pop(), 2);
-  EXPECT_FALSE(ring.forgets());
-  // Told after the reader had gone on: it does not go back.
-  ring.forget();
+  EXPECT_FALSE(ring.is_clear_requested());
+  // Requested before later items were taken: the reader does not go back.
+  ring.request_clear();
   ASSERT_TRUE(ring.push(3));
   EXPECT_EQ(ring.pop(), 3);
-  EXPECT_TRUE(ring.forgets());
+  EXPECT_TRUE(ring.is_clear_requested());
   EXPECT_EQ(ring.pop(), std::nullopt);
 }
 
-TEST(RemoteDevice, IsFedByOneThreadAndAskedByAnother) {
+TEST(RemoteDevice, IsWrittenByOneThreadAndReadByAnother) {
   RemoteDevice device;
   std::atomic<bool> is_done{false};
   std::thread network([&] {
     const std::vector<RemoteSample> samples = test::sent_over({}, 20.0, 6);
     for (std::size_t i = 0; i < samples.size(); ++i) {
       (void)device.push(samples[i]);
-      if (i % 97 == 96) device.let_go();
+      if (i % 97 == 96) device.release();
       std::this_thread::yield();
     }
     is_done = true;
@@ -67,10 +67,10 @@ TEST(RemoteDevice, IsFedByOneThreadAndAskedByAnother) {
   DeviceFeedback feedback;
   Eigen::Vector3d before = Eigen::Vector3d::Zero();
   for (int i = 0; !is_done; ++i) {
-    const DeviceSample said = device.exchange(i * test::kCycle, test::kCycle, feedback);
-    if (!said.is_engaged) continue;
-    EXPECT_LE((said.p_base_tip - before).norm(), 2.0 * test::kCycle + 1e-12);
-    before = feedback.p_base_tool = said.p_base_tip;
+    const DeviceSample sample = device.exchange(i * test::kCycle, test::kCycle, feedback);
+    if (!sample.is_engaged) continue;
+    EXPECT_LE((sample.p_base_tip - before).norm(), 2.0 * test::kCycle + 1e-12);
+    before = feedback.p_base_tool = sample.p_base_tip;
   }
   network.join();
 }

@@ -14,7 +14,7 @@ namespace pcavr {
 namespace {
 
 constexpr double kCycle = 0.001;   // [s]
-constexpr double kRadius = 0.001;  // [m] of the tool's ball
+constexpr double kRadius = 0.001;  // [m] of the tool's sphere
 const Eigen::Vector3d kStart(0.0, 0.0, 0.02);
 
 TriangleMesh floor_mesh() {
@@ -25,12 +25,12 @@ TriangleMesh floor_mesh() {
   return mesh;
 }
 
-/// Device and floor, each told what the other said in the cycle before.
+/// Device and floor in a closed loop, each with the other's output of the previous cycle.
 struct ClosedLoop {
   SimulatedForceDevice device;
   HapticTool tool;
   DeviceFeedback feedback{.p_base_tool = kStart};
-  DeviceSample said;
+  DeviceSample sample;
   double t = 0.0;
 
   ClosedLoop(SimulatedForceDeviceOptions hand, double stiffness, double friction = 0.0)
@@ -40,27 +40,27 @@ struct ClosedLoop {
     EXPECT_TRUE(tool.reset(kStart));
   }
   void step() {
-    said = device.exchange(t, kCycle, feedback);
-    const HapticState state = tool.step(said.p_base_tip, kCycle);
+    sample = device.exchange(t, kCycle, feedback);
+    const HapticState state = tool.step(sample.p_base_tip, kCycle);
     feedback = {.p_base_tool = state.proxy, .force_base = state.force};
     t += kCycle;
   }
 };
 
-/// Wants to be 1 cm deep in the floor.
+/// Target 1 cm below the floor.
 Eigen::Vector3d into_the_floor(double) { return {0.0, 0.0, -0.03}; }
 
-TEST(SimulatedForceDevice, GoesWhereItsHandWantsItInFreeAir) {
+TEST(SimulatedForceDevice, ReachesTheHandsTargetInFreeSpace) {
   SimulatedForceDevice device({.target = into_the_floor, .force_noise = 0.0});
-  DeviceSample said;
+  DeviceSample sample;
   for (int i = 0; i < 1000; ++i)
-    said = device.exchange(i * kCycle, kCycle, {.p_base_tool = kStart});
-  EXPECT_TRUE(said.is_engaged && said.is_present);
-  EXPECT_LT((said.p_base_tip - Eigen::Vector3d(0.0, 0.0, -0.01)).norm(), 1e-6);
+    sample = device.exchange(i * kCycle, kCycle, {.p_base_tool = kStart});
+  EXPECT_TRUE(sample.is_engaged && sample.is_present);
+  EXPECT_LT((sample.p_base_tip - Eigen::Vector3d(0.0, 0.0, -0.01)).norm(), 1e-6);
   EXPECT_EQ(device.motor_work(), 0.0);
 }
 
-TEST(SimulatedForceDevice, ComesToRestOnAFloorOfAnyStiffnessInAnyHand) {
+TEST(SimulatedForceDevice, ComesToRestOnAFloorForAllStiffnesses) {
   for (const double stiffness : {200.0, 1000.0, 3000.0}) {
     for (const double hand_stiffness : {100.0, 400.0, 1000.0}) {
       for (const double mass : {0.1, 0.3}) {
@@ -71,10 +71,10 @@ TEST(SimulatedForceDevice, ComesToRestOnAFloorOfAnyStiffnessInAnyHand) {
                          .max_force = 100.0},
                         stiffness);
         for (int i = 0; i < 4000; ++i) loop.step();
-        // Where the two springs balance; the ball's radius keeps its centre off the floor.
+        // Equilibrium of the two springs; the sphere's centre is a radius above the floor.
         const double rest =
             (hand_stiffness * -0.01 + stiffness * kRadius) / (hand_stiffness + stiffness);
-        EXPECT_NEAR(loop.said.p_base_tip.z(), rest, 1e-5)
+        EXPECT_NEAR(loop.sample.p_base_tip.z(), rest, 1e-5)
             << stiffness << ' ' << hand_stiffness << ' ' << mass;
         EXPECT_LT(loop.device.v_base_tip().norm(), 1e-4);
       }
@@ -82,43 +82,43 @@ TEST(SimulatedForceDevice, ComesToRestOnAFloorOfAnyStiffnessInAnyHand) {
   }
 }
 
-TEST(SimulatedForceDevice, GetsNoEnergyFromAFloorThatItIsPushedIntoAndTakenFrom) {
+TEST(SimulatedForceDevice, IsPassiveOnAFloorUnderPeriodicContact) {
   for (const double stiffness : {200.0, 1000.0, 3000.0}) {
-    for (const double turn : {1.0, 5.0, 20.0}) {
+    for (const double rate : {1.0, 5.0, 20.0}) {
       ClosedLoop loop({.target =
-                           [turn](double t) {
-                             return Eigen::Vector3d(0.0, 0.0, -0.015 * (1.0 - std::cos(turn * t)));
+                           [rate](double t) {
+                             return Eigen::Vector3d(0.0, 0.0, -0.015 * (1.0 - std::cos(rate * t)));
                            },
                        .force_noise = 0.0,
                        .max_force = 100.0},
                       stiffness);
-      double most = -1e9;
+      double max_work = -1e9;
       for (int i = 0; i < 10'000; ++i) {
         loop.step();
-        most = std::max(most, loop.device.motor_work());
+        max_work = std::max(max_work, loop.device.motor_work());
       }
-      // The least force, which nothing pays for, over the millimetres that it acts on.
-      EXPECT_LT(most, 1e-6) << stiffness << ' ' << turn;
+      // Tolerance: the contact model's minimum force, which is not passive, over its range.
+      EXPECT_LT(max_work, 1e-6) << stiffness << ' ' << rate;
       EXPECT_LT(loop.device.motor_work(), 0.0);
     }
   }
 }
 
-TEST(SimulatedForceDevice, StaysOnAFloorThroughNoiseAndSaturation) {
+TEST(SimulatedForceDevice, IsStableOnAFloorWithNoiseAndSaturation) {
   ClosedLoop loop({.target = into_the_floor, .force_noise = 0.05, .max_force = 3.0}, 1000.0, 0.3);
   double fastest = 0.0;
   for (int i = 0; i < 10'000; ++i) {
     loop.step();
     if (i > 2000) fastest = std::max(fastest, loop.device.v_base_tip().norm());
   }
-  // Noise of 0.05 N a cycle on 0.2 kg is 0.25 mm/s a cycle, which the hand damps: no buzzing.
+  // Noise of 0.05 N a cycle on 0.2 kg is 0.25 mm/s a cycle, which the hand damps: no oscillation.
   EXPECT_GT(fastest, 0.0);
   EXPECT_LT(fastest, 0.01);
-  // 400 N/m against at most 3 N: the motors cannot hold more than 7.5 mm of spring.
-  EXPECT_LT(loop.said.p_base_tip.z(), -0.001);
+  // 400 N/m against at most 3 N: the motors can deflect the spring by at most 7.5 mm.
+  EXPECT_LT(loop.sample.p_base_tip.z(), -0.001);
 }
 
-TEST(SimulatedForceDevice, SaysTheSameBitsAgain) {
+TEST(SimulatedForceDevice, IsDeterministicToTheBit) {
   ClosedLoop first({}, 1000.0);
   ClosedLoop second({}, 1000.0);
   ClosedLoop other({.seed = 2}, 1000.0);
@@ -127,25 +127,25 @@ TEST(SimulatedForceDevice, SaysTheSameBitsAgain) {
     first.step();
     second.step();
     other.step();
-    ASSERT_EQ(first.said.p_base_tip, second.said.p_base_tip);
-    differs = differs || first.said.p_base_tip != other.said.p_base_tip;
+    ASSERT_EQ(first.sample.p_base_tip, second.sample.p_base_tip);
+    differs = differs || first.sample.p_base_tip != other.sample.p_base_tip;
   }
   EXPECT_TRUE(differs);
 }
 
-TEST(SimulatedForceDevice, WaitsForAToolThatIsSomewhereAndFeelsNoForceThatIsNone) {
+TEST(SimulatedForceDevice, IgnoresInvalidToolPositionsAndForces) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   SimulatedForceDevice device;
   DeviceFeedback feedback{.p_base_tool = Eigen::Vector3d::Constant(kNan)};
   EXPECT_FALSE(device.exchange(0.0, kCycle, feedback).is_present);
   feedback.p_base_tool = kStart;
   feedback.force_base = Eigen::Vector3d::Constant(kNan);
-  const DeviceSample said = device.exchange(kCycle, kCycle, feedback);
-  EXPECT_TRUE(said.is_present);
-  EXPECT_TRUE(said.p_base_tip.allFinite());
+  const DeviceSample sample = device.exchange(kCycle, kCycle, feedback);
+  EXPECT_TRUE(sample.is_present);
+  EXPECT_TRUE(sample.p_base_tip.allFinite());
 }
 
-TEST(SimulatedForceDevice, RefusesOptionsThatAreNoHand) {
+TEST(SimulatedForceDevice, RejectsOptionsOutOfRange) {
   EXPECT_THROW(SimulatedForceDevice({.mass = 0.0}), ContractError);
   EXPECT_THROW(SimulatedForceDevice({.hand_stiffness = -1.0}), ContractError);
   EXPECT_THROW(SimulatedForceDevice({.max_force = INFINITY}), ContractError);

@@ -14,7 +14,7 @@ using test::comes_to_be;
 using test::comes_to_move_by;
 using test::FakeSpacenavd;
 
-TEST(SpaceMouseDevice, MovesTheTipAsTheCapIsPushedWhileTheLeftButtonIsHeld) {
+TEST(SpaceMouseDevice, TheCapMovesTheTipWhileTheLeftButtonIsHeld) {
   FakeSpacenavd daemon;
   auto device = SpaceMouseDevice::open({.max_speed = 0.1});
   ASSERT_TRUE(device) << device.error().to_string();
@@ -35,7 +35,7 @@ TEST(SpaceMouseDevice, MovesTheTipAsTheCapIsPushedWhileTheLeftButtonIsHeld) {
   EXPECT_TRUE(comes_to_be(**device, true, false));
 }
 
-TEST(SpaceMouseDevice, MovesAsTheOperatorFaces) {
+TEST(SpaceMouseDevice, MovesInTheOperatorsFrame) {
   FakeSpacenavd daemon;
   auto device = SpaceMouseDevice::open({.max_speed = 0.1, .facing = M_PI / 2.0});
   ASSERT_TRUE(device) << device.error().to_string();
@@ -66,7 +66,7 @@ TEST(SpaceMouseDevice, IsAbsentOnceItsDaemonEnds) {
   EXPECT_TRUE(comes_to_be(**device, false, false));
 }
 
-TEST(SpaceMouseDevice, PassesOverPacketsThatItDoesNotKnow) {
+TEST(SpaceMouseDevice, IgnoresUnknownPackets) {
   FakeSpacenavd daemon;
   auto device = SpaceMouseDevice::open();
   ASSERT_TRUE(device) << device.error().to_string();
@@ -76,24 +76,24 @@ TEST(SpaceMouseDevice, PassesOverPacketsThatItDoesNotKnow) {
   EXPECT_TRUE(comes_to_be(**device, true, true));
 }
 
-TEST(SpaceMouseDevice, SaysWhenItIsOpenAlready) {
+TEST(SpaceMouseDevice, ReportsIfItIsAlreadyOpen) {
   FakeSpacenavd daemon;
   auto device = SpaceMouseDevice::open();
   ASSERT_TRUE(device) << device.error().to_string();
   const auto second = SpaceMouseDevice::open();
   ASSERT_FALSE(second);
-  EXPECT_NE(second.error().message.find("open already"), std::string::npos);
+  EXPECT_NE(second.error().message.find("already open"), std::string::npos);
 }
 
-TEST(SpaceMouseDevice, SaysWhenNothingIsPluggedIn) {
+TEST(SpaceMouseDevice, ReportsIfNothingIsConnected) {
   FakeSpacenavd daemon(false);
   const auto device = SpaceMouseDevice::open();
   ASSERT_FALSE(device);
-  EXPECT_NE(device.error().message.find("knows of no device"), std::string::npos);
+  EXPECT_NE(device.error().message.find("reports no device"), std::string::npos);
   EXPECT_EQ(device.error().hint, "plug it in");
 }
 
-TEST(SpaceMouseDevice, CanBeOpenedAgainWhenItWasClosed) {
+TEST(SpaceMouseDevice, CanBeReopened) {
   FakeSpacenavd daemon;
   for (int i = 0; i < 3; ++i) {
     auto device = SpaceMouseDevice::open();

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// A plugin that lets an exception out, which it must not.
+// A plugin that throws an exception, which is not allowed.
 #include <stdexcept>
 
 #include "pcavr/devices/device_plugin.h"

@@ -9,7 +9,7 @@
 
 namespace pcavr::test {
 
-/// A gamepad that SDL makes up, with motors that say how they run.
+/// SDL's virtual gamepad, which records the amplitudes of its motors.
 class VirtualGamepad {
  public:
   VirtualGamepad() {

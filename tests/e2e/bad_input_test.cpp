@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Bad input: one line that names file, place and hint; exit code 1; nothing half-written.
+// Bad input: one error line with file, place and hint; exit code 1; no partial output.
 #include <algorithm>
 #include <fstream>
 
@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Four frames of a bare wall a metre away: sound in itself, but no tag is in view.
+/// Four frames of a bare wall a metre away: a valid recording, but without a visible tag.
 void write_plain_recording(const fs::path& folder) {
   Manifest manifest;
   manifest.camera =
@@ -68,8 +68,8 @@ class BadInput : public testing::Test {
     write(name, text.replace(at, from.size(), to));
   }
 
-  /// Builds, and expects one line that holds each of `words`, exit code 1 and no output.
-  void expect_refused(const std::vector<std::string>& words, const std::string& prefix = {}) const {
+  /// Builds, and expects one error line that contains each of `texts`, exit code 1 and no output.
+  void expect_refused(const std::vector<std::string>& texts, const std::string& prefix = {}) const {
     const CommandOutcome outcome =
         run_pcavr({"build", recording().string(), "-o", scene().string()}, prefix);
     EXPECT_EQ(outcome.exit_code, 1) << outcome.standard_error;
@@ -78,8 +78,8 @@ class BadInput : public testing::Test {
     ASSERT_NE(at, std::string::npos) << outcome.standard_error;
     const std::string line = outcome.standard_error.substr(at);
     EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
-    for (const std::string& word : words) {
-      EXPECT_NE(line.find(word), std::string::npos) << "no '" << word << "' in: " << line;
+    for (const std::string& text : texts) {
+      EXPECT_NE(line.find(text), std::string::npos) << "no '" << text << "' in: " << line;
     }
     EXPECT_FALSE(fs::exists(scene()));
     for (const auto& entry : fs::directory_iterator(folder_.path())) {
@@ -99,8 +99,7 @@ TEST_F(BadInput, TruncatedDepthImage) {
 }
 
 TEST_F(BadInput, EightBitDepthImage) {
-  // The smallest sound 8-bit PNG: a colour image of the recording under a depth image's name would
-  // be a JPEG, so an 8-bit PNG is made from its parts.
+  // The smallest valid 8-bit PNG, byte by byte: the recording's own 8-bit images are JPEGs.
   const std::string png(
       "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x08\0\0\0\0\x3a\x7e\x9b\x55"
       "\0\0\0\nIDATx\x9c\x63\x60\0\0\0\2\0\1\x48\xaf\xa4\x71\0\0\0\0IEND\xae\x42\x60\x82",
@@ -152,15 +151,15 @@ TEST_F(BadInput, AllDepthZero) {
   fs::create_directories(recording());
   write_plain_recording(recording());
   const std::string blank = [] {
-    const TemporaryFolder place;
+    const TemporaryFolder folder;
     Manifest manifest;
     manifest.camera =
         CameraModel{.width = 160, .height = 120, .fx = 130.0, .fy = 130.0, .cx = 79.5, .cy = 59.5};
     manifest.depth_scale = 1000.0;
-    RecordingWriter writer(place.path(), manifest);
+    RecordingWriter writer(folder.path(), manifest);
     EXPECT_TRUE(writer.add_frame({}, ColorImage(160, 120), {}, DepthImage(160, 120)));
     EXPECT_TRUE(writer.finish());
-    return read_file(fs::directory_iterator(place.path() / "depth")->path()).value();
+    return read_file(fs::directory_iterator(folder.path() / "depth")->path()).value();
   }();
   for (const auto& entry : fs::directory_iterator(recording() / "depth")) {
     ASSERT_TRUE(write_file(entry.path(), blank));
@@ -203,7 +202,7 @@ TEST_F(BadInput, RecordingThatIsNotThere) {
   EXPECT_FALSE(fs::exists(scene()));
 }
 
-/// A file size limit stands in for a full disk: writes fail half-way.
+/// A file size limit simulates a full disk: writes fail half-way.
 TEST(DiskFull, LeavesNothingBehind) {
   const TemporaryFolder folder;
   const fs::path recording = folder.path() / "recording";
@@ -221,25 +220,25 @@ TEST(WrongUsage, ExitsWithTwo) {
   EXPECT_EQ(run_pcavr({"build", "r", "-o", "s", "--voxel", "-1"}).exit_code, 2);
 }
 
-TEST(Simulate, RefusesWhatDoesNotGoWithItsCaseInOneLine) {
+TEST(Simulate, RejectsOptionsThatDoNotApplyToItsCaseInOneLine) {
   const TemporaryFolder folder;
   const std::string output = (folder.path() / "recording").string();
   struct Refusal {
-    std::vector<std::string> words;
+    std::vector<std::string> arguments;
     std::string reason;
   };
   const Refusal refusals[] = {
       {{"probe", "--duration", "5"}, "lasts as long as its task"},
-      {{"paper", "--objects", "3"}, "its task is for the bodies that it has"},
-      {{"push", "--no-images", "--frames-per-second", "5"}, "are for images"},
+      {{"paper", "--objects", "3"}, "its task determines its bodies"},
+      {{"push", "--no-images", "--frames-per-second", "5"}, "need images"},
       {{"tabletop", "--image-size", "640x480", "--depth-size", "320x200"},
        "is not 640x480 divided by one factor"},
   };
   for (const Refusal& refusal : refusals) {
-    std::vector<std::string> words = {"simulate"};
-    words.insert(words.end(), refusal.words.begin(), refusal.words.end());
-    words.insert(words.end(), {"-o", output});
-    const CommandOutcome outcome = run_pcavr(words);
+    std::vector<std::string> arguments = {"simulate"};
+    arguments.insert(arguments.end(), refusal.arguments.begin(), refusal.arguments.end());
+    arguments.insert(arguments.end(), {"-o", output});
+    const CommandOutcome outcome = run_pcavr(arguments);
     EXPECT_EQ(outcome.exit_code, 1) << outcome.standard_error;
     EXPECT_EQ(outcome.error_lines(), 1U) << outcome.standard_error;
     EXPECT_NE(outcome.standard_error.find(refusal.reason), std::string::npos)
@@ -248,7 +247,7 @@ TEST(Simulate, RefusesWhatDoesNotGoWithItsCaseInOneLine) {
   }
 }
 
-TEST(Simulate, RefusesSizesOutOfTheirRange) {
+TEST(Simulate, RejectsSizesOutOfTheirRange) {
   const std::vector<std::pair<std::string, std::string>> values = {
       {"--duration", "0"},          {"--duration", "nan"},
       {"--duration", "3601"},       {"--objects", "0"},
@@ -264,7 +263,7 @@ TEST(Simulate, RefusesSizesOutOfTheirRange) {
   }
 }
 
-/// One numeric option of a command that is sound but for it.
+/// One numeric option, and an otherwise valid command line.
 struct NumericOption {
   std::vector<std::string> command;
   const char* option;
@@ -300,7 +299,7 @@ std::vector<NumericOption> numeric_options() {
           {serve, "--port"},
           {serve, "--rate"},
           {serve, "--tool-radius"},
-          {serve, "--most-force"},
+          {serve, "--max-force"},
           {tags, "--size"},
           {tags, "--page-width"},
           {tags, "--page-height"},
@@ -311,10 +310,10 @@ std::vector<NumericOption> numeric_options() {
 TEST(WrongUsage, IsEveryNumberThatIsNotFiniteOrOutOfRange) {
   for (const NumericOption& numeric : numeric_options()) {
     for (const char* value : {"nan", "inf", "-1e12"}) {
-      std::vector<std::string> words = numeric.command;
-      words.push_back(std::string(numeric.option) + '=' + value);
-      const CommandOutcome outcome = run_pcavr(words);
-      EXPECT_EQ(outcome.exit_code, 2) << words[0] << ' ' << words.back() << '\n'
+      std::vector<std::string> arguments = numeric.command;
+      arguments.push_back(std::string(numeric.option) + '=' + value);
+      const CommandOutcome outcome = run_pcavr(arguments);
+      EXPECT_EQ(outcome.exit_code, 2) << arguments[0] << ' ' << arguments.back() << '\n'
                                       << outcome.standard_error;
       EXPECT_NE(outcome.standard_error.find(numeric.option), std::string::npos)
           << outcome.standard_error;
@@ -322,14 +321,14 @@ TEST(WrongUsage, IsEveryNumberThatIsNotFiniteOrOutOfRange) {
   }
 }
 
-TEST(WrongUsage, IsANegativeSeedAndATagThatIsNone) {
+TEST(WrongUsage, IsANegativeSeedAndAnInvalidTagId) {
   EXPECT_EQ(run_pcavr({"simulate", "push", "-o", "/nowhere/s", "--seed", "-1"}).exit_code, 2);
   for (const char* ids : {"nan", "-1", "99999999999999999999", "3-1", "1;2", ""}) {
     EXPECT_NE(run_pcavr({"tags", "--ids", ids, "-o", "/nowhere/t.svg"}).exit_code, 0) << ids;
   }
 }
 
-TEST_F(BadInput, IsAnObjectUnderJsonAndStillOneLine) {
+TEST_F(BadInput, IsAJsonObjectWithJsonAndStillOneLine) {
   replace("recording.yaml", "size: 0.1", "size: 0");
   const CommandOutcome outcome =
       run_pcavr({"build", recording().string(), "-o", scene().string(), "--json"});
@@ -345,7 +344,7 @@ TEST_F(BadInput, IsAnObjectUnderJsonAndStillOneLine) {
   EXPECT_EQ("pcavr: " + error["text"].get<std::string>() + '\n', outcome.standard_error);
 }
 
-TEST(WrongUsage, IsAnObjectUnderJson) {
+TEST(WrongUsage, IsAJsonObjectWithJson) {
   const CommandOutcome outcome = run_pcavr({"build", "r", "--voxel", "nan", "-o", "s", "--json"});
   EXPECT_EQ(outcome.exit_code, 2);
   const auto json = nlohmann::json::parse(outcome.standard_output, nullptr, false);
@@ -354,7 +353,7 @@ TEST(WrongUsage, IsAnObjectUnderJson) {
   EXPECT_NE(json["error"]["message"].get<std::string>().find("--voxel"), std::string::npos);
 }
 
-TEST_F(BadInput, PipesAndDevicesInPlaceOfFiles) {
+TEST_F(BadInput, PipesAndDevicesInsteadOfFiles) {
   for (const char* name : {"recording.yaml", "rgb.txt", "tool.csv", "objects/box.obj"}) {
     fs::remove_all(recording());
     fs::create_directories(recording());
@@ -371,7 +370,7 @@ TEST_F(BadInput, PipesAndDevicesInPlaceOfFiles) {
   }
 }
 
-TEST_F(BadInput, FolderAndNamesThatNoFileSystemHas) {
+TEST_F(BadInput, FolderAndNamesThatAreTooLong) {
   const std::string name(300, 'x');
   CommandOutcome outcome = run_pcavr({"build", recording().string() + name, "-o", "/nowhere/s"});
   EXPECT_EQ(outcome.exit_code, 1);
@@ -387,15 +386,15 @@ TEST_F(BadInput, BytesThatAreNoUtf8InAName) {
   fs::rename(recording(), odd);
   const CommandOutcome outcome =
       run_pcavr({"build", odd.string(), "-o", scene().string(), "--json"});
-  EXPECT_EQ(outcome.exit_code, 1);  // no tag is in view
+  EXPECT_EQ(outcome.exit_code, 1);  // no tag is visible
   const auto json = nlohmann::json::parse(outcome.standard_output, nullptr, false);
   ASSERT_TRUE(json.contains("error")) << outcome.standard_output;
   EXPECT_NE(outcome.standard_error.find(odd.string()), std::string::npos) << outcome.standard_error;
   fs::rename(odd, recording());
 }
 
-TEST_F(BadInput, CountsWhatWasLeftOutWhereItIsToldToGoOn) {
-  // No images: what the manifest states is built, so that the rows alone are at stake.
+TEST_F(BadInput, CountsSkippedRowsWithSkipBad) {
+  // No images: the scene comes from the manifest alone, so that only the rows are bad.
   for (const char* name : {"rgb.txt", "depth.txt", "written.yaml"}) fs::remove(recording() / name);
   write("recording.yaml",
         "format: pcavr-recording/1\nobjects:\n  - name: box\n    mesh: objects/box.obj\n"
@@ -420,15 +419,15 @@ TEST_F(BadInput, CountsWhatWasLeftOutWhereItIsToldToGoOn) {
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-/// A sanitizer's shadow takes more address space than any limit leaves, and its own threads.
+/// Not with sanitizers: their shadow memory exceeds any address space limit.
 TEST_F(BadInput, MemoryThatRunsOut) {
   int refusals = 0;
-  // [KiB] From where libraries can just be mapped to where the work is done.
+  // [KiB] From just enough to map the libraries to enough for the whole command.
   for (int limit = 350'000; limit <= 900'000; limit += 50'000) {
     const CommandOutcome outcome =
         run_pcavr({"build", recording().string(), "-o", scene().string()},
                   "ulimit -v " + std::to_string(limit) + "; ");
-    if (outcome.exit_code == 127) continue;  // the loader's own refusal
+    if (outcome.exit_code == 127) continue;  // the dynamic loader failed
     EXPECT_EQ(outcome.exit_code, 1) << limit << ": " << outcome.standard_error;
     EXPECT_EQ(outcome.standard_error.find("internal error"), std::string::npos)
         << limit << ": " << outcome.standard_error;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// The whole chain by the real command, on a recording made for the purpose.
+// The whole chain with the real command, on a simulated recording.
 #include <cmath>
 #include <map>
 
@@ -19,14 +19,14 @@ class Chain : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
-    run_json({"simulate", "tabletop", "-o", place("recording"), "--seed", "11"});
-    run_json({"build", place("recording"), "-o", place("scene"), "--voxel", "0.01"});
+    run_json({"simulate", "tabletop", "-o", path_of("recording"), "--seed", "11"});
+    run_json({"build", path_of("recording"), "-o", path_of("scene"), "--voxel", "0.01"});
   }
   static void TearDownTestSuite() {
     delete folder_;
     folder_ = nullptr;
   }
-  static std::string place(const std::string& name) { return (folder_->path() / name).string(); }
+  static std::string path_of(const std::string& name) { return (folder_->path() / name).string(); }
 
   static TemporaryFolder* folder_;
 };
@@ -35,22 +35,22 @@ TemporaryFolder* Chain::folder_ = nullptr;
 TEST_F(Chain, WritesEveryFileOfTheBundle) {
   for (const char* name : {"scene.yaml", "scene.glb", "mesh.ply", "cloud.ply", "occupancy.bt",
                            "camera_trajectory.txt", "preview.png"}) {
-    EXPECT_GT(fs::file_size(fs::path(place("scene")) / name), 100U) << name;
+    EXPECT_GT(fs::file_size(fs::path(path_of("scene")) / name), 100U) << name;
   }
 }
 
 TEST_F(Chain, IsSoundToInspect) {
-  EXPECT_TRUE(run_json({"inspect", place("scene")})["is_sound"].get<bool>());
-  EXPECT_TRUE(run_json({"inspect", place("recording")})["is_sound"].get<bool>());
+  EXPECT_TRUE(run_json({"inspect", path_of("scene")})["is_sound"].get<bool>());
+  EXPECT_TRUE(run_json({"inspect", path_of("recording")})["is_sound"].get<bool>());
 }
 
 TEST_F(Chain, GivesTheSameBytesAtAnyNumberOfThreads) {
-  run_json(
-      {"build", place("recording"), "-o", place("scene-1"), "--voxel", "0.01", "--threads", "1"});
-  run_json(
-      {"build", place("recording"), "-o", place("scene-4"), "--voxel", "0.01", "--threads", "4"});
-  const auto one = contents(place("scene-1"));
-  const auto four = contents(place("scene-4"));
+  run_json({"build", path_of("recording"), "-o", path_of("scene-1"), "--voxel", "0.01", "--threads",
+            "1"});
+  run_json({"build", path_of("recording"), "-o", path_of("scene-4"), "--voxel", "0.01", "--threads",
+            "4"});
+  const auto one = contents(path_of("scene-1"));
+  const auto four = contents(path_of("scene-4"));
   ASSERT_EQ(one.size(), four.size());
   for (const auto& [name, content] : one) {
     EXPECT_TRUE(content == four.at(name)) << name << " differs";
@@ -59,22 +59,23 @@ TEST_F(Chain, GivesTheSameBytesAtAnyNumberOfThreads) {
 
 TEST_F(Chain, ReplaysAndEvaluates) {
   const json run =
-      run_json({"replay", place("recording"), "--scene", place("scene"), "-o", place("run")});
+      run_json({"replay", path_of("recording"), "--scene", path_of("scene"), "-o", path_of("run")});
   EXPECT_GT(run["frames_used"].get<int>(), 0);
   for (const std::string subject : {"scene", "run"}) {
-    run_json({"evaluate", place(subject), "--truth", place("recording") + "/truth", "-o",
-              place(subject + "-report")});
-    EXPECT_GT(fs::file_size(place(subject + "-report") + "/report.html"), 1000U);
-    EXPECT_FALSE(
-        json::parse(read_file(place(subject + "-report") + "/report.json").value(), nullptr, false)
-            .is_discarded());
+    run_json({"evaluate", path_of(subject), "--truth", path_of("recording") + "/truth", "-o",
+              path_of(subject + "-report")});
+    EXPECT_GT(fs::file_size(path_of(subject + "-report") + "/report.html"), 1000U);
+    EXPECT_FALSE(json::parse(read_file(path_of(subject + "-report") + "/report.json").value(),
+                             nullptr, false)
+                     .is_discarded());
   }
 }
 
 TEST_F(Chain, ForceReplacesAnOutput) {
-  run_json({"simulate", "push", "-o", place("old"), "--no-images"});
-  run_json({"simulate", "tabletop", "-o", place("old"), "--seed", "11", "--force"});
-  EXPECT_TRUE(contents(place("old")) == contents(place("recording"))) << "same seed, other bytes";
+  run_json({"simulate", "push", "-o", path_of("old"), "--no-images"});
+  run_json({"simulate", "tabletop", "-o", path_of("old"), "--seed", "11", "--force"});
+  EXPECT_TRUE(contents(path_of("old")) == contents(path_of("recording")))
+      << "same seed, different bytes";
 }
 
 }  // namespace

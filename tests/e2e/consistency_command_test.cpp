@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Inputs that contradict each other, given to the real command: one line that says which, by what
-// factor; exit code 1; nothing written. And no word where they agree.
+// Inputs that contradict each other, with the real command: one error line that names the input and
+// the factor; exit code 1; no output. And no warning where they agree.
 #include <algorithm>
 #include <functional>
 #include <sstream>
@@ -22,8 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// A second and a half of a table with a base tag and a tagged box, made once; each test changes a
-/// copy.
+/// 1.5 s of a table with a base tag and a tagged box, simulated once; each test changes a copy.
 class ContradictingInputs : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -89,8 +88,9 @@ class ContradictingInputs : public testing::Test {
     ASSERT_TRUE(write_file(recording() / "objects/box.obj", out.str()));
   }
 
-  /// Build refuses in one line with each of `words` and writes nothing; inspect calls it unsound.
-  static void expect_refused(const std::vector<std::string>& words, bool inspects = true) {
+  /// Build fails with one line that contains each of `texts` and writes nothing; inspect reports
+  /// BAD.
+  static void expect_refused(const std::vector<std::string>& texts, bool inspects = true) {
     const CommandOutcome outcome =
         run_pcavr({"build", recording().string(), "-o", scene().string(), "--voxel", "0.02"});
     EXPECT_EQ(outcome.exit_code, 1) << outcome.standard_error;
@@ -100,8 +100,8 @@ class ContradictingInputs : public testing::Test {
     ASSERT_NE(at, std::string::npos) << outcome.standard_error;
     const std::string line = outcome.standard_error.substr(at);
     EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
-    for (const std::string& word : words) {
-      EXPECT_NE(line.find(word), std::string::npos) << "no '" << word << "' in: " << line;
+    for (const std::string& text : texts) {
+      EXPECT_NE(line.find(text), std::string::npos) << "no '" << text << "' in: " << line;
     }
     if (!inspects) return;
     const CommandOutcome inspected = run_pcavr({"inspect", recording().string()});
@@ -132,7 +132,7 @@ TEST_F(ContradictingInputs, BaseTagOfHalfItsSize) {
 
 TEST_F(ContradictingInputs, BaseTagInMillimetres) {
   replace("recording.yaml", "size: 0.12", "size: 120");
-  // Out of the range of any tag: refused before a look at the images.
+  // Out of the range of tag sizes: rejected before the images are read.
   expect_refused({"markers[0].size", "120", "10 m"}, false);
 }
 
@@ -195,7 +195,7 @@ TEST_F(ContradictingInputs, QuaternionsThatBeginWithW) {
   expect_refused({"groundtruth.txt", "qw qx qy qz"});
 }
 
-TEST_F(ContradictingInputs, AreWarnedOfWhereTheResultStillMeansSomething) {
+TEST_F(ContradictingInputs, CauseAWarningBelowTheContradictionFactor) {
   replace("recording.yaml", "size: 0.12", "size: 0.14");
   const json built =
       run_json({"build", recording().string(), "-o", scene().string(), "--voxel", "0.02"});
@@ -205,7 +205,7 @@ TEST_F(ContradictingInputs, AreWarnedOfWhereTheResultStillMeansSomething) {
   EXPECT_NE(read_file(scene() / "scene.yaml").value().find("input_warnings"), std::string::npos);
   EXPECT_TRUE(run_json({"inspect", scene().string()})["is_sound"].get<bool>());
 
-  // replay sees it again: the warning is about the recording.
+  // replay repeats it: the warning is about the recording.
   const CommandOutcome replayed =
       run_pcavr({"replay", recording().string(), "--scene", scene().string(), "-o",
                  (folder_->path() / "run").string()});
@@ -215,20 +215,19 @@ TEST_F(ContradictingInputs, AreWarnedOfWhereTheResultStillMeansSomething) {
   fs::remove_all(scene());
 }
 
-TEST_F(ContradictingInputs, ALightOrHugeBodyIsSaidByInspect) {
+TEST_F(ContradictingInputs, ALightOrHugeBodyIsReportedByInspect) {
   replace("recording.yaml", "mass: ", "mass: 0.0001 # ");
   const CommandOutcome inspected = run_pcavr({"inspect", recording().string()});
   EXPECT_EQ(inspected.exit_code, 0) << inspected.standard_output;
-  EXPECT_NE(inspected.standard_output.find("objects[0].mass: doubtful"), std::string::npos)
+  EXPECT_NE(inspected.standard_output.find("objects[0].mass: warning"), std::string::npos)
       << inspected.standard_output;
 }
 
-// ---- A scene of nothing: a bare wall, poses given.
+// ---- A scene without a surface: a bare wall, poses given.
 
-class SceneOfNothing : public testing::Test {
+class EmptyScene : public testing::Test {
  protected:
-  /// So many frames of a wall at `z` [m]; the camera goes `step` [m] sideways from each to the
-  /// next.
+  /// Frames of a wall at `z` [m]; the camera moves `step` [m] sideways from frame to frame.
   void write_wall(int frames, float z, double step = 0.01, double depth_scale = 1000.0) {
     fs::create_directories(recording());
     Manifest manifest;
@@ -247,15 +246,15 @@ class SceneOfNothing : public testing::Test {
     ASSERT_TRUE(writer.finish());
   }
 
-  void expect_refused(const std::vector<std::string>& words, bool trusts_poses = true) const {
+  void expect_refused(const std::vector<std::string>& texts, bool trusts_poses = true) const {
     const CommandOutcome outcome =
         run_pcavr({"build", recording().string(), "-o", (folder_.path() / "scene").string(),
                    trusts_poses ? "--trust-poses" : "--skip-bad"});
     EXPECT_EQ(outcome.exit_code, 1) << outcome.standard_output;
     EXPECT_FALSE(fs::exists(folder_.path() / "scene"));
-    for (const std::string& word : words) {
-      EXPECT_NE(outcome.standard_error.find(word), std::string::npos)
-          << "no '" << word << "' in: " << outcome.standard_error;
+    for (const std::string& text : texts) {
+      EXPECT_NE(outcome.standard_error.find(text), std::string::npos)
+          << "no '" << text << "' in: " << outcome.standard_error;
     }
   }
   [[nodiscard]] fs::path recording() const { return folder_.path() / "recording"; }
@@ -263,50 +262,50 @@ class SceneOfNothing : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(SceneOfNothing, BecauseAllDepthIsOutOfRange) {
+TEST_F(EmptyScene, BecauseAllDepthIsOutOfRange) {
   write_wall(6, 0.12F);
-  expect_refused({"make no surface", "median depth is 0.12 m", "0.0 %", "depth_scale (1000"});
+  expect_refused({"yield no surface", "median depth is 0.12 m", "0.0 %", "depth_scale (1000"});
 }
 
-TEST_F(SceneOfNothing, NamesTheDepthWhereNoFrameCouldBeTracked) {
+TEST_F(EmptyScene, NamesTheDepthWhereNoFrameCouldBeTracked) {
   write_wall(6, 0.12F);
   expect_refused({"no frame could be placed", "median depth is 0.12 m", "depth_scale"}, false);
 }
 
-TEST_F(SceneOfNothing, BecauseOnlyOneFrameIsThere) {
+TEST_F(EmptyScene, BecauseOnlyOneFrameIsThere) {
   write_wall(1, 1.0F);
-  expect_refused({"make no surface", "1 of 1 frames"});
+  expect_refused({"yield no surface", "1 of 1 frames"});
 }
 
-TEST_F(SceneOfNothing, BecauseThePosesAreScattered) {
+TEST_F(EmptyScene, BecauseThePosesAreScattered) {
   write_wall(6, 1.0F, 20.0);
-  expect_refused({"make no surface", "scattered", "20 m"});
+  expect_refused({"yield no surface", "scattered", "20 m"});
 }
 
 // ---- No false alarm.
 
-/// Neither build nor inspect doubts an input.
-void expect_no_doubt(const std::string& recording, const std::vector<std::string>& options = {}) {
+/// Expects no warning about an input from build and inspect.
+void expect_no_warning(const std::string& recording, const std::vector<std::string>& options = {}) {
   const TemporaryFolder folder;
   const json inspected = run_json({"inspect", recording});
   ASSERT_TRUE(inspected.contains("checks"));
   EXPECT_EQ(inspected["checks"].back()["what"], "consistency") << inspected["checks"].back();
-  std::vector<std::string> words{"build",   recording, "-o", (folder.path() / "scene").string(),
-                                 "--voxel", "0.02"};
-  words.insert(words.end(), options.begin(), options.end());
-  const json built = run_json(words);
+  std::vector<std::string> arguments{"build",   recording, "-o", (folder.path() / "scene").string(),
+                                     "--voxel", "0.02"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  const json built = run_json(arguments);
   ASSERT_TRUE(built.contains("input_warnings"));
   EXPECT_TRUE(built["input_warnings"].empty()) << built["input_warnings"];
 }
 
 TEST(NoFalseAlarm, OnAHandHeldCameraOverATable) {
   PCAVR_NEEDS_SHARED_DATA("tabletop");
-  expect_no_doubt(shared_data("tabletop").string());
+  expect_no_warning(shared_data("tabletop").string());
 }
 
 TEST(NoFalseAlarm, OnPushedBoxes) {
   PCAVR_NEEDS_SHARED_DATA("push_two_boxes");
-  expect_no_doubt(shared_data("push_two_boxes").string());
+  expect_no_warning(shared_data("push_two_boxes").string());
 }
 
 TEST(NoFalseAlarm, OnARealSensorsFramesAndPoses) {
@@ -314,10 +313,10 @@ TEST(NoFalseAlarm, OnARealSensorsFramesAndPoses) {
   const TemporaryFolder folder;
   const std::string recording = (folder.path() / "recording").string();
   run_json({"import", shared_data("real/seven_scenes").string(), "-o", recording});
-  expect_no_doubt(recording);
+  expect_no_warning(recording);
 }
 
-/// A 4x4 matrix in a text file.
+/// Reads a 4x4 matrix from a text file.
 Pose pose_in(const fs::path& file) {
   std::istringstream numbers(read_file(file).value());
   Eigen::Matrix4d matrix;
@@ -326,7 +325,7 @@ Pose pose_in(const fs::path& file) {
 }
 
 /// Six views of a board of twelve tags by an arm's camera, with the arm's commanded poses, which
-/// are up to 15 mm and 2 degrees off. The board's place is that of the first view.
+/// have errors up to 15 mm and 2 degrees. The board's pose is that of the first view.
 void write_arm_views(const fs::path& folder) {
   const fs::path source = shared_data("real/franka_charuco");
   Manifest manifest;
@@ -339,12 +338,12 @@ void write_arm_views(const fs::path& folder) {
   manifest.depth_scale = 1000.0;
   for (int square = 0; square < 25; ++square) {
     if (square % 2 == 0) continue;
-    const Pose place = Pose::from_translation({0.08 * (square % 5), -0.08 * (square / 5), 0.0});
+    const Pose tag_pose = Pose::from_translation({0.08 * (square % 5), -0.08 * (square / 5), 0.0});
     manifest.markers.push_back({.id = {"DICT_6X6_250", static_cast<int>(manifest.markers.size())},
                                 .size = 0.06,
                                 .role = MarkerRole::base,
                                 .object = {},
-                                .T_parent_marker = place});
+                                .T_parent_marker = tag_pose});
   }
   RecordingWriter writer(folder, manifest);
   const Pose T_flange_camera = pose_in(source / "T_flange_camera_origin_TSAI.txt");
@@ -380,7 +379,7 @@ TEST(NoFalseAlarm, OnAnArmsCommandedPoses) {
   fs::create_directories(recording);
   write_arm_views(recording);
   if (HasFatalFailure()) return;
-  expect_no_doubt(recording.string());
+  expect_no_warning(recording.string());
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Recordings through each lens model are built as exactly as through a pinhole; a lens that no
-// camera has is refused in one line, where the command once ended by a signal.
+// Recordings with each lens model are built as accurately as with a pinhole; impossible distortion
+// is rejected in one line (regression: it crashed the command).
 #include <algorithm>
 #include <array>
 
@@ -25,8 +25,8 @@ SimulationCase tabletop() {
 
 class ImpossibleCamera : public testing::TestWithParam<std::array<const char*, 4>> {};
 
-TEST_P(ImpossibleCamera, IsRefusedInOneLine) {
-  const auto& [name, from, to, word] = GetParam();
+TEST_P(ImpossibleCamera, IsRejectedInOneLine) {
+  const auto& [name, from, to, expected_text] = GetParam();
   const TemporaryFolder folder;
   const fs::path recording = folder.path() / "recording";
   fs::create_directories(recording);
@@ -46,7 +46,8 @@ TEST_P(ImpossibleCamera, IsRefusedInOneLine) {
   EXPECT_EQ(outcome.exit_code, 1) << outcome.standard_error;
   EXPECT_EQ(outcome.error_lines(), 1U) << outcome.standard_error;
   EXPECT_NE(outcome.standard_error.find("recording.yaml:"), std::string::npos);
-  EXPECT_NE(outcome.standard_error.find(word), std::string::npos) << outcome.standard_error;
+  EXPECT_NE(outcome.standard_error.find(expected_text), std::string::npos)
+      << outcome.standard_error;
   EXPECT_FALSE(fs::exists(scene));
 }
 
@@ -72,7 +73,7 @@ void PrintTo(const Lens& lens, std::ostream* out) { *out << lens.name; }
 
 class EachLens : public testing::TestWithParam<Lens> {};
 
-TEST_P(EachLens, IsBuiltAsExactlyAsAPinhole) {
+TEST_P(EachLens, IsBuiltAsAccuratelyAsAPinhole) {
   const Lens& lens = GetParam();
   const TemporaryFolder folder;
   const fs::path recording = folder.path() / "recording";
@@ -88,7 +89,7 @@ TEST_P(EachLens, IsBuiltAsExactlyAsAPinhole) {
   EXPECT_EQ(built["frames_used"], built["frames_recorded"]);
   const json report = run_json({"evaluate", scene, "--truth", (recording / "truth").string(), "-o",
                                 (folder.path() / "report").string()});
-  // What the project promises for a pinhole, see position_error_test.cpp.
+  // The bounds for a pinhole, see position_error_test.cpp.
   expect_within(report, "camera.absolute.translation.rmse_m", 0.005);
   expect_within(report, "camera.absolute.rotation.rmse_rad", 0.007);
   expect_within(report, "mesh.accuracy.mean_m", 0.002);

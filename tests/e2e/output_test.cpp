@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Outputs of the command: nothing that a person has is lost, whatever -o names.
+// Outputs of the command: no user file is lost, whatever -o names.
 #include <algorithm>
 #include <fstream>
 
@@ -25,39 +25,39 @@ class Outputs : public testing::Test {
  protected:
   void SetUp() override {
     write_small_replay(folder_.path() / "home");
-    write_small_recording(place("home/bare"), false);
+    write_small_recording(path_of("home/bare"), false);
     // The same frames as a TUM RGB-D folder.
-    fs::copy(place("home/recording"), place("home/tum"), fs::copy_options::recursive);
-    fs::remove(place("home/tum/recording.yaml"));
-    write_tree(place("home"), {{"thesis.tex", "years"},
-                               {"camera.yaml", kCamera},
-                               {"p.yaml", "box: {mass: 2}\n"},
-                               {"run/run.yaml", "format: pcavr-run/1\nrecording: nowhere\n"},
-                               {"truth/parameters.yaml", "box: {mass: 2}\n"}});
-    fs::create_symlink("home", place("link"));
+    fs::copy(path_of("home/recording"), path_of("home/tum"), fs::copy_options::recursive);
+    fs::remove(path_of("home/tum/recording.yaml"));
+    write_tree(path_of("home"), {{"thesis.tex", "years"},
+                                 {"camera.yaml", kCamera},
+                                 {"p.yaml", "box: {mass: 2}\n"},
+                                 {"run/run.yaml", "format: pcavr-run/1\nrecording: nowhere\n"},
+                                 {"truth/parameters.yaml", "box: {mass: 2}\n"}});
+    fs::create_symlink("home", path_of("link"));
   }
 
-  [[nodiscard]] std::string place(const std::string& name) const {
+  [[nodiscard]] std::string path_of(const std::string& name) const {
     return (folder_.path() / name).string();
   }
 
-  /// Each word that begins with '@' is a place in the folder.
-  [[nodiscard]] CommandOutcome run(std::vector<std::string> words,
+  /// Each argument that begins with '@' is a path in the folder.
+  [[nodiscard]] CommandOutcome run(std::vector<std::string> arguments,
                                    const std::string& prefix = {}) const {
-    for (std::string& word : words) {
-      if (word.substr(0, 1) == "@") word = place(word.substr(1));
+    for (std::string& argument : arguments) {
+      if (argument.substr(0, 1) == "@") argument = path_of(argument.substr(1));
     }
-    return run_pcavr(words, prefix);
+    return run_pcavr(arguments, prefix);
   }
 
-  /// One line that holds `word`, exit code 1, and not a byte changed.
-  void expect_refused(const std::vector<std::string>& words, const std::string& word) const {
-    SCOPED_TRACE(testing::PrintToString(words));
+  /// One error line that contains `text`, exit code 1, and no file changed.
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& text) const {
+    SCOPED_TRACE(testing::PrintToString(arguments));
     const FileTree before = tree(folder_.path());
-    const CommandOutcome outcome = run(words);
+    const CommandOutcome outcome = run(arguments);
     EXPECT_EQ(outcome.exit_code, 1);
     EXPECT_EQ(outcome.error_lines(), 1U) << outcome.standard_error;
-    EXPECT_NE(outcome.standard_error.find(word), std::string::npos) << outcome.standard_error;
+    EXPECT_NE(outcome.standard_error.find(text), std::string::npos) << outcome.standard_error;
     EXPECT_TRUE(tree(folder_.path()) == before) << "files were changed";
   }
 
@@ -131,8 +131,8 @@ TEST_F(Outputs, DoNotOverlap) {
 }
 
 TEST_F(Outputs, ReplaceOnlyTheirOwnKind) {
-  write_tree(place("unrelated"), {{"photo.jpg", "once"}});
-  write_tree(place("mixed"), {{"scene.yaml", "format: pcavr-scene/1\n"}, {"photo.jpg", "once"}});
+  write_tree(path_of("unrelated"), {{"photo.jpg", "once"}});
+  write_tree(path_of("mixed"), {{"scene.yaml", "format: pcavr-scene/1\n"}, {"photo.jpg", "once"}});
   expect_refused({"build", "@home/bare", "-o", "@unrelated", "--force"}, "--force does not");
   expect_refused({"build", "@home/bare", "-o", "@mixed", "--force"}, "photo.jpg");
   expect_refused({"build", "@home/bare", "-o", "@home/recording", "--force"}, "holds a recording");
@@ -143,13 +143,13 @@ TEST_F(Outputs, ReplaceOnlyTheirOwnKind) {
   expect_refused({"evaluate", "@home/run", "-o", "@home/scene", "--force"}, "holds a scene");
   expect_refused({"identify", "contact", "@home/recording", "-o", "@home/thesis.tex", "--force"},
                  "not a parameter file");
-  write_tree(place("home"), {{"thesis.pdf", "%PDF-1.4 years"}});
+  write_tree(path_of("home"), {{"thesis.pdf", "%PDF-1.4 years"}});
   expect_refused({"tags", "--ids", "0", "-o", "@home/thesis.pdf", "--force"}, "not a sheet");
   expect_refused({"identify", "contact", "@home/recording", "-o", "@home/scene", "--force"},
                  "is a folder");
 }
 
-TEST_F(Outputs, AreReplacedWhereTheyAreSuchOutputs) {
+TEST_F(Outputs, AreReplacedWhereTheyAreOfTheSameKind) {
   const std::vector<std::vector<std::string>> commands{
       {"build", "@home/bare", "-o", "@out/scene"},
       {"simulate", "push", "--no-images", "-o", "@out/recording"},
@@ -159,28 +159,28 @@ TEST_F(Outputs, AreReplacedWhereTheyAreSuchOutputs) {
        "@out/run", "--video", "@out/out.mp4"},
       {"evaluate", "@home/p.yaml", "--truth", "@home/truth", "-o", "@out/report"},
       {"tags", "--ids", "0-5", "-o", "@out/sheet.svg"}};
-  for (std::vector<std::string> words : commands) {
-    SCOPED_TRACE(testing::PrintToString(words));
-    const CommandOutcome first = run(words);
+  for (std::vector<std::string> arguments : commands) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    const CommandOutcome first = run(arguments);
     ASSERT_EQ(first.exit_code, 0) << first.standard_error;
-    expect_refused(words, "is there already");
+    expect_refused(arguments, "already exists");
     const FileTree before = tree(folder_.path());
-    words.emplace_back("--force");
-    const CommandOutcome second = run(words);
+    arguments.emplace_back("--force");
+    const CommandOutcome second = run(arguments);
     EXPECT_EQ(second.exit_code, 0) << second.standard_error;
-    EXPECT_TRUE(tree(folder_.path()) == before) << "same input, other bytes";
+    EXPECT_TRUE(tree(folder_.path()) == before) << "same input, different bytes";
   }
 }
 
-TEST_F(Outputs, NeedANameThatTheFileSystemTakes) {
-  fs::create_symlink("loop", place("loop"));
+TEST_F(Outputs, NeedAValidFileName) {
+  fs::create_symlink("loop", path_of("loop"));
   const std::string long_name = "@" + std::string(300, 'n');
   for (const std::string name : {"", "@loop", "@loop/x", "@home/thesis.tex/x"}) {
-    const std::string word = name.find("loop") != name.npos ? "symbolic links"
+    const std::string text = name.find("loop") != name.npos ? "symbolic links"
                              : name.empty()                 ? "empty"
                                                             : "ot a directory";
-    expect_refused({"build", "@home/bare", "-o", name}, word);
-    expect_refused({"identify", "contact", "@home/recording", "-o", name}, word);
+    expect_refused({"build", "@home/bare", "-o", name}, text);
+    expect_refused({"identify", "contact", "@home/recording", "-o", name}, text);
   }
   expect_refused({"build", "@home/bare", "-o", long_name}, "too long");
   expect_refused({"identify", "contact", "@home/recording", "-o", long_name}, "too long");
@@ -190,38 +190,38 @@ TEST_F(Outputs, NeedANameThatTheFileSystemTakes) {
 }
 
 TEST_F(Outputs, AreWrittenWithinAMountPoint) {
-  // The mount ends with its script: what it held is copied out.
+  // The mount ends with its script: its content is copied before.
   write_tree(folder_.path(), {{"mounted.sh",
                                "mount -t tmpfs none \"$OUT\" || exit 77\n"
                                "mkdir \"$OUT/lost+found\"\n"
                                "\"$@\" && \"$@\" --force\n"
                                "code=$?\ncp -a \"$OUT/.\" \"$OUT-copy\"\nexit $code\n"}});
-  fs::create_directory(place("volume"));
+  fs::create_directory(path_of("volume"));
   const CommandOutcome outcome =
       run({"build", "@home/bare", "-o", "@volume"},
-          "OUT='" + place("volume") + "' unshare -m sh '" + place("mounted.sh") + "' ");
-  if (!fs::exists(place("volume-copy"))) GTEST_SKIP() << "may not mount here";
+          "OUT='" + path_of("volume") + "' unshare -m sh '" + path_of("mounted.sh") + "' ");
+  if (!fs::exists(path_of("volume-copy"))) GTEST_SKIP() << "not permitted to mount";
   EXPECT_EQ(outcome.exit_code, 0) << outcome.standard_error;
   EXPECT_EQ(run({"build", "@home/bare", "-o", "@scene"}).exit_code, 0);
-  EXPECT_TRUE(tree(place("volume-copy")) == tree(place("scene")));
+  EXPECT_TRUE(tree(path_of("volume-copy")) == tree(path_of("scene")));
 }
 
 TEST_F(Outputs, OfTagsAppearAllOrNone) {
-  // The first page fits below the limit, the sheet of all pages does not.
-  const std::vector<std::string> words{"tags", "--ids", "0-40", "-o", "@sheets/a.svg"};
-  fs::create_directory(place("sheets"));
-  const CommandOutcome full = run(words, "ulimit -f 60; ");
+  // The first page is below the limit, the sheet of all pages is not.
+  const std::vector<std::string> arguments{"tags", "--ids", "0-40", "-o", "@sheets/a.svg"};
+  fs::create_directory(path_of("sheets"));
+  const CommandOutcome full = run(arguments, "ulimit -f 60; ");
   EXPECT_EQ(full.exit_code, 1) << full.standard_error;
-  EXPECT_TRUE(fs::is_empty(place("sheets"))) << testing::PrintToString(tree(place("sheets")));
-  ASSERT_EQ(run(words).exit_code, 0);
-  EXPECT_GT(tree(place("sheets")).size(), 2U);
-  // A user's own drawing of that name stays, and then nothing else is replaced either.
-  write_tree(place("sheets"), {{"a-2.svg", "<?xml version=\"1.0\"?><svg>mine</svg>"}});
-  const FileTree before = tree(place("sheets"));
-  std::vector<std::string> forced = words;
+  EXPECT_TRUE(fs::is_empty(path_of("sheets"))) << testing::PrintToString(tree(path_of("sheets")));
+  ASSERT_EQ(run(arguments).exit_code, 0);
+  EXPECT_GT(tree(path_of("sheets")).size(), 2U);
+  // A user's own drawing of that name is kept, and then no other page is replaced.
+  write_tree(path_of("sheets"), {{"a-2.svg", "<?xml version=\"1.0\"?><svg>mine</svg>"}});
+  const FileTree before = tree(path_of("sheets"));
+  std::vector<std::string> forced = arguments;
   forced.insert(forced.end(), {"--size", "0.07", "--force"});
   EXPECT_EQ(run(forced).exit_code, 1);
-  EXPECT_TRUE(tree(place("sheets")) == before);
+  EXPECT_TRUE(tree(path_of("sheets")) == before);
 }
 
 TEST_F(Outputs, AreRemovedOnASignalOrByTheNextRun) {
@@ -230,28 +230,28 @@ TEST_F(Outputs, AreRemovedOnASignalOrByTheNextRun) {
       const int nothing = ::open("/dev/null", O_WRONLY);
       ::dup2(nothing, STDERR_FILENO);
       ForkedProcess::report_ready();
-      // A recording that takes long to simulate.
-      ::execl(PCAVR_COMMAND, "pcavr", "simulate", "paper", "-o", place("sim").c_str(), nullptr);
+      // A recording with a long simulation time.
+      ::execl(PCAVR_COMMAND, "pcavr", "simulate", "paper", "-o", path_of("sim").c_str(), nullptr);
     });
-    const auto is_begun = [&] {
+    const auto has_started = [&] {
       return std::any_of(
           fs::directory_iterator(folder_.path()), fs::directory_iterator(), [](const auto& entry) {
             return entry.path().filename().string().find("partial") != std::string::npos;
           });
     };
-    while (!is_begun()) ::usleep(1000);
-    ::usleep(300'000);  // in the midst of writing frames
+    while (!has_started()) ::usleep(1000);
+    ::usleep(300'000);  // while it writes frames
     const int status = command.kill(signal);
     if (signal == SIGKILL) {
-      EXPECT_TRUE(is_begun());
+      EXPECT_TRUE(has_started());
       EXPECT_EQ(run({"simulate", "push", "--no-images", "-o", "@sim"}).exit_code, 0);
-      EXPECT_FALSE(is_begun()) << "the next run of that name removes it";
+      EXPECT_FALSE(has_started()) << "the next run of that name removes it";
       return;
     }
     ASSERT_TRUE(WIFEXITED(status));
     EXPECT_EQ(WEXITSTATUS(status), 128 + signal);
-    EXPECT_FALSE(is_begun());
-    EXPECT_FALSE(fs::exists(place("sim")));
+    EXPECT_FALSE(has_started());
+    EXPECT_FALSE(fs::exists(path_of("sim")));
   }
 }
 

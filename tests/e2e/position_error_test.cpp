@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// How far off the real command is on shared recordings, against their truth. The bounds are what
-// the project promises at the least; what is measured is printed beside them.
+// Errors of the real command on shared recordings, against their ground truth. The bounds are the
+// project's guarantees; the measured errors are printed.
 #include <cmath>
 #include <sstream>
 
@@ -64,12 +64,12 @@ TEST(PositionError, TwoBoxesThatAToolPushes) {
   }
 }
 
-/// Every fifth frame of a recording is kept from its build, and held against the mesh afterwards.
+/// Every fifth frame of a recording is held out from its build, and then compared with the mesh.
 class HeldOutFrames : public testing::TestWithParam<const char*> {};
 
 constexpr std::size_t kHeldOut = 5;
 
-/// The lists without every fifth line that names an image: a change that is meant.
+/// Removes every fifth image from the lists (without written.yaml, so that the change is accepted).
 void hold_out(const fs::path& recording) {
   fs::remove(recording / "written.yaml");
   for (const char* list : {"rgb.txt", "depth.txt"}) {
@@ -91,10 +91,10 @@ TEST_P(HeldOutFrames, OfARealRoomLieOnItsMesh) {
   run_json({"import", shared_data("real/seven_scenes").string(), "-o", all.string()});
   fs::copy(all, part, fs::copy_options::recursive);
   hold_out(part);
-  std::vector<std::string> words = {"build", part.string(), "-o",
-                                    (folder.path() / "scene").string()};
-  if (*GetParam() != '\0') words.emplace_back(GetParam());
-  run_json(words);
+  std::vector<std::string> arguments = {"build", part.string(), "-o",
+                                        (folder.path() / "scene").string()};
+  if (*GetParam() != '\0') arguments.emplace_back(GetParam());
+  run_json(arguments);
 
   const auto recording = read_recording(all);
   const auto mesh = read_mesh(folder.path() / "scene/mesh.ply");
@@ -103,7 +103,7 @@ TEST_P(HeldOutFrames, OfARealRoomLieOnItsMesh) {
   const SurfaceQuery surface(*mesh);
   std::vector<double> distances;
   for (std::size_t i = kHeldOut - 1; i < recording->frames.size(); i += kHeldOut) {
-    // The camera of a frame that was held out is on the way between its neighbours'.
+    // The pose of a held-out frame is interpolated between its neighbours'.
     const auto T_base_camera = camera->at(recording->frames[i].depth_stamp);
     const auto frame = decode_frame(*recording, i);
     if (!T_base_camera || !frame) continue;

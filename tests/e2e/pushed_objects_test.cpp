@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Pushes by the real command: identify, replay over a delayed link, evaluate; and what each of them
-// says to bad input. The seeds were drawn for this file; nothing was tuned on them.
+// Pushes with the real command: identify, replay over a delayed link, evaluate; and their errors
+// for bad input. The seeds are used in this file only; nothing was tuned on them.
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -17,13 +17,13 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// One line on standard error that holds the words, and exit code 1.
-void expect_refused(const CommandOutcome& outcome, const std::vector<std::string>& words) {
+/// An error on standard error that contains all `texts`, and exit code 1.
+void expect_refused(const CommandOutcome& outcome, const std::vector<std::string>& texts) {
   EXPECT_EQ(outcome.exit_code, 1) << outcome.standard_error;
   EXPECT_EQ(outcome.standard_output, "");
-  for (const std::string& word : words) {
-    EXPECT_NE(outcome.standard_error.find(word), std::string::npos)
-        << "no '" << word << "' in: " << outcome.standard_error;
+  for (const std::string& text : texts) {
+    EXPECT_NE(outcome.standard_error.find(text), std::string::npos)
+        << "no '" << text << "' in: " << outcome.standard_error;
   }
 }
 
@@ -40,8 +40,8 @@ class PushedObjects : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
     simulate("probe", "probe", {});
-    run_json({"identify", "friction", place("probe"), "--scene", place("probe-scene"), "--tracked",
-              place("probe/tracked"), "-o", place("parameters.yaml")});
+    run_json({"identify", "friction", path_of("probe"), "--scene", path_of("probe-scene"),
+              "--tracked", path_of("probe/tracked"), "-o", path_of("parameters.yaml")});
     simulate("push", "push", {});
   }
   static void TearDownTestSuite() {
@@ -49,33 +49,33 @@ class PushedObjects : public testing::Test {
     folder_ = nullptr;
   }
 
-  static std::string place(const std::string& name) { return (folder_->path() / name).string(); }
+  static std::string path_of(const std::string& name) { return (folder_->path() / name).string(); }
 
   /// A recording without images in `name`, and its scene in `name`-scene.
   static void simulate(const std::string& task, const std::string& name,
                        const std::vector<std::string>& faults) {
-    std::vector<std::string> words = {"simulate",    task,     "-o",  place(name),
-                                      "--no-images", "--seed", "8101"};
-    words.insert(words.end(), faults.begin(), faults.end());
-    run_json(words);
-    run_json({"build", place(name), "-o", place(name + "-scene")});
+    std::vector<std::string> arguments = {"simulate",    task,     "-o",  path_of(name),
+                                          "--no-images", "--seed", "8101"};
+    arguments.insert(arguments.end(), faults.begin(), faults.end());
+    run_json(arguments);
+    run_json({"build", path_of(name), "-o", path_of(name + "-scene")});
   }
 
-  static std::vector<std::string> replay_words(const std::string& recording,
-                                               const std::string& run) {
-    return {"replay",    place(recording),
-            "--scene",   place(recording + "-scene"),
-            "--tracked", place(recording + "/tracked"),
-            "-o",        place(run)};
+  static std::vector<std::string> replay_arguments(const std::string& recording,
+                                                   const std::string& run) {
+    return {"replay",    path_of(recording),
+            "--scene",   path_of(recording + "-scene"),
+            "--tracked", path_of(recording + "/tracked"),
+            "-o",        path_of(run)};
   }
 
   static json replay_and_evaluate(const std::string& recording, const std::string& run,
                                   const std::vector<std::string>& more) {
-    std::vector<std::string> words = replay_words(recording, run);
-    words.insert(words.end(), more.begin(), more.end());
-    run_json(words);
-    return run_json({"evaluate", place(run), "--truth", place(recording + "/truth"), "-o",
-                     place(run + "-report")});
+    std::vector<std::string> arguments = replay_arguments(recording, run);
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    run_json(arguments);
+    return run_json({"evaluate", path_of(run), "--truth", path_of(recording + "/truth"), "-o",
+                     path_of(run + "-report")});
   }
 
   static TemporaryFolder* folder_;
@@ -83,8 +83,8 @@ class PushedObjects : public testing::Test {
 TemporaryFolder* PushedObjects::folder_ = nullptr;
 
 TEST_F(PushedObjects, AreIdentified) {
-  const json report = run_json({"evaluate", place("parameters.yaml"), "--truth",
-                                place("probe/truth"), "-o", place("parameters-report")});
+  const json report = run_json({"evaluate", path_of("parameters.yaml"), "--truth",
+                                path_of("probe/truth"), "-o", path_of("parameters-report")});
   for (const std::string box : {"box_1", "box_2"}) {
     const std::string key = "parameters." + box + ".";
     for (const auto& [name, bound] :
@@ -96,17 +96,17 @@ TEST_F(PushedObjects, AreIdentified) {
   }
 }
 
-TEST_F(PushedObjects, ArePredictedAloneWhileTheySlide) {
+TEST_F(PushedObjects, ArePredictedWithoutCorrectionsWhileTheySlide) {
   const json report = replay_and_evaluate(
       "push", "alone",
-      {"--parameters", place("parameters.yaml"), "--no-corrections", "--keep-parameters"});
+      {"--parameters", path_of("parameters.yaml"), "--no-corrections", "--keep-parameters"});
   expect_within(report, "predicted.phase.sliding.translation.rmse_m", 0.001);
   expect_within(report, "predicted.phase.sliding.translation.max_m", 0.004);
 }
 
 TEST_F(PushedObjects, AreShownWhereTheyAreAcrossADelayedLink) {
   const json report =
-      replay_and_evaluate("push", "delayed", {"--parameters", place("parameters.yaml")});
+      replay_and_evaluate("push", "delayed", {"--parameters", path_of("parameters.yaml")});
   expect_within(report, "predicted.touched.translation.median_m", 0.0015);
   expect_within(report, "predicted.touched.translation.p95_m", 0.004);
   expect_within(report, "phases.measured.boundary.median_s", 0.060);
@@ -114,65 +114,65 @@ TEST_F(PushedObjects, AreShownWhereTheyAreAcrossADelayedLink) {
   expect_within(report, "corrections.share_of_streaming", 0.03);
 }
 
-TEST_F(PushedObjects, AreLearntOnTheWayWhereNothingIsKnown) {
+TEST_F(PushedObjects, AreIdentifiedDuringReplayWithoutParameters) {
   const json report = replay_and_evaluate("push", "unknown", {});
   expect_within(report, "predicted.touched.translation.median_m", 0.0015);
   expect_within(report, "corrections.share_of_streaming", 0.03);
 }
 
 TEST_F(PushedObjects, AreReplayedToTheSameBytes) {
-  std::vector<std::string> once = replay_words("push", "same");
+  std::vector<std::string> once = replay_arguments("push", "same");
   run_json(once);
-  const auto before = contents(place("same"));
+  const auto before = contents(path_of("same"));
   once.emplace_back("--force");
   run_json(once);
-  EXPECT_EQ(contents(place("same")), before);
+  EXPECT_EQ(contents(path_of("same")), before);
 }
 
-TEST_F(PushedObjects, MayBeLostByTheCameraInMidPush) {
+TEST_F(PushedObjects, AreShownThroughALossOfTrackingDuringAPush) {
   simulate("push", "lost", {"--lose-tracking", "2:4"});
   const json report =
-      replay_and_evaluate("lost", "lost-run", {"--parameters", place("parameters.yaml")});
+      replay_and_evaluate("lost", "lost-run", {"--parameters", path_of("parameters.yaml")});
   expect_within(report, "predicted.touched.translation.p95_m", 0.004);
-  EXPECT_NE(read_file(fs::path(place("lost-run")) / "run.yaml")->find("lost"), std::string::npos);
+  EXPECT_NE(read_file(fs::path(path_of("lost-run")) / "run.yaml")->find("lost"), std::string::npos);
 }
 
-TEST_F(PushedObjects, AreStillTrackedWhereTheWrenchIsMissing) {
+TEST_F(PushedObjects, AreTrackedWithoutAWrench) {
   simulate("push", "no-wrench", {});
-  fs::remove(fs::path(place("no-wrench")) / "wrench.csv");
-  run_json(replay_words("no-wrench", "no-wrench-run"));
-  EXPECT_GT(fs::file_size(fs::path(place("no-wrench-run")) / "objects/box_1/tracked.txt"), 1000U);
-  expect_refused(run_pcavr({"identify", "friction", place("no-wrench"), "--scene",
-                            place("no-wrench-scene"), "-o", place("no-wrench.yaml")}),
+  fs::remove(fs::path(path_of("no-wrench")) / "wrench.csv");
+  run_json(replay_arguments("no-wrench", "no-wrench-run"));
+  EXPECT_GT(fs::file_size(fs::path(path_of("no-wrench-run")) / "objects/box_1/tracked.txt"), 1000U);
+  expect_refused(run_pcavr({"identify", "friction", path_of("no-wrench"), "--scene",
+                            path_of("no-wrench-scene"), "-o", path_of("no-wrench.yaml")}),
                  {"wrench.csv"});
-  EXPECT_FALSE(fs::exists(place("no-wrench.yaml")));
+  EXPECT_FALSE(fs::exists(path_of("no-wrench.yaml")));
 }
 
-TEST_F(PushedObjects, AreNotLearntFromAForceOfTheWrongSign) {
+TEST_F(PushedObjects, AreNotIdentifiedFromAForceOfTheWrongSign) {
   simulate("push", "flipped", {"--flip-force"});
   expect_refused(
-      run_pcavr({"identify", "friction", place("flipped"), "--scene", place("flipped-scene"),
-                 "--tracked", place("flipped/tracked"), "-o", place("flipped.yaml")}),
+      run_pcavr({"identify", "friction", path_of("flipped"), "--scene", path_of("flipped-scene"),
+                 "--tracked", path_of("flipped/tracked"), "-o", path_of("flipped.yaml")}),
       {"sign"});
-  EXPECT_FALSE(fs::exists(place("flipped.yaml")));
-  const CommandOutcome run = run_pcavr(replay_words("flipped", "flipped-run"));
+  EXPECT_FALSE(fs::exists(path_of("flipped.yaml")));
+  const CommandOutcome run = run_pcavr(replay_arguments("flipped", "flipped-run"));
   EXPECT_EQ(run.exit_code, 0) << run.standard_error;
-  EXPECT_NE(read_file(fs::path(place("flipped-run")) / "run.yaml")->find("sign"),
+  EXPECT_NE(read_file(fs::path(path_of("flipped-run")) / "run.yaml")->find("sign"),
             std::string::npos);
 }
 
-TEST_F(PushedObjects, AreIdentifiedThoughTheClocksAreATenthOfASecondApart) {
+TEST_F(PushedObjects, AreIdentifiedWithAClockOffsetOfATenthOfASecond) {
   simulate("probe", "late", {"--clock-offset", "0.1"});
-  run_json({"identify", "friction", place("late"), "--scene", place("late-scene"), "--tracked",
-            place("late/tracked"), "-o", place("late.yaml")});
-  const json report = run_json(
-      {"evaluate", place("late.yaml"), "--truth", place("late/truth"), "-o", place("late-report")});
+  run_json({"identify", "friction", path_of("late"), "--scene", path_of("late-scene"), "--tracked",
+            path_of("late/tracked"), "-o", path_of("late.yaml")});
+  const json report = run_json({"evaluate", path_of("late.yaml"), "--truth", path_of("late/truth"),
+                                "-o", path_of("late-report")});
   expect_within(report, "parameters.box_1.limiting_static_friction.error_relative", 0.02);
 }
 
-TEST_F(PushedObjects, AreKeptThoughTheToolsPoseJumps) {
+TEST_F(PushedObjects, ArePredictedThroughJumpsOfTheToolsPose) {
   simulate("push", "jumps", {});
-  const fs::path file = fs::path(place("jumps")) / "tool.csv";
+  const fs::path file = fs::path(path_of("jumps")) / "tool.csv";
   std::istringstream lines(read_file(file).value());
   std::string text;
   std::size_t row = 0;
@@ -185,33 +185,33 @@ TEST_F(PushedObjects, AreKeptThoughTheToolsPoseJumps) {
   }
   ASSERT_TRUE(write_file(file, text));
   const json report =
-      replay_and_evaluate("jumps", "jumps-run", {"--parameters", place("parameters.yaml")});
+      replay_and_evaluate("jumps", "jumps-run", {"--parameters", path_of("parameters.yaml")});
   expect_within(report, "predicted.all.translation.max_m", 0.02);
 }
 
 TEST_F(PushedObjects, AreNotPredictedFromAbsurdParameters) {
-  const fs::path file = place("absurd.yaml");
-  fs::copy_file(place("parameters.yaml"), file);
+  const fs::path file = path_of("absurd.yaml");
+  fs::copy_file(path_of("parameters.yaml"), file);
   edit(file, "  mass: ", "  mass: -");
-  std::vector<std::string> words = replay_words("push", "absurd-run");
-  words.insert(words.end(), {"--parameters", file.string()});
-  expect_refused(run_pcavr(words), {"absurd.yaml:", "mass"});
-  EXPECT_FALSE(fs::exists(place("absurd-run")));
+  std::vector<std::string> arguments = replay_arguments("push", "absurd-run");
+  arguments.insert(arguments.end(), {"--parameters", file.string()});
+  expect_refused(run_pcavr(arguments), {"absurd.yaml:", "mass"});
+  EXPECT_FALSE(fs::exists(path_of("absurd-run")));
 }
 
 TEST(PositionError, OfTwoBoxesPushedAcrossADelayedLink) {
   PCAVR_NEEDS_SHARED_DATA("push_two_boxes/truth/camera.txt");
   const TemporaryFolder folder;
   const std::string recording = shared_data("push_two_boxes").string();
-  const auto place = [&](const char* name) { return (folder.path() / name).string(); };
-  run_json({"build", recording, "-o", place("scene")});
-  run_json({"replay", recording, "--scene", place("scene"), "-o", place("tracking")});
-  run_json({"identify", "friction", recording, "--scene", place("scene"), "--tracked",
-            place("tracking"), "-o", place("parameters.yaml")});
-  run_json({"replay", recording, "--scene", place("scene"), "--tracked", place("tracking"),
-            "--parameters", place("parameters.yaml"), "-o", place("run")});
-  const json report =
-      run_json({"evaluate", place("run"), "--truth", recording + "/truth", "-o", place("report")});
+  const auto path_of = [&](const char* name) { return (folder.path() / name).string(); };
+  run_json({"build", recording, "-o", path_of("scene")});
+  run_json({"replay", recording, "--scene", path_of("scene"), "-o", path_of("tracking")});
+  run_json({"identify", "friction", recording, "--scene", path_of("scene"), "--tracked",
+            path_of("tracking"), "-o", path_of("parameters.yaml")});
+  run_json({"replay", recording, "--scene", path_of("scene"), "--tracked", path_of("tracking"),
+            "--parameters", path_of("parameters.yaml"), "-o", path_of("run")});
+  const json report = run_json(
+      {"evaluate", path_of("run"), "--truth", recording + "/truth", "-o", path_of("report")});
   expect_within(report, "predicted.touched.translation.median_m", 0.0015);
   expect_within(report, "predicted.touched.translation.p95_m", 0.004);
   expect_within(report, "phases.measured.boundary.median_s", 0.060);

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A scene without images, a page without anything.
+/// A scene without images, and an empty page.
 class ServeCommand : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -37,10 +37,10 @@ class ServeCommand : public testing::Test {
 
   static std::string scene() { return (folder_->path() / "scene").string(); }
   static std::string page() { return (folder_->path() / "page").string(); }
-  /// Expects one clear line and exit code 1.
-  static void expect_refused(const std::vector<std::string>& words, const std::string& about) {
+  /// Expects one error line that contains `about`, and exit code 1.
+  static void expect_refused(const std::vector<std::string>& arguments, const std::string& about) {
     std::vector<std::string> all{"serve"};
-    all.insert(all.end(), words.begin(), words.end());
+    all.insert(all.end(), arguments.begin(), arguments.end());
     const CommandOutcome outcome = run_pcavr(all);
     EXPECT_EQ(outcome.exit_code, 1) << about;
     EXPECT_NE(outcome.standard_error.find(about), std::string::npos) << outcome.standard_error;
@@ -51,7 +51,7 @@ class ServeCommand : public testing::Test {
   static inline TemporaryFolder* folder_ = nullptr;
 };
 
-TEST_F(ServeCommand, TellsAProgramItsPortAndEndsCleanlyOnASignal) {
+TEST_F(ServeCommand, PrintsItsPortAsJsonAndShutsDownGracefullyOnASignal) {
   std::array<int, 2> pipe{};
   ASSERT_EQ(::pipe(pipe.data()), 0);
   const std::string scene_folder = scene();
@@ -64,9 +64,9 @@ TEST_F(ServeCommand, TellsAProgramItsPortAndEndsCleanlyOnASignal) {
     ::_exit(127);
   }
   ::close(pipe[1]);
-  FILE* said = ::fdopen(pipe[0], "r");
+  FILE* child_output = ::fdopen(pipe[0], "r");
   std::array<char, 4096> line{};
-  ASSERT_NE(std::fgets(line.data(), line.size(), said), nullptr);
+  ASSERT_NE(std::fgets(line.data(), line.size(), child_output), nullptr);
   const auto json = nlohmann::json::parse(line.data(), nullptr, false);
   ASSERT_TRUE(json.is_object()) << line.data();
   EXPECT_GT(json["port"].get<int>(), 0);
@@ -77,29 +77,29 @@ TEST_F(ServeCommand, TellsAProgramItsPortAndEndsCleanlyOnASignal) {
   EXPECT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 0);
-  std::fclose(said);
+  std::fclose(child_output);
 }
 
-TEST_F(ServeCommand, APortInUseIsOneClearLine) {
-  const int holder = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in place{};
-  place.sin_family = AF_INET;
-  place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t length = sizeof place;
-  auto* const address = reinterpret_cast<sockaddr*>(&place);
-  ASSERT_EQ(::bind(holder, address, length), 0);
-  ASSERT_EQ(::listen(holder, 1), 0);
-  ASSERT_EQ(::getsockname(holder, address, &length), 0);
-  expect_refused({scene(), "--page", page(), "--port", std::to_string(ntohs(place.sin_port))},
+TEST_F(ServeCommand, APortInUseIsOneErrorLine) {
+  const int listener = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in endpoint{};
+  endpoint.sin_family = AF_INET;
+  endpoint.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof endpoint;
+  auto* const address = reinterpret_cast<sockaddr*>(&endpoint);
+  ASSERT_EQ(::bind(listener, address, length), 0);
+  ASSERT_EQ(::listen(listener, 1), 0);
+  ASSERT_EQ(::getsockname(listener, address, &length), 0);
+  expect_refused({scene(), "--page", page(), "--port", std::to_string(ntohs(endpoint.sin_port))},
                  "in use");
-  ::close(holder);
+  ::close(listener);
 }
 
-TEST_F(ServeCommand, WhatOthersCanReachWantsTls) {
+TEST_F(ServeCommand, ANonLocalAddressNeedsTls) {
   expect_refused({scene(), "--page", page(), "--port", "0", "--host", "0.0.0.0"}, "--tls");
 }
 
-TEST_F(ServeCommand, ASceneThatLacksAFileIsOneClearLine) {
+TEST_F(ServeCommand, ASceneWithAMissingFileIsOneErrorLine) {
   const TemporaryFolder folder;
   const fs::path copy = folder.path() / "scene";
   fs::copy(scene(), copy, fs::copy_options::recursive);
@@ -109,7 +109,7 @@ TEST_F(ServeCommand, ASceneThatLacksAFileIsOneClearLine) {
   expect_refused({copy.string(), "--page", page(), "--port", "0"}, "scene.yaml");
 }
 
-TEST_F(ServeCommand, APageThatWasNotBuiltIsOneClearLine) {
+TEST_F(ServeCommand, APageThatWasNotBuiltIsOneErrorLine) {
   expect_refused({scene(), "--page", scene(), "--port", "0"}, "index.html");
 }
 

@@ -150,7 +150,7 @@ class Evaluate : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Evaluate, TellsARunsErrorsAtRestAndMoving) {
+TEST_F(Evaluate, SeparatesErrorsAtRestAndMoving) {
   // 2 mm off while the cube rests, 5 mm while it moves.
   const Trajectory truth_poses = a_pushed_cube();
   Trajectory tracked;
@@ -162,35 +162,35 @@ TEST_F(Evaluate, TellsARunsErrorsAtRestAndMoving) {
   write_run("run", tracked);
   const Expected<std::string> json = evaluate_against_truth(folder_.path() / "run");
   ASSERT_TRUE(json.has_value()) << json.error().to_string();
-  const Json figures = Json::parse(*json);
+  const Json metrics = Json::parse(*json);
   const std::string key = "object.cube.tracked.";
-  EXPECT_EQ(figures[key + "absolute.translation.count"], 301);
-  EXPECT_NEAR(figures[key + "first_second.translation.median_m"], 0.002, kFileRounding);
-  EXPECT_NEAR(figures[key + "at_rest.translation.median_m"], 0.002, kFileRounding);
-  EXPECT_NEAR(figures[key + "moving.translation.median_m"], 0.005, kFileRounding);
-  EXPECT_NEAR(figures[key + "add.max_m"], 0.005, kFileRounding);
-  EXPECT_NEAR(figures[key + "mssd.min_m"], 0.002, kFileRounding);
-  EXPECT_EQ(figures[key + "absolute.rotation.max_rad"], 0.0);
+  EXPECT_EQ(metrics[key + "absolute.translation.count"], 301);
+  EXPECT_NEAR(metrics[key + "first_second.translation.median_m"], 0.002, kFileRounding);
+  EXPECT_NEAR(metrics[key + "at_rest.translation.median_m"], 0.002, kFileRounding);
+  EXPECT_NEAR(metrics[key + "moving.translation.median_m"], 0.005, kFileRounding);
+  EXPECT_NEAR(metrics[key + "add.max_m"], 0.005, kFileRounding);
+  EXPECT_NEAR(metrics[key + "mssd.min_m"], 0.002, kFileRounding);
+  EXPECT_EQ(metrics[key + "absolute.rotation.max_rad"], 0.0);
 }
 
-TEST_F(Evaluate, ComparesAllThatASceneHasWithTheTruth) {
-  // All is 3 mm off along y; the mesh 2 mm along z, with a leftover inside the cube.
-  const TriangleMesh leftover = a_plane(-0.02F, 0.02F, -0.02F, 0.02F, 0.05F);
-  write_a_scene("scene", together(the_floor(0.002F), leftover), {0, 0.003, 0});
+TEST_F(Evaluate, ComparesEverythingInASceneWithTheTruth) {
+  // Everything is 3 mm off along y; the mesh 2 mm along z, with a residue inside the cube.
+  const TriangleMesh residue = a_plane(-0.02F, 0.02F, -0.02F, 0.02F, 0.05F);
+  write_a_scene("scene", merged(the_floor(0.002F), residue), {0, 0.003, 0});
   const Expected<std::string> json = evaluate_against_truth(folder_.path() / "scene");
   ASSERT_TRUE(json.has_value()) << json.error().to_string();
-  const Json figures = Json::parse(*json);
-  EXPECT_NEAR(figures["camera.absolute.translation.rmse_m"], 0.003, kFileRounding);
-  EXPECT_NEAR(figures["camera.absolute_aligned.translation.rmse_m"], 0.0, kFileRounding);
-  EXPECT_NEAR(figures["camera.relative.translation.max_m"], 0.0, kFileRounding);
-  EXPECT_EQ(figures["camera.unmatched"], 0);
-  EXPECT_NEAR(figures["placed.cube.start.translation_m"], 0.003, kFileRounding);
-  EXPECT_NEAR(figures["placed.cube.end.add_m"], 0.003, kFileRounding);
-  EXPECT_NEAR(figures["mesh.accuracy.median_m"], 0.002, 1e-6);
-  EXPECT_EQ(figures["mesh.completeness_5mm"], 1.0);
-  const double share = 0.0016 / (0.48 + 0.0016);  // known to a sample of 25 mm^2
-  EXPECT_NEAR(figures["mesh.share_left_behind"], share, 2 * 25e-6 / 0.48);
-  EXPECT_NEAR(figures["mesh.share_not_explained"], share, 2 * 25e-6 / 0.48);
+  const Json metrics = Json::parse(*json);
+  EXPECT_NEAR(metrics["camera.absolute.translation.rmse_m"], 0.003, kFileRounding);
+  EXPECT_NEAR(metrics["camera.absolute_aligned.translation.rmse_m"], 0.0, kFileRounding);
+  EXPECT_NEAR(metrics["camera.relative.translation.max_m"], 0.0, kFileRounding);
+  EXPECT_EQ(metrics["camera.unmatched"], 0);
+  EXPECT_NEAR(metrics["placed.cube.start.translation_m"], 0.003, kFileRounding);
+  EXPECT_NEAR(metrics["placed.cube.end.add_m"], 0.003, kFileRounding);
+  EXPECT_NEAR(metrics["mesh.accuracy.median_m"], 0.002, 1e-6);
+  EXPECT_EQ(metrics["mesh.completeness_5mm"], 1.0);
+  const double share = 0.0016 / (0.48 + 0.0016);  // exact to a sample of 25 mm^2
+  EXPECT_NEAR(metrics["mesh.share_left_behind"], share, 2 * 25e-6 / 0.48);
+  EXPECT_NEAR(metrics["mesh.share_not_explained"], share, 2 * 25e-6 / 0.48);
 }
 
 TEST_F(Evaluate, ComparesTwoRuns) {
@@ -199,19 +199,19 @@ TEST_F(Evaluate, ComparesTwoRuns) {
   const Expected<std::string> json =
       evaluate({folder_.path() / "two", folder_.path() / "one"}, report(), Parallelism{1});
   ASSERT_TRUE(json.has_value()) << json.error().to_string();
-  const Json figures = Json::parse(*json);
-  EXPECT_EQ(figures["reference_kind"], "run");
-  EXPECT_NEAR(figures["object.cube.tracked.add.rmse_m"], 0.001, kFileRounding);
+  const Json metrics = Json::parse(*json);
+  EXPECT_EQ(metrics["reference_kind"], "run");
+  EXPECT_NEAR(metrics["object.cube.tracked.add.rmse_m"], 0.001, kFileRounding);
 }
 
-TEST_F(Evaluate, WritesTheReportThatItReturnsAndAPageWithoutForeignParts) {
+TEST_F(Evaluate, WritesTheReportThatItReturnsAndASelfContainedPage) {
   write_run("run", a_pushed_cube());
   const Expected<std::string> json = evaluate_against_truth(folder_.path() / "run");
   ASSERT_TRUE(json.has_value());
   EXPECT_EQ(*read_file(report() / "report.json"), *json);
   const std::string page = *read_file(report() / "report.html");
-  for (const char* foreign : {"http:", "https:", "src=", "href=", "@import", "url("}) {
-    EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
+  for (const char* external : {"http:", "https:", "src=", "href=", "@import", "url("}) {
+    EXPECT_EQ(page.find(external), std::string::npos) << external;
   }
   EXPECT_NE(page.find("<svg"), std::string::npos);
   EXPECT_NE(page.find("cube"), std::string::npos);
@@ -219,7 +219,7 @@ TEST_F(Evaluate, WritesTheReportThatItReturnsAndAPageWithoutForeignParts) {
   EXPECT_EQ(page.find("inf\""), std::string::npos);
 }
 
-TEST_F(Evaluate, WritesNamesAsTextNotAsMarkup) {
+TEST_F(Evaluate, EscapesNamesInTheMarkup) {
   write(truth() / "objects/<b>&.txt", format_trajectory(a_pushed_cube()));
   write_run("run", a_pushed_cube());
   ASSERT_TRUE(evaluate_against_truth(folder_.path() / "run").has_value());
@@ -228,15 +228,15 @@ TEST_F(Evaluate, WritesNamesAsTextNotAsMarkup) {
   EXPECT_NE(page.find("&lt;b&gt;&amp;"), std::string::npos);
 }
 
-TEST_F(Evaluate, CountsWhatLiesOutsideTheTruthsTime) {
+TEST_F(Evaluate, CountsPosesOutsideTheTruthsTimeSpan) {
   Trajectory tracked = a_pushed_cube();
   tracked.append(Stamp::from_seconds(3.5), Pose());
   write_run("run", tracked);
-  const Json figures = Json::parse(*evaluate_against_truth(folder_.path() / "run"));
-  EXPECT_EQ(figures["object.cube.tracked.unmatched"], 1);
+  const Json metrics = Json::parse(*evaluate_against_truth(folder_.path() / "run"));
+  EXPECT_EQ(metrics["object.cube.tracked.unmatched"], 1);
 }
 
-TEST_F(Evaluate, NamesObjectsThatTheSubjectLacks) {
+TEST_F(Evaluate, ListsObjectsMissingInTheSubject) {
   write(truth() / "objects/ball.txt", format_trajectory(a_pushed_cube()));
   write_run("run", a_pushed_cube());
   std::string warnings;
@@ -268,13 +268,13 @@ TEST_F(Evaluate, FailsWhereTheTruthIsMissing) {
   EXPECT_FALSE(fs::exists(report() / "report.json"));
 }
 
-TEST_F(Evaluate, FailsForAFolderThatIsNothingItKnows) {
+TEST_F(Evaluate, FailsForAFolderOfUnknownKind) {
   const auto result = evaluate({folder_.path(), truth()}, report(), Parallelism{1});
   ASSERT_FALSE(result.has_value());
   EXPECT_NE(result.error().to_string().find("scene.yaml"), std::string::npos);
 }
 
-TEST_F(Evaluate, FailsWhereNoTimeIsShared) {
+TEST_F(Evaluate, FailsWithoutACommonTimeSpan) {
   Trajectory later;
   later.append(Stamp::from_seconds(1000.0), Pose());
   write_run("run", later);
@@ -283,7 +283,7 @@ TEST_F(Evaluate, FailsWhereNoTimeIsShared) {
   EXPECT_NE(result.error().message.find("1000.000000"), std::string::npos);
 }
 
-TEST_F(Evaluate, FailsWhereNothingIsInCommon) {
+TEST_F(Evaluate, FailsWithoutCommonData) {
   write_run("run", a_pushed_cube());
   fs::remove_all(truth() / "objects");
   const auto result = evaluate_against_truth(folder_.path() / "run");

@@ -12,7 +12,7 @@ namespace pcavr {
 namespace {
 
 TEST(ForceErrors, AreSplitByPhase) {
-  const std::vector<ForceSample> samples = {{at(0.5), 0.0, 1.0},    // free: felt too early
+  const std::vector<ForceSample> samples = {{at(0.5), 0.0, 1.0},    // free: rendered too early
                                             {at(1.1), 4.0, 5.0},    // static
                                             {at(1.3), 10.0, 9.0},   // critical
                                             {at(1.6), 8.0, 8.0},    // sliding
@@ -28,20 +28,20 @@ TEST(ForceErrors, AreSplitByPhase) {
   EXPECT_EQ(errors.all.difference.size(), 5U);
 }
 
-TEST(ForceErrors, AreRelativeOnlyToForcesThatCanBeJudged) {
+TEST(ForceErrors, AreRelativeOnlyFromTheMinimumForceOn) {
   const ForceErrors errors = force_errors({{at(1.1), 1.99, 3.0}, {at(1.11), 2.0, 3.0}}, one_push());
   EXPECT_EQ(errors.in_contact.relative, std::vector<double>({0.5}));
   EXPECT_EQ(errors.in_contact.difference.size(), 2U);
 }
 
-TEST(ForceErrors, WithoutPhasesAreOnlyOfAll) {
+TEST(ForceErrors, WithoutPhasesAreNotSplit) {
   const ForceErrors errors = force_errors({{at(1.1), 4.0, 5.0}}, {});
   EXPECT_EQ(errors.all.relative, std::vector<double>({0.25}));
   EXPECT_TRUE(errors.in_contact.difference.empty());
   EXPECT_TRUE(force_errors({}, one_push()).all.difference.empty());
 }
 
-TEST(ContactPeaks, AreTheLargestForcesOfEachContact) {
+TEST(ContactPeaks, AreTheMaximaOfEachContact) {
   std::vector<ForceSample> samples;
   for (const double start : {1.0, 2.0}) {
     for (int i = 0; i < 10; ++i) {
@@ -52,13 +52,13 @@ TEST(ContactPeaks, AreTheLargestForcesOfEachContact) {
   const std::vector<ContactPeak> peaks = contact_peaks(samples);
   ASSERT_EQ(peaks.size(), 2U);
   EXPECT_EQ(peaks[0].measured, 5.0);
-  EXPECT_EQ(peaks[0].felt, 5.5);
+  EXPECT_EQ(peaks[0].rendered, 5.5);
   EXPECT_EQ(peaks[1].measured, 10.0);
   EXPECT_EQ(peaks[1].begin, at(2.0));
   EXPECT_EQ(peaks[1].end, at(2.09));
 }
 
-TEST(ContactPeaks, LeaveOutWhatOnlyGrazes) {
+TEST(ContactPeaks, ExcludeGrazingContacts) {
   EXPECT_TRUE(contact_peaks({{at(1.0), 0.3, 4.0}, {at(1.01), 1.9, 4.0}}).empty());
   EXPECT_TRUE(contact_peaks({}).empty());
 }

@@ -11,10 +11,10 @@
 namespace pcavr {
 namespace {
 
-/// Vertices are floats of some decimetres: good to about a hundredth of a micrometre.
+/// Vertices are floats of some decimetres: exact to about a hundredth of a micrometre.
 constexpr double kFloatRounding = 2e-8;
 
-Pose turned_about_z(double angle) {
+Pose rotated_about_z(double angle) {
   return Pose(Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ())),
               Eigen::Vector3d::Zero());
 }
@@ -35,27 +35,27 @@ std::vector<bool> moving_at(const Trajectory& path, const std::vector<double>& s
   return is_moving(path, {}, stamps);
 }
 
-TEST(ModelError, OfAShiftIsTheShiftForMeanAndLargest) {
+TEST(ModelError, OfATranslationIsItsLengthForMeanAndMax) {
   const TriangleMesh box = a_box({0.2F, 0.1F, 0.3F});
   const ModelError error =
-      model_error(box.vertices, turned_about_z(0.7),
-                  Pose::from_translation({0, 0.003, 0.004}) * turned_about_z(0.7));
+      model_error(box.vertices, rotated_about_z(0.7),
+                  Pose::from_translation({0, 0.003, 0.004}) * rotated_about_z(0.7));
   EXPECT_NEAR(error.add, 0.005, kFloatRounding);
   EXPECT_NEAR(error.mssd, 0.005, kFloatRounding);
 }
 
-TEST(ModelError, OfATurnIsTheChordAtEachVertex) {
+TEST(ModelError, OfARotationIsTheChordAtEachVertex) {
   // One vertex on the axis, one at 0.1 m, one at 0.3 m: chords of 2 r sin(angle / 2).
   const std::vector<Eigen::Vector3f> vertices = {{0, 0, 1}, {0.1F, 0, 0}, {0, 0.3F, 0}};
   const double chord = 2.0 * std::sin(0.05);
-  const ModelError error = model_error(vertices, Pose(), turned_about_z(0.1));
+  const ModelError error = model_error(vertices, Pose(), rotated_about_z(0.1));
   EXPECT_NEAR(error.add, chord * 0.4 / 3.0, kFloatRounding);
   EXPECT_NEAR(error.mssd, chord * 0.3, kFloatRounding);
 }
 
-TEST(ModelError, OfASymmetricBodyTurnedOntoItselfIsNotZero) {
+TEST(ModelError, OfASymmetricBodyRotatedOntoItselfIsNotZero) {
   const TriangleMesh cube = a_box({0.1F, 0.1F, 0.1F});
-  EXPECT_GT(model_error(cube.vertices, Pose(), turned_about_z(std::acos(0.0))).add, 0.09);
+  EXPECT_GT(model_error(cube.vertices, Pose(), rotated_about_z(std::acos(0.0))).add, 0.09);
 }
 
 TEST(ObjectErrors, HaveOneRowForEachEstimateWithAReference) {
@@ -71,7 +71,7 @@ TEST(ObjectErrors, HaveOneRowForEachEstimateWithAReference) {
   EXPECT_EQ(errors.poses[1].stamp, Stamp::from_seconds(2.505));
 }
 
-TEST(IsMoving, TellsRestFromMotion) {
+TEST(IsMoving, DistinguishesRestFromMotion) {
   const std::vector<bool> expected = {false, false, true, true, false, false};
   EXPECT_EQ(moving_at(a_short_push(), {0.0, 0.9, 1.1, 1.9, 2.1, 3.0}), expected);
 }
@@ -90,10 +90,10 @@ TEST(IsMoving, HasHysteresisBetweenItsTwoSpeeds) {
   EXPECT_EQ(moving_at(path, {0.5, 1.5, 2.5, 3.5}), expected);
 }
 
-TEST(IsMoving, SeesATurnOnTheSpotThroughTheVertices) {
+TEST(IsMoving, DetectsARotationInPlaceByTheVertices) {
   Trajectory path;
   for (int i = 0; i <= 100; ++i)
-    path.append(Stamp::from_seconds(0.01 * i), turned_about_z(0.001 * i));
+    path.append(Stamp::from_seconds(0.01 * i), rotated_about_z(0.001 * i));
   const std::vector<Stamp> stamps = {Stamp::from_seconds(0.5)};
   EXPECT_FALSE(is_moving(path, {}, stamps)[0]);
   EXPECT_TRUE(is_moving(path, a_box({0.1F, 0.1F, 0.1F}).vertices, stamps)[0]);

@@ -26,29 +26,30 @@ ObjectParameters a_true_box() {
   return box;
 }
 
-TEST(ParameterErrors, AreRelativeAndInDeviations) {
+TEST(ParameterErrors, AreRelativeAndInStd) {
   ObjectParameters estimate;
   estimate.mass = ParameterValue{3.3, 0.1};
   const ParameterError mass =
       find(parameter_errors({{"box", a_true_box()}}, {{"box", estimate}}), "mass");
   EXPECT_EQ(mass.unit, "kg");
   EXPECT_EQ(mass.truth, 3.0);
-  ASSERT_TRUE(mass.relative.has_value() && mass.deviations.has_value());
+  ASSERT_TRUE(mass.relative.has_value() && mass.error_in_std.has_value());
   EXPECT_NEAR(*mass.relative, 0.1, kRounding);
-  EXPECT_NEAR(*mass.deviations, 3.0, kRounding);
+  EXPECT_NEAR(*mass.error_in_std, 3.0, kRounding);
 }
 
-TEST(ParameterErrors, NameWhatIsNotKnown) {
+TEST(ParameterErrors, IncludeUnknownParameters) {
   const auto errors = parameter_errors({{"box", a_true_box()}}, {{"box", ObjectParameters()}});
   const ParameterError mass = find(errors, "mass");
   EXPECT_FALSE(mass.estimate.has_value());
   EXPECT_EQ(mass.truth, 3.0);
   EXPECT_FALSE(mass.relative.has_value());
-  EXPECT_TRUE(find(errors, "viscous_friction").name.empty());  // neither knows it
+  EXPECT_TRUE(find(errors, "viscous_friction").name.empty());  // in neither
 }
 
 TEST(ParameterErrors, DoNotCompareStiffnessesOfDifferentExponents) {
-  // At the depth where the true contact bears 8 N, (8 / 1000)^(2/3) = 0.04 m, 220 N/m give 8.8 N.
+  // At the penetration where the true contact's force is 8 N, (8 / 1000)^(2/3) = 0.04 m, 220 N/m
+  // give 8.8 N.
   ObjectParameters estimate;
   estimate.contact_stiffness = ParameterValue{220.0, 2.0};
   estimate.contact_exponent = ParameterValue{1.0};
@@ -65,7 +66,7 @@ TEST(ParameterErrors, DoNotCompareStiffnessesOfDifferentExponents) {
   EXPECT_NEAR(*find(same, "contact.stiffness").relative, -0.1, kRounding);
 }
 
-TEST(ParameterErrors, OfAnObjectThatTheTruthLacksAreItsValues) {
+TEST(ParameterErrors, OfAnObjectMissingInTheTruthAreItsValues) {
   ObjectParameters estimate;
   estimate.mass = ParameterValue{3.3, 0.1};
   const auto errors = parameter_errors({{"box", a_true_box()}}, {{"ball", estimate}});
@@ -76,7 +77,7 @@ TEST(ParameterErrors, OfAnObjectThatTheTruthLacksAreItsValues) {
   EXPECT_TRUE(parameter_errors({{"box", a_true_box()}}, {}).empty());
 }
 
-TEST(ParameterErrors, HaveNoRelativePartOfATrueZero) {
+TEST(ParameterErrors, HaveNoRelativeErrorOfATrueZero) {
   ObjectParameters truth;
   truth.viscous_friction = ParameterValue{0.0};
   ObjectParameters estimate;
@@ -84,7 +85,7 @@ TEST(ParameterErrors, HaveNoRelativePartOfATrueZero) {
   const ParameterError error =
       find(parameter_errors({{"box", truth}}, {{"box", estimate}}), "viscous_friction");
   EXPECT_FALSE(error.relative.has_value());
-  EXPECT_EQ(error.deviations, 2.0);
+  EXPECT_EQ(error.error_in_std, 2.0);
 }
 
 }  // namespace

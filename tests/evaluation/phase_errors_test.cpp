@@ -13,29 +13,29 @@ namespace {
 /// Sums of a few doubles of about a second.
 constexpr double kRounding = 1e-9;
 
-TEST(PhaseTimelines, SayWhichPhaseHoldsWhen) {
+TEST(PhaseTimelines, GiveThePhaseAtATime) {
   const PhaseTimeline phases = one_push();
   EXPECT_EQ(phase_at(phases, at(0.0)), Phase::free);
-  EXPECT_EQ(phase_at(phases, at(1.1999)), Phase::held);
+  EXPECT_EQ(phase_at(phases, at(1.1999)), Phase::static_contact);
   EXPECT_EQ(phase_at(phases, at(1.2)), Phase::critical);
   EXPECT_EQ(phase_at(phases, at(100.0)), Phase::free);
   EXPECT_FALSE(phase_at(phases, at(-0.1)).has_value());
   EXPECT_FALSE(phase_at({}, at(0.0)).has_value());
 }
 
-TEST(PhaseTimelines, ReadBackTheWordsThatTheyWrite) {
-  for (const Phase phase : kPhases) EXPECT_EQ(phase_named(word_of(phase)), phase);
-  EXPECT_FALSE(phase_named("Static").has_value());
+TEST(PhaseTimelines, ParseTheNamesThatTheyWrite) {
+  for (const Phase phase : kPhases) EXPECT_EQ(phase_from_string(to_string(phase)), phase);
+  EXPECT_FALSE(phase_from_string("Static").has_value());
 }
 
-TEST(PhaseEvents, AreWhatHappensAtEachChange) {
+TEST(PhaseEvents, AreOneForEachChange) {
   const std::vector<TimedEvent> events = events_of(one_push());
   ASSERT_EQ(events.size(), 5U);
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(events[i].event, kEvents.at(i));
   EXPECT_EQ(events[3].stamp, at(2.0));
 }
 
-TEST(PhaseEvents, OfABodyThatSlidesAwayAreStopAndLeaveAtOnce) {
+TEST(PhaseEvents, OfABodyThatSlidesAwayAreStopAndLeaveAtOneStamp) {
   const std::vector<TimedEvent> events =
       events_of(timeline({{0.0, Phase::sliding}, {1.0, Phase::free}}));
   ASSERT_EQ(events.size(), 2U);
@@ -56,13 +56,13 @@ TEST(PhaseErrors, OfALateRecordAreItsDelay) {
   const std::vector<double> seconds = event_errors(errors);
   ASSERT_EQ(seconds.size(), 5U);
   for (const double error : seconds) EXPECT_NEAR(error, 0.02, kRounding);
-  // Five borders of 20 ms in 4 s; of the 1.52 s in which either says touched, the same five.
+  // Five transitions of 20 ms in 4 s; of the 1.52 s in which either is in contact, the same five.
   EXPECT_NEAR(agreement(errors, false), 1.0 - 0.1 / 4.0, kRounding);
   EXPECT_NEAR(agreement(errors, true), 1.0 - 0.1 / 1.52, kRounding);
-  EXPECT_NEAR(errors.seconds[0][1], 0.02, kRounding);  // left, said static
+  EXPECT_NEAR(errors.seconds[0][1], 0.02, kRounding);  // true free, estimated static
   EXPECT_EQ(errors.seconds[0][3], 0.0);
-  EXPECT_NEAR(errors.seconds[1][0], 0.02, kRounding);  // true static, said free
-  EXPECT_NEAR(errors.seconds[3][2], 0.02, kRounding);  // true sliding, said critical
+  EXPECT_NEAR(errors.seconds[1][0], 0.02, kRounding);  // true static, estimated free
+  EXPECT_NEAR(errors.seconds[3][2], 0.02, kRounding);  // true sliding, estimated critical
 }
 
 TEST(PhaseErrors, CountAnEventFartherThanHalfASecondAsMissedAndSurplus) {
@@ -74,12 +74,12 @@ TEST(PhaseErrors, CountAnEventFartherThanHalfASecondAsMissedAndSurplus) {
 
 TEST(PhaseErrors, MatchTheNearestOfSeveral) {
   const PhaseTimeline chattering = timeline({{0.0, Phase::free},
-                                             {0.9, Phase::held},
+                                             {0.9, Phase::static_contact},
                                              {0.95, Phase::free},
-                                             {1.01, Phase::held},
+                                             {1.01, Phase::static_contact},
                                              {2.0, Phase::free}});
   const PhaseTimeline truth =
-      timeline({{0.0, Phase::free}, {1.0, Phase::held}, {2.0, Phase::free}});
+      timeline({{0.0, Phase::free}, {1.0, Phase::static_contact}, {2.0, Phase::free}});
   const PhaseErrors errors = phase_errors(truth, chattering, at(3.0));
   const std::vector<double> contact = event_errors(errors, PhaseEvent::contact);
   ASSERT_EQ(contact.size(), 1U);
@@ -91,9 +91,9 @@ TEST(PhaseErrors, MatchTheNearestOfSeveral) {
 
 TEST(PhaseErrors, MatchASlideThatSkipsCritical) {
   const PhaseTimeline abrupt = timeline({{0.0, Phase::free},
-                                         {1.0, Phase::held},
+                                         {1.0, Phase::static_contact},
                                          {1.51, Phase::sliding},
-                                         {2.0, Phase::held},
+                                         {2.0, Phase::static_contact},
                                          {2.5, Phase::free}});
   const PhaseErrors errors = phase_errors(one_push(), abrupt, at(4.0));
   EXPECT_EQ(count_missed(errors, PhaseEvent::critical), 1U);
@@ -101,9 +101,9 @@ TEST(PhaseErrors, MatchASlideThatSkipsCritical) {
   EXPECT_NEAR(event_errors(errors, PhaseEvent::sliding).at(0), 0.01, kRounding);
 }
 
-TEST(PhaseErrors, LeaveOutWhatLiesOutsideTheCommonTime) {
+TEST(PhaseErrors, ExcludeEventsOutsideTheCommonTimeSpan) {
   // The estimate begins after the contact and ends before the object is left.
-  const PhaseTimeline late = timeline({{1.1, Phase::held}, {1.5, Phase::sliding}});
+  const PhaseTimeline late = timeline({{1.1, Phase::static_contact}, {1.5, Phase::sliding}});
   const PhaseErrors errors = phase_errors(one_push(), late, at(1.8));
   EXPECT_EQ(count_missed(errors, PhaseEvent::contact), 0U);
   EXPECT_EQ(count_missed(errors, PhaseEvent::critical), 1U);
@@ -115,18 +115,18 @@ TEST(PhaseErrors, LeaveOutWhatLiesOutsideTheCommonTime) {
   EXPECT_NEAR(total, 0.7, kRounding);
 }
 
-TEST(PhaseErrors, OfABodyThatIsNeverTouchedAreNone) {
-  const PhaseTimeline untouched = timeline({{0.0, Phase::free}});
-  const PhaseErrors errors = phase_errors(untouched, untouched, at(4.0));
+TEST(PhaseErrors, OfABodyWithoutContactAreNone) {
+  const PhaseTimeline without_contact = timeline({{0.0, Phase::free}});
+  const PhaseErrors errors = phase_errors(without_contact, without_contact, at(4.0));
   EXPECT_TRUE(errors.events.empty());
   EXPECT_EQ(agreement(errors, false), 1.0);
   EXPECT_EQ(agreement(errors, true), 0.0);  // there is no such time
-  EXPECT_TRUE(phase_errors({}, untouched, at(4.0)).events.empty());
+  EXPECT_TRUE(phase_errors({}, without_contact, at(4.0)).events.empty());
 }
 
-TEST(PhaseErrors, AddUpOverObjects) {
-  const PhaseErrors sum = together({phase_errors(one_push(), one_push(0.02), at(4.0)),
-                                    phase_errors(one_push(), one_push(), at(4.0))});
+TEST(PhaseErrors, ArePooledOverObjects) {
+  const PhaseErrors sum = merged({phase_errors(one_push(), one_push(0.02), at(4.0)),
+                                  phase_errors(one_push(), one_push(), at(4.0))});
   EXPECT_EQ(event_errors(sum).size(), 10U);
   EXPECT_NEAR(sum.seconds[0][0], 2.48 + 2.5, kRounding);
 }
@@ -145,11 +145,11 @@ TEST(TimeNodes, AreNumberedPushByPushOverAllObjects) {
 
 TEST(TimeNodes, OfASlideThatSticksHaveItsFirstStartAndItsLastStop) {
   const std::vector<TimeNode> nodes = time_nodes({{"box", timeline({{0.0, Phase::free},
-                                                                    {1.0, Phase::held},
+                                                                    {1.0, Phase::static_contact},
                                                                     {1.5, Phase::sliding},
-                                                                    {1.6, Phase::held},
+                                                                    {1.6, Phase::static_contact},
                                                                     {1.7, Phase::sliding},
-                                                                    {2.0, Phase::held},
+                                                                    {2.0, Phase::static_contact},
                                                                     {2.5, Phase::free}})}});
   ASSERT_EQ(nodes.size(), 4U);
   EXPECT_EQ(nodes[1].number, 3);  // there was no critical
@@ -157,10 +157,11 @@ TEST(TimeNodes, OfASlideThatSticksHaveItsFirstStartAndItsLastStop) {
   EXPECT_EQ(nodes[2].event.stamp, at(2.0));
 }
 
-TEST(TimeNodes, OfAnUntouchedBodyAreNone) {
+TEST(TimeNodes, OfABodyWithoutContactAreNone) {
   EXPECT_TRUE(time_nodes({{"box", timeline({{0.0, Phase::free}})}}).empty());
-  // A record that begins in the middle of a push tells no contact.
-  EXPECT_TRUE(time_nodes({{"box", timeline({{0.0, Phase::held}, {1.0, Phase::free}})}}).empty());
+  // A record that begins in the middle of a push has no contact event.
+  EXPECT_TRUE(
+      time_nodes({{"box", timeline({{0.0, Phase::static_contact}, {1.0, Phase::free}})}}).empty());
 }
 
 }  // namespace

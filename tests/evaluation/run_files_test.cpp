@@ -29,7 +29,7 @@ TEST_F(RunFolder, MayBeEmpty) {
   EXPECT_TRUE(truth->phases.empty() && !truth->parameters);
 }
 
-TEST_F(RunFolder, IsReadWhole) {
+TEST_F(RunFolder, IsReadCompletely) {
   write("force.csv", "t,object,measured,virtual\n1.000000,box,2.5,2.4\n1.002000,box,2.6,-0.1\n");
   write("phases.csv",
         "t,object,measured,predicted\n0,box,free,free\n0,ball,free,free\n"
@@ -45,7 +45,7 @@ TEST_F(RunFolder, IsReadWhole) {
   const auto run = read_run_files(folder_.path());
   ASSERT_TRUE(run.has_value()) << run.error().to_string();
   ASSERT_EQ(run->forces.at("box").size(), 2U);
-  EXPECT_EQ(run->forces.at("box")[1].felt, -0.1);
+  EXPECT_EQ(run->forces.at("box")[1].rendered, -0.1);
   ASSERT_EQ(run->measured.at("box").size(), 2U);  // the third row changes only the prediction
   EXPECT_EQ(run->predicted.at("box")[1].stamp, at(1.1));
   EXPECT_EQ(run->measured.at("ball").size(), 1U);
@@ -69,7 +69,7 @@ TEST_F(RunFolder, NamesTheLineOfABadRow) {
     const char* word;
   };
   const Case cases[] = {
-      {"force.csv", "t,object,measured,felt\n", 1, "header"},
+      {"force.csv", "t,object,measured,rendered\n", 1, "header"},
       {"force.csv", "", 0, "empty"},
       {"force.csv", "t,object,measured,virtual\n1,box,2\n", 2, "columns"},
       {"force.csv", "t,object,measured,virtual\n1,box,2,nan\n", 2, "finite"},

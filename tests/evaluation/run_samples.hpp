@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "evaluation/correction_figures.hpp"
+#include "evaluation/correction_metrics.hpp"
 #include "evaluation/phase_timeline.hpp"
 
 namespace pcavr {
@@ -18,15 +18,15 @@ inline PhaseTimeline timeline(const std::vector<std::pair<double, Phase>>& chang
   return result;
 }
 
-/// Contact at 1 s, critical at 1.2 s, sliding from 1.5 to 2 s, left at 2.5 s; `late` shifts all but
-/// the beginning.
-inline PhaseTimeline one_push(double late = 0.0) {
+/// Contact at 1 s, critical at 1.2 s, sliding from 1.5 to 2 s, left at 2.5 s; `delay` shifts all
+/// but the first.
+inline PhaseTimeline one_push(double delay = 0.0) {
   return timeline({{0.0, Phase::free},
-                   {1.0 + late, Phase::held},
-                   {1.2 + late, Phase::critical},
-                   {1.5 + late, Phase::sliding},
-                   {2.0 + late, Phase::held},
-                   {2.5 + late, Phase::free}});
+                   {1.0 + delay, Phase::static_contact},
+                   {1.2 + delay, Phase::critical},
+                   {1.5 + delay, Phase::sliding},
+                   {2.0 + delay, Phase::static_contact},
+                   {2.5 + delay, Phase::free}});
 }
 
 /// A position error for each tenth of a second from 0 on.

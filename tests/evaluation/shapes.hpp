@@ -17,7 +17,7 @@ inline TriangleMesh a_plane(float x_from, float x_to, float y_from, float y_to, 
   return mesh;
 }
 
-/// A closed box around the origin, wound outward.
+/// A closed box around the origin, with outward winding.
 inline TriangleMesh a_box(const Eigen::Vector3f& size) {
   TriangleMesh mesh;
   for (const float z : {-0.5F, 0.5F}) {
@@ -33,7 +33,7 @@ inline TriangleMesh a_box(const Eigen::Vector3f& size) {
 }
 
 /// Both meshes in one.
-inline TriangleMesh together(TriangleMesh a, const TriangleMesh& b) {
+inline TriangleMesh merged(TriangleMesh a, const TriangleMesh& b) {
   const auto offset = static_cast<std::uint32_t>(a.vertices.size());
   a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
   for (const auto& triangle : b.triangles) {

@@ -48,14 +48,14 @@ TEST(MeshErrors, OfAPlaneShiftedByTwoMillimetresAreTwoMillimetres) {
 TEST(MeshErrors, OfHalfAPlaneAreExactButOnlyHalfComplete) {
   const MeshErrors errors = compare(a_plane(-1, 1, -1, 1, 0.0F), a_plane(-1, 0, -1, 1, 0.0F));
   EXPECT_LT(errors.accuracy.max, kFloatRounding);
-  // The half, and a strip of 5 or 10 mm beside it; one sample in 40 000 and their spread.
+  // The half, and a strip of 5 or 10 mm next to it; one sample in 40 000 and their spread.
   EXPECT_NEAR(errors.completeness_5mm, 0.5 + 0.0025, 0.001);
   EXPECT_NEAR(errors.completeness_10mm, 0.5 + 0.005, 0.001);
 }
 
-TEST(MeshErrors, TellWhatShareTheTruthDoesNotExplain) {
+TEST(MeshErrors, IncludeTheShareThatTheTruthDoesNotExplain) {
   const TriangleMesh truth = a_plane(-1, 1, -1, 1, 0.0F);
-  const TriangleMesh mesh = together(truth, a_plane(0, 1, 0, 1, 0.5F));
+  const TriangleMesh mesh = merged(truth, a_plane(0, 1, 0, 1, 0.5F));
   EXPECT_NEAR(compare(truth, mesh).share_not_explained, 0.2, 0.001);
 }
 
@@ -65,11 +65,11 @@ TEST(MeshErrors, OfAnEmptyMeshHaveNoSamplesAndNoCompleteness) {
   EXPECT_EQ(errors.completeness_10mm, 0.0);
 }
 
-TEST(MeshErrors, RefuseATruthWithoutSurface) {
+TEST(MeshErrors, RejectATruthWithoutSurface) {
   EXPECT_THROW((void)compare(TriangleMesh(), a_plane(0, 1, 0, 1, 0)), ContractError);
 }
 
-TEST(MeshErrors, CountOnlyWhatIsInTheImage) {
+TEST(MeshErrors, CountOnlySamplesInTheImage) {
   const TriangleMesh truth = a_plane(-2, 2, -2, 2, 0.0F);
   // The view covers 1.28 m x 0.96 m, and the mesh is exactly that: complete.
   const TriangleMesh mesh = a_plane(-0.64F, 0.64F, -0.48F, 0.48F, 0.0F);
@@ -79,7 +79,7 @@ TEST(MeshErrors, CountOnlyWhatIsInTheImage) {
   EXPECT_LT(compare(truth, mesh).completeness_5mm, 0.1);
 }
 
-TEST(MeshErrors, DoNotTakeForSeenWhatALensModelFoldsBackIntoTheImage) {
+TEST(MeshErrors, ExcludePointsThatTheDistortionModelFoldsIntoTheImage) {
   // r (1 - 0.1 r^2) is zero again at r = 3.16: a point there would lie in the middle of the image.
   Views views = a_view_from_above(1.0);
   views.camera.distortion = {-0.1, 0, 0, 0, 0};
@@ -92,18 +92,18 @@ TEST(MeshErrors, DoNotTakeForSeenWhatALensModelFoldsBackIntoTheImage) {
   EXPECT_GT(seen(near), 12288.0);             // a barrel lens sees more than a pinhole
 }
 
-TEST(MeshErrors, DoNotAskForWhatTheTruthItselfHides) {
+TEST(MeshErrors, ExcludeSurfaceOccludedByTheTruth) {
   const TriangleMesh table = a_plane(-0.4F, 0.4F, -0.4F, 0.4F, 0.2F);
   const TriangleMesh floor = a_plane(-0.4F, 0.4F, -0.4F, 0.4F, 0.0F);
-  const MeshErrors errors = compare(together(table, floor), table, a_view_from_above(1.2));
+  const MeshErrors errors = compare(merged(table, floor), table, a_view_from_above(1.2));
   EXPECT_EQ(errors.completeness_5mm, 1.0);
 }
 
-TEST(MeshErrors, DoNotAskForWhatABodyHidesUnlessItMovesAway) {
+TEST(MeshErrors, ExcludeSurfaceOccludedByABodyUntilItMovesAway) {
   const TriangleMesh floor = a_plane(-0.2F, 0.2F, -0.2F, 0.2F, 0.0F);
   Views views = a_view_from_above(1.0);
   views.bodies = {{a_box({1, 1, 0.1F}), {Pose::from_translation({0.5, 0, 0.2})}}};
-  // From 1 m, the body's edge at 0.25 m casts a shadow that reaches 0 m: it hides half.
+  // From 1 m, the body's edge projects onto 0 m: it occludes half.
   const std::size_t seen_then = compare(floor, floor, views).seen_truth_to_mesh.size();
   EXPECT_NEAR(static_cast<double>(seen_then), 800.0, 30.0);
   views.T_base_camera.push_back(views.T_base_camera[0]);
@@ -111,7 +111,7 @@ TEST(MeshErrors, DoNotAskForWhatABodyHidesUnlessItMovesAway) {
   EXPECT_EQ(compare(floor, floor, views).seen_truth_to_mesh.size(), 1600U);
 }
 
-TEST(MeshErrors, DoNotAskForWhatIsOutOfRangeOrGrazing) {
+TEST(MeshErrors, ExcludeSurfaceOutOfRangeOrAtGrazingIncidence) {
   const TriangleMesh floor = a_plane(-0.3F, 0.3F, -0.3F, 0.3F, 0.0F);
   EXPECT_TRUE(compare(floor, floor, a_view_from_above(0.3)).seen_truth_to_mesh.empty());
   EXPECT_TRUE(compare(floor, floor, a_view_from_above(4.1)).seen_truth_to_mesh.empty());
@@ -137,12 +137,12 @@ TEST(MeshErrors, AreTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
-TEST(MeshErrors, DoNotDependOnHowASurfaceIsCutIntoTriangles) {
+TEST(MeshErrors, DoNotDependOnTheTriangulation) {
   const TriangleMesh truth = a_plane(-1, 1, -1, 1, 0.0F);
-  TriangleMesh fine = a_plane(0, 1, -1, 1, 0.004F);  // half of it at 4 mm, cut in one place ...
-  for (int i = 0; i < 100; ++i) {                    // ... half at 2 mm, cut into strips
+  TriangleMesh fine = a_plane(0, 1, -1, 1, 0.004F);  // half of it at 4 mm, two triangles ...
+  for (int i = 0; i < 100; ++i) {                    // ... half at 2 mm, in strips
     const float x = -0.01F * static_cast<float>(i);
-    fine = together(fine, a_plane(x - 0.01F, x, -1, 1, 0.002F));
+    fine = merged(fine, a_plane(x - 0.01F, x, -1, 1, 0.002F));
   }
   EXPECT_NEAR(compare(truth, fine).accuracy.mean, 0.003, 1e-5);
 }
@@ -152,19 +152,19 @@ double left_behind(const TriangleMesh& truth, const TriangleMesh& mesh,
   return share_left_behind(truth, mesh, bodies, kOptions, Parallelism{2});
 }
 
-TEST(ShareLeftBehind, IsTheShareOfTheAreaThatABodyLeft) {
+TEST(ShareLeftBehind, IsTheShareOfABodysResidue) {
   const TriangleMesh floor = a_plane(-1, 1, -1, 1, 0.0F);
   const TriangleMesh cube = a_box({0.4F, 0.4F, 0.4F});
   const Pose pose = Pose::from_translation({0.3, 0.1, 0.2});
   // A sheet half-way up in the body, 0.4 m x 0.4 m of 4.16 m^2.
-  const TriangleMesh mesh = together(floor, a_plane(0.1F, 0.5F, -0.1F, 0.3F, 0.2F));
+  const TriangleMesh mesh = merged(floor, a_plane(0.1F, 0.5F, -0.1F, 0.3F, 0.2F));
   EXPECT_NEAR(left_behind(floor, mesh, {{cube, {Pose::from_translation({-2, 0, 0}), pose}}}),
               0.16 / 4.16, 0.001);
   EXPECT_EQ(left_behind(floor, mesh, {{cube, {Pose::from_translation({-2, 0, 0})}}}), 0.0);
   EXPECT_EQ(left_behind(floor, mesh, {}), 0.0);
 }
 
-TEST(ShareLeftBehind, CountsItsSurfaceAndALittleBeyond) {
+TEST(ShareLeftBehind, CountsTheBodysSurfaceWithAMargin) {
   const TriangleMesh floor = a_plane(-1, 1, -1, 1, -0.5F);
   const TriangleMesh cube = a_box({0.4F, 0.4F, 0.4F});
   const TriangleMesh shell = a_box({0.41F, 0.41F, 0.41F});   // 5 mm outside
@@ -173,7 +173,7 @@ TEST(ShareLeftBehind, CountsItsSurfaceAndALittleBeyond) {
   EXPECT_EQ(left_behind(floor, far_shell, {{cube, {Pose()}}}), 0.0);
 }
 
-TEST(ShareLeftBehind, DoesNotBlameABodyForTheTableUnderIt) {
+TEST(ShareLeftBehind, ExcludesTheTableUnderTheBody) {
   const TriangleMesh table = a_plane(-1, 1, -1, 1, 0.0F);
   const TriangleMesh mesh = a_plane(-1, 1, -1, 1, 0.004F);
   const MovedBody body{a_box({0.4F, 0.4F, 0.4F}), {Pose::from_translation({0, 0, 0.2})}};

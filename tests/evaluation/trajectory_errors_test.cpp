@@ -10,23 +10,23 @@
 namespace pcavr {
 namespace {
 
-/// What sums of doubles of order one, and square roots of them, may lose.
+/// Rounding of sums of doubles of order one, and of their square roots.
 constexpr double kRounding = 1e-12;
-/// Angles come from unit quaternions: an angle near 0 keeps about half of the digits.
+/// Angles come from unit quaternions: an angle near 0 has about half of the digits.
 constexpr double kAngleRounding = 1e-7;
 
 Stamp at_second(double seconds) { return Stamp::from_seconds(seconds); }
 
-Pose turned_about_z(double angle, const Eigen::Vector3d& p) {
+Pose rotated_about_z(double angle, const Eigen::Vector3d& p) {
   return Pose(Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ())), p);
 }
 
-/// A screw-like path that leaves no direction out, 10 poses a second.
+/// A helical path that spans all directions, 10 poses a second.
 Trajectory a_winding_path(std::size_t count = 51) {
   Trajectory path;
   for (std::size_t i = 0; i < count; ++i) {
     const double t = 0.1 * static_cast<double>(i);
-    path.append(at_second(t), turned_about_z(0.3 * t, {std::cos(t), std::sin(t), 0.1 * t * t}));
+    path.append(at_second(t), rotated_about_z(0.3 * t, {std::cos(t), std::sin(t), 0.1 * t * t}));
   }
   return path;
 }
@@ -40,27 +40,27 @@ Trajectory changed(const Trajectory& trajectory, Change change) {
   return result;
 }
 
-TEST(Statistics, AgreeWithFiguresWorkedOutByHand) {
-  const ErrorStatistics figures = statistics({4.0, 1.0, 3.0, 2.0});
-  EXPECT_EQ(figures.count, 4U);
-  EXPECT_DOUBLE_EQ(figures.sse, 30.0);
-  EXPECT_DOUBLE_EQ(figures.rmse, std::sqrt(7.5));
-  EXPECT_DOUBLE_EQ(figures.mean, 2.5);
-  EXPECT_DOUBLE_EQ(figures.median, 2.5);
-  EXPECT_DOUBLE_EQ(figures.std, std::sqrt(1.25));  // of the population, as numpy.std
-  EXPECT_DOUBLE_EQ(figures.min, 1.0);
-  EXPECT_DOUBLE_EQ(figures.max, 4.0);
-  EXPECT_DOUBLE_EQ(figures.p95, 3.85);  // 1 + 0.95 * 3, as numpy.percentile
+TEST(Statistics, AgreeWithValuesComputedByHand) {
+  const ErrorStatistics stats = statistics({4.0, 1.0, 3.0, 2.0});
+  EXPECT_EQ(stats.count, 4U);
+  EXPECT_DOUBLE_EQ(stats.sse, 30.0);
+  EXPECT_DOUBLE_EQ(stats.rmse, std::sqrt(7.5));
+  EXPECT_DOUBLE_EQ(stats.mean, 2.5);
+  EXPECT_DOUBLE_EQ(stats.median, 2.5);
+  EXPECT_DOUBLE_EQ(stats.std, std::sqrt(1.25));  // of the population, as numpy.std
+  EXPECT_DOUBLE_EQ(stats.min, 1.0);
+  EXPECT_DOUBLE_EQ(stats.max, 4.0);
+  EXPECT_DOUBLE_EQ(stats.p95, 3.85);  // 1 + 0.95 * 3, as numpy.percentile
 }
 
-TEST(Statistics, OfAnOddNumberHaveTheMiddleOneAsMedian) {
+TEST(Statistics, OfAnOddCountHaveTheMiddleValueAsMedian) {
   EXPECT_DOUBLE_EQ(statistics({7.0, 1.0, 2.0}).median, 2.0);
 }
 
-TEST(Statistics, OfNothingAreZeroWithACountOfZero) {
-  const ErrorStatistics figures = statistics({});
-  EXPECT_EQ(figures.count, 0U);
-  EXPECT_EQ(figures.rmse, 0.0);
+TEST(Statistics, OfNoErrorsAreZero) {
+  const ErrorStatistics stats = statistics({});
+  EXPECT_EQ(stats.count, 0U);
+  EXPECT_EQ(stats.rmse, 0.0);
 }
 
 TEST(TrajectoryErrors, OfATrajectoryAgainstItselfAreZero) {
@@ -81,18 +81,19 @@ TEST(TrajectoryErrors, OfAConstantOffsetAreThatOffset) {
     return Pose(pose.rotation(), pose.translation() + Eigen::Vector3d(0.003, 0.0, 0.004));
   });
   const TrajectoryErrors errors = trajectory_errors(truth, estimate);
-  const ErrorStatistics figures = statistics(translations(errors.absolute));
-  EXPECT_NEAR(figures.rmse, 0.005, kRounding);
-  EXPECT_NEAR(figures.std, 0.0, kRounding);
-  EXPECT_NEAR(figures.sse, 51 * 25e-6, kRounding);
+  const ErrorStatistics stats = statistics(translations(errors.absolute));
+  EXPECT_NEAR(stats.rmse, 0.005, kRounding);
+  EXPECT_NEAR(stats.std, 0.0, kRounding);
+  EXPECT_NEAR(stats.sse, 51 * 25e-6, kRounding);
   EXPECT_LT(statistics(translations(errors.absolute_aligned)).max, kRounding);
 }
 
-TEST(TrajectoryErrors, OfAConstantTurnAreThatAngle) {
+TEST(TrajectoryErrors, OfAConstantRotationAreItsAngle) {
   const Trajectory truth = a_winding_path();
-  const Pose turn(Eigen::Quaterniond(Eigen::AngleAxisd(0.02, Eigen::Vector3d(1, 2, 2) / 3.0)),
-                  Eigen::Vector3d::Zero());
-  const Trajectory estimate = changed(truth, [&](double, const Pose& pose) { return pose * turn; });
+  const Pose rotation(Eigen::Quaterniond(Eigen::AngleAxisd(0.02, Eigen::Vector3d(1, 2, 2) / 3.0)),
+                      Eigen::Vector3d::Zero());
+  const Trajectory estimate =
+      changed(truth, [&](double, const Pose& pose) { return pose * rotation; });
   const TrajectoryErrors errors = trajectory_errors(truth, estimate);
   EXPECT_NEAR(statistics(rotations(errors.absolute)).rmse, 0.02, kRounding);
   EXPECT_LT(statistics(translations(errors.absolute)).max, kRounding);
@@ -112,7 +113,7 @@ TEST(TrajectoryErrors, AlignmentRecoversARigidMotion) {
   EXPECT_GT(statistics(translations(errors.absolute)).min, 1.0);
 }
 
-TEST(TrajectoryErrors, AlignmentMinimisesTheSquaredErrorAndMirrorsNothing) {
+TEST(TrajectoryErrors, AlignmentMinimisesTheSquaredErrorWithoutReflection) {
   const Trajectory truth = a_winding_path();
   const Trajectory mirrored = changed(truth, [](double, const Pose& pose) {
     return Pose(pose.rotation(), pose.translation().cwiseProduct(Eigen::Vector3d(1, 1, -1)));
@@ -125,7 +126,7 @@ TEST(TrajectoryErrors, AlignmentMinimisesTheSquaredErrorAndMirrorsNothing) {
   EXPECT_GT(statistics(translations(errors.absolute_aligned)).rmse, 0.1);
 }
 
-TEST(TrajectoryErrors, AlignmentIsLeftOpenByACameraThatDoesNotMove) {
+TEST(TrajectoryErrors, AlignmentIsEmptyForAStaticCamera) {
   Trajectory truth;
   Trajectory estimate;
   for (int i = 0; i < 10; ++i) {
@@ -153,17 +154,17 @@ TEST(TrajectoryErrors, RelativeErrorOfAConstantDriftIsTheDriftInOneStep) {
 
 TEST(TrajectoryErrors, RelativeErrorDoesNotDependOnAnOffset) {
   const Trajectory truth = a_winding_path();
-  const Pose offset = turned_about_z(1.0, {5, 6, 7});
+  const Pose offset = rotated_about_z(1.0, {5, 6, 7});
   const Trajectory moved = changed(truth, [&](double, const Pose& pose) { return offset * pose; });
   EXPECT_LT(statistics(translations(trajectory_errors(truth, moved).relative)).max, 1e-10);
 }
 
-TEST(TrajectoryErrors, RelativeErrorPairsOnlyPosesThatAreAStepApart) {
+TEST(TrajectoryErrors, RelativeErrorPairsOnlyPosesOneStepApart) {
   Trajectory sparse;
   for (const double t : {0.0, 0.5, 1.05, 2.5}) sparse.append(at_second(t), Pose());
   const TrajectoryErrors errors =
       trajectory_errors(sparse, sparse, {.max_gap = std::chrono::seconds(3)});
-  ASSERT_EQ(errors.relative.size(), 1U);  // 0 -> 1.05 alone is 1 s give or take a tenth
+  ASSERT_EQ(errors.relative.size(), 1U);  // 0 -> 1.05 alone is 1 s +-10 %
   EXPECT_EQ(errors.relative[0].stamp, at_second(1.05));
 }
 
@@ -188,7 +189,7 @@ TEST(TrajectoryErrors, CountEstimatesOutsideTheReferencesTimeOrInAGap) {
   EXPECT_EQ(errors.unmatched, 3U);
 }
 
-TEST(TrajectoryErrors, OfNothingAreEmpty) {
+TEST(TrajectoryErrors, OfAnEmptyTrajectoryAreEmpty) {
   const TrajectoryErrors errors = trajectory_errors(a_winding_path(), Trajectory());
   EXPECT_TRUE(errors.absolute.empty());
   EXPECT_EQ(errors.unmatched, 0U);

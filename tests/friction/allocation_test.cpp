@@ -12,7 +12,7 @@
 namespace pcavr {
 namespace {
 
-TEST(Steps, DoNotTouchTheHeap) {
+TEST(Steps, DoNotAllocate) {
   Random random(30);
   PlanarFriction planar;
   planar.sliding = random_surface(random);

@@ -49,12 +49,12 @@ TEST(LimitSurfaceFit, RecoversAnEllipsoid) {
   const auto samples = pushes_on(truth, 40, random);
   const LimitSurfaceFit fit = fit_as(SurfaceShape::ellipsoid, samples);
   ASSERT_EQ(fit.status, LimitSurfaceFitStatus::fitted);
-  // The forms are 90 directions: their cone holds an ellipsoid up to a fraction of a percent.
+  // The forms are 90 directions: their cone contains an ellipsoid up to a fraction of a percent.
   EXPECT_LT(median_angle(fit.surface, pushes_on(truth, 200, random), 0.06), 1.0 * kDegree);
   EXPECT_NEAR(level(fit.surface, {0.0, 0.0, 0.25}), level(truth, {0.0, 0.0, 0.25}), 0.02);
 }
 
-TEST(LimitSurfaceFit, QuarticComesNearerToAQuarticThanAnEllipsoidDoes) {
+TEST(LimitSurfaceFit, QuarticFitsAQuarticBetterThanAnEllipsoid) {
   Random random(21);
   LimitSurface truth = ellipsoid_surface(5.0, 0.25);
   for (const Eigen::Vector3d& form :
@@ -65,12 +65,12 @@ TEST(LimitSurfaceFit, QuarticComesNearerToAQuarticThanAnEllipsoidDoes) {
     }
   }
   const auto samples = pushes_on(truth, 60, random);
-  const auto unseen = pushes_on(truth, 200, random);
+  const auto held_out = pushes_on(truth, 200, random);
   const LimitSurfaceFit ellipsoid = fit_as(SurfaceShape::ellipsoid, samples);
   const LimitSurfaceFit quartic = fit_as(SurfaceShape::quartic, samples);
-  EXPECT_LT(median_angle(quartic.surface, unseen, 0.05), 2.0 * kDegree);
-  EXPECT_LT(median_angle(quartic.surface, unseen, 0.05),
-            0.5 * median_angle(ellipsoid.surface, unseen, 0.05));
+  EXPECT_LT(median_angle(quartic.surface, held_out, 0.05), 2.0 * kDegree);
+  EXPECT_LT(median_angle(quartic.surface, held_out, 0.05),
+            0.5 * median_angle(ellipsoid.surface, held_out, 0.05));
 }
 
 TEST(LimitSurfaceFit, StaysConvexOnNoise) {
@@ -91,7 +91,7 @@ TEST(LimitSurfaceFit, StaysConvexOnNoise) {
   }
 }
 
-TEST(LimitSurfaceFit, IsNotMovedFarByAFewWildPushes) {
+TEST(LimitSurfaceFit, IsRobustAgainstAFewOutliers) {
   Random random(23);
   const LimitSurface truth = ellipsoid_surface(4.2, 0.25);
   auto samples = pushes_on(truth, 40, random);
@@ -104,7 +104,7 @@ TEST(LimitSurfaceFit, IsNotMovedFarByAFewWildPushes) {
   EXPECT_LT(median_angle(fit.surface, pushes_on(truth, 200, random), 0.06), 3.0 * kDegree);
 }
 
-TEST(LimitSurfaceFit, SaysWhereThePushesDoNotTellEnough) {
+TEST(LimitSurfaceFit, ReportsTooFewOrUnexcitedPushes) {
   Random random(24);
   const LimitSurface truth = ellipsoid_surface(4.2, 0.25);
   EXPECT_EQ(fit_limit_surface({}).status, LimitSurfaceFitStatus::too_few_pushes);
@@ -118,7 +118,7 @@ TEST(LimitSurfaceFit, SaysWhereThePushesDoNotTellEnough) {
   EXPECT_EQ(fit_limit_surface(straight).status, LimitSurfaceFitStatus::not_excited);
 }
 
-TEST(LimitSurfaceFit, IsTheSameEveryTime) {
+TEST(LimitSurfaceFit, IsDeterministic) {
   Random random(25);
   const auto samples = pushes_on(random_surface(random), 40, random);
   const LimitSurfaceFit one = fit_limit_surface(samples);

@@ -13,7 +13,7 @@
 namespace pcavr {
 namespace {
 
-TEST(EllipsoidSurface, BearsItsLargestForceAndItsLargestMoment) {
+TEST(EllipsoidSurface, BearsItsMaximumForceAndMoment) {
   const LimitSurface surface = ellipsoid_surface(4.2, 0.24);
   EXPECT_NEAR(level(surface, {4.2, 0.0, 0.0}), 1.0, 1e-12);
   EXPECT_NEAR(level(surface, {0.0, -4.2, 0.0}), 1.0, 1e-12);
@@ -21,7 +21,7 @@ TEST(EllipsoidSurface, BearsItsLargestForceAndItsLargestMoment) {
   EXPECT_NEAR(level(surface, {2.1, 0.0, 0.0}), 0.5, 1e-12);
 }
 
-TEST(EllipsoidSurface, TurnsThePushedBodyByTheRatioOfMomentToForce) {
+TEST(EllipsoidSurface, RotatesThePushedBodyByTheRatioOfMomentToForce) {
   // v = f / F^2, omega = m / M^2 up to one factor [Lynch & Mason 1996].
   const LimitSurface surface = ellipsoid_surface(4.0, 0.2);
   const Eigen::Vector3d twist = sliding_direction(surface, {0.0, 2.0, 0.05});
@@ -29,7 +29,7 @@ TEST(EllipsoidSurface, TurnsThePushedBodyByTheRatioOfMomentToForce) {
   EXPECT_EQ(twist.x(), 0.0);
 }
 
-TEST(EllipsoidSurface, DoesNotTurnABodyPushedThroughItsCentreOfFriction) {
+TEST(EllipsoidSurface, DoesNotRotateABodyPushedThroughItsCentreOfFriction) {
   const Eigen::Vector2d centre(0.01, -0.02);
   const LimitSurface surface = ellipsoid_surface(4.0, 0.2, centre);
   const Eigen::Vector3d through(3.0, 1.0, centre.x() * 1.0 - centre.y() * 3.0);
@@ -45,7 +45,7 @@ TEST(EllipsoidSurface, SlidingLoadHasItsClosedForm) {
   EXPECT_LT((sliding_load(surface, twist) - expected).norm(), 1e-10);
 }
 
-TEST(LimitSurface, NormalIsTheSlopeOfItsLevel) {
+TEST(LimitSurface, NormalIsTheGradientOfItsLevel) {
   Random random(4);
   for (int trial = 0; trial < 50; ++trial) {
     const LimitSurface surface = random_surface(random);
@@ -61,7 +61,7 @@ TEST(LimitSurface, NormalIsTheSlopeOfItsLevel) {
   }
 }
 
-TEST(LimitSurface, ItsSlopeIsLinearInItsCoefficients) {
+TEST(LimitSurface, GradientIsLinearInItsCoefficients) {
   Random random(9);
   for (int trial = 0; trial < 50; ++trial) {
     const LimitSurface surface = random_surface(random);
@@ -73,7 +73,7 @@ TEST(LimitSurface, ItsSlopeIsLinearInItsCoefficients) {
   }
 }
 
-TEST(LimitSurface, LevelGrowsInProportion) {
+TEST(LimitSurface, LevelIsProportionalToTheWrench) {
   Random random(5);
   const LimitSurface surface = random_surface(random);
   const Eigen::Vector3d wrench = random_vector(random);
@@ -81,31 +81,31 @@ TEST(LimitSurface, LevelGrowsInProportion) {
   EXPECT_NEAR(level(surface, -wrench), level(surface, wrench), 1e-14);
 }
 
-TEST(LimitSurface, LoadAndDirectionUndoEachOther) {
+TEST(LimitSurface, LoadAndDirectionAreInverse) {
   Random random(6);
   for (int trial = 0; trial < 200; ++trial) {
     const LimitSurface surface = random_surface(random);
     const Eigen::Vector3d wrench = random_vector(random).cwiseProduct(detail::scale_of(surface));
     const Eigen::Vector3d on_surface = wrench / level(surface, wrench);
     const Eigen::Vector3d back = sliding_load(surface, sliding_direction(surface, wrench));
-    // Newton ends at 1e-13 in the slope; where the surface is flat the wrench follows less closely.
+    // Newton ends at 1e-13 in the slope; where the surface is flat the wrench is less accurate.
     EXPECT_LT((back - on_surface).cwiseQuotient(detail::scale_of(surface)).norm(), 1e-7) << trial;
   }
 }
 
-TEST(LimitSurface, SlidingLoadDissipatesMoreThanAnyOtherThatItBears) {
+TEST(LimitSurface, SlidingLoadHasMaximumDissipation) {
   Random random(7);
   for (int trial = 0; trial < 200; ++trial) {
     const LimitSurface surface = random_surface(random);
     const Eigen::Vector3d twist = random_vector(random);
-    const double most = sliding_load(surface, twist).dot(twist);
-    EXPECT_GT(most, 0.0);
+    const double max_power = sliding_load(surface, twist).dot(twist);
+    EXPECT_GT(max_power, 0.0);
     const Eigen::Vector3d other = random_vector(random);
-    EXPECT_LE((other / level(surface, other)).dot(twist), most * (1.0 + 1e-9));
+    EXPECT_LE((other / level(surface, other)).dot(twist), max_power * (1.0 + 1e-9));
   }
 }
 
-TEST(LimitSurface, GivesNothingForNothing) {
+TEST(LimitSurface, IsZeroForZeroInput) {
   const LimitSurface surface = ellipsoid_surface(4.0, 0.2);
   const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
   EXPECT_EQ(level(surface, zero), 0.0);
@@ -113,7 +113,7 @@ TEST(LimitSurface, GivesNothingForNothing) {
   EXPECT_TRUE(sliding_load(surface, zero).isZero(0.0));
 }
 
-TEST(TwistAngle, WeighsTheTurnByTheLength) {
+TEST(TwistAngle, WeightsRotationByTheLength) {
   EXPECT_NEAR(twist_angle({1, 0, 0}, {1, 0, 10}, 0.1), std::numbers::pi / 4, 1e-12);
   EXPECT_NEAR(twist_angle({1, 0, 0}, {-2, 0, 0}, 0.1), std::numbers::pi, 1e-12);
 }

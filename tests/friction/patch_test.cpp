@@ -48,7 +48,7 @@ TEST(MeanRadius, AgreesWithASumOverCellsAlsoAboutAPointOutside) {
   }
 }
 
-TEST(MeanRadius, DoesNotDependOnTheSenseOfTheCorners) {
+TEST(MeanRadius, DoesNotDependOnTheOrderOfTheCorners) {
   const Points one{{0.0, 0.0}, {0.2, 0.0}, {0.2, 0.1}};
   const Points other{{0.2, 0.1}, {0.2, 0.0}, {0.0, 0.0}};
   EXPECT_NEAR(mean_radius(one, {0.1, 0.05}), mean_radius(other, {0.1, 0.05}), 1e-15);
@@ -66,7 +66,7 @@ TEST(SupportShares, AreThoseOfStatics) {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   for (std::size_t i = 0; i < 3; ++i) centre += shares[i] * points[i];
   EXPECT_NEAR((centre - Eigen::Vector2d(0.05, 0.05)).norm(), 0.0, 1e-15);
-  // A real block: 78.5 mm by hand.
+  // A real block: 78.5 mm, computed by hand.
   EXPECT_NEAR(mean_radius(points, shares, {0.05, 0.05}), 0.0785, 1e-4);
 }
 

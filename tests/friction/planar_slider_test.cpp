@@ -21,8 +21,8 @@ PlanarFriction box() {
   friction.mass = 3.0;
   friction.inertia = 3.0 * 2.0 * 0.175 * 0.175 / 12.0;
   friction.sliding = ellipsoid_surface(8.0, 8.0 * mean_radius_of_rectangle(0.175, 0.175));
-  friction.holding = 9.57 / 8.0;
-  friction.holding_std = 0.861 / 8.0;
+  friction.static_to_kinetic_ratio = 9.57 / 8.0;
+  friction.static_to_kinetic_std = 0.861 / 8.0;
   friction.viscous = 4.0;
   return friction;
 }
@@ -40,14 +40,15 @@ TEST(PlanarSlider, DoesNotCreepInAMinuteUnderNineTenthsOfTheLimit) {
   EXPECT_TRUE(state.twist.isZero(0.0));
 }
 
-TEST(PlanarSlider, TellsItsPhaseByTheLoad) {
+TEST(PlanarSlider, DecidesItsPhaseByTheLoad) {
   const PlanarFriction friction = box();
-  EXPECT_EQ(step_planar(friction, {}, {8.6, 0, 0}, 1e-3).state.phase, FrictionPhase::held);
+  EXPECT_EQ(step_planar(friction, {}, {8.6, 0, 0}, 1e-3).state.phase,
+            FrictionPhase::static_contact);
   EXPECT_EQ(step_planar(friction, {}, {9.0, 0, 0}, 1e-3).state.phase, FrictionPhase::critical);
   EXPECT_EQ(step_planar(friction, {}, {9.6, 0, 0}, 1e-3).state.phase, FrictionPhase::sliding);
 }
 
-TEST(PlanarSlider, OnAStraightWayAgreesWithTheExactSlider) {
+TEST(PlanarSlider, AlongALineAgreesWithTheExactSlider) {
   const PlanarFriction friction = box();
   for (const double dt : {0.0005, 0.001, 0.002}) {
     PlanarState planar;
@@ -60,7 +61,7 @@ TEST(PlanarSlider, OnAStraightWayAgreesWithTheExactSlider) {
     EXPECT_GT(exact.position, 0.1);
     EXPECT_NEAR(planar.position.norm(), exact.position, 1e-4) << dt;
     EXPECT_NEAR(planar.yaw, 0.0, 1e-12);
-    EXPECT_EQ(planar.phase, FrictionPhase::held);
+    EXPECT_EQ(planar.phase, FrictionPhase::static_contact);
   }
 }
 
@@ -76,7 +77,7 @@ TEST(PlanarSlider, SpinsDownAfterItsKineticEnergyOverTheMoment) {
   EXPECT_NEAR(state.position.norm(), 0.0, 1e-12);
 }
 
-/// Pushed at a corner's height, off its centre, by a force that turns with the body; then let go.
+/// Pushed off its centre by a force that rotates with the body; then released.
 PlanarState off_centre_push(double dt) {
   const PlanarFriction friction = box();
   PlanarState state;
@@ -90,7 +91,7 @@ PlanarState off_centre_push(double dt) {
   return state;
 }
 
-TEST(PlanarSlider, EndsAtTheSamePlaceForHalfOneAndTwoMilliseconds) {
+TEST(PlanarSlider, EndsAtTheSamePositionForHalfOneAndTwoMilliseconds) {
   const PlanarState reference = off_centre_push(2e-5);
   EXPECT_LT(reference.yaw, -0.1);
   EXPECT_GT(reference.position.norm(), 0.02);
@@ -103,7 +104,7 @@ TEST(PlanarSlider, EndsAtTheSamePlaceForHalfOneAndTwoMilliseconds) {
   }
 }
 
-TEST(PlanarSlider, NeverGainsEnergyFromFrictionAtAnyStepAndSurface) {
+TEST(PlanarSlider, IsPassiveAtAnyStepAndSurface) {
   Random random(13);
   for (int trial = 0; trial < 2000; ++trial) {
     PlanarFriction friction = box();
@@ -117,15 +118,15 @@ TEST(PlanarSlider, NeverGainsEnergyFromFrictionAtAnyStepAndSurface) {
     const double dt = std::pow(10.0, random.uniform(-4.0, 0.0));
     const PlanarStep step = step_planar(friction, state, Eigen::Vector3d::Zero(), dt);
     EXPECT_LE(energy(friction, step.state), before * (1.0 + 1e-12)) << trial;
-    const Eigen::Vector2d way = step.state.position - state.position;
-    const double work =
-        step.friction.head<2>().dot(way) + step.friction.z() * (step.state.yaw - state.yaw);
+    const Eigen::Vector2d displacement = step.state.position - state.position;
+    const double work = step.friction.head<2>().dot(displacement) +
+                        step.friction.z() * (step.state.yaw - state.yaw);
     EXPECT_LE(work, 1e-9) << trial;
   }
 }
 
-TEST(PlanarSlider, ComesToTheQuasiStaticDirectionUnderASteadyLoad) {
-  // Once heavy damping has swallowed inertia, the twist is along the surface's normal.
+TEST(PlanarSlider, StartsInTheQuasiStaticDirection) {
+  // From rest, after a very short step, the twist is along the surface's normal.
   PlanarFriction friction = box();
   friction.viscous = 0.0;
   friction.inertia = friction.mass * 0.05 * 0.05;
@@ -136,7 +137,7 @@ TEST(PlanarSlider, ComesToTheQuasiStaticDirectionUnderASteadyLoad) {
   EXPECT_LT(twist_angle(step.state.twist, sliding_direction(friction.sliding, load), 0.05), 1e-6);
 }
 
-TEST(PlanarSlider, HoldsStillUnderNonsense) {
+TEST(PlanarSlider, StaysAtRestForInvalidInput) {
   PlanarState moving;
   moving.twist = {0.1, 0.0, 0.0};
   const double nan = std::numeric_limits<double>::quiet_NaN();

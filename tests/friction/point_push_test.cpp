@@ -20,7 +20,7 @@ TEST(PointPush, ThroughTheCentreMovesTheBodyStraight) {
   EXPECT_LT((motion.wrench - Eigen::Vector3d(4.0, 0.0, 0.0)).norm(), 1e-9);
 }
 
-TEST(PointPush, SmoothAndOffCentreTurnsAsLynchAndMasonSay) {
+TEST(PointPush, FrictionlessAndOffCentreAgreesWithLynchAndMason) {
   // Force along the normal at y = 0.03: omega / vx = m / M^2 * F^2 / f = -y / c^2, c = M / F.
   const double c = 0.05;
   const PushMotion motion = push_at_point(ellipsoid_surface(4.0, 4.0 * c),
@@ -39,7 +39,7 @@ TEST(PointPush, SticksInsideTheMotionConeAndKeepsThePoint) {
                          random.uniform(0.0, 1.5), 0.02 * random_vector(random).head<2>()};
     const PushMotion motion = push_at_point(surface, push);
     const Eigen::Vector2d normal = push.normal.normalized();
-    if (motion.mode == PushMode::parting) {
+    if (motion.mode == PushMode::separating) {
       EXPECT_LE(normal.dot(push.velocity), 0.0);
       continue;
     }
@@ -65,20 +65,21 @@ TEST(PointPush, SticksInsideTheMotionConeAndKeepsThePoint) {
 TEST(PointPush, AwayFromTheBodyMovesNothing) {
   const PushMotion motion =
       push_at_point(ellipsoid_surface(4.0, 0.2), {{-0.05, 0.0}, {1.0, 0.0}, 0.3, {-0.02, 0.01}});
-  EXPECT_EQ(motion.mode, PushMode::parting);
+  EXPECT_EQ(motion.mode, PushMode::separating);
   EXPECT_TRUE(motion.twist.isZero(0.0));
 }
 
-TEST(PointPush, DoesNotDependOnWhereTheAxesPoint) {
+TEST(PointPush, DoesNotDependOnTheAxes) {
   Random random(9);
   const double angle = 0.7;
-  const Eigen::Rotation2Dd turn(angle);
+  const Eigen::Rotation2Dd rotation(angle);
   const LimitSurface round = ellipsoid_surface(4.0, 0.2);
   const PointPush push{{-0.05, 0.02}, {1.0, 0.1}, 0.3, {0.02, 0.01}};
-  const PointPush turned{turn * push.point, turn * push.normal, 0.3, turn * push.velocity};
+  const PointPush rotated{rotation * push.point, rotation * push.normal, 0.3,
+                          rotation * push.velocity};
   const Eigen::Vector3d a = push_at_point(round, push).twist;
-  const Eigen::Vector3d b = push_at_point(round, turned).twist;
-  EXPECT_LT((turn * a.head<2>() - b.head<2>()).norm(), 1e-12);
+  const Eigen::Vector3d b = push_at_point(round, rotated).twist;
+  EXPECT_LT((rotation * a.head<2>() - b.head<2>()).norm(), 1e-12);
   EXPECT_NEAR(a.z(), b.z(), 1e-12);
 }
 

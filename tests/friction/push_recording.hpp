@@ -14,7 +14,7 @@
 
 namespace pcavr {
 
-/// Reader of the planar pushes of Zhou et al. (2016), see ABOUT.md beside them: poses before and
+/// Reader of the planar pushes of Zhou et al. (2016), see ABOUT.md next to them: poses before and
 /// after, force in the finger's frame, the finger's path; lengths in millimetres.
 class PushRecording {
  public:

@@ -18,14 +18,14 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// Real pushes of a block on seven supports, each quarter held out in turn. Nothing in the fit was
-/// chosen on them.
-struct Judgement {
+/// 4-fold cross-validation on real pushes of a block on seven supports. They were not used to
+/// choose any option of the fit.
+struct Errors {
   double heading = 0.0;  ///< median twist direction error of held-out pushes [rad]
-  double force = 0.0;    ///< mean force that the surface of all pushes bears without turning [N]
+  double force = 0.0;    ///< mean force that the surface of all pushes bears without rotation [N]
 };
 
-Judgement judge(const std::string& name, SurfaceShape shape) {
+Errors validate(const std::string& name, SurfaceShape shape) {
   const PushRecording recording(shared_data("real/push_cmu") / name);
   LimitSurfaceFitOptions options;
   options.shape = shape;
@@ -37,11 +37,11 @@ Judgement judge(const std::string& name, SurfaceShape shape) {
     for (std::size_t i = 0; i < all.size(); ++i) (i % 4 == fold ? test : train).push_back(all[i]);
     const LimitSurface surface = fit_limit_surface(train, options).surface;
     for (const PushSample& sample : test) {
-      // A turn of 1 rad counts 50 mm: the lower of the block's characteristic lengths.
+      // A rotation of 1 rad counts 50 mm: the lower of the block's characteristic lengths.
       angles.push_back(twist_angle(sliding_direction(surface, sample.wrench), sample.twist, 0.05));
     }
   }
-  Judgement result;
+  Errors result;
   result.heading = median(std::move(angles));
   const LimitSurface surface = fit_limit_surface(all, options).surface;
   for (int i = 0; i < 36; ++i) {
@@ -52,26 +52,26 @@ Judgement judge(const std::string& name, SurfaceShape shape) {
   return result;
 }
 
-TEST(RealPushes, OfEverySupportTurnWithinTenDegreesOfTheQuartic) {
+TEST(RealPushes, OnEverySupportMoveWithinTenDegreesOfTheQuartic) {
   PCAVR_NEEDS_SHARED_DATA("real/push_cmu");
   for (const char* name :
        {"patch__exp_08_18_1435_50.txt", "10_130_10_10_10_130__exp_08_17_50.txt",
         "10_90_10_10_30_130__exp_08_11_30.txt", "10_90_10_10_30_130__exp_08_15_50.txt",
         "30_63.33_43.33_30_43.33_63.33__exp_08_17_50.txt", "30_90_30_30_30_90__exp_08_11_30.txt",
         "30_90_30_30_30_90__exp_08_11_50_mixed.txt"}) {
-    const Judgement quartic = judge(name, SurfaceShape::quartic);
-    const Judgement ellipsoid = judge(name, SurfaceShape::ellipsoid);
+    const Errors quartic = validate(name, SurfaceShape::quartic);
+    const Errors ellipsoid = validate(name, SurfaceShape::ellipsoid);
     RecordProperty(std::string(name) + " heading_deg", std::to_string(quartic.heading / kDegree));
     EXPECT_LT(quartic.heading, 10.0 * kDegree) << name;
     EXPECT_LT(quartic.heading, ellipsoid.heading) << name;
   }
 }
 
-TEST(RealPushes, OnAnEvenPatchBearTheMeasuredForce) {
+TEST(RealPushes, OnAUniformPatchHaveTheMeasuredForce) {
   PCAVR_NEEDS_SHARED_DATA("real/push_cmu");
-  const Judgement patch = judge("patch__exp_08_18_1435_50.txt", SurfaceShape::quartic);
+  const Errors patch = validate("patch__exp_08_18_1435_50.txt", SurfaceShape::quartic);
   RecordProperty("force", std::to_string(patch.force));
-  EXPECT_NEAR(patch.force, 4.2, 0.08 * 4.2);  // as its makers report it
+  EXPECT_NEAR(patch.force, 4.2, 0.08 * 4.2);  // as its authors report it
 }
 
 }  // namespace

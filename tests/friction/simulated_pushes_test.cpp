@@ -17,11 +17,11 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// What 30 to 50 pushes tell about a body on Coulomb patches: six kinds of support, two levels of
-/// noise, judged on a hundred pushes that were not fitted. The fit's default weights were chosen
-/// here, on seeds 20000 to 20352, never on real pushes: least mean error of direction, and among
-/// those within 1 % of the least, least error of force.
-struct Judgement {
+/// The fit of 30 to 50 pushes of a body on Coulomb patches: six kinds of support, two levels of
+/// noise, validated on a hundred held-out pushes. The fit's default weights were chosen here, on
+/// seeds 20000 to 20352, never on real pushes: minimum mean error of direction, and among those
+/// within 1 % of it, minimum error of force.
+struct Errors {
   double heading = 0.0;      ///< mean over the supports of the median error [rad]
   double force_bias = 0.0;   ///< of the force of translation, over the truth
   double force_error = 0.0;  ///< rms
@@ -57,8 +57,8 @@ double translation_force(const LimitSurface& surface) {
   return mean;
 }
 
-Judgement judge(const std::vector<Case>& all, const LimitSurfaceFitOptions& options) {
-  Judgement result;
+Errors validate(const std::vector<Case>& all, const LimitSurfaceFitOptions& options) {
+  Errors result;
   const double share = 1.0 / static_cast<double>(all.size());
   for (const Case& one : all) {
     const LimitSurface surface = fit_limit_surface(one.train, options).surface;
@@ -76,7 +76,7 @@ Judgement judge(const std::vector<Case>& all, const LimitSurfaceFitOptions& opti
   return result;
 }
 
-TEST(SimulatedSupport, WithoutNoiseObeysTheLawsOfFriction) {
+TEST(SimulatedSupport, WithoutNoiseSatisfiesTheMaximumPowerInequality) {
   for (int kind = 0; kind < SimulatedSupport::kKinds; ++kind) {
     Random random(40 + static_cast<std::uint64_t>(kind));
     const SimulatedSupport support(static_cast<SimulatedSupport::Kind>(kind), random);
@@ -84,21 +84,22 @@ TEST(SimulatedSupport, WithoutNoiseObeysTheLawsOfFriction) {
     for (int i = 0; i < 40; ++i) pushes.push_back(support.push(random, 0.0));
     for (const PushSample& one : pushes) {
       EXPECT_LE(one.wrench.head<2>().norm(), support.force() * (1.0 + 1e-9));
-      // Of all that friction bears, the wrench that goes with a twist takes most [Goyal 1991].
+      // Maximum power inequality: of all that friction bears, the wrench of a twist dissipates most
+      // [Goyal 1991].
       for (const PushSample& other : pushes) {
         EXPECT_GE(one.wrench.dot(one.twist),
-                  other.wrench.dot(one.twist) - 0.02 * support.force() * 0.006);  // its soft slope
+                  other.wrench.dot(one.twist) - 0.02 * support.force() * 0.006);  // regularisation
       }
     }
   }
 }
 
-TEST(LimitSurfaceFit, OfSimulatedPushesIsUnbiasedAndTheBestOfItsShapes) {
+TEST(LimitSurfaceFit, OfSimulatedPushesIsUnbiasedAndBetterThanTheEllipsoid) {
   const std::vector<Case> all = cases(50000);
-  const Judgement quartic = judge(all, {});
+  const Errors quartic = validate(all, {});
   LimitSurfaceFitOptions options;
   options.shape = SurfaceShape::ellipsoid;
-  const Judgement ellipsoid = judge(all, options);
+  const Errors ellipsoid = validate(all, options);
   RecordProperty("heading_deg", std::to_string(quartic.heading / kDegree));
   RecordProperty("ellipsoid_heading_deg", std::to_string(ellipsoid.heading / kDegree));
   RecordProperty("force_bias", std::to_string(quartic.force_bias));
@@ -106,25 +107,25 @@ TEST(LimitSurfaceFit, OfSimulatedPushesIsUnbiasedAndTheBestOfItsShapes) {
   EXPECT_LT(quartic.heading, 10.0 * kDegree);
   EXPECT_LT(quartic.heading, ellipsoid.heading);
   EXPECT_LT(quartic.force_error, 0.08);
-  // Three deviations of a mean over the cases: no bias is known, none is taken off.
+  // Three stds of a mean over the cases: no significant bias, so none is subtracted.
   EXPECT_LT(std::abs(quartic.force_bias),
             3.0 * quartic.force_error / std::sqrt(static_cast<double>(all.size())));
 }
 
-TEST(LimitSurfaceFit, HasWeightsThatNoNeighbourBeats) {
+TEST(LimitSurfaceFit, HasLocallyOptimalWeights) {
   const std::vector<Case> all = cases(60000);
   const LimitSurfaceFitOptions chosen;
-  const double best = judge(all, chosen).heading;
+  const double best = validate(all, chosen).heading;
   RecordProperty("chosen", std::to_string(best / kDegree));
   for (const auto& [level, prior] : {std::pair{10.0, 1.0}, {0.1, 1.0}, {1.0, 10.0}}) {
     LimitSurfaceFitOptions options;
     options.level_weight *= level;
     options.prior_weight *= prior;
-    const double other = judge(all, options).heading;
+    const double other = validate(all, options).heading;
     RecordProperty("level_" + std::to_string(options.level_weight) + "_prior_" +
                        std::to_string(options.prior_weight),
                    std::to_string(other / kDegree));
-    // The valley is flat; seeds differ by some per cents between neighbours.
+    // The minimum is flat; seeds differ by a few per cent between neighbours.
     EXPECT_LT(best, 1.05 * other) << options.level_weight << ' ' << options.prior_weight;
   }
 }

@@ -16,51 +16,53 @@
 
 namespace pcavr {
 
-/// What the fit does NOT assume: a body on many small patches of Coulomb friction, pushed by a
-/// finger at its edge, seen through sensors. No ellipsoid, no quartic; points give flat faces.
+/// A ground truth that the fit does NOT assume: a body on many small patches of Coulomb friction,
+/// pushed by a finger at its edge, measured by noisy sensors. No ellipsoid, no quartic; points give
+/// flat faces.
 class SimulatedSupport {
  public:
   enum class Kind { even, uneven, three_points, four_points, ring, random_points };
   static constexpr int kKinds = 6;
 
   struct Patch {
-    Eigen::Vector2d place;  ///< [m] from the centre of mass
-    double force;           ///< [N] Coulomb friction that it bears
+    Eigen::Vector2d position;  ///< [m] from the centre of mass
+    double force;              ///< [N] Coulomb friction that it bears
   };
 
   SimulatedSupport(Kind kind, Random& random)
       : length_(random.uniform(0.08, 0.3)), width_(length_ * random.uniform(0.5, 1.0)) {
     place_patches(kind, random);
-    // The centre of mass is where the pressure's is: statics.
+    // Statics: the centre of mass is the centre of pressure.
     Eigen::Vector2d centre = Eigen::Vector2d::Zero();
     double sum = 0.0;
     for (const Patch& patch : patches_) {
-      centre += patch.force * patch.place;
+      centre += patch.force * patch.position;
       sum += patch.force;
     }
     centre_ = centre / sum;
     force_ = random.uniform(2.0, 40.0);
     for (Patch& patch : patches_) {
-      patch.place -= centre_;
+      patch.position -= centre_;
       patch.force *= force_ / sum;
     }
   }
 
-  /// Of a translation, whichever its direction [N].
+  /// Of a translation in any direction [N].
   [[nodiscard]] double force() const { return force_; }
-  /// Half the body's mean side [m]: what a turn of 1 rad counts in an error of direction.
+  /// Half the body's mean side [m]: the weight of a rotation of 1 rad in an error of direction.
   [[nodiscard]] double length() const { return 0.25 * (length_ + width_); }
 
-  /// A push at a random place of the edge inside a friction cone of 0.3. `noise` scales all that
-  /// spoils it: 1 is a good force sensor and good tracking, 0 is exact.
+  /// A push at a random point of the edge inside a friction cone of 0.3. `noise` scales all
+  /// measurement errors: 1 is a good force sensor and good tracking, 0 is exact.
   [[nodiscard]] PushSample push(Random& random, double noise) const {
     Eigen::Vector2d point, normal;
     edge(random, point, normal);
     const double angle = std::atan(0.3) * random.uniform(-1.0, 1.0);
     const Eigen::Vector2d direction = Eigen::Rotation2Dd(angle) * normal;
     PushSample sample;
-    sample.twist = twist_under(wrench_of(direction, point), rubbed(random, noise), sample.wrench);
-    spoil(random, noise, point, sample);
+    sample.twist =
+        twist_under(wrench_of(direction, point), varied_patches(random, noise), sample.wrench);
+    add_noise(random, noise, point, sample);
     return sample;
   }
 
@@ -72,10 +74,10 @@ class SimulatedSupport {
     };
     if (kind == Kind::even || kind == Kind::uneven) {
       const Eigen::Vector2d slope(random.uniform(-0.9, 0.9), random.uniform(-0.9, 0.9));
-      const double hollow = random.uniform(-0.8, 0.8);
+      const double concavity = random.uniform(-0.8, 0.8);
       for (int i = 0; i < 144; ++i) {
         const Eigen::Vector2d at((i % 12 - 5.5) / 12.0, (i / 12 - 5.5) / 12.0);
-        const double pressure = (1.0 + slope.dot(at)) * (1.0 + 4.0 * hollow * at.squaredNorm());
+        const double pressure = (1.0 + slope.dot(at)) * (1.0 + 4.0 * concavity * at.squaredNorm());
         patches_.push_back({at.cwiseProduct(Eigen::Vector2d(length_, width_)),
                             kind == Kind::even ? 1.0 : std::max(0.05, pressure)});
       }
@@ -93,14 +95,15 @@ class SimulatedSupport {
     }
   }
 
-  /// The friction coefficient differs by some per cents from place to place of a table: a level and
-  /// a slope under the body, anew for each push.
-  [[nodiscard]] std::vector<Patch> rubbed(Random& random, double noise) const {
+  /// The friction coefficient of a table varies by a few per cent: a level and a gradient under the
+  /// body, random for each push.
+  [[nodiscard]] std::vector<Patch> varied_patches(Random& random, double noise) const {
     const Eigen::Vector3d change =
         0.04 * noise * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
     std::vector<Patch> patches = patches_;
     for (Patch& patch : patches) {
-      patch.force *= std::max(0.2, 1.0 + change.z() + change.head<2>().dot(patch.place) / length());
+      patch.force *=
+          std::max(0.2, 1.0 + change.z() + change.head<2>().dot(patch.position) / length());
     }
     return patches;
   }
@@ -116,13 +119,15 @@ class SimulatedSupport {
   }
 
   /// Minimises half the squared dissipation less the wrench's power: Newton's method on a convex
-  /// function. Each patch's friction has a slope of 1 % of the body's speed instead of a jump.
+  /// function. Each patch's friction is regularised: a slope of 1 % of the body's speed instead of
+  /// a jump.
   static Eigen::Vector3d twist_under(const Eigen::Vector3d& wrench,
-                                     const std::vector<Patch>& patches, Eigen::Vector3d& borne) {
+                                     const std::vector<Patch>& patches,
+                                     Eigen::Vector3d& wrench_on_surface) {
     double force = 0.0, radius = 0.0;
     for (const Patch& patch : patches) {
       force += patch.force;
-      radius += patch.force * patch.place.norm();
+      radius += patch.force * patch.position.norm();
     }
     const Eigen::Vector3d scale(1.0, 1.0, force / std::max(radius, 1e-6));
     const Eigen::Vector3d target = wrench.cwiseProduct(scale).normalized() * force * force;
@@ -137,7 +142,7 @@ class SimulatedSupport {
       }
       twist -= share * step;
       cost = slope_at(twist, scale, patches, target).cost;
-      borne = slope.borne.cwiseQuotient(scale);
+      wrench_on_surface = slope.wrench_on_surface.cwiseQuotient(scale);
       if (slope.gradient.norm() < 1e-9 * force * force) break;
     }
     return twist.cwiseProduct(scale);
@@ -145,7 +150,7 @@ class SimulatedSupport {
 
   struct Slope {
     double cost = 0.0;
-    Eigen::Vector3d borne = Eigen::Vector3d::Zero();  ///< scaled wrench on the surface
+    Eigen::Vector3d wrench_on_surface = Eigen::Vector3d::Zero();  ///< scaled wrench on the surface
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();
   };
@@ -156,33 +161,34 @@ class SimulatedSupport {
     double dissipation = 0.0;
     for (const Patch& patch : patches) {
       Eigen::Matrix<double, 2, 3> to_patch;
-      to_patch << scale.x(), 0.0, -scale.z() * patch.place.y(), 0.0, scale.y(),
-          scale.z() * patch.place.x();
+      to_patch << scale.x(), 0.0, -scale.z() * patch.position.y(), 0.0, scale.y(),
+          scale.z() * patch.position.x();
       const Eigen::Vector2d v = to_patch * twist;
       const double speed = std::sqrt(v.squaredNorm() + kSoft * kSoft);
       dissipation += patch.force * speed;
-      slope.borne += patch.force * to_patch.transpose() * v / speed;
+      slope.wrench_on_surface += patch.force * to_patch.transpose() * v / speed;
       const Eigen::Matrix2d across =
           Eigen::Matrix2d::Identity() / speed - v * v.transpose() / (speed * speed * speed);
       slope.curvature += patch.force * to_patch.transpose() * across * to_patch;
     }
     slope.cost = 0.5 * dissipation * dissipation - target.dot(twist);
-    slope.gradient = dissipation * slope.borne - target;
-    slope.curvature = dissipation * slope.curvature + slope.borne * slope.borne.transpose();
+    slope.gradient = dissipation * slope.wrench_on_surface - target;
+    slope.curvature = dissipation * slope.curvature +
+                      slope.wrench_on_surface * slope.wrench_on_surface.transpose();
     return slope;
   }
 
   /// Of a push of 6 mm: poses to 0.15 mm and 0.15 deg, forces to 1 % and 1 deg of the sensor's
   /// axes, the point of contact to 1 mm.
-  static void spoil(Random& random, double noise, const Eigen::Vector2d& point,
-                    PushSample& sample) {
-    const Eigen::Vector2d away(random.normal(), random.normal());
-    const Eigen::Vector2d seen = point + 0.001 * noise * away;
+  static void add_noise(Random& random, double noise, const Eigen::Vector2d& point,
+                        PushSample& sample) {
+    const Eigen::Vector2d error(random.normal(), random.normal());
+    const Eigen::Vector2d measured = point + 0.001 * noise * error;
     Eigen::Vector2d force = sample.wrench.head<2>();
     const double size = force.norm();
     force = Eigen::Rotation2Dd(std::numbers::pi / 180.0 * noise * random.normal()) * force;
     force += 0.01 * noise * size * Eigen::Vector2d(random.normal(), random.normal());
-    sample.wrench = wrench_of(force, seen);
+    sample.wrench = wrench_of(force, measured);
     sample.twist *= 0.006 / velocity_of(point, sample.twist).norm();
     sample.twist += noise * Eigen::Vector3d(0.00015 * random.normal(), 0.00015 * random.normal(),
                                             0.0026 * random.normal());

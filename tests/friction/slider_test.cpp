@@ -13,7 +13,7 @@
 namespace pcavr {
 namespace {
 
-/// Paper C's foam-faced box, with a Coulomb force and a viscous one beside its F_M.
+/// Paper C's foam-faced box, with Coulomb and viscous friction in addition to its F_M.
 FrictionParameters foam_box() { return {3.0, 9.57, 0.861, 8.0, 4.0}; }
 
 SliderStep push(const FrictionParameters& parameters, const SliderState& state, double from,
@@ -22,7 +22,7 @@ SliderStep push(const FrictionParameters& parameters, const SliderState& state, 
 }
 
 TEST(Slider, DoesNotCreepInAMinuteUnderNineTenthsOfTheLimit) {
-  SliderState state{0.25, 0.0, FrictionPhase::held};
+  SliderState state{0.25, 0.0, FrictionPhase::static_contact};
   for (int i = 0; i < 60000; ++i) {
     const double shaking = i % 2 == 0 ? 0.9 : -0.9;
     state = push(foam_box(), state, 9.57 * 0.9, 9.57 * shaking, 1e-3).state;
@@ -31,15 +31,15 @@ TEST(Slider, DoesNotCreepInAMinuteUnderNineTenthsOfTheLimit) {
   EXPECT_EQ(state.velocity, 0.0);
 }
 
-TEST(Slider, TellsItsPhaseByTheForce) {
+TEST(Slider, DecidesItsPhaseByTheForce) {
   const FrictionParameters box = foam_box();
-  EXPECT_EQ(push(box, {}, 0.0, 8.70, 1e-3).state.phase, FrictionPhase::held);
+  EXPECT_EQ(push(box, {}, 0.0, 8.70, 1e-3).state.phase, FrictionPhase::static_contact);
   EXPECT_EQ(push(box, {}, 0.0, 8.72, 1e-3).state.phase, FrictionPhase::critical);
   EXPECT_EQ(push(box, {}, 0.0, -9.56, 1e-3).state.phase, FrictionPhase::critical);
   EXPECT_EQ(push(box, {}, 0.0, 9.60, 1e-3).state.phase, FrictionPhase::sliding);
 }
 
-TEST(Slider, AtRestBalancesWhatActs) {
+TEST(Slider, AtRestBalancesTheLoad) {
   EXPECT_EQ(push(foam_box(), {}, 1.0, 5.5, 1e-3).friction, -5.5);
   EXPECT_EQ(push(foam_box(), {}, -1.0, -5.5, 1e-3).friction, 5.5);
 }
@@ -50,46 +50,47 @@ TEST(Slider, SlidesAgainstCoulombAndViscousFriction) {
   EXPECT_NEAR(step.friction, -8.8, 1e-12);
 }
 
-TEST(Slider, BreaksLooseInsideTheStepAndGoesTheAnalyticWay) {
+TEST(Slider, BreaksLooseInsideTheStepAndFollowsTheClosedForm) {
   FrictionParameters box = foam_box();
   box.viscous = 0.0;
   const double rate = 100.0;  // N/s
   const double moving = 0.2 - box.limiting_force / rate;
   const double excess = box.limiting_force - box.coulomb_force;
-  const double path = (0.5 * excess * moving * moving + rate * std::pow(moving, 3) / 6.0) / 3.0;
+  const double displacement =
+      (0.5 * excess * moving * moving + rate * std::pow(moving, 3) / 6.0) / 3.0;
   for (const int steps : {1, 7, 200}) {
     SliderState state;
-    double moved = 0.0;
+    double moving_time = 0.0;
     for (int i = 0; i < steps; ++i) {
       const double dt = 0.2 / steps;
       const SliderStep step = push(box, state, rate * i * dt, rate * (i + 1) * dt, dt);
       state = step.state;
-      moved += step.moving_time;
+      moving_time += step.moving_time;
     }
-    EXPECT_NEAR(state.position, path, 1e-12) << steps;
-    EXPECT_NEAR(moved, moving, 1e-12) << steps;
+    EXPECT_NEAR(state.position, displacement, 1e-12) << steps;
+    EXPECT_NEAR(moving_time, moving, 1e-12) << steps;
   }
 }
 
-TEST(Slider, StopsWhereTheClosedFormSays) {
+TEST(Slider, StopsAsInTheClosedForm) {
   const FrictionParameters box = foam_box();
   const double v = 0.3;
   // M v' = -C - B v, from v to rest.
   const double ratio = box.viscous / box.coulomb_force;
-  const double path = box.mass / box.viscous * (v - std::log1p(ratio * v) / ratio);
+  const double displacement = box.mass / box.viscous * (v - std::log1p(ratio * v) / ratio);
   const double time = box.mass / box.viscous * std::log1p(ratio * v);
   for (const double dt : {1.0, 0.01, 0.0007}) {
     SliderState state{0.0, v, FrictionPhase::sliding};
-    double moved = 0.0;
+    double moving_time = 0.0;
     for (int i = 0; i * dt < 1.0; ++i) {
       const SliderStep step = push(box, state, 0.0, 0.0, dt);
       state = step.state;
-      moved += step.moving_time;
+      moving_time += step.moving_time;
     }
-    EXPECT_NEAR(state.position, path, 1e-12) << dt;
-    EXPECT_NEAR(moved, time, 1e-12) << dt;
+    EXPECT_NEAR(state.position, displacement, 1e-12) << dt;
+    EXPECT_NEAR(moving_time, time, 1e-12) << dt;
     EXPECT_EQ(state.velocity, 0.0);
-    EXPECT_EQ(state.phase, FrictionPhase::held);
+    EXPECT_EQ(state.phase, FrictionPhase::static_contact);
   }
 }
 
@@ -101,7 +102,7 @@ TEST(Slider, WithoutViscousFrictionStopsAfterItsKineticEnergyOverTheForce) {
   EXPECT_NEAR(step.dissipated, 0.5 * 3.0 * 0.16, 1e-13);
 }
 
-TEST(Slider, TurnsRoundWithinAStepWhereTheLoadOvercomesItsHold) {
+TEST(Slider, ReversesWithinAStepWhereTheLoadExceedsStaticFriction) {
   const SliderState forward{0.0, 0.1, FrictionPhase::sliding};
   const SliderState at_once = push(foam_box(), forward, -15.0, -15.0, 0.2).state;
   SliderState state = forward;
@@ -111,15 +112,15 @@ TEST(Slider, TurnsRoundWithinAStepWhereTheLoadOvercomesItsHold) {
   EXPECT_NEAR(at_once.velocity, state.velocity, 1e-12);
 }
 
-TEST(Slider, SticksAgainWhereTheLoadDoesNotOvercomeItsHold) {
+TEST(Slider, SticksAgainWhereTheLoadDoesNotExceedStaticFriction) {
   const SliderStep step = push(foam_box(), {0.0, 0.1, FrictionPhase::sliding}, -9.0, -9.0, 0.2);
   EXPECT_EQ(step.state.velocity, 0.0);
   EXPECT_EQ(step.state.phase, FrictionPhase::critical);
   EXPECT_EQ(step.friction, 9.0);
 }
 
-TEST(Slider, FindsAStopAndANewStartInOneStep) {
-  // The load falls from 12 N to -2 N and the body stops; then it would have to rise again.
+TEST(Slider, FindsAStopAndAReversalInOneStep) {
+  // The load falls from 12 N to -30 N: the body stops, then slides backwards.
   SliderState state = push(foam_box(), {0.0, 0.01, FrictionPhase::sliding}, 12.0, -30.0, 0.1).state;
   SliderState fine{0.0, 0.01, FrictionPhase::sliding};
   for (int i = 0; i < 1000; ++i) {
@@ -134,11 +135,11 @@ TEST(Slider, BreaksLooseAtOnceWhereItsLimitIsItsCoulombForce) {
   FrictionParameters box = foam_box();
   box.limiting_force = box.coulomb_force;
   EXPECT_GT(push(box, {}, 7.0, 9.0, 1e-3).state.velocity, 0.0);
-  box.limiting_force = 2.0;  // absurd, below what slides: holds as the Coulomb force does
+  box.limiting_force = 2.0;  // invalid, below kinetic friction: the Coulomb force is the limit
   EXPECT_EQ(push(box, {}, 7.0, 7.9, 1e-3).state.velocity, 0.0);
 }
 
-/// A tool driven at 30 mm/s for 1.5 s, stopped, and drawn back, behind a spring and a damper.
+/// A tool driven at 30 mm/s for 1.5 s, stopped, and retracted, behind a spring and a damper.
 double pushed_by_a_tool(double dt) {
   SliderState state;
   const auto tool = [](double t) {
@@ -159,15 +160,15 @@ double pushed_by_a_tool(double dt) {
   return state.position;
 }
 
-TEST(Slider, PushedByASpringEndsAtTheSamePlaceForHalfOneAndTwoMilliseconds) {
+TEST(Slider, PushedByASpringEndsAtTheSamePositionForHalfOneAndTwoMilliseconds) {
   const double reference = pushed_by_a_tool(1e-5);
   EXPECT_GT(reference, 0.04);
   for (const double dt : {0.0005, 0.001, 0.002}) {
-    EXPECT_NEAR(pushed_by_a_tool(dt), reference, 1e-4) << dt;  // the step-size tolerance asked for
+    EXPECT_NEAR(pushed_by_a_tool(dt), reference, 1e-4) << dt;  // the required step-size tolerance
   }
 }
 
-TEST(Slider, NeverGainsEnergyFromFriction) {
+TEST(Slider, IsPassive) {
   Random random(11);
   for (int trial = 0; trial < 300; ++trial) {
     const FrictionParameters box{random.uniform(0.1, 10.0), random.uniform(0.0, 40.0), 1.0,
@@ -201,7 +202,7 @@ TEST(Slider, OfHalfStepsIsTheSameAsOfWholeOnes) {
   }
 }
 
-TEST(Slider, HoldsStillWhereParametersOrLoadAreNonsense) {
+TEST(Slider, StaysAtRestForInvalidParametersOrLoad) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const SliderState moving{1.0, 0.1, FrictionPhase::sliding};
   FrictionParameters negative = foam_box();
@@ -215,7 +216,7 @@ TEST(Slider, HoldsStillWhereParametersOrLoadAreNonsense) {
   }
 }
 
-TEST(Slider, OfNoTimeDoesNotMove) {
+TEST(Slider, OfZeroDurationDoesNotMove) {
   const SliderState moving{1.0, 0.1, FrictionPhase::sliding};
   const SliderState after = push(foam_box(), moving, 5.0, 5.0, 0.0).state;
   EXPECT_EQ(after.position, 1.0);

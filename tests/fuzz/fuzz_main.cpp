@@ -5,7 +5,7 @@
 
 #include "fuzz/targets.hpp"
 
-// PCAVR_FUZZ_TARGET names one function of targets.hpp; each makes its own fuzzer.
+// PCAVR_FUZZ_TARGET names one function of targets.hpp; one fuzzer for each.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   pcavr::fuzz::PCAVR_FUZZ_TARGET({reinterpret_cast<const char*>(data), size});
   return 0;

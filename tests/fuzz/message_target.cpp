@@ -15,7 +15,7 @@ void message(std::string_view bytes) {
   const std::vector<std::uint8_t> content(bytes.begin(), bytes.end());
   const std::optional<CorrectionMessage> message = decode(content, 0.0);
   if (!message) return;
-  PCAVR_REQUIRE(encode(*message, 0.0) == content);  // there is one way to say it
+  PCAVR_REQUIRE(encode(*message, 0.0) == content);  // the encoding is canonical
 }
 
 }  // namespace pcavr::fuzz

@@ -6,14 +6,14 @@
 #include <string>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/recording/image_codec.hpp"
 #include "pcavr/recording/manifest.hpp"
 #include "pcavr/recording/parameters_file.hpp"
+#include "pcavr/recording/png_codec.hpp"
+#include "pcavr/recording/time_series.hpp"
 
 #include "recording/camera_keys.hpp"
-#include "recording/image_codec.hpp"
-#include "recording/png_codec.hpp"
 #include "recording/recording_text.hpp"
-#include "recording/time_series.hpp"
 
 namespace pcavr::fuzz {
 namespace {
@@ -22,19 +22,20 @@ constexpr char kFile[] = "the-file";
 constexpr int kWidth = 16;
 constexpr int kHeight = 12;
 
-void expect_whole(const Error& error) {
+void expect_complete(const Error& error) {
   PCAVR_REQUIRE(error.file == kFile, error.to_string());
   PCAVR_REQUIRE(!error.message.empty() && !error.hint.empty(), error.to_string());
 }
 
 void expect_line(const Error& error) {
-  expect_whole(error);
+  expect_complete(error);
   PCAVR_REQUIRE(error.line > 0 || error.message == "is empty", error.to_string());
 }
 
-/// Strictly, an error has its line; leniently, only a wrong header is one.
+/// Strict errors have a line; in lenient mode only a wrong header is an error.
 template <typename Content>
-void parse_both_ways(Expected<Series<Content>> (*parse)(const SeriesText&), std::string_view text) {
+void parse_strict_and_lenient(Expected<Series<Content>> (*parse)(const SeriesText&),
+                              std::string_view text) {
   const auto strict = parse({kFile, text, false});
   const auto lenient = parse({kFile, text, true});
   if (!strict) expect_line(strict.error());
@@ -45,12 +46,12 @@ void parse_both_ways(Expected<Series<Content>> (*parse)(const SeriesText&), std:
 }
 
 void trajectory_round_trip(std::string_view text) {
-  parse_both_ways(parse_trajectory, text);
+  parse_strict_and_lenient(parse_trajectory, text);
   const auto series = parse_trajectory({kFile, text, true});
   PCAVR_REQUIRE(series.has_value());
   const std::string written = format_trajectory(series->content);
-  const auto again = parse_trajectory({kFile, written});
-  PCAVR_REQUIRE(again && again->content.size() == series->content.size());
+  const auto reparsed = parse_trajectory({kFile, written});
+  PCAVR_REQUIRE(reparsed && reparsed->content.size() == series->content.size());
 }
 
 PngImage png_with_rows(std::string_view bytes) {
@@ -63,16 +64,17 @@ PngImage png_with_rows(std::string_view bytes) {
   return png;
 }
 
-/// A camera that was taken sees along every pixel, and finds each again.
-void expect_sound(const CameraModel& camera) {
+/// An accepted camera model projects each unprojected pixel back to itself.
+void expect_invertible(const CameraModel& camera) {
   const double right = camera.width - 0.5;
   const double bottom = camera.height - 0.5;
   for (const Eigen::Vector2d& pixel :
        {Eigen::Vector2d(-0.5, -0.5), Eigen::Vector2d(right, -0.5), Eigen::Vector2d(-0.5, bottom),
         Eigen::Vector2d(right, bottom), Eigen::Vector2d(0.5 * right, 0.5 * bottom)}) {
-    const Eigen::Vector2d again = camera.project(camera.unproject(pixel, 2.0));
+    const Eigen::Vector2d reprojected = camera.project(camera.unproject(pixel, 2.0));
     // Rounding, at focal lengths up to 6.5 million pixels.
-    PCAVR_REQUIRE((again - pixel).norm() < 1e-5, again.x(), again.y(), pixel.x(), pixel.y());
+    PCAVR_REQUIRE((reprojected - pixel).norm() < 1e-5, reprojected.x(), reprojected.y(), pixel.x(),
+                  pixel.y());
   }
 }
 
@@ -82,23 +84,23 @@ void manifest(std::string_view bytes) {
   const Expected<Manifest> manifest = parse_manifest(std::string(bytes), kFile);
   if (!manifest) return expect_line(manifest.error());
   const std::string written = format_manifest(*manifest);
-  const Expected<Manifest> again = parse_manifest(written, kFile);
-  PCAVR_REQUIRE(again.has_value(), again.error().to_string(), written);
-  PCAVR_REQUIRE(again->markers.size() == manifest->markers.size());
-  PCAVR_REQUIRE(again->objects.size() == manifest->objects.size());
-  PCAVR_REQUIRE(again->camera == manifest->camera);
-  if (manifest->camera) expect_sound(*manifest->camera);
+  const Expected<Manifest> reparsed = parse_manifest(written, kFile);
+  PCAVR_REQUIRE(reparsed.has_value(), reparsed.error().to_string(), written);
+  PCAVR_REQUIRE(reparsed->markers.size() == manifest->markers.size());
+  PCAVR_REQUIRE(reparsed->objects.size() == manifest->objects.size());
+  PCAVR_REQUIRE(reparsed->camera == manifest->camera);
+  if (manifest->camera) expect_invertible(*manifest->camera);
 }
 
 void camera_file(std::string_view bytes) {
   const Expected<CameraFile> camera = parse_camera_file(std::string(bytes), kFile);
   if (!camera) return expect_line(camera.error());
   PCAVR_REQUIRE(camera->camera.width > 0 && camera->camera.fx > 0.0);
-  expect_sound(camera->camera);
+  expect_invertible(camera->camera);
 }
 
 void image_list(std::string_view bytes) {
-  parse_both_ways(parse_image_list, bytes);
+  parse_strict_and_lenient(parse_image_list, bytes);
   const auto list = parse_image_list({kFile, bytes, true});
   PCAVR_REQUIRE(list.has_value());
   for (const ListedImage& image : list->content) {
@@ -113,11 +115,11 @@ void series(std::string_view bytes) {
     case 'g':
       return trajectory_round_trip(text);
     case 't':
-      return parse_both_ways(parse_tool, text);
+      return parse_strict_and_lenient(parse_tool, text);
     case 'w':
-      return parse_both_ways(parse_wrench, text);
+      return parse_strict_and_lenient(parse_wrench, text);
     case 'j':
-      return parse_both_ways(parse_joints, text);
+      return parse_strict_and_lenient(parse_joints, text);
     default:
       return;
   }
@@ -126,28 +128,28 @@ void series(std::string_view bytes) {
 void image(std::string_view bytes) {
   const ExpectedImage expected{kFile, kWidth, kHeight};
   ImageDecoder decoder;
-  if (const auto color = decoder.color(bytes, expected); !color) expect_whole(color.error());
+  if (const auto color = decoder.color(bytes, expected); !color) expect_complete(color.error());
   if (const auto depth = decoder.raw_depth(bytes, expected); depth) {
-    const auto again = decoder.raw_depth(encode_depth(*depth), expected);
-    PCAVR_REQUIRE(again.has_value());
-    PCAVR_REQUIRE(std::ranges::equal(again->pixels(), depth->pixels()));
+    const auto reparsed = decoder.raw_depth(encode_depth(*depth), expected);
+    PCAVR_REQUIRE(reparsed.has_value());
+    PCAVR_REQUIRE(std::ranges::equal(reparsed->pixels(), depth->pixels()));
   } else {
-    expect_whole(depth.error());
+    expect_complete(depth.error());
   }
   PngImage plain;
   if (!decode_png(encode_png(png_with_rows(bytes)), plain)) return;
-  PngImage again;
-  PCAVR_REQUIRE(decode_png(encode_png(plain), again).has_value());
-  PCAVR_REQUIRE(again.rows == plain.rows);
+  PngImage decoded;
+  PCAVR_REQUIRE(decode_png(encode_png(plain), decoded).has_value());
+  PCAVR_REQUIRE(decoded.rows == plain.rows);
 }
 
 void parameters(std::string_view bytes) {
   const Expected<ParameterTable> table = parse_parameters(std::string(bytes), kFile);
   if (!table) return expect_line(table.error());
   const std::string written = format_parameters(*table);
-  const Expected<ParameterTable> again = parse_parameters(written, kFile);
-  PCAVR_REQUIRE(again.has_value(), again.error().to_string(), written);
-  PCAVR_REQUIRE(format_parameters(*again) == written);
+  const Expected<ParameterTable> reparsed = parse_parameters(written, kFile);
+  PCAVR_REQUIRE(reparsed.has_value(), reparsed.error().to_string(), written);
+  PCAVR_REQUIRE(format_parameters(*reparsed) == written);
 }
 
 }  // namespace pcavr::fuzz

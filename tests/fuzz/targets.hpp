@@ -6,23 +6,22 @@
 
 namespace pcavr::fuzz {
 
-/// One target for each kind of outside bytes that are read: files, and messages between the sites.
-/// Each checks more than survival: what is accepted can be written and read again, what is refused
-/// says where and why.
-/// They throw (ContractError) where that does not hold.
+/// One target for each kind of untrusted input: files, and messages between the sites. Each also
+/// checks that accepted input survives a write-read round trip and that an error has its place and
+/// reason. Throws ContractError otherwise.
 void manifest(std::string_view bytes);
 void camera_file(std::string_view bytes);
 void image_list(std::string_view bytes);
 /// Trajectory, tool, wrench and joints, by the first byte's letter: g, t, w, j.
 void series(std::string_view bytes);
-/// JPEG and PNG of 16 x 12 pixels; and the bytes taken as the filtered rows of a PNG.
+/// JPEG and PNG of 16 x 12 pixels; also the bytes as the filtered rows of a PNG.
 void image(std::string_view bytes);
 void parameters(std::string_view bytes);
-/// What an operator's hand did.
+/// A recorded trace of an operator's hand.
 void trace(std::string_view bytes);
 /// A correction from the robot's site.
 void message(std::string_view bytes);
-/// A message of page or server over the WebSocket.
+/// A WebSocket message of page or server.
 void live(std::string_view bytes);
 
 }  // namespace pcavr::fuzz

@@ -16,13 +16,13 @@ void trace(std::string_view bytes) {
     PCAVR_REQUIRE(error.line > 0 || error.message == "is empty" || error.message == "has no rows");
     return;
   }
-  // The device holds what is read to its own rules, and plays it back.
+  // The device checks the samples and plays them back.
   TraceDevice device(*samples);
   const double end = device.duration();
   for (const double t : {0.0, 0.001, 0.5 * end, end, 2.0 * end + 1.0}) {
-    const DeviceSample said = device.exchange(t, 0.001, {});
-    PCAVR_REQUIRE(said.p_base_tip.allFinite() && said.q_base_tool.coeffs().allFinite());
-    PCAVR_REQUIRE(said.is_present == (t <= end), t, end);
+    const DeviceSample sample = device.exchange(t, 0.001, {});
+    PCAVR_REQUIRE(sample.p_base_tip.allFinite() && sample.q_base_tool.coeffs().allFinite());
+    PCAVR_REQUIRE(sample.is_present == (t <= end), t, end);
   }
 }
 

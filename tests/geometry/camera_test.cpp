@@ -48,7 +48,7 @@ TEST(CameraModel, UnprojectUndoesProject) {
   }
 }
 
-TEST(CameraModel, ContainsThePixelsWholeArea) {
+TEST(CameraModel, ContainsTheWholeAreaOfEachPixel) {
   const CameraModel camera = camera_with({});
   EXPECT_TRUE(camera.contains({-0.5, -0.5}));
   EXPECT_TRUE(camera.contains({639.4, 479.4}));
@@ -56,18 +56,18 @@ TEST(CameraModel, ContainsThePixelsWholeArea) {
   EXPECT_FALSE(camera.contains({0, -0.6}));
 }
 
-TEST(CameraModel, ShrunkSeesTheMeanOfASquare) {
+TEST(CameraModel, DownsampledIsBinned) {
   const CameraModel camera = camera_with({0.1, 0, 0, 0, 0});
-  const CameraModel half = camera.shrunk(2);
+  const CameraModel half = camera.downsampled(2);
   EXPECT_EQ(half.width, 320);
   const Eigen::Vector3d p_camera(0.3, -0.2, 1.5);
   const Eigen::Vector2d pixel = camera.project(p_camera);
-  // Pixels 2 u and 2 u + 1 make pixel u: their middle, 2 u + 0.5, falls on u.
+  // Pixels 2 u and 2 u + 1 are averaged into pixel u: their centre, 2 u + 0.5, maps to u.
   EXPECT_LT((half.project(p_camera) - (pixel - Eigen::Vector2d(0.5, 0.5)) / 2).norm(), 1e-9);
-  EXPECT_THROW((void)camera.shrunk(0), ContractError);
+  EXPECT_THROW((void)camera.downsampled(0), ContractError);
 }
 
-TEST(CameraModel, ItsJacobianIsTheDerivativeOfProject) {
+TEST(CameraModel, JacobianIsTheDerivativeOfProject) {
   const std::array<double, 4> fisheye = {0.05, -0.02, 0.01, -0.003};
   for (const LensDistortion& distortion :
        {LensDistortion(), LensDistortion(-0.28, 0.07, 0.002, -0.005, -0.005),
@@ -102,13 +102,13 @@ TEST(FindFold, FindsALensThatFoldsInsideTheImage) {
   EXPECT_NEAR((find_fold(camera)->pixel - Eigen::Vector2d(319.5, 239.5)).norm(), 0.385 * 522, 12.0);
 }
 
-TEST(FindFold, TakesALensThatFoldsOutsideTheImageOnly) {
+TEST(FindFold, AcceptsALensThatFoldsOutsideTheImageOnly) {
   EXPECT_FALSE(find_fold(camera_with({})));
   EXPECT_FALSE(find_fold(camera_with({0.2624, -0.9531, -0.0054, 0.0026, 1.1633})));
   EXPECT_FALSE(find_fold(camera_with({-0.28, 0.07, 0.0002, -0.0005, -0.005})));
 }
 
-TEST(FindFold, FindsPixelsThatLookToTheSide) {
+TEST(FindFold, FindsPixelsBeyondTheMaximumAngle) {
   const std::array<double, 4> none = {};
   CameraModel camera = camera_with({LensModel::fisheye, none});
   EXPECT_FALSE(find_fold(camera));
@@ -118,10 +118,10 @@ TEST(FindFold, FindsPixelsThatLookToTheSide) {
   EXPECT_FALSE(fold->is_fold);
 }
 
-TEST(CameraModel, UndistortedKeepsTheRest) {
-  const CameraModel ideal = camera_with({0.1, 0, 0, 0, 0}).undistorted();
-  EXPECT_FALSE(ideal.has_distortion());
-  EXPECT_EQ(ideal.fy, 520.0);
+TEST(CameraModel, UndistortedKeepsTheIntrinsics) {
+  const CameraModel pinhole = camera_with({0.1, 0, 0, 0, 0}).undistorted();
+  EXPECT_FALSE(pinhole.has_distortion());
+  EXPECT_EQ(pinhole.fy, 520.0);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace pcavr {
 namespace {
 
-CameraModel azure_like() {
+CameraModel azure_like_camera() {
   CameraModel camera;
   camera.width = 4096;
   camera.height = 3072;
@@ -19,8 +19,8 @@ CameraModel azure_like() {
   return camera;
 }
 
-TEST(DepthGrid, TakesSizesThatAreSmallerByOneFactor) {
-  const CameraModel camera = azure_like();
+TEST(DepthGrid, AcceptsSizesThatAreSmallerByOneFactor) {
+  const CameraModel camera = azure_like_camera();
   EXPECT_TRUE(is_depth_grid(camera, 4096, 3072));
   EXPECT_TRUE(is_depth_grid(camera, 1024, 768));
   EXPECT_TRUE(is_depth_grid(camera, 640, 480));  // by 6.4
@@ -30,13 +30,13 @@ TEST(DepthGrid, TakesSizesThatAreSmallerByOneFactor) {
 }
 
 TEST(DepthGrid, APointProjectsToTheSamePlaceOnBothGrids) {
-  const CameraModel color = azure_like();
+  const CameraModel color = azure_like_camera();
   const Eigen::Vector3d p_camera(0.21, -0.34, 0.9);
   for (const auto& [width, height] : {std::pair(1024, 768), {640, 480}}) {
     const CameraModel depth = on_grid(color, width, height);
-    const Eigen::Vector2d there = to_grid(color.project(p_camera), color, depth);
-    EXPECT_LT((there - depth.project(p_camera)).norm(), 1e-9);
-    EXPECT_LT((to_grid(there, depth, color) - color.project(p_camera)).norm(), 1e-9);
+    const Eigen::Vector2d pixel = to_grid(color.project(p_camera), color, depth);
+    EXPECT_LT((pixel - depth.project(p_camera)).norm(), 1e-9);
+    EXPECT_LT((to_grid(pixel, depth, color) - color.project(p_camera)).norm(), 1e-9);
     // The corners of both images are the same rays.
     EXPECT_LT((to_grid({-0.5, -0.5}, color, depth) - Eigen::Vector2d(-0.5, -0.5)).norm(), 1e-12);
     const Eigen::Vector2d far_corner = to_grid({4095.5, 3071.5}, color, depth);
@@ -44,17 +44,17 @@ TEST(DepthGrid, APointProjectsToTheSamePlaceOnBothGrids) {
   }
 }
 
-TEST(DepthGrid, AWholeFactorGivesTheShrunkCamera) {
-  const CameraModel shrunk = azure_like().shrunk(4);
-  const CameraModel depth = on_grid(azure_like(), 1024, 768);
-  EXPECT_EQ(depth.width, shrunk.width);
-  EXPECT_NEAR(depth.fx, shrunk.fx, 1e-9);
-  EXPECT_NEAR(depth.cx, shrunk.cx, 1e-9);
-  EXPECT_NEAR(depth.cy, shrunk.cy, 1e-9);
+TEST(DepthGrid, AnIntegerFactorGivesTheDownsampledCamera) {
+  const CameraModel downsampled = azure_like_camera().downsampled(4);
+  const CameraModel depth = on_grid(azure_like_camera(), 1024, 768);
+  EXPECT_EQ(depth.width, downsampled.width);
+  EXPECT_NEAR(depth.fx, downsampled.fx, 1e-9);
+  EXPECT_NEAR(depth.cx, downsampled.cx, 1e-9);
+  EXPECT_NEAR(depth.cy, downsampled.cy, 1e-9);
 }
 
 TEST(DepthGrid, ColourIsTheMeanOverEachCoarsePixel) {
-  // A ramp along x: the mean over a span is its value at the span's middle.
+  // A linear ramp along x: the mean over a span is the value at its centre.
   ColorImage color(64, 32);
   for (int y = 0; y < 32; ++y) {
     for (int x = 0; x < 64; ++x) color(x, y) = {static_cast<std::uint8_t>(3 * x), 200, 7};
@@ -72,7 +72,7 @@ TEST(DepthGrid, ColourIsTheMeanOverEachCoarsePixel) {
   EXPECT_TRUE(std::equal(same.pixels().begin(), same.pixels().end(), color.pixels().begin()));
 }
 
-TEST(DepthGrid, DepthForAColourPixelIsTheNearestReading) {
+TEST(DepthGrid, DepthForAColourPixelIsTheNearestDepthPixel) {
   DepthImage depth(3, 2);
   for (int y = 0; y < 2; ++y) {
     for (int x = 0; x < 3; ++x) depth(x, y) = static_cast<float>(10 * y + x);

@@ -12,7 +12,7 @@
 namespace pcavr {
 namespace {
 
-TEST(Image, KeepsRowsOneAfterTheOther) {
+TEST(Image, StoresRowsContiguously) {
   GrayImage image(3, 2, 9);
   image(2, 1) = 5;
   EXPECT_EQ(image.pixels()[5], 5);
@@ -21,7 +21,7 @@ TEST(Image, KeepsRowsOneAfterTheOther) {
   EXPECT_EQ(image(0, 0), 9);
 }
 
-TEST(Image, KnowsWhatLiesInside) {
+TEST(Image, ContainsChecksTheBounds) {
   const GrayImage image(3, 2);
   EXPECT_TRUE(image.contains(2, 1));
   EXPECT_FALSE(image.contains(3, 0));
@@ -30,7 +30,7 @@ TEST(Image, KnowsWhatLiesInside) {
   EXPECT_THROW(GrayImage(-1, 2), ContractError);
 }
 
-TEST(ToGray, WeighsAsTheEyeDoes) {
+TEST(ToGray, UsesBt601Weights) {
   ColorImage color(5, 1);
   color(0, 0) = {255, 255, 255};
   color(1, 0) = {255, 0, 0};
@@ -41,22 +41,22 @@ TEST(ToGray, WeighsAsTheEyeDoes) {
   for (int x = 0; x < 5; ++x) EXPECT_EQ(gray(x, 0), expected[static_cast<std::size_t>(x)]);
 }
 
-TEST(DepthNoise, IsThePublishedOneHeadOn) {
+TEST(DepthNoise, MatchesThePaperAtNormalIncidence) {
   const DepthNoise noise;
-  EXPECT_DOUBLE_EQ(noise.sigma(0.4), 0.0012);
-  EXPECT_DOUBLE_EQ(noise.sigma(2.4), 0.0012 + 0.0019 * 4.0);
-  EXPECT_DOUBLE_EQ(noise.sigma(2.4, 0.0), noise.sigma(2.4));
+  EXPECT_DOUBLE_EQ(noise.depth_std(0.4), 0.0012);
+  EXPECT_DOUBLE_EQ(noise.depth_std(2.4), 0.0012 + 0.0019 * 4.0);
+  EXPECT_DOUBLE_EQ(noise.depth_std(2.4, 0.0), noise.depth_std(2.4));
 }
 
 TEST(DepthNoise, GrowsWithIncidenceAndStaysFinite) {
   const DepthNoise noise;
   double last = 0.0;
   for (const double degrees : {0.0, 30.0, 60.0, 80.0, 88.0}) {
-    const double sigma = noise.sigma(1.0, degrees * std::numbers::pi / 180.0);
-    EXPECT_GT(sigma, last);
-    last = sigma;
+    const double depth_std = noise.depth_std(1.0, degrees * std::numbers::pi / 180.0);
+    EXPECT_GT(depth_std, last);
+    last = depth_std;
   }
-  EXPECT_LT(noise.sigma(1.0, 0.5 * std::numbers::pi), 1.0);
+  EXPECT_LT(noise.depth_std(1.0, 0.5 * std::numbers::pi), 1.0);
 }
 
 }  // namespace

@@ -18,28 +18,28 @@ namespace {
 
 constexpr LensModel kModels[] = {LensModel::plumb_bob, LensModel::rational, LensModel::fisheye};
 
-/// An Azure Kinect's depth camera, as its driver for ROS gives it: the denominator all but cancels
+/// An Azure Kinect's depth camera, as published by its ROS driver: the denominator nearly cancels
 /// the numerator.
 const std::array<double, 8> kAzureKinect = {0.5285, -2.68,  0.0005, -0.0002,
                                             1.51,   0.4095, -2.50,  1.44};
 const std::array<double, 4> kFisheye = {-0.0117, 0.0301, -0.0274, 0.0079};
 
-/// Coefficients of a size that calibrations have.
-LensDistortion a_lens(LensModel model, Random& random) {
+/// Coefficients of the magnitude of real calibrations.
+LensDistortion random_lens(LensModel model, Random& random) {
   std::vector<double> k;
   if (model == LensModel::fisheye) {
-    for (const double size : {0.1, 0.05, 0.03, 0.01}) k.push_back(random.uniform(-size, size));
+    for (const double bound : {0.1, 0.05, 0.03, 0.01}) k.push_back(random.uniform(-bound, bound));
   } else {
-    for (const double size : {0.4, 0.3, 0.005, 0.005, 0.2})
-      k.push_back(random.uniform(-size, size));
+    for (const double bound : {0.4, 0.3, 0.005, 0.005, 0.2})
+      k.push_back(random.uniform(-bound, bound));
   }
   if (model == LensModel::rational) {
-    for (const double size : {0.4, 0.3, 0.2}) k.push_back(random.uniform(-size, size));
+    for (const double bound : {0.4, 0.3, 0.2}) k.push_back(random.uniform(-bound, bound));
   }
   return {model, k};
 }
 
-CameraModel camera_behind(const LensDistortion& distortion) {
+CameraModel camera_with(const LensDistortion& distortion) {
   return {.width = 640,
           .height = 480,
           .fx = 525.0,
@@ -54,7 +54,7 @@ TEST(LensDistortion, RoundTripsOverTheWholeImageForRandomLenses) {
     Random random(3);
     int lenses = 0;
     for (int trial = 0; trial < 200; ++trial) {
-      CameraModel camera = camera_behind(a_lens(model, random));
+      CameraModel camera = camera_with(random_lens(model, random));
       if (model == LensModel::fisheye) camera.fx = camera.fy = random.uniform(300.0, 600.0);
       if (find_fold(camera)) continue;
       ++lenses;
@@ -69,11 +69,11 @@ TEST(LensDistortion, RoundTripsOverTheWholeImageForRandomLenses) {
   }
 }
 
-TEST(LensDistortion, UndistortFindsWhateverDistortMapsHowFarOutsideTheImageEver) {
+TEST(LensDistortion, UndistortInvertsDistortFarOutsideTheImage) {
   for (const LensModel model : kModels) {
     Random random(4);
     for (int trial = 0; trial < 100; ++trial) {
-      const LensDistortion lens = a_lens(model, random);
+      const LensDistortion lens = random_lens(model, random);
       for (int i = 0; i < 50; ++i) {
         const double angle = random.uniform(0.0, 6.3);
         const double radius = std::exp(random.uniform(-8.0, 5.0));
@@ -86,10 +86,10 @@ TEST(LensDistortion, UndistortFindsWhateverDistortMapsHowFarOutsideTheImageEver)
   }
 }
 
-TEST(LensDistortion, NothingOutsideTheViewFallsIntoTheImage) {
-  // Folds at 0.72 focal lengths, where the image's corners end; the formula comes back to the
-  // image's middle from 1.16 on.
-  const CameraModel camera = camera_behind({-0.25, -0.35, 0.0, 0.0, 0.0});
+TEST(LensDistortion, NothingOutsideTheFieldOfViewProjectsIntoTheImage) {
+  // Folds at 0.72 focal lengths, at the image's corners; from 1.16 on, the unextrapolated model
+  // would project back to the image centre.
+  const CameraModel camera = camera_with({-0.25, -0.35, 0.0, 0.0, 0.0});
   ASSERT_TRUE(camera.distortion.folds());
   for (double radius = camera.distortion.max_radius(); radius < 20.0; radius += 0.01) {
     for (double angle = 0.0; angle < 6.28; angle += 0.1) {
@@ -103,12 +103,12 @@ TEST(LensDistortion, NothingOutsideTheViewFallsIntoTheImage) {
   }
 }
 
-TEST(LensDistortion, ItsJacobianIsTheDerivativeOfDistort) {
+TEST(LensDistortion, JacobianIsTheDerivativeOfDistort) {
   for (const LensModel model : kModels) {
     Random random(5);
     for (int trial = 0; trial < 200; ++trial) {
-      const LensDistortion lens = a_lens(model, random);
-      // Within and beyond the radius where the map goes on straight, but not across.
+      const LensDistortion lens = random_lens(model, random);
+      // Inside and beyond max_radius(), but not across it, where the derivative jumps.
       const Eigen::Vector2d p(random.uniform(-3.0, 3.0), random.uniform(-2.0, 2.0));
       if (std::abs(p.norm() - lens.max_radius()) < 1e-3) continue;
       Eigen::Matrix2d jacobian;
@@ -129,8 +129,8 @@ TEST(LensDistortion, AgreesWithOpenCv) {
     for (const LensModel model : kModels) {
       const LensDistortion lens = trial == 0 && model == LensModel::rational
                                       ? LensDistortion(model, kAzureKinect)
-                                      : a_lens(model, random);
-      const CameraModel camera = camera_behind(lens);
+                                      : random_lens(model, random);
+      const CameraModel camera = camera_with(lens);
       std::vector<cv::Point3d> points;
       for (int i = 0; i < 50; ++i) {
         const Eigen::Vector2d ray =
@@ -158,7 +158,7 @@ TEST(LensDistortion, AgreesWithOpenCv) {
   }
 }
 
-TEST(LensDistortion, OfAFisheyeIsExactNearTheAxis) {
+TEST(LensDistortion, FisheyeIsExactNearTheAxis) {
   const LensDistortion lens(LensModel::fisheye, kFisheye);
   for (const double r : {0.0, 1e-12, 1e-6, 0.9e-4, 1.1e-4, 1e-3}) {
     const Eigen::Vector2d p(r, 0.0);
@@ -177,7 +177,7 @@ TEST(LensDistortion, RationalWithoutADenominatorIsAPlumbBob) {
   EXPECT_NE(rational, plumb_bob);
 }
 
-TEST(LensDistortion, OfZerosIsNoneButForAFisheye) {
+TEST(LensDistortion, ZeroCoefficientsAreNoDistortionExceptForAFisheye) {
   const std::array<double, 8> zeros{};
   EXPECT_TRUE(LensDistortion(0, 0, 0, 0, 0).is_none());
   EXPECT_TRUE(LensDistortion(LensModel::rational, zeros).is_none());
@@ -186,7 +186,7 @@ TEST(LensDistortion, OfZerosIsNoneButForAFisheye) {
   EXPECT_NEAR(fisheye.distort({1.0, 0.0}).x(), std::atan(1.0), 1e-15);
 }
 
-TEST(LensDistortion, RefusesAnotherNumberOfCoefficients) {
+TEST(LensDistortion, RejectsAWrongNumberOfCoefficients) {
   EXPECT_THROW(LensDistortion(LensModel::rational, kFisheye), ContractError);
 }
 

@@ -18,7 +18,7 @@ TriangleMesh tetrahedron(float a) {
   return mesh;
 }
 
-TEST(TriangleMesh, KnowsItsVolumeAndArea) {
+TEST(TriangleMesh, HasVolumeAndArea) {
   EXPECT_NEAR(signed_volume(tetrahedron(2)), 8.0 / 6.0, 1e-12);
   EXPECT_NEAR(surface_area(tetrahedron(2)), 6.0 + 2.0 * std::sqrt(3.0), 1e-12);
 }
@@ -29,7 +29,7 @@ TEST(TriangleMesh, InsideOutHasNegativeVolume) {
   EXPECT_NEAR(signed_volume(mesh), -8.0 / 6.0, 1e-12);
 }
 
-TEST(TriangleMesh, KeepsVolumeAndNormalsWhenMoved) {
+TEST(TriangleMesh, KeepsVolumeAndNormalsWhenTransformed) {
   TriangleMesh mesh_b = tetrahedron(1);
   compute_vertex_normals(mesh_b);
   Vector6d twist;
@@ -37,9 +37,10 @@ TEST(TriangleMesh, KeepsVolumeAndNormalsWhenMoved) {
   const Pose T_a_b = Pose::exp(twist);
   TriangleMesh mesh_a = transformed(T_a_b, mesh_b);
   EXPECT_NEAR(signed_volume(mesh_a), 1.0 / 6.0, 1e-6);  // float vertices
-  const std::vector<Eigen::Vector3f> turned = mesh_a.normals;
+  const std::vector<Eigen::Vector3f> rotated_normals = mesh_a.normals;
   compute_vertex_normals(mesh_a);
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_LT((turned[i] - mesh_a.normals[i]).norm(), 1e-5f);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_LT((rotated_normals[i] - mesh_a.normals[i]).norm(), 1e-5f);
 }
 
 TEST(VertexNormals, OfAFlatPatchPointUp) {

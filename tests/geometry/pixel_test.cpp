@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-TEST(PixelIndex, IsThePixelWhoseAreaHoldsThePosition) {
+TEST(PixelIndex, IsThePixelThatContainsThePosition) {
   EXPECT_EQ(pixel_index(-0.5, 4), 0);
   EXPECT_EQ(pixel_index(0.49, 4), 0);
   EXPECT_EQ(pixel_index(0.5, 4), 1);
@@ -26,7 +26,7 @@ TEST(PixelIndex, IsNothingOutsideTheImage) {
   EXPECT_EQ(pixel_index(0.0, 0), std::nullopt);
 }
 
-TEST(ClampToInt, KeepsBetweenItsBounds) {
+TEST(ClampToInt, ClampsToItsBounds) {
   EXPECT_EQ(clamp_to_int(2.7, 0, 5), 2);
   EXPECT_EQ(clamp_to_int(-2.7, -5, 5), -2);
   EXPECT_EQ(clamp_to_int(5.0, 0, 5), 5);

@@ -14,7 +14,7 @@
 namespace pcavr {
 namespace {
 
-/// Some thousand roundings of numbers near 1.
+/// Thousands of rounding errors of numbers near 1.
 constexpr double kTolerance = 1e-12;
 
 Vector6d random_twist(Random& random, double max_angle) {
@@ -30,13 +30,13 @@ double difference(const Pose& a, const Pose& b) {
   return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff();
 }
 
-TEST(Pose, QuarterTurnAboutZTurnsXIntoY) {
+TEST(Pose, QuarterTurnAboutZMapsXToY) {
   const double half = std::sqrt(0.5);
   const Pose T_a_b(Eigen::Quaterniond(half, 0, 0, half), {1, 2, 3});
   EXPECT_LT((T_a_b * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(1, 3, 3)).norm(), kTolerance);
 }
 
-TEST(Pose, KeepsTheLawsOfAGroup) {
+TEST(Pose, SatisfiesTheGroupAxioms) {
   Random random(1);
   for (int i = 0; i < 200; ++i) {
     const Pose a = random_pose(random);
@@ -78,7 +78,7 @@ TEST(Pose, FromMatrixUndoesMatrix) {
   EXPECT_LT(difference(Pose::from_matrix(pose.matrix()), pose), kTolerance);
 }
 
-TEST(Pose, RefusesWhatIsNoRigidMotion) {
+TEST(Pose, RejectsNonRigidTransforms) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(Pose(Eigen::Quaterniond(0, 0, 0, 0), {0, 0, 0}), ContractError);
   EXPECT_THROW(Pose(Eigen::Quaterniond::Identity(), {nan, 0, 0}), ContractError);

@@ -13,7 +13,7 @@ using std::chrono::milliseconds;
 
 Stamp at(int ms) { return {ms * 1'000'000LL}; }
 
-/// x runs with time at 1 m/s: poses at 0, 100 and 500 ms.
+/// Moves along x at 1 m/s: poses at 0, 100 and 500 ms.
 Trajectory along_x() {
   Trajectory trajectory;
   for (const int ms : {0, 100, 500}) {
@@ -28,7 +28,7 @@ TEST(Trajectory, InterpolatesBetweenItsPoses) {
   EXPECT_EQ(along_x().at(at(500))->translation().x(), 0.5);
 }
 
-TEST(Trajectory, SaysNothingBeyondItsEndsNorInGaps) {
+TEST(Trajectory, HasNoPoseBeyondItsEndsNorInGaps) {
   EXPECT_FALSE(along_x().at(at(-1)));
   EXPECT_FALSE(along_x().at(at(501)));
   EXPECT_FALSE(along_x().at(at(300)));
@@ -38,14 +38,14 @@ TEST(Trajectory, SaysNothingBeyondItsEndsNorInGaps) {
 
 TEST(Trajectory, FindsTheNearestWithinATolerance) {
   EXPECT_EQ(along_x().nearest(at(60), milliseconds(50)), 1u);
-  EXPECT_EQ(along_x().nearest(at(50), milliseconds(50)), 0u) << "of two equally near the earlier";
+  EXPECT_EQ(along_x().nearest(at(50), milliseconds(50)), 0u) << "a tie gives the earlier pose";
   EXPECT_EQ(along_x().nearest(at(550), milliseconds(50)), 2u);
   EXPECT_FALSE(along_x().nearest(at(551), milliseconds(50)));
   EXPECT_FALSE(along_x().nearest(at(-51), milliseconds(50)));
   EXPECT_FALSE(Trajectory().nearest(at(0), milliseconds(50)));
 }
 
-TEST(Trajectory, RefusesStampsThatDoNotAscend) {
+TEST(Trajectory, RejectsStampsThatDoNotIncrease) {
   Trajectory trajectory = along_x();
   EXPECT_THROW(trajectory.append(at(500), Pose()), ContractError);
   EXPECT_THROW(Trajectory({{at(1), Pose()}, {at(1), Pose()}}), ContractError);

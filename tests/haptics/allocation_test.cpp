@@ -13,13 +13,13 @@ namespace {
 
 using test::kCycle;
 
-/// Bullet asks malloc, which the counter of operator new does not see.
-void* count_bullets(std::size_t size) {
+/// Bullet calls malloc, which the counter of operator new does not count.
+void* count_bullet_allocation(std::size_t size) {
   ++heap_allocations;
   return std::malloc(size);
 }
 
-TEST(HapticTool, DoesTheSameAgainWithoutTheHeap) {
+TEST(HapticTool, IsDeterministicAndDoesNotAllocate) {
   const test::ScannedBumps bumps(200, 0.0003, 2);
   HapticTool first(bumps.mesh(), {}, {});
   HapticTool second(bumps.mesh(), {}, {});
@@ -41,14 +41,14 @@ TEST(HapticTool, DoesTheSameAgainWithoutTheHeap) {
   EXPECT_GT(contacts, 2000);
 }
 
-// Along the table, through three boxes in a row, with one of them over the edge; let go and reset.
-TEST(HapticWorld, DoesTheSameAgainWithoutTheHeap) {
+// Along the table, through three boxes in a row, one of them over the edge; release and reset.
+TEST(HapticWorld, IsDeterministicAndDoesNotAllocate) {
   HapticWorldModel model = test::one_box_on_a_table(0.001);
   model.world.bodies = test::row_of_boxes(3, 0.002).bodies;
   HapticWorld first = HapticWorld::create(model).value();
   HapticWorld second = HapticWorld::create(model).value();
   const Eigen::Vector3d start = test::touching_tip(0.01, 0.02);
-  btAlignedAllocSetCustom(count_bullets, std::free);
+  btAlignedAllocSetCustom(count_bullet_allocation, std::free);
   const long before = heap_allocations;
   bool is_same = true;
   bool has_fallen = false;

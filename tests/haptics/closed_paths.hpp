@@ -14,7 +14,8 @@ namespace pcavr::test {
 
 inline constexpr double kCycle = 0.001;  // [s]
 
-/// What a path may get back more: the least force, which nothing pays for, over a millimetre.
+/// A path may return this much more than it took: the minimum force, which needs no energy budget,
+/// over a millimetre.
 inline constexpr double kRounding = 1e-7;  // [J]
 
 /// A closed path of a hand from 1 cm above the bumps into them and back: at most 20 m/s^2.
@@ -28,13 +29,13 @@ class ClosedPath {
       wave = {random.uniform(-0.006, 0.006), random.uniform(-0.006, 0.006),
               random.uniform(-0.003, 0.003)};
     }
-    dip_ = random.uniform(0.008, 0.016);
+    depth_ = random.uniform(0.008, 0.016);
     start_.z() = ScannedBumps::smooth_height(start_.x(), start_.y()) + 0.01;
   }
 
   [[nodiscard]] Eigen::Vector3d operator()(int step) const {
     const double turn = 2.0 * M_PI * step / kSteps;
-    Eigen::Vector3d p = start_ - Eigen::Vector3d(0.0, 0.0, 0.5 * dip_ * (1.0 - std::cos(turn)));
+    Eigen::Vector3d p = start_ - Eigen::Vector3d(0.0, 0.0, 0.5 * depth_ * (1.0 - std::cos(turn)));
     for (int i = 0; i < 4; ++i) p += std::sin((i + 1) * turn) / (i + 1) * waves_[i];
     return p;
   }
@@ -42,14 +43,14 @@ class ClosedPath {
  private:
   Eigen::Vector3d start_;
   Eigen::Vector3d waves_[4];
-  double dip_ = 0.0;
+  double depth_ = 0.0;
 };
 
 struct Work {
-  double least = 0.0;  ///< [J] that a closed path took, the worst of all
-  double sum = 0.0;    ///< [J]
+  double min = 0.0;  ///< [J] that a closed path took, over all paths
+  double sum = 0.0;  ///< [J]
   long touched = 0;
-  long gave = 0;  ///< paths that gave more than they took, be it by rounding
+  long active = 0;  ///< paths that returned more energy than they took, rounding included
 };
 
 inline Work over_closed_paths(HapticTool& tool, int paths) {
@@ -65,15 +66,15 @@ inline Work over_closed_paths(HapticTool& tool, int paths) {
     bool has_touched = false;
     for (int i = 1; i <= ClosedPath::kSteps; ++i) {
       const Eigen::Vector3d next = hand(i);
-      taken -= force.dot(next - tip);  // the device holds its force until the next cycle
+      taken -= force.dot(next - tip);  // zero-order hold
       tip = next;
       const HapticState state = tool.step(tip, kCycle);
       force = state.force;
       has_touched |= state.is_in_contact;
     }
-    work.least = std::min(work.least, taken);
+    work.min = std::min(work.min, taken);
     work.sum += taken;
-    work.gave += taken < 0.0 ? 1 : 0;
+    work.active += taken < 0.0 ? 1 : 0;
     work.touched += has_touched ? 1 : 0;
   }
   return work;

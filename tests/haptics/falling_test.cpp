@@ -14,10 +14,10 @@ using test::touching_tip;
 HapticWorld world_of(const HapticWorldModel& model) { return HapticWorld::create(model).value(); }
 
 /// Over the edge at x = 0.5, 40 cm from where the box stands.
-void push_off(HapticWorld& world, double far) {
+void push_off(HapticWorld& world, double distance) {
   const Eigen::Vector3d start = touching_tip() - Eigen::Vector3d(0.01, 0.0, 0.0);
   world.reset(start);
-  for (double x = 0.0; x < far; x += 0.2 * kCycle) {
+  for (double x = 0.0; x < distance; x += 0.2 * kCycle) {
     world.step({start + Eigen::Vector3d(x, 0.0, 0.0), true}, kCycle);
   }
 }
@@ -31,7 +31,7 @@ TEST(FallingBody, StaysWhileItsCentreOfMassIsAboveTheSupport) {
   EXPECT_NEAR(body.T_base_object.translation().z(), 0.0625, 1e-9);
 }
 
-TEST(FallingBody, TipsOverTheEdgeAndFallsAndNoLongerMeetsTheTool) {
+TEST(FallingBody, TipsOverTheEdgeAndFallsWithoutCollidingWithTheTool) {
   HapticWorld world = world_of(one_box_on_a_table());
   push_off(world, 0.54);
   ASSERT_TRUE(world.state().bodies[0].is_outside_model);
@@ -43,12 +43,12 @@ TEST(FallingBody, TipsOverTheEdgeAndFallsAndNoLongerMeetsTheTool) {
     ASSERT_TRUE(T.translation().allFinite());
     ASSERT_LE(T.translation().z(), height + 1e-12) << i;
     height = T.translation().z();
-    // Its upper side leans outward: over the edge, not backwards.
+    // Its top tilts outward, over the edge.
     const Eigen::Vector3d up = T.rotation() * Eigen::Vector3d::UnitZ();
     ASSERT_TRUE(height <= 0.0 || up.x() >= 0.0) << i;
   }
   const Pose& T = world.state().bodies[0].T_base_object;
-  // Free fall from rest over 0.7 s is 2.4 m; leaning over the edge took some of the time.
+  // Free fall from rest over 0.7 s is 2.4 m; tilting over the edge took some of the time.
   EXPECT_LT(height, -0.5);
   EXPECT_GT(height, -2.5);
   EXPECT_GT(T.translation().x(), 0.5);
@@ -57,7 +57,7 @@ TEST(FallingBody, TipsOverTheEdgeAndFallsAndNoLongerMeetsTheTool) {
   EXPECT_EQ(world.state().p_base_proxy, hand);
 }
 
-TEST(FallingBody, EndsOutOfSightAndStaysFinite) {
+TEST(FallingBody, StopsOutOfViewAndStaysFinite) {
   HapticWorld world = world_of(one_box_on_a_table());
   push_off(world, 0.54);
   for (int i = 0; i < 60'000; ++i) world.step({{0.0, 0.0, 0.3}, false}, kCycle);
@@ -71,13 +71,13 @@ TEST(FallingBody, EndsOutOfSightAndStaysFinite) {
   EXPECT_EQ(world.state().bodies[0].T_base_object.translation().head<2>(), Eigen::Vector2d::Zero());
 }
 
-TEST(FallingBody, LeavesAloneWhatNoSupportBoreAtTheStart) {
+TEST(FallingBody, DoesNotStartForABodyWithoutASupport) {
   HapticWorldModel model = one_box_on_a_table();
   for (Eigen::Vector3d& corner : model.supports_base[0]) corner.x() += 2.0;
   HapticWorld world = world_of(model);
   push_off(world, 0.1);
   EXPECT_FALSE(world.state().bodies[0].is_outside_model);
-  // A floor 0.7 m below does not bear it, either.
+  // A floor 0.7 m below is not its support.
   model = one_box_on_a_table();
   model.supports_base.push_back({{-3.0, -3.0, -0.7}, {3.0, -3.0, -0.7}, {3.0, 3.0, -0.7}});
   HapticWorld above_a_floor = world_of(model);
@@ -85,7 +85,7 @@ TEST(FallingBody, LeavesAloneWhatNoSupportBoreAtTheStart) {
   EXPECT_TRUE(above_a_floor.state().bodies[0].is_outside_model);
 }
 
-TEST(FallingBody, TakesNoneOfTheOthersAlong) {
+TEST(FallingBody, LeavesTheOtherBodiesOnTheTable) {
   HapticWorldModel model = one_box_on_a_table();
   model.world.bodies = test::row_of_boxes(2, 0.01).bodies;
   HapticWorld world = world_of(model);

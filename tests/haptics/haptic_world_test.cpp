@@ -8,8 +8,8 @@
 
 #include "pcavr/core/check.hpp"
 
-#include "haptics/judge.hpp"
 #include "haptics/tabletop.hpp"
+#include "haptics/world_checker.hpp"
 
 namespace pcavr {
 namespace {
@@ -18,8 +18,8 @@ using test::kCycle;
 using test::one_box_on_a_table;
 using test::touching_tip;
 
-constexpr double kHalfBox = 0.5 * 0.175;  // [m]
-constexpr double kFloat = 1e-8;           // [m] of the meshes' corners, near 0.1
+constexpr double kHalfBox = 0.5 * 0.175;   // [m]
+constexpr double kSinglePrecision = 1e-8;  // [m] of the meshes' corners, near 0.1
 
 HapticWorld world_of(const HapticWorldModel& model) { return HapticWorld::create(model).value(); }
 
@@ -48,32 +48,32 @@ TEST(HapticWorld, PushesABodyThatTheVisibleToolDoesNotEnter) {
   };
   move(world, start, start + Eigen::Vector3d(0.12, 0.0, 0.0), 0.04, [&] {
     const HapticWorldState& state = world.state();
-    ASSERT_LE(state.p_base_proxy.x(), face() - 0.01 + kFloat);
+    ASSERT_LE(state.p_base_proxy.x(), face() - 0.01 + kSinglePrecision);
     ASSERT_LE(state.force_base.norm(), 5.0 + 1e-12);
   });
   const HapticWorldState& state = world.state();
   EXPECT_EQ(state.touched_body, 0);
   EXPECT_FALSE(state.touches_scan);
   EXPECT_EQ(state.bodies[0].phase, MotionPhase::sliding);
-  // The hand is sunk in by what the friction of sliding needs: 8.5 N at 8 kN/m.
+  // The HIP penetrates as the sliding friction needs: 8.5 N at 8 kN/m.
   EXPECT_NEAR(state.p_base_hip.x() + 0.01 - face(), 8.5 / 8000.0, 5e-5);
   EXPECT_NEAR(state.bodies[0].tool_force_base.x(), 8.5, 0.1);
   EXPECT_NEAR(state.force_base.x(), -5.0, 1e-9);
 }
 
-TEST(HapticWorld, GivesTheHandWhatTheBodyResistsWith) {
+TEST(HapticWorld, RendersTheBodysReactionForce) {
   HapticWorldModel model = one_box_on_a_table();
   model.force.max_force = 50.0;
   HapticWorld world = world_of(model);
   world.reset(touching_tip());
-  // 0.5 mm deep: 4 N, less than the box withstands.
+  // 0.5 mm deep: 4 N, less than the box's static limit.
   move(world, touching_tip(), touching_tip() + Eigen::Vector3d(0.0005, 0.0, 0.0), 0.01);
   EXPECT_NEAR(world.state().force_base.x(), -4.0, 0.3);
   for (int i = 0; i < 5; ++i) {
     world.step({touching_tip() + Eigen::Vector3d(0.0005, 0.0, 0.0), true}, kCycle);
   }
   EXPECT_NEAR(world.state().force_base.x(), -4.0, 1e-3);
-  EXPECT_EQ(world.state().bodies[0].phase, MotionPhase::held);
+  EXPECT_EQ(world.state().bodies[0].phase, MotionPhase::static_contact);
 }
 
 TEST(HapticWorld, PushesAlongTheTableThatTheHandPressesInto) {
@@ -91,7 +91,7 @@ TEST(HapticWorld, PushesAlongTheTableThatTheHandPressesInto) {
   EXPECT_LT(state.force_base.x(), 0.0);
 }
 
-TEST(HapticWorld, LetGoPushesNothingAndReturnsToTheProxy) {
+TEST(HapticWorld, PushesNothingAndResetsTheHipToTheProxyWhenNotEngaged) {
   HapticWorld world = world_of(one_box_on_a_table());
   const Eigen::Vector3d start = touching_tip() - Eigen::Vector3d(0.002, 0.0, 0.0);
   world.reset(start);
@@ -110,14 +110,14 @@ TEST(HapticWorld, LetGoPushesNothingAndReturnsToTheProxy) {
   EXPECT_EQ(world.state().touched_body, -1);
 }
 
-TEST(HapticWorld, TakesATipThatIsNoNumberForAHandThatLetGo) {
+TEST(HapticWorld, TreatsAnInvalidTipAsNotEngaged) {
   HapticWorld world = world_of(one_box_on_a_table());
   world.reset(touching_tip());
-  for (const double wrong :
+  for (const double invalid :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e200}) {
     for (int axis = 0; axis < 3; ++axis) {
       Eigen::Vector3d tip = touching_tip();
-      tip[axis] = wrong;
+      tip[axis] = invalid;
       world.step({tip, true}, kCycle);
       EXPECT_FALSE(world.state().is_engaged);
       EXPECT_EQ(world.state().p_base_proxy, touching_tip());
@@ -128,19 +128,19 @@ TEST(HapticWorld, TakesATipThatIsNoNumberForAHandThatLetGo) {
   }
 }
 
-TEST(HapticWorld, PutsTheToolAboveWhereThereIsNoRoom) {
+TEST(HapticWorld, PutsTheToolAboveAnObstacle) {
   HapticWorld world = world_of(one_box_on_a_table());
   world.reset({0.0, 0.0, 0.06});  // in the middle of the box, farther than a radius from its faces
-  EXPECT_GE(world.state().p_base_proxy.z(), 0.125 + 0.01 - kFloat);
+  EXPECT_GE(world.state().p_base_proxy.z(), 0.125 + 0.01 - kSinglePrecision);
   EXPECT_LE(world.state().p_base_proxy.z(), 0.125 + 0.015);
   EXPECT_EQ(world.state().p_base_proxy.head<2>(), Eigen::Vector2d::Zero());
   world.reset({-0.3, 0.0, 0.003});
-  EXPECT_GE(world.state().p_base_proxy.z(), 0.01 - kFloat);
+  EXPECT_GE(world.state().p_base_proxy.z(), 0.01 - kSinglePrecision);
   world.reset({-0.3, 0.0, 0.3});
   EXPECT_EQ(world.state().p_base_proxy, Eigen::Vector3d(-0.3, 0.0, 0.3));
 }
 
-TEST(HapticWorld, ResetPutsAllBack) {
+TEST(HapticWorld, ResetRestoresTheInitialState) {
   HapticWorld world = world_of(one_box_on_a_table());
   const Eigen::Vector3d start = touching_tip() - Eigen::Vector3d(0.01, 0.0, 0.0);
   const auto run = [&] {
@@ -157,42 +157,42 @@ TEST(HapticWorld, ResetPutsAllBack) {
 }
 
 // The hand goes on through a box that stands against a wall, and through the wall.
-TEST(HapticWorld, KeepsTheToolOnItsSideOfABodyThatCannotMove) {
+TEST(HapticWorld, HasNoPopThroughAtABodyThatCannotMove) {
   HapticWorldModel model = one_box_on_a_table();
   test::append(model.world.static_mesh_base, test::wall_at(kHalfBox));
   HapticWorld world = world_of(model);
-  test::Judge judge(model);
+  test::WorldChecker checker(model);
   const Eigen::Vector3d start = touching_tip() - Eigen::Vector3d(0.01, 0.0, 0.0);
   world.reset(start);
   const Eigen::Vector3d end = start + Eigen::Vector3d(0.4, 0.0, 0.0);
   move(world, start, end, 0.2, [&] {
-    judge.see(world.state(), kCycle);
+    checker.check(world.state(), kCycle);
     ASSERT_LE(world.state().p_base_proxy.x(), -kHalfBox - 0.01 + 0.001);
     ASSERT_LE(world.state().bodies[0].T_base_object.translation().x(), 0.001);
   });
   EXPECT_NEAR(world.state().force_base.norm(), 5.0, 1e-9);
-  move(world, end, start, 0.2, [&] { judge.see(world.state(), kCycle); });
+  move(world, end, start, 0.2, [&] { checker.check(world.state(), kCycle); });
   EXPECT_EQ(world.state().force_base, Eigen::Vector3d::Zero());
-  EXPECT_EQ(judge.count().in_bodies, 0);
-  EXPECT_EQ(judge.count().in_scan, 0);
-  EXPECT_EQ(judge.count().jumps, 0);
-  EXPECT_EQ(judge.count().leaps, 0);
-  EXPECT_EQ(judge.count().without_force, 0);
+  EXPECT_EQ(checker.count().in_bodies, 0);
+  EXPECT_EQ(checker.count().in_scan, 0);
+  EXPECT_EQ(checker.count().jumps, 0);
+  EXPECT_EQ(checker.count().body_jumps, 0);
+  EXPECT_EQ(checker.count().without_force, 0);
 }
 
-TEST(HapticWorld, IsNotPassedByAHandThatJumps) {
+TEST(HapticWorld, HasNoPopThroughWhereTheHandJumps) {
   HapticWorld world = world_of(one_box_on_a_table());
   const Eigen::Vector3d start = touching_tip() - Eigen::Vector3d(0.05, 0.0, 0.0);
   world.reset(start);
   for (int i = 0; i < 200; ++i) {
     world.step({{0.3, 0.0, 0.06}, true}, kCycle);
     const double face = world.state().bodies[0].T_base_object.translation().x() - kHalfBox;
-    ASSERT_LE(world.state().p_base_proxy.x(), face - 0.01 + kFloat) << i;
+    ASSERT_LE(world.state().p_base_proxy.x(), face - 0.01 + kSinglePrecision) << i;
   }
   EXPECT_GT(world.state().bodies[0].T_base_object.translation().x(), 0.01);
 }
 
-TEST(HapticWorld, SaysWhatItWasGivenWrong) {
+TEST(HapticWorld, RejectsInvalidModels) {
   HapticWorldModel model = one_box_on_a_table();
   model.scan_friction = -0.1;
   EXPECT_THROW((void)HapticWorld::create(model), ContractError);

@@ -23,7 +23,7 @@ std::vector<Eigen::Vector3d> press(RenderedForce& rendered, double depth, double
   return forces;
 }
 
-TEST(RenderedForce, IsTheLawsForceOfATipThatRests) {
+TEST(RenderedForce, IsTheLawsForceForATipAtRest) {
   ForceOptions options;
   options.compliance = {800.0, 1.0, 1.0};
   RenderedForce rendered(options);
@@ -45,21 +45,21 @@ TEST(RenderedForce, FollowsTheExponent) {
   EXPECT_NEAR(force.z(), 20'000.0 * std::pow(0.003, 1.5), 1e-12);
 }
 
-TEST(RenderedForce, IsBoundedInSizeAndInRate) {
+TEST(RenderedForce, IsLimitedInMagnitudeAndRate) {
   ForceOptions options;
   options.compliance.stiffness = 1e5;
   RenderedForce rendered(options);
   Eigen::Vector3d before = Eigen::Vector3d::Zero();
-  double largest = 0.0;
+  double max_force = 0.0;
   for (const Eigen::Vector3d& force : press(rendered, 0.01, 0.2)) {
     EXPECT_LE((force - before).norm(), options.max_rate * kCycle + options.min_force);
-    largest = std::max(largest, force.norm());
+    max_force = std::max(max_force, force.norm());
     before = force;
   }
-  EXPECT_NEAR(largest, options.max_force, 1e-12);
+  EXPECT_NEAR(max_force, options.max_force, 1e-12);
 }
 
-TEST(RenderedForce, IsNeverZeroInsideHoweverSlowTheTouch) {
+TEST(RenderedForce, IsNeverZeroInsideHoweverSlowTheContact) {
   RenderedForce rendered{ForceOptions{}};
   for (int i = 1; i <= 1000; ++i) {
     const Eigen::Vector3d force =
@@ -68,18 +68,18 @@ TEST(RenderedForce, IsNeverZeroInsideHoweverSlowTheTouch) {
   }
 }
 
-TEST(RenderedForce, ForgetsTheTipWhenANumberIsMissing) {
+TEST(RenderedForce, DiscardsTheTipWhenANumberIsNotFinite) {
   RenderedForce rendered{ForceOptions{}};
   (void)press(rendered, 0.003, 0.05);
-  const double work = rendered.available_work();
+  const double energy = rendered.available_energy();
   const double none = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(rendered.step({none, 0.0, 0.0}, {0.0, 0.0, 0.0}, true, kCycle),
             Eigen::Vector3d::Zero());
   EXPECT_EQ(rendered.step({0.0, 0.0, -0.003}, {0.0, 0.0, 0.0}, true, 0.0), Eigen::Vector3d::Zero());
-  EXPECT_EQ(rendered.available_work(), work);
+  EXPECT_EQ(rendered.available_energy(), energy);
 }
 
-TEST(RenderedForce, SaysWhichOptionIsWrong) {
+TEST(RenderedForce, RejectsInvalidOptions) {
   ForceOptions options;
   options.compliance.stiffness = 0.0;
   EXPECT_THROW(RenderedForce{options}, ContractError);

@@ -14,21 +14,21 @@ using test::touching_tip;
 
 constexpr int kMinute = 60'000;
 
-/// The farthest that a body of a world came in a minute from where it was [m].
-double wandering_of(HapticWorld& world, const ToolCommand& command) {
+/// The maximum displacement of any body from its start in a minute [m].
+double max_drift_of(HapticWorld& world, const ToolCommand& command) {
   std::vector<Eigen::Vector3d> start;
   for (const HapticBodyState& body : world.state().bodies) {
     start.push_back(body.T_base_object.translation());
   }
-  double farthest = 0.0;
+  double max_drift = 0.0;
   for (int i = 0; i < kMinute; ++i) {
     world.step(command, kCycle);
     for (std::size_t k = 0; k < start.size(); ++k) {
       const Eigen::Vector3d& p = world.state().bodies[k].T_base_object.translation();
-      farthest = std::max(farthest, (p - start[k]).norm());
+      max_drift = std::max(max_drift, (p - start[k]).norm());
     }
   }
-  return farthest;
+  return max_drift;
 }
 
 /// Three boxes side by side against a scanned wall, on a table with 1 mm of noise.
@@ -39,13 +39,13 @@ HapticWorldModel crowded_table() {
   return model;
 }
 
-TEST(AtRest, NothingMovesForAMinuteUntouched) {
+TEST(AtRest, NothingMovesForAMinuteWithoutContact) {
   HapticWorld world = HapticWorld::create(crowded_table()).value();
   world.reset({-0.3, 0.0, 0.2});
-  EXPECT_LT(wandering_of(world, {{-0.3, 0.0, 0.2}, true}), 1e-6);
+  EXPECT_LT(max_drift_of(world, {{-0.3, 0.0, 0.2}, true}), 1e-6);
 }
 
-TEST(AtRest, NothingMovesForAMinuteUnderNineTenthsOfWhatItWithstands) {
+TEST(AtRest, NothingMovesForAMinuteAtNineTenthsOfTheStaticLimit) {
   HapticWorld world = HapticWorld::create(one_box_on_a_table(0.001)).value();
   // 9.57 N at 8 kN/m.
   const Eigen::Vector3d pressed = touching_tip() + Eigen::Vector3d(0.9 * 9.57 / 8000.0, 0.0, 0.0);
@@ -54,20 +54,20 @@ TEST(AtRest, NothingMovesForAMinuteUnderNineTenthsOfWhatItWithstands) {
     world.step({touching_tip() + i / 200.0 * (pressed - touching_tip()), true}, kCycle);
   }
   EXPECT_NEAR(world.state().bodies[0].tool_force_base.x(), 0.9 * 9.57, 0.2);
-  EXPECT_LT(wandering_of(world, {pressed, true}), 1e-6);
+  EXPECT_LT(max_drift_of(world, {pressed, true}), 1e-6);
 }
 
-TEST(AtRest, ARowAgainstAWallIsHeldByWhatEachWithstands) {
+TEST(AtRest, NothingMovesInARowAgainstAWallBelowTheStaticLimit) {
   HapticWorld world = HapticWorld::create(crowded_table()).value();
   const Eigen::Vector3d pressed = touching_tip() + Eigen::Vector3d(0.9 * 9.57 / 8000.0, 0.0, 0.0);
   world.reset(touching_tip());
   for (int i = 0; i <= 200; ++i) {
     world.step({touching_tip() + i / 200.0 * (pressed - touching_tip()), true}, kCycle);
   }
-  EXPECT_LT(wandering_of(world, {pressed, true}), 1e-6);
+  EXPECT_LT(max_drift_of(world, {pressed, true}), 1e-6);
 }
 
-TEST(AtRest, ABodyLetGoInMidSlideStopsAndStays) {
+TEST(AtRest, ABodyReleasedWhileSlidingStopsAndStays) {
   HapticWorld world = HapticWorld::create(crowded_table()).value();
   const Eigen::Vector3d start = touching_tip() - Eigen::Vector3d(0.0, 0.15, 0.0);
   world.reset(start);
@@ -75,22 +75,22 @@ TEST(AtRest, ABodyLetGoInMidSlideStopsAndStays) {
     world.step({start + Eigen::Vector3d(0.1, 0.25, 0.0) * i * kCycle, true}, kCycle);
   }
   for (int i = 0; i < 2000; ++i) world.step({start, false}, kCycle);
-  EXPECT_LT(wandering_of(world, {start, false}), 1e-6);
+  EXPECT_LT(max_drift_of(world, {start, false}), 1e-6);
 }
 
-TEST(AtRest, PushedAgainstAWallABodyDoesNotSinkIn) {
+TEST(AtRest, ABodyPushedAgainstAWallDoesNotPenetrateIt) {
   HapticWorldModel model = crowded_table();
   HapticWorld world = HapticWorld::create(model).value();
   world.reset(touching_tip());
   for (int i = 0; i < 2000; ++i) {  // far through all three
     world.step({touching_tip() + Eigen::Vector3d(0.3, 0.0, 0.0) * i * kCycle, true}, kCycle);
   }
-  // 1 mm of noise on the wall, and as much of give under twice what holds all of them.
+  // 1 mm of noise on the wall, and as much compliance at twice the static limit of all of them.
   EXPECT_LT(world.state().bodies[2].T_base_object.translation().x(), 0.35 + 0.003);
   EXPECT_LT(world.state().bodies[0].T_base_object.translation().x(), 0.006);
 }
 
-TEST(AtRest, NorDoesALightBodyWhereTheToolCouldPushAHeavyOne) {
+TEST(AtRest, ALightBodyDoesNotPenetrateAWallWhereAHeavyOneRaisesTheMaximumPush) {
   HapticWorldModel model = one_box_on_a_table(0.0);
   test::append(model.world.static_mesh_base, test::wall_at(0.5 * 0.175));
   BodyPhysics light = test::foam_physics();
@@ -111,12 +111,12 @@ TEST(AtRest, NorDoesALightBodyWhereTheToolCouldPushAHeavyOne) {
   EXPECT_GT(world.state().bodies[0].tool_force_base.x(), 60.0);
 }
 
-TEST(ClosedPaths, AtABoxOnATableGiveNoMoreWorkThanTheyTook) {
+TEST(ClosedPaths, AtABoxOnATableArePassive) {
   for (int which = 0; which < 3; ++which) {
     HapticWorld world = HapticWorld::create(test::contact_case(which)).value();
     const test::Work work = test::over_closed_paths(world, 100, 7);
     EXPECT_GT(work.touched, 50);
-    EXPECT_GE(work.least, -test::kRounding) << which;
+    EXPECT_GE(work.min, -test::kRounding) << which;
     EXPECT_GT(work.sum, 0.0);
   }
 }

@@ -14,14 +14,13 @@
 
 #include "pcavr/core/random.hpp"
 #include "pcavr/geometry/mesh.hpp"
-
-#include "model/triangle.hpp"
+#include "pcavr/model/triangle.hpp"
 
 namespace pcavr::test {
 
 /// An open sheet of 0.3 x 0.3 m with bumps of 4 mm every 5 to 6 cm, as a scan of `cells`^2 squares
-/// of two triangles in random order, each vertex off by noise along z. Knows, independently of any
-/// search structure, on which side of it a point lies and how far off the sheet is.
+/// of two triangles in random order, each vertex off by noise along z. Computes,
+/// independently of any search structure, on which side of it a point lies and its distance.
 class ScannedBumps {
  public:
   static constexpr double kSize = 0.3;  // [m]

@@ -29,7 +29,7 @@ ProxyState press(SurfaceProxy& proxy, double depth) {
   return state;
 }
 
-TEST(SurfaceProxy, IsTheTipWhereNothingIsNear) {
+TEST(SurfaceProxy, IsTheTipInFreeSpace) {
   SurfaceProxy proxy(flat_square(), {});
   ASSERT_TRUE(proxy.reset({0.0, 0.0, 0.5}));
   const ProxyState state = proxy.step({0.3, -0.2, 0.4});
@@ -45,7 +45,7 @@ TEST(SurfaceProxy, RestsARadiusAboveAPlaneAndSlidesWithTheTip) {
   EXPECT_NEAR((state.centre - Eigen::Vector3d(-0.1, 0.2, 0.001)).norm(), 0.0, 1e-9);
 }
 
-TEST(SurfaceProxy, ComesFreeOnTheSideItCameFrom) {
+TEST(SurfaceProxy, IsFreeAgainOnTheSideItCameFrom) {
   SurfaceProxy proxy(flat_square(), {});
   (void)press(proxy, 0.02);
   ProxyState state = proxy.step({0.1, 0.2, 0.0009});
@@ -55,7 +55,7 @@ TEST(SurfaceProxy, ComesFreeOnTheSideItCameFrom) {
   EXPECT_EQ(state.centre, Eigen::Vector3d(0.1, 0.2, 0.0011));
 }
 
-TEST(SurfaceProxy, IsNotPassedAtAnySpeed) {
+TEST(SurfaceProxy, HasNoPopThroughAtAnySpeed) {
   SurfaceProxy proxy(flat_square(), {0.0001, 0.0});
   ASSERT_TRUE(proxy.reset({0.1, 0.2, 0.5}));
   const ProxyState state = proxy.step({0.1, 0.2, -0.5});
@@ -63,11 +63,11 @@ TEST(SurfaceProxy, IsNotPassedAtAnySpeed) {
   EXPECT_NEAR(state.centre.z(), 0.0001, 1e-9);
 }
 
-TEST(SurfaceProxy, LagsByTheConeOfFriction) {
+TEST(SurfaceProxy, LagsByTheFrictionCone) {
   constexpr double kFriction = 0.5;
   SurfaceProxy proxy(flat_square(), {0.001, kFriction});
   const double z = press(proxy, 0.004).centre.z();
-  // Pulled by less than the cone it stays; by more it follows at the cone's edge.
+  // Inside the cone it sticks; outside it slides at the cone's edge.
   double x = 0.1;
   ProxyState state;
   for (int i = 0; i < 20; ++i) state = proxy.step({x += 0.0001, 0.2, -0.004});
@@ -84,7 +84,7 @@ TEST(SurfaceProxy, WaitsForAFreeTipBeforeItsFirstContact) {
   EXPECT_TRUE(proxy.step({0.0, 0.0, 0.0}).is_inside);
 }
 
-TEST(SurfaceProxy, StaysWhereItIsWhenTheTipIsNotANumber) {
+TEST(SurfaceProxy, StaysWhereItIsWhenTheTipIsNotFinite) {
   SurfaceProxy proxy(flat_square(), {});
   const Eigen::Vector3d before = press(proxy, 0.005).centre;
   const ProxyState state =
@@ -100,12 +100,12 @@ TEST(SurfaceProxy, IsFreeWithoutTriangles) {
   EXPECT_EQ(proxy.step({0.0, 0.0, -1.0}).centre, Eigen::Vector3d(0.0, 0.0, -1.0));
 }
 
-TEST(SurfaceProxy, SaysWhatItWasGivenWrong) {
+TEST(SurfaceProxy, RejectsInvalidInput) {
   EXPECT_THROW(SurfaceProxy(flat_square(), {0.0, 0.0}), ContractError);
   EXPECT_THROW(SurfaceProxy(flat_square(), {0.001, -0.1}), ContractError);
-  TriangleMesh broken = flat_square();
-  broken.triangles.push_back({0, 1, 4});
-  EXPECT_THROW(SurfaceProxy(broken, {}), ContractError);
+  TriangleMesh invalid = flat_square();
+  invalid.triangles.push_back({0, 1, 4});
+  EXPECT_THROW(SurfaceProxy(invalid, {}), ContractError);
 }
 
 // The smooth bumps' slope is at most 1/2: a tip 5 mm deep has its nearest surface within 5 mm.
@@ -123,7 +123,7 @@ TEST(SurfaceProxy, LagsLittleOnSmoothBumps) {
   }
 }
 
-// Twice the tip's motion is enough to be where the tip is nearest; no more is taken.
+// Twice the tip's motion is enough to reach the point nearest to the tip; no more is used.
 TEST(SurfaceProxy, LagsLessWhereItMayMoveFartherThanTheTip) {
   const test::ScannedBumps bumps(150, 0.0, 1);
   const test::PressAndSlide hand(3);
@@ -137,10 +137,10 @@ TEST(SurfaceProxy, LagsLessWhereItMayMoveFartherThanTheTip) {
       const double t = i * 0.001;
       const Eigen::Vector3d next =
           hand(t) + Eigen::Vector3d(0.0, 0.0, std::max(0.0, 0.02 - 0.1 * t));
-      const Eigen::Vector3d there = proxy.step(next).centre;
-      ASSERT_LE((there - centre).norm(), motion * (next - tip).norm() + 1e-12) << i;
+      const Eigen::Vector3d next_centre = proxy.step(next).centre;
+      ASSERT_LE((next_centre - centre).norm(), motion * (next - tip).norm() + 1e-12) << i;
       tip = next;
-      centre = there;
+      centre = next_centre;
       lag[motion - 1] += (centre - tip).head<2>().norm();
     }
   }

@@ -9,8 +9,8 @@
 
 namespace pcavr::test {
 
-/// A closed path of a hand from beside or above the box of one_box_on_a_table() into it, into the
-/// table, or both, and back: at most 20 m/s^2.
+/// A closed path of a hand from the side of or above the box of one_box_on_a_table() into it, into
+/// the table, or both, and back: at most 20 m/s^2.
 class ClosedPathAtABox {
  public:
   static constexpr int kSteps = 800;
@@ -21,7 +21,7 @@ class ClosedPathAtABox {
     start_ = {far * std::cos(angle), far * std::sin(angle), random.uniform(0.012, 0.2)};
     const Eigen::Vector3d inside(random.uniform(-0.06, 0.06), random.uniform(-0.06, 0.06),
                                  random.uniform(-0.02, 0.12));
-    way_ = random.uniform(0.2, 1.0) * (inside - start_);
+    displacement_ = random.uniform(0.2, 1.0) * (inside - start_);
     for (Eigen::Vector3d& wave : waves_) {
       wave = {random.uniform(-0.004, 0.004), random.uniform(-0.004, 0.004),
               random.uniform(-0.003, 0.003)};
@@ -30,14 +30,14 @@ class ClosedPathAtABox {
 
   [[nodiscard]] Eigen::Vector3d operator()(int step) const {
     const double turn = 2.0 * M_PI * step / kSteps;
-    Eigen::Vector3d p = start_ + 0.5 * (1.0 - std::cos(turn)) * way_;
+    Eigen::Vector3d p = start_ + 0.5 * (1.0 - std::cos(turn)) * displacement_;
     for (int i = 0; i < 4; ++i) p += std::sin((i + 1) * turn) / (i + 1) * waves_[i];
     return p;
   }
 
  private:
   Eigen::Vector3d start_;
-  Eigen::Vector3d way_;
+  Eigen::Vector3d displacement_;
   Eigen::Vector3d waves_[4];
 };
 
@@ -53,21 +53,21 @@ inline Work over_closed_paths(HapticWorld& world, int paths, std::uint64_t seed)
     bool has_touched = false;
     for (int i = 0; i <= ClosedPathAtABox::kSteps; ++i) {
       const Eigen::Vector3d next = hand(i);
-      // The device holds its force until the next cycle.
+      // The device's force is constant until the next cycle (zero-order hold).
       taken -= world.state().force_base.dot(next - tip);
       tip = next;
       world.step({tip, true}, kCycle);
       has_touched |= world.state().touched_body >= 0;
     }
-    work.least = std::min(work.least, taken);
+    work.min = std::min(work.min, taken);
     work.sum += taken;
-    work.gave += taken < 0.0 ? 1 : 0;
+    work.active += taken < 0.0 ? 1 : 0;
     work.touched += has_touched ? 1 : 0;
   }
   return work;
 }
 
-/// Boxes, hands and tables that differ: a soft, damped body; a stiff one; one that nothing moves.
+/// Variants of box, device and table: a soft, damped body; a stiff one; an immovable one.
 inline HapticWorldModel contact_case(int which) {
   HapticWorldModel model = one_box_on_a_table(which == 2 ? 0.001 : 0.0003);
   BodyPhysics& physics = model.world.bodies[0].physics;

@@ -51,15 +51,15 @@ TEST(FindBreakaway, MeasuresTheLimitOfTenPushesOnUnknownPlants) {
     const Repeats ten = push_ten_times(plant, sensors, random.uniform(0.005, 0.012), 100 * seed);
     EXPECT_EQ(ten.found.missed, 0);
     EXPECT_NEAR(ten.found.mean, ten.truth, 0.02 * ten.truth) << "seed " << seed;
-    EXPECT_LT(ten.found.deviation, 0.3);
+    EXPECT_LT(ten.found.std, 0.3);
     EXPECT_GT(ten.found.loading_rate, 0.0);
     RecordProperty("bias_percent_" + std::to_string(seed),
                    std::to_string(100.0 * (ten.found.mean / ten.truth - 1.0)));
-    RecordProperty("std_" + std::to_string(seed), std::to_string(ten.found.deviation));
+    RecordProperty("std_" + std::to_string(seed), std::to_string(ten.found.std));
   }
 }
 
-TEST(FrictionAtBreakaway, IsNearerToTheFrictionsOwnLimitThanThePeakOfAFastPush) {
+TEST(FrictionAtBreakaway, IsCloserToTheStaticLimitThanThePeakOfAFastPush) {
   for (const double speed : {0.010, 0.020, 0.030}) {
     Plant plant;
     plant.mass = 2.4;
@@ -76,7 +76,7 @@ TEST(FrictionAtBreakaway, IsNearerToTheFrictionsOwnLimitThanThePeakOfAFastPush) 
       const IdentifiedParameter friction = friction_at_breakaway(
           trial.series(), found, {plant.stiffness, plant.damping, plant.exponent}, plant.mass);
       ASSERT_TRUE(friction.is_excited);
-      EXPECT_NEAR(friction.value, trial.friction_peak, 3.0 * friction.deviation + 0.2);
+      EXPECT_NEAR(friction.value, trial.friction_peak, 3.0 * friction.std + 0.2);
       error += (friction.value / trial.friction_peak - 1.0) / 6.0;
       peak_error += (found.force / trial.friction_peak - 1.0) / 6.0;
     }
@@ -87,25 +87,25 @@ TEST(FrictionAtBreakaway, IsNearerToTheFrictionsOwnLimitThanThePeakOfAFastPush) 
   }
 }
 
-TEST(FindBreakaway, SaysThatAnObjectHeld) {
+TEST(FindBreakaway, ReportsAnObjectThatStayedAtRest) {
   Plant plant;
-  plant.is_held = true;
+  plant.is_fixed = true;
   const Trial trial = run(plant, {}, 1.2, 1, [](double t) { return 0.005 * (t - 0.3); });
   const Breakaway found = find_breakaway(trial.series());
   EXPECT_FALSE(found.is_found);
-  EXPECT_NE(found.reason.find("did not give way"), std::string::npos);
-  // The noise hides 1 mm of the soft beginning, 0.19 s: carried back, a third of that is left at
-  // most (a phase boundary's 60 ms).
+  EXPECT_NE(found.reason.find("did not break loose"), std::string::npos);
+  // The noise hides 1 mm of the rise, 0.19 s: after extrapolation, a third of that is left at most
+  // (a phase boundary's 60 ms).
   EXPECT_NEAR(found.t_contact, 0.3, 0.06);
 }
 
-TEST(FindBreakaway, SaysThatThereWasNoContact) {
+TEST(FindBreakaway, ReportsThatThereWasNoContact) {
   const Trial trial = run({}, {}, 1.0, 1, [](double) { return -0.01; });
   EXPECT_NE(find_breakaway(trial.series()).reason.find("no contact"), std::string::npos);
   EXPECT_FALSE(find_breakaway({}).is_found);
 }
 
-TEST(FindBreakaway, DecidesFromThePastAlone) {
+TEST(FindBreakaway, IsCausal) {
   const Trial trial = run({}, {}, 3.0, 5, [](double t) { return 0.01 * (t - 0.3); });
   const Breakaway whole = find_breakaway(trial.series());
   ASSERT_TRUE(whole.is_found);
@@ -115,53 +115,53 @@ TEST(FindBreakaway, DecidesFromThePastAlone) {
                          std::span(trial.force).first(known)};
   const Breakaway then = find_breakaway(past);
   ASSERT_TRUE(then.is_found);
-  EXPECT_NEAR(then.force, whole.force, 0.02);  // the noise is measured on fewer samples
+  EXPECT_NEAR(then.force, whole.force, 0.02);  // the noise is estimated from fewer samples
   EXPECT_EQ(then.t, whole.t);
 }
 
 std::vector<Breakaway> pushes_of(std::initializer_list<std::pair<double, double>> limits) {
   std::vector<Breakaway> pushes;
-  for (const auto& [force, deviation] : limits) {
+  for (const auto& [force, force_std] : limits) {
     Breakaway& push = pushes.emplace_back();
     push.is_found = true;
     push.force = force;
-    push.deviation = deviation;
+    push.std = force_std;
   }
   return pushes;
 }
 
-TEST(LimitingFriction, ListensToAPushAsFarAsItCanTell) {
+TEST(LimitingFriction, WeightsPushesByInverseVariance) {
   const auto slow = pushes_of({{9.5, 0.1}, {9.7, 0.1}, {9.6, 0.1}});
   const auto with_fast = pushes_of({{9.5, 0.1}, {9.7, 0.1}, {9.6, 0.1}, {7.9, 1.5}, {11.0, 1.5}});
   EXPECT_NEAR(limiting_friction(slow).mean, 9.6, 1e-12);
-  EXPECT_NEAR(limiting_friction(slow).deviation, 0.1, 1e-12);
+  EXPECT_NEAR(limiting_friction(slow).std, 0.1, 1e-12);
   EXPECT_NEAR(limiting_friction(with_fast).mean, 9.6, 0.02);
-  EXPECT_LT(limiting_friction(with_fast).deviation, 0.2);
+  EXPECT_LT(limiting_friction(with_fast).std, 0.2);
   EXPECT_EQ(limiting_friction(with_fast).pushes, 3);
   EXPECT_EQ(limiting_friction(with_fast).left_out, (std::vector<std::size_t>{3, 4}));
 }
 
-TEST(LimitingFriction, LeavesOutWhatIsFarFromTheOthers) {
+TEST(LimitingFriction, RejectsOutliers) {
   const auto pushes = pushes_of({{9.5, 0.1}, {9.7, 0.1}, {3.6, 0.1}, {9.6, 0.1}, {9.55, 0.1}});
   EXPECT_EQ(limiting_friction(pushes).left_out, std::vector<std::size_t>{2});
   EXPECT_NEAR(limiting_friction(pushes).mean, 9.59, 0.01);
 }
 
-TEST(LimitingFriction, BelievesTheSlowerOneOfTwo) {
+TEST(LimitingFriction, UsesTheSlowerOneOfTwo) {
   const LimitingFriction found = limiting_friction(pushes_of({{7.9, 0.9}, {9.6, 0.1}}));
   EXPECT_EQ(found.mean, 9.6);
   EXPECT_EQ(found.pushes, 1);
-  EXPECT_EQ(found.deviation_of_mean, 0.1);
+  EXPECT_EQ(found.std_of_mean, 0.1);
 }
 
-TEST(LimitingFriction, WeighsPushesEquallyThatScatterByMoreThanTheirDeviations) {
+TEST(LimitingFriction, WeightsPushesEquallyThatScatterByMoreThanTheirStds) {
   const auto scattered = pushes_of({{9.0, 0.04}, {10.0, 0.04}, {11.0, 0.1}, {12.0, 0.05}});
   const LimitingFriction found = limiting_friction(scattered);
   EXPECT_NEAR(found.mean, 10.5, 0.02);
-  EXPECT_NEAR(found.deviation, std::sqrt(5.0 / 3.0), 0.02);
+  EXPECT_NEAR(found.std, std::sqrt(5.0 / 3.0), 0.02);
 }
 
-TEST(LimitingFriction, GivesMeanAndDeviationOfWhatBrokeAway) {
+TEST(LimitingFriction, ReturnsMeanAndStdOfPushesThatBrokeLoose) {
   std::vector<Breakaway> pushes(4);
   for (std::size_t i = 0; i < 3; ++i) {
     pushes[i].is_found = true;
@@ -169,7 +169,7 @@ TEST(LimitingFriction, GivesMeanAndDeviationOfWhatBrokeAway) {
   }
   const LimitingFriction friction = limiting_friction(pushes);
   EXPECT_DOUBLE_EQ(friction.mean, 10.0);
-  EXPECT_DOUBLE_EQ(friction.deviation, 1.0);
+  EXPECT_DOUBLE_EQ(friction.std, 1.0);
   EXPECT_EQ(friction.pushes, 3);
   EXPECT_EQ(friction.missed, 1);
   EXPECT_EQ(limiting_friction({}).pushes, 0);

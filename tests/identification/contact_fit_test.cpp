@@ -18,7 +18,7 @@
 namespace pcavr {
 namespace {
 
-/// Down to `depth`, held for 0.3 s and let go.
+/// Down to `depth`, constant for 0.3 s and released.
 double press_path(double t, double depth, double speed) {
   const double down = speed * (t - 0.3);
   const double up = 2.0 * depth + 0.3 * speed - down;
@@ -35,22 +35,22 @@ std::vector<Trial> press_at(const Plant& plant, const Sensors& sensors, double d
   return trials;
 }
 
-/// Standard deviations that no unbiased estimator can undercut [Cramer 1946; Rao 1945].
+/// Cramer-Rao bound: the minimum std of any unbiased estimator [Cramer 1946; Rao 1945].
 struct Bound {
   double exponent = 0.0;
   double force_share = 0.0;  ///< of the force at 3 mm and 10 mm/s
 };
 
-/// The unknowns are log k, lambda / k, n and the surface; each sample is off by the sensor's noise
-/// and by what the tool's noise makes of it, F n / d. Samples count where they touch for sure:
-/// above six deviations of the smoothed force.
+/// The unknowns are log k, lambda / k, n and the surface; each sample has the sensor's
+/// noise and the propagated noise of the tool, F n / d. Samples count where contact is sure: above
+/// six stds of the smoothed force.
 Bound cramer_rao(const Plant& plant, const Sensors& sensors, double depth,
                  const std::vector<double>& speeds) {
   Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
   const double c = plant.damping / plant.stiffness;
   const ContactFitOptions options;
   const double smoothed = correlated_samples(options.half_width, 1.0 / sensors.rate);
-  const double least = options.contact_deviations * sensors.force_noise / std::sqrt(smoothed);
+  const double min_force = options.contact_threshold * sensors.force_noise / std::sqrt(smoothed);
   for (const double speed : speeds) {
     for (int i = 0; i < static_cast<int>((2.0 * depth / speed + 0.9) * sensors.rate); ++i) {
       const double t = i / sensors.rate;
@@ -59,7 +59,7 @@ Bound cramer_rao(const Plant& plant, const Sensors& sensors, double depth,
       if (d <= 0.0) continue;
       const double power = plant.stiffness * std::pow(d, plant.exponent);
       const double force = power * (1.0 + c * rate);
-      if (force < least) continue;
+      if (force < min_force) continue;
       const Eigen::Vector4d slope(force, power * rate, force * std::log(d),
                                   -force * plant.exponent / d);
       const double noise = std::hypot(sensors.force_noise, slope[3] * sensors.tool_noise);
@@ -77,12 +77,12 @@ std::vector<ForceMotion> series_of(const std::vector<Trial>& trials) {
   return series;
 }
 
-TEST(IdentifyContact, FindsAHuntCrossleyContactAsSurelyAsTheNoiseAllows) {
+TEST(IdentifyContact, FindsAHuntCrossleyContactCloseToTheCramerRaoBound) {
   const std::vector<double> speeds = {0.005, 0.01, 0.02, 0.05};
   for (std::uint64_t seed = 6101; seed <= 6106; ++seed) {
     Random random(seed);
     Plant plant;
-    plant.is_held = true;
+    plant.is_fixed = true;
     plant.stiffness = random.uniform(1.5e4, 2.5e5);
     plant.damping = plant.stiffness * random.uniform(2.0, 4.0);
     plant.exponent = random.uniform(1.3, 1.7);
@@ -93,33 +93,33 @@ TEST(IdentifyContact, FindsAHuntCrossleyContactAsSurelyAsTheNoiseAllows) {
     ASSERT_TRUE(found.hunt_crossley.is_valid);
     EXPECT_EQ(found.chosen, ContactRegressor::hunt_crossley);
     const ContactFit& fit = found.best();
-    // Soft contacts of 3 N leave 0.1 of the exponent open, whatever the method. Beside the bound
-    // 0.005 are allowed for what is no noise: the path's corners, which the smoothing rounds.
+    // Soft contacts of 3 N leave 0.1 of the exponent open, whatever the method. In addition to the
+    // bound 0.005 are allowed for the path's corners, which the smoothing rounds.
     const Bound bound = cramer_rao(plant, sensors, 0.004, speeds);
-    EXPECT_LT(fit.exponent.deviation, 1.3 * std::hypot(bound.exponent, 0.005)) << seed;
-    // Four deviations of one number each.
-    EXPECT_NEAR(fit.exponent.value, plant.exponent, 4.0 * fit.exponent.deviation);
+    EXPECT_LT(fit.exponent.std, 1.3 * std::hypot(bound.exponent, 0.005)) << seed;
+    // Four stds of one number each.
+    EXPECT_NEAR(fit.exponent.value, plant.exponent, 4.0 * fit.exponent.std);
     EXPECT_NEAR(std::log(fit.stiffness.value / plant.stiffness), 0.0,
-                4.0 * fit.stiffness.deviation / fit.stiffness.value);
-    // What is felt: the force at 3 mm and 10 mm/s.
+                4.0 * fit.stiffness.std / fit.stiffness.value);
+    // The rendered force at 3 mm and 10 mm/s.
     const auto force = [](double k, double lambda, double n) {
       return (k + 0.01 * lambda) * std::pow(0.003, n);
     };
     const double truth = force(plant.stiffness, plant.damping, plant.exponent);
-    const double felt = force(fit.stiffness.value, fit.damping.value, fit.exponent.value);
-    EXPECT_NEAR(felt, truth, std::hypot(0.01, 4.0 * bound.force_share) * truth) << seed;
+    const double rendered = force(fit.stiffness.value, fit.damping.value, fit.exponent.value);
+    EXPECT_NEAR(rendered, truth, std::hypot(0.01, 4.0 * bound.force_share) * truth) << seed;
     const std::string at = std::to_string(seed);
-    RecordProperty("exponent_deviation_" + at, std::to_string(fit.exponent.deviation));
+    RecordProperty("exponent_std_" + at, std::to_string(fit.exponent.std));
     RecordProperty("exponent_bound_" + at, std::to_string(bound.exponent));
-    RecordProperty("force_percent_" + at, std::to_string(100.0 * (felt / truth - 1.0)));
+    RecordProperty("force_percent_" + at, std::to_string(100.0 * (rendered / truth - 1.0)));
     RecordProperty("force_bound_percent_" + at, std::to_string(100.0 * bound.force_share));
     EXPECT_TRUE(found.proposal.empty()) << found.proposal;
   }
 }
 
-TEST(IdentifyContact, LeavesOutAMassThatOneFrequencyDoesNotTellFromTheStiffness) {
+TEST(IdentifyContact, RemovesAMassThatOneFrequencyDoesNotSeparateFromTheStiffness) {
   Plant plant;
-  plant.is_held = true;
+  plant.is_fixed = true;
   plant.exponent = 1.0;
   plant.stiffness = 500.0;
   plant.damping = 2.0;
@@ -132,13 +132,13 @@ TEST(IdentifyContact, LeavesOutAMassThatOneFrequencyDoesNotTellFromTheStiffness)
   EXPECT_FALSE(fit.mass.is_excited);
   EXPECT_EQ(fit.mass.value, 0.0);
   // 0.2 N on 0.7 mm rms, 264 samples: 18 N/m; with the mass, a hundred.
-  EXPECT_LT(fit.stiffness.deviation, 25.0);
-  EXPECT_NEAR(fit.stiffness.value, 500.0, 4.0 * fit.stiffness.deviation);
+  EXPECT_LT(fit.stiffness.std, 25.0);
+  EXPECT_NEAR(fit.stiffness.value, 500.0, 4.0 * fit.stiffness.std);
 }
 
 TEST(IdentifyContact, ChoosesTheLinearLawForALinearContact) {
   Plant plant;
-  plant.is_held = true;
+  plant.is_fixed = true;
   plant.exponent = 1.0;
   plant.stiffness = 3000.0;
   plant.damping = 0.0;
@@ -148,13 +148,13 @@ TEST(IdentifyContact, ChoosesTheLinearLawForALinearContact) {
   EXPECT_EQ(found.chosen, ContactRegressor::mass_damper_spring);
   EXPECT_NEAR(found.best().stiffness.value, 3000.0, 30.0);
   EXPECT_NEAR(found.best().surface[0], 0.0, 1e-4);
-  // Chosen by a tie, not known without error.
-  EXPECT_GT(found.best().exponent.deviation, 0.0);
+  // Chosen by a tie, so not exact.
+  EXPECT_GT(found.best().exponent.std, 0.0);
 }
 
 TEST(IdentifyContact, FitsStiffnessAndDampingUnderAGivenExponent) {
   Plant plant;
-  plant.is_held = true;
+  plant.is_fixed = true;
   plant.stiffness = 5e4;
   plant.damping = 1.5e5;
   plant.exponent = 1.5;
@@ -166,17 +166,17 @@ TEST(IdentifyContact, FitsStiffnessAndDampingUnderAGivenExponent) {
   ASSERT_TRUE(given.best().is_valid);
   EXPECT_EQ(given.chosen, ContactRegressor::hunt_crossley);
   EXPECT_EQ(given.best().exponent.value, 1.5);
-  EXPECT_EQ(given.best().exponent.deviation, 0.0);
-  EXPECT_NEAR(given.best().stiffness.value, 5e4, 4.0 * given.best().stiffness.deviation);
-  // What the exponent leaves open of the stiffness is most of its deviation.
-  EXPECT_LT(given.best().stiffness.deviation, 0.3 * free.best().stiffness.deviation);
+  EXPECT_EQ(given.best().exponent.std, 0.0);
+  EXPECT_NEAR(given.best().stiffness.value, 5e4, 4.0 * given.best().stiffness.std);
+  // The uncertainty of the exponent is most of the stiffness's std.
+  EXPECT_LT(given.best().stiffness.std, 0.3 * free.best().stiffness.std);
   options.exponent = 0.5;
   EXPECT_THROW(static_cast<void>(identify_contact(series_of(trials), options)), ContractError);
 }
 
-TEST(IdentifyContact, SaysThatAHeldPressShowsNoDamping) {
+TEST(IdentifyContact, ReportsThatAConstantPressDoesNotExciteDamping) {
   Plant plant;
-  plant.is_held = true;
+  plant.is_fixed = true;
   plant.exponent = 1.0;
   plant.stiffness = 3000.0;
   const auto path = [](double t) { return 0.003 + 0.0002 * std::sin(0.5 * t); };
@@ -187,7 +187,7 @@ TEST(IdentifyContact, SaysThatAHeldPressShowsNoDamping) {
   EXPECT_FALSE(found.proposal.empty());
 }
 
-TEST(IdentifyContact, HasNoAnswerWithoutContact) {
+TEST(IdentifyContact, IsInvalidWithoutContact) {
   EXPECT_FALSE(identify_contact({}).best().is_valid);
   const Trial trial = run({}, {}, 1.0, 3, [](double) { return -0.01; });
   const ForceMotion series = trial.series();

@@ -47,7 +47,7 @@ TEST(ParameterEstimator, FindsExactParametersWithEveryMethod) {
     }
     const ParameterEstimate<3> estimate = estimator.estimate();
     for (std::size_t k = 0; k < 3; ++k) {
-      // Exact data; what is left is the prior's pull, forgotten or outweighed to 1e-6.
+      // Exact data; the rest is the prior's bias, forgotten or outweighed to 1e-6.
       EXPECT_NEAR(estimate.value[k], truth[k], 1e-5 * truth[k]) << k;
       EXPECT_TRUE(estimate.is_excited[k]) << k;
     }
@@ -61,15 +61,15 @@ TEST(ParameterEstimator, IsPlainLeastSquaresWithoutForgetting) {
   ParameterEstimator<2> estimator(options);
   Random random(3);
   Eigen::Matrix2d normal = 1e-6 * Eigen::Matrix2d::Identity();
-  Eigen::Vector2d pull = Eigen::Vector2d::Zero();
+  Eigen::Vector2d rhs = Eigen::Vector2d::Zero();
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector2d phi(random.normal(), random.normal());
     const double y = random.normal();
     normal += phi * phi.transpose();
-    pull += phi * y;
+    rhs += phi * y;
     estimator.step({phi[0], phi[1]}, y);
   }
-  const Eigen::Vector2d expected = normal.inverse() * pull;
+  const Eigen::Vector2d expected = normal.inverse() * rhs;
   EXPECT_NEAR(estimator.parameters()[0], expected[0], 1e-10);
   EXPECT_NEAR(estimator.parameters()[1], expected[1], 1e-10);
 }
@@ -89,11 +89,11 @@ TEST(ParameterEstimator, ScalingChangesConditioningOnly) {
   }
   for (std::size_t k = 0; k < 3; ++k) {
     // The priors differ: 1e-9 in units of 1 or of 0.01.
-    EXPECT_NEAR(one.parameters()[k], other.parameters()[k], 1e-2 * one.estimate().deviation[k]);
+    EXPECT_NEAR(one.parameters()[k], other.parameters()[k], 1e-2 * one.estimate().std[k]);
   }
 }
 
-TEST(ParameterEstimator, DeviationsCoverTheErrorAsOftenAsTheySay) {
+TEST(ParameterEstimator, StdCoversTheErrorAsOftenAsExpected) {
   int inside = 0;
   constexpr int kRuns = 400;
   for (int run = 0; run < kRuns; ++run) {
@@ -106,13 +106,13 @@ TEST(ParameterEstimator, DeviationsCoverTheErrorAsOftenAsTheySay) {
       estimator.step(phi, dot(phi, {0.5, 20.0, 3000.0}) + 0.3 * random.normal());
     }
     const ParameterEstimate<3> estimate = estimator.estimate();
-    inside += std::abs(estimate.value[1] - 20.0) < estimate.deviation[1] ? 1 : 0;
+    inside += std::abs(estimate.value[1] - 20.0) < estimate.std[1] ? 1 : 0;
   }
-  // 68.3 % of 400, give or take four binomial deviations of 2.3 %.
+  // 68.3 % of 400, plus or minus four binomial stds of 2.3 %.
   EXPECT_NEAR(inside / double(kRuns), 0.683, 0.093);
 }
 
-TEST(ParameterEstimator, AMinuteWithoutExcitationBlowsNothingUp) {
+TEST(ParameterEstimator, HasNoCovarianceWindUpInAMinuteWithoutExcitation) {
   for (const EstimationMethod method : kMethods) {
     EstimatorOptions<3> options = options_for(method);
     options.forgetting = 0.95;
@@ -124,29 +124,32 @@ TEST(ParameterEstimator, AMinuteWithoutExcitationBlowsNothingUp) {
       const auto phi = rich(0.002 * i);
       estimator.step(phi, dot(phi, truth) + 0.07 * random.normal());
     }
-    for (int i = 0; i < 30000; ++i) {  // a held press: only the position says something
+    for (int i = 0; i < 30000; ++i) {  // a constant press: only the position is excited
       const std::array<double, 3> phi = {0.0, 0.0, 0.005};
       estimator.step(phi, dot(phi, truth) + 0.07 * random.normal());
     }
-    const ParameterEstimate<3> held = estimator.estimate();
-    EXPECT_TRUE(held.is_excited[2]);
-    EXPECT_NEAR(held.value[2], 3000.0, 0.03 * 3000.0);  // 0.07 N in 15 N over 20 samples, 8 sigma
-    if (method != EstimationMethod::adaptive) {         // which remembers the first 2 s
-      EXPECT_FALSE(held.is_excited[0]);
-      EXPECT_FALSE(held.is_excited[1]);
+    const ParameterEstimate<3> pressed = estimator.estimate();
+    EXPECT_TRUE(pressed.is_excited[2]);
+    EXPECT_NEAR(pressed.value[2], 3000.0,
+                0.03 * 3000.0);                  // 0.07 N in 15 N over 20 samples, 8 sigma
+    if (method != EstimationMethod::adaptive) {  // which remembers the first 2 s
+      EXPECT_FALSE(pressed.is_excited[0]);
+      EXPECT_FALSE(pressed.is_excited[1]);
     }
-    for (const double value : held.value) EXPECT_TRUE(std::isfinite(value));
+    for (const double value : pressed.value) EXPECT_TRUE(std::isfinite(value));
     // One sample moves a parameter by P phi error, and the leak keeps P <= 1 / prior_information in
-    // scaled units. So small a phi tells that from a P that has wound up: it moves by error / phi.
+    // scaled units. A small phi reveals covariance wind-up: the parameter would move by error /
+    // phi.
     for (std::size_t k = 0; k < 3; ++k) {
-      std::array<double, 3> little{};
-      little[k] = 0.1 * std::sqrt(options.prior_information) * options.scale[k];
+      std::array<double, 3> small_phi{};
+      small_phi[k] = 0.1 * std::sqrt(options.prior_information) * options.scale[k];
       const double before = estimator.parameters()[k];
-      const double error = estimator.step(little, held.value[k] * little[k] + 1.0).error;
-      const double most = little[k] / options.prior_information / std::pow(options.scale[k], 2);
-      EXPECT_LE(std::abs(estimator.parameters()[k] - before), 1.0001 * most * std::abs(error));
+      const double error = estimator.step(small_phi, pressed.value[k] * small_phi[k] + 1.0).error;
+      const double max_gain =
+          small_phi[k] / options.prior_information / std::pow(options.scale[k], 2);
+      EXPECT_LE(std::abs(estimator.parameters()[k] - before), 1.0001 * max_gain * std::abs(error));
     }
-    // Excited again, it comes back at once instead of jumping.
+    // Excited again, it converges at once instead of jumping.
     for (int i = 0; i < 200; ++i) {
       const auto phi = rich(0.01 * i);
       estimator.step(phi, dot(phi, truth) + 0.07 * random.normal());
@@ -155,7 +158,7 @@ TEST(ParameterEstimator, AMinuteWithoutExcitationBlowsNothingUp) {
   }
 }
 
-TEST(ParameterEstimator, SilenceLeavesEverythingWhereItWas) {
+TEST(ParameterEstimator, ZeroInputKeepsTheParameters) {
   for (const EstimationMethod method :
        {EstimationMethod::exponential, EstimationMethod::adaptive}) {
     ParameterEstimator<3> estimator(options_for(method), {1.0, 2.0, 3.0});
@@ -165,7 +168,7 @@ TEST(ParameterEstimator, SilenceLeavesEverythingWhereItWas) {
   }
 }
 
-TEST(ParameterEstimator, SaysThatConstantSpeedDoesNotSplitCoulombFromViscous) {
+TEST(ParameterEstimator, ReportsThatConstantSpeedDoesNotSeparateCoulombFromViscous) {
   EstimatorOptions<2> options;
   options.scale = {1.0, 0.03};
   ParameterEstimator<2> estimator(options);
@@ -178,7 +181,7 @@ TEST(ParameterEstimator, SaysThatConstantSpeedDoesNotSplitCoulombFromViscous) {
   EXPECT_FALSE(estimate.is_excited[1]);
 }
 
-TEST(ParameterEstimator, LeavesOutWhatIsNotANumberOrAbsurd) {
+TEST(ParameterEstimator, IgnoresSamplesThatAreNotFiniteOrOutOfRange) {
   for (const EstimationMethod method : kMethods) {
     ParameterEstimator<3> estimator(options_for(method), {1.0, 2.0, 3.0});
     const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -201,11 +204,11 @@ TEST(ParameterEstimator, RefusesOptionsOutOfTheirRange) {
   EXPECT_THROW(ParameterEstimator<3>{options}, ContractError);
 }
 
-/// A press against mass, damper and spring whose stiffness doubles; how the estimator follows.
-struct Following {
+/// A press against mass, damper and spring whose stiffness doubles; how the estimator tracks it.
+struct Tracking {
   double steady = 0.0;            ///< mean relative force error before and long after the step
   double recovery = 0.0;          ///< [s] from the step until the error stays under 10 %
-  double share_forgetting = 0.0;  ///< of samples in peace at which lambda was below 1
+  double share_forgetting = 0.0;  ///< of samples without a change at which lambda was below 1
   double min_forgetting = 1.0;
 };
 
@@ -225,15 +228,15 @@ double stepped_force(double t) {
   return t < kStepTime ? 0.5 * a + 20.0 * v + 3000.0 * x : 0.5 * a + 60.0 * v + 6000.0 * x;
 }
 
-Following follow_stiffness_step(EstimationMethod method, std::uint64_t seed) {
+Tracking track_stiffness_step(EstimationMethod method, std::uint64_t seed) {
   EstimatorOptions<3> options = options_for(method);
   options.scale = {1.0, 0.03, 0.003};
   options.correlated_samples = correlated_samples(kHalfWidth, 0.002);
-  options.noise_deviation = 0.3 / std::sqrt(options.correlated_samples);
+  options.noise_std = 0.3 / std::sqrt(options.correlated_samples);
   ParameterEstimator<3> estimator(options);
   Random random(seed);
   CausalFilter filter(kHalfWidth, 500.0, 0.3);
-  Following result;
+  Tracking result;
   double count = 0.0;
   for (int i = 0; i < 2500; ++i) {
     const double t = 0.002 * i;
@@ -249,7 +252,7 @@ Following follow_stiffness_step(EstimationMethod method, std::uint64_t seed) {
       result.steady += relative;
       count += 1.0;
     }
-    // Instants are the ones the filter speaks of; its delay comes on top.
+    // Instants are those of the filter's output; its latency is added.
     if (out->t > kStepTime - kHalfWidth && relative > 0.1)
       result.recovery = out->t - kStepTime + filter.delay();
     result.min_forgetting = std::min(result.min_forgetting, step.forgetting);
@@ -259,15 +262,15 @@ Following follow_stiffness_step(EstimationMethod method, std::uint64_t seed) {
   return result;
 }
 
-TEST(AdaptiveForgetting, FollowsAStiffnessStepAndIsQuietOtherwise) {
+TEST(AdaptiveForgetting, TracksAStiffnessStepWithoutFalseAlarms) {
   double steady = 0.0, recovery = 0.0;
   for (std::uint64_t seed = 6001; seed <= 6010; ++seed) {
-    const Following adaptive = follow_stiffness_step(EstimationMethod::adaptive, seed);
+    const Tracking adaptive = track_stiffness_step(EstimationMethod::adaptive, seed);
     steady += adaptive.steady / 10.0;
     recovery += adaptive.recovery / 10.0;
     EXPECT_LT(adaptive.recovery, 0.080);
-    EXPECT_LT(adaptive.min_forgetting, 0.9);  // the change was seen,
-    // and noise, correlated by the filter, was not one: 950 samples at one in a million.
+    EXPECT_LT(adaptive.min_forgetting, 0.9);  // the change was detected,
+    // without false alarms by noise, correlated by the filter: 950 samples at one in a million.
     EXPECT_EQ(adaptive.share_forgetting, 0.0);
   }
   RecordProperty("steady", std::to_string(steady));
@@ -276,10 +279,10 @@ TEST(AdaptiveForgetting, FollowsAStiffnessStepAndIsQuietOtherwise) {
   EXPECT_LT(recovery, 0.040);
 }
 
-TEST(AdaptiveForgetting, BeatsTheOtherMethodsWhereTheyAreWeak) {
-  const Following adaptive = follow_stiffness_step(EstimationMethod::adaptive, 6021);
-  const Following exponential = follow_stiffness_step(EstimationMethod::exponential, 6021);
-  const Following block = follow_stiffness_step(EstimationMethod::block, 6021);
+TEST(AdaptiveForgetting, IsFasterThanExponentialAndMoreAccurateThanBlock) {
+  const Tracking adaptive = track_stiffness_step(EstimationMethod::adaptive, 6021);
+  const Tracking exponential = track_stiffness_step(EstimationMethod::exponential, 6021);
+  const Tracking block = track_stiffness_step(EstimationMethod::block, 6021);
   EXPECT_LT(adaptive.recovery, exponential.recovery);
   EXPECT_LT(adaptive.steady, block.steady);
 }

@@ -12,7 +12,7 @@
 namespace pcavr {
 namespace {
 
-TEST(Steps, AllocateNothing) {
+TEST(Steps, DoNotAllocate) {
   for (const EstimationMethod method :
        {EstimationMethod::block, EstimationMethod::exponential, EstimationMethod::adaptive}) {
     EstimatorOptions<3> options;

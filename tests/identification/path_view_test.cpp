@@ -11,7 +11,7 @@
 namespace pcavr {
 namespace {
 
-TEST(PathView, GoesStraightFromSampleToSampleAndStandsAtTheEnds) {
+TEST(PathView, InterpolatesLinearlyAndClampsAtTheEnds) {
   const std::vector<double> t{1.0, 2.0, 4.0};
   const std::vector<Eigen::Vector3d> points{{0, 0, 0}, {1, 2, 0}, {1, 2, 8}};
   const PathView path(t, points);
@@ -24,7 +24,7 @@ TEST(PathView, GoesStraightFromSampleToSampleAndStandsAtTheEnds) {
   EXPECT_EQ(path.at(9.0), points[2]);
 }
 
-TEST(PathView, RefusesToBeReadWhereItHoldsNothing) {
+TEST(PathView, ThrowsWhenReadWhileEmpty) {
   EXPECT_THROW((void)PathView({}, {}).at(0.0), ContractError);
 }
 

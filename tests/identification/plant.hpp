@@ -13,8 +13,8 @@
 
 namespace pcavr {
 
-/// What the identification does NOT fit: LuGre friction with Stribeck effect [Canudas de Wit et al.
-/// 1995] under a box that a tool touches through a Hunt-Crossley contact; 20 kHz.
+/// A model that the identification does NOT fit: LuGre friction with Stribeck effect [Canudas de
+/// Wit et al. 1995] under a box that a tool touches through a Hunt-Crossley contact; 20 kHz.
 struct Plant {
   double mass = 3.0;              ///< [kg]
   double coulomb = 8.4;           ///< [N]
@@ -25,7 +25,7 @@ struct Plant {
   double stiffness = 20600.0;     ///< [N/m^n]
   double damping = 82400.0;       ///< [N s/m^(n+1)]
   double exponent = 1.5;
-  bool is_held = false;  ///< pressed against the support: the box can't move
+  bool is_fixed = false;  ///< pressed against the support: the box can't move
 };
 
 struct Sensors {
@@ -65,20 +65,21 @@ inline Trial run(const Plant& plant, const Sensors& sensors, double duration, st
       const double power = std::pow(depth, plant.exponent);
       contact = std::max(0.0, plant.stiffness * power + plant.damping * power * rate);
     }
-    if (!plant.is_held) {
+    if (!plant.is_fixed) {
       const double ratio = v / plant.stribeck_speed;
       const double level =
           plant.coulomb + (plant.breakaway - plant.coulomb) * std::exp(-ratio * ratio);
       const double dz = v - plant.bristle * std::abs(v) / level * z;
       const double bristle_damping = 2.0 * std::sqrt(plant.bristle * plant.mass) * 0.5;
-      const double fade = std::exp(-std::pow(v / 0.005, 2));  // or it would add to the viscous part
+      const double fade =
+          std::exp(-std::pow(v / 0.005, 2));  // else it would add to viscous friction
       const double friction = plant.bristle * z + bristle_damping * fade * dz + plant.viscous * v;
       if (x < 0.002) trial.friction_peak = std::max(trial.friction_peak, friction);
       v += kStep * (contact - friction) / plant.mass;
       x += kStep * v;
       z += kStep * dz;
     }
-    // The box breaks away when it first runs ahead of the tool; a stick-slip's later peaks differ.
+    // The box breaks loose when it first moves ahead of the tool; later peaks of stick-slip differ.
     has_slid = has_slid || (contact > 0.5 * plant.breakaway &&
                             contact < (1.0 - 1e-4) * trial.peak_before_slide);
     if (!has_slid) trial.peak_before_slide = std::max(trial.peak_before_slide, contact);

@@ -26,15 +26,15 @@ WholeRecording whole_recording(std::uint64_t seed, const Eigen::Vector3d& bias) 
   Random random(seed);
   Sensors sensors;
   sensors.force_noise = 0.0;
-  Plant held;
-  held.is_held = true;
+  Plant fixed;
+  fixed.is_fixed = true;
   const auto there_and_back = [](double far) {
     return
         [far](double t) { return std::min(0.01 * (t - 0.5), 2.0 * far + 0.03 - 0.01 * (t - 0.5)); };
   };
-  const std::vector<Trial> parts = {run(held, sensors, 4.5, 1, there_and_back(-0.010)),
+  const std::vector<Trial> parts = {run(fixed, sensors, 4.5, 1, there_and_back(-0.010)),
                                     run({}, sensors, 6.5, 2, there_and_back(0.005)),
-                                    run(held, sensors, 3.5, 3, there_and_back(-0.012))};
+                                    run(fixed, sensors, 3.5, 3, there_and_back(-0.012))};
   const Eigen::Vector3d along[] = {-Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY(),
                                    Eigen::Vector3d::UnitY()};
   double start = 0.0;
@@ -55,7 +55,7 @@ WholeRecording whole_recording(std::uint64_t seed, const Eigen::Vector3d& bias) 
   return all;
 }
 
-TEST(SegmentContacts, FindsPressSlideAndPushWithoutBeingToldWhen) {
+TEST(SegmentContacts, FindsPressSlideAndPushWithoutAnnotations) {
   const WholeRecording all = whole_recording(5105, Eigen::Vector3d::Zero());
   const Segmentation found =
       segment_contacts(all.t_force, all.force_base, all.t_tool, all.p_base_tip);
@@ -72,14 +72,14 @@ TEST(SegmentContacts, FindsPressSlideAndPushWithoutBeingToldWhen) {
   EXPECT_TRUE(found.contacts[1].breakaway.is_found);
 }
 
-TEST(SegmentContacts, CarriesTouchAndPartingBackToTheSurface) {
+TEST(SegmentContacts, ExtrapolatesBeginAndEndToTheSurface) {
   double worst = 0.0, mean = 0.0;
   for (std::uint64_t seed = 5111; seed <= 5116; ++seed) {
     const WholeRecording all = whole_recording(seed, Eigen::Vector3d::Zero());
     const Segmentation found =
         segment_contacts(all.t_force, all.force_base, all.t_tool, all.p_base_tip);
     ASSERT_EQ(found.contacts.size(), 3U);
-    // The faces are at 0, at 10 mm/s; forces carry stamps 1 ms late.
+    // The faces are at 0, at 10 mm/s; the forces' timestamps are 1 ms late.
     for (const double error : {found.contacts[0].begin - 0.501, found.contacts[0].end - 1.501,
                                found.contacts[1].begin - 5.003}) {
       worst = std::max(worst, std::abs(error));
@@ -88,12 +88,12 @@ TEST(SegmentContacts, CarriesTouchAndPartingBackToTheSurface) {
   }
   RecordProperty("worst", std::to_string(worst));
   RecordProperty("mean", std::to_string(mean));
-  // A threshold of six deviations is 90 ms late here, the same on either side.
+  // A threshold of six stds is 90 ms late here, at begin and end.
   EXPECT_LT(worst, 0.06);
   EXPECT_LT(mean, 0.025);
 }
 
-TEST(SegmentContacts, TakesASteadyBiasOff) {
+TEST(SegmentContacts, SubtractsAConstantBias) {
   const Eigen::Vector3d bias(0.4, -0.6, 0.5);
   const WholeRecording all = whole_recording(5106, bias);
   const Segmentation found =
@@ -104,7 +104,7 @@ TEST(SegmentContacts, TakesASteadyBiasOff) {
   }
 }
 
-TEST(SegmentContacts, FindsNothingWhereNothingTouches) {
+TEST(SegmentContacts, FindsNothingWithoutContact) {
   Random random(7);
   std::vector<double> t;
   std::vector<Eigen::Vector3d> force, tip;

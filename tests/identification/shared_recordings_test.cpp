@@ -41,7 +41,7 @@ struct Window {
   std::vector<double> t, tool, force;
 };
 
-/// Windows of 3 s (2 s are left once the drift's smoothing has cut the ends), each along its own
+/// Windows of 3 s (2 s remain after the drift's smoothing has removed the ends), each along its own
 /// mean force. Force on the tip and position in mm, as logged.
 std::vector<Window> palpation_windows(const std::vector<std::vector<double>>& rows) {
   std::vector<Window> windows;
@@ -66,11 +66,11 @@ std::vector<Window> palpation_windows(const std::vector<std::vector<double>>& ro
   return windows;
 }
 
-TEST(Palpation, GivesTheKnownStiffnessAndADampingWithItsDeviation) {
+TEST(Palpation, HasTheKnownStiffnessAndADampingWithItsStd) {
   PCAVR_NEEDS_SHARED_DATA("real/palpation/ContPalpRAL18T1.csv");
   ContactFitOptions options;
   options.drift_half_width = 0.5;  // one period of the 2 Hz it was pressed with
-  std::vector<double> stiffness, damping, deviation;
+  std::vector<double> stiffness, damping, damping_std;
   for (const Window& window :
        palpation_windows(read_numbers(shared_data("real/palpation/ContPalpRAL18T1.csv")))) {
     const ForceMotion press{window.t, window.tool, window.force};
@@ -78,19 +78,19 @@ TEST(Palpation, GivesTheKnownStiffnessAndADampingWithItsDeviation) {
     if (!fit.is_valid) continue;
     stiffness.push_back(fit.stiffness.value);
     damping.push_back(fit.damping.value);
-    deviation.push_back(fit.damping.deviation);
+    damping_std.push_back(fit.damping.std);
   }
   ASSERT_GT(stiffness.size(), 50U);
   RecordProperty("windows", std::to_string(stiffness.size()));
   RecordProperty("stiffness", std::to_string(quantile(stiffness, 0.5)));
   RecordProperty("damping", std::to_string(quantile(damping, 0.5)));
-  RecordProperty("damping_deviation", std::to_string(quantile(deviation, 0.5)));
+  RecordProperty("damping_std", std::to_string(quantile(damping_std, 0.5)));
   EXPECT_NEAR(quantile(stiffness, 0.5), 483.0, 0.05 * 483.0);
   EXPECT_NEAR(quantile(damping, 0.5), 2.0, 1.0);
-  EXPECT_LT(quantile(deviation, 0.5), 1.0);
+  EXPECT_LT(quantile(damping_std, 0.5), 1.0);
 }
 
-TEST(PushTwoBoxes, GivesWhatOnePushEachCanTell) {
+TEST(PushTwoBoxes, IsIdentifiedFromOnePushEach) {
   PCAVR_NEEDS_SHARED_DATA("push_two_boxes/wrench.csv");
   std::vector<double> t_force, t_tool;
   std::vector<Eigen::Vector3d> force_base, p_base_tip;
@@ -133,12 +133,12 @@ TEST(PushTwoBoxes, GivesWhatOnePushEachCanTell) {
                 0.03 * friction);
     const IdentifiedParameter limit =
         friction_at_breakaway(series, episode.breakaway, truth.compliance, truth.mass);
-    // The first box is pushed from a hold just below its limit, fast: its peak is 29 % above it.
+    // The first box is pushed fast, from rest just below its limit: its peak is 29 % above it.
     EXPECT_NEAR(limit.value, truth.limit, 0.15 * truth.limit);
-    EXPECT_NEAR(limit.value, truth.limit, 2.0 * limit.deviation);
+    EXPECT_NEAR(limit.value, truth.limit, 2.0 * limit.std);
     const std::string name = truth.name;
     RecordProperty(name + "_limit", std::to_string(limit.value));
-    RecordProperty(name + "_limit_deviation", std::to_string(limit.deviation));
+    RecordProperty(name + "_limit_std", std::to_string(limit.std));
     RecordProperty(name + "_peak", std::to_string(episode.breakaway.force));
     RecordProperty(name + "_friction", std::to_string(sliding.coulomb.value));
     RecordProperty(name + "_friction_truth", std::to_string(friction));

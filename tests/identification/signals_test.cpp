@@ -19,16 +19,16 @@ std::vector<double> grid(double rate, double duration) {
   return t;
 }
 
-TEST(RemoveSpikes, TakesSingleSpikesOutAndLeavesTheRest) {
+TEST(RemoveSpikes, ReplacesSingleSpikesAndKeepsTheRest) {
   Random random(1);
   std::vector<double> values;
   for (int i = 0; i < 2000; ++i) values.push_back(5.0 * std::sin(0.01 * i) + 0.2 * random.normal());
-  std::vector<double> spoilt = values;
-  for (std::size_t i = 100; i < 2000; i += 190) spoilt[i] += i % 380 == 100 ? 30.0 : -6.0;
-  const DespikedSignal clean = remove_spikes(spoilt);
+  std::vector<double> with_spikes = values;
+  for (std::size_t i = 100; i < 2000; i += 190) with_spikes[i] += i % 380 == 100 ? 30.0 : -6.0;
+  const DespikedSignal clean = remove_spikes(with_spikes);
   for (std::size_t i = 100; i < 2000; i += 190) EXPECT_NEAR(clean.values[i], values[i], 1.0) << i;
   EXPECT_GE(clean.spikes.size(), 10U);
-  EXPECT_LE(clean.spikes.size(), 20U);  // five deviations of seven samples: a few honest ones go
+  EXPECT_LE(clean.spikes.size(), 20U);  // five stds of seven samples: a few false positives
 }
 
 TEST(RemoveSpikes, KeepsStepsAndRamps) {
@@ -37,15 +37,15 @@ TEST(RemoveSpikes, KeepsStepsAndRamps) {
   EXPECT_EQ(remove_spikes(values).values, values);
 }
 
-TEST(NoiseDeviation, MeasuresWhiteNoiseOnAMovingSignal) {
+TEST(EstimateNoiseStd, IsThatOfWhiteNoiseOnAMovingSignal) {
   Random random(2);
   std::vector<double> values;
   for (int i = 0; i < 5000; ++i) values.push_back(std::sin(0.01 * i) + 0.3 * random.normal());
-  EXPECT_NEAR(noise_deviation(values), 0.3, 0.03);  // a median of 5000: 2 %
-  EXPECT_EQ(noise_deviation(std::vector<double>{1.0}), 0.0);
+  EXPECT_NEAR(estimate_noise_std(values), 0.3, 0.03);  // a median of 5000: 2 %
+  EXPECT_EQ(estimate_noise_std(std::vector<double>{1.0}), 0.0);
 }
 
-TEST(Smooth, IsExactForWhatThePolynomialHolds) {
+TEST(Smooth, IsExactForAPolynomial) {
   std::vector<double> t, x;
   for (int i = 0; i < 100; ++i) {
     t.push_back(0.002 * i + 0.0004 * std::sin(9.0 * i));  // jitter
@@ -59,8 +59,8 @@ TEST(Smooth, IsExactForWhatThePolynomialHolds) {
 }
 
 TEST(Smooth, FitsForceAndMotionTogetherExactly) {
-  // F = M a + B v + k x at 5 Hz through a window of 80 ms: each smoothed alone is off by per cents,
-  // together they obey the law.
+  // F = M a + B v + k x at 5 Hz through a window of 80 ms: each smoothed alone is off by a few per
+  // cent, together they satisfy the law.
   const double w = 2.0 * 3.14159265358979 * 5.0;
   const std::vector<double> t = grid(2000.0, 1.0);
   std::vector<double> x, f;
@@ -72,7 +72,7 @@ TEST(Smooth, FitsForceAndMotionTogetherExactly) {
   for (double at = 0.1; at < 0.9; at += 0.013) {
     const SmoothedSample p = smooth_at(t, x, at, 0.04);
     const SmoothedSample force = smooth_at(t, f, at, 0.04);
-    // Sums over the window stand for integrals: 160 samples, some 1e-3.
+    // Sums over the window approximate integrals: 160 samples, about 1e-3.
     EXPECT_NEAR(force.value, 3.0 * p.acceleration + 10.0 * p.rate + 500.0 * p.value, 5.0);
     const double exact =
         -3.0 * w * w * std::sin(w * at) + 10.0 * w * std::cos(w * at) + 500.0 * std::sin(w * at);
@@ -81,7 +81,7 @@ TEST(Smooth, FitsForceAndMotionTogetherExactly) {
   EXPECT_GT(unsmoothed, 100.0);
 }
 
-TEST(Smooth, SaysWhereTheWindowIsNotFull) {
+TEST(Smooth, IsInvalidWhereTheWindowIsNotFull) {
   const std::vector<double> t = grid(500.0, 0.1);
   const std::vector<double> x(t.size(), 1.0);
   EXPECT_FALSE(smooth_at(t, x, 0.0, 0.02).is_valid);
@@ -93,7 +93,7 @@ TEST(Smooth, SaysWhereTheWindowIsNotFull) {
   EXPECT_FALSE(smooth_at(holed, std::vector<double>(holed.size(), 1.0), 0.05, 0.02).is_valid);
 }
 
-TEST(CausalFilter, SaysTheSameAsTheCentredOneAfterItsDelay) {
+TEST(CausalFilter, EqualsTheCentredOneAfterItsDelay) {
   const std::vector<double> t = grid(500.0, 1.0);
   Random random(4);
   std::vector<double> x, f;
@@ -116,20 +116,20 @@ TEST(CausalFilter, SaysTheSameAsTheCentredOneAfterItsDelay) {
   EXPECT_GT(given, 450);
 }
 
-TEST(CausalFilter, SurvivesSpikesAndBadNumbers) {
+TEST(CausalFilter, IsRobustAgainstSpikesAndInvalidNumbers) {
   CausalFilter filter(0.02, 500.0, 0.3);
-  double largest = 0.0;
+  double max_force = 0.0;
   for (int i = 0; i < 500; ++i) {
     if (i % 50 == 7) filter.step(0.002 * i, NAN, 0.0);
     const auto out = filter.step(0.002 * i + 0.001, 0.0, i % 40 == 9 ? 50.0 : 1.0);
-    EXPECT_FALSE(filter.step(0.002 * i, 0.0, 0.0).has_value());  // a stamp that goes back
-    if (out) largest = std::max(largest, out->force);
+    EXPECT_FALSE(filter.step(0.002 * i, 0.0, 0.0).has_value());  // a timestamp that goes back
+    if (out) max_force = std::max(max_force, out->force);
   }
-  EXPECT_NEAR(largest, 1.0, 1e-9);
+  EXPECT_NEAR(max_force, 1.0, 1e-9);
 }
 
-TEST(TimeOffset, IsFoundWithItsDeviation) {
-  double squared = 0.0, said = 0.0;
+TEST(TimeOffset, IsFoundWithItsStd) {
+  double squared = 0.0, stated_std = 0.0;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Random random(seed);
     std::vector<double> t_a = grid(500.0, 4.0), t_b = grid(300.0, 4.0), a, b;
@@ -144,14 +144,14 @@ TEST(TimeOffset, IsFoundWithItsDeviation) {
     EXPECT_NEAR(offset.offset, 0.0373, 0.004);
     EXPECT_GT(offset.correlation, 0.9);
     squared += std::pow(offset.offset - 0.0373, 2) / 10.0;
-    said += offset.deviation / 10.0;
+    stated_std += offset.std / 10.0;
   }
-  // What it says of itself is right within a factor of three (interpolation smooths the noise).
-  EXPECT_LT(std::sqrt(squared), 3.0 * said);
-  EXPECT_GT(std::sqrt(squared), said / 3.0);
+  // Its std is right within a factor of three (interpolation smooths the noise).
+  EXPECT_LT(std::sqrt(squared), 3.0 * stated_std);
+  EXPECT_GT(std::sqrt(squared), stated_std / 3.0);
 }
 
-TEST(TimeOffset, ShowsAForceOfTheWrongSign) {
+TEST(TimeOffset, DetectsAForceOfTheWrongSign) {
   std::vector<double> t = grid(500.0, 3.0), a, b;
   for (const double at : t) {
     a.push_back(std::sin(3.0 * at * at));
@@ -162,7 +162,7 @@ TEST(TimeOffset, ShowsAForceOfTheWrongSign) {
   EXPECT_NEAR(offset.offset, 0.1, 0.002);
 }
 
-TEST(TimeOffset, SaysNothingWhereThereIsNothing) {
+TEST(TimeOffset, IsUnknownWithoutCorrelation) {
   Random random(8);
   std::vector<double> t = grid(500.0, 3.0), a, b;
   for (std::size_t i = 0; i < t.size(); ++i)
@@ -172,7 +172,7 @@ TEST(TimeOffset, SaysNothingWhereThereIsNothing) {
   EXPECT_FALSE(estimate_time_offset(t, std::vector<double>(t.size(), 1.0), t, b).is_known);
 }
 
-TEST(TrackBias, FollowsDriftAndBridgesContacts) {
+TEST(TrackBias, TracksDriftAndInterpolatesAcrossContacts) {
   const std::vector<double> t = grid(500.0, 6.0);
   std::vector<Eigen::Vector3d> force;
   std::vector<bool> is_free;

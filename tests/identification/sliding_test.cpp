@@ -29,11 +29,11 @@ Plant random_plant(std::uint64_t seed) {
   return plant;
 }
 
-SlidingIdentification identify(const Plant& plant, double speed, double swing, std::uint64_t seed,
-                               const SlidingOptions& options = {}) {
+SlidingIdentification identify(const Plant& plant, double speed, double amplitude,
+                               std::uint64_t seed, const SlidingOptions& options = {}) {
   const auto path = [=](double t) {
     const double since = t - 0.3;
-    return speed * since + (since > 0.0 ? swing * std::sin(kTwoHertz * since) : 0.0);
+    return speed * since + (since > 0.0 ? amplitude * std::sin(kTwoHertz * since) : 0.0);
   };
   Sensors sensors;
   sensors.spike_share = 0.001;
@@ -62,7 +62,7 @@ TEST(IdentifySliding, FindsMassAndFrictionFromAnExcitingPush) {
   }
 }
 
-TEST(IdentifySliding, SaysThatASteadyPushShowsNoMassAndProposesABetterOne) {
+TEST(IdentifySliding, ReportsThatASteadyPushDoesNotExciteTheMassAndProposesABetterOne) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const Plant plant = random_plant(seed + 20);
     SlidingOptions options;
@@ -80,34 +80,34 @@ TEST(IdentifySliding, SaysThatASteadyPushShowsNoMassAndProposesABetterOne) {
   }
 }
 
-TEST(IdentifySliding, ClaimsOnlyWhatHoldsFromWeakPushesToStrongOnes) {
-  int claimed = 0;
-  for (const double swing : {0.0003, 0.001, 0.002, 0.0035}) {
+TEST(IdentifySliding, IsRightAboutExcitationFromWeakToStrongPushes) {
+  int excited = 0;
+  for (const double amplitude : {0.0003, 0.001, 0.002, 0.0035}) {
     for (std::uint64_t seed = 5651; seed <= 5653; ++seed) {
       const Plant plant = random_plant(seed);
-      const SlidingIdentification found = identify(plant, 0.06, swing, 600 + seed);
+      const SlidingIdentification found = identify(plant, 0.06, amplitude, 600 + seed);
       ASSERT_TRUE(found.is_valid);
       const double friction = plant.coulomb + plant.viscous * found.speed;
       EXPECT_NEAR(found.coulomb.value + found.viscous.value * found.speed, friction,
                   0.005 * friction);
       if (found.mass.is_excited) {
-        ++claimed;
-        EXPECT_NEAR(found.mass.value, plant.mass, 3.0 * found.mass.deviation) << swing;
+        ++excited;
+        EXPECT_NEAR(found.mass.value, plant.mass, 3.0 * found.mass.std) << amplitude;
       }
       if (found.viscous.is_excited) {
-        ++claimed;
-        EXPECT_NEAR(found.viscous.value, plant.viscous, 3.0 * found.viscous.deviation) << swing;
+        ++excited;
+        EXPECT_NEAR(found.viscous.value, plant.viscous, 3.0 * found.viscous.std) << amplitude;
       }
     }
   }
-  EXPECT_GE(claimed, 8);
+  EXPECT_GE(excited, 8);
 }
 
-TEST(IdentifySliding, IsNotMisledByStopsAndLostContact) {
-  int told = 0;
+TEST(IdentifySliding, IsRobustAgainstStopsAndLostContact) {
+  int valid = 0;
   for (std::uint64_t seed = 6201; seed <= 6206; ++seed) {
     const Plant plant = random_plant(seed);
-    const auto path = [](double t) {  // to and fro: stops, lost contact, goes on
+    const auto path = [](double t) {  // back and forth: stops, lost contact, continues
       return 0.05 * (t - 0.3) + 0.012 * std::sin(kTwoHertz * (t - 0.3));
     };
     const Trial trial = run(plant, {}, 6.0, 400 + seed, path);
@@ -119,43 +119,43 @@ TEST(IdentifySliding, IsNotMisledByStopsAndLostContact) {
       EXPECT_FALSE(found.proposal.empty());
       continue;
     }
-    ++told;
+    ++valid;
     const double friction = plant.coulomb + plant.viscous * found.speed;
     EXPECT_NEAR(found.coulomb.value + found.viscous.value * found.speed, friction, 0.03 * friction);
     EXPECT_NEAR(found.coulomb.value, plant.coulomb,
-                std::max(0.03 * plant.coulomb, 3.0 * found.coulomb.deviation));
+                std::max(0.03 * plant.coulomb, 3.0 * found.coulomb.std));
     ASSERT_TRUE(found.mass.is_excited) << seed;
     EXPECT_NEAR(found.mass.value, plant.mass, 0.05 * plant.mass) << seed;
   }
-  EXPECT_GE(told, 3);
+  EXPECT_GE(valid, 3);
 }
 
-TEST(IdentifySliding, HasNoAnswerForAnObjectThatStands) {
+TEST(IdentifySliding, IsInvalidForAnObjectAtRest) {
   Plant plant;
-  plant.is_held = true;
+  plant.is_fixed = true;
   const SlidingIdentification found = identify(plant, 0.002, 0.0, 1);
   EXPECT_FALSE(found.is_valid);
   EXPECT_FALSE(found.proposal.empty());
   EXPECT_FALSE(identify_sliding({}, {1000.0, 0.0, 1.0}).is_valid);
 }
 
-TEST(Deformation, InvertsTheContactLaw) {
+TEST(PenetrationFromForce, InvertsTheContactLaw) {
   Plant plant;
-  plant.is_held = true;
+  plant.is_fixed = true;
   Sensors exact;
   exact.force_noise = exact.tool_noise = 0.0;
   const auto path = [](double t) { return 0.002 + 0.001 * std::sin(9.0 * t); };
   const Trial trial = run(plant, exact, 2.0, 1, path);
-  const auto depth =
-      deformation(trial.t, trial.true_force, {plant.stiffness, plant.damping, plant.exponent});
+  const auto depth = penetration_from_force(trial.t, trial.true_force,
+                                            {plant.stiffness, plant.damping, plant.exponent});
   for (std::size_t i = 200; i < depth.size(); ++i) {
     EXPECT_NEAR(depth[i], path(trial.t[i]), 5e-6);  // implicit steps of 2 ms
   }
 }
 
-TEST(Deformation, IsZeroWithoutForceAndFiniteForAnySpike) {
+TEST(PenetrationFromForce, IsZeroWithoutForceAndFiniteForAnySpike) {
   const std::vector<double> t = {0.0, 0.002, 0.004, 0.006}, force = {0.0, -3.0, 1e6, 1e-9};
-  const auto depth = deformation(t, force, {20600.0, 82400.0, 1.5});
+  const auto depth = penetration_from_force(t, force, {20600.0, 82400.0, 1.5});
   EXPECT_EQ(depth[0], 0.0);
   EXPECT_EQ(depth[1], 0.0);
   for (const double d : depth) EXPECT_TRUE(std::isfinite(d) && d >= 0.0);

@@ -14,7 +14,7 @@ namespace {
 using test::a_camera;
 using test::facing;
 
-constexpr double kCornerSigma = 0.1;  // [px]
+constexpr double kCornerStd = 0.1;  // [px]
 
 TagPlacement a_placement(int id, double size, const Pose& T_body_marker) {
   return {{"tag36h11", id}, size, T_body_marker};
@@ -30,25 +30,25 @@ std::vector<TagPlacement> a_box() {
 }
 
 std::vector<TagDetection> detect(const std::vector<TagPlacement>& placements,
-                                 const Pose& T_camera_body, const CameraModel& camera, double sigma,
-                                 Random& random) {
+                                 const Pose& T_camera_body, const CameraModel& camera,
+                                 double corner_std, Random& random) {
   std::vector<TagDetection> detections;
   for (const TagPlacement& placement : placements) {
     TagDetection detection;
     detection.id = placement.id;
-    detection.corner_sigma = sigma;
+    detection.corner_std = corner_std;
     const auto corners = tag_corners(placement.size);
     for (std::size_t i = 0; i < 4; ++i) {
       const Eigen::Vector3d p_camera = T_camera_body * (placement.T_body_marker * corners[i]);
       const Eigen::Vector2d noise(random.normal(), random.normal());
-      detection.corners[i] = camera.project(p_camera) + sigma * noise;
+      detection.corners[i] = camera.project(p_camera) + corner_std * noise;
     }
     detections.push_back(detection);
   }
   return detections;
 }
 
-/// What a depth camera with this bias and independent noise sees of a tag's plane.
+/// Depth image of a tag's plane from a depth camera with this bias and independent noise.
 DepthImage plane_depth(const Pose& T_camera_marker, const CameraModel& camera, double bias,
                        Random& random) {
   DepthImage depth(camera.width, camera.height);
@@ -59,7 +59,7 @@ DepthImage plane_depth(const Pose& T_camera_marker, const CameraModel& camera, d
       const Eigen::Vector2d at = camera.normalise({x, y});
       const double z = distance / normal.dot(Eigen::Vector3d(at.x(), at.y(), 1.0));
       if (z < 0.3 || z > 5.0) continue;
-      depth(x, y) = static_cast<float>(z + bias + DepthNoise{}.sigma(z) * random.normal());
+      depth(x, y) = static_cast<float>(z + bias + DepthNoise{}.depth_std(z) * random.normal());
     }
   }
   return depth;
@@ -71,7 +71,7 @@ Pose a_box_pose() {
   return Pose(tilted, {0.05, -0.03, 0.8});
 }
 
-TEST(SolveBodyPose, IsExactWhereCornersAreExactAndTheLensBends) {
+TEST(SolveBodyPose, IsExactForExactCornersWithLensDistortion) {
   const CameraModel camera = a_camera(-0.2);
   Random random(1);
   for (int i = 0; i < 200; ++i) {
@@ -80,9 +80,9 @@ TEST(SolveBodyPose, IsExactWhereCornersAreExactAndTheLensBends) {
                random.uniform(0.1, 1.2), random.uniform(0, 6.3), random.uniform(0, 6.3));
     const std::vector<TagPlacement> one{a_placement(3, 0.1, Pose())};
     auto detections = detect(one, truth, camera, 0.0, random);
-    detections[0].corner_sigma = 1e-3;
+    detections[0].corner_std = 1e-3;
     const BodyPose found =
-        solve_body_pose(one, detections, camera, {}, {.corner_sigma = 1e-3, .model_sigma = 0.0});
+        solve_body_pose(one, detections, camera, {}, {.corner_std = 1e-3, .model_std = 0.0});
     ASSERT_EQ(found.status, BodyPoseStatus::solved) << i;
     EXPECT_LT(translation_distance(found.pose.T_camera_body, truth), 1e-6) << i;
     EXPECT_LT(rotation_distance(found.pose.T_camera_body, truth), 1e-5) << i;
@@ -90,14 +90,14 @@ TEST(SolveBodyPose, IsExactWhereCornersAreExactAndTheLensBends) {
   }
 }
 
-TEST(SolveBodyPose, StatesACovarianceThatCoversTheErrors) {
+TEST(SolveBodyPose, ComputesAConsistentCovariance) {
   const CameraModel camera = a_camera(-0.1);
   Random random(2);
   double sum = 0.0;
   const int count = 300;
   for (int i = 0; i < count; ++i) {
-    const auto detections = detect(a_box(), a_box_pose(), camera, kCornerSigma, random);
-    const BodyPose found = solve_body_pose(a_box(), detections, camera, {}, {.model_sigma = 0.0});
+    const auto detections = detect(a_box(), a_box_pose(), camera, kCornerStd, random);
+    const BodyPose found = solve_body_pose(a_box(), detections, camera, {}, {.model_std = 0.0});
     ASSERT_EQ(found.status, BodyPoseStatus::solved);
     ASSERT_EQ(found.tags_used, 3);
     const Vector6d error = (a_box_pose().inverse() * found.pose.T_camera_body).log();
@@ -109,10 +109,10 @@ TEST(SolveBodyPose, StatesACovarianceThatCoversTheErrors) {
   EXPECT_LT(sum / count, 6.6);
 }
 
-TEST(SolveBodyPose, RejectsATagThatContradictsTheOthers) {
+TEST(SolveBodyPose, RejectsAnOutlierTag) {
   const CameraModel camera = a_camera();
   Random random(3);
-  auto detections = detect(a_box(), a_box_pose(), camera, kCornerSigma, random);
+  auto detections = detect(a_box(), a_box_pose(), camera, kCornerStd, random);
   for (Eigen::Vector2d& corner : detections[2].corners) corner.x() += 25.0;
   const BodyPose found = solve_body_pose(a_box(), detections, camera);
   EXPECT_EQ(found.status, BodyPoseStatus::solved);
@@ -121,11 +121,11 @@ TEST(SolveBodyPose, RejectsATagThatContradictsTheOthers) {
   EXPECT_LT(translation_distance(found.pose.T_camera_body, a_box_pose()), 0.003);
 }
 
-/// How often a far, small tag is taken for its mirror image.
+/// How the planar ambiguity of distant, small tags is resolved.
 struct FlipCount {
-  int wrong = 0;  ///< told as solved
+  int wrong = 0;  ///< solved, but with the wrong solution
   int ambiguous = 0;
-  double range_error = 0.0;  ///< [m], root mean square of what is solved and right
+  double range_error = 0.0;  ///< [m], root mean square over correct solutions
 };
 
 template <typename MakeHints>
@@ -139,14 +139,14 @@ FlipCount count_flips(int count, MakeHints&& make_hints) {
     const Pose truth =
         facing({random.uniform(-0.3, 0.3), random.uniform(-0.2, 0.2), random.uniform(0.5, 2.0)},
                random.uniform(0.0, 1.2), random.uniform(0, 6.3), random.uniform(0, 6.3));
-    const auto detections = detect(one, truth, camera, kCornerSigma, random);
+    const auto detections = detect(one, truth, camera, kCornerStd, random);
     DepthImage depth;
     const BodyPose found =
         solve_body_pose(one, detections, camera, make_hints(truth, camera, random, depth));
     const Pose& pose = found.pose.T_camera_body;
     if (found.status == BodyPoseStatus::ambiguous) {
       ++flips.ambiguous;
-    } else if (rotation_distance(pose, truth) > 0.3) {  // the mirror image, not noise
+    } else if (rotation_distance(pose, truth) > 0.3) {  // the other planar solution, not noise
       ++flips.wrong;
     } else {
       ++right;
@@ -158,15 +158,15 @@ FlipCount count_flips(int count, MakeHints&& make_hints) {
   return flips;
 }
 
-TEST(SolveBodyPose, SaysSoWhereCornersAloneCannotTellTheMirrorImage) {
+TEST(SolveBodyPose, ReportsPlanarAmbiguityFromCornersAlone) {
   const FlipCount flips = count_flips(
       300, [](const Pose&, const CameraModel&, Random&, DepthImage&) { return BodyPoseHints{}; });
   RecordProperty("ambiguous", flips.ambiguous);
-  EXPECT_LE(flips.wrong, 1);  // odds of 1000 to 1 were asked for
+  EXPECT_LE(flips.wrong, 1);  // the threshold is a likelihood ratio of 1000
   EXPECT_GT(flips.ambiguous, 30);
 }
 
-TEST(SolveBodyPose, LetsTheDepthInsideTheTagChoose) {
+TEST(SolveBodyPose, ResolvesTheAmbiguityByDepthInsideTheTag) {
   const FlipCount flips = count_flips(
       60, [](const Pose& truth, const CameraModel& camera, Random& random, DepthImage& depth) {
         depth = plane_depth(truth, camera, 0.0, random);
@@ -181,7 +181,7 @@ TEST(SolveBodyPose, LetsTheDepthInsideTheTagChoose) {
   EXPECT_LT(flips.range_error, 0.005);  // [m]; corners alone: 2 m * 0.1 px / 20 px = 10 mm
 }
 
-TEST(SolveBodyPose, LetsContinuityChoose) {
+TEST(SolveBodyPose, ResolvesTheAmbiguityByContinuity) {
   const FlipCount flips =
       count_flips(300, [](const Pose& truth, const CameraModel&, Random& random, DepthImage&) {
         Vector6d moved;
@@ -193,7 +193,7 @@ TEST(SolveBodyPose, LetsContinuityChoose) {
   EXPECT_LE(flips.wrong, 1);
 }
 
-TEST(SolveBodyPose, IsNotDraggedByADepthCameraThatIsOff) {
+TEST(SolveBodyPose, IsNotBiasedByABiasedDepthCamera) {
   const CameraModel camera = a_camera();
   Random random(5);
   const std::vector<TagPlacement> board{
@@ -211,7 +211,7 @@ TEST(SolveBodyPose, IsNotDraggedByADepthCameraThatIsOff) {
   EXPECT_LT(translation_distance(found.pose.T_camera_body, truth), 0.001);
 }
 
-TEST(SolveBodyPose, AnswersPlainlyWhereThereIsNothingToSolve) {
+TEST(SolveBodyPose, ReportsMissingAndInvalidDetections) {
   const CameraModel camera = a_camera();
   Random random(6);
   EXPECT_EQ(solve_body_pose(a_box(), {}, camera).status, BodyPoseStatus::not_seen);
@@ -223,16 +223,16 @@ TEST(SolveBodyPose, AnswersPlainlyWhereThereIsNothingToSolve) {
   EXPECT_EQ(solve_body_pose(a_box(), {point}, camera).status, BodyPoseStatus::failed);
   point.corners.fill({std::nan(""), 100});
   EXPECT_EQ(solve_body_pose(a_box(), {point}, camera).status, BodyPoseStatus::not_seen);
-  // Seen from behind, the corners turn the other way round: no tag looks like that.
+  // Seen from behind, the corners have the opposite orientation: not a valid tag.
   auto mirrored = detect({a_box()[0]}, a_box_pose(), camera, 0, random);
   std::swap(mirrored[0].corners[1], mirrored[0].corners[3]);
   EXPECT_EQ(solve_body_pose(a_box(), mirrored, camera).status, BodyPoseStatus::failed);
 }
 
-TEST(SolveBodyPose, DoesNotMindTheOrderOfPlacements) {
+TEST(SolveBodyPose, DoesNotDependOnTheOrderOfPlacements) {
   const CameraModel camera = a_camera();
   Random random(7);
-  const auto detections = detect(a_box(), a_box_pose(), camera, kCornerSigma, random);
+  const auto detections = detect(a_box(), a_box_pose(), camera, kCornerStd, random);
   std::vector<TagPlacement> reversed = a_box();
   std::reverse(reversed.begin(), reversed.end());
   const BodyPose one = solve_body_pose(a_box(), detections, camera);
@@ -240,8 +240,8 @@ TEST(SolveBodyPose, DoesNotMindTheOrderOfPlacements) {
   EXPECT_EQ(one.pose.T_camera_body.translation(), other.pose.T_camera_body.translation());
 }
 
-TEST(SolveBodyPose, RefusesADeviationOfNothing) {
-  EXPECT_THROW((void)solve_body_pose(a_box(), {}, a_camera(), {}, {.corner_sigma = 0.0}),
+TEST(SolveBodyPose, RejectsAZeroStandardDeviation) {
+  EXPECT_THROW((void)solve_body_pose(a_box(), {}, a_camera(), {}, {.corner_std = 0.0}),
                ContractError);
 }
 

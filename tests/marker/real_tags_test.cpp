@@ -32,7 +32,7 @@ double percentile(std::vector<double> values, double share) {
   return values.at(static_cast<std::size_t>(share * static_cast<double>(values.size() - 1)));
 }
 
-// ---- A photograph of a sheet with twelve tags, beside another detector's results.
+// ---- A photograph of a sheet with twelve tags, compared with another detector's results.
 
 struct ReferenceTag {
   std::array<Eigen::Vector2d, 4> corners;
@@ -46,7 +46,7 @@ std::map<int, ReferenceTag> read_reference(const std::filesystem::path& folder) 
   std::string name;
   while (corners >> name) {
     ReferenceTag& tag = tags[std::stoi(name.substr(name.rfind('_') + 1))];
-    // Written by a program that passes on libapriltag's corners: its pixels' centres are at 0.5.
+    // Written by a program with libapriltag's convention: pixel centres are at 0.5.
     for (Eigen::Vector2d& corner : tag.corners) {
       corners >> corner.y() >> corner.x();
       corner -= Eigen::Vector2d(0.5, 0.5);
@@ -91,17 +91,17 @@ TEST(RealTags, AgreeWithAnotherDetectorOnAPhotograph) {
     normals.push_back(pose.pose.T_camera_body.rotation() * Eigen::Vector3d::UnitZ());
   }
   RecordProperty("corner_median_px", std::to_string(percentile(distances, 0.5)));
-  RecordProperty("corner_largest_px", std::to_string(percentile(distances, 1.0)));
+  RecordProperty("corner_max_px", std::to_string(percentile(distances, 1.0)));
   EXPECT_LT(percentile(distances, 0.5), 0.2);  // [px]; the reference is no better
   EXPECT_LT(percentile(distances, 1.0), 0.5);
-  EXPECT_GE(solved, 9);  // the others are said to be ambiguous, as one small tag may be
-  // They lie on one sheet: a mirrored tag would look elsewhere.
+  EXPECT_GE(solved, 9);  // the others are ambiguous, as one small tag may be
+  // They lie on one sheet: the wrong planar solution would have another normal.
   for (const Eigen::Vector3d& normal : normals) {
     EXPECT_GT(normal.dot(normals.front()), std::cos(0.2));
   }
 }
 
-// ---- Corner streams: a hand-held camera before static tags, and a tumbling block with ten.
+// ---- Corner streams: a hand-held camera in front of static tags, and a tumbling block with ten.
 
 CameraModel tagslam_camera() {
   return {.width = 1280,
@@ -123,11 +123,11 @@ std::vector<TagPlacement> read_body(const std::filesystem::path& file, const std
         return Eigen::Vector3d(node["x"].as<double>(), node["y"].as<double>(),
                                node["z"].as<double>());
       };
-      Vector6d turn = Vector6d::Zero();
-      turn.tail<3>() = vector("rotation");
+      Vector6d rotation = Vector6d::Zero();
+      rotation.tail<3>() = vector("rotation");
       placements.push_back({{"tag36h11", tag["id"].as<int>()},
                             tag["size"].as<double>(),
-                            Pose::from_translation(vector("position")) * Pose::exp(turn)});
+                            Pose::from_translation(vector("position")) * Pose::exp(rotation)});
     }
   }
   return placements;
@@ -158,17 +158,17 @@ std::vector<CornerFrame> read_corners(const std::filesystem::path& file) {
   return frames;
 }
 
-/// What became of a body over a stream, each frame hinted with the last solved pose.
+/// Results of a body over a stream, with the last solved pose as the hint of each frame.
 struct StreamResult {
-  std::vector<double> reprojection;  ///< [px], of solved poses
-  std::vector<double> turns;         ///< [rad/s], from one solved pose to the next
+  std::vector<double> reprojection;    ///< [px], of solved poses
+  std::vector<double> rotation_rates;  ///< [rad/s], from one solved pose to the next
   int solved = 0;
   int ambiguous = 0;
   int failed = 0;
 };
 
-StreamResult follow(const std::vector<CornerFrame>& frames,
-                    const std::vector<TagPlacement>& placements, bool with_hints) {
+StreamResult track_body(const std::vector<CornerFrame>& frames,
+                        const std::vector<TagPlacement>& placements, bool with_hints) {
   StreamResult result;
   std::optional<Pose> last;
   double last_time = 0.0;
@@ -185,7 +185,8 @@ StreamResult follow(const std::vector<CornerFrame>& frames,
     last = found.pose.T_camera_body;
     result.reprojection.push_back(found.pose.reprojection_rms);
     const double time = std::stod(frame.stamp);
-    if (before) result.turns.push_back(rotation_distance(*before, *last) / (time - last_time));
+    if (before)
+      result.rotation_rates.push_back(rotation_distance(*before, *last) / (time - last_time));
     last_time = time;
   }
   return result;
@@ -196,59 +197,60 @@ void record(const std::string& name, const StreamResult& result) {
   text << "solved " << result.solved << " ambiguous " << result.ambiguous << " failed "
        << result.failed << " rms px 50/95/100 % " << percentile(result.reprojection, 0.5) << ' '
        << percentile(result.reprojection, 0.95) << ' ' << percentile(result.reprojection, 1.0)
-       << " turn rad/s 50/95/100 % " << percentile(result.turns, 0.5) << ' '
-       << percentile(result.turns, 0.95) << ' ' << percentile(result.turns, 1.0);
+       << " rotation rad/s 50/95/100 % " << percentile(result.rotation_rates, 0.5) << ' '
+       << percentile(result.rotation_rates, 0.95) << ' ' << percentile(result.rotation_rates, 1.0);
   testing::Test::RecordProperty(name, text.str());
 }
 
-TEST(RealTags, LeaveNoFlipInTheCameraBeforeStaticTags) {
+TEST(RealTags, HaveNoFlipWithACameraInFrontOfStaticTags) {
   PCAVR_NEEDS_SHARED_DATA("real/tagslam/test_18");
   const auto folder = shared_data("real/tagslam/test_18");
   const auto frames = read_corners(folder / "detections.csv");
   const auto lab = read_body(folder / "tagslam.yaml", "lab");
   ASSERT_EQ(lab.size(), 4U);
   for (const bool with_hints : {false, true}) {
-    const StreamResult result = follow(frames, lab, with_hints);
+    const StreamResult result = track_body(frames, lab, with_hints);
     record(with_hints ? "lab_with_hints" : "lab", result);
     EXPECT_GT(result.solved, 866);  // frames with two of them at least
     EXPECT_LT(percentile(result.reprojection, 0.95), 2.0);
-    // A hand turns a camera slowly; a flip would be tens of degrees in the 25 ms between frames.
-    EXPECT_LT(percentile(result.turns, 1.0), 2.0);
+    // A hand-held camera rotates slowly; a flip would be tens of degrees in the 25 ms between
+    // frames.
+    EXPECT_LT(percentile(result.rotation_rates, 1.0), 2.0);
   }
 }
 
-TEST(RealTags, LeaveNoFlipInATumblingBlock) {
+TEST(RealTags, HaveNoFlipOnATumblingBlock) {
   PCAVR_NEEDS_SHARED_DATA("real/tagslam/test_18");
   const auto folder = shared_data("real/tagslam/test_18");
   const auto frames = read_corners(folder / "detections.csv");
   const auto block = read_body(folder / "tagslam.yaml", "block");
   ASSERT_EQ(block.size(), 10U);
   for (const bool with_hints : {false, true}) {
-    const StreamResult result = follow(frames, block, with_hints);
+    const StreamResult result = track_body(frames, block, with_hints);
     record(with_hints ? "block_with_hints" : "block", result);
     EXPECT_GT(result.solved, 700);
     EXPECT_LT(percentile(result.reprojection, 0.95), 2.1);
-    // Thrown by hand, the block spins at 13 to 17 rad/s for many frames on end; a mirror image of
-    // a tag seen at 20 degrees is 0.7 rad off, 28 rad/s.
-    EXPECT_LT(percentile(result.turns, 1.0), 22.0);
+    // Thrown by hand, the block spins at 13 to 17 rad/s for many frames on end; the other
+    // planar solution of a tag seen at 20 degrees is 0.7 rad off, 28 rad/s.
+    EXPECT_LT(percentile(result.rotation_rates, 1.0), 22.0);
   }
 }
 
-TEST(RealTags, LeaveNoFlipWhereOnlyOneTagIsSeen) {
+TEST(RealTags, HaveNoFlipWithOnlyOneVisibleTag) {
   PCAVR_NEEDS_SHARED_DATA("real/tagslam/test_16");
   const auto folder = shared_data("real/tagslam/test_16");
   const auto frames = read_corners(folder / "detections.csv");
   for (int id = 0; id < 5; ++id) {
-    const StreamResult result = follow(frames, {{{"tag36h11", id}, 0.16, Pose()}}, true);
+    const StreamResult result = track_body(frames, {{{"tag36h11", id}, 0.16, Pose()}}, true);
     record("tag_" + std::to_string(id), result);
     ASSERT_GT(result.solved, 0) << id;
     EXPECT_LT(percentile(result.reprojection, 0.95), 1.0) << id;
     // A flip of 0.3 rad would be 3 rad/s at the 10 Hz of this camera.
-    EXPECT_LT(percentile(result.turns, 1.0), 2.5) << id;
+    EXPECT_LT(percentile(result.rotation_rates, 1.0), 2.5) << id;
   }
 }
 
-// ---- A board of twelve ArUco tags before a depth camera.
+// ---- A board of twelve ArUco tags in front of a depth camera.
 
 std::vector<TagPlacement> charuco_board() {
   // Squares of 80 mm with tags of 60 mm in the white ones, row by row; the top left one is black.
@@ -275,7 +277,7 @@ DepthImage read_depth(const std::filesystem::path& file) {
   return depth;
 }
 
-TEST(RealTags, FindAllOfABoardAndAgreeWithItsDepth) {
+TEST(RealTags, FindAllTagsOfABoardAndAgreeWithItsDepth) {
   PCAVR_NEEDS_SHARED_DATA("real/franka_charuco");
   const auto folder = shared_data("real/franka_charuco");
   const CameraModel camera{.width = 1920,
@@ -298,8 +300,8 @@ TEST(RealTags, FindAllOfABoardAndAgreeWithItsDepth) {
     RecordProperty("view_" + std::string(view), std::to_string(pose.tags_used) + " used, rms px " +
                                                     std::to_string(pose.pose.reprojection_rms));
     EXPECT_GE(pose.tags_used, 11) << view;
-    EXPECT_LT(pose.pose.reprojection_rms, 1.6) << view;  // the lens is not given: 0.85 to 1.4
-    // The depth camera is off by up to 4 mm there, and does not drag twelve tags.
+    EXPECT_LT(pose.pose.reprojection_rms, 1.6) << view;  // without a lens model: 0.85 to 1.4
+    // The depth camera has a bias of up to 4 mm there, which does not bias twelve tags.
     EXPECT_LT(translation_distance(pose.pose.T_camera_body, corners_only.pose.T_camera_body), 0.004)
         << view;
     for (const TagPlacement& tag : charuco_board()) {

@@ -28,7 +28,7 @@ double squared_corner_error(const TagDetection& detection, const RenderedTag& ta
   return sum;
 }
 
-/// Poses as a tag on a table is seen: 0.4 to 1.2 m away, up to 60 degrees oblique.
+/// A pose like that of a tag on a table: 0.4 to 1.2 m away, up to 60 degrees oblique.
 RenderedTag a_random_tag(Random& random) {
   const Eigen::Vector3d p_camera(random.uniform(-0.1, 0.1), random.uniform(-0.08, 0.08),
                                  random.uniform(0.4, 1.2));
@@ -51,7 +51,7 @@ TEST(TagDetector, PlacesCornersWithinAFewHundredthsOfAPixel) {
     ASSERT_EQ(found.size(), 1U) << i;
     EXPECT_EQ(found[0].id, tag.id);
     sum += squared_corner_error(found[0], tag, camera) / (8.0 * count);
-    variance += found[0].corner_sigma * found[0].corner_sigma / count;
+    variance += found[0].corner_std * found[0].corner_std / count;
     for (std::size_t k = 0; k < 4; ++k) {
       mean += (found[0].corners[k] - true_corners(tag, camera)[k]) / (4.0 * count);
     }
@@ -59,12 +59,12 @@ TEST(TagDetector, PlacesCornersWithinAFewHundredthsOfAPixel) {
   RecordProperty("corner_rms_px", std::to_string(std::sqrt(sum)));
   EXPECT_LT(std::sqrt(sum), 0.04);  // [px]; libapriltag's own reach 0.06 to 0.1 here
   EXPECT_LT(mean.norm(), 0.01);     // no bias, such as the half pixel between the conventions
-  // The deviation that it states is neither boastful nor timid.
+  // The stated standard deviation is neither too small nor too large.
   EXPECT_LT(std::sqrt(sum), 2.0 * std::sqrt(variance));
   EXPECT_GT(std::sqrt(sum), 0.5 * std::sqrt(variance));
 }
 
-TEST(TagDetector, CountsAHalfTurnBetweenTheLibrarysFrameAndOurs) {
+TEST(TagDetector, ConvertsFromTheLibrarysMarkerFrame) {
   const CameraModel camera = a_camera();
   const RenderedTag upright{{"tag36h11", 7}, 0.1, facing({0, 0, 0.6}, 0, 0, 0)};
   const auto found = a_detector("tag36h11").detect(render_tags({upright}, camera));
@@ -92,7 +92,7 @@ TEST(TagDetector, FindsTagsOfEveryFamilyWhereTheyAre) {
   }
 }
 
-TEST(TagDetector, TakesOutTheLensWhereItIsTold) {
+TEST(TagDetector, CorrectsLensDistortionIfGiven) {
   const CameraModel camera = a_camera(-0.25);
   const RenderedTag tag{{"tag36h11", 3}, 0.12, facing({0.13, 0.09, 0.4}, 0.2, 0.5, 0.1)};
   const GrayImage image = render_tags({tag}, camera);
@@ -110,10 +110,10 @@ TEST(TagDetector, TakesOutTheLensWhereItIsTold) {
 
 TEST(TagDetector, FindsATagThatComesIntoViewAtTheNextFullSearch) {
   const CameraModel camera = a_camera();
-  const RenderedTag here{{"tag36h11", 1}, 0.08, facing({-0.2, 0, 0.8}, 0.3, 0, 0)};
-  const RenderedTag comes{{"tag36h11", 2}, 0.08, facing({0.3, 0.2, 0.8}, 0.3, 0, 0)};
-  const GrayImage before = render_tags({here}, camera);
-  const GrayImage after = render_tags({here, comes}, camera);
+  const RenderedTag first{{"tag36h11", 1}, 0.08, facing({-0.2, 0, 0.8}, 0.3, 0, 0)};
+  const RenderedTag second{{"tag36h11", 2}, 0.08, facing({0.3, 0.2, 0.8}, 0.3, 0, 0)};
+  const GrayImage before = render_tags({first}, camera);
+  const GrayImage after = render_tags({first, second}, camera);
   TagDetector detector = a_detector("tag36h11");
   EXPECT_EQ(detector.detect(before).size(), 1U);
   int frames = 1;
@@ -121,7 +121,7 @@ TEST(TagDetector, FindsATagThatComesIntoViewAtTheNextFullSearch) {
   EXPECT_EQ(frames, TagDetectorOptions{}.full_search_interval);
 }
 
-TEST(TagDetector, FollowsTheSameTagsAsAFullSearchWouldFind) {
+TEST(TagDetector, FindsTheSameTagsInRegionsAsInAFullSearch) {
   const CameraModel camera = a_camera();
   TagDetector tracking = a_detector("tag36h11");
   for (int frame = 0; frame < 6; ++frame) {
@@ -138,7 +138,7 @@ TEST(TagDetector, FollowsTheSameTagsAsAFullSearchWouldFind) {
   }
 }
 
-TEST(TagDetector, LooksEverywhereAtOnceWhenATagHasJumped) {
+TEST(TagDetector, SearchesTheWholeImageWhenATagHasJumped) {
   const CameraModel camera = a_camera();
   const RenderedTag left{{"tag36h11", 1}, 0.08, facing({-0.3, -0.2, 0.8}, 0.3, 0, 0)};
   const RenderedTag right{{"tag36h11", 1}, 0.08, facing({0.3, 0.2, 0.8}, 0.3, 0, 0)};
@@ -147,7 +147,7 @@ TEST(TagDetector, LooksEverywhereAtOnceWhenATagHasJumped) {
   EXPECT_EQ(detector.detect(render_tags({right}, camera)).size(), 1U);
 }
 
-TEST(TagDetector, SortsByIdAndNamesEachTagOnce) {
+TEST(TagDetector, SortsByIdAndReportsEachTagOnce) {
   const CameraModel camera = a_camera();
   const std::vector<RenderedTag> tags{
       {{"tag36h11", 9}, 0.08, facing({-0.2, 0, 0.8}, 0.3, 0, 0)},
@@ -162,7 +162,7 @@ TEST(TagDetector, SortsByIdAndNamesEachTagOnce) {
   EXPECT_EQ(found[2].id.to_string(), "tag36h11:9");
 }
 
-TEST(TagDetector, PutsUpWithImagesThatHoldNothing) {
+TEST(TagDetector, AcceptsEmptyImages) {
   TagDetector detector = a_detector("tag36h11");
   EXPECT_TRUE(detector.detect(GrayImage()).empty());
   EXPECT_TRUE(detector.detect(GrayImage(1, 1, 7)).empty());
@@ -170,14 +170,14 @@ TEST(TagDetector, PutsUpWithImagesThatHoldNothing) {
   EXPECT_TRUE(detector.detect(GrayImage(640, 480, 0)).empty());
 }
 
-TEST(TagDetector, LeavesOutATagThatIsPartlyOutsideTheImage) {
+TEST(TagDetector, IgnoresATagThatIsPartlyOutsideTheImage) {
   const CameraModel camera = a_camera();
   const RenderedTag cut{{"tag36h11", 1}, 0.12, facing({-0.35, 0, 0.6}, 0.2, 0, 0)};
   ASSERT_LT(true_corners(cut, camera)[0].x(), 0.0);
   EXPECT_TRUE(a_detector("tag36h11").detect(render_tags({cut}, camera)).empty());
 }
 
-TEST(TagDetector, KeepsTheOtherCornersWhereAThumbCoversHalfAnEdge) {
+TEST(TagDetector, IsRobustToAThumbThatCoversPartOfAnEdge) {
   const CameraModel camera = a_camera();
   const RenderedTag tag{{"tag36h11", 1}, 0.12, facing({0, 0, 0.5}, 0.3, 0.4, 0)};
   GrayImage image = render_tags({tag}, camera);
@@ -191,7 +191,7 @@ TEST(TagDetector, KeepsTheOtherCornersWhereAThumbCoversHalfAnEdge) {
   EXPECT_LT(std::sqrt(squared_corner_error(found[0], tag, camera) / 8.0), 0.15);  // [px]
 }
 
-TEST(TagDetector, NamesTheFamiliesItKnowsWhereOneIsUnknown) {
+TEST(TagDetector, ListsTheSupportedFamiliesIfOneIsUnknown) {
   const auto detector = TagDetector::create({"tag36h12"});
   ASSERT_FALSE(detector.has_value());
   EXPECT_NE(detector.error().message.find("tag36h12"), std::string::npos);

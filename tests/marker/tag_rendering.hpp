@@ -50,7 +50,7 @@ inline std::array<Eigen::Vector2d, 4> true_corners(const RenderedTag& tag,
   return corners;
 }
 
-/// Grey of the ray through (x, y, 1): paper around the cells, one cell wide; -1 beside it.
+/// Grey value of the ray through (x, y, 1): paper around the cells, one cell wide; -1 outside it.
 inline double grey_of_ray(const RenderedTag& tag, const TagPicture& picture,
                           const Eigen::Vector2d& at) {
   const Eigen::Matrix3d R = tag.T_camera_marker.rotation_matrix();
@@ -67,7 +67,7 @@ inline double grey_of_ray(const RenderedTag& tag, const TagPicture& picture,
   return picture.is_white[static_cast<std::size_t>(row * picture.cells + column)] ? 210.0 : 35.0;
 }
 
-/// Separable Gaussian of deviation `sigma` [px].
+/// Separable Gaussian blur with standard deviation `sigma` [px].
 inline Image<float> blurred(const Image<float>& image, double sigma) {
   std::vector<double> kernel;
   for (int i = -3; i <= 3; ++i) kernel.push_back(std::exp(-0.5 * i * i / (sigma * sigma)));
@@ -92,15 +92,15 @@ inline Image<float> blurred(const Image<float>& image, double sigma) {
   return from;
 }
 
-/// Tags on a grey ground: 5 x 5 rays a pixel, blur of 0.55 px, noise of 2 grey levels.
+/// Tags on a grey background: 5 x 5 rays per pixel, blur of 0.55 px, noise of 2 grey levels.
 inline GrayImage render_tags(const std::vector<RenderedTag>& tags, const CameraModel& camera,
                              std::uint64_t seed = 1) {
   constexpr int kRays = 5;
-  constexpr double kGround = 120.0;
-  Image<float> sum(camera.width, camera.height, static_cast<float>(kGround));
+  constexpr double kBackground = 120.0;
+  Image<float> sum(camera.width, camera.height, static_cast<float>(kBackground));
   for (const RenderedTag& tag : tags) {
     const TagPicture picture = *tag_picture(tag.id.family, tag.id.id);
-    // The paper's box in the image; wider than need be.
+    // Bounding box of the paper in the image, with a margin.
     RenderedTag paper = tag;
     paper.size *= 1.3 * (picture.cells + 2) / (picture.cells - 2 * picture.border);
     Eigen::AlignedBox2d box;
@@ -120,11 +120,11 @@ inline GrayImage render_tags(const std::vector<RenderedTag>& tags, const CameraM
       }
     }
   }
-  const Image<float> sharp = blurred(sum, 0.55);
+  const Image<float> smooth = blurred(sum, 0.55);
   GrayImage image(camera.width, camera.height);
   Random random(seed);
   for (std::size_t i = 0; i < image.pixels().size(); ++i) {
-    const double value = static_cast<double>(sharp.pixels()[i]) + 2.0 * random.normal();
+    const double value = static_cast<double>(smooth.pixels()[i]) + 2.0 * random.normal();
     image.pixels()[i] = static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
   }
   return image;

@@ -44,7 +44,7 @@ GrayImage rasterise(const std::string& svg) {
   return image;
 }
 
-TEST(TagSheet, IsReadBackByTheDetectorTrueToSizeForEveryFamily) {
+TEST(TagSheet, IsDetectedAtTheCorrectSizeForEveryFamily) {
   for (const std::string& family : tag_families()) {
     const TagSheet sheet = *make_tag_sheet(a_sheet(family, {3, 0}, 0.04));
     auto detector = TagDetector::create({family});
@@ -55,14 +55,14 @@ TEST(TagSheet, IsReadBackByTheDetectorTrueToSizeForEveryFamily) {
     for (const TagDetection& tag : found) {
       const Eigen::Vector2d right = (tag.corners[1] - tag.corners[0]) / kPixelsPerMillimetre;
       const Eigen::Vector2d up = (tag.corners[3] - tag.corners[0]) / kPixelsPerMillimetre;
-      // Cells fall on whole pixels only by chance: a quarter of a millimetre.
+      // Cells are rounded to whole pixels: a quarter of a millimetre.
       EXPECT_LT((right - Eigen::Vector2d(40, 0)).norm(), 0.3) << family;
       EXPECT_LT((up - Eigen::Vector2d(0, -40)).norm(), 0.3) << family;
     }
   }
 }
 
-TEST(TagSheet, GivesManifestLinesThatTheRecordingFormatTakes) {
+TEST(TagSheet, HasValidManifestLines) {
   const TagSheet sheet = *make_tag_sheet(a_sheet("tag36h11", {4, 11}, 0.0625));
   const auto manifest =
       parse_manifest("format: pcavr-recording/1\n" + sheet.manifest_yaml, "recording.yaml");
@@ -73,7 +73,7 @@ TEST(TagSheet, GivesManifestLinesThatTheRecordingFormatTakes) {
   EXPECT_EQ(manifest->markers[1].role, MarkerRole::base);
 }
 
-TEST(TagSheet, TakesAsManyPagesAsTheTagsNeed) {
+TEST(TagSheet, HasAsManyPagesAsTheTagsNeed) {
   std::vector<int> ids;
   for (int i = 0; i < 40; ++i) ids.push_back(i);
   const TagSheet few = *make_tag_sheet(a_sheet("tag36h11", {0}, 0.15));
@@ -83,7 +83,7 @@ TEST(TagSheet, TakesAsManyPagesAsTheTagsNeed) {
   EXPECT_NE(many.pdf.find("/Count 40"), std::string::npos);
 }
 
-TEST(TagSheet, HasAPdfWhoseTableOfObjectsIsTrue) {
+TEST(TagSheet, HasAPdfWithACorrectCrossReferenceTable) {
   const std::string pdf = make_tag_sheet(a_sheet("DICT_4X4_50", {1, 2, 3}, 0.08))->pdf;
   EXPECT_EQ(pdf.rfind("%PDF-1.4", 0), 0U);
   const std::size_t start = pdf.rfind("startxref\n");
@@ -102,7 +102,7 @@ TEST(TagSheet, HasAPdfWhoseTableOfObjectsIsTrue) {
   EXPECT_NE(pdf.find("/MediaBox [0 0 595.276 841.890]"), std::string::npos);
 }
 
-TEST(TagSheet, RefusesWhatCannotBePrinted) {
+TEST(TagSheet, RejectsInvalidOptions) {
   const auto message = [](const TagSheetOptions& options) {
     const auto sheet = make_tag_sheet(options);
     return sheet ? std::string() : sheet.error().to_string();
@@ -116,7 +116,7 @@ TEST(TagSheet, RefusesWhatCannotBePrinted) {
   EXPECT_FALSE(message(a_sheet("tag36h11", {0}, std::nan(""))).empty());
 }
 
-TEST(TagPicture, HasABlackRimAroundTheClassicFamilies) {
+TEST(TagPicture, HasABlackBorderInTheClassicFamilies) {
   const TagPicture picture = *tag_picture("tag36h11", 0);
   EXPECT_EQ(picture.cells, 8);
   EXPECT_EQ(picture.border, 0);
@@ -126,7 +126,7 @@ TEST(TagPicture, HasABlackRimAroundTheClassicFamilies) {
   }
 }
 
-TEST(TagPicture, CountsTheCellsOutsideTheCornerSquareOfTheNewFamilies) {
+TEST(TagPicture, IncludesTheCellsOutsideTheCornerSquareOfTheNewFamilies) {
   const TagPicture picture = *tag_picture("tagStandard41h12", 0);
   EXPECT_EQ(picture.cells, 9);
   EXPECT_EQ(picture.border, 2);

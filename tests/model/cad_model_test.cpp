@@ -138,7 +138,7 @@ TEST_F(CadFiles, ReadsTheExtensionInAnyCase) {
   expect_box(read_cad_model(write("BOX.OBJ", as_obj(box_mesh(kSize))), "box"));
 }
 
-TEST_F(CadFiles, JoinsTheGroupsOfAnObj) {
+TEST_F(CadFiles, MergesTheGroupsOfAnObj) {
   TriangleMesh lower = box_mesh(kSize);
   TriangleMesh upper = transformed(Pose::from_translation({0, 0, 1}), box_mesh(kSize));
   const auto model = read_cad_model(
@@ -148,7 +148,7 @@ TEST_F(CadFiles, JoinsTheGroupsOfAnObj) {
   EXPECT_NEAR((model->centre_of_mass_object - Eigen::Vector3d(0, 0, 0.5)).norm(), 0.0, 1e-6);
 }
 
-TEST_F(CadFiles, CutsUpTheQuadsOfAnObjWithFaceNormals) {
+TEST_F(CadFiles, TriangulatesTheQuadsOfAnObjWithFaceNormals) {
   const std::string text =
       "v -0.05 -0.1 -0.15\nv 0.05 -0.1 -0.15\nv 0.05 0.1 -0.15\nv -0.05 0.1 -0.15\n"
       "v -0.05 -0.1 0.15\nv 0.05 -0.1 0.15\nv 0.05 0.1 0.15\nv -0.05 0.1 0.15\n"
@@ -158,17 +158,17 @@ TEST_F(CadFiles, CutsUpTheQuadsOfAnObjWithFaceNormals) {
   expect_box(read_cad_model(write("quads.obj", text), "box"));
 }
 
-TEST_F(CadFiles, SharesTheVerticesOfAnStl) {
+TEST_F(CadFiles, WeldsTheVerticesOfAnStl) {
   expect_box(read_cad_model(write("box.stl", as_binary_stl(box_mesh(kSize))), "box"));
 }
 
-TEST_F(CadFiles, TurnsInwardWinding) {
+TEST_F(CadFiles, FlipsInwardWinding) {
   TriangleMesh mesh = box_mesh(kSize);
   for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
   expect_box(read_cad_model(write("inside_out.stl", as_binary_stl(mesh)), "box"));
 }
 
-TEST_F(CadFiles, CountsACavityOnce) {
+TEST_F(CadFiles, SubtractsACavity) {
   TriangleMesh mesh = box_mesh(kSize);
   TriangleMesh hole = box_mesh(0.5F * kSize);
   for (auto& triangle : hole.triangles) std::swap(triangle[0], triangle[1]);
@@ -177,8 +177,8 @@ TEST_F(CadFiles, CountsACavityOnce) {
   EXPECT_NEAR(model->volume, kVolume * 7.0 / 8.0, 1e-8);
 }
 
-// A turn by 90 degrees about x, then a shift: what a node of a glTF file may hold.
-TEST_F(CadFiles, AppliesTheNodesOfAGlb) {
+// A rotation by 90 degrees about x and a translation.
+TEST_F(CadFiles, AppliesTheNodeTransformsOfAGlb) {
   const auto model = read_cad_model(
       write("box.glb",
             as_glb(box_mesh(kSize),
@@ -194,7 +194,7 @@ TEST_F(CadFiles, SwapsNoAxesOfAGlb) {
   expect_box(read_cad_model(write("box.glb", as_glb(box_mesh(kSize), "", 1.0F)), "box"));
 }
 
-TEST_F(CadFiles, KeepsTheOutsideOutWhereANodeMirrors) {
+TEST_F(CadFiles, KeepsTheWindingOutwardUnderAMirroringNode) {
   const auto mesh =
       read_mesh(write("mirror.glb", as_glb(box_mesh(kSize), R"(,"scale":[-1,1,1])", 1.0F)));
   ASSERT_TRUE(mesh) << mesh.error().to_string();
@@ -202,14 +202,14 @@ TEST_F(CadFiles, KeepsTheOutsideOutWhereANodeMirrors) {
 }
 
 // IEC 61966-2-1 puts the linear value 0.21404114 at one half of the sRGB range.
-TEST_F(CadFiles, TurnsTheLinearColorsOfAGlbIntoSrgb) {
+TEST_F(CadFiles, ConvertsTheLinearColorsOfAGlbToSrgb) {
   const auto mesh = read_mesh(write("gray.glb", as_glb(box_mesh(kSize), "", 0.21404114F)));
   ASSERT_TRUE(mesh) << mesh.error().to_string();
   ASSERT_EQ(mesh->colors.size(), mesh->vertices.size());
   EXPECT_NEAR(mesh->colors[0].g, 127.5, 0.5);
 }
 
-TEST_F(CadFiles, KeepsTheColorsOfAPlyByte) {
+TEST_F(CadFiles, KeepsTheByteColorsOfAPly) {
   const auto mesh = read_mesh(write("quad.ply", as_ply_with_colors()));
   ASSERT_TRUE(mesh) << mesh.error().to_string();
   EXPECT_EQ(mesh->triangles.size(), 2U);
@@ -230,7 +230,7 @@ TEST_F(CadFiles, KeepsTheVertexNormalsOfAnOpenMesh) {
   EXPECT_NEAR((mesh->normals[0] - Eigen::Vector3f(0, 0.6F, 0.8F)).norm(), 0.0F, 1e-6F);
 }
 
-// --- What a user gets wrong ---------------------------------------------------------------------
+// --- User errors ---------------------------------------------------------------------------------
 
 void expect_error(const Error& error, const std::string& part) {
   EXPECT_NE(error.to_string().find(part), std::string::npos) << error.to_string();
@@ -239,19 +239,19 @@ void expect_error(const Error& error, const std::string& part) {
   EXPECT_EQ(error.to_string().find('\n'), std::string::npos);
 }
 
-TEST_F(CadFiles, SayThatAFileIsMissing) {
+TEST_F(CadFiles, ReportAMissingFile) {
   const auto model = read_cad_model("/nowhere/box.obj", "box");
   ASSERT_FALSE(model);
   expect_error(model.error(), "/nowhere/box.obj: mesh file is missing");
 }
 
-TEST_F(CadFiles, SayThatATypeIsUnknown) {
+TEST_F(CadFiles, ReportAnUnknownType) {
   const auto mesh = read_mesh(write("box.step", "ISO-10303-21;"));
   ASSERT_FALSE(mesh);
   expect_error(mesh.error(), ".step");
 }
 
-TEST_F(CadFiles, SayThatASurfaceIsOpen) {
+TEST_F(CadFiles, ReportAnOpenSurface) {
   TriangleMesh mesh = box_mesh(kSize);
   mesh.triangles.pop_back();
   const auto file = write("open.obj", as_obj(mesh));
@@ -261,14 +261,14 @@ TEST_F(CadFiles, SayThatASurfaceIsOpen) {
   EXPECT_TRUE(read_mesh(file));
 }
 
-TEST_F(CadFiles, SayThatASurfaceEnclosesNothing) {
+TEST_F(CadFiles, ReportASurfaceWithoutVolume) {
   const auto model =
       read_cad_model(write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n"), "flat");
   ASSERT_FALSE(model);
-  expect_error(model.error(), "encloses nothing");
+  expect_error(model.error(), "encloses no volume");
 }
 
-TEST_F(CadFiles, SayThatThereAreNoTriangles) {
+TEST_F(CadFiles, ReportAMeshWithoutTriangles) {
   for (const char* text : {"v 0 0 0\nv 1 0 0\n", "v 0 0 0\nv 1 0 0\nl 1 2\n",
                            "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"}) {
     const auto mesh = read_mesh(write("nothing.obj", text));
@@ -277,7 +277,7 @@ TEST_F(CadFiles, SayThatThereAreNoTriangles) {
   }
 }
 
-TEST_F(CadFiles, SayThatACoordinateIsNotFinite) {
+TEST_F(CadFiles, ReportANonFiniteCoordinate) {
   TriangleMesh broken = box_mesh(kSize);
   broken.vertices[3].x() = std::numeric_limits<float>::quiet_NaN();
   const auto model = read_cad_model(write("nan.stl", as_binary_stl(broken)), "box");
@@ -285,7 +285,7 @@ TEST_F(CadFiles, SayThatACoordinateIsNotFinite) {
   expect_error(model.error(), "not finite");
 }
 
-TEST_F(CadFiles, RefuseGarbageOfEveryType) {
+TEST_F(CadFiles, RejectRandomBytesOfEveryType) {
   Random random(8);
   for (const char* extension : {".obj", ".stl", ".ply", ".glb", ".gltf"}) {
     std::string garbage;
@@ -298,8 +298,8 @@ TEST_F(CadFiles, RefuseGarbageOfEveryType) {
   }
 }
 
-// assimp would read on for ever.
-TEST_F(CadFiles, RefuseAPlyWhoseHeaderDoesNotEnd) {
+// assimp would never return.
+TEST_F(CadFiles, RejectAPlyWhoseHeaderDoesNotEnd) {
   std::string content = as_ply_with_colors();
   content.replace(content.find("end_header\n"), 11, "end_header0");
   const auto mesh = read_mesh(write("endless.ply", content));
@@ -307,8 +307,8 @@ TEST_F(CadFiles, RefuseAPlyWhoseHeaderDoesNotEnd) {
   expect_error(mesh.error(), "header has no end");
 }
 
-// Cut off anywhere, a file is read or refused; it does not crash, and what is read is sound.
-TEST_F(CadFiles, SurviveBeingCutOff) {
+// A truncated file is read or rejected; it does not crash, and a mesh that is read is valid.
+TEST_F(CadFiles, HandleTruncatedFiles) {
   const TriangleMesh box = box_mesh(kSize);
   const std::vector<std::pair<std::string, std::string>> files = {
       {"cut.obj", as_obj(box)},
@@ -325,13 +325,13 @@ TEST_F(CadFiles, SurviveBeingCutOff) {
   }
 }
 
-TEST(MakeCadModel, RefusesWhatIsNotFiniteAsABugOfTheCaller) {
+TEST(MakeCadModel, ThrowsContractErrorForANonFiniteVertex) {
   TriangleMesh broken = box_mesh(kSize);
   broken.vertices[3].x() = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THROW((void)make_cad_model(broken, "box", "here"), ContractError);
 }
 
-TEST(MakeCadModel, SaysThatAnEmptyMeshHasNoVolume) {
+TEST(MakeCadModel, RejectsAnEmptyMesh) {
   EXPECT_FALSE(make_cad_model(TriangleMesh{}, "box", "here"));
 }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Files that declare more than they hold are refused before memory is taken for it.
+// Files that declare more than they contain are rejected before memory is allocated for it.
 #include <bit>
 #include <chrono>
 #include <cstdint>
@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// [s] A refusal takes milliseconds; a loop over a declared count takes minutes.
-constexpr double kAtOnce = 5.0;
+/// [s] A rejection takes milliseconds; a loop over a declared count takes minutes.
+constexpr double kTimeout = 5.0;
 
 class DeclaredSize : public testing::Test {
  protected:
@@ -28,11 +28,11 @@ class DeclaredSize : public testing::Test {
     return folder_.path() / name;
   }
 
-  void expect_refused(const fs::path& file, const std::string& reason) const {
+  void expect_rejected(const fs::path& file, const std::string& reason) const {
     const auto begin = std::chrono::steady_clock::now();
     const Expected<TriangleMesh> mesh = read_mesh(file);
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
-    EXPECT_LT(passed.count(), kAtOnce) << file;
+    EXPECT_LT(passed.count(), kTimeout) << file;
     ASSERT_FALSE(mesh.has_value()) << file;
     EXPECT_NE(mesh.error().to_string().find(reason), std::string::npos) << mesh.error().to_string();
   }
@@ -55,40 +55,41 @@ std::string little_endian(std::uint32_t value) {
   return bytes;
 }
 
-TEST_F(DeclaredSize, OfAPlyInTextIsHeldAgainstTheFile) {
+TEST_F(DeclaredSize, OfAnAsciiPlyIsChecked) {
   EXPECT_TRUE(read_mesh(write("a.ply", ply("ascii", "3", "1", kTriangle))).has_value());
   for (const char* vertices : {"100000000000000", "4000000000", "1000"}) {
-    expect_refused(write("v.ply", ply("ascii", vertices, "1", kTriangle)), "has room for");
+    expect_rejected(write("v.ply", ply("ascii", vertices, "1", kTriangle)), "has room for");
   }
-  expect_refused(write("f.ply", ply("ascii", "3", "100000000000000", kTriangle)), "has room for");
+  expect_rejected(write("f.ply", ply("ascii", "3", "100000000000000", kTriangle)), "has room for");
 }
 
-TEST_F(DeclaredSize, OfABinaryPlyIsHeldAgainstTheFile) {
+TEST_F(DeclaredSize, OfABinaryPlyIsChecked) {
   const std::string content(3 * 12 + 13, '\0');
   for (const char* vertices : {"100000000000000", "5"}) {
-    expect_refused(write("v.ply", ply("binary_little_endian", vertices, "1", content)),
-                   "has room for");
+    expect_rejected(write("v.ply", ply("binary_little_endian", vertices, "1", content)),
+                    "has room for");
   }
 }
 
-TEST_F(DeclaredSize, ThatIsNoCountIsRefused) {
+TEST_F(DeclaredSize, ThatIsNotACountIsRejected) {
   for (const char* vertices : {"-1", "1e14", "99999999999999999999999", "x"}) {
-    expect_refused(write("v.ply", ply("ascii", vertices, "1", kTriangle)), "its header declares");
+    expect_rejected(write("v.ply", ply("ascii", vertices, "1", kTriangle)), "its header declares");
   }
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-// Sanitizers end the process where memory runs out: no std::bad_alloc, which the reader takes.
-TEST_F(DeclaredSize, OfAListInABinaryPlyIsNotBelieved) {
+// Sanitizers abort the process when memory runs out, instead of the std::bad_alloc that the reader
+// catches.
+TEST_F(DeclaredSize, OfAListInABinaryPlyIsRejected) {
   std::string header = ply("binary_little_endian", "3", "1", "");
   header.replace(header.find("uchar"), 5, "uint");
-  expect_refused(write("l.ply", header + std::string(36, '\0') + little_endian(0xFFFFFFF0)),
-                 "l.ply");
+  expect_rejected(write("l.ply", header + std::string(36, '\0') + little_endian(0xFFFFFFF0)),
+                  "l.ply");
 }
 #endif
 
-TEST_F(DeclaredSize, OfAnStlIsHeldAgainstTheFile) {
-  expect_refused(
+TEST_F(DeclaredSize, OfAnStlIsChecked) {
+  expect_rejected(
       write("a.stl", std::string(80, ' ') + little_endian(0xFFFFFFFF) + std::string(100, '\0')),
       "has room for 2");
 }
@@ -101,28 +102,28 @@ std::string glb(const std::string& json_text, std::uint32_t declared_surplus = 0
          little_endian(static_cast<std::uint32_t>(text.size()) + declared_surplus) + "JSON" + text;
 }
 
-TEST_F(DeclaredSize, OfAGlbIsHeldAgainstTheFile) {
-  expect_refused(write("a.glb", glb("{}", 1000)), "and the file has");
+TEST_F(DeclaredSize, OfAGlbIsChecked) {
+  expect_rejected(write("a.glb", glb("{}", 1000)), "and the file has");
 }
 
-TEST_F(DeclaredSize, OfAnAccessorInAGlbIsNotBelieved) {
+TEST_F(DeclaredSize, OfAnAccessorInAGlbIsRejected) {
   const std::string document =
       R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
       R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
       R"("accessors":[{"componentType":5126,"type":"VEC3","count":4000000000,)"
       R"("bufferView":0}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
       R"("buffers":[{"byteLength":36}]})";
-  expect_refused(write("accessor.glb", glb(document)), "accessor.glb");
+  expect_rejected(write("accessor.glb", glb(document)), "accessor.glb");
 }
 
-TEST_F(DeclaredSize, OfAGltfDocumentMayNotNestWithoutEnd) {
+TEST_F(DeclaredSize, OfADeeplyNestedGltfDocumentIsRejected) {
   const std::string nested = R"({"asset":{"version":"2.0"},"x":)" + std::string(500'000, '[') +
                              std::string(500'000, ']') + '}';
-  expect_refused(write("deep.glb", glb(nested)), "nest too deeply");
-  expect_refused(write("deep.gltf", nested), "nest too deeply");
+  expect_rejected(write("deep.glb", glb(nested)), "nested too deeply");
+  expect_rejected(write("deep.gltf", nested), "nested too deeply");
 }
 
-TEST_F(DeclaredSize, OfABufferOutsideIsThatOfARegularFile) {
+TEST_F(DeclaredSize, OfAnExternalBufferRequiresARegularFile) {
   const std::string document =
       R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
       R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
@@ -130,13 +131,13 @@ TEST_F(DeclaredSize, OfABufferOutsideIsThatOfARegularFile) {
       R"("bufferViews":[{"buffer":0,"byteLength":36}],)"
       R"("buffers":[{"byteLength":36,"uri":"pipe.bin"}]})";
   ASSERT_EQ(::mkfifo((folder_.path() / "pipe.bin").c_str(), 0600), 0);
-  expect_refused(write("a.gltf", document), "a.gltf");
+  expect_rejected(write("a.gltf", document), "a.gltf");
 }
 
-TEST_F(DeclaredSize, OfAPipeIsNotAwaited) {
+TEST_F(DeclaredSize, OfAPipeDoesNotBlock) {
   const fs::path pipe = folder_.path() / "pipe.obj";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  expect_refused(pipe, "named pipe");
+  expect_rejected(pipe, "named pipe");
 }
 
 }  // namespace

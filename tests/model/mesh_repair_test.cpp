@@ -11,71 +11,71 @@ namespace {
 
 using test::box_mesh;
 
-/// Three vertices of its own for every triangle.
+/// Three separate vertices for every triangle.
 TriangleMesh unshared(const TriangleMesh& mesh) {
-  TriangleMesh apart;
+  TriangleMesh separate;
   for (const auto& triangle : mesh.triangles) {
-    const auto first = static_cast<std::uint32_t>(apart.vertices.size());
-    for (const std::uint32_t index : triangle) apart.vertices.push_back(mesh.vertices[index]);
-    apart.triangles.push_back({first, first + 1, first + 2});
+    const auto first = static_cast<std::uint32_t>(separate.vertices.size());
+    for (const std::uint32_t index : triangle) separate.vertices.push_back(mesh.vertices[index]);
+    separate.triangles.push_back({first, first + 1, first + 2});
   }
-  return apart;
+  return separate;
 }
 
-TEST(JoinEqualVertices, SharesTheCornersOfABox) {
-  const TriangleMesh joined = join_equal_vertices(unshared(box_mesh({1, 2, 3})));
-  EXPECT_EQ(joined.vertices.size(), 8U);
-  EXPECT_EQ(joined.triangles.size(), 12U);
-  EXPECT_EQ(find_open_edges(joined).count, 0U);
-  EXPECT_NEAR(signed_volume(joined), 6.0, 1e-12);
+TEST(WeldVertices, SharesTheCornersOfABox) {
+  const TriangleMesh welded = weld_vertices(unshared(box_mesh({1, 2, 3})));
+  EXPECT_EQ(welded.vertices.size(), 8U);
+  EXPECT_EQ(welded.triangles.size(), 12U);
+  EXPECT_EQ(find_open_edges(welded).count, 0U);
+  EXPECT_NEAR(signed_volume(welded), 6.0, 1e-12);
 }
 
-TEST(JoinEqualVertices, KeepsVerticesOfDifferentColorApart) {
+TEST(WeldVertices, KeepsVerticesOfDifferentColorApart) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 1, 0}, {-1, 0, 0}};
   mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
   mesh.colors = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {9, 9, 9}, {9, 9, 9}};
-  const TriangleMesh joined = join_equal_vertices(mesh);
-  EXPECT_EQ(joined.vertices.size(), 5U);  // (0, 0, 0) is shared, (0, 1, 0) is not
-  EXPECT_EQ(joined.colors.size(), 5U);
+  const TriangleMesh welded = weld_vertices(mesh);
+  EXPECT_EQ(welded.vertices.size(), 5U);  // (0, 0, 0) is shared, (0, 1, 0) is not
+  EXPECT_EQ(welded.colors.size(), 5U);
 }
 
-TEST(JoinEqualVertices, LeavesOutWhatNoTriangleUses) {
+TEST(WeldVertices, RemovesUnusedVertices) {
   TriangleMesh mesh = box_mesh({1, 1, 1});
   mesh.vertices.insert(mesh.vertices.begin(), Eigen::Vector3f(7, 7, 7));
   for (auto& triangle : mesh.triangles) {
     for (std::uint32_t& index : triangle) ++index;
   }
-  EXPECT_EQ(join_equal_vertices(mesh).vertices.size(), 8U);
+  EXPECT_EQ(weld_vertices(mesh).vertices.size(), 8U);
 }
 
-TEST(WithoutEmptyTriangles, DropsOnlyThoseWithoutArea) {
+TEST(WithoutDegenerateTriangles, RemovesOnlyThoseWithoutArea) {
   TriangleMesh mesh = box_mesh({1, 1, 1});
   mesh.triangles.push_back({1, 1, 4});
   mesh.vertices.emplace_back(0.0F, -0.5F, -0.5F);  // the middle of the edge from 0 to 1
   mesh.triangles.push_back({0, 8, 1});
-  EXPECT_EQ(without_empty_triangles(mesh).triangles, box_mesh({1, 1, 1}).triangles);
+  EXPECT_EQ(without_degenerate_triangles(mesh).triangles, box_mesh({1, 1, 1}).triangles);
 }
 
-TEST(FindOpenEdges, CountsTheRimOfAHole) {
+TEST(FindOpenEdges, CountsTheBoundaryOfAHole) {
   TriangleMesh mesh = box_mesh({1, 1, 1});
   mesh.triangles.pop_back();
   EXPECT_EQ(find_open_edges(mesh).count, 3U);
 }
 
-TEST(FindOpenEdges, SeesATriangleWoundAgainstItsNeighbours) {
+TEST(FindOpenEdges, FindsATriangleOfOppositeWinding) {
   TriangleMesh mesh = box_mesh({1, 1, 1});
   std::swap(mesh.triangles[4][0], mesh.triangles[4][1]);
   EXPECT_EQ(find_open_edges(mesh).count, 3U);
 }
 
-TEST(MassProperties, AreThoseOfABoxWhereverItStands) {
+TEST(MassProperties, AreThoseOfABoxAtAnyPosition) {
   const TriangleMesh box = box_mesh({0.1F, 0.2F, 0.3F});
-  const Eigen::Vector3d place(0.5, -0.25, 2.0);
+  const Eigen::Vector3d position(0.5, -0.25, 2.0);
   const MassProperties properties =
-      mass_properties(transformed(Pose::from_translation(place), box));
+      mass_properties(transformed(Pose::from_translation(position), box));
   EXPECT_NEAR(properties.volume, 0.006, 1e-8);  // float coordinates at 2 m: 1e-7 m
-  EXPECT_NEAR((properties.centroid - place).norm(), 0.0, 1e-6);
+  EXPECT_NEAR((properties.centroid - position).norm(), 0.0, 1e-6);
 }
 
 // A corner of a cube cut off by the plane through its three neighbours: a sixth of the volume,

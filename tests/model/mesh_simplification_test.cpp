@@ -38,12 +38,12 @@ TEST(Simplified, KeepsAFlatSheetsOutlineWithAHundredthOfItsTriangles) {
   const TriangleMesh mesh = flat_sheet(40);
   const TriangleMesh simple = simplified(mesh, 32, 0.001);
   EXPECT_LE(simple.triangles.size(), 32U);
-  // The border's planes hold the corners; 0.1 % is a millimetre all around.
+  // The border planes preserve the corners; 0.1 % is a millimetre all around.
   EXPECT_NEAR(surface_area(simple), 1.0, 0.001);
   for (const Eigen::Vector3f& p : simple.vertices) EXPECT_NEAR(p.z(), 0.0F, 1e-6F);
 }
 
-TEST(Simplified, StaysWithinTheErrorThatIsAllowed) {
+TEST(Simplified, StaysWithinTheMaximumError) {
   const auto hill = [](float x, float y) { return 0.1F * std::sin(3.0F * x) * std::cos(3.0F * y); };
   const TriangleMesh mesh = sheet(60, hill);
   const TriangleMesh simple = simplified(mesh, 0, 0.002);
@@ -74,7 +74,7 @@ TEST(Simplified, KeepsAColourEdgeOnAFlatSheet) {
   }
 }
 
-TEST(Simplified, LeavesASmallMeshAlone) {
+TEST(Simplified, DoesNotChangeASmallMesh) {
   const TriangleMesh mesh = flat_sheet(2);
   EXPECT_EQ(simplified(mesh, 8, 0.01).triangles, mesh.triangles);
   EXPECT_TRUE(simplified(TriangleMesh(), 10, 0.01).triangles.empty());

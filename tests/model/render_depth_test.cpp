@@ -29,9 +29,9 @@ Pose from_above(double height) {
   return Pose(Eigen::Quaterniond(0, 1, 0, 0), Eigen::Vector3d(0, 0, height));
 }
 
-/// One ray for every pixel, without looking for the rectangle first.
-DepthImage render_plainly(const SurfaceQuery& surface, const CameraModel& camera,
-                          const Pose& T_mesh_camera) {
+/// One ray for every pixel, without the bounding rectangle.
+DepthImage render_brute_force(const SurfaceQuery& surface, const CameraModel& camera,
+                              const Pose& T_mesh_camera) {
   DepthImage depth(camera.width, camera.height, 0.0F);
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
@@ -63,7 +63,7 @@ TEST(RenderDepth, IsConstantOnAFaceSeenHeadOn) {
   EXPECT_EQ(seen, 104 * 78);
 }
 
-TEST(RenderDepth, ShowsASphereWhereItIs) {
+TEST(RenderDepth, RendersASphereAtItsDepth) {
   const SurfaceQuery surface(sphere_mesh(0.1F, 90));
   const CameraModel camera = small_camera();
   const DepthImage depth = render_depth(surface, camera, from_above(0.5));
@@ -83,11 +83,11 @@ TEST(RenderDepth, EqualsOneRayForEveryPixel) {
     for (int k = 0; k < 6; ++k) twist[k] = random.uniform(-1.5, 1.5);
     const Pose T_mesh_camera = Pose::exp(twist);
     EXPECT_EQ(values(render_depth(surface, camera, T_mesh_camera)),
-              values(render_plainly(surface, camera, T_mesh_camera)));
+              values(render_brute_force(surface, camera, T_mesh_camera)));
   }
 }
 
-TEST(RenderDepth, IsEmptyWhereTheBodyIsBehindTheCamera) {
+TEST(RenderDepth, IsEmptyForABodyBehindTheCamera) {
   const SurfaceQuery surface(box_mesh({0.1F, 0.1F, 0.1F}));
   const Pose T_mesh_camera = Pose::from_translation({0, 0, 1});  // looks away, along +z
   const DepthImage depth = render_depth(surface, small_camera(), T_mesh_camera);
@@ -95,15 +95,16 @@ TEST(RenderDepth, IsEmptyWhereTheBodyIsBehindTheCamera) {
   EXPECT_TRUE(visible_rectangle(surface.bounds(), small_camera(), T_mesh_camera).empty());
 }
 
-TEST(RenderDepth, GivesTheSameBitsForAnyNumberOfThreads) {
+TEST(RenderDepth, IsBitwiseIdenticalForAnyNumberOfThreads) {
   const SurfaceQuery surface(sphere_mesh(0.2F, 40));
-  const std::vector<float> alone = values(render_depth(surface, small_camera(), from_above(0.5)));
+  const std::vector<float> expected =
+      values(render_depth(surface, small_camera(), from_above(0.5)));
   for (const int threads : {2, 4}) {
-    EXPECT_EQ(values(render_depth(surface, small_camera(), from_above(0.5), {threads})), alone);
+    EXPECT_EQ(values(render_depth(surface, small_camera(), from_above(0.5), {threads})), expected);
   }
 }
 
-TEST(VisibleRectangle, HoldsTheBodyAndLittleMore) {
+TEST(VisibleRectangle, TightlyContainsTheBody) {
   const SurfaceQuery surface(box_mesh({0.1F, 0.1F, 0.1F}));
   const PixelRectangle rectangle =
       visible_rectangle(surface.bounds(), small_camera(), from_above(0.6));

@@ -59,7 +59,7 @@ std::string ply_of(const TriangleMesh& mesh) {
   return bytes;
 }
 
-/// With few digits, which any reader takes to the same numbers.
+/// With few digits, which any reader parses to the same numbers.
 std::string obj_of(const TriangleMesh& mesh) {
   std::ostringstream text;
   text << "# a ball\no ball\n";
@@ -85,66 +85,66 @@ class ShapeFile : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  fs::path put(const std::string& name, const std::string& bytes) {
+  fs::path write(const std::string& name, const std::string& bytes) {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
     return folder_ / name;
   }
   fs::path folder_;
 };
 
-/// As a CAD model is made of it: corners shared, looks left aside.
+/// As for a CAD model: vertices welded, normals and colours removed.
 TriangleMesh shape_of(TriangleMesh mesh) {
   mesh.normals.clear();
   mesh.colors.clear();
-  return join_equal_vertices(mesh);
+  return weld_vertices(mesh);
 }
 
-TEST_F(ShapeFile, ReadsEveryTypeAsTheGeneralImporterDoes) {
+TEST_F(ShapeFile, ReadsEveryTypeLikeAssimp) {
   const TriangleMesh ball = sphere_mesh(0.1F, 30);
-  for (const fs::path& file : {put("ball.stl", stl_of(ball)), put("ball.ply", ply_of(ball)),
-                               put("BALL.OBJ", obj_of(ball))}) {
+  for (const fs::path& file : {write("ball.stl", stl_of(ball)), write("ball.ply", ply_of(ball)),
+                               write("BALL.OBJ", obj_of(ball))}) {
     const std::optional<TriangleMesh> direct = read_shape(file);
     ASSERT_TRUE(direct) << file;
-    const Expected<TriangleMesh> general = import_mesh(file);
-    ASSERT_TRUE(general) << file;
+    const Expected<TriangleMesh> imported = import_mesh(file);
+    ASSERT_TRUE(imported) << file;
     const TriangleMesh one = shape_of(*direct);
-    const TriangleMesh other = shape_of(*general);
+    const TriangleMesh other = shape_of(*imported);
     EXPECT_EQ(one.vertices, other.vertices) << file;
     EXPECT_EQ(one.triangles, other.triangles) << file;
   }
 }
 
-TEST_F(ShapeFile, SharesTheCornersOfAnStlWhileReading) {
+TEST_F(ShapeFile, WeldsTheCornersOfAnStlWhileReading) {
   const TriangleMesh ball = sphere_mesh(0.1F, 30);
-  const auto read = read_shape(put("ball.stl", stl_of(ball)));
+  const auto read = read_shape(write("ball.stl", stl_of(ball)));
   ASSERT_TRUE(read);
   EXPECT_EQ(read->vertices.size(), ball.vertices.size());
 }
 
-TEST_F(ShapeFile, CutsPolygonsAndCountsNegativeIndicesBack) {
+TEST_F(ShapeFile, TriangulatesPolygonsAndResolvesNegativeIndices) {
   const auto read = read_shape(
-      put("square.obj", "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv +0 1 0\r\nf -4 -3 -2 -1\r\n"));
+      write("square.obj", "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv +0 1 0\r\nf -4 -3 -2 -1\r\n"));
   ASSERT_TRUE(read);
   EXPECT_EQ(read->triangles.size(), 2U);
   EXPECT_NEAR(surface_area(*read), 1.0, 1e-6);
 }
 
-TEST_F(ShapeFile, LeavesWhatIsCutOffAnywhereToTheGeneralImporter) {
+TEST_F(ShapeFile, RejectsTruncatedFiles) {
   const TriangleMesh ball = sphere_mesh(0.1F, 4);
   for (const auto& [name, bytes] :
        {std::pair("ball.stl", stl_of(ball)), std::pair("ball.ply", ply_of(ball))}) {
     for (std::size_t size = 0; size < bytes.size(); size += 37) {
-      EXPECT_FALSE(read_shape(put(name, bytes.substr(0, size)))) << name << ' ' << size;
+      EXPECT_FALSE(read_shape(write(name, bytes.substr(0, size)))) << name << ' ' << size;
     }
   }
 }
 
-TEST_F(ShapeFile, LeavesWhatItDoesNotKnowToTheGeneralImporter) {
+TEST_F(ShapeFile, RejectsUnsupportedContent) {
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
   for (const char* more :
        {"f 1 2 4\n", "f 0 1 2\n", "f 1 2 x\n", "v 1 2 nan\nf 1 2 3\n", "v 1 2\nf 1 2 3\n",
         "v 1 2 3 2\nf 1 2 3\n", "curv2 1 2\nf 1 2 3\n", "f 1 2 \\\n3\n"}) {
-    EXPECT_FALSE(read_shape(put("odd.obj", square + more))) << more;
+    EXPECT_FALSE(read_shape(write("odd.obj", square + more))) << more;
   }
   const std::string header = "ply\nformat binary_little_endian 1.0\n";
   for (const char* more :
@@ -154,10 +154,10 @@ TEST_F(ShapeFile, LeavesWhatItDoesNotKnowToTheGeneralImporter) {
         "element face 1\nproperty list uchar int vertex_indices\nend_header\n",
         "element vertex 1\nproperty float x\nproperty float y\nend_header\n", "element nothing\n",
         "property float x\nend_header\n"}) {
-    EXPECT_FALSE(read_shape(put("odd.ply", header + more + std::string(100, '\0')))) << more;
+    EXPECT_FALSE(read_shape(write("odd.ply", header + more + std::string(100, '\0')))) << more;
   }
   EXPECT_FALSE(read_shape(folder_ / "nowhere.stl"));
-  EXPECT_FALSE(read_shape(put("ball.glb", "glTF")));
+  EXPECT_FALSE(read_shape(write("ball.glb", "glTF")));
 }
 
 }  // namespace

@@ -7,9 +7,9 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/model/cad_model.hpp"
+#include "pcavr/model/triangle.hpp"
 
 #include "model/meshes.hpp"
-#include "model/triangle.hpp"
 
 namespace pcavr {
 namespace {
@@ -35,7 +35,7 @@ Triangle corners(const TriangleMesh& mesh, std::size_t i) {
           mesh.vertices[c].cast<double>()};
 }
 
-double nearest_by_trying_all(const TriangleMesh& mesh, const Eigen::Vector3d& point) {
+double nearest_by_brute_force(const TriangleMesh& mesh, const Eigen::Vector3d& point) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     nearest = std::min(nearest, (closest_point(corners(mesh, i), point) - point).norm());
@@ -67,7 +67,7 @@ TEST(ClosestPointOnTriangle, IsNearerThanAnySampleOfTheTriangle) {
   }
 }
 
-TEST(ClosestPointOnTriangle, TreatsATriangleWithoutAreaAsItsEdges) {
+TEST(ClosestPointOnTriangle, TreatsADegenerateTriangleAsItsEdges) {
   const Triangle needle{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
   EXPECT_NEAR((closest_point(needle, {1.5, 1.0, 0.0}) - Eigen::Vector3d(1.5, 0, 0)).norm(), 0.0,
               1e-15);
@@ -75,7 +75,7 @@ TEST(ClosestPointOnTriangle, TreatsATriangleWithoutAreaAsItsEdges) {
   EXPECT_EQ(closest_point(dot, {5, 5, 5}), Eigen::Vector3d(1, 1, 1));
 }
 
-TEST(SurfaceQuery, FindsTheSameDistanceAsTryingAllTriangles) {
+TEST(SurfaceQuery, FindsTheSameDistanceAsBruteForce) {
   Random random(2);
   const TriangleMesh mesh = triangle_soup(300, random);
   const SurfaceQuery surface(mesh);
@@ -83,13 +83,13 @@ TEST(SurfaceQuery, FindsTheSameDistanceAsTryingAllTriangles) {
     const Eigen::Vector3f point = random_point(random, -0.5, 1.5);
     const auto closest = surface.closest(point, kFar);
     ASSERT_TRUE(closest);
-    const double expected = nearest_by_trying_all(mesh, point.cast<double>());
+    const double expected = nearest_by_brute_force(mesh, point.cast<double>());
     EXPECT_NEAR(closest->distance, expected, 1e-6 * expected);  // float rounding
     EXPECT_NEAR((closest->point - point).norm(), closest->distance, 1e-6);
   }
 }
 
-TEST(SurfaceQuery, FindsTheFirstOfAllTrianglesThatARayMeets) {
+TEST(SurfaceQuery, FindsTheFirstTriangleHitByARay) {
   Random random(3);
   const TriangleMesh mesh = triangle_soup(300, random);
   const SurfaceQuery surface(mesh);
@@ -121,13 +121,13 @@ TEST(SurfaceQuery, FindsTheFirstOfAllTrianglesThatARayMeets) {
   EXPECT_GT(hits, 100);
 }
 
-TEST(SurfaceQuery, KnowsABoxExactly) {
+TEST(SurfaceQuery, IsExactForABox) {
   const SurfaceQuery surface(box_mesh({0.2F, 0.4F, 0.6F}));
   const auto above = surface.closest({0.05F, 0.1F, 0.5F}, kFar);
   ASSERT_TRUE(above);
   EXPECT_NEAR(above->distance, 0.2F, 1e-7F);
   EXPECT_NEAR((above->normal - Eigen::Vector3f::UnitZ()).norm(), 0.0F, 1e-7F);
-  // From within, the nearest face; its normal still points outward.
+  // From inside, the nearest face; its normal still points outward.
   const auto inside = surface.closest({0.08F, 0.0F, 0.0F}, kFar);
   ASSERT_TRUE(inside);
   EXPECT_NEAR(inside->distance, 0.02F, 1e-7F);
@@ -161,7 +161,7 @@ TEST(SurfaceQuery, FindsNothingBeyondTheRadius) {
   EXPECT_FALSE(surface.cast({0, 0, 1}, {0, 0, 1}));
 }
 
-TEST(SurfaceQuery, HasNoAnswerToWhatIsNotFinite) {
+TEST(SurfaceQuery, FindsNothingForNonFiniteInput) {
   const SurfaceQuery surface(box_mesh({1, 1, 1}));
   EXPECT_FALSE(surface.closest({kNaN, 0, 0}, kFar));
   EXPECT_FALSE(surface.cast({0, 0, 3}, {0, kNaN, -1}));
@@ -169,14 +169,14 @@ TEST(SurfaceQuery, HasNoAnswerToWhatIsNotFinite) {
   EXPECT_FALSE(surface.cast({kNaN, 0, 3}, {0, 0, -1}));
 }
 
-TEST(SurfaceQuery, AnswersNothingForAnEmptyMesh) {
+TEST(SurfaceQuery, FindsNothingInAnEmptyMesh) {
   const SurfaceQuery surface(TriangleMesh{});
   EXPECT_FALSE(surface.closest({0, 0, 0}, kFar));
   EXPECT_FALSE(surface.cast({0, 0, 0}, {0, 0, 1}));
   EXPECT_TRUE(surface.bounds().isEmpty());
 }
 
-TEST(SurfaceQuery, RefusesUnsoundMeshes) {
+TEST(SurfaceQuery, RejectsInvalidMeshes) {
   TriangleMesh mesh = box_mesh({1, 1, 1});
   mesh.vertices[2].y() = kNaN;
   EXPECT_THROW(SurfaceQuery{mesh}, ContractError);
@@ -185,7 +185,7 @@ TEST(SurfaceQuery, RefusesUnsoundMeshes) {
   EXPECT_THROW(SurfaceQuery{mesh}, ContractError);
 }
 
-TEST(SurfaceQuery, NamesTheFirstOfEquallyNearTriangles) {
+TEST(SurfaceQuery, ReturnsTheFirstOfEquallyNearTriangles) {
   TriangleMesh mesh = box_mesh({1, 1, 1});
   const std::vector<std::array<std::uint32_t, 3>> once = mesh.triangles;
   mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
@@ -198,24 +198,24 @@ TEST(SurfaceQuery, NamesTheFirstOfEquallyNearTriangles) {
   }
 }
 
-TEST(SurfaceQuery, GivesManyThreadsTheSameAnswers) {
+TEST(SurfaceQuery, GivesTheSameResultsFromSeveralThreads) {
   Random random(6);
   const SurfaceQuery surface(triangle_soup(500, random));
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 2000; ++i) points.push_back(random_point(random, -0.2, 1.2));
-  const auto answer = [&](std::vector<float>& distances) {
+  const auto query_all = [&](std::vector<float>& distances) {
     for (const Eigen::Vector3f& p : points) distances.push_back(surface.closest(p, kFar)->distance);
   };
-  std::vector<float> alone;
-  answer(alone);
-  std::vector<std::vector<float>> together(4);
+  std::vector<float> sequential;
+  query_all(sequential);
+  std::vector<std::vector<float>> parallel(4);
   std::vector<std::thread> threads;
-  for (auto& distances : together) threads.emplace_back([&] { answer(distances); });
+  for (auto& distances : parallel) threads.emplace_back([&] { query_all(distances); });
   for (std::thread& thread : threads) thread.join();
-  for (const auto& distances : together) EXPECT_EQ(distances, alone);
+  for (const auto& distances : parallel) EXPECT_EQ(distances, sequential);
 }
 
-TEST(SurfaceQuery, KeepsAnsweringWhenMoved) {
+TEST(SurfaceQuery, RemainsValidWhenMoved) {
   SurfaceQuery first(box_mesh({1, 1, 1}));
   SurfaceQuery second(std::move(first));
   first = SurfaceQuery(sphere_mesh(1.0F, 8));

@@ -37,7 +37,7 @@ std::size_t changed(const ColorImage& picture) {
                                                 [](const Rgb8& p) { return !(p == kGray); }));
 }
 
-/// By how much a pixel differs from the gray that was there.
+/// Difference of a pixel from the gray background.
 int strength(const ColorImage& picture, int x, int y) {
   const Rgb8& p = picture(x, y);
   return std::abs(p.r - kGray.r) + std::abs(p.g - kGray.g) + std::abs(p.b - kGray.b);
@@ -53,7 +53,7 @@ TEST_F(AugmentedDrawing, DrawsTheSilhouetteWithinAPixelThroughAnyLens) {
   for (const bool is_distorted : {false, true}) {
     const CameraModel camera = a_camera(is_distorted);
     const ColorImage picture = drawn(camera, {{&box_, T_camera_box_}});
-    // A pixel is drawn where its ray meets the box; only those at the rim may differ.
+    // A pixel is drawn where its ray hits the box; only those at the silhouette may differ.
     const DepthImage ideal = render_depth(box_, camera, T_camera_box_.inverse());
     int inside = 0;
     for (int y = 2; y < camera.height - 2; ++y) {
@@ -89,12 +89,13 @@ TEST_F(AugmentedDrawing, DrawsAnEdgeWhereTwoFacesMeetAndNoneInAFace) {
       };
       const Eigen::Vector3d middle =
           T_camera_box_ * Eigen::Vector3d(0.5 * (corner(from) + corner(to)));
-      const Eigen::Vector3f from_eye =
+      const Eigen::Vector3f p_object_camera =
           (T_camera_box_.inverse() * Eigen::Vector3d::Zero()).cast<float>();
       const Eigen::Vector3d middle_object = 0.5 * (corner(from) + corner(to));
-      const auto hit = box_.cast(from_eye, middle_object.cast<float>() * 0.999F - from_eye);
+      const auto hit =
+          box_.cast(p_object_camera, middle_object.cast<float>() * 0.999F - p_object_camera);
       const bool is_seen =
-          hit && hit->distance > (middle_object.cast<float>() - from_eye).norm() - 1e-3F;
+          hit && hit->distance > (middle_object.cast<float>() - p_object_camera).norm() - 1e-3F;
       if (!is_seen) continue;
       const Eigen::Vector2d pixel = camera.project(middle);
       const int x = static_cast<int>(std::lround(pixel.x()));
@@ -104,12 +105,12 @@ TEST_F(AugmentedDrawing, DrawsAnEdgeWhereTwoFacesMeetAndNoneInAFace) {
     }
   }
   EXPECT_GE(edges, 5);
-  // The middle of the face that is nearest: filled, and no line.
+  // The centre of the nearest face: filled, without an edge line.
   const Eigen::Vector2d face = camera.project(T_camera_box_ * Eigen::Vector3d(0, 0, -0.04));
   EXPECT_LT(strength(picture, static_cast<int>(face.x()), static_cast<int>(face.y())), 120);
 }
 
-TEST_F(AugmentedDrawing, HidesWhatIsBehindANearerBody) {
+TEST_F(AugmentedDrawing, OccludesABodyBehindANearerOne) {
   const CameraModel camera = a_camera(false);
   const BodyInView front{&box_, a_view({0.0, 0.0, 0.5}, 0.0)};
   const SurfaceQuery small(a_box({0.02F, 0.02F, 0.02F}));
@@ -121,7 +122,7 @@ TEST_F(AugmentedDrawing, HidesWhatIsBehindANearerBody) {
   }
 }
 
-TEST_F(AugmentedDrawing, IsFainterBehindWhatTheCameraMeasured) {
+TEST_F(AugmentedDrawing, IsFainterWhereTheRecordedDepthOccludesIt) {
   const CameraModel camera = a_camera(false);
   const BodyInView body{&box_, a_view({0.0, 0.0, 0.8}, 0.0)};
   const ColorImage seen = drawn(camera, {body}, {}, 0.8F);
@@ -141,16 +142,16 @@ TEST_F(AugmentedDrawing, DrawsGhostsAsLinesOnly) {
   EXPECT_LT(changed(ghost), changed(drawn(camera, {body})) / 4);
 }
 
-TEST_F(AugmentedDrawing, DrawsNothingBehindTheCameraOrBesideThePicture) {
+TEST_F(AugmentedDrawing, DrawsNothingBehindTheCameraOrOutsideTheImage) {
   const CameraModel camera = a_camera(true);
   EXPECT_EQ(changed(drawn(camera, {{&box_, a_view({0.0, 0.0, -0.8}, 0.3)}})), 0U);
   EXPECT_EQ(changed(drawn(camera, {{&box_, a_view({9.0, 0.0, 0.8}, 0.3)}})), 0U);
   EXPECT_EQ(changed(drawn(camera, {})), 0U);
 }
 
-TEST_F(AugmentedDrawing, EndsAtThePictureWithoutALine) {
+TEST_F(AugmentedDrawing, DrawsNoEdgeAtTheImageBorder) {
   const CameraModel camera = a_camera(false);
-  // So near that its face fills the picture: all fill, no edge.
+  // So near that its face fills the image: no edge.
   const ColorImage picture = drawn(camera, {{&box_, a_view({0.0, 0.0, 0.07}, 0.0)}});
   for (int y = 0; y < camera.height; ++y) EXPECT_EQ(picture(0, y), picture(160, 120)) << y;
 }

@@ -55,7 +55,7 @@ TEST_F(AugmentedFramesTest, DrawsTheBodyWhereTheCameraSeesIt) {
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const auto picture = shown.render(i);
     ASSERT_TRUE(picture) << picture.error().to_string();
-    // Its top, seen from above; the camera's x is base's.
+    // Its top, from above; the camera's x axis is that of base.
     const Eigen::Vector3d top(0.5 + 0.01 * static_cast<double>(i), 0.0, 0.08);
     const Eigen::Vector2d pixel = a_small_camera().project(a_view_from_above().inverse() * top);
     const Rgb8 middle = (*picture)(static_cast<int>(std::lround(pixel.x())),
@@ -121,7 +121,7 @@ TEST_F(AugmentedFramesTest, NamesTheImageThatDoesNotDecode) {
   EXPECT_EQ(lenient->left_out, 1U);
 }
 
-TEST_F(AugmentedFramesTest, BecomeAVideoWithEveryPictureAndNothingElse) {
+TEST_F(AugmentedFramesTest, WritesAVideoOfAllFramesAndNoOtherFile) {
   const std::size_t before = files();
   const auto written = write_augmented_video(frames(), video());
   ASSERT_TRUE(written) << written.error().to_string();
@@ -140,7 +140,7 @@ TEST_F(AugmentedFramesTest, BecomeAVideoWithEveryPictureAndNothingElse) {
 TEST_F(AugmentedFramesTest, RefusesATargetThatCanNotBeWritten) {
   std::ofstream(video()) << "there already";
   EXPECT_FALSE(check_video_target(video(), false));
-  EXPECT_FALSE(check_video_target(video(), true)) << "it is no video of ours";
+  EXPECT_FALSE(check_video_target(video(), true)) << "not a video";
   EXPECT_FALSE(check_video_target(folder_.path() / "out.avi", false));
   EXPECT_FALSE(check_video_target(folder_.path() / "nowhere" / "out.mp4", false));
   EXPECT_FALSE(write_augmented_video(frames(), video()));

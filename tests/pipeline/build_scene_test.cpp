@@ -12,7 +12,7 @@
 namespace pcavr {
 namespace {
 
-TEST(BuildScene, WantsFrames) {
+TEST(BuildScene, NeedsFrames) {
   Recording recording;
   recording.folder = "somewhere";
   const Expected<Scene> scene = build_scene(recording, {});
@@ -21,8 +21,8 @@ TEST(BuildScene, WantsFrames) {
   EXPECT_FALSE(scene.error().hint.empty());
 }
 
-/// A recording without images that states where a cube of 0.1 m stands.
-Recording stated_recording(const TemporaryFolder& folder) {
+/// A recording without images that states the pose of a cube of 0.1 m.
+Recording recording_without_images(const TemporaryFolder& folder) {
   constexpr const char* kCube =
       "v -0.05 -0.05 -0.05\nv 0.05 -0.05 -0.05\nv 0.05 0.05 -0.05\nv -0.05 0.05 -0.05\n"
       "v -0.05 -0.05 0.05\nv 0.05 -0.05 0.05\nv 0.05 0.05 0.05\nv -0.05 0.05 0.05\n"
@@ -47,7 +47,7 @@ TEST(BuildScene, WithoutImagesHoldsWhatTheManifestStates) {
   Observer observer;
   std::string warning;
   observer.warn = [&](std::string_view line) { warning = line; };
-  const Expected<Scene> scene = build_scene(stated_recording(folder), {}, observer);
+  const Expected<Scene> scene = build_scene(recording_without_images(folder), {}, observer);
   ASSERT_TRUE(scene) << scene.error().to_string();
   EXPECT_NE(warning.find("no images"), std::string::npos);
   ASSERT_EQ(scene->objects.size(), 1U);
@@ -57,31 +57,31 @@ TEST(BuildScene, WithoutImagesHoldsWhatTheManifestStates) {
   ASSERT_EQ(scene->support_planes.size(), 1U);
   EXPECT_NEAR(scene->support_planes[0].plane_base.offset, 0.10, 1e-6);
   EXPECT_EQ(scene->support_planes[0].objects, std::vector<std::string>{"cube"});
-  EXPECT_NEAR(scene->support_planes[0].outline_base[1].x(), 1.0, 1e-6);  // beyond the tool's way
+  EXPECT_NEAR(scene->support_planes[0].outline_base[1].x(), 1.0, 1e-6);  // beyond the tool's path
 }
 
 TEST(BuildScene, WithoutImagesCanBeWrittenAndIsSound) {
   const TemporaryFolder folder;
-  const Expected<Scene> scene = build_scene(stated_recording(folder), {});
+  const Expected<Scene> scene = build_scene(recording_without_images(folder), {});
   ASSERT_TRUE(scene);
-  const std::filesystem::path place = folder.path() / "scene";
-  std::filesystem::create_directory(place);
-  ASSERT_TRUE(write_scene(*scene, place, {1}));
-  const auto checks = inspect_scene(place);
+  const std::filesystem::path scene_folder = folder.path() / "scene";
+  std::filesystem::create_directory(scene_folder);
+  ASSERT_TRUE(write_scene(*scene, scene_folder, {1}));
+  const auto checks = inspect_scene(scene_folder);
   ASSERT_TRUE(checks) << checks.error().to_string();
   for (const SceneCheck& check : *checks) EXPECT_TRUE(check.is_sound) << check.what << check.figure;
 }
 
-TEST(BuildScene, WithoutImagesWantsThePoseOfEveryMovableObject) {
+TEST(BuildScene, WithoutImagesNeedsThePoseOfEveryMovableObject) {
   const TemporaryFolder folder;
-  Recording recording = stated_recording(folder);
+  Recording recording = recording_without_images(folder);
   recording.manifest.objects[0].T_base_object.reset();
   const Expected<Scene> scene = build_scene(recording, {});
   ASSERT_FALSE(scene);
   EXPECT_NE(scene.error().message.find("cube"), std::string::npos);
 }
 
-TEST(BuildScene, WantsACadBodyForEveryMovableObject) {
+TEST(BuildScene, NeedsACadBodyForEveryMovableObject) {
   Recording recording;
   recording.manifest.camera = CameraModel{.width = 8, .height = 8, .fx = 8.0, .fy = 8.0};
   recording.frames.resize(1);

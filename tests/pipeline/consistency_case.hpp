@@ -12,14 +12,14 @@
 
 namespace pcavr {
 
-/// A camera that goes around a table with a base tag and a box that carries two tags, in frames
-/// 0.1 s apart. Faults are put in by changing the manifest, the sights or the poses.
+/// A camera that moves around a table with a base tag and a box with two tags, in frames 0.1 s
+/// apart. Faults are injected by changing the manifest, the measurements or the poses.
 struct ConsistencyCase {
   Manifest manifest;
   Trajectory camera;  ///< T_base_camera
   std::vector<Stamp> stamps;
-  std::vector<TagSight> sights;
-  CameraTrack track;  ///< without errors, in a frame of its own
+  std::vector<TagMeasurement> tags;
+  CameraTrack track;  ///< without errors, in its own segment frame
 };
 
 /// x to the right, y down, z toward the target.
@@ -39,7 +39,7 @@ inline MarkerEntry a_tag(int id, double size, const Pose& pose, const std::strin
           .T_parent_marker = pose};
 }
 
-/// Depth reads `bias` too far (a sensor's own error), and corners are off by some 0.3 mm.
+/// Depth has a relative bias of `bias`, and corners have a noise of 0.3 mm.
 inline ConsistencyCase a_consistency_case(double bias = 0.0) {
   constexpr int kFrames = 12;
   const Pose T_base_box = Pose::from_translation({0.6, -0.1, 0.05});
@@ -72,12 +72,12 @@ inline ConsistencyCase a_consistency_case(double bias = 0.0) {
       const MarkerEntry& marker = made.manifest.markers[m];
       const Pose T_base_marker =
           (marker.role == MarkerRole::object ? T_base_box : Pose()) * marker.T_parent_marker;
-      TagSight sight{.frame = i, .marker = m, .corners_camera = tag_corners(marker.size)};
-      for (Eigen::Vector3d& corner : sight.corners_camera) {
+      TagMeasurement tag{.frame = i, .marker = m, .corners_camera = tag_corners(marker.size)};
+      for (Eigen::Vector3d& corner : tag.corners_camera) {
         corner = (1.0 + bias) * (T_base_camera.inverse() * T_base_marker * corner);
         for (double& coordinate : corner) coordinate += 3e-4 * random.normal();
       }
-      made.sights.push_back(sight);
+      made.tags.push_back(tag);
     }
   }
   return made;

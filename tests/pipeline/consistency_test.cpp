@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Each usual mistake in a recording's inputs, put into observations that agree otherwise.
+// Each common mistake in a recording's inputs, injected into otherwise consistent observations.
 #include <gtest/gtest.h>
 
 #include "pipeline/assess_consistency.hpp"
@@ -18,7 +18,7 @@ std::vector<ConsistencyFinding> findings_of(const ConsistencyCase& made,
   recording.groundtruth = groundtruth;
   for (const Stamp stamp : made.stamps) recording.frames.push_back({stamp, {}, stamp, {}});
   ConsistencyObservations seen;
-  seen.tags = made.sights;
+  seen.tags = made.tags;
   return assess_consistency(recording, {}, seen, made.track, {});
 }
 
@@ -44,7 +44,7 @@ TEST(Consistency, FindsNothingWhereInputsAgree) {
   EXPECT_TRUE(findings_of(made, made.camera).empty());
 }
 
-TEST(Consistency, TakesTwoPercentOfDepthBiasAndOfPrintingForGranted) {
+TEST(Consistency, ToleratesTwoPercentOfDepthBiasAndOfPrinting) {
   ConsistencyCase made = a_consistency_case(0.02);
   for (MarkerEntry& marker : made.manifest.markers) marker.size *= 0.98;
   EXPECT_TRUE(findings_of(made, made.camera).empty());
@@ -55,7 +55,7 @@ TEST(Consistency, NamesTheOneTagWhoseSizeIsHalf) {
   made.manifest.markers[0].size *= 0.5;
   const auto findings = findings_of(made);
   expect_contradiction(findings, "markers[0].size", 2.0);
-  EXPECT_NE(findings[0].message.find("0.06 m across, but depth says it is 0.12 m (factor 2.00"),
+  EXPECT_NE(findings[0].message.find("0.06 m across, but depth measures 0.12 m (factor 2.00"),
             std::string::npos)
       << findings[0].message;
   EXPECT_EQ(findings[0].hint, "check the printed size");
@@ -71,22 +71,22 @@ TEST(Consistency, NamesTheDepthScaleWhereAllTagsDisagreeAlike) {
   const ConsistencyCase made = a_consistency_case(4.0);
   const auto findings = findings_of(made);
   expect_contradiction(findings, "camera.depth_scale", 5.0);
-  EXPECT_NE(findings[0].message.find("5000 units a metre, but 4 other inputs say about 2"),
+  EXPECT_NE(findings[0].message.find("5000 units per metre, but 4 other inputs indicate about 2"),
             std::string::npos)
       << findings[0].message;
 }
 
 TEST(Consistency, NamesTagAndDepthScaleWhereOnlyOneTagIsSeen) {
   ConsistencyCase made = a_consistency_case(4.0);
-  std::erase_if(made.sights, [](const TagSight& sight) { return sight.marker != 0; });
+  std::erase_if(made.tags, [](const TagMeasurement& tag) { return tag.marker != 0; });
   const auto findings = findings_of(made);
   expect_contradiction(findings, "markers[0].size", 5.0);
   EXPECT_EQ(findings[0].hint, "check the printed size or camera.depth_scale");
 }
 
-TEST(Consistency, LetsGroundtruthDecideBetweenOneTagAndTheDepthScale) {
+TEST(Consistency, DistinguishesOneTagAndTheDepthScaleByGroundtruth) {
   ConsistencyCase made = a_consistency_case(4.0);
-  std::erase_if(made.sights, [](const TagSight& sight) { return sight.marker != 0; });
+  std::erase_if(made.tags, [](const TagMeasurement& tag) { return tag.marker != 0; });
   for (FramePlacement& frame : made.track.frames) {
     frame.T_segment_camera =
         Pose(frame.T_segment_camera.rotation(), 5.0 * frame.T_segment_camera.translation());
@@ -106,15 +106,15 @@ TEST(Consistency, WarnsBelowAFactorOfOneAndAHalf) {
 TEST(Consistency, NeedsThreeFrames) {
   ConsistencyCase made = a_consistency_case();
   made.manifest.markers[0].size *= 0.5;
-  std::erase_if(made.sights, [](const TagSight& sight) { return sight.frame > 1; });
+  std::erase_if(made.tags, [](const TagMeasurement& tag) { return tag.frame > 1; });
   EXPECT_TRUE(findings_of(made).empty());
 }
 
 TEST(Consistency, NamesFxByTheShapeOfTheTags) {
   ConsistencyCase made = a_consistency_case();
   made.manifest.camera->fx *= 0.5;
-  for (TagSight& sight : made.sights) {
-    for (Eigen::Vector3d& corner : sight.corners_camera) corner.x() *= 2.0;
+  for (TagMeasurement& tag : made.tags) {
+    for (Eigen::Vector3d& corner : tag.corners_camera) corner.x() *= 2.0;
   }
   const auto findings = findings_of(made);
   expect_contradiction(findings, "camera.fx", 2.0);
@@ -123,13 +123,13 @@ TEST(Consistency, NamesFxByTheShapeOfTheTags) {
 
 TEST(Consistency, NamesBothFocalLengthsWhereTagsAreSeenAskew) {
   ConsistencyCase made = a_consistency_case();
-  for (TagSight& sight : made.sights) {
-    for (Eigen::Vector3d& corner : sight.corners_camera) corner.head<2>() *= 2.0;
+  for (TagMeasurement& tag : made.tags) {
+    for (Eigen::Vector3d& corner : tag.corners_camera) corner.head<2>() *= 2.0;
   }
   expect_contradiction(findings_of(made), "camera.fx, camera.fy", 2.0);
 }
 
-TEST(Consistency, NamesTheTagThatIsNotWhereItsPoseSays) {
+TEST(Consistency, NamesTheTagWithAWrongPose) {
   ConsistencyCase made = a_consistency_case();
   // The box's two tags become base tags, and the first one's pose is 0.5 m off.
   for (MarkerEntry& marker : made.manifest.markers) {
@@ -161,9 +161,9 @@ TEST(Consistency, NamesPosesThatAreAMetreOff) {
       << findings[0].message;
 }
 
-TEST(Consistency, TakesAHandEyeCalibrationsErrorForGranted) {
+TEST(Consistency, ToleratesAHandEyeCalibrationsError) {
   const ConsistencyCase made = a_consistency_case();
-  // 15 mm and 2 degrees, as an arm's commanded poses have it.
+  // 15 mm and 2 degrees, the error of an arm's commanded poses.
   const Pose error(Eigen::Quaterniond(Eigen::AngleAxisd(0.035, Eigen::Vector3d::UnitY())),
                    {0.015, 0.0, 0.0});
   EXPECT_TRUE(
@@ -187,7 +187,7 @@ TEST(Consistency, NamesQuaternionsThatBeginWithW) {
   });
   for (const bool has_tags : {true, false}) {
     ConsistencyCase seen = made;
-    if (!has_tags) seen.sights.clear();
+    if (!has_tags) seen.tags.clear();
     const auto findings = findings_of(seen, given);
     ASSERT_FALSE(findings.empty()) << has_tags;
     EXPECT_EQ(findings[0].severity, FindingSeverity::contradiction) << findings[0].message;
@@ -247,9 +247,9 @@ TEST(ConsistencyOfABody, OnlyWarnsOfATagOnAMast) {
   EXPECT_EQ(findings[0].severity, FindingSeverity::warning) << findings[0].message;
 }
 
-TEST(ConsistencyOfABody, SeesNoUnitInATagBesideAFrameOnTheBodysFace) {
+TEST(ConsistencyOfABody, FindsNoWrongUnitForATagNearAFrameOnTheBodysFace) {
   CadCase cad;
-  // The frame lies on the bottom, the tags 30 mm above the top and beside the side.
+  // The frame lies on the bottom face, the tags 30 mm off the top and side faces.
   for (MarkerEntry& marker : cad.made.manifest.markers) {
     if (marker.id.id == 5) marker.T_parent_marker = Pose::from_translation({0.0, 0.0, 0.13});
     if (marker.id.id == 6) marker.T_parent_marker = Pose::from_translation({0.11, 0.0, 0.0});
@@ -259,10 +259,10 @@ TEST(ConsistencyOfABody, SeesNoUnitInATagBesideAFrameOnTheBodysFace) {
   }
 }
 
-/// Depth of a box on a table, and the fit of a mesh that is scaled against it.
+/// Depth of a box on a table, and the fit of a scaled mesh to it.
 OutlineFit outline_fit(float mesh_scale) {
   const ConsistencyCase made = a_consistency_case();
-  const CameraModel camera = made.manifest.camera->shrunk(4);
+  const CameraModel camera = made.manifest.camera->downsampled(4);
   const Pose T_base_box = Pose::from_translation({0.6, -0.1, 0.05});
   TriangleMesh box = a_box({0.16F, 0.16F, 0.1F});
   TriangleMesh scene = transformed(T_base_box, box);
@@ -288,13 +288,13 @@ OutlineFit outline_fit(float mesh_scale) {
   return fit;
 }
 
-TEST(ConsistencyOfABody, IsHeldAgainstTheDepthInItsOutline) {
+TEST(ConsistencyOfABody, IsComparedWithTheDepthInItsOutline) {
   const ConsistencyCase made = a_consistency_case();
   const auto finding = [&](float scale) {
     return check_outline(made.manifest, made.manifest.objects[0], outline_fit(scale), 3);
   };
   EXPECT_FALSE(finding(1.0F));
-  EXPECT_FALSE(finding(1.05F)) << "a drawing that is a little off";
+  EXPECT_FALSE(finding(1.05F)) << "a slightly inaccurate CAD model";
   for (const float scale : {2.0F, 0.5F}) {
     const auto found = finding(scale);
     ASSERT_TRUE(found) << scale;
@@ -303,7 +303,7 @@ TEST(ConsistencyOfABody, IsHeldAgainstTheDepthInItsOutline) {
   }
 }
 
-// ---- what is measured
+// ---- measurement
 
 TEST(MeasureTag, PutsTheCornersOnThePlaneThatDepthShows) {
   const CameraModel camera{
@@ -317,7 +317,7 @@ TEST(MeasureTag, PutsTheCornersOnThePlaneThatDepthShows) {
     for (int x = 0; x < 640; ++x) {
       const Eigen::Vector3d ray = camera.normalise({x, y}).homogeneous();
       const double z = offset / normal.dot(ray);
-      // Every seventh reading is something in front of the tag.
+      // Every seventh reading is an outlier in front of the tag.
       depth(x, y) = static_cast<float>((x + 3 * y) % 7 == 0 ? 0.5 : z);
     }
   }
@@ -326,15 +326,15 @@ TEST(MeasureTag, PutsTheCornersOnThePlaneThatDepthShows) {
   for (std::size_t i = 0; i < 4; ++i) {
     detection.corners[i] = camera.project(T_camera_tag * corners[i]);
   }
-  const auto sight = measure_tag(depth, camera, detection);
-  ASSERT_TRUE(sight);
+  const auto tag = measure_tag(depth, camera, detection);
+  ASSERT_TRUE(tag);
   for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_LT((sight->corners_camera[i] - T_camera_tag * corners[i]).norm(), 1e-4) << i;  // [m]
+    EXPECT_LT((tag->corners_camera[i] - T_camera_tag * corners[i]).norm(), 1e-4) << i;  // [m]
   }
   EXPECT_FALSE(measure_tag(DepthImage(640, 480), camera, detection)) << "without depth";
 }
 
-// ---- a scene of nothing
+// ---- a scene without a surface
 
 TEST(EmptyScene, NamesTheLikelyCause) {
   const DepthNoise noise;

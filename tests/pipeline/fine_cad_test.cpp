@@ -37,15 +37,15 @@ void write_stl(const fs::path& file, const TriangleMesh& mesh) {
   }
 }
 
-/// A recording without images, of a ball whose CAD mesh has 300 000 triangles.
+/// A recording without images, of a sphere whose CAD mesh has 300 000 triangles.
 class FineCad : public testing::Test {
  protected:
   void SetUp() override {
     full_ = test::sphere_mesh(0.08F, 275);
-    write_stl(folder_.path() / "recording/objects/ball.stl", full_);
+    write_stl(folder_.path() / "recording/objects/sphere.stl", full_);
     recording_.folder = folder_.path() / "recording";
-    recording_.manifest.objects = {{.name = "ball",
-                                    .mesh = "objects/ball.stl",
+    recording_.manifest.objects = {{.name = "sphere",
+                                    .mesh = "objects/sphere.stl",
                                     .mass = 1.0,
                                     .is_movable = true,
                                     .T_base_object = Pose::from_translation({0.5, 0.0, 0.08})}};
@@ -57,36 +57,36 @@ class FineCad : public testing::Test {
   Recording recording_;
 };
 
-TEST_F(FineCad, BecomesABodyThatAHeadsetCarries) {
-  std::string warned;
+TEST_F(FineCad, IsSimplifiedForHeadsets) {
+  std::string warnings;
   Observer observer;
-  observer.warn = [&](std::string_view line) { warned.append(line).append("\n"); };
+  observer.warn = [&](std::string_view line) { warnings.append(line).append("\n"); };
   const Expected<Scene> scene = build_scene(recording_, {}, observer);
   ASSERT_TRUE(scene) << scene.error().message;
-  const CadModel& ball = scene->objects[0].model;
-  ASSERT_TRUE(ball.simplification);
-  EXPECT_LE(ball.mesh_object.triangles.size(), 20'000U);
-  // A chord of 20 000 triangles on this ball sags by 0.02 mm.
-  EXPECT_LT(ball.simplification->max_deviation, 1e-4);
-  EXPECT_NE(warned.find("triangles simplified to"), warned.npos) << warned;
-  EXPECT_NEAR(ball.volume, signed_volume(full_), 1e-6 * ball.volume);
+  const CadModel& sphere = scene->objects[0].model;
+  ASSERT_TRUE(sphere.simplification);
+  EXPECT_LE(sphere.mesh_object.triangles.size(), 20'000U);
+  // The chordal error of 20 000 triangles on this sphere is 0.02 mm.
+  EXPECT_LT(sphere.simplification->max_error, 1e-4);
+  EXPECT_NE(warnings.find("triangles simplified to"), warnings.npos) << warnings;
+  EXPECT_NEAR(sphere.volume, signed_volume(full_), 1e-6 * sphere.volume);
 }
 
 TEST_F(FineCad, KeepsItsErrorAndItsFullMassInTheScene) {
   const Scene built = *build_scene(recording_, {});
   ASSERT_TRUE(write_scene(built, folder_.path() / "scene", {1}));
-  const CadModel& ball = built.objects[0].model;
+  const CadModel& sphere = built.objects[0].model;
   const Expected<SceneManifest> manifest = read_scene_manifest(folder_.path() / "scene");
   ASSERT_TRUE(manifest) << manifest.error().message;
   const Expected<CadModel> read = read_object_model(*manifest, manifest->objects[0]);
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(read->mesh_object.triangles.size(), ball.mesh_object.triangles.size());
+  EXPECT_EQ(read->mesh_object.triangles.size(), sphere.mesh_object.triangles.size());
   ASSERT_TRUE(read->simplification);
   EXPECT_EQ(read->simplification->full_triangles, full_.triangles.size());
   // scene.yaml writes ten digits.
-  EXPECT_NEAR(read->simplification->max_deviation, ball.simplification->max_deviation, 1e-12);
-  EXPECT_NEAR(read->volume, ball.volume, 1e-9 * ball.volume);
-  EXPECT_LT((read->centre_of_mass_object - ball.centre_of_mass_object).norm(), 1e-9);
+  EXPECT_NEAR(read->simplification->max_error, sphere.simplification->max_error, 1e-12);
+  EXPECT_NEAR(read->volume, sphere.volume, 1e-9 * sphere.volume);
+  EXPECT_LT((read->centre_of_mass_object - sphere.centre_of_mass_object).norm(), 1e-9);
   const auto checks = *inspect_scene(folder_.path() / "scene");
   bool is_stated = false;
   for (const SceneCheck& check : checks) {
@@ -97,7 +97,7 @@ TEST_F(FineCad, KeepsItsErrorAndItsFullMassInTheScene) {
 }
 
 TEST_F(FineCad, IsNotMentionedWhereTheMeshIsSmall) {
-  write_stl(folder_.path() / "recording/objects/ball.stl", test::sphere_mesh(0.08F, 20));
+  write_stl(folder_.path() / "recording/objects/sphere.stl", test::sphere_mesh(0.08F, 20));
   const Scene built = *build_scene(recording_, {});
   EXPECT_FALSE(built.objects[0].model.simplification);
   ASSERT_TRUE(write_scene(built, folder_.path() / "scene", {1}));

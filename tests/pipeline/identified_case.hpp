@@ -11,7 +11,7 @@
 
 namespace pcavr {
 
-/// A plant's run and what its sensors made of it, without any file.
+/// A plant's run and its simulated sensor data, without any file.
 struct IdentifiedCase {
   PlantCase plant;
   IdentificationInput input;
@@ -59,10 +59,10 @@ inline IdentifiedCase identified_case(ToolTask task, std::uint64_t seed, double 
     const PlantBody& body = made.plant.bodies[i];
     IdentifiableObject object{
         body.name, model_of(body), body.T_base_object, body.parameters.mass, {}};
-    for (const SimulatedSighting& seen : simulated_tracking(run, body, i, seed, faults)) {
+    for (const SimulatedMeasurement& seen : simulated_tracking(run, body, i, seed, faults)) {
       if (!seen.is_seen) continue;
       object.tracked.push_back(
-          {seen.stamp.seconds(), seen.T_base_object, seen.position_sigma, seen.rotation_sigma});
+          {seen.stamp.seconds(), seen.T_base_object, seen.position_std, seen.rotation_std});
     }
     input.objects.push_back(std::move(object));
   }

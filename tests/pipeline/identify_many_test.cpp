@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kWhole = 600.0;  // [s] longer than any case
 
-TEST(IdentifyMany, ReachesItsBoundsOnDrawnBoxes) {
-  int weighed = 0;
+TEST(IdentifyMany, ReachesItsErrorBoundsOnRandomBoxes) {
+  int identified_masses = 0;
   for (std::uint64_t seed = 21; seed <= 25; ++seed) {
     const IdentifiedCase made = identified_case(ToolTask::probe, seed, kWhole);
     const auto found = identify(made.input, IdentificationGoal::friction);
@@ -29,7 +29,7 @@ TEST(IdentifyMany, ReachesItsBoundsOnDrawnBoxes) {
       const std::string at = std::to_string(seed) + "_" + std::to_string(i);
       const double limit = box.limit.mean / truth.limiting_static_friction - 1.0;
       RecordProperty("limit_percent_" + at, std::to_string(100.0 * limit));
-      RecordProperty("limit_std_" + at, std::to_string(box.limit.deviation));
+      RecordProperty("limit_std_" + at, std::to_string(box.limit.std));
       EXPECT_LT(std::abs(limit), 0.02) << at;
       const double friction = truth.sliding_friction_coefficient * truth.mass * kStandardGravity +
                               truth.viscous_friction * box.sliding.speed;
@@ -39,17 +39,17 @@ TEST(IdentifyMany, ReachesItsBoundsOnDrawnBoxes) {
       RecordProperty("sliding_percent_" + at, std::to_string(100.0 * sliding));
       EXPECT_LT(std::abs(sliding), 0.03) << at;
       if (!box.sliding.mass.is_excited) continue;
-      ++weighed;
+      ++identified_masses;
       RecordProperty("mass_percent_" + at,
                      std::to_string(100.0 * (box.sliding.mass.value / truth.mass - 1.0)));
       EXPECT_NEAR(box.sliding.mass.value, truth.mass,
-                  std::max(0.05 * truth.mass, 2.0 * box.sliding.mass.deviation));
+                  std::max(0.05 * truth.mass, 2.0 * box.sliding.mass.std));
     }
   }
-  EXPECT_GE(weighed, 8);  // of ten: the probe's motion is made to tell the mass
+  EXPECT_GE(identified_masses, 8);  // of ten: the probe's motion excites the mass
 }
 
-TEST(IdentifyMany, SeesNoFaultInSoundRecordings) {
+TEST(IdentifyMany, FindsNoFaultInSoundRecordings) {
   for (const ToolTask task : {ToolTask::push, ToolTask::probe, ToolTask::press, ToolTask::turn}) {
     for (std::uint64_t seed = 61; seed <= 66; ++seed) {
       for (const double duration : {2.5, 7.0, 12.0}) {
@@ -59,7 +59,7 @@ TEST(IdentifyMany, SeesNoFaultInSoundRecordings) {
             for (IdentifiableObject& object : input.objects) object.tracked.clear();
           }
           const auto found = identify(input, IdentificationGoal::friction);
-          EXPECT_FALSE(!found && accuses(found.error().to_string()))
+          EXPECT_FALSE(!found && reports_fault(found.error().to_string()))
               << seed << ": " << found.error().to_string();
         }
       }
@@ -67,7 +67,7 @@ TEST(IdentifyMany, SeesNoFaultInSoundRecordings) {
   }
 }
 
-TEST(IdentifyMany, FindsHowBoxesTurn) {
+TEST(IdentifyMany, FindsTheFrictionRadiusOfBoxes) {
   const IdentifiedCase made = identified_case(ToolTask::turn, 3, kWhole);
   const auto found = identify(made.input, IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();

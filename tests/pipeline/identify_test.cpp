@@ -22,7 +22,7 @@ namespace {
 constexpr double kFirstProbe = 27.5;  // [s]
 constexpr double kWhole = 600.0;      // [s] longer than any case
 
-/// Made once: a plant at 20 kHz takes a second.
+/// Simulated once: a plant at 20 kHz takes a second.
 const IdentifiedCase& probe() {
   static const IdentifiedCase made = identified_case(ToolTask::probe, 2, kFirstProbe);
   return made;
@@ -36,9 +36,9 @@ std::string error_of(const IdentificationInput& input,
   return found ? std::string("no error") : found.error().to_string();
 }
 
-bool says(const std::vector<std::string>& notes, const std::string& word) {
+bool has_note(const std::vector<std::string>& notes, const std::string& text) {
   return std::any_of(notes.begin(), notes.end(),
-                     [&](const std::string& note) { return note.find(word) != std::string::npos; });
+                     [&](const std::string& note) { return note.find(text) != std::string::npos; });
 }
 
 void expect_friction(const ObjectIdentification& found) {
@@ -50,67 +50,69 @@ void expect_friction(const ObjectIdentification& found) {
   EXPECT_NEAR(found.sliding.coulomb.value, coulomb, 0.03 * coulomb);
 }
 
-TEST(Identify, FindsFrictionAndMassOfAWholeRecordingWithoutBeingToldWhen) {
+TEST(Identify, SegmentsAWholeRecordingAndFindsFrictionAndMass) {
   const auto found = identify(probe().input, IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
   const ObjectIdentification& box = found->objects[0];
   EXPECT_EQ(box.press_count, 3);
   EXPECT_GE(box.limit.pushes, 10);
-  EXPECT_LT(box.limit.deviation, 0.3);
+  EXPECT_LT(box.limit.std, 0.3);
   expect_friction(box);
   EXPECT_LT(std::abs(found->tool_to_force.offset), 0.002);
   EXPECT_FALSE(found->is_offset_applied);
-  EXPECT_TRUE(says(found->objects[1].notes, "never touched"));
+  EXPECT_TRUE(has_note(found->objects[1].notes, "never touched"));
 }
 
 TEST(Identify, FindsTheContactLawFromPresses) {
   const auto found = identify(probe().input, IdentificationGoal::contact);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
   const ObjectParameters& p = found->objects[0].parameters;
-  // What a hand feels: how deep the tip is at a force. The tip's noise is 0.05 mm.
-  const auto depth = [](double force, double k, double n) { return std::pow(force / k, 1.0 / n); };
+  // Compares the penetration at a force. The tip's noise is 0.05 mm.
+  const auto penetration = [](double force, double k, double n) {
+    return std::pow(force / k, 1.0 / n);
+  };
   for (const double force : {2.0, 5.0, 10.0}) {
-    const double exact = depth(force, truth().contact_stiffness, truth().contact_exponent);
-    EXPECT_NEAR(depth(force, p.contact_stiffness->value, p.contact_exponent->value), exact,
+    const double exact = penetration(force, truth().contact_stiffness, truth().contact_exponent);
+    EXPECT_NEAR(penetration(force, p.contact_stiffness->value, p.contact_exponent->value), exact,
                 std::max(0.02e-3, 0.05 * exact));
   }
   EXPECT_EQ(found->objects[0].comparison.size(), 3U);
   EXPECT_FALSE(p.limiting_static_friction.has_value());
 }
 
-TEST(Identify, TakesOffClocksATenthOfASecondApart) {
+TEST(Identify, RemovesAClockOffsetOfATenthOfASecond) {
   for (const double late : {0.1, -0.1}) {
     IdentificationInput input = probe().input;
     for (double& t : input.t_force) t += late;
     const auto found = identify(input, IdentificationGoal::friction);
     ASSERT_TRUE(found.has_value()) << found.error().to_string();
     EXPECT_TRUE(found->is_offset_applied);
-    EXPECT_NEAR(found->tool_to_force.offset, late, 4.0 * found->tool_to_force.deviation);
-    EXPECT_LT(found->tool_to_force.deviation, 0.002);
+    EXPECT_NEAR(found->tool_to_force.offset, late, 4.0 * found->tool_to_force.std);
+    EXPECT_LT(found->tool_to_force.std, 0.002);
     expect_friction(found->objects[0]);
   }
 }
 
-TEST(Identify, SeesNoOffsetBetweenClocksThatAgreeWhereAnObjectIsStiff) {
+TEST(Identify, FindsNoOffsetBetweenSynchronousClocksForAStiffObject) {
   // 200 N/mm, loaded within 10 ms by the fastest of the presses.
   const IdentifiedCase stiff = identified_case(ToolTask::press, 9707, kWhole);
   const auto found = identify(stiff.input, IdentificationGoal::contact);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
-  EXPECT_LT(std::abs(found->tool_to_force.offset), 4.0 * found->tool_to_force.deviation);
-  EXPECT_LT(found->tool_to_force.deviation, 0.0004);  // a fifth of a sample
+  EXPECT_LT(std::abs(found->tool_to_force.offset), 4.0 * found->tool_to_force.std);
+  EXPECT_LT(found->tool_to_force.std, 0.0004);  // a fifth of a sample
   EXPECT_FALSE(found->is_offset_applied);
 }
 
-TEST(Identify, EstimatesTheMeanForceOfHeldPressesBetterThanEachSample) {
+TEST(Identify, EstimatesTheMeanForceOfStationaryPressesBetterThanEachSample) {
   const IdentifiedCase soft = identified_case(ToolTask::press, 9701, kWhole);
   const auto found = identify(soft.input, IdentificationGoal::contact);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
   for (const ObjectIdentification& box : found->objects) {
     for (const EstimatorTrace& trace : box.comparison) {
-      ASSERT_TRUE(trace.held_error.has_value());
-      // 75 samples of 0.05 mm are 1 % of 1 mm or less, and a press is held four times.
-      EXPECT_LT(*trace.held_error, 0.015);
-      EXPECT_LT(*trace.held_error, trace.steady_error);
+      ASSERT_TRUE(trace.mean_force_error.has_value());
+      // 75 samples of 0.05 mm are 1 % of 1 mm or less, and the tip is stationary four times.
+      EXPECT_LT(*trace.mean_force_error, 0.015);
+      EXPECT_LT(*trace.mean_force_error, trace.steady_error);
     }
   }
 }
@@ -137,16 +139,16 @@ TEST(Identify, RefusesAForceInAnotherUnit) {
   EXPECT_NE(scaled(1e-3).find("wrench.csv"), std::string::npos) << scaled(1e-3);
 }
 
-TEST(Identify, DoubtsAFrictionThatKilogramsForceWouldMake) {
-  // 0.03 of the weight: rare, but rollers and ice do it.
+TEST(Identify, WarnsOfAFrictionThatKilogramsForceWouldCause) {
+  // 0.03 of the weight: unusual, but possible on rollers and ice.
   IdentificationInput input = probe().input;
   for (Eigen::Vector3d& force : input.force_base) force /= kStandardGravity;
   const auto found = identify(input, IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
-  EXPECT_TRUE(says(found->objects[0].notes, "check that the force is in newtons"));
+  EXPECT_TRUE(has_note(found->objects[0].notes, "check that the force is in newtons"));
 }
 
-TEST(Identify, SaysWhatIsMissing) {
+TEST(Identify, ReportsMissingInputs) {
   IdentificationInput input = probe().input;
   input.t_force.clear();
   input.force_base.clear();
@@ -167,20 +169,20 @@ TEST(Identify, SaysWhatIsMissing) {
   EXPECT_NE(error_of(input), "no error");
 }
 
-TEST(Identify, LeavesOutWhatASaturatedSensorMeasured) {
+TEST(Identify, ExcludesSaturatedSamples) {
   IdentificationInput input = probe().input;
   for (Eigen::Vector3d& force : input.force_base) {
-    force = force.cwiseMax(-9.0).cwiseMin(9.0);  // the presses go beyond, the slow pushes do not
+    force = force.cwiseMax(-9.0).cwiseMin(9.0);  // the presses saturate, the slow pushes do not
   }
   const auto found = identify(input, IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
-  EXPECT_TRUE(says(found->notes, "force sensor saturated"));
+  EXPECT_TRUE(has_note(found->notes, "force sensor saturated"));
   EXPECT_EQ(found->objects[0].press_count, 0);
   // The contact law comes from the pushes instead.
   EXPECT_TRUE(found->objects[0].parameters.contact_stiffness.has_value());
 }
 
-TEST(Identify, LeavesOutAPushInWhichTheToolsPoseJumps) {
+TEST(Identify, ExcludesAPushInWhichTheToolsPoseJumps) {
   IdentificationInput input = probe().input;
   const auto clean = identify(input, IdentificationGoal::friction);
   ASSERT_TRUE(clean.has_value());
@@ -191,11 +193,11 @@ TEST(Identify, LeavesOutAPushInWhichTheToolsPoseJumps) {
   }
   const auto found = identify(input, IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
-  EXPECT_TRUE(says(found->notes, "tool's pose jumps"));
+  EXPECT_TRUE(has_note(found->notes, "tool's pose jumps"));
   EXPECT_EQ(found->objects[0].limit.pushes, clean->objects[0].limit.pushes - 1);
 }
 
-TEST(Identify, BearsSpikesOfTenTimesTheForceAndDrift) {
+TEST(Identify, IsRobustToSpikesOfTenTimesTheForceAndDrift) {
   IdentificationInput input = probe().input;
   for (std::size_t i = 0; i < input.force_base.size(); ++i) {
     if (i % 701 == 350) input.force_base[i] *= 10.0;
@@ -206,26 +208,26 @@ TEST(Identify, BearsSpikesOfTenTimesTheForceAndDrift) {
   expect_friction(found->objects[0]);
 }
 
-TEST(Identify, LearnsNothingFromAPushThatCouldBeOfTwoObjects) {
+TEST(Identify, ExcludesAPushWithAnAmbiguousObject) {
   IdentificationInput input = probe().input;
-  IdentifiableObject twin = input.objects[0];
-  twin.name = "twin";
-  input.objects.push_back(twin);
+  IdentifiableObject duplicate = input.objects[0];
+  duplicate.name = "duplicate";
+  input.objects.push_back(duplicate);
   const auto found = identify(input, IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
-  EXPECT_TRUE(says(found->notes, "two objects"));
+  EXPECT_TRUE(has_note(found->notes, "two objects"));
   EXPECT_EQ(found->objects[0].limit.pushes, 0);
 }
 
-TEST(Identify, SaysThatNoKnownObjectWasWhereTheToolTouched) {
+TEST(Identify, ReportsContactsWithoutAKnownObject) {
   IdentificationInput input = probe().input;
   input.objects.erase(input.objects.begin());
   const auto found = identify(input, IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
-  EXPECT_TRUE(says(found->notes, "no known object"));
+  EXPECT_TRUE(has_note(found->notes, "no known object"));
 }
 
-TEST(Identify, FollowsAnUntrackedObjectByItsPushes) {
+TEST(Identify, UpdatesAnUntrackedObjectsPoseByItsPushes) {
   IdentificationInput input = probe().input;
   for (IdentifiableObject& object : input.objects) object.tracked.clear();
   const auto found = identify(input, IdentificationGoal::friction);
@@ -237,7 +239,7 @@ TEST(Identify, FollowsAnUntrackedObjectByItsPushes) {
   }
 }
 
-TEST(Identify, SaysThatSlowPushesShowNoMassAndProposesABetterMotion) {
+TEST(Identify, ReportsThatSlowPushesDoNotExciteTheMassAndProposesAMotion) {
   // Without the modulated slide at the end.
   const IdentifiedCase slow = identified_case(ToolTask::probe, 2, 16.0);
   const auto found = identify(slow.input, IdentificationGoal::friction);
@@ -248,12 +250,12 @@ TEST(Identify, SaysThatSlowPushesShowNoMassAndProposesABetterMotion) {
   ASSERT_NE(mass, box.findings.end());
   EXPECT_FALSE(mass->is_excited);
   EXPECT_NE(mass->remark.find("2 Hz, 3 mm"), std::string::npos);
-  // What the scale said is kept, without a deviation.
+  // The given mass is kept, without an std.
   EXPECT_EQ(box.parameters.mass->value, truth().mass);
-  EXPECT_FALSE(box.parameters.mass->deviation.has_value());
+  EXPECT_FALSE(box.parameters.mass->std.has_value());
 }
 
-TEST(Identify, KeepsWhatWasKnownAndDoesNotLearnTheContactAgain) {
+TEST(Identify, KeepsKnownParametersAndDoesNotIdentifyTheContactAgain) {
   IdentificationInput input = probe().input;
   input.known["box_1"].contact_stiffness = ParameterValue{truth().contact_stiffness, 1.0};
   input.known["box_1"].contact_exponent = ParameterValue{truth().contact_exponent, {}};
@@ -292,7 +294,7 @@ TEST(IdentificationReport, IsOnePageThatNeedsNoNetworkAndAFlatFile) {
   EXPECT_NE(json->find("\"object.box_1.limiting_static_friction_std\""), std::string::npos);
 }
 
-TEST(IdentificationInputOf, AnObjectWithoutAPlaceIsAnErrorThatNamesIt) {
+TEST(IdentificationInputOf, AnObjectWithoutAPoseIsAnErrorThatNamesIt) {
   Recording recording;
   recording.folder = "/somewhere";
   for (int i = 0; i < 500; ++i) {
@@ -305,9 +307,9 @@ TEST(IdentificationInputOf, AnObjectWithoutAPlaceIsAnErrorThatNamesIt) {
   ASSERT_FALSE(input.has_value());
   EXPECT_NE(input.error().to_string().find("cup"), std::string::npos);
   recording.wrench.clear();
-  const auto lacking = identification_input(recording, {});
-  ASSERT_FALSE(lacking.has_value());
-  EXPECT_NE(lacking.error().to_string().find("/somewhere/wrench.csv"), std::string::npos);
+  const auto without_force = identification_input(recording, {});
+  ASSERT_FALSE(without_force.has_value());
+  EXPECT_NE(without_force.error().to_string().find("/somewhere/wrench.csv"), std::string::npos);
 }
 
 }  // namespace

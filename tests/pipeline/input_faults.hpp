@@ -12,16 +12,16 @@
 #include "pcavr/core/gravity.hpp"
 #include "pcavr/pipeline/identify.hpp"
 
-/// Faults that a sound recording is given, and what has to be said of each.
+/// Faults to inject into a sound recording, and the error that each must cause.
 namespace pcavr {
 
 using Change = std::function<void(IdentificationInput&)>;
 
-/// One fault, and the words of the accusation that it deserves.
+/// One fault, and a part of the expected error message.
 struct Fault {
   const char* name;
-  Change make;
-  const char* accusation;
+  Change apply;
+  const char* expected_text;
 };
 
 inline Change scale_force(double factor) {
@@ -70,12 +70,12 @@ inline const std::vector<Fault>& faults() {
   return all;
 }
 
-/// Words of accusations: none of them may be said of a sound recording.
-inline bool accuses(const std::string& text) {
-  static const char* const kWords[] = {"unit",    "sign",      "axes",    "in millimetres",
-                                       "s later", "s earlier", "overlap", "one clock"};
-  return std::any_of(std::begin(kWords), std::end(kWords),
-                     [&](const char* word) { return text.find(word) != std::string::npos; });
+/// Whether a message reports one of these faults: not allowed for a sound recording.
+inline bool reports_fault(const std::string& text) {
+  static const char* const kFaultTexts[] = {"unit",    "sign",      "axes",    "in millimetres",
+                                            "s later", "s earlier", "overlap", "one clock"};
+  return std::any_of(std::begin(kFaultTexts), std::end(kFaultTexts),
+                     [&](const char* part) { return text.find(part) != std::string::npos; });
 }
 
 }  // namespace pcavr

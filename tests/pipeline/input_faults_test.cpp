@@ -23,7 +23,7 @@ std::string failure_of(const IdentificationInput& input) {
   return found ? std::string() : found.error().to_string();
 }
 
-/// The tool held at an angle, so that its axes are nobody else's.
+/// The tool is tilted, so that its axes differ from base and object axes.
 IdentificationInput tilted_probe(std::uint64_t seed, double duration) {
   IdentificationInput input = identified_case(ToolTask::probe, seed, duration).input;
   const Eigen::Quaterniond tilt(
@@ -32,32 +32,33 @@ IdentificationInput tilted_probe(std::uint64_t seed, double duration) {
   return input;
 }
 
-TEST(InputFaults, AreNamedWhereARecordingHasThem) {
+TEST(InputFaults, AreReported) {
   const IdentificationInput sound = tilted_probe(2, kHalfProbe);
   ASSERT_EQ(failure_of(sound), "");
   for (const Fault& fault : faults()) {
     IdentificationInput input = sound;
-    fault.make(input);
-    EXPECT_NE(failure_of(input).find(fault.accusation), std::string::npos)
+    fault.apply(input);
+    EXPECT_NE(failure_of(input).find(fault.expected_text), std::string::npos)
         << fault.name << ": " << failure_of(input);
   }
 }
 
-/// What is not tracked is known until its first push only: less is shown, but nothing wrong.
-TEST(InputFaults, AreNeverTakenForOthersWhereNothingIsTracked) {
+/// An untracked object's pose is uncertain after its first push: fewer faults are found, none
+/// wrong.
+TEST(InputFaults, AreNotConfusedWithOthersWithoutTracking) {
   IdentificationInput sound = tilted_probe(3, kHalfProbe);
   for (IdentifiableObject& object : sound.objects) object.tracked.clear();
   ASSERT_EQ(failure_of(sound), "");
   for (const Fault& fault : faults()) {
     IdentificationInput input = sound;
-    fault.make(input);
+    fault.apply(input);
     const std::string text = failure_of(input);
-    EXPECT_TRUE(!accuses(text) || text.find(fault.accusation) != std::string::npos)
+    EXPECT_TRUE(!reports_fault(text) || text.find(fault.expected_text) != std::string::npos)
         << fault.name << ": " << text;
   }
 }
 
-TEST(InputFaults, ASaturatedSensorIsNoOtherFault) {
+TEST(InputFaults, DoNotIncludeASaturatedSensor) {
   IdentificationInput input = tilted_probe(2, kHalfProbe);
   for (Eigen::Vector3d& force : input.force_base) force = force.cwiseMax(-6.0).cwiseMin(6.0);
   const auto found = identify(input, IdentificationGoal::friction);
@@ -67,7 +68,7 @@ TEST(InputFaults, ASaturatedSensorIsNoOtherFault) {
   }));
 }
 
-/// The first `duration` seconds of it.
+/// The first `duration` seconds of the input.
 IdentificationInput cut(IdentificationInput input, double duration) {
   const auto keep = [duration](std::vector<double>& t) {
     t.erase(std::lower_bound(t.begin(), t.end(), duration), t.end());
@@ -79,21 +80,21 @@ IdentificationInput cut(IdentificationInput input, double duration) {
   return input;
 }
 
-/// Whatever a sound recording lacks, it has no fault; identify_many_test.cpp takes more seeds.
-TEST(InputFaults, AreNotSeenInSoundRecordings) {
+/// A sound but incomplete recording has no fault; identify_many_test.cpp uses more seeds.
+TEST(InputFaults, AreNotReportedForSoundRecordings) {
   for (const ToolTask task : {ToolTask::push, ToolTask::probe, ToolTask::press, ToolTask::turn}) {
     const IdentificationInput whole = identified_case(task, 41, 9.0).input;
     for (const double duration : {2.5, 9.0}) {
       IdentificationInput input = cut(whole, duration);
-      EXPECT_FALSE(accuses(failure_of(input))) << failure_of(input);
+      EXPECT_FALSE(reports_fault(failure_of(input))) << failure_of(input);
       for (IdentifiableObject& object : input.objects) object.tracked.clear();
-      EXPECT_FALSE(accuses(failure_of(input))) << "untracked: " << failure_of(input);
+      EXPECT_FALSE(reports_fault(failure_of(input))) << "untracked: " << failure_of(input);
     }
   }
 }
 
-/// A tip that slides along the face that it pushes: its force points across its motion.
-TEST(InputFaults, AreNotSeenWhereTheTipSlidesAlongAFace) {
+/// The tip slides along the face that it pushes: its force is perpendicular to its motion.
+TEST(InputFaults, AreNotReportedWhereTheTipSlidesAlongAFace) {
   IdentifiedCase made = identified_case(ToolTask::probe, 2, 0.1);
   IdentificationInput input = made.input;
   const IdentifiableObject& box = input.objects[0];
@@ -129,12 +130,12 @@ TEST(InputFaults, AreNotSeenWhereTheTipSlidesAlongAFace) {
   input.objects[0].tracked = {rest};
   const auto found = identify(input, IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
-  for (const std::string& note : found->notes) EXPECT_FALSE(accuses(note)) << note;
+  for (const std::string& note : found->notes) EXPECT_FALSE(reports_fault(note)) << note;
   ASSERT_FALSE(found->contacts.empty());
   EXPECT_EQ(found->contacts[0].left_out, "");
 }
 
-TEST(InputFaults, APushTooShortToSlideWithholdsTheLimitAndSaysSo) {
+TEST(InputFaults, APushTooShortToSlideGivesNoLimit) {
   const IdentificationInput whole = identified_case(ToolTask::push, 5, 4.0).input;
   const auto found = identify(whole, IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value());
@@ -147,7 +148,7 @@ TEST(InputFaults, APushTooShortToSlideWithholdsTheLimitAndSaysSo) {
   EXPECT_EQ(shortened->objects[0].limit.missed, 1);
 }
 
-TEST(ContactExponent, IsGivenWithAnHonestDeviationWithoutPresses) {
+TEST(ContactExponent, IsGivenWithARealisticStdWithoutPresses) {
   for (std::uint64_t seed = 51; seed <= 53; ++seed) {
     const IdentifiedCase made = identified_case(ToolTask::push, seed, 4.0);
     const auto found = identify(made.input, IdentificationGoal::friction);
@@ -156,9 +157,9 @@ TEST(ContactExponent, IsGivenWithAnHonestDeviationWithoutPresses) {
       const ObjectIdentification& box = found->objects[i];
       const auto& exponent = box.parameters.contact_exponent;
       if (!exponent) continue;
-      ASSERT_TRUE(exponent->deviation.has_value());
+      ASSERT_TRUE(exponent->std.has_value());
       const double truth = made.plant.bodies[i].parameters.contact_exponent;
-      EXPECT_LT(std::abs(exponent->value - truth), 3.0 * *exponent->deviation) << seed;
+      EXPECT_LT(std::abs(exponent->value - truth), 3.0 * *exponent->std) << seed;
       const auto row = std::find_if(
           box.findings.begin(), box.findings.end(),
           [](const ParameterFinding& finding) { return finding.name == "contact.exponent"; });

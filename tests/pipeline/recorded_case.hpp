@@ -14,10 +14,10 @@
 
 namespace pcavr {
 
-inline Stamp later(Stamp stamp, Stamp by) { return {stamp.nanoseconds + by.nanoseconds}; }
+inline Stamp shifted(Stamp stamp, Stamp by) { return {stamp.nanoseconds + by.nanoseconds}; }
 
 /// A recording without images of the first `duration` seconds of a task, and its tracking in
-/// `tracked`, written into `folder`; its clock shows `start` where the task begins.
+/// `tracked`, written into `folder`; the task begins at `start`.
 inline Recording recorded_case(const std::filesystem::path& folder, ToolTask task,
                                std::uint64_t seed, double duration, Stamp start) {
   const PlantCase plant = make_plant_case(task, seed);
@@ -38,10 +38,10 @@ inline Recording recorded_case(const std::filesystem::path& folder, ToolTask tas
   Trajectory tool;
   const Trajectory measured = measured_tool(run, seed);
   for (const TimedPose& timed : measured.poses()) {
-    tool.append(later(timed.stamp, start), timed.pose);
+    tool.append(shifted(timed.stamp, start), timed.pose);
   }
   std::vector<WrenchSample> wrench = measured_wrench(run, seed);
-  for (WrenchSample& sample : wrench) sample.stamp = later(sample.stamp, start);
+  for (WrenchSample& sample : wrench) sample.stamp = shifted(sample.stamp, start);
   EXPECT_TRUE(writer.write_tool(tool).has_value());
   EXPECT_TRUE(writer.write_wrench(wrench).has_value());
   for (std::size_t i = 0; i < plant.bodies.size(); ++i) {
@@ -50,12 +50,12 @@ inline Recording recorded_case(const std::filesystem::path& folder, ToolTask tas
         writer.write_object_mesh("objects/" + body.name + ".obj", model_of(body).mesh_object)
             .has_value());
     Trajectory tracked;
-    for (const SimulatedSighting& seen : simulated_tracking(run, body, i, seed)) {
-      if (seen.is_seen) tracked.append(later(seen.stamp, start), seen.T_base_object);
+    for (const SimulatedMeasurement& seen : simulated_tracking(run, body, i, seed)) {
+      if (seen.is_seen) tracked.append(shifted(seen.stamp, start), seen.T_base_object);
     }
-    const std::filesystem::path place = folder / "tracked/objects" / body.name;
-    std::filesystem::create_directories(place);
-    EXPECT_TRUE(write_file(place / "tracked.txt", format_trajectory(tracked)).has_value());
+    const std::filesystem::path tracked_folder = folder / "tracked/objects" / body.name;
+    std::filesystem::create_directories(tracked_folder);
+    EXPECT_TRUE(write_file(tracked_folder / "tracked.txt", format_trajectory(tracked)).has_value());
   }
   EXPECT_TRUE(writer.finish().has_value());
   Expected<Recording> recording = read_recording(folder);

@@ -23,7 +23,7 @@ constexpr Stamp kSince1970{1'700'000'000'123'000'000};
 constexpr double kSlowPushes = 16.0;  // [s] of a probe
 constexpr double kOnePush = 5.0;      // [s] of the operator's pushes
 
-/// A recording, the scene that its manifest states, and what was warned of meanwhile.
+/// A recording, the scene from its manifest, and the warnings.
 struct Chain {
   Chain(ToolTask task, double duration, Stamp start)
       : recording(recorded_case(folder.path() / "recording", task, 2, duration, start)) {
@@ -39,9 +39,9 @@ struct Chain {
   }
 
   [[nodiscard]] std::filesystem::path tracked() const { return recording.folder / "tracked"; }
-  [[nodiscard]] bool has_warned(const std::string& words) const {
+  [[nodiscard]] bool has_warned(const std::string& text) const {
     return std::any_of(warnings.begin(), warnings.end(), [&](const std::string& line) {
-      return line.find(words) != std::string::npos;
+      return line.find(text) != std::string::npos;
     });
   }
 
@@ -55,12 +55,12 @@ void expect_same(double value, double reference, const std::string& what) {
   EXPECT_NEAR(value, reference, 1e-9 * std::max(1.0, std::abs(reference))) << what;
 }
 
-TEST(RecordingClock, StampsSince1970IdentifyTheSameNumbersAndSayTheSameWords) {
+TEST(RecordingClock, StampsSince1970GiveTheSameParametersAndNotes) {
   std::vector<Identification> found;
   std::vector<std::string> json;
   for (const Stamp start : {Stamp{}, kSince1970}) {
     Chain chain(ToolTask::probe, kSlowPushes, start);
-    // A jump, so that there is a time to be said.
+    // A jump, so that a note contains a time.
     std::vector<TimedPose> poses = chain.recording.tool.poses();
     for (std::size_t i = poses.size() / 2; i < poses.size(); ++i) {
       poses[i].pose = Pose::from_translation({0.004, 0.0, 0.0}) * poses[i].pose;
@@ -80,8 +80,8 @@ TEST(RecordingClock, StampsSince1970IdentifyTheSameNumbersAndSayTheSameWords) {
   EXPECT_EQ(json[1], json[0]);
   for (std::size_t i = 0; i < found[0].objects.size(); ++i) {
     EXPECT_EQ(found[1].objects[i].notes, found[0].objects[i].notes);
-    const auto at_zero = listed_parameters(found[0].objects[i].parameters);
-    const auto since_1970 = listed_parameters(found[1].objects[i].parameters);
+    const auto at_zero = list_parameters(found[0].objects[i].parameters);
+    const auto since_1970 = list_parameters(found[1].objects[i].parameters);
     ASSERT_EQ(since_1970.size(), at_zero.size());
     for (std::size_t k = 0; k < at_zero.size(); ++k) {
       expect_same(since_1970[k].second.value, at_zero[k].second.value, at_zero[k].first);
@@ -117,33 +117,33 @@ TEST(RecordingClock, StampsSince1970ReplayTheSamePrediction) {
   EXPECT_GT(moved, 0.01);
 }
 
-TEST(RecordingClock, IsOneForAllOrSaidOfEachCommand) {
+TEST(RecordingClock, ThatDiffersIsReportedByEachCommand) {
   Chain chain(ToolTask::push, kOnePush, Stamp{});
   const SceneManifest scene = chain.scene();
-  EXPECT_TRUE(chain.warnings.size() == 1) << "only that there are no images";
+  EXPECT_TRUE(chain.warnings.size() == 1) << "only the warning of no images";
   for (WrenchSample& sample : chain.recording.wrench) {
-    sample.stamp = later(sample.stamp, {1'000'000'000'000});
+    sample.stamp = shifted(sample.stamp, {1'000'000'000'000});
   }
-  const std::string words = "wrench.csv covers 1000.0 to 100";
+  const std::string text = "wrench.csv covers 1000.0 to 100";
   const std::string end = "they do not overlap; put both on one clock";
   const auto input = identification_input(chain.recording, {.tracked = chain.tracked()});
   ASSERT_FALSE(input.has_value());
-  EXPECT_NE(input.error().to_string().find(words), std::string::npos);
+  EXPECT_NE(input.error().to_string().find(text), std::string::npos);
   EXPECT_TRUE(input.error().to_string().ends_with(end)) << input.error().to_string();
   ReplayOptions options;
   options.tracked = chain.tracked();
   const auto run = replay_recording(chain.recording, scene, options, chain.observer);
   ASSERT_FALSE(run.has_value());
-  EXPECT_NE(run.error().to_string().find(words), std::string::npos) << run.error().to_string();
+  EXPECT_NE(run.error().to_string().find(text), std::string::npos) << run.error().to_string();
   ASSERT_TRUE(build_scene(chain.recording, {}, chain.observer).has_value());
-  EXPECT_TRUE(chain.has_warned(words));
+  EXPECT_TRUE(chain.has_warned(text));
 }
 
-TEST(RecordingClock, SomeSecondsApartIsSaidWithTheShift) {
+TEST(RecordingClock, SomeSecondsApartIsReportedWithTheShift) {
   Chain chain(ToolTask::probe, kSlowPushes, Stamp{});
   const SceneManifest scene = chain.scene();
   for (WrenchSample& sample : chain.recording.wrench) {
-    sample.stamp = later(sample.stamp, {5'000'000'000});
+    sample.stamp = shifted(sample.stamp, {5'000'000'000});
   }
   ReplayOptions options;
   options.tracked = chain.tracked();
@@ -153,7 +153,7 @@ TEST(RecordingClock, SomeSecondsApartIsSaidWithTheShift) {
       << run.error().to_string();
 }
 
-TEST(ReplayWithoutToolMotion, SaysThatNothingIsPredicted) {
+TEST(ReplayWithoutToolMotion, ReportsThatNothingIsPredicted) {
   Chain chain(ToolTask::push, kOnePush, Stamp{});
   const SceneManifest scene = chain.scene();
   chain.recording.tool = Trajectory();

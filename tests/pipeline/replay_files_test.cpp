@@ -65,7 +65,7 @@ class ReplayFiles : public testing::Test {
   SceneManifest scene_;
 };
 
-TEST_F(ReplayFiles, AreTheSameWrittenAsTheRunGoesAndAtItsEnd) {
+TEST_F(ReplayFiles, AreTheSameStreamedAndWrittenAtTheEnd) {
   for (const bool from_folder : {true, false}) {
     ReplayOptions options;
     if (from_folder) options.tracked = folder_.path() / "tracked";
@@ -88,7 +88,7 @@ TEST_F(ReplayFiles, KeepOnlyThePosesAroundFramesWhereTheyAreStreamed) {
   const Replay streamed = *replay_recording(recording_, scene_, options);
   const std::vector<ShownPose>& all = kept.teleop->shown[0];
   const std::vector<ShownPose>& some = streamed.teleop->shown[0];
-  // A frame at the very stamp of a pose keeps that one and both beside it.
+  // A frame at exactly the stamp of a pose keeps that one and both neighbours.
   EXPECT_LE(some.size(), 3U * kSmallFrames + 2U);
   EXPECT_EQ(some.front().t, all.front().t);
   EXPECT_EQ(some.back().t, all.back().t);
@@ -104,22 +104,22 @@ TEST_F(ReplayFiles, KeepOnlyThePosesAroundFramesWhereTheyAreStreamed) {
   }
 }
 
-/// How often a file was opened in the life of this.
-class Opens {
+/// Counts how often a file is opened, by inotify.
+class OpenCounter {
  public:
-  explicit Opens(const fs::path& file) : watch_(::inotify_init1(IN_NONBLOCK)) {
+  explicit OpenCounter(const fs::path& file) : watch_(::inotify_init1(IN_NONBLOCK)) {
     EXPECT_GE(::inotify_add_watch(watch_, file.c_str(), IN_OPEN), 0);
   }
-  ~Opens() { ::close(watch_); }
-  Opens(const Opens&) = delete;
-  Opens& operator=(const Opens&) = delete;
+  ~OpenCounter() { ::close(watch_); }
+  OpenCounter(const OpenCounter&) = delete;
+  OpenCounter& operator=(const OpenCounter&) = delete;
 
   int count() {
     alignas(inotify_event) std::array<char, 4096> buffer{};
     for (;;) {
       const ssize_t size = ::read(watch_, buffer.data(), buffer.size());
       if (size <= 0) return count_;
-      // Of a file that is watched itself, events carry no name.
+      // Events of a directly watched file have no name.
       count_ += static_cast<int>(size / static_cast<ssize_t>(sizeof(inotify_event)));
     }
   }
@@ -129,19 +129,19 @@ class Opens {
   int count_ = 0;
 };
 
-TEST_F(ReplayFiles, TakeTheCadBodyFromOneReading) {
+TEST_F(ReplayFiles, ReadTheCadBodyOnce) {
   const fs::path body = folder_.path() / "scene/objects/box.glb";
   ReplayOptions options;
   options.trust_poses = true;
   int once = 0;
   {
-    Opens opens(body);
+    OpenCounter opens(body);
     ASSERT_TRUE(read_object_model(scene_, scene_.objects[0]));
     once = opens.count();
   }
   ASSERT_GT(once, 0);
-  Opens opens(body);
-  // With images, so that objects are tracked; the small ones show no tag, and it may fail for that.
+  OpenCounter opens(body);
+  // With images, so that objects are tracked; these show no tag, so that tracking may fail.
   static_cast<void>(replay_recording(recording_, scene_, options));
   EXPECT_EQ(opens.count(), once * static_cast<int>(scene_.objects.size()));
 }

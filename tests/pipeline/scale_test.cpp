@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Many objects, and images of other sizes than 640 x 480, through the chain on small recordings.
+// Many objects, and images of other sizes than 640 x 480, through the whole pipeline on small
+// recordings.
 #include <cmath>
 #include <map>
 
@@ -38,7 +39,7 @@ Pose truth_of(const Recording& recording, const std::string& object) {
   return read_trajectory(path).value().poses().front().pose;
 }
 
-/// Every box that rests on the table is found, and followed to within the bounds given.
+/// Every box on the table is detected, with a pose within the given error bounds.
 void expect_placed(const Recording& recording, const Scene& scene, double max_shift,
                    double max_turn) {
   ASSERT_EQ(scene.objects.size(), recording.manifest.objects.size());
@@ -50,7 +51,7 @@ void expect_placed(const Recording& recording, const Scene& scene, double max_sh
   }
 }
 
-TEST(ManyObjects, TwentyAreFoundAndFollowedAndMasked) {
+TEST(ManyObjects, TwentyAreDetectedTrackedAndMasked) {
   const TemporaryFolder folder;
   const Recording recording = simulated(table_case(20, 6), 1, folder);
   const Expected<std::vector<MovableBody>> bodies = load_movable_bodies(recording);
@@ -59,7 +60,7 @@ TEST(ManyObjects, TwentyAreFoundAndFollowedAndMasked) {
   const Expected<Survey> survey = survey_recording(recording, *bodies, options, {});
   ASSERT_TRUE(survey) << survey.error().to_string();
   const CameraModel& camera = *recording.manifest.camera;
-  std::vector<int> followed(bodies->size());
+  std::vector<int> tracked_frames(bodies->size());
   std::vector<double> squares(bodies->size());
   const auto done =
       follow_objects(recording, *bodies, *survey, options, {}, [&](const FollowedFrame& frame) {
@@ -67,7 +68,7 @@ TEST(ManyObjects, TwentyAreFoundAndFollowedAndMasked) {
           const Pose truth = truth_of(recording, (*bodies)[i].entry.name);
           const ObjectObservation& seen = frame.objects[i];
           if (seen.evidence == ObjectEvidence::none) continue;
-          ++followed[i];
+          ++tracked_frames[i];
           squares[i] += std::pow(translation_distance(seen.T_base_object, truth), 2);
           // The middle of the top, where it is in view, belongs to the body and is masked.
           const Eigen::Vector2d pixel =
@@ -81,18 +82,18 @@ TEST(ManyObjects, TwentyAreFoundAndFollowedAndMasked) {
       });
   ASSERT_TRUE(done) << done.error().to_string();
   for (std::size_t i = 0; i < bodies->size(); ++i) {
-    EXPECT_EQ(followed[i], 6) << (*bodies)[i].entry.name;
-    // A frame by itself, on boxes of 9 cm from 1.1 m: some millimetres at the most.
+    EXPECT_EQ(tracked_frames[i], 6) << (*bodies)[i].entry.name;
+    // A single frame, boxes of 9 cm at 1.1 m: some millimetres.
     EXPECT_LT(std::sqrt(squares[i] / 6.0), 0.004) << (*bodies)[i].entry.name;
   }
 }
 
-// Ten times the bodies; rays are the part of the work that grows with them most.
+// Ten times the bodies; the number of rays grows most with them.
 TEST(ManyObjects, TwentyCastAtMostThreeAndAHalfTimesTheRaysOfTwoInAFrame) {
   EXPECT_EQ(samples_per_body(1), ObjectTrackerOptions{}.max_samples);
   EXPECT_EQ(samples_per_body(6), ObjectTrackerOptions{}.max_samples);
   EXPECT_LE(20 * samples_per_body(20), 3.5 * 2 * samples_per_body(2));
-  EXPECT_GE(samples_per_body(200), 100);  // what a tracker takes at the least
+  EXPECT_GE(samples_per_body(200), 100);  // a tracker's minimum
 }
 
 TEST(ImageSize, ABoxIsPlacedInImagesOf1280x720) {
@@ -140,7 +141,7 @@ TEST(ImageSize, TheSameBytesAtAnyNumberOfThreadsWithSmallerDepth) {
   EXPECT_TRUE(std::ranges::equal(one->mesh_base.colors, two->mesh_base.colors));
 }
 
-TEST(ImageSize, DepthOfAnotherShapeOrOfTwoSizesIsRefused) {
+TEST(ImageSize, DepthOfAnotherAspectRatioOrOfTwoSizesIsRejected) {
   SimulationCase simulation = table_case(0, 3);
   simulation.width = 96;
   simulation.height = 72;
@@ -161,7 +162,7 @@ TEST(ImageSize, DepthOfAnotherShapeOrOfTwoSizesIsRefused) {
             std::string::npos)
       << two_sizes.error().to_string();
 
-  // A view of another shape is no depth of this camera, whatever its size.
+  // An image of another aspect ratio can't be this camera's depth, whatever its size.
   RecordingWriter writer(folder.path(), recording.manifest);
   const Stamp later = Stamp::from_seconds(10.0);
   ASSERT_TRUE(writer.add_frame(later, ColorImage(96, 72), later, DepthImage(48, 40, 1.0F)));

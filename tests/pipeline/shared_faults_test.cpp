@@ -40,21 +40,21 @@ IdentificationInput input_of(const fs::path& folder) {
   return *input;
 }
 
-/// Says nothing of faults, and every exponent within what its standard deviation allows.
+/// Expects no fault, and every exponent within 4 std.
 void expect_sound(const fs::path& folder) {
   const auto found = identify(input_of(folder), IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
-  for (const std::string& note : found->notes) EXPECT_FALSE(accuses(note)) << folder << note;
+  for (const std::string& note : found->notes) EXPECT_FALSE(reports_fault(note)) << folder << note;
   const Expected<ParameterTable> truth = read_parameters(folder / "truth/parameters.yaml");
   if (!truth) return;
   for (const ObjectIdentification& object : found->objects) {
     const auto known = truth->find(object.name);
     const auto& exponent = object.parameters.contact_exponent;
     if (!exponent || known == truth->end() || !known->second.contact_exponent) continue;
-    ASSERT_TRUE(exponent->deviation.has_value());
+    ASSERT_TRUE(exponent->std.has_value());
     EXPECT_LT(std::abs(exponent->value - known->second.contact_exponent->value),
-              4.0 * *exponent->deviation)
-        << folder << ": " << exponent->value << " +- " << *exponent->deviation;
+              4.0 * *exponent->std)
+        << folder << ": " << exponent->value << " +- " << *exponent->std;
   }
 }
 
@@ -74,16 +74,16 @@ TEST(SharedRecordings, LaboratoryPushesHaveNoFault) {
   }
 }
 
-TEST(SharedRecordings, FaultyCopiesAreAccusedOfTheirFault) {
+TEST(SharedRecordings, FaultyCopiesAreReportedWithTheirFault) {
   PCAVR_NEEDS_SHARED_DATA("plants");
   for (const char* name : {"plants/probe-3", "plants/probe-4", "plants/offcentre-4"}) {
     const IdentificationInput sound = input_of(shared_data(name));
     for (const Fault& fault : faults()) {
       IdentificationInput input = sound;
-      fault.make(input);
+      fault.apply(input);
       const auto found = identify(input, IdentificationGoal::friction);
       const std::string text = found ? "no error" : found.error().to_string();
-      EXPECT_NE(text.find(fault.accusation), std::string::npos)
+      EXPECT_NE(text.find(fault.expected_text), std::string::npos)
           << name << ", " << fault.name << ": " << text;
     }
   }

@@ -16,7 +16,7 @@ namespace pcavr {
 
 inline constexpr int kSmallFrames = 5;
 
-/// The frames of a_box_on_a_table(), gray, with a wall a metre away; without images where told so.
+/// The frames of a_box_on_a_table(), gray, with a wall a metre away; optionally without images.
 inline void write_small_recording(const std::filesystem::path& folder, bool has_images = true) {
   std::filesystem::create_directories(folder);
   Manifest manifest;
@@ -37,7 +37,7 @@ inline void write_small_recording(const std::filesystem::path& folder, bool has_
   ASSERT_TRUE(writer.finish());
 }
 
-/// Where the box stood at each frame, as a run keeps it.
+/// The box's pose at each frame, in a run's format.
 inline void write_small_tracking(const std::filesystem::path& folder) {
   Trajectory tracked;
   for (int i = 0; i < kSmallFrames; ++i) {
@@ -47,7 +47,7 @@ inline void write_small_tracking(const std::filesystem::path& folder) {
   ASSERT_TRUE(write_file(folder / "objects/box/tracked.txt", format_trajectory(tracked)));
 }
 
-/// A recording, the scene that was built from it, and its tracking, side by side.
+/// A recording, the scene that was built from it, and its tracking, in three folders.
 inline void write_small_replay(const std::filesystem::path& folder) {
   write_small_recording(folder / "recording");
   std::filesystem::create_directories(folder / "scene");

@@ -15,8 +15,8 @@ constexpr float kWall = 1.5F;   // [m]
 constexpr float kShaft = 1.0F;  // [m]
 constexpr double kShaftHalfWidth = 0.012;
 
-/// A level camera 1 m above base that looks along base x. A thin shaft stands on the tip, upwards;
-/// the tip goes along y, a step a frame.
+/// A horizontal camera 1 m above base that looks along base x. A thin shaft extends upwards from
+/// the tip; the tip moves along y by a step per frame.
 class ToolBeforeAWall : public testing::Test {
  protected:
   ToolBeforeAWall() {
@@ -40,8 +40,8 @@ class ToolBeforeAWall : public testing::Test {
   static Stamp stamp_of(int frame) { return Stamp::from_seconds(0.05 * frame); }
   static Eigen::Vector3d tip_at(int frame) { return {kShaft, -0.16 + 0.04 * frame, 0.95}; }
 
-  /// What of the shaft is not hidden by a body as high as `hidden` [m] above the tip, nearer by
-  /// 0.2 m; the body is marked in `mask`.
+  /// The shaft, occluded by a body up to `hidden` [m] above the tip that is 0.2 m nearer; the body
+  /// is marked in `mask`.
   RgbdFrame frame_of(int index, double hidden, MaskImage& mask) const {
     const CameraModel& camera = *recording_.manifest.camera;
     RgbdFrame frame;
@@ -88,10 +88,10 @@ TEST_F(ToolBeforeAWall, IsMarkedFromTheTipUpwards) {
   tool.mark(frame, T_base_camera_, mask);
   const auto [shaft, wall] = marked(frame, mask);
   EXPECT_EQ(shaft, 1.0);
-  EXPECT_LT(wall, 0.05);  // its rim, and the disc of the tip
+  EXPECT_LT(wall, 0.05);  // the dilated border, and the disc of the tip
 }
 
-TEST_F(ToolBeforeAWall, IsFoundAgainWhereABodyHidesTheTip) {
+TEST_F(ToolBeforeAWall, IsFoundAgainWhereABodyOccludesTheTip) {
   ToolMask tool(recording_);
   MaskImage mask;
   for (int i = 0; i + 1 < kFrames; ++i) {
@@ -105,7 +105,7 @@ TEST_F(ToolBeforeAWall, IsFoundAgainWhereABodyHidesTheTip) {
   EXPECT_LT(wall, 0.05);
 }
 
-TEST_F(ToolBeforeAWall, IsNotGuessedWhereItsTipWasNeverSeen) {
+TEST_F(ToolBeforeAWall, IsNotMarkedWhereItsTipWasNeverVisible) {
   ToolMask tool(recording_);
   MaskImage mask;
   const RgbdFrame hidden = frame_of(0, 0.1, mask);
@@ -113,22 +113,22 @@ TEST_F(ToolBeforeAWall, IsNotGuessedWhereItsTipWasNeverSeen) {
   EXPECT_EQ(marked(hidden, mask).first, 0.0);
 }
 
-TEST(ToolShape, HoldsWhatGoesAlongAndNotWhatStands) {
+TEST(ToolShape, ContainsPointsThatMoveWithTheTipAndNoStaticOnes) {
   ToolShape shape;
   const Eigen::Vector3d along(0.0, 0.0, -0.1);
-  const Eigen::Vector3d p_base_standing(0.5, 0.2, 0.3);
+  const Eigen::Vector3d p_base_static(0.5, 0.2, 0.3);
   for (int i = 0; i < 5; ++i) {
     const Eigen::Vector3d tip(0.05 * i, 0.0, 0.0);
-    shape.remember(along, tip);
-    shape.remember(p_base_standing - tip, tip);
+    shape.add(along, tip);
+    shape.add(p_base_static - tip, tip);
   }
   ASSERT_EQ(shape.points().size(), 1u);
   EXPECT_LT((shape.points().front() - along).norm(), ToolShape::kEdge);
 }
 
-TEST(ToolShape, LearnsNothingFromATipThatRests) {
+TEST(ToolShape, IsEmptyForATipAtRest) {
   ToolShape shape;
-  for (int i = 0; i < 100; ++i) shape.remember({0.0, 0.0, -0.1}, Eigen::Vector3d::Zero());
+  for (int i = 0; i < 100; ++i) shape.add({0.0, 0.0, -0.1}, Eigen::Vector3d::Zero());
   EXPECT_TRUE(shape.points().empty());
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Each number of each file of a small recording, replaced by odd ones: what reads it refuses it
-// with an Error or works, and never meets a precondition (an "internal error" of the command).
+// Replaces each number of each file of a small recording by invalid or extreme ones: the reader
+// returns an Error or a result, and no precondition fails (an "internal error" of the command).
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -30,7 +30,7 @@ constexpr std::array kOddValues{"nan", "inf", "-1", "0", "1e-300", "1e300", "-0.
 constexpr int kRows = 60;           // of tool and wrench
 constexpr double kInterval = 0.01;  // [s]
 
-/// A tip that runs into a box and pushes it on: 0.6 s, force from contact on.
+/// A tip that contacts a box and pushes it: 0.6 s, with force from contact on.
 struct Push {
   Trajectory tool;
   std::vector<WrenchSample> wrench;
@@ -39,9 +39,9 @@ struct Push {
   Push() {
     for (int i = 0; i < kRows; ++i) {
       const Stamp stamp = Stamp::from_seconds(kInterval * i);
-      const double way = 0.05 * kInterval * i;
-      tool.append(stamp, Pose::from_translation({0.42 + way, 0.1, 0.04}));
-      const double pressed = std::max(0.0, way - 0.02);
+      const double displacement = 0.05 * kInterval * i;
+      tool.append(stamp, Pose::from_translation({0.42 + displacement, 0.1, 0.04}));
+      const double pressed = std::max(0.0, displacement - 0.02);
       wrench.push_back({stamp, {std::min(6.0, 2000.0 * pressed), 0.0, 0.0}, {0.0, 0.0, 0.0}});
       if (i % 4 == 0) {
         tracked.append(stamp,
@@ -51,7 +51,7 @@ struct Push {
   }
 };
 
-/// The files that a person or another program may have written, on disk.
+/// The files that a user or another program may have written, on disk.
 class Sweep : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
@@ -63,19 +63,19 @@ class Sweep : public testing::TestWithParam<const char*> {
                      .is_movable = true,
                      .T_base_object = Pose::from_translation({0.5, 0.1, 0.04})}},
         .tool_radius = 0.01};
-    RecordingWriter writer(place(), manifest);
+    RecordingWriter writer(folder(), manifest);
     ASSERT_TRUE(writer.write_object_mesh("objects/box.obj", a_box({0.1F, 0.2F, 0.08F})));
     ASSERT_TRUE(writer.write_tool(push.tool));
     ASSERT_TRUE(writer.write_wrench(push.wrench));
     ASSERT_TRUE(writer.finish());
-    fs::remove(place() / "written.yaml");
-    fs::create_directories(place() / "tracked/objects/box");
+    fs::remove(folder() / "written.yaml");
+    fs::create_directories(folder() / "tracked/objects/box");
     write("tracked/objects/box/tracked.txt", format_trajectory(push.tracked));
-    std::string deviations = "t,position_std,rotation_std\n";
+    std::string stds = "t,position_std,rotation_std\n";
     for (const TimedPose& pose : push.tracked.poses()) {
-      deviations += format_stamp(pose.stamp) + ",0.0002,0.001\n";
+      stds += format_stamp(pose.stamp) + ",0.0002,0.001\n";
     }
-    write("tracked/objects/box/tracking.csv", deviations);
+    write("tracked/objects/box/tracking.csv", stds);
     ObjectParameters known;
     known.mass = ParameterValue{1.5, 0.1};
     known.limiting_static_friction = ParameterValue{4.5, 0.2};
@@ -88,28 +88,28 @@ class Sweep : public testing::TestWithParam<const char*> {
     known.contact_damping = ParameterValue{50.0, 10.0};
     known.contact_exponent = ParameterValue{1.0, 0.1};
     write("parameters.yaml", format_parameters({{"box", known}}));
-    fs::create_directories(place() / "scene");
-    ASSERT_TRUE(write_scene(a_box_on_a_table(), place() / "scene", {1}));
+    fs::create_directories(folder() / "scene");
+    ASSERT_TRUE(write_scene(a_box_on_a_table(), folder() / "scene", {1}));
   }
 
-  [[nodiscard]] const fs::path& place() const { return folder_.path(); }
+  [[nodiscard]] const fs::path& folder() const { return folder_.path(); }
 
   void write(const std::string& name, const std::string& text) const {
-    ASSERT_TRUE(write_file(place() / name, text));
+    ASSERT_TRUE(write_file(folder() / name, text));
   }
 
-  /// Everything that a command does with the files, as far as it gets.
+  /// Runs all commands' functions on the files, as far as they succeed.
   void use_all() const {
-    const Expected<Recording> recording = read_recording(place(), {});
+    const Expected<Recording> recording = read_recording(folder(), {});
     if (!recording) return;
     const Expected<Scene> built = build_scene(*recording, {.parallelism = {1}});
     (void)built.has_value();
-    const Expected<SceneManifest> scene = read_scene_manifest(place() / "scene");
-    const Expected<ParameterTable> known = read_parameters(place() / "parameters.yaml");
+    const Expected<SceneManifest> scene = read_scene_manifest(folder() / "scene");
+    const Expected<ParameterTable> known = read_parameters(folder() / "parameters.yaml");
     if (!scene || !known) return;
     ReplayOptions options;
     options.parallelism = {1};
-    options.tracked = place() / "tracked";
+    options.tracked = folder() / "tracked";
     options.parameters = *known;
     const Expected<Replay> replay = replay_recording(*recording, *scene, options);
     if (replay) {
@@ -117,7 +117,7 @@ class Sweep : public testing::TestWithParam<const char*> {
       EXPECT_TRUE(write_run(*replay, *recording, *scene, run.path()).has_value());
     }
     Expected<IdentificationInput> input =
-        identification_input(*recording, {.tracked = place() / "tracked", .parallelism = {1}});
+        identification_input(*recording, {.tracked = folder() / "tracked", .parallelism = {1}});
     if (!input) return;
     input->known = *known;
     for (const auto goal : {IdentificationGoal::contact, IdentificationGoal::friction}) {
@@ -126,9 +126,9 @@ class Sweep : public testing::TestWithParam<const char*> {
     }
   }
 
-  /// Uses the files with another text in one of them, and puts the first one back.
+  /// Runs them with another text in one of the files, and restores the file.
   void use_with(const std::string& name, const std::string& text, const std::string& what) const {
-    const std::string before = read_file(place() / name).value();
+    const std::string before = read_file(folder() / name).value();
     write(name, text);
     try {
       use_all();
@@ -142,38 +142,40 @@ class Sweep : public testing::TestWithParam<const char*> {
   TemporaryFolder folder_;
 };
 
-/// Where the numbers of a text are.
+/// Positions and lengths of the numbers in a text.
 std::vector<std::pair<std::size_t, std::size_t>> numbers_of(const std::string& text) {
   static const std::regex number(R"((^|[\s,\[:])(-?\d+\.?\d*(e[+-]?\d+)?)(?=$|[\s,\]}]))");
-  std::vector<std::pair<std::size_t, std::size_t>> places;
+  std::vector<std::pair<std::size_t, std::size_t>> positions;
   for (std::sregex_iterator found(text.begin(), text.end(), number), end; found != end; ++found) {
-    places.emplace_back(found->position(2), found->length(2));
+    positions.emplace_back(found->position(2), found->length(2));
   }
-  return places;
+  return positions;
 }
 
-/// All numbers of a manifest; of a table those of its first row and of one in contact.
-std::vector<std::pair<std::size_t, std::size_t>> places_in(const std::string& text, bool is_table) {
-  auto places = numbers_of(text);
-  if (!is_table) return places;
+/// All numbers of a manifest; of a table only those of its first row and of one in contact.
+std::vector<std::pair<std::size_t, std::size_t>> positions_in(const std::string& text,
+                                                              bool is_table) {
+  auto positions = numbers_of(text);
+  if (!is_table) return positions;
   const std::size_t first = text.find('\n') + 1;
   std::size_t in_contact = first;
   for (int row = 0; row < 13; ++row) in_contact = text.find('\n', in_contact) + 1;
-  std::erase_if(places, [&](const auto& place) {
-    const bool is_in_first = place.first >= first && place.first < text.find('\n', first);
-    const bool is_in_other = place.first >= in_contact && place.first < text.find('\n', in_contact);
+  std::erase_if(positions, [&](const auto& position) {
+    const bool is_in_first = position.first >= first && position.first < text.find('\n', first);
+    const bool is_in_other =
+        position.first >= in_contact && position.first < text.find('\n', in_contact);
     return !is_in_first && !is_in_other;
   });
-  return places;
+  return positions;
 }
 
-TEST_P(Sweep, EndsInAnErrorOrAResult) {
+TEST_P(Sweep, GivesAnErrorOrAResult) {
   const std::string name = GetParam();
-  const std::string text = read_file(place() / name).value();
+  const std::string text = read_file(folder() / name).value();
   const bool is_table = !name.ends_with(".yaml");
-  const auto places = places_in(text, is_table);
-  ASSERT_GE(places.size(), is_table ? 6U : 8U) << text;
-  for (const auto& [at, length] : places) {
+  const auto positions = positions_in(text, is_table);
+  ASSERT_GE(positions.size(), is_table ? 6U : 8U) << text;
+  for (const auto& [at, length] : positions) {
     for (const char* value : kOddValues) {
       std::string changed = text;
       changed.replace(at, length, value);
@@ -196,7 +198,7 @@ INSTANTIATE_TEST_SUITE_P(OfEach, Sweep,
 
 class StampSweep : public Sweep {};
 
-/// A table's stamps as `stamp(i)` gives them.
+/// A table with the stamps `stamp_of(row)`.
 template <typename StampOf>
 std::string restamped(const std::string& text, char separator, StampOf stamp_of) {
   std::string changed = text.substr(0, text.find('\n') + 1);
@@ -211,9 +213,9 @@ std::string restamped(const std::string& text, char separator, StampOf stamp_of)
   return changed;
 }
 
-TEST_P(StampSweep, EndsInAnErrorOrAResult) {
+TEST_P(StampSweep, GivesAnErrorOrAResult) {
   const std::string name = GetParam();
-  const std::string text = read_file(place() / name).value();
+  const std::string text = read_file(folder() / name).value();
   const char separator = name.ends_with(".csv") ? ',' : ' ';
   for (const double from : {-0.002, -0.0000005, -1000.0, -4.5e9, 4.5e9, 1305031102.0, 0.3, 1e4}) {
     for (const double step : {1e-6, 0.01, 0.1, 1000.0}) {

@@ -21,7 +21,7 @@ CompletedPhysics complete(const ObjectParameters& known) {
   return complete_physics(known, test::box_model(test::kBoxSides), test::standing_at(0.0, 0.0));
 }
 
-TEST(CompletePhysics, NamesAllThatItAssumed) {
+TEST(CompletePhysics, ListsAllDefaults) {
   const CompletedPhysics completed = complete({});
   EXPECT_EQ(completed.assumed,
             (std::vector<std::string>{"mass", "sliding_friction_coefficient",
@@ -32,12 +32,12 @@ TEST(CompletePhysics, NamesAllThatItAssumed) {
   EXPECT_NEAR(friction.mass, 700.0 * 0.175 * 0.175 * 0.125, 1e-4);
   EXPECT_NEAR(friction.coulomb_force, 0.5 * friction.mass * kGravity, 1e-9);
   EXPECT_NEAR(friction.limiting_force, 1.1 * friction.coulomb_force, 1e-9);
-  // The breakaway force indents by a millimetre.
+  // The breakaway force causes a penetration of a millimetre.
   const Compliance& contact = completed.physics.contact;
   EXPECT_NEAR(contact.stiffness * std::pow(0.001, contact.exponent), friction.limiting_force, 1e-9);
 }
 
-TEST(CompletePhysics, KeepsWhatIsKnown) {
+TEST(CompletePhysics, KeepsKnownParameters) {
   ObjectParameters known;
   known.mass = {3.0, {}};
   known.limiting_static_friction = {9.57, 0.861};
@@ -67,7 +67,7 @@ TEST(CompletePhysics, DerivesOneFrictionFromTheOther) {
   known.limiting_static_friction.reset();
   known.sliding_friction_coefficient = {0.2, {}};
   EXPECT_NEAR(complete(known).physics.friction.limiting_force, 1.1 * 0.2 * 3.0 * kGravity, 1e-12);
-  // Both, but no mass: the mass that suits them.
+  // Both, but no mass: the mass that agrees with them.
   known.mass.reset();
   known.limiting_static_friction = {11.0, {}};
   EXPECT_NEAR(complete(known).physics.friction.mass, 10.0 / (0.2 * kGravity), 1e-12);
@@ -83,7 +83,7 @@ TEST(CompletePhysics, TakesTheFrictionRadiusFromTheLowestFace) {
   const CompletedPhysics narrow =
       complete_physics({}, test::box_model(test::kBoxSides), on_its_side);
   EXPECT_NEAR(narrow.physics.friction_radius, mean_radius_of_rectangle(0.175, 0.125), 1e-6);
-  // On an edge it still has one.
+  // On an edge it is still positive.
   const Pose on_edge(
       Eigen::Quaterniond(Eigen::AngleAxisd(0.25 * std::numbers::pi, Eigen::Vector3d::UnitX())),
       {0.3, 0.1, 0.1});
@@ -114,7 +114,7 @@ TEST(CompletePhysics, RefusesNumbersThatAreNotPhysical) {
   EXPECT_THROW(static_cast<void>(complete(known)), ContractError);
 }
 
-TEST(Heading, IsThatOfTheXAxisLaidFlatOrOfTheYAxisWhereXIsSteep) {
+TEST(Heading, IsThatOfTheProjectedXAxisOrOfTheYAxisWhereXIsSteep) {
   EXPECT_NEAR(heading_of(test::standing_at(1.0, 2.0, 0.7)), 0.7, 1e-12);
   const auto tilted = [](double angle) {
     return Pose(Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()) *

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "prediction/closest_surface.hpp"
+#include "pcavr/prediction/closest_surface.hpp"
 
 #include <gtest/gtest.h>
 
@@ -34,16 +34,16 @@ TEST(ClosestSurface, IsExactForABox) {
     const Eigen::Vector3d p(random.uniform(-1.0, 1.0), random.uniform(-0.7, 0.7),
                             random.uniform(-0.5, 0.5));
     const double expected = distance_to_box(p);
-    const auto answer = surface.closest(p, 2.0);
-    ASSERT_TRUE(answer);
-    ASSERT_NEAR(answer->distance, expected, 1e-14) << p.transpose();
-    ASSERT_NEAR(answer->normal.norm(), 1.0, 1e-12);
-    // The surface lies that far back along the outward normal.
-    ASSERT_NEAR((answer->point + expected * answer->normal - p).norm(), 0.0, 1e-12);
+    const auto closest = surface.closest(p, 2.0);
+    ASSERT_TRUE(closest);
+    ASSERT_NEAR(closest->distance, expected, 1e-14) << p.transpose();
+    ASSERT_NEAR(closest->normal.norm(), 1.0, 1e-12);
+    // The closest point lies at that distance back along the outward normal.
+    ASSERT_NEAR((closest->point + expected * closest->normal - p).norm(), 0.0, 1e-12);
   }
 }
 
-TEST(ClosestSurface, TellsOutwardEvenOnTheSurface) {
+TEST(ClosestSurface, HasAnOutwardNormalEvenOnTheSurface) {
   const ClosestSurface surface = box();
   const auto on_face = surface.closest({0.5, 0.1, 0.05}, 0.1);
   EXPECT_TRUE(on_face->normal.isApprox(Eigen::Vector3d::UnitX()));
@@ -52,7 +52,7 @@ TEST(ClosestSurface, TellsOutwardEvenOnTheSurface) {
   EXPECT_NEAR(on_corner->distance, 0.0, 1e-15);
 }
 
-TEST(ClosestSurface, AnswersNothingBeyondItsReachButAllOfTheInside) {
+TEST(ClosestSurface, IsEmptyBeyondItsReachButNotInside) {
   const ClosestSurface surface = box();
   EXPECT_FALSE(surface.closest({0.62, 0.0, 0.0}, 0.1));
   EXPECT_TRUE(surface.closest({0.58, 0.0, 0.0}, 0.1));
@@ -60,8 +60,8 @@ TEST(ClosestSurface, AnswersNothingBeyondItsReachButAllOfTheInside) {
   EXPECT_NEAR(surface.closest({0.0, 0.0, 0.0}, 0.01)->distance, -0.125, 1e-15);
 }
 
-TEST(ClosestSurface, OfManyTrianglesIsThatOfTryingAll) {
-  // A bumpy ball.
+TEST(ClosestSurface, OfManyTrianglesEqualsBruteForce) {
+  // A bumpy sphere.
   TriangleMesh mesh;
   constexpr std::uint32_t kRings = 24;
   constexpr std::uint32_t kSides = 40;
@@ -94,13 +94,14 @@ TEST(ClosestSurface, OfManyTrianglesIsThatOfTryingAll) {
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector3d p(random.uniform(-0.15, 0.15), random.uniform(-0.15, 0.15),
                             random.uniform(-0.15, 0.15));
-    double least = 1.0;
+    double min_distance = 1.0;
     double winding = 0.0;  // solid angle over 4 pi [van Oosterom & Strackee 1983]
     for (const auto& t : mesh.triangles) {
       TriangleMesh one;
       for (const std::uint32_t v : t) one.vertices.push_back(mesh.vertices[v]);
       one.triangles.push_back({0, 1, 2});
-      least = std::min(least, std::abs(ClosestSurface(one, Pose()).closest(p, 1.0)->distance));
+      min_distance =
+          std::min(min_distance, std::abs(ClosestSurface(one, Pose()).closest(p, 1.0)->distance));
       const Eigen::Vector3d a = one.vertices[0].cast<double>() - p;
       const Eigen::Vector3d b = one.vertices[1].cast<double>() - p;
       const Eigen::Vector3d c = one.vertices[2].cast<double>() - p;
@@ -109,7 +110,7 @@ TEST(ClosestSurface, OfManyTrianglesIsThatOfTryingAll) {
                                             b.dot(c) * a.norm() + c.dot(a) * b.norm()) /
           (2.0 * M_PI);
     }
-    const double expected = winding > 0.5 ? -least : least;
+    const double expected = winding > 0.5 ? -min_distance : min_distance;
     ASSERT_NEAR(surface.closest(p, 1.0)->distance, expected, 1e-14) << p.transpose();
   }
 }

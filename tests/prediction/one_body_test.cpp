@@ -20,37 +20,37 @@ using test::touching_tip;
 
 PredictedWorld world_of(const WorldModel& model) { return PredictedWorld::create(model).value(); }
 
-/// At `speed` into the box from where it is touched.
+/// At `speed` into the box from first touch.
 auto push(double speed, double y = 0.0) {
   return [=](double t) -> Eigen::Vector3d {
     return touching_tip(y) + Eigen::Vector3d(speed * t, 0.0, 0.0);
   };
 }
 
-TEST(OneBody, YieldsByTheContactLawWhileItIsHeld) {
+TEST(OneBody, IsPenetratedByTheContactLawWhileStatic) {
   PredictedWorld world = world_of(one_box());
-  // 9.57 N need 1.2 mm: at 1 mm/s, after 1 s, it holds.
+  // 9.57 N need 1.2 mm: at 1 mm/s, after 1 s, it is still static.
   test::run(world, push(0.001), 1.0, 0.001);
   const BodyState& state = world.state()[0];
   const double expected = 8000.0 * 0.001 + 30.0 * 0.001;
   EXPECT_NEAR(state.tool_force_base.x(), expected, 1e-3);  // the mesh is in single precision
   EXPECT_NEAR(state.penetration, 0.001, 1e-8);
   EXPECT_EQ(state.planar.position, Eigen::Vector2d::Zero());
-  EXPECT_EQ(state.phase, MotionPhase::held);
+  EXPECT_EQ(state.phase, MotionPhase::static_contact);
 }
 
 TEST(OneBody, BreaksLooseAtTheLimitingForce) {
   PredictedWorld world = world_of(one_box());
-  double largest = 0.0;
-  double held_until = 0.0;
+  double max_force = 0.0;
+  double static_until = 0.0;
   test::run(world, push(0.001), 1.5, 0.001, [&](double t) {
     if (world.state()[0].planar.position.isZero(0.0)) {
-      held_until = t;
-      largest = world.state()[0].tool_force_base.x();
+      static_until = t;
+      max_force = world.state()[0].tool_force_base.x();
     }
   });
-  EXPECT_NEAR(largest, 9.57, 0.01);
-  EXPECT_NEAR(held_until, (9.57 - 0.03) / 8.0, 0.002);
+  EXPECT_NEAR(max_force, 9.57, 0.01);
+  EXPECT_NEAR(static_until, (9.57 - 0.03) / 8.0, 0.002);
   EXPECT_GT(world.state()[0].planar.position.x(), 1e-4);
 }
 
@@ -99,7 +99,7 @@ TEST(OneBody, IsCriticalInTheBandBelowTheLimitingForce) {
   EXPECT_EQ(world.state()[0].phase, MotionPhase::critical);
 }
 
-TEST(OneBody, LetsTheTipGoAndFeelsNothingThen) {
+TEST(OneBody, IsFreeAndWithoutForceAfterTheTipRetracts) {
   PredictedWorld world = world_of(one_box());
   test::run(world, push(0.04), 1.0, 0.001);
   const auto away = [](double t) -> Eigen::Vector3d {
@@ -113,10 +113,10 @@ TEST(OneBody, LetsTheTipGoAndFeelsNothingThen) {
   EXPECT_EQ(state.phase, MotionPhase::free);
   EXPECT_TRUE(state.tool_force_base.isZero(0.0));
   EXPECT_TRUE(state.planar.twist.isZero(0.0));
-  EXPECT_NEAR(state.penetration, -0.05, 1e-12);  // further is not told
+  EXPECT_NEAR(state.penetration, -0.05, 1e-12);  // the maximum that is computed
 }
 
-TEST(OneBody, GlidesToAStopByItsFriction) {
+TEST(OneBody, CoastsToAStopByFriction) {
   PredictedWorld world = world_of(one_box());
   std::vector<BodyState> state = world.state();
   state[0].planar.twist = {0.3, 0.4, 0.0};
@@ -129,7 +129,7 @@ TEST(OneBody, GlidesToAStopByItsFriction) {
   EXPECT_EQ(world.state()[0].phase, MotionPhase::free);
 }
 
-TEST(OneBody, PressedFromAboveItSlidesHarder) {
+TEST(OneBody, HasMoreFrictionWhenPressedFromAbove) {
   PredictedWorld world = world_of(one_box());
   // 20 N down in the middle of the top, then dragged along: the tip slips at 0.3 of 20 N = 6 N.
   const auto drag = [](double t) -> Eigen::Vector3d {
@@ -140,18 +140,18 @@ TEST(OneBody, PressedFromAboveItSlidesHarder) {
   EXPECT_NEAR(world.state()[0].tool_force_base.z(), -20.0, 0.1);
   EXPECT_NEAR(world.state()[0].tool_force_base.x(), 6.0, 0.05);
   EXPECT_TRUE(world.state()[0].planar.position.isZero(0.0));
-  // A tip that does not slip takes it along, against the friction of weight and press.
-  BodyPhysics sticky = foam_physics();
-  sticky.tool_friction = 2.0;
-  sticky.contact.damping = 500.0;
-  PredictedWorld dragged = world_of(one_box(sticky));
+  // A tip that does not slip moves it, against the friction of weight and normal force.
+  BodyPhysics high_friction = foam_physics();
+  high_friction.tool_friction = 2.0;
+  high_friction.contact.damping = 500.0;
+  PredictedWorld dragged = world_of(one_box(high_friction));
   test::run(dragged, drag, 2.5, 0.001);
   const double expected = 8.5 * (1.0 + 20.0 / (3.0 * 9.80665));
   EXPECT_NEAR(dragged.state()[0].tool_force_base.x(), expected, 0.3);
   EXPECT_GT(dragged.state()[0].planar.position.x(), 0.03);
 }
 
-TEST(OneBody, TurnsUnderAnOffCentrePushAsWithoutInertia) {
+TEST(OneBody, RotatesUnderAnOffCentrePushAsInTheQuasiStaticModel) {
   // Slow, so that inertia is small; at the support's level, so that no pressure shifts.
   BodyPhysics physics = foam_physics();
   physics.friction.limiting_force = physics.friction.coulomb_force;
@@ -174,9 +174,9 @@ TEST(OneBody, TurnsUnderAnOffCentrePushAsWithoutInertia) {
   }
 }
 
-TEST(OneBody, NeverBecomesSenselessWhateverTheTipDoes) {
+TEST(OneBody, StaysFiniteForAnyMotionOfTheTip) {
   Random random(3);
-  for (int round = 0; round < 60; ++round) {
+  for (int trial = 0; trial < 60; ++trial) {
     BodyPhysics physics = foam_physics();
     physics.friction.mass = std::exp(random.uniform(-3.0, 2.0));
     physics.friction.coulomb_force = physics.friction.mass * random.uniform(0.0, 8.0);
@@ -186,26 +186,26 @@ TEST(OneBody, NeverBecomesSenselessWhateverTheTipDoes) {
     physics.contact.exponent = random.uniform() < 0.5 ? 1.0 : random.uniform(1.0, 2.0);
     PredictedWorld world = world_of(one_box(physics));
     Eigen::Vector3d tip = touching_tip();
-    double energy_of_tip = 0.0;
+    double max_speed = 0.0;
     for (int i = 0; i < 400; ++i) {
       const Eigen::Vector3d before = tip;
-      const double what = random.uniform();
-      const double size = what < 0.9 ? 0.002 : what < 0.99 ? 0.02 : 1.0;
+      const double kind = random.uniform();
+      const double size = kind < 0.9 ? 0.002 : kind < 0.99 ? 0.02 : 1.0;
       tip += Eigen::Vector3d(random.uniform(-size, size), random.uniform(-size, size),
                              0.3 * random.uniform(-size, size));
       if (random.uniform() < 0.02) tip = touching_tip(0.0, 0.03) + Eigen::Vector3d(0.02, 0.0, 0.0);
       world.step(before, tip, random.uniform(0.0005, 0.002));
       const BodyState& state = world.state()[0];
-      energy_of_tip = std::max(energy_of_tip, state.planar.twist.head<2>().norm());
+      max_speed = std::max(max_speed, state.planar.twist.head<2>().norm());
       ASSERT_TRUE(state.planar.position.allFinite() && std::isfinite(state.planar.yaw));
       ASSERT_TRUE(state.tool_force_base.allFinite() && std::isfinite(state.penetration));
       ASSERT_LE(state.tool_force_base.norm(), 2000.0 * 1.05);
     }
-    EXPECT_LT(energy_of_tip, 50.0);
+    EXPECT_LT(max_speed, 50.0);
   }
 }
 
-TEST(OneBody, IgnoresATipThatNobodyCanPlace) {
+TEST(OneBody, IgnoresAnInvalidTipPosition) {
   PredictedWorld world = world_of(one_box());
   test::run(world, push(0.04), 0.5, 0.001);
   const PlanarState before = world.state()[0].planar;
@@ -218,8 +218,8 @@ TEST(OneBody, IgnoresATipThatNobodyCanPlace) {
   EXPECT_EQ(world.state()[0].planar.position, before.position);
 }
 
-/// Press, push with a modulation, stop, reverse off it, come again.
-Eigen::Vector3d busy_path(double t) {
+/// Press, push with a modulation, stop, retract, push again.
+Eigen::Vector3d varied_path(double t) {
   const double forward = t < 1.0   ? 0.05 * t + 0.003 * std::sin(2.0 * std::numbers::pi * 2.0 * t)
                          : t < 1.5 ? 0.05
                          : t < 1.7 ? 0.05 - 0.1 * (t - 1.5)
@@ -250,7 +250,7 @@ TEST_P(StepSize, DoesNotChangeAPushByATenthOfAMillimetre) {
     const auto sampled = [](double t) -> Eigen::Vector3d {
       const double before = std::floor(t / 0.002 + 1e-6) * 0.002;
       const double share = (t - before) / 0.002;
-      return (1.0 - share) * busy_path(before) + share * busy_path(before + 0.002);
+      return (1.0 - share) * varied_path(before) + share * varied_path(before + 0.002);
     };
     test::run(world, sampled, 2.5, dt, [&](double) {
       if (++step % std::lround(0.002 / dt) == 0) track.push_back(world.state()[0].planar);

@@ -32,8 +32,9 @@ Predictor predictor_until(double end, const PredictorOptions& options = {}) {
 bool same(const BodyState& a, const BodyState& b) {
   return a.planar.position == b.planar.position && a.planar.yaw == b.planar.yaw &&
          a.planar.twist == b.planar.twist && a.planar.phase == b.planar.phase &&
-         a.tool_stretch_base == b.tool_stretch_base && a.tool_force_base == b.tool_force_base &&
-         a.penetration == b.penetration && a.phase == b.phase;
+         a.tangential_deflection_base == b.tangential_deflection_base &&
+         a.tool_force_base == b.tool_force_base && a.penetration == b.penetration &&
+         a.phase == b.phase;
 }
 
 TEST(Predictor, TwoRunsGiveTheSameBits) {
@@ -44,22 +45,22 @@ TEST(Predictor, TwoRunsGiveTheSameBits) {
   }
 }
 
-TEST(Predictor, AStateSetBackAndSteppedAgainGivesTheSameBits) {
+TEST(Predictor, RollbackAndResimulationGivesTheSameBits) {
   PredictedWorld world = two_boxes();
   for (int i = 0; i < 700; ++i) world.step(tip_at(0.001 * i), tip_at(0.001 * (i + 1)), 0.001);
-  const std::vector<BodyState> kept = world.state();
-  const auto on = [&] {
+  const std::vector<BodyState> saved = world.state();
+  const auto resimulate = [&] {
     for (int i = 700; i < 1200; ++i) world.step(tip_at(0.001 * i), tip_at(0.001 * (i + 1)), 0.001);
     return world.state();
   };
-  const std::vector<BodyState> once = on();
+  const std::vector<BodyState> once = resimulate();
   for (int i = 0; i < 50; ++i) world.step(tip_at(3.0), tip_at(3.0), 0.001);
-  world.set_state(kept);
-  const std::vector<BodyState> again = on();
+  world.set_state(saved);
+  const std::vector<BodyState> again = resimulate();
   for (std::size_t i = 0; i < 2; ++i) EXPECT_TRUE(same(once[i], again[i])) << i;
 }
 
-/// What a run would have been in which the correction had been known at its time.
+/// The final state of a run in which the correction was known at its time.
 std::vector<BodyState> run_with(const Correction& correction, double end) {
   PredictedWorld world = two_boxes();
   const auto steps = std::lround(end / 0.001);
@@ -114,7 +115,7 @@ TEST(Predictor, CorrectingByWhatWasPredictedChangesNothing) {
   }
 }
 
-TEST(Predictor, LaterCorrectionsOutliveAnEarlierOneThatComesLate) {
+TEST(Predictor, LaterCorrectionsAreReappliedAfterAnEarlierOneThatArrivesLate) {
   Predictor predictor = predictor_until(1.3);
   Correction late;
   late.t = 1.2;
@@ -130,7 +131,7 @@ TEST(Predictor, LaterCorrectionsOutliveAnEarlierOneThatComesLate) {
   EXPECT_NEAR(predictor.state_at(0, 0.7)->planar.position.x(), 0.03, 1e-12);
 }
 
-TEST(Predictor, PhysicsHoldFromTheirTimeOn) {
+TEST(Predictor, PhysicsAreValidFromTheirTimeOn) {
   Predictor predictor = predictor_until(1.3);
   Correction correction;
   correction.t = 1.0;
@@ -140,7 +141,7 @@ TEST(Predictor, PhysicsHoldFromTheirTimeOn) {
   ASSERT_TRUE(predictor.correct(correction));
   EXPECT_TRUE(same(before, *predictor.state_at(0, 1.0)));
   EXPECT_EQ(predictor.world().physics(0).friction.viscous, 20.0);
-  // A word about an earlier instant is predicted with the physics of that time.
+  // After an earlier correction the re-simulation uses the physics of that time.
   Correction pose;
   pose.t = 0.5;
   pose.body = 1;
@@ -150,9 +151,9 @@ TEST(Predictor, PhysicsHoldFromTheirTimeOn) {
   EXPECT_EQ(predictor.world().physics(0).friction.viscous, 20.0);
 }
 
-TEST(Predictor, RefusesWhatItDoesNotRemember) {
+TEST(Predictor, RejectsCorrectionsOutsideItsHistory) {
   PredictorOptions options;
-  options.memory = 0.5;
+  options.history = 0.5;
   Predictor predictor = predictor_until(1.0, options);
   Correction correction;
   correction.T_base_object = test::standing_at(0.5, 0.0);
@@ -178,10 +179,10 @@ TEST(Predictor, RefusesWhatItDoesNotRemember) {
   EXPECT_TRUE(predictor.correct(correction));
 }
 
-/// The largest change of what is shown from one step to the next, place [m] and force [N], and of
-/// the speed [m/s].
+/// The maximum change of the display from one step to the next: position [m], force [N] and speed
+/// [m/s].
 struct Jumps {
-  double place = 0.0;
+  double position = 0.0;
   double force = 0.0;
   double speed = 0.0;
 };
@@ -199,11 +200,11 @@ Jumps jumps_of(Predictor& predictor, int steps, int every, const Correction& cor
     }
     predictor.step(tip_at(start + 0.001 * i));
     const ShownBody shown = predictor.shown(0);
-    const double way = translation_distance(last.T_base_object, shown.T_base_object);
-    jumps.place = std::max(jumps.place, way);
+    const double displacement = translation_distance(last.T_base_object, shown.T_base_object);
+    jumps.position = std::max(jumps.position, displacement);
     jumps.force = std::max(jumps.force, (shown.force_base - last.force_base).norm());
-    if (i > 1) jumps.speed = std::max(jumps.speed, std::abs(way / 0.001 - last_speed));
-    last_speed = way / 0.001;
+    if (i > 1) jumps.speed = std::max(jumps.speed, std::abs(displacement / 0.001 - last_speed));
+    last_speed = displacement / 0.001;
     last = shown;
   }
   return jumps;
@@ -214,17 +215,17 @@ TEST(Predictor, ShowsACorrectionWithoutAJump) {
   correction.T_base_object = test::standing_at(0.01, 0.003, 0.02);
   Predictor once = predictor_until(0.8);
   const Jumps one = jumps_of(once, 300, 1000, correction);
-  // 1.9 of the mean speed of the change, of some 10 mm in 100 ms, over 1 ms; and the push itself.
-  EXPECT_LT(one.place, 0.4e-3);
+  // 1.9 times the mean speed of the change, about 10 mm in 100 ms, over 1 ms; and the push itself.
+  EXPECT_LT(one.position, 0.4e-3);
   EXPECT_LT(one.force, 1.0);
   EXPECT_LT(one.speed, 0.02);
   Predictor often = predictor_until(0.8);
   const Jumps many = jumps_of(often, 300, 30, correction);
-  EXPECT_LT(many.place, 0.8e-3);
+  EXPECT_LT(many.position, 0.8e-3);
   EXPECT_LT(many.force, 2.0);
 }
 
-TEST(Predictor, ShowsTheStateItselfOnceBlendingIsOver) {
+TEST(Predictor, ShowsTheStateItselfAfterBlending) {
   Predictor predictor = predictor_until(0.8);
   Correction correction;
   correction.t = 0.6;
@@ -262,9 +263,9 @@ TEST(Predictor, ACorrectionIntoTheTipPushesTheBodyOutGently) {
   }
 }
 
-TEST(Predictor, KeepsItsMemoryBounded) {
+TEST(Predictor, BoundsItsHistory) {
   PredictorOptions options;
-  options.memory = 0.1;
+  options.history = 0.1;
   Predictor predictor = predictor_until(0.2, options);
   Correction correction;
   correction.physics = test::foam_physics();

@@ -5,7 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "prediction/closest_surface.hpp"
+#include "pcavr/prediction/closest_surface.hpp"
+
 #include "prediction/worlds.hpp"
 
 namespace pcavr {
@@ -29,8 +30,8 @@ TEST(SeveralBodies, OnePushesTheNext) {
   PredictedWorld world = world_of(row_of_boxes(2, 0.02));
   test::run(world, push(0.04), 2.0, 0.001);
   const auto& state = world.state();
-  const double apart = state[1].planar.position.x() - state[0].planar.position.x();
-  EXPECT_NEAR(apart, 0.175, 0.0002);
+  const double distance = state[1].planar.position.x() - state[0].planar.position.x();
+  EXPECT_NEAR(distance, 0.175, 0.0002);
   EXPECT_NEAR(state[0].planar.twist.x(), 0.04, 0.001);
   EXPECT_NEAR(state[1].planar.twist.x(), 0.04, 0.001);
   // The tip bears the friction of both.
@@ -39,9 +40,9 @@ TEST(SeveralBodies, OnePushesTheNext) {
   EXPECT_NEAR(state[1].planar.yaw, 0.0, 1e-3);
 }
 
-TEST(SeveralBodies, HoldTogetherWhatNoneHoldsAlone) {
+TEST(SeveralBodies, InARowStayStaticUnderALoadThatMovesASingleOne) {
   PredictedWorld world = world_of(row_of_boxes(2, 0.0));
-  // 15 N: more than one box withstands, less than two.
+  // 15 N: more than the static limit of one box, less than that of two.
   const auto press = [](double t) -> Eigen::Vector3d {
     return touching_tip() + Eigen::Vector3d(std::min(t, 1.0) * 15.0 / 8000.0, 0.0, 0.0);
   };
@@ -55,20 +56,20 @@ TEST(SeveralBodies, HoldTogetherWhatNoneHoldsAlone) {
   EXPECT_TRUE(world.state()[1].planar.twist.isZero(0.0));
 }
 
-TEST(SeveralBodies, ARowOfTenIsPushedWhole) {
+TEST(SeveralBodies, ARowOfTenIsPushedTogether) {
   PredictedWorld world = world_of(row_of_boxes(10, 0.001));
   test::run(world, push(0.04), 2.0, 0.001);
   const auto& state = world.state();
   for (std::size_t i = 1; i < state.size(); ++i) {
-    const double apart = state[i].planar.position.x() - state[i - 1].planar.position.x();
-    EXPECT_GT(apart, 0.175 - 0.001) << i;
-    EXPECT_LT(apart, 0.175 + 0.0002) << i;
+    const double distance = state[i].planar.position.x() - state[i - 1].planar.position.x();
+    EXPECT_GT(distance, 0.175 - 0.001) << i;
+    EXPECT_LT(distance, 0.175 + 0.0002) << i;
     EXPECT_NEAR(state[i].planar.twist.x(), 0.04, 0.002) << i;
   }
   EXPECT_NEAR(state[0].tool_force_base.x(), 85.0, 2.0);
 }
 
-TEST(SeveralBodies, AnOffCentreNeighbourIsTurned) {
+TEST(SeveralBodies, AnOffCentreNeighbourRotates) {
   WorldModel model = row_of_boxes(2, 0.005);
   model.bodies[1].T_base_object = standing_at(0.18, 0.12);
   PredictedWorld world = world_of(model);
@@ -96,12 +97,12 @@ TEST_P(Wall, OfTheScannedMeshStopsABody) {
 }
 INSTANTIATE_TEST_SUITE_P(SeveralBodies, Wall, testing::Values(0.0, 0.0005));
 
-// As heavy and as hard to move as what is on a table, and more so; the step takes the body 1 mm.
-TEST(SeveralBodies, AWallDoesNotThrowABodyBack) {
-  for (const double holding_force : {9.57, 40.0, 1000.0}) {
+// Masses and static limits like those of objects on a table, and larger; 1 mm of motion a step.
+TEST(SeveralBodies, ABodyDoesNotReboundFromAWall) {
+  for (const double static_limit : {9.57, 40.0, 1000.0}) {
     for (const double mass : {0.3, 3.0}) {
       WorldModel model = test::one_box();
-      model.bodies[0].physics.friction.limiting_force = holding_force;
+      model.bodies[0].physics.friction.limiting_force = static_limit;
       model.bodies[0].physics.friction.mass = mass;
       model.static_mesh_base = wall_at(0.0875 + 0.01);
       PredictedWorld world = world_of(model);
@@ -112,16 +113,16 @@ TEST(SeveralBodies, AWallDoesNotThrowABodyBack) {
       for (int i = 0; i < 100; ++i) {
         world.step(far, far, 0.001);
         const PlanarState& planar = world.state()[0].planar;
-        ASSERT_LE(planar.position.x(), 0.01 + 0.001) << holding_force << ' ' << mass << ' ' << i;
-        ASSERT_GE(planar.twist.x(), -0.05) << holding_force << ' ' << mass << ' ' << i;
+        ASSERT_LE(planar.position.x(), 0.01 + 0.001) << static_limit << ' ' << mass << ' ' << i;
+        ASSERT_GE(planar.twist.x(), -0.05) << static_limit << ' ' << mass << ' ' << i;
       }
     }
   }
 }
 
-// A tip that no body gives way to, as fast as a hand, off the middle: bodies, wall and tip find
-// hardly a common solution.
-TEST(SeveralBodies, ThatArePressedAgainstAWallDoNotLeap) {
+// A position-controlled tip as fast as a hand, off centre: bodies, wall and tip hardly have a
+// common solution.
+TEST(SeveralBodies, ThatArePressedAgainstAWallDoNotJump) {
   for (const double y : {0.0, 0.03, 0.06, 0.08}) {
     WorldModel model = row_of_boxes(2, 0.002);
     model.bodies[1].T_base_object = standing_at(0.18, 0.05, 0.3);
@@ -136,21 +137,22 @@ TEST(SeveralBodies, ThatArePressedAgainstAWallDoNotLeap) {
     std::vector<BodyState> before = world.state();
     test::run(world, path, 2.0, 0.001, [&](double t) {
       for (std::size_t i = 0; i < world.size(); ++i) {
-        const Eigen::Vector2d way = world.state()[i].planar.position - before[i].planar.position;
-        ASSERT_LT(way.norm(), 0.001 * 2.0) << y << ' ' << t << ' ' << i;
+        const Eigen::Vector2d displacement =
+            world.state()[i].planar.position - before[i].planar.position;
+        ASSERT_LT(displacement.norm(), 0.001 * 2.0) << y << ' ' << t << ' ' << i;
       }
-      const auto there = surface.closest(world.T_base_object(0).inverse() * path(t), 0.06);
-      ASSERT_TRUE(there);
-      ASSERT_NEAR(world.state()[0].penetration, test::kTipRadius - there->distance, 1e-9) << t;
+      const auto closest = surface.closest(world.T_base_object(0).inverse() * path(t), 0.06);
+      ASSERT_TRUE(closest);
+      ASSERT_NEAR(world.state()[0].penetration, test::kTipRadius - closest->distance, 1e-9) << t;
       before = world.state();
     });
   }
 }
 
-TEST(SeveralBodies, TheSupportInTheMeshDoesNotHoldABodyBack) {
+TEST(SeveralBodies, TheSupportInTheMeshDoesNotStopABody) {
   WorldModel model = test::one_box();
   TriangleMesh& mesh = model.static_mesh_base;
-  // A bumpy table, 3 mm up and down, and the body's own skin, which a scan took for static.
+  // A bumpy table, 3 mm up and down, and the body's own surface, which a scan took for static.
   test::add_box(mesh, {-0.5, -0.5, -0.05}, {0.5, 0.5, 0.001});
   test::add_box(mesh, {0.0, -0.05, -0.01}, {0.3, 0.05, 0.003});
   test::add_box(mesh, {-0.088, -0.088, 0.0}, {0.088, 0.088, 0.126});
@@ -167,7 +169,7 @@ CadModel slotted_model() {
   test::add_box(mesh, {0.02, -0.08, -0.04}, {0.08, 0.08, 0.04});
   test::add_box(mesh, {-0.08, 0.02, -0.04}, {0.02, 0.08, 0.04});
   test::add_box(mesh, {-0.08, -0.08, -0.04}, {0.02, -0.02, 0.04});
-  // Three boxes side by side share faces, not edges; as one closed surface they do for a test.
+  // Three boxes side by side share faces, not edges; good enough as one closed surface for a test.
   return make_cad_model(mesh, "slotted", "test").value();
 }
 
@@ -189,22 +191,23 @@ TEST(SeveralBodies, ANeighbourMayStandInASlot) {
   EXPECT_GT(world.state()[1].planar.position.x(), -0.035);
   test::run(
       world, [&](double t) { return path(t + 0.2); }, 0.8, 0.001);
-  // The bar took the block along: 40 mm less the 10 mm of play and the tip's indentation.
+  // The bar moved the block: 40 mm less the 10 mm of clearance and the tip's penetration.
   EXPECT_NEAR(world.state()[0].planar.position.x() - start.position.x(), 0.03 - 2.0 * 8.5 / 8000.0,
               0.001);
 }
 
-TEST(SeveralBodies, AnOverlapIsUndoneWithoutAJump) {
+TEST(SeveralBodies, AnOverlapIsResolvedWithoutAJump) {
   WorldModel model = row_of_boxes(2, 0.0);
   model.bodies[1].T_base_object = standing_at(0.165, 0.0);
   PredictedWorld world = world_of(model);
-  double fastest = 0.0;
+  double max_speed = 0.0;
   test::run(world, push(0.01), 2.0, 0.001, [&](double) {
-    fastest = std::max(fastest, world.state()[1].planar.twist.head<2>().norm());
+    max_speed = std::max(max_speed, world.state()[1].planar.twist.head<2>().norm());
   });
-  EXPECT_LT(fastest, 0.12);
-  const double apart = world.state()[1].planar.position.x() - world.state()[0].planar.position.x();
-  EXPECT_NEAR(apart, 0.175, 0.003);
+  EXPECT_LT(max_speed, 0.12);
+  const double distance =
+      world.state()[1].planar.position.x() - world.state()[0].planar.position.x();
+  EXPECT_NEAR(distance, 0.175, 0.003);
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ inline CadModel box_model(const Eigen::Vector3d& sides, const std::string& name 
   return make_cad_model(mesh, name, "test").value();
 }
 
-/// The foam-faced box of paper C, slightly made round: 0.175 x 0.175 x 0.125 m, 3 kg, 9.57 N.
+/// The foam-faced box of paper C, rounded: 0.175 x 0.175 x 0.125 m, 3 kg, 9.57 N.
 inline BodyPhysics foam_physics() {
   BodyPhysics physics;
   physics.friction.mass = 3.0;
@@ -63,7 +63,7 @@ inline WorldModel one_box(const BodyPhysics& physics = foam_physics()) {
   return model;
 }
 
-/// Where the tip just touches the box of one_box() from the side of negative x.
+/// Position at which the tip just touches the box of one_box() from the side of negative x.
 inline Eigen::Vector3d touching_tip(double y = 0.0, double z = 0.06) {
   return {-0.5 * kBoxSides.x() - kTipRadius, y, z};
 }
@@ -73,7 +73,7 @@ inline WorldModel row_of_boxes(int count, double gap) {
   WorldModel model;
   model.tool_radius = kTipRadius;
   BodyPhysics physics = foam_physics();
-  physics.contact.damping = 500.0;  // so that a row swings no longer than a test
+  physics.contact.damping = 500.0;  // so that oscillations of a row decay within a test
   for (int i = 0; i < count; ++i) {
     model.bodies.push_back({box_model(kBoxSides, "box" + std::to_string(i)),
                             standing_at((0.175 + gap) * i, 0.0), physics});
@@ -81,7 +81,7 @@ inline WorldModel row_of_boxes(int count, double gap) {
   return model;
 }
 
-/// A wall across x, its face at `x`, of small triangles as a scan has them, wavy by `noise` [m].
+/// A wall across x, its face at `x`, of small triangles like a scan, wavy by `noise` [m].
 inline TriangleMesh wall_at(double x, double noise = 0.0) {
   TriangleMesh mesh;
   constexpr int kCells = 40;

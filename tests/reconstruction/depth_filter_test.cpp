@@ -14,14 +14,14 @@ namespace {
 const CameraModel kCamera = test::small_camera();
 const DepthNoise kNoise;
 
-TEST(FilterDepth, KeepsAWallSeenAtAnAngle) {
-  // At 45 deg; an ideal plane has no reading to reject but at the image's corners.
+TEST(FilterDepth, KeepsASlantedWall) {
+  // At 45 deg; of an exact plane only border pixels are rejected.
   const auto wall = test::plane(Eigen::Vector3d(1.0, 0.0, 1.0).normalized(), 1.0);
   const DepthImage depth = test::depth_of(wall, kCamera, Pose());
   const DepthImage filtered = filter_depth(depth, kCamera, kNoise, {1});
   for (int v = 0; v < depth.height(); ++v) {
     for (int u = 0; u < depth.width(); ++u) {
-      const bool in_range = depth(u, v) <= static_cast<float>(kNoise.farthest);
+      const bool in_range = depth(u, v) <= static_cast<float>(kNoise.max_depth);
       const bool at_border = u == 0 || v == 0 || u == depth.width() - 1 || v == depth.height() - 1;
       if (in_range && !at_border) {
         EXPECT_EQ(filtered(u, v), depth(u, v)) << u << ' ' << v;
@@ -30,7 +30,7 @@ TEST(FilterDepth, KeepsAWallSeenAtAnAngle) {
   }
 }
 
-TEST(FilterDepth, DropsTheReadingsOnBothSidesOfAJump) {
+TEST(FilterDepth, RemovesThePixelsOnBothSidesOfADiscontinuity) {
   DepthImage depth(40, 20, 1.0F);
   for (int v = 0; v < 20; ++v) {
     for (int u = 20; u < 40; ++u) depth(u, v) = 1.5F;
@@ -42,7 +42,7 @@ TEST(FilterDepth, DropsTheReadingsOnBothSidesOfAJump) {
   EXPECT_EQ(filtered(21, 10), 1.5F);
 }
 
-TEST(FilterDepth, DropsAGrossErrorButNotItsNeighbours) {
+TEST(FilterDepth, RemovesAnOutlierButNotItsNeighbours) {
   DepthImage depth(20, 20, 1.0F);
   depth(10, 10) = 2.0F;
   const DepthImage filtered = filter_depth(depth, kCamera, kNoise, {1});
@@ -51,7 +51,7 @@ TEST(FilterDepth, DropsAGrossErrorButNotItsNeighbours) {
   EXPECT_EQ(filtered(11, 11), 1.0F);
 }
 
-TEST(FilterDepth, DropsWhatIsNoMeasurement) {
+TEST(FilterDepth, RemovesInvalidDepth) {
   DepthImage depth(20, 20, 1.0F);
   depth(5, 5) = std::numeric_limits<float>::quiet_NaN();
   depth(5, 10) = std::numeric_limits<float>::infinity();

@@ -22,7 +22,7 @@ inline CameraModel small_camera() {
   return camera;
 }
 
-/// Length along a ray (from, direction) to a surface, if it is hit.
+/// Distance along a ray (origin, direction) to a surface, if it is hit.
 using Surface =
     std::function<std::optional<double>(const Eigen::Vector3d&, const Eigen::Vector3d&)>;
 
@@ -57,7 +57,7 @@ inline Surface nearest_of(const Surface& a, const Surface& b) {
   };
 }
 
-/// What an ideal camera measures.
+/// The depth image of a noise-free camera.
 inline DepthImage depth_of(const Surface& surface, const CameraModel& camera,
                            const Pose& T_base_camera) {
   DepthImage depth(camera.width, camera.height);
@@ -72,7 +72,7 @@ inline DepthImage depth_of(const Surface& surface, const CameraModel& camera,
   return depth;
 }
 
-/// A camera at `eye` that looks at `target`.
+/// The pose of a camera at `eye` that looks at `target`.
 inline Pose looking_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
   const Eigen::Vector3d z = (target - eye).normalized();
   const Eigen::Vector3d side =

@@ -10,7 +10,7 @@
 namespace pcavr {
 namespace {
 
-bool lie_in_one_face(std::uint8_t a, std::uint8_t b) {
+bool lie_on_one_face(std::uint8_t a, std::uint8_t b) {
   const auto corners = [](std::uint8_t e) {
     const CubeEdge edge = cube_edges()[e];
     return std::pair<int, int>(edge.from, edge.from | (1 << edge.axis));
@@ -24,7 +24,8 @@ bool lie_in_one_face(std::uint8_t a, std::uint8_t b) {
   return false;
 }
 
-// Every triangle's border is either another's, or lies in a face, where the next cube goes on.
+// Every triangle edge is either shared with another triangle, or lies in a face, where the
+// neighbouring cube continues the surface.
 TEST(MarchingCubesTable, HasNoBorderInsideACube) {
   for (const CubeCase& cube : marching_cubes_table()) {
     std::map<std::pair<int, int>, int> borders;
@@ -36,9 +37,9 @@ TEST(MarchingCubesTable, HasNoBorderInsideACube) {
     for (const auto& [border, count] : borders) {
       EXPECT_EQ(count, 1);
       const bool is_inner = borders.count({border.second, border.first}) == 1;
-      const bool is_in_face = lie_in_one_face(static_cast<std::uint8_t>(border.first),
+      const bool is_on_face = lie_on_one_face(static_cast<std::uint8_t>(border.first),
                                               static_cast<std::uint8_t>(border.second));
-      EXPECT_NE(is_inner, is_in_face);
+      EXPECT_NE(is_inner, is_on_face);
     }
   }
 }

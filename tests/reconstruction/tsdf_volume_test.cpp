@@ -38,11 +38,11 @@ void integrate(TsdfVolume& volume, const Surface& surface, const Pose& T_base_ca
 
 Surface wall() { return plane(Eigen::Vector3d::UnitZ(), 1.0); }
 
-/// A ball that hangs free, seen from all around.
-TsdfVolume ball(double radius, int threads) {
+/// A sphere observed from all sides.
+TsdfVolume fused_sphere(double radius, int threads) {
   TsdfVolume volume({.voxel_size = kVoxel});
   for (int i = 0; i < 24; ++i) {
-    // Points spread evenly over a sphere, on a golden spiral.
+    // Viewpoints distributed uniformly over a sphere (golden spiral).
     const double z = 1.0 - (2.0 * i + 1.0) / 24.0;
     const double angle = 2.399963 * i;
     const double r = std::sqrt(1.0 - z * z);
@@ -68,7 +68,7 @@ TEST(TsdfVolume, FusesASlantedWallIntoAPlane) {
   const TriangleMesh mesh = volume.extract_mesh(2.0, {1});
   ASSERT_GT(mesh.triangles.size(), 1000U);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    // The fit is exact on a plane; float and the 20 um steps of the distance remain.
+    // The fit is exact on a plane, up to float rounding and the 20 um distance quantisation.
     EXPECT_NEAR(normal.dot(mesh.vertices[i].cast<double>()), 1.0, 2e-4);
     EXPECT_LT(mesh.normals[i].cast<double>().dot(normal), -0.99);
     EXPECT_NEAR(mesh.colors[i].r, 200, 1);
@@ -78,28 +78,29 @@ TEST(TsdfVolume, FusesASlantedWallIntoAPlane) {
 }
 
 TEST(TsdfVolume, HonoursLensDistortion) {
-  CameraModel bent = kCamera;
-  bent.distortion = {-0.2, 0.05, 0.001, -0.001, 0.0};
+  CameraModel distorted = kCamera;
+  distorted.distortion = {-0.2, 0.05, 0.001, -0.001, 0.0};
   const Eigen::Vector3d normal = Eigen::Vector3d(0.6, 0.2, 1.0).normalized();
   TsdfVolume volume({.voxel_size = kVoxel});
-  const DepthImage depth = depth_of(plane(normal, 1.0), bent, Pose());
-  for (int i = 0; i < 2; ++i) volume.integrate(depth, {}, {}, bent, Pose(), {1});
+  const DepthImage depth = depth_of(plane(normal, 1.0), distorted, Pose());
+  for (int i = 0; i < 2; ++i) volume.integrate(depth, {}, {}, distorted, Pose(), {1});
   const TriangleMesh mesh = volume.extract_mesh(2.0, {1});
   ASSERT_GT(mesh.triangles.size(), 1000U);
   double sum = 0.0;
   for (const Eigen::Vector3f& p : mesh.vertices) {
     const double distance = normal.dot(p.cast<double>()) - 1.0;
-    // Whole pixels are taken: up to 0.71 of them off, which the lens stretches to 1 at the corners.
-    // A ray that is off by d leads to another depth on the slope: by n d / n r, r the point's ray.
+    // Nearest-neighbour lookup: an error of up to 0.71 pixels, which the lens stretches to 1 at the
+    // corners. A ray error d changes the depth on the slanted plane by n d / n r, r the point's
+    // ray.
     const Eigen::Vector3d ray = p.cast<double>() / double{p.z()};
-    const double off = normal.head<2>().norm() / bent.fx / normal.dot(ray);
-    EXPECT_NEAR(distance, 0.0, off) << ray.transpose();
+    const double tolerance = normal.head<2>().norm() / distorted.fx / normal.dot(ray);
+    EXPECT_NEAR(distance, 0.0, tolerance) << ray.transpose();
     sum += distance;
   }
   EXPECT_NEAR(sum / static_cast<double>(mesh.vertices.size()), 0.0, 2e-4);
 }
 
-TEST(TsdfVolume, LeavesOutAFrameFromFartherAwayThanBlocksHaveNumbers) {
+TEST(TsdfVolume, IgnoresAFrameBeyondTheBlockCoordinates) {
   TsdfVolume volume({.voxel_size = kVoxel});
   const DepthImage depth = depth_of(plane({0.0, 0.0, 1.0}, 1.0), kCamera, Pose());
   for (const double away : {1e6, 1e12, 1e300}) {
@@ -108,8 +109,8 @@ TEST(TsdfVolume, LeavesOutAFrameFromFartherAwayThanBlocksHaveNumbers) {
   EXPECT_TRUE(volume.extract_mesh(1.0, {1}).triangles.empty());
 }
 
-TEST(TsdfVolume, MeshesABallWithoutHolesOrDoubles) {
-  const TriangleMesh mesh = ball(0.2, 1).extract_mesh(1.0, {1});
+TEST(TsdfVolume, MeshesASphereWithoutHolesOrDuplicates) {
+  const TriangleMesh mesh = fused_sphere(0.2, 1).extract_mesh(1.0, {1});
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   for (const auto& t : mesh.triangles) {
     for (std::size_t i = 0; i < 3; ++i) ++edges[{t[i], t[(i + 1) % 3]}];
@@ -128,9 +129,9 @@ TEST(TsdfVolume, MeshesABallWithoutHolesOrDoubles) {
 }
 
 TEST(TsdfVolume, GivesTheSameBytesOnAnyNumberOfThreads) {
-  const TriangleMesh one = ball(0.15, 1).extract_mesh(1.0, {1});
+  const TriangleMesh one = fused_sphere(0.15, 1).extract_mesh(1.0, {1});
   for (const int threads : {2, 4}) {
-    const TriangleMesh many = ball(0.15, threads).extract_mesh(1.0, {threads});
+    const TriangleMesh many = fused_sphere(0.15, threads).extract_mesh(1.0, {threads});
     ASSERT_EQ(many.triangles, one.triangles);
     EXPECT_EQ(many.colors, one.colors);
     const auto bytes = [](const std::vector<Eigen::Vector3f>& v) {
@@ -141,17 +142,17 @@ TEST(TsdfVolume, GivesTheSameBytesOnAnyNumberOfThreads) {
   }
 }
 
-TEST(TsdfVolume, InventsNothingThatWasNotSeen) {
+TEST(TsdfVolume, HasNoSurfaceThatWasNotObserved) {
   TsdfVolume volume({.voxel_size = kVoxel});
   integrate(volume, sphere({0.0, 0.0, 1.0}, 0.2), Pose());
   const TriangleMesh mesh = volume.extract_mesh(1.0, {1});
   ASSERT_FALSE(mesh.triangles.empty());
-  // The camera sees the near half only; voxels behind its rim reach one truncation further.
+  // The camera observes the near half only, plus the truncation band behind its silhouette.
   for (const Eigen::Vector3f& p : mesh.vertices) EXPECT_LT(p.z(), 1.0F + 0.04F);
   EXPECT_TRUE(TsdfVolume({.voxel_size = kVoxel}).extract_mesh(1.0, {1}).triangles.empty());
 }
 
-TEST(TsdfVolume, TakesEmptyAndMaskedFramesAsNothing) {
+TEST(TsdfVolume, IgnoresEmptyAndMaskedFrames) {
   TsdfVolume volume({.voxel_size = kVoxel});
   const DepthImage none(kCamera.width, kCamera.height);
   EXPECT_EQ(volume.integrate(none, {}, {}, kCamera, Pose(), {1}).pixels_used, 0U);
@@ -161,53 +162,54 @@ TEST(TsdfVolume, TakesEmptyAndMaskedFramesAsNothing) {
   EXPECT_EQ(volume.block_count(), 0U);
 }
 
-/// A wall with a ball before it in some of the frames: what is left of the ball [m^2].
-double left_of_ball(const std::vector<bool>& has_ball) {
+/// The remaining area of a sphere that is in front of a wall in some of the frames [m^2].
+double remaining_sphere_area(const std::vector<bool>& has_sphere) {
   TsdfVolume volume({.voxel_size = kVoxel});
-  const Surface with_ball = nearest_of(sphere({0.0, 0.0, 0.7}, 0.08), wall());
-  for (const bool has : has_ball) integrate(volume, has ? with_ball : wall(), Pose());
+  const Surface with_sphere = nearest_of(sphere({0.0, 0.0, 0.7}, 0.08), wall());
+  for (const bool has : has_sphere) integrate(volume, has ? with_sphere : wall(), Pose());
   return area_nearer_than(volume.extract_mesh(1.0, {1}), 0.9F);
 }
 
-std::vector<bool> frames(int without, int with, bool ball_first) {
-  std::vector<bool> result(static_cast<std::size_t>(without + with), ball_first);
-  const int first = ball_first ? with : without;
-  for (int i = first; i < without + with; ++i) result[static_cast<std::size_t>(i)] = !ball_first;
+std::vector<bool> frames(int without, int with, bool sphere_first) {
+  std::vector<bool> result(static_cast<std::size_t>(without + with), sphere_first);
+  const int first = sphere_first ? with : without;
+  for (int i = first; i < without + with; ++i) result[static_cast<std::size_t>(i)] = !sphere_first;
   return result;
 }
 
-TEST(TsdfVolume, KeepsABallThatStays) { EXPECT_GT(left_of_ball(frames(0, 10, true)), 0.01); }
-
-TEST(TsdfVolume, ForgetsWhatRestedForHalfOfTheFramesAndWentAway) {
-  EXPECT_EQ(left_of_ball(frames(10, 10, true)), 0.0);
+TEST(TsdfVolume, KeepsAStaticSphere) {
+  EXPECT_GT(remaining_sphere_area(frames(0, 10, true)), 0.01);
 }
 
-TEST(TsdfVolume, ForgetsWhatCameInTheSecondHalfOfTheFrames) {
-  EXPECT_EQ(left_of_ball(frames(10, 10, false)), 0.0);
-  // More frames than views are kept.
-  EXPECT_EQ(left_of_ball(frames(150, 10, false)), 0.0);
+TEST(TsdfVolume, CarvesAnObjectThatLeftAfterHalfOfTheFrames) {
+  EXPECT_EQ(remaining_sphere_area(frames(10, 10, true)), 0.0);
 }
 
-TEST(TsdfVolume, DoesNotErodeTheEdgesOfStaticThingsByPoseErrors) {
-  // A ball before a wall; poses off by 2 mm and 0.2 deg rms, new in every frame.
+TEST(TsdfVolume, CarvesAnObjectThatAppearedInTheSecondHalfOfTheFrames) {
+  EXPECT_EQ(remaining_sphere_area(frames(10, 10, false)), 0.0);
+  // More frames than PastViews::kMaxViews.
+  EXPECT_EQ(remaining_sphere_area(frames(150, 10, false)), 0.0);
+}
+
+TEST(TsdfVolume, DoesNotErodeEdgesUnderPoseErrors) {
+  // A sphere in front of a wall; independent pose errors of 2 mm and 0.2 deg rms in every frame.
   const Surface scene = nearest_of(sphere({0.0, 0.0, 0.7}, 0.08), wall());
   TsdfVolume volume({.voxel_size = kVoxel});
-  TsdfVolume trembling({.voxel_size = kVoxel});
+  TsdfVolume noisy({.voxel_size = kVoxel});
   Random random(3);
   for (int i = 0; i < 40; ++i) {
     integrate(volume, scene, Pose());
     Vector6d twist;
     for (int k = 0; k < 6; ++k) twist[k] = random.normal() * (k < 3 ? 0.002 : 0.0035) / 1.7321;
     const ColorImage color(kCamera.width, kCamera.height, Rgb8{200, 100, 50});
-    trembling.integrate(depth_of(scene, kCamera, Pose()), color, {}, kCamera, Pose::exp(twist),
-                        {1});
+    noisy.integrate(depth_of(scene, kCamera, Pose()), color, {}, kCamera, Pose::exp(twist), {1});
   }
-  const double still = area_nearer_than(volume.extract_mesh(1.0, {1}), 0.9F);
-  const double shaken = area_nearer_than(trembling.extract_mesh(1.0, {1}), 0.9F);
-  EXPECT_GT(shaken, 0.97 * still);
+  const double exact_area = area_nearer_than(volume.extract_mesh(1.0, {1}), 0.9F);
+  const double noisy_area = area_nearer_than(noisy.extract_mesh(1.0, {1}), 0.9F);
+  EXPECT_GT(noisy_area, 0.97 * exact_area);
 }
 
-TEST(TsdfVolume, DoesNotGrowWhenItSeesTheSameAgain) {
+TEST(TsdfVolume, DoesNotGrowForRepeatedFrames) {
   TsdfVolume volume({.voxel_size = kVoxel});
   for (int i = 0; i < 70; ++i) integrate(volume, wall(), Pose());
   const std::size_t blocks = volume.block_count();
@@ -217,7 +219,7 @@ TEST(TsdfVolume, DoesNotGrowWhenItSeesTheSameAgain) {
   EXPECT_LE(volume.memory_bytes(), bytes + 1024);
 }
 
-/// A block of random voxels under a frame of random surfaces, by the kernels given.
+/// A block fused with a frame of random surfaces, by the given kernels.
 VoxelBlock fused_at_random(const Kernels& kernels) {
   Random random(5);
   std::vector<PixelSurface> pixels(64 * 48 + 1);
@@ -254,17 +256,18 @@ VoxelBlock fused_at_random(const Kernels& kernels) {
 }
 
 TEST(Kernels, GiveTheSameBitsOnEveryInstructionSet) {
-  const std::vector<const Kernels*> runnable = runnable_kernels();
-  const VoxelBlock plain = fused_at_random(*runnable.front());
-  EXPECT_NE(plain.distance_weight, VoxelBlock{}.distance_weight);
-  for (const Kernels* kernels : runnable) {
+  const std::vector<const Kernels*> supported = supported_kernels();
+  const VoxelBlock baseline = fused_at_random(*supported.front());
+  EXPECT_NE(baseline.distance_weight, VoxelBlock{}.distance_weight);
+  for (const Kernels* kernels : supported) {
     const VoxelBlock block = fused_at_random(*kernels);
-    EXPECT_EQ(block.distance_weight, plain.distance_weight);
-    EXPECT_EQ(block.color_counts, plain.color_counts);
+    EXPECT_EQ(block.distance_weight, baseline.distance_weight);
+    EXPECT_EQ(block.color_counts, baseline.color_counts);
   }
 }
 
-/// What the passes over rows give for random depth with holes, of a width that fills no vectors.
+/// The results of the row passes for random depth with holes, of a width that is not a multiple of
+/// the SIMD width.
 std::vector<std::vector<float>> passes_at_random(const Kernels& kernels) {
   constexpr int kWidth = 37;
   constexpr int kStride = kWidth + 2 + kMaxLanes;
@@ -280,17 +283,18 @@ std::vector<std::vector<float>> passes_at_random(const Kernels& kernels) {
   const FilterRow row{centre, kStride, kWidth, 0.5F, 50.0F, steps.data()};
   std::vector<std::vector<float>> results(3, std::vector<float>(kWidth));
   kernels.filter_row(row, results[0].data());
-  kernels.pool_nearest(centre, centre + kStride, kWidth / 2, results[1].data());
+  kernels.pool_min(centre, centre + kStride, kWidth / 2, results[1].data());
   kernels.pool_depth(centre, centre + kStride, kWidth / 2, results[2].data());
   return results;
 }
 
-TEST(Kernels, PassOverRowsAlikeOnEveryInstructionSet) {
-  const std::vector<std::vector<float>> plain = passes_at_random(*runnable_kernels().front());
-  for (const std::vector<float>& result : plain) {
+TEST(Kernels, RowPassesGiveTheSameBitsOnEveryInstructionSet) {
+  const std::vector<std::vector<float>> baseline = passes_at_random(*supported_kernels().front());
+  for (const std::vector<float>& result : baseline) {
     EXPECT_GT(std::count_if(result.begin(), result.end(), [](float z) { return z > 0.0F; }), 5);
   }
-  for (const Kernels* kernels : runnable_kernels()) EXPECT_EQ(passes_at_random(*kernels), plain);
+  for (const Kernels* kernels : supported_kernels())
+    EXPECT_EQ(passes_at_random(*kernels), baseline);
 }
 
 std::vector<std::uint32_t> pooled_colors_at_random(const Kernels& kernels) {
@@ -304,17 +308,17 @@ std::vector<std::uint32_t> pooled_colors_at_random(const Kernels& kernels) {
   }
   std::vector<std::uint32_t> pooled(kWidth);
   kernels.pool_colors(rows.data(), rows.data() + 6 * kWidth, kWidth, pooled.data());
-  // The first four pixels are black; then the mean of four is rounded to the nearest.
+  // The first four pixels are black; the mean of the next four is rounded to nearest.
   EXPECT_EQ(pooled[0], 1U);
   const int sum = rows[6] + rows[9] + rows[6 * kWidth + 6] + rows[6 * kWidth + 9];
   EXPECT_EQ(pooled[1] & 255U, static_cast<std::uint32_t>((sum + 2) / 4));
   return pooled;
 }
 
-TEST(Kernels, PoolColorsAlikeOnEveryInstructionSet) {
-  const std::vector<std::uint32_t> plain = pooled_colors_at_random(*runnable_kernels().front());
-  for (const Kernels* kernels : runnable_kernels()) {
-    EXPECT_EQ(pooled_colors_at_random(*kernels), plain);
+TEST(Kernels, PoolColorsGivesTheSameBitsOnEveryInstructionSet) {
+  const std::vector<std::uint32_t> baseline = pooled_colors_at_random(*supported_kernels().front());
+  for (const Kernels* kernels : supported_kernels()) {
+    EXPECT_EQ(pooled_colors_at_random(*kernels), baseline);
   }
 }
 

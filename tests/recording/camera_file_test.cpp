@@ -23,7 +23,7 @@ TEST(CameraFile, OfEverySensorShippedIsRead) {
   EXPECT_GE(files, 5);
 }
 
-TEST(CameraFile, OfRosIsRead) {
+TEST(CameraFile, OfRosCameraInfoIsRead) {
   const Expected<CameraFile> camera = parse_camera_file(
       "image_width: 640\nimage_height: 480\ncamera_name: head\n"
       "camera_matrix: {rows: 3, cols: 3, data: [525, 0, 319.5, 0, 524, 239.5, 0, 0, 1]}\n"

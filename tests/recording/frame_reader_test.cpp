@@ -26,7 +26,7 @@ TEST(DecodeFrame, GivesDepthInMetres) {
   EXPECT_EQ(frame->index, 2u);
   EXPECT_EQ(frame->depth_stamp, milliseconds(1100));
   EXPECT_EQ(frame->depth(0, 0), 0.0f);
-  // Stored in units of 0.2 mm, so the test's whole millimetres come back but for float rounding.
+  // Stored in units of 0.2 mm, so the test's whole millimetres are restored up to float rounding.
   for (int x = 1; x < 16; ++x) EXPECT_NEAR(frame->depth(x, 5), small_depth(2)(x, 5), 1e-6);
   EXPECT_NEAR(frame->color(8, 6).g, 128, 2);  // JPEG of quality 95
 }
@@ -39,7 +39,7 @@ TEST(DecodeFrame, NamesATruncatedDepthImage) {
   EXPECT_FALSE(frame.error().hint.empty());
 }
 
-TEST(DecodeFrame, NamesAnImageThatWentAway) {
+TEST(DecodeFrame, NamesAnImageThatWasRemoved) {
   const SmallRecording folder;
   const Recording recording = read_recording(folder.path()).value();
   std::filesystem::remove(folder.depth_file(0));
@@ -54,11 +54,11 @@ TEST(DecodeFrame, RefusesAnIndexBeyondTheLast) {
   EXPECT_THROW((void)decode_frame(recording, 3), ContractError);
 }
 
-TEST(FrameReader, GivesEveryFrameInOrderAndThenNothing) {
+TEST(FrameReader, ReturnsEveryFrameInOrderAndThenNothing) {
   const SmallRecording folder;
   const Recording recording = read_recording(folder.path()).value();
   for (const int ahead : {1, 2, 10}) {
-    FrameReader reader(recording, {.frames_ahead = ahead});
+    FrameReader reader(recording, {.max_prefetched = ahead});
     for (std::size_t i = 0; i < 3; ++i) {
       const auto frame = reader.next();
       ASSERT_TRUE(frame.has_value() && frame->has_value());
@@ -72,16 +72,16 @@ TEST(FrameReader, GivesEveryFrameInOrderAndThenNothing) {
   }
 }
 
-TEST(FrameReader, MayGoAwayAtAnyMoment) {
+TEST(FrameReader, MayBeDestroyedAtAnyTime) {
   const SmallRecording folder;
   const Recording recording = read_recording(folder.path()).value();
   for (int taken = 0; taken < 4; ++taken) {
-    FrameReader reader(recording, {.frames_ahead = 1});
+    FrameReader reader(recording, {.max_prefetched = 1});
     for (int i = 0; i < taken; ++i) EXPECT_TRUE(reader.next().has_value());
   }
 }
 
-TEST(FrameReader, PassesAnErrorOnAndEnds) {
+TEST(FrameReader, ReturnsAnErrorAndEnds) {
   const SmallRecording folder;
   const Recording recording = with_truncated_depth(folder, 1);
   FrameReader reader(recording);
@@ -94,7 +94,7 @@ TEST(FrameReader, PassesAnErrorOnAndEnds) {
   EXPECT_FALSE(after->has_value());
 }
 
-TEST(FrameReader, LeavesBadFramesOutWhereToldAndCountsThem) {
+TEST(FrameReader, SkipsAndCountsBadFramesWithSkipBad) {
   const SmallRecording folder;
   const Recording recording = with_truncated_depth(folder, 1);
   FrameReader reader(recording, {.skip_bad = true});

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "recording/image_codec.hpp"
+#include "pcavr/recording/image_codec.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -57,7 +57,7 @@ PngImage random_png(int bit_depth, int channels) {
   return image;
 }
 
-TEST(DepthPng, IsReadBackToTheLastBit) {
+TEST(DepthPng, IsLossless) {
   ImageDecoder decoder;
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     const RawDepthImage depth = random_depth(seed);
@@ -88,7 +88,7 @@ TEST(Png, WithAnUnknownFilterIsRefused) {
   EXPECT_FALSE(decode_png(encode_png(image), decoded).has_value());
 }
 
-TEST(DepthPng, CutAnywhereIsRefused) {
+TEST(DepthPng, TruncatedAnywhereIsRefused) {
   const std::string whole = encode_depth(random_depth(4));
   ImageDecoder decoder;
   for (std::size_t size = 0; size < whole.size(); ++size) {
@@ -114,7 +114,7 @@ TEST(DepthPng, OfEightBitsIsRefusedByName) {
   EXPECT_EQ(depth.error().file, "image");
 }
 
-TEST(DepthPng, OfAnotherSizeIsRefusedBeforeItTakesMemory) {
+TEST(DepthPng, OfAnotherSizeIsRefusedBeforeItAllocates) {
   ImageDecoder decoder;
   const auto depth = decoder.raw_depth(encode_depth(RawDepthImage(8, 5)), kSmall);
   ASSERT_FALSE(depth.has_value());
@@ -143,7 +143,7 @@ TEST(ColorPng, OfSixteenBitsIsRefused) {
   EXPECT_FALSE(decoder.color(encode_png(random_png(16, 3)), kSmall).has_value());
 }
 
-TEST(ColorJpeg, ComesBackAlmostTheSame) {
+TEST(ColorJpeg, RoundTripIsAlmostLossless) {
   ColorImage ramp(32, 16);
   for (int y = 0; y < 16; ++y) {
     for (int x = 0; x < 32; ++x) ramp(x, y) = {static_cast<std::uint8_t>(8 * x), 100, 50};
@@ -154,12 +154,12 @@ TEST(ColorJpeg, ComesBackAlmostTheSame) {
   const auto again = decoder.color(*bytes, {"image", 32, 16});
   ASSERT_TRUE(again.has_value()) << again.error().to_string();
   for (int y = 0; y < 16; ++y) {
-    // Luma is kept to some 2 levels at quality 95; halved chroma blurs red over two pixels.
+    // Luma is preserved to about 2 levels at quality 95; 4:2:0 chroma blurs red over two pixels.
     for (int x = 0; x < 32; ++x) EXPECT_NEAR((*again)(x, y).r, ramp(x, y).r, 12);
   }
 }
 
-TEST(ColorJpeg, CutShortIsRefused) {
+TEST(ColorJpeg, TruncatedIsRefused) {
   const Expected<std::string> bytes = encode_color(ColorImage(64, 64, Rgb8{10, 200, 30}));
   ASSERT_TRUE(bytes.has_value());
   ImageDecoder decoder;

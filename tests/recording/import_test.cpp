@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/recording/frame_reader.hpp"
+#include "pcavr/recording/image_codec.hpp"
 
-#include "recording/image_codec.hpp"
 #include "recording/small_recording.hpp"
 #include "support/shared_data.hpp"
 
@@ -31,7 +31,7 @@ void write_seven_scenes(const fs::path& folder) {
              "nan nan nan nan\nnan nan nan nan\nnan nan nan nan\nnan nan nan nan\n");
 }
 
-TEST(Import, TurnsSevenScenesIntoARecording) {
+TEST(Import, ConvertsSevenScenesToARecording) {
   const TemporaryFolder source;
   const TemporaryFolder target;
   write_seven_scenes(source.path());
@@ -54,7 +54,7 @@ TEST(Import, TurnsSevenScenesIntoARecording) {
   EXPECT_FLOAT_EQ(frame.depth(3, 1), 1.5f);
 }
 
-TEST(Import, TakesTheIntrinsicsOfTheFolder) {
+TEST(Import, UsesTheIntrinsicsOfTheFolder) {
   const TemporaryFolder source;
   const TemporaryFolder target;
   write_seven_scenes(source.path());
@@ -65,7 +65,7 @@ TEST(Import, TakesTheIntrinsicsOfTheFolder) {
   EXPECT_EQ(recording.manifest.camera->cx, 8.0);
 }
 
-TEST(Import, RefusesIntrinsicsThatNoCameraOfTheImagesHas) {
+TEST(Import, RefusesIntrinsicsThatAreImpossibleForTheImages) {
   const TemporaryFolder source;
   const TemporaryFolder target;
   write_seven_scenes(source.path());
@@ -76,7 +76,7 @@ TEST(Import, RefusesIntrinsicsThatNoCameraOfTheImagesHas) {
   EXPECT_NE(report.error().message.find("focal length"), std::string::npos);
 }
 
-TEST(Import, TakesEveryNthFrameFromTheFirstWanted) {
+TEST(Import, TakesEveryNthFrameFromTheFirstSelected) {
   const TemporaryFolder source;
   const TemporaryFolder target;
   write_seven_scenes(source.path());
@@ -92,7 +92,7 @@ void make_tum(const SmallRecording& recording) {
   recording.write("groundtruth.txt", "# by motion capture\n0.9 0 0 0 0 0 0 1\n1.2 0 0 1 0 0 0 1\n");
 }
 
-TEST(Import, TurnsTumIntoARecordingWithTheCameraGiven) {
+TEST(Import, ConvertsTumToARecordingWithTheGivenCamera) {
   const SmallRecording source;
   const TemporaryFolder target;
   make_tum(source);
@@ -106,7 +106,7 @@ TEST(Import, TurnsTumIntoARecordingWithTheCameraGiven) {
   EXPECT_NEAR(decode_frame(recording, 1).value().depth(5, 5), small_depth(1)(5, 5), 1e-6);
 }
 
-TEST(Import, AsksForTheCameraThatTumLacks) {
+TEST(Import, RequiresACameraForTum) {
   const SmallRecording source;
   const TemporaryFolder target;
   make_tum(source);
@@ -115,7 +115,7 @@ TEST(Import, AsksForTheCameraThatTumLacks) {
   EXPECT_NE(report.error().hint.find("--camera"), std::string::npos);
 }
 
-TEST(Import, RefusesWhatItDoesNotKnow) {
+TEST(Import, RefusesUnknownFolders) {
   const TemporaryFolder folder;
   const SmallRecording recording;
   EXPECT_FALSE(import_recording(folder.path(), folder.path()).has_value());

@@ -36,12 +36,12 @@ TEST_F(WrittenRecording, HasALineCountForEachTextFile) {
   EXPECT_TRUE(read_recording(folder_.path()).has_value());
 }
 
-TEST_F(WrittenRecording, IsRefusedWhereverItIsCut) {
-  // Also inside the last number, and before the very last byte, which leave four sound rows.
+TEST_F(WrittenRecording, IsRefusedWhereverItIsTruncated) {
+  // Also inside the last number, and before the very last byte, which leave four valid rows.
   for (std::size_t size = text_.find('\n') + 1; size < text_.size(); ++size) {
     write_text(tool(), text_.substr(0, size));
     const Expected<Recording> recording = read_recording(folder_.path());
-    ASSERT_FALSE(recording.has_value()) << "cut to " << size << " of " << text_.size();
+    ASSERT_FALSE(recording.has_value()) << "truncated to " << size << " of " << text_.size();
     EXPECT_EQ(recording.error().file, tool().string());
   }
   write_text(tool(), text_.substr(0, text_.size() - 1));
@@ -50,13 +50,13 @@ TEST_F(WrittenRecording, IsRefusedWhereverItIsCut) {
   EXPECT_NE(line.find("remove written.yaml"), line.npos) << line;
 }
 
-TEST_F(WrittenRecording, IsRefusedWithARowMore) {
+TEST_F(WrittenRecording, IsRefusedWithAnExtraRow) {
   write_text(tool(), text_ + "0.9,0,0,0,0,0,0,1\n");
   const std::string line = read_recording(folder_.path()).error().to_string();
   EXPECT_NE(line.find("it has 5 lines, and 4 were written"), line.npos) << line;
 }
 
-TEST_F(WrittenRecording, IsReadWithAWordWhereBadRowsMayBeSkipped) {
+TEST_F(WrittenRecording, IsReadWithAWarningWhereBadRowsMayBeSkipped) {
   write_text(tool(), text_ + "0.9,0,0,0,0,0,0,1\n");
   const Expected<Recording> recording = read_recording(folder_.path(), {.skip_bad = true});
   ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
@@ -90,7 +90,7 @@ TEST(LineCounts, AreAbsentFromWhatAnOlderVersionWrote) {
   EXPECT_TRUE(check_line_counts(folder.path() / "run.yaml").has_value());
 }
 
-TEST(LineCounts, LeaveTruthAlone) {
+TEST(LineCounts, IgnoreTruth) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder.path() / "truth");
   write_text(folder.path() / "truth/camera.txt", "1 0 0 0 0 0 0 1\n");
@@ -98,7 +98,7 @@ TEST(LineCounts, LeaveTruthAlone) {
   EXPECT_EQ(count_lines(folder.path()).value(), LineCounts({{"a.txt", 2}}));
 }
 
-TEST(RecordingWriter, QuotesANameThatHoldsABlank) {
+TEST(RecordingWriter, QuotesANameThatContainsASpace) {
   const TemporaryFolder folder;
   RecordingWriter writer(folder.path(), {.camera = small_camera(), .depth_scale = 5000.0});
   const ColorImage gray(16, 12, Rgb8{128, 128, 128});

@@ -36,7 +36,7 @@ std::string full_with(const std::string& from, const std::string& to) {
   return text.replace(begin, from.size(), to);
 }
 
-TEST(Manifest, TellsAllThatIsWritten) {
+TEST(Manifest, ContainsEveryKeyOfTheFile) {
   const Expected<Manifest> manifest = parse_manifest(kFull, "m.yaml");
   ASSERT_TRUE(manifest.has_value()) << manifest.error().to_string();
   EXPECT_EQ(manifest->camera->width, 640);
@@ -63,7 +63,7 @@ TEST(Manifest, NeedsNoMoreThanItsFormat) {
   EXPECT_FALSE(manifest->camera.has_value());
 }
 
-TEST(Manifest, IsReadBackAsItWasWritten) {
+TEST(Manifest, RoundTripIsLossless) {
   const Expected<Manifest> manifest = parse_manifest(kFull, "m.yaml");
   ASSERT_TRUE(manifest.has_value());
   const std::string text = format_manifest(*manifest);
@@ -75,7 +75,7 @@ TEST(Manifest, IsReadBackAsItWasWritten) {
             manifest->markers[1].T_parent_marker.matrix());
 }
 
-TEST(Manifest, OfEachLensModelIsReadBackAsItWasWritten) {
+TEST(Manifest, OfEachLensModelRoundTripIsLossless) {
   for (const char* lens : {"model: plumb_bob, distortion: [0.1, -0.2, 0.001, 0.002, 0.05]",
                            "model: rational, distortion: [0.5285, -2.68, 0.0005, -0.0002, 1.51, "
                            "0.4095, -2.5, 1.44]",
@@ -91,7 +91,7 @@ TEST(Manifest, OfEachLensModelIsReadBackAsItWasWritten) {
   }
 }
 
-TEST(Manifest, SaysWhereALensFoldsAndWhatToWrite) {
+TEST(Manifest, ReportsWhereALensFoldsAndWhatToWrite) {
   const Expected<Manifest> manifest = parse_manifest(
       full_with("[0.1, -0.2, 0.001, 0.002, 0.05]", "[0.5285, -2.68, 0.0005, -0.0002, 1.51]"),
       "m.yaml");
@@ -101,7 +101,7 @@ TEST(Manifest, SaysWhereALensFoldsAndWhatToWrite) {
   EXPECT_NE(manifest.error().hint.find("model: rational"), std::string::npos);
 }
 
-TEST(Manifest, WritesNumbersAsShortAsTheyAre) {
+TEST(Manifest, WritesTheShortestDecimals) {
   const Expected<Manifest> manifest = parse_manifest(kFull, "m.yaml");
   ASSERT_TRUE(manifest.has_value());
   EXPECT_NE(format_manifest(*manifest).find("size: 0.16\n"), std::string::npos);
@@ -119,7 +119,7 @@ void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
 
 class ManifestFault : public testing::TestWithParam<Fault> {};
 
-TEST_P(ManifestFault, IsNamedWithItsLineAndAMend) {
+TEST_P(ManifestFault, IsReportedWithItsLineAndAHint) {
   const Fault& fault = GetParam();
   const Expected<Manifest> manifest = parse_manifest(full_with(fault.from, fault.to), "m.yaml");
   ASSERT_FALSE(manifest.has_value());
@@ -140,8 +140,8 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"KeyTwice", "id: 5,", "id: 5, id: 6,", 9, "twice"},
         Fault{"SizeZero", "size: 0.16", "size: 0", 7, "0 is out of range for a tag's size"},
         Fault{"SizeNotFinite", "size: 0.16", "size: .inf", 7, "not a finite number"},
-        Fault{"IdNegative", "id: 5", "id: -5", 9, "whole number"},
-        Fault{"SameTagTwice", "id: 5", "id: 0", 9, "tag36h11:0 is there twice"},
+        Fault{"IdNegative", "id: 5", "id: -5", 9, "is not an integer"},
+        Fault{"SameTagTwice", "id: 5", "id: 0", 9, "tag36h11:0 is listed twice"},
         Fault{"UndeclaredObject", "object: box", "object: cup", 9, "'cup' is not declared"},
         Fault{"ObjectMarkerWithoutObject", ", object: box", "", 9, "'object' is missing"},
         Fault{"BaseMarkerWithObject", "role: base", "role: base, object: box", 7, "base marker"},
@@ -167,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(
               "model: fisheye", 3, "distortion is missing"},
         Fault{"FisheyeFolds", "distortion: [0.1, -0.2, 0.001, 0.002, 0.05]",
               "model: fisheye, distortion: [0, 0, 0, -0.5]", 3, "folds"},
-        Fault{"WidthZero", "width: 640", "width: 0", 2, "whole number"},
+        Fault{"WidthZero", "width: 640", "width: 0", 2, "is not an integer"},
         Fault{"NoDepthScale", ", depth_scale: 5000", "", 2, "'depth_scale' is missing"},
         Fault{"DistortionTooLong", "0.05]", "0.05, 0]", 3, "6 numbers; a plumb_bob lens has 5"},
         Fault{"MeshOutside", "objects/box.obj", "../box.obj", 5, "does not lie"},
@@ -179,13 +179,13 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"BrokenYaml", "tool: {radius: 0.01}", "tool: {radius: 0.01", 12, "not YAML"}),
     [](const auto& test) { return std::string(test.param.name); });
 
-TEST(Manifest, NamesThePlaceInsideTheFile) {
+TEST(Manifest, ErrorsNameTheKeyPath) {
   const Expected<Manifest> manifest = parse_manifest(full_with("0.16", "0"), "m.yaml");
   ASSERT_FALSE(manifest.has_value());
   EXPECT_EQ(manifest.error().place, "markers[0].size");
 }
 
-TEST(Manifest, TakesEveryTagLayoutThatIsShipped) {
+TEST(Manifest, ReadsEveryTagLayoutThatIsShipped) {
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(source_folder() / "calib/tags")) {
     const std::string text =

@@ -26,12 +26,12 @@ TEST(PairByTime, TakesTheNearest) {
             (Pairs{{0, 0}, {1, 1}, {2, 2}}));
 }
 
-TEST(PairByTime, AcceptsTheGapItselfAndNothingBeyond) {
+TEST(PairByTime, AcceptsExactlyTheMaximumGap) {
   EXPECT_EQ(pair_by_time(at_milliseconds({0}), at_milliseconds({20}), kGap).size(), 1u);
   EXPECT_TRUE(pair_by_time(at_milliseconds({0}), at_milliseconds({21}), kGap).empty());
 }
 
-TEST(PairByTime, GivesAnImageToOnePairOnly) {
+TEST(PairByTime, UsesAnImageInOnePairOnly) {
   EXPECT_EQ(pair_by_time(at_milliseconds({0, 12}), at_milliseconds({10}), kGap), (Pairs{{1, 0}}));
 }
 
@@ -44,8 +44,8 @@ TEST(PairByTime, HasNoPairsWithoutImages) {
   EXPECT_TRUE(pair_by_time(at_milliseconds({0}), {}, kGap).empty());
 }
 
-/// Index of the nearest, the earlier of equal ones, by looking at all.
-std::size_t nearest_plainly(Stamp stamp, const std::vector<Stamp>& among) {
+/// Index of the nearest, the earlier of equal ones, by brute force.
+std::size_t nearest_by_brute_force(Stamp stamp, const std::vector<Stamp>& among) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < among.size(); ++i) {
     if (std::abs((among[i] - stamp).count()) < std::abs((among[best] - stamp).count())) best = i;
@@ -62,16 +62,16 @@ std::vector<Stamp> random_stamps(Random& random) {
   return {stamps.begin(), stamps.end()};
 }
 
-TEST(PairByTime, EqualsThePlainSearchOnRandomLists) {
+TEST(PairByTime, EqualsTheBruteForceSearchOnRandomLists) {
   Random random(1);
   for (int round = 0; round < 500; ++round) {
     const std::vector<Stamp> a = random_stamps(random);
     const std::vector<Stamp> b = random_stamps(random);
     Pairs expected;
     for (std::size_t i = 0; i < a.size(); ++i) {
-      const std::size_t j = nearest_plainly(a[i], b);
+      const std::size_t j = nearest_by_brute_force(a[i], b);
       const bool is_near = std::abs((a[i] - b[j]).count()) <= kGap.count();
-      if (is_near && nearest_plainly(b[j], a) == i) expected.emplace_back(i, j);
+      if (is_near && nearest_by_brute_force(b[j], a) == i) expected.emplace_back(i, j);
     }
     EXPECT_EQ(pair_by_time(a, b, kGap), expected) << "round " << round;
   }

@@ -11,7 +11,7 @@
 namespace pcavr {
 namespace {
 
-ObjectParameters everything() {
+ObjectParameters all_parameters() {
   return {.mass = ParameterValue{3.0, 0.02},
           .limiting_static_friction = ParameterValue{9.57, 0.11},
           .sliding_friction_coefficient = ParameterValue{0.283, 0.001},
@@ -29,7 +29,7 @@ void expect_same(const std::optional<ParameterValue>& a, const std::optional<Par
   ASSERT_EQ(a.has_value(), b.has_value());
   if (!a) return;
   EXPECT_EQ(a->value, b->value);
-  EXPECT_EQ(a->deviation, b->deviation);
+  EXPECT_EQ(a->std, b->std);
 }
 
 void expect_same(const ObjectParameters& a, const ObjectParameters& b) {
@@ -50,9 +50,9 @@ void expect_same(const ObjectParameters& a, const ObjectParameters& b) {
   EXPECT_EQ(a.limit_surface->coefficients, b.limit_surface->coefficients);
 }
 
-TEST(ParametersFile, ReadsBackWhatWasWritten) {
+TEST(ParametersFile, RoundTripIsLossless) {
   ParameterTable table;
-  table["box"] = everything();
+  table["box"] = all_parameters();
   table["a thing: nothing known"] = {};
   table["12"] = {.mass = ParameterValue{0.1}};
   const auto again = parse_parameters(format_parameters(table, "by hand\n\nsecond"), "p.yaml");
@@ -67,7 +67,7 @@ TEST(ParametersFile, OfNoObjectIsAnEmptyTable) {
   EXPECT_TRUE(table->empty());
 }
 
-TEST(ParametersFile, LeavesOutADeviationThatIsNotKnown) {
+TEST(ParametersFile, OmitsAStdThatIsNotFinite) {
   const ParameterTable table{
       {"box", {.mass = ParameterValue{1.0, std::numeric_limits<double>::infinity()}}}};
   EXPECT_EQ(format_parameters(table), "box:\n  mass: 1\n");
@@ -100,19 +100,19 @@ INSTANTIATE_TEST_SUITE_P(
     Each, RefusedParameters,
     testing::Values(
         Refusal{"NegativeMass", "box:\n  mass: -3\n", 2, "box.mass"},
-        Refusal{"NoMass", "box:\n  mass: 0\n", 2, "box.mass"},
+        Refusal{"ZeroMass", "box:\n  mass: 0\n", 2, "box.mass"},
         Refusal{"MassOfAShip", "box:\n  mass: 3e7\n", 2, "box.mass"},
         Refusal{"NoNumber", "box:\n  mass: heavy\n", 2, "box.mass"},
         Refusal{"NotFinite", "box:\n  mass: .nan\n", 2, "box.mass"},
-        Refusal{"NegativeDeviation", "box:\n  mass: 3\n  mass_std: -1\n", 3, "box.mass_std"},
-        Refusal{"LoneDeviation", "box:\n  mass_std: 0.1\n", 2, "box.mass_std"},
+        Refusal{"NegativeStd", "box:\n  mass: 3\n  mass_std: -1\n", 3, "box.mass_std"},
+        Refusal{"StdWithoutValue", "box:\n  mass_std: 0.1\n", 2, "box.mass_std"},
         Refusal{"UnknownKey", "box:\n  mas: 3\n", 2, "box"},
-        Refusal{"TwoOfAKey", "box:\n  mass: 3\n  mass: 4\n", 3, "box"},
-        Refusal{"TwoOfAnObject", "box:\n  mass: 3\nbox:\n  mass: 4\n", 3, ""},
+        Refusal{"DuplicateKey", "box:\n  mass: 3\n  mass: 4\n", 3, "box"},
+        Refusal{"DuplicateObject", "box:\n  mass: 3\nbox:\n  mass: 4\n", 3, ""},
         Refusal{"ObjectThatIsAPath", "a/b:\n  mass: 3\n", 2, "a/b"},
         Refusal{"ExponentBelowOne", "box:\n  contact: {stiffness: 5,\n    exponent: 0.5}\n", 3,
                 "box.contact.exponent"},
-        Refusal{"StiffnessOfNothing", "box:\n  contact:\n    stiffness: 0\n", 3,
+        Refusal{"ZeroStiffness", "box:\n  contact:\n    stiffness: 0\n", 3,
                 "box.contact.stiffness"},
         Refusal{"FlatObject", "box: 3\n", 1, "box"}, Refusal{"List", "- box\n", 1, ""},
         Refusal{"ShortSurface",
@@ -120,12 +120,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "[1, 2]}\n",
                 3, "b.limit_surface.coefficients"},
         // x^4 + y^4 + z^4 - 3 x^2 y^2 is negative along x = y.
-        Refusal{"NegativeSurface",
+        Refusal{"IndefiniteSurface",
                 "b:\n  limit_surface: {force: 1, length: 1,\n    coefficients: "
                 "[1, 0, 0, -3, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1]}\n",
                 3, "b.limit_surface.coefficients"},
-        // x^4 + y^4 + z^4 + 12 x^2 y^2 is positive, but bulges inwards along x = y.
-        Refusal{"DentedSurface",
+        // x^4 + y^4 + z^4 + 12 x^2 y^2 is positive, but not convex: concave along x = y.
+        Refusal{"NonConvexSurface",
                 "b:\n  limit_surface: {force: 1, length: 1,\n    coefficients: "
                 "[1, 0, 0, 12, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1]}\n",
                 3, "b.limit_surface.coefficients"}),

@@ -24,7 +24,7 @@ TEST(ReadRecording, FindsFramesInTheirOrder) {
   EXPECT_EQ(recording->unpaired_color + recording->unpaired_depth, 0u);
 }
 
-TEST(ReadRecording, CountsImagesWithoutAPartner) {
+TEST(ReadRecording, CountsUnpairedImages) {
   const SmallRecording folder;
   folder.write("rgb.txt", "1.0 rgb/1.000000.jpg\n1.075 rgb/1.050000.jpg\n1.12 rgb/1.100000.jpg");
   const Expected<Recording> recording = read_recording(folder.path());
@@ -59,7 +59,7 @@ TEST(ReadRecording, ReadsEverySeries) {
   EXPECT_EQ(recording->wrench[0].torque, Eigen::Vector3d(4, 5, 6));
 }
 
-TEST(ReadRecording, TakesWindowsLineEndsAndAByteOrderMark) {
+TEST(ReadRecording, AcceptsWindowsLineEndsAndAByteOrderMark) {
   const SmallRecording folder;
   folder.write("wrench.csv", "\xEF\xBB\xBFt,fx,fy,fz,tx,ty,tz\r\n0.1,1,2,3,4,5,6\r\n\r\n");
   const Expected<Recording> recording = read_recording(folder.path());
@@ -67,7 +67,7 @@ TEST(ReadRecording, TakesWindowsLineEndsAndAByteOrderMark) {
   EXPECT_EQ(recording->wrench.size(), 1u);
 }
 
-/// One file of a sound recording replaced, and the error that has to come.
+/// One file of a valid recording replaced, and the expected error.
 struct Fault {
   const char* name;
   const char* file;
@@ -80,7 +80,7 @@ void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
 
 class RecordingFault : public testing::TestWithParam<Fault> {};
 
-TEST_P(RecordingFault, IsNamedWithFileLineAndMend) {
+TEST_P(RecordingFault, IsReportedWithFileLineAndHint) {
   const Fault& fault = GetParam();
   const SmallRecording folder;
   folder.write(fault.file, fault.text);
@@ -150,13 +150,13 @@ TEST(ReadRecording, RefusesOneListWithoutTheOther) {
   EXPECT_EQ(recording.error().message, "depth.txt is missing");
 }
 
-TEST(ReadRecording, RefusesAFolderThatIsNoRecording) {
+TEST(ReadRecording, RefusesAFolderThatIsNotARecording) {
   const TemporaryFolder folder;
   EXPECT_FALSE(read_recording(folder.path()).has_value());
   EXPECT_FALSE(read_recording(folder.path() / "absent").has_value());
 }
 
-TEST(ReadRecording, LeavesBadRowsOutWhereToldAndCountsThem) {
+TEST(ReadRecording, SkipsAndCountsBadRowsWithSkipBad) {
   const SmallRecording folder;
   folder.write("rgb.txt", "1.0 rgb/1.000000.jpg\n1.05 rgb/gone.jpg\n1.1 rgb/1.100000.jpg\n");
   folder.write("wrench.csv",
@@ -170,7 +170,7 @@ TEST(ReadRecording, LeavesBadRowsOutWhereToldAndCountsThem) {
   EXPECT_EQ(recording->skipped_rows(), 3u);
 }
 
-TEST(ReadRecording, SaysByFileAndReasonWhatItLeftOut) {
+TEST(ReadRecording, ListsSkippedRowsByFileAndReason) {
   const SmallRecording folder;
   folder.write("rgb.txt", "1.0 rgb/1.000000.jpg\n1.05 rgb/gone.jpg\n1.1 rgb/1.100000.jpg\n");
   folder.write("tool.csv",
@@ -192,7 +192,7 @@ TEST(ReadRecording, SaysByFileAndReasonWhatItLeftOut) {
   EXPECT_EQ(recording->skipped_rows(), 7U);
 }
 
-TEST(ReadRecording, TakesALastLineWithoutAnEndAndWarnsWhereItIsShort) {
+TEST(ReadRecording, AcceptsALastLineWithoutALineEndAndWarnsWhereItIsShort) {
   const SmallRecording folder;
   const std::string rows = "t,fx,fy,fz,tx,ty,tz\n0.1,1.25,2.25,3.25,4,5,6.125\n";
   folder.write("wrench.csv", rows + "0.2,1.25,2.25,3.25,4,5,6.125");
@@ -206,11 +206,11 @@ TEST(ReadRecording, TakesALastLineWithoutAnEndAndWarnsWhereItIsShort) {
   ASSERT_TRUE(cut.has_value()) << cut.error().to_string();
   EXPECT_EQ(cut->wrench.size(), 2U);
   ASSERT_EQ(cut->warnings.size(), 1U);
-  EXPECT_NE(cut->warnings[0].find("wrench.csv:3: the last line has no end"), std::string::npos)
+  EXPECT_NE(cut->warnings[0].find("wrench.csv:3: the last line has no line end"), std::string::npos)
       << cut->warnings[0];
 }
 
-TEST(ReadRecording, ReadsImagesWithBlanksInTheirNames) {
+TEST(ReadRecording, ReadsImagesWithSpacesInTheirNames) {
   const SmallRecording folder;
   std::filesystem::create_directories(folder.path() / "my images");
   std::filesystem::rename(folder.path() / "rgb/1.000000.jpg", folder.path() / "my images/a #1.jpg");
@@ -227,7 +227,7 @@ TEST(ReadRecording, ReadsImagesWithBlanksInTheirNames) {
   EXPECT_EQ(recording->frames[2].color_path, "rgb/1.100000.jpg");
 }
 
-TEST(ReadRecording, SaysHowANameWithBlanksIsWritten) {
+TEST(ReadRecording, HintsHowToQuoteANameWithSpaces) {
   const SmallRecording folder;
   folder.write("rgb.txt", "1.0 my image.jpg\n");
   const Expected<Recording> recording = read_recording(folder.path());
@@ -235,7 +235,7 @@ TEST(ReadRecording, SaysHowANameWithBlanksIsWritten) {
   EXPECT_NE(recording.error().hint.find("\"...\""), std::string::npos) << recording.error().hint;
 }
 
-TEST(ReadRecording, RefusesASymbolicLinkToNothingWhereAFileMayBe) {
+TEST(ReadRecording, RefusesADanglingLinkInPlaceOfAnOptionalFile) {
   const SmallRecording folder;
   std::filesystem::create_symlink("nowhere", folder.path() / "tool.csv");
   const Expected<Recording> recording = read_recording(folder.path());
@@ -243,7 +243,7 @@ TEST(ReadRecording, RefusesASymbolicLinkToNothingWhereAFileMayBe) {
   EXPECT_NE(recording.error().to_string().find("tool.csv: is a symbolic link"), std::string::npos);
 }
 
-TEST(Trajectory, IsReadBackExactlyAsFormatted) {
+TEST(Trajectory, RoundTripIsLossless) {
   Trajectory trajectory;
   trajectory.append({-1'500'000'001}, Pose::from_translation({0.1, 1e-9, -3e3}));
   trajectory.append({1'305'031'480'050'000'000},
@@ -256,12 +256,12 @@ TEST(Trajectory, IsReadBackExactlyAsFormatted) {
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(again->poses()[i].stamp, trajectory.poses()[i].stamp);
     EXPECT_EQ(again->poses()[i].pose.translation(), trajectory.poses()[i].pose.translation());
-    // Reading normalises again, which may turn the last bit.
+    // Reading normalises again, which may change the last bit.
     EXPECT_LT(rotation_distance(again->poses()[i].pose, trajectory.poses()[i].pose), 1e-12);
   }
 }
 
-TEST(ReadRecording, TakesTheSharedOnesAsSound) {
+TEST(ReadRecording, AcceptsTheSharedRecordings) {
   PCAVR_NEEDS_SHARED_DATA("tabletop");
   for (const auto& [name, frames] : {std::pair("tabletop", 120u), {"push_two_boxes", 180u}}) {
     const Expected<Recording> recording = read_recording(shared_data(name));

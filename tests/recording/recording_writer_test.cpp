@@ -16,7 +16,7 @@ namespace {
 
 Manifest small_manifest() { return {.camera = small_camera(), .depth_scale = 5000.0}; }
 
-TEST(RecordingWriter, WritesWhatTheReaderReadsBack) {
+TEST(RecordingWriter, RoundTripIsLossless) {
   const TemporaryFolder folder;
   Manifest manifest = small_manifest();
   manifest.objects.push_back({.name = "box", .mesh = "objects/box.obj", .mass = 3.0});
@@ -45,7 +45,7 @@ TEST(RecordingWriter, WritesWhatTheReaderReadsBack) {
   EXPECT_EQ(*read_file(folder.path() / "objects/box.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
 }
 
-TEST(RecordingWriter, MakesDepthThatDoesNotFitInvalid) {
+TEST(RecordingWriter, WritesDepthOutOfRangeAsInvalid) {
   const TemporaryFolder folder;
   RecordingWriter writer(folder.path(), small_manifest());
   DepthImage depth(16, 12, 1.0f);
@@ -69,7 +69,7 @@ TEST(RecordingWriter, WithoutFramesWritesNoLists) {
   EXPECT_TRUE(read_recording(folder.path()).has_value());
 }
 
-TEST(RecordingWriter, RefusesStampsThatGoBack) {
+TEST(RecordingWriter, RefusesStampsThatDoNotAscend) {
   const TemporaryFolder folder;
   RecordingWriter writer(folder.path(), small_manifest());
   const ColorImage color(16, 12);
@@ -78,7 +78,7 @@ TEST(RecordingWriter, RefusesStampsThatGoBack) {
                ContractError);
 }
 
-TEST(RecordingWriter, SaysWhereItCanNotWrite) {
+TEST(RecordingWriter, NamesTheFileThatCanNotBeWritten) {
   const TemporaryFolder folder;
   write_text(folder.path() / "file", "");
   RecordingWriter writer(folder.path() / "file", small_manifest());

@@ -15,14 +15,15 @@
 
 namespace pcavr {
 
-/// A camera with few pixels, so that images take no time.
+/// A camera with few pixels, so that images are fast.
 inline CameraModel small_camera() {
   return {.width = 16, .height = 12, .fx = 15.0, .fy = 15.0, .cx = 7.5, .cy = 5.5};
 }
 
 inline Stamp milliseconds(std::int64_t count) { return {count * 1'000'000}; }
 
-/// Depth that tells its pixel and frame: 1 m + 1 mm a column + 10 mm a frame, 0 in the corner.
+/// Depth that identifies column and frame: 1 m + 1 mm per column + 10 mm per frame, 0 in the
+/// corner.
 inline DepthImage small_depth(int frame) {
   DepthImage depth(16, 12);
   for (int y = 0; y < 12; ++y) {
@@ -38,7 +39,7 @@ inline void write_text(const std::filesystem::path& file, const std::string& tex
   std::ofstream(file, std::ios::binary) << text;
 }
 
-/// A sound recording of three frames, 50 ms apart, in a folder of its own.
+/// A valid recording of three frames, 50 ms apart, in a temporary folder.
 class SmallRecording {
  public:
   SmallRecording() {
@@ -49,7 +50,7 @@ class SmallRecording {
       EXPECT_TRUE(writer.add_frame(stamp, gray, stamp, small_depth(i)).has_value());
     }
     EXPECT_TRUE(writer.finish().has_value());
-    // As a user's own, whose files may change.
+    // As a user's recording, whose files may change.
     std::filesystem::remove(path() / kWrittenFile);
   }
 

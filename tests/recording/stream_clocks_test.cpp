@@ -11,7 +11,7 @@ StreamSpan span(const char* name, double first, double last) {
   return {name, Stamp::from_seconds(first), Stamp::from_seconds(last)};
 }
 
-TEST(CompareClocks, SaysBothRangesOfStreamsThatDoNotOverlap) {
+TEST(CompareClocks, ReportsBothRangesOfStreamsThatDoNotOverlap) {
   const auto conflict =
       compare_clocks(span("wrench.csv", 1000.0, 1012.3), span("tool.csv", 0.0, 12.3));
   ASSERT_TRUE(conflict.has_value());
@@ -31,7 +31,7 @@ TEST(CompareClocks, ReportsAnOverlapOfLessThanATenthOfTheShorter) {
   EXPECT_FALSE(compare_clocks(span("a", 17.0, 37.0), span("b", 0.0, 20.0)).has_value());
 }
 
-TEST(CompareClocks, TakesAStreamInsideAnotherForSound) {
+TEST(CompareClocks, AcceptsAStreamInsideAnother) {
   EXPECT_FALSE(compare_clocks(span("a", 5.0, 6.0), span("b", 0.0, 600.0)).has_value());
   EXPECT_FALSE(compare_clocks(span("a", 5.0, 5.0), span("b", 0.0, 600.0)).has_value());
 }
@@ -44,7 +44,7 @@ TEST(CompareClocks, KeepsTheDigitsOfStampsSince1970) {
       << conflict->message;
 }
 
-TEST(FindClockConflicts, LooksAtEachPairOfStreams) {
+TEST(FindClockConflicts, ComparesEachPairOfStreams) {
   Recording recording;
   EXPECT_EQ(start_of(recording), Stamp{});
   EXPECT_TRUE(find_clock_conflicts(recording).empty());

@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/glb_file.hpp"
+#include "pcavr/scene/glb_file.hpp"
 
 #include <gtest/gtest.h>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/core/raw_bytes.hpp"
 
-#include "scene/bytes.hpp"
 #include "scene/display_mesh.hpp"
+#include "scene/glb_writer.hpp"
 #include "scene/scene_builder.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -16,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-/// One triangle with one colour a corner.
+/// One triangle with one colour per corner.
 TriangleMesh a_triangle() {
   return {.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 2, -3}},
           .normals = {{0, 0, 2}, {0, 0, 0}, {0.6F, 0, 0.8F}},
@@ -26,8 +27,8 @@ TriangleMesh a_triangle() {
 
 struct Glb {
   explicit Glb(const std::string& bytes)
-      : document(json::parse(bytes.substr(20, value_at<std::uint32_t>(bytes.data(), 12)))),
-        buffer(bytes.substr(20 + value_at<std::uint32_t>(bytes.data(), 12) + 8)) {}
+      : document(json::parse(bytes.substr(20, load_value<std::uint32_t>(bytes.data(), 12)))),
+        buffer(bytes.substr(20 + load_value<std::uint32_t>(bytes.data(), 12) + 8)) {}
 
   template <typename Value>
   [[nodiscard]] Value at(const std::string& attribute, std::size_t index) const {
@@ -35,8 +36,8 @@ struct Glb {
     const json& accessor =
         document["accessors"][primitive["attributes"][attribute].get<std::size_t>()];
     const json& view = document["bufferViews"][accessor["bufferView"].get<std::size_t>()];
-    return value_at<Value>(buffer.data(),
-                           view["byteOffset"].get<std::size_t>() + index * sizeof(Value));
+    return load_value<Value>(buffer.data(),
+                             view["byteOffset"].get<std::size_t>() + index * sizeof(Value));
   }
 
   json document;
@@ -45,12 +46,12 @@ struct Glb {
 
 std::string a_file(const TriangleMesh& mesh) {
   GlbWriter writer;
-  const int number = writer.add_mesh("thing", mesh, GlbMaterial::body);
-  const int node = writer.add_node("thing", Pose::from_translation({1, 2, 3}), number);
+  const int number = writer.add_mesh("part", mesh, GlbMaterial::body);
+  const int node = writer.add_node("part", Pose::from_translation({1, 2, 3}), number);
   return writer.finish(writer.add_node("base", glb_root_pose(), -1), {node});
 }
 
-TEST(GlbFile, TurnsColoursFromSrgbToLinear) {
+TEST(GlbFile, ConvertsColoursFromSrgbToLinear) {
   const Glb glb(a_file(a_triangle()));
   EXPECT_EQ(glb.at<std::uint16_t>("COLOR_0", 0), 0);
   EXPECT_EQ(glb.at<std::uint16_t>("COLOR_0", 4), 65535);
@@ -60,7 +61,7 @@ TEST(GlbFile, TurnsColoursFromSrgbToLinear) {
   EXPECT_NEAR(glb.at<std::uint16_t>("COLOR_0", 9) / 65535.0, 10.0 / 255.0 / 12.92, 1e-5);
 }
 
-TEST(GlbFile, MakesEveryNormalUnit) {
+TEST(GlbFile, NormalisesEveryNormal) {
   const Glb glb(a_file(a_triangle()));
   for (std::size_t vertex = 0; vertex < 3; ++vertex) {
     double square = 0.0;
@@ -72,14 +73,14 @@ TEST(GlbFile, MakesEveryNormalUnit) {
   }
 }
 
-TEST(GlbFile, TellsTheBoundsOfItsPositions) {
+TEST(GlbFile, HasTheBoundsOfItsPositions) {
   const Glb glb(a_file(a_triangle()));
   const json& accessor = glb.document["accessors"][0];
   EXPECT_EQ(accessor["min"], json::parse("[0.0, 0.0, -3.0]"));
   EXPECT_EQ(accessor["max"], json::parse("[1.0, 2.0, 0.0]"));
 }
 
-TEST(GlbFile, StandsUprightInAYUpViewer) {
+TEST(GlbFile, IsUprightInAYUpViewer) {
   const Eigen::Vector3d up = glb_root_pose() * Eigen::Vector3d::UnitZ().eval();
   EXPECT_LT((up - Eigen::Vector3d::UnitY()).norm(), 1e-15);
   EXPECT_EQ(Glb(a_file(a_triangle())).document["scenes"][0]["nodes"], json::parse("[1]"));
@@ -92,12 +93,12 @@ TEST(GlbFile, IsReadBackNodeByNode) {
   ASSERT_TRUE(content) << content.error().to_string();
   EXPECT_EQ(content->root, "base");
   ASSERT_EQ(content->nodes.size(), 1U);
-  EXPECT_EQ(content->nodes[0].name, "thing");
+  EXPECT_EQ(content->nodes[0].name, "part");
   EXPECT_EQ(content->nodes[0].triangles, 1U);
   EXPECT_EQ(content->nodes[0].T_parent_node.translation(), Eigen::Vector3d(1, 2, 3));
 }
 
-TEST(GlbFile, RefusesWhateverIsCutOff) {
+TEST(GlbFile, RejectsATruncatedFile) {
   const TemporaryFolder folder;
   const std::string whole = a_file(a_triangle());
   for (std::size_t size = 0; size < whole.size(); size += 7) {
@@ -106,7 +107,7 @@ TEST(GlbFile, RefusesWhateverIsCutOff) {
   }
 }
 
-TEST(GlbFile, RefusesAnIndexWithoutAVertex) {
+TEST(GlbFile, RejectsAnIndexOutOfRange) {
   const TemporaryFolder folder;
   TriangleMesh mesh = a_triangle();
   mesh.triangles.push_back({0, 1, 3});
@@ -114,7 +115,7 @@ TEST(GlbFile, RefusesAnIndexWithoutAVertex) {
   EXPECT_FALSE(read_glb(folder.path() / "a.glb"));
 }
 
-TEST(DisplayMesh, HasSharpEdgesWhereABoxHasThem) {
+TEST(DisplayMesh, HasSharpEdgesForABox) {
   const TriangleMesh sharp = with_sharp_edges(a_box({1, 2, 3}));
   EXPECT_EQ(sharp.vertices.size(), 24U);
   EXPECT_EQ(sharp.triangles.size(), 12U);
@@ -124,7 +125,7 @@ TEST(DisplayMesh, HasSharpEdgesWhereABoxHasThem) {
   EXPECT_NEAR(signed_volume(sharp), 6.0, 1e-6);
 }
 
-TEST(DisplayMesh, LeavesASmoothSurfaceWhole) {
+TEST(DisplayMesh, DoesNotSplitASmoothSurface) {
   const TriangleMesh table = a_level_square({0, 0, 0}, 1.0, 10);
   EXPECT_EQ(with_sharp_edges(table).vertices.size(), table.vertices.size());
 }

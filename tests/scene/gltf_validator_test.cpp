@@ -29,7 +29,7 @@ TEST(GltfValidator, FindsNoErrorInAScene) {
     GTEST_SKIP() << "needs npm's gltf-validator, which could not be installed";
   }
   Scene scene = a_box_on_a_table();
-  // A name with all that JSON must escape, and normals that are none.
+  // A name with characters that JSON must escape, and a zero normal.
   scene.objects.push_back(an_object("a \"box\" of \xC3\xA9t\xC3\xA9", {0.2, 0.2, 0.04}));
   scene.levels_of_detail_base[0].normals[0] = Eigen::Vector3f::Zero();
   const std::string bundle = (folder.path() / "bundle").string();

@@ -43,7 +43,7 @@ DepthImage a_rough_image(Random& random, const CameraModel& camera) {
 }
 
 TEST(OccupancyMap, AgreesWithOctomapOnRoughWallsFromAnywhere) {
-  const OccupancyOptions options{.resolution = 0.05, .farthest = 3.0};
+  const OccupancyOptions options{.resolution = 0.05, .max_range = 3.0};
   const CameraModel camera = a_small_camera();
   OccupancyMap ours(options);
   octomap::OcTree theirs = octomap_with(options);
@@ -81,18 +81,18 @@ TEST(OccupancyMap, AgreesWithOctomapOnARecording) {
   EXPECT_GT(compare(ours, theirs).share(), 0.999);
 }
 
-/// One reading straight ahead of a camera in base's origin that looks along z.
-OccupancyMap after_readings(std::initializer_list<float> readings) {
+/// One measurement on the optical axis of a camera at base's origin that looks along z.
+OccupancyMap after_measurements(std::initializer_list<float> measurements) {
   OccupancyMap map({.resolution = 0.1});
   const CameraModel camera{.width = 1, .height = 1, .fx = 1.0, .fy = 1.0};
-  for (const float z : readings) {
+  for (const float z : measurements) {
     map.integrate(DepthImage(1, 1, z), {}, camera, Pose::from_translation({0.05, 0.05, 0.05}));
   }
   return map;
 }
 
-TEST(OccupancyMap, KnowsWhatARayPassedAndWhatItHit) {
-  const OccupancyMap map = after_readings({1.0F});
+TEST(OccupancyMap, MarksTraversedCellsFreeAndHitsOccupied) {
+  const OccupancyMap map = after_measurements({1.0F});
   EXPECT_EQ(map.at({0.05, 0.05, 0.05}), Cell::free);
   EXPECT_EQ(map.at({0.05, 0.05, 0.95}), Cell::free);
   EXPECT_EQ(map.at({0.05, 0.05, 1.05}), Cell::occupied);
@@ -102,26 +102,26 @@ TEST(OccupancyMap, KnowsWhatARayPassedAndWhatItHit) {
   EXPECT_EQ(map.counts().occupied, 1U);
 }
 
-TEST(OccupancyMap, ForgetsAHitThatLaterRaysPassThrough) {
+TEST(OccupancyMap, FreesAHitThatLaterRaysTraverse) {
   // One hit (+0.85) outweighs two misses (-0.81), and not three.
-  EXPECT_EQ(after_readings({1.0F, 2.0F, 2.0F}).at({0.05, 0.05, 1.05}), Cell::occupied);
-  EXPECT_EQ(after_readings({1.0F, 2.0F, 2.0F, 2.0F}).at({0.05, 0.05, 1.05}), Cell::free);
+  EXPECT_EQ(after_measurements({1.0F, 2.0F, 2.0F}).at({0.05, 0.05, 1.05}), Cell::occupied);
+  EXPECT_EQ(after_measurements({1.0F, 2.0F, 2.0F, 2.0F}).at({0.05, 0.05, 1.05}), Cell::free);
 }
 
-TEST(OccupancyMap, NeverGrowsTooSureToChangeItsMind) {
-  // However often seen free (clamped at -2), three hits (+2.54) make it occupied.
-  EXPECT_EQ(after_readings({2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 1, 1, 1}).at({0.05, 0.05, 1.05}),
+TEST(OccupancyMap, ClampingKeepsTheMapAdaptable) {
+  // After any number of misses (clamped at -2), three hits (+2.54) make it occupied.
+  EXPECT_EQ(after_measurements({2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 1, 1, 1}).at({0.05, 0.05, 1.05}),
             Cell::occupied);
 }
 
-TEST(OccupancyMap, CutsRaysAtTheFarthestRange) {
-  const OccupancyMap map = after_readings({9.0F});
+TEST(OccupancyMap, TruncatesRaysAtTheMaximumRange) {
+  const OccupancyMap map = after_measurements({9.0F});
   EXPECT_EQ(map.at({0.05, 0.05, 4.95}), Cell::free);
   EXPECT_EQ(map.at({0.05, 0.05, 5.25}), Cell::unknown);
   EXPECT_EQ(map.counts().occupied, 0U);
 }
 
-TEST(OccupancyMap, TakesNothingFromEmptyOrDynamicPixels) {
+TEST(OccupancyMap, IgnoresEmptyAndDynamicPixels) {
   const CameraModel camera = a_small_camera();
   OccupancyMap map;
   map.integrate(DepthImage(160, 120, 0.0F), {}, camera, Pose());
@@ -132,7 +132,7 @@ TEST(OccupancyMap, TakesNothingFromEmptyOrDynamicPixels) {
   EXPECT_EQ(map.at({0, 0, 0.5}), Cell::unknown);
 }
 
-TEST(OccupancyMap, LeavesOutAFrameBeyondWhatOctomapCanHold) {
+TEST(OccupancyMap, IgnoresAFrameBeyondOctomapsKeyRange) {
   OccupancyMap map;
   map.integrate(DepthImage(160, 120, 1.0F), {}, a_small_camera(),
                 Pose::from_translation({1e6, 0, 0}));
@@ -141,17 +141,18 @@ TEST(OccupancyMap, LeavesOutAFrameBeyondWhatOctomapCanHold) {
   EXPECT_EQ(map.at({std::numeric_limits<double>::quiet_NaN(), 0, 0}), Cell::unknown);
 }
 
-TEST(OccupancyMap, RefusesOptionsOutOfRange) {
+TEST(OccupancyMap, RejectsOptionsOutOfRange) {
   EXPECT_THROW(OccupancyMap({.resolution = 0.0}), ContractError);
-  EXPECT_THROW(OccupancyMap({.farthest = 0.001}), ContractError);
-  EXPECT_THROW(OccupancyMap({.hit = 0.5}), ContractError);
-  EXPECT_THROW(OccupancyMap({.miss = 0.5}), ContractError);
+  EXPECT_THROW(OccupancyMap({.max_range = 0.001}), ContractError);
+  EXPECT_THROW(OccupancyMap({.prob_hit = 0.5}), ContractError);
+  EXPECT_THROW(OccupancyMap({.prob_miss = 0.5}), ContractError);
 }
 
-TEST(OccupancyMap, ClearsWhatNoSurfaceSupports) {
+TEST(OccupancyMap, ClearsCellsWithoutASurface) {
   OccupancyMap map;
   const CameraModel camera = a_small_camera();
-  // A table one metre below the camera, and something 0.3 m above a part of it that has gone since.
+  // A table one metre below the camera, and an object 0.3 m above a part of it that was removed
+  // since.
   DepthImage depth(160, 120, 1.0F);
   for (int v = 50; v < 70; ++v) {
     for (int u = 70; u < 90; ++u) depth(u, v) = 0.7F;
@@ -164,7 +165,8 @@ TEST(OccupancyMap, ClearsWhatNoSurfaceSupports) {
   EXPECT_GT(cleared, 0U);
   EXPECT_EQ(map.at({0.5, 0.0, 0.3}), Cell::unknown);
   EXPECT_EQ(map.at({0.7, 0.2, 0.0}), Cell::occupied);
-  EXPECT_EQ(map.at({0.5, 0.0, 0.1}), Cell::unknown) << "behind what has gone, nothing was seen";
+  EXPECT_EQ(map.at({0.5, 0.0, 0.1}), Cell::unknown)
+      << "the space behind the removed object was not observed";
   EXPECT_EQ(map.counts().occupied, before.occupied - cleared);
   EXPECT_EQ(map.counts().free, before.free);
   EXPECT_EQ(map.clear_unsupported(table), 0U);
@@ -183,12 +185,12 @@ TEST(OccupancyMap, IsReadByOctomapCellByCell) {
   EXPECT_EQ(agreement.same, agreement.known);
 }
 
-TEST(OccupancyMap, OccupiesTheCellsThatASurfacePasses) {
+TEST(OccupancyMap, OccupiesTheCellsThatASurfaceIntersects) {
   OccupancyMap map({.resolution = 0.02});
   TriangleMesh square;
   square.vertices = {{-0.205F, -0.205F, 0.01F}, {0.205F, -0.205F, 0.01F}, {0.205F, 0.205F, 0.01F}};
   square.triangles = {{0, 1, 2}};
-  map.occupy(square);
+  map.mark_occupied(square);
   EXPECT_EQ(map.at({0.1, 0.0, 0.011}), Cell::occupied);
   EXPECT_EQ(map.at({0.1, 0.0, 0.03}), Cell::unknown);
   EXPECT_EQ(map.at({-0.1, 0.1, 0.011}), Cell::unknown);  // beyond the slanted edge
@@ -196,7 +198,7 @@ TEST(OccupancyMap, OccupiesTheCellsThatASurfacePasses) {
   EXPECT_EQ(map.counts().occupied, 22U * 23U / 2U + 21U);  // 22 columns, and the diagonal's steps
 }
 
-TEST(OccupancyMap, SaysThatAFileCantBeWritten) {
+TEST(OccupancyMap, ReportsAFileThatCantBeWritten) {
   const auto written = OccupancyMap().write("/nowhere/at/all/occupancy.bt");
   ASSERT_FALSE(written);
   EXPECT_NE(written.error().to_string().find("/nowhere/at/all/occupancy.bt"), std::string::npos);

@@ -17,13 +17,13 @@ Pose looking_down_from(const Eigen::Vector3d& p_base) {
   return Pose(a_view_from_above().rotation(), p_base);
 }
 
-Eigen::Vector3f own_color(const Eigen::Vector3f& color, const Eigen::Vector3f&) { return color; }
+Eigen::Vector3f vertex_color(const Eigen::Vector3f& color, const Eigen::Vector3f&) { return color; }
 
 TEST(Rasteriser, DrawsDepthAndColourWhereTheSurfaceIs) {
   Canvas canvas(160, 120);
   TriangleMesh table = a_level_square({0.5, 0.0, 0.0}, 0.4, 4);
   std::ranges::fill(table.colors, Rgb8{10, 200, 30});
-  draw_mesh(canvas, a_plain_view(), table, 7, own_color, {1});
+  draw_mesh(canvas, a_plain_view(), table, 7, vertex_color, {1});
   EXPECT_NEAR(canvas.depth(80, 60), 1.0F, 1e-6F);
   EXPECT_EQ(canvas.color(80, 60), (Rgb8{10, 200, 30}));
   EXPECT_EQ(canvas.id(80, 60), 7);
@@ -33,23 +33,25 @@ TEST(Rasteriser, DrawsDepthAndColourWhereTheSurfaceIs) {
   EXPECT_NEAR(static_cast<double>(drawn), 52.5 * 52.5, 2 * 53.0);
 }
 
-TEST(Rasteriser, ShowsTheNearerOfTwoSurfacesInAnyOrder) {
+TEST(Rasteriser, DepthTestsInAnyOrder) {
   const TriangleMesh low = a_level_square({0.5, 0.0, 0.0}, 0.4, 4);
   const TriangleMesh high = a_level_square({0.5, 0.0, 0.2}, 0.2, 4);
   for (const bool high_first : {false, true}) {
     Canvas canvas(160, 120);
-    draw_mesh(canvas, a_plain_view(), high_first ? high : low, high_first ? 2 : 1, own_color, {1});
-    draw_mesh(canvas, a_plain_view(), high_first ? low : high, high_first ? 1 : 2, own_color, {1});
+    draw_mesh(canvas, a_plain_view(), high_first ? high : low, high_first ? 2 : 1, vertex_color,
+              {1});
+    draw_mesh(canvas, a_plain_view(), high_first ? low : high, high_first ? 1 : 2, vertex_color,
+              {1});
     EXPECT_EQ(canvas.id(80, 60), 2);
   }
 }
 
-TEST(Rasteriser, LeavesOutBackSidesAndWhatIsBehindTheViewer) {
+TEST(Rasteriser, CullsBackFacesAndWhatIsBehindTheViewer) {
   Canvas canvas(160, 120);
   TriangleMesh below = a_level_square({0.5, 0.0, 0.0}, 0.4, 4);
   for (auto& [a, b, c] : below.triangles) std::swap(b, c);
-  draw_mesh(canvas, a_plain_view(), below, 1, own_color, {1});
-  draw_mesh(canvas, a_plain_view(), a_level_square({0.5, 0.0, 2.0}, 0.4, 4), 1, own_color, {1});
+  draw_mesh(canvas, a_plain_view(), below, 1, vertex_color, {1});
+  draw_mesh(canvas, a_plain_view(), a_level_square({0.5, 0.0, 2.0}, 0.4, 4), 1, vertex_color, {1});
   EXPECT_EQ(std::ranges::count(canvas.id.pixels(), 1), 0);
 }
 
@@ -72,14 +74,14 @@ TEST(Preview, IsUpright) {
   EXPECT_LT(down.z(), 0.0);
 }
 
-TEST(Preview, LooksFromTheCamerasSide) {
+TEST(Preview, IsOnTheCamerasSide) {
   Scene scene = a_box_on_a_table();
   scene.camera_trajectory = Trajectory({{{0}, looking_down_from({0.5, 3.0, 1.0})}});
   const View view = choose_view(scene, kPreviewWidth, kPreviewHeight);
   EXPECT_GT(view.T_base_view.translation().y(), 0.5);
 }
 
-TEST(Preview, LooksIntoARoomFromWhereTheCameraWas) {
+TEST(Preview, ShowsARoomFromTheCamerasPosition) {
   Scene scene = a_box_on_a_table();
   scene.objects.clear();
   scene.support_planes.clear();
@@ -90,12 +92,12 @@ TEST(Preview, LooksIntoARoomFromWhereTheCameraWas) {
   EXPECT_LT(view.T_base_view.translation().x(), 0.0);
 }
 
-TEST(Preview, StandsUprightWhereTheWorldDoesNot) {
-  // The first camera's frame for a base: the floor is at y = 1, and up is -y.
+TEST(Preview, IsUprightWhereTheWorldFrameIsNot) {
+  // Base is the first camera's frame: the floor is at y = 1, and up is -y.
   Scene scene;
-  const Pose fallen(Eigen::Quaterniond(Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitX())),
+  const Pose tilted(Eigen::Quaterniond(Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitX())),
                     Eigen::Vector3d(0.0, 1.0, 2.0));
-  scene.mesh_base = transformed(fallen, a_level_square({0.0, 0.0, 0.0}, 2.0, 20));
+  scene.mesh_base = transformed(tilted, a_level_square({0.0, 0.0, 0.0}, 2.0, 20));
   scene.camera_trajectory = Trajectory({{{0}, Pose()}});
   const View view = choose_view(scene, kPreviewWidth, kPreviewHeight);
   const Eigen::Vector3d right = view.T_base_view.rotation() * Eigen::Vector3d::UnitX();
@@ -104,7 +106,7 @@ TEST(Preview, StandsUprightWhereTheWorldDoesNot) {
   EXPECT_GT(down.y(), 0.5);
 }
 
-TEST(Preview, ShowsAnObjectInItsTint) {
+TEST(Preview, DrawsAnObjectInItsColour) {
   const ColorImage picture = render_preview(a_box_on_a_table(), {1});
   EXPECT_EQ(picture.width(), kPreviewWidth);
   EXPECT_EQ(picture.height(), kPreviewHeight);
@@ -122,7 +124,7 @@ TEST(Preview, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
-TEST(Preview, IsAPictureEvenOfAnEmptyScene) {
+TEST(Preview, RendersAnEmptyScene) {
   const std::string png = format_png(render_preview(Scene(), {1}));
   EXPECT_EQ(png.substr(1, 3), "PNG");
 }

@@ -8,7 +8,7 @@
 
 namespace pcavr {
 
-/// A level square of `edge` [m] around (x, y, z) in `cells` x `cells` squares, seen from above.
+/// A horizontal square of `edge` [m] around `middle`, of `cells` x `cells` squares, facing upward.
 inline TriangleMesh a_level_square(const Eigen::Vector3d& middle, double edge, int cells) {
   TriangleMesh mesh;
   for (int i = 0; i <= cells; ++i) {
@@ -43,7 +43,7 @@ inline TriangleMesh a_box(const Eigen::Vector3f& size) {
   return mesh;
 }
 
-/// Two meshes as one; both with normals and colours.
+/// Concatenates two meshes; both with normals and colours.
 inline TriangleMesh joined(TriangleMesh a, const TriangleMesh& b) {
   const auto first = static_cast<std::uint32_t>(a.vertices.size());
   a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
@@ -64,8 +64,8 @@ inline SceneObject an_object(const std::string& name, const Eigen::Vector3d& p_b
   object.T_base_object = Pose(turned, p_base);
   object.T_base_object_start = Pose::from_translation({0.5, 0.1, 0.04});
   object.evidence = "tags_and_shape";
-  object.position_sigma = 0.0003;
-  object.rotation_sigma = 0.002;
+  object.position_std = 0.0003;
+  object.rotation_std = 0.002;
   object.refinement_translation = 0.0004;
   object.refinement_rotation = 0.001;
   object.mass = 1.5;
@@ -82,7 +82,7 @@ inline CameraModel a_small_camera() {
   return {.width = 160, .height = 120, .fx = 131.25, .fy = 131.25, .cx = 79.5, .cy = 59.5};
 }
 
-/// A table of one metre at z = 0 with a box on it, as a build would make it.
+/// A table of one metre at z = 0 with a box on it, like the result of a build.
 inline Scene a_box_on_a_table() {
   Scene scene;
   scene.mesh_base = a_level_square({0.5, 0.0, 0.0}, 1.0, 50);

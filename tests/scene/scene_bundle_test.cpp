@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/scene/ply_file.hpp"
 
-#include "scene/ply_file.hpp"
 #include "scene/scene_builder.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -28,16 +28,16 @@ std::map<std::string, std::string> contents_of(const fs::path& folder) {
   return contents;
 }
 
-/// A scene on disk that a test may spoil.
+/// A scene on disk that a test may corrupt.
 class SceneBundle : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    whole_ = std::make_unique<TemporaryFolder>();
-    ASSERT_TRUE(write_scene(a_box_on_a_table(), whole_->path(), {1}));
+    original_ = std::make_unique<TemporaryFolder>();
+    ASSERT_TRUE(write_scene(a_box_on_a_table(), original_->path(), {1}));
   }
-  static void TearDownTestSuite() { whole_.reset(); }
+  static void TearDownTestSuite() { original_.reset(); }
   void SetUp() override {
-    fs::copy(whole_->path(), folder_.path(),
+    fs::copy(original_->path(), folder_.path(),
              fs::copy_options::recursive | fs::copy_options::overwrite_existing);
   }
 
@@ -49,13 +49,13 @@ class SceneBundle : public testing::Test {
     ASSERT_TRUE(write_file(folder_.path() / file, text));
   }
 
-  void cut_short(const std::string& file) {
+  void truncate(const std::string& file) {
     const std::string text = *read_file(folder_.path() / file);
     ASSERT_TRUE(write_file(folder_.path() / file, text.substr(0, text.size() - 5)));
   }
 
-  /// The files that inspect_scene finds unsound.
-  [[nodiscard]] std::vector<std::string> unsound() const {
+  /// The files that inspect_scene reports as invalid.
+  [[nodiscard]] std::vector<std::string> invalid_files() const {
     const auto checks = inspect_scene(folder_.path());
     if (!checks) return {checks.error().to_string()};
     std::vector<std::string> names;
@@ -69,10 +69,10 @@ class SceneBundle : public testing::Test {
   const TemporaryFolder folder_;
 
  private:
-  static inline std::unique_ptr<TemporaryFolder> whole_;
+  static inline std::unique_ptr<TemporaryFolder> original_;
 };
 
-TEST_F(SceneBundle, HoldsEveryFileOfTheContract) {
+TEST_F(SceneBundle, HasEveryFileOfTheFormat) {
   std::vector<std::string> names;
   for (const auto& [name, content] : contents_of(folder_.path())) names.push_back(name);
   EXPECT_EQ(names,
@@ -90,7 +90,7 @@ TEST_F(SceneBundle, HasTheSameBytesForAnyNumberOfThreads) {
   }
 }
 
-TEST_F(SceneBundle, KeepsNoTimes) {
+TEST_F(SceneBundle, StoresNoTimes) {
   Scene slower = a_box_on_a_table();
   slower.quality.times = {{"fusion", 100.0, 200.0}};
   const TemporaryFolder again;
@@ -115,8 +115,8 @@ TEST_F(SceneBundle, ReadsItsManifestBack) {
   EXPECT_EQ(object.evidence, written.evidence);
   EXPECT_EQ(object.mass, written.mass);
   EXPECT_TRUE(object.is_movable);
-  EXPECT_EQ(object.position_sigma, written.position_sigma);
-  EXPECT_EQ(object.rotation_sigma, written.rotation_sigma);
+  EXPECT_EQ(object.position_std, written.position_std);
+  EXPECT_EQ(object.rotation_std, written.rotation_std);
   EXPECT_EQ(object.refinement_translation, written.refinement_translation);
   EXPECT_EQ(object.refinement_rotation, written.refinement_rotation);
   // Ten digits are kept.
@@ -153,7 +153,7 @@ TEST_F(SceneBundle, ReadsItsTagsBack) {
   }
 }
 
-TEST_F(SceneBundle, ReadsAManifestFromBeforeTagsWereKept) {
+TEST_F(SceneBundle, ReadsAManifestOfAVersionWithoutTags) {
   const std::string text = *read_file(folder_.path() / "scene.yaml");
   const std::size_t at = text.find("tags:\n");
   const std::size_t end = text.find("support_planes:");
@@ -163,12 +163,12 @@ TEST_F(SceneBundle, ReadsAManifestFromBeforeTagsWereKept) {
   EXPECT_TRUE(manifest->tags.empty());
 }
 
-TEST_F(SceneBundle, FindsATagOnAnObjectThatIsNotThere) {
+TEST_F(SceneBundle, FindsATagOnAnUnknownObject) {
   replace("scene.yaml", "object: box", "object: fox");
-  EXPECT_EQ(unsound(), std::vector<std::string>{"scene.yaml"});
+  EXPECT_EQ(invalid_files(), std::vector<std::string>{"scene.yaml"});
 }
 
-TEST_F(SceneBundle, TakesWhatTheFullMeshOfASimplifiedBodyHad) {
+TEST_F(SceneBundle, UsesThePropertiesOfTheOriginalMeshOfASimplifiedBody) {
   replace("scene.yaml", "movable: true",
           "movable: true\n    simplified_error: 2e-05\n    full_triangles: 5000000\n"
           "    volume: 0.0017\n    centre_of_mass: [0.001, 0, 0]");
@@ -177,21 +177,21 @@ TEST_F(SceneBundle, TakesWhatTheFullMeshOfASimplifiedBodyHad) {
   const Expected<CadModel> box = read_object_model(*manifest, manifest->objects[0]);
   ASSERT_TRUE(box) << box.error().to_string();
   ASSERT_TRUE(box->simplification);
-  EXPECT_EQ(box->simplification->max_deviation, 2e-5);
+  EXPECT_EQ(box->simplification->max_error, 2e-5);
   EXPECT_EQ(box->simplification->full_triangles, 5'000'000U);
   EXPECT_EQ(box->volume, 0.0017);
   EXPECT_EQ(box->centre_of_mass_object.x(), 0.001);
-  EXPECT_TRUE(unsound().empty());
+  EXPECT_TRUE(invalid_files().empty());
 }
 
-TEST_F(SceneBundle, WantsAllThatBelongsToASimplifiedBody) {
+TEST_F(SceneBundle, RequiresAllKeysOfASimplifiedBody) {
   replace("scene.yaml", "movable: true", "movable: true\n    simplified_error: 2e-05");
   const auto manifest = read_scene_manifest(folder_.path());
   ASSERT_FALSE(manifest);
   EXPECT_NE(manifest.error().to_string().find("full_triangles"), std::string::npos);
 }
 
-TEST_F(SceneBundle, RefusesAKeyThatItDoesNotKnowAndNamesItsLine) {
+TEST_F(SceneBundle, RejectsAnUnknownKeyWithItsLine) {
   replace("scene.yaml", "voxel_size: 0.02", "voxel_size: 0.02\nvoxels: 3");
   const auto manifest = read_scene_manifest(folder_.path());
   ASSERT_FALSE(manifest);
@@ -200,24 +200,25 @@ TEST_F(SceneBundle, RefusesAKeyThatItDoesNotKnowAndNamesItsLine) {
   EXPECT_NE(manifest.error().to_string().find("voxels"), std::string::npos);
 }
 
-TEST_F(SceneBundle, RefusesATrajectoryThatIsCutInsideANumber) {
+TEST_F(SceneBundle, RejectsATrajectoryThatIsTruncatedInsideANumber) {
   const fs::path file = folder_.path() / "camera_trajectory.txt";
   const std::string text = *read_file(file);
-  // The last row keeps its eight columns, and says another pose.
+  // The last row still has eight columns, but another pose.
   ASSERT_TRUE(write_file(file, text.substr(0, text.size() - 3)));
   const SceneManifest manifest = read_scene_manifest(folder_.path()).value();
-  const Expected<Trajectory> cut = read_camera_trajectory(manifest);
-  ASSERT_FALSE(cut.has_value());
-  EXPECT_EQ(cut.error().file, file.string());
-  EXPECT_NE(cut.error().message.find("was cut"), std::string::npos) << cut.error().to_string();
-  // One line less, and each of the rest whole.
+  const Expected<Trajectory> truncated = read_camera_trajectory(manifest);
+  ASSERT_FALSE(truncated.has_value());
+  EXPECT_EQ(truncated.error().file, file.string());
+  EXPECT_NE(truncated.error().message.find("was truncated"), std::string::npos)
+      << truncated.error().to_string();
+  // One line missing, the others complete.
   ASSERT_TRUE(write_file(file, text.substr(0, text.rfind('\n', text.size() - 2) + 1)));
   EXPECT_FALSE(read_camera_trajectory(manifest).has_value());
   ASSERT_TRUE(write_file(file, text));
   EXPECT_TRUE(read_camera_trajectory(manifest).has_value());
 }
 
-TEST_F(SceneBundle, ReadsASceneFromBeforeLinesWereCounted) {
+TEST_F(SceneBundle, ReadsASceneOfAVersionWithoutLineCounts) {
   const std::string text = *read_file(folder_.path() / "scene.yaml");
   const std::size_t lines = text.find("lines:");
   ASSERT_NE(lines, text.npos);
@@ -227,15 +228,15 @@ TEST_F(SceneBundle, ReadsASceneFromBeforeLinesWereCounted) {
   const SceneManifest manifest = read_scene_manifest(folder_.path()).value();
   EXPECT_FALSE(manifest.lines.has_value());
   EXPECT_TRUE(read_camera_trajectory(manifest).has_value());
-  EXPECT_TRUE(unsound().empty());
-  // A line without its end is not what any version wrote.
+  EXPECT_TRUE(invalid_files().empty());
+  // Every version writes a final newline.
   const std::string poses = *read_file(folder_.path() / "camera_trajectory.txt");
   ASSERT_TRUE(
       write_file(folder_.path() / "camera_trajectory.txt", poses.substr(0, poses.size() - 3)));
   EXPECT_FALSE(read_camera_trajectory(manifest).has_value());
 }
 
-TEST_F(SceneBundle, RefusesAManifestThatIsCutInsideItsLastNumber) {
+TEST_F(SceneBundle, RejectsAManifestThatIsTruncatedInsideItsLastNumber) {
   const std::string text = *read_file(folder_.path() / "scene.yaml");
   for (std::size_t size = text.size() / 2; size < text.size(); ++size) {
     ASSERT_TRUE(write_file(folder_.path() / "scene.yaml", text.substr(0, size)));
@@ -243,7 +244,7 @@ TEST_F(SceneBundle, RefusesAManifestThatIsCutInsideItsLastNumber) {
   }
 }
 
-TEST_F(SceneBundle, KeepsWhatWasLeftOutOfTheRecording) {
+TEST_F(SceneBundle, StoresTheRowsLeftOutOfTheRecording) {
   Scene scene = a_box_on_a_table();
   scene.quality.left_out = {{"tool.csv", "not a finite number", 300}};
   const TemporaryFolder folder;
@@ -255,12 +256,12 @@ TEST_F(SceneBundle, KeepsWhatWasLeftOutOfTheRecording) {
   EXPECT_EQ(manifest.quality.left_out[0].count, 300U);
 }
 
-TEST_F(SceneBundle, RefusesAPlaneThatBearsNothing) {
+TEST_F(SceneBundle, RejectsAPlaneWithoutArea) {
   const std::string text = *read_file(folder_.path() / "scene.yaml");
   const std::size_t outline = text.find("outline:");
   ASSERT_NE(outline, text.npos);
   const std::size_t end = text.find("\n", text.find("- [", outline));
-  // Keep one corner of the outline: the tool that rests on it would have no slope.
+  // Keep one corner of the outline only.
   std::size_t rest = end + 1;
   while (text.compare(text.find_first_not_of(' ', rest), 3, "- [") == 0) {
     rest = text.find('\n', rest) + 1;
@@ -273,12 +274,12 @@ TEST_F(SceneBundle, RefusesAPlaneThatBearsNothing) {
       << manifest.error().to_string();
 }
 
-TEST_F(SceneBundle, RefusesAMeshOutsideOfItsFolder) {
+TEST_F(SceneBundle, RejectsAMeshOutsideOfItsFolder) {
   replace("scene.yaml", "mesh: objects/box.glb", "mesh: ../../box.glb");
   EXPECT_FALSE(read_scene_manifest(folder_.path()));
 }
 
-TEST_F(SceneBundle, RefusesAnObjectWhoseNameLeadsOutOfARun) {
+TEST_F(SceneBundle, RejectsAnObjectNameWithAPath) {
   replace("scene.yaml", "name: box", "name: ../../box");
   const auto manifest = read_scene_manifest(folder_.path());
   ASSERT_FALSE(manifest);
@@ -286,18 +287,18 @@ TEST_F(SceneBundle, RefusesAnObjectWhoseNameLeadsOutOfARun) {
       << manifest.error().to_string();
 }
 
-TEST_F(SceneBundle, RefusesAQuaternionThatIsNone) {
+TEST_F(SceneBundle, RejectsANonUnitQuaternion) {
   replace("scene.yaml", "q: [0, 0, 0, 1]", "q: [0, 0, 0, 7]");
   EXPECT_FALSE(read_scene_manifest(folder_.path()));
 }
 
-TEST_F(SceneBundle, IsSoundAsWritten) {
-  EXPECT_EQ(unsound(), std::vector<std::string>());
+TEST_F(SceneBundle, IsValidAsWritten) {
+  EXPECT_EQ(invalid_files(), std::vector<std::string>());
   const auto checks = inspect_scene(folder_.path());
   EXPECT_EQ(checks->size(), 9U);
 }
 
-TEST_F(SceneBundle, IsSoundWithoutObjectsMeshOrFrames) {
+TEST_F(SceneBundle, IsValidWithoutObjectsMeshOrFrames) {
   const TemporaryFolder empty;
   Scene nothing;
   nothing.voxel_size = 0.01;
@@ -307,7 +308,7 @@ TEST_F(SceneBundle, IsSoundWithoutObjectsMeshOrFrames) {
   for (const SceneCheck& check : *checks) EXPECT_TRUE(check.is_sound) << check.what << check.figure;
 }
 
-TEST_F(SceneBundle, LeavesAnObjectThatWasNotSeenOutOfThePicture) {
+TEST_F(SceneBundle, DoesNotDrawAnObjectThatWasNotSeen) {
   Scene scene = a_box_on_a_table();
   scene.objects.push_back(an_object("ghost", {0.2, 0.0, 0.04}));
   scene.objects.back().evidence = kNotSeen;
@@ -321,46 +322,46 @@ TEST_F(SceneBundle, LeavesAnObjectThatWasNotSeenOutOfThePicture) {
   for (const SceneCheck& check : *checks) EXPECT_TRUE(check.is_sound) << check.what;
 }
 
-TEST_F(SceneBundle, FindsEachFileThatIsCutShort) {
+TEST_F(SceneBundle, FindsEachTruncatedFile) {
   for (const char* file : {"scene.glb", "lod/static_mesh_1.glb", "mesh.ply", "cloud.ply",
                            "occupancy.bt", "camera_trajectory.txt", "objects/box.glb"}) {
-    const std::string whole = *read_file(folder_.path() / file);
-    cut_short(file);
-    EXPECT_EQ(unsound(), std::vector<std::string>{file});
-    ASSERT_TRUE(write_file(folder_.path() / file, whole));
+    const std::string original = *read_file(folder_.path() / file);
+    truncate(file);
+    EXPECT_EQ(invalid_files(), std::vector<std::string>{file});
+    ASSERT_TRUE(write_file(folder_.path() / file, original));
   }
 }
 
-TEST_F(SceneBundle, FindsEachFileThatIsMissing) {
+TEST_F(SceneBundle, FindsEachMissingFile) {
   for (const auto& [file, content] : contents_of(folder_.path())) {
     if (file == "scene.yaml") continue;
     fs::remove(folder_.path() / file);
-    const std::vector<std::string> found = unsound();
+    const std::vector<std::string> found = invalid_files();
     EXPECT_NE(std::find(found.begin(), found.end(), file), found.end()) << file;
     ASSERT_TRUE(write_file(folder_.path() / file, content));
   }
 }
 
-TEST_F(SceneBundle, FindsAnObjectThatStandsElsewhereThanItsNode) {
+TEST_F(SceneBundle, FindsAnObjectWithAnotherPoseThanItsNode) {
   replace("scene.yaml", "t: [0.6, 0.05, 0.04]", "t: [0.6, 0.06, 0.04]");
-  EXPECT_EQ(unsound(), std::vector<std::string>{"scene.glb"});
+  EXPECT_EQ(invalid_files(), std::vector<std::string>{"scene.glb"});
 }
 
 TEST_F(SceneBundle, FindsATrajectoryOfAnotherLength) {
   replace("scene.yaml", "frames_used: 5", "frames_used: 6");
-  EXPECT_EQ(unsound(), std::vector<std::string>{"camera_trajectory.txt"});
+  EXPECT_EQ(invalid_files(), std::vector<std::string>{"camera_trajectory.txt"});
 }
 
-TEST_F(SceneBundle, FindsAMapOfAnotherPlace) {
-  Scene elsewhere = a_box_on_a_table();
-  elsewhere.occupancy = OccupancyMap();
-  elsewhere.occupancy.integrate(DepthImage(160, 120, 1.0F), {}, a_small_camera(),
-                                Pose::from_translation({30.0, 0.0, 0.0}));
-  ASSERT_TRUE(elsewhere.occupancy.write(folder_.path() / "occupancy.bt"));
-  EXPECT_EQ(unsound(), std::vector<std::string>{"occupancy.bt"});
+TEST_F(SceneBundle, FindsAMapOfAnotherScene) {
+  Scene other = a_box_on_a_table();
+  other.occupancy = OccupancyMap();
+  other.occupancy.integrate(DepthImage(160, 120, 1.0F), {}, a_small_camera(),
+                            Pose::from_translation({30.0, 0.0, 0.0}));
+  ASSERT_TRUE(other.occupancy.write(folder_.path() / "occupancy.bt"));
+  EXPECT_EQ(invalid_files(), std::vector<std::string>{"occupancy.bt"});
 }
 
-TEST_F(SceneBundle, HoldsMeshesThatOtherReadersRead) {
+TEST_F(SceneBundle, HasMeshesThatOtherReadersAccept) {
   const auto mesh = read_mesh(folder_.path() / "mesh.ply");
   ASSERT_TRUE(mesh) << mesh.error().to_string();
   EXPECT_EQ(mesh->triangles.size(), scene_.mesh_base.triangles.size());
@@ -395,7 +396,7 @@ TEST(PlyFile, ReadsBackWhatItWrote) {
   }
 }
 
-TEST(PlyFile, RefusesAFaceWithoutItsVertex) {
+TEST(PlyFile, RejectsAFaceWithAnIndexOutOfRange) {
   const TemporaryFolder folder;
   TriangleMesh mesh = a_box({1, 1, 1});
   mesh.triangles[3][1] = 8;
@@ -403,7 +404,7 @@ TEST(PlyFile, RefusesAFaceWithoutItsVertex) {
   EXPECT_FALSE(read_ply(folder.path() / "a.ply"));
 }
 
-TEST(WriteScene, SaysWhereItCantWrite) {
+TEST(WriteScene, ReportsWhereItCantWrite) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "file") << "no folder";
   const auto written = write_scene(a_box_on_a_table(), folder.path() / "file", {1});

@@ -16,32 +16,32 @@ const TriangleMesh& unit_box() {
   return kBox;
 }
 
-StandingBody a_body(const std::string& name, const Eigen::Vector3d& foot) {
+SupportedBody a_body(const std::string& name, const Eigen::Vector3d& foot) {
   return {name, &unit_box(), Pose::from_translation(foot + Eigen::Vector3d(0, 0, 0.04))};
 }
 
-/// Vertices moved along their normals by noise of `sigma` [m].
-TriangleMesh noisy(TriangleMesh mesh, double sigma) {
+/// Vertices with vertical noise of standard deviation `std_z` [m].
+TriangleMesh noisy(TriangleMesh mesh, double std_z) {
   Random random(3);
   for (Eigen::Vector3f& vertex : mesh.vertices) {
-    vertex.z() += static_cast<float>(sigma * random.normal());
+    vertex.z() += static_cast<float>(std_z * random.normal());
   }
   return mesh;
 }
 
 TEST(SupportPlane, LiesUnderTheBodyWithinTheNoise) {
-  const double sigma = 0.001;
-  const auto planes = find_support_planes(noisy(a_level_square({0.5, 0, 0.7}, 1.0, 100), sigma),
+  const double std_z = 0.001;
+  const auto planes = find_support_planes(noisy(a_level_square({0.5, 0, 0.7}, 1.0, 100), std_z),
                                           {a_body("box", {0.5, 0.1, 0.7})});
   ASSERT_EQ(planes.size(), 1U);
-  // Ten thousand points: the mean is a hundred times surer than one of them; 4 sigma.
-  EXPECT_NEAR(planes[0].plane_base.signed_distance({0.5, 0.0, 0.7}), 0.0, 4e-2 * sigma);
+  // Ten thousand points: the std of the mean is a hundredth; 4 standard deviations.
+  EXPECT_NEAR(planes[0].plane_base.signed_distance({0.5, 0.0, 0.7}), 0.0, 4e-2 * std_z);
   EXPECT_GT(planes[0].plane_base.normal.z(), 0.99999);
-  EXPECT_NEAR(planes[0].rms, sigma, 0.1 * sigma);
+  EXPECT_NEAR(planes[0].rms, std_z, 0.1 * std_z);
   EXPECT_EQ(planes[0].objects, std::vector<std::string>{"box"});
 }
 
-TEST(SupportPlane, HasTheTablesCornersForAnOutlineCounterClockwise) {
+TEST(SupportPlane, HasTheTablesCornersCounterClockwiseAsOutline) {
   const auto planes = find_support_planes(a_level_square({0.5, 0, 0.7}, 1.0, 100),
                                           {a_body("box", {0.5, 0.1, 0.7})});
   ASSERT_EQ(planes.size(), 1U);
@@ -55,7 +55,7 @@ TEST(SupportPlane, HasTheTablesCornersForAnOutlineCounterClockwise) {
   EXPECT_NEAR(area, 1.0, 1e-5);
 }
 
-TEST(SupportPlane, IsOneForBodiesOnOneTableAndTwoForTwoHeights) {
+TEST(SupportPlane, IsSharedByBodiesOnOneTable) {
   const TriangleMesh mesh =
       joined(a_level_square({0.5, 0, 0.7}, 0.8, 80), a_level_square({2.0, 0, 0.3}, 0.8, 80));
   const auto planes = find_support_planes(
@@ -67,8 +67,8 @@ TEST(SupportPlane, IsOneForBodiesOnOneTableAndTwoForTwoHeights) {
   EXPECT_NEAR(planes[1].plane_base.offset, 0.3, 1e-6);
 }
 
-TEST(SupportPlane, EndsWhereTheSurfaceDoes) {
-  // A second table at the same height, half a metre away, bears nothing.
+TEST(SupportPlane, EndsAtTheSurfacesBoundary) {
+  // A second table at the same height, half a metre away, is not part of the plane.
   const TriangleMesh mesh =
       joined(a_level_square({0.5, 0, 0.7}, 0.8, 80), a_level_square({2.0, 0, 0.7}, 0.8, 80));
   const auto planes = find_support_planes(mesh, {a_body("a", {0.4, 0.1, 0.7})});
@@ -76,13 +76,13 @@ TEST(SupportPlane, EndsWhereTheSurfaceDoes) {
   for (const Eigen::Vector3d& corner : planes[0].outline_base) EXPECT_LT(corner.x(), 0.95);
 }
 
-TEST(SupportPlane, FollowsASlightSlopeAndRefusesASteepOne) {
+TEST(SupportPlane, AcceptsASlightSlopeAndRejectsASteepOne) {
   const auto tilted = [](double degrees) {
     const Pose tilt(
         Eigen::Quaterniond(Eigen::AngleAxisd(degrees * M_PI / 180.0, Eigen::Vector3d::UnitX())),
         Eigen::Vector3d::Zero());
     const TriangleMesh table = transformed(tilt, a_level_square({0, 0, 0}, 1.0, 100));
-    const StandingBody body{"box", &unit_box(), tilt * Pose::from_translation({0.0, 0.0, 0.04})};
+    const SupportedBody body{"box", &unit_box(), tilt * Pose::from_translation({0.0, 0.0, 0.04})};
     return find_support_planes(table, {body});
   };
   const auto slight = tilted(5.0);
@@ -91,14 +91,14 @@ TEST(SupportPlane, FollowsASlightSlopeAndRefusesASteepOne) {
   EXPECT_TRUE(tilted(25.0).empty());
 }
 
-TEST(SupportPlane, IsNotInventedWhereNothingIsBelow) {
+TEST(SupportPlane, IsNotFoundWithoutASurfaceBelow) {
   const TriangleMesh table = a_level_square({0.5, 0, 0.7}, 1.0, 100);
   EXPECT_TRUE(find_support_planes(table, {a_body("flying", {0.5, 0.1, 1.2})}).empty());
-  EXPECT_TRUE(find_support_planes(table, {a_body("beside", {3.5, 0.1, 0.7})}).empty());
+  EXPECT_TRUE(find_support_planes(table, {a_body("distant", {3.5, 0.1, 0.7})}).empty());
   EXPECT_TRUE(find_support_planes(TriangleMesh(), {a_body("box", {0, 0, 0})}).empty());
 }
 
-TEST(SupportPlane, IsTheLargestLevelPlaneWithoutBodies) {
+TEST(SupportPlane, IsTheLargestHorizontalPlaneWithoutBodies) {
   const TriangleMesh mesh =
       joined(a_level_square({0.5, 0, 0.7}, 0.5, 50), a_level_square({0.0, 0, 0.0}, 2.0, 200));
   const auto planes = find_support_planes(mesh, {});

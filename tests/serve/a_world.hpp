@@ -15,15 +15,15 @@ inline HapticWorld a_box_on_a_table() {
   return std::move(HapticWorld::create(one_box_on_a_table())).value();
 }
 
-/// Where the tool waits: beside the box, clear of all.
-inline const Eigen::Vector3d kBeside{-0.2, 0.0, 0.05};
+/// Start position of the tool: next to the box, without contact.
+inline const Eigen::Vector3d kToolStart{-0.2, 0.0, 0.05};
 
-inline LiveWorldOptions beside_the_box() { return {.p_base_tool_start = kBeside}; }
+inline LiveWorldOptions options_with_tool_start() { return {.p_base_tool_start = kToolStart}; }
 
 /// Moved by pages.
 inline std::unique_ptr<LiveWorld> a_live_world() {
   return std::make_unique<LiveWorld>(a_box_on_a_table(), std::make_unique<RemoteDevice>(),
-                                     beside_the_box());
+                                     options_with_tool_start());
 }
 
 }  // namespace pcavr::test

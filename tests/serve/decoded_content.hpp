@@ -16,7 +16,7 @@
 
 namespace pcavr {
 
-/// What a browser gets of a path, gzip undone; empty and a failed test where there is nothing.
+/// The uncompressed body of a path; empty and a failed test if there is none.
 inline std::string body_of(const ContentSource& source, std::string_view path) {
   const auto content = source.find(path);
   if (!content || !*content) {
@@ -36,7 +36,7 @@ inline bool has_path(const ContentSource& source, std::string_view path) {
   return content && *content;
 }
 
-/// As ByteReader takes them; they must outlive it.
+/// For ByteReader; `text` must outlive it.
 inline std::span<const std::uint8_t> bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }

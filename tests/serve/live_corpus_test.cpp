@@ -13,7 +13,7 @@
 namespace pcavr {
 namespace {
 
-TEST(LiveCorpus, EveryMessageAndEveryCutOfItIsReadOrRefused) {
+TEST(LiveCorpus, DecodesOrRejectsEveryMessageAndEveryTruncation) {
   int files = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(source_folder() / "tests/fuzz/corpus/live")) {

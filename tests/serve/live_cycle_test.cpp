@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kCycle = 0.001;
 
-/// Says what the test says.
-class HandOfTheTest final : public Device {
+/// Returns the test's sample.
+class ScriptedDevice final : public Device {
  public:
-  explicit HandOfTheTest(DeviceSample& sample) : sample_(sample) {}
+  explicit ScriptedDevice(DeviceSample& sample) : sample_(sample) {}
   [[nodiscard]] std::string_view name() const noexcept override { return "test"; }
   [[nodiscard]] DeviceSample exchange(double, double, const DeviceFeedback&) noexcept override {
     return sample_;
@@ -35,7 +35,7 @@ class LiveCycleTest : public testing::Test {
     }
     return cycle_.newest();
   }
-  /// Moves the hand evenly, and holds the clutch.
+  /// Moves the hand at constant speed with the clutch closed.
   const WorldSnapshot& move(const Eigen::Vector3d& to, int cycles) {
     const Eigen::Vector3d from = sample_.p_base_tip;
     sample_.is_engaged = true;
@@ -46,28 +46,28 @@ class LiveCycleTest : public testing::Test {
     return cycle_.newest();
   }
 
-  DeviceSample sample_{test::kBeside, Eigen::Quaterniond::Identity(), false, true};
-  LiveCycle cycle_{test::a_box_on_a_table(), std::make_unique<HandOfTheTest>(sample_),
-                   test::beside_the_box()};
+  DeviceSample sample_{test::kToolStart, Eigen::Quaterniond::Identity(), false, true};
+  LiveCycle cycle_{test::a_box_on_a_table(), std::make_unique<ScriptedDevice>(sample_),
+                   test::options_with_tool_start()};
   double t_ = 0.0;
 };
 
 const Eigen::Vector3d kInTheBox{0.1, 0.0, 0.05};
 
-TEST_F(LiveCycleTest, TheToolWaitsWhereItWasPut) {
+TEST_F(LiveCycleTest, TheToolStaysAtItsStartWhileDisengaged) {
   const WorldSnapshot& state = run(10);
-  EXPECT_EQ(state.world.p_base_proxy, test::kBeside);
+  EXPECT_EQ(state.world.p_base_proxy, test::kToolStart);
   EXPECT_FALSE(state.world.is_engaged);
   EXPECT_EQ(state.cycles, 10U);
   EXPECT_NEAR(state.t, 0.01, 1e-12);
 }
 
-TEST_F(LiveCycleTest, AHandThatHoldsTheClutchPushesTheBox) {
+TEST_F(LiveCycleTest, AHandWithTheClutchClosedPushesTheBox) {
   const double before = run(1).world.bodies[0].T_base_object.translation().x();
   const WorldSnapshot& state = move(kInTheBox, 1500);
   EXPECT_GT(state.world.bodies[0].T_base_object.translation().x(), before + 0.05);
   EXPECT_LT(state.world.force_base.x(), 0.0);
-  // A first touch, and a breakaway.
+  // A first contact, and a breakaway.
   EXPECT_GE(state.pulses, 2U);
   EXPECT_GT(state.pulse, 0.0);
 }
@@ -76,53 +76,54 @@ TEST_F(LiveCycleTest, WithoutTheClutchTheHandMovesNothing) {
   run(1);
   sample_.p_base_tip = kInTheBox;
   const WorldSnapshot& state = run(500);
-  EXPECT_EQ(state.world.p_base_proxy, test::kBeside);
+  EXPECT_EQ(state.world.p_base_proxy, test::kToolStart);
   EXPECT_EQ(state.world.force_base, Eigen::Vector3d::Zero());
 }
 
-TEST_F(LiveCycleTest, OnHoldTheToolStaysAndGoesOnFromThere) {
-  const Eigen::Vector3d there = test::kBeside + Eigen::Vector3d(0.0, 0.1, 0.0);
+TEST_F(LiveCycleTest, OnHoldTheToolStaysAndResumesFromThere) {
+  const Eigen::Vector3d there = test::kToolStart + Eigen::Vector3d(0.0, 0.1, 0.0);
   move(there, 200);
   cycle_.hold(true);
-  const WorldSnapshot& held = move(there + Eigen::Vector3d(0.0, 0.1, 0.1), 200);
-  EXPECT_TRUE(held.is_on_hold);
-  EXPECT_TRUE(held.world.is_engaged);
-  EXPECT_NEAR((held.world.p_base_hip - there).norm(), 0.0, 1e-12);
+  const WorldSnapshot& frozen = move(there + Eigen::Vector3d(0.0, 0.1, 0.1), 200);
+  EXPECT_TRUE(frozen.is_on_hold);
+  EXPECT_TRUE(frozen.world.is_engaged);
+  EXPECT_NEAR((frozen.world.p_base_hip - there).norm(), 0.0, 1e-12);
   cycle_.hold(false);
   EXPECT_NEAR((run(1).world.p_base_hip - there).norm(), 0.0, 1e-12);
-  const WorldSnapshot& on = move(sample_.p_base_tip + Eigen::Vector3d(0.0, 0.0, 0.05), 100);
-  EXPECT_NEAR((on.world.p_base_hip - there - Eigen::Vector3d(0.0, 0.0, 0.05)).norm(), 0.0, 1e-9);
+  const WorldSnapshot& resumed = move(sample_.p_base_tip + Eigen::Vector3d(0.0, 0.0, 0.05), 100);
+  EXPECT_NEAR((resumed.world.p_base_hip - there - Eigen::Vector3d(0.0, 0.0, 0.05)).norm(), 0.0,
+              1e-9);
 }
 
-TEST_F(LiveCycleTest, OnHoldAClutchThatOpensLetsGo) {
-  move(test::kBeside + Eigen::Vector3d(0.0, 0.1, 0.0), 200);
+TEST_F(LiveCycleTest, OnHoldOpeningTheClutchDisengages) {
+  move(test::kToolStart + Eigen::Vector3d(0.0, 0.1, 0.0), 200);
   cycle_.hold(true);
   run(10);
   sample_.is_engaged = false;
   EXPECT_FALSE(run(1).world.is_engaged);
-  // And one that closes takes hold of nothing until it goes on.
+  // Closing it does not engage until the world resumes.
   sample_.is_engaged = true;
   EXPECT_FALSE(run(10).world.is_engaged);
   cycle_.hold(false);
   EXPECT_TRUE(run(1).world.is_engaged);
 }
 
-TEST_F(LiveCycleTest, ADeviceThatIsGoneHasLetGo) {
-  move(test::kBeside + Eigen::Vector3d(0.0, 0.1, 0.0), 200);
+TEST_F(LiveCycleTest, AnAbsentDeviceIsDisengaged) {
+  move(test::kToolStart + Eigen::Vector3d(0.0, 0.1, 0.0), 200);
   sample_.is_present = false;
   const WorldSnapshot& state = run(10);
   EXPECT_FALSE(state.world.is_engaged);
   EXPECT_EQ(state.world.force_base, Eigen::Vector3d::Zero());
 }
 
-TEST_F(LiveCycleTest, AResetPutsAllBackAndTheHandGoesOnFromThere) {
+TEST_F(LiveCycleTest, AResetRestoresTheStartAndTheToolContinuesFromThere) {
   const WorldSnapshot start = run(1);
   move(kInTheBox, 1500);
   cycle_.reset();
   const WorldSnapshot& state = run(1);
   EXPECT_EQ(state.world.bodies[0].T_base_object.translation(),
             start.world.bodies[0].T_base_object.translation());
-  EXPECT_NEAR((state.world.p_base_hip - test::kBeside).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((state.world.p_base_hip - test::kToolStart).norm(), 0.0, 1e-12);
   EXPECT_EQ(state.speeds[0], 0.0);
 }
 
@@ -131,11 +132,11 @@ TEST_F(LiveCycleTest, SpeedIsThatOfTheBody) {
   const double before = cycle_.newest().world.bodies[0].T_base_object.translation().x();
   const WorldSnapshot& state = move(kInTheBox + Eigen::Vector3d(0.0002, 0.0, 0.0), 1);
   const Eigen::Vector3d after = state.world.bodies[0].T_base_object.translation();
-  // To the body's turning, which moves its origin less than a tenth as much here.
+  // Up to the body's rotation, which moves its origin less than a tenth as much here.
   EXPECT_NEAR(state.speeds[0], (after.x() - before) / kCycle, 0.1 * state.speeds[0] + 1e-9);
 }
 
-TEST_F(LiveCycleTest, NeverAsksForMemory) {
+TEST_F(LiveCycleTest, NeverAllocates) {
   run(10);
   const long before = heap_allocations.load();
   sample_.is_engaged = true;

@@ -18,16 +18,16 @@ Eigen::Vector3f vector(Random& random) {
   const float y = number(random);
   return {x, y, number(random)};
 }
-Eigen::Quaternionf turn(Random& random) {
+Eigen::Quaternionf rotation(Random& random) {
   return Eigen::Quaternionf(number(random), number(random), number(random), 3.0F).normalized();
 }
 
 PageMessage a_tool(Random& random) {
   LiveTool tool;
   tool.p_base_tip = vector(random);
-  tool.q_base_tool = turn(random);
+  tool.q_base_tool = rotation(random);
   tool.is_engaged = random.below(2) == 1;
-  tool.hand = static_cast<LiveHand>(random.below(4));
+  tool.device = static_cast<LiveInputDevice>(random.below(4));
   return {{static_cast<std::uint32_t>(1 + random.below(1000)), random.uniform(0.0, 1e6)}, tool};
 }
 
@@ -53,7 +53,7 @@ LiveState a_state(Random& random, std::size_t objects) {
   state.state_age = 0.001F;
   state.queue_age = 0.002F;
   for (std::size_t i = 0; i < objects; ++i) {
-    state.objects.push_back({vector(random), turn(random), vector(random),
+    state.objects.push_back({vector(random), rotation(random), vector(random),
                              static_cast<MotionPhase>(random.below(4)), random.below(2) == 1,
                              number(random)});
   }
@@ -61,13 +61,13 @@ LiveState a_state(Random& random, std::size_t objects) {
 }
 
 std::vector<PageMessage> one_of_each(Random& random) {
-  return {{{1, 0.5}, LiveHello{kLiveProtocol, "0.1.0"}},
+  return {{{1, 0.5}, LiveHello{kLiveProtocolVersion, "0.1.0"}},
           a_tool(random),
           {{3, 0.5}, LiveCommand::take_tool},
           {{4, 0.5}, LivePing{}}};
 }
 
-TEST(LiveProtocol, WhatAPageSaysComesBackAsItWas) {
+TEST(LiveProtocol, PageMessagesSurviveARoundTrip) {
   Random random(1);
   for (int i = 0; i < 1000; ++i) {
     const PageMessage message = a_tool(random);
@@ -75,22 +75,22 @@ TEST(LiveProtocol, WhatAPageSaysComesBackAsItWas) {
     const auto read = decode_page_message(encode(message));
     ASSERT_TRUE(read) << read.error().to_string();
     const auto& same = std::get<LiveTool>(read->content);
-    EXPECT_EQ(read->head.sequence, message.head.sequence);
-    EXPECT_EQ(read->head.clock, message.head.clock);
+    EXPECT_EQ(read->header.sequence, message.header.sequence);
+    EXPECT_EQ(read->header.clock, message.header.clock);
     EXPECT_EQ(same.p_base_tip, tool.p_base_tip);
     EXPECT_EQ(same.q_base_tool.coeffs(), tool.q_base_tool.coeffs());
     EXPECT_EQ(same.is_engaged, tool.is_engaged);
-    EXPECT_EQ(same.hand, tool.hand);
+    EXPECT_EQ(same.device, tool.device);
   }
-  for (const auto command : {LiveCommand::hold, LiveCommand::go_on, LiveCommand::reset,
-                             LiveCommand::take_tool, LiveCommand::give_tool_back}) {
+  for (const auto command : {LiveCommand::hold, LiveCommand::resume, LiveCommand::reset,
+                             LiveCommand::take_tool, LiveCommand::release_tool}) {
     const auto read = decode_page_message(encode(PageMessage{{9, 1.0}, command}));
     ASSERT_TRUE(read);
     EXPECT_EQ(std::get<LiveCommand>(read->content), command);
   }
 }
 
-TEST(LiveProtocol, AStateComesBackAsItWas) {
+TEST(LiveProtocol, AStateSurvivesARoundTrip) {
   Random random(2);
   for (const std::size_t objects : {0U, 1U, 3U, 200U}) {
     const LiveState state = a_state(random, objects);
@@ -112,7 +112,7 @@ TEST(LiveProtocol, AStateComesBackAsItWas) {
   }
 }
 
-TEST(LiveProtocol, FieldsStandWhereTheDocumentSaysTheyDo) {
+TEST(LiveProtocol, FieldsAreAtTheirDocumentedOffsets) {
   LiveState state;
   state.t = 1.0;
   state.page_clock = 2.0;
@@ -124,8 +124,8 @@ TEST(LiveProtocol, FieldsStandWhereTheDocumentSaysTheyDo) {
   state.objects[0].phase = MotionPhase::sliding;
   state.objects[0].speed = 1.0F;
   const auto bytes = encode(ServerMessage{{0x0a0b0c0d, 1.0}, state});
-  const std::vector<std::uint8_t> head(bytes.begin(), bytes.begin() + 24);
-  EXPECT_EQ(head,
+  const std::vector<std::uint8_t> header(bytes.begin(), bytes.begin() + 24);
+  EXPECT_EQ(header,
             (std::vector<std::uint8_t>{'P', 'C', 'V', 'R', 1, 2, 0, 0, 0x0d, 0x0c, 0x0b, 0x0a,
                                        152, 0,   0,   0,   0, 0, 0, 0, 0,    0,    0xf0, 0x3f}));
   const std::uint8_t* body = bytes.data() + 24;
@@ -141,26 +141,26 @@ TEST(LiveProtocol, FieldsStandWhereTheDocumentSaysTheyDo) {
   EXPECT_EQ(body[104 + 47], 0x3f);
 }
 
-TEST(LiveProtocol, WordsComeBackAsTheyWere) {
-  const LiveWelcome welcome{kLiveProtocol,  "0.1.0", true, "tisch \xc3\xbc\xf0\x9f",
-                            {"box", "can"}, 0.01,    72.0, "page"};
+TEST(LiveProtocol, TextsSurviveARoundTrip) {
+  const LiveWelcome welcome{kLiveProtocolVersion, "0.1.0", true, "tisch \xc3\xbc\xf0\x9f",
+                            {"box", "can"},       0.01,    72.0, "page"};
   const auto read = decode_server_message(encode(ServerMessage{{1, 0.0}, welcome}));
   ASSERT_TRUE(read) << read.error().to_string();
   const auto& same = std::get<LiveWelcome>(read->content);
   EXPECT_TRUE(same.is_replay);
   EXPECT_EQ(same.objects, welcome.objects);
   EXPECT_EQ(same.scene.substr(0, 8), "tisch \xc3\xbc");
-  const LiveNotice notice{LiveLevel::warning, "a \"word\"\n"};
-  const auto heard = decode_server_message(encode(ServerMessage{{2, 0.0}, notice}));
-  ASSERT_TRUE(heard);
-  EXPECT_EQ(std::get<LiveNotice>(heard->content).text, notice.text);
-  EXPECT_EQ(std::get<LiveNotice>(heard->content).level, LiveLevel::warning);
+  const LiveNotice notice{LiveLevel::warning, "a \"text\"\n"};
+  const auto decoded = decode_server_message(encode(ServerMessage{{2, 0.0}, notice}));
+  ASSERT_TRUE(decoded);
+  EXPECT_EQ(std::get<LiveNotice>(decoded->content).text, notice.text);
+  EXPECT_EQ(std::get<LiveNotice>(decoded->content).level, LiveLevel::warning);
   const auto pong = decode_server_message(encode(ServerMessage{{3, 0.0}, LivePong{4.5}}));
   ASSERT_TRUE(pong);
   EXPECT_EQ(std::get<LivePong>(pong->content).clock, 4.5);
 }
 
-TEST(LiveProtocol, EveryTruncationAndEveryByteTooManyIsRefused) {
+TEST(LiveProtocol, RejectsEveryTruncationAndTrailingBytes) {
   Random random(3);
   for (const PageMessage& message : one_of_each(random)) {
     auto bytes = encode(message);
@@ -176,33 +176,33 @@ TEST(LiveProtocol, EveryTruncationAndEveryByteTooManyIsRefused) {
   }
 }
 
-TEST(LiveProtocol, AStateThatClaimsMoreObjectsThanItHoldsIsRefused) {
+TEST(LiveProtocol, RejectsAStateWithTooLargeAnObjectCount) {
   Random random(4);
   auto bytes = encode(ServerMessage{{1, 0.0}, a_state(random, 2)});
   for (std::size_t i = 0; i < 4; ++i) bytes[24 + 100 + i] = 0xff;
   EXPECT_FALSE(decode_server_message(bytes));
 }
 
-TEST(LiveProtocol, NumbersOutOfTheirRangeAreRefused) {
-  const auto is_refused = [](LiveTool tool, LiveHead head = {1, 0.0}) {
-    return !decode_page_message(encode(PageMessage{head, tool}));
+TEST(LiveProtocol, RejectsNumbersOutOfRange) {
+  const auto is_rejected = [](LiveTool tool, LiveHeader header = {1, 0.0}) {
+    return !decode_page_message(encode(PageMessage{header, tool}));
   };
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_FALSE(is_refused({}));
-  EXPECT_TRUE(is_refused({.p_base_tip = {0.0F, nan, 0.0F}}));
-  EXPECT_TRUE(is_refused({.q_base_tool = {nan, 0.0F, 0.0F, 0.0F}}));
-  EXPECT_TRUE(is_refused({.q_base_tool = {0.0F, 0.0F, 0.0F, 0.0F}}));
-  EXPECT_TRUE(is_refused({.q_base_tool = {2.0F, 0.0F, 0.0F, 0.0F}}));
-  EXPECT_TRUE(is_refused({.hand = static_cast<LiveHand>(4)}));
-  EXPECT_TRUE(is_refused({}, {0, 0.0}));
-  EXPECT_TRUE(is_refused({}, {1, std::numeric_limits<double>::infinity()}));
+  EXPECT_FALSE(is_rejected({}));
+  EXPECT_TRUE(is_rejected({.p_base_tip = {0.0F, nan, 0.0F}}));
+  EXPECT_TRUE(is_rejected({.q_base_tool = {nan, 0.0F, 0.0F, 0.0F}}));
+  EXPECT_TRUE(is_rejected({.q_base_tool = {0.0F, 0.0F, 0.0F, 0.0F}}));
+  EXPECT_TRUE(is_rejected({.q_base_tool = {2.0F, 0.0F, 0.0F, 0.0F}}));
+  EXPECT_TRUE(is_rejected({.device = static_cast<LiveInputDevice>(4)}));
+  EXPECT_TRUE(is_rejected({}, {0, 0.0}));
+  EXPECT_TRUE(is_rejected({}, {1, std::numeric_limits<double>::infinity()}));
   for (const std::uint32_t command : {0U, 6U, 0xffffffffU}) {
     EXPECT_FALSE(
         decode_page_message(encode(PageMessage{{1, 0.0}, static_cast<LiveCommand>(command)})));
   }
 }
 
-TEST(LiveProtocol, AnotherVersionIsNamedInTheRefusal) {
+TEST(LiveProtocol, TheErrorNamesAnotherVersion) {
   auto bytes = encode(PageMessage{{1, 0.0}, LivePing{}});
   bytes[4] = 7;
   const auto read = decode_page_message(bytes);
@@ -210,26 +210,26 @@ TEST(LiveProtocol, AnotherVersionIsNamedInTheRefusal) {
   EXPECT_NE(read.error().message.find("protocol 7"), std::string::npos);
 }
 
-TEST(LiveProtocol, AHelloOfAnotherProtocolIsReadSoThatItCanBeAnswered) {
+TEST(LiveProtocol, DecodesAHelloOfAnotherProtocol) {
   const auto read = decode_page_message(encode(PageMessage{{1, 0.0}, LiveHello{2, "9.9"}}));
   ASSERT_TRUE(read);
   EXPECT_EQ(std::get<LiveHello>(read->content).protocol, 2);
 }
 
-TEST(LiveProtocol, AProtocolThatIsNoneIsRefusedInAHelloAndInAWelcome) {
-  for (const int none : {-1, 2'000'000, std::numeric_limits<int>::max()}) {
-    EXPECT_FALSE(decode_page_message(encode(PageMessage{{1, 0.0}, LiveHello{none, "9.9"}})));
-    EXPECT_FALSE(decode_server_message(encode(ServerMessage{{1, 0.0}, LiveWelcome{none}})));
+TEST(LiveProtocol, RejectsInvalidProtocolVersionsInHelloAndWelcome) {
+  for (const int invalid : {-1, 2'000'000, std::numeric_limits<int>::max()}) {
+    EXPECT_FALSE(decode_page_message(encode(PageMessage{{1, 0.0}, LiveHello{invalid, "9.9"}})));
+    EXPECT_FALSE(decode_server_message(encode(ServerMessage{{1, 0.0}, LiveWelcome{invalid}})));
   }
 }
 
-TEST(LiveProtocol, WhatAServerSaysIsNoneOfAPagesWords) {
+TEST(LiveProtocol, PageAndServerMessagesAreDistinct) {
   Random random(5);
   EXPECT_FALSE(decode_page_message(encode(ServerMessage{{1, 0.0}, a_state(random, 1)})));
   EXPECT_FALSE(decode_server_message(encode(PageMessage{{1, 0.0}, LivePing{}})));
 }
 
-TEST(LiveProtocol, NoBytesAtRandomBringItDown) {
+TEST(LiveProtocol, SurvivesRandomBytes) {
   Random random(6);
   std::vector<std::uint8_t> bytes;
   for (int i = 0; i < 20'000; ++i) {
@@ -240,14 +240,14 @@ TEST(LiveProtocol, NoBytesAtRandomBringItDown) {
     }
     const auto read = decode_page_message(bytes);
     if (!read) continue;
-    // Whatever is let through says again what it said.
+    // What is accepted survives a round trip.
     EXPECT_TRUE(decode_page_message(encode(*read)));
   }
 }
 
-TEST(LiveProtocol, NoMessageIsLongerThan64KiB) {
+TEST(LiveProtocol, RejectsMessagesLongerThan64KiB) {
   std::vector<std::uint8_t> bytes = encode(PageMessage{{1, 0.0}, LivePing{}});
-  bytes.resize(kLiveMostBytes + 1);
+  bytes.resize(kMaxLiveMessageBytes + 1);
   const auto read = decode_page_message(bytes);
   ASSERT_FALSE(read);
   EXPECT_NE(read.error().message.find("64 KiB"), std::string::npos);

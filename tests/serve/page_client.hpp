@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A page without a browser. Boost.Beast takes long to compile: one test source, and one benchmark.
+// A page without a browser. Boost.Beast takes long to compile: for one test and one benchmark only.
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -31,10 +31,10 @@ using tcp = boost::asio::ip::tcp;
 
 inline tcp::endpoint local(std::uint16_t port) { return {asio::ip::address_v4::loopback(), port}; }
 
-/// One WebSocket, waited for. Faults come back as nothing, or false.
+/// A synchronous WebSocket client. Errors are returned as nullopt or false.
 class PageClient {
  public:
-  /// Connects and shakes hands.
+  /// Connects, with the WebSocket handshake.
   explicit PageClient(std::uint16_t port, const std::string& origin = {}) {
     beast::error_code fault;
     socket_.next_layer().connect(local(port), fault);
@@ -54,13 +54,13 @@ class PageClient {
     return !fault;
   }
   template <typename Content>
-  bool say(Content content) {
-    return send(encode(PageMessage{{++said, LiveWorld::clock()}, std::move(content)}));
+  bool send_message(Content content) {
+    return send(encode(PageMessage{{++last_sent, LiveWorld::clock()}, std::move(content)}));
   }
-  bool greet() { return say(LiveHello{kLiveProtocol, "test"}); }
+  bool send_hello() { return send_message(LiveHello{kLiveProtocolVersion, "test"}); }
 
-  /// The next message; nothing where the connection ended.
-  std::optional<ServerMessage> hear() {
+  /// The next message; nullopt after the connection was closed.
+  std::optional<ServerMessage> receive() {
     beast::flat_buffer buffer;
     beast::error_code fault;
     socket_.read(buffer, fault);
@@ -71,10 +71,10 @@ class PageClient {
     if (!message) return std::nullopt;
     return std::move(*message);
   }
-  /// The next of one kind.
+  /// The next message of one type.
   template <typename Content>
-  std::optional<Content> hear_a() {
-    while (const auto message = hear()) {
+  std::optional<Content> receive_next() {
+    while (const auto message = receive()) {
       if (const auto* content = std::get_if<Content>(&message->content)) return *content;
     }
     return std::nullopt;
@@ -86,23 +86,23 @@ class PageClient {
   tcp::socket& transport() { return socket_.next_layer(); }
 
   bool is_open = false;
-  std::uint32_t said = 0;
+  std::uint32_t last_sent = 0;
 
  private:
   asio::io_context io_;
   websocket::stream<tcp::socket> socket_{io_};
 };
 
-/// What comes back for these bytes, to the end of the connection.
-inline std::string answer_to(std::uint16_t port, const std::string& bytes) {
+/// Sends the bytes and returns the response, until the connection is closed.
+inline std::string response_to(std::uint16_t port, const std::string& bytes) {
   asio::io_context io;
   tcp::socket socket(io);
   beast::error_code fault;
   socket.connect(local(port), fault);
   asio::write(socket, asio::buffer(bytes), fault);
-  std::string answer;
-  asio::read(socket, asio::dynamic_buffer(answer), fault);
-  return answer;
+  std::string response;
+  asio::read(socket, asio::dynamic_buffer(response), fault);
+  return response;
 }
 
 }  // namespace pcavr::test

@@ -12,7 +12,7 @@
 
 #include "serve/cycle_histogram.hpp"
 #include "serve/gzip.hpp"
-#include "serve/pulse_meter.hpp"
+#include "serve/pulse_generator.hpp"
 #include "serve/triple_buffer.hpp"
 
 namespace pcavr {
@@ -36,7 +36,7 @@ TEST(TripleBuffer, TheReaderGetsTheNewestAndKeepsIt) {
   EXPECT_EQ(buffer.newest(), 7);
 }
 
-TEST(TripleBuffer, WhatIsReadIsWholeAndNeverOlderThanBefore) {
+TEST(TripleBuffer, ValuesAreConsistentAndNeverOlderThanBefore) {
   struct Pair {
     std::uint64_t a = 0;
     std::uint64_t b = 0;
@@ -61,7 +61,7 @@ TEST(TripleBuffer, WhatIsReadIsWholeAndNeverOlderThanBefore) {
   writer.join();
 }
 
-TEST(CycleHistogram, QuantilesAreRightToABin) {
+TEST(CycleHistogram, QuantilesAreExactToABin) {
   Random random(1);
   CycleHistogram histogram(100);
   std::vector<double> durations;
@@ -76,7 +76,7 @@ TEST(CycleHistogram, QuantilesAreRightToABin) {
   EXPECT_EQ(histogram.times().longest, durations.back());
 }
 
-TEST(CycleHistogram, ForgetsWhatIsTenSlicesAgo) {
+TEST(CycleHistogram, DropsWhatIsOlderThanTenSlices) {
   CycleHistogram histogram(10);
   histogram.add(0.5);
   for (int i = 0; i < 99; ++i) histogram.add(1e-5);
@@ -85,9 +85,9 @@ TEST(CycleHistogram, ForgetsWhatIsTenSlicesAgo) {
   EXPECT_EQ(histogram.times().longest, 1e-5);
 }
 
-TEST(CycleHistogram, TakesAnyNumber) {
+TEST(CycleHistogram, AcceptsAnyNumber) {
   CycleHistogram histogram(1);
-  for (const double odd : {0.0, -1.0, std::nan(""), 1e9}) histogram.add(odd);
+  for (const double duration : {0.0, -1.0, std::nan(""), 1e9}) histogram.add(duration);
   EXPECT_EQ(histogram.times().longest, 1e9);
 }
 
@@ -100,55 +100,57 @@ HapticWorldState touching(MotionPhase phase, double force) {
   return state;
 }
 
-TEST(PulseMeter, StrikesAtTheFirstTouchAndAtTheBreakaway) {
-  PulseMeter meter(1, 10.0);
-  meter.step(touching(MotionPhase::free, 0.0), 0.001);
-  EXPECT_EQ(meter.count(), 0U);
-  EXPECT_LT(meter.amplitude(), 1e-6);
-  meter.step(touching(MotionPhase::held, 1.0), 0.001);
-  EXPECT_EQ(meter.count(), 1U);
-  EXPECT_EQ(meter.amplitude(), 1.0);
-  for (int i = 0; i < 500; ++i) meter.step(touching(MotionPhase::critical, 8.0), 0.001);
-  EXPECT_EQ(meter.count(), 1U);
-  EXPECT_NEAR(meter.amplitude(), 0.4, 1e-6);
-  meter.step(touching(MotionPhase::sliding, 7.0), 0.001);
-  EXPECT_EQ(meter.count(), 2U);
-  EXPECT_EQ(meter.amplitude(), 1.0);
+TEST(PulseGenerator, PulsesAtTheFirstContactAndAtTheBreakaway) {
+  PulseGenerator generator(1, 10.0);
+  generator.step(touching(MotionPhase::free, 0.0), 0.001);
+  EXPECT_EQ(generator.count(), 0U);
+  EXPECT_LT(generator.amplitude(), 1e-6);
+  generator.step(touching(MotionPhase::static_contact, 1.0), 0.001);
+  EXPECT_EQ(generator.count(), 1U);
+  EXPECT_EQ(generator.amplitude(), 1.0);
+  for (int i = 0; i < 500; ++i) generator.step(touching(MotionPhase::critical, 8.0), 0.001);
+  EXPECT_EQ(generator.count(), 1U);
+  EXPECT_NEAR(generator.amplitude(), 0.4, 1e-6);
+  generator.step(touching(MotionPhase::sliding, 7.0), 0.001);
+  EXPECT_EQ(generator.count(), 2U);
+  EXPECT_EQ(generator.amplitude(), 1.0);
 }
 
-TEST(PulseMeter, ATipThatTremblesTouchesOnce) {
-  PulseMeter meter(1, 10.0);
+TEST(PulseGenerator, DebouncesAChatteringTip) {
+  PulseGenerator generator(1, 10.0);
   for (int i = 0; i < 100; ++i) {
-    meter.step(touching(i % 3 == 0 ? MotionPhase::free : MotionPhase::held, 1.0), 0.001);
+    generator.step(touching(i % 3 == 0 ? MotionPhase::free : MotionPhase::static_contact, 1.0),
+                   0.001);
   }
-  EXPECT_EQ(meter.count(), 1U);
-  for (int i = 0; i < 60; ++i) meter.step(touching(MotionPhase::free, 0.0), 0.001);
-  meter.step(touching(MotionPhase::held, 1.0), 0.001);
-  EXPECT_EQ(meter.count(), 2U);
+  EXPECT_EQ(generator.count(), 1U);
+  for (int i = 0; i < 60; ++i) generator.step(touching(MotionPhase::free, 0.0), 0.001);
+  generator.step(touching(MotionPhase::static_contact, 1.0), 0.001);
+  EXPECT_EQ(generator.count(), 2U);
 }
 
-TEST(PulseMeter, TheHumGrowsWithTheForceAndStaysUnderAStroke) {
-  PulseMeter meter(1, 10.0);
+TEST(PulseGenerator, TheVibrationGrowsWithTheForceAndStaysBelowAPulse) {
+  PulseGenerator generator(1, 10.0);
   double before = -1.0;
   for (const double force : {0.0, 2.0, 5.0, 10.0, 1000.0}) {
-    for (int i = 0; i < 1000; ++i) meter.step(touching(MotionPhase::held, force), 0.001);
-    EXPECT_GE(meter.amplitude(), before);
-    EXPECT_LE(meter.amplitude(), 0.5);
-    before = meter.amplitude();
+    for (int i = 0; i < 1000; ++i)
+      generator.step(touching(MotionPhase::static_contact, force), 0.001);
+    EXPECT_GE(generator.amplitude(), before);
+    EXPECT_LE(generator.amplitude(), 0.5);
+    before = generator.amplitude();
   }
 }
 
-TEST(Gzip, WhatWasPackedComesBack) {
+TEST(Gzip, SurvivesARoundTrip) {
   for (const std::string& text : {std::string(), std::string("a"), std::string(100'000, 'x')}) {
     EXPECT_EQ(gunzip(gzip(text), 1 << 20), text);
   }
 }
 
-TEST(Gzip, WhatIsTooLargeOrNoGzipIsRefused) {
+TEST(Gzip, RejectsWhatIsTooLargeOrNotGzip) {
   EXPECT_FALSE(gunzip(gzip(std::string(1000, 'x')), 999));
   EXPECT_FALSE(gunzip("", 1000));
   EXPECT_FALSE(gunzip(std::string(40, '\0'), 1000));
-  std::string cut = gzip("some words that were cut");
+  std::string cut = gzip("some text that was truncated");
   cut.erase(cut.size() / 2, 2);
   EXPECT_FALSE(gunzip(cut, 1000));
 }

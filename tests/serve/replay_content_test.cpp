@@ -20,11 +20,11 @@ constexpr double kStart = 100.0;  // [s]
 constexpr double kPhaseChange = 102.0013;
 constexpr double kJerk = 103.4567;  // where the error is largest
 
-/// At rest, then along x at 0.1 m/s and turning, then at rest again.
+/// At rest, then along x at 0.1 m/s with rotation, then at rest again.
 Pose true_pose(double t) {
-  const double moved = std::clamp(t - 102.0, 0.0, 3.0);
-  return Pose(Eigen::Quaterniond(Eigen::AngleAxisd(0.2 * moved, Eigen::Vector3d::UnitZ())),
-              {0.5 + 0.1 * moved, 0.0, 0.04});
+  const double duration = std::clamp(t - 102.0, 0.0, 3.0);
+  return Pose(Eigen::Quaterniond(Eigen::AngleAxisd(0.2 * duration, Eigen::Vector3d::UnitZ())),
+              {0.5 + 0.1 * duration, 0.0, 0.04});
 }
 
 Replay a_replay(double seconds) {
@@ -39,15 +39,15 @@ Replay a_replay(double seconds) {
   const auto cycles = static_cast<int>(seconds * 1000.0);
   for (int i = 0; i < cycles; ++i) {
     const double t = kStart + 0.001 * i;
-    const double off = std::abs(t - kJerk) < 0.02 ? 0.02 : 0.001;
-    run.shown[0].push_back({t, Pose::from_translation({0.0, off, 0.0}) * true_pose(t)});
-    // Two contacts, with one sample that stands out.
+    const double error = std::abs(t - kJerk) < 0.02 ? 0.02 : 0.001;
+    run.shown[0].push_back({t, Pose::from_translation({0.0, error, 0.0}) * true_pose(t)});
+    // Two contacts, with one outlier.
     if ((t > 101.0 && t < 103.0) || t > 104.0) {
       run.forces.push_back({t, 0, i == 2345 ? 42.0 : 5.0, 4.0});
     }
   }
   run.phases = {{kStart, 0, MotionPhase::free, MotionPhase::free},
-                {kPhaseChange, 0, MotionPhase::sliding, MotionPhase::held}};
+                {kPhaseChange, 0, MotionPhase::sliding, MotionPhase::static_contact}};
   run.corrections = {{101.5, 0, CorrectionCase::phases_differ, "position", 31, true}};
   replay.teleop = run;
   replay.parameters_file = "parameters.yaml";
@@ -66,14 +66,14 @@ Recording a_recording(double seconds) {
 
 using Rows = std::vector<std::vector<float>>;
 
-/// A table of replay.bin, by what replay.json says of it.
+/// A table of replay.bin, by its entry in replay.json.
 Rows rows_of(const std::string& bytes, const nlohmann::json& table, std::size_t columns) {
   ByteReader reader(bytes_of(bytes).subspan(table["at"].get<std::size_t>()));
   Rows rows(table["rows"].get<std::size_t>(), std::vector<float>(columns));
   for (std::vector<float>& row : rows) {
     for (float& number : row) number = reader.f32();
   }
-  EXPECT_TRUE(reader.is_sound());
+  EXPECT_TRUE(reader.is_valid());
   return rows;
 }
 
@@ -88,7 +88,7 @@ class ReplayContentTest : public testing::Test {
   const nlohmann::json& box_ = json_["objects"][0];
 };
 
-TEST_F(ReplayContentTest, TellsAllThatThePageAsksFor) {
+TEST_F(ReplayContentTest, HasAllFieldsThatThePageReads) {
   EXPECT_EQ(json_["start"], kStart);
   EXPECT_NEAR(json_["duration"].get<double>(), 6.0, 0.01);
   EXPECT_EQ(json_["delays"], nlohmann::json({{"forward", 0.2}, {"backward", 0.2}}));
@@ -104,13 +104,13 @@ TEST_F(ReplayContentTest, TellsAllThatThePageAsksFor) {
   EXPECT_EQ(json_["frames"]["t"], nlohmann::json::array());
 }
 
-TEST_F(ReplayContentTest, ThinsThePredictionWithoutMovingIt) {
+TEST_F(ReplayContentTest, DecimatesThePredictionWithoutChangingIt) {
   const Rows rows = rows_of(bytes_, box_["predicted"], 8);
   ASSERT_GT(rows.size(), 100U);
-  EXPECT_LT(rows.size(), 700U);  // 3 s of motion at 200 Hz, and little for the rest
+  EXPECT_LT(rows.size(), 700U);  // 3 s of motion at 200 Hz, and few at rest
   EXPECT_EQ(rows.front()[0], 0.0F);
   EXPECT_NEAR(rows.back()[0], 5.999F, 1e-4F);
-  // Between rows, straight lines: the motion is one, but for the jerk's two ends.
+  // Interpolates between rows: the motion is linear, except at the jerk's two ends.
   std::size_t next = 1;
   const Replay whole = a_replay(6.0);
   for (const ShownPose& shown : whole.teleop->shown[0]) {
@@ -118,8 +118,8 @@ TEST_F(ReplayContentTest, ThinsThePredictionWithoutMovingIt) {
     while (next + 1 < rows.size() && rows[next][0] < t) ++next;
     const std::vector<float>& a = rows[next - 1];
     const std::vector<float>& b = rows[next];
-    const double share = std::clamp((t - a[0]) / (b[0] - a[0]), 0.0, 1.0);
-    const double x = a[1] + share * (b[1] - a[1]);
+    const double fraction = std::clamp((t - a[0]) / (b[0] - a[0]), 0.0, 1.0);
+    const double x = a[1] + fraction * (b[1] - a[1]);
     EXPECT_NEAR(x, shown.T_base_object.translation().x(), 2e-5) << t;  // same to 10 um
   }
 }
@@ -140,19 +140,19 @@ TEST_F(ReplayContentTest, KeepsTheRowsAroundAPhaseChangeAndTheLargestError) {
               milliseconds.contains(static_cast<int>(std::ceil(t))));
 }
 
-TEST_F(ReplayContentTest, HoldsPredictedAgainstTrackedAtEachFrame) {
+TEST_F(ReplayContentTest, ComparesPredictedWithTrackedAtEachFrame) {
   const Rows tracked = rows_of(bytes_, box_["tracked"], 8);
   const Rows errors = rows_of(bytes_, box_["error"], 3);
   EXPECT_EQ(tracked.size(), 180U);
   ASSERT_GE(errors.size(), 179U);  // the last frame may lie beyond the last prediction
   for (std::size_t i = 0; i < errors.size(); ++i) {
-    EXPECT_NEAR(errors[i][0], tracked[i][0], 1e-5F);  // what single precision rounds
+    EXPECT_NEAR(errors[i][0], tracked[i][0], 1e-5F);  // single precision
     EXPECT_GE(errors[i][1], 0.0009F);
     EXPECT_LT(errors[i][2], 1e-4F);
   }
 }
 
-TEST_F(ReplayContentTest, KeepsForcesThatStandOutAndMarksWhereContactEnded) {
+TEST_F(ReplayContentTest, KeepsForcePeaksAndMarksGapsInContact) {
   const Rows force = rows_of(bytes_, box_["force"], 3);
   EXPECT_LT(force.size(), 1200U);  // of 4 000
   float highest = 0.0F;
@@ -166,13 +166,13 @@ TEST_F(ReplayContentTest, KeepsForcesThatStandOutAndMarksWhereContactEnded) {
   for (std::size_t i = 1; i < force.size(); ++i) EXPECT_GE(force[i][0], force[i - 1][0]);
 }
 
-TEST_F(ReplayContentTest, GivesTheToolWithItsForce) {
+TEST_F(ReplayContentTest, HasTheToolWithItsForce) {
   const Rows tool = rows_of(bytes_, json_["tool"], 7);
   EXPECT_EQ(tool.size(), 1200U);  // 200 Hz
   EXPECT_EQ(tool[7], (std::vector<float>{tool[7][0], 0.3F, 0.0F, 0.05F, 1.0F, 2.0F, 3.0F}));
 }
 
-TEST_F(ReplayContentTest, StaysSmall) {
+TEST_F(ReplayContentTest, IsSmall) {
   const ReplayContent minute = content_of(60.0);
   std::size_t bytes = 0;
   for (const char* path : {"/api/replay.json", "/api/replay.bin"}) {
@@ -181,7 +181,7 @@ TEST_F(ReplayContentTest, StaysSmall) {
   EXPECT_LT(bytes, 1'000'000U);
 }
 
-TEST_F(ReplayContentTest, KnowsNothingWithoutAPrediction) {
+TEST_F(ReplayContentTest, HasNoRowsWithoutAPrediction) {
   Replay replay = a_replay(1.0);
   replay.teleop.reset();
   const auto content = ReplayContent::create(Recording(), SceneManifest(), replay);
@@ -193,7 +193,7 @@ TEST_F(ReplayContentTest, KnowsNothingWithoutAPrediction) {
   EXPECT_EQ(json["tool"]["rows"], 0);
 }
 
-TEST(FrameContentTest, DrawsAFrameWhenItIsAskedForAndKnowsNoOthers) {
+TEST(FrameContentTest, RendersAFrameOnDemandAndHasNoOthers) {
   const TemporaryFolder folder;
   write_small_replay(folder.path());
   const Recording recording = *read_recording(folder.path() / "recording");

@@ -10,9 +10,9 @@
 
 #include "pcavr/core/bytes.hpp"
 #include "pcavr/core/output.hpp"
+#include "pcavr/core/raw_bytes.hpp"
+#include "pcavr/scene/ply_file.hpp"
 
-#include "scene/bytes.hpp"
-#include "scene/ply_file.hpp"
 #include "scene/scene_builder.hpp"
 #include "serve/content_text.hpp"
 #include "serve/decoded_content.hpp"
@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr char kOddName[] = "a 'box' #1 50%?";
 
-/// A table, a box, and a box whose name holds what URLs escape.
+/// A table, a box, and a box whose name has characters that URLs escape.
 Scene a_scene() {
   Scene scene = a_box_on_a_table();
   scene.objects.push_back(an_object(kOddName, {0.2, 0.2, 0.04}));
@@ -62,7 +62,7 @@ class SceneContentTest : public testing::Test {
   static inline std::unique_ptr<SceneContent> content_;
 };
 
-TEST_F(SceneContentTest, TellsAllThatThePageAsksFor) {
+TEST_F(SceneContentTest, HasAllFieldsThatThePageReads) {
   const nlohmann::json json = json_of(*content_, "/api/scene.json");
   EXPECT_EQ(json["name"], whole_->path().filename().string());
   EXPECT_EQ(json["protocol"], 1);
@@ -99,7 +99,7 @@ TEST_F(SceneContentTest, CountsBytesAsThePageReceivesThem) {
   }
 }
 
-TEST_F(SceneContentTest, HoldsTheCloudWithinHalfAStep) {
+TEST_F(SceneContentTest, QuantizesTheCloudToWithinHalfAStep) {
   const auto cloud = read_ply(whole_->path() / "cloud.ply");
   ASSERT_TRUE(cloud);
   const std::string body = body_of(*content_, "/scene/cloud.bin");
@@ -107,32 +107,32 @@ TEST_F(SceneContentTest, HoldsTheCloudWithinHalfAStep) {
   Eigen::Vector3f origin;
   for (float& coordinate : origin) coordinate = bytes.f32();
   const auto step = bytes.f32();
-  const auto count = bytes.whole<std::uint32_t>();
+  const auto count = bytes.integer<std::uint32_t>();
   ASSERT_EQ(count, cloud->vertices.size());
   EXPECT_LE(step, 0.001F);
   std::vector<Eigen::Vector3f> points(count);
   for (Eigen::Vector3f& point : points) {
     for (int axis = 0; axis < 3; ++axis) {
-      point[axis] = origin[axis] + step * static_cast<float>(bytes.whole<std::uint16_t>());
+      point[axis] = origin[axis] + step * static_cast<float>(bytes.integer<std::uint16_t>());
     }
   }
   for (const Eigen::Vector3f& point : points) {
-    const Rgb8 color{bytes.whole<std::uint8_t>(), bytes.whole<std::uint8_t>(),
-                     bytes.whole<std::uint8_t>()};
-    // Points stand 2 cm apart: the nearest is the one that was meant.
+    const Rgb8 color{bytes.integer<std::uint8_t>(), bytes.integer<std::uint8_t>(),
+                     bytes.integer<std::uint8_t>()};
+    // Points are 2 cm apart: the nearest is the corresponding one.
     std::size_t nearest = 0;
     for (std::size_t i = 0; i < cloud->vertices.size(); ++i) {
       const auto distance = [&](std::size_t k) { return (cloud->vertices[k] - point).norm(); };
       if (distance(i) < distance(nearest)) nearest = i;
     }
-    const float off = (cloud->vertices[nearest] - point).cwiseAbs().maxCoeff();
-    ASSERT_LE(off, 0.5F * step + 1e-6F);  // and what single precision rounds
+    const float error = (cloud->vertices[nearest] - point).cwiseAbs().maxCoeff();
+    ASSERT_LE(error, 0.5F * step + 1e-6F);  // plus single-precision rounding
     ASSERT_EQ(color, cloud->colors[nearest]);
   }
-  EXPECT_TRUE(bytes.is_sound() && bytes.is_at_end());
+  EXPECT_TRUE(bytes.is_valid() && bytes.is_at_end());
 }
 
-TEST_F(SceneContentTest, HoldsTheCellsThatAreOccupiedAndNoOthers) {
+TEST_F(SceneContentTest, HasExactlyTheOccupiedCells) {
   const Scene scene = a_scene();
   const std::string body = body_of(*content_, "/scene/occupancy.bin");
   ByteReader bytes(bytes_of(body));
@@ -140,7 +140,7 @@ TEST_F(SceneContentTest, HoldsTheCellsThatAreOccupiedAndNoOthers) {
   for (float& coordinate : origin) coordinate = bytes.f32();
   const auto edge = bytes.f32();
   EXPECT_FLOAT_EQ(edge, static_cast<float>(scene.occupancy.options().resolution));
-  const auto count = bytes.whole<std::uint32_t>();
+  const auto count = bytes.integer<std::uint32_t>();
   EXPECT_EQ(count, scene.occupancy.counts().occupied);
   EXPECT_GT(count, 0U);
   std::set<std::array<std::uint16_t, 3>> cells;
@@ -148,16 +148,16 @@ TEST_F(SceneContentTest, HoldsTheCellsThatAreOccupiedAndNoOthers) {
     std::array<std::uint16_t, 3> cell{};
     Eigen::Vector3d middle = origin.cast<double>();
     for (int axis = 0; axis < 3; ++axis) {
-      cell[static_cast<std::size_t>(axis)] = bytes.whole<std::uint16_t>();
+      cell[static_cast<std::size_t>(axis)] = bytes.integer<std::uint16_t>();
       middle[axis] += edge * (cell[static_cast<std::size_t>(axis)] + 0.5);
     }
     EXPECT_EQ(scene.occupancy.at(middle), OccupancyMap::Cell::occupied);
     EXPECT_TRUE(cells.insert(cell).second);
   }
-  EXPECT_TRUE(bytes.is_sound() && bytes.is_at_end());
+  EXPECT_TRUE(bytes.is_valid() && bytes.is_at_end());
 }
 
-TEST_F(SceneContentTest, EscapesANameThatAUrlCanNotHold) {
+TEST_F(SceneContentTest, EscapesNamesInUrls) {
   const nlohmann::json json = json_of(*content_, "/api/scene.json");
   const auto path = json["objects"][1]["path"].get<std::string>();
   EXPECT_EQ(path, "/scene/objects/a%20%27box%27%20%231%2050%25%3F.glb");
@@ -165,7 +165,7 @@ TEST_F(SceneContentTest, EscapesANameThatAUrlCanNotHold) {
   EXPECT_TRUE(has_path(*content_, "/scene/objects/a 'box' #1 50%?.glb"));
 }
 
-TEST_F(SceneContentTest, KnowsNothingElseOfTheDisk) {
+TEST_F(SceneContentTest, ServesNoOtherFileOfTheDisk) {
   for (const char* path :
        {"", "/", "/scene/scene.yaml", "/scene/../scene.yaml", "/scene/objects/../scene.glb",
         "/scene/objects/%2e%2e/scene.glb", "/etc/passwd", "/scene/lod/2.glb", "/scene/lod/-1.glb",
@@ -192,14 +192,14 @@ TEST_F(SceneContentTest, CompressesMeshesAndKeepsThemInBase) {
   }
   const std::string level = body_of(*content_, "/scene/lod/0.glb");
   EXPECT_LT(level.size(), fs::file_size(whole_->path() / "scene.glb") / 2);
-  const auto text_size = value_at<std::uint32_t>(level.data(), 12);
+  const auto text_size = load_value<std::uint32_t>(level.data(), 12);
   const nlohmann::json gltf = nlohmann::json::parse(level.substr(20, text_size));
   EXPECT_EQ(gltf["extensionsRequired"][0], "EXT_meshopt_compression");
   ASSERT_EQ(gltf["meshes"].size(), 1U);
   for (const nlohmann::json& node : gltf["nodes"]) EXPECT_FALSE(node.contains("rotation"));
 }
 
-TEST_F(SceneContentTest, ServesMeshesAsTheyAreWithoutGltfpackAndSaysSoOnce) {
+TEST_F(SceneContentTest, ServesUncompressedMeshesWithoutGltfpackAndWarnsOnce) {
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", "/nowhere", 1);
   std::vector<std::string> lines;
@@ -215,7 +215,7 @@ TEST_F(SceneContentTest, ServesMeshesAsTheyAreWithoutGltfpackAndSaysSoOnce) {
   EXPECT_TRUE(body_of(*content, "/scene/lod/0.glb").starts_with("glTF"));
 }
 
-TEST_F(SceneContentTest, NamesTheFileThatIsMissingOrCutShort) {
+TEST_F(SceneContentTest, NamesTheMissingOrTruncatedFile) {
   for (const char* file : {"scene.glb", "lod/static_mesh_1.glb", "cloud.ply", "occupancy.bt",
                            "objects/box.glb", "camera_trajectory.txt"}) {
     const TemporaryFolder folder;
@@ -234,7 +234,7 @@ TEST_F(SceneContentTest, NamesTheFileThatIsMissingOrCutShort) {
   }
 }
 
-TEST_F(SceneContentTest, ServesASceneWithoutAnySurface) {
+TEST_F(SceneContentTest, ServesASceneWithoutSurfaces) {
   const TemporaryFolder folder;
   Scene nothing;
   nothing.voxel_size = 0.01;
@@ -249,7 +249,7 @@ TEST_F(SceneContentTest, ServesASceneWithoutAnySurface) {
   EXPECT_FALSE(has_path(*content, "/scene/lod/0.glb"));
 }
 
-TEST(PercentEncoding, IsUndoneByDecoding) {
+TEST(PercentEncoding, SurvivesARoundTrip) {
   std::string all;
   for (int byte = 0; byte < 256; ++byte) all += static_cast<char>(byte);
   EXPECT_EQ(percent_decoded(percent_encoded(all)), all);

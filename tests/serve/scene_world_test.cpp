@@ -23,14 +23,14 @@ class SceneWorldTest : public testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(SceneWorldTest, ABoxCanBePushedWhereItStandsAndTheToolWaitsAboveIt) {
+TEST_F(SceneWorldTest, TheBoxIsMovableAtItsPoseAndTheToolStartsAboveIt) {
   const auto world = world_of(a_box_on_a_table(), {.tool_radius = 0.02, .max_force = 7.0});
   ASSERT_TRUE(world) << world.error().to_string();
   const WorldModel& model = world->model.world;
   ASSERT_EQ(model.bodies.size(), 1U);
   EXPECT_EQ(model.bodies[0].model.name, "box");
   EXPECT_LT((model.bodies[0].T_base_object.translation() - Eigen::Vector3d(0.6, 0.05, 0.04)).norm(),
-            1e-8);  // a nanometre a coordinate is what scene.yaml keeps
+            1e-8);  // scene.yaml rounds coordinates to a nanometre
   EXPECT_EQ(model.tool_radius, 0.02);
   EXPECT_EQ(world->model.force.max_force, 7.0);
   EXPECT_EQ(world->model.supports_base.size(), 1U);
@@ -41,7 +41,7 @@ TEST_F(SceneWorldTest, ABoxCanBePushedWhereItStandsAndTheToolWaitsAboveIt) {
   EXPECT_TRUE(world->notes.empty());
 }
 
-TEST_F(SceneWorldTest, WhatDoesNotMoveIsFeltAndWhatWasNotSeenIsLeftOutWithAWord) {
+TEST_F(SceneWorldTest, AddsFixedObjectsToTheStaticMeshAndIgnoresUnseenOnesWithANote) {
   Scene scene = a_box_on_a_table();
   scene.objects.push_back(an_object("rail", {0.2, 0.2, 0.04}));
   scene.objects.back().is_movable = false;
@@ -53,12 +53,12 @@ TEST_F(SceneWorldTest, WhatDoesNotMoveIsFeltAndWhatWasNotSeenIsLeftOutWithAWord)
   EXPECT_EQ(world->triangles, 5000U + 12U);
   ASSERT_EQ(world->notes.size(), 1U);
   EXPECT_NE(world->notes[0].find("lost"), std::string::npos);
-  // The rail's corners, turned by 0.3 rad, lie where the scene has it.
+  // The rail's corners, rotated by 0.3 rad, are at its pose in the scene.
   const Eigen::Vector3f& corner = world->model.world.static_mesh_base.vertices.back();
   EXPECT_NEAR((corner.head<2>() - Eigen::Vector2f(0.2F, 0.2F)).norm(), std::hypot(0.05, 0.1), 1e-5);
 }
 
-TEST_F(SceneWorldTest, WhatNothingToldIsNamedAndWhatWasToldIsTaken) {
+TEST_F(SceneWorldTest, UsesGivenParametersAndListsDefaultedOnes) {
   ObjectParameters known;
   known.mass = ParameterValue{2.5, 0.1};
   known.contact_stiffness = ParameterValue{20000.0};
@@ -74,15 +74,15 @@ TEST_F(SceneWorldTest, WhatNothingToldIsNamedAndWhatWasToldIsTaken) {
   EXPECT_EQ(world->model.world.bodies[0].physics.contact.stiffness, 20000.0);
 }
 
-TEST_F(SceneWorldTest, ParametersOfAnObjectThatIsNotThereAreAnErrorThatNamesTheirFile) {
+TEST_F(SceneWorldTest, ParametersOfAnUnknownObjectAreAnErrorWithTheirFile) {
   const auto world = world_of(a_box_on_a_table(), {.parameters = ParameterTable{{"bx", {}}},
-                                                   .parameters_file = "told.yaml"});
+                                                   .parameters_file = "given.yaml"});
   ASSERT_FALSE(world);
-  EXPECT_NE(world.error().to_string().find("told.yaml"), std::string::npos);
+  EXPECT_NE(world.error().to_string().find("given.yaml"), std::string::npos);
   EXPECT_NE(world.error().to_string().find("bx"), std::string::npos);
 }
 
-TEST_F(SceneWorldTest, AFileThatIsMissingIsNamed) {
+TEST_F(SceneWorldTest, NamesAMissingFile) {
   for (const char* file : {"mesh.ply", "objects/box.glb"}) {
     EXPECT_TRUE(write_scene(a_box_on_a_table(), folder_.path(), {1}));
     const auto manifest = read_scene_manifest(folder_.path());

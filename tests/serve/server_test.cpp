@@ -20,8 +20,8 @@ namespace pcavr {
 namespace {
 
 namespace asio = boost::asio;
-using test::answer_to;
 using test::PageClient;
+using test::response_to;
 using test::tcp;
 
 class NoScene final : public ContentSource {
@@ -33,15 +33,15 @@ class NoScene final : public ContentSource {
   }
 };
 
-/// Takes its time, as a picture that has to be drawn does.
+/// Is slow, as rendering an image is.
 class SlowScene final : public ContentSource {
  public:
   [[nodiscard]] Expected<std::shared_ptr<const Content>> find(std::string_view) const override {
-    ++asked;
+    ++requests;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     return std::make_shared<const Content>(Content{"image/jpeg", "a picture", false});
   }
-  mutable std::atomic<int> asked{0};
+  mutable std::atomic<int> requests{0};
 };
 
 class ServerTest : public testing::Test {
@@ -68,22 +68,22 @@ class ServerTest : public testing::Test {
   }
   [[nodiscard]] std::uint16_t port() const { return server_->port(); }
   [[nodiscard]] std::string get(const std::string& path, const std::string& header = {}) const {
-    return answer_to(port(), "GET " + path + " HTTP/1.1\r\nHost: localhost\r\n" + header +
-                                 "Connection: close\r\n\r\n");
+    return response_to(port(), "GET " + path + " HTTP/1.1\r\nHost: localhost\r\n" + header +
+                                   "Connection: close\r\n\r\n");
   }
-  /// The world goes on, whatever was done to the server: waits until it did.
-  void expect_world_goes_on() {
+  /// Waits until the world has advanced.
+  void expect_world_runs() {
     PageClient page(port());
     ASSERT_TRUE(page.is_open);
-    ASSERT_TRUE(page.greet());
-    const auto first = page.hear_a<LiveState>();
+    ASSERT_TRUE(page.send_hello());
+    const auto first = page.receive_next<LiveState>();
     ASSERT_TRUE(first);
     for (int i = 0; i < 1000; ++i) {
-      const auto state = page.hear_a<LiveState>();
+      const auto state = page.receive_next<LiveState>();
       ASSERT_TRUE(state);
       if (state->cycles > first->cycles + 100) return;
     }
-    FAIL() << "the world stands still";
+    FAIL() << "the world does not advance";
   }
 
   TemporaryFolder page_;
@@ -93,7 +93,7 @@ class ServerTest : public testing::Test {
   std::thread thread_;
 };
 
-TEST_F(ServerTest, APageGetsItsFilesAndTheSceneWithItsPolicy) {
+TEST_F(ServerTest, ServesPageAndSceneWithSecurityHeaders) {
   open();
   const std::string index = get("/");
   EXPECT_EQ(index.substr(0, 15), "HTTP/1.1 200 OK");
@@ -107,22 +107,22 @@ TEST_F(ServerTest, APageGetsItsFilesAndTheSceneWithItsPolicy) {
   EXPECT_NE(get("/", "Origin: http://evil.example\r\n").find("403"), std::string::npos);
 }
 
-TEST_F(ServerTest, AScriptedPagePushesTheBoxAndSeesItMove) {
+TEST_F(ServerTest, AScriptedPagePushesTheBoxAndReceivesItsMotion) {
   open();
   PageClient page(port());
-  ASSERT_TRUE(page.greet());
-  ASSERT_TRUE(page.say(LiveCommand::take_tool));
-  auto state = page.hear_a<LiveState>();
+  ASSERT_TRUE(page.send_hello());
+  ASSERT_TRUE(page.send_message(LiveCommand::take_tool));
+  auto state = page.receive_next<LiveState>();
   ASSERT_TRUE(state);
   const float before = state->objects.at(0).position.x();
   LiveTool tool{.p_base_tip = state->p_base_hip};
-  // The clutch closes where the hand is; then it goes at 0.15 m/s into the box, by the server's
-  // own clock, for as long as it takes.
+  // The clutch closes at the start pose; then the hand moves at 0.15 m/s into the box, by the
+  // server's clock, until the box has moved.
   for (int i = 0; i < 2000 && state->objects[0].position.x() < before + 0.02F; ++i) {
     tool.is_engaged = i > 5;
     if (tool.is_engaged) tool.p_base_tip.x() += 0.15F / 72.0F;
-    ASSERT_TRUE(page.say(tool));
-    state = page.hear_a<LiveState>();
+    ASSERT_TRUE(page.send_message(tool));
+    state = page.receive_next<LiveState>();
     ASSERT_TRUE(state);
   }
   EXPECT_GT(state->objects[0].position.x(), before + 0.02F);
@@ -131,65 +131,66 @@ TEST_F(ServerTest, AScriptedPagePushesTheBoxAndSeesItMove) {
   EXPECT_FALSE(std::isnan(state->page_clock));
 }
 
-TEST_F(ServerTest, MalformedAndHugeMessagesGetAWordAndTheEnd) {
+TEST_F(ServerTest, MalformedAndHugeMessagesGetAnErrorAndCloseTheConnection) {
   open();
   for (const std::size_t length : {std::size_t{1}, std::size_t{24}, std::size_t{60'000}}) {
     PageClient page(port());
-    ASSERT_TRUE(page.greet());
+    ASSERT_TRUE(page.send_hello());
     ASSERT_TRUE(page.send(std::vector<std::uint8_t>(length, 0xff)));
-    const auto notice = page.hear_a<LiveNotice>();
+    const auto notice = page.receive_next<LiveNotice>();
     ASSERT_TRUE(notice);
     EXPECT_EQ(notice->level, LiveLevel::error);
-    while (page.hear()) {
+    while (page.receive()) {
     }
   }
   PageClient page(port());
-  ASSERT_TRUE(page.greet());
+  ASSERT_TRUE(page.send_hello());
   page.send(std::vector<std::uint8_t>(1'000'000, 0));
-  while (page.hear()) {
+  while (page.receive()) {
   }
-  expect_world_goes_on();
+  expect_world_runs();
 }
 
-TEST_F(ServerTest, APageOfAnotherVersionIsToldSo) {
+TEST_F(ServerTest, APageOfAnotherVersionGetsAnError) {
   open();
   PageClient page(port());
-  ASSERT_TRUE(page.say(LiveHello{2, "9.9"}));
-  const auto notice = page.hear_a<LiveNotice>();
+  ASSERT_TRUE(page.send_message(LiveHello{2, "9.9"}));
+  const auto notice = page.receive_next<LiveNotice>();
   ASSERT_TRUE(notice);
   EXPECT_NE(notice->text.find("protocol 2"), std::string::npos);
-  EXPECT_FALSE(page.hear());
+  EXPECT_FALSE(page.receive());
 }
 
-TEST_F(ServerTest, APageOfAnotherSiteGetsNoSocket) {
+TEST_F(ServerTest, RejectsCrossOriginWebSockets) {
   open();
   EXPECT_FALSE(PageClient(port(), "http://evil.example").is_open);
   EXPECT_TRUE(PageClient(port(), "http://127.0.0.1:" + std::to_string(port())).is_open);
   EXPECT_NE(get("/live", "Origin: http://evil.example\r\n").find("403"), std::string::npos);
 }
 
-TEST_F(ServerTest, WhatIsNotHttpGetsAWord) {
+TEST_F(ServerTest, MalformedHttpGetsAnErrorResponse) {
   open();
-  EXPECT_NE(answer_to(port(), "nonsense\r\n\r\n").find("400"), std::string::npos);
+  EXPECT_NE(response_to(port(), "nonsense\r\n\r\n").find("400"), std::string::npos);
   EXPECT_NE(get("/", "X: " + std::string(20'000, 'x') + "\r\n").find("431"), std::string::npos);
-  EXPECT_NE(answer_to(port(),
-                      "POST /api/pair HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999\r\n\r\n")
-                .find("413"),
-            std::string::npos);
-  expect_world_goes_on();
+  EXPECT_NE(
+      response_to(port(),
+                  "POST /api/pair HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999\r\n\r\n")
+          .find("413"),
+      std::string::npos);
+  expect_world_runs();
 }
 
-TEST_F(ServerTest, AHundredPagesAtOnceAreServedOrTurnedAwayWithAWord) {
+TEST_F(ServerTest, AHundredPagesAtOnceAreServedOrRejectedWithANotice) {
   open();
   std::vector<std::unique_ptr<PageClient>> pages;
   for (int i = 0; i < 100; ++i) pages.push_back(std::make_unique<PageClient>(port()));
   int served = 0;
-  int told = 0;
+  int rejected = 0;
   for (const auto& page : pages) {
-    page->greet();
-    while (const auto message = page->hear()) {
+    page->send_hello();
+    while (const auto message = page->receive()) {
       if (const auto* notice = std::get_if<LiveNotice>(&message->content)) {
-        told += notice->text.find("pages are open") != std::string::npos ? 1 : 0;
+        rejected += notice->text.find("pages are open") != std::string::npos ? 1 : 0;
       }
       if (!std::holds_alternative<LiveState>(message->content)) continue;
       ++served;
@@ -197,12 +198,12 @@ TEST_F(ServerTest, AHundredPagesAtOnceAreServedOrTurnedAwayWithAWord) {
     }
   }
   EXPECT_EQ(served, 32);
-  EXPECT_EQ(told, 68);
+  EXPECT_EQ(rejected, 68);
   pages.clear();
-  expect_world_goes_on();
+  expect_world_runs();
 }
 
-TEST_F(ServerTest, ConnectionsAreBounded) {
+TEST_F(ServerTest, ConnectionsAreLimited) {
   ServerOptions options;
   options.max_connections = 3;
   open(options);
@@ -212,59 +213,59 @@ TEST_F(ServerTest, ConnectionsAreBounded) {
   EXPECT_NE(get("/").find("503"), std::string::npos);
 }
 
-TEST_F(ServerTest, AClientThatNeverReadsIsLetGoAndTheOthersSeeTheNewest) {
+TEST_F(ServerTest, DisconnectsAClientThatNeverReads) {
   ServerOptions options;
   options.max_write_time = 0.5;
   options.rate = 90.0;
   open(options);
-  PageClient deaf(port());
-  deaf.transport().set_option(asio::socket_base::receive_buffer_size(4096));
-  ASSERT_TRUE(deaf.greet());
-  ASSERT_TRUE(deaf.say(LiveCommand::take_tool));
+  PageClient unresponsive(port());
+  unresponsive.transport().set_option(asio::socket_base::receive_buffer_size(4096));
+  ASSERT_TRUE(unresponsive.send_hello());
+  ASSERT_TRUE(unresponsive.send_message(LiveCommand::take_tool));
   PageClient page(port());
-  ASSERT_TRUE(page.greet());
+  ASSERT_TRUE(page.send_hello());
   bool was_taken = false;
   for (int i = 0; i < 10'000; ++i) {
-    const auto state = page.hear_a<LiveState>();
+    const auto state = page.receive_next<LiveState>();
     ASSERT_TRUE(state);
     was_taken = was_taken || state->tool_taken;
-    // Nobody has the tool any more: the deaf one is gone.
+    // The tool is free again: the unresponsive page was disconnected.
     if (was_taken && !state->tool_taken) return;
   }
-  FAIL() << "it is still there";
+  FAIL() << "it is still connected";
 }
 
-TEST_F(ServerTest, APageThatReadsSlowlySeesTheNewestState) {
+TEST_F(ServerTest, ASlowPageReceivesTheNewestState) {
   open({.rate = 90.0});
   PageClient page(port());
-  ASSERT_TRUE(page.greet());
-  ASSERT_TRUE(page.hear_a<LiveState>());
-  // Some 60 states behind, if they piled up.
+  ASSERT_TRUE(page.send_hello());
+  ASSERT_TRUE(page.receive_next<LiveState>());
+  // Some 60 states, if they were queued.
   std::this_thread::sleep_for(std::chrono::milliseconds(700));
   std::uint32_t before = 0;
   for (int i = 0; i < 200; ++i) {
-    const auto state = page.hear_a<LiveState>();
+    const auto state = page.receive_next<LiveState>();
     ASSERT_TRUE(state);
     EXPECT_GE(state->cycles, before);
     before = state->cycles;
-    // What is sent is never made before it can go.
+    // A state is only encoded when it can be sent.
     EXPECT_LT(state->state_age, 0.1F);
   }
 }
 
-TEST_F(ServerTest, RepliesPileUpForNobody) {
+TEST_F(ServerTest, RepliesAreNotQueuedWithoutLimit) {
   open({.max_write_time = 0.5});
   {
     PageClient page(port());
-    ASSERT_TRUE(page.greet());
+    ASSERT_TRUE(page.send_hello());
     // Pings without reading a single pong.
-    for (int i = 0; i < 20'000 && page.say(LivePing{}); ++i) {
+    for (int i = 0; i < 20'000 && page.send_message(LivePing{}); ++i) {
     }
   }
-  expect_world_goes_on();
+  expect_world_runs();
 }
 
-TEST_F(ServerTest, EndsAtOnceWhileFilesAreAskedFor) {
+TEST_F(ServerTest, StopsAtOnceWithPendingFileRequests) {
   const SlowScene scene;
   open({}, scene);
   asio::io_context io;
@@ -274,15 +275,15 @@ TEST_F(ServerTest, EndsAtOnceWhileFilesAreAskedFor) {
     asio::write(waiting.back(),
                 asio::buffer(std::string("GET /scene/a HTTP/1.1\r\nHost: localhost\r\n\r\n")));
   }
-  // Who comes last is heard last: by then all of them wait for the first.
+  // Served in order: by now all of them wait for the first.
   PageClient page(port());
-  ASSERT_TRUE(page.greet());
-  ASSERT_TRUE(page.hear_a<LiveWelcome>());
+  ASSERT_TRUE(page.send_hello());
+  ASSERT_TRUE(page.receive_next<LiveWelcome>());
   end();
-  EXPECT_LT(scene.asked, 20);
+  EXPECT_LT(scene.requests, 20);
 }
 
-TEST(LiveServer, ServesOnlyWhatIsSafeToServe) {
+TEST(LiveServer, RejectsUnsafeOptions) {
   const TemporaryFolder folder;
   const NoScene scene;
   const auto world = test::a_live_world();
@@ -296,10 +297,10 @@ TEST(LiveServer, ServesOnlyWhatIsSafeToServe) {
   EXPECT_NE(message().find("not an address"), std::string::npos);
   options.host = "localhost";
   options.tls = TlsFiles{folder.path() / "index.html", folder.path() / "index.html"};
-  EXPECT_NE(message().find("not a certificate"), std::string::npos);
+  EXPECT_NE(message().find("not a PEM certificate"), std::string::npos);
 }
 
-TEST(LiveServer, APortInUseIsSaidSo) {
+TEST(LiveServer, NamesAPortInUse) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_file(folder.path() / "index.html", ""));
   const NoScene scene;

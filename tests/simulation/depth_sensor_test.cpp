@@ -15,7 +15,7 @@ const CameraModel kCamera{
     .width = 320, .height = 240, .fx = 262.5, .fy = 262.5, .cx = 159.5, .cy = 119.5};
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// What a perfect camera sees of a plane normal . p = offset (camera axes).
+/// The ideal image of a plane normal . p = offset (camera axes).
 IdealFrame frame_of_plane(const Eigen::Vector3d& normal, double offset) {
   IdealFrame frame{
       .radiance = {},
@@ -32,19 +32,19 @@ IdealFrame frame_of_plane(const Eigen::Vector3d& normal, double offset) {
 
 IdealFrame wall_at(double z) { return frame_of_plane(-Eigen::Vector3d::UnitZ(), -z); }
 
-/// Without what is lost or grossly wrong: noise alone.
-DepthSensor noise_alone() {
+/// Without dropouts and outliers.
+DepthSensor noise_only() {
   DepthSensor sensor;
-  sensor.lost_anywhere = 0.0;
-  sensor.gross_errors = 0.0;
-  sensor.noise.nearest = 0.4;
-  sensor.noise.farthest = 4.0;
+  sensor.loss_probability = 0.0;
+  sensor.outlier_probability = 0.0;
+  sensor.noise.min_depth = 0.4;
+  sensor.noise.max_depth = 4.0;
   return sensor;
 }
 
 struct Moments {
   double mean = 0.0;
-  double sigma = 0.0;
+  double std = 0.0;
 };
 
 Moments moments(const DepthImage& measured, const DepthImage& truth) {
@@ -67,21 +67,21 @@ double share_of(const DepthImage& depth, const std::function<bool(float)>& condi
   return count / static_cast<double>(depth.pixels().size());
 }
 
-TEST(DepthSensor, AxialNoiseHasTheModelsSigmaAtEveryRange) {
-  DepthSensor sensor = noise_alone();
-  sensor.disparity_steps = 1e5;  // no rounding to speak of
+TEST(DepthSensor, AxialNoiseHasTheModelsStdAtEveryRange) {
+  DepthSensor sensor = noise_only();
+  sensor.disparity_steps = 1e5;  // negligible rounding
   for (const double z : {0.6, 1.0, 2.0, 3.5}) {
     const IdealFrame frame = wall_at(z);
     const Moments error = moments(measure_depth(sensor, kCamera, frame, 7), frame.depth);
     // Over the image the incidence grows to 37 degrees, which adds up to 0.1 mm; 76800 pixels with
-    // correlated noise give sigma to 2 %.
-    EXPECT_NEAR(error.sigma, sensor.noise.sigma(z), 0.02 * sensor.noise.sigma(z) + 1e-4) << z;
-    EXPECT_NEAR(error.mean, 0.0, 0.03 * sensor.noise.sigma(z)) << z;
+    // correlated noise estimate the std to 2 %.
+    EXPECT_NEAR(error.std, sensor.noise.depth_std(z), 0.02 * sensor.noise.depth_std(z) + 1e-4) << z;
+    EXPECT_NEAR(error.mean, 0.0, 0.03 * sensor.noise.depth_std(z)) << z;
   }
 }
 
 TEST(DepthSensor, RoundsDisparityToSteps) {
-  const DepthSensor sensor = noise_alone();
+  const DepthSensor sensor = noise_only();
   const DepthImage depth = measure_depth(sensor, kCamera, wall_at(2.5), 7);
   for (const float z : depth.pixels()) {
     const double steps = 580.0 * 0.075 / z * 8.0;
@@ -90,8 +90,8 @@ TEST(DepthSensor, RoundsDisparityToSteps) {
   }
 }
 
-TEST(DepthSensor, NoiseOfNeighboursIsAlike) {
-  DepthSensor sensor = noise_alone();
+TEST(DepthSensor, NoiseOfNeighboursIsCorrelated) {
+  DepthSensor sensor = noise_only();
   sensor.disparity_steps = 1e5;
   const IdealFrame frame = wall_at(1.5);
   const DepthImage depth = measure_depth(sensor, kCamera, frame, 7);
@@ -107,26 +107,27 @@ TEST(DepthSensor, NoiseOfNeighboursIsAlike) {
     }
     return product / square;
   };
-  // exp(-d^2 / (4 sigma^2)) for noise smoothed by a Gaussian; the kernel stands on whole pixels.
+  // exp(-d^2 / (4 sigma^2)) for noise smoothed by a Gaussian; the kernel is sampled at whole
+  // pixels.
   EXPECT_NEAR(correlation(1), std::exp(-1.0 / (4.0 * 0.75 * 0.75)), 0.03);
   EXPECT_NEAR(correlation(2), std::exp(-4.0 / (4.0 * 0.75 * 0.75)), 0.03);
   EXPECT_NEAR(correlation(6), 0.0, 0.03);
 }
 
-TEST(DepthSensor, LateralNoiseLeavesASlantedPlaneAlone) {
-  DepthSensor sensor = noise_alone();
+TEST(DepthSensor, LateralNoiseDoesNotChangeASlantedPlane) {
+  DepthSensor sensor = noise_only();
   sensor.noise = {
-      .constant = 0.0, .quadratic = 0.0, .grazing = 0.0, .nearest = 0.1, .farthest = 10.0};
+      .constant = 0.0, .quadratic = 0.0, .grazing = 0.0, .min_depth = 0.1, .max_depth = 10.0};
   sensor.disparity_steps = 1e6;
   const IdealFrame frame =
       frame_of_plane(Eigen::Vector3d(0.0, std::sin(0.9), -std::cos(0.9)), -0.8);
   const Moments error = moments(measure_depth(sensor, kCamera, frame, 7), frame.depth);
-  EXPECT_LT(error.sigma, 1e-5);  // [m]; rounding
+  EXPECT_LT(error.std, 1e-5);  // [m]; rounding
 }
 
-TEST(DepthSensor, LateralNoiseMovesAnEdgeToAndFro) {
-  DepthSensor sensor = noise_alone();
-  sensor.lost_on_edges = 0.0;
+TEST(DepthSensor, LateralNoiseShiftsAnEdge) {
+  DepthSensor sensor = noise_only();
+  sensor.edge_loss_probability = 0.0;
   sensor.baseline = 1e-6;  // no shadow of the projector
   IdealFrame frame = wall_at(2.0);
   constexpr int kEdge = 160;
@@ -140,7 +141,7 @@ TEST(DepthSensor, LateralNoiseMovesAnEdgeToAndFro) {
     for (int y = 0; y < kCamera.height; ++y) count += (depth(x, y) < 1.5F) != (x >= kEdge) ? 1 : 0;
     return static_cast<double>(count) / kCamera.height;
   };
-  // Sigma 0.8 px head-on: a shift of one pixel or more (rounded) beyond +-0.5 px comes in 27 % of
+  // Std 0.8 px at normal incidence: a shift beyond +-0.5 px (rounded to a pixel) occurs in 27 % of
   // the rows on either side; three pixels away (beyond 2.5 px) in 0.1 %. Rows are correlated.
   EXPECT_NEAR(crossed(kEdge), 0.27, 0.10);
   EXPECT_NEAR(crossed(kEdge - 1), 0.27, 0.10);
@@ -148,8 +149,8 @@ TEST(DepthSensor, LateralNoiseMovesAnEdgeToAndFro) {
 }
 
 TEST(DepthSensor, LosesGrazingSurfacesAndWhatIsOutOfRange) {
-  const DepthSensor sensor = noise_alone();
-  const auto is_lost = [](float z) { return z == 0.0F; };
+  const DepthSensor sensor = noise_only();
+  const auto is_invalid = [](float z) { return z == 0.0F; };
   const auto slanted = [&](double degrees) {
     const double a = degrees * kDegree;
     // A narrow view: the incidence hardly changes over it.
@@ -159,30 +160,30 @@ TEST(DepthSensor, LosesGrazingSurfacesAndWhatIsOutOfRange) {
     const Eigen::Vector3f normal(0.0F, static_cast<float>(std::sin(a)),
                                  static_cast<float>(-std::cos(a)));
     for (Eigen::Vector3f& n : frame.normal_camera.pixels()) n = normal;
-    return share_of(measure_depth(sensor, narrow, frame, 7), is_lost);
+    return share_of(measure_depth(sensor, narrow, frame, 7), is_invalid);
   };
   EXPECT_EQ(slanted(70.0), 0.0);
   EXPECT_EQ(slanted(80.0), 1.0);
-  EXPECT_EQ(share_of(measure_depth(sensor, kCamera, wall_at(0.3), 7), is_lost), 1.0);
-  EXPECT_EQ(share_of(measure_depth(sensor, kCamera, wall_at(5.0), 7), is_lost), 1.0);
-  EXPECT_EQ(share_of(measure_depth(sensor, kCamera, wall_at(0.0), 7), is_lost), 1.0);
+  EXPECT_EQ(share_of(measure_depth(sensor, kCamera, wall_at(0.3), 7), is_invalid), 1.0);
+  EXPECT_EQ(share_of(measure_depth(sensor, kCamera, wall_at(5.0), 7), is_invalid), 1.0);
+  EXPECT_EQ(share_of(measure_depth(sensor, kCamera, wall_at(0.0), 7), is_invalid), 1.0);
 }
 
-TEST(DepthSensor, GrossErrorsAndLossesComeAsOftenAsStated) {
-  DepthSensor sensor = noise_alone();
-  sensor.gross_errors = 0.01;
-  sensor.lost_anywhere = 0.02;
+TEST(DepthSensor, OutliersAndDropoutsHaveTheirProbability) {
+  DepthSensor sensor = noise_only();
+  sensor.outlier_probability = 0.01;
+  sensor.loss_probability = 0.02;
   const DepthImage depth = measure_depth(sensor, kCamera, wall_at(1.0), 7);
-  // 76800 pixels: a share of 1 % has a sigma of 0.04 %. A gross error falls within 5 cm of the
-  // truth once in 36.
+  // 76800 pixels: a share of 1 % has a std of 0.04 %. An outlier is within 5 cm of the truth once
+  // in 36.
   EXPECT_NEAR(share_of(depth, [](float z) { return z > 0.0F && std::abs(z - 1.0F) > 0.05F; }),
               0.01 * 35.0 / 36.0, 0.0015);
   EXPECT_NEAR(share_of(depth, [](float z) { return z == 0.0F; }), 0.02, 0.002);
 }
 
 TEST(DepthSensor, TheProjectorsShadowLiesRightOfANearObject) {
-  DepthSensor sensor = noise_alone();
-  sensor.lost_on_edges = 0.0;
+  DepthSensor sensor = noise_only();
+  sensor.edge_loss_probability = 0.0;
   IdealFrame frame = wall_at(2.0);
   for (int y = 0; y < kCamera.height; ++y) {
     for (int x = 100; x < 140; ++x) frame.depth(x, y) = 1.0F;

@@ -17,7 +17,7 @@ PlantRun run_of(const PlantCase& plant) { return run_plant(plant.bodies, plant.t
 
 std::size_t step_of(double t) { return static_cast<std::size_t>(std::lround(t / PlantRun::kStep)); }
 
-/// How often a body began to slide after nothing had touched it.
+/// How often a body began to slide after it was free.
 int slides(const PlantRun& run, std::size_t body) {
   int count = 0;
   bool was_free = false;
@@ -48,7 +48,7 @@ TEST(PlantCase, TheSameSeedHasTheSameBoxesInEveryTask) {
             push.bodies[0].parameters.mass);
 }
 
-TEST(PlantCase, BodiesAreDrawnWideAndArePhysical) {
+TEST(PlantCase, BodiesCoverWideRangesAndArePhysical) {
   double lightest = 1e9;
   double heaviest = 0.0;
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
@@ -60,11 +60,11 @@ TEST(PlantCase, BodiesAreDrawnWideAndArePhysical) {
       EXPECT_GE(p.limiting_static_friction, 0.2 * weight * 0.999);
       EXPECT_LE(p.limiting_static_friction, 1.1 * weight * 1.001);
       EXPECT_LT(p.sliding_friction_coefficient * weight, p.limiting_static_friction);
-      const double give =
+      const double penetration =
           std::pow(p.limiting_static_friction / p.contact_stiffness, 1.0 / p.contact_exponent);
-      EXPECT_GE(give, 0.00019);
-      EXPECT_LE(give, 0.00201);
-      // Pressure: all positive, adding up to the weight, its centre near the middle.
+      EXPECT_GE(penetration, 0.00019);
+      EXPECT_LE(penetration, 0.00201);
+      // Pressure: positive, with the weight as sum and the centre near the middle.
       double sum = 0.0;
       Eigen::Vector2d centre = Eigen::Vector2d::Zero();
       for (const PlantPatch& patch : body.patches) {
@@ -80,21 +80,22 @@ TEST(PlantCase, BodiesAreDrawnWideAndArePhysical) {
   EXPECT_GT(heaviest, 5.0);
 }
 
-TEST(PlantCase, PushesSlideBothBoxesByDecimetresParts) {
+TEST(PlantCase, PushesSlideBothBoxesBySomeCentimetres) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const PlantCase plant = make_plant_case(ToolTask::push, seed);
     const PlantRun run = run_of(plant);
     EXPECT_LT(run.duration(), 20.0);
     for (std::size_t i = 0; i < 2; ++i) {
-      const double way = (run.bodies[i].back().p_base - run.bodies[i].front().p_base).norm();
-      EXPECT_GT(way, 0.035) << "seed " << seed << ", body " << i;
-      EXPECT_LT(way, 0.085) << "seed " << seed << ", body " << i;
+      const double displacement =
+          (run.bodies[i].back().p_base - run.bodies[i].front().p_base).norm();
+      EXPECT_GT(displacement, 0.035) << "seed " << seed << ", body " << i;
+      EXPECT_LT(displacement, 0.085) << "seed " << seed << ", body " << i;
       EXPECT_EQ(slides(run, i), 1) << "seed " << seed << ", body " << i;
     }
   }
 }
 
-TEST(PlantCase, AProbeHoldsTenBreakawaysAndASlideThatNeverStops) {
+TEST(PlantCase, AProbeHasTenBreakawaysAndAContinuousSlide) {
   const PlantCase plant = make_plant_case(ToolTask::probe, 4);
   const PlantRun run = run_of(plant);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -125,28 +126,28 @@ TEST(PlantCase, SlowPushesOfAProbeBreakAwayWithinThreePerCentOfTheLimit) {
           return change.body == 0 && change.phase == PlantPhase::sliding;
         });
     ASSERT_NE(first, run.phases.end()) << seed;
-    double most = 0.0;
+    double max_force = 0.0;
     for (std::size_t k = step_of(first->t - 0.5); k < step_of(first->t + 0.03); ++k) {
-      most = std::max(most, run.force_base[k].head<2>().norm());
+      max_force = std::max(max_force, run.force_base[k].head<2>().norm());
     }
-    EXPECT_GT(most, 0.995 * limit) << "seed " << seed;
-    EXPECT_LT(most, 1.03 * limit) << "seed " << seed;
+    EXPECT_GT(max_force, 0.995 * limit) << "seed " << seed;
+    EXPECT_LT(max_force, 1.03 * limit) << "seed " << seed;
   }
 }
 
-TEST(PlantCase, PressesDontMoveTheBoxes) {
+TEST(PlantCase, PressesDoNotMoveTheBoxes) {
   const PlantCase plant = make_plant_case(ToolTask::press, 2);
   const PlantRun run = run_of(plant);
   for (const auto& states : run.bodies) {
     EXPECT_LT((states.back().p_base - states.front().p_base).norm(), 1e-5);
   }
-  double most = 0.0;
-  for (const Eigen::Vector3d& force : run.force_base) most = std::max(most, -force.z());
-  EXPECT_GT(most, 10.0);
-  EXPECT_LT(most, 90.0);
+  double max_force = 0.0;
+  for (const Eigen::Vector3d& force : run.force_base) max_force = std::max(max_force, -force.z());
+  EXPECT_GT(max_force, 10.0);
+  EXPECT_LT(max_force, 90.0);
 }
 
-TEST(PlantCase, TheSlotPressesOnBothWallsAndHolds) {
+TEST(PlantCase, TheSlotPressesOnBothWallsWithoutSliding) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const PlantCase plant = make_plant_case(ToolTask::slot, seed);
     const PlantRun run = run_of(plant);
@@ -164,7 +165,7 @@ TEST(PlantCase, TheSlotPressesOnBothWallsAndHolds) {
   }
 }
 
-TEST(PlantCase, TurnsTurn) {
+TEST(PlantCase, TurnsRotateTheBoxes) {
   const PlantCase plant = make_plant_case(ToolTask::turn, 1);
   const PlantRun run = run_of(plant);
   for (const auto& states : run.bodies) {

@@ -46,7 +46,7 @@ TEST(Sensors, TheToolIsReportedAt500HzWithItsNoise) {
   for (const TimedPose& timed : tool.poses()) {
     squares += (timed.pose.translation() - Eigen::Vector3d(0.1, 0.2, 0.3)).squaredNorm();
   }
-  // 30000 draws give sigma to 0.5 %.
+  // 30000 draws estimate the std to 0.5 %.
   EXPECT_NEAR(std::sqrt(squares / 3.0 / 10001.0), 5e-5, 1e-6);
 }
 
@@ -71,7 +71,7 @@ TEST(Sensors, TheWrenchHasNoiseDriftAndSpikes) {
   EXPECT_LE(spikes, 24);
 }
 
-TEST(Sensors, FaultsDoWhatTheySay) {
+TEST(Sensors, FaultsHaveTheirEffect) {
   const PlantRun run = a_run();
   const auto plain = measured_wrench(run, 1);
   const auto late = measured_wrench(run, 1, {.clock_offset = 0.1});
@@ -82,9 +82,9 @@ TEST(Sensors, FaultsDoWhatTheySay) {
   EXPECT_EQ(early.size(), plain.size() - 50);
   const auto flipped = measured_wrench(run, 1, {.is_force_flipped = true});
   EXPECT_EQ(flipped[7].force, Eigen::Vector3d(-plain[7].force));
-  SensorFaults weak;
-  weak.saturation = 4.0;
-  for (const WrenchSample& sample : measured_wrench(run, 1, weak)) {
+  SensorFaults saturated;
+  saturated.saturation = 4.0;
+  for (const WrenchSample& sample : measured_wrench(run, 1, saturated)) {
     EXPECT_LE(sample.force.cwiseAbs().maxCoeff(), 4.0);
   }
 }
@@ -95,14 +95,14 @@ TEST(Sensors, TrackingIsNearlyConstantAtRestAndNoisyInMotion) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     std::vector<double> rest;
     std::vector<double> motion;
-    for (const SimulatedSighting& seen : simulated_tracking(run, body, 0, seed)) {
-      const Pose truth = T_base_object_at(run, body, 0, seen.stamp.seconds());
-      const double off = translation_distance(truth, seen.T_base_object);
-      if (seen.stamp.seconds() < 10.0) {
-        EXPECT_TRUE(seen.is_at_rest);
+    for (const SimulatedMeasurement& measurement : simulated_tracking(run, body, 0, seed)) {
+      const Pose truth = T_base_object_at(run, body, 0, measurement.stamp.seconds());
+      const double off = translation_distance(truth, measurement.T_base_object);
+      if (measurement.stamp.seconds() < 10.0) {
+        EXPECT_TRUE(measurement.is_at_rest);
         rest.push_back(off);
-      } else if (seen.stamp.seconds() > 10.2) {
-        EXPECT_FALSE(seen.is_at_rest);
+      } else if (measurement.stamp.seconds() > 10.2) {
+        EXPECT_FALSE(measurement.is_at_rest);
         motion.push_back(off);
       }
     }
@@ -119,10 +119,11 @@ TEST(Sensors, AnObjectThatIsLostIsNotSeen) {
   SensorFaults faults;
   faults.lost_tracking = {.begin = 3.0, .end = 4.0};
   int lost = 0;
-  for (const SimulatedSighting& seen : simulated_tracking(a_run(), a_body(), 0, 1, faults)) {
-    const double t = seen.stamp.seconds();
-    EXPECT_EQ(seen.is_seen, t < 3.0 || t > 4.0) << t;
-    lost += seen.is_seen ? 0 : 1;
+  for (const SimulatedMeasurement& measurement :
+       simulated_tracking(a_run(), a_body(), 0, 1, faults)) {
+    const double t = measurement.stamp.seconds();
+    EXPECT_EQ(measurement.is_seen, t < 3.0 || t > 4.0) << t;
+    lost += measurement.is_seen ? 0 : 1;
   }
   EXPECT_NEAR(lost, 30, 1);
 }

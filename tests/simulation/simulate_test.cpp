@@ -89,7 +89,7 @@ TEST(Simulate, AnotherSeedGivesAnotherRecording) {
   }
 }
 
-TEST(Simulate, EveryCaseIsARecordingThatTheReaderTakes) {
+TEST(Simulate, EveryCaseIsAcceptedByTheStrictReader) {
   for (const SimulationCase& known : simulation_cases()) {
     // A minute each, and no other files than the rest: plant_case_test.cpp runs them.
     if (known.task == ToolTask::probe || known.task == ToolTask::turn) continue;
@@ -114,7 +114,7 @@ TEST(Simulate, EveryCaseIsARecordingThatTheReaderTakes) {
   }
 }
 
-TEST(Simulate, WithoutImagesTheManifestSaysWhereObjectsStartAndATrackerFollowsThem) {
+TEST(Simulate, WithoutImagesTheManifestHasInitialPosesAndATrackerFollowsTheObjects) {
   SimulationCase simulation = case_named("push");
   simulation.with_images = false;
   simulation.with_mass = false;
@@ -144,7 +144,7 @@ TEST(Simulate, WithoutImagesTheManifestSaysWhereObjectsStartAndATrackerFollowsTh
   EXPECT_FALSE(fs::exists(folder.path() / "truth/camera.txt"));
 }
 
-TEST(Simulate, PushGoesOnAsLongAsAskedAmongAsManyBoxesAsAsked) {
+TEST(Simulate, PushHasTheGivenDurationAndNumberOfBoxes) {
   SimulationCase simulation = case_named("push");
   simulation.with_images = false;
   simulation.movable_boxes = 20;
@@ -181,14 +181,14 @@ bool overlap(const Pose& T_base_a, const Eigen::Vector3d& half_a, const Pose& T_
          !is_apart(T_base_b, half_b, T_base_a, half_a);
 }
 
-TEST(Simulate, ManyBoxesThatArePushedToAndFroNeverTouch) {
+TEST(Simulate, ManyBoxesPushedBackAndForthNeverOverlap) {
   // Long enough for every box to be pushed and most to be pushed back.
   const PushOptions options{.boxes = 20, .duration = 150.0};
   const PlantCase plant = make_plant_case(ToolTask::push, 3, options);
-  PlantOptions ends;
-  ends.substeps = 8;  // coarser than recordings: places matter here, not forces
-  ends.max_duration = options.duration;
-  const PlantRun run = run_plant(plant.bodies, plant.tool, plant.moves, ends);
+  PlantOptions coarse_options;
+  coarse_options.substeps = 8;  // coarser than recordings: positions matter here, not forces
+  coarse_options.max_duration = options.duration;
+  const PlantRun run = run_plant(plant.bodies, plant.tool, plant.moves, coarse_options);
   EXPECT_NEAR(run.duration(), 150.0, 1e-9);
   for (double t = 0.0; t <= 150.0; t += 1.0) {
     std::vector<Pose> poses;
@@ -205,7 +205,7 @@ TEST(Simulate, ManyBoxesThatArePushedToAndFroNeverTouch) {
   }
 }
 
-TEST(Simulate, ManyBoxesHaveTagsOfTheirOwn) {
+TEST(Simulate, ManyBoxesHaveUniqueTags) {
   SimulationCase simulation = tiny("tabletop");
   simulation.movable_boxes = 20;
   simulation.duration = 0.5;
@@ -246,7 +246,7 @@ TEST(Simulate, DepthImagesMayBeSmallerThanColour) {
     }
   }
   EXPECT_GT(compared, 500);
-  // The sensor loses its way at edges and in one reading of a thousand.
+  // Dropouts at edges, and outliers in one pixel of a thousand.
   EXPECT_GT(agreeing, 0.95 * compared);
 }
 
@@ -263,7 +263,8 @@ TEST(Simulate, TruthOfATaskIsAParameterFile) {
   EXPECT_TRUE(truth.at("r_box").contact_stiffness && truth.at("r_box").friction_radius);
 }
 
-/// Distances of a frame's points from the true surfaces, sorted, in sigmas of the depth noise.
+/// Distances of a frame's points from the true surfaces, sorted, in standard deviations of the
+/// depth noise.
 std::vector<double> surface_errors(const Recording& recording, const SimulationCase& simulation,
                                    std::size_t index) {
   const fs::path folder = recording.folder;
@@ -286,7 +287,7 @@ std::vector<double> surface_errors(const Recording& recording, const SimulationC
       if (const auto hit = scene.closest(p_base.cast<float>(), distance)) distance = hit->distance;
       if (const auto hit = box.closest(p_box.cast<float>(), distance)) distance = hit->distance;
       const double step = z * z / (580.0 * 0.075 * 8.0);
-      errors.push_back(distance / std::hypot(simulation.depth_noise.sigma(z), step / 3.46));
+      errors.push_back(distance / std::hypot(simulation.depth_noise.depth_std(z), step / 3.46));
     }
   }
   std::sort(errors.begin(), errors.end());
@@ -310,7 +311,7 @@ TEST(Simulate, DepthImagesLieOnTheTrueSurfaces) {
     // of a normal's magnitude (0.67) by the cosine of the incidence.
     EXPECT_GT(errors[errors.size() / 2], 0.3);
     EXPECT_LT(errors[errors.size() / 2], 0.7);
-    // Beyond 5 sigma: gross errors and shifted edges only.
+    // Beyond 5 sigma: only outliers and shifted edges.
     EXPECT_LT(errors[errors.size() * 99 / 100], 5.0);
   }
 }
@@ -349,15 +350,15 @@ std::vector<double> corner_errors(const Recording& recording) {
   return errors;
 }
 
-TEST(Simulate, TagsAreDetectedWhereTruthProjectsThem) {
+TEST(Simulate, DetectedTagsMatchTheProjectedTruth) {
   for (const char* name : {"tabletop", "push", "room"}) {
     SimulationCase simulation = case_named(name);
     simulation.frame_rate = 3.0 / duration_of(simulation);
     const TemporaryFolder folder;
     const std::vector<double> errors = corner_errors(simulated(simulation, 1, folder.path()));
     ASSERT_GE(errors.size(), 12U) << name;
-    // With noise and JPEG the detector finds a corner to some 0.03 px. Edges placed to 1/8 px, as
-    // by a plain 4x4 grid of sub-samples, bring the push's upright tags to 0.09 px.
+    // With noise and JPEG the corner error is about 0.03 px. With a regular 4x4 grid of sub-samples
+    // (edges to 1/8 px) it would be 0.09 px for the push's upright tags.
     EXPECT_LT(errors[errors.size() / 2], 0.06) << name;
   }
 }
@@ -371,7 +372,7 @@ TEST(Simulate, AFolderThatCanNotBeWrittenToIsAnError) {
   EXPECT_NE(result.error().to_string().find(file.string()), std::string::npos);
 }
 
-TEST(Simulate, RefusesACaseThatMakesNoSense) {
+TEST(Simulate, RefusesAnInvalidCase) {
   const TemporaryFolder folder;
   SimulationCase timeless = tiny("tabletop");
   timeless.duration = 0.0;

@@ -24,7 +24,7 @@ Surface revolved(const std::vector<Eigen::Vector2d>& profile) {
   return surface;
 }
 
-/// Each edge of a closed surface is run through once each way.
+/// In a closed surface each edge is traversed once in each direction.
 bool is_closed(const TriangleMesh& mesh) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> forth;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> back;
@@ -43,11 +43,11 @@ TEST(Shapes, AreClosedAndHaveTheVolumeOfTheirFormula) {
   const double r = 0.05;
   const Surface cylinder = revolved(cylinder_profile(r, 0.1));
   EXPECT_TRUE(is_closed(cylinder.mesh));
-  // 96 segments take 0.07 % off a circle's area; the ball's 20 steps take 0.6 % off its volume.
+  // 96 segments take 0.07 % off a circle's area; the sphere's 20 steps take 0.6 % off its volume.
   EXPECT_NEAR(signed_volume(cylinder.mesh), kPi * r * r * 0.1, 1e-3 * kPi * r * r * 0.1);
-  const Surface ball = revolved(sphere_profile(r));
-  EXPECT_TRUE(is_closed(ball.mesh));
-  EXPECT_NEAR(signed_volume(ball.mesh), 4.0 / 3.0 * kPi * r * r * r, 0.01 * 4.2 * r * r * r);
+  const Surface sphere = revolved(sphere_profile(r));
+  EXPECT_TRUE(is_closed(sphere.mesh));
+  EXPECT_NEAR(signed_volume(sphere.mesh), 4.0 / 3.0 * kPi * r * r * r, 0.01 * 4.2 * r * r * r);
   const Surface cup = revolved(cup_profile(r, 0.1, 0.005));
   EXPECT_TRUE(is_closed(cup.mesh));
   EXPECT_GT(signed_volume(cup.mesh), 0.0);
@@ -63,13 +63,13 @@ TEST(Shapes, AreClosedAndHaveTheVolumeOfTheirFormula) {
 }
 
 TEST(Shapes, ShadingNormalsFollowTheSurface) {
-  const Surface ball = revolved(sphere_profile(0.05));
-  for (std::size_t i = 0; i < ball.mesh.triangles.size(); ++i) {
+  const Surface sphere = revolved(sphere_profile(0.05));
+  for (std::size_t i = 0; i < sphere.mesh.triangles.size(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const Eigen::Vector3f p = ball.mesh.vertices[ball.mesh.triangles[i][k]];
+      const Eigen::Vector3f p = sphere.mesh.vertices[sphere.mesh.triangles[i][k]];
       const Eigen::Vector3f radial = (p - Eigen::Vector3f(0.0F, 0.0F, 0.05F)).normalized();
       // Next to the poles the normal is the last edge's own, half a step of 9 degrees off.
-      EXPECT_GT(ball.corner_normals[i][k].dot(radial), 0.99F);
+      EXPECT_GT(sphere.corner_normals[i][k].dot(radial), 0.99F);
     }
   }
 }
@@ -97,20 +97,20 @@ TEST(Texture, StaysBetweenBlackAndWhiteAndFadesWithDistance) {
   }
 }
 
-TEST(Occupancy, FindsOnlyRoomThatIsFree) {
+TEST(Occupancy, FindsFreePositionsOnly) {
   Random random(4);
   Occupancy occupancy;
-  std::vector<Eigen::Vector2d> places;
-  while (const auto place = occupancy.find_room(0.1, {0.0, 0.0}, {1.0, 1.0}, random)) {
-    for (const Eigen::Vector2d& other : places) EXPECT_GE((other - *place).norm(), 0.2);
-    places.push_back(*place);
+  std::vector<Eigen::Vector2d> positions;
+  while (const auto position = occupancy.find_free_position(0.1, {0.0, 0.0}, {1.0, 1.0}, random)) {
+    for (const Eigen::Vector2d& other : positions) EXPECT_GE((other - *position).norm(), 0.2);
+    positions.push_back(*position);
   }
-  // Discs of 0.22 m with their clearance: at least 10 fit any way, no more than 27 do at best.
-  EXPECT_GE(places.size(), 10U);
-  EXPECT_LE(places.size(), 27U);
+  // Discs of 0.22 m with their clearance: at least 10 always fit, at most 27.
+  EXPECT_GE(positions.size(), 10U);
+  EXPECT_LE(positions.size(), 27U);
 }
 
-TEST(Layout, NothingStandsInAMovableBox) {
+TEST(Layout, NothingOverlapsAMovableBox) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SimulationCase simulation;
     simulation.movable_boxes = 2;
@@ -127,7 +127,7 @@ TEST(Layout, NothingStandsInAMovableBox) {
   }
 }
 
-TEST(Layout, NothingStandsInTheWayOfBodiesThatArePushed) {
+TEST(Layout, NothingBlocksThePathOfPushedBodies) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     SimulationCase simulation;
     simulation.task = ToolTask::push;
@@ -164,7 +164,7 @@ TEST(Layout, TagsFitTheFacesThatTheyAreOn) {
   }
 }
 
-TEST(Layout, ClutterWithoutRoomIsLeftOutWithAWarning) {
+TEST(Layout, ClutterWithoutRoomIsOmittedWithAWarning) {
   SimulationCase crowded;
   crowded.clutter = 500;
   std::string warning;

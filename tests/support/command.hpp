@@ -13,7 +13,7 @@
 
 #include "support/temporary_folder.hpp"
 
-/// What a run of the real command left behind.
+/// Exit code and output of a run of the real command.
 struct CommandOutcome {
   int exit_code = -1;  ///< -1 where it was ended by a signal
   std::string standard_output;
@@ -26,14 +26,14 @@ struct CommandOutcome {
   }
 };
 
-/// Runs `pcavr` with the words given, each quoted; `prefix` goes before it (such as "ulimit ...;").
-inline CommandOutcome run_pcavr(const std::vector<std::string>& words,
+/// Runs `pcavr` with these arguments, each quoted; `prefix` goes before it (such as "ulimit ...;").
+inline CommandOutcome run_pcavr(const std::vector<std::string>& arguments,
                                 const std::string& prefix = {}) {
   const TemporaryFolder folder;
   const std::string output = (folder.path() / "out").string();
   const std::string errors = (folder.path() / "err").string();
   std::string line = prefix + "'" PCAVR_COMMAND "'";
-  for (const std::string& word : words) line += " '" + word + "'";
+  for (const std::string& argument : arguments) line += " '" + argument + "'";
   const int status = std::system((line + " > '" + output + "' 2> '" + errors + "'").c_str());
   CommandOutcome outcome;
   if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);

@@ -38,7 +38,7 @@ class ForkedProcess {
 
   [[nodiscard]] pid_t id() const { return id_; }
 
-  /// Sends a signal and gives the status that wait() gives when the child has ended.
+  /// Sends a signal and returns the status from wait() when the child has ended.
   int kill(int signal) {
     ::kill(id_, signal);
     return wait();
@@ -66,10 +66,11 @@ class ForkedProcess {
   bool is_reaped_ = false;
 };
 
-/// Exit code of a child that can't do here what the test needs.
+/// Exit code of a child that lacks a permission or feature that the test needs.
 constexpr int kForkedSkip = 77;
 
-/// What the function returns in a child process: its exit code; -1 where a signal ended it.
+/// Runs the function in a child process and returns its result (the exit code); -1 if a signal
+/// ended it.
 template <typename Function>
 int run_forked(const Function& function) {
   const pid_t child = ::fork();
@@ -79,16 +80,16 @@ int run_forked(const Function& function) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-inline pid_t forked_process_that_ended() {
+inline pid_t id_of_dead_process() {
   const pid_t child = ::fork();
   if (child == 0) ::_exit(0);
   ::waitpid(child, nullptr, 0);
   return child;
 }
 
-/// The superuser may write anywhere: tests of permissions give that up first. Whether this process
-/// is an ordinary user's now.
-inline bool become_nobody() {
+/// Drops root privileges, for tests of permissions. Whether this process runs as an ordinary user
+/// afterwards.
+inline bool drop_privileges() {
   constexpr uid_t kNobody = 65534;
   if (::geteuid() != 0) return true;
   return ::setgroups(0, nullptr) == 0 && ::setgid(kNobody) == 0 && ::setuid(kNobody) == 0;

@@ -6,12 +6,12 @@
 #include <cstdlib>
 #include <new>
 
-/// How often the heap was asked for memory. Replaces the global operators: include it in one source
-/// file of a test executable only.
+/// Number of heap allocations. Replaces the global operators new and delete: include it in one
+/// source file of a test executable only.
 inline std::atomic<long> heap_allocations{0};
 
-// All forms that the standard library calls are replaced, or a sanitizer's own `new` would meet our
-// `delete`. Not inlined: GCC would see new's malloc beside delete's free, and take them for a
+// All forms that the standard library calls are replaced, or a sanitizer's own `new` would be
+// paired with our `delete`. Not inlined: GCC would warn about new's malloc and delete's free as a
 // mismatch.
 [[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   ++heap_allocations;

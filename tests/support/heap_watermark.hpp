@@ -9,12 +9,12 @@
 
 #include <malloc.h>
 
-/// Bytes that the heap's users hold, and the most that they held. Replaces the global operators:
-/// include it in one source file of a test executable only, and not beside heap_counter.hpp.
+/// Bytes allocated on the heap now, and their maximum. Replaces the global operators new and
+/// delete: include it in one source file of a test executable only, and not with heap_counter.hpp.
 inline std::atomic<std::size_t> heap_bytes{0};
 inline std::atomic<std::size_t> heap_peak{0};
 
-/// How much more than at its beginning was held at once in its life.
+/// Peak heap use during its lifetime, above the use at its construction.
 class HeapWatermark {
  public:
   HeapWatermark() : before_(heap_bytes) { heap_peak = before_; }
@@ -24,7 +24,7 @@ class HeapWatermark {
   std::size_t before_;
 };
 
-inline void* note_taken(void* memory) noexcept {
+inline void* note_allocation(void* memory) noexcept {
   if (memory == nullptr) return memory;
   const std::size_t now = heap_bytes += ::malloc_usable_size(memory);
   std::size_t peak = heap_peak;
@@ -32,7 +32,7 @@ inline void* note_taken(void* memory) noexcept {
   }
   return memory;
 }
-inline void give_back(void* memory) noexcept {
+inline void free_and_count(void* memory) noexcept {
   if (memory != nullptr) heap_bytes -= ::malloc_usable_size(memory);
   std::free(memory);
 }
@@ -40,7 +40,7 @@ inline void give_back(void* memory) noexcept {
 // All forms that the standard library calls are replaced, and none is inlined, for the reasons that
 // heap_counter.hpp gives.
 [[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  return note_taken(std::malloc(size > 0 ? size : 1));
+  return note_allocation(std::malloc(size > 0 ? size : 1));
 }
 [[gnu::noinline]] void* operator new(std::size_t size) {
   if (void* memory = operator new(size, std::nothrow)) return memory;
@@ -48,16 +48,18 @@ inline void give_back(void* memory) noexcept {
 }
 [[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
   const auto step = static_cast<std::size_t>(alignment);
-  if (void* memory = note_taken(std::aligned_alloc(step, (size + step - 1) / step * step))) {
+  if (void* memory = note_allocation(std::aligned_alloc(step, (size + step - 1) / step * step))) {
     return memory;
   }
   throw std::bad_alloc();
 }
-[[gnu::noinline]] void operator delete(void* memory) noexcept { give_back(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { give_back(memory); }
+[[gnu::noinline]] void operator delete(void* memory) noexcept { free_and_count(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  free_and_count(memory);
+}
 [[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept {
-  give_back(memory);
+  free_and_count(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  give_back(memory);
+  free_and_count(memory);
 }

@@ -15,15 +15,15 @@
 #include "support/command.hpp"
 
 /// Runs the command with --json, and expects it to succeed.
-inline nlohmann::json run_json(std::vector<std::string> words) {
-  words.emplace_back("--json");
-  const CommandOutcome outcome = run_pcavr(words);
-  EXPECT_EQ(outcome.exit_code, 0) << words[0] << ' ' << words[1] << ": " << outcome.standard_error;
+inline nlohmann::json run_json(std::vector<std::string> arguments) {
+  arguments.emplace_back("--json");
+  const CommandOutcome outcome = run_pcavr(arguments);
+  EXPECT_EQ(outcome.exit_code, 0) << arguments[0] << ' ' << arguments[1] << ": "
+                                  << outcome.standard_error;
   return nlohmann::json::parse(outcome.standard_output, nullptr, false);
 }
 
-/// A figure of a report, of either sign, is no farther from 0 than the bound. What was measured is
-/// printed beside it.
+/// Expects |report[key]| <= bound. Prints the measured value next to it.
 inline void expect_within(const nlohmann::json& report, const std::string& key, double bound) {
   ASSERT_TRUE(report.contains(key)) << key;
   const double value = report[key].get<double>();

@@ -13,10 +13,10 @@ namespace pcavr {
 /// An empty OctoMap with the same cells and the same sensor model.
 inline octomap::OcTree octomap_with(const OccupancyOptions& options) {
   octomap::OcTree tree(options.resolution);
-  tree.setProbHit(options.hit);
-  tree.setProbMiss(options.miss);
-  tree.setClampingThresMin(options.clamp_low);
-  tree.setClampingThresMax(options.clamp_high);
+  tree.setProbHit(options.prob_hit);
+  tree.setProbMiss(options.prob_miss);
+  tree.setClampingThresMin(options.clamping_min);
+  tree.setClampingThresMax(options.clamping_max);
   return tree;
 }
 
@@ -34,16 +34,16 @@ inline octomap::Pointcloud cloud_base_of(const DepthImage& depth, const CameraMo
   return cloud;
 }
 
-/// What OctoMap itself does with a frame.
+/// Inserts a frame with OctoMap's own implementation.
 inline void insert(const octomap::Pointcloud& cloud_base, const Pose& T_base_camera,
                    const OccupancyOptions& options, octomap::OcTree& tree) {
   const Eigen::Vector3f origin = T_base_camera.translation().cast<float>();
-  tree.insertPointCloud(cloud_base, {origin.x(), origin.y(), origin.z()}, options.farthest, false,
+  tree.insertPointCloud(cloud_base, {origin.x(), origin.y(), origin.z()}, options.max_range, false,
                         true);
 }
 
 struct CellAgreement {
-  std::size_t known = 0;  ///< cells that either map knows
+  std::size_t known = 0;  ///< cells that are known in either map
   std::size_t same = 0;   ///< of these, free in both or occupied in both
   [[nodiscard]] double share() const {
     return known == 0 ? 1.0 : static_cast<double>(same) / static_cast<double>(known);

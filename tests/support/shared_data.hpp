@@ -9,8 +9,8 @@
 
 #include "support/source_folder.hpp"
 
-/// The shared recordings: the folder that PCAVR_DATA names, by default ../shared/data beside the
-/// source tree. They are not part of the project.
+/// The shared recordings: the folder in PCAVR_DATA, by default ../shared/data next to the source
+/// tree. They are not part of the project.
 inline std::filesystem::path shared_data(const std::filesystem::path& relative) {
   const char* configured = std::getenv("PCAVR_DATA");
   const std::filesystem::path root = configured != nullptr ? std::filesystem::path(configured)

@@ -5,5 +5,5 @@
 #include <filesystem>
 
 /// The checkout that the tests were built from. Defined in one source file, so that no other
-/// depends on where the checkout lies: a compiler cache serves every clone.
+/// depends on the checkout's path, and a compiler cache works for every clone.
 [[nodiscard]] std::filesystem::path source_folder();

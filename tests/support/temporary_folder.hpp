@@ -7,7 +7,7 @@
 
 #include <unistd.h>
 
-/// A folder of its own that goes with the test.
+/// A temporary folder, removed with its content at the end of its scope (RAII).
 class TemporaryFolder {
  public:
   TemporaryFolder() {

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The pcavr authors
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the command on bad inputs drawn at random, and judges how it takes them.
+"""Fuzzes the command with random bad inputs, and checks its behaviour.
 
     tests/sweep/bad_inputs.py --pcavr build/dev/apps/pcavr/pcavr --seed 1 --count 300
 
-A trial fails where the command crashes, runs for over 20 s, reports an internal error, says its
-error in other than one line, changes an input, leaves something half-written, or succeeds without a
-warning on data that contradict each other by a factor of 1.5 or more. The same seed and count draw
-the same trials; `--only 17` runs the 17th alone and keeps its files. Needs python3 and nothing else.
+A trial fails where the command crashes, runs for over 20 s, reports an internal error, prints its
+error in other than one line, changes an input, leaves a partial output, or succeeds without a
+warning on data that contradict each other by a factor of 1.5 or more. The same seed and count give
+the same trials; `--only 17` runs the 17th alone and keeps its files. Needs only python3.
 """
 import argparse
 import collections
@@ -26,10 +26,10 @@ import trial
 FRAMES = 8  # of the recording with images: enough to track, quick to build
 
 
-def run(*words):
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True)
+def run(*args):
+    done = subprocess.run([str(arg) for arg in args], capture_output=True, text=True)
     if done.returncode != 0:
-        sys.exit(f"can't make sound inputs: {' '.join(map(str, words))}\n{done.stderr}")
+        sys.exit(f"can't make sound inputs: {' '.join(map(str, args))}\n{done.stderr}")
 
 
 def thin_lists(recording, count):
@@ -38,17 +38,17 @@ def thin_lists(recording, count):
         rows = [r for r in (recording / name).read_text().split("\n") if r and r[0] != "#"]
         keep = [rows[i * (len(rows) - 1) // (count - 1)] for i in range(count)]
         (recording / name).write_text("\n".join(keep) + "\n")
-    (recording / "written.yaml").unlink()  # the lists are a person's now: their rows are not counted
+    (recording / "written.yaml").unlink()  # the lists are changed: their rows must not be checked
 
 
 def make_sound_inputs(pcavr, folder):
     sound = faults.Sound(folder)
     run(pcavr, "simulate", "tabletop", "-o", sound.images, "--seed", "11")
     thin_lists(sound.images, FRAMES)
-    kept = {row.split()[1] for name in ("rgb.txt", "depth.txt")
+    listed = {row.split()[1] for name in ("rgb.txt", "depth.txt")
             for row in (sound.images / name).read_text().split("\n") if row}
     for path in faults.files_of(sound.images, ".png", ".jpg"):
-        if str(path.relative_to(sound.images)) not in kept:
+        if str(path.relative_to(sound.images)) not in listed:
             path.unlink()
     run(pcavr, "build", sound.images, "-o", sound.images_scene)
     run(pcavr, "simulate", "push", "--no-images", "-o", sound.push, "--seed", "12")
@@ -65,8 +65,8 @@ def run_one(pcavr, sound, work, seed, number, keep):
     rng = random.Random(f"{seed}/{number}")
     private = work / str(number)
     private.mkdir()
-    kind, drawn = faults.draw(rng, sound, private)
-    outcome = trial.run_trial(pcavr, drawn)
+    kind, bad_trial = faults.draw(rng, sound, private)
+    outcome = trial.run_trial(pcavr, bad_trial)
     if not keep and not outcome.faults:
         shutil.rmtree(private, ignore_errors=True)
     return number, kind, outcome
@@ -74,12 +74,12 @@ def run_one(pcavr, sound, work, seed, number, keep):
 
 def print_outcome(number, kind, outcome, is_verbose):
     if outcome.faults:
-        words = " ".join(f"'{w}'" for w in outcome.trial.words)
+        args = " ".join(f"'{arg}'" for arg in outcome.trial.args)
         print(f"FAILED {number} [{kind}] {outcome.trial.name}: {'; '.join(outcome.faults)}\n"
-              f"  {outcome.trial.prefix} pcavr {words}\n  {outcome.said[:300]}", flush=True)
+              f"  {outcome.trial.prefix} pcavr {args}\n  {outcome.last_line[:300]}", flush=True)
     elif is_verbose:
         print(f"ok {number} [{kind}] {outcome.trial.name}: exit {outcome.exit_code}, "
-              f"{outcome.seconds:.1f} s: {outcome.said[:240]}", flush=True)
+              f"{outcome.seconds:.1f} s: {outcome.last_line[:240]}", flush=True)
 
 
 def main():
@@ -88,8 +88,8 @@ def main():
     parser.add_argument("--pcavr", required=True, type=pathlib.Path, help="the command")
     parser.add_argument("--seed", default="1")
     parser.add_argument("--count", type=int, default=300)
-    parser.add_argument("--only", type=int, help="this trial alone; its files are kept")
-    parser.add_argument("--work", type=pathlib.Path, help="where to keep files; a temporary folder")
+    parser.add_argument("--only", type=int, help="run this trial alone and keep its files")
+    parser.add_argument("--work", type=pathlib.Path, help="folder for files; default: temporary")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--verbose", action="store_true")
     arguments = parser.parse_args()
@@ -106,9 +106,9 @@ def main():
     kinds = collections.Counter()
     longest = 0.0
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-        waiting = [pool.submit(run_one, pcavr, sound, work, arguments.seed, number,
+        futures = [pool.submit(run_one, pcavr, sound, work, arguments.seed, number,
                                arguments.only is not None) for number in numbers]
-        for done in waiting:
+        for done in futures:
             number, kind, outcome = done.result()
             kinds[kind] += 1
             longest = max(longest, outcome.seconds)

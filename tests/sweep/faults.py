@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: The pcavr authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bad inputs, drawn at random: each function spoils a private copy of sound inputs and returns the
-Trial that meets it. All randomness comes from the generator given."""
+"""Random bad inputs: each function corrupts a private copy of sound inputs and returns the Trial
+that uses it. All randomness comes from the given generator."""
 import os
 import pathlib
 import re
@@ -16,7 +16,7 @@ ODD_BYTES = [b"", b"\0" * 64, b"\xff\xfe\0\0", b"\x89PNG\r\n\x1a\n", b"ply\nform
 
 
 class Sound:
-    """Sound inputs, made once by the command itself; copies are links that a change replaces."""
+    """Sound inputs, created once by the command; copies are hard links, replaced on a change."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -37,7 +37,7 @@ class Sound:
 
 
 def replace_file(path, content):
-    """Never writes through a link into the sound input."""
+    """Unlinks first: must not write through a hard link into the sound input."""
     path.unlink()
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
 
@@ -46,7 +46,7 @@ def files_of(folder, *endings):
     return sorted(p for p in folder.rglob("*") if p.is_file() and p.name.endswith(endings))
 
 
-# What uses which input --------------------------------------------------------------------------
+# Commands by input -------------------------------------------------------------------------------
 
 
 def use_recording(rng, sound, recording, work, is_image):
@@ -62,28 +62,28 @@ def use_recording(rng, sound, recording, work, is_image):
         goal = rng.choice(["contact", "friction"])
         return ["identify", goal, recording, "--scene", scene, "--tracked",
                 recording / "tracked", "-o", work / "output.yaml"], work / "output.yaml"
-    words = ["replay", recording, "--scene", scene, "-o", output]
-    return words + ([] if is_image else ["--tracked", recording / "tracked"]), output
+    args = ["replay", recording, "--scene", scene, "-o", output]
+    return args + ([] if is_image else ["--tracked", recording / "tracked"]), output
 
 
-def with_flags(rng, words):
-    return words + rng.choice([[], [], ["--json"], ["--threads", "1"]])
+def with_flags(rng, args):
+    return args + rng.choice([[], [], ["--json"], ["--threads", "1"]])
 
 
-def spoiled_recording(rng, sound, work, spoil, name):
+def corrupted_recording(rng, sound, work, corrupt, name):
     is_image = rng.random() < 0.4
     recording = sound.copy(sound.images if is_image else sound.push, work)
-    what = spoil(rng, recording)
-    words, output = use_recording(rng, sound, recording, work, is_image)
-    if rng.random() < 0.2 and words[0] != "inspect":
-        words = words + ["--skip-bad"]
-    return Trial(f"{name}: {what}", with_flags(rng, words), [recording], output)
+    what = corrupt(rng, recording)
+    args, output = use_recording(rng, sound, recording, work, is_image)
+    if rng.random() < 0.2 and args[0] != "inspect":
+        args = args + ["--skip-bad"]
+    return Trial(f"{name}: {what}", with_flags(rng, args), [recording], output)
 
 
 # Text -------------------------------------------------------------------------------------------
 
 
-def spoil_manifest_value(rng, recording):
+def corrupt_manifest_value(rng, recording):
     path = recording / "recording.yaml"
     lines = path.read_text().split("\n")
     index = rng.choice([i for i, line in enumerate(lines) if re.search(r":\s*\S|\d", line)])
@@ -98,7 +98,7 @@ def spoil_manifest_value(rng, recording):
     return f"recording.yaml:{index + 1} '{lines[index].strip()}'"
 
 
-def spoil_table_cell(rng, recording):
+def corrupt_table_cell(rng, recording):
     path = rng.choice(files_of(recording, ".csv", ".txt"))
     lines = path.read_text().split("\n")
     index = rng.randrange(max(1, len(lines) - 1))
@@ -111,7 +111,7 @@ def spoil_table_cell(rng, recording):
     return f"{path.name}:{index + 1} '{lines[index][:60]}'"
 
 
-def spoil_table_rows(rng, recording):
+def corrupt_table_rows(rng, recording):
     path = rng.choice(files_of(recording, ".csv", ".txt"))
     lines = path.read_text().split("\n")
     kind = rng.choice(["cut", "swap", "double", "no header", "one row", "shift", "carriage returns"])
@@ -144,7 +144,7 @@ def spoil_table_rows(rng, recording):
     return f"{path.name}, {kind}"
 
 
-def spoil_bytes(rng, recording):
+def corrupt_bytes(rng, recording):
     path = rng.choice(files_of(recording, ".png", ".jpg", ".obj", ".ply", ".csv", ".txt", ".yaml"))
     content = bytearray(path.read_bytes())
     kind = rng.choice(["cut", "flip", "other", "longer", "repeated"])
@@ -164,7 +164,7 @@ def spoil_bytes(rng, recording):
     return f"{path.relative_to(recording)}, {kind}"
 
 
-def spoil_kind_of_file(rng, recording):
+def corrupt_kind_of_file(rng, recording):
     path = rng.choice(files_of(recording, ".png", ".jpg", ".obj", ".ply", ".csv", ".txt", ".yaml"))
     path.unlink()
     kind = rng.choice(["gone", "a folder", "a link to itself", "a FIFO", "/dev/zero", "/dev/null",
@@ -182,14 +182,14 @@ def spoil_kind_of_file(rng, recording):
     return f"{path.relative_to(recording)} is {kind}"
 
 
-def spoil_mesh(rng, recording):
+def corrupt_mesh(rng, recording):
     path = rng.choice(files_of(recording / "objects", ".obj", ".ply"))
     lines = path.read_text(errors="replace").split("\n")
     kind = rng.choice(["NaN", "huge", "an index that is none", "many", "flat", "no faces"])
     vertices = [i for i, line in enumerate(lines) if line.startswith("v ")]
     faces = [i for i, line in enumerate(lines) if line.startswith("f ")]
     if not vertices or not faces:
-        return spoil_bytes(rng, recording)
+        return corrupt_bytes(rng, recording)
     if kind == "NaN":
         lines[rng.choice(vertices)] = "v nan 0 0"
     elif kind == "huge":
@@ -210,14 +210,14 @@ def spoil_mesh(rng, recording):
     return f"{path.name}, {kind}"
 
 
-def recording_fault(spoil, name):
-    return lambda rng, sound, work: spoiled_recording(rng, sound, work, spoil, name)
+def recording_fault(corrupt, name):
+    return lambda rng, sound, work: corrupted_recording(rng, sound, work, corrupt, name)
 
 
 # Scenes, runs and parameters --------------------------------------------------------------------
 
 
-def spoil_any(rng, folder):
+def corrupt_any(rng, folder):
     files = [p for p in files_of(folder, "") if p.stat().st_size > 0]
     path = rng.choice(files)
     content = bytearray(path.read_bytes())
@@ -239,33 +239,33 @@ def spoil_any(rng, folder):
     return f"{path.relative_to(folder)}, {kind}"
 
 
-def spoiled_scene(rng, sound, work):
+def corrupted_scene(rng, sound, work):
     is_image = rng.random() < 0.3
     scene = sound.copy(sound.images_scene if is_image else sound.push_scene, work)
     recording = sound.images if is_image else sound.push
-    what = spoil_any(rng, scene)
+    what = corrupt_any(rng, scene)
     output = work / "output"
-    words, output = rng.choice([
+    args, output = rng.choice([
         (["inspect", scene], None),
         (["replay", recording, "--scene", scene, "-o", output]
          + ([] if is_image else ["--tracked", recording / "tracked"]), output),
         (["evaluate", scene, "--truth", recording / "truth", "-o", output], output)])
-    return Trial(f"scene: {what}", with_flags(rng, words), [scene], output)
+    return Trial(f"scene: {what}", with_flags(rng, args), [scene], output)
 
 
-def spoiled_run(rng, sound, work):
+def corrupted_run(rng, sound, work):
     run = sound.copy(sound.run, work)
-    what = spoil_any(rng, run)
+    what = corrupt_any(rng, run)
     output = work / "output"
-    words, output = rng.choice([
+    args, output = rng.choice([
         (["inspect", run], None),
         (["evaluate", run, "--truth", sound.push / "truth", "-o", output], output),
         (["replay", sound.push, "--scene", sound.push_scene, "--tracked", run, "-o", output],
          output)])
-    return Trial(f"run: {what}", with_flags(rng, words), [run], output)
+    return Trial(f"run: {what}", with_flags(rng, args), [run], output)
 
 
-def spoiled_parameters(rng, sound, work):
+def corrupted_parameters(rng, sound, work):
     path = sound.copy(sound.parameters, work)
     lines = path.read_text().split("\n")
     index = rng.randrange(len(lines))
@@ -278,9 +278,9 @@ def spoiled_parameters(rng, sound, work):
         lines[index] = odd
     replace_file(path, "\n".join(lines))
     output = work / "output"
-    words = ["replay", sound.push, "--scene", sound.push_scene, "--tracked", sound.push / "tracked",
-             "--parameters", path, "-o", output]
-    return Trial(f"parameters.yaml:{index + 1} '{lines[index].strip()}'", with_flags(rng, words),
+    args = ["replay", sound.push, "--scene", sound.push_scene, "--tracked", sound.push / "tracked",
+            "--parameters", path, "-o", output]
+    return Trial(f"parameters.yaml:{index + 1} '{lines[index].strip()}'", with_flags(rng, args),
                  [path], output)
 
 
@@ -293,7 +293,7 @@ NUMERIC_OPTIONS = {
                  "--frames-per-second"],
     "tags": ["--size", "--page-width", "--page-height", "--ids"],
     "import": ["--depth-scale", "--rate", "--stride", "--first"],
-    "serve": ["--port", "--tool-radius", "--max-force", "--most-force"],
+    "serve": ["--port", "--tool-radius", "--max-force"],
 }
 
 
@@ -302,7 +302,7 @@ def odd_option(rng, sound, work):
     option = rng.choice(NUMERIC_OPTIONS[command])
     value = rng.choice([odd for odd in ODD_NUMBERS if odd not in ("[1, 2]", "{}", "~", "1e12")])
     output = work / "output"
-    words = {
+    args = {
         "build": ["build", sound.push, "-o", output],
         "replay": ["replay", sound.push, "--scene", sound.push_scene, "--tracked",
                    sound.push / "tracked", "-o", output],
@@ -311,11 +311,11 @@ def odd_option(rng, sound, work):
         "import": ["import", sound.images, "--format", "tum", "-o", output],
         "serve": ["serve", sound.folder / "no-such-scene"],
     }[command]
-    return Trial(f"{command} {option}={value}", words + [f"{option}={value}"], [], output)
+    return Trial(f"{command} {option}={value}", args + [f"{option}={value}"], [], output)
 
 
 def odd_output(rng, sound, work):
-    """Outputs that are, hold or lie in an input, or can't be. None that the machine would miss."""
+    """Outputs that are, contain or lie in an input, or are invalid."""
     recording = sound.copy(sound.push, work)
     link = work / "link"
     link.symlink_to(recording)
@@ -328,7 +328,7 @@ def odd_output(rng, sound, work):
                          "/dev/null/x", "/proc/x", work / "mine",
                          recording / "tool.csv", b"\xff\xfe".decode("latin-1")])
     force = rng.choice([[], ["--force"], ["--force"]])
-    words = rng.choice([
+    args = rng.choice([
         ["build", recording, "-o", target],
         ["replay", recording, "--scene", sound.push_scene, "--tracked", recording / "tracked", "-o",
          target],
@@ -337,33 +337,33 @@ def odd_output(rng, sound, work):
          "--report", target],
         ["import", recording, "--format", "tum", "-o", target],
         ["evaluate", recording, "-o", target]])
-    # Every path is made absolute by the folder that the command runs in: the private one.
-    return Trial(f"-o {target!s:.60} {' '.join(force)} ({words[0]})", words + force,
+    # Relative paths are relative to the command's working folder, the private copy.
+    return Trial(f"-o {target!s:.60} {' '.join(force)} ({args[0]})", args + force,
                  [recording, work / "mine"], None, prefix=f"cd '{recording}';", must_fail=True)
 
 
-def short_of_everything(rng, sound, work):
+def limited_resources(rng, sound, work):
     output = work / "output"
     prefix = rng.choice(["ulimit -v 450000;", "ulimit -v 600000;", "ulimit -n 12;", "ulimit -f 8;",
                          "ulimit -u 1; ulimit -v 900000;", "export LC_ALL=de_DE.UTF-8;",
                          "export LC_ALL=tr_TR.UTF-8 LANG=C;", "export HOME=/nowhere;",
                          "exec 2>/dev/full;", "exec 1>/dev/full;", "exec 1>&-;"])
-    words = rng.choice([["build", sound.images, "-o", output],
-                        ["replay", sound.push, "--scene", sound.push_scene, "--tracked",
-                         sound.push / "tracked", "-o", output],
-                        ["simulate", "press", "--no-images", "-o", output]])
-    # A summary that can't be printed is a failure after the output took its place.
-    kept = None if "1>" in prefix else output
-    return Trial(f"{prefix} {words[0]}", words, [], kept, prefix=f"trap '' XFSZ; {prefix}")
+    args = rng.choice([["build", sound.images, "-o", output],
+                       ["replay", sound.push, "--scene", sound.push_scene, "--tracked",
+                        sound.push / "tracked", "-o", output],
+                       ["simulate", "press", "--no-images", "-o", output]])
+    # A summary that can't be printed is an error after the output was committed.
+    checked = None if "1>" in prefix else output
+    return Trial(f"{prefix} {args[0]}", args, [], checked, prefix=f"trap '' XFSZ; {prefix}")
 
 
 def ended_early(rng, sound, work):
     output = work / "output"
-    words = rng.choice([["build", sound.images, "-o", output],
-                        ["replay", sound.push, "--scene", sound.push_scene, "--tracked",
-                         sound.push / "tracked", "-o", output],
-                        ["simulate", "probe", "--no-images", "-o", output]])
-    return Trial(f"SIGTERM to {words[0]}", words, [], output, kill_after=rng.uniform(0.05, 1.5))
+    args = rng.choice([["build", sound.images, "-o", output],
+                       ["replay", sound.push, "--scene", sound.push_scene, "--tracked",
+                        sound.push / "tracked", "-o", output],
+                       ["simulate", "probe", "--no-images", "-o", output]])
+    return Trial(f"SIGTERM to {args[0]}", args, [], output, kill_after=rng.uniform(0.05, 1.5))
 
 
 # Data that contradict each other ----------------------------------------------------------------
@@ -401,13 +401,14 @@ def contradiction(rng, sound, work):
     factor = rng.choice([0.001, 0.2, 0.5, 1 / 1.6, 1.6, 2.0, 5.0, 1000.0])
     kind = rng.choice(["tag size", "depth scale", "focal length", "CAD", "poses", "tool"])
     if kind == "tool":
-        factor = rng.choice([1000.0, 0.001])  # what is not a unit is not to be told from a tool
+        # Units only: other factors can't be distinguished from another tool motion.
+        factor = rng.choice([1000.0, 0.001])
         recording = sound.copy(sound.push, work)
         scale_columns(recording / "tool.csv", 1, 4, factor, ",")
         output = work / "output.yaml"
-        words = ["identify", "friction", recording, "--scene", sound.push_scene, "--tracked",
-                 recording / "tracked", "-o", output]
-        return Trial(f"tool.csv times {factor:g}", words, [recording], output,
+        args = ["identify", "friction", recording, "--scene", sound.push_scene, "--tracked",
+                recording / "tracked", "-o", output]
+        return Trial(f"tool.csv times {factor:g}", args, [recording], output,
                      is_contradiction=True)
     recording = sound.copy(sound.images, work)
     manifest = recording / "recording.yaml"
@@ -431,18 +432,18 @@ def contradiction(rng, sound, work):
 
 # name: (weight, function); the weights sum to 1.
 FAULTS = {
-    "manifest value": (0.16, recording_fault(spoil_manifest_value, "manifest")),
-    "table cell": (0.14, recording_fault(spoil_table_cell, "table")),
-    "table rows": (0.10, recording_fault(spoil_table_rows, "table")),
-    "bytes": (0.10, recording_fault(spoil_bytes, "bytes")),
-    "kind of file": (0.06, recording_fault(spoil_kind_of_file, "file")),
-    "CAD": (0.06, recording_fault(spoil_mesh, "CAD")),
-    "scene": (0.08, spoiled_scene),
-    "run": (0.05, spoiled_run),
-    "parameters": (0.04, spoiled_parameters),
+    "manifest value": (0.16, recording_fault(corrupt_manifest_value, "manifest")),
+    "table cell": (0.14, recording_fault(corrupt_table_cell, "table")),
+    "table rows": (0.10, recording_fault(corrupt_table_rows, "table")),
+    "bytes": (0.10, recording_fault(corrupt_bytes, "bytes")),
+    "kind of file": (0.06, recording_fault(corrupt_kind_of_file, "file")),
+    "CAD": (0.06, recording_fault(corrupt_mesh, "CAD")),
+    "scene": (0.08, corrupted_scene),
+    "run": (0.05, corrupted_run),
+    "parameters": (0.04, corrupted_parameters),
     "option": (0.06, odd_option),
     "output": (0.05, odd_output),
-    "limits": (0.03, short_of_everything),
+    "limits": (0.03, limited_resources),
     "ended early": (0.02, ended_early),
     "contradiction": (0.05, contradiction),
 }

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: The pcavr authors
 # SPDX-License-Identifier: Apache-2.0
-"""One run of the command on one bad input, and what must hold afterwards."""
+"""One run of the command on one bad input, and the conditions that must hold afterwards."""
 import dataclasses
 import json
 import pathlib
@@ -8,16 +8,16 @@ import signal
 import subprocess
 import time
 
-TIMEOUT = 20.0  # s; no refusal takes longer
-MAX_ERROR_LENGTH = 1500  # characters; a line that a person reads, file names included
+TIMEOUT = 20.0  # s; no rejection takes longer
+MAX_ERROR_LENGTH = 1500  # characters of an error line, with file names
 
 
 @dataclasses.dataclass
 class Trial:
-    """What to run. Paths are absolute; `inputs` may not change, `output` is whole or absent."""
+    """What to run. Paths are absolute; `inputs` must not change, `output` is complete or absent."""
 
     name: str
-    words: list
+    args: list
     inputs: list
     output: pathlib.Path = None
     prefix: str = ""  # shell text before the command, such as a limit
@@ -32,25 +32,25 @@ class Outcome:
     faults: list
     seconds: float
     exit_code: int
-    said: str
+    last_line: str  # of standard error
 
 
 def state_of(path):
-    """Name, size and time of change of everything below `path`, links not followed."""
+    """Name, size and modification time of all files below `path`, links not followed."""
     found = {}
     for entry in [path, *sorted(path.rglob("*"))] if path.is_dir() else [path]:
         try:
-            facts = entry.lstat()
+            status = entry.lstat()
         except OSError:
             continue
         if not entry.is_dir():
-            found[str(entry)] = (facts.st_size, facts.st_mtime_ns, facts.st_ino)
+            found[str(entry)] = (status.st_size, status.st_mtime_ns, status.st_ino)
     return found
 
 
 def run_shell(pcavr, trial):
-    """Exit code, standard output, standard error and seconds; None for the code of a hang."""
-    quoted = " ".join("'" + str(word).replace("'", "'\\''") + "'" for word in trial.words)
+    """Exit code, standard output, standard error and seconds; exit code None after a timeout."""
+    quoted = " ".join("'" + str(arg).replace("'", "'\\''") + "'" for arg in trial.args)
     line = f"{trial.prefix} exec '{pcavr}' {quoted}"
     start = time.monotonic()
     process = subprocess.Popen(["bash", "-c", line], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -72,28 +72,28 @@ def run_shell(pcavr, trial):
     return process.returncode, out.decode(errors="replace"), err.decode(errors="replace"), seconds
 
 
-def faults_of_words(trial, exit_code, out, err):
+def faults_of_output(trial, exit_code, out, err):
     faults = []
     if "internal error" in err or "please report" in err:
         faults.append("internal error")
     errors = [line for line in err.splitlines() if line.startswith("pcavr: ")]
-    if exit_code == 1 and "inspect" not in trial.words:
+    if exit_code == 1 and "inspect" not in trial.args:
         if len(errors) != 1:
             faults.append(f"{len(errors)} error lines")
         elif len(errors[0]) > MAX_ERROR_LENGTH:
             faults.append("an error line too long to read")
     if exit_code == 0 and errors:
         faults.append("success with an error line")
-    if "--json" in trial.words and exit_code in (0, 1):
+    if "--json" in trial.args and exit_code in (0, 1):
         try:
             json.loads(out)
         except ValueError:
             faults.append("--json did not print JSON")
-    said = (out + err).lower()
-    if trial.is_contradiction and exit_code == 0 and "warning" not in said:
-        faults.append("contradicting data, success without a word")
+    printed = (out + err).lower()
+    if trial.is_contradiction and exit_code == 0 and "warning" not in printed:
+        faults.append("contradicting data, success without a warning")
     if trial.must_fail and exit_code == 0:
-        faults.append("success where there is nothing to succeed with")
+        faults.append("success where the command must fail")
     return faults
 
 
@@ -107,7 +107,7 @@ def faults_of_files(trial, existed, before, exit_code):
     if trial.output is None:
         return faults
     if exit_code != 0 and not existed and trial.output.exists():
-        faults.append("failed, and left an output")
+        faults.append("failed, but left an output")
     if trial.output.parent.is_dir():
         partial = [p.name for p in trial.output.parent.iterdir() if ".partial" in p.name]
         if partial:
@@ -116,7 +116,7 @@ def faults_of_files(trial, existed, before, exit_code):
 
 
 def run_trial(pcavr, trial):
-    """Runs one trial and judges it."""
+    """Runs one trial and checks it."""
     existed = trial.output is not None and trial.output.exists()
     before = {path: state_of(path) for path in trial.inputs}
     exit_code, out, err, seconds = run_shell(pcavr, trial)
@@ -127,7 +127,7 @@ def run_trial(pcavr, trial):
     elif exit_code not in ended:
         faults = [f"ended by signal {-exit_code}" if exit_code < 0 else f"exit code {exit_code}"]
     else:
-        faults = faults_of_words(trial, exit_code, out, err)
+        faults = faults_of_output(trial, exit_code, out, err)
     faults += faults_of_files(trial, existed, before, exit_code)
     last = [line for line in err.splitlines() if line.strip()]
     return Outcome(trial, faults, seconds, exit_code, last[-1] if last else "")

@@ -20,32 +20,32 @@ TEST(Link, DelaysByItsDelay) {
 TEST(Link, KeepsTheOrderUnderJitter) {
   Link link({.delay = 0.05, .jitter = 0.05}, Random(3));
   double before = 0.0;
-  bool is_ever_held_up = false;
+  bool is_ever_delayed = false;
   for (int i = 0; i < 500; ++i) {
     const double sent = 0.01 * i;
     const double arrival = *link.arrival(sent);
     EXPECT_GE(arrival, before);
     EXPECT_GE(arrival, sent);
-    is_ever_held_up = is_ever_held_up || arrival > sent + 0.06;
+    is_ever_delayed = is_ever_delayed || arrival > sent + 0.06;
     before = arrival;
   }
-  EXPECT_TRUE(is_ever_held_up);
+  EXPECT_TRUE(is_ever_delayed);
 }
 
-TEST(Link, LosesTheShareItIsTold) {
+TEST(Link, LosesTheGivenRatio) {
   Link link({.delay = 0.1, .loss = 0.3}, Random(5));
   int lost = 0;
   for (int i = 0; i < 2000; ++i) lost += link.arrival(0.01 * i) ? 0 : 1;
-  EXPECT_NEAR(lost, 600, 65);  // three deviations of the binomial
+  EXPECT_NEAR(lost, 600, 65);  // three standard deviations of the binomial
 }
 
-TEST(Link, RepeatsItselfForTheSameSeed) {
+TEST(Link, IsDeterministicForTheSameSeed) {
   Link one({.delay = 0.1, .jitter = 0.02, .loss = 0.2}, Random(7));
   Link two({.delay = 0.1, .jitter = 0.02, .loss = 0.2}, Random(7));
   for (int i = 0; i < 100; ++i) EXPECT_EQ(one.arrival(0.01 * i), two.arrival(0.01 * i));
 }
 
-TEST(Link, RefusesImpossibleNumbers) {
+TEST(Link, RejectsNumbersOutOfRange) {
   EXPECT_THROW(Link({.delay = -0.1}, Random(1)), ContractError);
   EXPECT_THROW(Link({.loss = 1.5}, Random(1)), ContractError);
 }

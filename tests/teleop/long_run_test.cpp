@@ -14,7 +14,7 @@
 namespace pcavr {
 namespace {
 
-/// A push of both boxes, again and again, a second apart.
+/// A push of both boxes, repeated with pauses of a second.
 TeleopInput repeated(const TeleopInput& once, int times) {
   TeleopInput input = once;
   const double period = once.t_tool.back() - once.t_tool.front() + 1.0;
@@ -38,7 +38,7 @@ TeleopInput repeated(const TeleopInput& once, int times) {
   return input;
 }
 
-/// A sink that keeps nothing but how much it was given.
+/// A sink that only counts what it receives.
 struct Counted {
   std::size_t shown = 0, forces = 0, corrections = 0;
 
@@ -58,7 +58,7 @@ struct Counted {
   }
 };
 
-TEST(LongRun, GivesTheSameToASinkAsItKeepsWithout) {
+TEST(LongRun, GivesTheSameToASinkAsItStoresWithout) {
   const TeleopInput input = plant_input(1, false).input;
   const TeleopRun kept = run_teleop(input, {}).value();
   Counted counted;
@@ -97,7 +97,7 @@ TEST(LongRun, EndsWithTheErrorOfItsSink) {
   EXPECT_EQ(counted.shown, 100U);
 }
 
-TEST(LongRun, KeepsNothingOfEveryCycle) {
+TEST(LongRun, StoresNothingPerCycle) {
   const TeleopInput once = plant_input(1, true).input;
   const auto peak_of = [&](int times) {
     const TeleopInput input = repeated(once, times);
@@ -110,9 +110,9 @@ TEST(LongRun, KeepsNothingOfEveryCycle) {
   const double period = once.t_tool.back() - once.t_tool.front() + 1.0;
   const double growth = (peak_of(12) - peak_of(4)) / (8.0 * period);
   std::printf("a push lasts %.1f s; memory grows by %.0f bytes a second\n", period, growth);
-  // Within a minute and ten the windows still fill: 88 bytes a sample of force at 500 Hz, and some
-  // 100 a sample while the noise is measured. Each object's shown poses and predictions at 1 kHz
-  // alone would be 400 000.
+  // In the first minute, and the first ten, the buffers still fill: 88 bytes per force sample at
+  // 500 Hz, and some 100 per sample while the noise is measured. Each object's shown poses and
+  // predictions at 1 kHz alone would be 400 000.
   EXPECT_LT(growth, 150e3);
 }
 

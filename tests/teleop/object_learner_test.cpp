@@ -15,8 +15,8 @@ namespace {
 constexpr double kStiffness = 1.0e6;  // [N/m^n] a hard face
 constexpr double kExponent = 1.3;
 
-/// The first tenths of a second of a push on a hard face, as sensors have it: the tip's noise is a
-/// good share of the depth.
+/// Sensor data of the first tenths of a second of a push on a hard face: the tip's noise is a
+/// considerable part of the penetration.
 struct YoungContact {
   std::vector<double> t;
   std::vector<Eigen::Vector3d> force, tip;
@@ -24,22 +24,22 @@ struct YoungContact {
   YoungContact(std::uint64_t seed, double pressed_for) {
     Random random(seed);
     for (double at = -0.3; at < pressed_for; at += 0.002) {
-      const double depth = std::max(0.0, 0.005 * at);  // 5 mm/s from t = 0
+      const double penetration = std::max(0.0, 0.005 * at);  // 5 mm/s from t = 0
       t.push_back(at);
       force.emplace_back(0.2 * random.normal(),
-                         kStiffness * std::pow(depth, kExponent) + 0.2 * random.normal(),
+                         kStiffness * std::pow(penetration, kExponent) + 0.2 * random.normal(),
                          0.2 * random.normal());
       tip.emplace_back(5e-5 * random.normal(), 0.005 * at + 5e-5 * random.normal(), 0.0);
     }
   }
 };
 
-/// Depth at 40 N by what a learner knows [m].
-double depth_of(const ObjectParameters& known) {
+/// Penetration at 40 N by a learner's parameters [m].
+double penetration_of(const ObjectParameters& known) {
   return std::pow(40.0 / known.contact_stiffness->value, 1.0 / known.contact_exponent->value);
 }
 
-TEST(ObjectLearner, KeepsAGivenLawAgainstTheFirstMomentsOfAContact) {
+TEST(ObjectLearner, KeepsAGivenLawAtTheStartOfAContact) {
   ObjectParameters given;
   given.mass = ParameterValue{4.0};
   given.contact_stiffness = ParameterValue{kStiffness, 1e4};
@@ -51,7 +51,7 @@ TEST(ObjectLearner, KeepsAGivenLawAgainstTheFirstMomentsOfAContact) {
                 1U);
       ObjectLearner learner(given, {});
       learner.learn({contact.t, contact.force, contact.t, contact.tip}, 0.0, false);
-      EXPECT_NEAR(depth_of(learner.known()) / depth_of(given), 1.0, 0.4)
+      EXPECT_NEAR(penetration_of(learner.known()) / penetration_of(given), 1.0, 0.4)
           << "seed " << seed << ", pressed for " << pressed_for << " s";
     }
   }

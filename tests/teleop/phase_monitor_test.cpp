@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kInterval = 0.002;
 
-/// A push with a known law: the tip advances at 15 mm/s, F = 20600 d^1.5, until the object gives
-/// way at 9 N and then goes along; it stops with the tool.
+/// A push with a known law: the tip advances at 15 mm/s, F = 20600 d^1.5, until the object breaks
+/// away at 9 N and then moves with the tip; it stops with the tool.
 struct MadePush {
   double t_touch = 0.5, t_slide = 0.0, t_stop = 1.8;
   std::vector<MonitorSample> samples;
@@ -31,8 +31,8 @@ MadePush made_push(double noise) {
   for (double t = 0.0; t < 2.5; t += kInterval) {
     const double speed = t < 1.8 ? 0.015 : 0.0;
     tip += speed * kInterval;
-    double depth = std::max(tip - object, 0.0);
-    double force = 20600.0 * std::pow(depth, 1.5);
+    double penetration = std::max(tip - object, 0.0);
+    double force = 20600.0 * std::pow(penetration, 1.5);
     if (force > 9.0) {
       if (push.t_slide == 0.0) push.t_slide = t;
       object = tip - std::pow(9.0 / 20600.0, 1.0 / 1.5);
@@ -55,29 +55,29 @@ double time_of(const PhaseMonitor& monitor, MotionPhase phase, int which = 0) {
   return -1.0;
 }
 
-TEST(PhaseMonitor, StampsTouchSlideAndStopWhereTheyHappened) {
+TEST(PhaseMonitor, StampsContactSlideAndStop) {
   for (const double noise : {0.0, 1.0}) {
     const MadePush push = made_push(noise);
     PhaseMonitor monitor(0.0, {});
     for (const MonitorSample& sample : push.samples) monitor.step(sample, std::nullopt, 0.0);
     // Half a millimetre at 15 mm/s.
-    EXPECT_NEAR(time_of(monitor, MotionPhase::held), push.t_touch, 0.035) << noise;
+    EXPECT_NEAR(time_of(monitor, MotionPhase::static_contact), push.t_touch, 0.035) << noise;
     EXPECT_NEAR(time_of(monitor, MotionPhase::sliding), push.t_slide, 0.025) << noise;
-    EXPECT_NEAR(time_of(monitor, MotionPhase::held, 1), push.t_stop, 0.025) << noise;
+    EXPECT_NEAR(time_of(monitor, MotionPhase::static_contact, 1), push.t_stop, 0.025) << noise;
   }
 }
 
-TEST(PhaseMonitor, CallsAPushCriticalFromNineTenthsOfAKnownLimit) {
+TEST(PhaseMonitor, IsCriticalFromNineTenthsOfAKnownLimit) {
   const MadePush push = made_push(0.0);
   PhaseMonitor monitor(0.0, {});
   for (const MonitorSample& sample : push.samples) {
     monitor.step(sample, ParameterValue{9.0, 0.1}, 0.0);
   }
-  const double depth = std::pow(8.1 / 20600.0, 1.0 / 1.5);
-  EXPECT_NEAR(time_of(monitor, MotionPhase::critical), push.t_touch + depth / 0.015, 0.010);
+  const double penetration = std::pow(8.1 / 20600.0, 1.0 / 1.5);
+  EXPECT_NEAR(time_of(monitor, MotionPhase::critical), push.t_touch + penetration / 0.015, 0.010);
 }
 
-TEST(PhaseMonitor, StaysFreeWhereNothingIsNear) {
+TEST(PhaseMonitor, StaysFreeIfNothingIsNear) {
   MadePush push = made_push(1.0);
   PhaseMonitor monitor(0.0, {});
   for (MonitorSample& sample : push.samples) {
@@ -87,7 +87,7 @@ TEST(PhaseMonitor, StaysFreeWhereNothingIsNear) {
   EXPECT_EQ(monitor.changes().size(), 1U);
 }
 
-TEST(PhaseMonitor, TakesNoPressForAPush) {
+TEST(PhaseMonitor, DistinguishesAPressFromAPush) {
   MadePush push = made_push(1.0);
   PhaseMonitor monitor(0.0, {});
   for (MonitorSample& sample : push.samples) {
@@ -100,27 +100,27 @@ TEST(PhaseMonitor, TakesNoPressForAPush) {
   EXPECT_EQ(time_of(monitor, MotionPhase::sliding), -1.0);
 }
 
-TEST(PhaseMonitor, BelievesTheCameraWhereNoForceSpeaks) {
+TEST(PhaseMonitor, UsesTheCameraWithoutForce) {
   PhaseMonitor monitor(0.0, {});
-  monitor.see(1.0, true, false);
+  monitor.update_from_camera(1.0, true, false);
   EXPECT_EQ(monitor.phase(), MotionPhase::sliding);
-  monitor.see(2.0, false, true);
-  EXPECT_EQ(monitor.phase(), MotionPhase::held);
+  monitor.update_from_camera(2.0, false, true);
+  EXPECT_EQ(monitor.phase(), MotionPhase::static_contact);
 }
 
-/// Over simulated pushes of boxes that nothing here was chosen on. What is missed are re-sticks
-/// shorter than the stretch over which the speed is measured.
-TEST(PhaseMonitor, FindsThePlantsBoundaries) {
+/// On simulated pushes that were not used for tuning. Missed are re-sticks shorter than the window
+/// of the speed estimate.
+TEST(PhaseMonitor, DetectsThePlantsPhaseChanges) {
   int boundaries = 0, near = 0;
   for (const std::uint64_t seed : {31, 32, 33}) {
     const PlantInput made = plant_input(seed, true);
     const TeleopRun run = run_teleop(made.input, {.with_corrections = false}).value();
     for (const PlantPhaseChange& change : made.run.phases) {
       if (change.t <= 0.0) continue;
-      const auto word = static_cast<MotionPhase>(change.phase);
+      const auto phase = static_cast<MotionPhase>(change.phase);
       double nearest = 1e300;
       for (const PhaseRow& row : run.phases) {
-        if (row.object != change.body || row.measured != word) continue;
+        if (row.object != change.body || row.measured != phase) continue;
         nearest = std::min(nearest, std::abs(row.t - change.t));
       }
       ++boundaries;

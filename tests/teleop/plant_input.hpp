@@ -14,7 +14,7 @@
 
 namespace pcavr {
 
-/// A simulated push as the two sites get it, with the plant's truth beside it.
+/// A simulated push as input of the two sites, with the plant's ground truth.
 struct PlantInput {
   PlantCase plant;
   PlantRun run;
@@ -46,8 +46,7 @@ inline ObjectParameters true_parameters(const PlantParameters& plant) {
   return known;
 }
 
-/// Both boxes of a push; `known` says whether the sites know the plant's parameters or the mass
-/// only.
+/// Both boxes of a push; `known`: the sites have the plant's parameters, else the mass only.
 inline PlantInput plant_input(std::uint64_t seed, bool known, const SensorFaults& faults = {}) {
   PlantInput made{make_plant_case(ToolTask::push, seed), {}, {}};
   made.run = run_plant(made.plant.bodies, made.plant.tool, made.plant.moves);
@@ -60,11 +59,11 @@ inline PlantInput plant_input(std::uint64_t seed, bool known, const SensorFaults
                         {}};
     if (known) object.parameters = true_parameters(body.parameters);
     object.parameters.mass = ParameterValue{body.parameters.mass};
-    for (const SimulatedSighting& seen :
+    for (const SimulatedMeasurement& seen :
          simulated_tracking(made.run, body, i, seed + 10 + i, faults)) {
       if (!seen.is_seen) continue;
       object.tracked.push_back(
-          {seen.stamp.seconds(), seen.T_base_object, seen.position_sigma, seen.rotation_sigma});
+          {seen.stamp.seconds(), seen.T_base_object, seen.position_std, seen.rotation_std});
     }
     made.input.objects.push_back(std::move(object));
   }
@@ -81,7 +80,7 @@ inline PlantInput plant_input(std::uint64_t seed, bool known, const SensorFaults
   return made;
 }
 
-/// [m] of what was shown while the plant's body was touched or moved, sorted.
+/// [m] Errors of the shown poses while the plant's body was touched or moved, sorted.
 inline std::vector<double> position_errors(const PlantInput& made, const TeleopRun& run,
                                            std::size_t object, double from = 0.0) {
   std::vector<double> errors;

@@ -16,31 +16,25 @@ namespace {
 
 constexpr std::uint64_t kSeed = 2;
 
-double at_share(const std::vector<double>& sorted, double share) {
-  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+double quantile(const std::vector<double>& sorted, double fraction) {
+  return sorted[static_cast<std::size_t>(fraction * static_cast<double>(sorted.size() - 1))];
 }
 
-bool says(const TeleopRun& run, const std::string& words) {
-  return std::any_of(run.notes.begin(), run.notes.end(), [&](const std::string& note) {
-    return note.find(words) != std::string::npos;
-  });
-}
-
-TEST(RunTeleop, ShowsWithinMillimetresWhatHappensFourTenthsLater) {
+TEST(RunTeleop, PredictsWithinMillimetresOverARoundTripOfFourTenths) {
   const PlantInput made = plant_input(kSeed, true);
   const TeleopRun run = run_teleop(made.input, {}).value();
   for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
     const std::vector<double> errors = position_errors(made, run, i);
     ASSERT_FALSE(errors.empty());
-    EXPECT_LT(at_share(errors, 0.5), 0.0015) << i;
-    EXPECT_LT(at_share(errors, 0.95), 0.004) << i;
+    EXPECT_LT(quantile(errors, 0.5), 0.0015) << i;
+    EXPECT_LT(quantile(errors, 0.95), 0.004) << i;
   }
   EXPECT_LT(static_cast<double>(run.correction_bytes),
             0.03 * static_cast<double>(run.streaming_bytes));
-  EXPECT_FALSE(says(run, "too late"));
+  EXPECT_FALSE(has_note(run, "too late"));
 }
 
-TEST(RunTeleop, RepeatsItselfToTheBit) {
+TEST(RunTeleop, IsDeterministicToTheBit) {
   const PlantInput made = plant_input(kSeed, false);
   const TeleopOptions options{.jitter = 0.02, .loss = 0.2, .seed = 4};
   const TeleopRun one = run_teleop(made.input, options).value();
@@ -54,7 +48,7 @@ TEST(RunTeleop, RepeatsItselfToTheBit) {
   EXPECT_EQ(one.corrections.size(), two.corrections.size());
 }
 
-TEST(RunTeleop, RecoversFromWrongParametersAndPlaces) {
+TEST(RunTeleop, RecoversFromWrongParametersAndPoses) {
   PlantInput made = plant_input(kSeed, true);
   for (TeleopObject& object : made.input.objects) {
     object.parameters.mass->value *= 2.0;
@@ -65,27 +59,27 @@ TEST(RunTeleop, RecoversFromWrongParametersAndPlaces) {
   const TeleopRun run = run_teleop(made.input, {}).value();
   for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
     const std::vector<double> errors = position_errors(made, run, i);
-    EXPECT_LT(at_share(errors, 0.95), 0.003) << i;
+    EXPECT_LT(quantile(errors, 0.95), 0.003) << i;
   }
 }
 
-TEST(RunTeleop, GoesOnCorrectingOverALinkThatHoldsMessagesUp) {
+TEST(RunTeleop, KeepsCorrectingOverALinkWithJitter) {
   const PlantInput made = plant_input(kSeed, false);
   const TeleopRun even = run_teleop(made.input, {}).value();
-  const TeleopRun held_up = run_teleop(made.input, {.jitter = 0.02, .seed = 4}).value();
-  EXPECT_GE(2 * held_up.corrections.size(), even.corrections.size());
+  const TeleopRun delayed = run_teleop(made.input, {.jitter = 0.02, .seed = 4}).value();
+  EXPECT_GE(2 * delayed.corrections.size(), even.corrections.size());
   for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
-    EXPECT_LT(at_share(position_errors(made, held_up, i), 0.95),
-              0.002 + at_share(position_errors(made, even, i), 0.95));
+    EXPECT_LT(quantile(position_errors(made, delayed, i), 0.95),
+              0.002 + quantile(position_errors(made, even, i), 0.95));
   }
 }
 
-TEST(RunTeleop, SaysThatCorrectionsCameTooLate) {
+TEST(RunTeleop, NotesCorrectionsThatCameTooLate) {
   const PlantInput made = plant_input(kSeed, true);
-  EXPECT_TRUE(says(run_teleop(made.input, {.jitter = 1.5, .seed = 4}).value(), "too late"));
+  EXPECT_TRUE(has_note(run_teleop(made.input, {.jitter = 1.5, .seed = 4}).value(), "too late"));
 }
 
-TEST(RunTeleop, CountsNoWayTwiceWhereTheForceIsSampledSlowly) {
+TEST(RunTeleop, CountsNoDisplacementTwiceIfTheForceIsSampledSlowly) {
   PlantInput made = plant_input(kSeed, true);
   PlantInput slow = made;
   slow.input.t_force.clear();
@@ -96,11 +90,11 @@ TEST(RunTeleop, CountsNoWayTwiceWhereTheForceIsSampledSlowly) {
   }
   const TeleopRun run = run_teleop(slow.input, {}).value();
   for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
-    EXPECT_LT(at_share(position_errors(made, run, i), 0.95), 0.003);
+    EXPECT_LT(quantile(position_errors(made, run, i), 0.95), 0.003);
   }
 }
 
-TEST(RunTeleop, StatesOnePhaseAnInstantWhereARecordingBeginsInContact) {
+TEST(RunTeleop, HasOnePhaseAtATimeIfARecordingBeginsInContact) {
   PlantInput made = plant_input(kSeed, true);
   const auto touch = std::find_if(
       made.run.phases.begin(), made.run.phases.end(), [](const PlantPhaseChange& change) {
@@ -129,7 +123,7 @@ TEST(RunTeleop, StatesOnePhaseAnInstantWhereARecordingBeginsInContact) {
   }
 }
 
-TEST(RunTeleop, TakesAMotionOfHalfAMillisecondForNone) {
+TEST(RunTeleop, IgnoresAMotionOfHalfAMillisecond) {
   PlantInput made = plant_input(kSeed, true);
   made.input.t_tool.resize(2);
   made.input.p_base_tip.resize(2);
@@ -138,7 +132,7 @@ TEST(RunTeleop, TakesAMotionOfHalfAMillisecondForNone) {
   EXPECT_TRUE(run.shown[0].empty());
 }
 
-TEST(RunTeleop, SendsNothingWhereItIsToldNotTo) {
+TEST(RunTeleop, SendsNothingWithoutCorrections) {
   const PlantInput made = plant_input(kSeed, true);
   const TeleopRun run = run_teleop(made.input, {.with_corrections = false}).value();
   EXPECT_TRUE(run.corrections.empty());
@@ -146,7 +140,7 @@ TEST(RunTeleop, SendsNothingWhereItIsToldNotTo) {
   EXPECT_GT(run.streaming_bytes, 0U);
 }
 
-TEST(RunTeleop, KeepsParametersWhereItIsToldTo) {
+TEST(RunTeleop, KeepsParametersWithoutIdentification) {
   const PlantInput made = plant_input(kSeed, false);
   const TeleopRun run = run_teleop(made.input, {.identifies = false}).value();
   for (const ObjectParameters& known : run.parameters) {
@@ -162,7 +156,7 @@ TEST(RunTeleop, ReplaysTrackingWithoutAWrench) {
   const TeleopRun run = run_teleop(made.input, {}).value();
   EXPECT_TRUE(has_note(run, "no wrench"));
   EXPECT_TRUE(run.forces.empty());
-  EXPECT_LT(at_share(position_errors(made, run, 0), 0.95), 0.006);
+  EXPECT_LT(quantile(position_errors(made, run, 0), 0.95), 0.006);
 }
 
 TEST(RunTeleop, DoesNotUseAForceOfTheWrongSign) {
@@ -178,7 +172,7 @@ TEST(RunTeleop, DoesNotUseAForceInMillinewtons) {
   EXPECT_TRUE(has_note(run, "newtons"));
 }
 
-TEST(RunTeleop, SaysThatTheSensorSaturates) {
+TEST(RunTeleop, NotesSensorSaturation) {
   const PlantInput made = plant_input(kSeed, false, {.saturation = 3.0});
   const TeleopRun run = run_teleop(made.input, {}).value();
   EXPECT_TRUE(has_note(run, "saturates"));
@@ -193,17 +187,17 @@ TEST(RunTeleop, SurvivesAToolThatJumps) {
     made.input.p_base_tip[i] += Eigen::Vector3d(0.4, 0.3, 0.0);
   const TeleopRun run = run_teleop(made.input, {}).value();
   EXPECT_TRUE(has_note(run, "jumps"));
-  EXPECT_LT(at_share(position_errors(made, run, 0), 0.95), 0.004);
+  EXPECT_LT(quantile(position_errors(made, run, 0), 0.95), 0.004);
 }
 
-TEST(RunTeleop, GoesOnWhereTheCameraLosesTheObject) {
+TEST(RunTeleop, BridgesLossOfTracking) {
   const PlantInput made = plant_input(kSeed, true, {.lost_tracking = SensorFaults::Gap{1.6, 2.6}});
   const TeleopRun run = run_teleop(made.input, {}).value();
-  EXPECT_TRUE(has_note(run, "not seen from"));
-  EXPECT_LT(at_share(position_errors(made, run, 0), 0.95), 0.004);
+  EXPECT_TRUE(has_note(run, "not tracked from"));
+  EXPECT_LT(quantile(position_errors(made, run, 0), 0.95), 0.004);
 }
 
-TEST(RunTeleop, SaysThatAnObjectWasNeverTouched) {
+TEST(RunTeleop, NotesThatAnObjectWasNeverTouched) {
   PlantInput made = plant_input(kSeed, true);
   const double end = 4.0;  // before the tool reaches the second box
   while (made.input.t_tool.back() > end) {
@@ -214,7 +208,7 @@ TEST(RunTeleop, SaysThatAnObjectWasNeverTouched) {
   EXPECT_TRUE(has_note(run, made.input.objects[1].name + " was never touched"));
 }
 
-/// Two boxes side by side at rest, and a tip that presses on the seam between them.
+/// Two adjacent boxes at rest, and a tip that presses on the seam between them.
 TeleopInput pressed_seam() {
   constexpr double kHalf = 0.05;
   TeleopInput input;
@@ -232,33 +226,34 @@ TeleopInput pressed_seam() {
   }
   for (int i = 0; i < 1500; ++i) {
     const double t = 0.002 * i;
-    const double depth = 0.002 * std::clamp(t - 1.0, -1.0, 1.0);
+    const double penetration = 0.002 * std::clamp(t - 1.0, -1.0, 1.0);
     input.t_tool.push_back(t);
     input.t_force.push_back(t);
-    input.p_base_tip.emplace_back(0.0, 0.05 - input.tool_radius + depth, kHalf);
-    // A repeated pattern stands for the sensor's noise.
-    input.force_base.emplace_back(0.0, 4000.0 * std::max(depth, 0.0) + 0.05 * (i % 3 - 1), 0.0);
+    input.p_base_tip.emplace_back(0.0, 0.05 - input.tool_radius + penetration, kHalf);
+    // A periodic pattern as the sensor's noise.
+    input.force_base.emplace_back(0.0, 4000.0 * std::max(penetration, 0.0) + 0.05 * (i % 3 - 1),
+                                  0.0);
   }
   return input;
 }
 
-TEST(RunTeleop, SaysThatTheTipLiesAtTwoObjectsAtOnce) {
+TEST(RunTeleop, NotesThatTheTipTouchesTwoObjects) {
   const TeleopRun run = run_teleop(pressed_seam(), {}).value();
-  EXPECT_TRUE(has_note(run, "the tip lies at 2 objects"));
-  EXPECT_LT(run.notes.size(), 10U);  // once a contact, not once a sample
+  EXPECT_TRUE(has_note(run, "the tip touches 2 objects"));
+  EXPECT_LT(run.notes.size(), 10U);  // once per contact, not per sample
   for (const ObjectParameters& learned : run.parameters) {
     EXPECT_FALSE(learned.contact_stiffness.has_value());
   }
 }
 
-TEST(RunTeleop, FindsClocksThatAreATenthOfASecondApart) {
+TEST(RunTeleop, CorrectsAClockOffsetOfATenthOfASecond) {
   PlantInput made = plant_input(kSeed, true, {.clock_offset = 0.1});
   const TeleopRun run = run_teleop(made.input, {}).value();
-  EXPECT_TRUE(has_note(run, "the force comes"));
+  EXPECT_TRUE(has_note(run, "the force lags"));
   ASSERT_TRUE(run.tool_to_force);
-  EXPECT_NEAR(run.tool_to_force->offset, 0.1, 3.0 * run.tool_to_force->deviation);
+  EXPECT_NEAR(run.tool_to_force->offset, 0.1, 3.0 * run.tool_to_force->std);
   const auto is_first_touch = [](const PhaseRow& row) {
-    return row.object == 0 && row.measured == MotionPhase::held;
+    return row.object == 0 && row.measured == MotionPhase::static_contact;
   };
   const auto touch = std::find_if(run.phases.begin(), run.phases.end(), is_first_touch);
   const auto truth = std::find_if(
@@ -269,7 +264,7 @@ TEST(RunTeleop, FindsClocksThatAreATenthOfASecondApart) {
   EXPECT_NEAR(touch->t, truth->t, 0.045);
 }
 
-TEST(RunTeleop, StatesBothPhasesFromTheStart) {
+TEST(RunTeleop, HasBothPhasesFromTheStart) {
   const PlantInput made = plant_input(kSeed, true);
   const TeleopRun run = run_teleop(made.input, {}).value();
   ASSERT_GE(run.phases.size(), 2U);
@@ -280,7 +275,7 @@ TEST(RunTeleop, StatesBothPhasesFromTheStart) {
   }
 }
 
-/// The same recording on a clock that began `earlier` seconds sooner.
+/// The same recording with its stamps shifted by -`earlier` seconds.
 TeleopInput shifted(TeleopInput input, double earlier) {
   for (double& t : input.t_tool) t -= earlier;
   for (double& t : input.t_force) t -= earlier;
@@ -290,7 +285,7 @@ TeleopInput shifted(TeleopInput input, double earlier) {
   return input;
 }
 
-TEST(RunTeleop, WorksAlikeOnAClockBelowZero) {
+TEST(RunTeleop, WorksWithNegativeStamps) {
   const TeleopInput input = plant_input(3, true).input;
   const TeleopRun known = run_teleop(input, {}).value();
   for (const double earlier : {0.002, 1000.0}) {
@@ -301,15 +296,15 @@ TEST(RunTeleop, WorksAlikeOnAClockBelowZero) {
       ASSERT_EQ(run->shown[i].size(), known.shown[i].size());
       const ShownPose& last = run->shown[i].back();
       EXPECT_NEAR(last.t, known.shown[i].back().t - earlier, 1e-9);
-      // Where decisions fall by a rounding of a stamp, the shown place may differ by what a
-      // correction leaves [m].
+      // Decisions may differ by a stamp's rounding, and the shown pose then by the error that
+      // corrections tolerate [m].
       EXPECT_LT(translation_distance(last.T_base_object, known.shown[i].back().T_base_object),
                 2e-3);
     }
   }
 }
 
-TEST(RunTeleop, RefusesMoreObjectsThanAMessageCanName) {
+TEST(RunTeleop, RejectsMoreObjectsThanAMessageCanAddress) {
   TeleopInput input = plant_input(3, true).input;
   input.objects.resize(256, input.objects.front());
   const Expected<TeleopRun> run = run_teleop(input, {});
@@ -317,7 +312,7 @@ TEST(RunTeleop, RefusesMoreObjectsThanAMessageCanName) {
   EXPECT_NE(run.error().to_string().find("256 movable objects"), std::string::npos);
 }
 
-TEST(RunTeleop, TakesNoToolForNothingToDo) {
+TEST(RunTeleop, PredictsNothingWithoutATool) {
   PlantInput made = plant_input(kSeed, true);
   made.input.t_tool.clear();
   made.input.p_base_tip.clear();

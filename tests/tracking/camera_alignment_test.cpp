@@ -17,7 +17,7 @@ using camera_scene::render;
 using camera_scene::Scene;
 using camera_scene::walk;
 
-DepthImage see(const Pose& T_base_camera, std::size_t index, double noise) {
+DepthImage observe(const Pose& T_base_camera, std::size_t index, double noise) {
   return render(Scene(), a_camera(), T_base_camera, T_base_camera, index, noise).depth;
 }
 
@@ -61,7 +61,7 @@ TEST(CellGrid, NormalsOfAPlaneSeenThroughAFisheyeAreExact) {
   }
 }
 
-TEST(CellGrid, LeavesOutCellsThatHoldAHoleAStepOrSomethingDynamic) {
+TEST(CellGrid, SkipsCellsWithAHoleADepthStepOrADynamicPixel) {
   const CellGrid grid(a_camera());
   DepthImage depth(320, 240, 1.0F);
   depth(40, 40) = 0.0F;
@@ -78,13 +78,14 @@ TEST(CellGrid, LeavesOutCellsThatHoldAHoleAStepOrSomethingDynamic) {
   EXPECT_EQ(cell(160, 40), 1.0F);
 }
 
-/// The frame at walk(3.2) against the surface seen from walk(3.0), where two sides of each block
-/// are in view: the surface alone tells the pose.
+/// Aligns the frame at walk(3.2) to the surface seen from walk(3.0), where two sides of each block
+/// are in view: the surface alone determines the pose.
 Alignment align_views(const Pose& start_error, double noise, Parallelism parallelism) {
   const CellGrid grid(a_camera());
   const Surface model = make_surface(
-      grid, cell_inverse_depth(grid, see(walk(3.0), 0, noise), {}, DepthNoise()), DepthNoise());
-  const InverseDepth frame = cell_inverse_depth(grid, see(walk(3.2), 1, noise), {}, DepthNoise());
+      grid, cell_inverse_depth(grid, observe(walk(3.0), 0, noise), {}, DepthNoise()), DepthNoise());
+  const InverseDepth frame =
+      cell_inverse_depth(grid, observe(walk(3.2), 1, noise), {}, DepthNoise());
   const std::vector<FeatureMatch> no_features;
   AlignmentInput input;
   input.grid = &grid;
@@ -96,23 +97,24 @@ Alignment align_views(const Pose& start_error, double noise, Parallelism paralle
 }
 
 TEST(Align, FindsThePoseFromTheSurfaceAlone) {
-  const Pose off = Pose::exp((Vector6d() << 0.02, -0.015, 0.01, 0.01, 0.02, -0.015).finished());
-  const Alignment alignment = align_views(off, 0.5, {1});
-  EXPECT_TRUE(alignment.is_sound());
+  const Pose start_error =
+      Pose::exp((Vector6d() << 0.02, -0.015, 0.01, 0.01, 0.02, -0.015).finished());
+  const Alignment alignment = align_views(start_error, 0.5, {1});
+  EXPECT_TRUE(alignment.is_valid());
   const Pose truth = walk(3.0).inverse() * walk(3.2);
-  // Noise of 1 mm over some thousand cells; what remains are edges in the association.
+  // Noise of 1 mm over some thousand cells; the remaining error is from data association at edges.
   EXPECT_LT(translation_distance(alignment.T_model_frame, truth), 0.001);
   EXPECT_LT(rotation_distance(alignment.T_model_frame, truth), 0.001);
 }
 
-TEST(Align, GivesTheSameBitsForAnyNumberOfThreads) {
+TEST(Align, IsBitwiseIdenticalForAnyNumberOfThreads) {
   const Pose expected = align_views(Pose(), 0.5, {1}).T_model_frame;
   for (const int threads : {2, 4}) {
     EXPECT_EQ(align_views(Pose(), 0.5, {threads}).T_model_frame.matrix(), expected.matrix());
   }
 }
 
-TEST(Align, IsNotSoundWhereTheSurfaceIsABarePlane) {
+TEST(Align, IsNotValidForABarePlane) {
   const CellGrid grid(a_camera());
   const InverseDepth plane(grid.size(), 1.0F);
   const Surface model = make_surface(grid, plane, DepthNoise());
@@ -123,13 +125,13 @@ TEST(Align, IsNotSoundWhereTheSurfaceIsABarePlane) {
   input.frame = &plane;
   input.features = &no_features;
   input.focal_length = a_camera().fx;
-  // It may slide along the plane at will.
-  EXPECT_FALSE(align(input, Pose(), {1}).is_sound());
+  // Sliding along the plane is unobservable.
+  EXPECT_FALSE(align(input, Pose(), {1}).is_valid());
 }
 
-TEST(Align, LeavesOutPointsThatLieNearlyBesideTheCamera) {
-  // Points at 1 m come to lie 6e-8 m (the step of a float there) before the plane z = 0, and far
-  // beside the axis: cells 1e12 from the image, which no int holds.
+TEST(Align, SkipsPointsNearThePlaneOfTheCameraCentre) {
+  // Points at 1 m are moved to 6e-8 m (the resolution of a float there) in front of the plane z = 0
+  // and far from the axis: cells 1e12 from the image, which overflow an int.
   CameraModel camera = a_camera();
   const CellGrid grid(camera);
   const InverseDepth plane(grid.size(), 1.0F);
@@ -141,9 +143,9 @@ TEST(Align, LeavesOutPointsThatLieNearlyBesideTheCamera) {
   input.frame = &plane;
   input.features = &no_features;
   input.focal_length = camera.fx;
-  for (const double beside : {1e4, 1e20, 1e30}) {
-    const Pose start = Pose::from_translation({beside, 0.5 * beside, -1.0 + 6e-8});
-    EXPECT_FALSE(align(input, start, {1}).is_sound());
+  for (const double lateral : {1e4, 1e20, 1e30}) {
+    const Pose start = Pose::from_translation({lateral, 0.5 * lateral, -1.0 + 6e-8});
+    EXPECT_FALSE(align(input, start, {1}).is_valid());
   }
 }
 
@@ -151,9 +153,9 @@ TEST(Fuse, AveragesTheNoiseOfTheFramesThatMatch) {
   const CellGrid grid(a_camera());
   const DepthNoise noise;
   SurfaceModel model;
-  model.inverse_depth = cell_inverse_depth(grid, see(walk(0.0), 0, 1.0), {}, noise);
+  model.inverse_depth = cell_inverse_depth(grid, observe(walk(0.0), 0, 1.0), {}, noise);
   model.weight.assign(grid.size(), 1.0F);
-  const InverseDepth truth = cell_inverse_depth(grid, see(walk(0.0), 0, 0.0), {}, noise);
+  const InverseDepth truth = cell_inverse_depth(grid, observe(walk(0.0), 0, 0.0), {}, noise);
   const Surface surface = make_surface(grid, model.inverse_depth, noise);
   const auto mean_square = [&] {
     double sum = 0.0;
@@ -169,11 +171,11 @@ TEST(Fuse, AveragesTheNoiseOfTheFramesThatMatch) {
   const double before = mean_square();
   for (std::size_t i = 1; i < 8; ++i) {
     const double t = 0.02 * static_cast<double>(i);
-    fuse(grid, surface, cell_inverse_depth(grid, see(walk(t), i, 1.0), {}, noise),
+    fuse(grid, surface, cell_inverse_depth(grid, observe(walk(t), i, 1.0), {}, noise),
          walk(0.0).inverse() * walk(t), noise, model);
   }
-  // Eight independent frames bring the mean square down to an eighth; interpolation between
-  // cells and cells that left the view cost a part of it.
+  // Eight independent frames reduce the mean square to an eighth; interpolation between cells and
+  // cells that left the view lose a part of that.
   EXPECT_LT(mean_square(), before / 4.0);
 }
 

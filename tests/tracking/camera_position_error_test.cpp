@@ -38,8 +38,8 @@ struct Errors {
   double rotation_rmse = 0.0;  ///< [rad]
 };
 
-/// In base, not aligned.
-Errors against(const Trajectory& truth, const CameraTrack& track) {
+/// Errors in base, without trajectory alignment.
+Errors position_errors(const Trajectory& truth, const CameraTrack& track) {
   Errors errors;
   for (const FramePlacement& frame : track.frames) {
     if (frame.status != PlacementStatus::placed) continue;
@@ -59,24 +59,24 @@ TEST(CameraPositionError, OfAHandHeldCameraIsBelowAMillimetre) {
   const Recording recording = read_recording(shared_data("tabletop")).value();
   const Trajectory truth = read_trajectory(shared_data("tabletop/truth/camera.txt")).value();
   const CameraTrack result = track(recording);
-  const Errors errors = against(truth, result);
+  const Errors errors = position_errors(truth, result);
   EXPECT_EQ(errors.placed, recording.frames.size());
   EXPECT_LT(errors.position_rmse, 0.001);
   EXPECT_LT(errors.rotation_rmse, 0.1 * kDegree);
   for (const FramePlacement& frame : result.frames) {
     const Pose expected = truth.at(frame.stamp).value();
-    EXPECT_LT(translation_distance(expected, frame.T_base_camera), 3.0 * frame.position_sigma);
-    EXPECT_LT(rotation_distance(expected, frame.T_base_camera), 3.0 * frame.rotation_sigma);
+    EXPECT_LT(translation_distance(expected, frame.T_base_camera), 3.0 * frame.position_std);
+    EXPECT_LT(rotation_distance(expected, frame.T_base_camera), 3.0 * frame.rotation_std);
   }
 }
 
-TEST(CameraPositionError, OfAFixedCameraIsBelowAMillimetreThoughBoxesMove) {
+TEST(CameraPositionError, OfAFixedCameraIsBelowAMillimetreWithMovingBoxes) {
   PCAVR_NEEDS_SHARED_DATA("push_two_boxes");
   const Recording recording = read_recording(shared_data("push_two_boxes")).value();
   const Trajectory truth = read_trajectory(shared_data("push_two_boxes/truth/camera.txt")).value();
   const CameraTrack result = track(recording);
   EXPECT_TRUE(result.is_fixed_camera);
-  const Errors errors = against(truth, result);
+  const Errors errors = position_errors(truth, result);
   EXPECT_EQ(errors.placed, recording.frames.size());
   EXPECT_LT(errors.position_rmse, 0.001);
   EXPECT_LT(errors.rotation_rmse, 0.1 * kDegree);
@@ -101,10 +101,10 @@ void add_distances(const tracking::CellGrid& grid, const tracking::Surface& mode
   }
 }
 
-/// Median point-to-plane distance of frames `gap` apart, by the poses that `pose_of` gives [m].
-double self_agreement(const std::vector<tracking::InverseDepth>& frames,
-                      const tracking::CellGrid& grid, std::size_t gap,
-                      const std::function<Pose(std::size_t)>& pose_of) {
+/// Median point-to-plane distance of frames `gap` apart, with the poses from `pose_of` [m].
+double self_consistency(const std::vector<tracking::InverseDepth>& frames,
+                        const tracking::CellGrid& grid, std::size_t gap,
+                        const std::function<Pose(std::size_t)>& pose_of) {
   std::vector<double> distances;
   for (std::size_t i = 0; i + gap < frames.size(); i += 10) {
     const tracking::Surface model = tracking::make_surface(grid, frames[i], DepthNoise());
@@ -133,8 +133,8 @@ TEST(CameraPositionError, OfRealFramesIsBelowThatOfTheGivenPoses) {
   };
   const auto tracked = [&](std::size_t i) { return result.frames[i].T_base_camera; };
   for (const std::size_t gap : {5, 30}) {
-    const double distance = self_agreement(frames, grid, gap, tracked);
-    EXPECT_LT(distance, self_agreement(frames, grid, gap, given)) << "gap " << gap;
+    const double distance = self_consistency(frames, grid, gap, tracked);
+    EXPECT_LT(distance, self_consistency(frames, grid, gap, given)) << "gap " << gap;
     EXPECT_LT(distance, 0.006) << "gap " << gap;
   }
 }

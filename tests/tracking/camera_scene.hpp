@@ -17,8 +17,8 @@
 #include "pcavr/recording/frame_reader.hpp"
 #include "pcavr/recording/manifest.hpp"
 
-/// A table with two blocks on it before a wall, all with a smooth random texture, and one base tag:
-/// rendered exactly, so that tests know the truth.
+/// A table with two blocks on it in front of a wall, all with a smooth random texture, and one base
+/// tag: rendered exactly, so that the ground truth is known.
 namespace camera_scene {
 
 using namespace pcavr;
@@ -34,7 +34,7 @@ inline CameraModel a_camera() {
   return camera;
 }
 
-/// Base tag 0 lies on the table, 16 cm large.
+/// Base tag 0 lies on the table, with a size of 16 cm.
 inline Manifest a_manifest(const CameraModel& camera = a_camera()) {
   Manifest manifest;
   manifest.camera = camera;
@@ -45,7 +45,7 @@ inline Manifest a_manifest(const CameraModel& camera = a_camera()) {
 }
 
 /// The camera's pose at `eye`, looking at `target`, the image upright.
-inline Pose look(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
+inline Pose look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
   const Eigen::Vector3d z = (target - eye).normalized();
   const Eigen::Vector3d x = z.cross(Eigen::Vector3d::UnitZ()).normalized();
   Eigen::Matrix3d R;
@@ -56,8 +56,8 @@ inline Pose look(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
 /// A walk around the table at some 0.25 m/s.
 inline Pose walk(double seconds) {
   const double angle = 0.25 * seconds;
-  return look({-1.0 * std::cos(angle), -1.0 * std::sin(angle), 0.7 + 0.05 * std::sin(seconds)},
-              {0.1, 0.05 * std::sin(1.5 * seconds), 0.0});
+  return look_at({-1.0 * std::cos(angle), -1.0 * std::sin(angle), 0.7 + 0.05 * std::sin(seconds)},
+                 {0.1, 0.05 * std::sin(1.5 * seconds), 0.0});
 }
 
 struct Scene {
@@ -119,8 +119,8 @@ inline Hit cast(const Scene& scene, const Eigen::Vector3d& origin, const Eigen::
   return hit;
 }
 
-/// What the camera sees: colour from one pose, depth from another (they may have been taken at
-/// different times). `noise` multiplies the depth noise of the first Kinect.
+/// Renders colour from one pose and depth from another (they may have been captured at different
+/// times). `noise` multiplies the depth noise of the first Kinect.
 inline RgbdFrame render(const Scene& scene, const CameraModel& camera, const Pose& T_base_color,
                         const Pose& T_base_depth, std::size_t index, double noise = 0.5) {
   RgbdFrame frame;
@@ -140,16 +140,16 @@ inline RgbdFrame render(const Scene& scene, const CameraModel& camera, const Pos
       const Hit depth = cast(scene, T_base_depth.translation(), T_base_depth.rotation() * ray);
       if (depth.z < 4.0) {
         frame.depth(x, y) =
-            static_cast<float>(depth.z + noise * sensor.sigma(depth.z) * random.normal());
+            static_cast<float>(depth.z + noise * sensor.depth_std(depth.z) * random.normal());
       }
     }
   }
   return frame;
 }
 
-/// The base tag as a detector would report it, its corners off by 0.1 px.
-inline std::vector<TagDetection> see_tags(const Manifest& manifest, const Pose& T_base_color,
-                                          std::size_t index) {
+/// The base tag as a detector would report it, with corner noise of 0.1 px.
+inline std::vector<TagDetection> detect_tags(const Manifest& manifest, const Pose& T_base_color,
+                                             std::size_t index) {
   Random random(1000 + index);
   std::vector<TagDetection> detections;
   for (const MarkerEntry& marker : manifest.markers) {

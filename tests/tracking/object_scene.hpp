@@ -76,22 +76,22 @@ inline TriangleMesh table_mesh() {
   return table;
 }
 
-/// What stands in a frame, and what it is made of.
+/// A rendered frame with its tag detections.
 struct SceneFrame {
   RgbdFrame frame;
   std::vector<TagDetection> detections;
 };
 
 /// Renders frames of a table with bodies on it: depth with the noise of DepthNoise's defaults,
-/// rounded to eighths of a pixel of disparity (580 px, 75 mm, as the first Kinect), and tags whose
-/// corners are off by 0.1 px.
+/// rounded to eighths of a pixel of disparity (580 px, 75 mm, as the first Kinect), and tags with
+/// corner noise of 0.1 px.
 class SceneRenderer {
  public:
   explicit SceneRenderer(std::uint64_t seed) : random_(seed) {}
 
   double depth_offset = 0.0;  ///< added to every reading [m]
 
-  /// Depth of the table and the bodies given (meshes in base), at the n-th thirtieth of a second.
+  /// Depth of the table and the given bodies (meshes in base), at the n-th thirtieth of a second.
   SceneFrame frame(int n, const std::vector<TriangleMesh>& bodies_base) {
     TriangleMesh all = table_mesh();
     for (const TriangleMesh& body : bodies_base) append(body, all);
@@ -124,7 +124,7 @@ class SceneRenderer {
   float measured(float z) {
     if (z <= 0.0F) return 0.0F;
     const DepthNoise noise;
-    const double noisy = z + depth_offset + noise.sigma(z) * random_.normal();
+    const double noisy = z + depth_offset + noise.depth_std(z) * random_.normal();
     const double disparity = std::round(8.0 * 580.0 * 0.075 / noisy) / 8.0;
     return static_cast<float>(580.0 * 0.075 / disparity);
   }

@@ -33,18 +33,18 @@ SceneFrame without_tags(SceneFrame scene) {
   return scene;
 }
 
-double off(const ObjectObservation& observation, const Pose& T_base_box) {
+double position_error(const ObjectObservation& observation, const Pose& T_base_box) {
   return translation_distance(observation.T_base_object, T_base_box);
 }
 
-TEST(ObjectTracker, KnowsNothingBeforeTheFirstTag) {
+TEST(ObjectTracker, HasNoPoseBeforeTheFirstTag) {
   SceneRenderer renderer(1);
   ObjectTracker tracker = box_tracker();
   const SceneFrame scene = renderer.frame_of_box(0, on_the_table(0, 0, 0.3));
   EXPECT_EQ(track(tracker, without_tags(scene)).evidence, ObjectEvidence::none);
 }
 
-// The project's aim for a body at rest: 0.5 mm and 0.2 degrees.
+// The project's requirement for a body at rest: 0.5 mm and 0.2 degrees.
 TEST(ObjectTracker, AveragesABoxAtRest) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     SceneRenderer renderer(seed);
@@ -56,12 +56,12 @@ TEST(ObjectTracker, AveragesABoxAtRest) {
     }
     EXPECT_EQ(observation.evidence, ObjectEvidence::tags_and_shape);
     EXPECT_TRUE(observation.is_at_rest);
-    EXPECT_LT(off(observation, T_base_box), 5e-4);
+    EXPECT_LT(position_error(observation, T_base_box), 5e-4);
     EXPECT_LT(rotation_distance(observation.T_base_object, T_base_box), 0.2 * kDegree);
   }
 }
 
-TEST(ObjectTracker, MovesTheTagsPoseTowardTheDepth) {
+TEST(ObjectTracker, RefinesTheTagsPoseWithDepth) {
   SceneRenderer renderer(2);
   const Pose T_base_box = on_the_table(0, 0, 0.2);
   ObjectTrackerOptions tags_only;
@@ -80,37 +80,40 @@ TEST(ObjectTracker, MovesTheTagsPoseTowardTheDepth) {
   EXPECT_NEAR(by_both.surface_rms, 1.7e-3, 0.7e-3);
 }
 
-// One frame late would be 3.3 mm.
+// A lag of one frame would be 3.3 mm.
 TEST(ObjectTracker, FollowsAMovingBoxWithoutLag) {
   SceneRenderer renderer(3);
   ObjectTracker tracker = box_tracker();
   const Eigen::Vector3d velocity(0.0, 0.1, 0.0);  // [m/s]
-  double behind = 0.0;
+  double lag = 0.0;
   int count = 0;
   for (int n = 0; n < 30; ++n) {
     const Pose T_base_box = on_the_table(0, -0.05 + 0.1 * n / 30.0, 0.2);
     const ObjectObservation observation = track(tracker, renderer.frame_of_box(n, T_base_box));
-    EXPECT_LT(off(observation, T_base_box), 2e-3);
+    EXPECT_LT(position_error(observation, T_base_box), 2e-3);
     if (n < 2) continue;
     EXPECT_FALSE(observation.is_at_rest) << n;
-    behind += (T_base_box.translation() - observation.T_base_object.translation())
-                  .dot(velocity.normalized());
+    lag += (T_base_box.translation() - observation.T_base_object.translation())
+               .dot(velocity.normalized());
     ++count;
   }
-  EXPECT_LT(std::abs(behind / count), 3e-4);
+  EXPECT_LT(std::abs(lag / count), 3e-4);
 }
 
-TEST(ObjectTracker, DoesNotAverageSlowSlidingAway) {
+TEST(ObjectTracker, DetectsSlowSlidingDespiteAveraging) {
   SceneRenderer renderer(4);
   ObjectTracker tracker = box_tracker();
   for (int n = 0; n < 120; ++n) {
-    const double slid = std::max(0.0, 0.001 * (n - 30) / 30.0);  // 1 mm/s from the second second
-    const Pose T_base_box = on_the_table(0, slid, 0.2);
-    EXPECT_LT(off(track(tracker, renderer.frame_of_box(n, T_base_box)), T_base_box), 1e-3) << n;
+    const double displacement =
+        std::max(0.0, 0.001 * (n - 30) / 30.0);  // 1 mm/s from the second second
+    const Pose T_base_box = on_the_table(0, displacement, 0.2);
+    EXPECT_LT(position_error(track(tracker, renderer.frame_of_box(n, T_base_box)), T_base_box),
+              1e-3)
+        << n;
   }
 }
 
-TEST(ObjectTracker, StartsTheAverageAnewAfterAPush) {
+TEST(ObjectTracker, ResetsTheAverageAfterAPush) {
   SceneRenderer renderer(5);
   ObjectTracker tracker = box_tracker();
   Pose T_base_box = on_the_table(0, 0, 0.2);
@@ -119,13 +122,13 @@ TEST(ObjectTracker, StartsTheAverageAnewAfterAPush) {
   ObjectObservation observation;
   for (int n = 20; n < 40; ++n) {
     observation = track(tracker, renderer.frame_of_box(n, T_base_box));
-    EXPECT_LT(off(observation, T_base_box), 2e-3) << n;
+    EXPECT_LT(position_error(observation, T_base_box), 2e-3) << n;
   }
   EXPECT_TRUE(observation.is_at_rest);
-  EXPECT_LT(off(observation, T_base_box), 5e-4);
+  EXPECT_LT(position_error(observation, T_base_box), 5e-4);
 }
 
-TEST(ObjectTracker, IsCarriedByShapeWhileTheTagsAreHidden) {
+TEST(ObjectTracker, TracksByShapeWhileTheTagsAreHidden) {
   SceneRenderer renderer(6);
   ObjectTracker tracker = box_tracker();
   for (int n = 0; n < 45; ++n) {
@@ -136,12 +139,12 @@ TEST(ObjectTracker, IsCarriedByShapeWhileTheTagsAreHidden) {
     const ObjectObservation observation = track(tracker, is_hidden ? without_tags(scene) : scene);
     EXPECT_EQ(observation.evidence,
               is_hidden ? ObjectEvidence::shape : ObjectEvidence::tags_and_shape);
-    EXPECT_LT(off(observation, T_base_box), 3e-3) << n;
+    EXPECT_LT(position_error(observation, T_base_box), 3e-3) << n;
   }
 }
 
-// A ball shows no rotation: its last one is kept, and less and less believed.
-TEST(ObjectTracker, DoesNotInventWhatAShapeDoesNotShow) {
+// A sphere's rotation is unobservable: the last value is kept, with growing covariance.
+TEST(ObjectTracker, KeepsAnUnobservableRotation) {
   TriangleMesh ball = box_mesh({1, 1, 1});
   for (int round = 0; round < 4; ++round) {
     TriangleMesh finer;
@@ -166,20 +169,20 @@ TEST(ObjectTracker, DoesNotInventWhatAShapeDoesNotShow) {
   const Pose T_base_ball = on_the_table(0, 0, 0.7);
   tracker.set_initial_pose(T_base_ball);
   SceneRenderer renderer(7);
-  double believed = 0.0;
+  double last_std = 0.0;
   for (int n = 0; n < 10; ++n) {
     const ObjectObservation observation =
         track(tracker, renderer.frame(n, {transformed(T_base_ball, ball)}));
     ASSERT_EQ(observation.evidence, ObjectEvidence::shape);
-    EXPECT_LT(off(observation, T_base_ball), 2e-3);
+    EXPECT_LT(position_error(observation, T_base_ball), 2e-3);
     EXPECT_LT(rotation_distance(observation.T_base_object, T_base_ball), 5.0 * kDegree);
-    const double sigma = std::sqrt(observation.covariance.bottomRightCorner<3, 3>().trace());
-    EXPECT_GT(sigma, believed);
-    believed = sigma;
+    const double rotation_std = std::sqrt(observation.covariance.bottomRightCorner<3, 3>().trace());
+    EXPECT_GT(rotation_std, last_std);
+    last_std = rotation_std;
   }
 }
 
-TEST(ObjectTracker, StartsByShapeFromAPoseThatIsGiven) {
+TEST(ObjectTracker, StartsByShapeFromAGivenPose) {
   SceneRenderer renderer(8);
   ObjectTracker tracker = box_tracker();
   const Pose T_base_box = on_the_table(0, 0, 0.2);
@@ -189,10 +192,10 @@ TEST(ObjectTracker, StartsByShapeFromAPoseThatIsGiven) {
     observation = track(tracker, without_tags(renderer.frame_of_box(n, T_base_box)));
   }
   EXPECT_EQ(observation.evidence, ObjectEvidence::shape);
-  EXPECT_LT(off(observation, T_base_box), 2e-3);
+  EXPECT_LT(position_error(observation, T_base_box), 2e-3);
 }
 
-TEST(ObjectTracker, SaysThatItIsLostWhereTheBodyIsGone) {
+TEST(ObjectTracker, ReportsLostIfTheBodyIsGone) {
   SceneRenderer renderer(9);
   ObjectTracker tracker = box_tracker();
   const Pose T_base_box = on_the_table(0, 0, 0.2);
@@ -203,10 +206,10 @@ TEST(ObjectTracker, SaysThatItIsLostWhereTheBodyIsGone) {
   const Pose elsewhere = on_the_table(-0.1, 0.1, 1.0);
   const ObjectObservation found = track(tracker, renderer.frame_of_box(10, elsewhere));
   EXPECT_EQ(found.evidence, ObjectEvidence::tags_and_shape);
-  EXPECT_LT(off(found, elsewhere), 3e-3);
+  EXPECT_LT(position_error(found, elsewhere), 3e-3);
 }
 
-TEST(ObjectTracker, RestsOnTheTagsWhereTheCadBodyIsAnother) {
+TEST(ObjectTracker, UsesTheTagsAloneIfTheCadModelIsWrong) {
   for (const float scale : {0.8F, 1.2F}) {
     SceneRenderer renderer(10);
     ObjectTracker tracker(box_model(scale), box_tags(), scene_camera());
@@ -214,11 +217,11 @@ TEST(ObjectTracker, RestsOnTheTagsWhereTheCadBodyIsAnother) {
     const ObjectObservation observation = track(tracker, renderer.frame_of_box(0, T_base_box));
     EXPECT_EQ(observation.evidence, ObjectEvidence::tags) << scale;
     EXPECT_EQ(observation.refinement_translation, 0.0);
-    EXPECT_LT(off(observation, T_base_box), 3e-3);
+    EXPECT_LT(position_error(observation, T_base_box), 3e-3);
   }
 }
 
-TEST(ObjectTracker, RestsOnTheTagsWhereThereIsNoDepth) {
+TEST(ObjectTracker, UsesTheTagsAloneWithoutDepth) {
   SceneRenderer renderer(11);
   ObjectTracker tracker = box_tracker();
   const Pose T_base_box = on_the_table(0, 0, 0.2);
@@ -226,11 +229,12 @@ TEST(ObjectTracker, RestsOnTheTagsWhereThereIsNoDepth) {
   for (float& z : scene.frame.depth.pixels()) z = 0.0F;
   const ObjectObservation observation = track(tracker, scene);
   EXPECT_EQ(observation.evidence, ObjectEvidence::tags);
-  EXPECT_LT(off(observation, T_base_box), 8e-3);  // along the ray, corners alone know no better
+  EXPECT_LT(position_error(observation, T_base_box),
+            8e-3);  // accuracy of the corners alone along the ray
 }
 
 // A bar in front of the box, which hides one tag and a third of the box.
-TEST(ObjectTracker, IsNotDrawnToWhatCoversTheBody) {
+TEST(ObjectTracker, IsNotBiasedByAnOccluder) {
   SceneRenderer renderer(12);
   ObjectTracker tracker = box_tracker();
   const Pose T_base_box = on_the_table(0, 0, 0.2);
@@ -245,12 +249,12 @@ TEST(ObjectTracker, IsNotDrawnToWhatCoversTheBody) {
     observation = track(tracker, scene);
   }
   EXPECT_EQ(observation.evidence, ObjectEvidence::tags_and_shape);
-  EXPECT_LT(observation.explained, 0.95);
-  EXPECT_LT(off(observation, T_base_box), 1e-3);
+  EXPECT_LT(observation.inlier_ratio, 0.95);
+  EXPECT_LT(position_error(observation, T_base_box), 1e-3);
 }
 
-// All readings 4 mm too far. What depth says of the distance counts no more than `depth_bias`.
-TEST(ObjectTracker, IsNotDraggedAlongByABiasedSensor) {
+// All readings 4 mm too far: `depth_bias` limits their effect.
+TEST(ObjectTracker, LimitsTheEffectOfABiasedSensor) {
   const Pose T_base_box = on_the_table(0, 0, 0.2);
   double errors[2] = {};
   for (const double bias : {0.0, 0.003}) {
@@ -263,31 +267,31 @@ TEST(ObjectTracker, IsNotDraggedAlongByABiasedSensor) {
     for (int n = 0; n < 30; ++n) {
       observation = track(tracker, renderer.frame_of_box(n, T_base_box));
     }
-    errors[bias > 0.0 ? 1 : 0] = off(observation, T_base_box);
+    errors[bias > 0.0 ? 1 : 0] = position_error(observation, T_base_box);
   }
   EXPECT_GT(errors[0], 2.5e-3);
   EXPECT_LT(errors[1], 0.5 * errors[0]);
 }
 
-TEST(ObjectTracker, TakesColorAndDepthAtTheirOwnTimes) {
+TEST(ObjectTracker, UsesTheTimestampsOfColorAndDepth) {
   SceneRenderer renderer(14);
   ObjectTracker tracker = box_tracker();
-  double behind = 0.0;
+  double lag = 0.0;
   for (int n = 0; n < 30; ++n) {
     const auto at = [&](double t) { return on_the_table(0, -0.05 + 0.15 * t, 0.2); };
     SceneFrame scene = renderer.frame_of_box(n, at(n / 30.0));
-    // The colour image 15 ms later, when the box is 2.2 mm further.
+    // The colour image is 15 ms later, when the box has moved 2.2 mm.
     scene.detections = renderer.frame_of_box(n, at(n / 30.0 + 0.015)).detections;
     scene.frame.color_stamp = Stamp::from_seconds(1.0 + n / 30.0 + 0.015);
     const ObjectObservation observation = track(tracker, scene);
     if (n >= 10) {
-      behind += (at(n / 30.0).translation() - observation.T_base_object.translation()).y() / 20.0;
+      lag += (at(n / 30.0).translation() - observation.T_base_object.translation()).y() / 20.0;
     }
   }
-  EXPECT_LT(std::abs(behind), 5e-4);
+  EXPECT_LT(std::abs(lag), 5e-4);
 }
 
-TEST(ObjectTracker, GivesTheSameBitsAgain) {
+TEST(ObjectTracker, IsDeterministic) {
   const auto run = [] {
     SceneRenderer renderer(15);
     ObjectTracker tracker = box_tracker();
@@ -304,7 +308,7 @@ TEST(ObjectTracker, GivesTheSameBitsAgain) {
   EXPECT_EQ(run(), run());
 }
 
-TEST(ObjectTracker, RefusesFramesThatGoBackInTime) {
+TEST(ObjectTracker, RejectsFramesThatGoBackInTime) {
   SceneRenderer renderer(16);
   ObjectTracker tracker = box_tracker();
   const SceneFrame scene = renderer.frame_of_box(3, on_the_table(0, 0, 0.2));

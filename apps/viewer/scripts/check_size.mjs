@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-// All JavaScript that the page may ever download, as it goes over the wire.
+// Limits the size of all JavaScript that the page can load, gzipped as transferred.
 import { readdirSync, readFileSync } from 'node:fs';
 import { gzipSync } from 'node:zlib';
 
-const most = 250_000; // [bytes]
+const maxBytes = 250_000;
 const folder = new URL('../dist/assets/', import.meta.url);
 let total = 0;
 for (const name of readdirSync(folder).filter((file) => file.endsWith('.js'))) {
@@ -13,5 +13,5 @@ for (const name of readdirSync(folder).filter((file) => file.endsWith('.js'))) {
   total += bytes;
   console.log(`${String(bytes).padStart(8)}  ${name}`);
 }
-console.log(`${String(total).padStart(8)}  bytes of JavaScript gzipped, of at most ${most}`);
-if (total > most) process.exitCode = 1;
+console.log(`${String(total).padStart(8)}  bytes of JavaScript gzipped, limit ${maxBytes}`);
+if (total > maxBytes) process.exitCode = 1;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Node 18 reads no TypeScript: esbuild, which Vite brings, turns the tests into what it reads.
+// Node 18 does not run TypeScript: esbuild (a dependency of Vite) bundles the tests to JavaScript.
 import { spawnSync } from 'node:child_process';
 import { mkdtempSync, readdirSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';

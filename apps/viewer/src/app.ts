@@ -7,14 +7,14 @@ import type { Session } from './session/session';
 import type { LiveState, Notice } from './protocol';
 import { looksDifferent } from './session/state_change';
 
-/// A frame's time [ms], the seconds since the one before, and in VR its XRFrame.
+/// A frame's time [ms], the seconds since the previous frame, and in VR its XRFrame.
 type FrameCallback = (time: number, seconds: number, frame?: XRFrame) => void;
 
-const maxPixelRatio = 2; // beyond, an eye sees no more and a graphics card does four times the work
-const staleSeconds = 0.04; // two to three states: a picture of one so late is not worth drawing
-const maxWaits = 3; // frames given up in a row: if then nothing newer has come, nothing has
+const maxPixelRatio = 2; // above, no visible gain at four times the GPU load
+const staleSeconds = 0.04; // two to three states: an older state is not worth drawing
+const maxSkippedFrames = 3; // frames skipped in a row, then the newest state there is gets drawn
 
-/// One picture after the other: asks everybody before each, and draws only where something changed.
+/// The render loop: runs the frame callbacks, and renders only when something changed.
 export class App {
   readonly renderer: WebGLRenderer;
   readonly view = new SceneView();
@@ -22,13 +22,13 @@ export class App {
   readonly camera: PerspectiveCamera = this.view.camera;
   readonly base: Group = this.view.base;
   readonly isSoftwareRendered: boolean;
-  followsWorld = true; // false: something else, such as a replay, places bodies and tool
+  showsLiveState = true; // false: a replay places bodies and tool
   private callbacks: FrameCallback[] = [];
   private drawnCallbacks: (() => void)[] = [];
   private isDirty = true;
   private lastFrame = NaN; // [ms]
   private lastShown: LiveState | null = null;
-  private waits = 0; // frames given up since the last one
+  private skippedFrames = 0; // since the last one that was not skipped
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -39,9 +39,9 @@ export class App {
   ) {
     const graphics = graphicsName();
     if (graphics === '')
-      throw new Error('This browser draws nothing in 3D: WebGL 2 is missing or off.');
+      throw new Error('WebGL 2 is not available: enable it or use another browser.');
     this.isSoftwareRendered = /llvmpipe|swiftshader|software/i.test(graphics);
-    // A processor that draws has no time for smooth edges.
+    // Antialiasing is too slow on a software renderer.
     const antialias = !this.isSoftwareRendered;
     this.renderer = new WebGLRenderer({ canvas, antialias, powerPreference: 'high-performance' });
     const ratio = Math.min(window.devicePixelRatio, maxPixelRatio);
@@ -64,16 +64,16 @@ export class App {
     this.drawnCallbacks.push(callback);
   }
 
-  /// The next frame has something new to show.
+  /// Requests a redraw in the next frame.
   invalidate(): void {
     this.isDirty = true;
   }
 
   private frame(time: number, frame?: XRFrame): void {
     const isInVr = this.renderer.xr.isPresenting;
-    if (!isInVr && this.shouldWait()) return;
+    if (!isInVr && this.shouldSkipFrame()) return;
     const state = this.session.latest();
-    if (state && this.followsWorld && this.isNews(state)) {
+    if (state && this.showsLiveState && this.needsRedraw(state)) {
       this.lastShown = state;
       this.view.showState(state);
       this.isDirty = true;
@@ -84,22 +84,23 @@ export class App {
     if (!this.isDirty && !isInVr) return;
     this.isDirty = false;
     this.renderer.render(this.scene, this.camera);
-    this.session.drawn();
+    this.session.recordDrawn();
     for (const callback of this.drawnCallbacks) callback();
   }
 
-  /// At rest nothing is drawn again and again; while the tool is held, everything is, at once.
-  private isNews(state: LiveState): boolean {
+  /// A scene at rest is not redrawn; while the tool is engaged, every new state is drawn.
+  private needsRedraw(state: LiveState): boolean {
     if (state === this.lastShown) return false;
     return !this.lastShown || state.isEngaged || looksDifferent(this.lastShown, state);
   }
 
-  /// A busy browser prefers frames to messages: a few frames given up let the newest state in.
-  private shouldWait(): boolean {
+  /// A busy browser schedules frames before messages: skipped frames let the newest state arrive.
+  private shouldSkipFrame(): boolean {
     const isStale =
       this.session.latest() !== null && this.session.latency.lag(pageClock()) > staleSeconds;
-    this.waits = isStale && this.waits < maxWaits ? this.waits + 1 : 0;
-    return this.waits > 0;
+    this.skippedFrames =
+      isStale && this.skippedFrames < maxSkippedFrames ? this.skippedFrames + 1 : 0;
+    return this.skippedFrames > 0;
   }
 
   private resize(): void {
@@ -112,7 +113,7 @@ export class App {
   }
 }
 
-/// What draws here, as the browser calls it.
+/// The name of the GPU or software renderer; empty without WebGL 2.
 function graphicsName(): string {
   const gl = document.createElement('canvas').getContext('webgl2');
   const info = gl?.getExtension('WEBGL_debug_renderer_info');

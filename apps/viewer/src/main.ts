@@ -9,7 +9,7 @@ import { pair } from './ui/pairing';
 import { ThemeSwitch } from './ui/theme';
 import { Page } from './page';
 
-/// The page from its start: pair, fetch the scene, draw, listen.
+/// Starts the page: pairs, fetches the scene, renders, connects.
 async function main(): Promise<void> {
   const messages = new Messages();
   const theme = new ThemeSwitch();

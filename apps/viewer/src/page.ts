@@ -22,13 +22,13 @@ import { pair } from './ui/pairing';
 import type { Theme, ThemeSwitch } from './ui/theme';
 import { ToolPanel } from './ui/tool_panel';
 
-const figuresSeconds = 0.25; // between two readings of the figures: faster, nobody can read them
+const statsSeconds = 0.25; // between updates of the displayed numbers, so that they can be read
 const vibrationMs = 30;
-// Triangles of the scan that a device draws smoothly: a graphics card, a headset or telephone, a
-// processor alone.
-const budgets = { card: 2_000_000, mobile: 400_000, software: 50_000 };
+// Triangles of the scan that render at full frame rate: on a GPU, a headset or phone, a software
+// renderer.
+const triangleBudgets = { gpu: 2_000_000, mobile: 400_000, software: 50_000 };
 
-/// What is on the page besides the picture, and what connects it.
+/// The page around the 3D view: panels, navigation, tool, session.
 export class Page {
   private readonly hook: TestHook;
   private readonly loader: SceneLoader;
@@ -39,14 +39,14 @@ export class Page {
   private readonly hud: Hud;
   private readonly isReplay: boolean;
   private readonly showDetail: (level: number) => void;
-  private readonly calm = matchMedia('(prefers-reduced-motion: reduce)');
+  private readonly reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
   private tool: DesktopTool | null = null;
   private toolPanel: ToolPanel | null = null;
   private replay: ReplayPlayer | null = null;
   private plot: LivePlot | null = null;
-  private lastFigures = -Infinity; // [ms]
+  private lastStats = -Infinity; // [ms]
   private pulses = -1;
-  private hasPicture = false;
+  private hasFirstFrame = false;
 
   constructor(
     private readonly app: App,
@@ -57,7 +57,7 @@ export class Page {
   ) {
     const { view, session } = app;
     this.isReplay = info.mode === 'replay';
-    app.followsWorld = !this.isReplay;
+    app.showsLiveState = !this.isReplay;
     this.loader = new SceneLoader(
       view,
       (progress) => this.showProgress(progress),
@@ -71,7 +71,7 @@ export class Page {
     this.labels = new Labels(view, byId('stage', HTMLElement));
     this.hud = new Hud(session);
     addMarks(view, model);
-    // Without a scan, the supports are all that says what the bodies stand on.
+    // Without a scan only the support planes show what the bodies stand on.
     if (model.mesh.length === 0) view.layers.show('planes', true);
     fillLayersPanel(view.layers, presentLayers(model, this.isReplay));
     view.layers.onChange(() => app.invalidate());
@@ -95,10 +95,11 @@ export class Page {
   }
 
   private triangleBudget(): number {
-    const asked = Number(new URLSearchParams(location.search).get('triangles'));
-    if (asked > 0) return asked;
-    if (this.app.isSoftwareRendered) return budgets.software;
-    return /Android|Mobile|Quest/i.test(navigator.userAgent) ? budgets.mobile : budgets.card;
+    const requested = Number(new URLSearchParams(location.search).get('triangles'));
+    if (requested > 0) return requested;
+    if (this.app.isSoftwareRendered) return triangleBudgets.software;
+    const isMobile = /Android|Mobile|Quest/i.test(navigator.userAgent);
+    return isMobile ? triangleBudgets.mobile : triangleBudgets.gpu;
   }
 
   private async loadReplay(): Promise<void> {
@@ -161,23 +162,23 @@ export class Page {
     session.onNotice((notice) => this.messages.show(notice));
     session.onConnection((connection, reason) => {
       status.dataset.state = connection;
-      this.app.invalidate(); // what the tool's buttons say may have changed
+      this.app.invalidate(); // the state of the tool's buttons may have changed
       setText(
         status,
         {
           open: 'connected',
-          lost: 'lost, trying again',
+          lost: 'disconnected, reconnecting',
           refused: 'refused',
           connecting: 'connecting',
         }[connection],
       );
       if (reason && connection === 'refused') this.messages.show({ level: 'error', text: reason });
-      // A server that was started anew has a new code. One that is gone says nothing: we try again.
+      // A restarted server has a new pairing code; while it is down, the worker keeps reconnecting.
       if (connection === 'lost') pair().catch(() => undefined);
     });
   }
 
-  /// Clouds and cells are fetched when they are first to be seen.
+  /// Fetches the point cloud and the occupancy cells when their layer is first shown.
   private loadOnDemand(): void {
     const { layers } = this.app.view;
     const { cloud, occupancy } = this.model;
@@ -212,11 +213,11 @@ export class Page {
   }
 
   private partLoaded(): void {
-    // A scene without a scan has its bodies to show.
+    // Without a scan the first frame shows the bodies.
     const hasScan = this.model.mesh.length > 0;
-    const isThere = hasScan ? this.loader.level >= 0 : this.loader.objectsLoaded > 0;
-    if (!this.hasPicture && isThere) {
-      this.hasPicture = true;
+    const isLoaded = hasScan ? this.loader.level >= 0 : this.loader.objectsLoaded > 0;
+    if (!this.hasFirstFrame && isLoaded) {
+      this.hasFirstFrame = true;
       this.frameAll();
     }
     if (this.loader.level >= 0) this.showDetail(this.loader.level);
@@ -240,9 +241,9 @@ export class Page {
       if (this.pulses >= 0 && state.pulses > this.pulses) navigator.vibrate?.(vibrationMs);
       this.pulses = state.pulses;
     }
-    if (this.app.view.tool.animate(time / 1000, this.calm.matches)) this.app.invalidate();
-    if (time - this.lastFigures < 1000 * figuresSeconds) return;
-    this.lastFigures = time;
+    if (this.app.view.tool.animate(time / 1000, this.reducedMotion.matches)) this.app.invalidate();
+    if (time - this.lastStats < 1000 * statsSeconds) return;
+    this.lastStats = time;
     this.hud.update();
     this.objects.update((body) => this.forceOn(body.object.name));
   }
@@ -255,8 +256,8 @@ export class Page {
   }
 
   private drawn(): void {
-    if (this.hasPicture && Number.isNaN(this.hook.firstPicture))
-      this.hook.firstPicture = performance.now();
+    if (this.hasFirstFrame && Number.isNaN(this.hook.firstFrameTime))
+      this.hook.firstFrameTime = performance.now();
     this.labels.update(!this.app.renderer.xr.isPresenting);
     this.toolPanel?.update();
   }

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The messages of docs/live-protocol.md, both ways. Little-endian; metres, newtons, seconds, base
-// frame (z up), quaternions x y z w. What is malformed gives null, never an exception.
+// frame (z up), quaternions x y z w. A malformed message gives null, never an exception.
 
 export const protocolVersion = 1;
-export const headBytes = 24;
+export const headerBytes = 24;
 const magic = 0x52564350; // "PCVR"
 const stateBytes = 104;
 const objectBytes = 48;
@@ -21,7 +21,7 @@ export const MessageType = {
   ping: 19,
 } as const;
 
-export const Command = { hold: 1, goOn: 2, reset: 3, take: 4, giveBack: 5 } as const;
+export const Command = { hold: 1, resume: 2, reset: 3, take: 4, release: 5 } as const;
 export type Command = (typeof Command)[keyof typeof Command];
 
 export const Device = { mouse: 0, keyboard: 1, controller: 2, hand: 3 } as const;
@@ -33,10 +33,10 @@ export type Phase = (typeof phaseNames)[number];
 export type Vector = [number, number, number];
 export type Quaternion = [number, number, number, number];
 
-export interface Head {
+export interface Header {
   type: number;
   sequence: number;
-  length: number; // [bytes] of what follows the head
+  length: number; // [bytes] after the header
   clock: number; // [s] the sender's
 }
 
@@ -59,7 +59,7 @@ export interface Notice {
 export interface ObjectState {
   position: Vector;
   quaternion: Quaternion;
-  force: Vector; // [N] of the tool on it
+  force: Vector; // [N] of the tool on the object
   phase: Phase;
   isOutsideModel: boolean;
   speed: number; // [m/s]
@@ -74,13 +74,13 @@ export interface LiveState {
   isOnHold: boolean;
   touchesScan: boolean;
   hasTool: boolean; // this page
-  isToolTaken: boolean; // by anybody
+  isToolTaken: boolean; // by any page
   touchedObject: number; // -1: none
-  hip: Vector;
-  proxy: Vector;
+  hip: Vector; // haptic interface point: where the hand is
+  proxy: Vector; // god-object: the tool's sphere, kept outside of all surfaces
   force: Vector; // [N] on the hand
-  pulse: number; // 0 to 1
-  pulses: number;
+  pulse: number; // 0 to 1: intensity for a controller's motor
+  pulses: number; // events so far: breakaways and first contacts
   cycles: number;
   lateCycles: number;
   cycleTime: { median: number; p99: number; longest: number }; // [s]
@@ -95,14 +95,14 @@ export interface ToolSample {
   device: Device;
 }
 
-/// Checks the head; null where this isn't one whole message of this version.
-export function readHead(buffer: ArrayBuffer): Head | null {
-  if (buffer.byteLength < headBytes) return null;
+/// Reads the header; null unless this is one complete message of this version.
+export function readHeader(buffer: ArrayBuffer): Header | null {
+  if (buffer.byteLength < headerBytes) return null;
   const view = new DataView(buffer);
   if (view.getUint32(0, true) !== magic) return null;
   if (view.getUint8(4) !== protocolVersion || view.getUint16(6, true) !== 0) return null;
   const length = view.getUint32(12, true);
-  if (length !== buffer.byteLength - headBytes) return null;
+  if (length !== buffer.byteLength - headerBytes) return null;
   return {
     type: view.getUint8(5),
     sequence: view.getUint32(8, true),
@@ -111,9 +111,9 @@ export function readHead(buffer: ArrayBuffer): Head | null {
   };
 }
 
-/// The version in a message's head, also of one that `readHead` refuses; null where it is none.
+/// The version in a message's header, also of one that `readHeader` rejects; null if it has none.
 export function readVersion(buffer: ArrayBuffer): number | null {
-  if (buffer.byteLength < headBytes) return null;
+  if (buffer.byteLength < headerBytes) return null;
   const view = new DataView(buffer);
   return view.getUint32(0, true) === magic ? view.getUint8(4) : null;
 }
@@ -121,33 +121,35 @@ export function readVersion(buffer: ArrayBuffer): number | null {
 /// The JSON of a welcome or a notice.
 export function readJson<T>(buffer: ArrayBuffer): T | null {
   try {
-    const value: unknown = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, headBytes)));
+    const text = new TextDecoder().decode(new Uint8Array(buffer, headerBytes));
+    const value: unknown = JSON.parse(text);
     return typeof value === 'object' && value !== null ? (value as T) : null;
   } catch {
     return null;
   }
 }
 
-/// The ping's own clock [s], out of a pong.
+/// The clock that the ping was sent at [s], echoed by a pong.
 export function readPong(buffer: ArrayBuffer): number | null {
-  return buffer.byteLength === headBytes + 8
-    ? new DataView(buffer).getFloat64(headBytes, true)
+  return buffer.byteLength === headerBytes + 8
+    ? new DataView(buffer).getFloat64(headerBytes, true)
     : null;
 }
 
 export function readState(buffer: ArrayBuffer): LiveState | null {
-  const head = readHead(buffer);
-  if (head === null || head.type !== MessageType.state || head.length < stateBytes) return null;
-  const view = new DataView(buffer, headBytes);
+  const header = readHeader(buffer);
+  if (header === null || header.type !== MessageType.state || header.length < stateBytes)
+    return null;
+  const view = new DataView(buffer, headerBytes);
   const count = view.getUint32(100, true);
-  if (head.length !== stateBytes + count * objectBytes) return null;
+  if (header.length !== stateBytes + count * objectBytes) return null;
   const f32 = (at: number) => view.getFloat32(at, true);
   const flags = view.getUint32(16, true);
   const objects: ObjectState[] = [];
   for (let i = 0; i < count; ++i) objects.push(readObject(view, stateBytes + i * objectBytes));
   return {
-    clock: head.clock,
-    sequence: head.sequence,
+    clock: header.clock,
+    sequence: header.sequence,
     worldTime: view.getFloat64(0, true),
     toolClock: view.getFloat64(8, true),
     isEngaged: (flags & 1) !== 0,
@@ -185,9 +187,14 @@ function readObject(view: DataView, at: number): ObjectState {
   };
 }
 
-/// A message with its head, and room for `length` bytes after its head.
-export function message(type: number, sequence: number, clock: number, length: number): DataView {
-  const view = new DataView(new ArrayBuffer(headBytes + length));
+/// A message with its header, and `length` zero bytes after it.
+export function makeMessage(
+  type: number,
+  sequence: number,
+  clock: number,
+  length: number,
+): DataView {
+  const view = new DataView(new ArrayBuffer(headerBytes + length));
   view.setUint32(0, magic, true);
   view.setUint8(4, protocolVersion);
   view.setUint8(5, type);
@@ -200,27 +207,27 @@ export function message(type: number, sequence: number, clock: number, length: n
 /// A hello, a welcome or a notice.
 export function writeJson(type: number, sequence: number, clock: number, value: object) {
   const bytes = new TextEncoder().encode(JSON.stringify(value));
-  const view = message(type, sequence, clock, bytes.length);
-  new Uint8Array(view.buffer, headBytes).set(bytes);
+  const view = makeMessage(type, sequence, clock, bytes.length);
+  new Uint8Array(view.buffer, headerBytes).set(bytes);
   return view.buffer as ArrayBuffer;
 }
 
 export function writeTool(sequence: number, clock: number, sample: ToolSample): ArrayBuffer {
-  const view = message(MessageType.tool, sequence, clock, 32);
+  const view = makeMessage(MessageType.tool, sequence, clock, 32);
   [...sample.tip, ...sample.quaternion].forEach((value, i) =>
-    view.setFloat32(headBytes + 4 * i, value, true),
+    view.setFloat32(headerBytes + 4 * i, value, true),
   );
-  view.setUint8(headBytes + 28, sample.clutch ? 1 : 0);
-  view.setUint8(headBytes + 29, sample.device);
+  view.setUint8(headerBytes + 28, sample.clutch ? 1 : 0);
+  view.setUint8(headerBytes + 29, sample.device);
   return view.buffer as ArrayBuffer;
 }
 
 export function writeCommand(sequence: number, clock: number, command: Command): ArrayBuffer {
-  const view = message(MessageType.command, sequence, clock, 4);
-  view.setUint32(headBytes, command, true);
+  const view = makeMessage(MessageType.command, sequence, clock, 4);
+  view.setUint32(headerBytes, command, true);
   return view.buffer as ArrayBuffer;
 }
 
 export function writePing(sequence: number, clock: number): ArrayBuffer {
-  return message(MessageType.ping, sequence, clock, 0).buffer as ArrayBuffer;
+  return makeMessage(MessageType.ping, sequence, clock, 0).buffer as ArrayBuffer;
 }

@@ -6,15 +6,15 @@ import type { SceneLoader } from './scene/loading';
 
 declare global {
   interface Window {
-    /// What tests of the page look at, instead of at pixels.
+    /// State that browser tests read instead of pixels.
     __pcavr?: TestHook;
   }
 }
 
 export class TestHook {
-  firstPicture = NaN; // [ms] from the start of the page to the first picture with something in it
+  firstFrameTime = NaN; // [ms] from the start of the page to the first frame with content
   replay: ReplayPlayer | null = null;
-  vr: unknown = null; // src/vr puts here what its tests look at
+  vr: unknown = null; // the VrMode, set by src/vr
 
   constructor(
     readonly app: App,
@@ -29,13 +29,13 @@ export class TestHook {
     return this.app.session.connection;
   }
 
-  /// States that were never taken in.
+  /// States that were replaced by newer ones before the page read them.
   get skipped() {
     return this.app.session.skipped;
   }
 
   get latency() {
-    return this.app.session.figures();
+    return this.app.session.latencyStats();
   }
 
   get layers() {
@@ -48,11 +48,11 @@ export class TestHook {
 
   get scene() {
     const { level, objectsLoaded, isComplete, failures } = this.loader;
-    const { firstPicture } = this;
-    return { level, objectsLoaded, isComplete, failures, firstPicture };
+    const { firstFrameTime } = this;
+    return { level, objectsLoaded, isComplete, failures, firstFrameTime };
   }
 
-  /// Where the bodies are drawn, in base.
+  /// The poses at which the bodies are drawn, in base.
   get bodies() {
     return this.app.view.bodies.map((body) => ({
       name: body.object.name,
@@ -64,7 +64,7 @@ export class TestHook {
     }));
   }
 
-  /// All of it that is plain data.
+  /// The plain data of this hook.
   summary() {
     const { skipped, latency, scene, bodies } = this;
     return { skipped, latency, scene, bodies };

@@ -2,19 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { picture } from './support/browser.mjs';
+import { screenshot } from './support/browser.mjs';
 import { drawnBodies, loaded, onScreen, openPanel } from './support/drawn.mjs';
 import { distance, until } from './support/live.mjs';
 import { limit, setStage } from './support/stage.mjs';
 
-const sameAsWorld = 1e-4; // [m]
+const poseTolerance = 1e-4; // [m]
 
 let world;
 const stage = setStage({ world: true }, () => ({ world } = stage));
 
-/// Leads the pointer in small steps to where a place in base is drawn.
-async function dragTo(page, place) {
-  const { x, y } = await onScreen(page, place);
+/// Moves the pointer in small steps to where a point of base is drawn.
+async function dragTo(page, point) {
+  const { x, y } = await onScreen(page, point);
   await page.mouse.move(x, y, { steps: 25 });
 }
 
@@ -25,7 +25,7 @@ async function grab(page) {
 }
 
 test(
-  'a dragged handle pushes a box, and the picture shows what the world says',
+  'a dragged handle pushes a box, and the page shows the state of the world',
   limit,
   async () => {
     const { page, seen } = await stage.open();
@@ -33,29 +33,29 @@ test(
     await page.locator('#handle').waitFor();
     const [x, y, z] = world.state.objects[0].position;
     const tool = world.state.proxy;
-    // Beside the box at the height at which the tool is, down with Shift, then along.
+    // To the side of the box at the tool's height, down with Shift, then against the box.
     await grab(page);
     await dragTo(page, [x - 0.22, y, tool[2]]);
     await page.keyboard.down('Shift');
     await dragTo(page, [x - 0.22, y, z]);
     await page.keyboard.up('Shift');
-    await until(() => Math.abs(world.state.proxy[2] - z) < 0.03, 'the tool beside the box');
+    await until(() => Math.abs(world.state.proxy[2] - z) < 0.03, 'the tool at the box height');
     await dragTo(page, [x + 0.02, y, z]);
-    await picture(page, 'mouse-pushing');
+    await screenshot(page, 'mouse-pushing');
     await until(() => world.state.objects[0].position[0] > x + 0.03, 'the box pushed');
     await page.mouse.up();
-    await until(() => !world.state.isEngaged, 'the tool let go');
+    await until(() => !world.state.isEngaged, 'the clutch open');
     await until(() => world.state.objects[0].speed < 1e-4, 'the box at rest');
     await until(async () => {
       const bodies = await drawnBodies(page);
-      return distance(bodies[0].position, world.state.objects[0].position) < sameAsWorld;
-    }, 'the drawn box where the world has it');
+      return distance(bodies[0].position, world.state.objects[0].position) < poseTolerance;
+    }, 'the drawn box at its pose in the world');
     assert.deepEqual(seen.errors, []);
     await page.close();
   },
 );
 
-test('keys move the tool while Space is held, and hold freezes it', limit, async () => {
+test('keys move the tool while Space is held, and hold stops it', limit, async () => {
   const { page } = await stage.open();
   await loaded(page);
   const before = world.state.hip;
@@ -67,15 +67,15 @@ test('keys move the tool while Space is held, and hold freezes it', limit, async
   await until(() => world.state.hip[2] > before[2] + 0.01, 'the tool goes up');
   await page.keyboard.press('h');
   await until(() => world.state.isOnHold, 'hold');
-  const held = world.state.hip;
-  await page.waitForTimeout(600); // longer than a held key takes to the end of its reach
-  assert.ok(distance(world.state.hip, held) < 2e-5, 'on hold');
+  const stopped = world.state.hip;
+  await page.waitForTimeout(600); // longer than a held key takes to the maximum lead
+  assert.ok(distance(world.state.hip, stopped) < 2e-5, 'on hold');
   await page.keyboard.press('h');
-  await until(() => !world.state.isOnHold, 'go on');
-  await until(() => world.state.hip[2] > held[2] + 0.01, 'the tool goes on, by the same key');
+  await until(() => !world.state.isOnHold, 'resumed');
+  await until(() => world.state.hip[2] > stopped[2] + 0.01, 'the same key moves the tool again');
 });
 
-test('a second page cannot move the tool of the first, and is told so', limit, async () => {
+test('a second page cannot move the tool of the first, and shows a notice', limit, async () => {
   const first = await stage.open();
   await loaded(first.page);
   await openPanel(first.page);
@@ -89,25 +89,25 @@ test('a second page cannot move the tool of the first, and is told so', limit, a
   await grab(page);
   await page.mouse.move(100, 100, { steps: 10 });
   await page.mouse.up();
-  await page.locator('#toasts', { hasText: 'Another page has the tool' }).waitFor();
+  await page.locator('#toasts', { hasText: 'Another page controls the tool' }).waitFor();
   await page.locator('#stage canvas').focus();
   await page.keyboard.down('Space');
   await page.waitForTimeout(300);
-  const told = page.locator('#toasts > div', { hasText: 'Another page has the tool' });
-  assert.equal(await told.count(), 2, 'once for the pointer, once for the key');
+  const toasts = page.locator('#toasts > div', { hasText: 'Another page controls the tool' });
+  assert.equal(await toasts.count(), 2, 'one for the pointer, one for the key');
   world.command(4);
   for (let i = 0; i < 20; ++i) {
     world.tool([0.1 * i, 0, 0.5], i > 0);
     await new Promise((resolve) => setTimeout(resolve, 10));
   }
-  await until(() => world.notices.some((n) => /another page/i.test(n.text)), 'a word');
+  await until(() => world.notices.some((n) => /another page/i.test(n.text)), 'a notice');
   assert.ok(distance(world.state.hip, before) < 2e-5);
   await first.page.close();
-  await until(() => !world.state.isToolTaken, 'the tool given back by a page that is closed');
+  await until(() => !world.state.isToolTaken, 'the tool released by the closed page');
   await page.waitForTimeout(300);
-  assert.equal(world.state.isToolTaken, false, 'a key that was held in vain takes nothing later');
+  assert.equal(world.state.isToolTaken, false, 'a refused key does not take the tool later');
   await page.keyboard.up('Space');
   await page.waitForTimeout(100); // some frames
   await page.keyboard.down('Space');
-  await until(() => world.state.isToolTaken, 'the tool taken by the key pressed anew');
+  await until(() => world.state.isToolTaken, 'the tool taken by a new key press');
 });

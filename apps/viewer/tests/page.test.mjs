@@ -2,18 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { elsewhere, picture } from './support/browser.mjs';
+import { foreignRequests, screenshot } from './support/browser.mjs';
 import { loaded, openPanel } from './support/drawn.mjs';
 import { distance, until } from './support/live.mjs';
 import { limit, setStage } from './support/stage.mjs';
 
 const stage = setStage();
 
-test('the page loads from this server alone, and without an error', limit, async () => {
+test('the page loads from this server only, without errors', limit, async () => {
   const { page, seen } = await stage.open();
   await loaded(page);
   await page.waitForFunction(() => window.__pcavr.state !== null);
-  assert.deepEqual(elsewhere(seen.requests, stage.server.url), []);
+  assert.deepEqual(foreignRequests(seen.requests, stage.server.url), []);
   assert.ok(seen.requests.some((r) => r.includes('/api/scene.json')));
   assert.deepEqual(seen.errors, []);
   const { scene: shown, bodies } = await page.evaluate(() => window.__pcavr.summary());
@@ -26,7 +26,7 @@ test('the page loads from this server alone, and without an error', limit, async
 });
 
 test(
-  'each layer switches on and off, and light and dark are pictures of their own',
+  'each layer can be shown and hidden by its checkbox, and both themes apply',
   limit,
   async () => {
     const { page, seen } = await stage.open();
@@ -48,29 +48,30 @@ test(
     for (const colorScheme of ['light', 'dark']) {
       await page.emulateMedia({ colorScheme });
       await page.waitForFunction((t) => document.documentElement.dataset.theme === t, colorScheme);
-      await picture(page, `page-${colorScheme}`);
+      await screenshot(page, `page-${colorScheme}`);
     }
     assert.deepEqual(seen.errors, []);
     await page.close();
   },
 );
 
-test('by keyboard alone one gets to the scene, turns it, and walks', limit, async () => {
+test('the keyboard alone reaches the scene, turns it, and walks', limit, async () => {
   const { page } = await stage.open();
   await loaded(page);
   await page.keyboard.press('Tab');
   await page.keyboard.press('Enter');
   assert.equal(await page.evaluate(() => document.activeElement.id), 'view');
-  const eye = () => page.evaluate(() => window.__pcavr.app.camera.position.toArray());
+  const cameraPosition = () => page.evaluate(() => window.__pcavr.app.camera.position.toArray());
   for (const key of ['j', 'i', 'w']) {
-    const before = await eye();
+    const before = await cameraPosition();
     await page.keyboard.down(key);
-    await until(async () => distance(await eye(), before) > 0.01, `${key} moves the eye`);
+    const hasMoved = async () => distance(await cameraPosition(), before) > 0.01;
+    await until(hasMoved, `${key} moves the camera`);
     await page.keyboard.up(key);
   }
 });
 
-test('without a scan the bodies stand on a support that is shown', limit, async () => {
+test('without a scan the support planes are shown', limit, async () => {
   const { page } = await stage.open();
   await loaded(page);
   assert.equal(await page.evaluate(() => window.__pcavr.layers.planes), true);
@@ -78,7 +79,7 @@ test('without a scan the bodies stand on a support that is shown', limit, async 
 });
 
 test(
-  'another level of detail is shown once it is there, and then no longer waited for',
+  'a selected level of detail is shown once it is loaded, and the progress ends',
   limit,
   async () => {
     const page = await stage.browser.context.newPage();
@@ -94,7 +95,7 @@ test(
     await page.waitForFunction(() => window.__pcavr.scene.level === 0);
     await page.locator('#progress.done').waitFor({ state: 'attached' });
     assert.equal(await page.locator('#loading-text').textContent(), '');
-    // Of two choices the later holds, whichever file comes first.
+    // Of two selections the later is shown, whichever file arrives first.
     await page.route(`**${coarse.path}`, async (route) => {
       await new Promise((resolve) => setTimeout(resolve, 500));
       await route.continue();
@@ -108,7 +109,7 @@ test(
   },
 );
 
-test('a file that the scene lacks is named, and the rest is shown', limit, async () => {
+test('a missing file of the scene is named, and the rest is shown', limit, async () => {
   const page = await stage.browser.context.newPage();
   const { objects } = await (await fetch(`${stage.server.url}api/scene.json`)).json();
   await page.route(`**${objects[0].path}`, (route) => route.fulfill({ status: 404 }));

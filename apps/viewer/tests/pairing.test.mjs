@@ -4,19 +4,22 @@ import assert from 'node:assert/strict';
 import { get } from 'node:https';
 import { networkInterfaces } from 'node:os';
 import { test } from 'node:test';
-import { picture } from './support/browser.mjs';
+import { screenshot } from './support/browser.mjs';
 import { loaded } from './support/drawn.mjs';
 import { Live } from './support/live.mjs';
-import { limit as longest, ofScene, setStage } from './support/stage.mjs';
+import { limit as timeLimit, sceneArguments, setStage } from './support/stage.mjs';
 
-// Who asks from this machine's own loopback address needs no code: another address is needed.
+// Loopback clients need no pairing code: the test needs another address.
 const address = Object.values(networkInterfaces())
   .flat()
   .find(({ family, internal }) => family === 'IPv4' && !internal)?.address;
-const skip = address ? false : 'this machine has no address but loopback';
-const limit = { ...longest, skip };
+const skip = address ? false : 'this machine has no address except loopback';
+const limit = { ...timeLimit, skip };
 
-const stage = setStage({ words: (scene) => [...ofScene(scene), '--host', address, '--tls'], skip });
+const stage = setStage({
+  serverArguments: (scene) => [...sceneArguments(scene), '--host', address, '--tls'],
+  skip,
+});
 
 function statusOf(path) {
   return new Promise((resolve, reject) => {
@@ -27,7 +30,7 @@ function statusOf(path) {
   });
 }
 
-test('who is not paired gets the page, and nothing of the scene', limit, async () => {
+test('an unpaired client gets the page, but nothing of the scene', limit, async () => {
   assert.match(stage.server.code, /^[A-Z0-9]{6}$/);
   assert.equal(await statusOf('/'), 200);
   assert.equal(await statusOf('/api/session'), 200);
@@ -38,19 +41,19 @@ test('who is not paired gets the page, and nothing of the scene', limit, async (
     '/api/frames/0.jpg',
   ])
     assert.equal(await statusOf(path), 401, path);
-  const stranger = new Live(stage.server.url);
-  assert.equal(await stranger.ended, 401);
-  assert.equal(stranger.state, null);
+  const unpaired = new Live(stage.server.url);
+  assert.equal(await unpaired.ended, 401);
+  assert.equal(unpaired.state, null);
 });
 
-test('a wrong code gets nothing, the right one gets in', limit, async () => {
+test('a wrong code is rejected, the right one pairs the page', limit, async () => {
   const { page, seen } = await stage.open();
   await page.locator('#pairing[open]').waitFor();
-  await picture(page, 'pairing');
+  await screenshot(page, 'pairing');
   const wrong = stage.server.code.replace(/^./, (c) => (c === 'A' ? 'B' : 'A'));
   await page.fill('#pairing-code', wrong);
   await page.click('#pairing-form button');
-  await page.locator('#pairing-error', { hasText: 'not the code' }).waitFor();
+  await page.locator('#pairing-error', { hasText: 'Wrong code' }).waitFor();
   assert.equal(await page.evaluate(() => window.__pcavr), undefined);
   assert.ok(!seen.requests.some((r) => /scene|live/.test(new URL(r).pathname)));
   await page.fill('#pairing-code', stage.server.code);
@@ -60,7 +63,7 @@ test('a wrong code gets nothing, the right one gets in', limit, async () => {
 });
 
 test(
-  'a code is not to be guessed: after a few tries the server stops listening',
+  'pairing attempts are rate-limited, so that a pairing code cannot be guessed',
   limit,
   async () => {
     const { page } = await stage.open();

@@ -3,20 +3,20 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { picture } from './support/browser.mjs';
+import { screenshot } from './support/browser.mjs';
 import { drawnBodies } from './support/drawn.mjs';
 import { distance } from './support/live.mjs';
-import { limit, ofScene, setStage } from './support/stage.mjs';
+import { limit, sceneArguments, setStage } from './support/stage.mjs';
 
 const poseBytes = 32; // of a row t, position, quaternion
 const rounding = 1e-6; // [m] of numbers in single precision near 1
 
 let model, binary;
-const words = ({ recording, ...scene }) => [
-  ...ofScene(scene),
+const serverArguments = ({ recording, ...scene }) => [
+  ...sceneArguments(scene),
   ...['--replay', recording, '--tracked', join(recording, 'tracked')],
 ];
-const stage = setStage({ words }, async ({ server: { url } }) => {
+const stage = setStage({ serverArguments }, async ({ server: { url } }) => {
   model = await (await fetch(`${url}api/replay.json`)).json();
   binary = new DataView(await (await fetch(`${url}api/replay.bin`)).arrayBuffer());
 });
@@ -27,17 +27,17 @@ function row({ at }, index) {
   return { t: value(0), position: [value(1), value(2), value(3)] };
 }
 
-/// The position at a time, between two rows in proportion.
+/// The position at a time, linearly interpolated between two rows.
 function positionAt(table, time) {
   let i = 0;
   while (i + 2 < table.rows && row(table, i + 1).t <= time) ++i;
   const [a, b] = [row(table, i), row(table, i + 1)];
-  const part = (time - a.t) / (b.t - a.t);
-  return a.position.map((value, k) => value + part * (b.position[k] - value));
+  const fraction = (time - a.t) / (b.t - a.t);
+  return a.position.map((value, k) => value + fraction * (b.position[k] - value));
 }
 
-/// A time at which an object is on its way.
-function pushed({ predicted }) {
+/// A time at which an object has been pushed.
+function timeOfPush({ predicted }) {
   const first = row(predicted, 0).position;
   for (let i = 0; i < predicted.rows; ++i) {
     const { t, position } = row(predicted, i);
@@ -60,7 +60,7 @@ const timeline = (page) =>
     return { time, isPlaying, duration };
   });
 
-test('a replay plays, and stands still while it is paused', limit, async () => {
+test('a replay plays, and stops while paused', limit, async () => {
   const { page, seen } = await open();
   assert.ok(Math.abs((await timeline(page)).duration - model.duration) < rounding);
   await page.click('#play');
@@ -73,9 +73,9 @@ test('a replay plays, and stands still while it is paused', limit, async () => {
   assert.deepEqual(seen.errors, []);
 });
 
-test('scrubbed to any time, bodies and ghosts are where the replay has them', limit, async () => {
+test('after a seek, bodies and ghosts are at their recorded poses', limit, async () => {
   const { page, seen } = await open();
-  for (const wanted of [...model.objects.map(pushed), 0.5 * model.duration, 1]) {
+  for (const wanted of [...model.objects.map(timeOfPush), 0.5 * model.duration, 1]) {
     await page.locator('#scrub').fill(String(Number(wanted.toFixed(2))));
     const { time } = await timeline(page);
     assert.ok(Math.abs(time - wanted) <= 0.01, `${time} is not ${wanted}`);
@@ -85,29 +85,29 @@ test('scrubbed to any time, bodies and ghosts are where the replay has them', li
       assert.ok(distance(body.position, positionAt(predicted, time)) < rounding, name);
       assert.ok(distance(body.ghost, positionAt(tracked, time)) < rounding, `${name}'s ghost`);
     }
-    if (wanted === pushed(model.objects[0])) await picture(page, 'replay');
+    if (wanted === timeOfPush(model.objects[0])) await screenshot(page, 'replay');
   }
   assert.deepEqual(seen.errors, []);
 });
 
-test('the arrow is the force that the recorded tool felt', limit, async () => {
+test('the arrow shows the reaction force on the recorded tool', limit, async () => {
   const { page } = await open();
   const { at, rows } = model.tool;
   const value = (index, i) => binary.getFloat32(at + 28 * index + 4 * i, true);
-  const time = pushed(model.objects[0]);
+  const time = timeOfPush(model.objects[0]);
   let index = 0;
   while (index + 1 < rows && value(index + 1, 0) <= time) ++index;
   await page.locator('#scrub').fill(String(Number(time.toFixed(2))));
   const force = await page.evaluate(() => window.__pcavr.app.view.tool.force);
-  // In the recording is what the tool exerts, here 4 N and more; it feels the opposite. How much
-  // exactly is another matter: the sensor's noise is new in each row.
+  // The recording has the force that the tool exerts, here 4 N and more; the reaction is opposite.
+  // The magnitude is not compared: sensor noise differs from row to row.
   const exerted = [4, 5, 6].map((i) => value(index, i));
   assert.ok(Math.hypot(...exerted) > 2);
   assert.ok(exerted.reduce((sum, value, i) => sum + value * force[i], 0) < 0, `${force}`);
 });
 
 test(
-  'a picture that does not come is named by its time, and the next one shown',
+  'a missing image is reported by its recording time, and the next one is shown',
   limit,
   async () => {
     const page = await stage.browser.context.newPage();
@@ -131,7 +131,7 @@ test(
   },
 );
 
-test('at twice the speed it is done in half the time', limit, async () => {
+test('at speed 2 the replay advances twice as fast', limit, async () => {
   const { page } = await open();
   await page.selectOption('#speed', '2');
   const ratio = await page.evaluate(
@@ -140,7 +140,7 @@ test('at twice the speed it is done in half the time', limit, async () => {
         const { timeline, app } = window.__pcavr;
         let first;
         document.querySelector('#play').click();
-        // Counted in the frames' own time: how long a frame takes does not matter.
+        // Measured by the frame timestamps, so that the frame rate does not matter.
         app.onFrame((now) => {
           first ??= { now, time: timeline.time };
           const seconds = (now - first.now) / 1000;

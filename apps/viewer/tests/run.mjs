@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Runs one browser test, or says what it lacks: `node run.mjs NAME`, 77 where it is skipped.
-// PCAVR_COMMAND: the command. PCAVR_PICTURES: where screenshots go. PCAVR_PAGE: another page than
-// the one that was built beside the sources.
+// Runs one browser test: `node run.mjs NAME`; exit code 77 if it is skipped, with what it needs.
+// PCAVR_COMMAND: the pcavr binary. PCAVR_PICTURES: folder for screenshots. PCAVR_PAGE: the built
+// page, by default apps/viewer/dist.
 import { spawnSync } from 'node:child_process';
 import { existsSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -23,15 +23,15 @@ function hasPackage(name) {
   }
 }
 
-const lacking = [
+const missing = [
   [existsSync(chromium), `a browser at ${chromium}: apt-get install chromium`],
   [existsSync(process.env.PCAVR_COMMAND ?? ''), 'the pcavr command in PCAVR_COMMAND'],
   [existsSync(`${page}/index.html`), `the built page in ${page}: npm run build`],
   ...['playwright-core', 'iwer', 'ws'].map((name) => [hasPackage(name), `${name}: npm ci`]),
-].filter(([isThere]) => !isThere);
+].filter(([isPresent]) => !isPresent);
 
-if (lacking.length > 0) {
-  console.log(`skipped: ${process.argv[2]} needs ${lacking.map(([, what]) => what).join('; ')}`);
+if (missing.length > 0) {
+  console.log(`skipped: ${process.argv[2]} needs ${missing.map(([, what]) => what).join('; ')}`);
   process.exitCode = skipped;
 } else {
   const env = { ...process.env, PCAVR_PAGE: page };

@@ -5,20 +5,20 @@ import { test } from 'node:test';
 import { loaded, openPanel } from './support/drawn.mjs';
 import { Live, until } from './support/live.mjs';
 import { limit, setStage } from './support/stage.mjs';
-import { between } from './support/relay.mjs';
+import { startRelay } from './support/relay.mjs';
 
 const stage = setStage();
 
-test('a page of another protocol is told so, and sent away', limit, async () => {
-  const stranger = new Live(stage.server.url, { protocol: 2 });
-  await stranger.ended;
-  assert.equal(stranger.state, null);
-  assert.ok(stranger.notices.some((n) => n.level === 'error' && /protocol/.test(n.text)));
+test('a page with another protocol version gets a notice and is disconnected', limit, async () => {
+  const other = new Live(stage.server.url, { protocol: 2 });
+  await other.ended;
+  assert.equal(other.state, null);
+  assert.ok(other.notices.some((n) => n.level === 'error' && /protocol/.test(n.text)));
 });
 
-test('a page that another server speaks to says so, and shows no state', limit, async (t) => {
-  const relay = await between(stage.server.url, (message) => {
-    // The version of every message from the server, as a later one would have it.
+test('a page reports a server with another protocol, and shows no state', limit, async (t) => {
+  const relay = await startRelay(stage.server.url, (message) => {
+    // The version byte of every message from the server, set to a later one.
     message[4] = 2;
     return message;
   });
@@ -29,8 +29,8 @@ test('a page that another server speaks to says so, and shows no state', limit, 
   assert.equal(await page.evaluate(() => window.__pcavr.state), null);
 });
 
-test('a page that lost its server finds it again', limit, async (t) => {
-  const relay = await between(stage.server.url, (message) => message);
+test('a page reconnects after the connection is lost', limit, async (t) => {
+  const relay = await startRelay(stage.server.url, (message) => message);
   t.after(relay.close);
   const { page } = await stage.open(relay.url);
   await loaded(page);
@@ -39,8 +39,8 @@ test('a page that lost its server finds it again', limit, async (t) => {
   await page.waitForFunction(() => window.__pcavr.state?.isEngaged);
   await page.evaluate(() => {
     const status = document.querySelector('#connection');
-    const note = () => (window.__said ??= []).push(status.textContent);
-    new MutationObserver(note).observe(status, { childList: true });
+    const record = () => (window.__statuses ??= []).push(status.textContent);
+    new MutationObserver(record).observe(status, { childList: true });
   });
   relay.drop();
   await page.waitForFunction(() => window.__pcavr.connection !== 'open');
@@ -48,12 +48,15 @@ test('a page that lost its server finds it again', limit, async (t) => {
   await page.waitForFunction(() => window.__pcavr.state !== null);
   await until(() => page.evaluate(() => window.__pcavr.connection === 'open'), 'connected again');
   await page.waitForTimeout(200);
-  assert.equal(await page.evaluate(() => window.__pcavr.state.isEngaged), false, 'takes hold anew');
-  // Once, however often it tries: a screen reader reads each of them out.
-  assert.deepEqual(await page.evaluate(() => window.__said), ['lost, trying again', 'connected']);
+  assert.equal(await page.evaluate(() => window.__pcavr.state.isEngaged), false, 'clutch is open');
+  // One change each, whatever the number of retries: a screen reader reads each one out.
+  assert.deepEqual(await page.evaluate(() => window.__statuses), [
+    'disconnected, reconnecting',
+    'connected',
+  ]);
 });
 
-test('a page that says much at once, after a pause of its own, is still heard', limit, async () => {
+test('a burst of messages from a page does not end its connection', limit, async () => {
   const page = new Live(stage.server.url);
   await until(() => page.state, 'the first state');
   for (let i = 0; i < 60; ++i) page.tool(page.state.hip, false);
@@ -65,13 +68,13 @@ test('a page that says much at once, after a pause of its own, is still heard', 
   page.close();
 });
 
-test('what is no message ends that page alone', limit, async () => {
+test('a malformed message ends the connection of its sender only', limit, async () => {
   const page = new Live(stage.server.url);
-  const stranger = new Live(stage.server.url);
-  await until(() => page.state && stranger.state, 'the first states');
-  stranger.socket.send(Buffer.from('PCVR and nonsense that is longer than a head'));
-  await stranger.ended;
-  assert.ok(stranger.notices.some((n) => n.level === 'error'));
+  const other = new Live(stage.server.url);
+  await until(() => page.state && other.state, 'the first states');
+  other.socket.send(Buffer.from('PCVR and nonsense that is longer than a head'));
+  await other.ended;
+  assert.ok(other.notices.some((n) => n.level === 'error'));
   const { cycles } = page.state;
   await until(() => page.state.cycles > cycles + 100, 'later states');
   page.close();

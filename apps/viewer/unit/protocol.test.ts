@@ -5,9 +5,9 @@ import { test } from 'node:test';
 import {
   Command,
   Device,
-  headBytes,
+  headerBytes,
   MessageType,
-  readHead,
+  readHeader,
   readJson,
   readPong,
   readState,
@@ -20,7 +20,7 @@ import {
 } from '../src/protocol';
 import { writePong, writeState } from './server_messages';
 
-// Numbers that a float holds exactly, so that what comes back is what went.
+// Numbers that a float represents exactly, so that the round trip is exact.
 const state: LiveState = {
   clock: 12.5,
   sequence: 7,
@@ -61,16 +61,16 @@ const state: LiveState = {
   ],
 };
 
-test('a state that is written is read back as it was', () => {
+test('a state is read back as written', () => {
   assert.deepEqual(readState(writeState(7, 12.5, state)), state);
 });
 
-test('a state before the first tool sample has no clock of it', () => {
+test('a state before the first tool sample has a NaN tool clock', () => {
   const read = readState(writeState(1, 0, { ...state, toolClock: NaN }));
   assert.ok(Number.isNaN(read?.toolClock));
 });
 
-test('a state lies byte for byte where the protocol says', () => {
+test('the layout of a state matches the protocol byte for byte', () => {
   const view = new DataView(writeState(7, 12.5, state));
   assert.equal(String.fromCharCode(...new Uint8Array(view.buffer, 0, 4)), 'PCVR');
   assert.equal(view.getUint8(4), 1);
@@ -88,10 +88,10 @@ test('a state lies byte for byte where the protocol says', () => {
   assert.equal(view.getUint8(24 + 104 + 41), 1);
 });
 
-test('a tool sample lies byte for byte where the protocol says', () => {
+test('the layout of a tool sample matches the protocol byte for byte', () => {
   const sample = { tip: [1, 2, 3], quaternion: [0, 0, 0, 1], clutch: true, device: Device.hand };
   const view = new DataView(writeTool(9, 2.5, sample as Parameters<typeof writeTool>[2]));
-  assert.equal(view.byteLength, headBytes + 32);
+  assert.equal(view.byteLength, headerBytes + 32);
   assert.equal(view.getUint8(5), 17);
   assert.equal(view.getUint32(8, true), 9);
   const floats = [0, 1, 2, 3, 4, 5, 6].map((i) => view.getFloat32(24 + 4 * i, true));
@@ -101,44 +101,44 @@ test('a tool sample lies byte for byte where the protocol says', () => {
   assert.equal(view.getUint16(24 + 30, true), 0);
 });
 
-test('commands, pings and pongs are as long as the protocol says', () => {
-  const command = new DataView(writeCommand(1, 0, Command.giveBack));
-  assert.equal(command.byteLength, headBytes + 4);
+test('commands, pings and pongs have the length that the protocol specifies', () => {
+  const command = new DataView(writeCommand(1, 0, Command.release));
+  assert.equal(command.byteLength, headerBytes + 4);
   assert.equal(command.getUint32(24, true), 5);
-  assert.equal(writePing(2, 0).byteLength, headBytes);
+  assert.equal(writePing(2, 0).byteLength, headerBytes);
   assert.equal(readPong(writePong(3, 0, 1.5)), 1.5);
   assert.equal(readPong(writePing(3, 0)), null);
 });
 
-test('JSON comes back with every letter', () => {
+test('JSON keeps non-ASCII characters', () => {
   const notice = { level: 'warning', text: 'Böx übér 5 µm' };
   assert.deepEqual(readJson(writeJson(MessageType.notice, 1, 0, notice)), notice);
 });
 
-test('JSON that is none is no message', () => {
+test('invalid JSON is rejected', () => {
   const broken = writeJson(MessageType.notice, 1, 0, {});
-  new Uint8Array(broken)[headBytes] = 0x5b;
+  new Uint8Array(broken)[headerBytes] = 0x5b;
   assert.equal(readJson(broken), null);
 });
 
-test('a message cut at any byte is refused', () => {
+test('a message truncated at any byte is rejected', () => {
   const whole = writeState(7, 12.5, state);
   for (let length = 0; length < whole.byteLength; ++length)
     assert.equal(readState(whole.slice(0, length)), null);
 });
 
-test('a state whose number of objects is a lie is refused', () => {
+test('a state with a wrong number of objects is rejected', () => {
   for (const count of [0, 1, 3, 0xffffffff]) {
-    const lie = writeState(7, 12.5, state);
-    new DataView(lie).setUint32(headBytes + 100, count, true);
-    assert.equal(readState(lie), null);
+    const wrong = writeState(7, 12.5, state);
+    new DataView(wrong).setUint32(headerBytes + 100, count, true);
+    assert.equal(readState(wrong), null);
   }
 });
 
-test('another version is no message, but says which it is', () => {
+test('a message of another version is rejected, but its version can be read', () => {
   const other = writePing(1, 0);
   new DataView(other).setUint8(4, 2);
-  assert.equal(readHead(other), null);
+  assert.equal(readHeader(other), null);
   assert.equal(readVersion(other), 2);
   new DataView(other).setUint8(0, 0);
   assert.equal(readVersion(other), null);

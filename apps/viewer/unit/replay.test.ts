@@ -26,7 +26,7 @@ test('a timeline plays at its speed and stops at its end', () => {
   assert.equal(timeline.isPlaying, false);
 });
 
-test('played again from its end a timeline starts anew', () => {
+test('a timeline played at its end restarts', () => {
   const timeline = new Timeline(10);
   timeline.seek(10);
   timeline.toggle();
@@ -34,7 +34,7 @@ test('played again from its end a timeline starts anew', () => {
   assert.equal(timeline.isPlaying, true);
 });
 
-test('no seek leaves the timeline', () => {
+test('a seek is clamped to the timeline', () => {
   const timeline = new Timeline(10);
   for (const [wanted, got] of [
     [-1, 0],
@@ -49,42 +49,42 @@ test('no seek leaves the timeline', () => {
 
 const table = new Table(Float32Array.of(0, 10, 1, 20, 3, 40), 2);
 
-test('between two rows values are in proportion', () => {
+test('values between two rows are interpolated linearly', () => {
   assert.deepEqual(table.at(0), [0, 10]);
   assert.deepEqual(table.at(2), [2, 30]);
   assert.deepEqual(table.at(3), [3, 40]);
 });
 
-test('outside of its rows a table knows nothing, but holds its last a while', () => {
+test('a table has no values outside of its rows, but holds the last one for a while', () => {
   assert.equal(table.at(-0.1), null);
   assert.deepEqual(table.at(3.4), [3, 40]);
   assert.equal(table.at(4), null);
   assert.equal(new Table(new Float32Array(), 2).at(0), null);
 });
 
-test('rows of one and the same time divide by no zero', () => {
+test('rows with equal times do not divide by zero', () => {
   const twice = new Table(Float32Array.of(0, 1, 0, 2, 1, 3), 2);
   assert.deepEqual(twice.at(0), [0, 2]);
 });
 
-test('a pose turns the shorter way, whatever the sign of its quaternion', () => {
+test('a pose rotates along the shorter arc, whatever the sign of its quaternion', () => {
   const s = Math.SQRT1_2;
   const poses = new Table(Float32Array.of(0, 1, 0, 0, 0, 0, 0, 1, 1, 3, 0, 0, 0, 0, -s, -s), 8);
   const half = poseAt(poses, 0.5)!;
   assert.deepEqual(half.position, [2, 0, 0]);
   const angle = (2 * Math.atan2(half.quaternion[2], half.quaternion[3]) * 180) / Math.PI;
-  // Half of 90 degrees; floats and the straight line between the two are off by far less than 0.1.
+  // Half of 90 degrees; the errors of floats and of linear interpolation are far below 0.1.
   assert.ok(Math.abs(angle - 45) < 0.1, `${angle}`);
   assert.ok(Math.abs(Math.hypot(...half.quaternion) - 1) < 1e-12);
 });
 
-test('before its first row a body is where it begins', () => {
+test('before its first row a body has its first pose', () => {
   const poses = new Table(Float32Array.of(0.2, 1, 2, 3, 0, 0, 0, 1, 1, 3, 0, 0, 0, 0, 0, 1), 8);
   assert.deepEqual(poseAt(poses, 0)!.position, [1, 2, 3]);
   assert.equal(poseAt(poses, -1), null);
 });
 
-test('a replay shorter than it says is refused', () => {
+test('a replay shorter than declared is rejected', () => {
   const empty = { at: 0, rows: 0 };
   const model = { tool: { at: 4, rows: 1 }, objects: [] } as unknown as ReplayModel;
   assert.throws(() => readReplay(model, new ArrayBuffer(28)), /shorter/);
@@ -92,7 +92,7 @@ test('a replay shorter than it says is refused', () => {
   assert.equal(readReplay({ ...model, tool: empty }, new ArrayBuffer(0)).tool.rows, 0);
 });
 
-test('phases hold until the next', () => {
+test('a phase lasts until the next one', () => {
   const object = {
     phases: [
       { t: 1, measured: 'static', predicted: 'free' },
@@ -104,14 +104,14 @@ test('phases hold until the next', () => {
   assert.equal(phasesAt(object, 50).predicted, 'critical');
 });
 
-test('the picture shown is the newest one of the past', () => {
+test('the image shown is the newest one not after the time', () => {
   assert.equal(indexAt([0.5, 1, 1.5], 1.2), 1);
   assert.equal(indexAt([0.5, 1, 1.5], 0), 0);
   assert.equal(indexAt([0.5, 1, 1.5], 9), 2);
   assert.equal(indexAt([], 9), -1);
 });
 
-test('decimated, a peak of a single row is still there', () => {
+test('decimation keeps a peak of a single row', () => {
   const column = new Float64Array(100_000);
   column[54_321] = 7;
   column[777] = -3;
@@ -125,7 +125,7 @@ test('decimated, a peak of a single row is still there', () => {
   );
 });
 
-test('decimated, an interruption interrupts, and hides no peak beside it', () => {
+test('decimation keeps a gap and a peak next to it', () => {
   const column = new Float64Array(100_000);
   for (const row of [0, 200, 50_000]) column[row] = NaN;
   column[50_001] = 7;
@@ -138,7 +138,7 @@ test('decimated, an interruption interrupts, and hides no peak beside it', () =>
   assert.ok(rows.length <= 1503);
 });
 
-test('what is short enough is not decimated', () => {
+test('a short series is not decimated', () => {
   assert.deepEqual(decimate([Float64Array.of(1, 2, 3)], 10), [0, 1, 2]);
   assert.deepEqual(decimate([], 10), []);
 });

@@ -20,7 +20,7 @@ function gridFile(points: number[][], extra: number[]): ArrayBuffer {
   return file;
 }
 
-test('a grid of points is read as it was written', () => {
+test('a grid of points is read as written', () => {
   const file = gridFile([[0, 1, 65535]], [10, 20, 30]);
   const grid = readGrid(file, 3);
   assert.deepEqual(grid.origin, [1, 2, 3]);
@@ -28,21 +28,21 @@ test('a grid of points is read as it was written', () => {
   assert.deepEqual([...grid.steps], [0, 1, 65535]);
 });
 
-test('a grid of another length than its head says is refused', () => {
+test('a grid whose size differs from its header is rejected', () => {
   const file = gridFile([[0, 1, 2]], []);
   assert.throws(() => readGrid(file, 3));
   assert.throws(() => readGrid(file.slice(0, 25), 0));
   assert.throws(() => readGrid(new ArrayBuffer(3), 0));
 });
 
-test('colours become linear: black stays, white stays, middle grey is a fifth', () => {
+test('sRGB to linear keeps black and white, and maps middle grey to a fifth', () => {
   const [black, grey, white] = linearColors(Uint8Array.of(0, 128, 255));
   assert.equal(black, 0);
   assert.equal(white, 65535);
   assert.ok(Math.abs(grey / 65535 - 0.2159) < 1e-4); // IEC 61966-2-1
 });
 
-test('a device gets the finest level that it can carry, or else the coarsest', () => {
+test('the level shown is the finest within the triangle budget, or else the coarsest', () => {
   const levels = [900, 300, 50].map((triangles) => ({ path: '', triangles, bytes: 0 }));
   assert.equal(levelWithin(levels, 1000), 0);
   assert.equal(levelWithin(levels, 300), 1);
@@ -94,18 +94,18 @@ function triangleBytes(): Uint8Array {
   return bytes;
 }
 
-test('a triangle of interleaved numbers is read, with all its nodes above it', async () => {
+test('a triangle with interleaved attributes is read with its node transforms', async () => {
   const [part] = await readGlb(glb(triangle, triangleBytes()));
   const position = part.geometry.getAttribute('position');
   assert.deepEqual([position.getX(1), position.getY(2), position.count], [1, 1, 3]);
   assert.equal(part.geometry.getAttribute('color').getX(0), 1);
   const corner = new Vector3(1, 0, 0).applyMatrix4(part.matrix);
   assert.deepEqual(corner.toArray(), [2, 0, 5]);
-  // It had no normals: they come from the triangle itself.
+  // The file has no normals: they are computed from the triangle.
   assert.equal(part.geometry.getAttribute('normal').getZ(0), 1);
 });
 
-test('what is no glTF is refused in words', async () => {
+test('a file that is not glTF is rejected with a message', async () => {
   await assert.rejects(readGlb(new ArrayBuffer(4)), /not a binary glTF/);
   await assert.rejects(readGlb(new TextEncoder().encode('x'.repeat(40)).buffer), /not a binary/);
   const empty = { ...triangle, accessors: [] };
@@ -124,34 +124,34 @@ function rayTo(camera: PerspectiveCamera, target: Vector3): Ray {
   return new Ray(camera.position.clone(), target.clone().sub(camera.position).normalize());
 }
 
-test('dragged on a level plane the tool keeps its height, and its place below the pointer', () => {
+test('a drag on a horizontal plane keeps the height, and the tool under the pointer', () => {
   const tool = new Vector3(0, 0.1, 0);
   const camera = cameraAt(new Vector3(0, 1, 2), tool);
-  const plane = DragPlane.through(tool, 'level', camera, rayTo(camera, tool));
+  const plane = DragPlane.through(tool, 'horizontal', camera, rayTo(camera, tool));
   const moved = plane.move(rayTo(camera, new Vector3(0.3, 0.1, -0.2)))!;
   assert.ok(moved.distanceTo(new Vector3(0.3, 0.1, -0.2)) < 1e-9);
 });
 
-test('dragged upright the tool moves up and aside only', () => {
+test('a drag on a vertical plane moves the tool in that plane only', () => {
   const tool = new Vector3(0, 0.1, 0);
   const camera = cameraAt(new Vector3(0, 1, 2), tool);
-  const plane = DragPlane.through(tool, 'upright', camera, rayTo(camera, tool));
+  const plane = DragPlane.through(tool, 'vertical', camera, rayTo(camera, tool));
   const moved = plane.move(rayTo(camera, new Vector3(0.2, 0.4, 0)))!;
   assert.ok(moved.distanceTo(new Vector3(0.2, 0.4, 0)) < 1e-9);
 });
 
-test('a level plane seen from its edge does not fling the tool away', () => {
+test('a drag on a horizontal plane at grazing incidence moves the tool by little', () => {
   const tool = new Vector3(0, 0.1, 0);
   const camera = cameraAt(new Vector3(0, 0.12, 2), tool);
-  const plane = DragPlane.through(tool, 'level', camera, rayTo(camera, tool));
+  const plane = DragPlane.through(tool, 'horizontal', camera, rayTo(camera, tool));
   const moved = plane.move(rayTo(camera, new Vector3(0, 0.13, 0)))!;
   assert.ok(moved.distanceTo(tool) < 0.05);
 });
 
-test('a pointer above the horizon moves the tool nowhere', () => {
+test('a pointer above the horizon does not move the tool', () => {
   const tool = new Vector3(0, 0, 0);
   const camera = cameraAt(new Vector3(0, 1, 2), tool);
-  const plane = DragPlane.through(tool, 'level', camera, rayTo(camera, tool));
+  const plane = DragPlane.through(tool, 'horizontal', camera, rayTo(camera, tool));
   assert.equal(plane.move(rayTo(camera, new Vector3(0, 2, 0))), null);
   assert.equal(plane.move(rayTo(camera, new Vector3(0, 0.9, -1))), null);
 });
@@ -163,7 +163,7 @@ const table: Vector[] = [
   [0, 1, 0.5],
 ];
 
-test('below a tool is the highest support that it is over', () => {
+test('the support below a tool is the highest one under it', () => {
   const floor = table.map(([x, y]) => [4 * x - 4, 4 * y - 2, 0] as Vector);
   assert.equal(supportBelow([1, 0.5, 1], [floor, table]), 0.5);
   assert.equal(supportBelow([1, 0.5, 0.2], [floor, table]), 0);
@@ -172,8 +172,8 @@ test('below a tool is the highest support that it is over', () => {
   assert.equal(supportBelow([1, 0.5, 1], []), -Infinity);
 });
 
-test('a support that turns inward is not below what is in the turn', () => {
-  const corner: Vector[] = [
+test('a concave support is not below a point in its notch', () => {
+  const notched: Vector[] = [
     [0, 0, 0],
     [2, 0, 0],
     [2, 1, 0],
@@ -181,6 +181,6 @@ test('a support that turns inward is not below what is in the turn', () => {
     [1, 2, 0],
     [0, 2, 0],
   ];
-  assert.equal(supportBelow([0.5, 1.5, 1], [corner]), 0);
-  assert.equal(supportBelow([1.5, 1.5, 1], [corner]), -Infinity);
+  assert.equal(supportBelow([0.5, 1.5, 1], [notched]), 0);
+  assert.equal(supportBelow([1.5, 1.5, 1], [notched]), -Infinity);
 });

@@ -1,32 +1,32 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What a server sends, as docs/live-protocol.md has it.
-import { headBytes, message, MessageType, phaseNames, type LiveState } from '../src/protocol';
+// The server's messages, as specified in docs/live-protocol.md.
+import { headerBytes, makeMessage, MessageType, phaseNames, type LiveState } from '../src/protocol';
 
 const stateBytes = 104;
 const objectBytes = 48;
 
-/// What a server answers to a ping.
+/// The server's answer to a ping.
 export function writePong(sequence: number, clock: number, pingClock: number): ArrayBuffer {
-  const view = message(MessageType.pong, sequence, clock, 8);
-  view.setFloat64(headBytes, pingClock, true);
+  const view = makeMessage(MessageType.pong, sequence, clock, 8);
+  view.setFloat64(headerBytes, pingClock, true);
   return view.buffer as ArrayBuffer;
 }
 
-/// What a server sends as its state.
+/// The server's state message.
 export function writeState(sequence: number, clock: number, state: LiveState): ArrayBuffer {
-  const view = message(
+  const view = makeMessage(
     MessageType.state,
     sequence,
     clock,
     stateBytes + objectBytes * state.objects.length,
   );
   const f32 = (at: number, values: readonly number[]) =>
-    values.forEach((value, i) => view.setFloat32(headBytes + at + 4 * i, value, true));
-  const u32 = (at: number, value: number) => view.setUint32(headBytes + at, value, true);
-  view.setFloat64(headBytes, state.worldTime, true);
-  view.setFloat64(headBytes + 8, state.toolClock, true);
+    values.forEach((value, i) => view.setFloat32(headerBytes + at + 4 * i, value, true));
+  const u32 = (at: number, value: number) => view.setUint32(headerBytes + at, value, true);
+  view.setFloat64(headerBytes, state.worldTime, true);
+  view.setFloat64(headerBytes + 8, state.toolClock, true);
   const flags = [
     state.isEngaged,
     state.isOnHold,
@@ -38,7 +38,7 @@ export function writeState(sequence: number, clock: number, state: LiveState): A
     16,
     flags.reduce((bits, flag, i) => bits | (flag ? 1 << i : 0), 0),
   );
-  view.setInt32(headBytes + 20, state.touchedObject, true);
+  view.setInt32(headerBytes + 20, state.touchedObject, true);
   f32(24, [...state.hip, ...state.proxy, ...state.force, state.pulse]);
   u32(64, state.pulses);
   u32(68, state.cycles);
@@ -49,8 +49,8 @@ export function writeState(sequence: number, clock: number, state: LiveState): A
   state.objects.forEach((object, i) => {
     const at = stateBytes + i * objectBytes;
     f32(at, [...object.position, ...object.quaternion, ...object.force]);
-    view.setUint8(headBytes + at + 40, phaseNames.indexOf(object.phase));
-    view.setUint8(headBytes + at + 41, object.isOutsideModel ? 1 : 0);
+    view.setUint8(headerBytes + at + 40, phaseNames.indexOf(object.phase));
+    view.setUint8(headerBytes + at + 41, object.isOutsideModel ? 1 : 0);
     f32(at + 44, [object.speed]);
   });
   return view.buffer as ArrayBuffer;

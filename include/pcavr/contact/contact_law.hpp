@@ -6,13 +6,13 @@
 
 namespace pcavr {
 
-/// The laws of a contact between a tool and a body along one direction. Plain values: any thread
+/// The laws of a contact between a tool and a body along one direction. Pure functions: any thread
 /// may call any function here; nothing allocates or throws.
 ///
-/// Signs: the penetration x [m] is positive in contact, and the force [N] is what the tool feels as
-/// resistance, and the body as a push.
+/// Signs: the penetration x [m] is positive in contact, and a positive force [N] pushes the body
+/// away from the tool (and the tool out of the body).
 
-/// F = k x + b x'. Jumps at impact, and would pull at separation.
+/// F = k x + b x'. The force jumps at impact, and would pull at separation.
 struct KelvinVoigt {
   double stiffness = 0.0;  ///< k [N/m], >= 0
   double damping = 0.0;    ///< b [N s/m], >= 0
@@ -20,13 +20,13 @@ struct KelvinVoigt {
 
 /// F = m x'' + b x' + k x [Paper C, eq. 2]. Linear in its parameters, so easy to identify.
 struct MassDamperSpring {
-  double mass = 0.0;       ///< m [kg], the material that moves along, >= 0
+  double mass = 0.0;       ///< m [kg], the material that moves with the tool, >= 0
   double damping = 0.0;    ///< b [N s/m], >= 0
   double stiffness = 0.0;  ///< k [N/m], >= 0
 };
 
-/// F = k x^n + lambda x^n x' [Hunt & Crossley 1975; paper B, eq. 1]. Neither jumps nor pulls while
-/// the two part more slowly than k / lambda.
+/// F = k x^n + lambda x^n x' [Hunt & Crossley 1975; paper B, eq. 1]. The force neither jumps nor
+/// pulls while the two separate more slowly than k / lambda.
 struct HuntCrossley {
   double stiffness = 0.0;  ///< k [N/m^n], >= 0
   double damping = 0.0;    ///< lambda [N s/m^(n+1)], >= 0
@@ -35,17 +35,17 @@ struct HuntCrossley {
 
 using ContactLaw = std::variant<KelvinVoigt, MassDamperSpring, HuntCrossley>;
 
-/// How the tool stands to the body.
+/// The penetration of the tool into the body, and its derivatives.
 struct ContactMotion {
   double penetration = 0.0;   ///< x [m], > 0 in contact
-  double rate = 0.0;          ///< x' [m/s], > 0 while it deepens
-  double acceleration = 0.0;  ///< x'' [m/s^2]; only MassDamperSpring looks at it
+  double rate = 0.0;          ///< x' [m/s], > 0 while it increases
+  double acceleration = 0.0;  ///< x'' [m/s^2]; only MassDamperSpring uses it
 };
 
 /// The force that may be rendered [N]: 0 out of contact, and never a pull.
 [[nodiscard]] double contact_force(const ContactLaw& law, const ContactMotion& motion) noexcept;
 
-/// The law as it is written [N], for fitting: it may pull. 0 out of contact.
+/// The force by the formula [N], for fitting: it may pull. 0 out of contact.
 [[nodiscard]] double unclamped_contact_force(const ContactLaw& law,
                                              const ContactMotion& motion) noexcept;
 

@@ -10,8 +10,9 @@
 
 namespace pcavr {
 
-/// How much a Hunt-Crossley contact must damp for a coefficient of restitution c, by eight authors.
-/// Each says lambda = g(c) k / v, with v the approach speed just before impact.
+/// The damping of a Hunt-Crossley contact for a coefficient of restitution c: seven published
+/// models and the exact one. Each is lambda = g(c) k / v, with v the approach speed just before
+/// impact.
 enum class DampingLaw {
   flores,
   gonthier,
@@ -34,20 +35,20 @@ inline constexpr std::array kPublishedDampingLaws{DampingLaw::flores,
 
 [[nodiscard]] std::string_view name_of(DampingLaw law) noexcept;
 
-/// g(c), without unit. c in (0, 1]; infinity at 0 and below, where no finite damping would do.
+/// g(c), dimensionless. c in (0, 1]; infinity at 0 and below, where no finite damping exists.
 [[nodiscard]] double damping_factor(DampingLaw law, double restitution) noexcept;
 
 /// The g that gives exactly this restitution: the root chi > 0 of
 ///   chi (1 + c) = ln((1 + chi) / (1 - chi c)),
 /// the integral of a Hunt-Crossley impact; it holds for every exponent, stiffness, mass and speed.
-/// Good to a few roundings over the whole of (0, 1]; infinity at 0 and below.
+/// Accurate to a few rounding errors over (0, 1]; infinity at 0 and below.
 [[nodiscard]] double exact_damping_factor(double restitution) noexcept;
 
 /// lambda [N s/m^(n+1)] of a contact of `stiffness` [N/m^n] met at `approach_speed` [m/s] > 0.
 [[nodiscard]] double hunt_crossley_damping(DampingLaw law, double stiffness, double restitution,
                                            double approach_speed) noexcept;
 
-/// What was measured of one impact, all in one frame [m/s]; the tool is paper B's "end".
+/// Measured velocities of one impact, all in one frame [m/s]; the tool is paper B's "end".
 struct ImpactVelocities {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitX();  ///< from the tool into the body; any length
   Eigen::Vector3d tool_before = Eigen::Vector3d::Zero();
@@ -56,8 +57,8 @@ struct ImpactVelocities {
   Eigen::Vector3d body_after = Eigen::Vector3d::Zero();
 };
 
-/// The coefficient of restitution [paper B, eq. 11]. Nothing where the two did not approach, or a
-/// value is not finite. Noise may push it out of [0, 1]: that is for the caller to see.
+/// The coefficient of restitution [paper B, eq. 11]. Empty where the two did not approach, or a
+/// value is not finite. Noise may put it outside of [0, 1]: the caller has to check.
 [[nodiscard]] std::optional<double> measured_restitution(
     const ImpactVelocities& velocities) noexcept;
 

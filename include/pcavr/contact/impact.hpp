@@ -11,22 +11,23 @@ namespace pcavr {
 
 /// One impact of a free mass on a fixed body, from touch to separation.
 struct Impact {
-  bool has_separated = false;  ///< false: it came to rest inside, or the inputs made no sense
-  double restitution = 0.0;    ///< speed after over speed before
-  double duration = 0.0;       ///< [s]
-  double deepest = 0.0;        ///< the largest penetration [m]
+  bool has_separated =
+      false;                 ///< false: it came to rest in contact, or the inputs are not physical
+  double restitution = 0.0;  ///< speed after over speed before
+  double duration = 0.0;     ///< [s]
+  double max_penetration = 0.0;  ///< [m]
 };
 
 /// Integrates m x'' = -F from x = 0, x' = approach_speed by an adaptive fifth-order Runge-Kutta
-/// method [Dormand & Prince 1980] of relative error 1e-11 a step, until the bodies part or the
+/// method [Dormand & Prince 1980] of relative error 1e-11 a step, until the bodies separate or the
 /// force would pull. mass [kg] > 0, approach_speed [m/s] > 0. Does not allocate or throw.
 [[nodiscard]] Impact simulate_impact(const ContactLaw& law, double mass,
                                      double approach_speed) noexcept;
 
-/// How well a damping law keeps its promise [paper B, eq. 12].
+/// The error of a damping law's restitution [paper B, eq. 12].
 struct DampingScore {
   DampingLaw law = DampingLaw::exact;
-  double relative_error = 0.0;  ///< (c_M - c) / c, with c_M the restitution that comes out
+  double relative_error = 0.0;  ///< (c_M - c) / c, with c_M the simulated restitution
 };
 
 /// The score of each published law at restitution c in (0, 1), in the order of

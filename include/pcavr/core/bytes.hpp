@@ -11,53 +11,53 @@
 
 namespace pcavr {
 
-/// Puts numbers behind each other, little endian, at the end of a buffer that must outlive it.
+/// Serialises numbers, little-endian, to the end of a buffer, which must outlive the writer.
 class ByteWriter {
  public:
   explicit ByteWriter(std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
 
-  template <std::unsigned_integral Whole>
-  void whole(Whole value) {
-    for (std::size_t i = 0; i < sizeof(Whole); ++i) {
+  template <std::unsigned_integral Integer>
+  void integer(Integer value) {
+    for (std::size_t i = 0; i < sizeof(Integer); ++i) {
       bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
     }
   }
-  void f32(float value) { whole(std::bit_cast<std::uint32_t>(value)); }
-  void f64(double value) { whole(std::bit_cast<std::uint64_t>(value)); }
+  void f32(float value) { integer(std::bit_cast<std::uint32_t>(value)); }
+  void f64(double value) { integer(std::bit_cast<std::uint64_t>(value)); }
 
  private:
   std::vector<std::uint8_t>& bytes_;
 };
 
-/// Takes them apart again. Past the end it gives zeros, and is not sound from then on.
+/// Deserialises what ByteWriter wrote. Past the end it returns zeros and is_valid() is false.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
 
-  template <std::unsigned_integral Whole>
-  [[nodiscard]] Whole whole() {
-    Whole value = 0;
-    if (bytes_.size() < sizeof(Whole)) {
-      is_sound_ = false;
+  template <std::unsigned_integral Integer>
+  [[nodiscard]] Integer integer() {
+    Integer value = 0;
+    if (bytes_.size() < sizeof(Integer)) {
+      is_valid_ = false;
       bytes_ = {};
       return value;
     }
-    for (std::size_t i = 0; i < sizeof(Whole); ++i) {
-      value = static_cast<Whole>(value | (static_cast<std::uint64_t>(bytes_[i]) << (8 * i)));
+    for (std::size_t i = 0; i < sizeof(Integer); ++i) {
+      value = static_cast<Integer>(value | (static_cast<std::uint64_t>(bytes_[i]) << (8 * i)));
     }
-    bytes_ = bytes_.subspan(sizeof(Whole));
+    bytes_ = bytes_.subspan(sizeof(Integer));
     return value;
   }
-  [[nodiscard]] float f32() { return std::bit_cast<float>(whole<std::uint32_t>()); }
-  [[nodiscard]] double f64() { return std::bit_cast<double>(whole<std::uint64_t>()); }
+  [[nodiscard]] float f32() { return std::bit_cast<float>(integer<std::uint32_t>()); }
+  [[nodiscard]] double f64() { return std::bit_cast<double>(integer<std::uint64_t>()); }
 
   [[nodiscard]] std::span<const std::uint8_t> rest() const { return bytes_; }
-  [[nodiscard]] bool is_sound() const { return is_sound_; }
+  [[nodiscard]] bool is_valid() const { return is_valid_; }
   [[nodiscard]] bool is_at_end() const { return bytes_.empty(); }
 
  private:
   std::span<const std::uint8_t> bytes_;
-  bool is_sound_ = true;
+  bool is_valid_ = true;
 };
 
 }  // namespace pcavr

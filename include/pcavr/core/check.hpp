@@ -8,7 +8,7 @@
 
 namespace pcavr {
 
-/// A bug of the caller: a precondition that the documentation states was not kept.
+/// A bug of the caller: a documented precondition is violated.
 /// Bad data from outside is never reported this way; see Expected.
 class ContractError : public std::logic_error {
  public:

@@ -10,19 +10,19 @@
 
 namespace pcavr {
 
-/// What went wrong with data from outside. Printed as one line:
+/// What went wrong with external data. Printed as one line:
 /// `file:line: place: message; hint`. Empty parts are left out.
 struct Error {
   std::string message;     ///< what is wrong, with the offending value
   std::string file = {};   ///< the file or folder it is about
-  int line = 0;            ///< 1-based; 0 where lines mean nothing
+  int line = 0;            ///< 1-based; 0 where there are no lines
   std::string place = {};  ///< key, column or item inside the file
-  std::string hint = {};   ///< what the reader of the line can do
+  std::string hint = {};   ///< what the user can do about it
 
   [[nodiscard]] std::string to_string() const;
 };
 
-/// A value, or the Error that kept it from being had. After std::expected (C++23).
+/// A value, or the Error why there is none. Modelled on std::expected (C++23).
 /// value() on an error, and error() on a value, throw ContractError.
 template <typename T>
 class [[nodiscard]] Expected {
@@ -60,7 +60,7 @@ class [[nodiscard]] Expected {
   std::variant<T, Error> content_;
 };
 
-/// Done, or the Error that kept it from being done.
+/// Success, or the Error why there was none.
 template <>
 class [[nodiscard]] Expected<void> {
  public:

@@ -11,18 +11,18 @@
 
 namespace pcavr {
 
-/// The values that are taken for one quantity from outside. They lie far beyond what a tabletop, a
-/// room or an arm needs: what they catch are slips of unit, sign and format, and numbers that
-/// formulas could not bear. Nothing outside them, and nothing that is not finite, gets past a
-/// reader or the command line, so that the preconditions behind them are not reached.
+/// The values that are accepted for one external quantity (input validation). The limits lie far
+/// beyond what a tabletop, a room or an arm needs: they catch errors of unit, sign and format, and
+/// numbers for which formulas overflow. Values outside, and NaN or infinity, are rejected by every
+/// reader and by the command line, so that they never violate a precondition further on.
 struct InputRange {
   const char* quantity = "";
   double min = 0.0;
   double max = 0.0;
   const char* unit = "";
-  const char* reason = "";  ///< why there, at both ends
+  const char* reason = "";  ///< why these limits
 
-  /// False for what is not finite.
+  /// False for NaN and infinity.
   [[nodiscard]] bool contains(double value) const { return value >= min && value <= max; }
 };
 
@@ -31,7 +31,7 @@ namespace ranges {
 
 inline constexpr InputRange kStamp{
     "stamp", -4.6e9, 4.6e9, "s",
-    "whole nanoseconds, and the difference of any two, fit into 64 bits (146 years)"};
+    "integer nanoseconds, and the difference of any two, fit into 64 bits (146 years)"};
 inline constexpr InputRange kSpan{
     "span of a series", 0.0, 36000.0, "s",
     "ten hours: corrections count time in 32 bits of 10 us, which are 11.9 h"};
@@ -46,25 +46,27 @@ inline constexpr InputRange kBodySize{
 inline constexpr InputRange kMass{"mass", 1e-6, 1e4, "kg",
                                   "from a milligram to more than a tool can push"};
 inline constexpr InputRange kToolRadius{"tool's radius", 1e-4, 0.5, "m",
-                                        "from a needle to a ball of a metre"};
-inline constexpr InputRange kForce{"force", -1e5, 1e5, "N", "ten times what the largest arms bear"};
+                                        "from a needle to a sphere of 1 m diameter"};
+inline constexpr InputRange kForce{"force", -1e5, 1e5, "N",
+                                   "ten times the rating of the largest arms"};
 inline constexpr InputRange kTorque{"torque", -1e5, 1e5, "N m",
-                                    "ten times what the largest arms bear"};
+                                    "ten times the rating of the largest arms"};
 inline constexpr InputRange kJoint{"joint value", -1e6, 1e6, "rad, rad/s, N m",
                                    "more turns than any joint makes in ten hours"};
 inline constexpr InputRange kDepthScale{
     "depth scale", 1.0, 1e6, "units/m",
-    "of 16 bits: at 1 a step is a metre, at 1e6 the end of range is 6.5 cm"};
+    "16-bit images: at 1 a step is a metre, at 1e6 the maximum is 6.5 cm"};
 inline constexpr InputRange kPositionStd{"std of a position", 0.0, 1e3, "m",
-                                         "a kilometre says that nothing is known"};
+                                         "beyond a kilometre nothing is known"};
 inline constexpr InputRange kRotationStd{"std of a rotation", 0.0, 1e3, "rad",
-                                         "beyond pi it says that nothing is known"};
-inline constexpr InputRange kFigure{"figure of quality", 0.0, 1e9, "any",
-                                    "what a scene states of itself; printed, not computed with"};
+                                         "beyond pi nothing is known"};
+inline constexpr InputRange kFigure{"quality figure", 0.0, 1e9, "any",
+                                    "reported in a scene; printed, not used in computations"};
 
 // What identification finds and a parameter file states. Lower ends keep quotients finite.
-inline constexpr InputRange kStaticFriction{"limiting static friction", 1e-6, 1e5, "N",
-                                            "as forces; below a micronewton nothing holds"};
+inline constexpr InputRange kStaticFriction{
+    "limiting static friction", 1e-6, 1e5, "N",
+    "as for forces; below a micronewton there is no friction"};
 inline constexpr InputRange kFrictionCoefficient{"friction coefficient", 1e-6, 10.0, "1",
                                                  "rubber on rubber reaches 4"};
 inline constexpr InputRange kToolFriction{"tool's friction coefficient", 0.0, 10.0, "1",
@@ -80,7 +82,7 @@ inline constexpr InputRange kStiffness{"contact stiffness", 1e-6, 1e12, "N/m^n",
 inline constexpr InputRange kDamping{"contact damping", 0.0, 1e14, "N s/m^(n+1)",
                                      "the stiffest contact, times 100 s/m"};
 inline constexpr InputRange kExponent{"contact exponent", 1.0, 3.0, "1",
-                                      "1 is flat, 1.5 a ball, 2 a cone [Hunt and Crossley 1975]"};
+                                      "1 is flat, 1.5 a sphere, 2 a cone [Hunt and Crossley 1975]"};
 inline constexpr InputRange kParameterStd{"std of a parameter", 0.0, 1e15, "as the parameter",
                                           "ten times the largest parameter"};
 
@@ -88,19 +90,21 @@ inline constexpr InputRange kVoxel{"voxel", 0.001, 0.1, "m",
                                    "finer than the sensors' noise; coarser than tabletop objects"};
 inline constexpr InputRange kOccupancyCell{"occupancy cell", 0.005, 1.0, "m",
                                            "the tree's memory; what an arm's planner can use"};
-inline constexpr InputRange kDelay{"delay", 0.0, 10.0, "s",
-                                   "the Moon and back is 2.6 s; the prediction's memory grows"};
+inline constexpr InputRange kDelay{
+    "delay", 0.0, 10.0, "s", "a round trip to the Moon is 2.6 s; the prediction's memory grows"};
 inline constexpr InputRange kJitter{"jitter", 0.0, 1.0, "s", "a tenth of the longest delay"};
-inline constexpr InputRange kShare{"share", 0.0, 1.0, "1", "of a whole"};
+inline constexpr InputRange kShare{"share", 0.0, 1.0, "1", "a fraction of the total"};
 inline constexpr InputRange kImportRate{"frames a second", 0.1, 1e5, "Hz",
                                         "keeps the stamps of a million frames apart and in range"};
-inline constexpr InputRange kStateRate{"states a second", 60.0, 90.0, "Hz", "what headsets show"};
-inline constexpr InputRange kHandForce{"force on the hand", 0.1, 1000.0, "N",
-                                       "below it nothing is felt; above it no device goes"};
+inline constexpr InputRange kStateRate{"states a second", 60.0, 90.0, "Hz",
+                                       "frame rates of headsets"};
+inline constexpr InputRange kHandForce{
+    "force on the hand", 0.1, 1000.0, "N",
+    "below it nothing is perceptible; above it no device is made"};
 inline constexpr InputRange kClockOffset{"clock offset", -10.0, 10.0, "s",
                                          "longer than any case's push"};
-inline constexpr InputRange kSaturation{"force sensor's end of range", 0.1, 1e5, "N",
-                                        "above a sensor's noise; as forces are"};
+inline constexpr InputRange kSaturation{"force sensor saturation", 0.1, 1e5, "N",
+                                        "above a sensor's noise; as for forces"};
 inline constexpr InputRange kPageSize{"page's side", 0.02, 10.0, "m",
                                       "from a label to the widest plotter's roll"};
 
@@ -126,8 +130,8 @@ inline constexpr std::array kAll{kStamp,          kSpan,
 
 }  // namespace ranges
 
-/// What is wrong with a value as it was written, if anything, and from where to where it may go.
-/// Without file, line and place.
+/// An Error with the permitted range where `value` is outside it; nothing where it is inside.
+/// `written` is the value as the user wrote it. The Error has no file, line and place.
 [[nodiscard]] std::optional<Error> check_range(const InputRange& range, double value,
                                                const std::string& written);
 /// As above, with the value in its shortest decimal form.

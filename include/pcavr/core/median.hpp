@@ -8,7 +8,7 @@
 
 namespace pcavr {
 
-/// The middle value (the upper one of two); 0 of none.
+/// The median: the middle value, the upper of two; 0 for an empty list.
 [[nodiscard]] inline double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

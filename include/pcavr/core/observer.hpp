@@ -9,12 +9,12 @@
 
 namespace pcavr {
 
-/// Where the library's words go. The default is silence: a library that prints is a guest that
-/// shouts. Called from the thread that called the library.
+/// Callbacks for progress and warnings; none by default, because libraries do not print. Called
+/// from the thread that called the library.
 struct Observer {
-  /// A stage went from `done - 1` to `done` of `total` steps (total 0: not known).
+  /// A stage went from `done - 1` to `done` of `total` steps (total 0: unknown).
   std::function<void(std::string_view stage, std::size_t done, std::size_t total)> progress;
-  /// A line that the user should see: something was left out, doubtful or unusual.
+  /// A line for the user: something was skipped, is doubtful or unusual.
   std::function<void(std::string_view line)> warn;
 
   void on_progress(std::string_view stage, std::size_t done, std::size_t total) const {

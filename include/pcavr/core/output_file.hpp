@@ -13,18 +13,19 @@
 namespace pcavr {
 
 struct OutputFileOptions {
-  /// Replaces a file that is there already, if it is empty or `is_replaceable`.
+  /// Replaces an existing file if it is empty or `is_replaceable`.
   bool replace = false;
-  std::string kind = {};  ///< what `is_replaceable` looks for, for the message: "parameter file"
+  std::string kind =
+      {};  ///< what `is_replaceable` checks for, as messages name it: "parameter file"
   std::function<bool(const std::filesystem::path& file)> is_replaceable = {};
 };
 
-/// A file that a person names, and that appears whole or not at all: it is written under a
-/// temporary name beside the target, and renamed by commit(). Destroyed without commit(), it leaves
-/// nothing. The target's folder has to be there; symbolic links are followed.
+/// A file that the user names, written atomically: under a temporary name in the target's folder,
+/// and renamed by commit(). Destroyed without commit(), it leaves nothing. The target's folder must
+/// exist; symbolic links are followed.
 class OutputFile {
  public:
-  /// Whether create() would succeed: for the time before long work.
+  /// Whether create() would succeed, to be checked before a long computation.
   [[nodiscard]] static Expected<void> check(const std::filesystem::path& target,
                                             const OutputFileOptions& options);
   [[nodiscard]] static Expected<OutputFile> create(const std::filesystem::path& target,
@@ -40,8 +41,8 @@ class OutputFile {
   [[nodiscard]] Expected<void> write(std::string_view content);
 
   [[nodiscard]] Expected<void> commit();
-  /// Takes a commit() back: the target is what it was before. Where the file system can't exchange
-  /// two names, a replaced file is gone, and the new one stays.
+  /// Reverts commit(): the target is what it was before. Where the file system can't exchange two
+  /// names, a replaced file is lost, and the new one stays.
   void undo();
 
  private:

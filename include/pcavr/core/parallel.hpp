@@ -7,11 +7,12 @@
 
 namespace pcavr {
 
-/// How many threads a call may use, the caller's included. Passed in wherever work may be split.
+/// How many threads a call may use, including the caller's. Passed to every function that may
+/// run in parallel.
 struct Parallelism {
   int threads = 1;  ///< >= 1
 
-  /// As many as the machine runs at once.
+  /// The number of hardware threads.
   [[nodiscard]] static Parallelism max();
 };
 

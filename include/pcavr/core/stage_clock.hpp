@@ -16,10 +16,10 @@ struct StageTime {
   double cpu_seconds = 0.0;  ///< of the whole process, all threads
 };
 
-/// Sums time by stage, in the order in which stages first began. Not thread-safe.
+/// Profiler: accumulates time by stage, in the order in which stages first began. Not thread-safe.
 class StageClock {
  public:
-  /// Ends the stage under way, if any, and begins (or goes on with) `stage`.
+  /// Ends the current stage, if any, and begins (or resumes) `stage`.
   void begin(const std::string& stage);
   void end();
   [[nodiscard]] const std::vector<StageTime>& times() const { return times_; }

@@ -14,7 +14,8 @@ namespace pcavr {
 
 using Duration = std::chrono::nanoseconds;
 
-/// An instant on the recording's one clock, in whole nanoseconds, so that stamps compare exactly.
+/// A timestamp on the recording's common clock, in integer nanoseconds, so that stamps compare
+/// exactly.
 struct Stamp {
   std::int64_t nanoseconds = 0;
 

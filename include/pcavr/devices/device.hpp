@@ -9,24 +9,24 @@
 
 namespace pcavr {
 
-/// What a device says, once a cycle.
+/// The state of a device in one cycle.
 struct DeviceSample {
-  Eigen::Vector3d p_base_tip = Eigen::Vector3d::Zero();  ///< [m] where its tip is
+  Eigen::Vector3d p_base_tip = Eigen::Vector3d::Zero();  ///< [m] position of its tip
   Eigen::Quaterniond q_base_tool = Eigen::Quaterniond::Identity();
-  bool is_engaged = false;  ///< the clutch is held
-  bool is_present = false;  ///< false: unplugged, silent for too long, or at its end
+  bool is_engaged = false;  ///< the clutch is closed
+  bool is_present = false;  ///< false: unplugged, timed out, or at its end
 };
 
-/// What it is told, once a cycle.
+/// Feedback to a device in one cycle.
 struct DeviceFeedback {
   Eigen::Vector3d p_base_tool =
-      Eigen::Vector3d::Zero();  ///< [m] where the tool is: a clutch starts here
-  Eigen::Vector3d force_base = Eigen::Vector3d::Zero();  ///< [N] on the hand
-  double pulse = 0.0;  ///< 0 to 1: what a device that has no force shakes with instead
+      Eigen::Vector3d::Zero();  ///< [m] position of the tool, where a clutch engages
+  Eigen::Vector3d force_base = Eigen::Vector3d::Zero();  ///< [N] rendered on the hand
+  double pulse = 0.0;  ///< 0 to 1: vibration amplitude for devices without force feedback
 };
 
-/// What an operator holds. `exchange` is called by one thread at 1 kHz, and neither allocates,
-/// locks, blocks nor throws; what has to wait for a driver waits in a thread of the device's own.
+/// An operator's input device. `exchange` is called by one thread at 1 kHz, and never allocates,
+/// locks, blocks or throws; blocking driver calls are made in a thread of the device's own.
 class Device {
  public:
   virtual ~Device() = default;

@@ -12,15 +12,15 @@ namespace pcavr {
 
 struct GamepadOptions {
   RateOptions rate;
-  double max_force = 5.0;  ///< [N] > 0 at which the heavy motor runs at its strongest
+  double max_force = 5.0;  ///< [N] > 0 force of the heavy motor's maximum amplitude
 };
 
-/// A gamepad, through SDL2: the first there is. The left stick moves the tip away and sideways, the
-/// right one up and down; the clutch is the right shoulder or the right trigger, held. Its heavy
-/// motor follows the force, its light one the pulse.
+/// The first available gamepad, through SDL2. The left stick moves the tip away and sideways, the
+/// right one up and down; the clutch is closed while the right shoulder button or trigger is held.
+/// The heavy motor vibrates in proportion to the force, the light one by the pulse.
 ///
-/// A thread of its own asks it 250 times a second. Unplugged, it is not present until it, or
-/// another, is there.
+/// A thread of its own polls it at 250 Hz. When unplugged it is absent until it, or another one, is
+/// connected.
 class GamepadDevice final : public Device {
  public:
   [[nodiscard]] static Expected<std::unique_ptr<GamepadDevice>> open(

@@ -10,12 +10,12 @@
 
 namespace pcavr {
 
-/// What open_device takes, for help texts.
+/// The descriptions that open_device accepts, for help texts.
 inline constexpr std::string_view kDeviceChoices =
     "spacemouse, gamepad, trace:FILE, simulated, plugin:FILE.so or plugin:FILE.so,OPTIONS";
 
-/// A device by a word and, after a colon, what it needs; with the defaults of its options. An
-/// unknown word, hardware that is not there and a bad file are Errors.
+/// Opens a device by its type and, after a colon, its arguments; with default options. An Error for
+/// an unknown type, missing hardware or an invalid file.
 [[nodiscard]] Expected<std::unique_ptr<Device>> open_device(std::string_view description);
 
 }  // namespace pcavr

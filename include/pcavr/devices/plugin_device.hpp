@@ -13,28 +13,28 @@
 namespace pcavr {
 
 struct PluginDeviceOptions {
-  std::string text = {};   ///< handed to the plugin
-  double facing = 0.0;     ///< [rad] about base's z, from its x axis: where the operator looks
+  std::string text = {};  ///< passed to the plugin
+  double facing = 0.0;  ///< [rad] about base's z, from its x axis: the operator's viewing direction
   double max_speed = 2.0;  ///< [m/s] > 0 of the tip; see RemoteDeviceOptions
 };
 
-/// How a plugin behaved so far.
+/// Statistics of a plugin's exchange calls.
 struct PluginHealth {
-  double slowest = 0.0;      ///< [s] the longest that one exchange took
-  std::uint64_t slow = 0;    ///< exchanges that took longer than 100 us
-  std::uint64_t faults = 0;  ///< left out: an answer that is not 0, not finite or beyond 100 m
+  double slowest = 0.0;      ///< [s] maximum duration of an exchange
+  std::uint64_t slow = 0;    ///< exchanges longer than 100 us
+  std::uint64_t faults = 0;  ///< rejected results: not 0, not finite or beyond 100 m
 };
 
 /// A device from a shared library that exports device_plugin.h. It runs in this process and in the
-/// world's thread: what it answers is checked, but a plugin that hangs or crashes takes all along.
+/// world's thread: its results are checked, but a plugin that hangs or crashes stops the process.
 ///
-/// The clutch keeps the difference between the device's tip and the tool while it is closed; an
-/// answer that is left out opens it. An exception that leaves the plugin is a fault, where it was
-/// built with the same C++ runtime.
+/// The clutch keeps the offset between the device's tip and the tool while it is closed; a rejected
+/// result opens it. An exception from the plugin counts as a fault, if it was built with the same
+/// C++ runtime.
 class PluginDevice final : public Device {
  public:
-  /// Loads and opens it. A file that is not there, is no library or lacks the function, another ABI
-  /// and a device that does not open are Errors.
+  /// Loads and opens it. An Error if the file is missing, is not a library, lacks the function or
+  /// has another ABI, or if the device does not open.
   [[nodiscard]] static Expected<std::unique_ptr<PluginDevice>> open(
       const std::filesystem::path& library, const PluginDeviceOptions& options = {});
   ~PluginDevice() override;

@@ -4,15 +4,16 @@
 
 namespace pcavr {
 
-/// How a stick or a cap that springs back moves a tip: its deflection is a velocity.
+/// Rate control: the deflection of a self-centring stick or cap is the tip's velocity.
 struct RateOptions {
-  /// [m/s] > 0 at full deflection. A push at 0.15 m/s crosses a table in some seconds and can still
-  /// be steered to a millimetre near the middle.
+  /// [m/s] > 0 at full deflection. 0.15 m/s crosses a table in some seconds and still allows
+  /// control to a millimetre at small deflections.
   double max_speed = 0.15;
-  /// [m] > 0 of the tip ahead of the tool, or a stick held against a wall would wind up. A bounded
-  /// force of 5 N is reached within it on all that is stiffer than 250 N/m.
+  /// [m] > 0 of the tip ahead of the tool (anti-windup against walls). The maximum force of 5 N is
+  /// reached within it on surfaces stiffer than 250 N/m.
   double max_lead = 0.02;
-  /// [rad] about base's z, from its x axis: where the operator looks. Pushing away moves that way.
+  /// [rad] about base's z, from its x axis: the operator's viewing direction. Pushing
+  /// forward moves the tip in that direction.
   double facing = 0.0;
 };
 

@@ -11,68 +11,69 @@
 
 namespace pcavr {
 
-/// Where a page's mouse, keyboard, controller or hand was.
+/// A sample of a page's mouse, keyboard, controller or tracked hand.
 struct RemoteSample {
   Eigen::Vector3d p_base_tip = Eigen::Vector3d::Zero();  ///< [m]
   Eigen::Quaterniond q_base_tool = Eigen::Quaterniond::Identity();
-  bool is_engaged = false;    ///< the clutch is held
-  double sender_clock = 0.0;  ///< [s] when it was so, on the sender's clock; ascends
-  double arrival = 0.0;       ///< [s] when it came here, on the clock of exchange's `t`
-  std::uint32_t sender = 0;   ///< who sent it: another sender is another hand, with another clock
+  bool is_engaged = false;    ///< the clutch is closed
+  double sender_clock = 0.0;  ///< [s] time of the sample, on the sender's clock; ascends
+  double arrival = 0.0;       ///< [s] time of arrival, on the clock of exchange's `t`
+  std::uint32_t sender = 0;   ///< another sender has another hand and clock
 };
 
 struct RemoteDeviceOptions {
   std::string name = "remote";
-  /// [m/s] > 0 of the tip. A hand that works on a table stays under 1 m/s and a reach under 2; a
-  /// controller whose tracking slips goes at tens. At 2 m/s the tip moves 2 mm a cycle.
+  /// [m/s] > 0 speed limit of the tip. Hands work below 1 m/s and reach below 2; a controller that
+  /// loses tracking moves at tens. At 2 m/s the tip moves 2 mm per cycle.
   double max_speed = 2.0;
-  double max_silence = 0.5;  ///< [s] > 0 after which nobody is there, and the clutch is let go
+  double timeout =
+      0.5;  ///< [s] > 0 without a sample: the device is absent, the clutch opens (watchdog)
 };
 
-/// What the newest exchange used.
-struct RemoteUse {
+/// The samples and timing of the newest exchange.
+struct RemoteStatus {
   /// [s] of the newest sample; NaN before the first.
   double sender_clock = std::numeric_limits<double>::quiet_NaN();
-  /// [s] of the moment that the tip shows now: it lies back by `delay`. NaN before the first.
+  /// [s] playout time of the tip on the sender's clock: behind by `delay`. NaN before the first.
   double shown_clock = std::numeric_limits<double>::quiet_NaN();
-  double age = 0.0;    ///< [s] since the newest sample came here
-  double delay = 0.0;  ///< [s] that the tip is kept back so that it can be drawn without a guess
+  double age = 0.0;    ///< [s] since the newest sample arrived
+  double delay = 0.0;  ///< [s] playout delay, so that the tip is interpolated, not extrapolated
   std::uint32_t sender = 0;
 };
 
-/// The device that a page is: samples come at 30 to 90 Hz with jitter, the tip goes at 1 kHz.
+/// A page as input device: samples arrive at 30 to 90 Hz with jitter, the tip is updated at 1 kHz
+/// through a jitter buffer.
 ///
-/// The tip runs along the straight lines between samples, by the sender's clock, kept back by the
-/// least that lets a line be known before it is run along: an interval, and the jitter of the
-/// arrivals, and a cycle. Just before a sample comes, the newest known is an interval old; less
-/// delay would take a guess, and a tip that is guessed goes on into the wall when the hand has
-/// stopped. So the tip is never where the hand was not, and never jumps: where a sample is late it
-/// waits, then catches up smoothly.
+/// The tip is interpolated linearly between samples, by the sender's clock, with the smallest
+/// playout delay at which the end of each segment has arrived: an interval, plus the jitter of the
+/// arrivals, plus a cycle. A smaller delay would need extrapolation, and an extrapolated tip
+/// overshoots into walls when the hand stops. So the tip is always on the hand's path, and never
+/// jumps: if a sample is late the tip stops, then catches up smoothly.
 ///
-/// A clutch that closes keeps the difference between tip and tool until it opens. It closes and
-/// opens as soon as the sample is here; what was not yet run along when it opens is left out. After
-/// a silence it has to open before it can close again.
+/// A clutch that closes keeps the offset between tip and tool until it opens. It closes and opens
+/// on arrival of the sample; motion that was not played out before opening is discarded. After a
+/// timeout it must open before it can close again.
 ///
-/// `push` and `let_go` are for one thread at a time, `exchange` and `use` for one other; no call
-/// waits, locks, allocates or throws.
+/// `push` and `release` are for one thread at a time, `exchange` and `status` for one other; no
+/// call waits, locks, allocates or throws.
 class RemoteDevice final : public Device {
  public:
   /// Options finite and in range: PCAVR_REQUIRE.
   explicit RemoteDevice(RemoteDeviceOptions options = {});
   ~RemoteDevice() override;
 
-  /// False, and counted as left out: not finite, farther than 100 m, not newer than what came
-  /// before from this sender, less than 2 ms after it with the same clutch, or no room.
+  /// False, and counted as rejected: not finite, farther than 100 m, not newer than the last one of
+  /// this sender, less than 2 ms after it with the same clutch (rate limit), or the queue is full.
   bool push(const RemoteSample& sample) noexcept;
-  /// The sender is gone: what it said is forgotten, and the tool let go.
-  void let_go() noexcept;
-  /// How many samples were left out so far. Any thread.
-  [[nodiscard]] std::uint64_t left_out() const noexcept;
+  /// The sender has disconnected: discards its samples and opens the clutch.
+  void release() noexcept;
+  /// Number of samples rejected so far. Any thread.
+  [[nodiscard]] std::uint64_t rejected() const noexcept;
 
   [[nodiscard]] std::string_view name() const noexcept override;
   [[nodiscard]] DeviceSample exchange(double t, double dt,
                                       const DeviceFeedback& feedback) noexcept override;
-  [[nodiscard]] RemoteUse use() const noexcept;
+  [[nodiscard]] RemoteStatus status() const noexcept;
 
  private:
   struct Content;

@@ -11,25 +11,25 @@
 namespace pcavr {
 
 struct SimulatedForceDeviceOptions {
-  /// [m] where the hand wants the tip, from where it was at first, `t` [s] after the first
-  /// exchange; finite, and neither throws nor allocates. Empty: it sways 5 cm to either side and
-  /// dips 5 cm, once in 4 s.
+  /// [m] target of the hand, relative to the initial tip, `t` [s] after the first exchange; finite,
+  /// and must not throw or allocate. Empty: it moves 5 cm to either side and 5 cm down, with a
+  /// period of 4 s.
   std::function<Eigen::Vector3d(double t)> target = {};
   double hand_stiffness = 400.0;  ///< [N/m] > 0; a relaxed grip has some hundreds
-  double hand_damping = 10.0;     ///< [N s/m] >= 0; with the mass, just under critical
-  double mass = 0.2;              ///< [kg] > 0 of hand and handle, as a desk device is felt
-  double friction = 0.5;          ///< [N s/m] >= 0 in the device's own joints
-  double force_noise = 0.02;      ///< [N] >= 0, standard deviation a cycle, along each axis
-  double max_force = 5.0;         ///< [N] > 0 that its motors give
-  std::uint64_t seed = 1;         ///< of the noise
+  double hand_damping = 10.0;     ///< [N s/m] >= 0; with the mass, slightly underdamped
+  double mass = 0.2;      ///< [kg] > 0 of hand and handle, the apparent mass of a desktop device
+  double friction = 0.5;  ///< [N s/m] >= 0 in the device's own joints
+  double force_noise = 0.02;  ///< [N] >= 0, std per cycle, along each axis
+  double max_force = 5.0;     ///< [N] > 0 saturation of its motors
+  std::uint64_t seed = 1;     ///< of the noise
 };
 
-/// A force device and a hand that are simulated, so that the loop through the world is closed
-/// without either: a mass, a spring and a damper to where the hand wants to be, and the world's
-/// force with what motors make of it: saturated, then noisy. Always engaged. Deterministic.
+/// A simulated force-feedback device with a hand, to close the loop through the world without
+/// hardware: a mass with a spring and a damper to the hand's target, and the world's force as
+/// rendered by motors: saturated, then noisy. Always engaged. Deterministic.
 ///
-/// The hand's spring and dampers are integrated implicitly, stable and losing energy at any `dt`;
-/// the world's force is what it is.
+/// The hand's spring and dampers are integrated implicitly, so they are stable and dissipative at
+/// any `dt`; the world's force is applied explicitly.
 class SimulatedForceDevice final : public Device {
  public:
   /// Options finite and in range: PCAVR_REQUIRE.
@@ -42,12 +42,12 @@ class SimulatedForceDevice final : public Device {
   [[nodiscard]] const Eigen::Vector3d& v_base_tip() const noexcept {
     return v_base_tip_;
   }  ///< [m/s]
-  /// [J] that the motors put into the hand so far. Passive, they take out what they put in before,
-  /// and more: never above 0 but for the noise.
+  /// [J] energy that the motors have supplied to the hand so far. Passivity: at most 0, except for
+  /// the noise.
   [[nodiscard]] double motor_work() const noexcept { return motor_work_; }
 
  private:
-  [[nodiscard]] Eigen::Vector3d motor_force(const Eigen::Vector3d& asked) noexcept;
+  [[nodiscard]] Eigen::Vector3d motor_force(const Eigen::Vector3d& commanded) noexcept;
 
   SimulatedForceDeviceOptions options_;
   Random random_;

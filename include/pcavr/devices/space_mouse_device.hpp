@@ -10,12 +10,12 @@
 
 namespace pcavr {
 
-/// A 3Dconnexion SpaceMouse or the like, through the daemon spacenavd. The cap's push is the tip's
-/// velocity; the clutch is the left button, held: a cap that is bumped moves nothing. Turning the
-/// cap does nothing, a ball has no sides.
+/// A 3Dconnexion SpaceMouse or the like, through the daemon spacenavd. The cap's deflection is
+/// the tip's velocity; the clutch is closed while the left button is held, so that bumping the cap
+/// moves nothing. Rotations are ignored, since the tool is a sphere.
 ///
-/// A thread of its own waits for the daemon. A cap that is unplugged, or a daemon that ends, is not
-/// present from then on. libspnav has one connection to a process: a second open fails.
+/// A thread of its own reads from the daemon. The device is absent while unplugged, and after the
+/// daemon has ended. libspnav has one connection per process: a second open fails.
 class SpaceMouseDevice final : public Device {
  public:
   /// Waits for the daemon for at most some tenths of a second.

@@ -12,7 +12,7 @@
 
 namespace pcavr {
 
-/// A hand at one moment of a trace.
+/// The hand's state at one time of a trace.
 struct TraceSample {
   double t = 0.0;                                        ///< [s] since the trace's first row
   Eigen::Vector3d p_base_tip = Eigen::Vector3d::Zero();  ///< [m]
@@ -30,12 +30,12 @@ struct TraceDeviceOptions {
   double max_speed = 2.0;  ///< [m/s] > 0 of the tip; see RemoteDeviceOptions
 };
 
-/// A trace, played back from the first exchange on, along straight lines between its rows. Where
-/// it is engaged the tool goes where it says in base, from where it was with at max_speed along a
-/// straight line. At its end it is let go and not present.
+/// Plays back a trace from the first exchange on, with linear interpolation between its rows. While
+/// engaged, the tip is at the trace's position in base, approached at max_speed in a straight line
+/// from the tool's position. At its end it is disengaged and absent.
 class TraceDevice final : public Device {
  public:
-  /// The whole file is read.
+  /// Reads the whole file.
   [[nodiscard]] static Expected<std::unique_ptr<TraceDevice>> open(
       const std::filesystem::path& file, const TraceDeviceOptions& options = {});
   /// Not empty, times ascending from 0, all finite: PCAVR_REQUIRE.
@@ -55,7 +55,7 @@ class TraceDevice final : public Device {
   TraceDeviceOptions options_;
   bool has_begun_ = false;
   double begin_ = 0.0;  ///< [s] of exchange's clock
-  DeviceSample said_;
+  DeviceSample sample_;
 };
 
 }  // namespace pcavr

@@ -15,12 +15,12 @@ namespace pcavr {
 /// How far a model's vertices are from where they should be, for one pose [m].
 struct ModelError {
   Stamp stamp;
-  double add = 0.0;   ///< mean distance [Hinterstoisser et al. 2012, eq. 6]
-  double mssd = 0.0;  ///< largest distance [Hodan et al. 2020, eq. 3]
+  double add = 0.0;   ///< average distance, ADD [Hinterstoisser et al. 2012, eq. 6]
+  double mssd = 0.0;  ///< maximum distance MSSD [Hodan et al. 2020, eq. 3]
 };
 
-/// Of a single pose. Symmetries are not considered: a body is where it is, and its tags tell its
-/// sides apart. `vertices_object` holds at least one point.
+/// Of a single pose. Symmetries are not considered: a body's tags identify its sides.
+/// `vertices_object` has at least one point.
 [[nodiscard]] ModelError model_error(const std::vector<Eigen::Vector3f>& vertices_object,
                                      const Pose& T_base_object_reference,
                                      const Pose& T_base_object_estimate);
@@ -42,13 +42,13 @@ struct ObjectErrors {
 struct MotionOptions {
   double speed_to_start = 0.001;  ///< moving from this speed on [m/s]
   double speed_to_stop = 0.0003;  ///< until slower than this [m/s]
-  /// Speeds are means over this span, centred. Longer: rest next to a motion is taken for motion.
-  /// Shorter: the noise of a measured reference is taken for motion.
+  /// Speeds are means over this span, centred. Longer: rest just before or after a motion counts as
+  /// motion. Shorter: the noise of a measured reference counts as motion.
   Duration span = std::chrono::milliseconds(100);
 };
 
-/// For each stamp, whether the reference moves then. The speed is that of the vertex of the body
-/// that moves the most, so that a turn on the spot is a motion; without vertices, the origin's.
+/// For each stamp, whether the reference moves. The speed is that of the fastest vertex, so that a
+/// rotation in place is a motion; without vertices, the origin's.
 [[nodiscard]] std::vector<bool> is_moving(const Trajectory& reference,
                                           const std::vector<Eigen::Vector3f>& vertices_object,
                                           const std::vector<Stamp>& stamps,

@@ -10,7 +10,7 @@
 
 namespace pcavr {
 
-/// The figures that evo prints for a list of errors; all in the errors' unit, sse in its square.
+/// The statistics that evo prints for a list of errors; all in the errors' unit, sse in its square.
 /// All are 0 where there are no errors (count 0).
 struct ErrorStatistics {
   std::size_t count = 0;
@@ -21,7 +21,7 @@ struct ErrorStatistics {
   double min = 0.0;
   double max = 0.0;
   double sse = 0.0;
-  double p95 = 0.0;  ///< 95th percentile, interpolated between neighbours; not one of evo's
+  double p95 = 0.0;  ///< 95th percentile, interpolated; not in evo
 };
 
 [[nodiscard]] ErrorStatistics statistics(std::vector<double> errors);
@@ -38,28 +38,30 @@ struct PoseError {
 };
 
 struct TrajectoryErrors {
-  std::vector<PoseError> absolute;          ///< as they stand
+  std::vector<PoseError> absolute;          ///< without alignment
   std::vector<PoseError> absolute_aligned;  ///< after T_reference_estimate; empty without it
-  std::vector<PoseError> relative;          ///< over `relative_step`
+  std::vector<PoseError> relative;          ///< over `relative_step` (RPE)
   std::vector<PoseError> step;              ///< from each matched pose to the next
-  /// The rigid motion that best lays the estimate's positions over the reference's. Nothing where
-  /// the positions lie on a line or in a point and leave it open: a fixed camera, an object at
-  /// rest.
+  /// Least-squares rigid alignment of the estimate's positions to the reference's [Umeyama 1991].
+  /// Nothing where it is not unique, because the positions lie on a line or in a point: a fixed
+  /// camera, an object at rest.
   std::optional<Pose> T_reference_estimate;
-  std::size_t unmatched = 0;  ///< estimates outside the reference's time, or inside a gap of it
+  std::size_t unmatched =
+      0;  ///< estimates outside the reference's time span, or inside a gap of it
 };
 
 struct TrajectoryErrorOptions {
   /// Gaps of the reference up to this long are interpolated. Longer: more estimates are matched,
-  /// against poses that are less true.
+  /// with less accurate reference poses.
   Duration max_gap = std::chrono::milliseconds(100);
-  /// Pairs for the relative error are this far apart in time, give or take a tenth.
+  /// Pairs for the relative error are this far apart in time, +-10 %.
   Duration relative_step = std::chrono::seconds(1);
 };
 
-/// Absolute and relative pose errors as evo defines them [Sturm et al. 2012, eq. 1 and 2;
-/// evo's `ape` and `rpe`, all pairs, translation part and angle]; the reference is interpolated at
-/// the estimate's stamps. Alignment: rotation and translation, no scale [Umeyama 1991].
+/// Absolute and relative pose errors (APE/ATE, RPE) as evo defines them [Sturm et al. 2012, eq. 1
+/// and 2; evo's `ape` and `rpe`, all pairs, translation part and angle]; the reference is
+/// interpolated at the estimate's stamps. Alignment: rotation and translation, no scale [Umeyama
+/// 1991].
 [[nodiscard]] TrajectoryErrors trajectory_errors(const Trajectory& reference,
                                                  const Trajectory& estimate,
                                                  const TrajectoryErrorOptions& options = {});

@@ -13,11 +13,11 @@ namespace pcavr {
 ///
 /// Axes: fixed to the body, origin at its centre of mass (or any point, kept the same throughout).
 /// A wrench is [fx fy m] [N, N, N m], a twist [vx vy omega] [m/s, m/s, rad/s]; the wrench meant is
-/// what pushes the body, so that it and the twist form no obtuse angle. Values without state: any
-/// thread may call any function; nothing allocates or throws.
+/// what pushes the body, so that it and the twist form no obtuse angle. Pure functions: any thread
+/// may call any function; nothing allocates or throws.
 ///
-/// Held as a homogeneous quartic H = 1 in u = [fx/F, fy/F, m/(F L)], after Zhou, Paolini, Bagnell &
-/// Mason (2016). The ellipsoid [Howe & Cutkosky 1996] is the quartic that is a square.
+/// Represented as a homogeneous quartic H = 1 in u = [fx/F, fy/F, m/(F L)], after Zhou, Paolini,
+/// Bagnell & Mason (2016). The ellipsoid [Howe & Cutkosky 1996] is the quartic that is a square.
 struct LimitSurface {
   double force = 1.0;   ///< F [N], > 0: the scale of forces; scaling it scales the whole surface
   double length = 0.1;  ///< L [m], > 0: the scale of moments over forces
@@ -52,7 +52,8 @@ inline constexpr std::array<std::array<int, 3>, 15> kQuarticExponents{{{4, 0, 0}
 [[nodiscard]] LimitSurface quadratic_surface(double force, double length,
                                              const Eigen::Matrix3d& a) noexcept;
 
-/// How far out a wrench lies: below 1 the body holds, 1 is on the surface; grows in proportion.
+/// The wrench's distance relative to the surface: below 1 the body stays static, 1 is on the
+/// surface; proportional to the wrench.
 [[nodiscard]] double level(const LimitSurface& surface, const Eigen::Vector3d& wrench) noexcept;
 
 /// The unit-free direction of the twist that `wrench` causes: the outward normal, not normalised;
@@ -60,8 +61,9 @@ inline constexpr std::array<std::array<int, 3>, 15> kQuarticExponents{{{4, 0, 0}
 [[nodiscard]] Eigen::Vector3d sliding_direction(const LimitSurface& surface,
                                                 const Eigen::Vector3d& wrench) noexcept;
 
-/// The wrench on the surface that keeps `twist` going: of all that friction can bear, the one that
-/// dissipates most. Zero for a zero twist. Friction itself acts on the body with its opposite.
+/// The wrench on the surface that sustains `twist`: of all that friction can bear, the one of
+/// maximum dissipation (the maximum power inequality). Zero for a zero twist. Friction itself acts
+/// on the body with its opposite.
 [[nodiscard]] Eigen::Vector3d sliding_load(const LimitSurface& surface,
                                            const Eigen::Vector3d& twist) noexcept;
 

@@ -8,7 +8,8 @@
 
 namespace pcavr {
 
-/// A finger pushes a body so slowly that inertia does not count [Mason 1986; Lynch & Mason 1996].
+/// Quasi-static pushing: a finger pushes a body so slowly that inertia is negligible [Mason 1986;
+/// Lynch & Mason 1996].
 /// Axes: those of the limit surface, fixed to the body. Nothing here allocates or throws.
 struct PointPush {
   Eigen::Vector2d point = Eigen::Vector2d::Zero();     ///< of contact [m]
@@ -18,20 +19,20 @@ struct PointPush {
 };
 
 enum class PushMode {
-  parting,   ///< the finger does not press: the body stays
-  sticking,  ///< the point of the body moves with the finger
-  slipping,  ///< the finger slips along the edge; the force is on an edge of the friction cone
+  separating,  ///< the finger does not press: the body stays at rest
+  sticking,    ///< the point of the body moves with the finger
+  slipping,    ///< the finger slips along the edge; the force is on an edge of the friction cone
 };
 
 struct PushMotion {
-  PushMode mode = PushMode::parting;
+  PushMode mode = PushMode::separating;
   Eigen::Vector3d twist = Eigen::Vector3d::Zero();   ///< of the body
   Eigen::Vector3d wrench = Eigen::Vector3d::Zero();  ///< of the finger on the body, on the surface
 };
 
-/// How the body moves. One search for any convex surface: as the contact force turns from one edge
-/// of its cone to the other, the point's velocity turns the same way, because it is the gradient of
-/// a convex function of that force.
+/// The body's motion. One bisection for any convex surface: as the contact force rotates from one
+/// edge of its friction cone to the other, the point's velocity rotates in the same direction,
+/// because it is the gradient of a convex function of that force.
 [[nodiscard]] PushMotion push_at_point(const LimitSurface& surface, const PointPush& push) noexcept;
 
 /// The wrench of a force [N] at a point [m].

@@ -6,15 +6,16 @@
 
 namespace pcavr {
 
-/// A body that is pushed along a line over its support: three-phase friction, told by force
-/// [paper C, eq. 8, after Karnopp 1985]. Plain values; nothing here allocates, throws or keeps a
-/// state of its own, so any thread may call it and the same input gives the same bits.
+/// A body that is pushed along a line over its support: three-phase stick-slip friction, the phase
+/// decided by the force [paper C, eq. 8, after Karnopp 1985]. Pure functions; nothing here
+/// allocates, throws or keeps a state, so any thread may call it and the same input gives the same
+/// bits.
 ///
 /// Signs: position, velocity and force along one fixed direction of the base frame.
 
 enum class FrictionPhase {
-  held,      ///< static: friction balances what acts
-  critical,  ///< held still, but by a force inside the band in which pushes broke it loose
+  static_contact,  ///< static friction balances the load
+  critical,        ///< static, but the force is inside the band in which pushes broke it loose
   sliding,
 };
 
@@ -28,20 +29,20 @@ struct FrictionParameters {
   double viscous = 0.0;             ///< B [N s/m], >= 0
 };
 
-/// Whether all are finite and inside the ranges given there.
+/// Whether all are finite and inside the ranges given above.
 [[nodiscard]] bool is_physical(const FrictionParameters& parameters) noexcept;
 
-/// The largest force [N] that the body at rest withstands: F_M, or the Coulomb force where that is
-/// given as the larger one (a body that has just broken loose must not stand still).
-[[nodiscard]] double holding_force(const FrictionParameters& parameters) noexcept;
+/// Maximum static friction [N]: F_M, or the Coulomb force where that is given as the larger one (a
+/// body that has just broken loose must not stop at once).
+[[nodiscard]] double static_friction_limit(const FrictionParameters& parameters) noexcept;
 
 struct SliderState {
   double position = 0.0;  ///< [m]
   double velocity = 0.0;  ///< [m/s]; exactly 0 unless sliding
-  FrictionPhase phase = FrictionPhase::held;
+  FrictionPhase phase = FrictionPhase::static_contact;
 };
 
-/// All but friction that acts on the body during one step, linear from its begin to its end.
+/// All forces but friction on the body during one step, linear from its begin to its end.
 struct SliderLoad {
   double force_at_begin = 0.0;  ///< [N]
   double force_at_end = 0.0;    ///< [N]
@@ -50,14 +51,14 @@ struct SliderLoad {
 struct SliderStep {
   SliderState state;         ///< at the end of the step
   double friction = 0.0;     ///< on the body at the end of the step [N]
-  double dissipated = 0.0;   ///< energy that friction took [J], >= 0 but for rounding
+  double dissipated = 0.0;   ///< energy that friction dissipated [J], >= 0 up to rounding
   double moving_time = 0.0;  ///< of the step [s]
 };
 
 /// Moves the body by dt [s] >= 0. Between the instants at which it breaks loose and stops, which
 /// are found inside the step, M v' = F - C sgn(v) - B v is solved in closed form. So the result
-/// depends on dt only as far as the load is not linear; a held body does not creep; and friction
-/// gives no energy. Parameters must be physical, else the body is held where it is.
+/// depends on dt only as far as the load is not linear; a static body does not creep; and friction
+/// is passive (adds no energy). Parameters must be physical, else the body does not move.
 [[nodiscard]] SliderStep step_slider(const FrictionParameters& parameters, const SliderState& state,
                                      const SliderLoad& load, double dt) noexcept;
 

@@ -30,7 +30,7 @@ struct CameraModel {
   [[nodiscard]] Eigen::Matrix<double, 2, 3> projection_jacobian(
       const Eigen::Vector3d& p_camera) const;
 
-  /// Where a distorted pixel would lie without distortion, on the plane z = 1, to 1e-12.
+  /// Normalized image coordinates: the undistorted point on the plane z = 1, to 1e-12.
   [[nodiscard]] Eigen::Vector2d normalise(const Eigen::Vector2d& pixel) const;
 
   /// Point in camera coordinates at depth z [m] along the optical axis.
@@ -38,8 +38,8 @@ struct CameraModel {
 
   [[nodiscard]] bool contains(const Eigen::Vector2d& pixel) const;
 
-  /// The camera of the image shrunk by an integer factor, pixels averaged in squares.
-  [[nodiscard]] CameraModel shrunk(int factor) const;
+  /// The camera of the image downsampled (binned) by an integer factor.
+  [[nodiscard]] CameraModel downsampled(int factor) const;
 
   /// This camera without its distortion: the model of an undistorted image.
   [[nodiscard]] CameraModel undistorted() const;
@@ -47,15 +47,15 @@ struct CameraModel {
   friend bool operator==(const CameraModel&, const CameraModel&) = default;
 };
 
-/// Where a lens is not one-to-one over an image.
+/// Where a lens model is not invertible (not monotonic) within an image.
 struct LensFold {
-  Eigen::Vector2d pixel;   ///< a pixel without a ray of its own, the nearest to the principal point
-  double max_angle = 0.0;  ///< up to which from the optical axis the lens is one-to-one [rad]
-  bool is_fold = true;     ///< false: the formula goes on, but the ray is beyond 85 degrees
+  Eigen::Vector2d pixel;   ///< the non-invertible pixel nearest to the principal point
+  double max_angle = 0.0;  ///< from the optical axis, up to which the lens is invertible [rad]
+  bool is_fold = true;     ///< false: the model is invertible, but the ray is beyond 85 degrees
 };
 
-/// Looks for such a pixel on a grid over the whole image, its corners and borders included: the
-/// ray of each has to lie within the lens's max_radius() and to come back to the pixel.
+/// Searches a grid over the whole image, corners and borders included: the ray of each pixel must
+/// lie within the lens's max_radius() and project back to the pixel.
 [[nodiscard]] std::optional<LensFold> find_fold(const CameraModel& camera);
 
 }  // namespace pcavr

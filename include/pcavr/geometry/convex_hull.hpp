@@ -8,14 +8,14 @@
 
 namespace pcavr {
 
-/// The points on the convex hull as it is seen from above (along z): counter-clockwise, points on
-/// an edge left out. Fewer than three where they lie on a line.
-[[nodiscard]] std::vector<Eigen::Vector3d> convex_hull_from_above(
-    std::vector<Eigen::Vector3d> points);
+/// The vertices of the 2D convex hull of the points projected onto the x-y plane (monotone chain):
+/// counter-clockwise, without collinear points. Fewer than three where all points are collinear.
+[[nodiscard]] std::vector<Eigen::Vector3d> convex_hull_xy(std::vector<Eigen::Vector3d> points);
 
-/// Twice the area of the triangle as seen from above; positive where the corners turn left.
-[[nodiscard]] inline double turn_from_above(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                                            const Eigen::Vector3d& c) {
+/// Orientation test in the x-y plane: twice the signed area of the triangle, positive where a, b, c
+/// are counter-clockwise.
+[[nodiscard]] inline double orientation_xy(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                           const Eigen::Vector3d& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 

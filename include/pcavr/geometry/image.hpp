@@ -35,7 +35,7 @@ class Image {
     return x >= 0 && y >= 0 && x < width_ && y < height_;
   }
 
-  /// Not checked: (x, y) must lie inside.
+  /// No bounds check: (x, y) must lie inside.
   [[nodiscard]] const Pixel& operator()(int x, int y) const { return pixels_[index(x, y)]; }
   [[nodiscard]] Pixel& operator()(int x, int y) { return pixels_[index(x, y)]; }
 
@@ -63,10 +63,10 @@ using GrayImage = Image<std::uint8_t>;
 using ColorImage = Image<Rgb8>;
 /// Depth along the optical axis [m]; 0 where nothing was measured.
 using DepthImage = Image<float>;
-/// Non-zero where a pixel is to be left out.
+/// Non-zero where a pixel is to be ignored.
 using MaskImage = Image<std::uint8_t>;
 
-/// Luma after ITU-R BT.601, rounded.
+/// Luma (ITU-R BT.601), rounded.
 [[nodiscard]] GrayImage to_gray(const ColorImage& color);
 
 }  // namespace pcavr

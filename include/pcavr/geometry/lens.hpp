@@ -10,49 +10,50 @@
 
 namespace pcavr {
 
-/// The formulas of lens distortion that calibration tools write, with x, y on the plane z = 1 and
+/// The lens distortion models that calibration tools write, with x, y on the plane z = 1 and
 /// r^2 = x^2 + y^2:
 /// * plumb_bob: k1 k2 p1 p2 k3 [Brown 1966]; OpenCV's five coefficients, ROS's plumb_bob;
-/// * rational: k1 k2 p1 p2 k3 k4 k5 k6, the radial factor over 1 + k4 r^2 + k5 r^4 + k6 r^6
+/// * rational: k1 k2 p1 p2 k3 k4 k5 k6, the radial factor divided by 1 + k4 r^2 + k5 r^4 + k6 r^6
 ///   [Claus & Fitzgibbon 2005]; OpenCV's eight coefficients, ROS's rational_polynomial;
 /// * fisheye: k1 k2 k3 k4, a polynomial of the angle to the optical axis [Kannala & Brandt 2006];
 ///   OpenCV's fisheye module, ROS's equidistant.
 enum class LensModel { plumb_bob, rational, fisheye };
 
-/// How many coefficients a model has.
+/// Number of coefficients of a model.
 [[nodiscard]] std::size_t coefficient_count(LensModel model);
 /// Their names in order, such as "k1 k2 p1 p2 k3".
 [[nodiscard]] std::string_view coefficient_names(LensModel model);
 
-/// How a lens moves the points of the plane z = 1, on which a pinhole camera sees its rays.
+/// Lens distortion of normalized image coordinates (points on the plane z = 1).
 ///
-/// The formulas fold: from some radius on, two rays fall on the same pixel. Beyond `max_radius` the
-/// map goes on straight outward instead, so that it is one-to-one everywhere, and nothing outside
-/// the field of view falls into the image. A value: no locks, nothing shared.
+/// The models are not invertible everywhere: they fold (are not monotonic) beyond some radius,
+/// where two rays project to the same pixel. Beyond `max_radius` the map is extrapolated linearly
+/// outward instead, so that it is one-to-one everywhere, and nothing outside the field of view
+/// projects into the image. A value type.
 class LensDistortion {
  public:
   /// No distortion.
   LensDistortion() = default;
-  /// A plumb bob. Implicit: `camera.distortion = {k1, k2, p1, p2, k3}`.
+  /// The plumb_bob model. Implicit: `camera.distortion = {k1, k2, p1, p2, k3}`.
   LensDistortion(double k1, double k2, double p1, double p2, double k3);
   /// Throws ContractError unless there are coefficient_count(model) of them.
   LensDistortion(LensModel model, std::span<const double> coefficients);
 
   [[nodiscard]] LensModel model() const { return model_; }
   [[nodiscard]] std::span<const double> coefficients() const;
-  /// Whether points stay where they are. A fisheye never leaves them.
+  /// Whether the map is the identity; false for every fisheye.
   [[nodiscard]] bool is_none() const { return is_none_; }
 
-  /// On the plane z = 1; beyond it the formula is not one-to-one, or the ray is more than 85
-  /// degrees from the optical axis: z-depth is undefined there.
+  /// On the plane z = 1; beyond it the model is not invertible, or the ray is more than 85 degrees
+  /// from the optical axis, where z-depth is ill-conditioned.
   [[nodiscard]] double max_radius() const { return max_radius_; }
-  /// Whether the formula folds, or else the angle sets max_radius().
+  /// Whether max_radius() is where the model folds (stops being monotonic); else it is the angle.
   [[nodiscard]] bool folds() const { return folds_; }
 
-  /// Where the image has a point of the plane z = 1, and the derivative where asked for.
+  /// The distorted coordinates of a point of the plane z = 1, and the Jacobian unless null.
   [[nodiscard]] Eigen::Vector2d distort(const Eigen::Vector2d& p,
                                         Eigen::Matrix2d* jacobian = nullptr) const;
-  /// The point that distort() maps to `q`, to 1e-12 (of |q| where that is more than 1).
+  /// The inverse of distort(), to 1e-12 (relative to |q| where |q| > 1).
   [[nodiscard]] Eigen::Vector2d undistort(const Eigen::Vector2d& q) const;
 
   friend bool operator==(const LensDistortion& a, const LensDistortion& b) {
@@ -62,16 +63,16 @@ class LensDistortion {
  private:
   void find_max_radius();
   [[nodiscard]] Eigen::Vector2d formula(const Eigen::Vector2d& p, Eigen::Matrix2d* jacobian) const;
-  [[nodiscard]] Eigen::Vector2d beyond_max_radius(const Eigen::Vector2d& p,
-                                                  Eigen::Matrix2d* jacobian) const;
+  [[nodiscard]] Eigen::Vector2d extrapolate(const Eigen::Vector2d& p,
+                                            Eigen::Matrix2d* jacobian) const;
   [[nodiscard]] Eigen::Vector2d undistort_fisheye(const Eigen::Vector2d& q) const;
   [[nodiscard]] Eigen::Vector2d undistort_damped(const Eigen::Vector2d& q) const;
 
   LensModel model_ = LensModel::plumb_bob;
   bool is_none_ = true;
   bool folds_ = false;
-  double max_radius_ = 0.0;   ///< not used where there is no distortion, as the next
-  double outer_slope_ = 1.0;  ///< of the radius, beyond max_radius_
+  double max_radius_ = 0.0;           ///< this and the next: unused without distortion
+  double extrapolation_slope_ = 1.0;  ///< d(distorted radius)/d(radius)
   std::array<double, 8> coefficients_{};
 };
 

@@ -14,15 +14,15 @@
 
 namespace pcavr {
 
-/// Points in one frame, which the variable's name tells (cloud_base). `normals` and `colors` are
-/// empty or as long as `points`.
+/// Points in one frame, given by the suffix of the variable's name (cloud_base). `normals` and
+/// `colors` are empty or as long as `points`.
 struct PointCloud {
   std::vector<Eigen::Vector3f> points;   ///< [m]
   std::vector<Eigen::Vector3f> normals;  ///< unit length
   std::vector<Rgb8> colors;              ///< sRGB
 };
 
-/// Triangles with shared vertices, wound counter-clockwise seen from outside. `normals` and
+/// An indexed triangle mesh; triangles are counter-clockwise seen from outside. `normals` and
 /// `colors` are empty or as long as `vertices`.
 struct TriangleMesh {
   std::vector<Eigen::Vector3f> vertices;  ///< [m]
@@ -49,10 +49,10 @@ struct Plane {
 /// Volume enclosed [m^3], positive where the winding is outward; meaningful for closed meshes.
 [[nodiscard]] double signed_volume(const TriangleMesh& mesh);
 
-/// Vertices and normals moved from frame b to frame a.
+/// The mesh transformed from frame b to frame a.
 [[nodiscard]] TriangleMesh transformed(const Pose& T_a_b, const TriangleMesh& mesh_b);
 
-/// Replaces the normals by the area-weighted mean of the adjacent triangles'.
+/// Replaces the normals by the area-weighted mean of the adjacent triangles' normals.
 void compute_vertex_normals(TriangleMesh& mesh);
 
 }  // namespace pcavr

@@ -6,17 +6,17 @@
 
 namespace pcavr {
 
-// A float that is out of an int's range, or not a number, may not be cast to one: what comes out is
-// undefined, and an index made of it reads anywhere. These two test first.
+// Casting a float that is NaN or out of an int's range is undefined behaviour, and an index made
+// from it may be out of bounds. These functions check first.
 
-/// The row or column of pixels that a position falls on; nothing outside an image of that size.
+/// The row or column of the pixel that contains a position; nullopt outside an image of that size.
 [[nodiscard]] constexpr std::optional<int> pixel_index(double position, int size) {
-  // Written so that what is not a number fails.
+  // Written so that NaN fails.
   if (!(position >= -0.5 && position < size - 0.5)) return std::nullopt;
   return static_cast<int>(position + 0.5);
 }
 
-/// The whole part of `value`, kept between two bounds; what is not a number gives `min`.
+/// `value` truncated and clamped to [min, max]; NaN gives `min`.
 [[nodiscard]] constexpr int clamp_to_int(double value, int min, int max) {
   if (!(value > min)) return min;
   return value < max ? static_cast<int>(value) : max;

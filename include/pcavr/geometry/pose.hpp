@@ -11,8 +11,8 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// A rigid transformation. Named T_a_b it is the pose of frame b in frame a, and maps coordinates
-/// in b to coordinates in a. Small changes are right-multiplied twists: T * exp([v; w]), with v
-/// [m] and w [rad] in b's axes; covariances of poses are of that 6-vector.
+/// in b to coordinates in a. Perturbations are right-multiplied twists: T * exp([v; w]), with v
+/// [m] and w [rad] in b's axes; pose covariances refer to that 6-vector.
 class Pose {
  public:
   /// The identity.
@@ -21,7 +21,7 @@ class Pose {
   /// q_a_b is normalised. Throws ContractError unless all is finite and |q_a_b| > 1e-6.
   Pose(const Eigen::Quaterniond& q_a_b, const Eigen::Vector3d& p_a_b);
 
-  /// From a 4x4 matrix; its rotation is replaced by the nearest proper one. Throws ContractError
+  /// From a 4x4 matrix; its rotation is projected onto SO(3). Throws ContractError
   /// where the matrix is further than 0.05 from a rigid one in any entry, or not finite.
   [[nodiscard]] static Pose from_matrix(const Eigen::Matrix4d& matrix);
 
@@ -48,13 +48,13 @@ class Pose {
   Eigen::Vector3d translation_ = Eigen::Vector3d::Zero();
 };
 
-/// On the way from a (fraction 0) to b (1): translation linear, rotation spherically linear.
+/// Interpolates from a (fraction 0) to b (1): linear in translation, slerp in rotation.
 [[nodiscard]] Pose interpolate(const Pose& a, const Pose& b, double fraction);
 
 /// Angle of the rotation from a to b [rad], in [0, pi].
 [[nodiscard]] double rotation_distance(const Pose& a, const Pose& b);
 
-/// Distance of the origins of a and b [m].
+/// Distance between the origins of a and b [m].
 [[nodiscard]] double translation_distance(const Pose& a, const Pose& b);
 
 /// The skew-symmetric matrix S with S * b == a x b.

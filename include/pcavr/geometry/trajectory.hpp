@@ -15,11 +15,11 @@ struct TimedPose {
   Pose pose;
 };
 
-/// Poses of one frame in another, by strictly ascending stamp.
+/// Poses of one frame in another, with strictly increasing stamps.
 class Trajectory {
  public:
   Trajectory() = default;
-  /// Throws ContractError unless the stamps ascend strictly.
+  /// Throws ContractError unless the stamps are strictly increasing.
   explicit Trajectory(std::vector<TimedPose> poses);
 
   /// Throws ContractError unless the stamp is after the last one.
@@ -29,7 +29,7 @@ class Trajectory {
   [[nodiscard]] bool empty() const { return poses_.empty(); }
   [[nodiscard]] std::size_t size() const { return poses_.size(); }
 
-  /// Interpolated at `stamp`. Nothing outside the first and last stamp, nor inside a gap that is
+  /// Interpolated at `stamp`; nullopt before the first and after the last stamp, and inside a gap
   /// longer than `max_gap`. O(log n).
   [[nodiscard]] std::optional<Pose> at(Stamp stamp,
                                        Duration max_gap = std::chrono::milliseconds(200)) const;

@@ -8,12 +8,13 @@
 namespace pcavr {
 
 struct HapticState {
-  Eigen::Vector3d proxy = Eigen::Vector3d::Zero();  ///< [m] centre of the tool's ball
+  Eigen::Vector3d proxy =
+      Eigen::Vector3d::Zero();  ///< [m] centre of the tool's sphere (god-object)
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] on the device, until the next step
-  bool is_in_contact = false;                       ///< the tip is inside: there is a force
+  bool is_in_contact = false;                       ///< the tip is inside the surface
 };
 
-/// A tool's ball on a scanned surface, and what the hand feels of it: the two parts as one cycle.
+/// Surface proxy (god-object) and rendered force on a scan, as one haptic cycle.
 class HapticTool {
  public:
   HapticTool(const TriangleMesh& mesh, const ProxyOptions& proxy, const ForceOptions& force)
@@ -24,12 +25,12 @@ class HapticTool {
 
   /// One cycle of `dt` [s] > 0 that ended with the device's tip at `tip` [m], in the mesh's frame.
   HapticState step(const Eigen::Vector3d& tip, double dt) noexcept {
-    const ProxyState there = proxy_.step(tip);
-    const Eigen::Vector3d force = force_.step(tip, there.centre, there.is_inside, dt);
-    return {there.centre, force, there.is_inside};
+    const ProxyState proxy = proxy_.step(tip);
+    const Eigen::Vector3d force = force_.step(tip, proxy.centre, proxy.is_inside, dt);
+    return {proxy.centre, force, proxy.is_inside};
   }
 
-  [[nodiscard]] double available_work() const { return force_.available_work(); }
+  [[nodiscard]] double available_energy() const { return force_.available_energy(); }
 
  private:
   SurfaceProxy proxy_;

@@ -17,18 +17,18 @@ enum class ContactRegressor {
 };
 
 struct ContactFitOptions {
-  double half_width = 0.012;  ///< [s] of the smoothing; at least three samples are taken
-  /// Contact where the smoothed force exceeds this many of its own deviations.
-  double contact_deviations = 6.0;
-  /// Hunt-Crossley: all presses meet the surface at one place, which tells the exponent several
-  /// times better. False for presses on different spots.
+  double half_width = 0.012;  ///< [s] of the smoothing; at least three samples are used
+  /// Contact where the smoothed force exceeds this many of its own stds.
+  double contact_threshold = 6.0;
+  /// Hunt-Crossley: all presses meet the surface at the same coordinate, which makes the exponent
+  /// several times more accurate. False for presses at different points.
   bool is_surface_shared = true;
-  /// [s] > 0: each signal less its own mean over this half width is fitted, by the linear law only.
-  /// For a tip that wanders over a surface while it oscillates, so that no depth is known. About
-  /// one period of the oscillation.
+  /// [s] > 0: each signal is detrended by its own moving mean over this half width (a high-pass),
+  /// and only the linear law is fitted. For a tip that drifts over a surface while it oscillates,
+  /// so that the penetration is not known. About one period of the oscillation.
   double drift_half_width = 0.0;
-  /// >= 1: given, and only the Hunt-Crossley law of this exponent is fitted. Its deviations are
-  /// those under this exponent: k is another number in another unit under another.
+  /// >= 1: fixed, and only the Hunt-Crossley law of this exponent is fitted. The stds are those
+  /// for this exponent: k has another value and unit for another one.
   std::optional<double> exponent = {};
 };
 
@@ -36,11 +36,11 @@ struct ContactFitOptions {
 struct ContactFit {
   ContactRegressor regressor = ContactRegressor::mass_damper_spring;
   bool is_valid = false;          ///< enough samples, and the stiffness came out positive
-  IdentifiedParameter mass;       ///< m [kg]; mass_damper_spring only, left out where not told
+  IdentifiedParameter mass;       ///< m [kg]; mass_damper_spring only, not fitted where not excited
   IdentifiedParameter damping;    ///< b [N s/m] or lambda [N s/m^(n+1)]
   IdentifiedParameter stiffness;  ///< k [N/m^n]
-  /// n; 1 for mass_damper_spring, whose deviation is how far the Hunt-Crossley fit is from it: a
-  /// tie chooses the linear law, and does not make its exponent exact.
+  /// n; 1 for mass_damper_spring, with the distance of the Hunt-Crossley fit's exponent from 1 as
+  /// its std: a tie chooses the linear law, and does not make its exponent exact.
   IdentifiedParameter exponent;
   std::vector<double> surface;  ///< [m] tool coordinate at which x = 0, one for each press that
                                 ///< touched
@@ -53,7 +53,7 @@ struct ContactIdentification {
   ContactFit mass_damper_spring;
   ContactFit hunt_crossley;
   ContactRegressor chosen = ContactRegressor::mass_damper_spring;  ///< by the residual
-  std::vector<std::size_t> touched;  ///< the presses that did, as the fits' `surface` has them
+  std::vector<std::size_t> touched;  ///< indices of presses in contact, in the order of `surface`
   std::string proposal;  ///< a better motion, where something was not excited; else empty
 
   [[nodiscard]] const ContactFit& best() const {
@@ -62,10 +62,10 @@ struct ContactIdentification {
 };
 
 /// The contact law from presses against something that does not move away, at any number of speeds.
-/// Both laws are fitted, with the surface's place as an unknown; the smaller residual wins, the
-/// linear law where they are within 2 % of each other (paper C takes the linear one always: on a
-/// Hunt-Crossley contact that costs per cents of force). Remove the time offset between force and
-/// tool first: it shifts the surface with the speed.
+/// Both laws are fitted, with the surface's coordinate as an unknown; the one of the smaller
+/// residual is chosen, the linear law where they are within 2 % of each other (paper C always takes
+/// the linear one: on a Hunt-Crossley contact that costs a few per cent of force). Remove the time
+/// offset between force and tool first: it shifts the surface with the speed.
 [[nodiscard]] ContactIdentification identify_contact(std::span<const ForceMotion> presses,
                                                      const ContactFitOptions& options = {});
 

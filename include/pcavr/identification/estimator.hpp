@@ -8,11 +8,11 @@
 
 namespace pcavr {
 
-/// How an estimator lets go of old samples.
+/// How an estimator forgets old samples.
 enum class EstimationMethod {
-  block,        ///< BSLS: least squares over the last `window` samples, older ones forgotten
-  exponential,  ///< EWRLS: weight `forgetting`^age
-  adaptive      ///< affRLS: weight 1 in quiet times, less after a change; see ParameterEstimator
+  block,        ///< BSLS: least squares over a sliding window of the last `window` samples
+  exponential,  ///< EWRLS: exponentially weighted, `forgetting`^age
+  adaptive      ///< affRLS: adaptive forgetting factor, 1 until a change; see ParameterEstimator
 };
 
 /// N is the number of parameters, 1 to 4.
@@ -23,21 +23,22 @@ struct EstimatorOptions {
   /// and gives `prior_information` its meaning.
   std::array<double, N> scale = ones();
   int window = 30;           ///< samples of a block, >= N + 1
-  double forgetting = 0.98;  ///< exponential: in (0, 1]; the larger, the longer the memory
+  double forgetting = 0.98;  ///< exponential: factor in (0, 1]; the larger, the longer the memory
   /// adaptive: in (0, 1); 1 / (1 - this) samples is the memory right after a change
   double min_forgetting = 0.8;
   int error_window = 10;  ///< adaptive: samples the squared error is averaged over
-  /// Standard deviation of the measured value's noise. Empty: measured while running, from errors
-  /// clipped at three deviations. Give it where the model may be wrong: a measured one takes the
-  /// model's misfit for noise in the long run.
-  std::optional<double> noise_deviation = {};
-  /// Least information kept on each scaled parameter; P stays below its inverse.
+  /// Standard deviation of the measured value's noise. Empty: estimated online, from errors clipped
+  /// at three stds. Give it where the model may be wrong: an estimated one includes the model's
+  /// misfit in the long run.
+  std::optional<double> noise_std = {};
+  /// Minimum information kept on each scaled parameter; P stays below its inverse.
   double prior_information = 1e-6;
-  /// Least rms of what the other regressors do not explain of this one, in its own unit. Below it
-  /// the parameter counts as not excited. Put what the regressor's own noise could make up.
+  /// Minimum rms of the part of this regressor that the others do not explain, in its own unit.
+  /// Below it the parameter counts as not excited (no persistent excitation). Set it to what the
+  /// regressor's own noise can cause.
   std::array<double, N> min_excitation = {};
   /// How many successive samples count as one independent sample (filtered noise is correlated);
-  /// widens the deviations by its square root. >= 1
+  /// widens the stds by its square root. >= 1
   double correlated_samples = 1.0;
 
   static constexpr std::array<double, N> ones() {
@@ -50,29 +51,29 @@ struct EstimatorOptions {
 template <int N>
 struct ParameterEstimate {
   std::array<double, N> value = {};
-  std::array<double, N> deviation = {};  ///< standard deviation; infinite before N + 1 samples
-  /// False: the samples in memory do not tell this parameter from the others, or from noise.
+  std::array<double, N> std = {};  ///< standard deviation; infinite before N + 1 samples
+  /// False: the samples in memory do not separate this parameter from the others, or from noise.
   std::array<bool, N> is_excited = {};
   double residual_variance = 0.0;  ///< of the measured value about the model, its unit squared
   double samples = 0.0;            ///< in memory, weighted
 };
 
-/// What one sample did.
+/// Result of one sample.
 struct EstimatorStep {
   double prediction = 0.0;  ///< by the parameters as they were before this sample
   double error = 0.0;       ///< measured - prediction
   double forgetting = 1.0;  ///< lambda used
-  bool was_used = false;    ///< false: not finite or absurd; nothing was changed
+  bool was_used = false;    ///< false: not finite or out of range; nothing was changed
 };
 
 /// Linear parameters y = phi . theta, sample by sample, by the three methods behind one interface.
 ///
-/// All three hold the information matrix R (the inverse of P) in scaled units:
+/// All three keep the information matrix R (the inverse of P) in scaled units:
 ///
 ///     R <- lambda R + (1 - lambda) delta I + phi phi',   theta <- theta + R^-1 phi (y - phi'theta)
 ///
-/// the leak delta keeps P <= I/delta without excitation: nothing winds up, and theta stays where it
-/// was [Gunnarsson 1996, Combining tracking and regularization in recursive least squares
+/// the leak delta keeps P <= I/delta without excitation: no covariance wind-up, and theta stays
+/// where it was [Gunnarsson 1996, Combining tracking and regularization in recursive least squares
 /// identification]. R is symmetric by construction, and lambda = 1 is plain least squares.
 ///
 /// The adaptive law of lambda is the unity zone of [Park, Jun & Kim 1991, Fast tracking RLS
@@ -81,12 +82,12 @@ struct EstimatorStep {
 ///     lambda = lambda_min + (1 - lambda_min) 2^(-round(rho e2)),   rho = 1 / (2 c sigma^2)
 ///
 /// e2 is the mean squared prediction error over the error window, each divided by 1 + phi'P phi, so
-/// that not yet knowing is not taken for a change. c sigma^2 is what e2 reaches by noise once in a
-/// million samples, counted in independent ones (`correlated_samples`), and at least 19/2 sigma^2;
-/// below it lambda is exactly 1. lambda_min is `min_forgetting`, or less where the memory is
-/// longer than the 1 / (1 - min_forgetting) samples that it keeps: one clear change empties it
-/// down to those at once. Forgetting by `min_forgetting` alone lets hundreds of samples from
-/// before the change outweigh the few from after it.
+/// that initial uncertainty is not mistaken for a change. c sigma^2 is what e2 reaches by noise
+/// once in a million samples, counted in independent ones (`correlated_samples`), and at least
+/// 19/2 sigma^2; below it lambda is exactly 1. lambda_min is `min_forgetting`, or less where the
+/// memory is longer than the 1 / (1 - min_forgetting) samples that it keeps: one clear change
+/// shortens it to those at once. With `min_forgetting` alone, hundreds of samples from before the
+/// change would outweigh the few from after it.
 ///
 /// Units: the caller's. Threads: one writer. step() neither allocates nor throws.
 template <int N>
@@ -103,7 +104,7 @@ class ParameterEstimator {
 
   EstimatorStep step(const std::array<double, N>& regressors, double measured) noexcept;
 
-  /// Solves for the deviations and the excitation; dearer than a step.
+  /// Solves for the stds and the excitation; costs more than a step.
   [[nodiscard]] ParameterEstimate<N> estimate() const noexcept;
   [[nodiscard]] std::array<double, N> parameters() const noexcept;
 

@@ -11,18 +11,17 @@
 
 namespace pcavr {
 
-/// A number, and how far to trust it where that is known.
+/// A value and, where known, its uncertainty.
 struct ParameterValue {
   double value = 0.0;
-  std::optional<double> deviation = {};  ///< standard deviation, in the value's unit
+  std::optional<double> std = {};  ///< standard deviation, in the value's unit
 };
 
-/// All that is known of how an object yields and slides: what identification writes, prediction
-/// reads and `truth/parameters.yaml` states. Empty: not known, because nothing told it.
+/// The known contact and friction parameters of an object: what identification writes, prediction
+/// reads and `truth/parameters.yaml` states. Empty: not known.
 struct ObjectParameters {
   std::optional<ParameterValue> mass = {};  ///< M [kg]
-  /// F_M [N]; its deviation is the STD over the pushes, so half the critical band [paper C, eq.
-  /// 10].
+  /// F_M [N]; its std is that over the pushes, so half the critical band [paper C, eq. 10].
   std::optional<ParameterValue> limiting_static_friction = {};
   std::optional<ParameterValue> sliding_friction_coefficient = {};  ///< mu: Coulomb force over M g
   std::optional<ParameterValue> viscous_friction = {};              ///< B [N s/m]
@@ -30,15 +29,15 @@ struct ObjectParameters {
   std::optional<ParameterValue> contact_stiffness = {};  ///< [N/m^n]
   std::optional<ParameterValue> contact_damping = {};    ///< [N s/m^(n+1)]
   std::optional<ParameterValue> contact_exponent = {};   ///< n
-  /// The largest moment that the support bears over the largest force [m]; see mean_radius.
+  /// Maximum friction moment over maximum friction force of the support [m]; see mean_radius.
   std::optional<ParameterValue> friction_radius = {};
   std::optional<ParameterValue> tool_friction_coefficient = {};  ///< between tip and object
   std::optional<ParameterValue> loading_rate = {};  ///< [N/s] at which F_M was measured
-  /// Where pushes turned the object enough. Axes: planar axes of the object, see heading_of.
+  /// Where pushes rotated the object enough. Axes: planar axes of the object, see heading_of.
   std::optional<LimitSurface> limit_surface = {};
 };
 
-/// The contact law that is known, if it is. A stiffness without its exponent is meant in N/m.
+/// The contact law, if known. A stiffness without its exponent is in N/m.
 [[nodiscard]] std::optional<Compliance> compliance_of(const ObjectParameters& known);
 
 /// By the object's name.

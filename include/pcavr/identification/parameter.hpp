@@ -6,11 +6,11 @@
 
 namespace pcavr {
 
-/// One identified number, and how far to trust it.
+/// One identified value and its uncertainty.
 struct IdentifiedParameter {
   double value = 0.0;
-  double deviation = 0.0;   ///< standard deviation, in the value's unit
-  bool is_excited = false;  ///< false: the motion did not tell it; the value means nothing
+  double std = 0.0;         ///< standard deviation, in the value's unit
+  bool is_excited = false;  ///< false: no persistent excitation; the value means nothing
 };
 
 /// Tool and force along ONE direction on one clock: what every procedure here works on. The

@@ -8,8 +8,8 @@
 
 namespace pcavr {
 
-/// Points by time, strictly ascending: read on straight lines between samples, held at the ends.
-/// Views series that must outlive it; not empty where it is read.
+/// A trajectory of points, times strictly ascending: linear interpolation between samples, constant
+/// beyond the ends. A view: the series must outlive it, and must not be empty when it is read.
 class PathView {
  public:
   PathView(std::span<const double> t, std::span<const Eigen::Vector3d> points)

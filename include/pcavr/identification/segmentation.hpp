@@ -14,21 +14,21 @@
 namespace pcavr {
 
 enum class ContactKind {
-  press,  ///< mostly along z: the support holds against it
-  push,   ///< along the plane; the object held
-  slide   ///< along the plane; the object gave way and slid
+  press,  ///< mostly along z, against the support
+  push,   ///< along the plane; the object stayed at rest
+  slide   ///< along the plane; the object broke loose and slid
 };
 
-/// A stretch in which the object slid.
+/// An interval in which the object slid.
 struct SlideInterval {
   double begin = 0.0;  ///< [s]
   double end = 0.0;    ///< [s]
 };
 
-/// One contact, from first touch to parting; its series are on the force's stamps.
+/// One contact, from first touch to separation; its series are at the force's timestamps.
 struct ContactEpisode {
   ContactKind kind = ContactKind::push;
-  double begin = 0.0;                                        ///< [s] carried back to the surface
+  double begin = 0.0;                                        ///< [s] extrapolated to the surface
   double end = 0.0;                                          ///< [s] likewise
   Eigen::Vector3d direction_base = Eigen::Vector3d::Zero();  ///< unit, of the mean force
   double peak_force = 0.0;                                   ///< [N] smoothed
@@ -41,29 +41,29 @@ struct ContactEpisode {
 };
 
 struct SegmentationOptions {
-  double half_width = 0.010;      ///< [s] of the force's smoothing
-  double enter_deviations = 6.0;  ///< smoothed force: contact begins above these deviations, ...
-  double min_force = 0.3;         ///< [N] ... and above this (drift that is not yet known)
-  double leave_share = 0.5;       ///< of the entering threshold: contact ends below
-  double min_duration = 0.050;    ///< [s] shorter touches are disturbances; shorter gaps are closed
-  double margin = 0.200;          ///< [s] of free time kept around a contact
+  double half_width = 0.010;     ///< [s] of the force's smoothing
+  double enter_threshold = 6.0;  ///< smoothed force: contact begins above this many stds, ...
+  double min_force = 0.3;        ///< [N] ... and above this (drift not yet estimated)
+  double leave_share = 0.5;      ///< of that threshold: contact ends below (hysteresis)
+  double min_duration = 0.050;   ///< [s] shorter touches are disturbances; shorter gaps are closed
+  double margin = 0.200;         ///< [s] of free time kept around a contact
   double slide_half_width = 0.030;  ///< [s] of the smoothing of the object's speed
-  double slide_speed = 0.001;       ///< [m/s] faster, and above the noise: it slides
+  double slide_speed = 0.001;       ///< [m/s] above this, and above the noise: sliding
   BreakawayOptions breakaway = {};
 };
 
 struct Segmentation {
-  std::vector<ContactEpisode> contacts;     ///< in time's order; between them the tool is free
+  std::vector<ContactEpisode> contacts;     ///< by time; between them the tool is free
   std::vector<Eigen::Vector3d> force_base;  ///< [N] despiked, bias and drift removed, per stamp
-  std::vector<Eigen::Vector3d> bias_base;   ///< [N] what was taken off
+  std::vector<Eigen::Vector3d> bias_base;   ///< [N] what was subtracted
   std::size_t spikes = 0;                   ///< single samples replaced, all axes
   double noise = 0.0;                       ///< [N] of one raw sample, largest axis
 };
 
-/// Finds every contact of a recording without being told when: free stretches by the force at rest
-/// about its own slowly moving bias, then press or push by direction, then sliding by breakaway and
-/// by the speed of tool less compression. Force that the tool exerts, at `t_force`; tip at
-/// `t_tool`; both in base, stamps ascending, at least partly free of contact.
+/// Finds every contact of a recording without annotations: contact-free intervals by the force at
+/// rest about its own slowly drifting bias, then press or push by direction, then sliding by
+/// breakaway and by the speed of tool less penetration. Force that the tool exerts, at `t_force`;
+/// tip at `t_tool`; both in base, timestamps ascending, at least partly free of contact.
 [[nodiscard]] Segmentation segment_contacts(std::span<const double> t_force,
                                             std::span<const Eigen::Vector3d> force_base,
                                             std::span<const double> t_tool,

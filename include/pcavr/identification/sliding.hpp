@@ -7,47 +7,40 @@
 #include <string>
 #include <vector>
 
+#include "pcavr/contact/compliance.hpp"
 #include "pcavr/core/gravity.hpp"
 #include "pcavr/identification/parameter.hpp"
 
 namespace pcavr {
 
-/// How far the tool sinks into the object under a force: stiffness d^n + damping d^n d' (n = 1:
-/// damping d'), as truth and parameter files state it.
-struct Compliance {
-  double stiffness = 0.0;  ///< [N/m^n], > 0
-  double damping = 0.0;    ///< [N s/m^(n+1)], n = 1: [N s/m]
-  double exponent = 1.0;   ///< n >= 1
-};
-
-/// The depth d(t) [m] that explains the force, by implicit Euler steps from an unloaded contact; 0
-/// where the force is not positive. Stable for any step.
-[[nodiscard]] std::vector<double> deformation(std::span<const double> t,
-                                              std::span<const double> force,
-                                              const Compliance& compliance);
+/// Inverts the contact law: the penetration d(t) [m] that causes the force, by implicit Euler steps
+/// from an unloaded contact; 0 where the force is not positive. Stable for any step.
+[[nodiscard]] std::vector<double> penetration_from_force(std::span<const double> t,
+                                                         std::span<const double> force,
+                                                         const Compliance& compliance);
 
 struct SlidingOptions {
-  double half_width = 0.040;        ///< [s] of the smoothing; well below the modulation's period
-  double min_speed = 0.005;         ///< [m/s] below, it may be sticking: left out
-  double min_force = 1.0;           ///< [N] below, the contact may be lost: left out
-  double min_acceleration = 0.3;    ///< [m/s^2] rms; below, the mass is not excited
-  double min_speed_change = 0.005;  ///< [m/s] rms of the speed beyond what acceleration explains
-  double settle = 0.050;  ///< [s] left out after a stop: friction is not yet what it will be
+  double half_width = 0.040;          ///< [s] of the smoothing; well below the modulation's period
+  double min_speed = 0.005;           ///< [m/s] below, it may be sticking: excluded
+  double min_force = 1.0;             ///< [N] below, the contact may be lost: excluded
+  double min_acceleration = 0.3;      ///< [m/s^2] rms; below, the mass is not excited
+  double min_speed_change = 0.005;    ///< [m/s] rms of the speed beyond what acceleration explains
+  double settle = 0.050;              ///< [s] excluded after a stop: friction has not settled
   std::optional<double> mass = {};    ///< [kg] where known; used for mu where it is not excited
   double gravity = kStandardGravity;  ///< [m/s^2]
 };
 
-/// The parameters as they came, for a picture over time.
+/// The estimates over time, for plots.
 struct SlidingHistory {
   double t = 0.0;
   double value[3] = {};  ///< mass, Coulomb force, viscous friction
-  double deviation[3] = {};
+  double std[3] = {};
   double measured = 0.0;   ///< [N] smoothed
   double estimated = 0.0;  ///< [N] by the parameters before this sample
 };
 
 struct SlidingIdentification {
-  bool is_valid = false;        ///< enough sliding was seen to tell the friction
+  bool is_valid = false;        ///< enough sliding to identify the friction
   IdentifiedParameter mass;     ///< M [kg]
   IdentifiedParameter coulomb;  ///< mu M g [N]; with viscous not excited: all friction at `speed`
   IdentifiedParameter viscous;  ///< B [N s/m]
@@ -62,9 +55,9 @@ struct SlidingIdentification {
 };
 
 /// M, mu M g and B from F = M a + mu M g sgn(v) + B v [paper C, eq. 11] by affRLS over pushes,
-/// stops and lost contact left out. The object's motion is the tool's less the deformation. All of
-/// it is smoothed alike. What the motion does not excite is left out of the model, never guessed:
-/// the mass first, then the split of Coulomb and viscous friction.
+/// stops and lost contact excluded. The object's motion is the tool's less the penetration. All of
+/// it is smoothed alike. What the motion does not excite is removed from the model, never guessed:
+/// the mass first, then the separation of Coulomb and viscous friction.
 [[nodiscard]] SlidingIdentification identify_sliding(std::span<const ForceMotion> pushes,
                                                      const Compliance& compliance,
                                                      const SlidingOptions& options = {});

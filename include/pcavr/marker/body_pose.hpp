@@ -13,7 +13,7 @@
 
 namespace pcavr {
 
-/// Where a tag stands in the body it is fixed to (base or an object).
+/// Pose of a tag in the body that it is fixed to (base or an object).
 struct TagPlacement {
   MarkerId id;
   double size = 0.0;  ///< [m]
@@ -36,38 +36,41 @@ struct BodyPoseCandidate {
 
 enum class BodyPoseStatus {
   solved,
-  ambiguous,  ///< two planar solutions explain all there is equally well; `pose` is the better one
+  ambiguous,  ///< planar ambiguity: two solutions fit equally well; `pose` is the better one
   not_seen,   ///< none of the body's tags was detected
-  failed,     ///< the corners fit no pose
+  failed,     ///< no pose fits the corners
 };
 
 struct BodyPose {
   BodyPoseStatus status = BodyPoseStatus::not_seen;
   BodyPoseCandidate pose;
-  std::optional<BodyPoseCandidate> alternative = {};  ///< the other planar solution, if one exists
-  Matrix6d covariance = Matrix6d::Zero();             ///< of [v; w] in body axes: T * exp([v; w])
+  /// The other solution of the planar (two-fold) pose ambiguity, if there is one.
+  std::optional<BodyPoseCandidate> second_solution = {};
+  Matrix6d covariance = Matrix6d::Zero();  ///< of the twist [v; w] in body axes: T * exp([v; w])
   int tags_used = 0;
-  int tags_rejected = 0;  ///< seen, but their corners contradict the others'
+  int tags_rejected = 0;  ///< outliers: detected, but inconsistent with the other tags
 };
 
-/// What may help to choose between the two planar solutions, and to refine the one chosen.
+/// Optional inputs that resolve the planar ambiguity and refine the pose.
 struct BodyPoseHints {
-  /// Registered to the image that the tags were found in, and as large, or smaller by one factor.
+  /// Registered to the image in which the tags were detected: of the same size, or downscaled by
+  /// one factor.
   const DepthImage* depth = nullptr;
   DepthNoise depth_noise = {};
-  std::optional<Pose> T_camera_body = {};  ///< where it was a moment ago
+  std::optional<Pose> T_camera_body = {};  ///< pose in the previous frame
 };
 
 struct BodyPoseOptions {
-  double corner_sigma = 0.15;  ///< [px], of a corner coordinate whose detection does not say; > 0
-  /// [px], what comes on top of it: the lens model's error, paper that is not flat; >= 0. Where the
-  /// residuals turn out larger than both say, the covariance is scaled up by them.
-  double model_sigma = 0.03;
+  double corner_std = 0.15;  ///< [px], of a corner coordinate if the detection gives none; > 0
+  /// [px], added in quadrature for model errors (lens model, paper that is not flat); >= 0. If the
+  /// residuals are larger than both explain, the covariance is scaled up.
+  double model_std = 0.03;
 };
 
-/// The pose of a rigid body from all of its tags at once. Both planar solutions [Collins & Bartoli
-/// 2014 (IPPE)] of each tag are starts; tags, depth and continuity vote; the winner is refined on
-/// all inlier corners and the depth inside the tags by robust Gauss-Newton. Thread-safe.
+/// The pose of a rigid body from all of its tags at once (a tag bundle). Both planar solutions
+/// [Collins & Bartoli 2014 (IPPE)] of each tag are initial guesses; each is refined by robust
+/// Gauss-Newton on all inlier corners and on the depth inside the tags, and the one with the lowest
+/// cost over tags, depth and continuity is selected. Thread-safe.
 [[nodiscard]] BodyPose solve_body_pose(const std::vector<TagPlacement>& placements,
                                        const std::vector<TagDetection>& detections,
                                        const CameraModel& camera, const BodyPoseHints& hints = {},

@@ -23,34 +23,34 @@ struct TagDetection {
   MarkerId id;
   std::array<Eigen::Vector2d, 4> corners;
   int hamming = 0;               ///< bits corrected
-  double decision_margin = 0.0;  ///< mean contrast between bits and threshold; small is doubtful
-  /// Of one corner coordinate [px], as the picture's own noise and blur tell it; 0 where not known.
-  double corner_sigma = 0.0;
+  double decision_margin = 0.0;  ///< mean contrast between bits and threshold; low is unreliable
+  /// Of one corner coordinate [px], estimated from the image's noise and blur; 0 if unknown.
+  double corner_std = 0.0;
 };
 
 struct TagDetectorOptions {
-  int decimation = 2;        ///< >= 1; quads are sought in an image shrunk by this; corners are not
-  int max_hamming = 1;       ///< 0 to 3; tags with more corrected bits are dropped
+  int decimation = 2;        ///< >= 1; quads are searched in an image downscaled by this
+  int max_hamming = 1;       ///< 0 to 3; tags with more corrected bits are rejected
   double min_margin = 20.0;  ///< of 255; printed tags in ordinary light reach 40 to 120
-  /// Besides where tags were seen last, look at the whole image every so many frames, >= 1. A tag
-  /// that comes into view is found at most this many frames later.
+  /// Frames between searches of the whole image, >= 1; in between only the regions of interest
+  /// around the last detections are searched. A new tag is detected at most this many frames late.
   int full_search_interval = 5;
-  /// The lens, where it has distortion: tags' edges are straight only once that is taken out.
-  /// Without it, a strong lens moves the corners of large tags by some tenths of a pixel.
+  /// The camera model, if the lens has distortion: edges are fitted in undistorted coordinates.
+  /// Without it, strong distortion shifts the corners of large tags by some tenths of a pixel.
   std::optional<CameraModel> lens = {};
 };
 
-/// Names of the families that TagDetector knows.
+/// Names of the supported tag families.
 [[nodiscard]] const std::vector<std::string>& tag_families();
 
-/// Finds tags of the families given: AprilTag's by libapriltag [Wang & Olson 2016], ArUco's by
-/// OpenCV; corners are refined to sub-pixel by fitting the edges' grey values. Between full
-/// searches only the surroundings of the tags of the frame before are looked at; where one of them
-/// is gone, the whole image is. What is found depends on the images given so far and on nothing
-/// else. Not thread-safe: one detector for each stream of images.
+/// Detects tags of the given families: AprilTag by libapriltag [Wang & Olson 2016], ArUco by
+/// OpenCV; corners are refined to subpixel accuracy by fitting the grey values of the edges.
+/// Between full searches only regions of interest around the previous frame's tags are searched; if
+/// one of those tags is lost, the whole image is. Deterministic: detections depend only on the
+/// images processed so far. Not thread-safe: use one detector for each image stream.
 class TagDetector {
  public:
-  /// An unknown family is an Error. Throws ContractError for an option out of its range.
+  /// An unknown family is an Error. Throws ContractError for an option out of range.
   [[nodiscard]] static Expected<TagDetector> create(const std::vector<std::string>& families,
                                                     const TagDetectorOptions& options = {});
   ~TagDetector();

@@ -16,10 +16,10 @@ struct TagSheetOptions {
   double size = 0.08;          ///< edge of the square through the detection corners [m]
   double page_width = 0.210;   ///< [m]; A4
   double page_height = 0.297;  ///< [m]
-  double margin = 0.010;       ///< [m]; what printers leave blank
+  double margin = 0.010;       ///< [m]; printers leave it blank
 };
 
-/// A sheet to print at 100 %, a ruler on it to check that, and the manifest lines that go with it.
+/// A sheet to print at 100 %, with a ruler to check the scale, and the matching manifest lines.
 struct TagSheet {
   std::vector<std::string> svg_pages;
   std::string pdf;            ///< all pages
@@ -29,11 +29,11 @@ struct TagSheet {
 /// Errors: unknown family, id not in it, tag larger than the page.
 [[nodiscard]] Expected<TagSheet> make_tag_sheet(const TagSheetOptions& options);
 
-/// Whether this is the text of one of a TagSheet's files.
+/// Whether `content` is an SVG or PDF file that make_tag_sheet wrote.
 [[nodiscard]] bool is_tag_sheet(std::string_view content);
 
-/// The tag's cells, true where white, without quiet zone; for drawing and simulating. `border` is
-/// the number of cells from the picture's edge to the square through the detection corners.
+/// The tag's cells, true where white, without quiet zone; for drawing and simulation. `border` is
+/// the number of cells from the image's edge to the square through the detection corners.
 struct TagPicture {
   int cells = 0;  ///< edge length
   int border = 0;

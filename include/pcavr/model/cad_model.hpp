@@ -25,51 +25,53 @@ struct CadModel {
   TriangleMesh mesh_object;  ///< closed, outward winding, vertices shared, normals per vertex
   double volume = 0.0;       ///< [m^3], > 0
   Eigen::Vector3d centre_of_mass_object = Eigen::Vector3d::Zero();  ///< at uniform density [m]
-  /// Where the mesh stands in for a finer one; volume and centre of mass are the finer one's.
+  /// Set if the mesh is a decimated version of a finer one; volume and centre of mass are those of
+  /// the full mesh.
   struct Simplification {
     std::size_t full_triangles = 0;
-    double max_deviation = 0.0;  ///< [m] of a point of the full surface from the mesh, measured
+    double max_error = 0.0;  ///< [m] measured one-sided Hausdorff distance, full mesh to this mesh
   };
   std::optional<Simplification> simplification = {};
 };
 
 struct CadOptions {
-  /// A mesh with more is simplified for tracking, contact and display: 20 000 on a body of 0.2 m
-  /// follow a curved surface to some 0.03 mm. Fewer are coarser; many more cost seconds and
-  /// hundreds of megabytes wherever the body is used. Never fewer than what keeps the surface
-  /// within half a millimetre.
+  /// A mesh with more is simplified for tracking, contact and display: 20 000 triangles approximate
+  /// a curved body of 0.2 m to some 0.03 mm. Many more cost seconds and hundreds of megabytes
+  /// wherever the body is used. More are kept where fewer would exceed an error of half a
+  /// millimetre.
   std::size_t max_triangles = 20'000;
 };
 
 /// Reads `.obj .stl .ply .glb .gltf`: coordinates as stored, node transforms applied, no axis swap.
-/// Vertices at the same place are joined and a mesh that is wound inward as a whole is turned; a
-/// shell inside another one, wound against it, is a cavity. Large binary STL and PLY files and OBJ
-/// files are read piece by piece. Errors: no such file, unknown type, not a mesh, a coordinate that
-/// is not finite, open edges, no volume. Thread-safe.
+/// Coincident vertices are welded, and a mesh whose winding is inward is flipped; an inner shell of
+/// opposite winding is a cavity. Large binary STL and PLY files and OBJ files are streamed in
+/// chunks. Errors: no such file, unknown type, not a mesh, a coordinate that is not finite, open
+/// edges (not watertight), no volume. Thread-safe.
 [[nodiscard]] Expected<CadModel> read_cad_model(const std::filesystem::path& file,
                                                 const std::string& name,
                                                 const CadOptions& options = {});
 
-/// A CAD model from triangles at hand, checked as read_cad_model does; `source` names them in
-/// errors.
+/// A CAD model from triangles in memory, validated as by read_cad_model; `source` identifies them
+/// in errors.
 [[nodiscard]] Expected<CadModel> make_cad_model(const TriangleMesh& mesh_object,
                                                 const std::string& name,
                                                 const std::filesystem::path& source,
                                                 const CadOptions& options = {});
 
-/// Reads any triangle mesh, open ones too. Polygons become triangles; triangles without area,
-/// lines and points are left out; vertices that are equal in all that is kept are joined. Vertex
-/// colours and normals are kept where every part of the file has them (an STL's normals, which
-/// belong to its faces, are not). Same errors as read_cad_model, but for closedness. Thread-safe.
+/// Reads any triangle mesh, open ones too. Polygons are triangulated; degenerate triangles, lines
+/// and points are discarded; vertices with equal attributes are welded. Vertex colours and normals
+/// are kept if every part of the file has them (the face normals of an STL are not). Same errors as
+/// read_cad_model, except that the mesh may be open. Thread-safe.
 [[nodiscard]] Expected<TriangleMesh> read_mesh(const std::filesystem::path& file);
 
-/// Closest points and rays against triangles, in the frame of the mesh given. Built once (on all
-/// the machine's cores where the mesh is large), then const and thread-safe. Traversal by Embree in
-/// its robust mode; closest points are computed in double precision.
+/// Closest-point and ray-casting queries on triangles, in the frame of the mesh. The bounding
+/// volume hierarchy (BVH) is built once (on all cores if the mesh is large), then const and
+/// thread-safe. Traversal by Embree in its robust mode; closest points are computed in double
+/// precision.
 class SurfaceQuery {
  public:
-  /// Copies what it needs; an empty mesh answers nothing. Throws ContractError unless all vertices
-  /// are finite and all indices valid.
+  /// Copies the mesh data; queries on an empty mesh return nothing. Throws ContractError unless all
+  /// vertices are finite and all indices valid.
   explicit SurfaceQuery(const TriangleMesh& mesh);
   ~SurfaceQuery();
   SurfaceQuery(SurfaceQuery&&) noexcept;
@@ -79,9 +81,9 @@ class SurfaceQuery {
     Eigen::Vector3f point;
     Eigen::Vector3f normal;  ///< of that triangle, unit, outward by winding; zero if it has no area
     float distance = 0.0F;   ///< [m], >= 0
-    std::uint32_t triangle = 0;  ///< the first of those that are equally near
+    std::uint32_t triangle = 0;  ///< the lowest index among equally near ones
   };
-  /// Nothing if no surface lies within `radius` [m], >= 0, or the point is not finite.
+  /// Returns nothing if no surface lies within `radius` [m], >= 0, or the point is not finite.
   [[nodiscard]] std::optional<Closest> closest(const Eigen::Vector3f& point, float radius) const;
 
   struct Hit {
@@ -91,8 +93,8 @@ class SurfaceQuery {
     float u = 0.0F;  ///< barycentric weight of the second corner
     float v = 0.0F;  ///< barycentric weight of the third corner
   };
-  /// The first surface along a ray; `direction` need not be of unit length. Nothing for a
-  /// direction that is zero or not finite.
+  /// Ray casting: the first surface along a ray; `direction` need not be of unit length. Returns
+  /// nothing for a direction that is zero or not finite.
   [[nodiscard]] std::optional<Hit> cast(const Eigen::Vector3f& origin,
                                         const Eigen::Vector3f& direction) const;
 
@@ -104,13 +106,13 @@ class SurfaceQuery {
   std::unique_ptr<Tree> tree_;
 };
 
-/// Depth of the surface as an ideal camera would see it; 0 where it is not hit. `T_mesh_camera` is
-/// the camera's pose in the frame of the query's mesh. The same bits for any Parallelism.
+/// Renders the depth image of an ideal (noise-free) camera; 0 where no surface is hit.
+/// `T_mesh_camera` is the camera's pose in the mesh frame. Bitwise identical for any Parallelism.
 [[nodiscard]] DepthImage render_depth(const SurfaceQuery& surface, const CameraModel& camera,
                                       const Pose& T_mesh_camera, Parallelism parallelism = {});
 
-/// Pixels from which a body with these bounds could be seen: whole rows and columns, `x_end` and
-/// `y_end` not included. The whole image where part of the box lies behind the camera.
+/// Bounding rectangle of the projection of a body with these bounds; `x_end` and `y_end` are
+/// exclusive. The whole image if part of the box lies behind the camera.
 struct PixelRectangle {
   int x_begin = 0;
   int y_begin = 0;

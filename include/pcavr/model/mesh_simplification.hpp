@@ -8,13 +8,13 @@
 
 namespace pcavr {
 
-/// Fewer triangles by quadric edge collapse [Garland & Heckbert 1997], colours and borders kept.
-/// The result has at most `target_triangles`, or as many as can be had within `max_error` [m].
+/// Mesh decimation by quadric edge collapse [Garland & Heckbert 1997], preserving colours and
+/// borders. The result has at most `target_triangles`, or more if `max_error` [m] requires them.
 /// A closed mesh stays closed. Deterministic.
 [[nodiscard]] TriangleMesh simplified(const TriangleMesh& mesh, std::size_t target_triangles,
                                       double max_error);
 
-/// Drops the vertices that no triangle uses and renumbers the rest, their order kept.
-void keep_used_vertices(TriangleMesh& mesh);
+/// Removes the vertices that no triangle references and reindexes the rest in their order.
+void remove_unused_vertices(TriangleMesh& mesh);
 
 }  // namespace pcavr

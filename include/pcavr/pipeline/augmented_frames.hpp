@@ -16,9 +16,9 @@
 
 namespace pcavr {
 
-/// The augmented picture [paper B]: recorded colour images with the predicted bodies drawn over
-/// them, and the tracked ones as a thin line, so that the eye can judge how well they agree. Where
-/// nothing was predicted, the tracked bodies are drawn solid. Const and thread-safe.
+/// The augmented view [paper B]: recorded colour images with the predicted bodies drawn over them
+/// and the tracked ones as thin outlines, for a visual comparison. Where nothing was predicted, the
+/// tracked bodies are drawn solid. Const and thread-safe.
 class AugmentedFrames {
  public:
   /// Copies what it needs. Fails where the recording has no images, or a CAD body can't be read.
@@ -29,15 +29,15 @@ class AugmentedFrames {
   AugmentedFrames& operator=(AugmentedFrames&&) noexcept;
   ~AugmentedFrames();
 
-  /// Of the recording: one picture for each.
+  /// Number of frames of the recording; each gives one picture.
   [[nodiscard]] std::size_t size() const;
-  /// Those whose camera is placed: the others are shown as they were recorded.
+  /// Frames with a known camera pose: the others are shown as they were recorded.
   [[nodiscard]] std::size_t placed() const;
-  /// The median number of frames in a second; 1 for a single frame.
+  /// Frame rate [1/s] from the median interval; 1 for a single frame.
   [[nodiscard]] double rate() const;
 
-  /// Decodes and draws frame `index` < size(). An Error where an image does not decode. The same
-  /// bits for any Parallelism.
+  /// Decodes and draws frame `index` < size(). An Error where an image does not decode. The result
+  /// does not depend on the Parallelism, bit for bit.
   [[nodiscard]] Expected<ColorImage> render(std::size_t index, Parallelism parallelism = {}) const;
 
  private:
@@ -48,22 +48,22 @@ class AugmentedFrames {
 
 struct AugmentedVideo {
   std::size_t pictures = 0;
-  std::size_t left_out = 0;  ///< did not decode
+  std::size_t left_out = 0;  ///< frames that did not decode
   double rate = 0.0;         ///< [1/s]
   bool is_h264 = false;      ///< else MPEG-4 part 2, which browsers don't play
 };
 
 struct AugmentedVideoOptions {
-  bool replace = false;   ///< a file that is there already
+  bool replace = false;   ///< overwrite an existing video
   bool skip_bad = false;  ///< leave out frames that don't decode, and count them
   Parallelism parallelism = Parallelism::max();
 };
 
-/// What would keep write_augmented_video from writing there, before the long work is done.
+/// Checks before the long work whether write_augmented_video can write there.
 [[nodiscard]] Expected<void> check_video_target(const std::filesystem::path& file, bool replace);
 
-/// Writes all frames as an .mp4, which appears whole or not at all: H.264 where this machine's
-/// libraries have it. Fails where no frame is placed.
+/// Writes all frames as an .mp4, atomically (complete or not at all): H.264 where this machine's
+/// libraries have it. Fails where no frame has a camera pose.
 [[nodiscard]] Expected<AugmentedVideo> write_augmented_video(
     const AugmentedFrames& frames, const std::filesystem::path& file,
     const AugmentedVideoOptions& options = {}, const Observer& observer = {});

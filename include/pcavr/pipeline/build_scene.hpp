@@ -12,26 +12,26 @@
 namespace pcavr {
 
 struct BuildOptions {
-  double voxel_size = 0.005;           ///< of the mesh [m]; smaller shows more, and costs more
+  double voxel_size = 0.005;           ///< of the TSDF [m]; smaller resolves more and takes longer
   double occupancy_resolution = 0.02;  ///< edge of an occupancy cell [m]
-  /// Free space is carved from one frame in this time [s]: nearby frames see the same cells, and a
-  /// planner wants no more than 10 Hz. Smaller costs more and clears moving things sooner.
+  /// Time between the frames that carve free space [s]: nearby frames see the same cells, and a
+  /// planner needs no more than 10 Hz. Smaller takes longer and clears moving things sooner.
   double occupancy_interval = 0.1;
-  DepthNoise depth_noise = {};  ///< of the sensor that recorded
+  DepthNoise depth_noise = {};  ///< noise model of the depth sensor
   bool trust_poses = false;     ///< take groundtruth.txt as given, not as a measurement
   bool skip_bad = false;        ///< leave out frames that don't decode, and count them
-  /// Surface that fewer frames than this agree on is left out: single readings lie.
+  /// Surface with less TSDF weight (observed in fewer frames) is left out: it may be an outlier.
   double min_weight = 2.0;
-  /// Connected parts of the mesh with less area than this are left out [m^2].
+  /// Connected components of the mesh with less area than this are left out [m^2].
   double min_island = 4e-4;
   Parallelism parallelism = Parallelism::max();
 };
 
-/// From a recording to a scene in the robot's base frame: the whole chain. Without images it is
-/// what the manifest states: bodies at their poses. Fails where no frame can be placed in base,
-/// where a movable object has no CAD body (without images: no pose), where a frame does not decode
-/// (unless skip_bad), where the inputs contradict each other (consistency.hpp), and where the
-/// frames make no surface. Reads nothing under truth/.
+/// From a recording to a scene in the robot's base frame: the whole pipeline. Without images the
+/// scene holds what the manifest states: bodies at their poses. Fails where no frame can be placed
+/// in base, where a movable object has no CAD body (without images: no pose), where a frame does
+/// not decode (unless skip_bad), where the inputs contradict each other (consistency.hpp), and
+/// where the frames yield no surface. Reads nothing under truth/.
 [[nodiscard]] Expected<Scene> build_scene(const Recording& recording, const BuildOptions& options,
                                           const Observer& observer = {});
 

@@ -15,13 +15,14 @@ namespace pcavr {
 /// Two inputs that state one length disagree where their ratio is above this. Depth cameras are
 /// biased by 1 to 2 %, and so are printed tags: together at most 4 %.
 inline constexpr double kWarningFactor = 1.05;
-/// From here on no result would mean anything: no sensor and no printer is that far off, and the
-/// usual mistakes (half a size, inches, millimetres, another sensor's depth scale) are farther.
+/// From this ratio on any result would be meaningless: no sensor and no printer is that far off,
+/// and the usual mistakes (half a size, inches, millimetres, another sensor's depth scale) are
+/// farther off.
 inline constexpr double kContradictionFactor = 1.5;
 
 enum class FindingSeverity {
-  warning,        ///< the result is worse than its figures say
-  contradiction,  ///< the result would mean nothing
+  warning,        ///< the result is less accurate than its figures state
+  contradiction,  ///< the result would be meaningless
 };
 
 /// An input of a recording that disagrees with the others, or that can't be right.
@@ -32,7 +33,7 @@ struct ConsistencyFinding {
   std::string message;     ///< what disagrees with what, by what factor or distance
   std::string hint;        ///< what to check
   double factor = 1.0;     ///< >= 1, by which they disagree; 1 where it is no ratio
-  std::size_t frames = 0;  ///< that show it; 0 where the files alone do
+  std::size_t frames = 0;  ///< that show it; 0 where the files alone show it
 
   /// "markers[0].size: ...; check ...", in one line.
   [[nodiscard]] std::string to_string() const { return input() + ": " + message + "; " + hint; }
@@ -42,13 +43,13 @@ struct ConsistencyFinding {
 
 [[nodiscard]] bool has_contradiction(const std::vector<ConsistencyFinding>& findings);
 
-/// The first contradiction as an Error, which says how many more there are. Throws ContractError
+/// The first contradiction as an Error, which states how many more there are. Throws ContractError
 /// where there is none.
 [[nodiscard]] Error contradiction_error(const Recording& recording,
                                         const std::vector<ConsistencyFinding>& findings);
 
-/// Holds a recording's inputs against each other on a few of its frames: sizes of tags, depth
-/// scale, focal lengths, CAD bodies, camera poses. Contradictions come first. An Error where a
+/// Cross-checks a recording's inputs on a few of its frames: sizes of tags, depth scale, focal
+/// lengths, CAD bodies, camera poses. Contradictions come first. An Error where a
 /// frame or a CAD file can't be read.
 [[nodiscard]] Expected<std::vector<ConsistencyFinding>> inspect_consistency(
     const Recording& recording, const DepthNoise& depth_noise = {});

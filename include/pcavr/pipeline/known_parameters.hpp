@@ -11,11 +11,11 @@
 
 namespace pcavr {
 
-/// What is known beforehand of each movable object of a scene: what a parameter file told, and the
-/// scene's mass where that has none. `file` names it in errors: an object that the scene has not is
-/// somebody's slip.
+/// The prior parameters of each movable object of a scene: those given in a parameter file, with
+/// the scene's mass where the file has none. `file` names the file in errors: an object that is not
+/// in the scene is an Error.
 [[nodiscard]] Expected<ParameterTable> known_parameters(const SceneManifest& scene,
-                                                        const std::optional<ParameterTable>& told,
+                                                        const std::optional<ParameterTable>& given,
                                                         const std::string& file);
 
 }  // namespace pcavr

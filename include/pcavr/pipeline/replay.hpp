@@ -25,7 +25,7 @@
 
 namespace pcavr {
 
-/// What a replay without `Replay::teleop` says of itself.
+/// The note of a replay without `Replay::teleop`.
 inline constexpr char kNothingPredicted[] =
     "the recording has no tool.csv: only tracking is replayed, nothing is predicted";
 
@@ -34,41 +34,43 @@ struct ReplayOptions {
   bool trust_poses = false;
   bool skip_bad = false;
   Parallelism parallelism = Parallelism::max();
-  /// Holds objects/NAME/tracked.txt, such as an earlier run does: taken instead of tracking again.
+  /// A folder with objects/NAME/tracked.txt, such as an earlier run: used instead of tracking
+  /// again.
   std::optional<std::filesystem::path> tracked = {};
-  /// What was identified before; without it the robot's site starts from what the scene knows.
+  /// Identified earlier; without it the robot's site starts from the scene's parameters.
   std::optional<ParameterTable> parameters = {};
-  std::string parameters_file = {};  ///< by which the run names it
+  std::string parameters_file = {};  ///< its name in the run's manifest
   TeleopOptions teleop = {};
-  /// A folder that exists, an OutputFolder's: what grows with the recording is written there as it
-  /// comes, for write_run() to complete, and not kept in the Replay. Without it everything is kept:
-  /// half a megabyte and more for each second of recording.
+  /// An existing folder (an OutputFolder's): data that grow with the recording are streamed to it,
+  /// for write_run() to complete, and not kept in the Replay. Without it everything is kept in
+  /// memory: half a megabyte and more for each second of recording.
   std::optional<std::filesystem::path> run_folder = {};
 };
 
 struct ReplayedObject {
   std::string name;
-  /// One for each frame whose camera was placed; empty where tracking was taken from a folder, or
-  /// written to one.
+  /// One for each frame with a camera pose; empty where tracking was read from a folder, or
+  /// streamed to one.
   std::vector<ObjectObservation> observations;
-  std::vector<TrackedPose> tracked = {};  ///< without the frames in which it was lost
-  /// How many frames showed it, by what; empty where tracking was taken from a folder.
+  std::vector<TrackedPose> tracked = {};  ///< without the frames in which tracking was lost
+  /// Number of frames by kind of evidence; empty where tracking was read from a folder.
   std::map<ObjectEvidence, std::size_t> frames_by_evidence = {};
-  /// Where the scene's mesh stands in for a finer one.
+  /// Set where the scene's mesh is a simplification of a finer one.
   std::optional<CadModel::Simplification> simplification = {};
 };
 
 struct Replay {
   std::vector<ReplayedObject> objects;
-  std::optional<std::filesystem::path> tracked_folder = {};  ///< where tracking was taken from
-  /// What both sites did; empty where the recording has no tool motion. With a run_folder it holds
-  /// neither forces nor corrections, and of the poses shown those around the frames' stamps.
+  std::optional<std::filesystem::path> tracked_folder = {};  ///< where tracking was read from
+  /// The run of both sites; empty where the recording has no tool motion. With a run_folder it
+  /// holds neither forces nor corrections, and of the displayed poses those around the frames'
+  /// stamps.
   std::optional<TeleopRun> teleop = {};
-  std::optional<std::filesystem::path> run_folder = {};  ///< as ReplayOptions has it
+  std::optional<std::filesystem::path> run_folder = {};  ///< as in ReplayOptions
   std::string parameters_file = {};
   TeleopOptions teleop_options = {};
-  bool camera_from_scene = false;  ///< the scene's own trajectory served: same recording
-  /// T_base_camera at the depth images' stamps. Where tracking was taken from a folder, the
+  bool camera_from_scene = false;  ///< the scene's own trajectory is used: same recording
+  /// T_base_camera at the depth images' stamps. Where tracking was read from a folder: the
   /// scene's, if it was built from this recording; else empty.
   Trajectory camera_trajectory = {};
   std::size_t frames_recorded = 0;
@@ -77,35 +79,36 @@ struct Replay {
   std::vector<StageTime> times;
 };
 
-/// Follows the scene's movable objects through a recording by tags and shape. The camera's pose
+/// Tracks the scene's movable objects through a recording by tags and shape. The camera's pose
 /// comes from the scene where it was built from this recording, else from the recording itself.
 [[nodiscard]] Expected<Replay> replay_tracking(const Recording& recording,
                                                const SceneManifest& scene,
                                                const ReplayOptions& options,
                                                const Observer& observer = {});
 
-/// Reads objects/NAME/tracked.txt of a run, with the deviations from tracking.csv beside it (1 mm
-/// and 10 mrad where that file is absent). Empty where the folder has no such object. Their seconds
-/// count from `zero`: from a recording's start they are exact, since 1970 to 0.2 us only.
+/// Reads objects/NAME/tracked.txt of a run, with the stds from tracking.csv next to
+/// it (1 mm and 10 mrad where that file is absent). Empty where the folder has no such object.
+/// Times are seconds from `zero`: exact from a recording's start, but only to 0.2 us since 1970
+/// (double).
 [[nodiscard]] Expected<std::vector<TrackedPose>> read_tracked_poses(
     const std::filesystem::path& folder, const std::string& name, Stamp zero = {});
 
-/// The frames in which the object was seen; their seconds count from `zero`.
+/// The frames in which the object was seen; times are seconds from `zero`.
 [[nodiscard]] std::vector<TrackedPose> tracked_poses_of(
     std::span<const ObjectObservation> observations, Stamp zero);
 
-/// The whole chain of a replay: tracking by images, from a folder or, where there is neither, none;
-/// then both sites over a delayed link, the recorded tool as the operator's command and the
-/// recording as the remote truth. Without a tool motion it ends with the tracking.
+/// The whole pipeline of a replay: tracking by images, from a folder or, where there is neither,
+/// none; then both sites over a delayed link, with the recorded tool as the operator's command and
+/// the recording as the remote ground truth. Without tool motion it ends with the tracking.
 [[nodiscard]] Expected<Replay> replay_recording(const Recording& recording,
                                                 const SceneManifest& scene,
                                                 const ReplayOptions& options,
                                                 const Observer& observer = {});
 
-/// Writes run.yaml, objects/NAME/tracked.txt and objects/NAME/tracking.csv (what carried each
-/// pose, and how well) into a folder that exists; where both sites ran, also
+/// Writes run.yaml, objects/NAME/tracked.txt and objects/NAME/tracking.csv (evidence and
+/// stds of each pose) into a folder that exists; where both sites ran, also
 /// objects/NAME/predicted.txt, force.csv, phases.csv, corrections.csv and parameters.yaml. Where
-/// some of it was written already, `folder` is the replay's run_folder.
+/// the replay streamed some of them already, `folder` must be its run_folder.
 [[nodiscard]] Expected<void> write_run(const Replay& replay, const Recording& recording,
                                        const SceneManifest& scene,
                                        const std::filesystem::path& folder);

@@ -16,24 +16,24 @@
 
 namespace pcavr {
 
-/// The numbers that a predicted body needs, all of them.
+/// All physical parameters of a predicted body.
 struct BodyPhysics {
-  FrictionParameters friction;   ///< of the support, at the body's own weight
+  FrictionParameters friction;   ///< of the support, under the body's own weight
   Compliance contact;            ///< between tip and body
   double tool_friction = 0.3;    ///< coefficient between tip and body, >= 0
-  double friction_radius = 0.0;  ///< the support's largest moment over its largest force [m], > 0
+  double friction_radius = 0.0;  ///< maximum friction moment over maximum friction force [m], > 0
   /// In the body's planar axes (see heading_of); only its shape is used, its force is scaled to the
   /// friction above. Empty: the ellipsoid of friction_radius.
   std::optional<LimitSurface> limit_surface = {};
 };
 
-/// Completes what was identified by what is usual, and says what it assumed. The defaults are
-/// cautious: friction rather too high, so that nothing moves in the picture before it does in
-/// truth. A limit surface that is not known is that of even pressure on the convex outline of the
-/// lowest face, stretched to the friction radius.
+/// Identified parameters completed by defaults, and the names of those. The defaults are
+/// conservative: friction rather too high, so that no body moves in the prediction before it does
+/// in reality. A limit surface that is not known is that of uniform pressure on the convex hull of
+/// the lowest face, scaled to the friction radius.
 struct CompletedPhysics {
   BodyPhysics physics;
-  std::vector<std::string> assumed;  ///< names of the parameters that were not known
+  std::vector<std::string> assumed;  ///< names of the parameters that have a default value
 };
 /// `T_base_object` is the pose in which the body stands on its support (its lowest face counts as
 /// the patch). Throws ContractError where a given parameter is not physical.
@@ -41,9 +41,9 @@ struct CompletedPhysics {
                                                 const CadModel& model, const Pose& T_base_object,
                                                 double gravity = kStandardGravity);
 
-/// The turn [rad] about base z of a body's planar axes: its object frame's x axis laid on the
-/// horizontal plane, or its y axis where x stands steeper than 60 degrees. Origin of the planar
-/// axes: the centre of mass. What `limit_surface` is stated in.
+/// The yaw [rad] about base z of a body's planar axes: its object frame's x axis projected on the
+/// horizontal plane, or its y axis where x is steeper than 60 degrees. Origin of the planar
+/// axes: the centre of mass. The frame of `limit_surface`.
 [[nodiscard]] double heading_of(const Pose& T_base_object);
 
 }  // namespace pcavr

@@ -20,19 +20,22 @@
 
 namespace pcavr {
 
-/// What an object does, as `phase.csv` words it.
+/// A faster tip [m/s] has jumped: no hand-guided arm moves at that speed.
+inline constexpr double kMaxTipSpeed = 5.0;
+
+/// The motion phase of an object; name_of gives the words of `phase.csv`.
 enum class MotionPhase {
-  free,      ///< at rest, not touched
-  held,      ///< touched and at rest: "static"
-  critical,  ///< touched, at rest, and about to go
+  free,            ///< at rest, not touched
+  static_contact,  ///< touched and at rest: "static"
+  critical,        ///< touched, at rest, and close to the static friction limit
   sliding,
 };
 [[nodiscard]] std::string_view name_of(MotionPhase phase) noexcept;
 
-/// A movable body that stands on the support and keeps upright: it slides and turns on the plane.
+/// A movable body that stays upright on its support: it slides and rotates on the plane.
 struct WorldBody {
   CadModel model;
-  Pose T_base_object;  ///< where it stands at the start
+  Pose T_base_object;  ///< its initial pose
   BodyPhysics physics;
 };
 
@@ -43,23 +46,24 @@ struct WorldModel {
   double gravity = kStandardGravity;  ///< [m/s^2]
 };
 
-/// How one body is, at one instant. A plain value: copying it all is how the past is kept.
+/// The state of one body at one instant. A plain value: history is kept as copies of it.
 struct BodyState {
-  PlanarState planar;  ///< of the centre of mass in base; yaw is relative to the start
-  /// How far the tip has dragged the surface along before it slips [m], base axes.
-  Eigen::Vector3d tool_stretch_base = Eigen::Vector3d::Zero();
+  PlanarState planar;  ///< of the centre of mass in base; yaw is relative to the initial pose
+  /// Tangential deflection of the surface by the tip before it slips [m], base axes (bristle
+  /// model).
+  Eigen::Vector3d tangential_deflection_base = Eigen::Vector3d::Zero();
   Eigen::Vector3d tool_force_base = Eigen::Vector3d::Zero();  ///< of the tip on the body [N]
   double penetration = 0.0;  ///< of the tip, > 0 in contact; negative: clearance up to 50 mm [m]
   MotionPhase phase = MotionPhase::free;
 };
 
-/// Movable bodies, what does not move, and a tool that pushes: contact by the identified law,
-/// support friction by our three phases, collisions found by Bullet. Same inputs, same bits; a
-/// state that was set back and stepped again gives the same bits as before. One thread at a time.
+/// Movable bodies, a static environment, and a tool that pushes: contact by the identified law,
+/// support friction by our three phases, collision detection by Bullet. Deterministic: same inputs,
+/// same bits, also after rollback and re-simulation. One thread at a time.
 class PredictedWorld {
  public:
-  /// Fails where a body cannot be made a collision shape. Throws ContractError for numbers out of
-  /// their range.
+  /// Fails where no collision shape can be built for a body. Throws ContractError for numbers out
+  /// of their range.
   [[nodiscard]] static Expected<PredictedWorld> create(WorldModel model);
   PredictedWorld(PredictedWorld&&) noexcept;
   PredictedWorld& operator=(PredictedWorld&&) noexcept;
@@ -73,13 +77,13 @@ class PredictedWorld {
   [[nodiscard]] const std::vector<BodyState>& state() const;
   /// `state.size() == size()`. Does not allocate.
   void set_state(const std::vector<BodyState>& state);
-  /// Places a body at rest. Only the planar part is taken: height and tilt stay as at the start.
+  /// Places a body at rest. Only the planar part is used: height and tilt stay as at the start.
   void set_pose(std::size_t body, const Pose& T_base_object);
   [[nodiscard]] Pose T_base_object(std::size_t body) const;
   /// The same of any state of that body.
   [[nodiscard]] Pose pose_of(std::size_t body, const BodyState& state) const;
 
-  /// Moves the world by dt [s] > 0 while the tip's centre goes in a straight line from
+  /// Advances the world by dt [s] > 0 while the tip's centre goes in a straight line from
   /// `p_base_before` to `p_base_tip`. Neither allocates nor throws.
   void step(const Eigen::Vector3d& p_base_before, const Eigen::Vector3d& p_base_tip,
             double dt) noexcept;

@@ -7,14 +7,14 @@
 namespace pcavr {
 
 struct OutlierOptions {
-  int neighbours = 12;  ///< whose mean distance is judged; >= 1
-  /// A point is dropped when that mean lies this many standard deviations above the cloud's. Small
-  /// values eat the rims of sparse surfaces.
-  double deviations = 4.0;
+  int neighbours = 12;  ///< for the mean distance to the k nearest neighbours; >= 1
+  /// A point is an outlier where its mean distance is more than this many standard deviations above
+  /// the cloud's mean. Small values erode the boundaries of sparse surfaces.
+  double std_multiplier = 4.0;
 };
 
-/// The cloud without the points that stand apart from their neighbours: statistical outlier
-/// removal [Rusu et al. 2008, sec. 4.1], by PCL. Normals and colours stay with their points.
+/// Statistical outlier removal [Rusu et al. 2008, sec. 4.1], by PCL. Normals and colours stay with
+/// their points.
 [[nodiscard]] PointCloud remove_outliers(const PointCloud& cloud,
                                          const OutlierOptions& options = {});
 

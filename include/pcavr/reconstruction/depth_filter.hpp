@@ -9,8 +9,8 @@
 
 namespace pcavr {
 
-/// Depth without the readings that lie: pixels at depth jumps (which mix two surfaces), lone
-/// pixels, pixels outside the noise model's range and at grazing incidence. What is left is
+/// Removes invalid depth: flying pixels at depth discontinuities (which mix two surfaces), isolated
+/// pixels, pixels outside the noise model's range and at grazing incidence. The others are
 /// unchanged.
 [[nodiscard]] DepthImage filter_depth(const DepthImage& depth, const CameraModel& camera,
                                       const DepthNoise& noise, Parallelism parallelism);

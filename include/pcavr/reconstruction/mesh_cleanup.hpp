@@ -8,7 +8,8 @@
 
 namespace pcavr {
 
-/// Drops connected parts with less than `min_area` [m^2]. Returns the number of parts dropped.
-std::size_t remove_small_islands(TriangleMesh& mesh, double min_area);
+/// Removes connected components smaller than `min_area` [m^2]. Returns the number of removed
+/// components.
+std::size_t remove_small_components(TriangleMesh& mesh, double min_area);
 
 }  // namespace pcavr

@@ -12,7 +12,7 @@
 
 namespace pcavr {
 
-/// What a camera file tells of a sensor.
+/// The content of a camera file.
 struct CameraFile {
   std::string name;
   CameraModel camera;
@@ -22,8 +22,8 @@ struct CameraFile {
 
 /// Reads a camera file: pcavr's own keys (see calib/cameras), or ROS camera_info YAML with the
 /// model plumb_bob, rational_polynomial or equidistant (its other keys are ignored). Refuses
-/// intrinsics that no camera of that image has, and a lens that folds inside it. Errors name file,
-/// line and key.
+/// intrinsics that are impossible for the image size, and a lens model that folds (is not
+/// one-to-one) inside the image. Errors name file, line and key.
 [[nodiscard]] Expected<CameraFile> read_camera_file(const std::filesystem::path& file);
 
 }  // namespace pcavr

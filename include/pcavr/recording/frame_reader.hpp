@@ -14,7 +14,7 @@
 namespace pcavr {
 
 /// One pair of images, decoded. Depth is registered to colour: the same view, on the same pixel
-/// grid or, where its images are smaller, on a coarser one (pcavr/geometry/depth_grid.hpp).
+/// grid or, where depth images are smaller, on a coarser one (pcavr/geometry/depth_grid.hpp).
 struct RgbdFrame {
   std::size_t index = 0;  ///< in Recording::frames
   Stamp color_stamp;
@@ -23,18 +23,19 @@ struct RgbdFrame {
   DepthImage depth;  ///< [m]; 0 where nothing was measured
 };
 
-/// Decodes one pair of images. A missing, truncated, wrongly sized or wrongly typed image is an
-/// Error that names the file. Thread-safe.
+/// Decodes one pair of images. A missing or truncated image, or one of the wrong size or type, is
+/// an Error that names the file. Thread-safe.
 [[nodiscard]] Expected<RgbdFrame> decode_frame(const Recording& recording, std::size_t index);
 
 struct FrameReaderOptions {
-  int frames_ahead = 3;   ///< decoded before they are asked for; bounds the memory
-  bool skip_bad = false;  ///< leave out frames that don't decode, and count them
+  int max_prefetched = 3;  ///< frames decoded in advance; limits the memory
+  bool skip_bad = false;   ///< skip and count frames that can't be decoded
 };
 
-/// Decodes the frames of a recording in order; a depth image of another size than the first one's
-/// is an Error. On one worker thread, which the first next() starts and the destructor ends. Keeps
-/// a reference to the recording, which must outlive it. next() is for one thread at a time.
+/// Decodes the frames of a recording in order and prefetches them (producer and consumer with a
+/// bounded queue) on one worker thread, which the first next() starts and the destructor joins. A
+/// depth image of another size than the first one is an Error. Keeps a reference to the recording,
+/// which must outlive it. next() is not thread-safe.
 class FrameReader {
  public:
   explicit FrameReader(const Recording& recording, const FrameReaderOptions& options = {});
@@ -42,7 +43,7 @@ class FrameReader {
   FrameReader(const FrameReader&) = delete;
   FrameReader& operator=(const FrameReader&) = delete;
 
-  /// The next frame; nothing after the last one. After an Error, nothing more comes.
+  /// The next frame; nullopt after the last one, and after an Error.
   [[nodiscard]] Expected<std::optional<RgbdFrame>> next();
 
   [[nodiscard]] std::size_t skipped() const;

@@ -15,28 +15,28 @@ namespace pcavr {
 enum class ImportFormat { tum_rgbd, seven_scenes };
 
 struct ImportOptions {
-  std::optional<ImportFormat> format = {};  ///< told from the folder's files where not given
-  /// Needed for TUM RGB-D. 7-Scenes: without it, that of camera-intrinsics.txt, or where that is
+  std::optional<ImportFormat> format = {};  ///< detected from the folder's files where not given
+  /// Required for TUM RGB-D. 7-Scenes: without it, that of camera-intrinsics.txt, or where that is
   /// absent fx = fy = 585, cx = 320, cy = 240 for 640 x 480, as published, scaled to the images.
   std::optional<CameraModel> camera = {};
   std::optional<double> depth_scale = {};  ///< units in one metre; TUM 5000, 7-Scenes 1000
-  double frame_rate = 30.0;                ///< [Hz], 0.1 to 1e5, for sources without stamps
+  double frame_rate = 30.0;                ///< [Hz], 0.1 to 1e5, for sources without timestamps
   std::size_t stride = 1;                  ///< take every n-th frame
-  std::size_t first = 0;                   ///< leave out the frames before this one
+  std::size_t first = 0;                   ///< skip the frames before this one
 };
 
 struct ImportReport {
   ImportFormat format = ImportFormat::tum_rgbd;
   std::size_t frames = 0;
   std::size_t poses = 0;           ///< rows of `groundtruth.txt`
-  std::size_t left_out = 0;        ///< images without a partner
+  std::size_t left_out = 0;        ///< images without a match in time
   std::size_t poses_left_out = 0;  ///< pose files that are absent, not finite or not rigid
 };
 
-/// Turns a TUM RGB-D or 7-Scenes folder into a recording at `target` (an existing, empty folder).
-/// Their poses become `groundtruth.txt`, so that the source's world becomes base; its z axis need
-/// not point up. Invalid depth (7-Scenes: 65535) becomes 0. Colour is copied as it is. TUM RGB-D
-/// has no camera in its folder: without options.camera it is an Error.
+/// Converts a TUM RGB-D or 7-Scenes folder to a recording at `target` (an existing, empty folder).
+/// Its poses become `groundtruth.txt`, so that the source's world frame becomes the base frame; its
+/// z axis need not point up. Invalid depth (7-Scenes: 65535) becomes 0. Colour is copied unchanged.
+/// A TUM RGB-D folder has no intrinsics: without options.camera it is an Error.
 [[nodiscard]] Expected<ImportReport> import_recording(const std::filesystem::path& source,
                                                       const std::filesystem::path& target,
                                                       const ImportOptions& options = {},

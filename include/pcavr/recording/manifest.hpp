@@ -40,10 +40,10 @@ struct ObjectEntry {
   std::filesystem::path mesh;       ///< relative to the recording's folder; may be empty
   std::optional<double> mass = {};  ///< [kg]
   bool is_movable = true;
-  std::optional<Pose> T_base_object = {};  ///< where it starts, if the manifest says so
+  std::optional<Pose> T_base_object = {};  ///< initial pose, if the manifest states it
 };
 
-/// What `recording.yaml` says (`pcavr-recording/1`).
+/// The content of `recording.yaml` (`pcavr-recording/1`).
 struct Manifest {
   std::optional<CameraModel> camera = {};
   double depth_scale = 0.0;  ///< depth image units in one metre; > 0 where there is a camera
@@ -54,11 +54,11 @@ struct Manifest {
 };
 
 /// Reads and checks the text of a manifest; `file` names it in errors. Unknown keys, wrong types,
-/// sizes <= 0, tags given twice, objects that are not declared, and paths that leave the folder
-/// are errors with their line.
+/// sizes <= 0, duplicate tags, objects that are not declared, and paths that leave the folder are
+/// errors with their line.
 [[nodiscard]] Expected<Manifest> parse_manifest(const std::string& text, const std::string& file);
 
-/// The text that parse_manifest reads back to the same manifest.
+/// The YAML text, the inverse of parse_manifest.
 [[nodiscard]] std::string format_manifest(const Manifest& manifest);
 
 }  // namespace pcavr

@@ -17,7 +17,7 @@
 
 namespace pcavr {
 
-/// A colour and a depth image that belong together; the files are not opened yet.
+/// A colour and a depth image paired by time; the files are not opened yet.
 struct FrameFiles {
   Stamp color_stamp;
   std::filesystem::path color_path;
@@ -25,7 +25,7 @@ struct FrameFiles {
   std::filesystem::path depth_path;
 };
 
-/// Force and torque that the tool exerts on its surroundings, at the tool tip, in base axes.
+/// Force and torque that the tool exerts on the environment, at the tool tip, in base axes.
 struct WrenchSample {
   Stamp stamp;
   Eigen::Vector3d force;   ///< [N]
@@ -40,35 +40,35 @@ struct JointSample {
   std::vector<double> torque;    ///< [N m]
 };
 
-/// What was left out of one file, for one reason, because the reader was asked to go on.
-struct LeftOut {
+/// How many rows of one file were skipped for one reason, with ReadOptions::skip_bad.
+struct SkippedRows {
   std::string file;  ///< relative to the recording's folder
   std::string reason;
   std::size_t count = 0;  ///< rows, or images for the lists
 };
 
-/// What a recording holds. Images are decoded later, by a FrameReader.
+/// The content of a recording. Images are decoded later, by a FrameReader.
 struct Recording {
   std::filesystem::path folder;
   Manifest manifest;
   std::vector<FrameFiles> frames;  ///< paired by time, ascending
-  std::size_t unpaired_color = 0;  ///< colour images with no depth image near enough in time
+  std::size_t unpaired_color = 0;  ///< colour images with no depth image close enough in time
   std::size_t unpaired_depth = 0;
   Trajectory groundtruth;  ///< T_base_camera; empty where the file is absent
   Trajectory tool;         ///< T_base_tool
   std::vector<WrenchSample> wrench;
   std::vector<JointSample> joints;
-  std::vector<LeftOut> left_out;      ///< rows, by ReadOptions::skip_bad; file by file
-  std::vector<std::string> warnings;  ///< what a user should see: each a line
+  std::vector<SkippedRows> left_out;  ///< rows, by ReadOptions::skip_bad; file by file
+  std::vector<std::string> warnings;  ///< for the user, one line each
 
-  /// Of all files and reasons.
+  /// The sum over all files and reasons.
   [[nodiscard]] std::size_t skipped_rows() const;
 };
 
 struct ReadOptions {
-  /// Leave out bad rows and frames, and count them, instead of failing at the first.
+  /// Skip and count bad rows and frames instead of failing at the first.
   bool skip_bad = false;
-  /// Colour and depth further apart than this are no pair. The format's contract: 20 ms.
+  /// Colour and depth images further apart in time are not paired. The format specifies 20 ms.
   Duration max_pair_gap = std::chrono::milliseconds(20);
 };
 
@@ -79,7 +79,7 @@ struct ReadOptions {
 /// Reads a TUM trajectory `t tx ty tz qx qy qz qw`, `#` starting a comment.
 [[nodiscard]] Expected<Trajectory> read_trajectory(const std::filesystem::path& file);
 
-/// The text of a TUM trajectory with a comment line naming the columns.
+/// The text of a TUM trajectory, with a comment line that names the columns.
 [[nodiscard]] std::string format_trajectory(const Trajectory& trajectory);
 
 }  // namespace pcavr

@@ -20,10 +20,10 @@ struct EncodedImage {
   std::string extension;
 };
 
-/// Writes a recording into a folder that exists (an OutputFolder's, so that it appears whole).
-/// Add frames in ascending order of stamps, which is otherwise a ContractError, then finish() once.
-/// Every file is written whole or not at all; a disk that is full or may not be written to is an
-/// Error. What is written here, read_recording reads back. Not thread-safe.
+/// Writes a recording to an existing folder (an OutputFolder's, so that it appears atomically).
+/// Add frames in ascending order of stamps (otherwise a ContractError), then call finish() once.
+/// Every file is written atomically; a disk that is full or not writable is an Error. The inverse
+/// of read_recording. Not thread-safe.
 class RecordingWriter {
  public:
   RecordingWriter(std::filesystem::path folder, const Manifest& manifest);
@@ -34,10 +34,10 @@ class RecordingWriter {
   /// of quality 95.
   [[nodiscard]] Expected<void> add_frame(Stamp color_stamp, const ColorImage& color,
                                          Stamp depth_stamp, const DepthImage& depth);
-  /// Images as they are.
+  /// Adds encoded images unchanged.
   [[nodiscard]] Expected<void> add_encoded_frame(Stamp color_stamp, const EncodedImage& color,
                                                  Stamp depth_stamp, const EncodedImage& depth);
-  /// Copies image files as they are, keeping their extension.
+  /// Copies image files unchanged, with their extension.
   [[nodiscard]] Expected<void> add_frame_files(Stamp color_stamp,
                                                const std::filesystem::path& color_file,
                                                Stamp depth_stamp,
@@ -45,10 +45,10 @@ class RecordingWriter {
   [[nodiscard]] Expected<void> write_groundtruth(const Trajectory& T_base_camera);
   [[nodiscard]] Expected<void> write_tool(const Trajectory& T_base_tool);
   [[nodiscard]] Expected<void> write_wrench(const std::vector<WrenchSample>& wrench);
-  /// An OBJ file that the manifest names.
+  /// Writes an OBJ file that the manifest names.
   [[nodiscard]] Expected<void> write_object_mesh(const std::filesystem::path& relative_path,
                                                  const TriangleMesh& mesh_object);
-  /// Lists and manifest.
+  /// Writes the image lists and the manifest.
   [[nodiscard]] Expected<void> finish();
 
  private:

@@ -10,8 +10,8 @@
 
 namespace pcavr {
 
-/// The parts of what format_trajectory() writes, for trajectories that nobody keeps whole: the
-/// first line, and a line for each pose, stamps ascending strictly.
+/// format_trajectory() in parts, for writing a trajectory incrementally: the first line, and a line
+/// for each pose, with strictly ascending stamps.
 [[nodiscard]] std::string_view trajectory_header();
 void append_trajectory_row(std::string& text, Stamp stamp, const Pose& pose);
 

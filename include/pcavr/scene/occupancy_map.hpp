@@ -16,19 +16,19 @@ namespace pcavr {
 
 struct OccupancyOptions {
   double resolution = 0.02;  ///< edge of a cell [m], > 0
-  double farthest = 5.0;     ///< rays are cut here [m], >= resolution
+  double max_range = 5.0;    ///< rays are truncated here [m], >= resolution
   // OctoMap's defaults [Hornung et al. 2013, sec. 3 and 4], as probabilities.
-  double hit = 0.7;           ///< of a cell that a ray ends in, > 0.5
-  double miss = 0.4;          ///< of a cell that a ray passes, < 0.5
-  double clamp_low = 0.1192;  ///< a cell is never surer to be free than this
-  double clamp_high = 0.971;  ///< nor surer to be occupied than this
+  double prob_hit = 0.7;         ///< of a cell in which a ray ends, > 0.5
+  double prob_miss = 0.4;        ///< of a cell that a ray traverses, < 0.5
+  double clamping_min = 0.1192;  ///< lower clamping threshold, < 0.5
+  double clamping_max = 0.971;   ///< upper clamping threshold, > 0.5
 };
 
-/// Which cells of the static scene are free, occupied or never seen. Frame: base. Integrates depth
-/// images into blocks of 8^3 cells much faster than OctoMap does, with OctoMap's rule for one
-/// frame: one ray to the middle of each cell that a reading falls into; cells that a ray ends in
-/// are hit, the others that a ray passes are missed; each cell is updated once, and clamped. One
-/// writer; const members may run side by side. Memory: 1 KiB for each block seen.
+/// Occupancy grid of the static scene: free, occupied or unknown cells. Frame: base. Integrates
+/// depth images into blocks of 8^3 cells much faster than OctoMap, with OctoMap's update rule: one
+/// ray to the centre of each cell that contains a measured point; cells in which a ray ends are
+/// hits, other traversed cells are misses; each cell's log-odds are updated once per frame, and
+/// clamped. One writer; const members may run concurrently. Memory: 1 KiB per observed block.
 class OccupancyMap {
  public:
   /// Throws ContractError where an option is out of its range.
@@ -40,18 +40,18 @@ class OccupancyMap {
   [[nodiscard]] const OccupancyOptions& options() const;
 
   /// `is_dynamic` (empty: none) marks pixels that add neither hits nor free space. Depth, mask and
-  /// camera have one size. A frame farther from base than OctoMap can hold (32 000 cells) adds
-  /// nothing.
+  /// camera have the same size. A frame farther from base than OctoMap's key range (32 000 cells)
+  /// is ignored.
   void integrate(const DepthImage& depth, const MaskImage& is_dynamic, const CameraModel& camera,
                  const Pose& T_base_camera);
 
-  /// Forgets the occupied cells that no triangle of the static mesh comes near (half a cell): what
-  /// a passing tool or a moved object left behind, and single readings. They become unknown, not
-  /// free: nothing was seen through them. Returns how many there were.
+  /// Clears the occupied cells without a triangle of the static mesh within half a cell: traces of
+  /// a moving tool or object, and outliers. They become unknown, not free, as no ray traversed
+  /// them. Returns their number.
   std::size_t clear_unsupported(const TriangleMesh& static_mesh_base);
 
-  /// Marks the cells that a surface passes as occupied: what is known without having been seen.
-  void occupy(const TriangleMesh& mesh_base);
+  /// Marks the cells that a surface intersects as occupied: geometry known without measurements.
+  void mark_occupied(const TriangleMesh& mesh_base);
 
   enum class Cell { unknown, free, occupied };
   [[nodiscard]] Cell at(const Eigen::Vector3d& p_base) const;

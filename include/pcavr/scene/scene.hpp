@@ -18,52 +18,52 @@
 
 namespace pcavr {
 
-/// The plane that movable objects stand on, and how far it reaches.
+/// A plane that supports movable objects, and its extent.
 struct SupportPlane {
   Plane plane_base;                           ///< normal upward
   std::vector<Eigen::Vector3d> outline_base;  ///< convex outline, counter-clockwise from above
-  double rms = 0.0;                           ///< of the points that it explains [m]
-  std::vector<std::string> objects;           ///< names of those that stand on it
+  double rms = 0.0;                           ///< of its inliers [m]
+  std::vector<std::string> objects;           ///< names of the objects that it supports
 };
 
-/// The evidence of an object that no frame showed: its pose means nothing.
+/// The evidence of an object that was not detected in any frame: its pose is invalid.
 inline constexpr char kNotSeen[] = "not_seen";
 
 /// A movable CAD body in the scene.
 struct SceneObject {
   CadModel model;
-  Pose T_base_object;  ///< at the recording's end: where it stands now
+  Pose T_base_object;  ///< at the end of the recording
   Pose T_base_object_start;
-  std::string evidence;         ///< "tags_and_shape", "tags", "shape", "manifest", "not_seen"
-  double position_sigma = 0.0;  ///< [m]
-  double rotation_sigma = 0.0;  ///< [rad]
-  double refinement_translation = 0.0;  ///< by how much the depth moved the tags' pose, median [m]
+  std::string evidence;       ///< "tags_and_shape", "tags", "shape", "manifest", "not_seen"
+  double position_std = 0.0;  ///< [m]
+  double rotation_std = 0.0;  ///< [rad]
+  double refinement_translation = 0.0;  ///< median correction of the tag pose by depth [m]
   double refinement_rotation = 0.0;     ///< [rad]
   std::optional<double> mass = {};      ///< [kg]
   bool is_movable = true;
 };
 
-/// An input of the recording that disagrees with the others, by less than would make the scene
-/// meaningless.
+/// An input of the recording that is inconsistent with the others, but not so much that the scene
+/// would be invalid.
 struct InputWarning {
   std::string input;  ///< "markers[0].size", "groundtruth.txt"
   std::string message;
-  double factor = 1.0;     ///< >= 1, by which they disagree; 1 where it is no ratio
-  std::size_t frames = 0;  ///< that show it; 0 where the files alone do
+  double factor = 1.0;     ///< >= 1, ratio of the inconsistency; 1 where it is not a ratio
+  std::size_t frames = 0;  ///< that show it; 0 where found in the files alone
 };
 
-/// How the scene came about: what the summary prints and `scene.yaml` keeps.
+/// Quality figures of the build, for the summary and `scene.yaml`.
 struct SceneQuality {
   std::size_t frames_recorded = 0;  ///< colour images in the recording
   std::size_t frames_used = 0;
   std::vector<std::pair<std::string, std::size_t>> frames_dropped;  ///< reason, count
-  std::vector<LeftOut> left_out;  ///< rows of the recording's files, by --skip-bad
+  std::vector<SkippedRows> left_out;  ///< rows of the recording's files, by --skip-bad
   std::vector<std::pair<std::string, std::size_t>> tags_seen;  ///< tag, frames
   double tag_reprojection_rms = 0.0;                           ///< [px]
   double tracking_rms = 0.0;                                   ///< [m]
-  double camera_position_sigma = 0.0;                          ///< median over the frames used [m]
-  double camera_rotation_sigma = 0.0;                          ///< [rad]
-  double surface_rms = 0.0;  ///< frames used against the mesh, point to plane, median [m]
+  double camera_position_std = 0.0;                            ///< median over the frames used [m]
+  double camera_rotation_std = 0.0;                            ///< [rad]
+  double surface_rms = 0.0;  ///< point-to-plane, frames used to mesh, median [m]
   bool is_fixed_camera = false;
   std::vector<InputWarning> input_warnings = {};
   std::vector<StageTime> times;
@@ -82,7 +82,7 @@ struct Scene {
   std::vector<MarkerEntry> tags = {};
   Trajectory camera_trajectory;  ///< T_base_camera of the frames used
   SceneQuality quality;
-  std::string recording;    ///< what it was built from, as named by the user
+  std::string recording;    ///< the source recording, as named by the user
   double voxel_size = 0.0;  ///< [m]
 };
 

@@ -10,30 +10,30 @@
 
 namespace pcavr {
 
-/// PEM files.
+/// Certificate and private key as PEM files.
 struct TlsFiles {
   std::filesystem::path certificate;  ///< with its chain, the server's own first
   std::filesystem::path key;
 };
 
-/// This machine's addresses on its networks, as numbers; loopback left out.
+/// The IP addresses of this machine's network interfaces, without loopback.
 [[nodiscard]] std::vector<std::string> machine_addresses();
-/// By which it may be asked for: its name, and that with ".local".
+/// The names of this machine: its host name, alone and with ".local" (mDNS).
 [[nodiscard]] std::vector<std::string> machine_names();
 
 /// $XDG_DATA_HOME/pcavr, or ~/.local/share/pcavr.
 [[nodiscard]] std::filesystem::path data_folder();
 
-/// A certificate that this machine signs for itself, for localhost, its names and its addresses:
-/// the one that is kept in `folder` where it still serves for all of them and another week, else a
-/// new one for 397 days (more than that, browsers refuse). The key is its owner's alone to read.
-[[nodiscard]] Expected<TlsFiles> own_certificate(const std::filesystem::path& folder);
+/// A self-signed certificate for localhost, this machine's names and its addresses. Loads the one
+/// in `folder` if it covers all of them and is valid for another week, else creates one for 397
+/// days (browsers reject longer ones). Only the owner can read the key (mode 0600).
+[[nodiscard]] Expected<TlsFiles> load_or_create_certificate(const std::filesystem::path& folder);
 
-struct CertificateFacts {
-  std::vector<std::string> names;  ///< that it is for; addresses as numbers
+struct CertificateInfo {
+  std::vector<std::string> names;  ///< subject alternative names: DNS names and IP addresses
   std::string fingerprint;         ///< SHA-256, as browsers show it: "AB:CD:..."
   double days_left = 0.0;
 };
-[[nodiscard]] Expected<CertificateFacts> read_certificate(const std::filesystem::path& file);
+[[nodiscard]] Expected<CertificateInfo> read_certificate(const std::filesystem::path& file);
 
 }  // namespace pcavr

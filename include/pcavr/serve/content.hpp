@@ -13,15 +13,14 @@ namespace pcavr {
 struct Content {
   std::string media_type;  ///< "model/gltf-binary", "application/json", ...
   std::string body;
-  bool is_gzipped = false;  ///< the body is compressed: say so, or take it apart
+  bool is_gzipped = false;  ///< the body is gzip: send Content-Encoding, or decompress it
 };
 
-/// What a page may ask for by path, such as "/scene/scene.glb". All calls are thread-safe.
+/// Resources that a page can request by path, such as "/scene/scene.glb". Thread-safe.
 class ContentSource {
  public:
   virtual ~ContentSource() = default;
-  /// The pointer is empty where there is no such path; an Error where there should be, but it can't
-  /// be read.
+  /// Null if there is no such path; an Error if the resource exists but can't be read.
   [[nodiscard]] virtual Expected<std::shared_ptr<const Content>> find(
       std::string_view path) const = 0;
 };

@@ -11,8 +11,8 @@
 
 namespace pcavr {
 
-/// /api/frames/N.jpg: the augmented picture of frame N, drawn on one thread when it is asked for
-/// (some 0.1 s at 640 x 480); the latest ones are kept. Const and thread-safe.
+/// /api/frames/N.jpg: the augmented image of frame N, rendered on demand on one thread (some 0.1 s
+/// at 640 x 480); the latest ones are cached. Const and thread-safe.
 class FrameContent : public ContentSource {
  public:
   explicit FrameContent(AugmentedFrames frames);
@@ -20,7 +20,7 @@ class FrameContent : public ContentSource {
   FrameContent& operator=(FrameContent&&) noexcept;
   ~FrameContent() override;
 
-  /// An Error where the recorded image does not decode.
+  /// An Error if the recorded image can't be decoded.
   [[nodiscard]] Expected<std::shared_ptr<const Content>> find(std::string_view path) const override;
 
  private:

@@ -18,7 +18,7 @@
 
 namespace pcavr {
 
-/// How long cycles took [s], from their begin to their end.
+/// Quantiles of the cycles' durations [s].
 struct CycleTimes {
   double median = 0.0;
   double p99 = 0.0;
@@ -26,34 +26,34 @@ struct CycleTimes {
   double longest = 0.0;
 };
 
-/// The world at the end of one cycle, with what is told about it.
+/// The world at the end of one cycle, with timing statistics.
 struct WorldSnapshot {
-  double t = 0.0;          ///< [s] of the world: its cycles, one after the other
-  double published = 0.0;  ///< [s] of LiveWorld::clock
+  double t = 0.0;          ///< [s] simulation time: number of cycles times their period
+  double published = 0.0;  ///< [s] by LiveWorld::clock
   HapticWorldState world;
-  std::vector<double> speeds;  ///< [m/s] by body, of its origin
+  std::vector<double> speeds;  ///< [m/s] of each body's origin
   bool is_on_hold = false;
-  double pulse = 0.0;        ///< 0 to 1: what a controller should give now
-  std::uint32_t pulses = 0;  ///< first touches and breakaways so far
+  double pulse = 0.0;        ///< 0 to 1: vibration amplitude for a controller
+  std::uint32_t pulses = 0;  ///< first contacts and breakaways so far
   std::uint32_t cycles = 0;
-  std::uint32_t late_cycles = 0;  ///< began a whole cycle late or more, or never
+  std::uint32_t late_cycles = 0;  ///< overruns: began at least a cycle late, or were skipped
   CycleTimes times = {};          ///< over the last second
-  RemoteUse page = {};            ///< where a page moves the tool: what was used of it
+  RemoteStatus page = {};         ///< if a page moves the tool: the sample that was used
 };
 
 struct LiveWorldOptions {
   double cycle = 0.001;  ///< [s] > 0
-  /// [m] base frame: where the tool is at the start, and after a reset.
+  /// [m] base frame: the tool's position at the start and after a reset.
   Eigen::Vector3d p_base_tool_start = Eigen::Vector3d::Zero();
-  double full_force = 5.0;  ///< [N] > 0: at which a controller's pulses are strongest
+  double full_scale_force = 5.0;  ///< [N] > 0: force of the strongest continuous vibration
 };
 
-/// A haptic world that runs by itself: a thread of its own, a cycle each millisecond, device to
-/// force. No call of another thread makes it wait, and it waits for none: what it publishes is the
-/// newest, whether or not somebody looks.
+/// Runs a haptic world in real time on its own thread: one cycle per millisecond, from the device's
+/// sample to the force. Wait-free towards other threads: state is published through a triple
+/// buffer.
 ///
-/// Deadlines are absolute. A cycle that begins late is run all the same, so that the world's time
-/// goes with the clock's; more than twenty in arrears are left out. Both are counted.
+/// Deadlines are absolute. A late cycle is still run, so that simulation time follows the clock;
+/// with more than twenty cycles of backlog they are skipped. Both count as overruns.
 class LiveWorld {
  public:
   /// Options in range: PCAVR_REQUIRE.
@@ -62,30 +62,30 @@ class LiveWorld {
   LiveWorld(const LiveWorld&) = delete;
   LiveWorld& operator=(const LiveWorld&) = delete;
 
-  /// The clock that everything here is told by: monotonic [s].
+  /// The time base of all stamps here: CLOCK_MONOTONIC [s].
   [[nodiscard]] static double clock() noexcept;
 
-  /// Starts the thread, with real-time priority and its memory kept where that is permitted. What
-  /// is not is said in the notes, and it runs without. Call once.
+  /// Starts the thread with real-time priority (SCHED_FIFO) and locked memory (mlockall), if
+  /// permitted; if not, runs without and returns a note. Call once.
   [[nodiscard]] Expected<std::vector<std::string>> start();
-  /// Ends the thread. The destructor does it too.
+  /// Stops the thread; so does the destructor.
   void stop() noexcept;
 
-  /// Of all cycles so far. Before start(), or after stop().
+  /// Of all cycles so far. Call before start() or after stop().
   [[nodiscard]] CycleTimes times() const;
 
   [[nodiscard]] const std::vector<std::string>& names() const;
   [[nodiscard]] std::string_view device_name() const;
-  /// The device that pages speak to; null where another one moves the tool.
+  /// The device that pages send samples to; null if another device moves the tool.
   [[nodiscard]] RemoteDevice* page_device() noexcept;
 
-  /// Freezes the tool's command where it is; opening the clutch lets go all the same. When it goes
-  /// on, the tool goes on from where it is. Any thread; takes effect with the next cycle.
+  /// Freezes the tool's command; opening the clutch still disengages the tool. After resuming, the
+  /// tool continues from its current pose. Any thread; takes effect with the next cycle.
   void hold(bool is_on_hold) noexcept;
-  /// Everything back to where it was at the start, the tool too. Any thread.
+  /// Restores the initial state of all bodies and of the tool. Any thread.
   void reset() noexcept;
 
-  /// The newest snapshot; stays as it is until the next call. One thread at a time.
+  /// The newest snapshot; valid until the next call. One thread at a time.
   [[nodiscard]] const WorldSnapshot& newest() noexcept;
 
  private:

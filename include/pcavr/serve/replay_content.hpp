@@ -17,13 +17,13 @@
 namespace pcavr {
 
 /// A replayed recording as a page loads it (docs/live-protocol.md): /api/replay.json and
-/// /api/replay.bin, made once and kept in memory, and the augmented pictures /api/frames/N.jpg.
+/// /api/replay.bin, made once and kept in memory, and the augmented images /api/frames/N.jpg.
 /// Const and thread-safe.
 class ReplayContent : public ContentSource {
  public:
-  /// From what replay_recording() gave for this recording and scene; copies what it needs. The
-  /// observer hears where the camera's place is not known, so that pictures stay as recorded.
-  /// Fails where a CAD body can't be read. Deterministic.
+  /// From the result of replay_recording() for this recording and scene; copies what it needs.
+  /// Warns the observer if the camera's pose is not known, so that images stay as recorded.
+  /// An Error if a CAD body can't be read. Deterministic.
   [[nodiscard]] static Expected<ReplayContent> create(const Recording& recording,
                                                       const SceneManifest& scene,
                                                       const Replay& replay,
@@ -34,7 +34,7 @@ class ReplayContent : public ContentSource {
  private:
   std::shared_ptr<const Content> json_;
   std::shared_ptr<const Content> bytes_;
-  std::optional<FrameContent> frames_;  ///< nothing where the recording has no images
+  std::optional<FrameContent> frames_;  ///< empty if the recording has no images
 };
 
 }  // namespace pcavr

@@ -17,23 +17,22 @@
 
 namespace pcavr {
 
-/// As pages name it: its folder's name.
+/// The scene's name on pages: that of its folder.
 [[nodiscard]] std::string scene_name(const SceneManifest& scene);
 
 /// A scene as a page loads it (docs/live-protocol.md): /api/scene.json, the static mesh's levels of
 /// detail, the CAD bodies, the cloud and the occupied cells, all compressed once and kept in
-/// memory. Knows these paths only: nothing else of the disk can be asked for. Const and
-/// thread-safe.
+/// memory. Only these paths exist: no other file of the disk is served. Const and thread-safe.
 class SceneContent : public ContentSource {
  public:
-  /// Reads and compresses the whole scene; a file that is missing or unsound is an Error. Where
-  /// gltfpack is missing or fails, meshes are served as they are, and the observer hears of it.
-  /// `parameters` are shown beside the objects. Deterministic.
+  /// Reads and compresses the whole scene; an Error if a file is missing or invalid. If gltfpack is
+  /// missing or fails, meshes are served uncompressed and the observer is warned. `parameters` are
+  /// shown with the objects. Deterministic.
   [[nodiscard]] static Expected<SceneContent> create(
       const SceneManifest& scene, const std::optional<ParameterTable>& parameters = {},
       const Observer& observer = {}, Parallelism parallelism = Parallelism::max());
 
-  /// `path` as in a request's first line, percent-encoded or not, without its query.
+  /// `path` as in the request line, percent-encoded or not, without its query.
   [[nodiscard]] Expected<std::shared_ptr<const Content>> find(std::string_view path) const override;
 
  private:

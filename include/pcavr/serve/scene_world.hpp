@@ -16,32 +16,33 @@
 namespace pcavr {
 
 struct SceneWorldOptions {
-  std::optional<ParameterTable> parameters = {};  ///< what identify wrote
-  std::string parameters_file = {};               ///< by which errors name it
+  std::optional<ParameterTable> parameters = {};  ///< as written by `pcavr identify`
+  std::string parameters_file = {};               ///< file name for error messages
   double tool_radius = 0.01;                      ///< [m] > 0
-  double max_force = 5.0;                         ///< [N] > 0 on the hand
+  double max_force = 5.0;                         ///< [N] > 0 rendered on the hand
 };
 
-/// A body's numbers that nothing told, and that were taken as usual (see complete_physics).
-struct AssumedNumbers {
+/// A body's parameters that neither the scene nor identification gave, so that defaults are used
+/// (see complete_physics).
+struct AssumedParameters {
   std::string object;
-  std::vector<std::string> names;  ///< empty: all were told
+  std::vector<std::string> names;  ///< empty: all are known
 };
 
 struct SceneWorld {
   HapticWorldModel model;
-  /// Where the tool waits: above the middle of what can be pushed.
+  /// Start position of the tool: above the centre of the movable objects.
   Eigen::Vector3d p_base_tool_start = Eigen::Vector3d::Zero();
-  /// [N] at which a controller's pulses are strongest: what the body that holds best bears.
-  double full_force = 5.0;
-  std::vector<AssumedNumbers> assumed;  ///< by body
-  std::size_t triangles = 0;            ///< of what does not move
-  std::vector<std::string> notes;       ///< what a user should know
+  /// [N] force of the strongest continuous vibration: the largest limiting friction of the bodies.
+  double full_scale_force = 5.0;
+  std::vector<AssumedParameters> assumed;  ///< for each body
+  std::size_t triangles = 0;               ///< of the static mesh
+  std::vector<std::string> notes;          ///< warnings for the user
 };
 
-/// Makes a scene on disk a world to push in: its movable objects where they stand now, with what
-/// was identified of them; of what does not move, the finest mesh of at most a million triangles.
-/// Errors: a file that is missing or unsound, parameters of an object that the scene has not.
+/// Makes a haptic world of a scene on disk: its movable objects at their current poses, with their
+/// identified parameters; as static geometry, the finest mesh of at most a million triangles.
+/// Errors: a missing or invalid file, parameters of an object that is not in the scene.
 [[nodiscard]] Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
                                                     const SceneWorldOptions& options);
 

@@ -21,28 +21,28 @@ struct ServerOptions {
   std::uint16_t port = 8080;        ///< 0: one that is free
   std::filesystem::path page = {};  ///< folder with the page's index.html
   std::optional<TlsFiles> tls = {};
-  double rate = 90.0;  ///< [Hz] 60 to 90: states to each page; what waits for the next is late
+  double rate = 90.0;  ///< [Hz] 60 to 90: states sent to each page
   std::string version = {};
-  std::string scene = {};             ///< as pages name it
-  bool is_replay = false;             ///< what a page shows first
+  std::string scene = {};             ///< its name on pages
+  bool is_replay = false;             ///< the page starts in replay mode
   double tool_radius = 0.01;          ///< [m]
-  std::size_t max_pages = 32;         ///< the next one is told so, and sent away
+  std::size_t max_pages = 32;         ///< further ones get an error notice and are closed
   std::size_t max_connections = 256;  ///< of all kinds
-  double max_write_time = 5.0;        ///< [s] that a page may take for one message, > 0
-  bool ends_on_signals = false;       ///< SIGINT and SIGTERM end run(), also one before it
+  double max_write_time = 5.0;        ///< [s] > 0: write timeout of a message to a page
+  bool ends_on_signals = false;       ///< SIGINT and SIGTERM end run(), even if sent before it
 };
 
-/// Whether such a server could be opened now; the same errors as LiveServer::open. For asking
-/// before what it is to serve is made.
+/// Checks whether such a server could be opened now; the same errors as LiveServer::open. For use
+/// before the expensive content is created.
 [[nodiscard]] Expected<void> check_server(const ServerOptions& options);
 
-/// One port: the page, the scene's files, and the live state (docs/live-protocol.md). One thread of
-/// its own speaks to the network, another one fetches files; neither ever holds up the world. A
-/// page that reads too slowly gets fewer states, always the newest; one that does not read is let
-/// go.
+/// HTTP(S) and WebSocket server on one port: the page, the scene's files, and the live state
+/// (docs/live-protocol.md). One thread does the network I/O, another one reads files; neither
+/// blocks the world. Backpressure: a page that reads too slowly gets fewer states, always the
+/// newest; one that does not read is disconnected.
 class LiveServer {
  public:
-  /// Listens, but answers nothing yet. `world` and `content` must outlive it. Errors: a port in
+  /// Listens, but serves no request yet. `world` and `content` must outlive it. Errors: a port in
   /// use, an address that is not this machine's, one that others can reach without TLS, a page that
   /// was not built, a bad certificate.
   [[nodiscard]] static Expected<LiveServer> open(const ServerOptions& options, LiveWorld& world,
@@ -52,10 +52,10 @@ class LiveServer {
   ~LiveServer();
 
   [[nodiscard]] std::uint16_t port() const;
-  /// What a page that is not on this machine has to be told once; empty where none can come.
+  /// The code to pair a page on another machine; empty if only this machine can connect.
   [[nodiscard]] const std::string& pairing_code() const;
 
-  /// Answers until stop(), or a signal. Call once.
+  /// Serves until stop() or a signal. Call once.
   void run();
   /// From any thread, also before run().
   void stop();

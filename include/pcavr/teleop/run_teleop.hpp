@@ -25,31 +25,31 @@
 namespace pcavr {
 
 /// All times are seconds on the recording's clock, and mean the robot's site: what the operator
-/// sees is stamped with the instant of the remote world that it stands for, so that it can be held
-/// against the tracking as it is.
+/// sees is stamped with the time of the remote world that it represents, so that it can be compared
+/// with the tracking directly.
 
-/// What the markers told of an object in one frame.
+/// An object's pose by marker tracking in one frame.
 struct TrackedPose {
   double t = 0.0;  ///< [s]
   Pose T_base_object;
-  double position_sigma = 0.0;  ///< [m]
-  double rotation_sigma = 0.0;  ///< [rad]
+  double position_std = 0.0;  ///< [m]
+  double rotation_std = 0.0;  ///< [rad]
 };
 
-/// T_base_object at `t` [s]: interpolated between frames, held before the first and after the last.
-/// `tracked` is not empty.
+/// T_base_object at `t` [s]: interpolated between frames, constant before the first and after the
+/// last. `tracked` is not empty.
 [[nodiscard]] Pose pose_at(std::span<const TrackedPose> tracked, double t);
 
 struct TeleopObject {
   std::string name;
   CadModel model;
-  Pose T_base_object;                ///< where both sites believe it at the start
-  ObjectParameters parameters;       ///< what is known beforehand
+  Pose T_base_object;                ///< initial pose at both sites
+  ObjectParameters parameters;       ///< prior knowledge
   std::vector<TrackedPose> tracked;  ///< frames in which it was lost are left out
 };
 
 /// Properties of a sensor (noise, sign, unit, clock) are measured over this much of a recording at
-/// once [s]: many contacts, and yet memory that does not grow with its length.
+/// once [s]: many contacts, but memory that does not grow with the recording's length.
 inline constexpr double kCalibrationTime = 600.0;
 
 /// One recording as two sites see it. Stamps ascend strictly in every series.
@@ -61,8 +61,8 @@ struct TeleopInput {
   std::vector<Eigen::Vector3d> p_base_tip;
   std::vector<double> t_force;              ///< may be empty: no wrench was recorded
   std::vector<Eigen::Vector3d> force_base;  ///< that the tool exerts [N]
-  /// How much later the force's stamps are than the tool's, where that was measured beforehand;
-  /// taken off if it is beyond doubt.
+  /// Delay of the force's stamps relative to the tool's, if measured beforehand; subtracted if it
+  /// is significant.
   std::optional<TimeOffset> tool_to_force = {};
 };
 
@@ -70,12 +70,14 @@ struct TeleopOptions {
   double forward_delay = 0.2;   ///< operator to robot [s], >= 0
   double backward_delay = 0.2;  ///< robot to operator [s], >= 0
   double jitter = 0.0;     ///< standard deviation of either delay [s]; messages keep their order
-  double loss = 0.0;       ///< share of corrections that the network drops, 0 to 1
+  double loss = 0.0;       ///< packet loss of corrections, 0 to 1
   std::uint64_t seed = 1;  ///< of jitter and loss
   bool with_corrections = true;
-  bool identifies = true;  ///< the robot's site learns as it goes; false: parameters stay as given
-  double force_tolerance = 0.10;      ///< of the real force: what a hand can tell [paper C, JND]
-  double position_tolerance = 0.003;  ///< [m] the most that is ever let pass [paper C]
+  bool identifies =
+      true;  ///< the robot's site identifies parameters online; false: they stay as given
+  double force_tolerance =
+      0.10;  ///< relative to the real force: just noticeable difference [paper C]
+  double position_tolerance = 0.003;  ///< [m] maximum error without a correction [paper C]
 };
 
 /// The cases of the correction switch [paper C; methods of section 5].
@@ -89,7 +91,7 @@ enum class CorrectionCase {
 [[nodiscard]] std::string_view name_of(CorrectionCase which) noexcept;
 
 struct SentCorrection {
-  double t = 0.0;  ///< [s] the instant it speaks of
+  double t = 0.0;  ///< [s] time that it corrects
   std::size_t object = 0;
   CorrectionCase which = CorrectionCase::phases_differ;
   std::string what;       ///< "position", "contact parameters", "friction parameters", ...
@@ -108,7 +110,7 @@ struct ForceRow {
   double t = 0.0;  ///< [s] a stamp of the wrench
   std::size_t object = 0;
   double measured = 0.0;   ///< [N] along the push, spikes, bias and drift removed
-  double predicted = 0.0;  ///< [N] what the operator felt then
+  double predicted = 0.0;  ///< [N] rendered to the operator at that time
 };
 
 struct ShownPose {
@@ -116,8 +118,8 @@ struct ShownPose {
   Pose T_base_object;
 };
 
-/// Takes what a run gives at the rate of its cycles, in order of time, so that nobody has to keep
-/// it. An Error ends the run. Called from the thread that runs it; every function is set.
+/// Receives the per-cycle results of a run in order of time, so that they need not be kept in
+/// memory. An Error ends the run. Called from the thread of run_teleop; every function must be set.
 struct TeleopSink {
   /// At the operator's rate, after blending.
   std::function<Expected<void>(std::size_t object, const ShownPose& shown)> take_shown;
@@ -125,30 +127,29 @@ struct TeleopSink {
   std::function<Expected<void>(const SentCorrection& sent)> take_correction;
 };
 
-/// What both sites did, object by object in the order of the input.
+/// The results of both sites, by object in the order of the input.
 struct TeleopRun {
-  std::vector<std::vector<ShownPose>> shown;  ///< empty where a sink took them, as are
-  std::vector<ForceRow> forces;               ///< forces
-  std::vector<SentCorrection> corrections;    ///< and corrections
-  std::size_t sent_corrections = 0;           ///< how many
-  std::vector<PhaseRow> phases;               ///< a row at each change, and one at the start
-  std::vector<ObjectParameters> parameters;   ///< as known at the end
-  std::vector<std::vector<std::string>>
-      assumed;  ///< parameters that had to be assumed at the start
+  std::vector<std::vector<ShownPose>> shown;      ///< empty if a sink received them, as are
+  std::vector<ForceRow> forces;                   ///< forces
+  std::vector<SentCorrection> corrections;        ///< and corrections
+  std::size_t sent_corrections = 0;               ///< how many
+  std::vector<PhaseRow> phases;                   ///< a row at each change, and one at the start
+  std::vector<ObjectParameters> parameters;       ///< as known at the end
+  std::vector<std::vector<std::string>> assumed;  ///< parameters with default values at the start
   std::size_t correction_bytes = 0;
   /// What sending every tracked pose and every wrench sample would have cost, in the same encoding.
   std::size_t streaming_bytes = 0;
-  std::optional<TimeOffset> tool_to_force = {};  ///< how late the force is; taken off if it matters
-  std::optional<TimeOffset> tool_to_camera = {};  ///< how late tracking is; the same
-  std::vector<std::string> notes;                 ///< what a reader of the report should know
+  std::optional<TimeOffset> tool_to_force = {};   ///< delay of the force; subtracted if significant
+  std::optional<TimeOffset> tool_to_camera = {};  ///< delay of the tracking; the same
+  std::vector<std::string> notes;                 ///< remarks for the report
 };
 
-/// Runs both sites in virtual time over a recording. Fails only where an object cannot be made a
-/// body. Deterministic.
+/// Simulates both sites in virtual time over a recording. An Error only if an object can't be made
+/// a body. Deterministic.
 [[nodiscard]] Expected<TeleopRun> run_teleop(const TeleopInput& input, const TeleopOptions& options,
                                              const Observer& observer = {});
-/// The same with what grows with every cycle handed to `sink`: memory beside the input is that of
-/// some ten minutes (calibration), and of the longest contact. Also fails where the sink does.
+/// The same, with the per-cycle results passed to `sink`: besides the input, memory is that of some
+/// ten minutes (calibration) and of the longest contact. Also an Error if the sink returns one.
 [[nodiscard]] Expected<TeleopRun> run_teleop(const TeleopInput& input, const TeleopOptions& options,
                                              const TeleopSink& sink, const Observer& observer = {});
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-/// Which keys are held, as long as one of `elements` has the focus. Losing it lets go of all.
+/// The keys held down while one of `elements` has the focus; a loss of focus releases all.
 export class HeldKeys {
   private readonly held = new Set<string>();
 
-  /// `codes`: the keys to watch; these the page doesn't scroll or click by.
+  /// `codes`: the keys to track; their default actions (scroll, click) are suppressed.
   constructor(elements: readonly HTMLElement[], codes: readonly string[]) {
     for (const element of elements) {
       element.addEventListener('keydown', (event) => {
@@ -26,7 +26,7 @@ export class HeldKeys {
     return this.held.has(code);
   }
 
-  /// +1, -1 or 0 of two keys that work against each other.
+  /// +1, -1 or 0 from a pair of opposite keys.
   axis(positive: string, negative: string): number {
     return Number(this.has(positive)) - Number(this.has(negative));
   }

@@ -4,16 +4,16 @@ import { Vector3, type PerspectiveCamera } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { HeldKeys } from './keys';
 
-const walkSpeed = 0.8; // [m/s] a slow walk: a scene is a table and what is around it
+const walkSpeed = 0.8; // [m/s] a slow walk: a scene is a table and its surroundings
 const turnSpeed = 1; // [rad/s]
-const lookDistance = 0.05; // [m] turning about a point so near is turning on the spot
+const lookDistance = 0.05; // [m] orbiting about so near a point turns the camera in place
 
-/// Moving the eye: orbit about a point, or look around from where one stands; W A S D walks, I J K L
+/// Camera navigation: orbit about a point, or look around in walk mode; W A S D walks, I J K L
 /// turns.
 export class Navigation {
   readonly controls: OrbitControls;
   mode: 'orbit' | 'walk' = 'orbit';
-  hasMoved = false; // by the user's hand
+  hasMoved = false; // by the user
   private readonly keys: HeldKeys;
 
   constructor(
@@ -45,14 +45,14 @@ export class Navigation {
     this.controls.enableZoom = !isWalk;
     this.controls.rotateSpeed = isWalk ? -0.4 : 1;
     if (isWalk === wasWalk) return;
-    const ahead = this.camera.getWorldDirection(new Vector3());
+    const forward = this.camera.getWorldDirection(new Vector3());
     this.controls.target
       .copy(this.camera.position)
-      .addScaledVector(ahead, isWalk ? lookDistance : 1);
+      .addScaledVector(forward, isWalk ? lookDistance : 1);
     this.controls.update();
   }
 
-  /// `seconds` since the frame before.
+  /// `seconds` since the previous frame.
   update(seconds: number): void {
     this.walk(seconds);
     this.turn(seconds);
@@ -63,24 +63,24 @@ export class Navigation {
     const up = this.keys.axis('KeyI', 'KeyK');
     if (left === 0 && up === 0) return;
     this.hasMoved = true;
-    // Looking round turns the view as orbiting turns the scene: the other way about.
+    // Walk mode turns the camera, orbit mode the scene: opposite signs.
     const angle = (this.mode === 'walk' ? -turnSpeed : turnSpeed) * seconds;
     this.controls.rotateLeft(left * angle);
     this.controls.rotateUp(up * angle);
   }
 
   private walk(seconds: number): void {
-    const ahead = this.keys.axis('KeyW', 'KeyS');
-    const aside = this.keys.axis('KeyD', 'KeyA');
-    const up = this.keys.axis('KeyE', 'KeyQ');
-    if (ahead === 0 && aside === 0 && up === 0) return;
+    const forwardKeys = this.keys.axis('KeyW', 'KeyS');
+    const rightKeys = this.keys.axis('KeyD', 'KeyA');
+    const upKeys = this.keys.axis('KeyE', 'KeyQ');
+    if (forwardKeys === 0 && rightKeys === 0 && upKeys === 0) return;
     this.hasMoved = true;
-    const forward = levelDirection(this.camera);
+    const forward = horizontalDirection(this.camera);
     const right = new Vector3(-forward.z, 0, forward.x);
     const step = forward
-      .multiplyScalar(ahead)
-      .addScaledVector(right, aside)
-      .add(new Vector3(0, up, 0))
+      .multiplyScalar(forwardKeys)
+      .addScaledVector(right, rightKeys)
+      .add(new Vector3(0, upKeys, 0))
       .normalize()
       .multiplyScalar(walkSpeed * seconds);
     this.camera.position.add(step);
@@ -89,10 +89,10 @@ export class Navigation {
   }
 }
 
-/// Where the camera looks, without up and down.
-export function levelDirection(camera: PerspectiveCamera): Vector3 {
+/// The camera's viewing direction projected on the horizontal plane.
+export function horizontalDirection(camera: PerspectiveCamera): Vector3 {
   const direction = camera.getWorldDirection(new Vector3());
-  // Straight down, what is up in the picture is ahead.
+  // Looking straight down, the image's up direction counts as forward.
   if (Math.hypot(direction.x, direction.z) < 1e-3)
     direction.set(0, 1, 0).applyQuaternion(camera.quaternion);
   return direction.setY(0).normalize();

@@ -16,11 +16,11 @@ import {
 import type { Body } from '../scene/bodies';
 import type { SceneView } from '../scene/view';
 
-const clickPixels = 4; // further apart, press and release are a drag
+const maxClickPixels = 4; // between press and release; more is a drag
 const markColor = '#00a3a3';
-const markAngle = 0.004; // [rad] a mark's radius as the eye sees it
+const markAngle = 0.004; // [rad] a mark's angular radius
 
-/// A click: on a body it chooses it; while measuring, two of them give a distance.
+/// Picking by ray casting: a click selects a body; while measuring, two clicks give a distance.
 export class Picking {
   isMeasuring = false;
   points: Vector3[] = []; // in base
@@ -39,8 +39,8 @@ export class Picking {
     view.base.add(this.marks);
     canvas.addEventListener('pointerdown', (e) => this.pressed.set(e.clientX, e.clientY));
     canvas.addEventListener('pointerup', (event) => {
-      const isClick = this.pressed.distanceTo(new Vector2(event.clientX, event.clientY));
-      if (event.button === 0 && isClick < clickPixels) this.click(event.clientX, event.clientY);
+      const moved = this.pressed.distanceTo(new Vector2(event.clientX, event.clientY));
+      if (event.button === 0 && moved < maxClickPixels) this.click(event.clientX, event.clientY);
     });
   }
 
@@ -50,7 +50,7 @@ export class Picking {
     this.drawMarks();
   }
 
-  /// The ray through a point of the window.
+  /// The ray through a point in window coordinates.
   rayAt(clientX: number, clientY: number): Raycaster {
     const box = this.canvas.getBoundingClientRect();
     const at = new Vector2(
@@ -90,8 +90,8 @@ export class Picking {
     }
     const eye = this.view.base.worldToLocal(this.view.camera.position.clone());
     for (const point of this.points) {
-      const ball = new SphereGeometry(markAngle * eye.distanceTo(point), 12, 8);
-      const mark = new Mesh(ball, new MeshBasicMaterial({ color: markColor, depthTest: false }));
+      const sphere = new SphereGeometry(markAngle * eye.distanceTo(point), 12, 8);
+      const mark = new Mesh(sphere, new MeshBasicMaterial({ color: markColor, depthTest: false }));
       mark.position.copy(point);
       mark.renderOrder = 3;
       this.marks.add(mark);

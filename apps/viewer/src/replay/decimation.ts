@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-/// Which rows to draw of many: of each of `buckets` runs of rows its least and its greatest value of
-/// each column, and the first that is none (NaN), in order. A peak of one row stays a peak, and an
-/// interruption one.
+/// Min-max decimation for plots: of each of `buckets` intervals of rows, the rows of each column's
+/// minimum, maximum and first NaN, ascending. A peak or a gap of a single row survives.
 export function decimate(columns: readonly Float64Array[], buckets: number): number[] {
   const rows = columns[0]?.length ?? 0;
   if (rows <= 2 * columns.length * buckets) return Array.from({ length: rows }, (_, i) => i);
@@ -12,16 +11,16 @@ export function decimate(columns: readonly Float64Array[], buckets: number): num
     const from = Math.floor((bucket * rows) / buckets);
     const to = Math.floor(((bucket + 1) * rows) / buckets);
     for (const column of columns) {
-      let [least, most, none] = [-1, -1, -1];
+      let [min, max, gap] = [-1, -1, -1];
       for (let row = from; row < to; ++row) {
         if (Number.isNaN(column[row])) {
-          if (none < 0) none = row;
+          if (gap < 0) gap = row;
         } else {
-          if (least < 0 || column[row] < column[least]) least = row;
-          if (most < 0 || column[row] > column[most]) most = row;
+          if (min < 0 || column[row] < column[min]) min = row;
+          if (max < 0 || column[row] > column[max]) max = row;
         }
       }
-      for (const row of [least, most, none]) if (row >= 0) kept.add(row);
+      for (const row of [min, max, gap]) if (row >= 0) kept.add(row);
     }
   }
   return [...kept].sort((a, b) => a - b);

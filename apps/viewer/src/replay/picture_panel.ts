@@ -3,7 +3,7 @@
 import { byId, setPressed, setText } from '../ui/dom';
 import { indexAt } from './replay_data';
 
-/// The recorded picture of the timeline's time. One is asked for at a time, and then the newest.
+/// The recorded image at the timeline's time. One request at a time, the next for the newest time.
 export class PicturePanel {
   shown = -1;
   private readonly figure = byId('picture', HTMLElement);
@@ -16,8 +16,8 @@ export class PicturePanel {
   constructor(private readonly times: readonly number[]) {
     this.toggle.hidden = times.length === 0;
     this.toggle.addEventListener('click', () => this.show(this.figure.hidden));
-    this.image.addEventListener('load', () => this.arrived(true));
-    this.image.addEventListener('error', () => this.arrived(false));
+    this.image.addEventListener('load', () => this.finish(true));
+    this.image.addEventListener('error', () => this.finish(false));
   }
 
   show(isShown: boolean): void {
@@ -38,13 +38,13 @@ export class PicturePanel {
     this.image.src = `/api/frames/${this.loading}.jpg`;
   }
 
-  private arrived(isThere: boolean): void {
+  private finish(isLoaded: boolean): void {
     this.shown = this.loading;
     this.loading = -1;
     const time = this.times[this.shown]?.toFixed(2);
     setText(
       this.caption,
-      isThere ? `Recorded at ${time} s, prediction over it` : `no picture at ${time} s`,
+      isLoaded ? `Recorded at ${time} s, with predicted bodies` : `no image at ${time} s`,
     );
     this.load();
   }

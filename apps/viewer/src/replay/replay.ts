@@ -9,7 +9,7 @@ import { ReplayPlots } from './replay_plots';
 import { Timeline } from './timeline';
 import { TimelineBar } from './timeline_bar';
 
-/// A recording replayed: the predicted bodies solid, the tracked ones as ghosts, all by one timeline.
+/// Replays a recording: the predicted bodies solid, the tracked ones as ghosts, on one timeline.
 export class ReplayPlayer {
   readonly timeline: Timeline;
   readonly picture: PicturePanel;
@@ -89,7 +89,7 @@ export class ReplayPlayer {
     const row = this.replay.tool.at(time);
     if (!row) return this.app.view.tool.hide();
     const [, x, y, z, fx, fy, fz] = row;
-    // Recorded is what the tool exerts; shown is what it feels, as a hand does live.
+    // The recording has the force that the tool exerts; shown is the reaction, as on a live hand.
     this.app.view.showTool([x, y, z], [x, y, z], [-fx, -fy, -fz]);
   }
 }

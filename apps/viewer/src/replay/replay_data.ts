@@ -26,7 +26,7 @@ export interface ReplayModel {
   frames: { t: number[]; width: number; height: number };
 }
 
-/// The last of `count` ascending times not after `time`; -1 where all are.
+/// The index of the last of `count` ascending times not after `time`; -1 if all are after it.
 function lastNotAfter(time: number, count: number, timeOf: (index: number) => number): number {
   let [low, high] = [0, count];
   while (low < high) {
@@ -37,7 +37,7 @@ function lastNotAfter(time: number, count: number, timeOf: (index: number) => nu
   return low - 1;
 }
 
-/// Rows of numbers, the first of each its time, ascending.
+/// Rows of numbers; the first column is the time, ascending.
 export class Table {
   constructor(
     readonly values: Float32Array,
@@ -59,20 +59,20 @@ export class Table {
     );
   }
 
-  /// The last row not after `time`; -1 where all are.
+  /// The last row not after `time`; -1 if all are after it.
   rowAt(time: number): number {
     return lastNotAfter(time, this.rows, (row) => this.time(row));
   }
 
-  /// Values at `time`, between two rows in proportion; null outside of them all.
+  /// Values at `time`, linearly interpolated between two rows; null outside of the table.
   at(time: number): number[] | null {
     const row = this.rowAt(time);
     if (row < 0) return null;
     const from = this.row(row);
     if (row + 1 === this.rows) return time <= from[0] + maxHold ? from : null;
     const to = this.row(row + 1);
-    const part = (time - from[0]) / (to[0] - from[0]);
-    return from.map((value, i) => value + (to[i] - value) * part);
+    const fraction = (time - from[0]) / (to[0] - from[0]);
+    return from.map((value, i) => value + (to[i] - value) * fraction);
   }
 
   private row(row: number): number[] {
@@ -80,16 +80,17 @@ export class Table {
   }
 }
 
-const maxHold = 0.5; // [s] that a last value is shown for: beyond, nothing is known
+const maxHold = 0.5; // [s] for which the last value stays valid
 
 export interface PoseAt {
   position: Vector;
   quaternion: Quaternion;
 }
 
-/// A pose of rows t, position, quaternion: the shorter way round between two.
+/// The pose at `time` from rows t, position, quaternion; rotations are interpolated along the
+/// shorter arc (normalised lerp).
 export function poseAt(table: Table, time: number): PoseAt | null {
-  // A prediction begins with the first cycle: until then a body is where it begins.
+  // A prediction begins with the first cycle: before it, the first pose holds.
   const first = table.rows > 0 ? table.time(0) : Infinity;
   if (time < first && first - time <= maxHold) time = first;
   const row = table.rowAt(time);
@@ -101,10 +102,10 @@ export function poseAt(table: Table, time: number): PoseAt | null {
   const to = table.values.subarray(next * 8 + 4, next * 8 + 8);
   const dot = from[0] * to[0] + from[1] * to[1] + from[2] * to[2] + from[3] * to[3];
   const span = table.time(next) - table.time(row);
-  const part = span > 0 ? Math.min(1, (time - table.time(row)) / span) : 0;
-  const mixed = Array.from(from, (q, i) => q + ((dot < 0 ? -to[i] : to[i]) - q) * part);
-  const size = Math.hypot(...mixed) || 1;
-  return { position, quaternion: mixed.map((q) => q / size) as Quaternion };
+  const fraction = span > 0 ? Math.min(1, (time - table.time(row)) / span) : 0;
+  const mixed = Array.from(from, (q, i) => q + ((dot < 0 ? -to[i] : to[i]) - q) * fraction);
+  const norm = Math.hypot(...mixed) || 1;
+  return { position, quaternion: mixed.map((q) => q / norm) as Quaternion };
 }
 
 export interface ReplayObject {
@@ -122,11 +123,11 @@ export interface Replay {
   tool: Table;
 }
 
-/// Takes replay.bin apart; an Error where it is too short for what replay.json says.
+/// Splits replay.bin into tables; throws an Error if it is shorter than replay.json declares.
 export function readReplay(model: ReplayModel, binary: ArrayBuffer): Replay {
   const table = ({ at, rows }: TableAt, width: number) => {
     if (at % 4 !== 0 || at + 4 * rows * width > binary.byteLength)
-      throw new Error('replay.bin is shorter than replay.json says');
+      throw new Error('replay.bin is shorter than replay.json declares');
     return new Table(new Float32Array(binary, at, rows * width), width);
   };
   return {
@@ -143,7 +144,7 @@ export function readReplay(model: ReplayModel, binary: ArrayBuffer): Replay {
   };
 }
 
-/// The phases that hold at `time`.
+/// The phases at `time`.
 export function phasesAt(
   object: ReplayObject,
   time: number,
@@ -153,7 +154,7 @@ export function phasesAt(
   return found ?? { measured: 'free', predicted: 'free' };
 }
 
-/// The last of ascending `times` not after `time`; the first where all are after it; -1 of none.
+/// The index of the last of ascending `times` not after `time`; 0 if all are after it, -1 if empty.
 export function indexAt(times: readonly number[], time: number): number {
   const found = lastNotAfter(time, times.length, (i) => times[i]);
   return Math.max(found, Math.min(0, times.length - 1));

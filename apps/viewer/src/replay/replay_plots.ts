@@ -7,9 +7,9 @@ import { cssColor, Plot } from '../ui/plot';
 import { decimate } from './decimation';
 import type { Replay, ReplayObject, Table } from './replay_data';
 
-const buckets = 600; // more than half of what a screen has of columns changes no picture
+const buckets = 600; // about one per two screen columns: more would not be visible
 const height = 150; // [CSS pixels]
-const bandHeight = 5; // [CSS pixels] of each of the two bands of phases
+const bandHeight = 5; // [CSS pixels] of each of the two phase bands
 
 /// Error and force of one object over the whole replay, with phases and corrections.
 export class ReplayPlots {
@@ -27,7 +27,7 @@ export class ReplayPlots {
     const common = { height, onSeek: this.onSeek };
     const error = new Plot(this.parent, {
       ...common,
-      title: 'Predicted against tracked',
+      title: 'Prediction error against tracking',
       note: corrections.length > 0 ? 'dashed: corrections' : '',
       unit: 'mm',
       rightUnit: '°',
@@ -45,7 +45,7 @@ export class ReplayPlots {
     const force = new Plot(this.parent, {
       ...common,
       title: 'Force',
-      note: 'bands: phase measured, predicted',
+      note: 'bands: measured, predicted phase',
       unit: 'N',
       minSpan: 2,
       series: [
@@ -86,7 +86,7 @@ export class ReplayPlots {
   }
 }
 
-/// Corrections: a dashed line down each.
+/// A dashed vertical line at each correction.
 function drawMarks(plot: uPlot, times: readonly number[]): void {
   const { ctx: pen, bbox } = plot;
   pen.save();

@@ -3,7 +3,7 @@
 
 export const speeds = [0.1, 0.25, 0.5, 1, 2, 4] as const;
 
-/// Where a replay stands. Time in seconds from its start.
+/// The playback position of a replay, in seconds from its start.
 export class Timeline {
   time = 0;
   speed = 1;
@@ -11,7 +11,7 @@ export class Timeline {
 
   constructor(readonly duration: number) {}
 
-  /// `seconds` later by the wall's clock; at the end it stops. True if it moved.
+  /// Advances by `seconds` of wall time; stops at the end. True if the position changed.
   advance(seconds: number): boolean {
     if (!this.isPlaying) return false;
     this.seek(this.time + seconds * this.speed);
@@ -23,7 +23,7 @@ export class Timeline {
     this.time = Math.min(Math.max(Number.isFinite(time) ? time : 0, 0), this.duration);
   }
 
-  /// From the end it starts anew.
+  /// Play or pause; from the end it restarts.
   toggle(): void {
     if (!this.isPlaying && this.time >= this.duration) this.time = 0;
     this.isPlaying = !this.isPlaying;

@@ -6,7 +6,7 @@ import { speeds, type Timeline } from './timeline';
 const smallStep = 0.1; // [s]
 const largeStep = 1; // [s]
 
-/// Play, pause, scrub and speed, by mouse and keys.
+/// Play, pause, seek and speed, by mouse and keyboard.
 export class TimelineBar {
   private readonly play = byId('play', HTMLButtonElement);
   private readonly scrub = byId('scrub', HTMLInputElement);

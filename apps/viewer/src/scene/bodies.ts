@@ -14,7 +14,7 @@ import type { Phase, Quaternion, Vector } from '../protocol';
 import type { GlbPart } from './glb';
 import type { SceneObject } from './scene_model';
 
-// Apart from each other, from a scan's browns and greys, and for colour-blind eyes.
+// Distinct from each other, from a scan's browns and greys, and to colour-blind users.
 const bodyColors = ['#3273dc', '#e2711d', '#129e86', '#b14aa3', '#c9a013', '#6650c9'];
 const fixedColor = '#8b96a5';
 export const phaseColors: Record<Phase, string> = {
@@ -30,12 +30,12 @@ export function bodyColor(index: number, movable: boolean): string {
   return movable ? bodyColors[index % bodyColors.length] : fixedColor;
 }
 
-/// A CAD body: solid where it is believed to be; its ghost where it was seen.
+/// A CAD body: solid at its predicted pose, with a ghost at its tracked pose.
 export class Body {
   readonly solid = new Group();
   readonly ghost = new Group();
   readonly color: string;
-  readonly marks = [new Group(), new Group()] as const; // its tags, its frame: in their own layers
+  readonly marks = [new Group(), new Group()] as const; // its tags, its frame: in separate layers
   phase: Phase = 'free';
   isOutsideModel = false;
   private fill: MeshLambertMaterial;
@@ -46,7 +46,7 @@ export class Body {
     index: number,
   ) {
     this.color = bodyColor(index, object.movable);
-    // Pushed back a little in depth, so that the edges lie on it unbroken.
+    // Polygon offset: the faces are drawn slightly behind the edges, against z-fighting.
     this.fill = new MeshLambertMaterial({
       color: this.color,
       polygonOffset: true,

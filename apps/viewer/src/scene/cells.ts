@@ -13,37 +13,37 @@ import {
 } from 'three';
 import type { Vector } from '../protocol';
 
-const headBytes = 20;
-const pointSize = 0.006; // [m] a little more than the usual voxel's 5 mm: points join to a surface
+const headerBytes = 20;
+const pointSize = 0.006; // [m] slightly above the default voxel (5 mm): points close to a surface
 
 interface Grid {
   origin: Vector;
   step: number; // [m]
   count: number;
-  steps: Uint16Array; // three a point
+  steps: Uint16Array; // three per point
 }
 
-/// The head and the steps that cloud.bin and occupancy.bin share; `extra` bytes follow for each.
+/// The header and the steps common to cloud.bin and occupancy.bin; `extra` bytes per point follow.
 export function readGrid(file: ArrayBuffer, extra: number): Grid {
   const view = new DataView(file);
-  const count = file.byteLength >= headBytes ? view.getUint32(16, true) : 0;
-  if (file.byteLength !== headBytes + count * (6 + extra))
-    throw new Error('its length is not what its head says');
+  const count = file.byteLength >= headerBytes ? view.getUint32(16, true) : 0;
+  if (file.byteLength !== headerBytes + count * (6 + extra))
+    throw new Error('file size differs from the header');
   const origin: Vector = [
     view.getFloat32(0, true),
     view.getFloat32(4, true),
     view.getFloat32(8, true),
   ];
-  const steps = new Uint16Array(file, headBytes, 3 * count);
+  const steps = new Uint16Array(file, headerBytes, 3 * count);
   return { origin, step: view.getFloat32(12, true), count, steps };
 }
 
-/// Positions [m] of a grid's points, from its origin on: small numbers keep their digits.
+/// Positions [m] of a grid's points relative to its origin, which keeps float precision.
 function positionsOf(grid: Grid): Float32Array {
   return Float32Array.from(grid.steps, (steps) => steps * grid.step);
 }
 
-/// The same colours on the 16-bit linear scale that a graphics card mixes in.
+/// sRGB to linear colours, 16 bits, as the GPU blends them.
 export function linearColors(srgb: Uint8Array): Uint16Array {
   const table = new Uint16Array(256);
   for (let i = 0; i < 256; ++i) {
@@ -56,7 +56,7 @@ export function linearColors(srgb: Uint8Array): Uint16Array {
 
 export function makeCloud(file: ArrayBuffer): Points {
   const grid = readGrid(file, 3);
-  const srgb = new Uint8Array(file, headBytes + 6 * grid.count);
+  const srgb = new Uint8Array(file, headerBytes + 6 * grid.count);
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(positionsOf(grid), 3));
   geometry.setAttribute('color', new BufferAttribute(linearColors(srgb), 3, true));
@@ -70,13 +70,13 @@ export function makeOccupancy(file: ArrayBuffer): InstancedMesh {
   const { origin, step, count, steps } = readGrid(file, 0);
   const box = new BoxGeometry(0.92 * step, 0.92 * step, 0.92 * step);
   const boxes = new InstancedMesh(box, new MeshLambertMaterial(), count);
-  let highest = 1;
-  for (let i = 0; i < count; ++i) highest = Math.max(highest, steps[3 * i + 2]);
+  let maxZ = 1; // [steps]
+  for (let i = 0; i < count; ++i) maxZ = Math.max(maxZ, steps[3 * i + 2]);
   const matrix = new Matrix4();
   for (let i = 0; i < count; ++i) {
     const [x, y, z] = [0, 1, 2].map((axis) => origin[axis] + (steps[3 * i + axis] + 0.5) * step);
     boxes.setMatrixAt(i, matrix.makeTranslation(x, y, z));
-    const height = steps[3 * i + 2] / highest;
+    const height = steps[3 * i + 2] / maxZ;
     boxes.setColorAt(i, new Color().setHSL(0.62 - 0.48 * height, 0.6, 0.32 + 0.13 * height));
   }
   return boxes;

@@ -12,8 +12,8 @@ import {
   type TypedArray,
 } from 'three';
 
-// What gltfpack and pcavr write of glTF 2: triangles with colours, compressed or not. Textures,
-// skins and animations are left out, and with them most of a general loader's weight.
+// The subset of glTF 2 that gltfpack and pcavr write: triangles with colours, optionally with
+// meshopt compression. No textures, skins or animations: a fraction of a general loader's size.
 
 interface Accessor {
   bufferView?: number;
@@ -65,7 +65,7 @@ interface Gltf {
 export interface GlbPart {
   geometry: BufferGeometry;
   matrix: Matrix4; // part to file
-  color: Color | null; // the material's, linear
+  color: Color | null; // of the material, linear
 }
 
 type ArrayMaker = new (buffer: ArrayBuffer, at: number, length: number) => TypedArray;
@@ -84,10 +84,10 @@ const attributeNames: Record<string, string> = {
   COLOR_0: 'color',
 };
 
-/// The triangles of a binary glTF file; an Error names what can't be read.
+/// The triangles of a binary glTF file; throws an Error for what can't be read.
 export async function readGlb(file: ArrayBuffer): Promise<GlbPart[]> {
-  const { gltf, binary } = takeApart(file);
-  const views = await unpackViews(gltf, binary);
+  const { gltf, binary } = splitChunks(file);
+  const views = await decodeViews(gltf, binary);
   const parts: GlbPart[] = [];
   const visit = (index: number, parent: Matrix4) => {
     const node = gltf.nodes?.[index];
@@ -103,7 +103,7 @@ export async function readGlb(file: ArrayBuffer): Promise<GlbPart[]> {
   return parts;
 }
 
-function takeApart(file: ArrayBuffer): { gltf: Gltf; binary: Uint8Array } {
+function splitChunks(file: ArrayBuffer): { gltf: Gltf; binary: Uint8Array } {
   const view = new DataView(file);
   if (file.byteLength < 20 || view.getUint32(0, true) !== 0x46546c67)
     throw new Error('not a binary glTF file');
@@ -122,7 +122,7 @@ function compressionOf({ extensions }: BufferView): Compressed | undefined {
 }
 
 /// Every buffer view as bytes of its own buffer, so that arrays of any type may start there.
-async function unpackViews(gltf: Gltf, binary: Uint8Array): Promise<ArrayBuffer[]> {
+async function decodeViews(gltf: Gltf, binary: Uint8Array): Promise<ArrayBuffer[]> {
   const bytesAt = (part: { byteOffset?: number; byteLength: number }) =>
     binary.slice(part.byteOffset ?? 0, (part.byteOffset ?? 0) + part.byteLength);
   const views = gltf.bufferViews ?? [];

@@ -31,7 +31,7 @@ export const layerTitles: Record<LayerName, string> = {
 
 const shownAtFirst: readonly LayerName[] = ['mesh', 'bodies', 'ghosts', 'labels'];
 
-/// What can be switched on and off: a group each, all in base.
+/// The layers to show and hide: a group each, all in base.
 export class Layers {
   private groups = new Map<LayerName, Group>();
   private listeners: ((name: LayerName, isShown: boolean) => void)[] = [];

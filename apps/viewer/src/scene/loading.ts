@@ -19,25 +19,25 @@ export interface Progress {
   what: string;
 }
 
-/// Which level to end with: the finest of at most `triangles`, or else the coarsest.
+/// The level of detail to show: the finest of at most `triangles`, or else the coarsest.
 export function levelWithin(levels: readonly MeshLevel[], triangles: number): number {
   const index = levels.findIndex((level) => level.triangles <= triangles);
   return index >= 0 ? index : levels.length - 1;
 }
 
-/// Captured colours bring their own light and shadow; a plain surface needs ours to be seen.
+/// Scanned colours contain the light already (unlit material); a plain surface needs shading.
 function scanMaterial(hasColors: boolean, color: Color | null): Material {
   if (hasColors) return new MeshBasicMaterial({ vertexColors: true, side: DoubleSide });
   return new MeshLambertMaterial({ color: color ?? '#b8bec6', side: DoubleSide });
 }
 
-/// Loads bodies and the scan's coarsest level first, then the level the device can carry.
+/// Loads the bodies and the scan's coarsest level first, then the finest level within the budget.
 export class SceneLoader {
   level = -1; // of the scan shown now; -1: none
   objectsLoaded = 0;
   isComplete = false;
   failures: string[] = [];
-  private wanted = -1; // the level asked for last
+  private requested = -1; // the last requested level
   private isChosen = false; // by the user
   private loaded = 0;
   private total = 0;
@@ -49,7 +49,7 @@ export class SceneLoader {
     private readonly onFailure: (text: string) => void,
   ) {}
 
-  /// `triangles`: how many of the scan's the device can carry.
+  /// `triangles`: the scan's triangle budget on this device.
   async load(triangles: number): Promise<void> {
     const model = this.view.model!;
     const coarsest = model.mesh.length - 1;
@@ -67,7 +67,7 @@ export class SceneLoader {
     this.finish();
   }
 
-  /// The level that the user wants, from now on.
+  /// Shows the level that the user has selected.
   async choose(level: number): Promise<void> {
     this.isChosen = true;
     this.total += this.view.model!.mesh[level].bytes;
@@ -75,16 +75,16 @@ export class SceneLoader {
     this.finish();
   }
 
-  /// Another level in the place of the one shown; of several on their way, the one asked for last.
+  /// Replaces the level shown; of several requests in flight, the last one is shown.
   private async showLevel(level: number | undefined): Promise<void> {
     if (level === undefined) return;
-    this.wanted = level;
+    this.requested = level;
     if (level === this.level) return;
     const { path, triangles } = this.view.model!.mesh[level];
     const what = `scan, ${triangles.toLocaleString('en')} triangles`;
     await this.attempt(path, async () => {
       const parts = await readGlb(await fetchBytes(path, (bytes) => this.advance(bytes, what)));
-      if (level !== this.wanted) return;
+      if (level !== this.requested) return;
       this.replaceScan(parts);
       this.level = level;
     });
@@ -115,7 +115,7 @@ export class SceneLoader {
     });
   }
 
-  /// A file that fails leaves a gap in the scene, and a word about it; the rest is shown.
+  /// A file that fails to load is reported and left out; the rest is shown.
   private async attempt(path: string, action: () => Promise<void>): Promise<void> {
     try {
       await action();

@@ -22,11 +22,11 @@ import { heightOf, type Outline } from './outline';
 import type { SceneModel, SceneTag } from './scene_model';
 import type { SceneView } from './view';
 
-const lift = 0.001; // [m] above what it lies on, or both would flicker
+const lift = 0.001; // [m] above the surface, against z-fighting
 const cameraSize = 0.02; // [m]
 const maxCameras = 60; // drawn as pyramids: more would hide the path they lie on
 
-/// Tags, frames, support planes and the camera's path: what explains a scene.
+/// Adds tags, coordinate frames, support planes and the camera path.
 export function addMarks(view: SceneView, model: SceneModel): void {
   const { layers } = view;
   layers.group('frames').add(axes(0.2));
@@ -60,7 +60,7 @@ function addTag(view: SceneView, tag: SceneTag): void {
   else view.body(tag.object)?.marks[0].add(mark);
 }
 
-/// A tag's family and number, in a frame: its pattern is no concern of the page.
+/// A tag's family and id in a border; the tag's bit pattern is not drawn.
 function tagPicture(tag: SceneTag): CanvasTexture {
   const { pen, texture } = drawnTexture(128, 128);
   pen.fillStyle = '#ffffff';
@@ -76,7 +76,7 @@ function tagPicture(tag: SceneTag): CanvasTexture {
   return texture;
 }
 
-/// In its own plane the outline is a flat polygon: two axes in it, and the height of each corner.
+/// A filled polygon at the outline's mean height, with its edge.
 function supportPlane(outline: Outline): Group {
   const corners = outline.map((corner) => new Vector3(...corner));
   const shape = new Shape();

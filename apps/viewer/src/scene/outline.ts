@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Vector } from '../protocol';
 
-/// Corners of a level surface [m], one after the other round it, in base.
+/// The corners of a horizontal polygon [m] in order, in base.
 export type Outline = readonly Readonly<Vector>[];
 
 /// The mean of its corners' heights [m].
@@ -10,8 +10,7 @@ export function heightOf(outline: Outline): number {
   return outline.reduce((sum, corner) => sum + corner[2], 0) / outline.length;
 }
 
-/// Whether a place lies in an outline, seen from above: a ray along x leaves it once more than it
-/// enters.
+/// Point-in-polygon test seen from above, by ray casting along x (even-odd rule).
 export function isInside(x: number, y: number, outline: Outline): boolean {
   let isIn = false;
   outline.forEach((a, i) => {

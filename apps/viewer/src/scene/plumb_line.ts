@@ -15,10 +15,10 @@ import { heightOf, isInside, type Outline } from './outline';
 import { Segment } from './segment';
 
 const color = '#ffffff';
-const lift = 0.001; // [m] of the foot above what it lies on, or both would flicker
+const lift = 0.001; // [m] of the foot above the surface, against z-fighting
 
-/// A line from the tool straight down, to the body or the support below it: on a flat screen it says
-/// how far away the tool is. All in base.
+/// A vertical line from the tool down to the body or the support below it: a depth cue on a flat
+/// screen. All in base.
 export class PlumbLine {
   readonly group = new Group();
   private readonly line: Segment;
@@ -60,7 +60,7 @@ export class PlumbLine {
   }
 }
 
-/// The height [m] of the highest support below a point; -Infinity where it is beside them all.
+/// The height [m] of the highest support below a point; -Infinity outside of all outlines.
 export function supportBelow(point: Readonly<Vector>, outlines: readonly Outline[]): number {
   let highest = -Infinity;
   for (const outline of outlines) {

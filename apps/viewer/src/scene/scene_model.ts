@@ -29,7 +29,7 @@ export interface SceneTag {
   quaternion: Quaternion;
 }
 
-/// `/api/scene.json`; poses map the thing to base, a tag's to its object where it has one.
+/// `/api/scene.json`; poses are in base, a tag's pose in its object's frame if it has an object.
 export interface SceneModel {
   name: string;
   protocol: number;
@@ -50,17 +50,17 @@ export interface SessionInfo {
   scene: string;
 }
 
-/// Fetches JSON; an Error says in words what is wrong.
+/// Fetches JSON; throws an Error with path and HTTP status.
 export async function fetchJson<T>(path: string): Promise<T> {
   const response = await fetch(path);
-  if (!response.ok) throw new Error(`${path}: the server answers ${response.status}`);
+  if (!response.ok) throw new Error(`${path}: HTTP status ${response.status}`);
   return (await response.json()) as T;
 }
 
 export async function fetchScene(): Promise<SceneModel> {
   const scene = await fetchJson<Partial<SceneModel>>('/api/scene.json');
   if (scene.protocol !== undefined && scene.protocol !== protocolVersion)
-    throw new Error(`The scene is of version ${scene.protocol}, this page of ${protocolVersion}`);
+    throw new Error(`The scene has version ${scene.protocol}, this page ${protocolVersion}`);
   return {
     name: scene.name ?? '',
     protocol: protocolVersion,
@@ -74,27 +74,27 @@ export async function fetchScene(): Promise<SceneModel> {
   };
 }
 
-/// Fetches a file and tells of every piece of it that has come, in bytes.
+/// Fetches a file; `onProgress` gets the size of each chunk received.
 export async function fetchBytes(
   path: string,
   onProgress: (bytes: number) => void,
 ): Promise<ArrayBuffer> {
   const response = await fetch(path);
-  if (!response.ok) throw new Error(`${path}: the server answers ${response.status}`);
+  if (!response.ok) throw new Error(`${path}: HTTP status ${response.status}`);
   if (!response.body) return response.arrayBuffer();
-  const pieces: Uint8Array[] = [];
+  const chunks: Uint8Array[] = [];
   let length = 0;
   const reader = response.body.getReader();
   for (let part = await reader.read(); !part.done; part = await reader.read()) {
-    pieces.push(part.value);
+    chunks.push(part.value);
     length += part.value.length;
     onProgress(part.value.length);
   }
   const bytes = new Uint8Array(length);
   let at = 0;
-  for (const piece of pieces) {
-    bytes.set(piece, at);
-    at += piece.length;
+  for (const chunk of chunks) {
+    bytes.set(chunk, at);
+    at += chunk.length;
   }
   return bytes.buffer;
 }

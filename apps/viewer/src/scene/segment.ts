@@ -3,14 +3,14 @@
 import { BufferAttribute, BufferGeometry, Line, type LineBasicMaterial } from 'three';
 import type { Vector } from '../protocol';
 
-/// A straight line between two places that move.
+/// A straight line between two moving points.
 export class Segment extends Line {
   private readonly ends = new BufferAttribute(new Float32Array(6), 3);
 
   constructor(material: LineBasicMaterial) {
     super(new BufferGeometry(), material);
     this.geometry.setAttribute('position', this.ends);
-    this.frustumCulled = false; // its bounds would be those of where it was first
+    this.frustumCulled = false; // its bounds are not updated when it moves
   }
 
   join(from: Readonly<Vector>, to: Readonly<Vector>): void {

@@ -21,11 +21,11 @@ const hipColor = '#d6336c';
 const forceColor = '#d6336c';
 const metresPerNewton = 0.01; // an arrow of 10 cm at 10 N
 const maxArrow = 0.3; // [m]
-const minForce = 0.05; // [N] below, an arrow is only noise
+const minForce = 0.05; // [N] below, the arrow would show noise
 const pulseSeconds = 0.35;
 
-/// The tool: the proxy (a ball of the tool's size, outside of everything), the HIP (where the hand
-/// is), the line between them, the force on the hand, and its pulses.
+/// The tool: the proxy (god-object: a sphere of the tool's size, outside of all surfaces), the HIP
+/// (haptic interface point: where the hand is), a line between them, the force on the hand, pulses.
 export class ToolView {
   readonly group = new Group();
   readonly proxy = new Mesh(
@@ -92,23 +92,23 @@ export class ToolView {
     this.group.visible = false;
   }
 
-  /// Where the force's arrow ends, in the world; null where there is none to draw.
+  /// The tip of the force arrow in world coordinates; null if it is not drawn.
   arrowTip(): Vector3 | null {
     if (!this.group.visible || !this.arrow.visible) return null;
     this.arrow.updateWorldMatrix(true, false);
     return this.arrow.localToWorld(new Vector3(0, this.head.position.y + this.head.scale.y, 0));
   }
 
-  /// Lets a pulse fade; true while there is one to draw. `calm`: a change of colour, no motion.
-  animate(now: number, calm: boolean): boolean {
-    const part = (now - this.pulseStart) / pulseSeconds;
-    const isOn = part >= 0 && part < 1;
+  /// Animates a pulse's ring; true while it needs a redraw. `reducedMotion`: fading, no growth.
+  animate(now: number, reducedMotion: boolean): boolean {
+    const progress = (now - this.pulseStart) / pulseSeconds;
+    const isOn = progress >= 0 && progress < 1;
     const wasOn = this.ring.visible;
     this.ring.visible = isOn;
     if (isOn) {
       this.ring.position.copy(this.proxy.position);
-      this.ring.scale.setScalar(this.radius * (calm ? 1.8 : 1.2 + 2.2 * part));
-      this.ring.material.opacity = 1 - part;
+      this.ring.scale.setScalar(this.radius * (reducedMotion ? 1.8 : 1.2 + 2.2 * progress));
+      this.ring.material.opacity = 1 - progress;
     }
     return isOn || wasOn;
   }

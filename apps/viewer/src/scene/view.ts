@@ -19,12 +19,12 @@ import { PlumbLine } from './plumb_line';
 import type { SceneModel } from './scene_model';
 import { ToolView } from './tool_view';
 
-const viewingElevation = 0.6; // [rad] table tops are seen well so, and what stands on them too
+const viewingElevation = 0.6; // [rad] shows a table top and the bodies on it
 const minRadius = 0.15; // [m]
 const backgrounds = { light: '#e9edf1', dark: '#15191e' };
 
-/// The drawn world. three.js has y up, the base frame z: `base` stands between them, and whatever
-/// is in the robot's base frame hangs below it.
+/// The scene graph. three.js has y up, the base frame z up: the group `base` converts, and
+/// everything in the robot's base frame is its child.
 export class SceneView {
   readonly scene = new Scene();
   readonly base = new Group();
@@ -36,7 +36,7 @@ export class SceneView {
   private readonly plumbLine: PlumbLine;
   private supports: Outline[] = [];
   private byName = new Map<string, Body>();
-  private order: (Body | undefined)[] = []; // as the server's state has them
+  private order: (Body | undefined)[] = []; // in the order of the server's state
 
   constructor() {
     this.base.name = 'base';
@@ -64,7 +64,7 @@ export class SceneView {
     return this.byName.get(name);
   }
 
-  /// The names of a state's objects, in its order.
+  /// `names`: of the state's objects, in its order.
   setObjectOrder(names: readonly string[]): void {
     this.order = names.map((name) => this.byName.get(name));
   }
@@ -88,39 +88,38 @@ export class SceneView {
     this.scene.background = new Color(backgrounds[theme]);
   }
 
-  /// Looks at what there is to push, from the side that it was scanned from: there the scan has the
-  /// fewest holes. With nothing to push, from where the first camera was. Gives back the point
-  /// looked at.
+  /// Frames the movable bodies from the side of the scan's first camera, where the scan has the
+  /// fewest holes; without movable bodies, from that camera's pose. Returns the target point.
   frameAll(): Vector3 {
     this.scene.updateMatrixWorld(true);
-    const box = this.interest();
+    const box = this.boundsToFrame();
     const center = box.getCenter(new Vector3());
     const first = this.model?.cameras[0];
     if (first && !this.bodies.some((body) => body.object.movable))
       return this.lookAsCamera(first, center);
     const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), minRadius);
-    const narrow = Math.min(1, this.camera.aspect);
-    const distance = radius / (narrow * Math.sin((this.camera.fov * Math.PI) / 360));
-    this.camera.position.copy(center).addScaledVector(this.viewingSide(center), distance);
+    const aspect = Math.min(1, this.camera.aspect);
+    const distance = radius / (aspect * Math.sin((this.camera.fov * Math.PI) / 360));
+    this.camera.position.copy(center).addScaledVector(this.viewDirection(center), distance);
     this.camera.lookAt(center);
     return center;
   }
 
-  /// A camera looks along its z. How far is told by `center`, the middle of what it saw.
+  /// A camera looks along its z. The target's distance is that of `center`.
   private lookAsCamera(camera: SceneModel['cameras'][number], center: Vector3): Vector3 {
     const eye = this.base.localToWorld(new Vector3(...camera.position));
-    const ahead = new Vector3(0, 0, 1).applyQuaternion(new Quaternion(...camera.quaternion));
-    ahead.transformDirection(this.base.matrixWorld);
+    const forward = new Vector3(0, 0, 1).applyQuaternion(new Quaternion(...camera.quaternion));
+    forward.transformDirection(this.base.matrixWorld);
     const target = eye
       .clone()
-      .addScaledVector(ahead, Math.max(eye.distanceTo(center), minRadius));
+      .addScaledVector(forward, Math.max(eye.distanceTo(center), minRadius));
     this.camera.position.copy(eye);
     this.camera.lookAt(target);
     return target;
   }
 
-  /// The bodies to push and the plane they stand on, or else everything.
-  private interest(): Box3 {
+  /// The bounding box of the movable bodies with a margin, or else of everything.
+  private boundsToFrame(): Box3 {
     const box = new Box3();
     for (const body of this.bodies) if (body.object.movable) box.expandByObject(body.solid);
     if (!box.isEmpty()) return box.expandByScalar(0.1);
@@ -128,9 +127,9 @@ export class SceneView {
     return box.isEmpty() ? box.set(new Vector3(-1, 0, -1), new Vector3(1, 1, 1)) : box;
   }
 
-  /// From the point towards the eye: where the camera was, but never flat nor steep; without one
-  /// from behind the robot's base, along its x.
-  private viewingSide(center: Vector3): Vector3 {
+  /// Unit vector from the center to the viewpoint: towards the first camera, at a fixed elevation;
+  /// without a camera from behind the robot's base, along its x.
+  private viewDirection(center: Vector3): Vector3 {
     const camera = this.model?.cameras[0];
     const side = camera
       ? this.base.localToWorld(new Vector3(...camera.position)).sub(center)
@@ -139,14 +138,14 @@ export class SceneView {
     return level.setY(Math.tan(viewingElevation)).normalize();
   }
 
-  /// Mostly even light, and some from the eye for shape.
+  /// Ambient light, a directional light, and one at the camera for shading.
   private addLights(): void {
     this.scene.add(new AmbientLight('#ffffff', 1.9));
-    const sun = new DirectionalLight('#ffffff', 1.1);
-    sun.position.set(-1, 3, 2);
-    this.scene.add(sun);
-    const lamp = new DirectionalLight('#ffffff', 0.6);
-    this.camera.add(lamp);
+    const keyLight = new DirectionalLight('#ffffff', 1.1);
+    keyLight.position.set(-1, 3, 2);
+    this.scene.add(keyLight);
+    const headlight = new DirectionalLight('#ffffff', 0.6);
+    this.camera.add(headlight);
     this.scene.add(this.camera);
   }
 }

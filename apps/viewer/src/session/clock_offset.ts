@@ -1,20 +1,20 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-const kept = 16; // pings: clocks of one machine or of two drift little within as many seconds
+const maxSamples = 16; // one ping a second: clock drift is negligible over as many seconds
 
-/// By how much the server's clock is ahead of the page's, from pings: the quickest one of the last
-/// few tells best, as neither way can have taken long.
+/// The offset of the server's clock from the page's, estimated as in NTP: of the last pings, the
+/// one with the shortest round trip, whose asymmetry is bounded best.
 export class ClockOffset {
   private samples: { roundTrip: number; offset: number }[] = [];
 
-  /// Page's clocks when the ping went and its pong came, the server's in between [s].
+  /// The page's clock at ping and pong, and the server's clock in between [s].
   add(sent: number, received: number, server: number): void {
     this.samples.push({ roundTrip: received - sent, offset: server - (sent + received) / 2 });
-    if (this.samples.length > kept) this.samples.shift();
+    if (this.samples.length > maxSamples) this.samples.shift();
   }
 
-  /// [s], NaN before the first pong.
+  /// The offset [s]; NaN before the first pong.
   seconds(): number {
     let best = { roundTrip: Infinity, offset: NaN };
     for (const sample of this.samples) if (sample.roundTrip < best.roundTrip) best = sample;

@@ -1,21 +1,22 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import type { Command, Device, LiveState, Notice, Quaternion, Vector, Welcome } from '../protocol';
-import { Latency, type LatencyFigures } from './latency';
+import { Latency, type LatencyStats } from './latency';
 import { pageClock } from './clock';
 import type { FromWorker, ToWorker } from './socket_worker';
 
 export type Connection = 'connecting' | 'open' | 'lost' | 'refused';
 
-/// The window's side of the socket: the newest state, and what goes to the world.
+/// The window's side of the socket: receives the newest state, sends tool samples and commands.
 ///
-/// The socket lives in a worker, which sends one state at a time and the next only when this one
-/// was taken in: a window that draws slowly misses states, and never sees an old one.
+/// The socket runs in a worker with backpressure: it posts one state at a time, and the next only
+/// after this one was acknowledged. A window that draws slowly skips states, and never gets an old
+/// one.
 export class Session {
   readonly latency = new Latency();
   connection: Connection = 'connecting';
   welcome: Welcome | null = null;
-  skipped = 0; // states that were never taken in, as newer ones came
+  skipped = 0; // states replaced by newer ones before the window read them
   private state: LiveState | null = null;
   private worker: Worker;
   private welcomeListeners: ((welcome: Welcome) => void)[] = [];
@@ -28,13 +29,13 @@ export class Session {
     this.post({ kind: 'open', url });
   }
 
-  /// The newest state; null before the first, and where the connection is lost.
+  /// The newest state; null before the first, and while the connection is lost.
   latest(): LiveState | null {
     return this.state;
   }
 
-  /// Says where the hand is: `tip` [m] in base. To be called once a frame while the clutch is held,
-  /// and once more when it was let go.
+  /// Sends the hand's pose: `tip` [m] in base. To be called once a frame while the clutch is
+  /// closed, and once more when it has opened.
   sendTool(tip: Vector, quaternion: Quaternion, clutch: boolean, device: Device): void {
     this.post({ kind: 'tool', clock: pageClock(), sample: { tip, quaternion, clutch, device } });
   }
@@ -44,12 +45,12 @@ export class Session {
   }
 
   /// To be called when a frame with the newest state has been drawn.
-  drawn(): void {
-    if (this.state) this.latency.drawn(this.state, pageClock());
+  recordDrawn(): void {
+    if (this.state) this.latency.recordDrawn(this.state, pageClock());
   }
 
-  figures(): LatencyFigures {
-    return this.latency.figures(pageClock());
+  latencyStats(): LatencyStats {
+    return this.latency.stats(pageClock());
   }
 
   onWelcome(listener: (welcome: Welcome) => void): void {
@@ -67,10 +68,10 @@ export class Session {
   private receive(message: FromWorker): void {
     switch (message.kind) {
       case 'state':
-        this.post({ kind: 'taken' });
+        this.post({ kind: 'acknowledge' });
         this.state = message.state;
         this.skipped += message.skipped;
-        this.latency.received(message.state, pageClock(), message.clockOffset);
+        this.latency.recordReceived(message.state, pageClock(), message.clockOffset);
         break;
       case 'welcome':
         this.welcome = message.welcome;

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The socket's own thread. Between the server and a busy window it keeps one state, the newest.
+// The socket's worker thread. It buffers one state for a busy window, the newest (backpressure).
 import {
   MessageType,
   protocolVersion,
-  readHead,
+  readHeader,
   readJson,
   readPong,
   readState,
@@ -25,7 +25,7 @@ import { ClockOffset } from './clock_offset';
 
 export type ToWorker =
   | { kind: 'open'; url: string }
-  | { kind: 'taken' } // the window has taken the state in
+  | { kind: 'acknowledge' } // the window has read the state
   | { kind: 'tool'; clock: number; sample: ToolSample }
   | { kind: 'command'; command: Command };
 
@@ -37,22 +37,22 @@ export type FromWorker =
 
 const pingSeconds = 1;
 const firstRetrySeconds = 0.5;
-const maxRetrySeconds = 8;
-const maxBuffered = 4096; // [bytes] not yet sent: beyond, an older tool sample is worth nothing
+const maxRetrySeconds = 8; // exponential backoff up to here
+const maxBuffered = 4096; // [bytes] not yet sent: above, tool samples are dropped instead of queued
 
 let url = '';
 let socket: WebSocket | null = null;
 let sequence = 0;
 let newestSequence = 0;
-let waiting: LiveState | null = null;
-let isWindowBusy = false;
+let pendingState: LiveState | null = null;
+let isAwaitingAck = false;
 let skipped = 0;
 let retrySeconds = firstRetrySeconds;
-let isRefused = false;
+let isRejected = false;
 let pingTimer: ReturnType<typeof setInterval> | undefined;
 let offset = new ClockOffset();
 
-const tell = (message: FromWorker) => self.postMessage(message);
+const post = (message: FromWorker) => self.postMessage(message);
 
 self.onmessage = (event: MessageEvent<ToWorker>) => {
   const message = event.data;
@@ -61,12 +61,12 @@ self.onmessage = (event: MessageEvent<ToWorker>) => {
       url = message.url;
       connect();
       break;
-    case 'taken':
-      isWindowBusy = false;
-      passOn();
+    case 'acknowledge':
+      isAwaitingAck = false;
+      forwardState();
       break;
     case 'tool':
-      // To let go is never old.
+      // A sample that opens the clutch is never dropped.
       if (message.sample.clutch && socket && socket.bufferedAmount > maxBuffered) break;
       send(writeTool(++sequence, message.clock, message.sample));
       break;
@@ -89,7 +89,7 @@ function connect(): void {
     pingTimer = setInterval(ping, pingSeconds * 1000);
   };
   opened.onmessage = (event) => receive(event.data);
-  opened.onclose = (event) => closed(event.reason);
+  opened.onclose = (event) => reconnect(event.reason);
 }
 
 function send(message: ArrayBuffer): void {
@@ -100,73 +100,74 @@ function ping(): void {
   send(writePing(++sequence, pageClock()));
 }
 
-function closed(reason: string): void {
+function reconnect(reason: string): void {
   clearInterval(pingTimer);
-  waiting = null;
-  if (isRefused) return;
-  tell({ kind: 'connection', connection: 'lost', reason: reason || 'the server does not answer' });
+  pendingState = null;
+  if (isRejected) return;
+  post({ kind: 'connection', connection: 'lost', reason: reason || 'no response from the server' });
   setTimeout(connect, retrySeconds * 1000);
   retrySeconds = Math.min(2 * retrySeconds, maxRetrySeconds);
 }
 
-function refuse(reason: string): void {
-  isRefused = true;
+function rejectServer(reason: string): void {
+  isRejected = true;
   socket?.close();
-  tell({ kind: 'connection', connection: 'refused', reason });
+  post({ kind: 'connection', connection: 'refused', reason });
 }
 
 function receive(data: unknown): void {
   if (!(data instanceof ArrayBuffer)) return;
-  const head = readHead(data);
-  if (!head) {
+  const header = readHeader(data);
+  if (!header) {
     const version = readVersion(data);
-    if (version !== null && version !== protocolVersion)
-      refuse(
-        `The server speaks version ${version}, this page ${protocolVersion}: reload the page.`,
-      );
+    if (version !== null && version !== protocolVersion) rejectServer(versionMismatch(version));
     return;
   }
-  if (head.sequence <= newestSequence) return;
-  newestSequence = head.sequence;
-  switch (head.type) {
+  if (header.sequence <= newestSequence) return;
+  newestSequence = header.sequence;
+  switch (header.type) {
     case MessageType.welcome:
-      welcome(readJson<Welcome>(data));
+      acceptWelcome(readJson<Welcome>(data));
       break;
     case MessageType.state: {
       const state = readState(data);
       if (!state) break;
-      if (waiting) ++skipped;
-      waiting = state;
-      passOn();
+      if (pendingState) ++skipped;
+      pendingState = state;
+      forwardState();
       break;
     }
     case MessageType.notice: {
       const notice = readJson<Notice>(data);
-      if (notice) tell({ kind: 'notice', notice });
+      if (notice) post({ kind: 'notice', notice });
       break;
     }
     case MessageType.pong: {
       const sent = readPong(data);
-      if (sent !== null) offset.add(sent, pageClock(), head.clock);
+      if (sent !== null) offset.add(sent, pageClock(), header.clock);
     }
   }
 }
 
-function welcome(message: Welcome | null): void {
+function versionMismatch(version: number): string {
+  return `The server uses protocol version ${version}, this page ${protocolVersion}: reload.`;
+}
+
+function acceptWelcome(message: Welcome | null): void {
   if (!message) return;
   if (message.protocol !== protocolVersion) {
-    refuse(`The server speaks version ${message.protocol}, this page ${protocolVersion}: reload.`);
+    rejectServer(versionMismatch(message.protocol));
     return;
   }
   retrySeconds = firstRetrySeconds;
-  tell({ kind: 'welcome', welcome: message });
-  tell({ kind: 'connection', connection: 'open', reason: '' });
+  post({ kind: 'welcome', welcome: message });
+  post({ kind: 'connection', connection: 'open', reason: '' });
 }
 
-function passOn(): void {
-  if (isWindowBusy || !waiting) return;
-  isWindowBusy = true;
-  tell({ kind: 'state', state: waiting, skipped, clockOffset: offset.seconds() });
-  waiting = null;
+function forwardState(): void {
+  if (isAwaitingAck || !pendingState) return;
+  isAwaitingAck = true;
+  post({ kind: 'state', state: pendingState, skipped, clockOffset: offset.seconds() });
+  pendingState = null;
   skipped = 0;
 }

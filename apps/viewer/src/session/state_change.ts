@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { LiveState } from '../protocol';
 
-// What no eye sees: a hundredth of a millimetre, a turn of as much at a metre, and a hundredth of a
-// newton (a tenth of a millimetre of an arrow).
+// Below what is visible: 0.01 mm, a rotation of as much at 1 m, and 0.01 N (0.1 mm of an arrow).
 const minMotion = 1e-5; // [m] and of a quaternion
 const minForce = 1e-2; // [N]
 
-/// True if a picture of `b` would be another than one of `a`.
+/// True if a frame of `b` would look different from one of `a`.
 export function looksDifferent(a: LiveState, b: LiveState): boolean {
   if (a.objects.length !== b.objects.length || a.pulses !== b.pulses) return true;
   if (a.isEngaged !== b.isEngaged || a.isOnHold !== b.isOnHold) return true;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-/// The page's element of that id; index.html has it, or this is a mistake of ours.
+/// The element with this id in index.html; throws if it is missing or of another type.
 export function byId<T extends HTMLElement>(id: string, type: new () => T): T {
   const element = document.getElementById(id);
   if (!(element instanceof type)) throw new Error(`no ${type.name} #${id} in the page`);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-/// Numbers as a person reads them; a dash where there is none.
+/// Numbers formatted for display; a dash if not finite.
 
 export function milliseconds(seconds: number): string {
   if (!Number.isFinite(seconds)) return '–';
@@ -25,7 +25,7 @@ export function length(vector: readonly number[]): number {
   return Math.hypot(...vector);
 }
 
-/// With about `digits` digits that mean something, and no more.
+/// Rounded to `digits` significant digits.
 export function significant(value: number, digits = 3): string {
   if (!Number.isFinite(value)) return '–';
   return Number(value.toPrecision(digits)).toLocaleString('en', {
@@ -37,7 +37,7 @@ export function megabytes(bytes: number): string {
   return `${(bytes / 1e6).toFixed(1)} MB`;
 }
 
-/// The angle [degrees] that a unit quaternion turns by, and about the vertical.
+/// The yaw angle (about z) of a unit quaternion, in degrees.
 export function heading([x, y, z, w]: readonly number[]): string {
   const yaw = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
   return `${((yaw * 180) / Math.PI).toFixed(1)}°`;

@@ -5,12 +5,12 @@ import { phaseColors, type Body } from '../scene/bodies';
 import type { SceneView } from '../scene/view';
 import { byId, create, setText } from './dom';
 import { length, newtons } from './format';
-import { phaseWord } from './objects_panel';
+import { phaseLabel } from './objects_panel';
 
-const maxLabels = 24; // more would only hide the scene
+const maxLabels = 24; // more would hide the scene
 const minForceShown = 0.05; // [N]
 
-/// Where a point of the world stands in the picture [CSS pixels]; null behind the camera.
+/// Projects a world point to the canvas [CSS pixels]; null outside of the near and far planes.
 export function project(
   point: Vector3,
   camera: PerspectiveCamera,
@@ -26,9 +26,9 @@ export function moveTo(element: HTMLElement, x: number, y: number): void {
   element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
 }
 
-/// Names and phases above the bodies, and the force beside its arrow.
+/// Names and phases above the bodies, and the force's magnitude next to its arrow.
 export class Labels {
-  private readonly folder = byId('labels', HTMLDivElement);
+  private readonly container = byId('labels', HTMLDivElement);
   private readonly force = byId('force-value', HTMLSpanElement);
   private readonly labels = new Map<Body, HTMLSpanElement>();
   private readonly heights = new Map<Body, number>();
@@ -40,16 +40,16 @@ export class Labels {
     for (const body of view.bodies.filter((b) => b.object.movable).slice(0, maxLabels)) {
       const label = create('span', { className: 'phase' });
       this.labels.set(body, label);
-      this.folder.append(label);
+      this.container.append(label);
     }
   }
 
-  /// `isFlat`: on the page; in a headset they would be beside what they name.
+  /// `isFlat`: rendered on the page, not in a headset, where overlay labels would be misplaced.
   update(isFlat: boolean): void {
     const { clientWidth: width, clientHeight: height } = this.stage;
     const { layers } = this.view;
     const isShown = isFlat && layers.isShown('labels') && layers.isShown('bodies');
-    this.folder.hidden = !isShown;
+    this.container.hidden = !isShown;
     this.force.hidden = true;
     if (isShown) for (const [body, label] of this.labels) this.place(body, label, width, height);
     if (isFlat) this.placeForce(width, height);
@@ -61,12 +61,12 @@ export class Labels {
     const at = project(top, this.view.camera, width, height);
     label.hidden = at === null;
     if (!at) return;
-    setText(label, `${body.object.name} · ${phaseWord(body)}`);
+    setText(label, `${body.object.name} · ${phaseLabel(body)}`);
     label.style.setProperty('--phase', phaseColors[body.phase]);
     label.style.transform = `translate(${at.x.toFixed(0)}px, ${at.y.toFixed(0)}px) translate(-50%, -100%)`;
   }
 
-  /// [m] from a body's origin to the top of it, once its shape has come.
+  /// [m] from a body's origin to its top; 0 until its mesh is loaded.
   private halfHeight(body: Body): number {
     const known = this.heights.get(body);
     if (known !== undefined) return known;
@@ -79,20 +79,20 @@ export class Labels {
 
   private placeForce(width: number, height: number): void {
     const { tool } = this.view;
-    const newton = length(tool.force);
+    const magnitude = length(tool.force);
     const tip = tool.arrowTip();
     const at = tip && project(tip, this.view.camera, width, height);
-    if (!tool.group.visible || newton < minForceShown || !at) return;
+    if (!tool.group.visible || magnitude < minForceShown || !at) return;
     this.force.hidden = false;
-    setText(this.force, newtons(newton));
-    // Beyond the tip, on whichever side that is: it would hide the arrow.
-    const ball = project(
+    setText(this.force, newtons(magnitude));
+    // On the far side of the tip, so that the arrow is not covered.
+    const proxy = project(
       tool.proxy.getWorldPosition(new Vector3()),
       this.view.camera,
       width,
       height,
     );
-    const isLeft = ball !== null && at.x < ball.x;
+    const isLeft = proxy !== null && at.x < proxy.x;
     moveTo(this.force, at.x + (isLeft ? -10 : 10), at.y - 10);
     this.force.style.translate = isLeft ? '-100%' : 'none';
   }

@@ -4,7 +4,7 @@ import { layerNames, layerTitles, type LayerName, type Layers } from '../scene/l
 import type { SceneModel } from '../scene/scene_model';
 import { byId, create } from './dom';
 
-/// A checkbox for each layer; greyed where the scene has nothing for it.
+/// A checkbox for each layer; disabled if the scene has no data for it.
 export function fillLayersPanel(layers: Layers, present: readonly LayerName[]): void {
   const panel = byId('layers', HTMLDivElement);
   const boxes = new Map<LayerName, HTMLInputElement>();
@@ -21,7 +21,7 @@ export function fillLayersPanel(layers: Layers, present: readonly LayerName[]): 
   layers.onChange((name, isShown) => (boxes.get(name)!.checked = isShown));
 }
 
-/// Which layers the scene has something for.
+/// The layers for which the scene has data.
 export function presentLayers(model: SceneModel, isReplay: boolean): LayerName[] {
   const has: Record<LayerName, boolean> = {
     mesh: model.mesh.length > 0,
@@ -38,7 +38,7 @@ export function presentLayers(model: SceneModel, isReplay: boolean): LayerName[]
   return layerNames.filter((name) => has[name]);
 }
 
-/// The scan's levels of detail, to choose by hand.
+/// Fills the selection of the scan's level of detail; returns a function that shows the level.
 export function fillDetail(model: SceneModel, onChoice: (level: number) => void) {
   const select = byId('detail', HTMLSelectElement);
   select.replaceChildren(

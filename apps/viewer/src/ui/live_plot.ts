@@ -5,11 +5,11 @@ import { Plot } from './plot';
 import { length } from './format';
 
 const shownSeconds = 10;
-const redrawSeconds = 1 / 12; // an eye follows a curve so; drawing faster only costs
+const redrawSeconds = 1 / 12; // smooth enough for a curve
 const maxSamples = 2000;
 const minSpan = 2; // [N]
 
-/// The force of the last seconds.
+/// Plots the force over the last seconds.
 export class LivePlot {
   private readonly plot: Plot;
   private times: number[] = [];
@@ -27,7 +27,7 @@ export class LivePlot {
     this.plot.setData([-shownSeconds, 0], [[NaN, NaN]], -shownSeconds, 0);
   }
 
-  /// Takes a new state in; `now` [s] only paces the drawing.
+  /// Adds a state; `now` [s] only limits the redraw rate.
   add(state: LiveState, now: number): void {
     const last = this.times[this.times.length - 1] ?? -Infinity;
     if (state.worldTime < last) this.clear();
@@ -36,7 +36,7 @@ export class LivePlot {
     this.forces.push(length(state.force));
     let old = Math.max(0, this.times.length - maxSamples);
     while (this.times[old] < state.worldTime - shownSeconds) ++old;
-    if (old > 64 || old === this.times.length) this.forget(old);
+    if (old > 64 || old === this.times.length) this.removeFirst(old);
     if (now - this.lastDrawn < redrawSeconds) return;
     this.lastDrawn = now;
     const ago = this.times.map((time) => time - state.worldTime);
@@ -48,10 +48,10 @@ export class LivePlot {
   }
 
   private clear(): void {
-    this.forget(this.times.length);
+    this.removeFirst(this.times.length);
   }
 
-  private forget(rows: number): void {
+  private removeFirst(rows: number): void {
     this.times.splice(0, rows);
     this.forces.splice(0, rows);
   }

@@ -6,23 +6,23 @@ import { byId, create } from './dom';
 const shownSeconds = { info: 4, warning: 7, error: 15 };
 const maxShown = 4;
 
-/// Notices, for eyes and for screen readers.
+/// Shows notices as toasts, and announces them to screen readers.
 export class Messages {
   private readonly toasts = byId('toasts', HTMLDivElement);
   private readonly announcer = byId('announcer', HTMLDivElement);
 
-  /// `stays`: without what it says is wrong there is no page to speak of.
-  show(notice: Notice, stays = false): void {
+  /// `isPersistent`: does not time out, for errors that stop the page.
+  show(notice: Notice, isPersistent = false): void {
     const toast = create('div', { className: notice.level, textContent: notice.text });
     if (notice.level === 'error') toast.setAttribute('role', 'alert');
     else this.announce(notice.text);
     this.toasts.append(toast);
     while (this.toasts.children.length > maxShown) this.toasts.firstElementChild!.remove();
-    if (!stays)
+    if (!isPersistent)
       setTimeout(() => toast.remove(), 1000 * (shownSeconds[notice.level] ?? shownSeconds.info));
   }
 
-  /// For screen readers only; what is said again at once replaces what was not said yet.
+  /// For screen readers only; replaces an announcement that was not read out yet.
   announce(text: string): void {
     this.announcer.textContent = text;
   }

@@ -5,7 +5,7 @@ import type { SceneObject } from '../scene/scene_model';
 import { byId, create, fillList, setPressed, setText } from './dom';
 import { heading, millimetres, newtons, significant } from './format';
 
-const quietSeconds = 1; // between two announcements: a push has four phases in less
+const announceSeconds = 1; // min. interval between announcements: a push passes four phases in less
 
 interface Row {
   button: HTMLButtonElement;
@@ -13,17 +13,17 @@ interface Row {
   number: HTMLElement;
 }
 
-export function phaseWord(body: Body): string {
+export function phaseLabel(body: Body): string {
   if (!body.object.movable) return 'fixed';
   return body.isOutsideModel ? 'outside the model' : body.phase;
 }
 
-/// The objects with their phases, and all that is known of the one chosen.
+/// The objects with their phases, and the details of the selected one.
 export class ObjectsPanel {
   selected: Body | null = null;
   private readonly rows = new Map<Body, Row>();
-  private readonly unsaid = new Set<Body>(); // whose phase has changed since it was read out
-  private lastSaid = -Infinity; // [s]
+  private readonly unannounced = new Set<Body>(); // phase changed since the last announcement
+  private lastAnnounced = -Infinity; // [s]
   private readonly details = byId('details', HTMLElement);
   private readonly name = byId('details-name', HTMLHeadingElement);
   private readonly list = byId('details-list', HTMLElement);
@@ -47,26 +47,26 @@ export class ObjectsPanel {
   /// `force` [N] of the tool on each body, by name.
   update(force: (body: Body) => number): void {
     for (const [body, row] of this.rows) {
-      const word = phaseWord(body);
-      if (row.phase.textContent !== word) {
-        if (row.phase.textContent) this.unsaid.add(body);
-        row.phase.textContent = word;
+      const label = phaseLabel(body);
+      if (row.phase.textContent !== label) {
+        if (row.phase.textContent) this.unannounced.add(body);
+        row.phase.textContent = label;
         row.phase.style.setProperty('--phase', phaseColors[body.phase]);
       }
-      const newton = force(body);
-      setText(row.number, newton > 0.05 ? newtons(newton) : '');
+      const magnitude = force(body);
+      setText(row.number, magnitude > 0.05 ? newtons(magnitude) : '');
     }
-    this.sayPhases();
+    this.announcePhases();
     this.showDetails();
   }
 
-  private sayPhases(): void {
+  private announcePhases(): void {
     const now = performance.now() / 1000;
-    if (this.unsaid.size === 0 || now - this.lastSaid < quietSeconds) return;
-    this.lastSaid = now;
-    const phases = [...this.unsaid].map((body) => `${body.object.name}: ${phaseWord(body)}`);
+    if (this.unannounced.size === 0 || now - this.lastAnnounced < announceSeconds) return;
+    this.lastAnnounced = now;
+    const phases = [...this.unannounced].map((body) => `${body.object.name}: ${phaseLabel(body)}`);
     this.announce(phases.join(', '));
-    this.unsaid.clear();
+    this.unannounced.clear();
   }
 
   private addRow(body: Body): HTMLButtonElement {
@@ -95,10 +95,10 @@ export class ObjectsPanel {
     setText(this.name, body.object.name);
     const { x, y, z } = body.solid.position;
     const rows: [string, string][] = [
-      ['Phase', phaseWord(body)],
+      ['Phase', phaseLabel(body)],
       ['Position', [x, y, z].map((v) => (v * 1e3).toFixed(1)).join(', ') + ' mm'],
       ['Heading', heading(body.solid.quaternion.toArray())],
-      ...factsOf(body.object),
+      ...parameterRows(body.object),
     ];
     const text = JSON.stringify(rows);
     if (this.list.dataset.shown === text) return;
@@ -107,7 +107,7 @@ export class ObjectsPanel {
   }
 }
 
-// As pcavr identify has them; n is the contact's exponent.
+// Of the parameters from pcavr identify; n is the contact's exponent.
 const units: Record<string, string> = {
   mass: 'kg',
   limiting_static_friction: 'N',
@@ -118,8 +118,8 @@ const units: Record<string, string> = {
   friction_radius: 'm',
 };
 
-/// What the scene says of an object, each value with its deviation where it has one.
-export function factsOf(object: SceneObject): [string, string][] {
+/// An object's mass, evidence and parameters, each value with its standard deviation if known.
+export function parameterRows(object: SceneObject): [string, string][] {
   const values = object.parameters ?? {};
   const rows: [string, string][] = [];
   if (object.mass !== null && values.mass === undefined)
@@ -127,10 +127,10 @@ export function factsOf(object: SceneObject): [string, string][] {
   if (object.evidence) rows.push(['Pose from', object.evidence.replaceAll('_', ' ')]);
   for (const [key, value] of Object.entries(values)) {
     if (key.endsWith('_std') || typeof value !== 'number') continue;
-    const deviation = values[`${key}_std`];
-    const spread = Number.isFinite(deviation) ? ` ± ${significant(deviation, 2)}` : '';
+    const std = values[`${key}_std`];
+    const uncertainty = Number.isFinite(std) ? ` ± ${significant(std, 2)}` : '';
     const title = key.replaceAll('_', ' ');
-    const text = `${significant(value)}${spread} ${units[key] ?? ''}`;
+    const text = `${significant(value)}${uncertainty} ${units[key] ?? ''}`;
     rows.push([title[0].toUpperCase() + title.slice(1), text.trimEnd()]);
   }
   return rows;

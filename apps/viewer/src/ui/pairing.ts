@@ -3,7 +3,7 @@
 import { fetchJson, type SessionInfo } from '../scene/scene_model';
 import { byId } from './dom';
 
-/// Asks for the pairing code until the server takes it; done at once where it needs none.
+/// Asks for the pairing code until the server accepts it; returns at once if already paired.
 export async function pair(): Promise<SessionInfo> {
   const session = await fetchJson<SessionInfo>('/api/session');
   if (session.paired) return session;
@@ -23,16 +23,16 @@ export async function pair(): Promise<SessionInfo> {
   });
 }
 
-/// What was wrong with it, in words; nothing where it was right.
+/// Sends the code; returns the error message, empty on success.
 async function tryCode(code: string): Promise<string> {
   try {
     const headers = { 'content-type': 'application/json' };
     const body = JSON.stringify({ code });
     const { ok, status } = await fetch('/api/pair', { method: 'POST', headers, body });
     if (ok) return '';
-    if (status === 429) return 'Too many tries: wait a minute.';
-    return status === 403 ? 'That is not the code.' : `The server answers ${status}.`;
+    if (status === 429) return 'Too many attempts: wait one minute.';
+    return status === 403 ? 'Wrong code.' : `Pairing failed: HTTP status ${status}.`;
   } catch {
-    return 'The server does not answer.';
+    return 'No response from the server.';
   }
 }

@@ -12,22 +12,22 @@ export interface PlotSeries {
 
 export interface PlotOptions {
   title: string;
-  note?: string; // what else is drawn
+  note?: string; // legend of bands and marks
   unit: string;
   rightUnit?: string;
   series: PlotSeries[];
   height: number; // [CSS pixels]
   onSeek?: (time: number) => void;
-  /// Draws below the curves, in the pixels of the canvas.
+  /// Draws below the curves, in canvas pixels.
   drawBelow?: (plot: uPlot) => void;
-  minSpan: number; // of the left axis: noise about zero is not blown up to fill the plot
+  minSpan: number; // of the left axis: noise about zero is not scaled up to fill the plot
 }
 
-/// A plot over time [s], in the page's colours and as wide as its place.
+/// A plot over time [s], in the page's colours and as wide as its container.
 export class Plot {
   readonly element = create('div', { className: 'plot' });
   private readonly plot: uPlot;
-  private playheadTime = NaN; // [s]; NaN: there is none
+  private playheadTime = NaN; // [s]; NaN: none
   private span: [number, number] = [0, 1]; // [s] shown
   private readonly playhead = create('div', { className: 'playhead', hidden: true });
   private readonly observer: ResizeObserver;
@@ -60,7 +60,7 @@ export class Plot {
     this.placePlayhead();
   }
 
-  /// The colours of the page have changed.
+  /// To be called after a change of the page's colours.
   redraw(): void {
     this.plot.redraw(false, true);
   }
@@ -77,8 +77,8 @@ export class Plot {
       key.style.setProperty('--key', color);
       return key;
     });
-    const words = note ? [create('span', { className: 'note', textContent: note })] : [];
-    return create('h3', {}, create('span', { textContent: title }), ...keys, ...words);
+    const notes = note ? [create('span', { className: 'note', textContent: note })] : [];
+    return create('h3', {}, create('span', { textContent: title }), ...keys, ...notes);
   }
 
   private settings(options: PlotOptions): uPlot.Options {
@@ -94,9 +94,9 @@ export class Plot {
         values.map((value, i) => (i === values.length - 1 ? `${value} ${unit}` : `${value}`)),
     });
     const right = options.rightUnit ? [axis(options.rightUnit, 'right', 1)] : [];
-    const range: uPlot.Range.Function = (_, least, most) => [
-      Math.min(0, least ?? 0),
-      Math.max(options.minSpan, (most ?? 0) * 1.08),
+    const range: uPlot.Range.Function = (_, min, max) => [
+      Math.min(0, min ?? 0),
+      Math.max(options.minSpan, (max ?? 0) * 1.08),
     ];
     return {
       width: this.element.clientWidth || 300,
@@ -131,7 +131,7 @@ export class Plot {
     };
   }
 
-  /// Again after each drawing: before the first, the plot does not know where its times lie.
+  /// Repeated after each draw: before the first one the plot's time scale is not set.
   private placePlayhead(): void {
     const x = this.plot.valToPos(this.playheadTime, 'x');
     this.playhead.hidden = !Number.isFinite(x);

@@ -5,8 +5,8 @@ import { byId } from './dom';
 export type Theme = 'light' | 'dark';
 const key = 'pcavr-theme';
 
-/// Forbidden storage (a setting of some browsers) throws: the choice then lasts for the visit.
-function remembered(): string | null {
+/// Throws where the browser blocks storage: the choice then lasts for the visit.
+function loadTheme(): string | null {
   try {
     return localStorage.getItem(key);
   } catch {
@@ -14,19 +14,19 @@ function remembered(): string | null {
   }
 }
 
-function remember(theme: Theme): void {
+function storeTheme(theme: Theme): void {
   try {
     localStorage.setItem(key, theme);
   } catch {
-    // Nothing to be done, and nothing that anyone would miss.
+    // Storage is blocked: the choice lasts for this visit only.
   }
 }
 
-/// Light or dark: as the system has it, until the user says otherwise.
+/// Light or dark: the system's setting, until the user selects one.
 export class ThemeSwitch {
   private readonly button = byId('theme', HTMLButtonElement);
   private readonly system = matchMedia('(prefers-color-scheme: dark)');
-  private chosen = remembered();
+  private chosen = loadTheme();
 
   onChange: (theme: Theme) => void = () => {};
 
@@ -35,7 +35,7 @@ export class ThemeSwitch {
     this.button.addEventListener('click', () => {
       const other = this.theme() === 'dark' ? 'light' : 'dark';
       this.chosen = other;
-      remember(other);
+      storeTheme(other);
       this.apply();
     });
     this.apply();

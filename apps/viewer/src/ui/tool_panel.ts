@@ -7,12 +7,12 @@ import { Command } from '../protocol';
 import { byId, setPressed, setText } from './dom';
 import { moveTo, project } from './labels';
 
-/// The tool's buttons, and the ring to drag it by.
+/// The tool's buttons, and its drag handle (the ring).
 export class ToolPanel {
   private readonly section = byId('tool-section', HTMLElement);
   private readonly owner = byId('tool-owner', HTMLParagraphElement);
   private readonly take = byId('take', HTMLButtonElement);
-  private readonly giveBack = byId('give-back', HTMLButtonElement);
+  private readonly release = byId('release', HTMLButtonElement);
   private readonly hold = byId('hold', HTMLButtonElement);
   private readonly clutch = byId('clutch', HTMLButtonElement);
 
@@ -24,9 +24,9 @@ export class ToolPanel {
     const { session } = app;
     this.section.hidden = false;
     this.take.addEventListener('click', () => session.command(Command.take));
-    this.giveBack.addEventListener('click', () => {
-      tool.letGo();
-      session.command(Command.giveBack);
+    this.release.addEventListener('click', () => {
+      tool.disengage();
+      session.command(Command.release);
     });
     this.hold.addEventListener('click', () => this.toggleHold());
     this.clutch.addEventListener('click', () => {
@@ -34,12 +34,12 @@ export class ToolPanel {
       if (tool.isClutchLocked) app.canvas.focus();
     });
     byId('reset', HTMLButtonElement).addEventListener('click', () => {
-      tool.letGo();
+      tool.disengage();
       session.command(Command.reset);
     });
     const plane = byId('drag-plane', HTMLSelectElement);
-    plane.addEventListener('change', () => (tool.planeKind = plane.value as 'level' | 'view'));
-    // The ring lies over the scene, and passes on what is meant for it.
+    plane.addEventListener('change', () => (tool.planeKind = plane.value as 'horizontal' | 'view'));
+    // The handle covers part of the canvas, and forwards its wheel events.
     handle.addEventListener('wheel', (event) =>
       app.canvas.dispatchEvent(new WheelEvent('wheel', event)),
     );
@@ -58,24 +58,24 @@ export class ToolPanel {
       !state
         ? ''
         : state.hasTool
-          ? 'This page has the tool.'
+          ? 'This page controls the tool.'
           : isTakenByOther
-            ? 'Another page has the tool.'
-            : 'Nobody has the tool.',
+            ? 'Another page controls the tool.'
+            : 'No page controls the tool.',
     );
     this.take.disabled = !state || state.isToolTaken;
-    this.giveBack.disabled = !state?.hasTool;
+    this.release.disabled = !state?.hasTool;
     this.hold.disabled = !state;
     setPressed(this.hold, state?.isOnHold ?? false);
     setPressed(this.clutch, this.tool.isClutchLocked);
-    this.handle.classList.toggle('held', this.tool.isHeld);
+    this.handle.classList.toggle('engaged', this.tool.isEngaged);
     this.handle.classList.toggle('denied', isTakenByOther || (state?.isOnHold ?? false));
     this.placeHandle();
   }
 
   private toggleHold(): void {
     const state = this.app.session.latest();
-    if (state) this.app.session.command(state.isOnHold ? Command.goOn : Command.hold);
+    if (state) this.app.session.command(state.isOnHold ? Command.resume : Command.hold);
   }
 
   private placeHandle(): void {
@@ -87,8 +87,8 @@ export class ToolPanel {
       canvas.clientHeight,
     );
     const isShown = view.tool.group.visible && at !== null && !renderer.xr.isPresenting;
-    // A handle that is dragged stays, or the drag would end with it.
-    this.handle.hidden = !isShown && !this.tool.isHeld;
+    // Hiding the handle during a drag would end the drag.
+    this.handle.hidden = !isShown && !this.tool.isEngaged;
     if (at && isShown) moveTo(this.handle, at.x, at.y);
   }
 }

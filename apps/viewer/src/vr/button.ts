@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { VrMode } from './vr_mode';
 
-/// The button that enters and leaves; grey as long as no headset is connected.
-export function vrButton(vr: VrMode, onError: (words: string) => void): HTMLButtonElement {
+/// The button that enters and leaves VR; disabled while no headset is connected.
+export function vrButton(vr: VrMode, onError: (text: string) => void): HTMLButtonElement {
   const button = document.createElement('button');
   button.type = 'button';
   button.id = 'vr-button';
@@ -13,18 +13,16 @@ export function vrButton(vr: VrMode, onError: (words: string) => void): HTMLButt
   label(false);
   vr.onChange(label);
   button.addEventListener('click', () => {
-    const turn = vr.isPresenting ? vr.leave() : vr.enter();
-    turn.catch((error: unknown) =>
+    const change = vr.isPresenting ? vr.leave() : vr.enter();
+    change.catch((error: unknown) =>
       onError(`VR: ${error instanceof Error ? error.message : error}`),
     );
   });
-  const look = async () => {
+  const checkSupport = async () => {
     button.disabled = !(await VrMode.isSupported());
-    button.title = button.disabled
-      ? 'No headset is connected'
-      : 'Stand in the scene with a headset';
+    button.title = button.disabled ? 'No headset is connected' : 'Show the scene in the headset';
   };
-  navigator.xr?.addEventListener('devicechange', () => void look());
-  void look();
+  navigator.xr?.addEventListener('devicechange', () => void checkSupport());
+  void checkSupport();
   return button;
 }

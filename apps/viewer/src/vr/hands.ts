@@ -10,45 +10,45 @@ export type Side = 'left' | 'right';
 /// One hand in one frame, in the headset's space.
 export interface Hand {
   side: Side;
-  isHand: boolean; // bare, without a controller
-  /// Where it is: a controller's grip, or between the tips of thumb and index finger.
-  place: Vector3;
+  isHand: boolean; // tracked without a controller
+  /// A controller's grip, or the midpoint of the tips of thumb and index finger.
+  position: Vector3;
   rotation: Quaternion;
-  aimFrom: Vector3;
-  aimAlong: Vector3; // unit
+  rayOrigin: Vector3;
+  rayDirection: Vector3; // unit
   isClutchHeld: boolean; // squeeze, trigger or pinch
-  beginsHold: boolean; // the lower button, in the frame in which it is pressed
-  beginsExtra: boolean; // the upper one
+  isHoldPressed: boolean; // rising edge of the lower button (A or X)
+  isExtraPressed: boolean; // rising edge of the upper button (B or Y)
   stick: { x: number; y: number };
-  /// What presses buttons: the index finger's tip, or a controller's.
+  /// Presses the panel's buttons: the index finger's tip, or the origin of a controller's ray.
   fingertip: Vector3;
   joints: Vector3[];
   actuator: Actuator | undefined;
 }
 
-// The places of gamepad buttons in the `xr-standard` mapping; from 4 on, A or X, and B or Y.
+// Button indices of the `xr-standard` gamepad mapping; 4 is A or X, 5 is B or Y.
 const trigger = 0;
 const squeeze = 1;
 const lowerButton = 4;
 const upperButton = 5;
-// How far a trigger or squeeze is drawn to count: a finger at rest on it does not.
-const drawnEnough = 0.5;
-// Tips this near to each other pinch, and must part further to let go [m].
-const pinchClosesAt = 0.02;
-const pinchOpensAt = 0.035;
+// Above the value of a trigger or squeeze with a finger resting on it.
+const pressThreshold = 0.5;
+// Hysteresis of a pinch: distances between the tips [m].
+const pinchCloseGap = 0.02;
+const pinchOpenGap = 0.035;
 
-/// What one hand holds down from frame to frame.
+/// One hand's buttons, kept from frame to frame.
 class HandPresses {
   readonly pinch = new Press();
   readonly hold = new Press();
   readonly extra = new Press();
 }
 
-/// Reads hands and controllers, frame by frame.
+/// Reads the poses and buttons of hands and controllers, frame by frame.
 export class HandReader {
   private readonly presses = { left: new HandPresses(), right: new HandPresses() };
 
-  /// Those that are tracked in this frame; a guessed place is not tracked.
+  /// The hands tracked in this frame; an emulated position counts as not tracked.
   read(frame: XRFrame, space: XRReferenceSpace): Hand[] {
     const hands: Hand[] = [];
     for (const source of frame.session.inputSources) {
@@ -92,9 +92,9 @@ export class HandReader {
     if (thumb === undefined || index === undefined) return false;
     const gap = thumb.distanceTo(index);
     const { pinch } = this.presses[hand.side];
-    pinch.update(gap < pinchClosesAt, gap < pinchOpensAt);
+    pinch.update(gap < pinchCloseGap, gap < pinchOpenGap);
     hand.isClutchHeld = pinch.isDown;
-    hand.place.copy(thumb).add(index).multiplyScalar(0.5);
+    hand.position.copy(thumb).add(index).multiplyScalar(0.5);
     hand.fingertip = index;
     return true;
   }
@@ -112,31 +112,31 @@ function jointAt(
 }
 
 function fromPoses(side: Side, grip: XRRigidTransform, aim: XRRigidTransform): Hand {
-  const turn = toQuaternion(aim.orientation);
-  const aimFrom = toVector(aim.position);
+  const rayRotation = toQuaternion(aim.orientation);
+  const rayOrigin = toVector(aim.position);
   return {
     side,
     isHand: false,
-    place: toVector(grip.position),
+    position: toVector(grip.position),
     rotation: toQuaternion(grip.orientation),
-    aimFrom,
-    aimAlong: new Vector3(0, 0, -1).applyQuaternion(turn),
+    rayOrigin,
+    rayDirection: new Vector3(0, 0, -1).applyQuaternion(rayRotation),
     isClutchHeld: false,
-    beginsHold: false,
-    beginsExtra: false,
+    isHoldPressed: false,
+    isExtraPressed: false,
     stick: { x: 0, y: 0 },
-    fingertip: aimFrom,
+    fingertip: rayOrigin,
     joints: [],
     actuator: undefined,
   };
 }
 
 function readButtons(gamepad: Gamepad, presses: HandPresses, hand: Hand): void {
-  const drawn = (at: number): number => gamepad.buttons[at]?.value ?? 0;
-  hand.isClutchHeld = drawn(trigger) > drawnEnough || drawn(squeeze) > drawnEnough;
-  hand.beginsHold = presses.hold.update(drawn(lowerButton) > drawnEnough);
-  hand.beginsExtra = presses.extra.update(drawn(upperButton) > drawnEnough);
-  // 2 and 3 are a thumbstick's; 0 and 1 a touchpad's.
+  const valueOf = (index: number): number => gamepad.buttons[index]?.value ?? 0;
+  hand.isClutchHeld = valueOf(trigger) > pressThreshold || valueOf(squeeze) > pressThreshold;
+  hand.isHoldPressed = presses.hold.update(valueOf(lowerButton) > pressThreshold);
+  hand.isExtraPressed = presses.extra.update(valueOf(upperButton) > pressThreshold);
+  // Axes 2 and 3 are the thumbstick's, 0 and 1 the touchpad's.
   const hasStick = gamepad.axes.length >= 4;
   hand.stick.x = gamepad.axes[hasStick ? 2 : 0] ?? 0;
   hand.stick.y = gamepad.axes[hasStick ? 3 : 1] ?? 0;

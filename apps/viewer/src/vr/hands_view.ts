@@ -18,7 +18,7 @@ const maxJoints = 25; // of an XRHand
 const toolColour = 0xffb454;
 const freeColour = 0x7fb6d9;
 
-/// One hand: a handle where a controller is, its joints where it is bare.
+/// One hand: a rod for a controller, spheres at the joints of a tracked hand.
 class HandView {
   readonly group = new Group();
   private readonly material = new MeshStandardMaterial({ roughness: 0.6 });
@@ -30,13 +30,13 @@ class HandView {
   );
 
   constructor() {
-    // A rod held in the fist lies along the grip's z axis.
-    const stick = new Mesh(
+    // The grip's z axis is the axis of a rod held in the fist.
+    const rod = new Mesh(
       new CapsuleGeometry(0.013, 0.09, 4, 12).rotateX(Math.PI / 2),
       this.material,
     );
     const tip = new Mesh(new SphereGeometry(0.008, 16, 12), this.material);
-    this.handle.add(stick, tip);
+    this.handle.add(rod, tip);
     this.joints.frustumCulled = false;
     this.group.add(this.handle, this.joints);
     this.group.visible = false;
@@ -47,7 +47,7 @@ class HandView {
     if (hand === undefined) return;
     this.material.color.setHex(isTool ? toolColour : freeColour);
     this.handle.visible = !hand.isHand;
-    this.handle.position.copy(hand.place);
+    this.handle.position.copy(hand.position);
     this.handle.quaternion.copy(hand.rotation);
     this.joints.count = Math.min(hand.joints.length, maxJoints);
     const at = new Matrix4();
@@ -58,16 +58,16 @@ class HandView {
   }
 }
 
-/// Both hands (headset), and the thread from the hand that holds the tool to the tool (base).
+/// Both hands (headset frame), and a line that shows the offset from hand to tool (base).
 export class HandsView {
-  readonly group = new Group(); // hangs on the person's rig
-  /// Hangs in base.
-  readonly thread = new Segment(new LineBasicMaterial({ color: toolColour }));
+  readonly group = new Group(); // child of the user's rig
+  /// Child of base.
+  readonly offsetLine = new Segment(new LineBasicMaterial({ color: toolColour }));
   private readonly views: Record<Side, HandView> = { left: new HandView(), right: new HandView() };
 
   constructor() {
     this.group.add(this.views.left.group, this.views.right.group);
-    this.thread.visible = false;
+    this.offsetLine.visible = false;
   }
 
   show(hands: Hand[], tool: Side): void {
@@ -79,9 +79,9 @@ export class HandsView {
     }
   }
 
-  /// From the hand to what it leads; both in base. Hidden without one of them.
-  showThread(hand: Vector | undefined, tool: Vector | undefined): void {
-    this.thread.visible = hand !== undefined && tool !== undefined;
-    if (hand && tool) this.thread.join(hand, tool);
+  /// From the hand to the tool, both in base; hidden without one of them.
+  showOffsetLine(hand: Vector | undefined, tool: Vector | undefined): void {
+    this.offsetLine.visible = hand !== undefined && tool !== undefined;
+    if (hand && tool) this.offsetLine.join(hand, tool);
   }
 }

@@ -3,11 +3,11 @@
 import { Mesh, MeshBasicMaterial, PlaneGeometry, type Quaternion, Vector3 } from 'three';
 import { drawnTexture } from '../scene/drawn_texture';
 
-// Below the line of sight, out of the way of what is looked at, near enough to be read [m].
-const ahead = new Vector3(0, -0.22, -0.9);
+// Below the line of sight, clear of the scene's centre, near enough to be read [m].
+const signOffset = new Vector3(0, -0.22, -0.9);
 const size = { x: 0.3, y: 0.06 };
 
-/// Says in front of the eyes that commands are on hold, wherever the person looks.
+/// A head-locked sign that commands are on hold.
 export class HoldSign {
   readonly mesh: Mesh;
 
@@ -21,7 +21,7 @@ export class HoldSign {
     pen.fillText('ON HOLD', 320, 90);
     this.mesh = new Mesh(
       new PlaneGeometry(size.x, size.y),
-      // In front of everything: it has to be seen also with the head in a wall.
+      // Without depth test: visible even with the head inside a wall.
       new MeshBasicMaterial({ map: texture, toneMapped: false, depthTest: false }),
     );
     this.mesh.renderOrder = 10;
@@ -29,10 +29,10 @@ export class HoldSign {
     this.mesh.visible = false;
   }
 
-  /// `head` and `turn` in the headset's space.
-  show(isOnHold: boolean, head: Vector3, turn: Quaternion): void {
+  /// The head's pose in the headset's space.
+  show(isOnHold: boolean, head: Vector3, rotation: Quaternion): void {
     this.mesh.visible = isOnHold;
-    this.mesh.position.copy(ahead).applyQuaternion(turn).add(head);
-    this.mesh.quaternion.copy(turn);
+    this.mesh.position.copy(signOffset).applyQuaternion(rotation).add(head);
+    this.mesh.quaternion.copy(rotation);
   }
 }

@@ -7,7 +7,7 @@ import { vrButton } from './button';
 import type { Ground } from './start';
 import { VrMode } from './vr_mode';
 
-/// Adds the way into VR to the page.
+/// Adds the VR button and mode to the page.
 export function attachVr(app: App): void {
   const vr = new VrMode(app, () => groundOf(app));
   app.actions.append(vrButton(vr, (text) => app.notify({ level: 'error', text })));
@@ -17,7 +17,7 @@ export function attachVr(app: App): void {
   if (window.__pcavr) window.__pcavr.vr = vr;
 }
 
-/// Where one can stand in the scene that is shown.
+/// The surfaces and objects that determine where the user stands.
 function groundOf(app: App): Ground {
   const { model, bodies, layers, base } = app.view;
   const supports = (model?.support_planes ?? []).map(({ outline }) => ({
@@ -25,8 +25,8 @@ function groundOf(app: App): Ground {
     outline,
   }));
   const scan = new Box3().setFromObject(layers.group('mesh'));
-  // The scan's box is three.js's, y up; base has its origin in the same place.
-  const lowest = scan.isEmpty() ? undefined : scan.min.y - base.position.y;
-  const things = bodies.filter((b) => b.object.movable).map((b) => b.solid.position.clone());
-  return { supports, lowest, things };
+  // The box is in three.js coordinates, y up; heights in base count from its origin.
+  const scanMinZ = scan.isEmpty() ? undefined : scan.min.y - base.position.y;
+  const objects = bodies.filter((b) => b.object.movable).map((b) => b.solid.position.clone());
+  return { supports, scanMinZ, objects };
 }

@@ -4,14 +4,14 @@ import { Mesh, MeshBasicMaterial, PlaneGeometry, type Vector3 } from 'three';
 import { drawnTexture } from '../scene/drawn_texture';
 import { Press } from './press';
 
-/// What the panel says.
+/// The content of the panel.
 export interface PanelText {
   object: string; // touched: a body's name, "scan", or empty
   phase: string;
   force: number; // [N]
   age: number; // [s] of the newest state; NaN before the first
   isOnHold: boolean;
-  note: string; // why the tool does not follow, or empty
+  note: string; // the interlock that keeps the clutch open, or empty
   scale: number;
 }
 
@@ -19,12 +19,12 @@ export type PanelButton = 'hold' | 'reset';
 
 const width = 512;
 const height = 336;
-// As wide as a hand, 0.3 mm a pixel: readable at arm's length in a headset [m].
+// The panel's width: 0.3 mm a pixel is readable at arm's length in a headset [m].
 const metres = 0.16;
-// What a state may be old before the number turns red: six frames at 60 Hz [s].
+// The state age from which the number is red: six frames at 60 Hz [s].
 const staleAge = 0.1;
-// Numbers that change faster than this can't be read, and each time costs a texture [ms].
-const readableMs = 150;
+// Redraw interval of numbers: faster can't be read, and each redraw uploads a texture [ms].
+const redrawMs = 150;
 // The buttons, in pixels from the panel's upper left corner.
 const buttonTop = 236;
 const buttonHeight = 84;
@@ -32,17 +32,17 @@ const buttons: { name: PanelButton; x: number; width: number }[] = [
   { name: 'hold', x: 16, width: 264 },
   { name: 'reset', x: 296, width: 200 },
 ];
-// A fingertip this near to a button presses it, and has to go this far before the next time [m].
+// Hysteresis of a fingertip's distance to a button [m].
 const pressDistance = 0.012;
 const releaseDistance = 0.035;
 
-/// A small sheet beside the free hand, with two buttons for fingertips.
+/// A small panel at the free hand, with state, force and two touch buttons.
 export class Panel {
   readonly mesh: Mesh;
   private readonly sheet = drawnTexture(width, height);
   private readonly pressed = new Press();
-  private words = '';
-  private numbers = '';
+  private shownText = '';
+  private shownNumbers = '';
   private drawnAt = 0; // [ms]
 
   constructor() {
@@ -53,9 +53,9 @@ export class Panel {
     this.mesh.name = 'panel';
   }
 
-  /// Above a hand at `place`, turned towards `head`; all in the headset's space.
-  placeBy(place: Vector3, head: Vector3): void {
-    this.mesh.position.copy(place);
+  /// Above a hand, facing the head; all in the headset's space.
+  placeAbove(hand: Vector3, head: Vector3): void {
+    this.mesh.position.copy(hand);
     this.mesh.position.y += 0.12;
     const towards = head.clone().sub(this.mesh.position);
     const flat = Math.hypot(towards.x, towards.z);
@@ -68,21 +68,20 @@ export class Panel {
     this.mesh.updateMatrix();
   }
 
-  /// Draws the text anew where it changed: words at once, numbers as fast as they can be read. `now`
-  /// in milliseconds.
+  /// Redraws what has changed: text at once, numbers at a readable rate. `now` in milliseconds.
   show(text: PanelText, now: number): void {
-    const words = JSON.stringify({ ...text, force: 0, age: 0 });
+    const withoutNumbers = JSON.stringify({ ...text, force: 0, age: 0 });
     const numbers = `${text.force.toFixed(1)} ${Math.round(text.age * 100)}`;
-    const isDue = now - this.drawnAt > readableMs && numbers !== this.numbers;
-    if (words === this.words && !isDue) return;
-    this.words = words;
-    this.numbers = numbers;
+    const isDue = now - this.drawnAt > redrawMs && numbers !== this.shownNumbers;
+    if (withoutNumbers === this.shownText && !isDue) return;
+    this.shownText = withoutNumbers;
+    this.shownNumbers = numbers;
     this.drawnAt = now;
     this.draw(text);
     this.sheet.texture.needsUpdate = true;
   }
 
-  /// The button that a fingertip (headset), if there is one, has come to; each time once.
+  /// The button that a fingertip (headset frame) has just touched; once per touch.
   pressedBy(tip: Vector3 | undefined): PanelButton | undefined {
     const near = tip && this.buttonAt(tip, pressDistance);
     const isClose = tip !== undefined && this.buttonAt(tip, releaseDistance) !== undefined;
@@ -106,27 +105,27 @@ export class Panel {
     c.strokeStyle = '#48627a';
     c.lineWidth = 6;
     c.strokeRect(3, 3, width - 6, height - 6);
-    this.line(text.object || 'touches nothing', 48, 34, '#9fb3c8');
+    this.line(text.object || 'no contact', 48, 34, '#9fb3c8');
     this.line(text.phase, 116, 56, '#ffffff');
     this.line(`${text.force.toFixed(1)} N`, 116, 56, '#ffffff', 'right');
     const isStale = !(text.age < staleAge);
-    const age = Number.isNaN(text.age) ? 'no state' : `${Math.round(text.age * 1000)} ms old`;
+    const age = Number.isNaN(text.age) ? 'no state' : `state age ${Math.round(text.age * 1000)} ms`;
     this.line(age, 164, 28, isStale ? '#ff6b5e' : '#9fb3c8');
-    this.line(`world ${text.scale} : 1`, 164, 28, '#9fb3c8', 'right');
+    this.line(`scale ${text.scale} : 1`, 164, 28, '#9fb3c8', 'right');
     this.line(text.note, 212, 28, '#ffc14d');
     this.button(0, text.isOnHold ? 'ON HOLD' : 'HOLD', text.isOnHold);
     this.button(1, 'RESET', false);
   }
 
-  private line(words: string, y: number, size: number, colour: string, align = 'left'): void {
+  private line(text: string, y: number, size: number, colour: string, align = 'left'): void {
     const c = this.sheet.pen;
     c.font = `600 ${size}px system-ui, sans-serif`;
     c.textAlign = align === 'left' ? 'left' : 'right';
     c.fillStyle = colour;
-    c.fillText(words, align === 'left' ? 20 : width - 20, y, width - 40);
+    c.fillText(text, align === 'left' ? 20 : width - 20, y, width - 40);
   }
 
-  private button(index: number, words: string, isLit: boolean): void {
+  private button(index: number, text: string, isLit: boolean): void {
     const c = this.sheet.pen;
     const { x, width: wide } = buttons[index];
     c.fillStyle = isLit ? '#ff8a1f' : '#24425c';
@@ -134,6 +133,6 @@ export class Panel {
     c.fillStyle = isLit ? '#10161d' : '#ffffff';
     c.font = '700 44px system-ui, sans-serif';
     c.textAlign = 'center';
-    c.fillText(words, x + wide / 2, buttonTop + 58, wide - 16);
+    c.fillText(text, x + wide / 2, buttonTop + 58, wide - 16);
   }
 }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-/// A button, or what counts as one: a pinch, a stick, a fingertip. It begins at one bound and ends at
-/// another, so that a hand that trembles at the bound presses once.
+/// A button with hysteresis (Schmitt trigger), also for a pinch, a stick or a fingertip: tremor at
+/// one threshold does not press twice.
 export class Press {
   private down = false;
 
@@ -10,11 +10,11 @@ export class Press {
     return this.down;
   }
 
-  /// Once a frame: whether it is past the bound to begin, and still within the one to last. True in
-  /// the frame in which it begins.
-  update(begins: boolean, lasts = begins): boolean {
+  /// Once a frame: whether the input is beyond the on threshold, and beyond the off threshold. True
+  /// on the rising edge.
+  update(isOn: boolean, isNotOff = isOn): boolean {
     const was = this.down;
-    this.down = begins || (was && lasts);
+    this.down = isOn || (was && isNotOff);
     return this.down && !was;
   }
 }

@@ -1,49 +1,49 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-/// What a controller can do to a hand; absent on hands.
+/// A controller's vibration motor (WebXR haptic actuator); hands have none.
 export interface Actuator {
   pulse(intensity: number, milliseconds: number): unknown;
 }
 
-/// What of the world's state is to be felt.
-export interface Felt {
-  /// 0 to 1: what a controller should give now.
+/// The part of a state that is rendered as vibration.
+export interface HapticCue {
+  /// 0 to 1: the current vibration intensity.
   pulse: number;
-  /// Grows by one at each breakaway and each first touch.
+  /// Event counter: breakaways and first contacts.
   pulses: number;
 }
 
-// A touch is felt as one when it is over before the next frame's rumble: 25 ms, about two frames.
-const crispMs = 25;
-// A rumble outlasts the wait for the next one, so that it does not stutter [ms].
+// Of one event: short enough to be distinct from the rumble, about two frames [ms].
+const eventPulseMs = 25;
+// A rumble pulse is longer than the period, so that the vibration is continuous [ms].
 const rumbleMs = 40;
-const everyMs = 30;
-// Below this a motor only hums.
+const rumblePeriodMs = 30;
+// Below this intensity a motor only hums.
 const minPulse = 0.02;
 
-/// Gives the world's pulses to a hand: one crisp pulse an event, and a rumble in between.
+/// Renders haptic cues on a controller: one short pulse per event, and a rumble in between.
 export class Pulses {
-  private seen: number | undefined;
-  private quietUntil = 0;
+  private lastCount: number | undefined;
+  private busyUntil = 0; // [ms]
 
-  /// Once a frame, at `now` [ms]. Without an actuator, events pass unfelt rather than pile up.
-  update(now: number, felt: Felt, actuator: Actuator | undefined): void {
-    const isEvent = this.seen !== undefined && felt.pulses > this.seen;
-    this.seen = felt.pulses;
+  /// Once a frame, at `now` [ms]. Without an actuator events are dropped, not queued.
+  update(now: number, cue: HapticCue, actuator: Actuator | undefined): void {
+    const isEvent = this.lastCount !== undefined && cue.pulses > this.lastCount;
+    this.lastCount = cue.pulses;
     if (actuator === undefined) return;
     if (isEvent) {
-      actuator.pulse(1, crispMs);
-      this.quietUntil = now + crispMs;
-    } else if (felt.pulse > minPulse && now >= this.quietUntil) {
-      actuator.pulse(Math.min(felt.pulse, 1), rumbleMs);
-      this.quietUntil = now + everyMs;
+      actuator.pulse(1, eventPulseMs);
+      this.busyUntil = now + eventPulseMs;
+    } else if (cue.pulse > minPulse && now >= this.busyUntil) {
+      actuator.pulse(Math.min(cue.pulse, 1), rumbleMs);
+      this.busyUntil = now + rumblePeriodMs;
     }
   }
 
-  /// Forgets what was counted: what was while nobody held it is not felt later.
+  /// Clears the event count, so that events before a session are not rendered in it.
   reset(): void {
-    this.seen = undefined;
-    this.quietUntil = 0;
+    this.lastCount = undefined;
+    this.busyUntil = 0;
   }
 }

@@ -4,43 +4,43 @@ import { Vector3 } from 'three';
 
 import type { Level } from './teleport';
 
-// A table's height: what stands between floor and support where the scan does not show a floor [m].
+// Height of a table: the support's assumed height above a floor that was not scanned [m].
 const tableHeight = 0.75;
-// A scan that goes less deep than this below the support shows the support's own edge [m].
+// A scan that reaches less far below the support shows its edge, not the floor [m].
 const floorDepth = 0.3;
-// Whoever stands nearer than this to the things has them under their chin [m].
-const nearest = 0.45;
+// Minimum horizontal distance of the user from the objects [m].
+const minDistance = 0.45;
 
-/// What of a scene says where to stand; all in base.
+/// The parts of a scene that determine where the user stands; all in base.
 export interface Ground {
-  /// Level surfaces that things stand on.
+  /// Horizontal surfaces that objects stand on.
   supports: Level[];
   /// The scan's lowest point [m]; undefined without a scan.
-  lowest: number | undefined;
-  /// Where the things are that one comes for.
-  things: Vector3[];
+  scanMinZ: number | undefined;
+  /// Positions of the movable objects.
+  objects: Vector3[];
 }
 
 /// The floor's height [m]: the scan's lowest point, or a table's height below the lowest support.
-export function floorOf(ground: Ground): number {
+export function floorHeight(ground: Ground): number {
   const support = Math.min(...ground.supports.map((s) => s.z), Infinity);
-  const lowest = ground.lowest ?? Infinity;
-  if (support === Infinity) return lowest === Infinity ? -tableHeight : lowest;
-  return lowest < support - floorDepth ? lowest : support - tableHeight;
+  const scanMinZ = ground.scanMinZ ?? Infinity;
+  if (support === Infinity) return scanMinZ === Infinity ? -tableHeight : scanMinZ;
+  return scanMinZ < support - floorDepth ? scanMinZ : support - tableHeight;
 }
 
-/// Where a person begins: on the floor at the robot's base, facing the things.
-export function startingPlace(ground: Ground): { foot: Vector3; heading: number } {
-  const foot = new Vector3(0, 0, floorOf(ground));
-  if (ground.things.length === 0) return { foot, heading: 0 };
-  const middle = new Vector3();
-  for (const thing of ground.things) middle.addScaledVector(thing, 1 / ground.things.length);
-  const away = Math.hypot(middle.x, middle.y);
-  // Right above the base there is no direction: along x, as the robot looks.
-  const heading = away < 0.05 ? 0 : Math.atan2(middle.y, middle.x);
-  if (away < nearest) {
-    foot.x = middle.x - nearest * Math.cos(heading);
-    foot.y = middle.y - nearest * Math.sin(heading);
+/// The user's initial pose: on the floor at the robot's base, facing the objects.
+export function startPose(ground: Ground): { foot: Vector3; heading: number } {
+  const foot = new Vector3(0, 0, floorHeight(ground));
+  if (ground.objects.length === 0) return { foot, heading: 0 };
+  const mean = new Vector3();
+  for (const object of ground.objects) mean.addScaledVector(object, 1 / ground.objects.length);
+  const distance = Math.hypot(mean.x, mean.y);
+  // Objects above the base give no direction: face along the robot's x.
+  const heading = distance < 0.05 ? 0 : Math.atan2(mean.y, mean.x);
+  if (distance < minDistance) {
+    foot.x = mean.x - minDistance * Math.cos(heading);
+    foot.y = mean.y - minDistance * Math.sin(heading);
   }
   return { foot, heading };
 }

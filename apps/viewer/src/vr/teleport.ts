@@ -13,53 +13,53 @@ import {
 } from 'three';
 import { isInside, type Outline } from '../scene/outline';
 
-/// A level surface in base to stand over; without an outline it has no edge.
+/// A horizontal surface in base to teleport onto; without an outline it is unbounded.
 export interface Level {
   z: number;
   outline: Outline | null;
 }
 
-// A thrown ball's path: quick enough to cross a room, slow enough to aim at one's feet [m/s].
-const throwSpeed = 5;
+// Of the ballistic arc: fast enough to cross a room, slow enough to aim at one's feet [m/s].
+const launchSpeed = 5;
 const gravity = 9.81;
 const pathSteps = 40;
 const flightTime = 2; // [s]
 
-/// The path of a ball thrown from `from` along `along` (unit, base), in a world shown `scale` times
-/// larger.
-export function throwPath(from: Vector3, along: Vector3, scale: number): Vector3[] {
+/// The ballistic arc (parabola) from `from` along `direction` (unit, base), in a world shown
+/// `scale` times larger.
+export function ballisticPath(from: Vector3, direction: Vector3, scale: number): Vector3[] {
   const path: Vector3[] = [];
   for (let i = 0; i <= pathSteps; ++i) {
     const t = (flightTime * i) / pathSteps;
-    const point = from.clone().addScaledVector(along, (throwSpeed * t) / scale);
+    const point = from.clone().addScaledVector(direction, (launchSpeed * t) / scale);
     point.z -= (0.5 * gravity * t * t) / scale;
     path.push(point);
   }
   return path;
 }
 
-/// Where a path first comes down through a level, and the path up to there.
-export function landing(
+/// The first point where a path passes down through a level, and the path up to it.
+export function findLanding(
   path: Vector3[],
   levels: Level[],
-): { place: Vector3; path: Vector3[] } | undefined {
+): { point: Vector3; path: Vector3[] } | undefined {
   for (let i = 1; i < path.length; ++i) {
     const before = path[i - 1];
     const after = path[i];
     let best: Vector3 | undefined;
     for (const level of levels) {
       if (before.z < level.z || after.z >= level.z) continue;
-      const share = (before.z - level.z) / (before.z - after.z);
-      const place = before.clone().lerp(after, share);
-      if (level.outline && !isInside(place.x, place.y, level.outline)) continue;
-      if (best === undefined || place.z > best.z) best = place;
+      const fraction = (before.z - level.z) / (before.z - after.z);
+      const point = before.clone().lerp(after, fraction);
+      if (level.outline && !isInside(point.x, point.y, level.outline)) continue;
+      if (best === undefined || point.z > best.z) best = point;
     }
-    if (best !== undefined) return { place: best, path: [...path.slice(0, i), best] };
+    if (best !== undefined) return { point: best, path: [...path.slice(0, i), best] };
   }
   return undefined;
 }
 
-/// The arc, and the ring where it lands.
+/// The arc, and a ring at its landing point.
 export class TeleportView {
   readonly group = new Group();
   private readonly points = new BufferAttribute(new Float32Array(3 * (pathSteps + 2)), 3);
@@ -79,12 +79,12 @@ export class TeleportView {
     this.group.name = 'teleport';
   }
 
-  show(path: Vector3[], place: Vector3, scale: number): void {
+  show(path: Vector3[], landing: Vector3, scale: number): void {
     path.forEach((p, i) => this.points.setXYZ(i, p.x, p.y, p.z));
     this.points.needsUpdate = true;
     this.arc.setDrawRange(0, path.length);
-    // Above the surface it lies on, so that the two do not fight for the same pixels.
-    this.ring.position.copy(place).z += 0.004 / scale;
+    // Above the surface, against z-fighting.
+    this.ring.position.copy(landing).z += 0.004 / scale;
     this.ring.scale.setScalar(1 / scale);
     this.group.visible = true;
   }

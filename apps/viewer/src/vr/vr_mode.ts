@@ -7,17 +7,17 @@ import { Clutch } from './clutch';
 import { type Hand, HandReader, type Side, toQuaternion, toVector } from './hands';
 import { HandsView } from './hands_view';
 import { HoldSign } from './hold_sign';
-import { Moving } from './moving';
+import { Locomotion } from './locomotion';
 import { Panel } from './panel';
 import { Person } from './person';
 import { Pulses } from './pulses';
-import { floorGrid, lend } from './stage';
-import { floorOf, type Ground, startingPlace } from './start';
+import { attachCamera, makeFloorGrid } from './stage';
+import { floorHeight, type Ground, startPose } from './start';
 
-/// A person in the scene with a headset: enters, leaves, pushes, feels, moves about.
+/// The VR session: entering and leaving, the tool, haptic pulses, locomotion.
 ///
-/// Only a hand moves the tool, only with the clutch closed, and only while everything that says
-/// where the hand is can be trusted. The headset's own pose moves the picture and nothing else.
+/// Only a tracked hand moves the tool, only with the clutch closed and no interlock active. The
+/// headset's own pose changes the view and nothing else.
 export class VrMode {
   readonly person = new Person();
   readonly clutch = new Clutch();
@@ -26,28 +26,28 @@ export class VrMode {
   private readonly panel = new Panel();
   private readonly sign = new HoldSign();
   private readonly pulses = new Pulses();
-  private readonly moving: Moving;
-  private readonly floor = floorGrid();
+  private readonly locomotion: Locomotion;
+  private readonly floor = makeFloorGrid();
   private listeners: ((isPresenting: boolean) => void)[] = [];
   private xr: XRSession | undefined;
   private toolSide: Side = 'right';
   private isPlaced = false;
   private hadTool = false;
-  private giveCameraBack = () => {};
+  private restoreCamera = () => {};
   private sent: { tip: Vector; quaternion: Quaternion; device: Device } | undefined;
 
   constructor(
     private readonly app: App,
     private readonly ground: () => Ground,
   ) {
-    this.moving = new Moving(this.person, () => this.levels());
+    this.locomotion = new Locomotion(this.person, () => this.levels());
     this.person.rig.add(this.hands.group, this.panel.mesh, this.sign.mesh);
     app.renderer.xr.setReferenceSpaceType('local-floor');
     document.addEventListener('visibilitychange', () => {
-      if (document.hidden) this.letGo('the page is hidden');
+      if (document.hidden) this.disengage('page hidden');
     });
-    window.addEventListener('blur', () => this.letGo('the page lost the focus'));
-    window.addEventListener('pagehide', () => this.letGo('the page was left'));
+    window.addEventListener('blur', () => this.disengage('page lost focus'));
+    window.addEventListener('pagehide', () => this.disengage('page closed'));
   }
 
   static async isSupported(): Promise<boolean> {
@@ -63,35 +63,40 @@ export class VrMode {
     return this.sent?.tip;
   }
 
-  /// Where the ring lies [m], in base, while a teleport is aimed.
+  /// The target of the teleport that is being aimed [m], in base.
   get teleportTarget(): Vector | undefined {
-    return this.moving.target?.toArray();
+    return this.locomotion.target?.toArray();
   }
 
   onChange(listener: (isPresenting: boolean) => void): void {
     this.listeners.push(listener);
   }
 
-  /// To be called from a click or a key: browsers want a person's own wish.
+  /// To be called from a click or key event: browsers require a user gesture.
   async enter(): Promise<void> {
     if (this.xr || !navigator.xr) return;
     const xr = await navigator.xr.requestSession('immersive-vr', {
       requiredFeatures: ['local-floor'],
       optionalFeatures: ['hand-tracking', 'layers'],
     });
-    xr.addEventListener('end', () => this.left());
+    xr.addEventListener('end', () => this.onSessionEnd());
     xr.addEventListener('visibilitychange', () => {
-      if (xr.visibilityState !== 'visible') this.letGo('the headset shows something else');
+      if (xr.visibilityState !== 'visible') this.disengage('headset session not visible');
     });
     xr.addEventListener('inputsourceschange', (event) => {
       if (event.removed.some((source) => source.handedness === this.toolSide)) {
-        this.letGo('the controller is gone');
+        this.disengage('controller disconnected');
       }
     });
     this.isPlaced = false;
     this.pulses.reset();
-    this.giveCameraBack = lend(this.app.camera, this.person.rig);
-    this.app.base.add(this.person.rig, this.hands.thread, this.moving.view.group, this.floor);
+    this.restoreCamera = attachCamera(this.app.camera, this.person.rig);
+    this.app.base.add(
+      this.person.rig,
+      this.hands.offsetLine,
+      this.locomotion.view.group,
+      this.floor,
+    );
     this.xr = xr;
     await this.app.renderer.xr.setSession(xr).catch(async (error: unknown) => {
       await xr.end();
@@ -104,12 +109,12 @@ export class VrMode {
     await this.xr?.end();
   }
 
-  /// Once a frame of the headset, before it is drawn. `now` in milliseconds.
+  /// Once per headset frame, before it is rendered. `now` in milliseconds.
   update(now: number, frame: XRFrame): void {
     const space = this.app.renderer.xr.getReferenceSpace();
     const viewer = space && frame.getViewerPose(space);
     if (!space || !viewer) {
-      this.letGo('the headset does not know where it is');
+      this.disengage('headset tracking lost');
       return;
     }
     const head = toVector(viewer.transform.position);
@@ -123,15 +128,15 @@ export class VrMode {
     const tool = hands.find((h) => h.side === this.toolSide);
     const free = hands.find((h) => h.side !== this.toolSide);
     const state = this.app.session.latest();
-    this.press(hands, tool, free, state);
-    this.follow(tool, state);
-    this.move(tool, free, head);
+    this.handleButtons(hands, tool, free, state);
+    this.updateTool(tool, state);
+    this.moveUser(tool, free, head);
     if (state) this.pulses.update(now, state, this.clutch.isClosed ? tool?.actuator : undefined);
     this.show(now, hands, tool, free, head, state);
   }
 
   private placePerson(head: Vector3): void {
-    const { foot, heading } = startingPlace(this.ground());
+    const { foot, heading } = startPose(this.ground());
     this.person.standAt(foot, heading, head);
     this.floor.position.copy(foot);
     this.isPlaced = true;
@@ -139,41 +144,41 @@ export class VrMode {
 
   private levels() {
     const ground = this.ground();
-    return [...ground.supports, { z: floorOf(ground), outline: null }];
+    return [...ground.supports, { z: floorHeight(ground), outline: null }];
   }
 
-  /// Buttons: hold and go on, reset, the other hand for the tool.
-  private press(
+  /// Buttons: hold and resume, reset, swap the tool hand.
+  private handleButtons(
     hands: Hand[],
     tool: Hand | undefined,
     free: Hand | undefined,
     state: LiveState | null,
   ): void {
-    // The panel is beside the free hand; and a hand that leads the tool presses nothing by the way.
+    // The panel is at the free hand; a hand that moves the tool must not press its buttons.
     const tip = free && !this.clutch.isClosed ? tool?.fingertip : undefined;
     const touched = this.panel.pressedBy(tip);
-    if (touched === 'hold' || hands.some((h) => h.beginsHold)) this.toggleHold(state);
+    if (touched === 'hold' || hands.some((h) => h.isHoldPressed)) this.toggleHold(state);
     if (touched === 'reset') this.app.session.command(Command.reset);
-    if (tool?.beginsExtra && free && !this.clutch.isClosed) this.toolSide = free.side;
+    if (tool?.isExtraPressed && free && !this.clutch.isClosed) this.toolSide = free.side;
   }
 
   private toggleHold(state: LiveState | null): void {
-    this.letGo('on hold');
-    this.app.session.command(state?.isOnHold ? Command.goOn : Command.hold);
+    this.disengage('on hold');
+    this.app.session.command(state?.isOnHold ? Command.resume : Command.hold);
   }
 
-  /// The clutch, and the tool after the hand.
-  private follow(tool: Hand | undefined, state: LiveState | null): void {
+  /// Updates the clutch, and sends the hand's pose as the tool's.
+  private updateTool(tool: Hand | undefined, state: LiveState | null): void {
     const was = this.clutch.isClosed;
-    const is = this.clutch.update(tool?.isClutchHeld ?? false, this.doubt(tool, state));
+    const is = this.clutch.update(tool?.isClutchHeld ?? false, this.interlock(tool, state));
     this.hadTool = is && (state?.hasTool ?? false);
     if (is && tool) {
       if (!was && !state?.hasTool) this.app.session.command(Command.take);
-      const tip = this.person.toBase(tool.place);
-      const turn = this.person.rotationToBase(tool.rotation);
+      const tip = this.person.toBase(tool.position);
+      const rotation = this.person.rotationToBase(tool.rotation);
       this.sent = {
         tip: tip.toArray(),
-        quaternion: turn.toArray() as Quaternion,
+        quaternion: rotation.toArray() as Quaternion,
         device: tool.isHand ? Device.hand : Device.controller,
       };
       this.send(true);
@@ -182,15 +187,15 @@ export class VrMode {
     }
   }
 
-  /// Why the tool may not follow; empty where it may.
-  private doubt(tool: Hand | undefined, state: LiveState | null): string {
+  /// The condition that keeps the clutch open; empty if none.
+  private interlock(tool: Hand | undefined, state: LiveState | null): string {
     if (this.app.session.connection !== 'open' || !state) return 'no connection';
-    if (this.app.session.welcome?.mode === 'replay') return 'a replay is shown';
+    if (this.app.session.welcome?.mode === 'replay') return 'replay mode';
     if (state.isOnHold) return 'on hold';
-    if (state.isToolTaken && !state.hasTool) return 'another page has the tool';
-    if (this.clutch.isClosed && this.hadTool && !state.hasTool) return 'the world let the tool go';
-    if (!tool) return 'the hand is not seen';
-    if (this.xr?.visibilityState !== 'visible') return 'the headset shows something else';
+    if (state.isToolTaken && !state.hasTool) return 'another page controls the tool';
+    if (this.clutch.isClosed && this.hadTool && !state.hasTool) return 'server released the tool';
+    if (!tool) return 'hand not tracked';
+    if (this.xr?.visibilityState !== 'visible') return 'headset session not visible';
     return '';
   }
 
@@ -199,21 +204,21 @@ export class VrMode {
     this.app.session.sendTool(this.sent.tip, this.sent.quaternion, isClosed, this.sent.device);
   }
 
-  /// Opens the clutch at once, outside of a frame.
-  private letGo(reason: string): void {
+  /// Opens the clutch at once, also between frames.
+  private disengage(reason: string): void {
     const was = this.clutch.isClosed;
     this.clutch.open(reason);
     if (was) this.send(false);
   }
 
-  /// The person, by the free hand, or by the only one; never while the tool is held.
-  private move(tool: Hand | undefined, free: Hand | undefined, head: Vector3): void {
+  /// Locomotion by the free hand, or by the only one; never while the clutch is closed.
+  private moveUser(tool: Hand | undefined, free: Hand | undefined, head: Vector3): void {
     if (this.clutch.isClosed) {
-      this.moving.stop();
+      this.locomotion.stop();
       return;
     }
-    const alone = tool?.isHand ? undefined : tool;
-    this.moving.update(free ?? alone, head, tool?.place ?? head);
+    const onlyHand = tool?.isHand ? undefined : tool;
+    this.locomotion.update(free ?? onlyHand, head, tool?.position ?? head);
   }
 
   private show(
@@ -225,40 +230,40 @@ export class VrMode {
     state: LiveState | null,
   ): void {
     this.hands.show(hands, this.toolSide);
-    const isLed = this.clutch.isClosed && tool && state;
-    this.hands.showThread(
-      isLed ? this.person.toBase(tool.place).toArray() : undefined,
-      isLed ? state.hip : undefined,
+    const isMoving = this.clutch.isClosed && tool && state;
+    this.hands.showOffsetLine(
+      isMoving ? this.person.toBase(tool.position).toArray() : undefined,
+      isMoving ? state.hip : undefined,
     );
-    const beside = free ?? tool;
-    this.panel.mesh.visible = beside !== undefined;
-    if (beside) this.panel.placeBy(beside.place, head);
-    this.panel.show(this.words(state), now);
+    const panelHand = free ?? tool;
+    this.panel.mesh.visible = panelHand !== undefined;
+    if (panelHand) this.panel.placeAbove(panelHand.position, head);
+    this.panel.show(this.panelText(state), now);
   }
 
-  private words(state: LiveState | null) {
+  private panelText(state: LiveState | null) {
     const body = state && state.touchedObject >= 0 ? state.touchedObject : undefined;
     const name = body === undefined ? undefined : this.app.session.welcome?.objects[body];
     return {
       object: name ?? (state?.touchesScan ? 'scan' : ''),
       phase: body === undefined ? '' : (state?.objects[body]?.phase ?? ''),
       force: state ? Math.hypot(...state.force) : 0,
-      age: this.app.session.figures().age,
+      age: this.app.session.latencyStats().age,
       isOnHold: state?.isOnHold ?? false,
-      note: this.clutch.openedBecause,
+      note: this.clutch.openReason,
       scale: this.person.scale,
     };
   }
 
-  private left(): void {
-    this.letGo('VR was left');
-    this.app.session.command(Command.giveBack);
+  private onSessionEnd(): void {
+    this.disengage('VR session ended');
+    this.app.session.command(Command.release);
     this.xr = undefined;
-    this.moving.stop();
-    this.giveCameraBack();
+    this.locomotion.stop();
+    this.restoreCamera();
     this.person.rig.removeFromParent();
-    this.hands.thread.removeFromParent();
-    this.moving.view.group.removeFromParent();
+    this.hands.offsetLine.removeFromParent();
+    this.locomotion.view.group.removeFromParent();
     this.floor.removeFromParent();
     this.listeners.forEach((listener) => listener(false));
     this.app.invalidate();

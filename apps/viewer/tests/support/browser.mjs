@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A browser without a network: what a page asks for is recorded, and has to be this machine's.
+// A browser without network access; all requests of a page are recorded and must be local.
 import { mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -22,7 +22,7 @@ const flags = [
 
 export const viewport = { width: 640, height: 360 };
 
-/// A browser with a profile of its own, which goes with it.
+/// A browser with a temporary profile, removed when it is closed.
 export async function openBrowser() {
   const profile = mkdtempSync(join(tmpdir(), 'pcavr-browser-'));
   const context = await chromium.launchPersistentContext(profile, {
@@ -30,11 +30,11 @@ export async function openBrowser() {
     headless: true,
     args: flags,
     viewport,
-    ignoreHTTPSErrors: true, // the server's certificate is its own
+    ignoreHTTPSErrors: true, // the server's certificate is self-signed
   });
   return {
     context,
-    // But for the empty one that it opened with: without any, the browser would end.
+    // Except the initial empty page: without any page the browser would exit.
     closePages: () =>
       Promise.all(
         context
@@ -49,7 +49,7 @@ export async function openBrowser() {
   };
 }
 
-/// A page, and all that it asked for and complained of.
+/// A page, with all its requests and errors.
 export async function openPage(context, url) {
   const page = await context.newPage();
   const seen = { requests: [], errors: [] };
@@ -64,14 +64,14 @@ export async function openPage(context, url) {
   return { page, seen };
 }
 
-/// Those of the addresses that are not of this server, and not made by the page itself.
-export function elsewhere(requests, url) {
+/// The requests to other hosts than this server; data and blob URLs are local.
+export function foreignRequests(requests, url) {
   const { host } = new URL(url);
   return requests.filter((r) => !/^(data|blob):/.test(r) && new URL(r).host !== host);
 }
 
-/// Writes what the page looks like to the folder for pictures, where there is one.
-export async function picture(page, name) {
+/// Takes a screenshot if PCAVR_PICTURES names a folder.
+export async function screenshot(page, name) {
   const folder = process.env.PCAVR_PICTURES;
   if (folder) await page.screenshot({ path: join(folder, `${name}.png`) });
 }

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Leads an emulated controller from a test, in the headset's own space: y up, -z ahead.
+// Moves an emulated controller, in the headset's space: y up, -z forward.
 
 import { until } from './live.mjs';
 
-/// Moves a controller by `delta` [m], at `speed` [m/s] of the clock, whatever the frame rate.
+/// Moves a controller by `delta` [m] at `speed` [m/s] of wall time, independent of the frame rate.
 export function moveBy(page, side, delta, speed) {
   return page.evaluate(
     ([hand, by, metresPerSecond]) =>
@@ -15,9 +15,9 @@ export function moveBy(page, side, delta, speed) {
         const seconds = Math.hypot(...by) / metresPerSecond;
         const begin = performance.now();
         const timer = setInterval(() => {
-          const part = Math.min(1, (performance.now() - begin) / 1000 / seconds);
-          position.set(...start.map((value, i) => value + part * by[i]));
-          if (part < 1) return;
+          const fraction = Math.min(1, (performance.now() - begin) / 1000 / seconds);
+          position.set(...start.map((value, i) => value + fraction * by[i]));
+          if (fraction < 1) return;
           clearInterval(timer);
           resolve();
         }, 5);
@@ -26,14 +26,14 @@ export function moveBy(page, side, delta, speed) {
   );
 }
 
-/// A direction of base as the headset has it, where straight ahead is `heading` [rad] about z.
+/// Rotates a direction from base to the headset's space, whose forward is `heading` [rad] about z.
 export function toHeadset([x, y, z], heading) {
   const c = Math.cos(heading);
   const s = Math.sin(heading);
   return [s * x - c * y, z, -c * x - s * y];
 }
 
-/// Draws a button ("squeeze", "trigger", "a-button", ...) or lets it go; seen by the next frame.
+/// Presses or releases a button ("squeeze", "trigger", "a-button", ...), and waits some frames.
 export async function press(page, side, button, isPressed) {
   await page.evaluate(
     ([hand, name, value]) => window.__headset.controllers[hand].updateButtonValue(name, value),
@@ -42,19 +42,19 @@ export async function press(page, side, button, isPressed) {
   await frames(page, 3);
 }
 
-/// Closes the right hand's clutch. A page that is just being opened may lose the focus once more, and
-/// lets go then, as it should: the hand takes hold anew.
-export async function takeHold(page, world) {
-  const why = () => page.evaluate(() => window.__pcavr.vr.clutch.openedBecause);
+/// Closes the right hand's clutch. A page that is just being opened may lose the focus, which opens
+/// the clutch: the press is repeated.
+export async function closeClutch(page, world) {
+  const reason = () => page.evaluate(() => window.__pcavr.vr.clutch.openReason);
   for (let i = 0; i < 3 && !world.state.isEngaged; ++i) {
     await press(page, 'right', 'squeeze', false);
     await press(page, 'right', 'squeeze', true);
     await until(() => world.state.isEngaged, 'the clutch', 3000).catch(() => {});
   }
-  if (!world.state.isEngaged) throw new Error(`the clutch does not close: ${await why()}`);
+  if (!world.state.isEngaged) throw new Error(`the clutch does not close: ${await reason()}`);
 }
 
-/// Pushes a thumbstick, and lets it come back.
+/// Deflects a thumbstick, and returns it to the centre.
 export async function flick(page, side, x, y) {
   const set = (to) =>
     page.evaluate(
@@ -67,7 +67,7 @@ export async function flick(page, side, x, y) {
   await frames(page, 4);
 }
 
-/// Waits until the headset has shown so many more frames.
+/// Waits for a number of headset frames.
 export function frames(page, count) {
   return page.evaluate(
     (n) =>

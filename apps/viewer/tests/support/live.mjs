@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A second opinion on the world: its state as docs/live-protocol.md has it, without the page's code.
+// An independent client of docs/live-protocol.md, without the page's code, as a reference.
 import WebSocket from 'ws';
 
-const head = 24;
+const headerBytes = 24;
 const types = { welcome: 1, state: 2, notice: 3, hello: 16, tool: 17, command: 18 };
 
 /// Sends and receives as a page does. `state` is the newest, null before the first.
@@ -29,9 +29,9 @@ export class Live {
       this.socket.on('unexpected-response', (_, response) => resolve(response.statusCode));
       this.socket.on('close', (code) => resolve(code));
       this.socket.on('error', () => resolve('error'));
-    }).then((how) => {
+    }).then((reason) => {
       this.isClosed = true;
-      return how;
+      return reason;
     });
   }
 
@@ -55,19 +55,19 @@ export class Live {
 
   send(type, body) {
     if (this.socket.readyState !== WebSocket.OPEN) return;
-    const message = Buffer.alloc(head + body.length);
+    const message = Buffer.alloc(headerBytes + body.length);
     message.write('PCVR');
     message[4] = 1;
     message[5] = type;
     message.writeUInt32LE(++this.sequence, 8);
     message.writeUInt32LE(body.length, 12);
     message.writeDoubleLE(performance.now() / 1000, 16);
-    body.copy(message, head);
+    body.copy(message, headerBytes);
     this.socket.send(message);
   }
 
   receive(bytes) {
-    const body = bytes.subarray(head);
+    const body = bytes.subarray(headerBytes);
     if (bytes[5] === types.state) this.state = decodeState(body);
     if (bytes[5] === types.welcome) this.welcome = JSON.parse(body);
     if (bytes[5] === types.notice) this.notices.push(JSON.parse(body));
@@ -106,18 +106,18 @@ function decodeState(body) {
   };
 }
 
-/// Waits until `condition` gives something, and gives that.
+/// Waits until `condition` returns a truthy value, and returns it.
 export async function until(condition, what, milliseconds = 15000) {
   const end = performance.now() + milliseconds;
   for (;;) {
     const value = await condition();
     if (value) return value;
-    if (performance.now() > end) throw new Error(`waited in vain: ${what}`);
+    if (performance.now() > end) throw new Error(`timed out waiting for: ${what}`);
     await new Promise((resolve) => setTimeout(resolve, 20));
   }
 }
 
-/// How far apart two points are [m].
+/// The distance of two points [m].
 export function distance(a, b) {
   return Math.hypot(...a.map((value, i) => value - b[i]));
 }

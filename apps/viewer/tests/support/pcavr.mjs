@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The real command: makes a small scene, and serves it.
+// Runs the pcavr command: makes a small scene, and serves it.
 import { execFileSync, spawn } from 'node:child_process';
 import { mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -9,12 +9,12 @@ import { join } from 'node:path';
 
 const command = process.env.PCAVR_COMMAND;
 
-/// Two boxes on a table, a recorded push of each, and what is true of them; goes when the test ends.
+/// Two boxes on a table, a simulated recording with a push of each, and its ground truth.
 export function makeScene() {
   const folder = mkdtempSync(join(tmpdir(), 'pcavr-browser-scene-'));
   const recording = join(folder, 'recording');
   const scene = join(folder, 'scene');
-  const run = (...words) => execFileSync(command, words, { stdio: ['ignore', 'ignore', 'pipe'] });
+  const run = (...args) => execFileSync(command, args, { stdio: ['ignore', 'ignore', 'pipe'] });
   run('simulate', 'push', '--no-images', '--seed', '3', '-o', recording);
   run('build', recording, '-o', scene);
   return {
@@ -26,21 +26,21 @@ export function makeScene() {
   };
 }
 
-/// A server on a free port. `url` ends with a slash; `code` is empty where nobody asks for one.
-export async function serve(...words) {
+/// Starts a server on a free port. `url` ends with a slash; `code` is empty without pairing.
+export async function serve(...args) {
   const page = ['--page', process.env.PCAVR_PAGE];
-  const server = spawn(command, ['--json', 'serve', ...words, '--port', '0', ...page]);
+  const server = spawn(command, ['--json', 'serve', ...args, '--port', '0', ...page]);
   const ended = new Promise((resolve) => server.on('exit', resolve));
-  let said = '';
-  let complaints = '';
-  server.stderr.on('data', (text) => (complaints += text));
+  let output = '';
+  let errors = '';
+  server.stderr.on('data', (text) => (errors += text));
   const ready = await new Promise((resolve, reject) => {
     server.stdout.on('data', (text) => {
-      said += text;
-      // The first line, once it is whole, says where; a last one follows at the end.
-      if (said.includes('\n')) resolve(JSON.parse(said.split('\n')[0]));
+      output += text;
+      // The first complete line has the addresses; a result line follows at the end.
+      if (output.includes('\n')) resolve(JSON.parse(output.split('\n')[0]));
     });
-    ended.then((code) => reject(new Error(`pcavr serve ended with ${code}: ${complaints}`)));
+    ended.then((code) => reject(new Error(`pcavr serve ended with ${code}: ${errors}`)));
   });
   return {
     url: ready.addresses[0],

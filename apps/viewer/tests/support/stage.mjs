@@ -1,39 +1,38 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What the tests of a file share: a scene, the server that shows it, a browser, and where it is
-// wanted a second opinion on the world.
+// The fixture of a test file: a scene, its server, a browser, and optionally an independent client.
 import { after, afterEach, before } from 'node:test';
 import { openBrowser, openPage } from './browser.mjs';
-import { wearHeadset } from './headset.mjs';
+import { installHeadset } from './headset.mjs';
 import { Live, until } from './live.mjs';
 import { makeScene, serve } from './pcavr.mjs';
 
 export const limit = { timeout: 60_000 }; // [ms]
 
-/// What `pcavr serve` is told to show a scene live.
-export const ofScene = ({ scene, parameters }) => [scene, '--parameters', parameters];
+/// The arguments of `pcavr serve` for a live scene.
+export const sceneArguments = ({ scene, parameters }) => [scene, '--parameters', parameters];
 
-/// Made before the tests of the file that asks for it, and gone after them; pages go after each test.
-/// `words`: what `pcavr serve` is told of the scene. `skip`: nothing is made, as all tests are skipped.
-/// `isSet` is called when the rest is there: hooks of one file don't wait for each other.
+/// Set up before the tests of a file and torn down after them; pages are closed after each test.
+/// `serverArguments`: of `pcavr serve` for the scene. `skip`: no setup, as all tests are skipped.
+/// `onReady` runs after the setup: the hooks of one file don't wait for each other.
 export function setStage(
-  { words = ofScene, headset = false, world = false, skip = false } = {},
-  isSet = () => {},
+  { serverArguments = sceneArguments, headset = false, world = false, skip = false } = {},
+  onReady = () => {},
 ) {
   const stage = { open: (url = stage.server.url) => openPage(stage.browser.context, url) };
 
   before(async () => {
     if (skip) return;
     stage.scene = makeScene();
-    stage.server = await serve(...words(stage.scene));
+    stage.server = await serve(...serverArguments(stage.scene));
     stage.browser = await openBrowser();
-    if (headset) await wearHeadset(stage.browser.context);
+    if (headset) await installHeadset(stage.browser.context);
     if (world) {
       stage.world = new Live(stage.server.url);
       await until(() => stage.world.state, 'the first state');
     }
-    await isSet(stage);
+    await onReady(stage);
   }, limit);
 
   afterEach(() => stage.browser?.closePages());

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace pcavr::app {
+
+/// What `pcavr serve` prints once the server accepts connections.
+struct StartupInfo {
+  std::vector<std::string> addresses;  ///< "http://127.0.0.1:8080/", the preferred one first
+  std::uint16_t port = 0;
+  std::string scene;
+  std::string mode;  ///< "live" or "replay"
+  std::string device;
+  std::vector<std::string> objects;
+  std::size_t triangles = 0;
+  std::string code = {};         ///< pairing code; empty where none is needed
+  std::string fingerprint = {};  ///< of the certificate; empty without TLS
+  bool is_local = true;          ///< reachable from this machine only
+  bool is_at_localhost = true;   ///< listens on localhost, which adb reverse forwards to
+  bool is_tls = false;
+};
+
+/// Human-readable, with the three ways to connect a headset.
+[[nodiscard]] std::string startup_message(const StartupInfo& info);
+/// Machine-readable: one line.
+[[nodiscard]] nlohmann::ordered_json startup_json(const StartupInfo& info);
+
+}  // namespace pcavr::app

@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace pcavr {
+
+/// Text for an HTML or SVG document, with markup characters escaped.
+[[nodiscard]] std::string escaped(std::string_view text);
+
+/// With `decimals` places; independent of the locale.
+[[nodiscard]] std::string fixed(double value, int decimals);
+
+/// With three significant digits and at most four decimals, never as a power of ten: 0.0123, 1.23,
+/// 123, 12345.
+[[nodiscard]] std::string readable(double value);
+
+}  // namespace pcavr

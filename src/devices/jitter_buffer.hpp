@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+
+#include "pcavr/devices/remote_device.hpp"
+
+namespace pcavr {
+
+/// A jitter buffer: plays out samples that arrive with jitter by the sender's clock, interpolated,
+/// at an adaptive playout delay. Positions in base. No allocation; one thread.
+class JitterBuffer {
+ public:
+  void clear() noexcept { *this = {}; }
+  /// Adds a sample newer than the last. A jump of the sender's clock restarts the motion: returns
+  /// true.
+  bool add(const RemoteSample& sample) noexcept;
+  /// Advances the playout time by a cycle of `dt` [s] >= 0, to `t` [s].
+  void advance(double t, double dt) noexcept;
+
+  [[nodiscard]] bool is_empty() const noexcept { return count_ == 0; }
+  [[nodiscard]] const RemoteSample& newest() const noexcept { return sample(count_ - 1); }
+  /// [s] playout time, on the sender's clock.
+  [[nodiscard]] double shown() const noexcept { return shown_; }
+  /// [s] playout delay relative to the fastest recent arrival.
+  [[nodiscard]] double delay() const noexcept { return target_lag_ - fastest_; }
+
+  struct Tip {
+    Eigen::Vector3d p_base_tip;
+    Eigen::Quaterniond q_base_tool;
+  };
+  /// The tip at `clock` [s] of the sender; not empty. Constant before the oldest and after the
+  /// newest stored sample.
+  [[nodiscard]] Tip at(double clock) const noexcept;
+
+ private:
+  /// At the minimum interval of 2 ms, these cover the maximum delay.
+  static constexpr std::size_t kSize = 32;
+
+  [[nodiscard]] const RemoteSample& sample(std::size_t i) const noexcept {
+    return samples_[i % kSize];
+  }
+  [[nodiscard]] std::size_t oldest() const noexcept { return count_ > kSize ? count_ - kSize : 0; }
+  void update_delay() noexcept;
+
+  std::array<RemoteSample, kSize> samples_{};  ///< number i is at i % kSize
+  std::size_t count_ = 0;                      ///< so far
+  double fastest_ =
+      0.0;  ///< [s] minimum of arrival - sender_clock: clock offset plus minimum latency
+  double target_lag_ = 0.0;  ///< [s] target of t - shown; includes the clock offset
+  double shown_ = std::numeric_limits<double>::quiet_NaN();
+};
+
+}  // namespace pcavr

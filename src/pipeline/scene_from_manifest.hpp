@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/recording/recording.hpp"
+#include "pcavr/scene/scene.hpp"
+
+namespace pcavr {
+
+/// The scene of a recording without images, from its manifest alone: bodies at their stated poses,
+/// movable ones as objects and the others as static mesh, with horizontal support planes under the
+/// movable ones. Fails where the manifest does not state a movable object's pose.
+[[nodiscard]] Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_size,
+                                                  double occupancy_resolution);
+
+}  // namespace pcavr

@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "live_sessions.hpp"
+
+#include <utility>
+
+#include "pcavr/core/check.hpp"
+
+namespace pcavr {
+namespace {
+
+/// [s] Watchdog (docs/live-protocol.md): a page that holds the clutch but sends nothing is taken as
+/// disconnected.
+constexpr double kToolTimeout = 0.5;
+
+void copy_bodies(const WorldSnapshot& snapshot, LiveState& state) {
+  state.objects.resize(snapshot.world.bodies.size());
+  for (std::size_t i = 0; i < state.objects.size(); ++i) {
+    const HapticBodyState& body = snapshot.world.bodies[i];
+    state.objects[i] = {body.T_base_object.translation().cast<float>(),
+                        body.T_base_object.rotation().cast<float>(),
+                        body.tool_force_base.cast<float>(),
+                        body.phase,
+                        body.is_outside_model,
+                        static_cast<float>(snapshot.speeds[i])};
+  }
+}
+
+void copy_world(const WorldSnapshot& snapshot, LiveState& state) {
+  state.t = snapshot.t;
+  state.is_engaged = snapshot.world.is_engaged;
+  state.is_on_hold = snapshot.is_on_hold;
+  state.touches_scan = snapshot.world.touches_scan;
+  state.touched_object = snapshot.world.touched_body;
+  state.p_base_hip = snapshot.world.p_base_hip.cast<float>();
+  state.p_base_proxy = snapshot.world.p_base_proxy.cast<float>();
+  state.force_base = snapshot.world.force_base.cast<float>();
+  state.pulse = static_cast<float>(snapshot.pulse);
+  state.pulses = snapshot.pulses;
+  state.cycles = snapshot.cycles;
+  state.late_cycles = snapshot.late_cycles;
+  state.cycle_median = static_cast<float>(snapshot.times.median);
+  state.cycle_p99 = static_cast<float>(snapshot.times.p99);
+  state.cycle_longest = static_cast<float>(snapshot.times.longest);
+  copy_bodies(snapshot, state);
+}
+
+}  // namespace
+
+LiveSessions::LiveSessions(LiveWorld& world, LiveWelcome welcome, Send send)
+    : world_(world), welcome_(std::move(welcome)), send_(std::move(send)) {}
+
+LiveSessions::PageId LiveSessions::join() {
+  pages_.emplace(++last_page_, Page{});
+  return last_page_;
+}
+
+void LiveSessions::leave(PageId page) {
+  if (holder_ == page) release_tool();
+  pages_.erase(page);
+}
+
+bool LiveSessions::has_sent_hello(PageId page) const { return pages_.at(page).has_sent_hello; }
+
+template <typename Content>
+void LiveSessions::send(PageId page, Content content, double now) {
+  send_(page, encode(ServerMessage{{++pages_.at(page).last_sent, now}, std::move(content)}));
+}
+
+void LiveSessions::send_notice(PageId page, LiveLevel level, const std::string& text, double now) {
+  send(page, LiveNotice{level, text}, now);
+}
+
+bool LiveSessions::on_message(PageId id, std::span<const std::uint8_t> bytes, double now) {
+  const Expected<PageMessage> message = decode_page_message(bytes);
+  if (!message) {
+    send_notice(id, LiveLevel::error, "invalid message: " + message.error().message, now);
+    return false;
+  }
+  Page& page = pages_.at(id);
+  if (!page.has_sent_hello) return on_hello(id, *message, now);
+  // A duplicate, or older than one already received.
+  if (message->header.sequence <= page.last_received) return true;
+  page.last_received = message->header.sequence;
+  if (const auto* tool = std::get_if<LiveTool>(&message->content)) {
+    move_tool(id, message->header, *tool, now);
+  } else if (const auto* command = std::get_if<LiveCommand>(&message->content)) {
+    handle_command(id, *command, now);
+  } else if (std::holds_alternative<LivePing>(message->content)) {
+    send(id, LivePong{message->header.clock}, now);
+  }
+  return true;
+}
+
+bool LiveSessions::on_hello(PageId id, const PageMessage& message, double now) {
+  const auto* hello = std::get_if<LiveHello>(&message.content);
+  if (hello == nullptr) {
+    send_notice(id, LiveLevel::error, "the first message must be a hello", now);
+    return false;
+  }
+  if (hello->protocol != kLiveProtocolVersion) {
+    send_notice(id, LiveLevel::error,
+                "this page uses protocol " + std::to_string(hello->protocol) + ", the server " +
+                    std::to_string(kLiveProtocolVersion) + " (pcavr " + welcome_.version +
+                    "): reload the page",
+                now);
+    return false;
+  }
+  Page& page = pages_.at(id);
+  page.has_sent_hello = true;
+  page.last_received = message.header.sequence;
+  send(id, welcome_, now);
+  return true;
+}
+
+void LiveSessions::move_tool(PageId id, const LiveHeader& header, const LiveTool& tool,
+                             double now) {
+  if (holder_ != id) return;
+  Page& page = pages_.at(id);
+  page.last_tool = now;
+  page.is_engaged = tool.is_engaged;
+  // The device counts the samples that it rejects (too early, too far away).
+  (void)world_.page_device()->push({tool.p_base_tip.cast<double>(),
+                                    tool.q_base_tool.cast<double>().normalized(), tool.is_engaged,
+                                    header.clock, now, id});
+}
+
+void LiveSessions::handle_command(PageId id, LiveCommand command, double now) {
+  const bool has_control = !holder_ || holder_ == id;
+  switch (command) {
+    case LiveCommand::hold:
+      // Every page may stop the tool, for safety.
+      world_.hold(true);
+      return;
+    case LiveCommand::resume:
+      if (has_control) return world_.hold(false);
+      break;
+    case LiveCommand::reset:
+      if (has_control) return world_.reset();
+      break;
+    case LiveCommand::take_tool:
+      return take_tool(id, now);
+    case LiveCommand::release_tool:
+      if (holder_ == id) release_tool();
+      return;
+  }
+  send_notice(id, LiveLevel::warning, "another page has the tool", now);
+}
+
+void LiveSessions::take_tool(PageId id, double now) {
+  if (world_.page_device() == nullptr) {
+    send_notice(id, LiveLevel::warning,
+                "the tool is moved by the " + std::string(world_.device_name()) + " at the server",
+                now);
+    return;
+  }
+  if (holder_ && holder_ != id) {
+    send_notice(id, LiveLevel::warning, "another page has the tool", now);
+    return;
+  }
+  if (holder_ == id) return;
+  holder_ = id;
+  Page& page = pages_.at(id);
+  page.last_tool = now;
+  page.is_engaged = false;
+}
+
+void LiveSessions::release_tool() {
+  holder_.reset();
+  if (RemoteDevice* device = world_.page_device()) device->release();
+}
+
+void LiveSessions::check_timeouts(double now) {
+  if (!holder_) return;
+  const PageId id = *holder_;
+  const Page& page = pages_.at(id);
+  if (!page.is_engaged || now - page.last_tool <= kToolTimeout) return;
+  release_tool();
+  send_notice(id, LiveLevel::warning, "no tool motion received for 0.5 s: the tool was released",
+              now);
+}
+
+void LiveSessions::write_state(PageId id, double now, double queue_age,
+                               std::vector<std::uint8_t>& bytes) {
+  const WorldSnapshot& snapshot = world_.newest();
+  copy_world(snapshot, state_);
+  const bool is_from_page = snapshot.page.sender == id;
+  state_.page_clock =
+      is_from_page ? snapshot.page.sender_clock : std::numeric_limits<double>::quiet_NaN();
+  state_.has_tool = holder_ == id;
+  state_.tool_taken = holder_.has_value() || world_.page_device() == nullptr;
+  state_.tool_age =
+      is_from_page ? static_cast<float>(snapshot.page.age + snapshot.page.delay) : 0.0F;
+  state_.state_age = static_cast<float>(now - snapshot.published);
+  state_.queue_age = static_cast<float>(queue_age);
+  encode_state({++pages_.at(id).last_sent, now}, state_, bytes);
+}
+
+}  // namespace pcavr

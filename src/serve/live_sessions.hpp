@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pcavr/serve/live_protocol.hpp"
+#include "pcavr/serve/live_world.hpp"
+
+namespace pcavr {
+
+/// The connected pages: decodes and handles their messages, and gives the tool to one page at a
+/// time. Without sockets: bytes in, bytes out. One thread; times [s] are by LiveWorld::clock.
+class LiveSessions {
+ public:
+  using PageId = std::uint32_t;
+  using Send = std::function<void(PageId, std::vector<std::uint8_t>)>;
+
+  /// Keeps a reference to `world`, which must outlive it, as must what `send` refers to.
+  LiveSessions(LiveWorld& world, LiveWelcome welcome, Send send);
+
+  [[nodiscard]] PageId join();
+  /// The page has disconnected. Releases the tool if it has it.
+  void leave(PageId page);
+  /// False: close the connection after the replies that were sent.
+  [[nodiscard]] bool on_message(PageId page, std::span<const std::uint8_t> bytes, double now);
+  /// Watchdog, to be called at least ten times a second: releases the tool of an unresponsive page.
+  void check_timeouts(double now);
+
+  /// Whether the page has sent a valid hello: it gets states from then on.
+  [[nodiscard]] bool has_sent_hello(PageId page) const;
+  /// The newest state for this page. `queue_age` [s]: how long sending its last message took.
+  void write_state(PageId page, double now, double queue_age, std::vector<std::uint8_t>& bytes);
+
+ private:
+  struct Page {
+    bool has_sent_hello = false;
+    std::uint32_t last_received = 0;  ///< sequence number
+    std::uint32_t last_sent = 0;      ///< sequence number
+    double last_tool = 0.0;           ///< [s] when it last sent a tool sample
+    bool is_engaged = false;
+  };
+
+  template <typename Content>
+  void send(PageId page, Content content, double now);
+  void send_notice(PageId page, LiveLevel level, const std::string& text, double now);
+  [[nodiscard]] bool on_hello(PageId page, const PageMessage& message, double now);
+  void move_tool(PageId page, const LiveHeader& header, const LiveTool& tool, double now);
+  void handle_command(PageId page, LiveCommand command, double now);
+  void take_tool(PageId page, double now);
+  void release_tool();
+
+  LiveWorld& world_;
+  LiveWelcome welcome_;
+  Send send_;
+  std::map<PageId, Page> pages_;
+  std::optional<PageId> holder_;  ///< of the tool
+  PageId last_page_ = 0;
+  LiveState state_;
+};
+
+}  // namespace pcavr

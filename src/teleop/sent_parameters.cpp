@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "teleop/sent_parameters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+
+#include "pcavr/contact/compliance.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kMinRelativeChange = 0.03;
+// Within a group that is sent, parameters with a smaller relative change are omitted.
+constexpr double kSame = 1e-3;
+
+constexpr double kMinComparedForce = 1.0;  // [N] smaller contact forces are irrelevant
+constexpr double kComparedRate = 0.02;     // [m/s] at which damping is compared
+
+using Field = std::optional<ParameterValue> ObjectParameters::*;
+constexpr std::initializer_list<Field> kContactFields{&ObjectParameters::contact_stiffness,
+                                                      &ObjectParameters::contact_damping,
+                                                      &ObjectParameters::contact_exponent};
+constexpr std::initializer_list<Field> kFrictionFields{
+    &ObjectParameters::mass,
+    &ObjectParameters::limiting_static_friction,
+    &ObjectParameters::sliding_friction_coefficient,
+    &ObjectParameters::viscous_friction,
+    &ObjectParameters::friction_radius,
+    &ObjectParameters::tool_friction_coefficient};
+
+bool differs(const ObjectParameters& now, const ObjectParameters& acknowledged, Field field,
+             double tolerance) {
+  if (!(now.*field)) return false;
+  if (!(acknowledged.*field)) return true;
+  const double scale = std::abs((acknowledged.*field)->value);
+  return std::abs((now.*field)->value - (acknowledged.*field)->value) > tolerance * scale;
+}
+
+/// The parameters that differ.
+ObjectParameters changed_parameters(const ObjectParameters& now,
+                                    const ObjectParameters& acknowledged,
+                                    std::initializer_list<Field> fields) {
+  ObjectParameters result;
+  for (const Field field : fields) {
+    if (differs(now, acknowledged, field, kSame)) result.*field = now.*field;
+  }
+  return result;
+}
+
+Compliance law_of(const ObjectParameters& parameters) {
+  return {.stiffness = parameters.contact_stiffness->value,
+          .damping = parameters.contact_damping->value,
+          .exponent = parameters.contact_exponent->value};
+}
+
+/// Stiffness and exponent are correlated: compares the resulting force.
+bool has_different_force(const ObjectParameters& now, const ObjectParameters& acknowledged) {
+  const double max_force = std::max(now.limiting_static_friction->value, kMinComparedForce);
+  for (const double ratio : {0.3, 1.0}) {
+    const double penetration = static_penetration(law_of(now), ratio * max_force);
+    for (const double rate : {0.0, kComparedRate}) {
+      const double force = unclamped_contact_force(law_of(now), penetration, rate);
+      const double old_force = unclamped_contact_force(law_of(acknowledged), penetration, rate);
+      if (std::abs(old_force - force) > kMinRelativeChange * force) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+ObjectParameters sent_parameters(const BodyPhysics& physics, double gravity) {
+  const FrictionParameters& friction = physics.friction;
+  ObjectParameters sent;
+  sent.mass = ParameterValue{friction.mass};
+  sent.limiting_static_friction =
+      ParameterValue{friction.limiting_force, friction.limiting_force_std};
+  sent.sliding_friction_coefficient =
+      ParameterValue{friction.coulomb_force / (friction.mass * gravity)};
+  sent.viscous_friction = ParameterValue{friction.viscous};
+  sent.contact_stiffness = ParameterValue{physics.contact.stiffness};
+  sent.contact_damping = ParameterValue{physics.contact.damping};
+  sent.contact_exponent = ParameterValue{physics.contact.exponent};
+  sent.friction_radius = ParameterValue{physics.friction_radius};
+  sent.tool_friction_coefficient = ParameterValue{physics.tool_friction};
+  sent.limit_surface = physics.limit_surface;
+  return sent;
+}
+
+ParameterDifference difference(const ObjectParameters& now, const ObjectParameters& acknowledged) {
+  ParameterDifference result;
+  result.has_contact = has_different_force(now, acknowledged);
+  if (result.has_contact) result.contact = changed_parameters(now, acknowledged, kContactFields);
+  for (const Field field : kFrictionFields) {
+    result.has_friction =
+        result.has_friction || differs(now, acknowledged, field, kMinRelativeChange);
+  }
+  if (result.has_friction) result.friction = changed_parameters(now, acknowledged, kFrictionFields);
+  if (now.limit_surface && !acknowledged.limit_surface) {
+    result.friction.limit_surface = now.limit_surface;
+    result.has_friction = true;
+  }
+  return result;
+}
+
+void overwrite(ObjectParameters& parameters, const ObjectParameters& changed) {
+  for (const auto& fields : {kContactFields, kFrictionFields}) {
+    for (const Field field : fields) {
+      if (changed.*field) parameters.*field = changed.*field;
+    }
+  }
+  if (changed.limit_surface) parameters.limit_surface = changed.limit_surface;
+}
+
+bool is_empty(const ObjectParameters& parameters) {
+  for (const auto& fields : {kContactFields, kFrictionFields}) {
+    for (const Field field : fields) {
+      if (parameters.*field) return false;
+    }
+  }
+  return !parameters.limit_surface;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pcavr/core/gravity.hpp"
+#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/prediction/body_physics.hpp"
+
+namespace pcavr {
+
+/// All parameters of a completed body, as sent to another site, which then needs no defaults.
+[[nodiscard]] ObjectParameters sent_parameters(const BodyPhysics& physics,
+                                               double gravity = kStandardGravity);
+
+/// The parameters in `now` that another site does not have yet. A group is omitted as a whole if it
+/// changes its effect by less than 3 %, which is not perceptible: the friction parameters, and the
+/// contact force at the penetrations that the object's friction allows.
+struct ParameterDifference {
+  ObjectParameters contact;   ///< stiffness, damping, exponent
+  ObjectParameters friction;  ///< all the others
+  bool has_contact = false;
+  bool has_friction = false;
+};
+/// Both complete, as by sent_parameters.
+[[nodiscard]] ParameterDifference difference(const ObjectParameters& now,
+                                             const ObjectParameters& acknowledged);
+
+/// Replaces each of `parameters` that is set in `changed`.
+void overwrite(ObjectParameters& parameters, const ObjectParameters& changed);
+[[nodiscard]] bool is_empty(const ObjectParameters& parameters);
+
+}  // namespace pcavr
