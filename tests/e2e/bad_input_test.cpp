@@ -436,6 +436,11 @@ TEST_F(BadInput, MemoryThatRunsOut) {
   }
   EXPECT_GT(refusals, 2);
 }
+
+/// [KiB] A thread's stack is as large as the limit on stacks, and does not fit into the memory.
+TEST_F(BadInput, ThreadsThatRunOut) {
+  expect_refused({"no more threads", "ulimit -u"}, "ulimit -s 4000000; ulimit -v 3000000; ");
+}
 #endif
 
 TEST(Help, HasAnExampleForEverySubcommand) {
