@@ -16,7 +16,7 @@ namespace {
 /// With a smaller share of the depth in range, the rest are artefacts at edges and reflections.
 constexpr double kMinInRange = 0.05;
 /// Frames farther apart than this do not overlap [m, rad]: no surface is observed twice.
-constexpr double kMaxStep = 0.5;
+constexpr double kMaxFrameDistance = 0.5;
 constexpr double kMaxTurn = 45.0 * std::numbers::pi / 180.0;
 
 std::string per_cent(double share) {
@@ -53,7 +53,7 @@ EmptySceneCause explain_empty_scene(const DepthSummary& depth, const DepthNoise&
                 " frames",
             "record more frames of the same scene"};
   }
-  if (camera.translation > kMaxStep || camera.rotation > kMaxTurn) {
+  if (camera.translation > kMaxFrameDistance || camera.rotation > kMaxTurn) {
     return {"the camera poses are scattered: from frame to frame it moves by " +
                 measured(camera.translation) + " and " + degrees(camera.rotation) + " (median)",
             "check groundtruth.txt: metres, quaternions as qx qy qz qw, the recording's clock"};

@@ -17,9 +17,9 @@ namespace {
 /// Depth nearer to the tag's edge [share of its half width] may belong to the background.
 constexpr double kInnerShare = 0.8;
 /// Rows and columns of a grid of readings inside a tag: more do not improve the fit.
-constexpr int kGrid = 14;
+constexpr int kGridSize = 14;
 /// Fewer readings than this [a fifth of the grid] do not determine the tag's slope.
-constexpr std::size_t kMinReadings = kGrid * kGrid / 5;
+constexpr std::size_t kMinReadings = kGridSize * kGridSize / 5;
 /// Readings with larger residuals than this are outliers of the first fit [multiples of the median
 /// absolute residual, which is two thirds of a normal distribution's std].
 constexpr double kMaxResidual = 4.0;
@@ -35,10 +35,10 @@ struct DepthReading {
 std::vector<DepthReading> readings_inside(const DepthImage& depth, const CameraModel& camera,
                                           const std::array<Eigen::Vector2d, 4>& corners) {
   std::vector<DepthReading> readings;
-  for (int row = 0; row < kGrid; ++row) {
-    for (int column = 0; column < kGrid; ++column) {
-      const double u = 0.5 + kInnerShare * ((column + 0.5) / kGrid - 0.5);
-      const double v = 0.5 + kInnerShare * ((row + 0.5) / kGrid - 0.5);
+  for (int row = 0; row < kGridSize; ++row) {
+    for (int column = 0; column < kGridSize; ++column) {
+      const double u = 0.5 + kInnerShare * ((column + 0.5) / kGridSize - 0.5);
+      const double v = 0.5 + kInnerShare * ((row + 0.5) / kGridSize - 0.5);
       const Eigen::Vector2d pixel = (1.0 - v) * ((1.0 - u) * corners[0] + u * corners[1]) +
                                     v * ((1.0 - u) * corners[3] + u * corners[2]);
       if (!camera.contains(pixel)) continue;

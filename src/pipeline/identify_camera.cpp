@@ -12,7 +12,7 @@ constexpr double kMaxLever = 0.010;  // [m]: with a larger lever arm, a push rot
 constexpr double kRestBefore = 0.2;  // [s] included: a slide at constant speed alone fits any delay
 constexpr double kSpeedStep = 0.02;  // [s] of the central difference for the speed
 constexpr double kMaxOffset = 0.25;  // [s] as for the force
-constexpr double kMaxStep = 0.05;
+constexpr double kMaxOffsetStep = 0.05;
 constexpr int kIterations = 8;
 constexpr double kMinPoses = 8.0;
 
@@ -66,7 +66,7 @@ TimeOffset camera_offset(const IdentificationInput& input,
         sums.add(contact.episode, input.objects[*contact.object].tracked, result.offset);
     }
     if (sums.count < kMinPoses || sums.speed_squares <= 0.0) return result;
-    result.offset += std::clamp(sums.gradient / sums.speed_squares, -kMaxStep, kMaxStep);
+    result.offset += std::clamp(sums.gradient / sums.speed_squares, -kMaxOffsetStep, kMaxOffsetStep);
     result.std = std::sqrt(sums.residual_squares / sums.count / sums.speed_squares);
     result.is_known = std::abs(result.offset) < kMaxOffset && result.std < 0.1 * kMaxOffset;
   }

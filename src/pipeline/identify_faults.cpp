@@ -29,7 +29,7 @@ constexpr double kMotionGain = 0.2;
 /// Interpretations within this difference of their cosines are equally good.
 constexpr double kTie = 0.05;
 /// [m] between tip and surface at a touch, as for attribution.
-constexpr double kMaxGap = 0.015;
+constexpr double kMaxTouchGap = 0.015;
 
 struct Length {
   const char* name;
@@ -142,7 +142,7 @@ std::size_t count_touches(const FaultEvidence& known, const PathView& points) {
     const double t = contact.episode.begin;
     for (std::size_t i = 0; i < known.input.objects.size(); ++i) {
       const auto touch = object_poses.touch(i, t, points.at(t), known.input.tool_radius);
-      const bool is_near = touch && std::abs(touch->gap) < kMaxGap;
+      const bool is_near = touch && std::abs(touch->gap) < kMaxTouchGap;
       if (!is_near || touch->inward_base.dot(contact.episode.direction_base) < kSound) continue;
       ++count;
       break;

@@ -11,12 +11,12 @@ namespace {
 
 /// A push with a larger lever arm about the centre meets less friction, because the object also
 /// rotates: 1.5 % at a friction radius of 60 mm.
-constexpr double kMaxLever = 0.010;  // [m]
+constexpr double kMaxCentredLever = 0.010;  // [m]
 
 constexpr double kMaxNoise = 0.01;  // smoothed noise over force: a third of the drop after a peak
 constexpr double kMaxHalfWidth = 0.030;  // [s] half width; the peak is wider than that
 
-bool is_centred(const IdentifiedContact* push) { return std::abs(push->lever) <= kMaxLever; }
+bool is_centred(const IdentifiedContact* push) { return std::abs(push->lever) <= kMaxCentredLever; }
 
 void take_sliding(std::optional<double> given_mass, ObjectIdentification& result) {
   const SlidingIdentification& sliding = result.sliding;

@@ -15,7 +15,7 @@ namespace pcavr {
 namespace {
 
 constexpr double kRange = 0.25;       // [s] as the search range of estimate_time_offset
-constexpr double kGrid = 0.010;       // [s] well below the time in which a contact is released
+constexpr double kGridStep = 0.010;   // [s] well below the time in which a contact is released
 constexpr double kHalfWidth = 0.016;  // [s] smoothing of both signals
 // Neighbouring linear interpolations of the tip's samples share one sample.
 constexpr double kCorrelatedByInterpolation = 2.0;
@@ -121,7 +121,7 @@ bool refine(const std::vector<StationaryContact>& contacts, const PathView& tip,
     const ResidualSums at = residual_sums(contacts, tip, offset, exponent, signals);
     if (!(at.rate_squares > 0.0)) return false;
     // The residual is that of q(t - offset), which decreases with the offset where q increases.
-    offset += std::clamp(at.gradient / at.rate_squares, -kGrid, kGrid);
+    offset += std::clamp(at.gradient / at.rate_squares, -kGridStep, kGridStep);
   }
   return true;
 }
@@ -161,13 +161,13 @@ TimeOffset force_offset(const Segmentation& found, std::span<const double> t_for
   double exponent = 1.0;
   bool is_at_end = false;
   for (const double n : kExponents) {
-    for (double offset = -kRange; offset < kRange + 0.5 * kGrid; offset += kGrid) {
+    for (double offset = -kRange; offset < kRange + 0.5 * kGridStep; offset += kGridStep) {
       const ResidualSums at = residual_sums(contacts, tip, offset, n, Signals::smoothed);
       if (!(at.count > 0.0) || at.squares >= min_squares) continue;
       min_squares = at.squares;
       result.offset = offset;
       exponent = n;
-      is_at_end = std::abs(offset) > kRange - 0.5 * kGrid;
+      is_at_end = std::abs(offset) > kRange - 0.5 * kGridStep;
     }
   }
   if (!std::isfinite(min_squares)) return result;
@@ -188,7 +188,7 @@ TimeOffset force_offset(const Segmentation& found, std::span<const double> t_for
       residual_sums(contacts, tip, result.offset, exponent, Signals::smoothed);
   result.correlation = std::sqrt(std::max(0.0, 1.0 - trend.squares / trend.motion_squares));
   // At constant speed under load, any offset would fit.
-  result.is_known = !is_at_end && result.correlation > 0.9 && result.std < 0.5 * kGrid;
+  result.is_known = !is_at_end && result.correlation > 0.9 && result.std < 0.5 * kGridStep;
   return result;
 }
 

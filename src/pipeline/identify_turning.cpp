@@ -14,8 +14,8 @@ namespace pcavr {
 namespace {
 
 /// Displacement for one sample of the object's twist: many times the noise of its tracking.
-constexpr double kMinDisplacement = 0.004;  // [m], with rotations weighted by the lever below
-constexpr double kRotationLever = 0.05;     // [m]
+constexpr double kMinTurnDisplacement = 0.004;  // [m], with rotations weighted by the lever below
+constexpr double kRotationLever = 0.05;         // [m]
 /// Minimum weighted rotation, as a share of the translation, of a twist that determines the radius.
 constexpr double kMinRotationShare = 0.2;
 
@@ -63,7 +63,7 @@ class Turning {
         const Planar a = planar_of(from->T_base_object, body_.model);
         const Planar b = planar_of(pose.T_base_object, body_.model);
         const double turn = std::remainder(b.heading - a.heading, 2.0 * std::numbers::pi);
-        if (std::hypot((b.p_base - a.p_base).norm(), kRotationLever * turn) < kMinDisplacement)
+        if (std::hypot((b.p_base - a.p_base).norm(), kRotationLever * turn) < kMinTurnDisplacement)
           continue;
         const MeanLoad load = mean_load(contact, *from, pose);
         if (load.count >= 3.0) samples.push_back(sample_between(a, b, load.force, load.moment));

@@ -21,7 +21,7 @@ constexpr double kTipMargin = 0.01;
 constexpr Duration kMaxToolGap = std::chrono::milliseconds(100);
 /// Maximum depth step between neighbouring pixels of one region [m]: above a sensor's noise at 2 m,
 /// below the gap between a tool and its background.
-constexpr float kMaxStep = 0.02F;
+constexpr float kMaxDepthStep = 0.02F;
 /// Dilation of the region, for mixed pixels of tool and background at its border [px].
 constexpr int kDilationPixels = 3;
 /// Stride of the pixels that are stored in each direction: the cells are not finer.
@@ -72,7 +72,7 @@ std::vector<Pixel> grow(std::vector<Pixel> region, const RgbdFrame& frame,
       const int u = x + dx;
       const int v = y + dy;
       if (!depth.contains(u, v) || is_known(u, v) != 0 || depth(u, v) <= 0.0F) continue;
-      if (std::abs(depth(u, v) - depth(x, y)) > kMaxStep) continue;
+      if (std::abs(depth(u, v) - depth(x, y)) > kMaxDepthStep) continue;
       const Eigen::Vector3d p_camera = camera.unproject(Eigen::Vector2d(u, v), depth(u, v));
       if (height_of_camera + up_camera.dot(p_camera) < min_height) continue;
       is_known(u, v) = 1;

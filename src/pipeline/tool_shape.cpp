@@ -7,14 +7,14 @@
 namespace pcavr {
 namespace {
 
-constexpr double kMinTipMotion = 0.03;  // [m] between two tip positions: above a cell's diagonal
-constexpr int kMinTipPositions = 3;     // with a reading in the cell
-constexpr double kMaxDistance = 2.0;    // [m] from the tip: an arm's length
+constexpr double kMinTipMotion = 0.03;   // [m] between two tip positions: above a cell's diagonal
+constexpr int kMinTipPositions = 3;      // with a reading in the cell
+constexpr double kMaxTipDistance = 2.0;  // [m] from the tip: an arm's length
 
 }  // namespace
 
 void ToolShape::add(const Eigen::Vector3d& p_tool, const Eigen::Vector3d& p_base_tip) {
-  if (!(p_tool.norm() < kMaxDistance)) return;
+  if (!(p_tool.norm() < kMaxTipDistance)) return;
   const Eigen::Vector3d index = (p_tool / kEdge).array().floor();
   Cell& cell = cells_[{static_cast<int>(index.x()), static_cast<int>(index.y()),
                        static_cast<int>(index.z())}];

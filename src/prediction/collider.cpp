@@ -22,7 +22,7 @@ namespace pcavr::detail {
 namespace {
 
 /// Contacts with a more vertical normal (its z component) bear weight and do not stop sliding.
-constexpr double kMaxNormalZ = 0.7;
+constexpr double kMaxSideNormalZ = 0.7;
 /// Surfaces less high above the body's lowest point [m] are the support and its noise.
 constexpr double kMinHeight = 0.005;
 /// A scanned surface deeper [m] inside a body is not in contact with it.
@@ -169,7 +169,7 @@ void Collider::Content::add(const TriangleMesh& static_mesh_base) {
   for (const auto& t : static_mesh_base.triangles) {
     const Eigen::Vector3d normal =
         (vertices[t[1]] - vertices[t[0]]).cross(vertices[t[2]] - vertices[t[0]]);
-    if (!(std::abs(normal.z()) < kMaxNormalZ * normal.norm())) continue;
+    if (!(std::abs(normal.z()) < kMaxSideNormalZ * normal.norm())) continue;
     for (const std::uint32_t index : t) indices.push_back(static_cast<int>(index));
   }
   if (indices.empty()) return;
@@ -204,7 +204,7 @@ void Collider::Content::collide(const btConvexHullShape& a, const btTransform& T
     if (!axis.is_found || axis.gap > margin) return;
     normal = axis.normal;
   }
-  if (std::abs(normal.z()) > kMaxNormalZ) return;
+  if (std::abs(normal.z()) > kMaxSideNormalZ) return;
   clip_in.resize(0);
   btPolyhedralContactClipping::clipHullAgainstHull(normal, hull_a, hull_b, T_a, T_b, -1e3, margin,
                                                    clip_in, clip_out, found);

@@ -19,7 +19,7 @@ constexpr int kMaxSweeps = 12;
 constexpr int kRoughSweeps = 6;
 constexpr double kRoughTolerance = 0.1;
 /// [m] Where the motions and the forces in a step disagree by more, the solver did not converge.
-constexpr double kMaxResidual = 1e-5;
+constexpr double kMaxIslandResidual = 1e-5;
 constexpr std::size_t kMaxSides = 64;    // of one body
 constexpr double kMinCoefficient = 0.1;  // of friction, for the stiffness of a contact without any
 
@@ -201,7 +201,7 @@ void Neighbourhood::step_together(const std::vector<UprightBody>& bodies, const 
     }
     for (std::size_t i = 0; i < members_.size(); ++i) {
       Member& member = members_[i];
-      if (member.sides.empty() || member.residual <= kMaxResidual) continue;
+      if (member.sides.empty() || member.residual <= kMaxIslandResidual) continue;
       member.end = stopped(bodies[i], member.begin, substep);
     }
     for (Member& member : members_) {

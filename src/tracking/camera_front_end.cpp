@@ -21,7 +21,7 @@ constexpr double kMinOverlap = 0.65;
 constexpr double kMinLandmarkRatio = 0.35;  // of the keyframe's landmarks
 
 // Limit of the constant-velocity prediction: a hand-held camera accelerates [s].
-constexpr double kMaxPredictionTime = 0.2;
+constexpr double kMaxCameraPredictionTime = 0.2;
 
 // A keyframe needs surface in at least 1 / kMinSurfaceDivisor of the image.
 constexpr std::size_t kMinSurfaceDivisor = 10;
@@ -99,7 +99,7 @@ FrameRecord& CameraFrontEnd::add(const RgbdFrame& frame, const MaskImage& is_dyn
 
 Pose CameraFrontEnd::predict(Stamp stamp) const {
   const double elapsed = to_seconds(stamp - last_->stamp);
-  if (elapsed > kMaxPredictionTime) return last_->T_keyframe_frame;
+  if (elapsed > kMaxCameraPredictionTime) return last_->T_keyframe_frame;
   return last_->T_keyframe_frame * Pose::exp(velocity_ * elapsed);
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kFeatures = 400;
 constexpr std::size_t kCandidates = 6;    // keyframes matched by features
-constexpr int kMinInliers = 15;           // random matches give up to five
+constexpr int kMinMatchInliers = 15;      // random matches give up to five
 constexpr double kInlierDistance = 0.03;  // [m]; the alignment that follows is finer
 constexpr int kRansacIterations = 200;    // 80 % success with 20 % inliers, samples of 3
 const cv::Size kThumbnail(40, 30);
@@ -60,8 +60,8 @@ cv::Mat thumbnail(const cv::Mat& gray) {
 }
 
 /// The keyframes whose thumbnails are most similar to the frame's, best first.
-std::vector<std::size_t> most_similar_keyframes(const std::vector<Keyframe>& keyframes,
-                                                const cv::Mat& gray, int excluded_segment) {
+std::vector<std::size_t> similar_keyframes(const std::vector<Keyframe>& keyframes,
+                                           const cv::Mat& gray, int excluded_segment) {
   const cv::Mat query = thumbnail(gray);
   std::vector<std::pair<double, std::size_t>> ranked;
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
@@ -90,7 +90,7 @@ Pose fit_pose(const std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>& pa
 /// RANSAC [Fischler & Bolles 1981] over pairs of points; nothing if there are too few inliers.
 std::optional<Pose> estimate_pose_ransac(
     const std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>& pairs) {
-  if (pairs.size() < kMinInliers) return std::nullopt;
+  if (pairs.size() < kMinMatchInliers) return std::nullopt;
   const auto inliers_of = [&](const Pose& pose) {
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> inliers;
     for (const auto& pair : pairs) {
@@ -109,7 +109,7 @@ std::optional<Pose> estimate_pose_ransac(
     auto inliers = inliers_of(fit_pose({a, b, c}));
     if (inliers.size() > best.size()) best = std::move(inliers);
   }
-  if (best.size() < kMinInliers) return std::nullopt;
+  if (best.size() < kMinMatchInliers) return std::nullopt;
   return fit_pose(inliers_of(fit_pose(best)));
 }
 
@@ -120,12 +120,12 @@ std::vector<RelocalisationCandidate> find_relocalisation_candidates(
     int excluded_segment) {
   std::vector<RelocalisationCandidate> candidates;
   const Features frame = detect_features(sensor, view.gray, view.inverse_depth);
-  if (frame.points.size() < kMinInliers) return candidates;
+  if (frame.points.size() < kMinMatchInliers) return candidates;
   const cv::BFMatcher matcher(cv::NORM_HAMMING, true);
-  for (const std::size_t k : most_similar_keyframes(keyframes, view.gray, excluded_segment)) {
+  for (const std::size_t k : similar_keyframes(keyframes, view.gray, excluded_segment)) {
     const Features model =
         detect_features(sensor, keyframes[k].gray, keyframes[k].model.inverse_depth);
-    if (model.points.size() < kMinInliers) continue;
+    if (model.points.size() < kMinMatchInliers) continue;
     std::vector<cv::DMatch> matches;
     matcher.match(frame.descriptors, model.descriptors, matches);
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
