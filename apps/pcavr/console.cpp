@@ -15,10 +15,6 @@ constexpr auto kRedrawInterval = std::chrono::milliseconds(50);  ///< faster is 
 
 }  // namespace
 
-std::string json_text(const nlohmann::ordered_json& json, int indent) {
-  return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
-}
-
 Console::Console() : is_terminal_(::isatty(STDERR_FILENO) != 0) {}
 
 Console::~Console() { clear_bar(); }

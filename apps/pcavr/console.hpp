@@ -21,9 +21,6 @@ struct CommandResult {
   bool is_failure = false;      ///< finished, but the checked data are not sound: exit code 1
 };
 
-/// `indent` below 0: in one line. Bytes that are not UTF-8, as in paths, become U+FFFD.
-[[nodiscard]] std::string json_text(const nlohmann::ordered_json& json, int indent);
-
 /// Set by the invoked subcommand, run after the whole command line is parsed.
 using Action = std::function<Expected<CommandResult>(const Observer&)>;
 

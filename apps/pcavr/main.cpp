@@ -7,6 +7,7 @@
 #include <span>
 #include <string_view>
 
+#include "pcavr/core/json_text.hpp"
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/core/signal_cleanup.hpp"
 #include "pcavr/recording/camera_file.hpp"
@@ -30,7 +31,7 @@ constexpr int kMaxThreads = 256;  ///< above the machines that pcavr was tested 
 /// One line on standard error, and with --json an object on standard output.
 int report_error(const Error& error, bool as_json, int exit_code = kExitFailed) {
   std::fprintf(stderr, "pcavr: %s\n", error.to_string().c_str());
-  if (as_json) std::cout << json_text(error_json(error, exit_code), 2) << std::flush;
+  if (as_json) std::cout << json_text(error_json(error, exit_code), 2) << '\n' << std::flush;
   return exit_code;
 }
 
@@ -41,7 +42,7 @@ int run(const Action& action, bool as_json) {
   wait_if_interrupted();
   if (!result) return report_error(result.error(), as_json);
   if (as_json) {
-    std::cout << json_text(result->json, 2);
+    std::cout << json_text(result->json, 2) << '\n';
   } else {
     std::cout << result->summary;
   }
@@ -81,7 +82,7 @@ int run_command_line(int argc, char** argv) {
     if (app.exit(error) == 0) return kExitDone;
     if (has_json_flag({argv, static_cast<std::size_t>(argc)})) {
       const Error usage{.message = error.what(), .hint = "see --help"};
-      std::cout << json_text(error_json(usage, kExitUsage), 2) << std::flush;
+      std::cout << json_text(error_json(usage, kExitUsage), 2) << '\n' << std::flush;
     }
     return kExitUsage;
   }

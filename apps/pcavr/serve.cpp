@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "pcavr/core/json_text.hpp"
 #include "pcavr/devices/open_device.hpp"
 #include "pcavr/devices/remote_device.hpp"
 #include "pcavr/haptics/haptic_world.hpp"
@@ -220,7 +221,7 @@ Expected<void> print_startup_message(const LiveServer& server, const LiveWorld& 
     if (!certificate) return certificate.error();
     info.fingerprint = certificate->fingerprint;
   }
-  std::cout << (arguments.as_json ? json_text(startup_json(info), -1) : startup_message(info))
+  std::cout << (arguments.as_json ? json_text(startup_json(info)) + '\n' : startup_message(info))
             << std::flush;
   return {};
 }
