@@ -18,7 +18,7 @@ constexpr InputRange kVolume{"volume", 1e-20, 1e9, "m^3", "see ranges::kBodySize
 /// [m^2] A square centimetre: a smaller plane supports nothing.
 constexpr double kMinPlaneArea = 1e-4;
 /// Of a plane's normal: objects slide off a slope of 60 degrees.
-constexpr double kMinUpward = 0.5;
+constexpr double kMinNormalZ = 0.5;
 
 /// Signed area of a polygon in the x-y plane (shoelace formula) [m^2]; negative where clockwise.
 double signed_area_xy(const std::vector<Eigen::Vector3d>& corners) {
@@ -127,7 +127,7 @@ SupportPlane plane_of(const YamlValue& value) {
   if (std::abs(plane.plane_base.normal.norm() - 1.0) > kUnitTolerance) {
     normal.fail("is not a unit vector", "write a direction with a length of 1");
   }
-  if (plane.plane_base.normal.z() < kMinUpward) {
+  if (plane.plane_base.normal.z() < kMinNormalZ) {
     normal.fail("does not point upward", "write the normal of a plane that can support objects");
   }
   plane.plane_base.offset = value.at("offset").number_in(ranges::kCoordinate);

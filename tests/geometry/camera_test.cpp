@@ -10,7 +10,7 @@
 namespace pcavr {
 namespace {
 
-CameraModel camera_with(const LensDistortion& distortion) {
+CameraModel camera_with_distortion(const LensDistortion& distortion) {
   return {.width = 640,
           .height = 480,
           .fx = 525.0,
@@ -21,13 +21,13 @@ CameraModel camera_with(const LensDistortion& distortion) {
 }
 
 TEST(CameraModel, ProjectsTheAxisToThePrincipalPoint) {
-  const CameraModel camera = camera_with({0.1, -0.2, 0.001, 0.002, 0.05});
+  const CameraModel camera = camera_with_distortion({0.1, -0.2, 0.001, 0.002, 0.05});
   EXPECT_EQ(camera.project({0, 0, 2}), Eigen::Vector2d(319.5, 239.5));
 }
 
 TEST(CameraModel, ProjectsByThePlumbBobFormula) {
   // x = 0.5, y = 0: r2 = 0.25, radial 1 + 0.1 * 0.25, tangential p2 (r2 + 2 x^2) = 0.01 * 0.75.
-  const CameraModel camera = camera_with({0.1, 0, 0, 0.01, 0});
+  const CameraModel camera = camera_with_distortion({0.1, 0, 0, 0.01, 0});
   const double x = 0.5 * 1.025 + 0.0075;
   EXPECT_NEAR(camera.project({1, 0, 2}).x(), 525.0 * x + 319.5, 1e-9);
   EXPECT_NEAR(camera.project({1, 0, 2}).y(), 239.5, 1e-9);
@@ -39,7 +39,7 @@ TEST(CameraModel, UnprojectUndoesProject) {
   for (const LensDistortion& distortion : {LensDistortion(),
                                            {0.2624, -0.9531, -0.0054, 0.0026, 1.1633},
                                            {-0.28, 0.07, 0.0002, -0.0005, -0.005}}) {
-    const CameraModel camera = camera_with(distortion);
+    const CameraModel camera = camera_with_distortion(distortion);
     for (int i = 0; i < 200; ++i) {
       const Eigen::Vector2d pixel(random.uniform(0, 639), random.uniform(0, 479));
       const Eigen::Vector3d p_camera = camera.unproject(pixel, random.uniform(0.3, 5.0));
@@ -49,7 +49,7 @@ TEST(CameraModel, UnprojectUndoesProject) {
 }
 
 TEST(CameraModel, ContainsTheWholeAreaOfEachPixel) {
-  const CameraModel camera = camera_with({});
+  const CameraModel camera = camera_with_distortion({});
   EXPECT_TRUE(camera.contains({-0.5, -0.5}));
   EXPECT_TRUE(camera.contains({639.4, 479.4}));
   EXPECT_FALSE(camera.contains({639.5, 0}));
@@ -57,7 +57,7 @@ TEST(CameraModel, ContainsTheWholeAreaOfEachPixel) {
 }
 
 TEST(CameraModel, DownsampledIsBinned) {
-  const CameraModel camera = camera_with({0.1, 0, 0, 0, 0});
+  const CameraModel camera = camera_with_distortion({0.1, 0, 0, 0, 0});
   const CameraModel half = camera.downsampled(2);
   EXPECT_EQ(half.width, 320);
   const Eigen::Vector3d p_camera(0.3, -0.2, 1.5);
@@ -72,7 +72,7 @@ TEST(CameraModel, JacobianIsTheDerivativeOfProject) {
   for (const LensDistortion& distortion :
        {LensDistortion(), LensDistortion(-0.28, 0.07, 0.002, -0.005, -0.005),
         LensDistortion(LensModel::fisheye, fisheye)}) {
-    const CameraModel camera = camera_with(distortion);
+    const CameraModel camera = camera_with_distortion(distortion);
     const Eigen::Vector3d p_camera(0.4, -0.3, 1.1);
     const Eigen::Matrix<double, 2, 3> jacobian = camera.projection_jacobian(p_camera);
     for (int axis = 0; axis < 3; ++axis) {
@@ -89,7 +89,7 @@ TEST(FindFold, FindsALensThatFoldsInsideTheImage) {
   for (const LensDistortion& distortion :
        {LensDistortion(0.5285, -2.68, 0.0005, -0.0002, 1.51), LensDistortion(-1, 0, 0, 0, 0),
         LensDistortion(1e300, 0, 0, 0, 0), LensDistortion(0, 0, 3, 0, 0)}) {
-    const CameraModel camera = camera_with(distortion);
+    const CameraModel camera = camera_with_distortion(distortion);
     const std::optional<LensFold> fold = find_fold(camera);
     ASSERT_TRUE(fold);
     EXPECT_TRUE(fold->is_fold);
@@ -97,20 +97,20 @@ TEST(FindFold, FindsALensThatFoldsInsideTheImage) {
                 fold->pixel.y() == 479.5);
   }
   // 1 - 3 r^2 is 0 at r = 0.577, where the image is 0.385 focal lengths wide.
-  const CameraModel camera = camera_with({-1, 0, 0, 0, 0});
+  const CameraModel camera = camera_with_distortion({-1, 0, 0, 0, 0});
   EXPECT_NEAR(std::tan(find_fold(camera)->max_angle), 0.577, 0.005);
   EXPECT_NEAR((find_fold(camera)->pixel - Eigen::Vector2d(319.5, 239.5)).norm(), 0.385 * 522, 12.0);
 }
 
 TEST(FindFold, AcceptsALensThatFoldsOutsideTheImageOnly) {
-  EXPECT_FALSE(find_fold(camera_with({})));
-  EXPECT_FALSE(find_fold(camera_with({0.2624, -0.9531, -0.0054, 0.0026, 1.1633})));
-  EXPECT_FALSE(find_fold(camera_with({-0.28, 0.07, 0.0002, -0.0005, -0.005})));
+  EXPECT_FALSE(find_fold(camera_with_distortion({})));
+  EXPECT_FALSE(find_fold(camera_with_distortion({0.2624, -0.9531, -0.0054, 0.0026, 1.1633})));
+  EXPECT_FALSE(find_fold(camera_with_distortion({-0.28, 0.07, 0.0002, -0.0005, -0.005})));
 }
 
 TEST(FindFold, FindsPixelsBeyondTheMaximumAngle) {
   const std::array<double, 4> none = {};
-  CameraModel camera = camera_with({LensModel::fisheye, none});
+  CameraModel camera = camera_with_distortion({LensModel::fisheye, none});
   EXPECT_FALSE(find_fold(camera));
   camera.fx = camera.fy = 200.0;  // the corners at 400 px: 2 rad
   const std::optional<LensFold> fold = find_fold(camera);
@@ -119,7 +119,7 @@ TEST(FindFold, FindsPixelsBeyondTheMaximumAngle) {
 }
 
 TEST(CameraModel, UndistortedKeepsTheIntrinsics) {
-  const CameraModel pinhole = camera_with({0.1, 0, 0, 0, 0}).undistorted();
+  const CameraModel pinhole = camera_with_distortion({0.1, 0, 0, 0, 0}).undistorted();
   EXPECT_FALSE(pinhole.has_distortion());
   EXPECT_EQ(pinhole.fy, 520.0);
 }
