@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "pcavr/geometry/camera_model.hpp"
+#include "pcavr/geometry/camera.hpp"
 
 #include "pipeline/survey.hpp"
 
