@@ -439,7 +439,7 @@ TEST_F(BadInput, MemoryThatRunsOut) {
 
 /// [KiB] A thread's stack is as large as the limit on stacks, and does not fit into the memory.
 TEST_F(BadInput, ThreadsThatRunOut) {
-  expect_refused({"no more threads", "ulimit -u"}, "ulimit -s 4000000; ulimit -v 3000000; ");
+  expect_refused({"can't create a thread", "ulimit -u"}, "ulimit -s 4000000; ulimit -v 3000000; ");
 }
 #endif
 

@@ -135,12 +135,12 @@ TEST_F(Outputs, ReplaceOnlyTheirOwnKind) {
   write_tree(path_of("mixed"), {{"scene.yaml", "format: pcavr-scene/1\n"}, {"photo.jpg", "once"}});
   expect_refused({"build", "@home/bare", "-o", "@unrelated", "--force"}, "--force does not");
   expect_refused({"build", "@home/bare", "-o", "@mixed", "--force"}, "photo.jpg");
-  expect_refused({"build", "@home/bare", "-o", "@home/recording", "--force"}, "holds a recording");
+  expect_refused({"build", "@home/bare", "-o", "@home/recording", "--force"}, "contains a recording");
   expect_refused({"simulate", "push", "--no-images", "-o", "@unrelated", "--force"}, "--force");
   expect_refused(
       {"import", "@home/tum", "--camera", "@home/camera.yaml", "-o", "@unrelated", "--force"},
       "--force");
-  expect_refused({"evaluate", "@home/run", "-o", "@home/scene", "--force"}, "holds a scene");
+  expect_refused({"evaluate", "@home/run", "-o", "@home/scene", "--force"}, "contains a scene");
   expect_refused({"identify", "contact", "@home/recording", "-o", "@home/thesis.tex", "--force"},
                  "not a parameter file");
   write_tree(path_of("home"), {{"thesis.pdf", "%PDF-1.4 years"}});
