@@ -20,6 +20,10 @@ pcavr::Expected<void> build(const char* recording_folder, const char* scene_fold
   const auto scene = pcavr::build_scene(*recording, options);
   if (!scene) return scene.error();
   for (const pcavr::SceneObject& object : scene->objects) {
+    if (object.evidence == pcavr::kNotSeen) {
+      std::printf("%s was not seen\n", object.model.name.c_str());
+      continue;
+    }
     std::printf("%s at %.3f %.3f %.3f m\n", object.model.name.c_str(),
                 object.T_base_object.translation().x(), object.T_base_object.translation().y(),
                 object.T_base_object.translation().z());

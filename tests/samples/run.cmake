@@ -1,0 +1,23 @@
+# Removes what the command after `--` WRITES, runs it, and fails unless it exits with EXIT_CODE and
+# prints a text that matches the regular expression PRINTS.
+if(WRITES)
+  file(REMOVE_RECURSE ${WRITES})
+endif()
+set(command)
+set(is_command FALSE)
+math(EXPR last "${CMAKE_ARGC} - 1")
+foreach(i RANGE ${last})
+  if(is_command)
+    list(APPEND command ${CMAKE_ARGV${i}})
+  elseif(CMAKE_ARGV${i} STREQUAL "--")
+    set(is_command TRUE)
+  endif()
+endforeach()
+execute_process(COMMAND ${command} RESULT_VARIABLE exit_code OUTPUT_VARIABLE printed
+                ERROR_VARIABLE printed ECHO_OUTPUT_VARIABLE ECHO_ERROR_VARIABLE)
+if(NOT exit_code STREQUAL EXIT_CODE)
+  message(FATAL_ERROR "exit code ${exit_code}; ${EXIT_CODE} is expected")
+endif()
+if(NOT printed MATCHES "${PRINTS}")
+  message(FATAL_ERROR "nothing printed matches ${PRINTS}")
+endif()
