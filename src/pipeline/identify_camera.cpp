@@ -66,7 +66,8 @@ TimeOffset camera_offset(const IdentificationInput& input,
         sums.add(contact.episode, input.objects[*contact.object].tracked, result.offset);
     }
     if (sums.count < kMinPoses || sums.speed_squares <= 0.0) return result;
-    result.offset += std::clamp(sums.gradient / sums.speed_squares, -kMaxOffsetStep, kMaxOffsetStep);
+    result.offset +=
+        std::clamp(sums.gradient / sums.speed_squares, -kMaxOffsetStep, kMaxOffsetStep);
     result.std = std::sqrt(sums.residual_squares / sums.count / sums.speed_squares);
     result.is_known = std::abs(result.offset) < kMaxOffset && result.std < 0.1 * kMaxOffset;
   }

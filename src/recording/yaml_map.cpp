@@ -85,7 +85,8 @@ std::vector<double> YamlValue::numbers_in(std::size_t count, const InputRange& r
 }
 
 std::vector<YamlValue> YamlValue::items() const {
-  if (!node_->IsSequence()) fail("is not a list", "write a list: [a, b] or lines that begin with -");
+  if (!node_->IsSequence())
+    fail("is not a list", "write a list: [a, b] or lines that begin with -");
   std::vector<YamlValue> items;
   for (const YAML::Node& item : *node_) {
     items.emplace_back(item, place_ + "[" + std::to_string(items.size()) + "]");

@@ -135,7 +135,8 @@ TEST_F(Outputs, ReplaceOnlyTheirOwnKind) {
   write_tree(path_of("mixed"), {{"scene.yaml", "format: pcavr-scene/1\n"}, {"photo.jpg", "once"}});
   expect_refused({"build", "@home/bare", "-o", "@unrelated", "--force"}, "--force does not");
   expect_refused({"build", "@home/bare", "-o", "@mixed", "--force"}, "photo.jpg");
-  expect_refused({"build", "@home/bare", "-o", "@home/recording", "--force"}, "contains a recording");
+  expect_refused({"build", "@home/bare", "-o", "@home/recording", "--force"},
+                 "contains a recording");
   expect_refused({"simulate", "push", "--no-images", "-o", "@unrelated", "--force"}, "--force");
   expect_refused(
       {"import", "@home/tum", "--camera", "@home/camera.yaml", "-o", "@unrelated", "--force"},

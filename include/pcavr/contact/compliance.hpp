@@ -12,8 +12,8 @@ namespace pcavr {
 /// its rate d': F = k d^n + lambda d^n d' [Hunt & Crossley 1975], and where n is 1
 /// F = k d + lambda d' (Kelvin-Voigt).
 ///
-/// The functions below are the one home of this law. They neither allocate nor throw; any thread may
-/// call them. Inline, as prediction and haptics call them in their 1 kHz loop.
+/// The functions below are the one home of this law. They neither allocate nor throw; any thread
+/// may call them. Inline, as prediction and haptics call them in their 1 kHz loop.
 struct Compliance {
   double stiffness = 0.0;  ///< k [N/m^n], > 0
   double damping = 0.0;    ///< lambda [N s/m^(n+1)], n = 1: [N s/m]

@@ -14,7 +14,6 @@
 #include "pcavr/core/stamp.hpp"
 #include "pcavr/geometry/trajectory.hpp"
 #include "pcavr/recording/recording.hpp"
-
 #include "pcavr/recording/text_rows.hpp"
 
 namespace pcavr {
