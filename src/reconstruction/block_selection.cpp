@@ -212,6 +212,7 @@ std::vector<VisibleBlock> visible_blocks(const BlockMap& map, const FrameSurface
     return std::pair(project_sphere(frame, centre, radius), std::pair(centre.z(), radius));
   };
   std::vector<VisibleBlock> visible;
+  if (frame.tiles.empty()) return visible;  // less than 2 x 2 pixels
   const auto classify = [&](const SphereView& view, float z, float radius, VisibleBlock& block) {
     if (!view.in_view) return false;
     const bool any_depth = view.depth.max_depth > 0.0F;

@@ -58,8 +58,8 @@ inline Floats dither_noise(const BlockView& view, int row) {
   Words hash = (lane_numbers() + view.dither + static_cast<std::uint32_t>(row) * 8U) * 0x9E3779B1U;
   hash ^= hash >> 15;
   hash *= 0x85EBCA6BU;
-  // 23 bits, so that the maximum is below one.
-  return to_floats((Ints)(hash >> 9)) * (1.0F / 8388608.0F);
+  // 16 bits: added to 255 the maximum is still below 256, after rounding.
+  return to_floats((Ints)(hash >> 16)) * (1.0F / 65536.0F);
 }
 
 inline Words blend_color(const BlockView& view, int row, Words old, Words measured,

@@ -42,11 +42,12 @@ void CycleHistogram::add(double duration) noexcept {
 double CycleHistogram::quantile(const Slice& slice, double fraction) noexcept {
   const double target = fraction * static_cast<double>(slice.total);
   double count = 0.0;
-  for (std::size_t bin = 0; bin < kBins; ++bin) {
+  // The last bin has no upper end.
+  for (std::size_t bin = 0; bin + 1 < kBins; ++bin) {
     count += static_cast<double>(slice.counts[bin]);
     if (count < target) continue;
-    return std::min(slice.longest,
-                    kMinDuration * std::exp2(static_cast<double>(bin) / kBinsPerOctave));
+    const double middle = (static_cast<double>(bin) - 0.5) / kBinsPerOctave;
+    return std::min(slice.longest, kMinDuration * std::exp2(middle));
   }
   return slice.longest;
 }

@@ -11,7 +11,10 @@
 namespace pcavr {
 
 /// Histogram of durations over a sliding window of one second, and over all, with logarithmic bins
-/// an eighth of an octave wide: a quantile is exact to 9 %. One thread; never allocates.
+/// an eighth of an octave wide. A quantile, the smallest duration that at least this fraction of
+/// all do not exceed, is given as the middle of its bin: an error of at most half a bin (4.4 %),
+/// from 0.25 us to 0.22 s. If it is longer, the longest duration is given. One thread; never
+/// allocates.
 class CycleHistogram {
  public:
   /// `cycles_per_slice` >= 1: number of durations in a tenth of the window.
@@ -24,7 +27,7 @@ class CycleHistogram {
   [[nodiscard]] CycleTimes times_of_all() const noexcept { return times_of(all_); }
 
  private:
-  static constexpr std::size_t kBins = 160;  ///< 20 octaves from 0.25 us to 0.26 s
+  static constexpr std::size_t kBins = 160;  ///< up to 0.25 us, then 158 up to 0.22 s, and longer
   static constexpr std::size_t kSlices = 10;
   struct Slice {
     void add(std::size_t bin, double duration) noexcept;

@@ -111,13 +111,13 @@ TEST_F(PushedObjects, AreShownWhereTheyAreAcrossADelayedLink) {
   expect_within(report, "predicted.touched.translation.p95_m", 0.004);
   expect_within(report, "phases.measured.boundary.median_s", 0.060);
   expect_within(report, "phases.predicted.boundary.median_s", 0.060);
-  expect_within(report, "corrections.share_of_streaming", 0.03);
+  expect_within(report, "corrections.share_of_streaming", 0.01);
 }
 
 TEST_F(PushedObjects, AreIdentifiedDuringReplayWithoutParameters) {
   const json report = replay_and_evaluate("push", "unknown", {});
   expect_within(report, "predicted.touched.translation.median_m", 0.0015);
-  expect_within(report, "corrections.share_of_streaming", 0.03);
+  expect_within(report, "corrections.share_of_streaming", 0.01);
 }
 
 TEST_F(PushedObjects, AreReplayedToTheSameBytes) {
@@ -215,7 +215,7 @@ TEST(PositionError, OfTwoBoxesPushedAcrossADelayedLink) {
   expect_within(report, "predicted.touched.translation.median_m", 0.0015);
   expect_within(report, "predicted.touched.translation.p95_m", 0.004);
   expect_within(report, "phases.measured.boundary.median_s", 0.060);
-  expect_within(report, "corrections.share_of_streaming", 0.03);
+  expect_within(report, "corrections.share_of_streaming", 0.01);
 }
 
 }  // namespace

@@ -2,9 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/reconstruction/depth_filter.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <gtest/gtest.h>
+
+#include "pcavr/core/random.hpp"
 
 #include "reconstruction/depth_scenes.hpp"
 
@@ -63,6 +68,102 @@ TEST(FilterDepth, RemovesInvalidDepth) {
   }
   EXPECT_EQ(filtered(15, 15), 1.0F);
   EXPECT_TRUE(filter_depth(DepthImage(), kCamera, kNoise, {1}).empty());
+}
+
+/// A wall with noise at a random slant of up to 30 deg.
+DepthImage random_wall(Random& random, const CameraModel& camera) {
+  const double tilt = random.uniform(0.0, 30.0) * std::numbers::pi / 180.0;
+  const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
+  const Eigen::Vector3d normal(std::sin(tilt) * std::cos(angle), std::sin(tilt) * std::sin(angle),
+                               std::cos(tilt));
+  DepthImage depth = test::depth_of(test::plane(normal, random.uniform(0.8, 1.5)), camera, Pose());
+  for (float& z : depth.pixels()) {
+    z += static_cast<float>(kNoise.depth_std(z) * random.normal());
+  }
+  return depth;
+}
+
+TEST(FilterDepth, KeepsANoisyWall) {
+  // Two neighbours' depths differ by noise with 1.41 std; beyond 3 times that: p = 0.0027. A pixel
+  // is removed if two of its eight neighbours differ by more: by Markov's inequality at most
+  // 8 p / 2 = 1.1 % of the pixels. The slant is covered by the allowance for incidence; with a long
+  // focal length it is small, so that the allowance for noise counts.
+  CameraModel camera = kCamera;
+  camera.fx = camera.fy = 1300.0;
+  Random random(61);
+  for (int trial = 0; trial < 10; ++trial) {
+    const DepthImage depth = random_wall(random, camera);
+    const DepthImage filtered = filter_depth(depth, camera, kNoise, {1});
+    int removed = 0;
+    for (int v = 1; v + 1 < depth.height(); ++v) {
+      for (int u = 1; u + 1 < depth.width(); ++u) removed += filtered(u, v) == 0.0F ? 1 : 0;
+    }
+    EXPECT_LE(removed, 0.011 * 158 * 118);
+  }
+}
+
+TEST(FilterDepth, RemovesFlyingPixelsAtEdgesOfAnyDirection) {
+  // Between a near half plane at 1 m and a far one at 1.5 m, the pixels that the edge crosses mix
+  // both. The maximum difference on one surface is 3 * 1.41 * std + z / f * tan(80 deg), below 74
+  // mm at 1.5 m: of the mixed depths, those from 1.075 to 1.425 m lie on neither surface. A line of
+  // them is one or two pixels wide, so that each has both surfaces next to it.
+  Random random(62);
+  int flying = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
+    const Eigen::Vector2d across(std::cos(angle), std::sin(angle));
+    const double at = across.dot(Eigen::Vector2d(random.uniform(40, 120), random.uniform(30, 90)));
+    DepthImage depth(kCamera.width, kCamera.height);
+    for (int v = 0; v < depth.height(); ++v) {
+      for (int u = 0; u < depth.width(); ++u) {
+        const double share = std::clamp(across.dot(Eigen::Vector2d(u, v)) - at + 0.5, 0.0, 1.0);
+        depth(u, v) = static_cast<float>(1.0 + 0.5 * share);
+      }
+    }
+    const DepthImage filtered = filter_depth(depth, kCamera, kNoise, {1});
+    for (int v = 1; v + 1 < depth.height(); ++v) {
+      for (int u = 1; u + 1 < depth.width(); ++u) {
+        const double distance = std::abs(across.dot(Eigen::Vector2d(u, v)) - at);
+        const bool is_flying = depth(u, v) > 1.075F && depth(u, v) < 1.425F;
+        flying += is_flying ? 1 : 0;
+        if (is_flying) {
+          ASSERT_EQ(filtered(u, v), 0.0F) << u << ' ' << v << " trial " << trial;
+        }
+        // Beyond the eight neighbours and half a pixel of mixing, nothing is removed.
+        if (distance > std::sqrt(2.0) + 0.5) {
+          ASSERT_EQ(filtered(u, v), depth(u, v));
+        }
+      }
+    }
+  }
+  EXPECT_GT(flying, 5000);
+}
+
+TEST(FilterDepth, KeepsOrRemovesEachPixelAlikeInAMirroredImage) {
+  // Of random depth with steps and holes, in widths with and without a part of a SIMD vector.
+  Random random(63);
+  for (int trial = 0; trial < 100; ++trial) {
+    const int width = 1 + static_cast<int>(random.below(50));
+    const int height = 1 + static_cast<int>(random.below(20));
+    DepthImage depth(width, height);
+    for (float& z : depth.pixels()) {
+      z = static_cast<float>(1.0 + 0.5 * static_cast<double>(random.below(2)) +
+                             random.uniform(0.0, 0.03));
+      if (random.below(10) == 0) z = 0.0F;
+    }
+    DepthImage mirrored(width, height);
+    for (int v = 0; v < height; ++v) {
+      for (int u = 0; u < width; ++u) mirrored(width - 1 - u, height - 1 - v) = depth(u, v);
+    }
+    const DepthImage filtered = filter_depth(depth, kCamera, kNoise, {1});
+    const DepthImage filtered_mirrored = filter_depth(mirrored, kCamera, kNoise, {2});
+    for (int v = 0; v < height; ++v) {
+      for (int u = 0; u < width; ++u) {
+        ASSERT_EQ(filtered(u, v), filtered_mirrored(width - 1 - u, height - 1 - v));
+        ASSERT_TRUE(filtered(u, v) == 0.0F || filtered(u, v) == depth(u, v));
+      }
+    }
+  }
 }
 
 TEST(FilterDepth, GivesTheSameBitsOnAnyNumberOfThreads) {

@@ -30,7 +30,7 @@ TEST(RunTeleop, PredictsWithinMillimetresOverARoundTripOfFourTenths) {
     EXPECT_LT(quantile(errors, 0.95), 0.004) << i;
   }
   EXPECT_LT(static_cast<double>(run.correction_bytes),
-            0.03 * static_cast<double>(run.streaming_bytes));
+            0.01 * static_cast<double>(run.streaming_bytes));
   EXPECT_FALSE(has_note(run, "too late"));
 }
 
