@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <yaml-cpp/yaml.h>
+
 #include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/core/utf8.hpp"
