@@ -28,10 +28,12 @@ struct Compliance {
   return std::pow(penetration, exponent);
 }
 
-/// Derivative of the force by the penetration's rate [N s/m].
+/// Derivative of the force by the penetration's rate [N s/m], with d^n at hand.
+[[nodiscard]] inline double damping_from_power(const Compliance& law, double power) noexcept {
+  return law.exponent == 1.0 ? law.damping : law.damping * power;
+}
 [[nodiscard]] inline double contact_damping(const Compliance& law, double penetration) noexcept {
-  if (law.exponent == 1.0) return law.damping;
-  return law.damping * penetration_power(penetration, law.exponent);
+  return damping_from_power(law, penetration_power(penetration, law.exponent));
 }
 
 /// The force at rest [N]; 0 out of contact.
@@ -47,7 +49,8 @@ struct Compliance {
 /// The force by the formula [N]: it may pull. For a penetration >= 0 [m] and its rate [m/s].
 [[nodiscard]] inline double unclamped_contact_force(const Compliance& law, double penetration,
                                                     double rate) noexcept {
-  return elastic_force(law, penetration) + contact_damping(law, penetration) * rate;
+  const double power = penetration_power(penetration, law.exponent);
+  return law.stiffness * power + damping_from_power(law, power) * rate;
 }
 
 /// A contact's force and its derivatives.
@@ -63,8 +66,9 @@ struct ContactForce {
     const Compliance& law, double penetration, double rate,
     double max_force = std::numeric_limits<double>::infinity()) noexcept {
   if (!(penetration > 0.0)) return {};
-  const double elastic = elastic_force(law, penetration);
-  const double damping = contact_damping(law, penetration);
+  const double power = penetration_power(penetration, law.exponent);
+  const double elastic = law.stiffness * power;
+  const double damping = damping_from_power(law, power);
   const double force = elastic + damping * rate;
   if (!(force > 0.0)) return {};
   if (force >= max_force) return {max_force, 0.0, 0.0};
