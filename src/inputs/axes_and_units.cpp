@@ -1,16 +1,15 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "identify_faults.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/LU>
 
-#include "identify_clock.hpp"
+#include "inputs/faults.hpp"
 
 namespace pcavr {
 namespace {
@@ -85,8 +84,8 @@ std::string cosines(double better, double as_written, std::size_t contacts) {
 
 /// The interpretation of the force's axes that explains the unsound contacts; `all` contacts must
 /// be consistent with it.
-std::optional<Error> axes_fault(std::span<const ContactEvidence> evidence,
-                                std::span<const ContactEvidence> all) {
+std::optional<InputFault> explain_axes(std::span<const ContactEvidence> evidence,
+                                       std::span<const ContactEvidence> all) {
   if (evidence.empty()) return std::nullopt;
   const DirectionAgreement as_written = agreement_of(evidence, Eigen::Matrix3d::Identity());
   const DirectionAgreement flipped = agreement_of(evidence, -Eigen::Matrix3d::Identity());
@@ -104,7 +103,7 @@ std::optional<Error> axes_fault(std::span<const ContactEvidence> evidence,
                     cosines(flipped.inward, as_written.inward, evidence.size()) + ")";
     error.hint =
         "write the force that the tool exerts, in base axes, not the reaction force on the tool";
-    return error;
+    return InputFault{InputFaultKind::force_sign, std::move(error)};
   }
   if (is_in_tool) {
     error.message =
@@ -112,7 +111,7 @@ std::optional<Error> axes_fault(std::span<const ContactEvidence> evidence,
         "objects that the tool touches (" +
         cosines(tool.inward, as_written.inward, evidence.size()) + ")";
     error.hint = "write it in base axes";
-    return error;
+    return InputFault{InputFaultKind::force_axes, std::move(error)};
   }
   std::optional<Eigen::Matrix3d> best;
   double inward = 0.0;
@@ -130,44 +129,20 @@ std::optional<Error> axes_fault(std::span<const ContactEvidence> evidence,
                   components(*best) + " it points into the objects that the tool touches (" +
                   cosines(inward, as_written.inward, evidence.size()) + ")";
   error.hint = "write it in base axes";
-  return error;
+  return InputFault{InputFaultKind::force_axes, std::move(error)};
 }
 
-/// Number of contacts in which the tip touches an object, with the force into it, if the tip's path
-/// is `points`.
-std::size_t count_touches(const FaultEvidence& known, const PathView& points) {
-  const ObjectPoses object_poses(known.input.objects);
-  std::size_t count = 0;
-  for (const IdentifiedContact& contact : known.contacts) {
-    const double t = contact.episode.begin;
-    for (std::size_t i = 0; i < known.input.objects.size(); ++i) {
-      const auto touch = object_poses.touch(i, t, points.at(t), known.input.tool_radius);
-      const bool is_near = touch && std::abs(touch->gap) < kMaxTouchGap;
-      if (!is_near || touch->inward_base.dot(contact.episode.direction_base) < kSound) continue;
-      ++count;
-      break;
+/// Whether the tip is at a body, with the force into it.
+bool touches_any(const InputSeries& series, const AttributedContact& contact,
+                 const Eigen::Vector3d& p_base_tip, const BodyPoses& poses) {
+  for (std::size_t i = 0; i < series.bodies.size(); ++i) {
+    const Touch touch = poses.touch(i, contact.episode.begin, p_base_tip, series.tool_radius);
+    if (std::abs(touch.gap) < kMaxTouchGap &&
+        touch.inward_base.dot(contact.episode.direction_base) >= kSound) {
+      return true;
     }
   }
-  return count;
-}
-
-/// The unit of tool.csv, where nothing is touched in metres.
-std::optional<Error> tool_unit_fault(const FaultEvidence& known) {
-  if (!known.evidence.empty()) return std::nullopt;
-  for (const Length& unit : kLengths) {
-    std::vector<Eigen::Vector3d> points;
-    for (const double t : known.tip.t()) points.push_back(unit.metres * known.tip.at(t));
-    const std::size_t touches = count_touches(known, PathView(known.tip.t(), points));
-    if (touches == 0 || 2 * touches < known.contacts.size()) continue;
-    return Error{.message = std::string("the tool's position is in ") + unit.name +
-                            ": with that unit, the tip touches an object in " +
-                            std::to_string(touches) + " of " +
-                            std::to_string(known.contacts.size()) +
-                            " contacts, and in metres in none",
-                 .file = "tool.csv",
-                 .hint = "write metres"};
-  }
-  return std::nullopt;
+  return false;
 }
 
 std::size_t count_sound(std::span<const ContactEvidence> evidence) {
@@ -201,27 +176,57 @@ std::vector<ContactEvidence> unsound_sides(std::span<const ContactEvidence> evid
 
 }  // namespace
 
-std::string at_time(double t) {
-  char text[40];
-  std::snprintf(text, sizeof text, "t = %.3f s", t);
-  return text;
+std::optional<InputFault> axes_fault(std::span<const ContactEvidence> evidence) {
+  // Where most contacts from one side are sound, the others were with an unknown object.
+  return explain_axes(unsound_sides(evidence), evidence);
 }
 
-std::optional<Error> find_fault(const FaultEvidence& known) {
-  if (auto error = tool_unit_fault(known)) return error;
-  // Before the axes: with a clock offset of seconds, a push may be compared with another one's
-  // face.
-  if (auto error = clock_fault(known.input, known.found, known.tip, known.object_poses))
-    return error;
-  // Where most contacts from one side are sound, the others were with an unknown object.
-  return axes_fault(unsound_sides(known.evidence), known.evidence);
+UnitTouches count_unit_touches(const InputSeries& series,
+                               std::span<const AttributedContact> contacts,
+                               std::span<const ContactEvidence> evidence, const PathView& tip,
+                               const BodyPoses& poses) {
+  UnitTouches result{.contacts = contacts.size(), .in_metres = evidence.size()};
+  // Where the tip touches a body in metres, no other unit is needed.
+  if (!evidence.empty()) return result;
+  for (std::size_t k = 0; k < kLengths.size(); ++k) {
+    for (const AttributedContact& contact : contacts) {
+      const Eigen::Vector3d p_base_tip = kLengths[k].metres * tip.at(contact.episode.begin);
+      const bool touches = touches_any(series, contact, p_base_tip, poses);
+      result.in_other_units[k] += touches ? 1 : 0;
+    }
+  }
+  return result;
+}
+
+void UnitTouches::add(const UnitTouches& other) {
+  contacts += other.contacts;
+  in_metres += other.in_metres;
+  for (std::size_t k = 0; k < in_other_units.size(); ++k) {
+    in_other_units[k] += other.in_other_units[k];
+  }
+}
+
+std::optional<InputFault> tool_unit_fault(const UnitTouches& touches) {
+  if (touches.in_metres > 0) return std::nullopt;
+  for (std::size_t k = 0; k < kLengths.size(); ++k) {
+    const std::size_t count = touches.in_other_units[k];
+    if (count == 0 || 2 * count < touches.contacts) continue;
+    return InputFault{
+        InputFaultKind::tool_unit,
+        {.message = std::string("the tool's position is in ") + kLengths[k].name +
+                    ": with that unit, the tip touches an object in " + std::to_string(count) +
+                    " of " + std::to_string(touches.contacts) + " contacts, and in metres in none",
+         .file = "tool.csv",
+         .hint = "write metres"}};
+  }
+  return std::nullopt;
 }
 
 void leave_out_misdirected(std::span<const ContactEvidence> evidence,
-                           std::vector<IdentifiedContact>& contacts) {
+                           std::vector<AttributedContact>& contacts) {
   for (const ContactEvidence& one : evidence) {
     const double cosine = inward_cosine(one);
-    IdentifiedContact& contact = contacts[one.contact];
+    AttributedContact& contact = contacts[one.contact];
     if (cosine >= kMisdirected || !contact.left_out.empty()) continue;
     const double degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
     contact.left_out =

@@ -9,7 +9,9 @@
 
 #include <Eigen/Core>
 
-#include "identify_parts.hpp"
+#include "pcavr/identification/path_view.hpp"
+
+#include "inputs/body_poses.hpp"
 
 namespace pcavr {
 
@@ -35,8 +37,8 @@ struct DirectionAgreement {
 
 /// For the contacts that are attributed to an object.
 [[nodiscard]] std::vector<ContactEvidence> gather_evidence(
-    const IdentificationInput& input, std::span<const IdentifiedContact> contacts,
-    const PathView& tip, const ObjectPoses& object_poses);
+    const InputSeries& series, std::span<const AttributedContact> contacts, const PathView& tip,
+    const BodyPoses& poses);
 
 /// `axes` maps the recorded force to base.
 [[nodiscard]] DirectionAgreement agreement_of(std::span<const ContactEvidence> evidence,
@@ -47,9 +49,10 @@ struct DirectionAgreement {
 [[nodiscard]] double inward_cosine(const ContactEvidence& evidence);
 
 /// Apparent friction coefficient: median of horizontal force over the normal force on the support,
-/// while the object moves by more than 2 mm in one contact; nothing for less, or an unknown mass.
-[[nodiscard]] std::optional<double> friction_ratio(const IdentificationInput& input,
-                                                   const IdentifiedContact& contact,
-                                                   const ObjectPoses& object_poses);
+/// while the object moves by more than 2 mm in one contact; nothing for less. A body that was not
+/// weighed has the mass of wood of its volume.
+[[nodiscard]] std::optional<double> friction_ratio(const InputSeries& series,
+                                                   const AttributedContact& contact,
+                                                   const BodyPoses& poses);
 
 }  // namespace pcavr

@@ -7,9 +7,9 @@
 
 #include <Eigen/Dense>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 
-#include "identify_signals.hpp"
+#include "inputs/clock_offsets.hpp"
 
 namespace pcavr {
 namespace {

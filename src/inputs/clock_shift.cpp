@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "identify_clock.hpp"
+#include "inputs/clock_shift.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,6 @@ namespace pcavr {
 namespace {
 
 constexpr double kGridInterval = 0.05;  // [s] shorter than a contact
-constexpr double kMaxAnalysed = 600.0;  // [s]
 constexpr double kMaxShift = 60.0;      // [s]; a larger one would be another recording
 /// Overlap at a shift, as a share of the shorter stream.
 constexpr double kMinShared = 0.5;
@@ -41,16 +40,15 @@ std::size_t grid_size(double from, double to) {
 }
 
 /// 1 where the tip is at a surface or in it, 0 where it is kTouchRange away.
-Signal touching(const IdentificationInput& input, const PathView& tip,
-                const ObjectPoses& object_poses) {
-  Signal signal{input.t_tool.front(), {}};
-  const std::size_t count = grid_size(input.t_tool.front(), input.t_tool.back());
+Signal touching(const InputSeries& series, const PathView& tip, const BodyPoses& poses) {
+  Signal signal{series.t_tool.front(), {}};
+  const std::size_t count = grid_size(series.t_tool.front(), series.t_tool.back());
   for (std::size_t k = 0; k < count; ++k) {
     const double t = signal.start + kGridInterval * static_cast<double>(k);
     double value = 0.0;
-    for (std::size_t i = 0; i < input.objects.size(); ++i) {
-      const auto touch = object_poses.touch(i, t, tip.at(t), input.tool_radius);
-      if (touch) value = std::max(value, std::clamp(1.0 - touch->gap / kTouchRange, 0.0, 1.0));
+    for (std::size_t i = 0; i < series.bodies.size(); ++i) {
+      const double gap = poses.touch(i, t, tip.at(t), series.tool_radius).gap;
+      value = std::max(value, std::clamp(1.0 - gap / kTouchRange, 0.0, 1.0));
     }
     signal.values.push_back(value);
   }
@@ -58,9 +56,9 @@ Signal touching(const IdentificationInput& input, const PathView& tip,
 }
 
 /// 1 while the force shows contact.
-Signal loaded(const IdentificationInput& input, const Segmentation& found) {
-  Signal signal{input.t_force.front(), {}};
-  signal.values.assign(grid_size(input.t_force.front(), input.t_force.back()), 0.0);
+Signal loaded(const InputSeries& series, const Segmentation& found) {
+  Signal signal{series.t_force.front(), {}};
+  signal.values.assign(grid_size(series.t_force.front(), series.t_force.back()), 0.0);
   for (const ContactEpisode& episode : found.contacts) {
     for (std::size_t k = 0; k < signal.values.size(); ++k) {
       const double t = signal.start + kGridInterval * static_cast<double>(k);
@@ -117,11 +115,10 @@ double max_correlation_if(const std::vector<Match>& matches, const auto& is_coun
 
 }  // namespace
 
-std::optional<Error> clock_fault(const IdentificationInput& input, const Segmentation& found,
-                                 const PathView& tip, const ObjectPoses& object_poses) {
-  if (found.contacts.size() < kMinContacts || input.objects.empty()) return std::nullopt;
-  const std::vector<Match> matches =
-      match_all(touching(input, tip, object_poses), loaded(input, found));
+std::optional<InputFault> clock_fault(const InputSeries& series, const Segmentation& found,
+                                      const PathView& tip, const BodyPoses& poses) {
+  if (found.contacts.size() < kMinContacts || series.bodies.empty()) return std::nullopt;
+  const std::vector<Match> matches = match_all(touching(series, tip, poses), loaded(series, found));
   if (matches.empty()) return std::nullopt;
   const Match best = *std::max_element(
       matches.begin(), matches.end(),
@@ -141,32 +138,8 @@ std::optional<Error> clock_fault(const IdentificationInput& input, const Segment
                 "contact when the tip is at an object (correlation %.2f, as written %.2f)",
                 std::abs(best.shift), best.shift > 0.0 ? "later" : "earlier",
                 is_only_shift ? "" : ", or by another shift", best.correlation, as_written);
-  return Error{.message = text, .file = "wrench.csv", .hint = "put both on one clock"};
-}
-
-std::optional<Error> clock_fault(const TeleopInput& input) {
-  // A clock offset is present from the start; the whole recording would take memory and time.
-  const auto first_part = [](const std::vector<double>& t) {
-    return std::upper_bound(t.begin(), t.end(), t.front() + kMaxAnalysed) - t.begin();
-  };
-  const auto tool = first_part(input.t_tool);
-  const auto force = first_part(input.t_force);
-  IdentificationInput part;
-  for (const TeleopObject& object : input.objects) {
-    part.objects.push_back({.name = object.name,
-                            .model = object.model,
-                            .T_base_object = object.T_base_object,
-                            .tracked = object.tracked});
-  }
-  part.tool_radius = input.tool_radius;
-  part.t_tool.assign(input.t_tool.begin(), input.t_tool.begin() + tool);
-  part.p_base_tip.assign(input.p_base_tip.begin(), input.p_base_tip.begin() + tool);
-  part.t_force.assign(input.t_force.begin(), input.t_force.begin() + force);
-  part.force_base.assign(input.force_base.begin(), input.force_base.begin() + force);
-  const Segmentation found =
-      segment_contacts(part.t_force, part.force_base, part.t_tool, part.p_base_tip);
-  return clock_fault(part, found, PathView(part.t_tool, part.p_base_tip),
-                     ObjectPoses(part.objects));
+  return InputFault{InputFaultKind::clock,
+                    {.message = text, .file = "wrench.csv", .hint = "put both on one clock"}};
 }
 
 }  // namespace pcavr
