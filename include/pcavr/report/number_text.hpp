@@ -3,12 +3,8 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 namespace pcavr {
-
-/// Text for an HTML or SVG document, with markup characters escaped.
-[[nodiscard]] std::string escaped(std::string_view text);
 
 /// With `decimals` places; independent of the locale.
 [[nodiscard]] std::string fixed(double value, int decimals);
