@@ -134,9 +134,10 @@ pcavr::MeshErrors errors_of(const Input& input, const pcavr::TriangleMesh& mesh)
 Outcome run_pcavr(const Input& input, double voxel_size) {
   Outcome outcome;
   const double heap = heap_megabytes();
-  pcavr::TsdfVolume volume({.voxel_size = voxel_size,
-                            .truncation_voxels = kTruncationVoxels,
-                            .depth_noise = input.noise});
+  pcavr::TsdfOptions options(voxel_size);
+  options.truncation_voxels = kTruncationVoxels;
+  options.depth_noise = input.noise;
+  pcavr::TsdfVolume volume(options);
   double start = cpu_ms();
   for (std::size_t i = 0; i < input.frames.size(); ++i) {
     const pcavr::DepthImage depth =

@@ -54,8 +54,10 @@ void time_on(double noise) {
   const pcavr::test::ScannedBumps bumps(707, noise, 5);
   const std::vector<Eigen::Vector3d> path = tips();
   const std::string surface = "noise " + std::to_string(noise * 1e3).substr(0, 3) + " mm: ";
-  for (const pcavr::ProxyOptions options :
-       {pcavr::ProxyOptions{0.001, 0.0}, {0.001, 0.4}, {0.001, 0.0, 2.0}, {0.0001, 0.0}}) {
+  using pcavr::test::proxy_options;
+  for (const pcavr::ProxyOptions& options :
+       {proxy_options(0.001, 0.0), proxy_options(0.001, 0.4), proxy_options(0.001, 0.0, 2.0),
+        proxy_options(0.0001, 0.0)}) {
     pcavr::HapticTool tool(bumps.mesh(), options, {});
     char proxy[64];
     std::snprintf(proxy, sizeof proxy, "proxy %.1f mm, friction %.1f, motion %.0f",

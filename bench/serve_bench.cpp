@@ -75,7 +75,9 @@ int run(double seconds) {
   LiveWorld world(std::move(*haptic), std::make_unique<RemoteDevice>(),
                   {.p_base_tool_start = {0.0, 0.0, 0.1}});
   const NoScene scene;
-  ServerOptions options{.port = 0, .page = page_folder.path()};
+  ServerOptions options;
+  options.port = 0;
+  options.page = page_folder.path();
   options.rate = kRate;
   Expected<LiveServer> server = LiveServer::open(options, world, scene);
   if (!server) return 1;

@@ -11,6 +11,8 @@ function(pcavr_compile_options target)
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
                          # In a unity build GCC warns about types of an unnamed namespace.
                          $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>
+                         # Clang's -Wconversion includes signedness, GCC's does not.
+                         $<$<CXX_COMPILER_ID:Clang>:-Wno-sign-conversion>
                          # The same floating-point results at every optimisation level and instruction set.
                          -ffp-contract=off)
 endfunction()

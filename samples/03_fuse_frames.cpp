@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   }
   const pcavr::CameraModel& camera = *recording->manifest.camera;
   const pcavr::Parallelism threads = pcavr::Parallelism::max();
-  pcavr::TsdfVolume volume({.voxel_size = 0.01});
+  pcavr::TsdfVolume volume(pcavr::TsdfOptions(0.01));
 
   pcavr::FrameReader reader(*recording);
   while (true) {

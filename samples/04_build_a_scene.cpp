@@ -16,7 +16,7 @@ pcavr::Expected<void> build(const char* recording_folder, const char* scene_fold
   auto output = pcavr::OutputFolder::create(scene_folder);
   if (!output) return output.error();
 
-  const pcavr::BuildOptions options{.voxel_size = 0.01};
+  const pcavr::BuildOptions options(0.01);
   const auto scene = pcavr::build_scene(*recording, options);
   if (!scene) return scene.error();
   for (const pcavr::SceneObject& object : scene->objects) {

@@ -7,8 +7,8 @@
 #include <cstdio>
 
 #include <pcavr/core/output_file.hpp>
+#include <pcavr/object/parameters_file.hpp>
 #include <pcavr/pipeline/identify.hpp>
-#include <pcavr/recording/parameters_file.hpp>
 
 namespace {
 

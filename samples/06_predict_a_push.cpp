@@ -6,9 +6,9 @@
 #include <cstdio>
 
 #include <pcavr/identification/path_view.hpp>
+#include <pcavr/object/parameters_file.hpp>
 #include <pcavr/pipeline/identify.hpp>
 #include <pcavr/prediction/predictor.hpp>
-#include <pcavr/recording/parameters_file.hpp>
 
 namespace {
 

@@ -39,9 +39,12 @@ int main(int argc, char** argv) {
   if (argc != 3) return std::fprintf(stderr, "usage: %s RECORDING TRACKED\n", argv[0]), 2;
   const auto input = read_input(argv[1], argv[2]);
   if (!input) return std::fprintf(stderr, "%s\n", input.error().to_string().c_str()), 1;
-  const pcavr::TeleopOptions link{
-      .forward_delay = 0.2, .backward_delay = 0.2, .jitter = 0.01, .loss = 0.3, .seed = 2};
-  const auto run = pcavr::run_teleop(*input, link);
+  pcavr::TeleopOptions options;
+  options.forward_delay = options.backward_delay = 0.2;
+  options.jitter = 0.01;
+  options.loss = 0.3;
+  options.seed = 2;
+  const auto run = pcavr::run_teleop(*input, options);
   if (!run) return std::fprintf(stderr, "%s\n", run.error().to_string().c_str()), 1;
   for (const pcavr::SentCorrection& sent : run->corrections) {
     std::printf("%7.3f s  %s  case %-4s  %s, %zu bytes%s\n", sent.t,

@@ -15,25 +15,31 @@ struct BuildArguments {
   std::string recording;
   OutputOption output;
   std::string sensor;
-  BuildOptions options;
+  bool trust_poses = false;
+  bool skip_bad = false;
   int threads = 1;
 };
 
-Expected<CommandResult> build(BuildArguments arguments, const Observer& observer) {
-  BuildOptions& options = arguments.options;
+Expected<CommandResult> build(const BuildArguments& arguments, Configuration& configuration,
+                              const Observer& observer) {
+  BuildOptions options = configuration.build;
+  options.trust_poses = arguments.trust_poses;
+  options.skip_bad = arguments.skip_bad;
   options.parallelism = {arguments.threads};
   // First, so that an output that can't be written fails before the long work.
   Expected<OutputFolder> folder =
       create_output(arguments.output, OutputKind::scene, {arguments.recording, arguments.sensor});
   if (!folder) return folder.error();
-  const Expected<DepthNoise> noise = depth_noise_of(arguments.sensor);
+  const Expected<DepthNoise> noise =
+      depth_noise_of(arguments.sensor, options.perception.depth_noise);
   if (!noise) return noise.error();
-  options.depth_noise = *noise;
+  options.perception.depth_noise = *noise;
   const Expected<Recording> recording =
-      read_with_warnings(arguments.recording, options.skip_bad, observer);
+      read_with_warnings(arguments.recording, options.skip_bad, configuration, observer);
   if (!recording) return recording.error();
-  const Expected<Scene> scene = build_scene(*recording, options, observer);
+  Expected<Scene> scene = build_scene(*recording, options, observer);
   if (!scene) return scene.error();
+  scene->configuration = configuration.changed();
   const Expected<void> written = write_scene(*scene, folder->path(), options.parallelism);
   if (!written) return written.error();
   const Expected<void> committed = folder->commit();
@@ -46,28 +52,30 @@ Expected<CommandResult> build(BuildArguments arguments, const Observer& observer
 
 }  // namespace
 
-void add_build(CLI::App& app, Action& action) {
+void add_build(CLI::App& app, Configuration& configuration, Action& action) {
   CLI::App* command =
       app.add_subcommand("build", "Build a scene in the robot's base frame from a recording");
   command->footer("Example:\n  pcavr build my_recording -o my_scene --voxel 0.005");
   auto arguments = std::make_shared<BuildArguments>();
-  BuildOptions& options = arguments->options;
+  BuildOptions& options = configuration.build;
   command->add_option("recording", arguments->recording, "Folder with a recording.yaml")
       ->required();
   add_output_option(*command, arguments->output, "Folder for the scene");
-  add_number(*command, "--voxel", options.voxel_size, ranges::kVoxel,
+  add_number(*command, "--voxel", options.fusion.voxel_size, ranges::kVoxel,
              "Edge of a TSDF voxel of the mesh [m]")
       ->capture_default_str();
-  add_number(*command, "--occupancy-resolution", options.occupancy_resolution,
+  add_number(*command, "--occupancy-resolution", options.occupancy.resolution,
              ranges::kOccupancyCell, "Edge of an occupancy cell [m]")
       ->capture_default_str();
   add_sensor_option(*command, arguments->sensor);
-  command->add_flag("--trust-poses", options.trust_poses,
+  command->add_flag("--trust-poses", arguments->trust_poses,
                     "Take the poses of groundtruth.txt as exact, not as measurements");
-  command->add_flag("--skip-bad", options.skip_bad, "Skip bad rows and frames, and count them");
+  command->add_flag("--skip-bad", arguments->skip_bad, "Skip bad rows and frames, and count them");
   add_threads_option(*command, arguments->threads);
-  command->callback([arguments, &action] {
-    action = [arguments](const Observer& observer) { return build(*arguments, observer); };
+  command->callback([arguments, &configuration, &action] {
+    action = [arguments, &configuration](const Observer& observer) {
+      return build(*arguments, configuration, observer);
+    };
   });
 }
 

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/evaluation/evaluate.hpp"
 
-#include <cstdio>
+#include <fmt/core.h>
+
+#include "pcavr/report/report_page.hpp"
 
 #include "commands.hpp"
 #include "output_option.hpp"
@@ -22,16 +24,14 @@ struct EvaluateArguments {
 std::string headline(const nlohmann::ordered_json& report) {
   std::string text;
   for (const auto& figure : report.at("headline")) {
-    char line[200];
-    std::snprintf(line, sizeof line, "  %-58s %10.3f %s\n",
-                  figure.at("name").get<std::string>().c_str(), figure.at("value").get<double>(),
-                  figure.at("unit").get<std::string>().c_str());
-    text += line;
+    text += fmt::format("  {:<58} {:>10.3f} {}\n", figure.at("name").get<std::string>(),
+                        figure.at("value").get<double>(), figure.at("unit").get<std::string>());
   }
   return text;
 }
 
 Expected<CommandResult> run_evaluation(const EvaluateArguments& arguments,
+                                       const Configuration& configuration,
                                        const Observer& observer) {
   Expected<OutputFolder> folder =
       create_output(arguments.output, OutputKind::report,
@@ -39,7 +39,8 @@ Expected<CommandResult> run_evaluation(const EvaluateArguments& arguments,
   if (!folder) return folder.error();
   const EvaluationInput input{
       .subject = arguments.subject,
-      .reference = arguments.truth.empty() ? arguments.reference : arguments.truth};
+      .reference = arguments.truth.empty() ? arguments.reference : arguments.truth,
+      .options = configuration.evaluation};
   const Expected<std::string> report =
       evaluate(input, folder->path(), {arguments.threads}, observer);
   if (!report) return report.error();
@@ -47,14 +48,13 @@ Expected<CommandResult> run_evaluation(const EvaluateArguments& arguments,
   if (!committed) return committed.error();
   CommandResult result;
   result.json = nlohmann::ordered_json::parse(*report);
-  result.summary =
-      headline(result.json) + "open " + arguments.output.folder + "/report.html in a browser\n";
+  result.summary = headline(result.json) + how_to_open(arguments.output.folder) + '\n';
   return result;
 }
 
 }  // namespace
 
-void add_evaluate(CLI::App& app, Action& action) {
+void add_evaluate(CLI::App& app, const Configuration& configuration, Action& action) {
   CLI::App* command = app.add_subcommand(
       "evaluate", "Compare a scene, a run or identified parameters with the ground truth");
   command->footer(
@@ -70,8 +70,10 @@ void add_evaluate(CLI::App& app, Action& action) {
   against->require_option(0, 1);
   add_output_option(*command, arguments->output, "Folder for report.json and report.html");
   add_threads_option(*command, arguments->threads);
-  command->callback([arguments, &action] {
-    action = [arguments](const Observer& observer) { return run_evaluation(*arguments, observer); };
+  command->callback([arguments, &configuration, &action] {
+    action = [arguments, &configuration](const Observer& observer) {
+      return run_evaluation(*arguments, configuration, observer);
+    };
   });
 }
 

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/pipeline/identify.hpp"
 
-#include <cstdio>
 #include <filesystem>
+
+#include <fmt/core.h>
 
 #include "pcavr/core/output_file.hpp"
 #include "pcavr/core/output_paths.hpp"
-#include "pcavr/recording/parameters_file.hpp"
+#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/report/report_page.hpp"
 
 #include "commands.hpp"
 #include "output_option.hpp"
@@ -29,17 +31,10 @@ struct IdentifyArguments {
 };
 
 std::string finding_line(const ParameterFinding& finding) {
-  char line[300];
-  if (finding.is_excited) {
-    char std_text[32] = "";
-    if (finding.std) std::snprintf(std_text, sizeof std_text, " +- %.2g", *finding.std);
-    std::snprintf(line, sizeof line, "    %-30s %.4g%s %s\n", finding.name.c_str(), finding.value,
-                  std_text, finding.unit.c_str());
-  } else {
-    std::snprintf(line, sizeof line, "    %-30s %s\n", finding.name.c_str(),
-                  finding.remark.c_str());
-  }
-  return line;
+  if (!finding.is_excited) return fmt::format("    {:<30} {}\n", finding.name, finding.remark);
+  const std::string std_text = finding.std ? fmt::format(" +- {:.2g}", *finding.std) : "";
+  return fmt::format("    {:<30} {:.4g}{} {}\n", finding.name, finding.value, std_text,
+                     finding.unit);
 }
 
 nlohmann::ordered_json object_json(const ObjectIdentification& object) {
@@ -55,17 +50,15 @@ nlohmann::ordered_json object_json(const ObjectIdentification& object) {
 }
 
 std::string offset_line(const char* what, const TimeOffset& offset) {
-  char line[120];
-  if (!offset.is_known) return std::string(what) + " after tool: not known\n";
-  std::snprintf(line, sizeof line, "%s after tool: %.2f +- %.2f ms\n", what, offset.offset * 1e3,
-                offset.std * 1e3);
-  return line;
+  if (!offset.is_known) return fmt::format("{} after tool: not known\n", what);
+  return fmt::format("{} after tool: {:.2f} +- {:.2f} ms\n", what, offset.offset * 1e3,
+                     offset.std * 1e3);
 }
 
 CommandResult describe(const Identification& found, const IdentifyArguments& arguments) {
   CommandResult result;
-  result.summary =
-      offset_line("force   ", found.tool_to_force) + offset_line("tracking", found.tool_to_camera);
+  result.summary = offset_line("force   ", found.inputs.tool_to_force) +
+                   offset_line("tracking", found.inputs.tool_to_camera);
   for (const std::string& note : found.notes) result.summary += "note: " + note + '\n';
   result.json = {{"parameters", arguments.output}, {"report", arguments.report}};
   result.json["objects"] = nlohmann::ordered_json::array();
@@ -81,7 +74,7 @@ CommandResult describe(const Identification& found, const IdentifyArguments& arg
     result.summary += "not used   contacts: " + reason + ": " + std::to_string(count) + '\n';
   }
   describe_left_out(found.left_out, result);
-  result.summary += "wrote " + arguments.output + "\nopen " + arguments.report + "/report.html\n";
+  result.summary += "wrote " + arguments.output + '\n' + how_to_open(arguments.report) + '\n';
   return result;
 }
 
@@ -123,7 +116,8 @@ Expected<void> commit(IdentifyOutputs& outputs) {
   return done;
 }
 
-Expected<Identification> run(const IdentifyArguments& arguments, const Observer& observer) {
+Expected<Identification> run(const IdentifyArguments& arguments, const Configuration& configuration,
+                             const Observer& observer) {
   ParameterTable known;
   if (!arguments.parameters.empty()) {
     Expected<ParameterTable> table = read_parameters(arguments.parameters);
@@ -131,7 +125,7 @@ Expected<Identification> run(const IdentifyArguments& arguments, const Observer&
     known = std::move(*table);
   }
   const Expected<Recording> recording =
-      read_with_warnings(arguments.recording, arguments.skip_bad, observer);
+      read_with_warnings(arguments.recording, arguments.skip_bad, configuration, observer);
   if (!recording) return recording.error();
   Expected<IdentificationInput> input = identification_input(*recording,
                                                              {.scene = arguments.scene,
@@ -141,7 +135,7 @@ Expected<Identification> run(const IdentifyArguments& arguments, const Observer&
                                                              observer);
   if (!input) return input.error();
   input->known = std::move(known);
-  Expected<Identification> found = identify(*input, arguments.goal);
+  Expected<Identification> found = identify(*input, arguments.goal, configuration.teleop.inputs);
   if (found) return found;
   Error error = found.error();
   if (!error.file.empty()) error.file = (recording->folder / error.file).string();
@@ -152,6 +146,10 @@ Expected<Identification> run(const IdentifyArguments& arguments, const Observer&
 std::string comment_of(const Identification& found, const std::string& recording) {
   std::string comment = "identified from " + recording;
   for (const ObjectIdentification& object : found.objects) {
+    if (object.friction.is_valid && !object.friction.viscous.is_excited) {
+      comment += "\nassumed, not identified: viscous_friction of " + object.name +
+                 "; it is valid together with the coefficient, at the speeds that were pushed";
+    }
     if (!object.is_exponent_given) continue;
     comment += "\nassumed, not identified: contact.exponent of " + object.name +
                "; its stiffness and damping are valid for this exponent";
@@ -159,14 +157,16 @@ std::string comment_of(const Identification& found, const std::string& recording
   return comment;
 }
 
-Expected<CommandResult> identify_recording(IdentifyArguments arguments, const Observer& observer) {
+Expected<CommandResult> identify_recording(IdentifyArguments arguments,
+                                           const Configuration& configuration,
+                                           const Observer& observer) {
   if (arguments.report.empty()) {
     const std::filesystem::path output = arguments.output;
     arguments.report = (output.parent_path() / output.stem()).string() + ".report";
   }
   Expected<IdentifyOutputs> outputs = create_outputs(arguments);
   if (!outputs) return outputs.error();
-  const Expected<Identification> found = run(arguments, observer);
+  const Expected<Identification> found = run(arguments, configuration, observer);
   if (!found) return found.error();
   Expected<void> written =
       write_identification_report(*found, arguments.recording, outputs->report.path());
@@ -179,8 +179,8 @@ Expected<CommandResult> identify_recording(IdentifyArguments arguments, const Ob
   return describe(*found, arguments);
 }
 
-void add_goal(CLI::App& app, Action& action, IdentificationGoal goal, const std::string& name,
-              const std::string& what) {
+void add_goal(CLI::App& app, const Configuration& configuration, Action& action,
+              IdentificationGoal goal, const std::string& name, const std::string& what) {
   CLI::App* command = app.add_subcommand(name, what);
   command->footer("Example:\n  pcavr identify " + name +
                   " my_recording --scene my_scene -o parameters.yaml");
@@ -203,22 +203,22 @@ void add_goal(CLI::App& app, Action& action, IdentificationGoal goal, const std:
                     "other files and folders are never replaced");
   command->add_flag("--skip-bad", arguments->skip_bad, "Skip bad rows and frames, and count them");
   add_threads_option(*command, arguments->threads);
-  command->callback([arguments, &action] {
-    action = [arguments](const Observer& observer) {
-      return identify_recording(*arguments, observer);
+  command->callback([arguments, &configuration, &action] {
+    action = [arguments, &configuration](const Observer& observer) {
+      return identify_recording(*arguments, configuration, observer);
     };
   });
 }
 
 }  // namespace
 
-void add_identify(CLI::App& app, Action& action) {
+void add_identify(CLI::App& app, const Configuration& configuration, Action& action) {
   CLI::App* command = app.add_subcommand(
       "identify", "Identify contact and friction parameters of objects from force and motion");
   command->require_subcommand(1);
-  add_goal(*command, action, IdentificationGoal::contact, "contact",
+  add_goal(*command, configuration, action, IdentificationGoal::contact, "contact",
            "Contact law (stiffness, damping, exponent) from presses along z");
-  add_goal(*command, action, IdentificationGoal::friction, "friction",
+  add_goal(*command, configuration, action, IdentificationGoal::friction, "friction",
            "Limiting and sliding friction, mass and friction radius from pushes");
 }
 

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/recording/import.hpp"
 
+#include "pcavr/cloud/cloud_list.hpp"
 #include "pcavr/recording/camera_file.hpp"
 
 #include "commands.hpp"
+#include "import_clouds.hpp"
 #include "number_option.hpp"
 #include "output_option.hpp"
 
@@ -21,9 +23,36 @@ struct ImportArguments {
   std::string camera;
   double depth_scale = 0.0;
   ImportOptions options;
+  CloudArguments clouds;
 };
 
+bool is_of_clouds(const ImportArguments& arguments) {
+  if (!arguments.format.empty()) return arguments.format == "clouds";
+  std::error_code code;
+  const std::filesystem::path source = arguments.source;
+  const bool has_images = std::filesystem::exists(source / "rgb.txt", code) ||
+                          std::filesystem::exists(source / "recording.yaml", code);
+  return !has_images && has_clouds(source);
+}
+
+Expected<CommandResult> import_sequence(const ImportArguments& arguments,
+                                        const Observer& observer) {
+  CloudImportOptions options;
+  options.frame_rate = arguments.options.frame_rate;
+  options.stride = arguments.options.stride;
+  options.first = arguments.options.first;
+  if (arguments.depth_scale > 0.0) options.depth_scale = arguments.depth_scale;
+  return run_import_clouds({arguments.source, arguments.output}, arguments.clouds, options,
+                           observer);
+}
+
 Expected<CommandResult> run_import(ImportArguments arguments, const Observer& observer) {
+  if (is_of_clouds(arguments)) return import_sequence(arguments, observer);
+  if (const std::string option = first_cloud_option(arguments.clouds); !option.empty()) {
+    return Error{.message = option + " is for point clouds, but there are none",
+                 .file = arguments.source,
+                 .hint = "give a folder with .pcd or .ply files, or a list of them"};
+  }
   Expected<OutputFolder> folder =
       create_output(arguments.output, OutputKind::recording, {arguments.source, arguments.camera});
   if (!folder) return folder.error();
@@ -58,17 +87,22 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
 
 void add_import(CLI::App& app, Action& action) {
   CLI::App* command =
-      app.add_subcommand("import", "Convert a TUM RGB-D or 7-Scenes folder into a recording");
+      app.add_subcommand("import",
+                         "Convert a TUM RGB-D or 7-Scenes folder, or point clouds, into a "
+                         "recording");
   command->footer(
       "Example:\n  pcavr import rgbd_dataset_freiburg1_desk --camera calib/cameras/kinect_v1.yaml "
-      "-o desk");
+      "-o desk\n  pcavr import clouds/ --poses poses.txt -o scan");
   auto arguments = std::make_shared<ImportArguments>();
-  command->add_option("source", arguments->source, "Folder to read")->required();
+  command
+      ->add_option("source", arguments->source,
+                   "Folder, cloud file (.pcd, .ply), or list of clouds 'timestamp path'")
+      ->required();
   add_output_option(*command, arguments->output, "Folder for the recording");
   command
       ->add_option("--format", arguments->format,
-                   "tum or 7scenes; detected from the files if absent")
-      ->check(CLI::IsMember({"tum", "7scenes"}));
+                   "tum, 7scenes or clouds; detected from the files if absent")
+      ->check(CLI::IsMember({"tum", "7scenes", "clouds"}));
   command->add_option("--camera", arguments->camera,
                       "Camera file for a source without intrinsics (see calib/cameras)");
   add_number(*command, "--depth-scale", arguments->depth_scale, ranges::kDepthScale,
@@ -82,6 +116,7 @@ void add_import(CLI::App& app, Action& action) {
   add_whole<std::size_t>(*command, "--first", arguments->options.first, 0, kMaxFrames,
                          "Index of the first frame to import")
       ->capture_default_str();
+  add_cloud_options(*command, arguments->clouds);
   command->callback([arguments, &action] {
     action = [arguments](const Observer& observer) { return run_import(*arguments, observer); };
   });

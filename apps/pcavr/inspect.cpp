@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
+
+#include <fmt/core.h>
 
 #include "pcavr/core/input_file.hpp"
 #include "pcavr/pipeline/consistency.hpp"
@@ -35,15 +36,13 @@ std::string span_of(const Trajectory& trajectory) {
   if (trajectory.empty()) return "none";
   const double seconds =
       to_seconds(trajectory.poses().back().stamp - trajectory.poses().front().stamp);
-  char text[40];
-  std::snprintf(text, sizeof text, " poses over %.3f s", seconds);
-  return std::to_string(trajectory.size()) + text;
+  return fmt::format("{} poses over {:.3f} s", trajectory.size(), seconds);
 }
 
 /// Cross-checks the recording's inputs.
-Expected<void> check_consistency(const Recording& recording, const Observer& observer,
-                                 std::vector<SceneCheck>& checks) {
-  const auto findings = inspect_consistency(recording);
+Expected<void> check_consistency(const Recording& recording, const PerceptionOptions& options,
+                                 const Observer& observer, std::vector<SceneCheck>& checks) {
+  const auto findings = inspect_consistency(recording, options);
   if (!findings) return findings.error();
   for (const ConsistencyFinding& finding : *findings) {
     const bool is_contradiction = finding.severity == FindingSeverity::contradiction;
@@ -58,8 +57,9 @@ Expected<void> check_consistency(const Recording& recording, const Observer& obs
 
 /// Reads all files without skipping bad rows, and decodes every frame.
 Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
+                                                    const Configuration& configuration,
                                                     const Observer& observer) {
-  const Expected<Recording> recording = read_with_warnings(folder, false, observer);
+  const Expected<Recording> recording = read_with_warnings(folder, false, configuration, observer);
   if (!recording) return recording.error();
   FrameReader reader(*recording);
   std::size_t frames = 0;
@@ -90,7 +90,8 @@ Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
   for (const ClockConflict& conflict : conflicts) {
     checks.push_back({"clocks", conflict.message, !conflict.is_disjoint});
   }
-  const Expected<void> checked = check_consistency(*recording, observer, checks);
+  const Expected<void> checked =
+      check_consistency(*recording, configuration.perception(), observer, checks);
   if (!checked) return checked.error();
   return checks;
 }
@@ -114,7 +115,8 @@ Expected<std::vector<SceneCheck>> inspect_run(const fs::path& folder) {
   return checks;
 }
 
-Expected<CommandResult> inspect(const fs::path& folder, const Observer& observer) {
+Expected<CommandResult> inspect(const fs::path& folder, const Configuration& configuration,
+                                const Observer& observer) {
   Expected<std::vector<SceneCheck>> checks =
       Error{.message = "contains no recording.yaml, scene.yaml or run.yaml",
             .file = folder.string(),
@@ -125,7 +127,7 @@ Expected<CommandResult> inspect(const fs::path& folder, const Observer& observer
     if (!*is_there) continue;
     const std::string name = manifest;
     checks = name == "scene.yaml"       ? inspect_scene(folder)
-             : name == "recording.yaml" ? inspect_recording(folder, observer)
+             : name == "recording.yaml" ? inspect_recording(folder, configuration, observer)
                                         : inspect_run(folder);
     break;
   }
@@ -135,14 +137,16 @@ Expected<CommandResult> inspect(const fs::path& folder, const Observer& observer
 
 }  // namespace
 
-void add_inspect(CLI::App& app, Action& action) {
+void add_inspect(CLI::App& app, const Configuration& configuration, Action& action) {
   CLI::App* command = app.add_subcommand(
       "inspect", "Summarise a recording, a scene or a run, and check that it is sound");
   command->footer("Example:\n  pcavr inspect my_scene");
   auto folder = std::make_shared<std::string>();
   command->add_option("folder", *folder, "Folder of a recording, a scene or a run")->required();
-  command->callback([folder, &action] {
-    action = [folder](const Observer& observer) { return inspect(*folder, observer); };
+  command->callback([folder, &configuration, &action] {
+    action = [folder, &configuration](const Observer& observer) {
+      return inspect(*folder, configuration, observer);
+    };
   });
 }
 

@@ -5,12 +5,14 @@
 #include <exception>
 #include <iostream>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/core/signal_cleanup.hpp"
 #include "pcavr/recording/camera_file.hpp"
+#include "pcavr/recording/option_file.hpp"
 
 #include "commands.hpp"
 #include "failure.hpp"
@@ -57,7 +59,24 @@ bool has_json_flag(std::span<char* const> arguments) {
                      [](const char* argument) { return std::string_view(argument) == "--json"; });
 }
 
+/// Help and version are printed, too; returns the exit code.
+int report_usage(const CLI::App& app, const CLI::ParseError& error, bool as_json) {
+  if (app.exit(error) == 0) return kExitDone;
+  if (as_json) {
+    const Error usage{.message = error.what(), .hint = "see --help"};
+    std::cout << json_text(error_json(usage, kExitUsage), 2) << '\n' << std::flush;
+  }
+  return kExitUsage;
+}
+
+int print(const std::string& text) {
+  std::cout << text << std::flush;
+  if (!std::cout) return report_error({.message = "can't write to standard output"}, false);
+  return kExitDone;
+}
+
 int run_command_line(int argc, char** argv) {
+  const std::span<char* const> given(argv, static_cast<std::size_t>(argc));
   CLI::App app("Point-cloud augmented VR scenes from recorded depth frames, in the robot's base.");
   app.set_version_flag("--version", "pcavr " PCAVR_VERSION);
   app.name("pcavr");
@@ -66,26 +85,30 @@ int run_command_line(int argc, char** argv) {
   bool as_json = false;
   app.add_flag("--json", as_json, "Print the result as JSON on standard output");
 
+  Configuration configuration;
+  ConfigurationOptions configuration_options;
+  add_configuration_options(app, configuration, configuration_options);
+
   Action action;
-  add_build(app, action);
-  add_identify(app, action);
-  add_replay(app, action);
-  add_evaluate(app, action);
+  add_build(app, configuration, action);
+  add_identify(app, configuration, action);
+  add_replay(app, configuration, action);
+  add_evaluate(app, configuration, action);
   add_simulate(app, action);
   add_import(app, action);
-  add_serve(app, action);
-  add_inspect(app, action);
+  add_serve(app, configuration, action);
+  add_inspect(app, configuration, action);
   add_tags(app, action);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RequiredError& error) {
+    // --print-config needs no arguments.
+    if (!configuration_options.is_printed) return report_usage(app, error, has_json_flag(given));
   } catch (const CLI::ParseError& error) {
-    if (app.exit(error) == 0) return kExitDone;
-    if (has_json_flag({argv, static_cast<std::size_t>(argc)})) {
-      const Error usage{.message = error.what(), .hint = "see --help"};
-      std::cout << json_text(error_json(usage, kExitUsage), 2) << '\n' << std::flush;
-    }
-    return kExitUsage;
+    return report_usage(app, error, has_json_flag(given));
   }
+  if (configuration_options.error) return report_error(*configuration_options.error, as_json);
+  if (configuration_options.is_printed) return print(print_options(configuration.sections()));
   return run(action, as_json);
 }
 
@@ -96,8 +119,8 @@ void add_sensor_option(CLI::App& command, std::string& camera_file) {
                      "Camera file with the sensor's depth noise (see calib/cameras)");
 }
 
-Expected<DepthNoise> depth_noise_of(const std::string& camera_file) {
-  if (camera_file.empty()) return DepthNoise{};
+Expected<DepthNoise> depth_noise_of(const std::string& camera_file, const DepthNoise& configured) {
+  if (camera_file.empty()) return configured;
   const Expected<CameraFile> sensor = read_camera_file(camera_file);
   if (!sensor) return sensor.error();
   if (!sensor->depth_noise) {
@@ -116,8 +139,11 @@ void add_threads_option(CLI::App& command, int& threads) {
 }
 
 Expected<Recording> read_with_warnings(const std::string& folder, bool skip_bad,
+                                       const Configuration& configuration,
                                        const Observer& observer) {
-  Expected<Recording> recording = read_recording(folder, {.skip_bad = skip_bad});
+  ReadOptions options = configuration.reading;
+  options.skip_bad = skip_bad;
+  Expected<Recording> recording = read_recording(folder, options);
   if (!recording) return recording;
   for (const std::string& warning : recording->warnings) observer.on_warning(warning);
   return recording;

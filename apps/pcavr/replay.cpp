@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/pipeline/replay.hpp"
 
-#include <cstdio>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "pcavr/core/output_paths.hpp"
+#include "pcavr/object/parameters_file.hpp"
 #include "pcavr/pipeline/augmented_frames.hpp"
-#include "pcavr/recording/parameters_file.hpp"
 
 #include "commands.hpp"
 #include "number_option.hpp"
@@ -42,11 +43,9 @@ void describe_teleop(const Replay& replay, CommandResult& result) {
                            ? 0.0
                            : 100.0 * static_cast<double>(run.correction_bytes) /
                                  static_cast<double>(run.streaming_bytes);
-  char line[160];
-  std::snprintf(line, sizeof line,
-                "corrections %zu, %zu bytes: %.2f %% of the %zu that streaming would send\n",
-                run.sent_corrections, run.correction_bytes, share, run.streaming_bytes);
-  result.summary += line;
+  result.summary +=
+      fmt::format("corrections {}, {} bytes: {:.2f} % of the {} that streaming would send\n",
+                  run.sent_corrections, run.correction_bytes, share, run.streaming_bytes);
   for (std::size_t i = 0; i < replay.objects.size(); ++i) {
     if (run.assumed[i].empty()) continue;
     result.summary += "  " + replay.objects[i].name + ": using defaults for:";
@@ -133,9 +132,8 @@ Expected<void> make_video(const ReplayArguments& arguments, const Recording& rec
                         " is MPEG-4 part 2, which browsers don't play: this machine's FFmpeg has "
                         "no H.264 encoder");
   }
-  char line[96];
-  std::snprintf(line, sizeof line, ": %zu frames at %.4g Hz\n", video->pictures, video->rate);
-  result.summary += "video      " + arguments.video + line;
+  result.summary += fmt::format("video      {}: {} frames at {:.4g} Hz\n", arguments.video,
+                                video->pictures, video->rate);
   result.json["video"] = {{"file", arguments.video},
                           {"pictures", video->pictures},
                           {"left_out", video->left_out},
@@ -156,23 +154,28 @@ Expected<OutputFolder> create_outputs(const ReplayArguments& arguments) {
   return create_output(arguments.output, OutputKind::run, inputs);
 }
 
-Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observer) {
+Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configuration,
+                               const Observer& observer) {
   ReplayOptions& options = arguments.options;
   options.parallelism = {arguments.threads};
   Expected<OutputFolder> folder = create_outputs(arguments);
   if (!folder) return folder.error();
-  const Expected<DepthNoise> noise = depth_noise_of(arguments.sensor);
+  options.perception = configuration.perception();
+  options.teleop = configuration.teleop;
+  options.configuration = configuration.changed();
+  const Expected<DepthNoise> noise =
+      depth_noise_of(arguments.sensor, options.perception.depth_noise);
   if (!noise) return noise.error();
-  options.depth_noise = *noise;
+  options.perception.depth_noise = *noise;
   const Expected<Recording> recording =
-      read_with_warnings(arguments.recording, options.skip_bad, observer);
+      read_with_warnings(arguments.recording, options.skip_bad, configuration, observer);
   if (!recording) return recording.error();
   const Expected<void> video_check = check_video(arguments, *recording);
   if (!video_check) return video_check.error();
   const Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
   if (!scene) return scene.error();
-  options.teleop.with_corrections = !arguments.without_corrections;
-  options.teleop.identifies = !arguments.keep_parameters;
+  if (arguments.without_corrections) options.teleop.with_corrections = false;
+  if (arguments.keep_parameters) options.teleop.identifies = false;
   if (!arguments.tracked.empty()) options.tracked = arguments.tracked;
   if (!arguments.parameters.empty()) {
     Expected<ParameterTable> parameters = read_parameters(arguments.parameters);
@@ -195,8 +198,7 @@ Expected<CommandResult> replay(ReplayArguments arguments, const Observer& observ
   return result;
 }
 
-void add_link_options(CLI::App& command, ReplayArguments& arguments) {
-  TeleopOptions& teleop = arguments.options.teleop;
+void add_link_options(CLI::App& command, TeleopOptions& teleop, ReplayArguments& arguments) {
   command.add_option(
       "--parameters", arguments.parameters,
       "Parameter file from pcavr identify; without it both sites start from the scene's "
@@ -224,7 +226,7 @@ void add_link_options(CLI::App& command, ReplayArguments& arguments) {
 
 }  // namespace
 
-void add_replay(CLI::App& app, Action& action) {
+void add_replay(CLI::App& app, Configuration& configuration, Action& action) {
   CLI::App* command = app.add_subcommand(
       "replay",
       "Run a recording against a scene: track its objects, predict them over a delayed link, "
@@ -246,10 +248,12 @@ void add_replay(CLI::App& app, Action& action) {
                     "Take the poses of groundtruth.txt as exact, not as measurements");
   command->add_flag("--skip-bad", arguments->options.skip_bad,
                     "Skip bad rows and frames, and count them");
-  add_link_options(*command, *arguments);
+  add_link_options(*command, configuration.teleop, *arguments);
   add_threads_option(*command, arguments->threads);
-  command->callback([arguments, &action] {
-    action = [arguments](const Observer& observer) { return replay(*arguments, observer); };
+  command->callback([arguments, &configuration, &action] {
+    action = [arguments, &configuration](const Observer& observer) {
+      return replay(*arguments, configuration, observer);
+    };
   });
 }
 

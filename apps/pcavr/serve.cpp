@@ -13,8 +13,8 @@
 #include "pcavr/devices/open_device.hpp"
 #include "pcavr/devices/remote_device.hpp"
 #include "pcavr/haptics/haptic_world.hpp"
+#include "pcavr/object/parameters_file.hpp"
 #include "pcavr/pipeline/replay.hpp"
-#include "pcavr/recording/parameters_file.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/serve/certificate.hpp"
 #include "pcavr/serve/live_world.hpp"
@@ -33,10 +33,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kPageDevice[] = "page";
-/// [N] Limit of the displayed force where no actuator renders it: above any push on a table.
-constexpr double kMaxShownForce = 100.0;
-/// [N] Limit for an unknown device: that of the weakest devices.
-constexpr double kMaxDeviceForce = 5.0;
 
 struct ServeArguments {
   std::string scene;
@@ -50,7 +46,7 @@ struct ServeArguments {
   bool with_tls = false;
   double tool_radius = 0.0;  ///< [m]; 0: not given
   double max_force = 0.0;    ///< [N]; 0: not given
-  ServerOptions server;
+  ServerOptions server;      ///< the configuration's, completed by what serve finds
   bool as_json = false;
 };
 
@@ -106,7 +102,8 @@ Expected<std::optional<TlsFiles>> tls_files(const ServeArguments& arguments) {
   return std::optional(std::move(*own));
 }
 
-Expected<ServeInputs> read_inputs(const ServeArguments& arguments, const Observer& observer) {
+Expected<ServeInputs> read_inputs(const ServeArguments& arguments,
+                                  const Configuration& configuration, const Observer& observer) {
   Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
   if (!scene) return scene.error();
   ServeInputs inputs{std::move(*scene), {}, {}};
@@ -116,7 +113,8 @@ Expected<ServeInputs> read_inputs(const ServeArguments& arguments, const Observe
     inputs.parameters = std::move(*parameters);
   }
   if (!arguments.recording.empty()) {
-    Expected<Recording> recording = read_with_warnings(arguments.recording, false, observer);
+    Expected<Recording> recording =
+        read_with_warnings(arguments.recording, false, configuration, observer);
     if (!recording) return recording.error();
     inputs.recording = std::move(*recording);
   }
@@ -124,34 +122,39 @@ Expected<ServeInputs> read_inputs(const ServeArguments& arguments, const Observe
 }
 
 Expected<ServedContent> make_content(const ServeInputs& inputs, const ServeArguments& arguments,
-                                     const Observer& observer) {
-  Expected<SceneContent> scene = SceneContent::create(inputs.scene, inputs.parameters, observer);
+                                     const Configuration& configuration, const Observer& observer) {
+  Expected<SceneContent> scene = SceneContent::create(inputs.scene, inputs.parameters, observer,
+                                                      Parallelism::max(), configuration.content);
   if (!scene) return scene.error();
   if (!inputs.recording) return ServedContent(std::move(*scene), {});
   ReplayOptions options;
+  options.perception = configuration.perception();
+  options.teleop = configuration.teleop;
   options.parameters = inputs.parameters;
   options.parameters_file = arguments.parameters;
   if (!arguments.tracked.empty()) options.tracked = arguments.tracked;
   const Expected<Replay> replay =
       replay_recording(*inputs.recording, inputs.scene, options, observer);
   if (!replay) return replay.error();
-  Expected<ReplayContent> shown =
-      ReplayContent::create(*inputs.recording, inputs.scene, *replay, observer);
+  Expected<ReplayContent> shown = ReplayContent::create(*inputs.recording, inputs.scene, *replay,
+                                                        observer, configuration.content);
   if (!shown) return shown.error();
   return ServedContent(std::move(*scene), std::move(*shown));
 }
 
 Expected<SceneWorld> make_world(const ServeInputs& inputs, const ServeArguments& arguments,
-                                const Observer& observer) {
-  SceneWorldOptions options;
+                                const Configuration& configuration, const Observer& observer) {
+  SceneWorldOptions options = configuration.serve;
+  options.world = configuration.teleop.world;
+  options.unknown_objects = configuration.teleop.unknown_objects;
   options.parameters = inputs.parameters;
   options.parameters_file = arguments.parameters;
   if (inputs.recording) {
     options.tool_radius = inputs.recording->manifest.tool_radius.value_or(options.tool_radius);
   }
   if (arguments.tool_radius > 0.0) options.tool_radius = arguments.tool_radius;
-  options.max_force = arguments.device == kPageDevice ? kMaxShownForce : kMaxDeviceForce;
-  if (arguments.max_force > 0.0) options.max_force = arguments.max_force;
+  if (arguments.device == kPageDevice) options.force.max_force = options.max_shown_force;
+  if (arguments.max_force > 0.0) options.force.max_force = arguments.max_force;
   Expected<SceneWorld> world = make_scene_world(inputs.scene, options);
   if (!world) return world;
   for (const std::string& note : world->notes) observer.on_warning(note);
@@ -165,19 +168,22 @@ Expected<SceneWorld> make_world(const ServeInputs& inputs, const ServeArguments&
 }
 
 Expected<std::unique_ptr<LiveWorld>> make_live(const SceneWorld& scene,
-                                               const std::string& device_name) {
+                                               const std::string& device_name,
+                                               const Configuration& configuration) {
   Expected<HapticWorld> haptic = HapticWorld::create(scene.model);
   if (!haptic) return haptic.error();
-  std::unique_ptr<Device> device =
-      std::make_unique<RemoteDevice>(RemoteDeviceOptions{.name = kPageDevice});
+  RemoteDeviceOptions page = configuration.page;
+  page.name = kPageDevice;
+  std::unique_ptr<Device> device = std::make_unique<RemoteDevice>(page);
   if (device_name != kPageDevice) {
-    Expected<std::unique_ptr<Device>> opened = open_device(device_name);
+    Expected<std::unique_ptr<Device>> opened = open_device(device_name, configuration.devices);
     if (!opened) return opened.error();
     device = std::move(*opened);
   }
-  return std::make_unique<LiveWorld>(std::move(*haptic), std::move(device),
-                                     LiveWorldOptions{.p_base_tool_start = scene.p_base_tool_start,
-                                                      .full_scale_force = scene.full_scale_force});
+  LiveWorldOptions options = configuration.live;
+  options.p_base_tool_start = scene.p_base_tool_start;
+  options.full_scale_force = scene.full_scale_force;
+  return std::make_unique<LiveWorld>(std::move(*haptic), std::move(device), options);
 }
 
 bool is_ipv6(const std::string& host) { return host.find(':') != std::string::npos; }
@@ -246,7 +252,9 @@ Expected<CommandResult> run(LiveServer& server, LiveWorld& world, const ServeArg
   return result;
 }
 
-Expected<CommandResult> serve(ServeArguments arguments, const Observer& observer) {
+Expected<CommandResult> serve(ServeArguments arguments, const Configuration& configuration,
+                              const Observer& observer) {
+  arguments.server = configuration.network;
   Expected<std::optional<TlsFiles>> tls = tls_files(arguments);
   if (!tls) return tls.error();
   const Expected<fs::path> page =
@@ -261,27 +269,27 @@ Expected<CommandResult> serve(ServeArguments arguments, const Observer& observer
   // Before the long work.
   const Expected<void> possible = check_server(options);
   if (!possible) return possible.error();
-  const Expected<ServeInputs> inputs = read_inputs(arguments, observer);
+  const Expected<ServeInputs> inputs = read_inputs(arguments, configuration, observer);
   if (!inputs) return inputs.error();
   options.scene = scene_name(inputs->scene);
-  Expected<SceneWorld> scene = make_world(*inputs, arguments, observer);
+  Expected<SceneWorld> scene = make_world(*inputs, arguments, configuration, observer);
   if (!scene) return scene.error();
   options.tool_radius = scene->model.world.tool_radius;
-  Expected<std::unique_ptr<LiveWorld>> world = make_live(*scene, arguments.device);
+  Expected<std::unique_ptr<LiveWorld>> world = make_live(*scene, arguments.device, configuration);
   if (!world) return world.error();
-  const Expected<ServedContent> content = make_content(*inputs, arguments, observer);
+  const Expected<ServedContent> content = make_content(*inputs, arguments, configuration, observer);
   if (!content) return content.error();
   Expected<LiveServer> server = LiveServer::open(options, **world, *content);
   if (!server) return server.error();
   return run(*server, **world, arguments, scene->triangles, observer);
 }
 
-void add_network_options(CLI::App& command, ServeArguments& arguments) {
-  add_whole<std::uint16_t>(command, "--port", arguments.server.port, 0,
+void add_network_options(CLI::App& command, ServerOptions& network, ServeArguments& arguments) {
+  add_whole<std::uint16_t>(command, "--port", network.port, 0,
                            std::numeric_limits<std::uint16_t>::max(), "TCP port; 0: any free port")
       ->capture_default_str();
   command
-      .add_option("--host", arguments.server.host,
+      .add_option("--host", network.host,
                   "Address to listen on; other than a loopback address needs --tls and the pairing "
                   "code that is printed at the start")
       ->capture_default_str();
@@ -291,7 +299,7 @@ void add_network_options(CLI::App& command, ServeArguments& arguments) {
   command.add_option("--certificate", arguments.certificate,
                      "Use https with your own certificate chain (PEM)");
   command.add_option("--key", arguments.key, "Private key of the certificate (PEM)");
-  add_number(command, "--rate", arguments.server.rate, ranges::kStateRate,
+  add_number(command, "--rate", network.rate, ranges::kStateRate,
              "Rate of state messages to each page [Hz]")
       ->capture_default_str();
   command.add_option("--page", arguments.page, "Folder of the built web page");
@@ -299,7 +307,7 @@ void add_network_options(CLI::App& command, ServeArguments& arguments) {
 
 }  // namespace
 
-void add_serve(CLI::App& app, Action& action) {
+void add_serve(CLI::App& app, Configuration& configuration, Action& action) {
   CLI::App* command = app.add_subcommand(
       "serve", "Serve a scene to browsers and VR headsets, with simulation and haptics at 1 kHz");
   command->footer(
@@ -314,7 +322,7 @@ void add_serve(CLI::App& app, Action& action) {
                    "Run whose tracking the replay uses instead of tracking again")
       ->needs("--replay");
   command->add_option("--parameters", arguments->parameters, "Parameter file from pcavr identify");
-  add_network_options(*command, *arguments);
+  add_network_options(*command, configuration.network, *arguments);
   command
       ->add_option(
           "--device", arguments->device,
@@ -324,9 +332,11 @@ void add_serve(CLI::App& app, Action& action) {
              "Radius of the spherical tool tip [m]; default: the replay's, or 0.01");
   add_number(*command, "--max-force", arguments->max_force, ranges::kHandForce,
              "Limit of the rendered force [N]; default: 5 for a device, 100 for the page");
-  command->callback([arguments, &action, &app] {
+  command->callback([arguments, &configuration, &action, &app] {
     arguments->as_json = app.get_option("--json")->count() > 0;
-    action = [arguments](const Observer& observer) { return serve(*arguments, observer); };
+    action = [arguments, &configuration](const Observer& observer) {
+      return serve(*arguments, configuration, observer);
+    };
   });
 }
 

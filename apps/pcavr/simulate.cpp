@@ -3,7 +3,10 @@
 #include "pcavr/simulation/simulate.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <optional>
+
+#include <fmt/core.h>
 
 #include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/recording/camera_file.hpp"
@@ -84,10 +87,7 @@ std::string check_range(const std::string& text, double min, double max, const c
   char more = 0;
   const bool is_number = std::sscanf(text.c_str(), "%lf%c", &value, &more) == 1;
   if (is_number && value >= min && value <= max) return {};
-  char line[120];
-  std::snprintf(line, sizeof line, "'%.20s' is not a number from %g to %g %s", text.c_str(), min,
-                max, unit);
-  return line;
+  return fmt::format("'{:.20}' is not a number from {:g} to {:g} {}", text, min, max, unit);
 }
 
 Error not_applicable(const std::string& option, const SimulationCase& simulation,

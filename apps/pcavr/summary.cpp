@@ -3,9 +3,9 @@
 #include "summary.hpp"
 
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <numbers>
+
+#include <fmt/core.h>
 
 namespace pcavr::app {
 namespace {
@@ -13,33 +13,25 @@ namespace {
 constexpr double kMillimetres = 1e3;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-[[gnu::format(printf, 1, 2)]] std::string print(const char* format, ...) {
-  char line[400];
-  std::va_list values;
-  va_start(values, format);
-  std::vsnprintf(line, sizeof line, format, values);
-  va_end(values);
-  return line;
-}
-
 std::string object_line(const SceneObject& object) {
   const std::string name = "  " + object.model.name;
   if (object.evidence == kNotSeen) return name + ": not seen, no pose\n";
   const Eigen::Vector3d& p = object.T_base_object.translation();
   const double moved = translation_distance(object.T_base_object_start, object.T_base_object);
-  std::string line = name + print(": at %.3f %.3f %.3f m (+-%.1f mm, +-%.2f deg), by %s", p.x(),
-                                  p.y(), p.z(), object.position_std * kMillimetres,
-                                  object.rotation_std * kDegrees, object.evidence.c_str());
-  line +=
-      print("; depth refined the tags' pose by %.1f mm, %.2f deg",
-            object.refinement_translation * kMillimetres, object.refinement_rotation * kDegrees);
+  std::string line =
+      name + fmt::format(": at {:.3f} {:.3f} {:.3f} m (+-{:.1f} mm, +-{:.2f} deg), by {}", p.x(),
+                         p.y(), p.z(), object.position_std * kMillimetres,
+                         object.rotation_std * kDegrees, object.evidence);
+  line += fmt::format("; depth refined the tags' pose by {:.1f} mm, {:.2f} deg",
+                      object.refinement_translation * kMillimetres,
+                      object.refinement_rotation * kDegrees);
   if (moved > 3.0 * object.position_std && moved > 0.001) {
-    line += print("; it was moved by %.0f mm", moved * kMillimetres);
+    line += fmt::format("; it was moved by {:.0f} mm", moved * kMillimetres);
   }
   if (const auto& simplification = object.model.simplification) {
-    line += print("; CAD mesh simplified from %zu to %zu triangles, within %.3f mm",
-                  simplification->full_triangles, object.model.mesh_object.triangles.size(),
-                  simplification->max_error * kMillimetres);
+    line += fmt::format("; CAD mesh simplified from {} to {} triangles, within {:.3f} mm",
+                        simplification->full_triangles, object.model.mesh_object.triangles.size(),
+                        simplification->max_error * kMillimetres);
   }
   return line + '\n';
 }
@@ -55,8 +47,8 @@ std::string warnings_lines(const std::vector<InputWarning>& warnings) {
 std::string tags_line(const Counts& tags_seen, std::size_t frames) {
   std::string line = "tags       ";
   for (const auto& [tag, count] : tags_seen) {
-    line +=
-        tag + (count == 0 ? " never detected, " : print(" in %zu of %zu frames, ", count, frames));
+    line += tag + (count == 0 ? " never detected, "
+                              : fmt::format(" in {} of {} frames, ", count, frames));
   }
   return line.substr(0, line.size() - 2) + '\n';
 }
@@ -64,16 +56,16 @@ std::string tags_line(const Counts& tags_seen, std::size_t frames) {
 }  // namespace
 
 std::string frames_line(std::size_t recorded, std::size_t used, const Counts& dropped) {
-  std::string line = print("frames     %zu of %zu used", used, recorded);
-  for (const auto& [reason, count] : dropped) line += print("; %s: %zu", reason.c_str(), count);
+  std::string line = fmt::format("frames     {} of {} used", used, recorded);
+  for (const auto& [reason, count] : dropped) line += fmt::format("; {}: {}", reason, count);
   return line + '\n';
 }
 
 std::string times_table(const std::vector<StageTime>& times) {
   std::string table;
   for (const StageTime& time : times) {
-    table += print("  %-28s %6.1f s  (%.1f s of CPU)\n", time.stage.c_str(), time.wall_seconds,
-                   time.cpu_seconds);
+    table += fmt::format("  {:<28} {:>6.1f} s  ({:.1f} s of CPU)\n", time.stage, time.wall_seconds,
+                         time.cpu_seconds);
   }
   return table;
 }
@@ -84,18 +76,22 @@ std::string scene_summary(const Scene& scene, const std::string& folder) {
       frames_line(quality.frames_recorded, quality.frames_used, quality.frames_dropped);
   if (!quality.tags_seen.empty()) text += tags_line(quality.tags_seen, quality.frames_used);
   text += warnings_lines(quality.input_warnings);
-  text += print("camera     %s; +-%.1f mm, +-%.2f deg in base; tag corners fit to %.2f px\n",
-                quality.is_fixed_camera ? "fixed" : "moving",
-                quality.camera_position_std * kMillimetres, quality.camera_rotation_std * kDegrees,
-                quality.tag_reprojection_rms);
-  text += print("mesh       %zu triangles, %.2f m^2; frames lie %.1f mm from it (median)\n",
-                scene.mesh_base.triangles.size(), surface_area(scene.mesh_base),
-                quality.surface_rms * kMillimetres);
+  text += fmt::format(
+      "camera     {}; +-{:.1f} mm, +-{:.2f} deg in base; tag corners fit to {:.2f} px\n",
+      quality.is_fixed_camera ? "fixed" : "moving", quality.camera_position_std * kMillimetres,
+      quality.camera_rotation_std * kDegrees, quality.tag_reprojection_rms);
+  text +=
+      fmt::format("mesh       {} triangles, {:.2f} m^2; frames lie {:.1f} mm from it (median)\n",
+                  scene.mesh_base.triangles.size(), surface_area(scene.mesh_base),
+                  quality.surface_rms * kMillimetres);
+  text += fmt::format("cloud      {} points, averaged in voxels of {:.1f} mm\n",
+                      scene.cloud_base.points.size(), scene.voxel_size * kMillimetres);
   const OccupancyMap::Counts cells = scene.occupancy.counts();
-  text += print("occupancy  %zu cells occupied, %zu free\n", cells.occupied, cells.free);
+  text += fmt::format("occupancy  {} cells occupied, {} free\n", cells.occupied, cells.free);
   for (const SupportPlane& plane : scene.support_planes) {
-    text += print("support    a plane at z = %.3f m, flat to %.1f mm\n",
-                  plane.plane_base.offset / plane.plane_base.normal.z(), plane.rms * kMillimetres);
+    text += fmt::format("support    a plane at z = {:.3f} m, flat to {:.1f} mm\n",
+                        plane.plane_base.offset / plane.plane_base.normal.z(),
+                        plane.rms * kMillimetres);
   }
   if (!scene.objects.empty()) text += "objects\n";
   for (const SceneObject& object : scene.objects) text += object_line(object);
@@ -136,6 +132,7 @@ nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder)
                                       {"frames", warning.frames}});
   }
   json["mesh_triangles"] = scene.mesh_base.triangles.size();
+  json["cloud_points"] = scene.cloud_base.points.size();
   json["mesh_area_m2"] = surface_area(scene.mesh_base);
   json["objects"] = nlohmann::ordered_json::array();
   for (const SceneObject& object : scene.objects) {

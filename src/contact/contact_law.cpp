@@ -6,7 +6,7 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 
 namespace pcavr {
 namespace {
@@ -20,6 +20,8 @@ double force(const MassDamperSpring& law, const ContactMotion& motion) noexcept 
          law.stiffness * motion.penetration;
 }
 
+// Of any exponent: where parameter files say 1 and mean Kelvin-Voigt, that is an alternative of its
+// own here.
 double force(const HuntCrossley& law, const ContactMotion& motion) noexcept {
   return penetration_power(motion.penetration, law.exponent) *
          (law.stiffness + law.damping * motion.rate);

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <initializer_list>
 #include <string>
+#include <vector>
 
 #include "core/output_error.hpp"
 #include "core/partial_names.hpp"
@@ -23,10 +23,10 @@ struct OutputKindInfo {
   OutputKind kind;
   const char* name;
   const char* manifest;
-  std::initializer_list<std::string_view> formats;  ///< without the version
+  std::vector<std::string_view> formats;  ///< without the version
   /// What pcavr writes into the folder itself. A file that is missing in this list prevents --force
   /// from replacing such an output.
-  std::initializer_list<std::string_view> entries;
+  std::vector<std::string_view> entries;
 };
 
 const std::array<OutputKindInfo, 4>& all_kinds() {
@@ -42,8 +42,8 @@ const std::array<OutputKindInfo, 4>& all_kinds() {
                      "scene",
                      "scene.yaml",
                      {"pcavr-scene/"},
-                     {"scene.yaml", "scene.glb", "lod", "mesh.ply", "cloud.ply", "occupancy.bt",
-                      "camera_trajectory.txt", "objects", "preview.png"}},
+                     {"scene.yaml", "scene.glb", "lod", "mesh.ply", "cloud.ply", "cloud.pcd",
+                      "occupancy.bt", "camera_trajectory.txt", "objects", "preview.png"}},
       OutputKindInfo{
           OutputKind::run,
           "run",
@@ -54,7 +54,7 @@ const std::array<OutputKindInfo, 4>& all_kinds() {
                      "report",
                      "report.json",
                      {"pcavr-report/", "pcavr-identification/"},
-                     {"report.json", "report.html"}}};
+                     {"report.json", "report.html", "report_data.json"}}};
   return kinds;
 }
 

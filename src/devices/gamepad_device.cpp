@@ -22,9 +22,7 @@ namespace {
 constexpr std::chrono::milliseconds kPeriod(4);  // 250 Hz: the fastest that gamepads send
 /// [ms] A rumble that is not renewed ends: longer than a delay of the thread, but short.
 constexpr std::uint32_t kRumbleDuration = 100;
-/// Ratio of full deflection at which worn sticks rest; 0.24 is XInput's value for the left one.
-constexpr double kDeadZone = 0.24;
-constexpr double kFull = 32767.0;
+constexpr double kFull = 32767.0;  // SDL's axes are of 16 bits
 
 using Controller = std::unique_ptr<SDL_GameController, decltype(&SDL_GameControllerClose)>;
 
@@ -63,18 +61,19 @@ double axis(SDL_GameController* controller, SDL_GameControllerAxis which) {
 }
 
 /// Zero within the dead zone, rescaled to start from zero at its border.
-Eigen::Vector2d outside_dead_zone(const Eigen::Vector2d& stick) {
+Eigen::Vector2d outside_dead_zone(const Eigen::Vector2d& stick, double dead_zone) {
   const double length = stick.norm();
-  if (length <= kDeadZone) return Eigen::Vector2d::Zero();
-  return stick / length * std::min(1.0, (length - kDeadZone) / (1.0 - kDeadZone));
+  if (length <= dead_zone) return Eigen::Vector2d::Zero();
+  return stick / length * std::min(1.0, (length - dead_zone) / (1.0 - dead_zone));
 }
 
-RateCommand command_of(SDL_GameController* controller) {
+RateCommand command_of(SDL_GameController* controller, double dead_zone) {
   // SDL's y axes point down, or towards the operator.
   const Eigen::Vector2d level = outside_dead_zone(
-      {-axis(controller, SDL_CONTROLLER_AXIS_LEFTY), -axis(controller, SDL_CONTROLLER_AXIS_LEFTX)});
+      {-axis(controller, SDL_CONTROLLER_AXIS_LEFTY), -axis(controller, SDL_CONTROLLER_AXIS_LEFTX)},
+      dead_zone);
   const Eigen::Vector2d upright =
-      outside_dead_zone({0.0, -axis(controller, SDL_CONTROLLER_AXIS_RIGHTY)});
+      outside_dead_zone({0.0, -axis(controller, SDL_CONTROLLER_AXIS_RIGHTY)}, dead_zone);
   const bool is_engaged =
       SDL_GameControllerGetButton(controller, SDL_CONTROLLER_BUTTON_RIGHTSHOULDER) != 0 ||
       axis(controller, SDL_CONTROLLER_AXIS_TRIGGERRIGHT) > 0.5;
@@ -88,8 +87,8 @@ std::uint16_t strength(double ratio) {
 }  // namespace
 
 struct GamepadDevice::Content {
-  explicit Content(const GamepadOptions& gamepad_options)
-      : options(gamepad_options), tip(gamepad_options.rate) {}
+  Content(const GamepadOptions& gamepad_options, const RateOptions& rate)
+      : options(gamepad_options), tip(rate) {}
   ~Content() {
     is_stopping = true;
     if (thread.joinable()) thread.join();
@@ -123,7 +122,7 @@ void GamepadDevice::Content::run() noexcept {
       controller.reset();
     }
     if (!controller) controller = first_controller();
-    newest.put(controller ? command_of(controller.get()) : RateCommand{});
+    newest.put(controller ? command_of(controller.get(), options.dead_zone) : RateCommand{});
     if (controller) rumble();
     std::this_thread::sleep_for(kPeriod);
   }
@@ -134,9 +133,11 @@ GamepadDevice::GamepadDevice(std::unique_ptr<Content> content) : content_(std::m
 
 GamepadDevice::~GamepadDevice() = default;
 
-Expected<std::unique_ptr<GamepadDevice>> GamepadDevice::open(const GamepadOptions& options) {
+Expected<std::unique_ptr<GamepadDevice>> GamepadDevice::open(const GamepadOptions& options,
+                                                             const RateOptions& rate) {
   PCAVR_REQUIRE(std::isfinite(options.max_force) && options.max_force > 0.0, options.max_force);
-  auto content = std::make_unique<Content>(options);
+  PCAVR_REQUIRE(options.dead_zone >= 0.0 && options.dead_zone < 1.0, options.dead_zone);
+  auto content = std::make_unique<Content>(options, rate);
   if (!content->subsystem.is_up()) {
     return Error{.message = std::string("no gamepad: SDL initialization failed: ") + SDL_GetError(),
                  .hint = "check the read permissions of /dev/input"};

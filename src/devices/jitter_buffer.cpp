@@ -10,15 +10,11 @@ namespace {
 
 /// [s] Initial estimate: a page that renders at 60 Hz sends once per frame.
 constexpr double kDefaultInterval = 1.0 / 60.0;
-/// [s] 30 Hz and half an interval of jitter. A longer delay does not allow control.
-constexpr double kMaxDelay = 0.05;
 /// Number of outliers ignored among the last 32 arrivals: a single stutter of the page causes one
 /// stop, but does not increase the delay.
 constexpr std::size_t kMaxOutliers = 1;
 /// [s] A sample waits for up to a cycle after its arrival.
 constexpr double kMaxWait = 0.001;
-/// [s] Time constant for catching up: 10 ms behind makes the tip 20 % faster.
-constexpr double kCatchUpTime = 0.05;
 /// [s] A network's latency does not change by this much between two samples, so the clock has
 /// jumped.
 constexpr double kClockJump = 1.0;
@@ -52,7 +48,7 @@ void JitterBuffer::update_delay() noexcept {
     const std::size_t allowed = n + 1 == kSize ? kMaxOutliers : 0;
     const auto quantile = waits.begin() + static_cast<std::ptrdiff_t>(n - 1 - allowed);
     std::nth_element(waits.begin(), quantile, waits.begin() + static_cast<std::ptrdiff_t>(n));
-    target_lag_ = std::min(*quantile + kMaxWait, fastest_ + kMaxDelay);
+    target_lag_ = std::min(*quantile + kMaxWait, fastest_ + max_delay_);
   }
 }
 
@@ -60,7 +56,7 @@ void JitterBuffer::advance(double t, double dt) noexcept {
   if (is_empty()) return;
   const double behind = t - target_lag_ - shown_;
   // Never backwards, and not beyond the target if that is ahead.
-  const double step = std::max(0.0, dt * (1.0 + behind / kCatchUpTime));
+  const double step = std::max(0.0, dt * (1.0 + behind / catch_up_time_));
   shown_ = std::min(shown_ + std::min(step, std::max(behind, dt)), newest().sender_clock);
 }
 

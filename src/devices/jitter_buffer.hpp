@@ -14,7 +14,15 @@ namespace pcavr {
 /// at an adaptive playout delay. Positions in base. No allocation; one thread.
 class JitterBuffer {
  public:
-  void clear() noexcept { *this = {}; }
+  /// `max_delay` [s] of the playout, `catch_up_time` [s] > 0 the time constant for catching up.
+  JitterBuffer(double max_delay, double catch_up_time) noexcept
+      : max_delay_(max_delay), catch_up_time_(catch_up_time) {}
+  /// Whether it holds the samples of the maximum delay at that minimum interval [s].
+  [[nodiscard]] static bool covers(double max_delay, double min_interval) noexcept {
+    return max_delay <= (kSize - 1) * min_interval;
+  }
+
+  void clear() noexcept { *this = JitterBuffer(max_delay_, catch_up_time_); }
   /// Adds a sample newer than the last. A jump of the sender's clock restarts the motion: returns
   /// true.
   bool add(const RemoteSample& sample) noexcept;
@@ -37,7 +45,7 @@ class JitterBuffer {
   [[nodiscard]] Tip at(double clock) const noexcept;
 
  private:
-  /// At the minimum interval of 2 ms, these cover the maximum delay.
+  /// At an interval of 2 ms they cover 62 ms; at a page's 60 Hz half a second.
   static constexpr std::size_t kSize = 32;
 
   [[nodiscard]] const RemoteSample& sample(std::size_t i) const noexcept {
@@ -46,6 +54,8 @@ class JitterBuffer {
   [[nodiscard]] std::size_t oldest() const noexcept { return count_ > kSize ? count_ - kSize : 0; }
   void update_delay() noexcept;
 
+  double max_delay_;
+  double catch_up_time_;
   std::array<RemoteSample, kSize> samples_{};  ///< number i is at i % kSize
   std::size_t count_ = 0;                      ///< so far
   double fastest_ =

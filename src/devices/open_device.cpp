@@ -5,12 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "pcavr/devices/gamepad_device.hpp"
-#include "pcavr/devices/plugin_device.hpp"
-#include "pcavr/devices/simulated_force_device.hpp"
-#include "pcavr/devices/space_mouse_device.hpp"
-#include "pcavr/devices/trace_device.hpp"
-
 namespace pcavr {
 namespace {
 
@@ -24,23 +18,27 @@ Opened as_device(Expected<std::unique_ptr<Kind>> opened) {
 
 }  // namespace
 
-Opened open_device(std::string_view description) {
+Opened open_device(std::string_view description, const DeviceOptions& options) {
   const std::size_t colon = description.find(':');
   const std::string_view type = description.substr(0, colon);
   const std::string_view rest =
       colon == description.npos ? std::string_view() : description.substr(colon + 1);
   const bool has_arguments = colon != description.npos;
-  if (type == "spacemouse" && !has_arguments) return as_device(SpaceMouseDevice::open());
-  if (type == "gamepad" && !has_arguments) return as_device(GamepadDevice::open());
-  if (type == "simulated" && !has_arguments) {
-    return std::unique_ptr<Device>(std::make_unique<SimulatedForceDevice>());
+  if (type == "spacemouse" && !has_arguments) {
+    return as_device(SpaceMouseDevice::open(options.space_mouse, options.rate));
   }
-  if (type == "trace" && !rest.empty()) return as_device(TraceDevice::open(rest));
+  if (type == "gamepad" && !has_arguments) {
+    return as_device(GamepadDevice::open(options.gamepad, options.rate));
+  }
+  if (type == "simulated" && !has_arguments) {
+    return std::unique_ptr<Device>(std::make_unique<SimulatedForceDevice>(options.simulated));
+  }
+  if (type == "trace" && !rest.empty()) return as_device(TraceDevice::open(rest, options.trace));
   if (type == "plugin" && !rest.empty()) {
     const std::size_t comma = rest.find(',');
-    PluginDeviceOptions options;
-    if (comma != rest.npos) options.text = rest.substr(comma + 1);
-    return as_device(PluginDevice::open(rest.substr(0, comma), options));
+    PluginDeviceOptions plugin = options.plugin;
+    if (comma != rest.npos) plugin.text = rest.substr(comma + 1);
+    return as_device(PluginDevice::open(rest.substr(0, comma), plugin));
   }
   return Error{.message = "unknown device '" + std::string(description) + "'",
                .hint = "choose " + std::string(kDeviceChoices)};

@@ -20,8 +20,6 @@ namespace pcavr {
 namespace {
 
 constexpr char kEntry[] = "pcavr_get_device_plugin";
-/// [s] A tenth of a cycle: the rest is needed for the world.
-constexpr double kSlow = 1e-4;
 
 struct Unload {
   void operator()(void* library) const { dlclose(library); }
@@ -124,7 +122,7 @@ std::optional<pcavr_device_sample> PluginDevice::Content::call(
   }
   const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
   if (duration.count() > slowest) slowest = duration.count();
-  if (duration.count() > kSlow) ++slow;
+  if (duration.count() > options.slow_limit) ++slow;
   if (is_ok && (sample.is_present == 0 || is_valid(sample))) return sample;
   ++faults;
   return std::nullopt;

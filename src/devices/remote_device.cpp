@@ -16,10 +16,8 @@
 namespace pcavr {
 namespace {
 
-/// 0.7 s at 90 Hz: longer than the timeout.
+/// 0.7 s at 90 Hz: far more than a cycle's.
 constexpr std::uint32_t kQueueSize = 64;
-/// [s] Rate limit of 500 Hz: pages send at a fifth of it, the fastest mice at twice.
-constexpr double kMinInterval = 0.002;
 
 bool is_valid(const RemoteSample& sample) {
   return is_plausible_tip(sample.p_base_tip) && is_rotation(sample.q_base_tool) &&
@@ -29,6 +27,9 @@ bool is_valid(const RemoteSample& sample) {
 }  // namespace
 
 struct RemoteDevice::Content {
+  explicit Content(RemoteDeviceOptions device_options)
+      : options(std::move(device_options)), buffer(options.max_delay, options.catch_up_time) {}
+
   RemoteDeviceOptions options;
   SampleRing<RemoteSample, kQueueSize> ring;
   std::atomic<std::uint64_t> rejected{0};
@@ -47,7 +48,7 @@ struct RemoteDevice::Content {
     if (!has_last || sample.sender != last.sender) return true;
     if (sample.arrival - last.arrival > options.timeout) return true;
     const double since = sample.sender_clock - last.sender_clock;
-    return sample.is_engaged == last.is_engaged ? since >= kMinInterval : since > 0.0;
+    return sample.is_engaged == last.is_engaged ? since >= options.min_interval : since > 0.0;
   }
   void clear() noexcept {
     buffer.clear();
@@ -88,10 +89,12 @@ DeviceSample RemoteDevice::Content::move(double dt, const DeviceFeedback& feedba
   return {p_base_tip, tip.q_base_tool, clutch.is_closed(), true};
 }
 
-RemoteDevice::RemoteDevice(RemoteDeviceOptions options) : content_(std::make_unique<Content>()) {
+RemoteDevice::RemoteDevice(RemoteDeviceOptions options) {
   PCAVR_REQUIRE(std::isfinite(options.max_speed) && options.max_speed > 0.0, options.max_speed);
   PCAVR_REQUIRE(std::isfinite(options.timeout) && options.timeout > 0.0, options.timeout);
-  content_->options = std::move(options);
+  PCAVR_REQUIRE(options.min_interval > 0.0 && options.catch_up_time > 0.0);
+  PCAVR_REQUIRE(JitterBuffer::covers(options.max_delay, options.min_interval), options.max_delay);
+  content_ = std::make_unique<Content>(std::move(options));
 }
 
 RemoteDevice::~RemoteDevice() = default;

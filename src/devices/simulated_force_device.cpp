@@ -3,6 +3,7 @@
 #include "pcavr/devices/simulated_force_device.hpp"
 
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "pcavr/core/check.hpp"
@@ -12,11 +13,8 @@
 namespace pcavr {
 namespace {
 
-constexpr double kSway = 0.05;                  // [m]
-constexpr double kSwayRate = 2.0 * M_PI / 4.0;  // [rad/s]
-
-Eigen::Vector3d sway_and_dip(double t) {
-  return {kSway * std::sin(kSwayRate * t), 0.0, -0.5 * kSway * (1.0 - std::cos(kSwayRate * t))};
+Eigen::Vector3d sway_and_dip(double t, double sway, double rate) {
+  return {sway * std::sin(rate * t), 0.0, -0.5 * sway * (1.0 - std::cos(rate * t))};
 }
 
 bool is_positive(double value) { return std::isfinite(value) && value > 0.0; }
@@ -32,7 +30,11 @@ SimulatedForceDevice::SimulatedForceDevice(SimulatedForceDeviceOptions options)
   PCAVR_REQUIRE(is_not_negative(options_.friction), options_.friction);
   PCAVR_REQUIRE(is_not_negative(options_.force_noise), options_.force_noise);
   PCAVR_REQUIRE(is_positive(options_.max_force), options_.max_force);
-  if (!options_.target) options_.target = sway_and_dip;
+  PCAVR_REQUIRE(is_not_negative(options_.sway), options_.sway);
+  PCAVR_REQUIRE(is_positive(options_.sway_period), options_.sway_period);
+  if (options_.target) return;
+  const double rate = 2.0 * std::numbers::pi / options_.sway_period;  // [rad/s]
+  options_.target = [sway = options_.sway, rate](double t) { return sway_and_dip(t, sway, rate); };
 }
 
 Eigen::Vector3d SimulatedForceDevice::motor_force(const Eigen::Vector3d& commanded) noexcept {

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <thread>
@@ -15,19 +16,19 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "pcavr/core/check.hpp"
+
 #include "devices/newest.hpp"
 #include "devices/rate_tip.hpp"
 
 namespace pcavr {
 namespace {
 
-/// Counts at full deflection, at the daemon's sensitivity of 1.
-constexpr double kFullDeflection = 350.0;
 constexpr int kLeftButton = 0;
 
-Eigen::Vector3d deflection_of(const spnav_event_motion& motion) {
+Eigen::Vector3d deflection_of(const spnav_event_motion& motion, double full_deflection) {
   // The daemon's x is to the right, y up, z away from the operator.
-  return Eigen::Vector3d(motion.z, -motion.x, motion.y) / kFullDeflection;
+  return Eigen::Vector3d(motion.z, -motion.x, motion.y) / full_deflection;
 }
 
 /// libspnav has one connection, in global variables: one instance at a time.
@@ -74,7 +75,8 @@ bool has_ended(int socket) {
 }  // namespace
 
 struct SpaceMouseDevice::Content {
-  explicit Content(const RateOptions& options) : tip(options) {}
+  Content(const SpaceMouseOptions& options, const RateOptions& rate)
+      : full_deflection(options.full_deflection), tip(rate) {}
   ~Content() {
     if (reader.joinable()) {
       eventfd_write(wake, 1);
@@ -90,6 +92,7 @@ struct SpaceMouseDevice::Content {
 
   Connection connection;  // closed after the thread has ended
   std::string name = "SpaceMouse";
+  double full_deflection;  ///< [counts]
   RateTip tip;
   Newest<RateCommand> newest;
   RateCommand command{.is_present = true};  ///< of the thread
@@ -98,7 +101,9 @@ struct SpaceMouseDevice::Content {
 };
 
 void SpaceMouseDevice::Content::process(const spnav_event& event) noexcept {
-  if (event.type == SPNAV_EVENT_MOTION) command.deflection = deflection_of(event.motion);
+  if (event.type == SPNAV_EVENT_MOTION) {
+    command.deflection = deflection_of(event.motion, full_deflection);
+  }
   if (event.type == SPNAV_EVENT_BUTTON && event.button.bnum == kLeftButton) {
     command.is_engaged = event.button.press != 0;
   }
@@ -126,8 +131,11 @@ SpaceMouseDevice::SpaceMouseDevice(std::unique_ptr<Content> content)
 
 SpaceMouseDevice::~SpaceMouseDevice() = default;
 
-Expected<std::unique_ptr<SpaceMouseDevice>> SpaceMouseDevice::open(const RateOptions& options) {
-  auto content = std::make_unique<Content>(options);
+Expected<std::unique_ptr<SpaceMouseDevice>> SpaceMouseDevice::open(const SpaceMouseOptions& options,
+                                                                   const RateOptions& rate) {
+  PCAVR_REQUIRE(std::isfinite(options.full_deflection) && options.full_deflection > 0.0,
+                options.full_deflection);
+  auto content = std::make_unique<Content>(options, rate);
   if (content->connection.was_taken()) {
     return Error{.message = "the SpaceMouse is already open", .hint = "use the open device"};
   }

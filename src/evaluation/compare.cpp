@@ -11,10 +11,6 @@
 namespace pcavr {
 namespace {
 
-/// Views for the visibility test: more find little else, and each costs a ray for every sample that
-/// is still occluded.
-constexpr std::size_t kMaxViews = 60;
-
 Error no_time_in_common(const ComparisonSide& reference, const ComparisonSide& subject,
                         const std::string& what, const Trajectory& reference_poses,
                         const Trajectory& estimate) {
@@ -42,10 +38,10 @@ Error nothing_in_common(const ComparisonSide& reference, const ComparisonSide& s
 }
 
 Expected<void> compare_cameras(const ComparisonSide& reference, const ComparisonSide& subject,
-                               Findings& findings) {
+                               const EvaluationOptions& options, Findings& findings) {
   if (reference.camera.empty() || subject.camera.empty()) return {};
   CameraFindings camera{reference.camera, subject.camera,
-                        trajectory_errors(reference.camera, subject.camera)};
+                        trajectory_errors(reference.camera, subject.camera, options.trajectories)};
   if (camera.errors.absolute.empty()) {
     return no_time_in_common(reference, subject, "the camera", camera.reference, camera.estimate);
   }
@@ -56,14 +52,16 @@ Expected<void> compare_cameras(const ComparisonSide& reference, const Comparison
 Expected<void> compare_object(const ComparisonSide& reference, const ComparisonSide& subject,
                               const std::string& name, const std::string& source,
                               const Trajectory& estimate, const EvaluatedRecording& recording,
-                              Parallelism parallelism, Findings& findings) {
+                              const EvaluationOptions& options, Parallelism parallelism,
+                              Findings& findings) {
   const auto true_poses = reference.tracked.find(name);
   if (true_poses == reference.tracked.end()) return {};
-  ObjectFindings object{.name = name,
-                        .source = source,
-                        .reference = true_poses->second,
-                        .estimate = estimate,
-                        .errors = trajectory_errors(true_poses->second, estimate)};
+  ObjectFindings object{
+      .name = name,
+      .source = source,
+      .reference = true_poses->second,
+      .estimate = estimate,
+      .errors = trajectory_errors(true_poses->second, estimate, options.trajectories)};
   if (object.errors.absolute.empty()) {
     return no_time_in_common(reference, subject, name, object.reference, estimate);
   }
@@ -71,23 +69,25 @@ Expected<void> compare_object(const ComparisonSide& reference, const ComparisonS
   const auto mesh = recording.meshes_object.find(name);
   if (mesh != recording.meshes_object.end()) {
     vertices_object = mesh->second.vertices;
-    object.model = object_errors(mesh->second, object.reference, estimate, {}, parallelism);
+    object.model =
+        object_errors(mesh->second, object.reference, estimate, options.trajectories, parallelism);
   }
   std::vector<Stamp> stamps;
   for (const PoseError& error : object.errors.absolute) stamps.push_back(error.stamp);
-  object.moving = is_moving(object.reference, vertices_object, stamps, {}, parallelism);
+  object.moving = is_moving(object.reference, vertices_object, stamps, options.motion, parallelism);
   findings.objects.push_back(std::move(object));
   return {};
 }
 
 Expected<void> compare_objects(const ComparisonSide& reference, const ComparisonSide& subject,
-                               const EvaluatedRecording& recording, Parallelism parallelism,
+                               const EvaluatedRecording& recording,
+                               const EvaluationOptions& options, Parallelism parallelism,
                                Findings& findings) {
   for (const auto& [source, trajectories] :
        {std::pair{"tracked", &subject.tracked}, {"predicted", &subject.predicted}}) {
     for (const auto& [name, estimate] : *trajectories) {
       const Expected<void> compared = compare_object(reference, subject, name, source, estimate,
-                                                     recording, parallelism, findings);
+                                                     recording, options, parallelism, findings);
       if (!compared) return compared;
     }
   }
@@ -185,13 +185,15 @@ std::vector<MovedBody> swept_bodies(const ComparisonSide& reference,
   return bodies;
 }
 
-std::optional<Views> views_of(const ComparisonSide& reference,
-                              const EvaluatedRecording& recording) {
+std::optional<Views> views_of(const ComparisonSide& reference, const EvaluatedRecording& recording,
+                              const ViewOptions& options) {
   if (!recording.camera || reference.camera.empty()) return std::nullopt;
   Views views;
   views.camera = *recording.camera;
+  views.options = options;
   const std::vector<TimedPose>& poses = reference.camera.poses();
-  const std::size_t stride = (poses.size() + kMaxViews - 1) / kMaxViews;
+  const auto max_views = static_cast<std::size_t>(options.max_views);
+  const std::size_t stride = (poses.size() + max_views - 1) / max_views;
   std::vector<Stamp> stamps;
   for (std::size_t i = 0; i < poses.size(); i += stride) {
     views.T_base_camera.push_back(poses[i].pose);
@@ -202,18 +204,17 @@ std::optional<Views> views_of(const ComparisonSide& reference,
 }
 
 void compare_surfaces(const ComparisonSide& reference, const ComparisonSide& subject,
-                      const EvaluatedRecording& recording, Parallelism parallelism,
-                      Findings& findings) {
+                      const EvaluatedRecording& recording, const EvaluationOptions& options,
+                      Parallelism parallelism, Findings& findings) {
   if (!reference.surface_base || !subject.surface_base) return;
-  const std::optional<Views> views = views_of(reference, recording);
-  const SurfaceErrorOptions options;
+  const std::optional<Views> views = views_of(reference, recording, options.views);
   SurfaceFindings surface{.errors = mesh_errors(*reference.surface_base, *subject.surface_base,
-                                                views, options, parallelism),
+                                                views, options.surfaces, parallelism),
                           .views = views ? views->T_base_camera.size() : 0};
   const std::vector<MovedBody> bodies = swept_bodies(reference, recording);
   if (!bodies.empty()) {
     surface.left_behind = share_left_behind(*reference.surface_base, *subject.surface_base, bodies,
-                                            options, parallelism);
+                                            options.surfaces, parallelism);
   }
   findings.surface = std::move(surface);
 }
@@ -234,23 +235,24 @@ Stamp origin_of(const Findings& findings) {
 }  // namespace
 
 Expected<Findings> compare(const ComparisonSide& reference, const ComparisonSide& subject,
-                           Parallelism parallelism, const Observer& observer) {
+                           const EvaluationOptions& options, Parallelism parallelism,
+                           const Observer& observer) {
   const Expected<EvaluatedRecording> recording =
       read_evaluated_recording(reference, subject, observer);
   if (!recording) return recording.error();
   Findings findings;
-  Expected<void> compared = compare_cameras(reference, subject, findings);
+  Expected<void> compared = compare_cameras(reference, subject, options, findings);
   if (!compared) return compared.error();
-  compared = compare_objects(reference, subject, *recording, parallelism, findings);
+  compared = compare_objects(reference, subject, *recording, options, parallelism, findings);
   if (!compared) return compared.error();
   compare_placements(reference, subject, *recording, findings);
-  compare_surfaces(reference, subject, *recording, parallelism, findings);
+  compare_surfaces(reference, subject, *recording, options, parallelism, findings);
   if (!findings.camera && findings.objects.empty() && findings.placements.empty() &&
       !findings.surface) {
     return nothing_in_common(reference, subject);
   }
   findings.origin = origin_of(findings);
-  compared = add_run(reference, subject, findings);
+  compared = add_run(reference, subject, options.forces, findings);
   if (!compared) return compared.error();
   findings.objects_missing = missing_objects(reference, subject);
   for (const std::string& name : findings.objects_missing) {

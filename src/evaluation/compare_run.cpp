@@ -103,10 +103,11 @@ Expected<Trajectory> read_tool(const std::filesystem::path& recording) {
   return std::move(tool).value().content;
 }
 
-void add_speeds(const Trajectory& T_base_tool, RunFindings& findings) {
+void add_speeds(const Trajectory& T_base_tool, const ForceErrorOptions& options,
+                RunFindings& findings) {
   for (auto& [object, peaks] : findings.peaks) {
     for (ContactPeak& peak : peaks) {
-      peak.approach_speed = approach_speed(T_base_tool, peak.begin);
+      peak.approach_speed = approach_speed(T_base_tool, peak.begin, options);
     }
   }
 }
@@ -119,7 +120,8 @@ PhaseTimeline RunFindings::phases_of(const std::string& object) const {
 }
 
 RunFindings compare_run(RunFiles files, std::map<std::string, PhaseTimeline> true_phases,
-                        const ComparisonSide& subject, const std::vector<ObjectFindings>& objects) {
+                        const ComparisonSide& subject, const std::vector<ObjectFindings>& objects,
+                        const ForceErrorOptions& options) {
   RunFindings findings;
   findings.files = std::move(files);
   findings.true_phases = std::move(true_phases);
@@ -136,8 +138,8 @@ RunFindings compare_run(RunFiles files, std::map<std::string, PhaseTimeline> tru
                  findings);
   find_nodes(findings);
   for (const auto& [object, samples] : run.forces) {
-    findings.forces[object] = force_errors(samples, findings.phases_of(object));
-    findings.peaks[object] = contact_peaks(samples);
+    findings.forces[object] = force_errors(samples, findings.phases_of(object), options);
+    findings.peaks[object] = contact_peaks(samples, options);
   }
   if (run.corrections) {
     findings.corrections = evaluate_corrections(*run.corrections, findings.round_trip, objects);
@@ -146,7 +148,7 @@ RunFindings compare_run(RunFiles files, std::map<std::string, PhaseTimeline> tru
 }
 
 Expected<void> add_run(const ComparisonSide& reference, const ComparisonSide& subject,
-                       Findings& findings) {
+                       const ForceErrorOptions& options, Findings& findings) {
   if (subject.kind != SideKind::run) return {};
   Expected<RunFiles> files = read_run_files(subject.folder);
   if (!files) return files.error();
@@ -164,12 +166,12 @@ Expected<void> add_run(const ComparisonSide& reference, const ComparisonSide& su
   const bool has_tracking_only = files->measured.empty() && files->forces.empty() &&
                                  !files->corrections && subject.predicted.empty();
   if (has_tracking_only) return {};
-  findings.run =
-      compare_run(std::move(files).value(), std::move(truth.phases), subject, findings.objects);
+  findings.run = compare_run(std::move(files).value(), std::move(truth.phases), subject,
+                             findings.objects, options);
   const Expected<Trajectory> T_base_tool =
       read_tool((reference.recording.empty() ? subject : reference).recording);
   if (!T_base_tool) return T_base_tool.error();
-  add_speeds(*T_base_tool, *findings.run);
+  add_speeds(*T_base_tool, options, *findings.run);
   return {};
 }
 

@@ -15,7 +15,7 @@
 namespace pcavr {
 
 /// [m] Tolerance of a prediction's position: paper C's threshold, from the resolution of its
-/// markers and camera.
+/// markers and camera. Part of the metrics' definition, and named in the report: no option.
 inline constexpr double kPositionTolerance = 0.003;
 
 struct CorrectionCounts {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/evaluation/html_text.hpp"
+#include "pcavr/report/number_text.hpp"
 
 #include "run_report.hpp"
 

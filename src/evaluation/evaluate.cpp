@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "pcavr/core/output.hpp"
-#include "pcavr/recording/parameters_file.hpp"
+#include "pcavr/object/parameters_file.hpp"
 
 #include "comparison_side.hpp"
 #include "findings.hpp"
@@ -68,7 +68,7 @@ Expected<Evaluation> evaluate_sides(const EvaluationInput& input, Parallelism pa
   if (!subject) return subject.error();
   const Expected<ComparisonSide> reference = read_reference(input, *subject);
   if (!reference) return reference.error();
-  Expected<Findings> findings = compare(*reference, *subject, parallelism, observer);
+  Expected<Findings> findings = compare(*reference, *subject, input.options, parallelism, observer);
   if (!findings) return findings.error();
   Evaluation evaluation;
   evaluation.report = make_report(*reference, *subject, *findings);
@@ -86,7 +86,7 @@ Expected<std::string> evaluate(const EvaluationInput& input, const fs::path& rep
   const std::string json = format_json(report, findings);
   Expected<void> written = write_file(report_folder / "report.json", json);
   if (!written) return written.error();
-  written = write_file(report_folder / "report.html", format_html(report, findings));
+  written = write_report_page(evaluation_page(report, findings), report_folder);
   if (!written) return written.error();
   return json;
 }

@@ -10,6 +10,7 @@
 #include "pcavr/core/observer.hpp"
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/evaluation/object_errors.hpp"
+#include "pcavr/evaluation/options.hpp"
 #include "pcavr/evaluation/surface_errors.hpp"
 #include "pcavr/evaluation/trajectory_errors.hpp"
 
@@ -69,11 +70,12 @@ struct Findings {
 /// If the subject is a run, reads its files other than trajectories, and the truth for them, and
 /// adds their comparison to the findings. Called last.
 [[nodiscard]] Expected<void> add_run(const ComparisonSide& reference, const ComparisonSide& subject,
-                                     Findings& findings);
+                                     const ForceErrorOptions& options, Findings& findings);
 
 /// An Error where the two sides have no data or no time span in common.
 [[nodiscard]] Expected<Findings> compare(const ComparisonSide& reference,
-                                         const ComparisonSide& subject, Parallelism parallelism,
+                                         const ComparisonSide& subject,
+                                         const EvaluationOptions& options, Parallelism parallelism,
                                          const Observer& observer);
 
 }  // namespace pcavr

@@ -8,12 +8,10 @@
 namespace pcavr {
 namespace {
 
-constexpr Duration kBetweenContacts = std::chrono::milliseconds(50);
-
-void add(const ForceSample& sample, ForceErrorList& errors) {
+void add(const ForceSample& sample, double min_relative_force, ForceErrorList& errors) {
   const double difference = sample.rendered - sample.measured;
   errors.difference.push_back(difference);
-  if (sample.measured >= kMinRelativeForce) {
+  if (sample.measured >= min_relative_force) {
     errors.relative.push_back(std::abs(difference) / sample.measured);
   }
 }
@@ -27,22 +25,26 @@ std::vector<double> magnitudes(const ForceErrorList& errors) {
   return values;
 }
 
-ForceErrors force_errors(const std::vector<ForceSample>& samples, const PhaseTimeline& timeline) {
+ForceErrors force_errors(const std::vector<ForceSample>& samples, const PhaseTimeline& timeline,
+                         const ForceErrorOptions& options) {
+  const double min_force = options.min_relative_force;
   ForceErrors errors;
   for (const ForceSample& sample : samples) {
-    add(sample, errors.all);
+    add(sample, min_force, errors.all);
     const std::optional<Phase> phase = phase_at(timeline, sample.stamp);
     if (!phase) continue;
-    add(sample, errors.by_phase.at(static_cast<std::size_t>(*phase)));
-    if (*phase != Phase::free) add(sample, errors.in_contact);
+    add(sample, min_force, errors.by_phase.at(static_cast<std::size_t>(*phase)));
+    if (*phase != Phase::free) add(sample, min_force, errors.in_contact);
   }
   return errors;
 }
 
-std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples) {
+std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples,
+                                       const ForceErrorOptions& options) {
+  const Duration gap = duration_from_seconds(options.contact_gap);
   std::vector<ContactPeak> contacts;
   for (const ForceSample& sample : samples) {
-    if (contacts.empty() || sample.stamp - contacts.back().end > kBetweenContacts) {
+    if (contacts.empty() || sample.stamp - contacts.back().end > gap) {
       contacts.push_back({sample.stamp, sample.stamp, sample.measured, sample.rendered});
     }
     ContactPeak& contact = contacts.back();
@@ -50,17 +52,19 @@ std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples) 
     contact.measured = std::max(contact.measured, sample.measured);
     contact.rendered = std::max(contact.rendered, sample.rendered);
   }
-  std::erase_if(contacts,
-                [](const ContactPeak& contact) { return contact.measured < kMinRelativeForce; });
+  std::erase_if(contacts, [&](const ContactPeak& contact) {
+    return contact.measured < options.min_relative_force;
+  });
   return contacts;
 }
 
-std::optional<double> approach_speed(const Trajectory& T_base_tool, Stamp contact) {
-  constexpr Duration kBefore = std::chrono::milliseconds(50);
-  const std::optional<Pose> from = T_base_tool.at(contact + -kBefore);
+std::optional<double> approach_speed(const Trajectory& T_base_tool, Stamp contact,
+                                     const ForceErrorOptions& options) {
+  const Duration before = duration_from_seconds(options.approach_time);
+  const std::optional<Pose> from = T_base_tool.at(contact + -before);
   const std::optional<Pose> to = T_base_tool.at(contact);
   if (!from || !to) return std::nullopt;
-  return translation_distance(*from, *to) / to_seconds(kBefore);
+  return translation_distance(*from, *to) / to_seconds(before);
 }
 
 }  // namespace pcavr

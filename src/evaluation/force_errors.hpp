@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "pcavr/evaluation/options.hpp"
 #include "pcavr/geometry/trajectory.hpp"
 
 #include "phase_timeline.hpp"
@@ -13,15 +14,10 @@
 
 namespace pcavr {
 
-/// [N] Relative errors are only computed for measured forces from this one on. A force sensor's
-/// noise of 0.2 N is a tenth of it, and a tenth is the just noticeable difference [paper C]: below,
-/// a relative error depends on noise more than on the model.
-inline constexpr double kMinRelativeForce = 2.0;
-
 /// The rendered force against the force measured at the same instant.
 struct ForceErrorList {
   std::vector<double> difference;  ///< rendered - measured [N]
-  std::vector<double> relative;    ///< |difference| / measured, from kMinRelativeForce on
+  std::vector<double> relative;    ///< |difference| / measured, from min_relative_force on
 };
 
 /// |difference| [N].
@@ -35,7 +31,8 @@ struct ForceErrors {
 
 /// One object's, split by the phases of `timeline`, which may be empty.
 [[nodiscard]] ForceErrors force_errors(const std::vector<ForceSample>& samples,
-                                       const PhaseTimeline& timeline);
+                                       const PhaseTimeline& timeline,
+                                       const ForceErrorOptions& options = {});
 
 /// One contact from its first to its last sample, with its peak forces: as in paper B's table 3.
 struct ContactPeak {
@@ -46,13 +43,14 @@ struct ContactPeak {
   std::optional<double> approach_speed = {};  ///< of the tip before it [m/s], where recorded
 };
 
-/// Samples more than 50 ms apart belong to different contacts: rows are at the wrench's rate, and
-/// the slowest force sensors in use have 100 Hz. Contacts that never reach kMinRelativeForce
-/// (grazing or noise) are excluded.
-[[nodiscard]] std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples);
+/// Samples more than `contact_gap` apart belong to different contacts. Contacts that never reach
+/// `min_relative_force` (grazing or noise) are excluded.
+[[nodiscard]] std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples,
+                                                     const ForceErrorOptions& options = {});
 
-/// The tip's mean speed [m/s] over the 50 ms before `contact`; nothing where the tool's motion does
-/// not cover them. Shorter: the noise of the tool's pose (some 0.1 mm) counts as motion.
-[[nodiscard]] std::optional<double> approach_speed(const Trajectory& T_base_tool, Stamp contact);
+/// The tip's mean speed [m/s] over `approach_time` before `contact`; nothing where the tool's
+/// motion does not cover it.
+[[nodiscard]] std::optional<double> approach_speed(const Trajectory& T_base_tool, Stamp contact,
+                                                   const ForceErrorOptions& options = {});
 
 }  // namespace pcavr

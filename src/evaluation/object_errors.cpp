@@ -60,7 +60,8 @@ ObjectErrors object_errors(const TriangleMesh& mesh_object, const Trajectory& re
                            const Trajectory& estimate, const TrajectoryErrorOptions& options,
                            Parallelism parallelism) {
   PCAVR_REQUIRE(!mesh_object.vertices.empty());
-  const std::vector<MatchedPose> pairs = match(reference, estimate, options.max_gap);
+  const std::vector<MatchedPose> pairs =
+      match(reference, estimate, duration_from_seconds(options.max_gap));
   ObjectErrors errors;
   errors.poses.resize(pairs.size());
   parallel_for(parallelism, pairs.size(), kPoseGrain, [&](std::size_t begin, std::size_t end) {
@@ -85,13 +86,14 @@ std::vector<bool> is_moving(const Trajectory& reference,
                             const std::vector<Stamp>& stamps, const MotionOptions& options,
                             Parallelism parallelism) {
   PCAVR_REQUIRE(!reference.empty());
-  PCAVR_REQUIRE(options.span > Duration::zero());
+  PCAVR_REQUIRE(options.span > 0.0, options.span);
+  const Duration span = duration_from_seconds(options.span);
   const std::vector<Eigen::Vector3f> origin = {Eigen::Vector3f::Zero()};
   const std::vector<Eigen::Vector3f>& vertices = vertices_object.empty() ? origin : vertices_object;
   std::vector<double> speeds(stamps.size());
   parallel_for(parallelism, stamps.size(), kPoseGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      speeds[i] = speed_at(reference, vertices, stamps[i], options.span);
+      speeds[i] = speed_at(reference, vertices, stamps[i], span);
     }
   });
   std::vector<bool> moving;

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "pcavr/evaluation/html_text.hpp"
+#include "pcavr/report/number_text.hpp"
 
 #include "pooled_errors.hpp"
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 
 namespace pcavr {
 namespace {
@@ -50,10 +50,10 @@ std::optional<ParameterError> contact_force_error(const std::string& object,
     return std::nullopt;
   }
   const double force = truth.limiting_static_friction->value;
-  const Compliance true_law{.stiffness = truth.contact_stiffness->value,
-                            .exponent = truth.contact_exponent->value};
-  const Compliance law{.stiffness = estimate.contact_stiffness->value,
-                       .exponent = estimate.contact_exponent->value};
+  const HuntCrossley true_law{.stiffness = truth.contact_stiffness->value,
+                              .exponent = truth.contact_exponent->value};
+  const HuntCrossley law{.stiffness = estimate.contact_stiffness->value,
+                         .exponent = estimate.contact_exponent->value};
   const double estimated = elastic_force(law, static_penetration(true_law, force));
   ParameterError error{.object = object,
                        .name = "contact.force",

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/object/object_parameters.hpp"
 
 namespace pcavr {
 

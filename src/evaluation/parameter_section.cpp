@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pcavr/evaluation/html_text.hpp"
+#include "pcavr/report/number_text.hpp"
 
 #include "run_report.hpp"
 

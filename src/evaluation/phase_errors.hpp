@@ -13,7 +13,8 @@
 namespace pcavr {
 
 /// Events of one kind farther apart than this do not match: a slow push goes from contact to
-/// sliding within half a second [paper C, Fig. 11].
+/// sliding within half a second [paper C, Fig. 11]. Part of the metric's definition, and named in
+/// the report: no option.
 inline constexpr Duration kMaxMatchDistance = std::chrono::milliseconds(500);
 
 struct MatchedEvent {

@@ -8,11 +8,10 @@
 #include <variant>
 #include <vector>
 
-#include "pcavr/evaluation/svg_plot.hpp"
+#include "pcavr/report/report_page.hpp"
 
 #include "comparison_side.hpp"
 #include "findings.hpp"
-#include "phase_lanes.hpp"
 
 namespace pcavr {
 
@@ -37,22 +36,13 @@ struct ReportValue {
   std::variant<double, std::size_t, std::string> value;
 };
 
-/// A table of texts and numbers for people.
-struct ReportTable {
-  std::string title;
-  std::vector<std::string> columns;
-  std::vector<std::vector<std::string>> rows = {};
-  std::string note = {};   ///< below it
-  bool is_folded = false;  ///< collapsed: for long lists
-};
-
 /// One compared item: its errors, plots and tables.
 struct ReportSection {
   std::string title;
   std::string key;  ///< "camera", "object.NAME.tracked", "mesh"
   std::vector<ErrorRow> rows = {};
   std::vector<Plot> plots = {};
-  std::vector<PhaseLane> lanes = {};
+  std::vector<Lane> lanes = {};
   std::vector<ReportTable> tables = {};
   std::vector<ReportValue> values = {};
   std::string note = {};  ///< above all
@@ -81,7 +71,7 @@ inline constexpr double kPercent = 1e2;
 /// report.json: one flat object, keys end in their SI unit; the headline in common units.
 [[nodiscard]] std::string format_json(const Report& report, const Findings& findings);
 
-/// report.html: one self-contained page with inline plots, that opens offline.
-[[nodiscard]] std::string format_html(const Report& report, const Findings& findings);
+/// The same for people, with plots.
+[[nodiscard]] ReportPage evaluation_page(const Report& report, const Findings& findings);
 
 }  // namespace pcavr

@@ -3,8 +3,6 @@
 #include "report_plots.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 #include "report.hpp"
 #include "run_plots.hpp"
@@ -12,8 +10,8 @@
 namespace pcavr {
 namespace {
 
-/// More points than this are not distinguishable in a plot 560 units wide.
-constexpr std::size_t kMaxPlotPoints = 2000;
+/// More points of a path are not distinguishable in its map.
+constexpr std::size_t kMaxPathPoints = 2000;
 
 /// One value over time; the line breaks at gaps of more than five median steps.
 PlotSeries over_time(const std::vector<PoseError>& errors, double PoseError::*value, double scale,
@@ -35,28 +33,10 @@ PlotSeries over_time(const std::vector<PoseError>& errors, double PoseError::*va
   return series;
 }
 
-/// Decimated to the maximum of each bucket, so that no peak is lost.
-PlotSeries decimated_to_peaks(const PlotSeries& full) {
-  const std::size_t bucket = (full.x.size() + kMaxPlotPoints - 1) / kMaxPlotPoints;
-  if (bucket <= 1) return full;
-  PlotSeries decimated{.label = full.label, .color = full.color, .dashed = full.dashed};
-  for (std::size_t begin = 0; begin < full.x.size(); begin += bucket) {
-    const auto first = full.y.begin() + static_cast<std::ptrdiff_t>(begin);
-    const auto last =
-        full.y.begin() + static_cast<std::ptrdiff_t>(std::min(begin + bucket, full.y.size()));
-    const auto peak = std::max_element(first, last, [](double a, double b) {
-      return std::isnan(a) ? !std::isnan(b) : a < b;  // a break is smaller than any number
-    });
-    decimated.x.push_back(full.x[static_cast<std::size_t>(peak - full.y.begin())]);
-    decimated.y.push_back(*peak);
-  }
-  return decimated;
-}
-
 /// The trajectory seen from above.
 PlotSeries from_above(const Trajectory& trajectory, const std::string& label, int color) {
   PlotSeries series{.label = label, .color = color};
-  const std::size_t stride = (trajectory.size() + kMaxPlotPoints - 1) / kMaxPlotPoints;
+  const std::size_t stride = (trajectory.size() + kMaxPathPoints - 1) / kMaxPathPoints;
   for (std::size_t i = 0; i < trajectory.size(); i += std::max<std::size_t>(stride, 1)) {
     series.x.push_back(trajectory.poses()[i].pose.translation().x());
     series.y.push_back(trajectory.poses()[i].pose.translation().y());
@@ -132,10 +112,10 @@ std::vector<Plot> plots_of(const CameraFindings& camera, Stamp origin) {
   Plot rotation = error_plot("Camera rotation error", "rotation error (deg)");
   const auto add = [&](const std::vector<PoseError>& list, const std::string& label, int color) {
     if (list.empty()) return;
-    translation.series.push_back(decimated_to_peaks(
-        over_time(list, &PoseError::translation, kMillimetres, origin, label, color)));
+    translation.series.push_back(
+        over_time(list, &PoseError::translation, kMillimetres, origin, label, color));
     rotation.series.push_back(
-        decimated_to_peaks(over_time(list, &PoseError::rotation, kDegrees, origin, label, color)));
+        over_time(list, &PoseError::rotation, kDegrees, origin, label, color));
   };
   add(errors.absolute, "not aligned", 0);
   add(errors.absolute_aligned, "aligned", 1);
@@ -148,10 +128,10 @@ std::vector<Plot> plots_of(const ObjectFindings& object, const Findings& finding
   const std::string name = object.name + ", " + object.source;
   Plot translation = error_plot(name + ": position error", "position error (mm)");
   Plot rotation = error_plot(name + ": rotation error", "rotation error (deg)");
-  translation.series.push_back(decimated_to_peaks(over_time(
-      object.errors.absolute, &PoseError::translation, kMillimetres, origin, "position error", 0)));
-  rotation.series.push_back(decimated_to_peaks(over_time(
-      object.errors.absolute, &PoseError::rotation, kDegrees, origin, "rotation error", 0)));
+  translation.series.push_back(over_time(object.errors.absolute, &PoseError::translation,
+                                         kMillimetres, origin, "position error", 0));
+  rotation.series.push_back(over_time(object.errors.absolute, &PoseError::rotation, kDegrees,
+                                      origin, "rotation error", 0));
   const bool has_phases = findings.run && !findings.run->phases_of(object.name).empty();
   if (has_phases) {
     annotate(object, *findings.run, origin, {&translation, &rotation});

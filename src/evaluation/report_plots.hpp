@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "pcavr/evaluation/svg_plot.hpp"
+#include "pcavr/report/plot.hpp"
 
 #include "findings.hpp"
 

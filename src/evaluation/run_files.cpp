@@ -9,8 +9,8 @@
 
 #include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output.hpp"
+#include "pcavr/object/parameters_file.hpp"
 #include "pcavr/recording/line_counts.hpp"
-#include "pcavr/recording/parameters_file.hpp"
 #include "pcavr/recording/text_rows.hpp"
 
 namespace pcavr {

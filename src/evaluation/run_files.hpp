@@ -11,7 +11,7 @@
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/stamp.hpp"
-#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/object/object_parameters.hpp"
 
 #include "phase_timeline.hpp"
 

@@ -62,6 +62,7 @@ struct RunFindings {
 [[nodiscard]] RunFindings compare_run(RunFiles files,
                                       std::map<std::string, PhaseTimeline> true_phases,
                                       const ComparisonSide& subject,
-                                      const std::vector<ObjectFindings>& objects);
+                                      const std::vector<ObjectFindings>& objects,
+                                      const ForceErrorOptions& options);
 
 }  // namespace pcavr

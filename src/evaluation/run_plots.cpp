@@ -3,48 +3,19 @@
 #include "run_plots.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <map>
 #include <utility>
 
-#include "pcavr/evaluation/html_text.hpp"
+#include "pcavr/report/number_text.hpp"
 
 #include "report.hpp"
 
 namespace pcavr {
 namespace {
 
-/// More points than this are not distinguishable in a plot 560 units wide.
-constexpr std::size_t kMaxRunPoints = 2000;
 /// More time nodes than this would clutter the plot; the table has them.
 constexpr std::size_t kMaxNodes = 15;
 constexpr double kMinMotion = 0.001;  // [m]
-
-/// Decimated to the minimum and maximum of each bucket, by time, so that no peak is lost.
-PlotSeries decimated(const PlotSeries& full) {
-  const std::size_t bucket = (2 * full.x.size() + kMaxRunPoints - 1) / kMaxRunPoints;
-  if (bucket <= 2) return full;
-  PlotSeries result{.label = full.label, .color = full.color, .dashed = full.dashed};
-  for (std::size_t begin = 0; begin < full.x.size(); begin += bucket) {
-    const std::size_t end = std::min(begin + bucket, full.x.size());
-    std::size_t low = begin;
-    std::size_t high = begin;
-    std::optional<std::size_t> gap;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (std::isnan(full.y[i])) gap = i;
-      if (std::isnan(full.y[low]) || full.y[i] < full.y[low]) low = i;
-      if (std::isnan(full.y[high]) || full.y[i] > full.y[high]) high = i;
-    }
-    std::vector<std::size_t> kept = {low, high};
-    if (gap) kept.push_back(*gap);
-    std::sort(kept.begin(), kept.end());
-    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
-    for (const std::size_t i : kept) {
-      result.x.push_back(full.x[i]);
-      result.y.push_back(full.y[i]);
-    }
-  }
-  return result;
-}
 
 std::vector<PlotBand> bands_of(const PhaseTimeline& timeline, Stamp origin) {
   std::vector<PlotBand> bands;
@@ -140,7 +111,7 @@ PlotSeries displacement_along(const Trajectory& trajectory, const Eigen::Vector3
     series.x.push_back(to_seconds(timed.stamp - origin));
     series.y.push_back(kMillimetres * direction.dot(timed.pose.translation() - start));
   }
-  return decimated(series);
+  return series;
 }
 
 std::string axes_text(const Eigen::Vector3d& direction) {
@@ -155,9 +126,9 @@ std::string label_for(SideKind reference) {
 }
 
 /// One record of one object's phases, until `end`.
-PhaseLane lane_of(const std::string& object, const std::string& label,
-                  const PhaseTimeline& timeline, Stamp end, Stamp origin) {
-  PhaseLane lane{object, label, {}};
+Lane lane_of(const std::string& object, const std::string& label, const PhaseTimeline& timeline,
+             Stamp end, Stamp origin) {
+  Lane lane{object, label, {}};
   for (std::size_t i = 0; i < timeline.size(); ++i) {
     const Stamp from = timeline[i].stamp;
     const Stamp to = i + 1 < timeline.size() ? timeline[i + 1].stamp : std::max(end, from);
@@ -226,15 +197,15 @@ Plot force_plot(const std::string& object, const Findings& findings) {
     rendered.x.push_back(t);
     rendered.y.push_back(samples[i].rendered);
   }
-  plot.series = {decimated(measured), decimated(rendered)};
+  plot.series = {std::move(measured), std::move(rendered)};
   show_pushes_only(object, findings, plot);
   return plot;
 }
 
-std::vector<PhaseLane> phase_lanes(const Findings& findings) {
+std::vector<Lane> phase_lanes(const Findings& findings) {
   const RunFindings& run = *findings.run;
   const Stamp end = last_instant(findings);
-  std::map<std::string, std::vector<PhaseLane>> by_object;
+  std::map<std::string, std::vector<Lane>> by_object;
   const auto add = [&](const std::string& label,
                        const std::map<std::string, PhaseTimeline>& timelines) {
     for (const auto& [object, timeline] : timelines) {
@@ -244,7 +215,7 @@ std::vector<PhaseLane> phase_lanes(const Findings& findings) {
   add("truth", run.true_phases);
   add("measured", run.files.measured);
   add("predicted", run.files.predicted);
-  std::vector<PhaseLane> lanes;
+  std::vector<Lane> lanes;
   for (const auto& [object, more] : by_object) lanes.insert(lanes.end(), more.begin(), more.end());
   return lanes;
 }

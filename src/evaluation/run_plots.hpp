@@ -5,11 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "pcavr/evaluation/svg_plot.hpp"
+#include "pcavr/report/plot.hpp"
 
 #include "comparison_side.hpp"
 #include "findings.hpp"
-#include "phase_lanes.hpp"
 
 namespace pcavr {
 
@@ -29,6 +28,6 @@ void annotate(const ObjectFindings& object, const RunFindings& run, Stamp origin
 [[nodiscard]] Plot force_plot(const std::string& object, const Findings& findings);
 
 /// Every object's phases: true, measured, predicted.
-[[nodiscard]] std::vector<PhaseLane> phase_lanes(const Findings& findings);
+[[nodiscard]] std::vector<Lane> phase_lanes(const Findings& findings);
 
 }  // namespace pcavr

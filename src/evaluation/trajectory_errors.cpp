@@ -107,8 +107,10 @@ ErrorStatistics statistics(std::vector<double> errors) {
 
 TrajectoryErrors trajectory_errors(const Trajectory& reference, const Trajectory& estimate,
                                    const TrajectoryErrorOptions& options) {
-  PCAVR_REQUIRE(options.relative_step > Duration::zero(), options.relative_step.count());
-  const std::vector<MatchedPose> matched = match(reference, estimate, options.max_gap);
+  PCAVR_REQUIRE(options.relative_step > 0.0, options.relative_step);
+  const Duration step = duration_from_seconds(options.relative_step);
+  const std::vector<MatchedPose> matched =
+      match(reference, estimate, duration_from_seconds(options.max_gap));
   TrajectoryErrors errors;
   errors.unmatched = estimate.size() - matched.size();
   errors.T_reference_estimate = best_rigid_motion(matched);
@@ -120,7 +122,7 @@ TrajectoryErrors trajectory_errors(const Trajectory& reference, const Trajectory
           error_between(pair.stamp, pair.reference, *errors.T_reference_estimate * pair.estimate));
     }
     if (i > 0) errors.step.push_back(error_of_motion(matched[i - 1], pair));
-    const std::optional<std::size_t> later = one_step_later(matched, i, options.relative_step);
+    const std::optional<std::size_t> later = one_step_later(matched, i, step);
     if (later) errors.relative.push_back(error_of_motion(pair, matched[*later]));
   }
   return errors;

@@ -41,12 +41,13 @@ class Visibility {
   [[nodiscard]] bool is_in_view(const SurfaceSample& sample_base, std::size_t view) const {
     const Eigen::Vector3d p_camera =
         R_camera_base_[view] * sample_base.point.cast<double>() + p_camera_base_[view];
-    if (p_camera.z() < views_.min_depth || p_camera.z() > views_.max_depth) return false;
+    const ViewOptions& options = views_.options;
+    if (p_camera.z() < options.min_depth || p_camera.z() > options.max_depth) return false;
     if (!is_in_image(p_camera)) return false;
     const Eigen::Vector3d normal_camera = R_camera_base_[view] * sample_base.normal.cast<double>();
     // Both sides: the format does not define the winding of the truth.
     const double cosine = std::abs(p_camera.normalized().dot(normal_camera));
-    return cosine >= std::cos(views_.max_incidence);
+    return cosine >= std::cos(options.max_incidence);
   }
 
   [[nodiscard]] bool is_in_image(const Eigen::Vector3d& p_camera) const {

@@ -19,11 +19,9 @@ namespace {
 
 using Vectors = std::vector<Eigen::Vector3d>;
 
-constexpr int kDirections = 90;  // of linear forms; 60 to 200 give the same surfaces
-constexpr int kReweightings = 25;
-constexpr int kSweeps = 200;         // of coordinate descent, each from the last solution
-constexpr double kMinAngle = 0.02;   // [rad] below which a sample no longer gains weight
-constexpr double kMinSpread = 0.02;  // smallest over largest singular value, to be excited
+constexpr int kDirections = 90;    // of linear forms; 60 to 200 give the same surfaces
+constexpr int kReweightings = 25;  // bounds the time: each is a weighted solution
+constexpr int kSweeps = 200;       // of coordinate descent, each from the last solution
 
 /// Evenly over half a sphere, by the golden angle (Fibonacci lattice).
 Vectors half_sphere() {
@@ -109,7 +107,8 @@ class PowerSum {
 /// The coefficients of least absolute angles, by iteratively reweighted least squares (IRLS).
 template <int Degree>
 typename detail::TernaryForm<Degree>::Coefficients fit(const Targets& pushes, const Targets& prior,
-                                                       double level_weight, const Vectors& forms) {
+                                                       const LimitSurfaceFitOptions& options,
+                                                       const Vectors& forms) {
   PowerSum<Degree> surface(forms);
   Targets targets;
   for (int iteration = 0; iteration < kReweightings; ++iteration) {
@@ -118,10 +117,10 @@ typename detail::TernaryForm<Degree>::Coefficients fit(const Targets& pushes, co
     for (Target& target : targets) {
       const Eigen::Vector3d normal = detail::TernaryForm<Degree>::gradient(target.u) * coefficients;
       const double angle = std::atan2(normal.cross(target.twist).norm(), normal.dot(target.twist));
-      target.weight = kMinAngle / std::max(angle, kMinAngle) / normal.squaredNorm();
+      target.weight = options.min_angle / std::max(angle, options.min_angle) / normal.squaredNorm();
     }
     targets.insert(targets.end(), prior.begin(), prior.end());
-    surface.solve(targets, level_weight);
+    surface.solve(targets, options.level_weight);
   }
   return surface.coefficients();
 }
@@ -149,9 +148,10 @@ Targets targets_on(const Eigen::Matrix3d& a, double total_weight, const Vectors&
   return targets;
 }
 
-Eigen::Matrix3d fit_ellipsoid(const Targets& pushes, double level_weight, const Vectors& forms) {
+Eigen::Matrix3d fit_ellipsoid(const Targets& pushes, const LimitSurfaceFitOptions& options,
+                              const Vectors& forms) {
   // xx, xy, xz, yy, yz, zz
-  const Eigen::Matrix<double, 6, 1> c = fit<2>(pushes, {}, level_weight, forms);
+  const Eigen::Matrix<double, 6, 1> c = fit<2>(pushes, {}, options, forms);
   Eigen::Matrix3d a;
   a << c[0], c[1] / 2.0, c[2] / 2.0, c[1] / 2.0, c[3], c[4] / 2.0, c[2] / 2.0, c[4] / 2.0, c[5];
   return a;
@@ -162,7 +162,7 @@ LimitSurface fit_quartic(const Targets& pushes, const Eigen::Matrix3d& ellipsoid
                          double length) {
   const double prior_weight = options.prior_weight * static_cast<double>(pushes.size());
   const auto coefficients =
-      fit<4>(pushes, targets_on(ellipsoid, prior_weight, forms), options.level_weight, forms);
+      fit<4>(pushes, targets_on(ellipsoid, prior_weight, forms), options, forms);
   LimitSurface surface{force, length, {}};
   std::copy(coefficients.begin(), coefficients.end(), surface.coefficients.begin());
   return surface;
@@ -174,13 +174,13 @@ bool is_usable(const PushSample& sample) {
 }
 
 /// Whether the vectors span space rather than a plane (full rank).
-bool spans_space(const Targets& targets, Eigen::Vector3d Target::*member) {
+bool spans_space(const Targets& targets, Eigen::Vector3d Target::*member, double min_spread) {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Target& target : targets) {
     spread += (target.*member).normalized() * (target.*member).normalized().transpose();
   }
   const Eigen::Vector3d singular = Eigen::JacobiSVD<Eigen::Matrix3d>(spread).singularValues();
-  return singular[2] > kMinSpread * kMinSpread * singular[0];
+  return singular[2] > min_spread * min_spread * singular[0];
 }
 
 double median_angle(std::span<const PushSample> samples, const LimitSurface& surface) {
@@ -224,13 +224,16 @@ LimitSurfaceFit fit_limit_surface(std::span<const PushSample> all,
   if (!(force > 0.0) || !(length > 0.0)) return result;
   const Vectors forms = half_sphere();
   Targets pushes = scaled(samples, force, length);
-  if (!spans_space(pushes, &Target::u) || !spans_space(pushes, &Target::twist)) return result;
+  if (!spans_space(pushes, &Target::u, options.min_spread) ||
+      !spans_space(pushes, &Target::twist, options.min_spread)) {
+    return result;
+  }
 
   // First to find the length that makes the surface nearly round, then in that scale.
-  Eigen::Matrix3d ellipsoid = fit_ellipsoid(pushes, options.level_weight, forms);
+  Eigen::Matrix3d ellipsoid = fit_ellipsoid(pushes, options, forms);
   length *= std::sqrt((ellipsoid(0, 0) + ellipsoid(1, 1)) / (2.0 * ellipsoid(2, 2)));
   pushes = scaled(samples, force, length);
-  ellipsoid = fit_ellipsoid(pushes, options.level_weight, forms);
+  ellipsoid = fit_ellipsoid(pushes, options, forms);
   result.surface = options.shape == SurfaceShape::ellipsoid
                        ? quadratic_surface(force, length, ellipsoid)
                        : fit_quartic(pushes, ellipsoid, options, forms, force, length);

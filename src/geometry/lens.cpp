@@ -270,8 +270,8 @@ Vector2d LensDistortion::undistort_fisheye(const Vector2d& q) const {
 /// Damped Newton's method: backtracking line search that halves each step until the residual
 /// decreases. As the map is one-to-one with a non-singular Jacobian, it converges from any start.
 Vector2d LensDistortion::undistort_damped(const Vector2d& q) const {
-  constexpr double kMinDecrease = 1e-3;  // fraction of the linear prediction (Armijo condition)
-  constexpr double kMinFraction = 1e-15;
+  constexpr double kMinDecrease = 1e-3;   // fraction of the linear prediction (Armijo condition)
+  constexpr double kMinFraction = 1e-15;  // of a step: smaller ones are lost to rounding
   Vector2d p = Vector2d::Zero();
   Matrix2d jacobian;
   Vector2d residual = distort(p, &jacobian) - q;

@@ -39,7 +39,7 @@ Pose::Pose(const Eigen::Quaterniond& q_a_b, const Eigen::Vector3d& p_a_b)
     : rotation_(q_a_b), translation_(p_a_b) {
   const double norm = q_a_b.norm();
   PCAVR_REQUIRE(std::isfinite(norm) && norm > 1e-6, norm);
-  PCAVR_REQUIRE(p_a_b.allFinite(), p_a_b.transpose());
+  PCAVR_REQUIRE(p_a_b.allFinite(), p_a_b.x(), p_a_b.y(), p_a_b.z());
   rotation_.normalize();
 }
 

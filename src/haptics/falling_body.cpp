@@ -5,20 +5,14 @@
 #include <cmath>
 
 namespace pcavr::detail {
-namespace {
-
-/// [rad] A body that tilts over an edge farther than this slips off it.
-constexpr double kMaxTilt = 0.6;
-/// [m] After falling this far a body stops: out of view.
-constexpr double kMaxFallHeight = 5.0;
-
-}  // namespace
 
 FallingBody::FallingBody(const Start& start) noexcept
     : centre_of_mass_object_(start.centre_of_mass_object),
       edge_(start.edge.p_base),
       along_(start.edge.along),
       gyration_radius_(start.gyration_radius),
+      max_tilt_(start.max_tilt),
+      max_fall_height_(start.max_fall_height),
       centre_(start.T_base_object * start.centre_of_mass_object),
       v_(start.v_base.x(), start.v_base.y(), 0.0),
       q_base_object_(start.T_base_object.rotation()) {
@@ -44,11 +38,11 @@ void FallingBody::tip_over(double gravity, double dt) noexcept {
   v_ = (next - centre_) / dt;
   centre_ = next;
   q_base_object_ = (rotation * q_base_object_).normalized();
-  is_free_ = std::abs(tilt_) > kMaxTilt;
+  is_free_ = std::abs(tilt_) > max_tilt_;
 }
 
 void FallingBody::step(double gravity, double dt) noexcept {
-  if (start_height_ - centre_.z() > kMaxFallHeight) return;
+  if (start_height_ - centre_.z() > max_fall_height_) return;
   if (!is_free_) {
     tip_over(gravity, dt);
     return;

@@ -21,6 +21,8 @@ class FallingBody {
     Eigen::Vector2d v_base = Eigen::Vector2d::Zero();  ///< [m/s] of the centre of mass
     double gyration_radius = 0.05;                     ///< [m], > 0
     Supports::Edge edge;
+    double max_tilt = 0.0;         ///< [rad] about the edge: farther, it slips off
+    double max_fall_height = 0.0;  ///< [m] after falling this far it stops: out of view
   };
   explicit FallingBody(const Start& start) noexcept;
 
@@ -35,6 +37,8 @@ class FallingBody {
   Eigen::Vector3d along_;
   double gyration_radius_;
   double start_height_;
+  double max_tilt_;
+  double max_fall_height_;
   bool is_free_ = false;
   Eigen::Vector3d centre_;  ///< of mass, in base
   Eigen::Vector3d v_;       ///< [m/s]

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/core/check.hpp"
 
 #include "haptics/body_shape.hpp"
@@ -21,20 +21,11 @@ namespace {
 
 /// The proxy's surfaces: the scan, the supports, and then the bodies.
 constexpr std::size_t kFirstBody = 2;
-/// [m/s] of the tool into a body: a hand whose position jumps pushes a body away without an impact.
-constexpr double kMaxPenetrationSpeed = 1.0;
-/// [m/s] by which the proxy is faster than the hand while it lags behind it with nothing between
-/// them: after a longer path over a rough surface or around a body.
-constexpr double kCatchUpSpeed = 0.5;
-/// Of the static limit of all bodies together: a higher force moves no further body.
-constexpr double kMaxPushRatio = 2.0;
-/// [N] of a hand.
-constexpr double kMaxPushForce = 200.0;
 /// Of a body's thickness: beyond half of it the opposite face would be nearer.
 constexpr double kMaxThicknessShare = 0.45;
 /// Cosine between the normals nearest to the tip and at the proxy's contact: on the same face.
 constexpr double kMinSameFaceCosine = 0.7;
-/// Backtracking of a tip that has penetrated too far.
+/// Backtracking of a tip that has penetrated too far: to 0.43 of its depth.
 constexpr double kBacktrackFactor = 0.9;
 constexpr int kMaxBacktracks = 8;
 /// [m] Where the prediction's tool is parked while it is not in contact.
@@ -43,7 +34,8 @@ const Eigen::Vector3d kParkedTip(0.0, 0.0, 1e4);
 constexpr double kParkedBodySpacing = 1e4;
 /// [m] A tip farther from the origin along any axis is invalid.
 constexpr double kMaxTipCoordinate = 1e3;
-/// Iterations that move the proxy out of overlapping bodies.
+/// Iterations that move the proxy out of overlapping bodies: bounds a cycle's time where they
+/// squeeze it.
 constexpr int kMaxOverlapIterations = 12;
 
 bool is_valid_tip(const Eigen::Vector3d& p) noexcept {
@@ -101,7 +93,8 @@ struct HapticWorld::Content {
   detail::ProxySphere proxy;
   RenderedForce force;
   double gravity;
-  double friction;
+  double max_tip_speed;
+  HapticWorldOptions options;
   double min_force;
   double top = 0.0;  ///< [m] above everything
   std::vector<Body> bodies;
@@ -124,11 +117,12 @@ HapticWorld::Content::Content(const HapticWorldModel& model, PredictedWorld pred
     : world(std::move(predicted)),
       start(world.state()),
       work(start),
-      supports(model.supports_base),
+      supports(model.supports_base, model.options.support_height_tolerance),
       proxy(model.world.tool_radius),
       force(model.force),
       gravity(model.world.gravity),
-      friction(model.scan_friction),
+      max_tip_speed(model.world.options.max_tip_speed),
+      options(model.options),
       min_force(model.force.min_force) {
   proxy.add_static(model.world.static_mesh_base);
   const TriangleMesh support_mesh = supports.surface_base();
@@ -142,7 +136,7 @@ HapticWorld::Content::Content(const HapticWorldModel& model, PredictedWorld pred
   for (const WorldBody& body : model.world.bodies) {
     proxy.add_moving(body.model.mesh_object);
     Body& added = bodies.emplace_back(detail::shape_of(body));
-    const double max_push = std::min(kMaxPushRatio * static_limit, kMaxPushForce);
+    const double max_push = std::min(options.max_push_ratio * static_limit, options.max_push_force);
     const double penetration_at_max = static_penetration(body.physics.contact, max_push);
     added.max_penetration = std::min(
         penetration_at_max, proxy.radius() + kMaxThicknessShare * added.shape.min_thickness);
@@ -215,9 +209,9 @@ bool HapticWorld::Content::may_catch_up() const noexcept {
 
 /// Moves the proxy after the HIP, which moved by `displacement` [m].
 void HapticWorld::Content::follow(double displacement, double dt) noexcept {
-  goal = detail::friction_limited_goal(hip, proxy.centre(), scan_normal, friction);
+  goal = detail::friction_limited_goal(hip, proxy.centre(), scan_normal, options.scan_friction);
   const double budget =
-      displacement + body_displacement + (may_catch_up() ? kCatchUpSpeed * dt : 0.0);
+      displacement + body_displacement + (may_catch_up() ? options.catch_up_speed * dt : 0.0);
   if (!(budget > 0.0)) return;
   proxy.follow(goal, budget, budget);
   scan_normal = proxy.static_normal(hip);
@@ -249,10 +243,10 @@ void HapticWorld::Content::update_tip(double dt) noexcept {
     const Eigen::Vector3d direction = static_proxy - proxy.centre();
     const double length = direction.norm();
     penetration = limited_penetration(direction, std::min(length, max_penetration),
-                                      kMaxPenetrationSpeed * dt);
+                                      options.max_penetration_speed * dt);
     // A faster tip counts as placed anew in the prediction, which would move the body away.
     const Eigen::Vector3d displacement = proxy.centre() + penetration - tip_before;
-    if (displacement.norm() > kMaxTipSpeed * dt) penetration.setZero();
+    if (displacement.norm() > max_tip_speed * dt) penetration.setZero();
     tip += penetration;
     // The HIP's depth beyond the body's maximum penetration makes no force from the scan.
     const double excess = length > 0.0 ? (hip - static_proxy).dot(direction) / length : 0.0;
@@ -313,9 +307,9 @@ void HapticWorld::Content::start_falling(std::size_t i) noexcept {
   const auto edge = supports.nearest_edge(centre.head<2>(), body.shape.bottom);
   if (!edge) return;
   const BodyState& latest = world.state()[i];
-  body.fall.emplace(detail::FallingBody::Start{body.T_base_object, body.shape.centre_of_mass,
-                                               latest.planar.twist.head<2>(),
-                                               body.shape.gyration_radius, *edge});
+  body.fall.emplace(detail::FallingBody::Start{
+      body.T_base_object, body.shape.centre_of_mass, latest.planar.twist.head<2>(),
+      body.shape.gyration_radius, *edge, options.max_tilt, options.max_fall_height});
   body.is_under_tool = false;
   proxy.remove(kFirstBody + i);
   std::copy(world.state().begin(), world.state().end(), work.begin());
@@ -426,8 +420,11 @@ HapticWorld& HapticWorld::operator=(HapticWorld&&) noexcept = default;
 HapticWorld::~HapticWorld() = default;
 
 Expected<HapticWorld> HapticWorld::create(const HapticWorldModel& model) {
-  PCAVR_REQUIRE(std::isfinite(model.scan_friction) && model.scan_friction >= 0.0,
-                model.scan_friction);
+  const HapticWorldOptions& options = model.options;
+  PCAVR_REQUIRE(std::isfinite(options.scan_friction) && options.scan_friction >= 0.0,
+                options.scan_friction);
+  PCAVR_REQUIRE(options.max_penetration_speed > 0.0 && options.catch_up_speed >= 0.0);
+  PCAVR_REQUIRE(options.max_push_force > 0.0 && options.max_push_ratio > 0.0);
   auto predicted = PredictedWorld::create(model.world);
   if (!predicted) return predicted.error();
   return HapticWorld(std::make_unique<Content>(model, std::move(predicted).value()));

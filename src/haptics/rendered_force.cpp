@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/core/check.hpp"
 
 namespace pcavr {
@@ -17,13 +17,14 @@ constexpr double kEmptyBudgetShare = 1e-3;
 
 }  // namespace
 
-RenderedForce::RenderedForce(const ForceOptions& options) : options_(options) {
-  const Compliance& law = options.compliance;
+RenderedForce::RenderedForce(const ForceOptions& options)
+    : options_(options), contact_law_(options.contact_law()), max_rate_(options.max_rate()) {
+  const HuntCrossley& law = contact_law_;
   PCAVR_REQUIRE(std::isfinite(law.stiffness) && law.stiffness > 0.0, law.stiffness);
   PCAVR_REQUIRE(std::isfinite(law.damping) && law.damping >= 0.0, law.damping);
   PCAVR_REQUIRE(std::isfinite(law.exponent) && law.exponent >= 1.0, law.exponent);
   PCAVR_REQUIRE(std::isfinite(options.max_force) && options.max_force > 0.0, options.max_force);
-  PCAVR_REQUIRE(std::isfinite(options.max_rate) && options.max_rate > 0.0, options.max_rate);
+  PCAVR_REQUIRE(std::isfinite(max_rate_) && max_rate_ > 0.0, max_rate_);
   PCAVR_REQUIRE(std::isfinite(options.max_acceleration) && options.max_acceleration > 0.0,
                 options.max_acceleration);
   PCAVR_REQUIRE(options.min_force > 0.0 && options.min_force <= options.max_force,
@@ -34,7 +35,7 @@ RenderedForce::RenderedForce(const ForceOptions& options) : options_(options) {
 double RenderedForce::law_force(double penetration, double dt) const noexcept {
   const double change = penetration - penetration_;
   const double ahead = std::max(penetration + 0.5 * change, 0.0);
-  return unclamped_contact_force(options_.compliance, ahead, change / dt);
+  return unclamped_contact_force(contact_law_, ahead, change / dt);
 }
 
 Eigen::Vector3d RenderedForce::step(const Eigen::Vector3d& tip, const Eigen::Vector3d& proxy,
@@ -63,7 +64,7 @@ Eigen::Vector3d RenderedForce::step(const Eigen::Vector3d& tip, const Eigen::Vec
                                       ? Eigen::Vector3d(options_.max_force / strength * total)
                                       : total;
   const Eigen::Vector3d change = limited - force_;
-  const double max_change = options_.max_rate * dt;
+  const double max_change = max_rate_ * dt;
   const double change_norm = change.norm();
   force_ += change_norm > max_change ? Eigen::Vector3d(max_change / change_norm * change) : change;
   limit_to_energy_budget(displacement, dt);

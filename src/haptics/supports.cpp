@@ -15,10 +15,6 @@
 namespace pcavr::detail {
 namespace {
 
-/// [m] Between a support and a body's lowest point. More than the errors of a scan's plane and a
-/// body's pose together.
-constexpr double kHeightTolerance = 0.02;
-
 Eigen::Vector2d slope_of(const Supports::Outline& corners, const Eigen::Vector3d& centroid) {
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
   Eigen::Vector2d rise = Eigen::Vector2d::Zero();
@@ -32,7 +28,9 @@ Eigen::Vector2d slope_of(const Supports::Outline& corners, const Eigen::Vector3d
 
 }  // namespace
 
-Supports::Supports(const std::vector<Outline>& outlines_base) {
+Supports::Supports(const std::vector<Outline>& outlines_base, double height_tolerance)
+    : height_tolerance_(height_tolerance) {
+  PCAVR_REQUIRE(height_tolerance > 0.0, height_tolerance);
   for (const Outline& outline : outlines_base) {
     PCAVR_REQUIRE(outline.size() >= 3, outline.size());
     Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
@@ -40,13 +38,17 @@ Supports::Supports(const std::vector<Outline>& outlines_base) {
       centroid += corner / static_cast<double>(outline.size());
     }
     supports_.push_back({outline, centroid, slope_of(outline, centroid)});
-    PCAVR_REQUIRE(supports_.back().slope.allFinite(), centroid.transpose());
+    PCAVR_REQUIRE(supports_.back().slope.allFinite(), centroid.x(), centroid.y(), centroid.z());
   }
 }
 
-bool Supports::Support::is_level_with(const Eigen::Vector2d& p, double bottom) const noexcept {
-  const double height = centroid.z() + slope.dot(p - centroid.head<2>());
-  return std::abs(height - bottom) <= kHeightTolerance;
+double Supports::Support::height_at(const Eigen::Vector2d& p) const noexcept {
+  return centroid.z() + slope.dot(p - centroid.head<2>());
+}
+
+bool Supports::is_level_with(const Support& support, const Eigen::Vector2d& p,
+                             double bottom) const noexcept {
+  return std::abs(support.height_at(p) - bottom) <= height_tolerance_;
 }
 
 bool Supports::Support::contains(const Eigen::Vector2d& p) const noexcept {
@@ -61,7 +63,7 @@ bool Supports::Support::contains(const Eigen::Vector2d& p) const noexcept {
 
 bool Supports::is_supported(const Eigen::Vector2d& p_base, double bottom) const noexcept {
   return std::any_of(supports_.begin(), supports_.end(), [&](const Support& support) {
-    return support.is_level_with(p_base, bottom) && support.contains(p_base);
+    return is_level_with(support, p_base, bottom) && support.contains(p_base);
   });
 }
 
@@ -70,7 +72,7 @@ std::optional<Supports::Edge> Supports::nearest_edge(const Eigen::Vector2d& p_ba
   std::optional<Edge> edge;
   double min_distance2 = std::numeric_limits<double>::infinity();
   for (const Support& support : supports_) {
-    if (!support.is_level_with(p_base, bottom)) continue;
+    if (!is_level_with(support, p_base, bottom)) continue;
     for (std::size_t i = 0; i < support.corners.size(); ++i) {
       const Eigen::Vector3d& a = support.corners[i];
       const Eigen::Vector3d side = support.corners[(i + 1) % support.corners.size()] - a;

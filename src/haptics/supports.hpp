@@ -15,8 +15,9 @@ namespace pcavr::detail {
 class Supports {
  public:
   using Outline = std::vector<Eigen::Vector3d>;
-  /// Convex, counter-clockwise from above; at least three corners each.
-  explicit Supports(const std::vector<Outline>& outlines_base);
+  /// Convex, counter-clockwise from above; at least three corners each. `height_tolerance` [m]
+  /// between a support and the lowest point of a body that stands on it.
+  Supports(const std::vector<Outline>& outlines_base, double height_tolerance);
 
   /// Whether a centre of mass at `p_base` [m] of a body whose lowest point is at height `bottom`
   /// [m] lies above one of them (static stability).
@@ -39,10 +40,14 @@ class Supports {
     Eigen::Vector3d centroid;
     Eigen::Vector2d slope;  ///< of its height over x and y
 
-    [[nodiscard]] bool is_level_with(const Eigen::Vector2d& p, double bottom) const noexcept;
+    [[nodiscard]] double height_at(const Eigen::Vector2d& p) const noexcept;
     [[nodiscard]] bool contains(const Eigen::Vector2d& p) const noexcept;
   };
+  [[nodiscard]] bool is_level_with(const Support& support, const Eigen::Vector2d& p,
+                                   double bottom) const noexcept;
+
   std::vector<Support> supports_;
+  double height_tolerance_;
 };
 
 }  // namespace pcavr::detail

@@ -66,7 +66,7 @@ bool intersects(const model::Triangle& t, const Eigen::Vector3d& a,
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
-    PCAVR_REQUIRE(vertex.allFinite(), vertex.transpose());
+    PCAVR_REQUIRE(vertex.allFinite(), vertex.x(), vertex.y(), vertex.z());
   }
   std::vector<Corners> unordered;
   unordered.reserve(mesh.triangles.size());

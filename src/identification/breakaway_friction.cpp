@@ -9,20 +9,13 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/identification/breakaway.hpp"
 #include "pcavr/identification/signals.hpp"
+#include "pcavr/identification/sliding.hpp"
 
 namespace pcavr {
 namespace {
 
-constexpr double kMoved = 5e-4;   // [m] the object is surely moving: several position noises
-constexpr double kBefore = 0.06;  // [s] of rest that the fit uses, and of candidates for the onset
-constexpr double kAfter = 0.02;   // [s] of motion beyond `kMoved`
-constexpr double kOnsetHalfWidth = 0.008;  // [s] half width for the force at the onset
-// Error of the onset's force, as a share of peak minus onset, where the object creeps before it
-// slides: observed on LuGre plants from 5 to 30 mm/s (0.2 to 0.4).
-constexpr double kCreepShare = 0.3;
-/// Share of the force due to acceleration above which the onset is searched instead.
-constexpr double kMaxAccelerationShare = 0.05;
-constexpr double kTwoStds = 4.0;  // increase of chi squared at two stds
+constexpr double kTwoStds = 4.0;        // increase of chi squared at two stds
+constexpr double kRestLookback = 0.15;  // [s] before the peak: the object still rests there
 
 struct Track {
   std::span<const double> t;
@@ -57,16 +50,18 @@ double misfit(const Track& track, std::size_t begin, std::size_t onset, std::siz
 }  // namespace
 
 IdentifiedParameter friction_at_breakaway(const ForceMotion& push, const Breakaway& breakaway,
-                                          const Compliance& compliance, double mass) {
+                                          const HuntCrossley& contact_law, double mass,
+                                          const OnsetOptions& options) {
   PCAVR_REQUIRE(mass > 0.0, mass);
+  PCAVR_REQUIRE(options.half_width > 0.0 && options.rest_time > 0.0);
   IdentifiedParameter friction;
   if (!breakaway.is_found) return friction;
   Track track{push.t, remove_spikes(push.force).values, {}};
-  track.object = penetration_from_force(push.t, track.force, compliance);
+  track.object = penetration_from_force(push.t, track.force, contact_law);
   for (std::size_t i = 0; i < track.object.size(); ++i) {
     track.object[i] = push.tool[i] - track.object[i];
   }
-  const std::vector<SmoothedSample> x = smooth(push.t, track.object, push.t, kOnsetHalfWidth);
+  const std::vector<SmoothedSample> x = smooth(push.t, track.object, push.t, options.half_width);
   const auto index = [&](double at) {
     return static_cast<std::size_t>(std::lower_bound(push.t.begin(), push.t.end(), at) -
                                     push.t.begin());
@@ -74,12 +69,15 @@ IdentifiedParameter friction_at_breakaway(const ForceMotion& push, const Breakaw
   // The last rest before the object is surely moving, searched back from the peak's end.
   std::size_t moving = std::min(index(breakaway.t_decided), push.t.size() - 1);
   const std::size_t touched = index(breakaway.t_contact);
-  const std::size_t reference = index(std::max(breakaway.t_contact, breakaway.t - 0.15));
+  const std::size_t reference = index(std::max(breakaway.t_contact, breakaway.t - kRestLookback));
   if (!x[reference].is_valid) return friction;
-  while (moving > touched && !(x[moving - 1].value - x[reference].value < kMoved)) --moving;
-  const std::size_t first = std::max(touched, index(push.t[moving] - 2.0 * kBefore));
-  const std::size_t begin = std::max(touched, index(push.t[moving] - 3.0 * kBefore));
-  const std::size_t end = std::min(push.t.size(), index(push.t[moving] + kAfter));
+  const auto is_moving = [&](std::size_t i) {
+    return !(x[i].value - x[reference].value < options.min_displacement);
+  };
+  while (moving > touched && is_moving(moving - 1)) --moving;
+  const std::size_t first = std::max(touched, index(push.t[moving] - 2.0 * options.rest_time));
+  const std::size_t begin = std::max(touched, index(push.t[moving] - 3.0 * options.rest_time));
+  const std::size_t end = std::min(push.t.size(), index(push.t[moving] + options.moving_time));
   if (end < first + 10 || moving <= first + 2) return friction;
 
   std::vector<double> sums;
@@ -88,7 +86,7 @@ IdentifiedParameter friction_at_breakaway(const ForceMotion& push, const Breakaw
   }
   const auto best = std::min_element(sums.begin(), sums.end());
   const std::size_t onset = first + static_cast<std::size_t>(best - sums.begin());
-  const SmoothedSample force = smooth_at(push.t, track.force, push.t[onset], kOnsetHalfWidth);
+  const SmoothedSample force = smooth_at(push.t, track.force, push.t[onset], options.half_width);
   const double variance = *best / static_cast<double>(end - begin - 3);
   double late = 0.0;  // the farthest onset within two stds
   for (std::size_t k = 0; k < sums.size(); ++k) {
@@ -97,20 +95,22 @@ IdentifiedParameter friction_at_breakaway(const ForceMotion& push, const Breakaw
   }
   friction.value = force.value;
   friction.std = std::hypot(breakaway.std, 0.5 * late * std::abs(force.rate),
-                            kCreepShare * (breakaway.force - force.value));
+                            options.creep_share * (breakaway.force - force.value));
   friction.is_excited = force.is_valid;
   return friction;
 }
 
 IdentifiedParameter limit_of_push(const ForceMotion& push, const Breakaway& breakaway,
-                                  const Compliance& compliance, double mass) {
+                                  const HuntCrossley& contact_law, double mass,
+                                  const OnsetOptions& options) {
   PCAVR_REQUIRE(mass > 0.0, mass);
   if (!breakaway.is_found) return {};
   const double excess = breakaway.stiffness > 0.0 ? std::max(0.0, breakaway.loading_rate) *
                                                         std::sqrt(mass / breakaway.stiffness)
                                                   : 0.0;
-  if (excess > kMaxAccelerationShare * breakaway.force) {
-    const IdentifiedParameter limit = friction_at_breakaway(push, breakaway, compliance, mass);
+  if (excess > options.max_acceleration_share * breakaway.force) {
+    const IdentifiedParameter limit =
+        friction_at_breakaway(push, breakaway, contact_law, mass, options);
     if (limit.is_excited) return limit;
   }
   return {breakaway.force - 0.5 * excess, std::hypot(breakaway.std, excess / std::sqrt(12.0)),

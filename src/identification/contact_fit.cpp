@@ -18,10 +18,9 @@ namespace {
 
 // A regressor made of noise alone has its noise's rms; three times that is motion.
 constexpr double kNoiseFactor = 3.0;
-// A mass, which can't be negative, is significant from this many stds on.
-constexpr double kMinMassStds = 2.0;
-// Residuals closer to each other than this do not decide between the laws.
-constexpr double kTie = 0.02;
+// An exponent below is that of a linear law: in a tie, noise decides about the rest.
+constexpr double kMaxLinearExponent = 1.15;
+constexpr double kMinExponentStd = 0.01;  // no measured law is linear to more than that
 
 ContactSample mean_of(const std::vector<ContactSample>& samples) {
   ContactSample mean;
@@ -89,10 +88,10 @@ void set_parameters(const ParameterEstimate<3>& estimate, ContactFit& fit) {
   fit.mass = {estimate.value[0], estimate.std[0], estimate.is_excited[0]};
   fit.damping = {estimate.value[1], estimate.std[1], estimate.is_excited[1]};
   fit.stiffness = {estimate.value[2], estimate.std[2], estimate.is_excited[2]};
-  fit.exponent = {1.0, 0.0, true};
+  fit.exponent = {1.0, kExponentStd, true};
 }
 
-ContactFit fit_linear(const std::vector<PressSamples>& presses) {
+ContactFit fit_linear(const std::vector<PressSamples>& presses, double min_mass_stds) {
   ContactFit fit;
   double energy = 0.0;
   for (const PressSamples& press : presses) {
@@ -104,7 +103,7 @@ ContactFit fit_linear(const std::vector<PressSamples>& presses) {
   set_parameters(estimate, fit);
   // At one frequency the mass is confounded with the stiffness: x'' is -w^2 x. A mass that is not
   // significant would bias k, so it is removed from the model, as in sliding.
-  fit.mass.is_excited = fit.mass.is_excited && fit.mass.value > kMinMassStds * fit.mass.std;
+  fit.mass.is_excited = fit.mass.is_excited && fit.mass.value > min_mass_stds * fit.mass.std;
   if (!fit.mass.is_excited) {
     estimate = regress(presses, false);
     set_parameters(estimate, fit);
@@ -127,6 +126,7 @@ ContactFit fit_linear(const std::vector<PressSamples>& presses) {
 void set_linear_exponent(const ContactFit& curved, ContactFit& linear) {
   if (!linear.is_valid || !curved.is_valid) return;
   linear.exponent.std = std::hypot(curved.exponent.std, curved.exponent.value - 1.0);
+  linear.exponent.std = std::max(linear.exponent.std, kMinExponentStd);
 }
 
 std::string proposal_for(const ContactIdentification& found) {
@@ -164,16 +164,17 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
     found.proposal = proposal_for(found);
     return found;
   }
-  found.mass_damper_spring = fit_linear(samples);
+  found.mass_damper_spring = fit_linear(samples, options.min_mass_stds);
   if (options.drift_half_width <= 0.0) {
     found.hunt_crossley = fit_hunt_crossley(samples, options);
     set_linear_exponent(found.hunt_crossley, found.mass_damper_spring);
   }
   const ContactFit& linear = found.mass_damper_spring;
   const ContactFit& curved = found.hunt_crossley;
-  if (curved.is_valid &&
-      (!linear.is_valid ||
-       normalised_misfit(samples, curved) < (1.0 - kTie) * normalised_misfit(samples, linear))) {
+  const bool is_curved = curved.is_valid && curved.exponent.value > kMaxLinearExponent;
+  const double tie = is_curved ? 1.0 + options.min_improvement : 1.0 - options.min_improvement;
+  if (curved.is_valid && (!linear.is_valid || normalised_misfit(samples, curved) <
+                                                  tie * normalised_misfit(samples, linear))) {
     found.chosen = ContactRegressor::hunt_crossley;
   }
   found.proposal = proposal_for(found);

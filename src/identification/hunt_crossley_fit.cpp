@@ -8,18 +8,18 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 
 #include "identification/contact_samples.hpp"
 
 namespace pcavr {
 namespace {
 
-// Exponents of real contacts: 1 for a flat face, 1.5 for spheres, 2 for cones, more for layers.
-constexpr double kMinExponent = 1.0;
-constexpr double kMaxExponent = 3.0;
-constexpr int kIterations = 60;
-constexpr double kMinNoise = 1e-6;  // of the largest force
+constexpr double kMinExponent = 1.0;    // a flat face; contacts do not soften with depth
+constexpr double kHertzExponent = 1.5;  // a sphere: between a flat face and a cone
+constexpr double kStartMargin = 0.02;   // of the depth: force is detected after the touch
+constexpr int kIterations = 60;         // bounds the time where it does not converge
+constexpr double kMinNoise = 1e-6;      // of the largest force: below any sensor's resolution
 
 /// F = force (d / depth)^n (1 + c d'), with d = x - surface: these parameters are nearly
 /// uncorrelated, k, lambda and n are not.
@@ -28,7 +28,8 @@ class Problem {
   Problem(const std::vector<PressSamples>& presses, const ContactFitOptions& options)
       : presses_(presses),
         is_surface_shared_(options.is_surface_shared),
-        exponent_(options.exponent) {
+        exponent_(options.exponent),
+        max_exponent_(std::max(options.max_exponent, options.exponent.value_or(kMinExponent))) {
     double peak = 0.0;
     for (const PressSamples& press : presses) {
       for (const ContactSample& sample : press.raw) {
@@ -48,10 +49,10 @@ class Problem {
     Eigen::VectorXd theta(static_cast<Eigen::Index>(unknowns()));
     double force = 0.0;
     for (std::size_t p = 0; p < presses_.size(); ++p) {
-      theta[surface_column(p)] = presses_[p].onset - 0.02 * depth_;
+      theta[surface_column(p)] = presses_[p].onset - kStartMargin * depth_;
       for (const ContactSample& sample : presses_[p].raw) force = std::max(force, sample.force);
     }
-    theta.head<3>() << force, 0.0, exponent_.value_or(1.5);
+    theta.head<3>() << force, 0.0, exponent_.value_or(std::min(kHertzExponent, max_exponent_));
     return theta;
   }
 
@@ -79,6 +80,7 @@ class Problem {
         (*rhs)[column] += row.by[3] * row.error;
       }
     }
+    if (!exponent_) sum += add_exponent_prior(theta[2], normal, rhs);
     if (normal != nullptr && exponent_) fix_exponent(*normal, *rhs);
     return sum;
   }
@@ -92,9 +94,22 @@ class Problem {
     return 3 + (is_surface_shared_ ? 0 : static_cast<Eigen::Index>(press));
   }
   [[nodiscard]] double depth() const { return depth_; }
+  [[nodiscard]] double max_exponent() const { return max_exponent_; }
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
+  /// A spherical tip on a flat face, with a range from a flat tip to a cone: it decides only where
+  /// noise hides the exponent.
+  static double add_exponent_prior(double exponent, Eigen::MatrixXd* normal, Eigen::VectorXd* rhs) {
+    const double weight = 1.0 / (kExponentStd * kExponentStd);
+    const double off = kHertzExponent - exponent;
+    if (normal != nullptr) {
+      (*normal)(2, 2) += weight;
+      (*rhs)[2] += weight * off;
+    }
+    return weight * off * off;
+  }
+
   /// Fixes the exponent: its row and column are decoupled, so that its step is zero and it does not
   /// affect the others.
   static void fix_exponent(Eigen::MatrixXd& normal, Eigen::VectorXd& rhs) {
@@ -140,6 +155,7 @@ class Problem {
   const std::vector<PressSamples>& presses_;
   bool is_surface_shared_;
   std::optional<double> exponent_;
+  double max_exponent_;
   double depth_ = 0.0;
   double position_variance_ = 0.0;
   double force_variance_ = 0.0;
@@ -157,7 +173,7 @@ double minimise(const Problem& problem, Eigen::VectorXd& theta) {
     damped.diagonal() *= 1.0 + damping;
     damped.diagonal().array() += 1e-12;
     Eigen::VectorXd candidate = theta + damped.ldlt().solve(rhs);
-    candidate[2] = std::clamp(candidate[2], kMinExponent, kMaxExponent);
+    candidate[2] = std::clamp(candidate[2], kMinExponent, problem.max_exponent());
     const double candidate_sum = problem.evaluate(candidate, nullptr, nullptr);
     if (!(candidate_sum < sum)) {
       damping *= 10.0;

@@ -11,18 +11,14 @@
 namespace pcavr {
 namespace {
 
-/// A push whose std is this many times the median is of another kind, such as a fast one among slow
-/// ones: its bias is then not included in its std.
-constexpr double kMaxStdFactor = 3.0;
-
-// Robust stds, and share of the median, beyond which a push is an outlier.
-constexpr double kOutlierStds = 5.0;
-constexpr double kMinOutlierShare = 0.05;
 constexpr std::size_t kMinForOutliers = 4;  ///< of fewer, it is undecidable which one is wrong
 
 using Indices = std::vector<std::size_t>;
 
-Indices reject_uncertain(std::span<const Breakaway> pushes, const Indices& found) {
+/// A push of a much larger std is of another kind, such as a fast one among slow ones: its bias is
+/// then not included in its std.
+Indices reject_uncertain(std::span<const Breakaway> pushes, const Indices& found,
+                         double max_std_ratio) {
   if (found.empty()) return {};
   std::vector<double> stds;
   stds.reserve(found.size());
@@ -32,12 +28,13 @@ Indices reject_uncertain(std::span<const Breakaway> pushes, const Indices& found
   std::nth_element(stds.begin(), middle, stds.end());
   Indices kept;
   for (const std::size_t i : found) {
-    if (pushes[i].std <= kMaxStdFactor * *middle) kept.push_back(i);
+    if (pushes[i].std <= max_std_ratio * *middle) kept.push_back(i);
   }
   return kept;
 }
 
-Indices reject_outliers(std::span<const Breakaway> pushes, const Indices& found) {
+Indices reject_outliers(std::span<const Breakaway> pushes, const Indices& found,
+                        const LimitingFrictionOptions& options) {
   if (found.size() < kMinForOutliers) return found;
   std::vector<double> forces, distances;
   forces.reserve(found.size());
@@ -45,9 +42,9 @@ Indices reject_outliers(std::span<const Breakaway> pushes, const Indices& found)
   for (const std::size_t i : found) forces.push_back(pushes[i].force);
   const double middle = median(forces);
   for (const double force : forces) distances.push_back(std::abs(force - middle));
-  // 1.4826: from the median absolute push_std (MAD) to a standard push_std.
-  const double max_distance =
-      std::max(kOutlierStds * 1.4826 * median(distances), kMinOutlierShare * middle);
+  // 1.4826: from the median absolute deviation (MAD) to a standard deviation.
+  const double max_distance = std::max(options.outlier_stds * 1.4826 * median(distances),
+                                       options.min_outlier_share * middle);
   Indices kept;
   for (const std::size_t i : found) {
     if (std::abs(pushes[i].force - middle) <= max_distance) kept.push_back(i);
@@ -115,13 +112,15 @@ double scatter_between(const std::vector<double>& values, const std::vector<doub
 
 }  // namespace
 
-LimitingFriction limiting_friction(std::span<const Breakaway> pushes) {
+LimitingFriction limiting_friction(std::span<const Breakaway> pushes,
+                                   const LimitingFrictionOptions& options) {
   LimitingFriction result;
   Indices found;
   for (std::size_t i = 0; i < pushes.size(); ++i) {
     if (pushes[i].is_found) found.push_back(i);
   }
-  const Indices counted = reject_outliers(pushes, reject_uncertain(pushes, found));
+  const Indices counted =
+      reject_outliers(pushes, reject_uncertain(pushes, found, options.max_std_ratio), options);
   std::set_difference(found.begin(), found.end(), counted.begin(), counted.end(),
                       std::back_inserter(result.left_out));
   result.missed = static_cast<int>(pushes.size() - found.size());

@@ -14,8 +14,8 @@ namespace {
 
 // Stds of the difference of two smoothed values: below, they count as equal.
 constexpr double kEqualStds = 3.0;
-constexpr double kWidening = 1.4;
-constexpr int kWidenings = 6;  // to about 45 ms
+constexpr double kWidening = 1.4;  // twice the samples in two steps
+constexpr int kWidenings = 6;      // to about 45 ms
 // In stds: of chi squared, above which the parabola does not fit; and of a narrower window's peak,
 // beyond which a wider one does not agree. A trade-off between the noise of narrow windows and the
 // bias of wide ones; chosen on 124 simulated plants, validated on others (see the tests).

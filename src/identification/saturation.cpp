@@ -9,12 +9,6 @@
 namespace pcavr {
 namespace {
 
-/// Consecutive samples at exactly the same extreme: noise repeats a value occasionally.
-constexpr std::size_t kFlatSamples = 8;
-/// An axis without a signal does not saturate: in a million samples noise reaches five stds, and a
-/// coarse sensor may repeat that reading for a while.
-constexpr double kMinExtremeOverNoise = 8.0;
-
 /// Of the samples that are not saturated: saturated ones have no noise.
 double noise_of_unsaturated(const std::vector<double>& values, double min, double max) {
   std::vector<double> unsaturated;
@@ -27,8 +21,11 @@ double noise_of_unsaturated(const std::vector<double>& values, double min, doubl
 }  // namespace
 
 std::vector<SaturatedInterval> find_saturation(std::span<const double> t,
-                                               std::span<const Eigen::Vector3d> force) {
+                                               std::span<const Eigen::Vector3d> force,
+                                               const SaturationOptions& options) {
   PCAVR_REQUIRE(t.size() == force.size());
+  PCAVR_REQUIRE(options.min_samples >= 2, options.min_samples);
+  const auto min_samples = static_cast<std::size_t>(options.min_samples);
   std::vector<SaturatedInterval> intervals;
   if (force.empty()) return intervals;
   for (int axis = 0; axis < 3; ++axis) {
@@ -36,11 +33,11 @@ std::vector<SaturatedInterval> find_saturation(std::span<const double> t,
     const auto [min, max] = std::minmax_element(values.begin(), values.end());
     const double noise = noise_of_unsaturated(values, *min, *max);
     for (const double extreme : {*min, *max}) {
-      if (!(std::abs(extreme) > kMinExtremeOverNoise * noise) || noise == 0.0) continue;
+      if (!(std::abs(extreme) > options.min_extreme_ratio * noise) || noise == 0.0) continue;
       for (std::size_t i = 0; i < values.size(); ++i) {
         std::size_t end = i;
         while (end < values.size() && values[end] == extreme) ++end;
-        if (end - i >= kFlatSamples) intervals.push_back({t[i], t[end - 1], std::abs(extreme)});
+        if (end - i >= min_samples) intervals.push_back({t[i], t[end - 1], std::abs(extreme)});
         i = std::max(i, end);
       }
     }

@@ -19,8 +19,15 @@ namespace {
 
 using Vectors = std::vector<Eigen::Vector3d>;
 
-// [s] of free time next to a contact that the fit of its begin and end uses.
-constexpr double kFreeTime = 0.6;
+// [s] of the means that the initial bias is searched among: shorter than the time between contacts.
+constexpr double kBiasWindow = 0.05;
+// Half widths of the smoothing that a contact's slow rise extends beyond its threshold.
+constexpr double kRiseHalfWidths = 5.0;
+// Stds of the smoothed speed's noise above which an object slides: once in 30 000 samples by
+// chance.
+constexpr double kSpeedStds = 4.0;
+// Of the speed at which sliding begins: below it, it has ended (hysteresis).
+constexpr double kSlideEndShare = 0.5;
 
 struct Range {
   std::size_t begin = 0;
@@ -28,10 +35,11 @@ struct Range {
 };
 
 /// Removes spikes, axis by axis.
-Vectors despike(std::span<const Eigen::Vector3d> force, Segmentation& result) {
+Vectors despike(std::span<const Eigen::Vector3d> force, const SpikeOptions& options,
+                Segmentation& result) {
   Vectors clean(force.begin(), force.end());
   for (int k = 0; k < 3; ++k) {
-    const DespikedSignal signal = remove_spikes(axis_of(force, k));
+    const DespikedSignal signal = remove_spikes(axis_of(force, k), options);
     result.spikes += signal.spikes.size();
     result.noise = std::max(result.noise, estimate_noise_std(signal.values));
     for (std::size_t i = 0; i < clean.size(); ++i) clean[i][k] = signal.values[i];
@@ -108,7 +116,7 @@ std::vector<SlideInterval> find_slides(const ContactEpisode& episode,
   const double interval = mean_interval(episode.t);
   const double half_width = std::max(options.slide_half_width, 3.0 * interval);
   const double noise = derivative_noise(estimate_noise_std(object), half_width, interval).rate;
-  const double fast = std::max(options.slide_speed, 4.0 * noise);
+  const double fast = std::max(options.slide_speed, kSpeedStds * noise);
   const std::vector<SmoothedSample> x = smooth(episode.t, object, episode.t, half_width);
   bool is_sliding = false;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -118,10 +126,11 @@ std::vector<SlideInterval> find_slides(const ContactEpisode& episode,
     const bool begins = !is_sliding && at >= breakaway.t_alarm && x[i].rate > fast;
     if (begins) {
       std::size_t first = i;  // back to where the speed exceeded its noise
-      while (first > 0 && x[first - 1].is_valid && x[first - 1].rate > 0.5 * fast) --first;
+      while (first > 0 && x[first - 1].is_valid && x[first - 1].rate > kSlideEndShare * fast)
+        --first;
       slides.push_back({episode.t[first], at});
     }
-    is_sliding = begins || (is_sliding && x[i].rate > 0.5 * fast);
+    is_sliding = begins || (is_sliding && x[i].rate > kSlideEndShare * fast);
     if (is_sliding) slides.back().end = at;
   }
   std::erase_if(slides,
@@ -137,6 +146,7 @@ struct Cleaned {
   PathView tip;
   double half_width;  ///< [s] of the smoothing
   double enter;       ///< [N] a force above is contact
+  double free_time;   ///< [s] see SegmentationOptions
 };
 
 /// Tool and force along `direction` at the force's timestamps in [from, to].
@@ -157,8 +167,8 @@ struct Along {
 /// Extrapolates begin and end to where the tool met and left the surface. The fits may use the free
 /// time up to the neighbouring contacts.
 void refine_limits(const Cleaned& all, double free_from, double free_to, ContactEpisode& episode) {
-  const Along along(all, episode.direction_base, std::max(free_from, episode.begin - kFreeTime),
-                    std::min(free_to, episode.end + kFreeTime));
+  const Along along(all, episode.direction_base, std::max(free_from, episode.begin - all.free_time),
+                    std::min(free_to, episode.end + all.free_time));
   const std::size_t count = along.t.size();
   if (count == 0) return;
   const TouchSignals signals{along.t, along.force,
@@ -219,12 +229,12 @@ Segmentation segment_contacts(std::span<const double> t_force,
   if (t_force.size() < 20 || t_tool.size() < 2) return result;
   const double interval = mean_interval(t_force);
   const double half_width = std::max(options.half_width, 3.0 * interval);
-  const Vectors clean = despike(force_base, result);
+  const Vectors clean = despike(force_base, options.spikes, result);
   // Three axes add up: the magnitude of pure noise is rarely above sqrt(3) stds.
   const double smooth_noise =
       std::sqrt(3.0) * result.noise / std::sqrt(correlated_samples(half_width, interval));
   const double enter = std::max(options.enter_threshold * smooth_noise, options.min_force);
-  const auto window = static_cast<std::size_t>(std::ceil(0.05 / interval));
+  const auto window = static_cast<std::size_t>(std::ceil(kBiasWindow / interval));
   result.bias_base.assign(t_force.size(), first_bias(clean, window, enter));
 
   std::vector<Range> contacts;
@@ -240,16 +250,16 @@ Segmentation segment_contacts(std::span<const double> t_force,
     std::vector<bool> is_free(t_force.size(), true);
     for (const Range& range : contacts) {
       // The smoothing and the slow rise of a contact extend beyond its threshold.
-      const double from = t_force[range.begin] - 5.0 * half_width;
-      const double to = t_force[range.end - 1] + 5.0 * half_width;
+      const double from = t_force[range.begin] - kRiseHalfWidths * half_width;
+      const double to = t_force[range.end - 1] + kRiseHalfWidths * half_width;
       for (std::size_t i = 0; i < is_free.size(); ++i) {
         if (t_force[i] >= from && t_force[i] <= to) is_free[i] = false;
       }
     }
-    result.bias_base = track_bias(t_force, clean, is_free);
+    result.bias_base = track_bias(t_force, clean, is_free, options.bias_half_width);
   }
   const PathView tip(t_tool, p_base_tip);
-  const Cleaned all{t_force, result.force_base, size, tip, half_width, enter};
+  const Cleaned all{t_force, result.force_base, size, tip, half_width, enter, options.free_time};
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const double free_from = k == 0 ? t_force.front() : t_force[contacts[k - 1].end];
     const double free_to =

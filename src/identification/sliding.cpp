@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/core/check.hpp"
 #include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/signals.hpp"
@@ -22,9 +22,6 @@ namespace {
 constexpr double kMinIndependent = 5.0;
 // Ratio of a regressor's rms to its noise above which removing it biases more than keeping it.
 constexpr double kMassNoiseFactor = 3.0;
-// Stds, as shares of the value, up to which a mass and a viscous friction count as identified.
-constexpr double kMaxMassStd = 0.1;
-constexpr double kMaxViscousStd = 0.3;
 
 struct SlidingSample {
   double t = 0.0;
@@ -40,8 +37,8 @@ struct SlidingSamples {
 };
 
 /// Collects the samples in which the object slides steadily in contact with the tool.
-void collect(const ForceMotion& push, const Compliance& compliance, const SlidingOptions& options,
-             SlidingSamples& result) {
+void collect(const ForceMotion& push, const HuntCrossley& contact_law,
+             const SlidingOptions& options, SlidingSamples& result) {
   PCAVR_REQUIRE(push.t.size() == push.tool.size() && push.t.size() == push.force.size());
   const std::size_t count = push.t.size();
   if (count < 20) return;
@@ -49,7 +46,7 @@ void collect(const ForceMotion& push, const Compliance& compliance, const Slidin
   const double half_width = std::max(options.half_width, 3.0 * interval);
   result.correlated = std::max(result.correlated, correlated_samples(half_width, interval));
   const std::vector<double> force = remove_spikes(push.force).values;
-  std::vector<double> object = penetration_from_force(push.t, force, compliance);
+  std::vector<double> object = penetration_from_force(push.t, force, contact_law);
   for (std::size_t i = 0; i < count; ++i) object[i] = push.tool[i] - object[i];
   const double noise =
       derivative_noise(estimate_noise_std(object), half_width, interval).acceleration;
@@ -83,7 +80,9 @@ struct Model {
 ParameterEstimate<3> fit(const SlidingSamples& all, Model model, const SlidingOptions& options,
                          SlidingIdentification& result) {
   EstimatorOptions<3> estimator_options;
-  estimator_options.scale = {0.5, 1.0, 0.05};
+  estimator_options.min_forgetting = options.min_forgetting;
+  estimator_options.error_window = options.error_window;
+  estimator_options.scale = {0.5, 1.0, 0.05};  // of a modulated push: m/s^2, 1, m/s
   estimator_options.min_excitation = {options.min_acceleration, 0.0, options.min_speed_change};
   estimator_options.correlated_samples = all.correlated;
   ParameterEstimator<3> estimator(estimator_options);
@@ -144,11 +143,11 @@ void propose(SlidingIdentification& result) {
 }  // namespace
 
 std::vector<double> penetration_from_force(std::span<const double> t, std::span<const double> force,
-                                           const Compliance& compliance) {
+                                           const HuntCrossley& contact_law) {
   PCAVR_REQUIRE(t.size() == force.size(), t.size(), force.size());
-  PCAVR_REQUIRE(compliance.stiffness > 0.0 && compliance.exponent >= 1.0 &&
-                compliance.damping >= 0.0);
-  const double n = compliance.exponent;
+  PCAVR_REQUIRE(contact_law.stiffness > 0.0 && contact_law.exponent >= 1.0 &&
+                contact_law.damping >= 0.0);
+  const double n = contact_law.exponent;
   std::vector<double> depth(t.size(), 0.0);
   double before = 0.0;
   for (std::size_t i = 0; i < t.size(); ++i) {
@@ -157,16 +156,16 @@ std::vector<double> penetration_from_force(std::span<const double> t, std::span<
       continue;
     }
     // The first sample has no predecessor: it is assumed to be at rest.
-    const double per_step = i == 0 ? 0.0 : compliance.damping / (t[i] - t[i - 1]);
+    const double per_step = i == 0 ? 0.0 : contact_law.damping / (t[i] - t[i - 1]);
     // g(d) = k d^n + c d^p (d - before) - F, p = n, or 0 where n is 1; from above, Newton's method
     // on an increasing, convex g converges to its root without overshooting.
     const double p = n == 1.0 ? 0.0 : n;
-    double d = std::max(static_penetration(compliance, force[i]), before);
+    double d = std::max(static_penetration(contact_law, force[i]), before);
     for (int iteration = 0; iteration < 20; ++iteration) {
       const double power = penetration_power(d, n);
       const double drag = per_step * (p == 0.0 ? 1.0 : power);
-      const double value = compliance.stiffness * power + drag * (d - before) - force[i];
-      const double slope = compliance.stiffness * n * power / d + drag +
+      const double value = contact_law.stiffness * power + drag * (d - before) - force[i];
+      const double slope = contact_law.stiffness * n * power / d + drag +
                            (p == 0.0 ? 0.0 : per_step * n * power / d * (d - before));
       const double next = std::max(d - value / slope, 0.1 * d);
       if (std::abs(next - d) < 1e-12) break;
@@ -179,12 +178,12 @@ std::vector<double> penetration_from_force(std::span<const double> t, std::span<
 }
 
 SlidingIdentification identify_sliding(std::span<const ForceMotion> pushes,
-                                       const Compliance& compliance,
+                                       const HuntCrossley& contact_law,
                                        const SlidingOptions& options) {
   PCAVR_REQUIRE(options.half_width > 0.0 && options.gravity > 0.0);
   SlidingIdentification result;
   SlidingSamples all;
-  for (const ForceMotion& push : pushes) collect(push, compliance, options, all);
+  for (const ForceMotion& push : pushes) collect(push, contact_law, options, all);
   result.samples = all.samples.size();
   result.is_valid = static_cast<double>(all.samples.size()) >= kMinIndependent * all.correlated;
   if (!result.is_valid) {
@@ -200,14 +199,15 @@ SlidingIdentification identify_sliding(std::span<const ForceMotion> pushes,
   Model model;
   ParameterEstimate<3> estimate = fit(all, model, options, result);
   const bool is_mass_identified =
-      estimate.is_excited[0] && estimate.std[0] < kMaxMassStd * estimate.value[0];
+      estimate.is_excited[0] && estimate.std[0] < options.max_mass_share * estimate.value[0];
   // Between noise and excitation the acceleration explains some force, though not precisely enough
   // for a mass.
   if (!is_mass_identified && result.acceleration < kMassNoiseFactor * all.acceleration_noise) {
     model.has_mass = false;
     estimate = fit(all, model, options, result);
   }
-  if (!estimate.is_excited[2] || estimate.std[2] > kMaxViscousStd * std::abs(estimate.value[2])) {
+  if (!estimate.is_excited[2] ||
+      estimate.std[2] > options.max_viscous_share * std::abs(estimate.value[2])) {
     model.has_viscous = false;
     estimate = fit(all, model, options, result);
   }

@@ -119,8 +119,12 @@ double correlated_samples(double half_width, double interval) {
   return std::max(1.0, 1.4 * half_width / interval);
 }
 
-CausalFilter::CausalFilter(double half_width, double rate, double force_noise)
-    : half_width_(half_width), interval_(1.0 / rate), force_noise_(force_noise) {
+CausalFilter::CausalFilter(double half_width, double rate, double force_noise,
+                           const SpikeOptions& spikes)
+    : half_width_(half_width),
+      interval_(1.0 / rate),
+      force_noise_(force_noise),
+      spike_threshold_(spikes.threshold) {
   PCAVR_REQUIRE(half_width > 0.0 && rate > 0.0 && force_noise > 0.0, half_width, rate);
   PCAVR_REQUIRE(half_width * rate >= 2.5, half_width, rate);
   // Twice as many as the window needs at the stated rate, for timestamps that cluster.
@@ -152,9 +156,7 @@ std::optional<CausalFilter::Output> CausalFilter::step(double t, double position
   for (double& value : five) value = std::abs(value - middle);
   std::nth_element(five, five + 2, five + 5);
   const double local_std = std::max(1.4826 * five[2], force_noise_);
-  if (std::abs(force_end[-3] - middle) > SpikeOptions{}.threshold * local_std) {
-    force_end[-3] = middle;
-  }
+  if (std::abs(force_end[-3] - middle) > spike_threshold_ * local_std) force_end[-3] = middle;
   const std::size_t ready = count_ - 2;
   const double at = t_[ready - 1] - half_width_;
   const std::span<const double> stamps(t_.data(), ready);

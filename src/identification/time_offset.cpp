@@ -9,9 +9,6 @@
 namespace pcavr {
 namespace {
 
-// Half width of the smoothing, in sampling intervals of the slower stream.
-constexpr double kSmoothingIntervals = 8.0;
-
 /// Smoothed values on a uniform grid; a gap repeats the value before it.
 std::vector<double> resample(std::span<const double> t, std::span<const double> values,
                              double start, double interval, std::size_t count, double half_width) {
@@ -71,7 +68,8 @@ TimeOffset estimate_time_offset(std::span<const double> t_a, std::span<const dou
   if (a.size() < 3 || b.size() < 3) return result;
   const double interval = std::min(mean_interval(t_a), mean_interval(t_b));
   // Both smoothed alike, which shifts neither: white noise would roughen the correlation's peak.
-  const double half_width = kSmoothingIntervals * std::max(mean_interval(t_a), mean_interval(t_b));
+  const double half_width =
+      options.smoothing_intervals * std::max(mean_interval(t_a), mean_interval(t_b));
   const double start = std::max(t_a.front(), t_b.front()) + half_width;
   const double end = std::min(t_a.back(), t_b.back()) - half_width;
   const auto lags = static_cast<std::ptrdiff_t>(std::ceil(options.range / interval));

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <utility>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 
 namespace pcavr {
 namespace {
 
 constexpr double kFree = 0.4;  // [s] before the first sure contact that the fit uses
 constexpr std::size_t kMinRise = 4;
-constexpr double kMaxTouchExponent = 2.5;
+constexpr double kMaxTouchExponent = 2.5;  // a cone has 2; beyond, noise is fitted
 // Below this share of its speed at the touch, both averaged over kSpeedWindow, the tool is
 // stopping.
 constexpr double kStoppingShare = 0.5;

@@ -15,17 +15,9 @@
 namespace pcavr {
 namespace {
 
-/// A tag with a larger reprojection error under the body's pose [px rms] is an outlier: it was
-/// misread, or its placement in the manifest is wrong.
-constexpr double kMaxTagResidual = 3.0;
-/// Hypotheses closer than this are the same.
-constexpr double kSameRotation = 0.02;  // [rad]
-/// Cost difference from which the planar ambiguity is resolved: a likelihood ratio of exp(14 / 2),
-/// 1000 to 1.
-constexpr double kMinCostGap = 14.0;
-/// Standard deviation of the rotation between two frames [rad]; and the bound of the continuity
-/// cost, so that a wrong pose can be corrected later.
-constexpr double kRotationStd = 0.15;
+/// Hypotheses closer than this are the same: planar solutions differ by more [rad].
+constexpr double kSameRotation = 0.02;
+/// Bound of the continuity cost, so that a wrong pose can be corrected later: five stds squared.
 constexpr double kMaxContinuityCost = 25.0;
 
 const TagPlacement* find_placement(const std::vector<TagPlacement>& placements,
@@ -63,7 +55,7 @@ BodyPoseProblem pose_problem(const std::vector<TagPlacement>& placements,
     std::array<Eigen::Vector2d, 4> pixels = tag.pixels;
     for (Eigen::Vector2d& pixel : pixels) pixel = to_grid(pixel, camera, depth_camera);
     tag.plane = measure_tag_plane(*hints.depth, hints.depth_noise, depth_camera, pixels,
-                                  static_cast<int>(problem.tags.size()));
+                                  static_cast<int>(problem.tags.size()), options);
   }
   return problem;
 }
@@ -81,17 +73,20 @@ std::vector<Pose> initial_poses(const BodyPoseProblem& problem) {
   return poses;
 }
 
-double continuity_cost(const Pose& T_camera_body, const BodyPoseHints& hints) {
+double continuity_cost(const Pose& T_camera_body, const BodyPoseHints& hints,
+                       const BodyPoseOptions& options) {
   if (!hints.T_camera_body) return 0.0;
-  const double rotation = rotation_distance(T_camera_body, *hints.T_camera_body) / kRotationStd;
+  const double rotation =
+      rotation_distance(T_camera_body, *hints.T_camera_body) / options.rotation_std;
   return std::min(rotation * rotation, kMaxContinuityCost);
 }
 
 /// Marks the inlier tags of the pose as used; returns their number.
-int select_inliers(BodyPoseProblem& problem, const Pose& T_camera_body) {
+int select_inliers(BodyPoseProblem& problem, const Pose& T_camera_body,
+                   const BodyPoseOptions& options) {
   int used = 0;
   for (SeenTag& tag : problem.tags) {
-    tag.is_used = corner_rms(problem, tag, T_camera_body) <= kMaxTagResidual;
+    tag.is_used = corner_rms(problem, tag, T_camera_body) <= options.max_tag_residual;
     if (tag.is_used) ++used;
   }
   return used;
@@ -103,11 +98,12 @@ struct Hypothesis {
 };
 
 /// The cost over all tags, truncated for outliers, plus continuity.
-double total_cost(const BodyPoseProblem& problem, const Pose& pose, const BodyPoseHints& hints) {
-  double cost = continuity_cost(pose, hints);
+double total_cost(const BodyPoseProblem& problem, const Pose& pose, const BodyPoseHints& hints,
+                  const BodyPoseOptions& options) {
+  double cost = continuity_cost(pose, hints, options);
   for (const SeenTag& tag : problem.tags) {
-    cost +=
-        std::min(tag_cost(problem, tag, pose), 4.0 * huber_loss(kMaxTagResidual / tag.corner_std));
+    cost += std::min(tag_cost(problem, tag, pose),
+                     4.0 * huber_loss(options.max_tag_residual / tag.corner_std));
   }
   return cost;
 }
@@ -124,20 +120,21 @@ double variance_factor(const BodyPoseProblem& problem, const RefinedPose& refine
 
 /// Hypotheses refined from all initial guesses, in ascending order of cost.
 std::vector<Hypothesis> refined_hypotheses(const BodyPoseProblem& problem,
-                                           const BodyPoseHints& hints) {
+                                           const BodyPoseHints& hints,
+                                           const BodyPoseOptions& options) {
   std::vector<Hypothesis> hypotheses;
   for (const Pose& initial : initial_poses(problem)) {
     BodyPoseProblem inlier_problem = problem;
     Pose pose = initial;
     std::optional<RefinedPose> refined;
     for (int round = 0; round < 2; ++round) {
-      if (select_inliers(inlier_problem, pose) == 0) break;
+      if (select_inliers(inlier_problem, pose, options) == 0) break;
       refined = refine_body_pose(inlier_problem, pose);
       if (!refined) break;
       pose = refined->T_camera_body;
     }
     if (!refined) continue;
-    hypotheses.push_back({*refined, total_cost(problem, pose, hints)});
+    hypotheses.push_back({*refined, total_cost(problem, pose, hints, options)});
   }
   std::stable_sort(hypotheses.begin(), hypotheses.end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
@@ -182,14 +179,14 @@ BodyPose solve_body_pose(const std::vector<TagPlacement>& placements,
   BodyPoseProblem problem = pose_problem(placements, detections, camera, hints, options);
   BodyPose result;
   if (problem.tags.empty()) return result;
-  const std::vector<Hypothesis> hypotheses = refined_hypotheses(problem, hints);
+  const std::vector<Hypothesis> hypotheses = refined_hypotheses(problem, hints, options);
   result.status = BodyPoseStatus::failed;
   if (hypotheses.empty()) return result;
 
   const Hypothesis& best = hypotheses.front();
   result.status = BodyPoseStatus::solved;
   result.pose = candidate(best);
-  result.tags_used = select_inliers(problem, best.refined.T_camera_body);
+  result.tags_used = select_inliers(problem, best.refined.T_camera_body, options);
   result.tags_rejected = static_cast<int>(problem.tags.size()) - result.tags_used;
   const double scale = variance_factor(problem, best.refined);
   result.covariance = best.refined.information.ldlt().solve(Matrix6d::Identity()) * scale;
@@ -199,7 +196,9 @@ BodyPose solve_body_pose(const std::vector<TagPlacement>& placements,
       continue;
     }
     result.second_solution = candidate(other);
-    if (other.cost - best.cost < kMinCostGap * scale) result.status = BodyPoseStatus::ambiguous;
+    if (other.cost - best.cost < options.min_cost_gap * scale) {
+      result.status = BodyPoseStatus::ambiguous;
+    }
     break;
   }
   if (result.tags_used == 0) result.status = BodyPoseStatus::failed;

@@ -16,7 +16,7 @@ using PlaneJacobian = Eigen::Matrix<double, 3, 6>;
 /// Huber's threshold in standard deviations; 1.345 per coordinate keeps 95 % efficiency on Gaussian
 /// noise, and the residuals here have two and three coordinates.
 constexpr double kHuber = 2.0;
-constexpr int kMaxIterations = 30;
+constexpr int kMaxIterations = 30;  ///< bounds the time; ends at convergence
 /// Minimum depth of a corner in front of the camera [m].
 constexpr double kMinDepth = 1e-3;
 
@@ -25,7 +25,7 @@ double huber_weight(double residual) { return residual <= kHuber ? 1.0 : kHuber 
 /// d(pixel)/d(p_camera), by central differences of the lens model on z = 1.
 Eigen::Matrix<double, 2, 3> projection_jacobian(const CameraModel& camera,
                                                 const Eigen::Vector3d& p) {
-  constexpr double kStep = 1e-5;
+  constexpr double kStep = 1e-5;  // cube root of the rounding error, for central differences
   const double x = p.x() / p.z();
   const double y = p.y() / p.z();
   const auto at = [&](double dx, double dy) { return camera.project({x + dx, y + dy, 1.0}); };

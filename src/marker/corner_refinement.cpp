@@ -15,8 +15,7 @@ namespace {
 
 using Vector2d = Eigen::Vector2d;
 
-/// Distance from an edge within which pixels are used [px]: covers a blur of 0.5 to 1 px.
-constexpr double kMaxReach = 3.0;
+/// Minimum distance from an edge within which pixels are used: one on either side [px].
 constexpr double kMinReach = 1.2;
 /// The next row of cells begins one cell away, and its blur a little before.
 constexpr double kReachInCells = 0.75;
@@ -138,13 +137,14 @@ std::optional<Intersection> intersect(const FittedLine& first, const FittedLine&
 
 std::optional<RefinedCorners> refine_once(const GrayImage& image,
                                           const std::array<Vector2d, 4>& corners, int cells,
-                                          const PixelUndistorter& lens, int max_columns) {
+                                          const PixelUndistorter& lens, double max_reach,
+                                          int max_columns) {
   std::array<FittedLine, 4> lines;
   for (std::size_t i = 0; i < 4; ++i) {
     const Vector2d& a = corners[i];
     const Vector2d& b = corners[(i + 1) % 4];
     const double reach =
-        std::clamp(kReachInCells * distance_to_far_side(corners, i) / cells, kMinReach, kMaxReach);
+        std::clamp(kReachInCells * distance_to_far_side(corners, i) / cells, kMinReach, max_reach);
     const auto fit = fit_edge(samples_near(image, lens, a, b, reach, max_columns), reach);
     if (!fit) return std::nullopt;
     lines[i] = {line_between(lens.undistort(a), lens.undistort(b)), *fit};
@@ -157,7 +157,7 @@ std::optional<RefinedCorners> refine_once(const GrayImage& image,
     refined.corners[i] = lens.distort(intersection->point);
     variance += 0.25 * intersection->variance;
     // Negated so that NaN fails.
-    if (!((refined.corners[i] - corners[i]).norm() <= 2.0 * kMaxReach)) return std::nullopt;
+    if (!((refined.corners[i] - corners[i]).norm() <= 2.0 * max_reach)) return std::nullopt;
   }
   refined.corner_std = std::sqrt(variance);
   return refined;
@@ -167,12 +167,14 @@ std::optional<RefinedCorners> refine_once(const GrayImage& image,
 
 std::optional<RefinedCorners> refine_corners(const GrayImage& image,
                                              const std::array<Vector2d, 4>& corners, int cells,
-                                             const std::optional<CameraModel>& lens) {
-  const PixelUndistorter undistorter(lens);
-  const auto first = refine_once(image, corners, cells, undistorter, kMaxCoarseColumns);
+                                             const TagDetectorOptions& options) {
+  const PixelUndistorter undistorter(options.lens);
+  const auto first =
+      refine_once(image, corners, cells, undistorter, options.edge_reach, kMaxCoarseColumns);
   if (!first) return std::nullopt;
   // Second pass from the better corners, so that the pixels used lie symmetrically about the edges.
-  return refine_once(image, first->corners, cells, undistorter, kMaxFineColumns);
+  return refine_once(image, first->corners, cells, undistorter, options.edge_reach,
+                     kMaxFineColumns);
 }
 
 }  // namespace pcavr

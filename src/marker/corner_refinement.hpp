@@ -9,6 +9,7 @@
 
 #include "pcavr/geometry/camera.hpp"
 #include "pcavr/geometry/image.hpp"
+#include "pcavr/marker/tag_detector.hpp"
 
 namespace pcavr {
 
@@ -19,11 +20,11 @@ struct RefinedCorners {
 
 /// Subpixel corner refinement: intersects the four fitted edges of a square. Each edge is modelled
 /// as a step between a dark and a bright side, blurred by a Gaussian; line, both grey levels and
-/// blur are fitted to the grey values of all pixels near it. With the distortion of `lens`, lines
-/// are straight in undistorted coordinates. `cells` is the number of cells along an edge: at most
-/// one cell on either side is used. Nothing if an edge cannot be fitted.
+/// blur are fitted to the grey values of all pixels near it. With the distortion of `options.lens`,
+/// lines are straight in undistorted coordinates. `cells` is the number of cells along an edge: at
+/// most one cell on either side is used. Nothing if an edge cannot be fitted.
 [[nodiscard]] std::optional<RefinedCorners> refine_corners(
     const GrayImage& image, const std::array<Eigen::Vector2d, 4>& corners, int cells,
-    const std::optional<CameraModel>& lens);
+    const TagDetectorOptions& options);
 
 }  // namespace pcavr

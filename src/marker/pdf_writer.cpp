@@ -3,21 +3,18 @@
 #include "marker/pdf_writer.hpp"
 
 #include <cstddef>
-#include <cstdio>
+
+#include <fmt/core.h>
 
 namespace pcavr {
 namespace {
 
-std::string pdf_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f", value);
-  return text;
-}
+std::string pdf_number(double value) { return fmt::format("{:.3f}", value); }
 
 /// The numbered objects of the file, in order: catalogue, list of pages, font, then for
 /// each page the page and its content.
 std::vector<std::string> objects_of(const std::vector<PdfPage>& pages) {
-  constexpr int kFirstPage = 4;
+  constexpr int kFirstPage = 4;  // after catalogue, pages and font
   std::string kids;
   for (std::size_t i = 0; i < pages.size(); ++i) {
     kids += std::to_string(kFirstPage + 2 * i) + " 0 R ";
@@ -45,9 +42,7 @@ std::string write_pdf(const std::vector<PdfPage>& pages) {
   std::string file = "%PDF-1.4\n";
   std::string table = "0000000000 65535 f \n";
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    char entry[32];
-    std::snprintf(entry, sizeof entry, "%010zu 00000 n \n", file.size());
-    table += entry;
+    table += fmt::format("{:010} 00000 n \n", file.size());
     file += std::to_string(i + 1) + " 0 obj\n" + objects[i] + "\nendobj\n";
   }
   const std::string size = std::to_string(objects.size() + 1);

@@ -11,14 +11,12 @@
 namespace pcavr {
 namespace {
 
-/// A camera that rotates by 30 degrees a second moves the image by 1/60 rad a frame at 30 Hz: 2 %
-/// of a 50 degree field of view. Twice that, plus half the tag for motion that scales with its
-/// size.
-constexpr double kMotionShare = 0.04;
+/// Of the tag, added for motion that scales with its size: half a tag from frame to frame.
 constexpr double kTagShare = 0.5;
-constexpr int kGrid = 8;
+constexpr int kGrid = 8;  ///< [px] see regions_around
 
-Region region_around(const std::array<Eigen::Vector2d, 4>& corners, int width, int height) {
+Region region_around(const std::array<Eigen::Vector2d, 4>& corners, int width, int height,
+                     double motion_share) {
   double left = corners[0].x(), right = left, top = corners[0].y(), bottom = top;
   for (const Eigen::Vector2d& corner : corners) {
     left = std::min(left, corner.x());
@@ -26,7 +24,7 @@ Region region_around(const std::array<Eigen::Vector2d, 4>& corners, int width, i
     top = std::min(top, corner.y());
     bottom = std::max(bottom, corner.y());
   }
-  const double margin = kMotionShare * width + kTagShare * std::max(right - left, bottom - top);
+  const double margin = motion_share * width + kTagShare * std::max(right - left, bottom - top);
   return {clamp_to_int(left - margin, 0, width) / kGrid * kGrid,
           clamp_to_int(top - margin, 0, height) / kGrid * kGrid,
           clamp_to_int(right + margin + 1.0, 0, width),
@@ -45,10 +43,10 @@ Region merged(const Region& a, const Region& b) {
 }  // namespace
 
 std::vector<Region> regions_around(const std::vector<std::array<Eigen::Vector2d, 4>>& tags,
-                                   int width, int height) {
+                                   int width, int height, double motion_share) {
   std::vector<Region> regions;
   for (const auto& corners : tags) {
-    Region region = region_around(corners, width, height);
+    Region region = region_around(corners, width, height, motion_share);
     // A merged region may overlap others in turn.
     for (std::size_t i = 0; i < regions.size();) {
       if (!overlap(region, regions[i])) {

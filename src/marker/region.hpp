@@ -23,9 +23,11 @@ struct Region {
 };
 
 /// Regions of interest (ROI) for tags that had these corners in the previous frame: around each, by
-/// the possible motion of a hand-held camera; overlapping regions are merged. Left and top are
+/// the possible motion of a hand-held camera, `motion_share` of the image's width; overlapping
+/// regions are merged. Left and top are
 /// multiples of 8, so that a region is thresholded and downscaled like the whole image.
 [[nodiscard]] std::vector<Region> regions_around(
-    const std::vector<std::array<Eigen::Vector2d, 4>>& tags, int width, int height);
+    const std::vector<std::array<Eigen::Vector2d, 4>>& tags, int width, int height,
+    double motion_share);
 
 }  // namespace pcavr

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
+#include <fmt/core.h>
 
 #include "marker/pdf_writer.hpp"
 #include "marker/sheet_layout.hpp"
@@ -8,15 +8,11 @@
 namespace pcavr {
 namespace {
 
-constexpr double kHairline = 0.1;  // [mm]
-constexpr double kPointsPerMillimetre = 72.0 / 25.4;
+constexpr double kHairline = 0.1;                     // [mm]
+constexpr double kPointsPerMillimetre = 72.0 / 25.4;  // PDF units are 1/72 inch
 
 /// Four decimals are a tenth of a micrometre.
-std::string svg_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4f", value);
-  return text;
-}
+std::string svg_number(double value) { return fmt::format("{:.4f}", value); }
 
 std::string attribute(const char* name, double value) {
   return std::string(" ") + name + "=\"" + svg_number(value) + "\"";

@@ -14,11 +14,6 @@
 namespace pcavr {
 namespace {
 
-/// Standard deviation of the edge model's error (JPEG, uneven light, pixel shape) on rendered tags
-/// [px], independent of noise.
-constexpr double kModelStd = 0.01;
-/// Standard deviation of the libraries' own corners on rendered tags [px].
-constexpr double kUnrefinedStd = 0.3;
 /// Searching regions of more than this share of the image costs as much as the whole image.
 constexpr double kMaxRegionShare = 0.6;
 /// The libraries need some tiles to threshold; a tag has at least 8 cells with its border [px].
@@ -43,8 +38,9 @@ struct TagDetector::State {
 
 void TagDetector::State::refine(const GrayImage& image, TagDetection& detection) const {
   const int cells = cells_along_edge.at(detection.id.family);
-  const auto refined = refine_corners(image, detection.corners, cells, options.lens);
-  detection.corner_std = refined ? std::hypot(refined->corner_std, kModelStd) : kUnrefinedStd;
+  const auto refined = refine_corners(image, detection.corners, cells, options);
+  detection.corner_std =
+      refined ? std::hypot(refined->corner_std, options.edge_model_std) : options.unrefined_std;
   if (refined) detection.corners = refined->corners;
 }
 
@@ -78,7 +74,7 @@ std::vector<Region> TagDetector::State::plan_regions(const GrayImage& image) con
   if (is_due || image.width() != width || image.height() != height) return {};
   std::vector<std::array<Eigen::Vector2d, 4>> tags;
   for (const TagDetection& detection : last) tags.push_back(detection.corners);
-  std::vector<Region> regions = regions_around(tags, width, height);
+  std::vector<Region> regions = regions_around(tags, width, height, options.motion_share);
   long area = 0;
   for (const Region& region : regions) area += region.area();
   const double max_area = kMaxRegionShare * static_cast<double>(width) * height;

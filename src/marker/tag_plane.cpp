@@ -19,11 +19,6 @@ namespace {
 constexpr double kInnerShare = 0.85;
 /// Fewer pixels than this do not determine a slope.
 constexpr std::size_t kMinPixels = 30;
-/// Depth sensors match windows: errors of neighbouring pixels are correlated over this area [px].
-constexpr double kCorrelationArea = 30.0;
-/// A sensor's systematic error varies over the image: correlation length, as a share of the
-/// distance.
-constexpr double kDistortionLength = 0.3;
 /// Tukey's biweight rejects residuals beyond this many standard deviations; 4.685 keeps 95 %
 /// efficiency.
 constexpr double kTukey = 4.685;
@@ -115,7 +110,7 @@ double residual_scale(const std::vector<InverseDepth>& samples, const Eigen::Vec
 std::optional<PlaneMeasurement> measure_tag_plane(const DepthImage& depth, const DepthNoise& noise,
                                                   const CameraModel& camera,
                                                   const std::array<Eigen::Vector2d, 4>& corners,
-                                                  int tag_count) {
+                                                  int tag_count, const BodyPoseOptions& options) {
   const Eigen::Vector2d centre =
       camera.normalise(0.25 * (corners[0] + corners[1] + corners[2] + corners[3]));
   const std::vector<InverseDepth> samples = collect_samples(depth, noise, camera, corners, centre);
@@ -131,10 +126,11 @@ std::optional<PlaneMeasurement> measure_tag_plane(const DepthImage& depth, const
     return std::nullopt;
   }
 
-  Eigen::Matrix3d covariance = fit.information.inverse() * (scale * scale * kCorrelationArea);
+  Eigen::Matrix3d covariance =
+      fit.information.inverse() * (scale * scale * options.depth_correlation_area);
   const double z = 1.0 / fit.solution.z();
   const double systematic = noise.depth_std(z) / (z * z);
-  const double slope = systematic / kDistortionLength;
+  const double slope = systematic / options.distortion_length;
   covariance.diagonal() +=
       tag_count * Eigen::Vector3d(slope * slope, slope * slope, systematic * systematic);
 

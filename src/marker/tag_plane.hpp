@@ -10,6 +10,7 @@
 #include "pcavr/geometry/camera.hpp"
 #include "pcavr/geometry/depth_noise.hpp"
 #include "pcavr/geometry/image.hpp"
+#include "pcavr/marker/body_pose.hpp"
 
 namespace pcavr {
 
@@ -25,6 +26,6 @@ struct PlaneMeasurement {
 /// error, assumed as large as its noise, is not reduced by averaging over them.
 [[nodiscard]] std::optional<PlaneMeasurement> measure_tag_plane(
     const DepthImage& depth, const DepthNoise& noise, const CameraModel& camera,
-    const std::array<Eigen::Vector2d, 4>& corners, int tag_count);
+    const std::array<Eigen::Vector2d, 4>& corners, int tag_count, const BodyPoseOptions& options);
 
 }  // namespace pcavr

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <optional>
+
+#include <fmt/core.h>
 
 #include "pcavr/geometry/pixel.hpp"
 
@@ -25,9 +26,7 @@ constexpr double kCutMark = 4.0;
 
 /// A number for a label: two decimals without trailing zeros.
 std::string label_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f", value);
-  std::string result = text;
+  std::string result = fmt::format("{:.2f}", value);
   while (result.back() == '0') result.pop_back();
   if (result.back() == '.') result.pop_back();
   return result;
@@ -156,8 +155,7 @@ SheetPage empty_page(const TagSheetOptions& options) {
 }
 
 std::string manifest_lines(const TagSheetOptions& options) {
-  char size[32];
-  std::snprintf(size, sizeof size, "%.9g", options.size);
+  const std::string size = fmt::format("{:.9g}", options.size);
   std::string yaml = "markers:\n";
   for (const int id : options.ids) {
     yaml += "  - family: " + options.family + "\n    id: " + std::to_string(id) +

@@ -19,8 +19,6 @@ namespace {
 
 /// A volume below this share of its bounding cube is rounding error of single precision.
 constexpr double kMinVolumeShare = 1e-7;
-/// Relative volume change above which a simplified mesh has lost parts of the body.
-constexpr double kMaxVolumeChange = 0.02;
 
 Error no_volume_error(const fs::path& source, const std::string& reason) {
   return {.message = "CAD mesh has no volume: " + reason,
@@ -44,13 +42,14 @@ void flip_winding(TriangleMesh& mesh) {
 /// of the same volume.
 std::optional<CadModel::Simplification> simplify(const CadOptions& options, double volume,
                                                  TriangleMesh& shape) {
-  if (shape.triangles.size() <= options.max_triangles) return std::nullopt;
-  TriangleMesh simple =
-      model::without_degenerate_triangles(model::simplified_cad(shape, options.max_triangles));
+  const auto max_triangles = static_cast<std::size_t>(options.max_triangles);
+  if (shape.triangles.size() <= max_triangles) return std::nullopt;
+  TriangleMesh simple = model::without_degenerate_triangles(
+      model::simplified_cad(shape, max_triangles, options.max_error));
   // Very thin parts may have vanished.
   const bool is_valid =
       !simple.triangles.empty() && model::find_open_edges(simple).count == 0 &&
-      std::abs(model::mass_properties(simple).volume - volume) < kMaxVolumeChange * volume;
+      std::abs(model::mass_properties(simple).volume - volume) < options.max_volume_change * volume;
   if (!is_valid || simple.triangles.size() >= shape.triangles.size()) return std::nullopt;
   const CadModel::Simplification result{shape.triangles.size(),
                                         model::hausdorff_distance(shape, simple)};
@@ -99,7 +98,7 @@ Expected<CadModel> model_of_shape(TriangleMesh shape, const std::string& name,
 Expected<CadModel> make_cad_model(const TriangleMesh& mesh_object, const std::string& name,
                                   const fs::path& source, const CadOptions& options) {
   for (const Eigen::Vector3f& vertex : mesh_object.vertices) {
-    PCAVR_REQUIRE(vertex.allFinite(), vertex.transpose());
+    PCAVR_REQUIRE(vertex.allFinite(), vertex.x(), vertex.y(), vertex.z());
   }
   // Positions only: different normals or colours would prevent welding the corners of a box.
   TriangleMesh shape;

@@ -23,10 +23,7 @@ constexpr std::size_t kMaxCollapsedDirectly = 300'000;
 constexpr double kClusters = 100'000.0;
 // Clusters that a grid makes per cell's area of a surface.
 constexpr double kClustersPerCellArea = 1.75;
-// Maximum rms error of edge collapse [m]: half the noise of a good tracked pose. Bodies with fine
-// detail keep more triangles.
-constexpr double kMaxCollapseError = 5e-4;
-constexpr double kSamplesAcross = 256.0;        // of the diagonal
+constexpr double kSamplesAcross = 256.0;        // of the diagonal: 1 mm on a body of 0.25 m
 constexpr std::size_t kMaxSamples = 2'000'000;  // on large triangles: a second of work
 constexpr std::size_t kGrain = 8192;            // points per parallel task
 constexpr double kRounding = 1e-7;              // [m] of single precision coordinates of a metre
@@ -104,12 +101,12 @@ float max_distance(const std::vector<Eigen::Vector3f>& points, const SurfaceQuer
 
 }  // namespace
 
-TriangleMesh simplified_cad(const TriangleMesh& full, std::size_t max_triangles) {
+TriangleMesh simplified_cad(const TriangleMesh& full, std::size_t max_triangles, double max_error) {
   if (full.triangles.size() <= kMaxCollapsedDirectly) {
-    return simplified(full, max_triangles, kMaxCollapseError);
+    return simplified(full, max_triangles, max_error);
   }
   const double cell = std::sqrt(kClustersPerCellArea * surface_area(full) / kClusters);
-  return simplified(cluster_vertices(full, cell), max_triangles, kMaxCollapseError);
+  return simplified(cluster_vertices(full, cell), max_triangles, max_error);
 }
 
 double hausdorff_distance(const TriangleMesh& full, const TriangleMesh& simple) {

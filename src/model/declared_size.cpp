@@ -125,8 +125,8 @@ std::uint32_t read_uint32(const std::string& bytes, std::size_t at) {
 /// A binary STL is an arbitrary header of 80 bytes, a count, and 50 bytes per triangle. An ASCII
 /// STL has no count.
 std::optional<std::string> find_stl_mismatch(const FileStart& start) {
-  constexpr std::size_t kHeader = 84;
-  constexpr std::uintmax_t kTriangle = 50;
+  constexpr std::size_t kHeader = 84;       // 80 bytes of text and the count
+  constexpr std::uintmax_t kTriangle = 50;  // 12 floats and 2 bytes of attributes
   const bool is_text =
       start.text.starts_with("solid") && start.text.find("facet") != std::string::npos;
   if (is_text || start.text.size() < kHeader) return std::nullopt;
@@ -153,7 +153,7 @@ std::optional<std::string> find_glb_mismatch(const FileStart& start) {
 /// Whether JSON brackets nest deeper than any exporter's: assimp's recursive parser would overflow
 /// the stack. Brackets in strings do not count; the binary chunk of a .glb is not scanned.
 bool is_nested_too_deeply(const fs::path& file, std::uintmax_t begin, std::uintmax_t end) {
-  constexpr int kMaxDepth = 200;
+  constexpr int kMaxDepth = 200;  // a recursive reader stays within its stack
   std::ifstream stream(file, std::ios::binary);
   stream.seekg(static_cast<std::streamoff>(begin));
   int depth = 0;

@@ -15,7 +15,7 @@ namespace {
 constexpr double kDistortionMargin = 0.1;
 constexpr int kEdgePoints = 9;
 
-constexpr std::size_t kRowsPerTask = 8;
+constexpr std::size_t kRowsPerTask = 8;  // amortises the scheduling of a task
 
 /// Extends `pixels` by the projections of points along the twelve edges of a box.
 void extend_by_edges(const Eigen::AlignedBox3f& box_mesh, const CameraModel& camera,

@@ -110,8 +110,8 @@ std::string extension_of(const fs::path& file) {
 
 // ---- STL: 80 bytes of header, a count, then 50 bytes a triangle: normal, corners, two bytes.
 
-constexpr std::size_t kStlHeader = 84;
-constexpr std::size_t kStlTriangle = 50;
+constexpr std::size_t kStlHeader = 84;    // 80 bytes of text and the count
+constexpr std::size_t kStlTriangle = 50;  // 12 floats and 2 bytes of attributes
 
 std::optional<TriangleMesh> read_stl(const fs::path& file, std::uintmax_t size) {
   ByteReader bytes(file);

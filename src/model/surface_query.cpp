@@ -31,7 +31,7 @@ constexpr float kRadiusFactor = 1.0F + 1e-6F;
 
 void require_valid(const TriangleMesh& mesh) {
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
-    PCAVR_REQUIRE(vertex.allFinite(), vertex.transpose());
+    PCAVR_REQUIRE(vertex.allFinite(), vertex.x(), vertex.y(), vertex.z());
   }
   for (const auto& triangle : mesh.triangles) {
     for (const std::uint32_t index : triangle) {

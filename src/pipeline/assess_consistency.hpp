@@ -14,14 +14,14 @@ namespace pcavr {
 /// Checks of the CAD bodies alone, before any frame is read; `surfaces` are the bodies'.
 [[nodiscard]] std::vector<ConsistencyFinding> check_bodies(
     const Recording& recording, const std::vector<MovableBody>& bodies,
-    const std::vector<SurfaceQuery>& surfaces);
+    const std::vector<SurfaceQuery>& surfaces, const ConsistencyOptions& options = {});
 
 /// Adds the checks that need frames to the bodies' `findings`; contradictions first. `track` may be
 /// empty where nothing was tracked.
 [[nodiscard]] std::vector<ConsistencyFinding> assess_consistency(
     const Recording& recording, const std::vector<MovableBody>& bodies,
     const ConsistencyObservations& seen, const CameraTrack& track,
-    std::vector<ConsistencyFinding> findings);
+    std::vector<ConsistencyFinding> findings, const ConsistencyOptions& options = {});
 
 /// Contradictions first, otherwise in the same order.
 [[nodiscard]] std::vector<ConsistencyFinding> sorted(std::vector<ConsistencyFinding> findings);

@@ -14,6 +14,7 @@
 #include "pcavr/model/mesh_simplification.hpp"
 #include "pcavr/reconstruction/cloud_filter.hpp"
 #include "pcavr/reconstruction/depth_filter.hpp"
+#include "pcavr/reconstruction/measured_cloud.hpp"
 #include "pcavr/reconstruction/mesh_cleanup.hpp"
 #include "pcavr/reconstruction/tsdf_volume.hpp"
 #include "pcavr/scene/support_plane.hpp"
@@ -31,17 +32,26 @@ namespace {
 
 /// What a headset renders at 72 Hz, and two coarser levels for distant views [triangles].
 constexpr std::size_t kLevelOfDetailTriangles[] = {300'000, 75'000, 20'000};
-/// Maximum error of the finest level as a share of a voxel; each further level may have four times
-/// that of the previous one.
-constexpr double kLevelOfDetailError = 0.5;
+
+TsdfOptions fusion_options(const BuildOptions& options) {
+  TsdfOptions fusion = options.fusion;
+  fusion.depth_noise = options.perception.depth_noise;
+  return fusion;
+}
+
+OccupancyOptions occupancy_options(const BuildOptions& options) {
+  OccupancyOptions occupancy = options.occupancy;
+  occupancy.max_range = options.perception.depth_noise.max_depth;
+  return occupancy;
+}
 
 /// The result of the second pass: the static scene, and the tracks of its bodies.
 class Fusion {
  public:
   Fusion(const CameraModel& camera, std::size_t bodies, const BuildOptions& options)
-      : volume({.voxel_size = options.voxel_size, .depth_noise = options.depth_noise}),
-        occupancy({.resolution = options.occupancy_resolution,
-                   .max_range = options.depth_noise.max_depth}),
+      : volume(fusion_options(options)),
+        occupancy(occupancy_options(options)),
+        cloud(options.fusion.voxel_size, options.perception.depth_noise),
         tracks(bodies),
         camera_(camera),
         options_(options),
@@ -57,8 +67,12 @@ class Fusion {
         is_one_grid ? ColorImage()
                     : color_on_grid(followed.frame.color, camera.width, camera.height);
     const ColorImage& color = is_one_grid ? followed.frame.color : coarse;
-    const DepthImage depth = filter_depth(raw, camera, options_.depth_noise, options_.parallelism);
+    const DepthImage depth =
+        filter_depth(raw, camera, options_.perception.depth_noise, options_.parallelism);
     // In parallel with the fusion, because neither of them uses both cores fully.
+    std::future<void> averaged = async_if_parallel(options_.parallelism, [&] {
+      cloud.add(depth, color, followed.is_dynamic, camera, followed.T_base_camera);
+    });
     std::future<void> carved;
     if (!last_carved_ || stamp - *last_carved_ >= occupancy_interval_) {
       last_carved_ = stamp;
@@ -69,12 +83,14 @@ class Fusion {
     volume.integrate(depth, color, followed.is_dynamic, camera, followed.T_base_camera,
                      options_.parallelism);
     if (carved.valid()) carved.get();
+    averaged.get();
     for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].push_back(followed.objects[i]);
     camera_trajectory.append(stamp, followed.T_base_camera);
   }
 
   TsdfVolume volume;
   OccupancyMap occupancy;
+  MeasuredCloud cloud;
   std::vector<std::vector<ObjectObservation>> tracks;  ///< by body
   Trajectory camera_trajectory;
 
@@ -85,9 +101,9 @@ class Fusion {
   std::optional<Stamp> last_carved_;
 };
 
-std::vector<TriangleMesh> levels_of_detail(const TriangleMesh& mesh, double voxel_size) {
+std::vector<TriangleMesh> levels_of_detail(const TriangleMesh& mesh, const BuildOptions& options) {
   std::vector<TriangleMesh> levels;
-  double max_error = kLevelOfDetailError * voxel_size;
+  double max_error = options.level_of_detail_error * options.fusion.voxel_size;
   for (const std::size_t triangles : kLevelOfDetailTriangles) {
     levels.push_back(simplified(levels.empty() ? mesh : levels.back(), triangles, max_error));
     max_error *= 4.0;
@@ -95,9 +111,17 @@ std::vector<TriangleMesh> levels_of_detail(const TriangleMesh& mesh, double voxe
   return levels;
 }
 
-/// The mesh's vertices are the registered cloud, averaged over all frames: about a point per voxel.
-PointCloud cloud_of(const TriangleMesh& mesh) {
-  return remove_outliers({mesh.vertices, mesh.normals, mesh.colors});
+/// Distance from the mesh within which measured points are of its surface [voxels]; half the
+/// truncation distance. Points farther away are of things that moved, or outliers.
+constexpr double kMaxMeshDistance = 2.0;
+
+/// The registered cloud: the measured points of all frames, without those that are not of the
+/// static surface.
+PointCloud registered_cloud(const MeasuredCloud& measured, const TriangleMesh& mesh,
+                            const BuildOptions& options) {
+  const PointCloud points = measured.points(static_cast<int>(std::ceil(options.min_weight)));
+  return remove_outliers(points_near(points, mesh, kMaxMeshDistance * options.fusion.voxel_size),
+                         options.outliers);
 }
 
 SceneObject to_scene_object(const MovableBody& body, const std::vector<ObjectObservation>& track) {
@@ -163,8 +187,8 @@ CameraSteps steps_of(const Trajectory& camera) {
 Error empty_scene_error(const Recording& recording, const Survey& survey, const Trajectory& camera,
                         const BuildOptions& options) {
   const EmptySceneCause cause =
-      explain_empty_scene(survey.depth, options.depth_noise, recording.manifest.depth_scale,
-                          steps_of(camera), options.min_weight);
+      explain_empty_scene(survey.depth, options.perception.depth_noise,
+                          recording.manifest.depth_scale, steps_of(camera), options.min_weight);
   return {.message = "the frames yield no surface: " + cause.message,
           .file = recording.folder.string(),
           .hint = cause.hint};
@@ -172,12 +196,13 @@ Error empty_scene_error(const Recording& recording, const Survey& survey, const 
 
 /// Objects without a pose although their tags were detected.
 std::vector<ConsistencyFinding> rejected_tags(const Recording& recording, const Survey& survey,
-                                              const std::vector<SceneObject>& objects) {
+                                              const std::vector<SceneObject>& objects,
+                                              const BodyPoseOptions& options) {
   std::vector<ConsistencyFinding> findings;
   for (const SceneObject& object : objects) {
     if (object.evidence != kNotSeen && object.evidence != "manifest") continue;
     const std::string reason =
-        explain_rejected_tags(recording, survey.detections, object.model.name);
+        explain_rejected_tags(recording, survey.detections, object.model.name, options);
     if (reason.empty()) continue;
     findings.push_back({.file = "recording.yaml",
                         .place = "markers",
@@ -193,8 +218,8 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
                             const Observer& observer) {
   warn_of_clocks(recording, observer);
   if (!recording.manifest.camera || recording.frames.empty()) {
-    Expected<Scene> scene =
-        scene_from_manifest(recording, options.voxel_size, options.occupancy_resolution);
+    Expected<Scene> scene = scene_from_manifest(recording, options.fusion.voxel_size,
+                                                occupancy_options(options), options.perception.cad);
     if (scene) {
       for (const SceneObject& object : scene->objects) report_simplified(object.model, observer);
       observer.on_warning(
@@ -203,14 +228,15 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
     return scene;
   }
   StageClock clock;
-  const SurveyOptions survey_options{.depth_noise = options.depth_noise,
+  const SurveyOptions survey_options{.perception = options.perception,
                                      .trust_poses = options.trust_poses,
                                      .skip_bad = options.skip_bad,
                                      .parallelism = options.parallelism};
 
   // Registration: tag detection and the camera's poses in base.
   clock.begin("tags and camera");
-  const Expected<std::vector<MovableBody>> bodies = load_movable_bodies(recording);
+  const Expected<std::vector<MovableBody>> bodies =
+      load_movable_bodies(recording, options.perception.cad);
   if (!bodies) return bodies.error();
   for (const MovableBody& body : *bodies) report_simplified(body.model, observer);
   const Expected<Survey> survey = survey_recording(recording, *bodies, survey_options, observer);
@@ -244,18 +270,21 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
               .camera_trajectory = std::move(fusion.camera_trajectory),
               .quality = {},
               .recording = recording.folder.string(),
-              .voxel_size = options.voxel_size};
-  std::future<PointCloud> cloud =
-      async_if_parallel(options.parallelism, [&] { return cloud_of(scene.mesh_base); });
-  scene.levels_of_detail_base = levels_of_detail(scene.mesh_base, options.voxel_size);
+              .voxel_size = options.fusion.voxel_size};
+  std::future<PointCloud> cloud = async_if_parallel(options.parallelism, [&] {
+    return registered_cloud(fusion.cloud, scene.mesh_base, options);
+  });
+  scene.levels_of_detail_base = levels_of_detail(scene.mesh_base, options);
   scene.cloud_base = cloud.get();
   for (std::size_t i = 0; i < bodies->size(); ++i) {
     scene.objects.push_back(to_scene_object((*bodies)[i], fusion.tracks[i]));
   }
   clock.begin("support and quality");
-  scene.support_planes = find_support_planes(scene.mesh_base, standing_bodies(scene.objects));
-  scene.quality = assess_quality(recording, *survey, scene);
-  for (const ConsistencyFinding& finding : rejected_tags(recording, *survey, scene.objects)) {
+  scene.support_planes =
+      find_support_planes(scene.mesh_base, standing_bodies(scene.objects), options.support_planes);
+  scene.quality = assess_quality(recording, *survey, scene, options.max_surface_distance);
+  for (const ConsistencyFinding& finding :
+       rejected_tags(recording, *survey, scene.objects, options.perception.body_pose)) {
     observer.on_warning(finding.to_string());
     scene.quality.input_warnings.push_back(to_warning(finding));
   }

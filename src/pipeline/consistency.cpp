@@ -63,8 +63,8 @@ std::vector<std::size_t> consecutive_frames(const Recording& recording) {
   return chosen;
 }
 
-Expected<CameraTrack> track_some(const Recording& recording, const DepthNoise& noise) {
-  CameraTracker tracker(recording.manifest, {}, {.depth_noise = noise});
+Expected<CameraTrack> track_some(const Recording& recording, const PerceptionOptions& options) {
+  CameraTracker tracker(recording.manifest, {}, camera_options(options));
   for (const std::size_t index : consecutive_frames(recording)) {
     const Expected<RgbdFrame> frame = decode_frame(recording, index);
     if (!frame) return frame.error();
@@ -74,11 +74,12 @@ Expected<CameraTrack> track_some(const Recording& recording, const DepthNoise& n
 }
 
 /// The movable objects that have a CAD body; a missing one is reported by build.
-Expected<std::vector<MovableBody>> bodies_with_mesh(const Recording& recording) {
+Expected<std::vector<MovableBody>> bodies_with_mesh(const Recording& recording,
+                                                    const CadOptions& options) {
   std::vector<MovableBody> bodies;
   for (const ObjectEntry& entry : recording.manifest.objects) {
     if (!entry.is_movable || entry.mesh.empty()) continue;
-    Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name);
+    Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name, options);
     if (!model) return model.error();
     bodies.push_back({entry, *std::move(model), object_placements(recording.manifest, entry.name)});
   }
@@ -89,11 +90,12 @@ Expected<std::vector<MovableBody>> bodies_with_mesh(const Recording& recording) 
 Expected<ConsistencyObservations> observe_some(const Recording& recording,
                                                const std::vector<MovableBody>& bodies,
                                                const std::vector<SurfaceQuery>& surfaces,
-                                               const DepthNoise& noise) {
-  Expected<std::optional<TagDetector>> detector = make_tag_detector(recording);
+                                               const PerceptionOptions& options) {
+  Expected<std::optional<TagDetector>> detector =
+      make_tag_detector(recording, options.tag_detector);
   if (!detector) return detector.error();
   const std::vector<std::size_t> chosen = spread_frames(recording.frames.size(), kInspectedFrames);
-  ConsistencyCollector collector(recording.manifest, noise, surfaces, chosen.size());
+  ConsistencyCollector collector(recording.manifest, options.depth_noise, surfaces, chosen.size());
   for (const std::size_t index : chosen) {
     const Expected<RgbdFrame> frame = decode_frame(recording, index);
     if (!frame) return frame.error();
@@ -101,8 +103,9 @@ Expected<ConsistencyObservations> observe_some(const Recording& recording,
     if (*detector) detections = (*detector)->detect(to_gray(frame->color));
     std::vector<std::optional<Pose>> T_camera_body;
     for (const MovableBody& body : bodies) {
-      const BodyPose pose = solve_body_pose(body.tags, detections, *recording.manifest.camera,
-                                            {.depth = &frame->depth, .depth_noise = noise});
+      const BodyPose pose = solve_body_pose(
+          body.tags, detections, *recording.manifest.camera,
+          {.depth = &frame->depth, .depth_noise = options.depth_noise}, options.body_pose);
       T_camera_body.push_back(pose.status == BodyPoseStatus::solved
                                   ? std::optional<Pose>(pose.pose.T_camera_body)
                                   : std::nullopt);
@@ -137,10 +140,12 @@ Error contradiction_error(const Recording& recording,
 
 std::vector<ConsistencyFinding> check_bodies(const Recording& recording,
                                              const std::vector<MovableBody>& bodies,
-                                             const std::vector<SurfaceQuery>& surfaces) {
+                                             const std::vector<SurfaceQuery>& surfaces,
+                                             const ConsistencyOptions& options) {
   std::vector<ConsistencyFinding> findings;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    append(findings, check_body(recording.manifest, bodies[i].entry, bodies[i].model, surfaces[i]));
+    append(findings,
+           check_body(recording.manifest, bodies[i].entry, bodies[i].model, surfaces[i], options));
   }
   return findings;
 }
@@ -149,33 +154,35 @@ std::vector<ConsistencyFinding> assess_consistency(const Recording& recording,
                                                    const std::vector<MovableBody>& bodies,
                                                    const ConsistencyObservations& seen,
                                                    const CameraTrack& track,
-                                                   std::vector<ConsistencyFinding> findings) {
+                                                   std::vector<ConsistencyFinding> findings,
+                                                   const ConsistencyOptions& options) {
   const Manifest& manifest = recording.manifest;
   const std::size_t min_frames = std::min(kMinFindingFrames, recording.frames.size());
-  const auto focal_lengths = check_focal_lengths(manifest, seen.tags, min_frames);
+  const auto focal_lengths = check_focal_lengths(manifest, seen.tags, min_frames, options);
   if (focal_lengths) {
     findings.push_back(*focal_lengths);
     // The following checks use these focal lengths.
     if (is_contradiction(*focal_lengths)) return sorted(std::move(findings));
   }
-  std::vector<ScaleRatio> ratios = tag_ratios(manifest, seen.tags, min_frames);
-  const auto motion = check_camera_motion(track, recording.groundtruth);
+  std::vector<ScaleRatio> ratios = tag_ratios(manifest, seen.tags, min_frames, options);
+  const auto motion = check_camera_motion(track, recording.groundtruth, options);
   if (motion) findings.push_back(*motion);
   // The unit of poses in another convention can't be checked.
-  const auto distance = motion_ratio(track, recording.groundtruth);
+  const auto distance = motion_ratio(track, recording.groundtruth, options);
   if (distance && !(motion && is_contradiction(*motion))) ratios.push_back(*distance);
-  const std::vector<ConsistencyFinding> scales = check_scales(manifest, ratios);
+  const std::vector<ConsistencyFinding> scales = check_scales(manifest, ratios, options);
   append(findings, scales);
   if (has_contradiction(scales)) return sorted(std::move(findings));
 
   std::vector<Stamp> depth_stamps;
   for (const FrameFiles& frame : recording.frames) depth_stamps.push_back(frame.depth_stamp);
   if (const auto offset = check_camera_offset(manifest, recording.groundtruth, seen.tags,
-                                              depth_stamps, min_frames)) {
+                                              depth_stamps, min_frames, options)) {
     findings.push_back(*offset);
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const auto outline = check_outline(manifest, bodies[i].entry, seen.outlines[i], min_frames);
+    const auto outline =
+        check_outline(manifest, bodies[i].entry, seen.outlines[i], min_frames, options);
     if (outline) add_outline_finding(findings, *outline);
   }
   return sorted(std::move(findings));
@@ -187,24 +194,26 @@ std::vector<ConsistencyFinding> sorted(std::vector<ConsistencyFinding> findings)
 }
 
 Expected<std::vector<ConsistencyFinding>> inspect_consistency(const Recording& recording,
-                                                              const DepthNoise& depth_noise) {
-  const Expected<std::vector<MovableBody>> bodies = bodies_with_mesh(recording);
+                                                              const PerceptionOptions& options) {
+  const Expected<std::vector<MovableBody>> bodies = bodies_with_mesh(recording, options.cad);
   if (!bodies) return bodies.error();
   std::vector<SurfaceQuery> surfaces;
   for (const MovableBody& body : *bodies) surfaces.emplace_back(body.model.mesh_object);
-  std::vector<ConsistencyFinding> findings = check_bodies(recording, *bodies, surfaces);
+  std::vector<ConsistencyFinding> findings =
+      check_bodies(recording, *bodies, surfaces, options.consistency);
   if (!recording.manifest.camera || recording.frames.empty()) return sorted(std::move(findings));
 
   const Expected<ConsistencyObservations> seen =
-      observe_some(recording, *bodies, surfaces, depth_noise);
+      observe_some(recording, *bodies, surfaces, options);
   if (!seen) return seen.error();
   CameraTrack track;
   if (!recording.groundtruth.empty()) {
-    Expected<CameraTrack> tracked = track_some(recording, depth_noise);
+    Expected<CameraTrack> tracked = track_some(recording, options);
     if (!tracked) return tracked.error();
     track = *std::move(tracked);
   }
-  return assess_consistency(recording, *bodies, *seen, track, std::move(findings));
+  return assess_consistency(recording, *bodies, *seen, track, std::move(findings),
+                            options.consistency);
 }
 
 }  // namespace pcavr

@@ -11,8 +11,6 @@
 namespace pcavr {
 namespace {
 
-/// Objects on a table are smaller; a mesh in millimetres or inches is larger [m].
-constexpr double kMaxUsualSize = 2.0;
 /// Larger than the view of a camera with a range of 5 m [m].
 constexpr double kMaxSize = 20.0;
 /// Smaller than a pixel at half a metre [m].
@@ -20,8 +18,7 @@ constexpr double kMinSize = 0.001;
 /// Lighter than expanded foam or heavier than any metal [kg/m^3].
 constexpr double kMinDensity = 1.0;
 constexpr double kMaxDensity = 25000.0;
-/// A tag's plate or foam board offsets it from the body [m, and share of the body's size].
-constexpr double kTagOffset = 0.015;
+/// As ConsistencyOptions::tag_offset, as a share of the body's size: plates of large bodies.
 constexpr double kTagOffsetShare = 0.05;
 /// A tag counts as on a scaled body within this distance [share of the scaled body's size].
 constexpr double kFitShare = 0.02;
@@ -85,16 +82,16 @@ class TagsOnBody {
 };
 
 std::optional<ConsistencyFinding> check_size(const std::string& key, const ObjectEntry& entry,
-                                             const Eigen::Vector3f& sizes) {
+                                             const Eigen::Vector3f& sizes, double max_usual_size) {
   const double largest = static_cast<double>(sizes.maxCoeff());
-  if (largest >= kMinSize && largest <= kMaxUsualSize) return std::nullopt;
+  if (largest >= kMinSize && largest <= max_usual_size) return std::nullopt;
   return ConsistencyFinding{
       .severity = largest > kMaxSize ? FindingSeverity::contradiction : FindingSeverity::warning,
       .file = "recording.yaml",
       .place = key + ".mesh",
       .message = entry.mesh.string() + " is " + shape_of(sizes) +
-                 (largest > kMaxUsualSize ? ", larger than any object that a tool moves on a table"
-                                          : ", smaller than a pixel of a depth camera"),
+                 (largest > max_usual_size ? ", larger than any object that a tool moves on a table"
+                                           : ", smaller than a pixel of a depth camera"),
       .hint = "check that the mesh is in metres"};
 }
 
@@ -112,8 +109,8 @@ std::optional<ConsistencyFinding> check_density(const std::string& key, const Ob
 }
 
 std::optional<ConsistencyFinding> check_tags(const Manifest& manifest, const std::string& key,
-                                             const ObjectEntry& entry,
-                                             const SurfaceQuery& surface) {
+                                             const ObjectEntry& entry, const SurfaceQuery& surface,
+                                             double tag_offset) {
   std::vector<Eigen::Vector3d> tags;
   for (const MarkerEntry& marker : manifest.markers) {
     if (marker.role != MarkerRole::object || marker.object != entry.name) continue;
@@ -122,7 +119,7 @@ std::optional<ConsistencyFinding> check_tags(const Manifest& manifest, const std
   if (tags.empty()) return std::nullopt;
   const TagsOnBody body(tags, surface);
   const double distance = body.distance(1.0);
-  if (distance <= std::max(kTagOffset, kTagOffsetShare * body.size())) return std::nullopt;
+  if (distance <= std::max(tag_offset, kTagOffsetShare * body.size())) return std::nullopt;
   ConsistencyFinding finding{
       .file = "recording.yaml",
       .place = key + ".mesh",
@@ -142,11 +139,13 @@ std::optional<ConsistencyFinding> check_tags(const Manifest& manifest, const std
 }  // namespace
 
 std::vector<ConsistencyFinding> check_body(const Manifest& manifest, const ObjectEntry& entry,
-                                           const CadModel& model, const SurfaceQuery& surface) {
+                                           const CadModel& model, const SurfaceQuery& surface,
+                                           const ConsistencyOptions& options) {
   const std::string key = key_of_object(manifest, entry.name);
   std::vector<ConsistencyFinding> findings;
   for (const auto& finding :
-       {check_tags(manifest, key, entry, surface), check_size(key, entry, surface.bounds().sizes()),
+       {check_tags(manifest, key, entry, surface, options.tag_offset),
+        check_size(key, entry, surface.bounds().sizes(), options.max_body_size),
         check_density(key, entry, model.volume)}) {
     if (finding) findings.push_back(*finding);
   }
@@ -154,7 +153,8 @@ std::vector<ConsistencyFinding> check_body(const Manifest& manifest, const Objec
 }
 
 std::optional<ConsistencyFinding> check_outline(const Manifest& manifest, const ObjectEntry& entry,
-                                                const OutlineFit& fit, std::size_t min_frames) {
+                                                const OutlineFit& fit, std::size_t min_frames,
+                                                const ConsistencyOptions& options) {
   /// Another scale is accepted where it explains more pixels by this factor.
   constexpr double kDecisiveFactor = 1.5;
   /// And where the depth lies on most of the scaled body [share of its outline's pixels].
@@ -168,8 +168,8 @@ std::optional<ConsistencyFinding> check_outline(const Manifest& manifest, const 
   const double scale = kOutlineScales[best];
   const double factor = std::max(scale, 1.0 / scale);
   return ConsistencyFinding{
-      .severity = factor >= kContradictionFactor ? FindingSeverity::contradiction
-                                                 : FindingSeverity::warning,
+      .severity = factor >= options.contradiction_factor ? FindingSeverity::contradiction
+                                                         : FindingSeverity::warning,
       .file = "recording.yaml",
       .place = key_of_object(manifest, entry.name) + ".mesh",
       .message = entry.mesh.string() + " does not have the size that depth measures: scaled by " +

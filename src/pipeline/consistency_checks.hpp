@@ -39,45 +39,49 @@ struct ScaleRatio {
 /// The sizes of the tags seen, and the distances of those seen together.
 [[nodiscard]] std::vector<ScaleRatio> tag_ratios(const Manifest& manifest,
                                                  const std::vector<TagMeasurement>& measurements,
-                                                 std::size_t min_frames);
+                                                 std::size_t min_frames,
+                                                 const ConsistencyOptions& options = {});
 
 /// The camera's path length by groundtruth.txt and by tracking the depth; nothing where the path is
 /// too short.
 [[nodiscard]] std::optional<ScaleRatio> motion_ratio(const CameraTrack& track,
-                                                     const Trajectory& groundtruth);
+                                                     const Trajectory& groundtruth,
+                                                     const ConsistencyOptions& options = {});
 
 /// The smallest set of wrong inputs that explains the ratios that are off. Where two explain them
 /// equally well, the finding names both.
 [[nodiscard]] std::vector<ConsistencyFinding> check_scales(const Manifest& manifest,
-                                                           const std::vector<ScaleRatio>& ratios);
+                                                           const std::vector<ScaleRatio>& ratios,
+                                                           const ConsistencyOptions& options = {});
 
 /// Focal lengths, by the shape of the tags measured by depth and image: a square remains a square
 /// for any size and any unit of depth. Nothing where another input explains the tags as well.
 [[nodiscard]] std::optional<ConsistencyFinding> check_focal_lengths(
     const Manifest& manifest, const std::vector<TagMeasurement>& measurements,
-    std::size_t min_frames);
+    std::size_t min_frames, const ConsistencyOptions& options = {});
 
 /// groundtruth.txt against tracking: rotations and directions of motion, independent of units.
-[[nodiscard]] std::optional<ConsistencyFinding> check_camera_motion(const CameraTrack& track,
-                                                                    const Trajectory& groundtruth);
+[[nodiscard]] std::optional<ConsistencyFinding> check_camera_motion(
+    const CameraTrack& track, const Trajectory& groundtruth,
+    const ConsistencyOptions& options = {});
 
 /// groundtruth.txt against the base tags, as measured by depth.
 [[nodiscard]] std::optional<ConsistencyFinding> check_camera_offset(
     const Manifest& manifest, const Trajectory& groundtruth,
     const std::vector<TagMeasurement>& measurements, const std::vector<Stamp>& depth_stamps,
-    std::size_t min_frames);
+    std::size_t min_frames, const ConsistencyOptions& options = {});
 
 /// A CAD body alone: size, density, and whether its tags lie on it.
 [[nodiscard]] std::vector<ConsistencyFinding> check_body(const Manifest& manifest,
                                                          const ObjectEntry& entry,
                                                          const CadModel& model,
-                                                         const SurfaceQuery& surface);
+                                                         const SurfaceQuery& surface,
+                                                         const ConsistencyOptions& options = {});
 
 /// A CAD body against the depth in its outline.
-[[nodiscard]] std::optional<ConsistencyFinding> check_outline(const Manifest& manifest,
-                                                              const ObjectEntry& entry,
-                                                              const OutlineFit& fit,
-                                                              std::size_t min_frames);
+[[nodiscard]] std::optional<ConsistencyFinding> check_outline(
+    const Manifest& manifest, const ObjectEntry& entry, const OutlineFit& fit,
+    std::size_t min_frames, const ConsistencyOptions& options = {});
 
 /// The probable cause of a scene without a surface.
 struct EmptySceneCause {

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
+
+#include <fmt/core.h>
 
 #include "pcavr/core/median.hpp"
 
@@ -19,11 +19,7 @@ constexpr double kMinInRange = 0.05;
 constexpr double kMaxFrameDistance = 0.5;
 constexpr double kMaxTurn = 45.0 * std::numbers::pi / 180.0;
 
-std::string per_cent(double share) {
-  std::array<char, 16> text{};
-  std::snprintf(text.data(), text.size(), "%.1f %%", 100.0 * share);
-  return text.data();
-}
+std::string per_cent(double share) { return fmt::format("{:.1f} %", 100.0 * share); }
 
 double part_of(std::size_t part, std::size_t all) {
   return all == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(all);

@@ -80,10 +80,11 @@ Fit fit(const Hypothesis& hypothesis, const std::vector<SquaredLength>& lengths)
 }
 
 ConsistencyFinding focal_finding(const Manifest& manifest, const Hypothesis& hypothesis,
-                                 const Fit& found, std::size_t frames) {
+                                 const Fit& found, std::size_t frames,
+                                 double contradiction_factor) {
   const CameraModel& camera = *manifest.camera;
   const double factor = std::max(found.factor, 1.0 / found.factor);
-  ConsistencyFinding finding{.severity = factor >= kContradictionFactor
+  ConsistencyFinding finding{.severity = factor >= contradiction_factor
                                              ? FindingSeverity::contradiction
                                              : FindingSeverity::warning,
                              .file = "recording.yaml",
@@ -111,7 +112,7 @@ ConsistencyFinding focal_finding(const Manifest& manifest, const Hypothesis& hyp
 
 std::optional<ConsistencyFinding> check_focal_lengths(
     const Manifest& manifest, const std::vector<TagMeasurement>& measurements,
-    std::size_t min_frames) {
+    std::size_t min_frames, const ConsistencyOptions& options) {
   /// A hypothesis is accepted where its residual is less than this share of the alternative's:
   /// improbable by chance over the many lengths of three frames.
   constexpr double kDecisiveShare = 0.5;
@@ -132,8 +133,8 @@ std::optional<ConsistencyFinding> check_focal_lengths(
   }
   const double factor = std::max(best_fit.factor, 1.0 / best_fit.factor);
   if (best == nullptr || best_fit.residual > kDecisiveShare * scale.residual) return std::nullopt;
-  if (!std::isfinite(factor) || factor < kWarningFactor) return std::nullopt;
-  return focal_finding(manifest, *best, best_fit, frames);
+  if (!std::isfinite(factor) || factor < options.warning_factor) return std::nullopt;
+  return focal_finding(manifest, *best, best_fit, frames, options.contradiction_factor);
 }
 
 }  // namespace pcavr

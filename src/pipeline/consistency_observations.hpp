@@ -34,7 +34,7 @@ struct TagMeasurement {
                                                         const CameraModel& camera,
                                                         const TagDetection& detection);
 
-/// Scales of a CAD body that are compared with the depth. The factors are 1 / kContradictionFactor
+/// Scales of a CAD body that are compared with the depth. The factors are 1 / 1.5
 /// apart at the ends, and finer in the range of warnings.
 inline constexpr std::array<double, 7> kOutlineScales = {0.5, 1.0 / 1.5, 0.8, 1.0, 1.25, 1.5, 2.0};
 inline constexpr std::size_t kUnscaled = 3;  ///< index of 1 above

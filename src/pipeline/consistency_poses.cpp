@@ -13,22 +13,11 @@
 namespace pcavr {
 namespace {
 
-/// groundtruth.txt and base tags: a hand-eye calibration has an error of 5 to 20 mm, an arm's
-/// commanded pose is another 15 mm and 2 degrees from its real one, at arm's length 20 mm more.
-constexpr double kWarningOffset = 0.05;  // [m]
-/// Larger errors are not calibration errors, and would duplicate surfaces.
-constexpr double kContradictionOffset = 0.15;  // [m]
-/// Relative rotation over a step: tracking drifts by less than a degree over such a step.
-constexpr double kWarningRotation = 3.0 * std::numbers::pi / 180.0;  // [rad]
-constexpr double kContradictionRotation = 10.0 * std::numbers::pi / 180.0;
 /// A step ends where the camera has rotated by this [rad], or moved by kMinStep.
 constexpr double kMinTurn = 5.0 * std::numbers::pi / 180.0;
-/// Direction of a motion in the camera's axes, over steps of at least this length [m]: tracking and
-/// given poses have errors of 2 to 3 mm each, which is 5 degrees; a mounting that is 10 degrees off
-/// the file's is a calibration error, one of 30 degrees is another convention.
+/// Minimum step whose direction is compared [m]: tracking and given poses have errors of 2 to 3 mm
+/// each, which is 5 degrees.
 constexpr double kMinStep = 0.05;
-constexpr double kWarningDirection = 10.0 * std::numbers::pi / 180.0;
-constexpr double kContradictionDirection = 30.0 * std::numbers::pi / 180.0;
 
 /// The correction of a common mistake in a file of poses.
 struct PoseCorrection {
@@ -162,13 +151,15 @@ StepErrors step_errors(const std::vector<Step>& all, Pose (*correct)(const Pose&
 }
 
 /// In multiples of the warning threshold.
-double severity_of(const StepErrors& errors) {
-  return std::max(errors.rotation / kWarningRotation, errors.direction / kWarningDirection);
+double severity_of(const StepErrors& errors, const ConsistencyOptions& options) {
+  return std::max(errors.rotation / options.warning_rotation,
+                  errors.direction / options.warning_direction);
 }
 
 }  // namespace
 
-std::optional<ScaleRatio> motion_ratio(const CameraTrack& track, const Trajectory& groundtruth) {
+std::optional<ScaleRatio> motion_ratio(const CameraTrack& track, const Trajectory& groundtruth,
+                                       const ConsistencyOptions& options) {
   /// Tracking drifts by up to this share of the path: alignment errors accumulate.
   constexpr double kDrift = 0.05;
   constexpr double kMinStated = 1e-6;  // [m]: avoids a division by 0 for a camera at rest
@@ -184,18 +175,19 @@ std::optional<ScaleRatio> motion_ratio(const CameraTrack& track, const Trajector
   return ScaleRatio{.kind = ScaleRatio::Kind::camera_motion,
                     .stated = typical,
                     .by_depth = typical * std::exp(median(std::move(logs))),
-                    .tolerance = std::log(kWarningFactor + kDrift),
+                    .tolerance = std::log(options.warning_factor + kDrift),
                     .frames = count};
 }
 
 std::optional<ConsistencyFinding> check_camera_motion(const CameraTrack& track,
-                                                      const Trajectory& groundtruth) {
+                                                      const Trajectory& groundtruth,
+                                                      const ConsistencyOptions& options) {
   const std::vector<Step> all = steps(track, groundtruth, has_moved_or_rotated);
   if (all.size() < kMinSteps) return std::nullopt;
   const StepErrors errors = step_errors(all, as_given);
-  if (severity_of(errors) < 1.0) return std::nullopt;
-  const bool is_contradiction =
-      errors.rotation >= kContradictionRotation || errors.direction >= kContradictionDirection;
+  if (severity_of(errors, options) < 1.0) return std::nullopt;
+  const bool is_contradiction = errors.rotation >= options.contradiction_rotation ||
+                                errors.direction >= options.contradiction_direction;
   ConsistencyFinding finding{
       .severity = is_contradiction ? FindingSeverity::contradiction : FindingSeverity::warning,
       .file = "groundtruth.txt",
@@ -206,7 +198,9 @@ std::optional<ConsistencyFinding> check_camera_motion(const CameraTrack& track,
       .hint = "check the order of its quaternions (qx qy qz qw), its frame and its clock",
       .frames = all.size()};
   for (const PoseCorrection& correction : kPoseCorrections) {
-    if (severity_of(step_errors(all, correction.apply)) < 1.0) finding.hint = correction.hint;
+    if (severity_of(step_errors(all, correction.apply), options) < 1.0) {
+      finding.hint = correction.hint;
+    }
   }
   return finding;
 }
@@ -214,15 +208,15 @@ std::optional<ConsistencyFinding> check_camera_motion(const CameraTrack& track,
 std::optional<ConsistencyFinding> check_camera_offset(
     const Manifest& manifest, const Trajectory& groundtruth,
     const std::vector<TagMeasurement>& measurements, const std::vector<Stamp>& depth_stamps,
-    std::size_t min_frames) {
+    std::size_t min_frames, const ConsistencyOptions& options) {
   const std::vector<BaseTagMeasurement> base_tags =
       base_tag_measurements(manifest, groundtruth, measurements, depth_stamps);
   if (base_tags.empty() || base_tags.size() < min_frames) return std::nullopt;
   const double offset = median_offset(base_tags, as_given);
-  if (offset < kWarningOffset) return std::nullopt;
+  if (offset < options.warning_offset) return std::nullopt;
   ConsistencyFinding finding{
-      .severity = offset >= kContradictionOffset ? FindingSeverity::contradiction
-                                                 : FindingSeverity::warning,
+      .severity = offset >= options.contradiction_offset ? FindingSeverity::contradiction
+                                                         : FindingSeverity::warning,
       .file = "groundtruth.txt",
       .message = "with its camera poses the base tags lie " + measured(offset) +
                  " from where recording.yaml puts them (median of " +
@@ -230,7 +224,9 @@ std::optional<ConsistencyFinding> check_camera_offset(
       .hint = "check that its frame is base and its unit metres, or the base markers' poses",
       .frames = base_tags.size()};
   for (const PoseCorrection& correction : kPoseCorrections) {
-    if (median_offset(base_tags, correction.apply) < kWarningOffset) finding.hint = correction.hint;
+    if (median_offset(base_tags, correction.apply) < options.warning_offset) {
+      finding.hint = correction.hint;
+    }
   }
   return finding;
 }

@@ -15,9 +15,6 @@
 namespace pcavr {
 namespace {
 
-/// Accuracy of a distance of two tags measured by depth [m]: twice a sensor's noise at 1.5 m, and
-/// the flatness of paper on a table.
-constexpr double kDistanceError = 0.012;
 /// Tags closer together than this do not determine a scale [m].
 constexpr double kMinTagDistance = 0.05;
 
@@ -182,7 +179,8 @@ std::string statement(const Manifest& manifest, const ScaleRatio& ratio) {
 
 /// `explained` are the ratios that the hypothesis explains; not empty.
 ConsistencyFinding finding_of(const Manifest& manifest, const FaultHypothesis& hypothesis,
-                              const std::vector<ScaleRatio>& explained) {
+                              const std::vector<ScaleRatio>& explained,
+                              const ConsistencyOptions& options) {
   const ScaleRatio& worst = *std::max_element(
       explained.begin(), explained.end(), [](const ScaleRatio& a, const ScaleRatio& b) {
         return std::abs(log_factor(a)) < std::abs(log_factor(b));
@@ -193,8 +191,8 @@ ConsistencyFinding finding_of(const Manifest& manifest, const FaultHypothesis& h
   finding.place = is_file ? "" : hypothesis.place;
   finding.factor = std::exp(std::abs(log_factor(worst)));
   finding.frames = worst.frames;
-  finding.severity = finding.factor >= kContradictionFactor ? FindingSeverity::contradiction
-                                                            : FindingSeverity::warning;
+  finding.severity = finding.factor >= options.contradiction_factor ? FindingSeverity::contradiction
+                                                                    : FindingSeverity::warning;
   finding.message =
       statement(manifest, worst) + " (" + factor_over_frames(finding.factor, finding.frames) + ")";
   finding.hint = "check " + hypothesis.check;
@@ -214,8 +212,8 @@ void describe_depth_scale(const Manifest& manifest, const std::vector<ScaleRatio
 }  // namespace
 
 std::vector<ScaleRatio> tag_ratios(const Manifest& manifest,
-                                   const std::vector<TagMeasurement>& tags,
-                                   std::size_t min_frames) {
+                                   const std::vector<TagMeasurement>& tags, std::size_t min_frames,
+                                   const ConsistencyOptions& options) {
   std::map<std::size_t, std::vector<double>> sizes;
   std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> distances;
   for (std::size_t i = 0; i < tags.size(); ++i) {
@@ -234,7 +232,7 @@ std::vector<ScaleRatio> tag_ratios(const Manifest& manifest,
                       .first = marker,
                       .stated = manifest.markers[marker].size,
                       .by_depth = median(lengths),
-                      .tolerance = std::log(kWarningFactor),
+                      .tolerance = std::log(options.warning_factor),
                       .frames = lengths.size()});
   }
   for (const auto& [pair, lengths] : distances) {
@@ -242,19 +240,21 @@ std::vector<ScaleRatio> tag_ratios(const Manifest& manifest,
                            manifest.markers[pair.second].T_parent_marker.translation())
                               .norm();
     if (lengths.size() < min_frames || stated < kMinTagDistance) continue;
-    ratios.push_back({.kind = ScaleRatio::Kind::tag_distance,
-                      .first = pair.first,
-                      .second = pair.second,
-                      .stated = stated,
-                      .by_depth = median(lengths),
-                      .tolerance = std::log(kWarningFactor) + kDistanceError / stated,
-                      .frames = lengths.size()});
+    ratios.push_back(
+        {.kind = ScaleRatio::Kind::tag_distance,
+         .first = pair.first,
+         .second = pair.second,
+         .stated = stated,
+         .by_depth = median(lengths),
+         .tolerance = std::log(options.warning_factor) + options.tag_distance_error / stated,
+         .frames = lengths.size()});
   }
   return ratios;
 }
 
 std::vector<ConsistencyFinding> check_scales(const Manifest& manifest,
-                                             const std::vector<ScaleRatio>& ratios) {
+                                             const std::vector<ScaleRatio>& ratios,
+                                             const ConsistencyOptions& options) {
   std::vector<ConsistencyFinding> findings;
   std::vector<ScaleRatio> unexplained = ratios;
   // Greedy: each pass removes the ratios that the best hypothesis explains.
@@ -269,7 +269,7 @@ std::vector<ConsistencyFinding> check_scales(const Manifest& manifest,
       const bool is_explained = is_off(unexplained[i], 0.0) && !diagnosis->explanation.off[i];
       (is_explained ? explained : rest).push_back(unexplained[i]);
     }
-    ConsistencyFinding finding = finding_of(manifest, hypothesis, explained);
+    ConsistencyFinding finding = finding_of(manifest, hypothesis, explained, options);
     if (hypothesis.place == "camera.depth_scale") {
       describe_depth_scale(manifest, explained, common_log(hypothesis, unexplained), finding);
     }

@@ -15,14 +15,12 @@
 namespace pcavr {
 namespace {
 
-/// Dilation of a body's silhouette, for colour bleeding and the remaining error of the pose [px].
-constexpr int kBodyMarginPixels = 3;
 /// Rays for all bodies of a frame together, at each iteration of their fits. Up to six bodies get
 /// their maximum; more bodies share them.
-constexpr std::size_t kSamplesPerFrame = 10000;
+constexpr int kSamplesPerFrame = 10000;
 /// The minimum for each. The noise of neighbouring pixels is correlated over some four pixels in
 /// each direction: on a body of 70 x 70 pixels no more than 300 readings are independent.
-constexpr std::size_t kMinSamplesPerBody = 300;
+constexpr int kMinSamplesPerBody = 300;
 
 /// The camera pose's uncertainty, which may appear as object motion. A fixed camera has none.
 CameraUncertainty uncertainty_of(const FramePlacement& placement, bool is_fixed_camera) {
@@ -39,12 +37,11 @@ struct TrackedBody {
 
 std::vector<TrackedBody> start_tracking(const Recording& recording,
                                         const std::vector<MovableBody>& bodies,
-                                        const Survey& survey, const DepthNoise& noise) {
+                                        const Survey& survey, const PerceptionOptions& perception) {
+  ObjectTrackerOptions options = object_options(perception);
+  options.max_samples = samples_per_body(bodies.size(), options.max_samples);
   std::vector<TrackedBody> all;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    ObjectTrackerOptions options;
-    options.depth_noise = noise;
-    options.max_samples = samples_per_body(bodies.size());
     const std::optional<Pose>& seen = survey.T_base_object_first[i];
     TrackedBody body{
         ObjectTracker(bodies[i].model, bodies[i].tags, *recording.manifest.camera, options),
@@ -57,10 +54,9 @@ std::vector<TrackedBody> start_tracking(const Recording& recording,
 
 }  // namespace
 
-int samples_per_body(std::size_t bodies) {
-  const auto max_samples = static_cast<std::size_t>(ObjectTrackerOptions{}.max_samples);
-  const std::size_t share = kSamplesPerFrame / std::max<std::size_t>(1, bodies);
-  return static_cast<int>(std::clamp(share, kMinSamplesPerBody, max_samples));
+int samples_per_body(std::size_t bodies, int max_samples) {
+  const int share = kSamplesPerFrame / std::max(1, static_cast<int>(bodies));
+  return std::min(std::max(share, kMinSamplesPerBody), max_samples);
 }
 
 const char* evidence_name(ObjectEvidence evidence) {
@@ -82,9 +78,9 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
                               const Observer& observer,
                               const std::function<void(const FollowedFrame&)>& use) {
   const CameraModel& camera = *recording.manifest.camera;
-  std::vector<TrackedBody> all = start_tracking(recording, bodies, survey, options.depth_noise);
+  std::vector<TrackedBody> all = start_tracking(recording, bodies, survey, options.perception);
   FrameReader reader(recording, {.skip_bad = options.skip_bad});
-  ToolMask tool(recording);
+  ToolMask tool(recording, options.perception.masks);
   std::size_t next_placement = 0;
 
   const auto follow_next = [&]() -> Expected<std::optional<FollowedFrame>> {
@@ -110,7 +106,8 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
         if (seen.evidence != ObjectEvidence::none) body.T_base_object = seen.T_base_object;
         if (!body.T_base_object) continue;
         mask_body(body.tracker.surface(), T_camera_base * *body.T_base_object, depth_camera,
-                  image.depth, options.depth_noise, kBodyMarginPixels, followed.is_dynamic);
+                  image.depth, options.perception.depth_noise, options.perception.masks.body_margin,
+                  followed.is_dynamic);
       }
       tool.mark(image, followed.T_base_camera, followed.is_dynamic);
       return std::optional<FollowedFrame>(std::move(followed));

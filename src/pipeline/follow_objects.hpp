@@ -26,8 +26,9 @@ struct FollowedFrame {
 /// The name that is written to files: "tags_and_shape", "tags", "shape", "not_seen".
 [[nodiscard]] const char* evidence_name(ObjectEvidence evidence);
 
-/// ObjectTrackerOptions::max_samples for so many tracked bodies: bounds the work per frame.
-[[nodiscard]] int samples_per_body(std::size_t bodies);
+/// The maximum number of samples for each of so many tracked bodies, up to `max_samples`: bounds
+/// the work per frame.
+[[nodiscard]] int samples_per_body(std::size_t bodies, int max_samples);
 
 /// Second pass: reads the frames again with the camera's final poses, tracks the movable bodies by
 /// tags and shape, and masks them and the tool. Calls `use` for each frame with a camera pose, in

@@ -3,76 +3,36 @@
 #include "pcavr/pipeline/identify.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/inputs/input_monitor.hpp"
+#include "pcavr/inputs/tip_path.hpp"
 #include "pcavr/recording/stream_clocks.hpp"
 
-#include "identify_faults.hpp"
 #include "identify_findings.hpp"
 #include "identify_parts.hpp"
 
 namespace pcavr {
 namespace {
 
-/// An offset is applied where it exceeds this many stds ...
-constexpr double kMinOffsetStds = 3.0;
-constexpr double kMinOffset = 0.0005;  // [s] ... and a quarter of a sample interval
-constexpr double kJumpMargin = 0.1;    // [s] around a jump, over which the smoothing spreads it
-
-struct Prepared {
-  std::vector<Eigen::Vector3d> p_base_tip;
-  std::vector<double> t_force;  ///< on the tool's clock
-  Segmentation found;
-  std::vector<BadInterval> bad;
-};
-
-void find_bad_intervals(const IdentificationInput& input, Prepared& prepared,
-                        std::vector<std::string>& notes) {
-  const std::vector<double> jumps = find_jumps(input.t_tool, prepared.p_base_tip);
-  for (const double t : jumps) {
-    prepared.bad.push_back({{t - kJumpMargin, t + kJumpMargin}, "the tool's pose jumps"});
+InputSeries series_of(const IdentificationInput& input) {
+  InputSeries series{.tool_radius = input.tool_radius,
+                     .t_tool = input.t_tool,
+                     .p_base_tip = input.p_base_tip,
+                     .q_base_tool = input.q_base_tool,
+                     .t_force = input.t_force,
+                     .force_base = input.force_base};
+  for (const IdentifiableObject& object : input.objects) {
+    series.bodies.push_back(
+        {object.name, &object.model, object.T_base_object, object.mass, object.tracked});
   }
-  if (!jumps.empty()) {
-    notes.push_back("the tool's pose jumps " + std::to_string(jumps.size()) + " times, first at " +
-                    at_time(jumps.front()));
-  }
-  const std::vector<SaturatedInterval> flat = find_saturation(prepared.t_force, input.force_base);
-  for (const SaturatedInterval& stretch : flat) {
-    prepared.bad.push_back({{stretch.begin, stretch.end}, "force sensor saturated"});
-  }
-  if (!flat.empty()) {
-    notes.push_back("force sensor saturated " + std::to_string(flat.size()) + " times, first at " +
-                    at_time(flat.front().begin) + ": those samples are not used");
-  }
+  return series;
 }
 
-/// Segments the recording, on the tool's clock where the force sensor's clock has an offset.
-Prepared prepare(const IdentificationInput& input, Identification& result) {
-  Prepared prepared;
-  prepared.p_base_tip = without_spikes(input.p_base_tip);
-  prepared.t_force = input.t_force;
-  const PathView tip(input.t_tool, prepared.p_base_tip);
-  const auto segment = [&] {
-    prepared.found =
-        segment_contacts(prepared.t_force, input.force_base, input.t_tool, prepared.p_base_tip);
-  };
-  segment();
-  result.tool_to_force = force_offset(prepared.found, prepared.t_force, tip);
-  const TimeOffset& offset = result.tool_to_force;
-  result.is_offset_applied = offset.is_known && std::abs(offset.offset) > kMinOffset &&
-                             std::abs(offset.offset) > kMinOffsetStds * offset.std;
-  if (result.is_offset_applied) {
-    for (double& t : prepared.t_force) t -= offset.offset;
-    segment();
-  }
-  find_bad_intervals(input, prepared, result.notes);
-  result.spikes = prepared.found.spikes;
-  result.force_noise = prepared.found.noise;
-  for (const Eigen::Vector3d& bias : prepared.found.bias_base) {
-    result.max_drift = std::max(result.max_drift, bias.norm());
-  }
-  return prepared;
+/// The poses of an object on the tool's clock.
+std::vector<TrackedPose> on_clock(std::vector<TrackedPose> tracked, double offset) {
+  for (TrackedPose& pose : tracked) pose.t -= offset;
+  return tracked;
 }
 
 ObjectIdentification begin_object(const IdentifiableObject& object, const ParameterTable& known) {
@@ -84,17 +44,6 @@ ObjectIdentification begin_object(const IdentifiableObject& object, const Parame
   if (!result.parameters.mass && object.mass)
     result.parameters.mass = ParameterValue{*object.mass, {}};
   return result;
-}
-
-std::vector<double> friction_ratios_of(std::size_t object, const IdentificationInput& input,
-                                       const std::vector<IdentifiedContact>& contacts,
-                                       const ObjectPoses& object_poses) {
-  std::vector<double> ratios;
-  for (const IdentifiedContact& contact : contacts) {
-    if (contact.object != object || !contact.left_out.empty()) continue;
-    if (const auto ratio = friction_ratio(input, contact, object_poses)) ratios.push_back(*ratio);
-  }
-  return ratios;
 }
 
 void note_contacts(Identification& result, const IdentificationInput& input) {
@@ -142,10 +91,8 @@ ParameterTable Identification::parameters() const {
   return table;
 }
 
-Expected<Identification> identify(const IdentificationInput& input, IdentificationGoal goal) {
-  PCAVR_REQUIRE(input.t_force.size() == input.force_base.size());
-  PCAVR_REQUIRE(input.t_tool.size() == input.p_base_tip.size());
-  PCAVR_REQUIRE(input.q_base_tool.empty() || input.q_base_tool.size() == input.t_tool.size());
+Expected<Identification> identify(const IdentificationInput& input, IdentificationGoal goal,
+                                  const InputOptions& options) {
   if (const auto error = missing_streams(input)) return *error;
   if (input.objects.empty()) {
     return Error{.message = "no object is defined that the tool could have touched",
@@ -157,20 +104,14 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
   result.goal = goal;
   result.known = input.known;
   result.left_out = input.left_out;
-  const Prepared prepared = prepare(input, result);
-  const PathView tip(input.t_tool, prepared.p_base_tip);
-  if (prepared.found.contacts.empty()) return no_contact_error(input, tip);
-  ObjectPoses object_poses(input.objects);
-  result.contacts =
-      attribute_contacts(input, prepared.found, prepared.t_force, tip, prepared.bad, object_poses);
-  const std::vector<ContactEvidence> evidence =
-      gather_evidence(input, result.contacts, tip, object_poses);
-  if (auto error =
-          find_fault({input, prepared.found, result.contacts, evidence, tip, object_poses})) {
-    return *error;
-  }
-  leave_out_misdirected(evidence, result.contacts);
-  result.tool_to_camera = camera_offset(input, result.contacts);
+  result.inputs = examine_inputs(series_of(input), options, [&result](AttributedContact&& contact) {
+    result.contacts.push_back({std::move(contact)});
+  });
+  if (result.inputs.fault) return result.inputs.fault->error;
+  if (result.inputs.no_contact) return *result.inputs.no_contact;
+  result.notes = result.inputs.notes;
+  const TipPath clean = clean_tip_path(input.t_tool, input.p_base_tip, options);
+  const PathView tip(clean.t, clean.p_base);
 
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const IdentifiableObject& object = input.objects[i];
@@ -180,14 +121,14 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
       identify_contact_of(result.contacts, i, found);
     }
     if (goal == IdentificationGoal::friction) {
-      identify_friction_of(result.contacts, i, object.mass, found);
-      identify_turning_of(result.contacts, i, object, tip, input.tool_radius, found);
-      const std::vector<double> friction_ratios =
-          friction_ratios_of(i, input, result.contacts, object_poses);
-      if (const auto error = force_unit_fault(object, found.sliding.mass, friction_ratios))
-        return *error;
-      if (const std::string note = doubtful_friction(friction_ratios); !note.empty()) {
-        found.notes.push_back(note);
+      const std::vector<TrackedPose> tracked =
+          on_clock(object.tracked, result.inputs.camera_shift());
+      const BodyMotion motion{object.model, tracked};
+      identify_friction_of(result.contacts, i, object.mass, motion, tip, input.tool_radius, found);
+      identify_turning_of(result.contacts, i, motion, tip, input.tool_radius, found);
+      if (object.mass) {
+        const auto fault = force_unit_fault(object.name, *object.mass, found.sliding.mass);
+        if (fault) return fault->error;
       }
     }
     state_findings(goal, object, found);

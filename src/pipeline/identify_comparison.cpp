@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 
 #include "identify_parts.hpp"
 

@@ -102,6 +102,18 @@ ParameterValue as_value(const IdentifiedParameter& parameter) {
   return {parameter.value, parameter.std};
 }
 
+std::vector<IdentifiedContact*> contacts_of(std::vector<IdentifiedContact>& contacts,
+                                            std::size_t object, bool presses) {
+  std::vector<IdentifiedContact*> chosen;
+  for (IdentifiedContact& contact : contacts) {
+    const bool is_press = contact.episode.kind == ContactKind::press;
+    if (contact.object == object && contact.left_out.empty() && is_press == presses) {
+      chosen.push_back(&contact);
+    }
+  }
+  return chosen;
+}
+
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          ObjectIdentification& result) {
   const auto presses = contacts_of(contacts, object, true);

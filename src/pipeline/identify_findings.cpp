@@ -10,6 +10,9 @@ namespace {
 const std::string kKnownBefore = "known before; to identify it again: ";
 const std::string kExponentRemark =
     "given: the value known before, else that of a spherical tip on a flat face; to identify it: ";
+constexpr char kPriorRemark[] =
+    "not excited: the value is its prior's, right with the coefficient at the speeds that were "
+    "pushed only; to identify it: ";
 constexpr char kBetterPress[] = "press along z at 5, 15 and 40 mm/s, 2 mm deep";
 constexpr char kBetterPush[] = "push slowly through the centre of mass until it slides, ten times";
 constexpr char kBetterSlide[] = "push at 60 mm/s, modulated by 2 Hz, 3 mm, without stopping";
@@ -74,9 +77,9 @@ void state_friction(const IdentifiableObject& object, ObjectIdentification& foun
   findings.add("mass", "kg", p.mass, sliding.mass.is_excited, "accelerations during sliding",
                mass_remark);
   findings.add("limiting_static_friction", "N", p.limiting_static_friction, found.limit.pushes > 0,
-               counted(found.limit.pushes, "push", "es") +
-                   (found.limit.pushes > 1 ? "; +- is the std over them" : "; +- is its own std"),
-               kBetterPush);
+               counted(found.limit.pushes, "push", "es"), kBetterPush);
+  findings.add("limiting_static_friction_scatter", "N", p.limiting_static_friction_scatter,
+               found.limit.pushes > 1, "from push to push", kBetterPush);
   findings.add("loading_rate", "N/s", p.loading_rate, found.limit.pushes > 0,
                "loading rate of the measured limit", kBetterPush);
   findings.add("sliding_friction_coefficient", "", p.sliding_friction_coefficient,
@@ -86,8 +89,13 @@ void state_friction(const IdentifiableObject& object, ObjectIdentification& foun
                                        : "with the mass known before",
                sliding.is_valid ? "the friction is known, the mass is not: weigh the object"
                                 : std::string("slide the object for a second or more at 40 mm/s"));
-  findings.add("viscous_friction", "N s/m", p.viscous_friction, sliding.viscous.is_excited,
-               "speeds during sliding", std::string("not excited: ") + kBetterSlide);
+  ParameterFinding& viscous =
+      findings.add("viscous_friction", "N s/m", p.viscous_friction, sliding.viscous.is_excited,
+                   "speeds during sliding", kBetterSlide);
+  if (!viscous.is_excited) {
+    viscous.remark =
+        std::string(found.friction.is_valid ? kPriorRemark : "not excited: ") + kBetterSlide;
+  }
   findings.add("friction_radius", "m", p.friction_radius, found.friction_radius.has_value(),
                std::to_string(found.turning.size()) + " segments of pushes", kBetterTurn);
   if (!sliding.proposal.empty()) found.notes.push_back(sliding.proposal);

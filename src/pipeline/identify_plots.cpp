@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pcavr/evaluation/html_text.hpp"
+#include "pcavr/report/number_text.hpp"
 
 #include "identify_parts.hpp"
 
@@ -182,17 +182,11 @@ std::vector<Plot> surface_plots(const ObjectIdentification& object) {
     const double size = level(surface, wrench);
     add_point(edge, wrench.y() / size, wrench.z() / surface.length / size);
   }
-  PlotSeries seen{.label = "measured", .color = 1};
-  const double half = 0.01 * surface.force;
+  PlotSeries seen{.label = "measured", .color = 1, .points = true};
   for (const PushSample& sample : object.turning) {
     const double x = std::copysign(sample.wrench.head<2>().norm(), sample.wrench.y());
     const double y = sample.wrench.z() / surface.length;
-    add_point(seen, x - half, y - half);
-    add_point(seen, x + half, y + half);
-    add_point(seen, kLineBreak, kLineBreak);
-    add_point(seen, x - half, y + half);
-    add_point(seen, x + half, y - half);
-    add_point(seen, kLineBreak, kLineBreak);
+    add_point(seen, x, y);
   }
   plot.series = {edge, seen};
   return {plot};

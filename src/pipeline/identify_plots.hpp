@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "pcavr/evaluation/svg_plot.hpp"
 #include "pcavr/pipeline/identify.hpp"
+#include "pcavr/report/plot.hpp"
 
 namespace pcavr {
 

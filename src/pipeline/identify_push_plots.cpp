@@ -10,8 +10,6 @@
 namespace pcavr {
 namespace {
 
-/// Points of one contact: more can't be distinguished in the plot.
-constexpr std::size_t kMaxPoints = 400;
 constexpr double kMinPhase = 0.020;  // [s] of a phase that is drawn
 // Indices of the page's shades.
 constexpr int kStatic = 1, kCritical = 2, kSliding = 3;
@@ -49,16 +47,15 @@ struct PushSeries {
   PlotSeries tool{.label = "tool", .color = 2, .dashed = true};
   double base = 0.0;  ///< [m] displacement in earlier contacts
 
-  void add(const IdentifiedContact& contact, const std::optional<Compliance>& compliance) {
+  void add(const IdentifiedContact& contact, const std::optional<HuntCrossley>& contact_law) {
     const ContactEpisode& episode = contact.episode;
     std::vector<double> penetration(episode.t.size(), 0.0);
-    if (compliance) penetration = penetration_from_force(episode.t, episode.force, *compliance);
+    if (contact_law) penetration = penetration_from_force(episode.t, episode.force, *contact_law);
     const auto first = static_cast<std::size_t>(
         std::lower_bound(episode.t.begin(), episode.t.end(), episode.begin) - episode.t.begin());
     const double zero = episode.tool[first] - penetration[first];
-    const std::size_t step = episode.t.size() / kMaxPoints + 1;
     double displacement = 0.0;
-    for (std::size_t i = 0; i < episode.t.size(); i += step) {
+    for (std::size_t i = 0; i < episode.t.size(); ++i) {
       const double t = episode.t[i];
       force.x.push_back(t), force.y.push_back(episode.force[i]);
       const double tip = episode.tool[i] - zero;
@@ -94,8 +91,8 @@ void add_figures(const std::string& what, const PushSeries& series,
 Plot breakaway_plot(const std::vector<const IdentifiedContact*>& pushes,
                     const LimitingFriction& limit) {
   Plot plot{.title = "Breakaway of each push", .x_label = "push", .y_label = "force (N)"};
-  PlotSeries peak{.label = "measured at the tool", .color = 1};
-  PlotSeries own{.label = "friction limit without inertia", .color = 0};
+  PlotSeries peak{.label = "measured at the tool", .color = 1, .points = true};
+  PlotSeries own{.label = "friction limit without inertia", .color = 0, .points = true};
   double number = 0.0;
   for (const IdentifiedContact* push : pushes) {
     if (!push->limit.is_excited) continue;
@@ -128,19 +125,19 @@ std::vector<Plot> push_plots(const Identification& found, std::size_t object) {
   }
   if (pushes.empty()) return plots;
   const ObjectIdentification& of = found.objects[object];
-  const std::optional<Compliance> compliance = compliance_of(of.parameters);
+  const std::optional<HuntCrossley> contact_law = contact_law_of(of.parameters);
   const double critical = critical_from(of.limit);
   PushSeries all;
   std::vector<PlotBand> bands;
   for (const IdentifiedContact* push : pushes) {
-    all.add(*push, compliance);
+    all.add(*push, contact_law);
     add_bands(*push, critical, bands);
   }
   add_figures("All pushes", all, bands, plots);
   if (pushes.size() > 1) {
     PushSeries one;
     std::vector<PlotBand> own;
-    one.add(*pushes.front(), compliance);
+    one.add(*pushes.front(), contact_law);
     add_bands(*pushes.front(), critical, own);
     add_figures("The first push", one, own, plots);
   }

@@ -1,14 +1,18 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/core/output.hpp"
-#include "pcavr/evaluation/html_page.hpp"
-#include "pcavr/evaluation/html_text.hpp"
+#include "pcavr/report/number_text.hpp"
+#include "pcavr/report/report_page.hpp"
 
 #include "identify_plots.hpp"
 
@@ -19,108 +23,94 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kMilliseconds = 1e3;
 
-std::string cell(const std::string& text) { return "<td>" + escaped(text) + "</td>"; }
-
-std::string note(const std::string& text) {
-  return "<p class=\"note\">" + escaped(text) + "</p>\n";
-}
-
 /// A number of any magnitude: stiffnesses of nonlinear laws may be very large.
 std::string figure(double value) {
   if (std::abs(value) < 1e5) return readable(value);
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
+  return fmt::format("{:.3g}", value);
 }
 
-std::string findings_table(const ObjectIdentification& object) {
-  std::string html =
-      "<div class=\"scroll\"><table>\n<thead><tr><th>parameter</th><th>value</th><th>± std</th>"
-      "<th>unit</th><th>identified</th><th style=\"text-align:left\">source, or the motion that "
-      "would identify it</th></tr></thead>\n<tbody>\n";
+ReportTable findings_table(const ObjectIdentification& object) {
+  ReportTable table{.title = "",
+                    .columns = {"parameter", "value", "± std", "unit", "identified",
+                                "source, or the motion that would identify it"}};
   for (const ParameterFinding& row : object.findings) {
     const bool is_known = row.is_excited || row.value != 0.0;
-    html += "<tr>" + cell(row.name) + cell(is_known ? figure(row.value) : "-") +
-            cell(row.std ? figure(*row.std) : "-") + cell(row.unit) +
-            cell(row.is_excited ? "yes" : "no") +
-            "<td style=\"text-align:left;white-space:normal\">" + escaped(row.remark) +
-            "</td></tr>\n";
+    table.rows.push_back({row.name, is_known ? figure(row.value) : "-",
+                          row.std ? figure(*row.std) : "-", row.unit, row.is_excited ? "yes" : "no",
+                          row.remark});
   }
-  return html + "</tbody>\n</table></div>\n";
+  return table;
 }
 
-std::string comparison_table(const ObjectIdentification& object) {
-  if (object.comparison.empty()) return {};
-  std::string html =
-      "<h3>Estimators on the presses</h3>\n<div class=\"scroll\"><table>\n<thead><tr>"
-      "<th>method</th><th>settling to 10 % (ms)</th><th>steady error (%)</th><th>mean force error, "
-      "tip stationary (%)</th></tr>"
-      "</thead>\n"
-      "<tbody>\n";
+ReportTable comparison_table(const ObjectIdentification& object) {
+  ReportTable table{.title = "Estimators on the presses",
+                    .columns = {"method", "settling to 10 % (ms)", "steady error (%)",
+                                "mean force error, tip stationary (%)"}};
   for (const EstimatorTrace& trace : object.comparison) {
-    html += "<tr>" + cell(name_of(trace.method)) +
-            cell(trace.settling ? fixed(*trace.settling * kMilliseconds, 0) : "never") +
-            cell(readable(trace.steady_error * kPercent)) +
-            cell(trace.mean_force_error ? readable(*trace.mean_force_error * kPercent) : "-") +
-            "</tr>\n";
+    table.rows.push_back(
+        {name_of(trace.method),
+         trace.settling ? fixed(*trace.settling * kMilliseconds, 0) : "never",
+         readable(trace.steady_error * kPercent),
+         trace.mean_force_error ? readable(*trace.mean_force_error * kPercent) : "-"});
   }
-  return html + "</tbody>\n</table></div>\n";
+  return table;
 }
 
-std::string faces_table(const ObjectIdentification& object) {
-  if (object.faces.empty()) return {};
-  std::string html =
-      "<h3>Faces, from pushes before breakaway</h3>\n<div class=\"scroll\"><table>\n<thead>"
-      "<tr><th>normal in the object's axes</th><th>pushes</th><th>stiffness</th><th>damping</th>"
-      "<th>exponent</th></tr></thead>\n<tbody>\n";
+std::string text_with_std(const IdentifiedParameter& parameter) {
+  return figure(parameter.value) + " ± " + figure(parameter.std);
+}
+
+ReportTable faces_table(const ObjectIdentification& object) {
+  ReportTable table{
+      .title = "Faces, from pushes before breakaway",
+      .columns = {"normal in the object's axes", "pushes", "stiffness", "damping", "exponent"}};
   for (const FaceContact& face : object.faces) {
     const ContactFit& fit = face.contact.best();
     const Eigen::Vector3d& n = face.normal_object;
-    const auto with_std = [](const IdentifiedParameter& p) {
-      return figure(p.value) + " ± " + figure(p.std);
-    };
-    html += "<tr>" + cell(fixed(n.x(), 2) + " " + fixed(n.y(), 2) + " " + fixed(n.z(), 2)) +
-            cell(std::to_string(face.pushes));
-    html += fit.is_valid
-                ? cell(with_std(fit.stiffness)) +
-                      cell(fit.damping.is_excited && fit.damping.value > 0.0 ? with_std(fit.damping)
-                                                                             : "not identified") +
-                      cell(with_std(fit.exponent))
-                : cell("-") + cell("-") + cell("-");
-    html += "</tr>\n";
+    const bool has_damping = fit.damping.is_excited && fit.damping.value > 0.0;
+    table.rows.push_back({fixed(n.x(), 2) + " " + fixed(n.y(), 2) + " " + fixed(n.z(), 2),
+                          std::to_string(face.pushes),
+                          fit.is_valid ? text_with_std(fit.stiffness) : "-",
+                          !fit.is_valid ? "-"
+                          : has_damping ? text_with_std(fit.damping)
+                                        : "not identified",
+                          fit.is_valid ? text_with_std(fit.exponent) : "-"});
   }
-  return html + "</tbody>\n</table></div>\n";
+  return table;
 }
 
-std::string impacts_table(const ObjectIdentification& object) {
-  if (object.impacts.empty()) return {};
-  std::string html =
-      "<h3>Impacts</h3>\n<div class=\"scroll\"><table>\n<thead><tr><th>time (s)</th>"
-      "<th>approach (mm/s)</th><th>restitution</th><th>damping law with the smallest error</th>"
-      "<th>damping over stiffness, exact (s/m)</th></tr></thead>\n<tbody>\n";
+ReportTable impacts_table(const ObjectIdentification& object) {
+  ReportTable table{
+      .title = "Impacts",
+      .columns = {"time (s)", "approach (mm/s)", "restitution",
+                  "damping law with the smallest error", "damping over stiffness, exact (s/m)"}};
   for (const MeasuredImpact& impact : object.impacts) {
-    html += "<tr>" + cell(fixed(impact.t, 2)) + cell(fixed(impact.approach_speed * 1e3, 0)) +
-            cell(fixed(impact.restitution, 2)) + cell(std::string(name_of(impact.law))) +
-            cell(readable(impact.damping_over_stiffness)) + "</tr>\n";
+    table.rows.push_back({fixed(impact.t, 2), fixed(impact.approach_speed * 1e3, 0),
+                          fixed(impact.restitution, 2), std::string(name_of(impact.law)),
+                          readable(impact.damping_over_stiffness)});
   }
-  return html + "</tbody>\n</table></div>\n";
+  return table;
 }
 
-std::string object_section(const Identification& found, std::size_t index) {
+PageSection object_section(const Identification& found, std::size_t index) {
   const ObjectIdentification& object = found.objects[index];
-  std::string html = "<h2>" + escaped(object.name) + "</h2>\n";
-  for (const std::string& text : object.notes) html += note(text);
-  html += findings_table(object) + comparison_table(object) + faces_table(object) +
-          impacts_table(object);
-  html += "<h3>Plots</h3>\n<div class=\"plots\">\n";
-  for (const Plot& plot : contact_plots(object)) html += format_figure(plot);
+  PageSection section{.title = object.name};
+  for (const std::string& text : object.notes) section.blocks.emplace_back(PageText{text, true});
+  std::vector<ReportTable> tables{findings_table(object)};
+  for (ReportTable& table :
+       std::array{comparison_table(object), faces_table(object), impacts_table(object)}) {
+    if (!table.rows.empty()) tables.push_back(std::move(table));
+  }
+  section.blocks.emplace_back(std::move(tables));
+  PlotGroup group{"Plots", contact_plots(object)};
   if (found.goal == IdentificationGoal::friction) {
     for (const auto& plots :
          {push_plots(found, index), sliding_plots(object), surface_plots(object)}) {
-      for (const Plot& plot : plots) html += format_figure(plot);
+      group.plots.insert(group.plots.end(), plots.begin(), plots.end());
     }
   }
-  return html + "</div>\n";
+  if (!group.plots.empty()) section.blocks.emplace_back(std::move(group));
+  return section;
 }
 
 std::string offset_text(const TimeOffset& offset) {
@@ -129,23 +119,34 @@ std::string offset_text(const TimeOffset& offset) {
          " ms";
 }
 
-std::string format_report(const Identification& found, const std::string& recording) {
-  const char* goal = found.goal == IdentificationGoal::contact ? "contact" : "contact and friction";
-  std::string html =
-      "<h1>Identification of " + std::string(goal) + "</h1>\n<p class=\"inputs\">recording <b>" +
-      escaped(recording) + "</b><br>\nforce after tool: <b>" + offset_text(found.tool_to_force) +
-      "</b>" + (found.is_offset_applied ? ", removed" : "") + "<br>\ntracking after tool: <b>" +
-      offset_text(found.tool_to_camera) + "</b><br>\nforce noise <b>" +
-      readable(found.force_noise) + " N</b>, bias up to <b>" + readable(found.max_drift) +
-      " N</b>, <b>" + std::to_string(found.spikes) + "</b> spikes removed</p>\n";
-  for (const std::string& text : found.notes) html += note(text);
-  for (std::size_t i = 0; i < found.objects.size(); ++i) html += object_section(found, i);
-  html +=
-      "<footer>F = stiffness dⁿ + damping dⁿ ḋ (n = 1: damping ḋ). Std: standard "
-      "deviation for independent noise, increased for the filters' correlation; it does not cover "
-      "model errors. The same figures in SI units are in report.json. pcavr " +
-      escaped(PCAVR_VERSION) + "</footer>\n";
-  return html_page("Identification: " + recording, html);
+ReportPage identification_page(const Identification& found, const std::string& recording) {
+  ReportPage page{.title = "Identification: " + recording,
+                  .heading = found.goal == IdentificationGoal::contact
+                                 ? "Identification of contact"
+                                 : "Identification of contact and friction"};
+  page.inputs = {{{"recording "}, {recording, true}},
+                 {{"force after tool: "},
+                  {offset_text(found.inputs.tool_to_force), true},
+                  {found.inputs.is_force_offset_applied ? ", removed" : ""}},
+                 {{"tracking after tool: "}, {offset_text(found.inputs.tool_to_camera), true}},
+                 {{"force noise "},
+                  {readable(found.inputs.force_noise) + " N", true},
+                  {", bias up to "},
+                  {readable(found.inputs.max_drift) + " N", true},
+                  {", "},
+                  {std::to_string(found.inputs.force_spikes), true},
+                  {" spikes removed"}}};
+  page.notes = found.notes;
+  for (std::size_t i = 0; i < found.objects.size(); ++i) {
+    page.sections.push_back(object_section(found, i));
+  }
+  page.footer =
+      "F = stiffness dⁿ + damping dⁿ ḋ (n = 1: damping ḋ). Std: standard deviation of the value. "
+      "Friction and mass: of their posterior, with the scatter between pushes; contact law: for "
+      "independent noise, without errors of the model. The same figures in SI units are in "
+      "report.json. pcavr " +
+      std::string(PCAVR_VERSION);
+  return page;
 }
 
 void add_object(Json& json, const ObjectIdentification& object) {
@@ -155,6 +156,10 @@ void add_object(Json& json, const ObjectIdentification& object) {
     if (row.std && std::isfinite(*row.std)) json[key + row.name + "_std"] = *row.std;
     json[key + row.name + ".is_excited"] = row.is_excited;
     json[key + row.name + ".remark"] = row.remark;
+  }
+  Json& forces = json[key + "sliding_force"] = Json::array();
+  for (const SlidingForce& row : object.friction.sliding_force) {
+    forces.push_back({{"speed", row.speed}, {"force", row.force}, {"std", row.std}});
   }
   json[key + "presses"] = object.press_count;
   json[key + "pushes_broken_away"] = object.limit.pushes;
@@ -184,12 +189,12 @@ std::string format_json(const Identification& found, const std::string& recordin
   json["version"] = PCAVR_VERSION;
   json["recording"] = recording;
   json["units"] = "SI";
-  add_offset(json, "time_offset.tool_to_force", found.tool_to_force);
-  json["time_offset.is_applied"] = found.is_offset_applied;
-  add_offset(json, "time_offset.tool_to_camera", found.tool_to_camera);
-  json["force.noise_N"] = found.force_noise;
-  json["force.largest_drift_N"] = found.max_drift;
-  json["force.spikes"] = found.spikes;
+  add_offset(json, "time_offset.tool_to_force", found.inputs.tool_to_force);
+  json["time_offset.is_applied"] = found.inputs.is_force_offset_applied;
+  add_offset(json, "time_offset.tool_to_camera", found.inputs.tool_to_camera);
+  json["force.noise_N"] = found.inputs.force_noise;
+  json["force.largest_drift_N"] = found.inputs.max_drift;
+  json["force.spikes"] = found.inputs.force_spikes;
   json["contacts"] = found.contacts.size();
   json["contacts_left_out"] = found.contacts_left_out();
   json["left_out"] = Json::array();
@@ -215,7 +220,7 @@ std::map<std::string, std::size_t> Identification::contacts_left_out() const {
 Expected<void> write_identification_report(const Identification& found,
                                            const std::string& recording,
                                            const std::filesystem::path& folder) {
-  const Expected<void> page = write_file(folder / "report.html", format_report(found, recording));
+  const Expected<void> page = write_report_page(identification_page(found, recording), folder);
   if (!page) return page;
   return write_file(folder / "report.json", format_json(found, recording));
 }

@@ -50,11 +50,11 @@ struct MeanLoad {
 
 class Turning {
  public:
-  Turning(const IdentifiableObject& body, const PathView& tip, double tool_radius)
+  Turning(const BodyMotion& body, const PathView& tip, double tool_radius)
       : body_(body), tip_(tip), tool_radius_(tool_radius) {}
 
   void add(const IdentifiedContact& contact, std::vector<PushSample>& samples) const {
-    const std::vector<TrackedPose>& tracked = body_.tracked;
+    const std::span<const TrackedPose> tracked = body_.tracked;
     for (const SlideInterval& slide : contact.episode.slides) {
       const TrackedPose* from = nullptr;
       for (const TrackedPose& pose : tracked) {
@@ -95,7 +95,7 @@ class Turning {
     return load;
   }
 
-  const IdentifiableObject& body_;
+  BodyMotion body_;
   const PathView& tip_;
   double tool_radius_;
 };
@@ -124,7 +124,7 @@ std::optional<ParameterValue> radius_of(const std::vector<PushSample>& samples) 
 }  // namespace
 
 void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
-                         const IdentifiableObject& body, const PathView& tip, double tool_radius,
+                         const BodyMotion& body, const PathView& tip, double tool_radius,
                          ObjectIdentification& result) {
   if (body.tracked.empty()) return;
   const Turning turning(body, tip, tool_radius);

@@ -14,8 +14,6 @@
 
 #include "clock_checks.hpp"
 #include "follow_objects.hpp"
-#include "identify_clock.hpp"
-#include "identify_signals.hpp"
 #include "run_writer.hpp"
 #include "survey.hpp"
 
@@ -87,10 +85,11 @@ TrackedPose tracked_pose_of(const ObjectObservation& seen) {
 }
 
 void warn_of_unseen(const Recording& recording, const Survey& survey, const Replay& replay,
-                    const Observer& observer) {
+                    const BodyPoseOptions& options, const Observer& observer) {
   for (const ReplayedObject& object : replay.objects) {
     if (!object.tracked.empty()) continue;
-    const std::string rejected = explain_rejected_tags(recording, survey.detections, object.name);
+    const std::string rejected =
+        explain_rejected_tags(recording, survey.detections, object.name, options);
     observer.on_warning(rejected.empty()
                             ? object.name +
                                   " was not detected in any frame: check that its tags are in the "
@@ -226,25 +225,6 @@ Expected<TeleopRun> run_sites(const Recording& recording, const TeleopInput& inp
   return run;
 }
 
-/// Clock offset of the force against the tool, from the first part of the recording that determines
-/// it.
-TimeOffset offset_of_force(const TeleopInput& input) {
-  const std::span<const double> stamps(input.t_force);
-  const std::span<const Eigen::Vector3d> forces(input.force_base);
-  TimeOffset offset;
-  for (std::size_t first = 0; first < stamps.size() && !offset.is_known;) {
-    const auto begin = stamps.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto end = std::upper_bound(begin, stamps.end(), *begin + kCalibrationTime);
-    const auto count = static_cast<std::size_t>(end - begin);
-    const std::span<const double> t = stamps.subspan(first, count);
-    const Segmentation contacts =
-        segment_contacts(t, forces.subspan(first, count), input.t_tool, input.p_base_tip);
-    offset = force_offset(contacts, t, PathView(input.t_tool, input.p_base_tip));
-    first += count;
-  }
-  return offset;
-}
-
 /// Reads earlier tracking of the scene's bodies.
 Expected<Replay> read_tracking(const std::filesystem::path& folder,
                                const std::vector<MovableBody>& bodies) {
@@ -275,7 +255,7 @@ Expected<Replay> track_by_images(const Recording& recording, const SceneManifest
                  .file = recording.folder.string()};
   }
   StageClock clock;
-  const SurveyOptions survey_options{.depth_noise = options.depth_noise,
+  const SurveyOptions survey_options{.perception = options.perception,
                                      .trust_poses = options.trust_poses,
                                      .skip_bad = options.skip_bad,
                                      .parallelism = options.parallelism};
@@ -305,7 +285,7 @@ Expected<Replay> track_by_images(const Recording& recording, const SceneManifest
                      [&](const FollowedFrame& followed) { tracking.add(followed); });
   if (!done) return done.error();
   if (const Expected<void> closed = tracking.close(); !closed) return closed.error();
-  warn_of_unseen(recording, *survey, replay, observer);
+  warn_of_unseen(recording, *survey, replay, options.perception.body_pose, observer);
   clock.end();
   replay.frames_recorded = recording.frames.size() + recording.unpaired_color;
   replay.frames_dropped = dropped_frames(recording, *survey);
@@ -366,22 +346,17 @@ Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManife
   input.tool_radius = recording.manifest.tool_radius.value_or(input.tool_radius);
   input.t_tool.reserve(recording.tool.size());
   input.p_base_tip.reserve(recording.tool.size());
+  input.q_base_tool.reserve(recording.tool.size());
   for (const TimedPose& tool : recording.tool.poses()) {
     input.t_tool.push_back(to_seconds(tool.stamp - start));
     input.p_base_tip.push_back(tool.pose.translation());
+    input.q_base_tool.push_back(tool.pose.rotation());
   }
   input.t_force.reserve(recording.wrench.size());
   input.force_base.reserve(recording.wrench.size());
   for (const WrenchSample& sample : recording.wrench) {
     input.t_force.push_back(to_seconds(sample.stamp - start));
     input.force_base.push_back(sample.force);
-  }
-  if (input.t_tool.size() > 1 && !input.t_force.empty()) {
-    if (auto fault = clock_fault(input)) {
-      fault->file = (recording.folder / fault->file).string();
-      return *fault;
-    }
-    input.tool_to_force = offset_of_force(input);
   }
   return input;
 }
@@ -400,6 +375,7 @@ Expected<Replay> replay_recording(const Recording& recording, const SceneManifes
       known_parameters(scene, options.parameters, options.parameters_file);
   if (!known) return known.error();
   Expected<Replay> replay = track(recording, scene, *bodies, options, observer);
+  if (replay) replay->configuration = options.configuration;
   if (!replay || recording.tool.empty()) return replay;
   StageClock clock;
   clock.begin("both sites");
@@ -407,7 +383,13 @@ Expected<Replay> replay_recording(const Recording& recording, const SceneManifes
   if (!input) return input.error();
   replay->run_folder = options.run_folder;
   Expected<TeleopRun> run = run_sites(recording, *input, options, *replay, observer);
-  if (!run) return run.error();
+  if (!run) {
+    Error error = run.error();
+    if (error.file == "tool.csv" || error.file == "wrench.csv") {
+      error.file = (recording.folder / error.file).string();
+    }
+    return error;
+  }
   clock.end();
   replay->teleop = std::move(*run);
   replay->parameters_file = options.parameters ? options.parameters_file : "none";

@@ -104,6 +104,13 @@ std::string format_run(const Replay& replay, const Recording& recording, const S
     yaml << YAML::Key << "notes" << YAML::Value << YAML::BeginSeq << kNothingPredicted
          << YAML::EndSeq;
   }
+  if (!replay.configuration.empty()) {
+    yaml << YAML::Key << "configuration" << YAML::Value << YAML::BeginMap;
+    for (const auto& [key, value] : replay.configuration) {
+      yaml << YAML::Key << key << YAML::Value << value;
+    }
+    yaml << YAML::EndMap;
+  }
   yaml << YAML::EndMap;
   return std::string(yaml.c_str()) + '\n';
 }

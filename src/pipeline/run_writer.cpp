@@ -4,8 +4,9 @@
 
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
+
+#include <fmt/core.h>
 
 #include "pcavr/recording/trajectory_rows.hpp"
 
@@ -103,11 +104,10 @@ Expected<void> TrackingWriter::open(const fs::path& folder, const std::vector<st
 Expected<void> TrackingWriter::add(std::size_t object, const ObjectObservation& seen) {
   const double position = std::sqrt(seen.covariance.topLeftCorner<3, 3>().trace());
   const double rotation = std::sqrt(seen.covariance.bottomRightCorner<3, 3>().trace());
-  char row[160];
-  std::snprintf(row, sizeof row, "%s,%s,%d,%.6f,%.6f,%.6f,%d\n", format_stamp(seen.stamp).c_str(),
-                evidence_name(seen.evidence), seen.tags_used, position, rotation, seen.surface_rms,
-                seen.is_at_rest ? 1 : 0);
-  tracking_[object].text() += row;
+  tracking_[object].text() +=
+      fmt::format("{},{},{},{:.6f},{:.6f},{:.6f},{:d}\n", format_stamp(seen.stamp),
+                  evidence_name(seen.evidence), seen.tags_used, position, rotation,
+                  seen.surface_rms, seen.is_at_rest);
   const Expected<void> written = tracking_[object].write_if_full();
   if (!written || seen.evidence == ObjectEvidence::none) return written;
   append_trajectory_row(tracked_[object].text(), seen.stamp, seen.T_base_object);
@@ -147,23 +147,15 @@ Expected<void> TeleopWriter::add_shown(std::size_t object, const ShownPose& show
 }
 
 Expected<void> TeleopWriter::add_force(const ForceRow& row) {
-  std::string& text = forces_.text();
-  char numbers[96];
-  std::snprintf(numbers, sizeof numbers, "%.6f,", row.t);
-  text += numbers + names_[row.object];
-  std::snprintf(numbers, sizeof numbers, ",%.4f,%.4f\n", row.measured, row.predicted);
-  text += numbers;
+  forces_.text() += fmt::format("{:.6f},{},{:.4f},{:.4f}\n", row.t, names_[row.object],
+                                row.measured, row.predicted);
   return forces_.write_if_full();
 }
 
 Expected<void> TeleopWriter::add_correction(const SentCorrection& sent) {
-  std::string& text = corrections_.text();
-  char stamp[32];
-  std::snprintf(stamp, sizeof stamp, "%.6f,", sent.t);
-  text += stamp + names_[sent.object] + ',';
-  text.append(name_of(sent.which)).append(",").append(sent.what);
-  if (sent.is_lost) text += "+lost";
-  text += ',' + std::to_string(sent.bytes) + '\n';
+  corrections_.text() +=
+      fmt::format("{:.6f},{},{},{}{},{}\n", sent.t, names_[sent.object], name_of(sent.which),
+                  sent.what, sent.is_lost ? "+lost" : "", sent.bytes);
   return corrections_.write_if_full();
 }
 

@@ -91,8 +91,8 @@ std::vector<SupportPlane> horizontal_planes(const std::vector<SceneObject>& obje
 }  // namespace
 
 Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_size,
-                                    double occupancy_resolution) {
-  Expected<std::vector<MovableBody>> bodies = load_movable_bodies(recording);
+                                    const OccupancyOptions& occupancy, const CadOptions& cad) {
+  Expected<std::vector<MovableBody>> bodies = load_movable_bodies(recording, cad);
   if (!bodies) return bodies.error();
   if (bodies->empty()) return missing_pose_error(recording, {});
   Expected<TriangleMesh> mesh = static_bodies(recording);
@@ -100,7 +100,7 @@ Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_siz
   Scene scene{.mesh_base = std::move(*mesh),
               .levels_of_detail_base = {},
               .cloud_base = {},
-              .occupancy = OccupancyMap({.resolution = occupancy_resolution}),
+              .occupancy = OccupancyMap(occupancy),
               .support_planes = {},
               .objects = {},
               .tags = scene_tags(recording.manifest),

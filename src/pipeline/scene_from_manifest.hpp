@@ -12,6 +12,7 @@ namespace pcavr {
 /// movable ones as objects and the others as static mesh, with horizontal support planes under the
 /// movable ones. Fails where the manifest does not state a movable object's pose.
 [[nodiscard]] Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_size,
-                                                  double occupancy_resolution);
+                                                  const OccupancyOptions& occupancy,
+                                                  const CadOptions& cad);
 
 }  // namespace pcavr

@@ -12,14 +12,14 @@
 namespace pcavr {
 namespace {
 
+// Some ten thousand readings in all determine a median.
 constexpr std::size_t kComparedFrames = 8;
-constexpr int kPixelStride = 8;        ///< of the pixels that are compared with the mesh
-constexpr float kMaxDistance = 0.05F;  ///< farther readings are outliers [m]
+constexpr int kPixelStride = 8;  ///< of the pixels that are compared with the mesh
 
 /// Distances of a frame's readings from the mesh, along the mesh's normals [m].
 void collect_distances(const SurfaceQuery& surface, const RgbdFrame& frame,
                        const CameraModel& color_camera, const Pose& T_base_camera,
-                       std::vector<double>& distances) {
+                       double max_distance, std::vector<double>& distances) {
   const CameraModel camera = on_grid(color_camera, frame.depth.width(), frame.depth.height());
   for (int y = 0; y < camera.height; y += kPixelStride) {
     for (int x = 0; x < camera.width; x += kPixelStride) {
@@ -27,14 +27,15 @@ void collect_distances(const SurfaceQuery& surface, const RgbdFrame& frame,
       if (z <= 0.0F) continue;
       const Eigen::Vector3f p_base =
           (T_base_camera * camera.unproject(Eigen::Vector2d(x, y), z)).cast<float>();
-      const auto nearest = surface.closest(p_base, kMaxDistance);
+      const auto nearest = surface.closest(p_base, static_cast<float>(max_distance));
       if (nearest) distances.push_back(std::abs(nearest->normal.dot(p_base - nearest->point)));
     }
   }
 }
 
 /// Median distance of some frames' readings from the mesh that they were fused into [m].
-double surface_distance(const Recording& recording, const Survey& survey, const Scene& scene) {
+double surface_distance(const Recording& recording, const Survey& survey, const Scene& scene,
+                        double max_distance) {
   if (scene.mesh_base.triangles.empty()) return 0.0;
   const SurfaceQuery surface(scene.mesh_base);
   const std::vector<FramePlacement>& frames = survey.camera.frames;
@@ -45,7 +46,7 @@ double surface_distance(const Recording& recording, const Survey& survey, const 
     const Expected<RgbdFrame> frame = decode_frame(recording, frames[i].frame);
     if (!frame) continue;
     collect_distances(surface, *frame, *recording.manifest.camera, frames[i].T_base_camera,
-                      distances);
+                      max_distance, distances);
   }
   return median(distances);
 }
@@ -56,7 +57,8 @@ InputWarning to_warning(const ConsistencyFinding& finding) {
   return {finding.input(), finding.message + "; " + finding.hint, finding.factor, finding.frames};
 }
 
-SceneQuality assess_quality(const Recording& recording, const Survey& survey, const Scene& scene) {
+SceneQuality assess_quality(const Recording& recording, const Survey& survey, const Scene& scene,
+                            double max_distance) {
   SceneQuality quality;
   quality.frames_recorded = recording.frames.size() + recording.unpaired_color;
   quality.frames_used = scene.camera_trajectory.size();
@@ -79,7 +81,7 @@ SceneQuality assess_quality(const Recording& recording, const Survey& survey, co
   }
   quality.camera_position_std = median(position_stds);
   quality.camera_rotation_std = median(rotation_stds);
-  quality.surface_rms = surface_distance(recording, survey, scene);
+  quality.surface_rms = surface_distance(recording, survey, scene, max_distance);
   for (const ConsistencyFinding& finding : survey.findings) {
     quality.input_warnings.push_back(to_warning(finding));
   }

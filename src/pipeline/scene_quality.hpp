@@ -11,8 +11,9 @@ namespace pcavr {
 /// The form that a scene stores.
 [[nodiscard]] InputWarning to_warning(const ConsistencyFinding& finding);
 
-/// The scene's quality figures, all but the times.
+/// The scene's quality figures, all but the times. Readings farther than `max_distance` [m] from
+/// the mesh are outliers.
 [[nodiscard]] SceneQuality assess_quality(const Recording& recording, const Survey& survey,
-                                          const Scene& scene);
+                                          const Scene& scene, double max_distance);
 
 }  // namespace pcavr

@@ -3,10 +3,11 @@
 #include "survey.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <optional>
 #include <set>
 #include <utility>
+
+#include <fmt/core.h>
 
 #include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/tracking/object_tracker.hpp"
@@ -16,10 +17,6 @@
 
 namespace pcavr {
 namespace {
-
-/// Dilation of a body's silhouette in the first pass, where its pose comes from the tags alone
-/// [px].
-constexpr int kMaskMarginPixels = 4;
 
 /// A frame and its tag detections.
 struct DetectedFrame {
@@ -45,10 +42,10 @@ struct FirstDetection {
 class BodyMasker {
  public:
   BodyMasker(const std::vector<MovableBody>& bodies, const CameraModel& camera,
-             const DepthNoise& noise, bool with_masks)
+             const PerceptionOptions& options, bool with_masks)
       : bodies_(bodies),
         camera_(camera),
-        noise_(noise),
+        options_(options),
         with_masks_(with_masks),
         last_poses_(bodies.size()),
         first_detections_(bodies.size()) {
@@ -74,16 +71,18 @@ class BodyMasker {
         last_poses_[i].reset();
         continue;
       }
-      const BodyPoseHints hints{
-          .depth = &frame.depth, .depth_noise = noise_, .T_camera_body = last_poses_[i]};
-      const BodyPose body = solve_body_pose(bodies_[i].tags, detections, camera_, hints);
+      const BodyPoseHints hints{.depth = &frame.depth,
+                                .depth_noise = options_.depth_noise,
+                                .T_camera_body = last_poses_[i]};
+      const BodyPose body =
+          solve_body_pose(bodies_[i].tags, detections, camera_, hints, options_.body_pose);
       last_poses_[i].reset();
       if (body.status != BodyPoseStatus::solved) continue;
       last_poses_[i] = body.pose.T_camera_body;
       if (!first_detections_[i]) first_detections_[i] = {frame.index, body.pose.T_camera_body};
       if (!with_masks_) continue;
-      mask_body(surfaces_[i], body.pose.T_camera_body, depth_camera, frame.depth, noise_,
-                kMaskMarginPixels, mask);
+      mask_body(surfaces_[i], body.pose.T_camera_body, depth_camera, frame.depth,
+                options_.depth_noise, options_.masks.first_body_margin, mask);
     }
     return mask;
   }
@@ -91,7 +90,7 @@ class BodyMasker {
  private:
   const std::vector<MovableBody>& bodies_;
   CameraModel camera_;
-  DepthNoise noise_;
+  const PerceptionOptions& options_;
   bool with_masks_;
   std::vector<SurfaceQuery> surfaces_;
   std::vector<std::optional<Pose>> last_poses_;
@@ -118,7 +117,8 @@ Error no_depth_error(const Recording& recording) {
           .hint = "check the sensor, and that the images are 16-bit depth"};
 }
 
-Error not_placed_error(const Recording& recording, const Survey& survey, const DepthNoise& noise) {
+Error not_placed_error(const Recording& recording, const Survey& survey,
+                       const PerceptionOptions& options) {
   const std::string file = (recording.folder / "recording.yaml").string();
   const bool has_anchor =
       std::any_of(recording.manifest.markers.begin(), recording.manifest.markers.end(),
@@ -126,10 +126,12 @@ Error not_placed_error(const Recording& recording, const Survey& survey, const D
                     return marker.role == MarkerRole::base && survey.tags_seen.count(marker.id) > 0;
                   });
   if (has_anchor || !recording.groundtruth.empty()) {
-    const std::string rejected = explain_rejected_tags(recording, survey.detections, "");
+    const std::string rejected =
+        explain_rejected_tags(recording, survey.detections, "", options.body_pose);
     EmptySceneCause cause{survey.camera.failure_reason, ""};
     if (is_out_of_range(survey.depth)) {
-      cause = explain_empty_scene(survey.depth, noise, recording.manifest.depth_scale, {}, 1.0);
+      cause = explain_empty_scene(survey.depth, options.depth_noise, recording.manifest.depth_scale,
+                                  {}, 1.0);
     }
     if (!rejected.empty()) cause = {rejected, kRejectedTagsHint};
     return {.message = "no frame could be placed in base: " + cause.message,
@@ -159,10 +161,10 @@ struct TagOutcome {
 
 TagOutcome outcome_of_tags(const std::vector<TagPlacement>& placements,
                            const std::vector<std::vector<TagDetection>>& seen,
-                           const CameraModel& camera) {
+                           const CameraModel& camera, const BodyPoseOptions& options) {
   TagOutcome outcome;
   for (const std::vector<TagDetection>& detections : seen) {
-    const BodyPose pose = solve_body_pose(placements, detections, camera);
+    const BodyPose pose = solve_body_pose(placements, detections, camera, {}, options);
     if (pose.status == BodyPoseStatus::not_seen) continue;
     ++outcome.frames;
     outcome.rejected += pose.status == BodyPoseStatus::failed ? 1 : 0;
@@ -177,10 +179,10 @@ TagOutcome outcome_of_tags(const std::vector<TagPlacement>& placements,
 
 }  // namespace
 
-Expected<std::optional<TagDetector>> make_tag_detector(const Recording& recording) {
+Expected<std::optional<TagDetector>> make_tag_detector(const Recording& recording,
+                                                       TagDetectorOptions options) {
   const std::vector<std::string> families = families_of(recording.manifest);
   if (families.empty()) return std::optional<TagDetector>();
-  TagDetectorOptions options;
   if (recording.manifest.camera->has_distortion()) options.lens = recording.manifest.camera;
   Expected<TagDetector> detector = TagDetector::create(families, options);
   if (!detector) {
@@ -193,11 +195,11 @@ Expected<std::optional<TagDetector>> make_tag_detector(const Recording& recordin
 
 std::string explain_rejected_tags(const Recording& recording,
                                   const std::vector<std::vector<TagDetection>>& seen,
-                                  const std::string& object) {
+                                  const std::string& object, const BodyPoseOptions& options) {
   const std::vector<TagPlacement> placements = object.empty()
                                                    ? base_placements(recording.manifest)
                                                    : object_placements(recording.manifest, object);
-  const TagOutcome outcome = outcome_of_tags(placements, seen, *recording.manifest.camera);
+  const TagOutcome outcome = outcome_of_tags(placements, seen, *recording.manifest.camera, options);
   if (outcome.rejected == 0) return {};
   std::string names;
   for (const std::string& name : outcome.names) names += (names.empty() ? "" : ", ") + name;
@@ -206,7 +208,8 @@ std::string explain_rejected_tags(const Recording& recording,
          std::to_string(outcome.rejected) + ": no pose of a square fits the detected corners";
 }
 
-Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recording) {
+Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recording,
+                                                       const CadOptions& options) {
   std::vector<MovableBody> bodies;
   for (const ObjectEntry& entry : recording.manifest.objects) {
     if (!entry.is_movable) continue;
@@ -216,7 +219,7 @@ Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recordin
                    .place = "objects: " + entry.name,
                    .hint = "add mesh: with its .obj, .stl, .ply or .glb file"};
     }
-    Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name);
+    Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name, options);
     if (!model) return model.error();
     bodies.push_back({entry, std::move(*model), object_placements(recording.manifest, entry.name)});
   }
@@ -225,13 +228,11 @@ Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recordin
 
 void report_simplified(const CadModel& model, const Observer& observer) {
   if (!model.simplification) return;
-  char text[160];
-  std::snprintf(text, sizeof text,
-                ": CAD mesh of %zu triangles simplified to %zu, error at most %.3f mm; volume and "
-                "centre of mass are those of the full mesh",
-                model.simplification->full_triangles, model.mesh_object.triangles.size(),
-                1e3 * model.simplification->max_error);
-  observer.on_warning(model.name + text);
+  observer.on_warning(fmt::format(
+      "{}: CAD mesh of {} triangles simplified to {}, error at most {:.3f} mm; volume and centre "
+      "of mass are those of the full mesh",
+      model.name, model.simplification->full_triangles, model.mesh_object.triangles.size(),
+      1e3 * model.simplification->max_error));
 }
 
 std::vector<MarkerEntry> scene_tags(const Manifest& manifest) {
@@ -250,7 +251,9 @@ Expected<Survey> survey_recording(const Recording& recording,
                                   const std::vector<MovableBody>& bodies,
                                   const SurveyOptions& options, const Observer& observer,
                                   std::optional<CameraTrack> known_camera) {
-  Expected<std::optional<TagDetector>> detector = make_tag_detector(recording);
+  const PerceptionOptions& perception = options.perception;
+  Expected<std::optional<TagDetector>> detector =
+      make_tag_detector(recording, perception.tag_detector);
   if (!detector) return detector.error();
   FrameReader reader(recording, {.skip_bad = options.skip_bad});
   const auto detect_next = [&]() -> Expected<DetectedFrame> {
@@ -270,15 +273,16 @@ Expected<Survey> survey_recording(const Recording& recording,
   const auto is_last = [](const Expected<DetectedFrame>& item) { return !item || !item->frame; };
 
   const CameraModel& camera = *recording.manifest.camera;
-  CameraTracker tracker(recording.manifest, recording.groundtruth,
-                        {.depth_noise = options.depth_noise, .trust_poses = options.trust_poses});
+  CameraTrackerOptions tracker_options = camera_options(perception);
+  tracker_options.trust_poses = options.trust_poses;
+  CameraTracker tracker(recording.manifest, recording.groundtruth, tracker_options);
   // Masks of dynamic pixels are needed only where the camera is tracked.
   const bool needs_masks = !known_camera && !options.trust_poses;
-  BodyMasker masker(bodies, camera, options.depth_noise, needs_masks);
+  BodyMasker masker(bodies, camera, perception, needs_masks);
   Survey survey;
-  survey.findings = check_bodies(recording, bodies, masker.surfaces());
+  survey.findings = check_bodies(recording, bodies, masker.surfaces(), perception.consistency);
   if (has_contradiction(survey.findings)) return contradiction_error(recording, survey.findings);
-  ConsistencyCollector collector(recording.manifest, options.depth_noise, masker.surfaces(),
+  ConsistencyCollector collector(recording.manifest, perception.depth_noise, masker.surfaces(),
                                  recording.frames.size());
   survey.detections.resize(recording.frames.size());
   bool any_depth = false;
@@ -303,7 +307,7 @@ Expected<Survey> survey_recording(const Recording& recording,
   survey.camera = known_camera ? std::move(*known_camera) : tracker.solve(observer);
   survey.depth = collector.observations().depth;
   survey.findings = assess_consistency(recording, bodies, collector.observations(), survey.camera,
-                                       std::move(survey.findings));
+                                       std::move(survey.findings), perception.consistency);
   if (has_contradiction(survey.findings)) return contradiction_error(recording, survey.findings);
   for (const ConsistencyFinding& finding : survey.findings) {
     observer.on_warning(finding.to_string());
@@ -311,7 +315,7 @@ Expected<Survey> survey_recording(const Recording& recording,
   const bool any_placed = std::any_of(
       survey.camera.frames.begin(), survey.camera.frames.end(),
       [](const FramePlacement& frame) { return frame.status == PlacementStatus::placed; });
-  if (!any_placed) return not_placed_error(recording, survey, options.depth_noise);
+  if (!any_placed) return not_placed_error(recording, survey, perception);
   survey.T_base_object_first = first_poses(masker.first_detections(), survey.camera);
   return survey;
 }

@@ -14,6 +14,7 @@
 #include "pcavr/marker/body_pose.hpp"
 #include "pcavr/model/cad_model.hpp"
 #include "pcavr/pipeline/consistency.hpp"
+#include "pcavr/pipeline/perception_options.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/tracking/camera_tracker.hpp"
 
@@ -30,7 +31,8 @@ struct MovableBody {
 
 /// Reads the CAD body of every movable object. One without a mesh is an Error: the mesh
 /// replaces the object's points.
-[[nodiscard]] Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recording);
+[[nodiscard]] Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recording,
+                                                                     const CadOptions& options);
 
 /// Warns where a body's mesh is a simplification of a finer one, with its error bound.
 void report_simplified(const CadModel& model, const Observer& observer);
@@ -39,7 +41,7 @@ void report_simplified(const CadModel& model, const Observer& observer);
 [[nodiscard]] std::vector<MarkerEntry> scene_tags(const Manifest& manifest);
 
 struct SurveyOptions {
-  DepthNoise depth_noise = {};
+  PerceptionOptions perception = {};
   bool trust_poses = false;
   bool skip_bad = false;
   Parallelism parallelism = {};
@@ -58,7 +60,8 @@ struct Survey {
 };
 
 /// Finds the manifest's tags; nothing where it names none.
-[[nodiscard]] Expected<std::optional<TagDetector>> make_tag_detector(const Recording& recording);
+[[nodiscard]] Expected<std::optional<TagDetector>> make_tag_detector(const Recording& recording,
+                                                                     TagDetectorOptions options);
 
 /// The hint where tags were rejected.
 inline constexpr char kRejectedTagsHint[] = "check fx, fy, cx, cy and the tags' sizes and poses";
@@ -67,7 +70,8 @@ inline constexpr char kRejectedTagsHint[] = "check fx, fy, cx, cy and the tags' 
 /// detected, or gave a pose.
 [[nodiscard]] std::string explain_rejected_tags(const Recording& recording,
                                                 const std::vector<std::vector<TagDetection>>& seen,
-                                                const std::string& object);
+                                                const std::string& object,
+                                                const BodyPoseOptions& options = {});
 
 /// First pass: finds the tags, and the camera's pose in base for every frame, unless it is known
 /// already, and cross-checks the inputs. An Error where they contradict each other

@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "teleop_files.hpp"
 
-#include <cstdio>
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
 #include <yaml-cpp/yaml.h>
 
 #include "pcavr/core/output.hpp"
 #include "pcavr/core/utf8.hpp"
-#include "pcavr/recording/parameters_file.hpp"
+#include "pcavr/object/parameters_file.hpp"
 
 #include "run_writer.hpp"
 
@@ -39,19 +39,17 @@ Expected<void> write_kept(const Replay& replay, const std::filesystem::path& fol
 
 std::string format_phases(const Replay& replay) {
   std::string text = "t,object,measured,predicted\n";
-  char stamp[32];
   for (const PhaseRow& row : replay.teleop->phases) {
-    std::snprintf(stamp, sizeof stamp, "%.6f,", row.t);
-    text += stamp + replay.objects[row.object].name + ',';
-    text.append(name_of(row.measured)).append(",").append(name_of(row.predicted)) += '\n';
+    text += fmt::format("{:.6f},{},{},{}\n", row.t, replay.objects[row.object].name,
+                        name_of(row.measured), name_of(row.predicted));
   }
   return text;
 }
 
-void emit_offset(const std::optional<TimeOffset>& offset, const char* key, YAML::Emitter& yaml) {
-  if (!offset || !offset->is_known) return;
-  yaml << YAML::Key << key << YAML::Value << offset->offset;
-  yaml << YAML::Key << std::string(key) + "_std" << YAML::Value << offset->std;
+void emit_offset(const TimeOffset& offset, const char* key, YAML::Emitter& yaml) {
+  if (!offset.is_known) return;
+  yaml << YAML::Key << key << YAML::Value << offset.offset;
+  yaml << YAML::Key << std::string(key) + "_std" << YAML::Value << offset.std;
 }
 
 }  // namespace
@@ -84,8 +82,8 @@ void emit_teleop(const Replay& replay, YAML::Emitter& yaml) {
   yaml << YAML::Key << "corrections" << YAML::Value << options.with_corrections;
   yaml << YAML::Key << "identifies" << YAML::Value << options.identifies;
   yaml << YAML::Key << "time_offset" << YAML::Value << YAML::BeginMap;
-  emit_offset(run.tool_to_force, "tool_to_force", yaml);
-  emit_offset(run.tool_to_camera, "tool_to_camera", yaml);
+  emit_offset(run.inputs.tool_to_force, "tool_to_force", yaml);
+  emit_offset(run.inputs.tool_to_camera, "tool_to_camera", yaml);
   yaml << YAML::EndMap;
   yaml << YAML::Key << "traffic" << YAML::Value << YAML::BeginMap;
   yaml << YAML::Key << "correction_bytes" << YAML::Value << run.correction_bytes;

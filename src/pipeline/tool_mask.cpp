@@ -15,15 +15,6 @@
 namespace pcavr {
 namespace {
 
-/// Margin of the mask around the tip, where the shaft begins [m].
-constexpr double kTipMargin = 0.01;
-/// Maximum time between a frame and a tool pose; tools are logged at 100 Hz and more.
-constexpr Duration kMaxToolGap = std::chrono::milliseconds(100);
-/// Maximum depth step between neighbouring pixels of one region [m]: above a sensor's noise at 2 m,
-/// below the gap between a tool and its background.
-constexpr float kMaxDepthStep = 0.02F;
-/// Dilation of the region, for mixed pixels of tool and background at its border [px].
-constexpr int kDilationPixels = 3;
 /// Stride of the pixels that are stored in each direction: the cells are not finer.
 constexpr int kStride = 3;
 
@@ -59,7 +50,9 @@ using Pixel = std::pair<int, int>;
 /// Region growing: the pixels that are connected with the seeds in `region` by continuous depth and
 /// lie above `min_height` in base, including the seeds.
 std::vector<Pixel> grow(std::vector<Pixel> region, const RgbdFrame& frame,
-                        const CameraModel& camera, const Pose& T_base_camera, double min_height) {
+                        const CameraModel& camera, const Pose& T_base_camera, double min_height,
+                        double max_depth_step_in) {
+  const auto max_depth_step = static_cast<float>(max_depth_step_in);
   const DepthImage& depth = frame.depth;
   const Eigen::Vector3d up_camera = T_base_camera.inverse().rotation() * Eigen::Vector3d::UnitZ();
   const double height_of_camera = T_base_camera.translation().z();
@@ -72,7 +65,7 @@ std::vector<Pixel> grow(std::vector<Pixel> region, const RgbdFrame& frame,
       const int u = x + dx;
       const int v = y + dy;
       if (!depth.contains(u, v) || is_known(u, v) != 0 || depth(u, v) <= 0.0F) continue;
-      if (std::abs(depth(u, v) - depth(x, y)) > kMaxDepthStep) continue;
+      if (std::abs(depth(u, v) - depth(x, y)) > max_depth_step) continue;
       const Eigen::Vector3d p_camera = camera.unproject(Eigen::Vector2d(u, v), depth(u, v));
       if (height_of_camera + up_camera.dot(p_camera) < min_height) continue;
       is_known(u, v) = 1;
@@ -105,13 +98,14 @@ std::vector<Pixel> seeds_of(const ToolShape& shape, const RgbdFrame& frame,
 
 void ToolMask::mark(const RgbdFrame& frame, const Pose& T_base_camera, MaskImage& mask) {
   if (!recording_.manifest.tool_radius || recording_.tool.empty()) return;
-  const std::optional<Pose> T_base_tool = recording_.tool.at(frame.depth_stamp, kMaxToolGap);
+  const Duration max_gap(std::llround(options_.max_tool_gap * 1e9));
+  const std::optional<Pose> T_base_tool = recording_.tool.at(frame.depth_stamp, max_gap);
   if (!T_base_tool) return;
   const CameraModel camera =
       on_grid(*recording_.manifest.camera, frame.depth.width(), frame.depth.height());
   const Pose T_camera_tool = T_base_camera.inverse() * *T_base_tool;
   const Eigen::Vector3d& p_camera = T_camera_tool.translation();
-  const double reach = *recording_.manifest.tool_radius + kTipMargin;
+  const double reach = *recording_.manifest.tool_radius + options_.tip_margin;
   if (p_camera.z() <= reach) return;
   const Disc disc{camera.project(p_camera), camera.fx * reach / p_camera.z()};
 
@@ -130,9 +124,10 @@ void ToolMask::mark(const RgbdFrame& frame, const Pose& T_base_camera, MaskImage
     seeds.push_back(seed);
   }
   for_disc(disc, camera, [&](int x, int y) { mask(x, y) = 1; });
-  for (const auto& [x, y] : grow(std::move(seeds), frame, camera, T_base_camera, min_height)) {
-    for_disc({Eigen::Vector2d(x, y), kDilationPixels}, camera,
-             [&](int u, int v) { mask(u, v) = 1; });
+  const double dilation = options_.tool_margin;
+  for (const auto& [x, y] :
+       grow(std::move(seeds), frame, camera, T_base_camera, min_height, options_.max_depth_step)) {
+    for_disc({Eigen::Vector2d(x, y), dilation}, camera, [&](int u, int v) { mask(u, v) = 1; });
     if (!is_tip_seen || x % kStride != 0 || y % kStride != 0) continue;
     const Eigen::Vector3d p = camera.unproject(Eigen::Vector2d(x, y), frame.depth(x, y));
     shape_.add(T_camera_tool.inverse() * p, T_base_tool->translation());

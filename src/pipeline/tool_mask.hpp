@@ -17,13 +17,15 @@ namespace pcavr {
 class ToolMask {
  public:
   /// `recording` has to outlive this.
-  explicit ToolMask(const Recording& recording) : recording_(recording) {}
+  explicit ToolMask(const Recording& recording, const MaskOptions& options = {})
+      : recording_(recording), options_(options), shape_(options) {}
 
   /// Call with the frames in order; `mask` contains the movable bodies already.
   void mark(const RgbdFrame& frame, const Pose& T_base_camera, MaskImage& mask);
 
  private:
   const Recording& recording_;
+  MaskOptions options_;
   ToolShape shape_;
 };
 

@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "pcavr/pipeline/perception_options.hpp"
+
 namespace pcavr {
 
 /// The shape that moves with a tool's tip: grid cells of the tool frame that contained a depth
@@ -16,6 +18,8 @@ namespace pcavr {
 class ToolShape {
  public:
   static constexpr double kEdge = 0.01;  ///< of a cell [m]: about the thinnest shaft
+
+  explicit ToolShape(const MaskOptions& options = {}) : options_(options) {}
 
   /// Adds a reading at `p_tool` [m] while the tip was at `p_base_tip` [m].
   void add(const Eigen::Vector3d& p_tool, const Eigen::Vector3d& p_base_tip);
@@ -28,6 +32,7 @@ class ToolShape {
     int tip_positions = 0;       ///< distinct, with a reading in this cell
     Eigen::Vector3d p_base_tip;  ///< the last of them
   };
+  MaskOptions options_;
   std::map<std::array<int, 3>, Cell> cells_;
 };
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/core/check.hpp"
 
 #include "prediction/support_patch.hpp"
@@ -14,15 +14,7 @@
 namespace pcavr {
 namespace {
 
-// Typical of objects that are pushed on tables: wood, and filled boxes and tins.
-constexpr double kDensity = 700.0;             // [kg/m^3]
-constexpr double kSlidingCoefficient = 0.5;    // rather too high: most dry pairs have 0.2 to 0.5
-constexpr double kStaticToKineticRatio = 1.1;  // F_M over the Coulomb force
-constexpr double kToolFriction = 0.3;          // a smooth metal tip on most materials
-constexpr double kPenetration = 1e-3;          // [m] of the tip when the body breaks loose
-constexpr double kHertzExponent = 1.5;         // of a sphere on a flat face
-constexpr double kDampingRatio = 0.2;          // of the body on the contact's spring
-constexpr double kSteep = 0.5;                 // cosine of 60 degrees
+constexpr double kSteep = 0.5;  // cosine of 60 degrees: where the y axis is the flatter one
 
 void require_not_negative(const std::optional<ParameterValue>& given) {
   if (given) PCAVR_REQUIRE(std::isfinite(given->value) && given->value >= 0.0, given->value);
@@ -37,6 +29,7 @@ void require_physical(const ObjectParameters& known) {
     PCAVR_REQUIRE(std::isfinite(*limit->std) && *limit->std >= 0.0);
   }
   require_not_negative(known.limiting_static_friction);
+  require_not_negative(known.limiting_static_friction_scatter);
   require_not_negative(known.sliding_friction_coefficient);
   require_not_negative(known.viscous_friction);
   require_positive(known.contact_stiffness);
@@ -64,41 +57,48 @@ class Completion {
 };
 
 FrictionParameters complete_friction(const ObjectParameters& known, double volume, double gravity,
-                                     const Completion& value_of) {
+                                     const PhysicsDefaults& defaults, const Completion& value_of) {
   const auto& limit = known.limiting_static_friction;
   const auto& coefficient = known.sliding_friction_coefficient;
-  double mass = kDensity * volume;
+  double mass = defaults.density * volume;
   if (limit && coefficient && limit->value > 0.0 && coefficient->value > 0.0) {
-    mass = limit->value / (kStaticToKineticRatio * coefficient->value * gravity);
+    mass = limit->value / (defaults.static_to_kinetic_ratio * coefficient->value * gravity);
   }
   FrictionParameters friction;
   friction.mass = value_of(known.mass, mass, "mass");
   const double weight = friction.mass * gravity;
   const double default_coefficient =
-      limit ? limit->value / (kStaticToKineticRatio * weight) : kSlidingCoefficient;
+      limit ? limit->value / (defaults.static_to_kinetic_ratio * weight)
+            : defaults.sliding_coefficient;
   friction.coulomb_force =
       weight * value_of(coefficient, default_coefficient, "sliding_friction_coefficient");
-  friction.limiting_force =
-      value_of(limit, kStaticToKineticRatio * friction.coulomb_force, "limiting_static_friction");
-  if (limit && limit->std) friction.limiting_force_std = *limit->std;
+  friction.limiting_force = value_of(
+      limit, defaults.static_to_kinetic_ratio * friction.coulomb_force, "limiting_static_friction");
+  const auto& scatter = known.limiting_static_friction_scatter;
+  if (scatter) {
+    friction.limiting_force_std = scatter->value;
+  } else if (limit && limit->std) {
+    friction.limiting_force_std = *limit->std;
+  }
   friction.viscous = value_of(known.viscous_friction, 0.0, "viscous_friction");
   return friction;
 }
 
-Compliance complete_contact(const ObjectParameters& known, const FrictionParameters& friction,
-                            const Completion& value_of) {
-  Compliance contact;
+HuntCrossley complete_contact(const ObjectParameters& known, const FrictionParameters& friction,
+                              const PhysicsDefaults& defaults, const Completion& value_of) {
+  HuntCrossley contact;
   // A stiffness without its exponent is in N/m.
-  contact.exponent = value_of(known.contact_exponent,
-                              known.contact_stiffness ? 1.0 : kHertzExponent, "contact_exponent");
+  contact.exponent =
+      value_of(known.contact_exponent, known.contact_stiffness ? 1.0 : defaults.contact_exponent,
+               "contact_exponent");
   // Without any friction there is no force to scale by: one newton.
   const double force = std::max(static_friction_limit(friction), 1.0);
-  contact.stiffness =
-      value_of(known.contact_stiffness, force / penetration_power(kPenetration, contact.exponent),
-               "contact_stiffness");
+  contact.stiffness = value_of(known.contact_stiffness,
+                               force / penetration_power(defaults.penetration, contact.exponent),
+                               "contact_stiffness");
   const double depth = static_penetration(contact, force);
   const double slope = contact.exponent * force / depth;
-  const double damping = 2.0 * kDampingRatio * std::sqrt(slope * friction.mass);
+  const double damping = 2.0 * defaults.damping_ratio * std::sqrt(slope * friction.mass);
   contact.damping =
       value_of(known.contact_damping,
                damping / contact_damping({.damping = 1.0, .exponent = contact.exponent}, depth),
@@ -109,17 +109,21 @@ Compliance complete_contact(const ObjectParameters& known, const FrictionParamet
 }  // namespace
 
 CompletedPhysics complete_physics(const ObjectParameters& known, const CadModel& model,
-                                  const Pose& T_base_object, double gravity) {
+                                  const Pose& T_base_object, double gravity,
+                                  const PhysicsDefaults& defaults) {
   require_physical(known);
   PCAVR_REQUIRE(gravity > 0.0, gravity);
+  PCAVR_REQUIRE(defaults.density > 0.0 && defaults.static_to_kinetic_ratio >= 1.0);
+  PCAVR_REQUIRE(defaults.penetration > 0.0 && defaults.contact_exponent >= 1.0);
   CompletedPhysics completed;
   const Completion value_of(completed.assumed);
   BodyPhysics& physics = completed.physics;
-  physics.friction = complete_friction(known, model.volume, gravity, value_of);
-  physics.contact = complete_contact(known, physics.friction, value_of);
-  physics.tool_friction =
-      value_of(known.tool_friction_coefficient, kToolFriction, "tool_friction_coefficient");
-  const detail::SupportPatch patch = detail::support_patch(model, T_base_object);
+  physics.friction = complete_friction(known, model.volume, gravity, defaults, value_of);
+  physics.contact = complete_contact(known, physics.friction, defaults, value_of);
+  physics.tool_friction = value_of(known.tool_friction_coefficient, defaults.tool_friction,
+                                   "tool_friction_coefficient");
+  const detail::SupportPatch patch =
+      detail::support_patch(model, T_base_object, defaults.patch_height);
   physics.friction_radius =
       value_of(known.friction_radius, detail::radius_of(patch), "friction_radius");
   physics.limit_surface = known.limit_surface;

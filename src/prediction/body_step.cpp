@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 
 namespace pcavr::detail {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 constexpr double kForceTolerance = 3e-4;
 constexpr double kDisplacementTolerance = 1e-10;
 constexpr double kMaxResidual = 1e-6;
-constexpr int kMaxIterations = 24;
+constexpr int kMaxIterations = 24;  // bounds a cycle's time where contacts open and close
 /// Of a step: a shorter rest is left for the next one.
 constexpr double kMinShareOfStep = 1e-3;
 /// Normals with a smaller vertical component can push a body out sideways.
@@ -68,7 +68,7 @@ class BodyStepper {
         guess_(guess),
         relative_tolerance_(relative_tolerance),
         dt_(dt) {
-    if ((tip.to - tip.from).norm() > kMaxTipSpeed * dt) tip_.from = tip.to;
+    if ((tip.to - tip.from).norm() > tip.max_speed * dt) tip_.from = tip.to;
     contact_ = contact_at(state.planar, tip_.from);
     resolve_overlap();
     // By the force at the begin: over a step it hardly changes, and in every Newton iteration it
@@ -148,7 +148,7 @@ class BodyStepper {
     const double rate = time > 0.0 ? (load.contact.depth - contact_.depth) / time : 0.0;
     Eigen::Vector3d deflection = Eigen::Vector3d::Zero();
     if (contact_.depth > 0.0) deflection = state_.tangential_deflection_base + displacement;
-    load.tip = tip_force(body_.physics(), load.contact.normal, load.contact.depth, rate, deflection,
+    load.tip = tip_force(body_, load.contact.normal, load.contact.depth, rate, deflection,
                          (tip_.to - tip_.from) / dt_);
     load.wrench = wrench_at(load.contact.arm, load.tip.force);
     if (time > 0.0) add_sides({}, share, load);
@@ -219,7 +219,7 @@ class BodyStepper {
       slip.head<2>() -= own.at(contact.arm);
       Eigen::Vector3d deflection = end_share * slip;
       if (contact_.depth > 0.0) deflection += state_.tangential_deflection_base;
-      load.tip = tip_force(body_.physics(), contact.normal, begin + end_share * (end - begin),
+      load.tip = tip_force(body_, contact.normal, begin + end_share * (end - begin),
                            (contact.depth - contact_.depth) / dt_, deflection, slip / dt_);
       load.wrench = wrench_at(contact.arm, load.tip.force);
       load.stiffness =

@@ -11,7 +11,7 @@
 namespace pcavr::detail {
 namespace {
 
-constexpr std::uint32_t kLeafSize = 4;
+constexpr std::uint32_t kLeafSize = 4;  // a few triangles cost less than another box
 
 /// A point on a triangle, and its feature: face 0, edges 01 12 20 as 1 2 3, corners as 4 5 6.
 struct PointOnTriangle {

@@ -23,14 +23,10 @@ namespace {
 
 /// Contacts with a more vertical normal (its z component) bear weight and do not stop sliding.
 constexpr double kMaxSideNormalZ = 0.7;
-/// Surfaces less high above the body's lowest point [m] are the support and its noise.
-constexpr double kMinHeight = 0.005;
-/// A scanned surface deeper [m] inside a body is not in contact with it.
-constexpr double kMaxDepth = 0.01;
 /// Contacts with the static mesh are found up to this gap [m]: 3 m/s at 1 kHz, less the grid.
 constexpr double kStaticMargin = 3e-3;
-constexpr double kGrid = 0.25e-3;      // [m]
-constexpr double kGridAngle = 2.5e-3;  // [rad]
+constexpr double kGrid = 0.25e-3;      // [m] below a scan's noise: its contacts then do not change
+constexpr double kGridAngle = 2.5e-3;  // [rad] the same at 0.1 m from the centre of mass
 /// Points closer to each other [m] count as one.
 constexpr double kMinApart = 1e-3;
 /// Points found in one call before the reduction.
@@ -127,6 +123,9 @@ struct Collider::Content {
     std::vector<CollisionPoint> static_points;
     bool has_static_points = false;
   };
+  explicit Content(const WorldOptions& world_options) : options(world_options) {}
+
+  WorldOptions options;
   std::vector<Body> bodies;
   std::vector<Eigen::Vector3d> vertices;
   std::vector<int> indices;
@@ -155,7 +154,8 @@ void Collider::Content::add(const WorldBody& body) {
       Pose::from_translation({-centre.x(), -centre.y(), 0.0}) * body.T_base_object;
   Body& added = bodies.emplace_back();
   added.static_points.reserve(kMaxPoints);
-  added.hulls = convex_parts(body.model.mesh_object, T_body_object);
+  added.hulls = convex_parts(body.model.mesh_object, T_body_object, options.shape_tolerance,
+                             static_cast<std::size_t>(options.max_convex_parts));
   added.foot = std::numeric_limits<double>::infinity();
   for (const auto& v : body.model.mesh_object.vertices) {
     const Eigen::Vector3d p = T_body_object * v.cast<double>();
@@ -222,7 +222,7 @@ void Collider::Content::collide(const btConvexHullShape& a, const btTransform& T
   const btVector3 nearest =
       T_a * a.localGetSupportingVertexWithoutMargin(T_a.getBasis().transpose() * -normal);
   const btScalar gap = normal.dot(nearest - triangle[0]);
-  if (gap > margin || gap < -kMaxDepth) return;
+  if (gap > margin || gap < -options.max_scan_depth) return;
   clip_in.resize(0);
   for (int i = 0; i < 3; ++i) clip_in.push_back(triangle[i]);
   btPolyhedralContactClipping::clipFaceAgainstHull(normal, hull, T_a, clip_in, clip_out, -1e3,
@@ -241,7 +241,7 @@ void Collider::Content::search_static(Body& body, const btTransform& T_body) {
     }
   };
   found.found.clear();
-  found.max_depth = kMaxDepth;
+  found.max_depth = options.max_scan_depth;
   for (const auto& hull : body.hulls) {
     btVector3 low, high;
     hull->getAabb(T_body, low, high);
@@ -249,7 +249,7 @@ void Collider::Content::search_static(Body& body, const btTransform& T_body) {
     callback.content = this;
     callback.hull = hull.get();
     callback.T_body = &T_body;
-    callback.min_top = body.foot + kMinHeight;
+    callback.min_top = body.foot + options.min_obstacle_height;
     const btVector3 gap(kStaticMargin, kStaticMargin, 0.0);
     mesh->processAllTriangles(&callback, low - gap, high + gap);
   }
@@ -257,8 +257,9 @@ void Collider::Content::search_static(Body& body, const btTransform& T_body) {
   reduce_contacts(found.found, body.static_points);
 }
 
-Collider::Collider(const std::vector<WorldBody>& bodies, const TriangleMesh& static_mesh_base)
-    : content_(std::make_unique<Content>()) {
+Collider::Collider(const std::vector<WorldBody>& bodies, const TriangleMesh& static_mesh_base,
+                   const WorldOptions& options)
+    : content_(std::make_unique<Content>(options)) {
   for (const WorldBody& body : bodies) content_->add(body);
   content_->add(static_mesh_base);
   content_->clip_in.reserve(kMaxClipCorners);

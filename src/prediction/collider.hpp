@@ -26,7 +26,8 @@ struct CollisionPoint {
 /// are ignored.
 class Collider {
  public:
-  Collider(const std::vector<WorldBody>& bodies, const TriangleMesh& static_mesh_base);
+  Collider(const std::vector<WorldBody>& bodies, const TriangleMesh& static_mesh_base,
+           const WorldOptions& options);
   ~Collider();
 
   /// Whether a body's mesh spans a volume.
@@ -34,7 +35,7 @@ class Collider {
   /// Radius of a body's hulls about the vertical through its centre of mass [m].
   [[nodiscard]] double reach(std::size_t body) const;
 
-  static constexpr std::size_t kMaxPoints = 8;
+  static constexpr std::size_t kMaxPoints = 8;  ///< of two bodies: in the plane two a face suffice
   /// Points where `a` and `b` are closer than `margin` [m], the normal into `a`; appended.
   void between(std::size_t a, const PlanarState& planar_a, std::size_t b,
                const PlanarState& planar_b, double margin, std::vector<CollisionPoint>& points);

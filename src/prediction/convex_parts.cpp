@@ -12,10 +12,8 @@
 namespace pcavr::detail {
 namespace {
 
-constexpr std::size_t kMaxConvexParts = 16;
-constexpr double kTolerance = 0.02;      // of the diagonal
-constexpr std::size_t kMaxCuts = 12;     // tried along each axis
-constexpr std::size_t kMaxCorners = 64;  // of a hull
+constexpr std::size_t kMaxCuts = 12;     // tried along each axis; each costs two hulls
+constexpr std::size_t kMaxCorners = 64;  // of a hull: clipping takes time in proportion
 
 using Triangle = std::array<Eigen::Vector3d, 3>;
 using Surface = std::vector<Triangle>;
@@ -164,18 +162,20 @@ std::vector<Part> cut(const Part& part, double tolerance) {
 }  // namespace
 
 std::vector<std::unique_ptr<btConvexHullShape>> convex_parts(const TriangleMesh& mesh,
-                                                             const Pose& T_frame_mesh) {
+                                                             const Pose& T_frame_mesh,
+                                                             double relative_tolerance,
+                                                             std::size_t max_parts) {
   Surface whole;
   for (const auto& t : mesh.triangles) {
     whole.push_back({mesh.vertices[t[0]].cast<double>(), mesh.vertices[t[1]].cast<double>(),
                      mesh.vertices[t[2]].cast<double>()});
   }
   const double tolerance =
-      kTolerance * static_cast<double>(bounds(mesh.vertices).diagonal().norm());
+      relative_tolerance * static_cast<double>(bounds(mesh.vertices).diagonal().norm());
   std::vector<Part> parts;
   parts.push_back(make_part(std::move(whole)));
   for (std::size_t i = 0; i < parts.size();) {
-    if (parts[i].concavity <= tolerance || parts.size() == kMaxConvexParts) {
+    if (parts[i].concavity <= tolerance || parts.size() >= max_parts) {
       ++i;
       continue;
     }

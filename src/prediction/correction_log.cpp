@@ -5,20 +5,15 @@
 #include <algorithm>
 
 namespace pcavr::detail {
-namespace {
 
-/// Two seconds of corrections at 60 Hz for four bodies.
-constexpr std::size_t kMaxEntries = 512;
-
-}  // namespace
-
-CorrectionLog::CorrectionLog(const PredictedWorld& world) {
+CorrectionLog::CorrectionLog(const PredictedWorld& world, std::size_t max_entries)
+    : max_entries_(max_entries) {
   for (std::size_t i = 0; i < world.size(); ++i) before_.push_back(world.physics(i));
-  entries_.reserve(kMaxEntries);
+  entries_.reserve(max_entries);
 }
 
 void CorrectionLog::add(std::int64_t step, const Correction& correction) noexcept {
-  if (entries_.size() == kMaxEntries) discard_first();
+  if (entries_.size() == max_entries_) discard_first();
   const auto after =
       std::upper_bound(entries_.begin(), entries_.end(), step,
                        [](std::int64_t at, const Entry& entry) { return at < entry.step; });

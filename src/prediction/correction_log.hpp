@@ -14,8 +14,8 @@ namespace pcavr::detail {
 /// only in the constructor.
 class CorrectionLog {
  public:
-  /// Starts with the world's present physics.
-  explicit CorrectionLog(const PredictedWorld& world);
+  /// Starts with the world's present physics. At least one entry.
+  CorrectionLog(const PredictedWorld& world, std::size_t max_entries);
 
   /// A newer correction of a body's physics replaces those of all later times; one of a pose stays
   /// valid for its time.
@@ -36,6 +36,7 @@ class CorrectionLog {
   };
   void discard_first() noexcept;
 
+  std::size_t max_entries_;
   std::vector<BodyPhysics> before_;  ///< by body, from before the first entry
   std::vector<Entry> entries_;       ///< by step, then by arrival
 };

@@ -12,15 +12,14 @@ namespace pcavr::detail {
 namespace {
 
 constexpr double kMargin = 1e-3;   // [m] contacts that may close within a step
-constexpr double kOverlap = 5e-5;  // [m] of two bodies under the force at which one breaks loose
 constexpr double kSettled = 1e-8;  // [m] a smaller change does not affect neighbours
-constexpr int kMaxSweeps = 12;
+constexpr int kMaxSweeps = 12;     // bounds the time of a cycle where bodies do not settle
 /// In the first sweeps a relative tolerance is enough for a body: its neighbours will move.
 constexpr int kRoughSweeps = 6;
 constexpr double kRoughTolerance = 0.1;
 /// [m] Where the motions and the forces in a step disagree by more, the solver did not converge.
 constexpr double kMaxIslandResidual = 1e-5;
-constexpr std::size_t kMaxSides = 64;    // of one body
+constexpr std::size_t kMaxSides = 64;    // of one body: eight neighbours of eight points
 constexpr double kMinCoefficient = 0.1;  // of friction, for the stiffness of a contact without any
 
 double rotation_between(const PlanarState& from, const PlanarState& to) {
@@ -48,18 +47,18 @@ BodyState stopped(const UprightBody& body, const BodyState& begin, const TipPath
 }
 
 /// By the larger force at which one of the two breaks loose.
-double stiffness_between(const BodyPhysics& a, const BodyPhysics& b) {
+double stiffness_between(const BodyPhysics& a, const BodyPhysics& b, double penetration) {
   const double light =
       kStandardGravity * kMinCoefficient * std::min(a.friction.mass, b.friction.mass);
   return std::max({static_friction_limit(a.friction), static_friction_limit(b.friction), light}) /
-         kOverlap;
+         penetration;
 }
 
 }  // namespace
 
 Neighbourhood::Neighbourhood(const std::vector<WorldBody>& bodies,
-                             const TriangleMesh& static_mesh_base)
-    : collider_(bodies, static_mesh_base), members_(bodies.size()) {
+                             const TriangleMesh& static_mesh_base, const WorldOptions& options)
+    : options_(options), collider_(bodies, static_mesh_base, options), members_(bodies.size()) {
   for (Member& member : members_) {
     member.sides.reserve(kMaxSides);
     member.partners.reserve(kMaxSides);
@@ -155,11 +154,15 @@ void Neighbourhood::link(std::size_t body, std::ptrdiff_t partner, const Collisi
   side.arm = point.p_base.head<2>() - states[body].planar.position;
   // Horizontally an overlap is larger than along a normal that is not horizontal.
   side.depth = point.depth / point.normal.head<2>().norm();
-  side.stiffness = stiffness_between(own, other);
+  side.stiffness = stiffness_between(own, other, options_.body_penetration);
   // The static mesh has to support a light body that a heavy one, or a tool that can push the
   // heavy one, presses against it.
-  if (partner < 0) side.stiffness = std::max(side.stiffness, max_static_friction_ / kOverlap);
+  if (partner < 0) {
+    side.stiffness = std::max(side.stiffness, max_static_friction_ / options_.body_penetration);
+  }
   side.damping = 2.0 * std::sqrt(side.stiffness * std::min(own.friction.mass, other.friction.mass));
+  side.friction = options_.body_friction;
+  side.max_separation_speed = options_.max_separation_speed;
   Partner opposite;
   opposite.body = partner;
   if (partner >= 0) {

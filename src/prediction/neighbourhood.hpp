@@ -15,7 +15,8 @@ namespace pcavr::detail {
 /// only work space.
 class Neighbourhood {
  public:
-  Neighbourhood(const std::vector<WorldBody>& bodies, const TriangleMesh& static_mesh_base);
+  Neighbourhood(const std::vector<WorldBody>& bodies, const TriangleMesh& static_mesh_base,
+                const WorldOptions& options);
 
   [[nodiscard]] bool has_shape(std::size_t body) const { return collider_.has_shape(body); }
   void step(const std::vector<UprightBody>& bodies, const TipPath& tip, double dt,
@@ -51,6 +52,7 @@ class Neighbourhood {
   void update_closing_speeds(Member& member) const;
   void update_neighbour_displacements(Member& member) const;
 
+  WorldOptions options_;
   Collider collider_;
   std::vector<Member> members_;
   std::vector<std::size_t> queue_;

@@ -16,11 +16,14 @@ struct PredictedWorld::Content {
   std::vector<BodyState> states;
   detail::Neighbourhood neighbourhood;
   double tool_radius;
+  double max_tip_speed;
 
   explicit Content(const WorldModel& model)
-      : neighbourhood(model.bodies, model.static_mesh_base), tool_radius(model.tool_radius) {
+      : neighbourhood(model.bodies, model.static_mesh_base, model.options),
+        tool_radius(model.tool_radius),
+        max_tip_speed(model.options.max_tip_speed) {
     for (const WorldBody& body : model.bodies) {
-      bodies.emplace_back(body, model.gravity);
+      bodies.emplace_back(body, model.gravity, model.options.max_contact_force);
       states.emplace_back().planar = bodies.back().start();
     }
   }
@@ -34,6 +37,11 @@ PredictedWorld::~PredictedWorld() = default;
 Expected<PredictedWorld> PredictedWorld::create(WorldModel model) {
   PCAVR_REQUIRE(std::isfinite(model.tool_radius) && model.tool_radius > 0.0, model.tool_radius);
   PCAVR_REQUIRE(std::isfinite(model.gravity) && model.gravity > 0.0, model.gravity);
+  const WorldOptions& options = model.options;
+  PCAVR_REQUIRE(options.max_tip_speed > 0.0 && options.max_contact_force > 0.0);
+  PCAVR_REQUIRE(options.body_penetration > 0.0 && options.max_separation_speed > 0.0);
+  PCAVR_REQUIRE(options.body_friction >= 0.0, options.body_friction);
+  PCAVR_REQUIRE(options.shape_tolerance > 0.0 && options.max_convex_parts >= 1);
   for (const WorldBody& body : model.bodies) {
     if (!body.model.mesh_object.triangles.empty()) continue;
     return Error{.message = "a body needs a CAD surface", .place = body.model.name};
@@ -91,7 +99,8 @@ Pose PredictedWorld::pose_of(std::size_t body, const BodyState& state) const {
 void PredictedWorld::step(const Eigen::Vector3d& p_base_before, const Eigen::Vector3d& p_base_tip,
                           double dt) noexcept {
   if (!(dt > 0.0) || !p_base_tip.allFinite() || !p_base_before.allFinite()) return;
-  const detail::TipPath tip{p_base_before, p_base_tip, content_->tool_radius};
+  const detail::TipPath tip{p_base_before, p_base_tip, content_->tool_radius,
+                            content_->max_tip_speed};
   content_->neighbourhood.step(content_->bodies, tip, dt, content_->states);
 }
 

@@ -53,7 +53,7 @@ struct Predictor::Content {
         options(the_options),
         p_base_tip(static_cast<std::size_t>(std::ceil(options.history / options.step)) + 1, tip),
         states(p_base_tip.size(), world.state()),
-        log(world),
+        log(world, static_cast<std::size_t>(options.max_corrections)),
         offsets(world.size()),
         scratch(world.state()) {}
 
@@ -111,6 +111,7 @@ Predictor::Predictor(PredictedWorld world, double start, const Eigen::Vector3d& 
   PCAVR_REQUIRE(options.step > 0.0 && std::isfinite(options.step), options.step);
   PCAVR_REQUIRE(options.history >= 0.0 && options.history / options.step < 1e7, options.history);
   PCAVR_REQUIRE(options.blending >= 0.0 && std::isfinite(options.blending), options.blending);
+  PCAVR_REQUIRE(options.max_corrections >= 1, options.max_corrections);
   content_ = std::make_unique<Content>(std::move(world), start, p_base_tip, options);
 }
 Predictor::Predictor(Predictor&&) noexcept = default;

@@ -8,9 +8,9 @@
 namespace pcavr::detail {
 namespace {
 
-constexpr double kFriction = 0.3;             // between bodies; not identified
-constexpr double kMinSlip = 0.002;            // [m/s] below, friction grows with the speed
-constexpr double kMaxSeparationSpeed = 0.05;  // [m/s] at which an overlap is resolved
+/// [m/s] Below, friction grows with the speed (regularised Coulomb friction): twice the speed from
+/// which a body counts as sliding.
+constexpr double kMinSlip = 0.002;
 /// [m] The damping increases from 0 over this depth: with a discontinuous force, a step in which
 /// two bodies touch first may have no solution.
 constexpr double kDampingRamp = 1e-5;
@@ -24,7 +24,7 @@ SideForce side_force(const SideContact& contact, const Eigen::Vector2d& slip,
   const double depth = contact.depth + closing;
   if (!(depth > 0.0)) return result;
   // Damper and spring balance at the maximum separation speed.
-  const double min_damping = contact.stiffness * depth / kMaxSeparationSpeed;
+  const double min_damping = contact.stiffness * depth / contact.max_separation_speed;
   const double damping =
       std::max(contact.damping * std::min(depth / kDampingRamp, 1.0), min_damping);
   // The speed at the step's end (the displacement gives the mean): so a contact that stops the body
@@ -36,7 +36,7 @@ SideForce side_force(const SideContact& contact, const Eigen::Vector2d& slip,
   const double normal_stiffness = contact.stiffness + damping_slope + 2.0 * damping / time;
   const Eigen::Vector2d along(-contact.normal.y(), contact.normal.x());
   const double speed = along.dot(slip) / time;
-  const double drag = kFriction * force / (std::abs(speed) + kMinSlip);
+  const double drag = contact.friction * force / (std::abs(speed) + kMinSlip);
   result.force = force * contact.normal + drag * speed * along;
   result.stiffness = normal_stiffness * contact.normal * contact.normal.transpose() +
                      drag / time * along * along.transpose();

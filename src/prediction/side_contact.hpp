@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
+
 #include <Eigen/Core>
 
 namespace pcavr::detail {
@@ -17,6 +19,9 @@ struct SideContact {
       Eigen::Vector2d::Zero();  ///< of its point in the step [m]
   double stiffness = 0.0;       ///< [N/m]
   double damping = 0.0;         ///< [N s/m]
+  double friction = 0.0;        ///< Coulomb coefficient
+  /// [m/s] > 0 at which an overlap is resolved.
+  double max_separation_speed = std::numeric_limits<double>::infinity();
 };
 
 /// A force at the contact, and its decrease as the body's point moves.
@@ -26,8 +31,8 @@ struct SideForce {
 };
 
 /// Penalty force (spring and damper) with Coulomb friction. An overlap that was set from outside is
-/// resolved at 50 mm/s and no faster, so that the body does not jump. `slip` is the displacement of
-/// the neighbour's point relative to the body's in `time` [s].
+/// resolved at `max_separation_speed` and no faster, so that the body does not jump. `slip` is the
+/// displacement of the neighbour's point relative to the body's in `time` [s].
 [[nodiscard]] SideForce side_force(const SideContact& contact, const Eigen::Vector2d& slip,
                                    double time) noexcept;
 

@@ -18,9 +18,8 @@
 namespace pcavr::detail {
 namespace {
 
-constexpr double kPatchHeight = 1e-3;  // [m] vertices so close to the lowest one are in contact
-constexpr int kCells = 16;             // across the patch: its surface is then accurate to 1 %
-constexpr int kTwists = 200;           // a dozen for each of a quartic's coefficients
+constexpr int kCells = 16;    // across the patch: its surface is then accurate to 1 %
+constexpr int kTwists = 200;  // a dozen for each of a quartic's coefficients
 
 /// The convex hull of points with z = 0.
 std::vector<Eigen::Vector2d> flat_hull(std::vector<Eigen::Vector3d> points) {
@@ -57,7 +56,7 @@ std::vector<Eigen::Vector2d> cells_of(const std::vector<Eigen::Vector2d>& outlin
 
 }  // namespace
 
-SupportPatch support_patch(const CadModel& model, const Pose& T_base_object) {
+SupportPatch support_patch(const CadModel& model, const Pose& T_base_object, double height) {
   const Eigen::Vector3d centre = T_base_object * model.centre_of_mass_object;
   double lowest = std::numeric_limits<double>::infinity();
   for (const auto& v : model.mesh_object.vertices) {
@@ -67,7 +66,7 @@ SupportPatch support_patch(const CadModel& model, const Pose& T_base_object) {
   for (const auto& v : model.mesh_object.vertices) {
     const Eigen::Vector3d p = T_base_object * v.cast<double>();
     all.emplace_back(p.x() - centre.x(), p.y() - centre.y(), 0.0);
-    if (p.z() <= lowest + kPatchHeight) in_contact.push_back(all.back());
+    if (p.z() <= lowest + height) in_contact.push_back(all.back());
   }
   SupportPatch patch;
   patch.outline = flat_hull(std::move(in_contact));

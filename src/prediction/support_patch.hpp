@@ -18,7 +18,9 @@ struct SupportPatch {
   std::vector<Eigen::Vector2d> outline;     ///< of what is in contact with the support
   std::vector<Eigen::Vector2d> projection;  ///< of the whole body, on the horizontal plane
 };
-[[nodiscard]] SupportPatch support_patch(const CadModel& model, const Pose& T_base_object);
+/// Vertices within `height` [m] of the lowest one are in contact.
+[[nodiscard]] SupportPatch support_patch(const CadModel& model, const Pose& T_base_object,
+                                         double height);
 
 /// The mean_radius under uniform pressure [m].
 [[nodiscard]] double radius_of(const SupportPatch& patch);

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 
 namespace pcavr::detail {
 namespace {
@@ -39,11 +39,12 @@ std::optional<TipContact> find_tip_contact(const UprightBody& body, const Planar
   return contact;
 }
 
-TipForce tip_force(const BodyPhysics& physics, const Eigen::Vector3d& normal, double depth,
+TipForce tip_force(const UprightBody& body, const Eigen::Vector3d& normal, double depth,
                    double rate, const Eigen::Vector3d& deflection,
                    const Eigen::Vector3d& deflection_rate) noexcept {
   TipForce result;
-  const ContactForce press = contact_force(physics.contact, depth, rate, kMaxContactForce);
+  const BodyPhysics& physics = body.physics();
+  const ContactForce press = contact_force(physics.contact, depth, rate, body.max_contact_force());
   if (!(press.force > 0.0)) return result;
   result.normal_stiffness = press.stiffness;
   result.normal_damping = press.damping;

@@ -12,14 +12,15 @@
 
 namespace pcavr::detail {
 
-/// Maximum clearance between tip and body that is computed [m].
+/// Maximum clearance between tip and body that is computed [m]: ten cycles at the maximum speed.
 constexpr double kMaxClearance = 0.05;
 
 /// The tip's sphere and the path of its centre during a step, in base.
 struct TipPath {
   Eigen::Vector3d from = Eigen::Vector3d::Zero();
   Eigen::Vector3d to = Eigen::Vector3d::Zero();
-  double radius = 0.0;
+  double radius = 0.0;     ///< [m]
+  double max_speed = 0.0;  ///< [m/s] a faster tip has jumped: it is placed at `to`
 };
 
 /// Contact, or closest points, of the tip's sphere and a body, base axes.
@@ -49,7 +50,7 @@ struct TipForce {
 /// By the contact law along the normal; tangentially a spring parallel to a damper, of that law's
 /// secant stiffness, up to Coulomb's limit (elastoplastic, like the bristle of Dahl and LuGre
 /// models). `deflection` and `deflection_rate` are those of the tip relative to the surface.
-[[nodiscard]] TipForce tip_force(const BodyPhysics& physics, const Eigen::Vector3d& normal,
+[[nodiscard]] TipForce tip_force(const UprightBody& body, const Eigen::Vector3d& normal,
                                  double depth, double rate, const Eigen::Vector3d& deflection,
                                  const Eigen::Vector3d& deflection_rate) noexcept;
 

@@ -9,7 +9,7 @@
 
 #include <Eigen/Geometry>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/core/check.hpp"
 
 #include "prediction/shifted_surface.hpp"
@@ -58,7 +58,7 @@ double gyration_radius_of(const TriangleMesh& mesh_object, const Pose& T_body_ob
 
 /// The force that keeps the body sliding without rotation, averaged over the directions.
 double mean_force(const LimitSurface& surface) {
-  constexpr int kDirections = 24;
+  constexpr int kDirections = 24;  // every 15 degrees: a quartic has no finer structure
   double sum = 0.0;
   for (int i = 0; i < kDirections; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / kDirections;
@@ -103,7 +103,7 @@ bool is_physical(const BodyPhysics& p) noexcept {
          is_at_least(p.tool_friction, 0.0) && is_at_least(p.friction_radius, tiny) && has_surface;
 }
 
-UprightBody::UprightBody(const WorldBody& body, double gravity)
+UprightBody::UprightBody(const WorldBody& body, double gravity, double max_contact_force)
     : name_(body.model.name),
       T_base_object_start_(body.T_base_object),
       centre_of_mass_object_(body.model.centre_of_mass_object),
@@ -112,6 +112,7 @@ UprightBody::UprightBody(const WorldBody& body, double gravity)
       gyration_radius_(gyration_radius_of(
           body.model.mesh_object, to_body_axes(T_base_object_start_, centre_of_mass_object_))),
       gravity_(gravity),
+      max_contact_force_(max_contact_force),
       lowest_(surface_.bounds().min().z()) {
   set_physics(body.physics);
 }
@@ -123,7 +124,7 @@ void UprightBody::set_physics(const BodyPhysics& physics) {
   const double static_limit = friction_.static_to_kinetic_ratio * friction_.sliding.force;
   static_limit_depth_ = static_penetration(physics.contact, static_limit);
   working_stiffness_ =
-      contact_force(physics.contact, static_limit_depth_, 0.0, kMaxContactForce).stiffness;
+      contact_force(physics.contact, static_limit_depth_, 0.0, max_contact_force_).stiffness;
   sliding_depth_ = static_penetration(physics.contact, physics.friction.coulomb_force);
   critical_share_ = 1.0 - friction_.static_to_kinetic_std / friction_.static_to_kinetic_ratio;
 }

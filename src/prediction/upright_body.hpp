@@ -13,10 +13,6 @@
 
 namespace pcavr::detail {
 
-/// No arm that pushes objects over a table exerts more [N]; a tip that jumps into a stiff body
-/// would otherwise accelerate it without limit.
-constexpr double kMaxContactForce = 2000.0;
-
 [[nodiscard]] bool is_physical(const BodyPhysics& physics) noexcept;
 
 /// A body that slides upright over the support, with all its constants. Body axes: parallel to base
@@ -24,11 +20,14 @@ constexpr double kMaxContactForce = 2000.0;
 /// and the centre's position determine the whole pose.
 class UprightBody {
  public:
-  UprightBody(const WorldBody& body, double gravity);
+  /// `max_contact_force` [N] > 0 of the tip: one that jumps into a stiff body would otherwise
+  /// accelerate it without limit.
+  UprightBody(const WorldBody& body, double gravity, double max_contact_force);
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const ClosestSurface& surface() const { return surface_; }
   [[nodiscard]] const BodyPhysics& physics() const { return physics_; }
+  [[nodiscard]] double max_contact_force() const { return max_contact_force_; }  ///< [N]
   void set_physics(const BodyPhysics& physics);
 
   [[nodiscard]] Pose pose_of(const PlanarState& planar) const;
@@ -68,6 +67,7 @@ class UprightBody {
   double heading_;          ///< of the friction's axes at the start [rad]
   double gyration_radius_;  ///< about the vertical through the centre of mass [m]
   double gravity_;
+  double max_contact_force_;
   double lowest_;  ///< height of the lowest point in base [m]
   BodyPhysics physics_;
   PlanarFriction friction_;

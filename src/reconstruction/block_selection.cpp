@@ -9,7 +9,7 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kGrainRows = 4;  // of tiles
+constexpr std::size_t kGrainRows = 4;  // of tiles; amortises the scheduling of a task
 
 /// Collects block coordinates, skipping recent duplicates: neighbouring rays pass the same blocks.
 class BlockCollector {

@@ -13,7 +13,7 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kGrainRows = 32;
+constexpr std::size_t kGrainRows = 32;  // amortises the scheduling of a task
 // Beyond this incidence depth is unreliable [Nguyen et al. 2012: the noise diverges from 70 to 80
 // deg].
 constexpr double kMaxIncidence = 80.0 * std::numbers::pi / 180.0;
@@ -44,7 +44,7 @@ class MaxDepthSteps {
   }
 
  private:
-  static constexpr int kSteps = 1024;
+  static constexpr int kSteps = 1024;  // 5 mm over a range of 5 m
   float min_depth_;
   float max_depth_;
   float steps_per_metre_;

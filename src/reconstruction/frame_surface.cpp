@@ -11,7 +11,7 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kGrainRows = 32;
+constexpr std::size_t kGrainRows = 32;  // amortises the scheduling of a task
 // The window of the plane fit accepts surfaces up to this incidence.
 constexpr double kMaxFitIncidence = 70.0 * std::numbers::pi / 180.0;
 

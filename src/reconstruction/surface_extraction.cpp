@@ -14,7 +14,7 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kMeshGrainBlocks = 64;
+constexpr std::size_t kMeshGrainBlocks = 64;  // amortises the scheduling of a task
 constexpr std::int16_t kUnknown = std::numeric_limits<std::int16_t>::min();
 // Minimum distance of a zero crossing from the voxels, in edge lengths: closer, the vertices of
 // several edges would coincide.
@@ -60,7 +60,7 @@ Neighbours neighbours_of(const BlockMap& map, std::uint32_t number) {
 /// Voxels -1 to 9 of a block on each axis, including its neighbours' voxels.
 class Window {
  public:
-  static constexpr int kSide = kBlockSide + 3;
+  static constexpr int kSide = kBlockSide + 3;  ///< with neighbours for cubes and gradients
 
   Window(const std::vector<Distances>& distances, const Neighbours& neighbours) {
     for (int z = -1; z <= 9; ++z) {

@@ -17,7 +17,7 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kGrainBlocks = 32;
+constexpr std::size_t kGrainBlocks = 32;  // amortises the scheduling of a task
 
 BlockView view_of(const FrameSurface& frame, const Pose& T_camera_base, double voxel_size,
                   std::uint32_t frame_number) {

@@ -15,12 +15,13 @@ constexpr double kMaxDepth = 1000.0;
 
 DepthNoise read_noise(const YamlValue& noise) {
   noise.expect_keys({"constant", "quadratic", "offset", "grazing", "nearest", "farthest"});
-  const DepthNoise result{.constant = noise.at("constant").positive_number(),
-                          .quadratic = noise.at("quadratic").number(),
-                          .offset = noise.at("offset").number(),
-                          .grazing = noise.at("grazing").number(),
-                          .min_depth = noise.at("nearest").positive_number(),
-                          .max_depth = noise.at("farthest").positive_number()};
+  DepthNoise result;
+  result.constant = noise.at("constant").positive_number();
+  result.quadratic = noise.at("quadratic").number();
+  result.offset = noise.at("offset").number();
+  result.grazing = noise.at("grazing").number();
+  result.min_depth = noise.at("nearest").positive_number();
+  result.max_depth = noise.at("farthest").positive_number();
   if (result.max_depth <= result.min_depth) {
     noise.at("farthest").fail("is not greater than nearest", "write the farthest usable depth");
   }

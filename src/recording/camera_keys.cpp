@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pcavr/core/decimal.hpp"
+
 #include "recording/recording_text.hpp"
 
 namespace pcavr {

@@ -3,6 +3,7 @@
 #include "pcavr/recording/image_codec.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -23,7 +24,7 @@ struct JpegHeader {
   int height = 0;
 };
 
-constexpr int kJpegQuality = 95;
+constexpr int kJpegQuality = 95;  // compression errors stay below a camera's noise
 
 Error decode_error(const ExpectedImage& image, const std::string& reason) {
   return {.message = "can't be decoded: " + reason,
@@ -180,6 +181,17 @@ Expected<std::string> encode_color(const ColorImage& image) {
                      std::string("an image can't be encoded: ") + tjGetErrorStr2(handle.get())};
   }
   return std::string(reinterpret_cast<const char*>(buffer), size);
+}
+
+RawDepthImage to_raw_depth(const DepthImage& depth, double units_per_metre) {
+  RawDepthImage raw(depth.width(), depth.height());
+  const std::span<const float> from = depth.pixels();
+  const std::span<std::uint16_t> to = raw.pixels();
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const double units = std::round(static_cast<double>(from[i]) * units_per_metre);
+    to[i] = units >= 1.0 && units <= 65535.0 ? static_cast<std::uint16_t>(units) : 0;
+  }
+  return raw;
 }
 
 std::string encode_depth(const RawDepthImage& image) {

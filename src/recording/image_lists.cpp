@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recording/image_lists.hpp"
 
+#include <cmath>
+#include <string>
 #include <utility>
 
 #include "pcavr/core/output.hpp"
@@ -69,15 +71,16 @@ Expected<PairedImages> read_image_lists(const fs::path& folder, const ReadOption
   if (!color) return color.error();
   const Expected<Series<Images>> depth = read_list(folder, "depth.txt", options.skip_bad);
   if (!depth) return depth.error();
-  PairedImages images = pair_images(*color, *depth, options.max_pair_gap);
+  PairedImages images =
+      pair_images(*color, *depth, Duration(std::llround(options.max_pair_gap * 1e9)));
   if (!images.frames.empty()) return images;
-  const double gap = to_seconds(options.max_pair_gap) * 1000.0;
+  const double gap = options.max_pair_gap * 1000.0;
   return Error{.message = "contains no frames: of " + std::to_string(images.unpaired_color) +
                           " colour and " + std::to_string(images.unpaired_depth) +
                           " depth images no two match in time",
                .file = folder.string(),
                .hint = "rgb.txt and depth.txt must name images at most " +
-                       std::to_string(static_cast<int>(gap)) + " ms apart"};
+                       std::to_string(std::lround(gap)) + " ms apart"};
 }
 
 }  // namespace pcavr

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <yaml-cpp/yaml.h>
 
+#include "pcavr/core/decimal.hpp"
 #include "pcavr/recording/manifest.hpp"
 
 #include "recording/camera_keys.hpp"

@@ -14,7 +14,7 @@ namespace pcavr {
 namespace {
 
 constexpr std::string_view kSignature("\x89PNG\r\n\x1A\n", 8);
-constexpr std::size_t kHeaderSize = 13;
+constexpr std::size_t kHeaderSize = 13;  // of the IHDR chunk
 /// Sides up to which image sizes fit into every integer type used here; PNG allows 4 bytes.
 constexpr std::uint32_t kMaxSide = 1u << 16;
 

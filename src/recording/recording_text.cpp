@@ -54,12 +54,6 @@ void append_vectors(std::string& text, const char* keyword,
 
 }  // namespace
 
-std::string shortest_decimal(double number) {
-  std::string text;
-  append_number(text, number);
-  return text;
-}
-
 std::string format_file_stamp(Stamp stamp) {
   return format_stamp(stamp, stamp.nanoseconds % 1000 == 0 ? 6 : 9);
 }

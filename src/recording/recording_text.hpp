@@ -10,8 +10,6 @@
 
 namespace pcavr {
 
-/// The shortest decimal that reads back to the same number.
-[[nodiscard]] std::string shortest_decimal(double number);
 /// A stamp for lists and file names: six decimals, or nine where six would round it.
 [[nodiscard]] std::string format_file_stamp(Stamp stamp);
 /// A field of a list, quoted where it contains whitespace or other special characters.

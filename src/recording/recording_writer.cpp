@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/recording/recording_writer.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include "pcavr/core/check.hpp"
@@ -15,17 +14,6 @@
 namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
-
-RawDepthImage to_units(const DepthImage& depth, double units_per_metre) {
-  RawDepthImage raw(depth.width(), depth.height());
-  const std::span<const float> from = depth.pixels();
-  const std::span<std::uint16_t> to = raw.pixels();
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const double units = std::round(static_cast<double>(from[i]) * units_per_metre);
-    to[i] = units >= 1.0 && units <= 65535.0 ? static_cast<std::uint16_t>(units) : 0;
-  }
-  return raw;
-}
 
 Expected<void> create_parent(const fs::path& file) {
   std::error_code code;
@@ -89,7 +77,7 @@ Expected<void> RecordingWriter::add_frame(Stamp color_stamp, const ColorImage& c
                                           Stamp depth_stamp, const DepthImage& depth) {
   Expected<std::string> jpeg = encode_color(color);
   if (!jpeg) return jpeg.error();
-  const RawDepthImage units = to_units(depth, state_->manifest.depth_scale);
+  const RawDepthImage units = to_raw_depth(depth, state_->manifest.depth_scale);
   return add_encoded_frame(color_stamp, {*std::move(jpeg), ".jpg"}, depth_stamp,
                            {encode_depth(units), ".png"});
 }

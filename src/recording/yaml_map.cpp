@@ -18,8 +18,18 @@ YamlValue::YamlValue(const YAML::Node& node, std::string place)
     : node_(std::make_shared<const YAML::Node>(node)), place_(std::move(place)) {}
 
 void YamlValue::fail(const std::string& message, const std::string& hint) const {
-  throw YamlFailure{
-      {.message = message, .line = node_->Mark().line + 1, .place = place_, .hint = hint}};
+  throw YamlFailure(
+      {.message = message, .line = node_->Mark().line + 1, .place = place_, .hint = hint});
+}
+
+void YamlValue::fail_at_key(const std::string& key, const std::string& message,
+                            const std::string& hint) const {
+  for (const auto& entry : *node_) {
+    if (entry.first.IsScalar() && entry.first.Scalar() == key) {
+      YamlValue(entry.first, place_).fail(message, hint);
+    }
+  }
+  fail(message, hint);
 }
 
 std::string YamlValue::text() const {

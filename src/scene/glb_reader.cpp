@@ -28,7 +28,7 @@ struct Chunks {
 
 Chunks chunks_of(std::string_view bytes) {
   const auto word = [&](std::size_t at) { return load_value<std::uint32_t>(bytes.data(), at); };
-  constexpr std::size_t kHeader = 20;
+  constexpr std::size_t kHeader = 20;  // glTF 2.0, 4.4: file header and first chunk's
   if (bytes.size() < kHeader || word(0) != kGlbMagic || word(4) != 2) {
     throw InvalidGlb("is not a binary glTF 2.0 file");
   }

@@ -11,7 +11,7 @@
 namespace pcavr {
 namespace {
 
-constexpr int kLevels = 16;
+constexpr int kLevels = 16;        // of OctoMap's trees
 constexpr int kOriginKey = 32768;  // of the cell whose lower corner is base's origin
 
 /// Octree parser: two bits for each of eight children: unknown (0), free (1), occupied (2) or inner

@@ -20,7 +20,7 @@ constexpr char kColors[] = "property uchar red\nproperty uchar green\nproperty u
 constexpr char kFaces[] = "property list uchar int vertex_indices\n";
 
 constexpr std::size_t kVectorBytes = 3 * sizeof(float);
-constexpr std::size_t kColorBytes = 3;
+constexpr std::size_t kColorBytes = 3;  // uchar red, green, blue
 constexpr std::size_t kTriangleBytes = 1 + 3 * sizeof(std::int32_t);
 
 struct Layout {

@@ -13,7 +13,7 @@
 namespace pcavr {
 namespace {
 
-constexpr int kSupersampling = 2;
+constexpr int kSupersampling = 2;  ///< along each axis: four samples a pixel smooth edges
 
 // Ids in Canvas::id.
 constexpr std::uint8_t kStatic = 1;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include <fmt/core.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -34,7 +34,7 @@ Rgb8 scaled(const Rgb8& color, float factor) {
 constexpr Rgb8 kTextColor{38, 44, 54};
 constexpr Rgb8 kOutlineColor{255, 255, 255};
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-constexpr double kFontScale = 0.55;
+constexpr double kFontScale = 0.55;  // readable in a picture of 1280 x 960
 
 void draw_text(cv::Mat& mat, const std::string& text, const cv::Point& at) {
   // An outline keeps the text readable on any background.
@@ -45,7 +45,7 @@ void draw_text(cv::Mat& mat, const std::string& text, const cv::Point& at) {
 }  // namespace
 
 TriangleMesh tubes(const std::vector<Eigen::Vector3d>& line, double radius) {
-  constexpr std::uint32_t kSides = 8;
+  constexpr std::uint32_t kSides = 8;  // looks round at a width of some pixels
   TriangleMesh mesh;
   for (std::size_t segment = 0; segment + 1 < line.size(); ++segment) {
     const Eigen::Vector3d along = line[segment + 1] - line[segment];
@@ -129,9 +129,8 @@ void draw_scale_bar(ColorImage& picture, double metre) {
   const double length = decade * (max_length >= 5.0 * decade   ? 5.0
                                   : max_length >= 2.0 * decade ? 2.0
                                                                : 1.0);
-  char text[32];
-  std::snprintf(text, sizeof(text), length >= 1.0 ? "%.0f m" : "%.0f cm",
-                length >= 1.0 ? length : 100.0 * length);
+  const std::string text =
+      length >= 1.0 ? fmt::format("{:.0f} m", length) : fmt::format("{:.0f} cm", 100.0 * length);
   cv::Mat mat = as_mat(picture);
   const cv::Point left(40, picture.height() - 40);
   const cv::Point right = left + cv::Point(static_cast<int>(std::lround(length * metre)), 0);

@@ -36,8 +36,8 @@ Points points_of_interest(const Scene& scene) {
 
 /// Vertices of the mesh, without outliers: inside the 2 % to 98 % quantiles along each axis.
 Points points_of_bulk(const TriangleMesh& mesh) {
-  constexpr double kTail = 0.02;  // fraction on each side
-  constexpr std::size_t kMaxFramedPoints = 20'000;
+  constexpr double kTail = 0.02;                    // fraction on each side
+  constexpr std::size_t kMaxFramedPoints = 20'000;  // a sample determines the view
   if (mesh.vertices.empty()) return {Eigen::Vector3d::Zero()};
   Eigen::Vector3f low;
   Eigen::Vector3f high;

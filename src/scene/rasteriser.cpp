@@ -10,9 +10,9 @@
 namespace pcavr {
 namespace {
 
-constexpr float kNearPlane = 0.01F;  ///< [m]
-constexpr std::size_t kVerticesPerChunk = 1 << 16;
-constexpr std::size_t kRowsPerBand = 64;
+constexpr float kNearPlane = 0.01F;                 ///< [m]
+constexpr std::size_t kVerticesPerChunk = 1 << 16;  // amortises the scheduling of a task
+constexpr std::size_t kRowsPerBand = 64;            // amortises the scheduling of a task
 
 /// A projected vertex, with its inverse depth, which is linear in the image.
 struct Projected {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "pcavr/cloud/cloud_file.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/scene/ply_file.hpp"
@@ -80,6 +81,7 @@ Expected<void> write_scene(const Scene& scene, const fs::path& folder, Paralleli
       {kDisplayFile, [&] { return format_display(scene); }},
       {kMeshFile, [&] { return format_ply(scene.mesh_base); }},
       {kCloudFile, [&] { return format_ply(scene.cloud_base); }},
+      {kCloudPcdFile, [&] { return format_pcd(scene.cloud_base); }},
       {kTrajectoryFile, [&] { return format_trajectory(scene.camera_trajectory); }},
       {kPreviewFile, [&] { return format_png(render_preview(scene, parallelism)); }}};
   for (const SceneObject& object : scene.objects) {
@@ -116,7 +118,7 @@ Expected<SceneManifest> read_scene_manifest(const fs::path& folder) {
 Expected<CadModel> read_object_model(const SceneManifest& scene, const SceneObjectEntry& object) {
   CadOptions options;
   // Not simplified again: the stated error would be wrong.
-  if (object.simplified) options.max_triangles = std::numeric_limits<std::size_t>::max();
+  if (object.simplified) options.max_triangles = std::numeric_limits<int>::max();
   Expected<CadModel> model = read_cad_model(scene.folder / object.mesh, object.name, options);
   if (!model || !object.simplified) return model;
   model->simplification = object.simplified->simplification;

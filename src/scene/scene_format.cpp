@@ -149,6 +149,14 @@ void emit_lines(YAML::Emitter& out, const LineCounts& lines) {
   out << YAML::EndMap;
 }
 
+void emit_configuration(YAML::Emitter& out,
+                        const std::vector<std::pair<std::string, std::string>>& changed) {
+  emit_section(out, "configuration");
+  out << YAML::BeginMap;
+  for (const auto& [key, value] : changed) emit(out, key.c_str(), value);
+  out << YAML::EndMap;
+}
+
 void emit_quality(YAML::Emitter& out, const SceneQuality& quality) {
   emit_section(out, "quality");
   out << YAML::BeginMap;
@@ -186,6 +194,7 @@ SceneManifest manifest_of(const Scene& scene) {
   SceneManifest manifest;
   manifest.recording = scene.recording;
   manifest.voxel_size = scene.voxel_size;
+  manifest.configuration = scene.configuration;
   for (const SceneObject& object : scene.objects) {
     manifest.objects.push_back({.name = object.model.name,
                                 .mesh = object_file(object.model.name),
@@ -241,6 +250,7 @@ std::string format_scene_manifest(const SceneManifest& manifest) {
   out << YAML::EndSeq;
   // Before `quality`: a truncated manifest then lacks required keys, and is rejected.
   if (manifest.lines) emit_lines(out, *manifest.lines);
+  if (!manifest.configuration.empty()) emit_configuration(out, manifest.configuration);
   emit_quality(out, manifest.quality);
   out << YAML::EndMap;
   return std::string(out.c_str()) + '\n';

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <set>
 
+#include <fmt/core.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "pcavr/cloud/cloud_file.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/scene/glb_file.hpp"
@@ -35,11 +35,7 @@ std::string with_digit_groups(std::uint64_t count) {
   return text;
 }
 
-std::string rounded(double value, int decimals) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
-  return text.data();
-}
+std::string rounded(double value, int decimals) { return fmt::format("{:.{}f}", value, decimals); }
 
 bool is_same(const Pose& a, const Pose& b) {
   return translation_distance(a, b) <= kSamePosition && rotation_distance(a, b) <= kSameRotation;
@@ -147,6 +143,10 @@ class Inspection {
     if (!cloud) return report(kCloudFile, cloud.error());
     report(kCloudFile, with_digit_groups(cloud->vertices.size()) + " points",
            cloud->triangles.empty() ? "" : "has faces");
+    const Expected<RecordedCloud> pcd = read_cloud(manifest_.folder / kCloudPcdFile);
+    if (!pcd) return report(kCloudPcdFile, pcd.error());
+    report(kCloudPcdFile, with_digit_groups(pcd->points.size()) + " points",
+           pcd->points.size() == cloud->vertices.size() ? "" : "has other points than cloud.ply");
   }
 
   void check_occupancy() {
@@ -162,7 +162,7 @@ class Inspection {
   /// truncated by length but depth by z, so that a small part of the mesh may be outside at the far
   /// end.
   [[nodiscard]] std::string bounds_problem(const OctomapContent& map) const {
-    constexpr double kMinFraction = 0.95;
+    constexpr double kMinFraction = 0.95;  // of the vertices: the far end, see above
     const Eigen::Vector3d margin = Eigen::Vector3d::Constant(2.0 * map.resolution);
     Eigen::AlignedBox3d box = map.known_base;
     if (!box.isEmpty()) box = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);

@@ -214,7 +214,7 @@ std::vector<std::filesystem::path> levels_of(const YamlValue& files) {
 
 SceneManifest manifest_of_yaml(const YamlValue& root) {
   root.expect_keys({"format", "made_by", "recording", "camera", "voxel_size", "files", "objects",
-                    "tags", "support_planes", "lines", "quality"});
+                    "tags", "support_planes", "lines", "quality", "configuration"});
   const YamlValue format = root.at("format");
   if (format.text() != kFormat) {
     format.fail("is '" + format.text() + "'", std::string("this version reads ") + kFormat);
@@ -241,6 +241,11 @@ SceneManifest manifest_of_yaml(const YamlValue& root) {
     manifest.lines.emplace();
     for (const auto& [file, count] : lines->entries())
       manifest.lines->emplace(file, count_of(count));
+  }
+  if (const auto changed = root.find("configuration")) {
+    for (const auto& [key, value] : changed->entries()) {
+      manifest.configuration.emplace_back(key, value.text());
+    }
   }
   manifest.quality = quality_of(root.at("quality"));
   manifest.quality.is_fixed_camera = manifest.is_fixed_camera;

@@ -18,23 +18,8 @@
 namespace pcavr {
 namespace {
 
-/// Slope limit of a support plane: most objects slide above 15 degrees (friction 0.27).
-const double kMinUpward = std::cos(15.0 * M_PI / 180.0);
 /// Slope limit of vertex normals, wider due to mesh noise.
 const float kMinNormalUpward = std::cos(30.0F * static_cast<float>(M_PI) / 180.0F);
-/// Max vertical distance of a body's lowest point from the plane, for errors of pose and surface
-/// [m].
-constexpr double kMaxGap = 0.03;
-/// Search margin around the body, as the surface beneath it was not observed [m].
-constexpr double kSearchMargin = 0.15;
-/// Initial inlier distance; also the maximum [m].
-constexpr double kInlierDistance = 0.01;
-/// The inlier distance is then 3 standard deviations, at least this [m].
-constexpr double kMinInlierDistance = 0.003;
-/// Cell edge for clustering: points in the same or in adjacent cells are connected [m].
-constexpr double kCellEdge = 0.03;
-constexpr std::size_t kMinPoints = 30;
-
 using Points = std::vector<Eigen::Vector3d>;
 
 /// Vertices with an upward normal.
@@ -92,19 +77,20 @@ std::pair<Plane, double> fit(const Points& points) {
 
 using Cell = std::pair<int, int>;
 
-Cell cell_of(const Eigen::Vector3d& point) {
+Cell cell_of(const Eigen::Vector3d& point, double edge) {
   constexpr int kFarAway = 1'000'000'000;  // [cells]; a mesh file may contain any number
-  return {clamp_to_int(std::floor(point.x() / kCellEdge), -kFarAway, kFarAway),
-          clamp_to_int(std::floor(point.y() / kCellEdge), -kFarAway, kFarAway)};
+  return {clamp_to_int(std::floor(point.x() / edge), -kFarAway, kFarAway),
+          clamp_to_int(std::floor(point.y() / edge), -kFarAway, kFarAway)};
 }
 
 /// Inliers of the plane, clustered in the x-y plane (connected components): the largest cluster
 /// with a point close to `near` (empty: the largest of all).
 Points connected_inliers(const Points& points, const Plane& plane, double distance,
-                         const std::optional<Footprint>& near) {
+                         const std::optional<Footprint>& near, const SupportPlaneOptions& options) {
   std::map<Cell, Points> cells;
   for (const Eigen::Vector3d& point : points) {
-    if (std::abs(plane.signed_distance(point)) <= distance) cells[cell_of(point)].push_back(point);
+    if (std::abs(plane.signed_distance(point)) > distance) continue;
+    cells[cell_of(point, options.cluster_gap)].push_back(point);
   }
   Points largest;
   while (!cells.empty()) {
@@ -117,7 +103,8 @@ Points connected_inliers(const Points& points, const Plane& plane, double distan
       const auto found = cells.find(cell);
       if (found == cells.end()) continue;
       for (const Eigen::Vector3d& point : found->second) {
-        is_near = is_near || near->box.exteriorDistance(point.head<2>().eval()) <= kSearchMargin;
+        is_near =
+            is_near || near->box.exteriorDistance(point.head<2>().eval()) <= options.search_margin;
       }
       cluster.insert(cluster.end(), found->second.begin(), found->second.end());
       cells.erase(found);
@@ -132,61 +119,70 @@ Points connected_inliers(const Points& points, const Plane& plane, double distan
 
 /// Region growing: from the RANSAC plane near a body to all connected inliers, in three rounds.
 std::optional<SupportPlane> grow_region(Plane plane, const Points& points,
-                                        const std::optional<Footprint>& near) {
-  double distance = kInlierDistance;
+                                        const std::optional<Footprint>& near,
+                                        const SupportPlaneOptions& options) {
+  double distance = options.max_inlier_distance;
   SupportPlane support;
   Points inliers;
   for (int round = 0; round < 3; ++round) {
-    inliers = connected_inliers(points, plane, distance, near);
-    if (inliers.size() < kMinPoints) return std::nullopt;
+    inliers = connected_inliers(points, plane, distance, near, options);
+    if (inliers.size() < static_cast<std::size_t>(options.min_points)) return std::nullopt;
     std::tie(plane, support.rms) = fit(inliers);
-    distance = std::clamp(3.0 * support.rms, kMinInlierDistance, kInlierDistance);
+    distance =
+        std::clamp(3.0 * support.rms, options.min_inlier_distance, options.max_inlier_distance);
   }
-  if (plane.normal.z() < kMinUpward) return std::nullopt;
+  if (plane.normal.z() < std::cos(options.max_slope)) return std::nullopt;
   support.plane_base = plane;
   support.outline_base = convex_outline(inliers, plane);
   return support;
 }
 
-std::optional<SupportPlane> plane_below(const Points& points, const Footprint& footprint) {
+std::optional<SupportPlane> plane_below(const Points& points, const Footprint& footprint,
+                                        const SupportPlaneOptions& options) {
   Points candidates;
   for (const Eigen::Vector3d& point : points) {
-    if (std::abs(point.z() - footprint.lowest) > kMaxGap) continue;
-    if (footprint.box.exteriorDistance(point.head<2>().eval()) > kSearchMargin) continue;
+    if (std::abs(point.z() - footprint.lowest) > options.max_gap) continue;
+    if (footprint.box.exteriorDistance(point.head<2>().eval()) > options.search_margin) continue;
     candidates.push_back(point);
   }
-  const std::optional<Plane> seed = ransac_plane(candidates, kInlierDistance, kMinUpward);
+  const std::optional<Plane> seed =
+      ransac_plane(candidates, options.max_inlier_distance, std::cos(options.max_slope));
   if (!seed) return std::nullopt;
-  return grow_region(*seed, points, footprint);
+  return grow_region(*seed, points, footprint, options);
 }
 
-bool stands_on(const SupportPlane& plane, const Footprint& footprint) {
-  return std::abs(plane.plane_base.signed_distance(footprint.middle())) <= kInlierDistance &&
+bool stands_on(const SupportPlane& plane, const Footprint& footprint,
+               const SupportPlaneOptions& options) {
+  return std::abs(plane.plane_base.signed_distance(footprint.middle())) <=
+             options.max_inlier_distance &&
          is_above_outline(plane.outline_base, footprint.middle());
 }
 
 }  // namespace
 
 std::vector<SupportPlane> find_support_planes(const TriangleMesh& mesh_base,
-                                              const std::vector<SupportedBody>& bodies) {
+                                              const std::vector<SupportedBody>& bodies,
+                                              const SupportPlaneOptions& options) {
   const Points points = upward_points(mesh_base);
   std::vector<SupportPlane> planes;
   for (const SupportedBody& body : bodies) {
     PCAVR_REQUIRE(body.mesh_object != nullptr && !body.mesh_object->vertices.empty(), body.name);
     const Footprint footprint = footprint_of(body);
     auto found = std::find_if(planes.begin(), planes.end(), [&](const SupportPlane& plane) {
-      return stands_on(plane, footprint);
+      return stands_on(plane, footprint, options);
     });
     if (found == planes.end()) {
-      std::optional<SupportPlane> plane = plane_below(points, footprint);
+      std::optional<SupportPlane> plane = plane_below(points, footprint, options);
       if (!plane) continue;
       found = planes.insert(planes.end(), std::move(*plane));
     }
     found->objects.push_back(body.name);
   }
   if (!bodies.empty()) return planes;
-  if (const auto seed = ransac_plane(points, kInlierDistance, kMinUpward)) {
-    if (auto plane = grow_region(*seed, points, std::nullopt)) planes.push_back(std::move(*plane));
+  if (const auto seed =
+          ransac_plane(points, options.max_inlier_distance, std::cos(options.max_slope))) {
+    auto plane = grow_region(*seed, points, std::nullopt, options);
+    if (plane) planes.push_back(std::move(*plane));
   }
   return planes;
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -13,6 +12,7 @@
 
 #include <arpa/inet.h>
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <netinet/in.h>
@@ -30,9 +30,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDays = 397;
-constexpr double kMinDaysLeft = 7.0;
-constexpr long kDay = 24L * 3600;  // [s]
+constexpr int kDays = 397;            // browsers reject longer ones
+constexpr double kMinDaysLeft = 7.0;  // so that it does not expire while it is used
+constexpr long kDay = 24L * 3600;     // [s]
 
 struct FreeOpenSsl {
   void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }
@@ -177,9 +177,7 @@ std::string fingerprint_of(X509* certificate) {
   if (X509_digest(certificate, EVP_sha256(), digest.data(), &length) != 1) return {};
   std::string text;
   for (unsigned i = 0; i < length; ++i) {
-    std::array<char, 4> byte{};
-    std::snprintf(byte.data(), byte.size(), i == 0 ? "%02X" : ":%02X", digest[i]);
-    text += byte.data();
+    text += fmt::format("{}{:02X}", i == 0 ? "" : ":", digest[i]);
   }
   return text;
 }

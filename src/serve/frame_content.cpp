@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <deque>
+#include <iterator>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -13,9 +14,6 @@
 
 namespace pcavr {
 namespace {
-
-/// Enough for scrubbing around one moment of a replay; at 640 x 480 some 5 MB.
-constexpr std::size_t kMaxCached = 32;
 
 /// The N of "/api/frames/N.jpg", written as a plain number.
 std::optional<std::size_t> frame_of(std::string_view path) {
@@ -35,9 +33,11 @@ std::optional<std::size_t> frame_of(std::string_view path) {
 }  // namespace
 
 struct FrameContent::Store {
-  explicit Store(AugmentedFrames rendered) : frames(std::move(rendered)) {}
+  Store(AugmentedFrames rendered, int cache_size)
+      : frames(std::move(rendered)), max_cached(cache_size) {}
 
   AugmentedFrames frames;
+  int max_cached;
   std::mutex mutex;
   /// FIFO cache of JPEG files by frame, newest last.
   std::deque<std::pair<std::size_t, std::shared_ptr<const Content>>> cached;
@@ -51,12 +51,12 @@ struct FrameContent::Store {
   void add_to_cache(std::size_t frame, std::shared_ptr<const Content> picture) {
     const std::lock_guard lock(mutex);
     cached.emplace_back(frame, std::move(picture));
-    if (cached.size() > kMaxCached) cached.pop_front();
+    if (std::ssize(cached) > max_cached) cached.pop_front();
   }
 };
 
-FrameContent::FrameContent(AugmentedFrames frames)
-    : store_(std::make_unique<Store>(std::move(frames))) {}
+FrameContent::FrameContent(AugmentedFrames frames, int max_cached)
+    : store_(std::make_unique<Store>(std::move(frames), max_cached)) {}
 FrameContent::FrameContent(FrameContent&&) noexcept = default;
 FrameContent& FrameContent::operator=(FrameContent&&) noexcept = default;
 FrameContent::~FrameContent() = default;

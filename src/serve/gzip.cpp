@@ -11,7 +11,7 @@
 namespace pcavr {
 namespace {
 
-constexpr int kLevel = 9;
+constexpr int kLevel = 9;            // compressed once, sent often
 constexpr std::size_t kTrailer = 4;  // ISIZE: the uncompressed length, at the end of the file
 
 struct FreeCompressor {

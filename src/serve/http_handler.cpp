@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdio>
 #include <functional>
 
 #include <arpa/inet.h>
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "pcavr/core/json_text.hpp"
@@ -65,10 +65,7 @@ std::string token_in(const std::string& cookie) {
 }
 
 std::string etag_of(const Content& content) {
-  char tag[40];
-  std::snprintf(tag, sizeof tag, "\"%zx-%zx\"", std::hash<std::string>{}(content.body),
-                content.body.size());
-  return tag;
+  return fmt::format("\"{:x}-{:x}\"", std::hash<std::string>{}(content.body), content.body.size());
 }
 
 std::string path_of(const std::string& target) {

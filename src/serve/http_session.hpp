@@ -14,12 +14,8 @@
 
 namespace pcavr::network {
 
-inline constexpr auto kMaxReadTime = std::chrono::seconds(20);
-inline constexpr auto kMaxWriteTime = std::chrono::seconds(30);
-/// [bytes/s] Slower downloads time out.
-inline constexpr std::size_t kMinRate = 64 * 1024;
-inline constexpr std::uint32_t kMaxHeader = 16 * 1024;
-inline constexpr std::uint64_t kMaxBody = 4 * 1024;
+inline constexpr std::uint32_t kMaxHeader = 16 * 1024;  // twice what browsers send with cookies
+inline constexpr std::uint64_t kMaxBody = 4 * 1024;     // a pairing code is far shorter
 
 /// The Content-Security-Policy of every response: a browser loads only this server's resources. The
 /// page creates workers and textures from memory (blob:), and a decoder is WebAssembly.
@@ -45,7 +41,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream
 
   void begin() {
     if constexpr (kIsTls) {
-      beast::get_lowest_layer(stream_).expires_after(kMaxReadTime);
+      beast::get_lowest_layer(stream_).expires_after(duration_of(hub_.options.read_timeout));
       stream_.async_handshake(
           asio::ssl::stream_base::server, buffer_.data(),
           [self = this->shared_from_this()](error_code fault, std::size_t used) {
@@ -63,7 +59,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream
     parser_.emplace();
     parser_->header_limit(kMaxHeader);
     parser_->body_limit(kMaxBody);
-    beast::get_lowest_layer(stream_).expires_after(kMaxReadTime);
+    beast::get_lowest_layer(stream_).expires_after(duration_of(hub_.options.read_timeout));
     http::async_read(stream_, buffer_, *parser_,
                      [self = this->shared_from_this()](error_code fault, std::size_t) {
                        self->on_request(fault);
@@ -147,8 +143,9 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream
     set_policy();
     const bool has_body = parser_->get().method() != http::verb::head && response.status != 304;
     response_->body() = {has_body ? body.data() : nullptr, has_body ? body.size() : 0};
-    beast::get_lowest_layer(stream_).expires_after(kMaxWriteTime +
-                                                   std::chrono::seconds(body.size() / kMinRate));
+    const double transfer = static_cast<double>(body.size()) / hub_.options.min_download_rate;
+    beast::get_lowest_layer(stream_).expires_after(
+        duration_of(hub_.options.response_timeout + transfer));
     http::async_write(stream_, *response_,
                       [self = this->shared_from_this()](error_code fault, std::size_t) {
                         self->on_written(fault);

@@ -36,7 +36,7 @@ LiveCycle::LiveCycle(HapticWorld world, std::unique_ptr<Device> device,
       page_device_(dynamic_cast<RemoteDevice*>(device_.get())),
       options_(options),
       names_(names_of(world_)),
-      pulses_(world_.size(), options.full_scale_force),
+      pulses_(world_.size(), options.full_scale_force, options.vibration),
       histogram_(cycles_per_slice(options.cycle)),
       buffer_((world_.reset(options.p_base_tool_start), first_snapshot(world_))),
       speeds_(world_.size(), 0.0) {

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <deque>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <string>
@@ -13,15 +14,6 @@
 #include "network.hpp"
 
 namespace pcavr::network {
-
-/// Messages are queued while one is being written; a longer queue means that the page does not
-/// read.
-inline constexpr std::size_t kMaxQueuedMessages = 16;
-/// Rate limit, between two states; a page sends some 70 to 90 samples a second.
-inline constexpr int kMaxMessagesPerTick = 20;
-/// [bytes] of the socket's send buffer (SO_SNDBUF): some 50 ms of states. A larger buffer would
-/// delay the states of a slow page.
-inline constexpr int kSendBuffer = 8192;
 
 /// One page's WebSocket. Backpressure: at most one message is in flight, and a state is only
 /// encoded when it can be sent at once.
@@ -44,10 +36,10 @@ class LiveSession final : public LivePage,
     error_code ignored;
     tcp::socket& transport = beast::get_lowest_layer(socket_).socket();
     transport.set_option(tcp::no_delay(true), ignored);
-    transport.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
+    transport.set_option(asio::socket_base::send_buffer_size(hub_.options.send_buffer), ignored);
     websocket::stream_base::timeout limits{};
-    limits.handshake_timeout = std::chrono::seconds(10);
-    limits.idle_timeout = std::chrono::seconds(20);
+    limits.handshake_timeout = duration_of(hub_.options.handshake_timeout);
+    limits.idle_timeout = duration_of(hub_.options.idle_timeout);
     limits.keep_alive_pings = true;
     socket_.set_option(limits);
     socket_.read_message_max(kMaxLiveMessageBytes);
@@ -59,7 +51,7 @@ class LiveSession final : public LivePage,
   }
 
   void send(std::vector<std::uint8_t> message) override {
-    if (queue_.size() >= kMaxQueuedMessages) return drop();
+    if (std::ssize(queue_) >= hub_.options.max_queued_messages) return drop();
     queue_.push_back(std::move(message));
     write_next();
   }
@@ -85,7 +77,7 @@ class LiveSession final : public LivePage,
  private:
   void begin() {
     is_open_ = true;
-    if (hub_.pages.size() > hub_.options.max_pages) {
+    if (std::ssize(hub_.pages) > hub_.options.max_pages) {
       const std::string limit = std::to_string(hub_.options.max_pages);
       queue_.push_back(encode(ServerMessage{
           {1, LiveWorld::clock()},
@@ -96,7 +88,7 @@ class LiveSession final : public LivePage,
   }
 
   void read() {
-    if (received_since_tick_ >= kMaxMessagesPerTick) {
+    if (received_since_tick_ >= hub_.options.max_messages_per_tick) {
       // Without a pending read, this is the only reference to the session.
       paused_self_ = this->shared_from_this();
       return;

@@ -2,16 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "live_sessions.hpp"
 
+#include <limits>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "pcavr/core/check.hpp"
 
 namespace pcavr {
 namespace {
-
-/// [s] Watchdog (docs/live-protocol.md): a page that holds the clutch but sends nothing is taken as
-/// disconnected.
-constexpr double kToolTimeout = 0.5;
 
 void copy_bodies(const WorldSnapshot& snapshot, LiveState& state) {
   state.objects.resize(snapshot.world.bodies.size());
@@ -47,8 +46,11 @@ void copy_world(const WorldSnapshot& snapshot, LiveState& state) {
 
 }  // namespace
 
-LiveSessions::LiveSessions(LiveWorld& world, LiveWelcome welcome, Send send)
-    : world_(world), welcome_(std::move(welcome)), send_(std::move(send)) {}
+LiveSessions::LiveSessions(LiveWorld& world, LiveWelcome welcome, Send send, double tool_timeout)
+    : world_(world),
+      welcome_(std::move(welcome)),
+      send_(std::move(send)),
+      tool_timeout_(tool_timeout) {}
 
 LiveSessions::PageId LiveSessions::join() {
   pages_.emplace(++last_page_, Page{});
@@ -174,9 +176,10 @@ void LiveSessions::check_timeouts(double now) {
   if (!holder_) return;
   const PageId id = *holder_;
   const Page& page = pages_.at(id);
-  if (!page.is_engaged || now - page.last_tool <= kToolTimeout) return;
+  if (!page.is_engaged || now - page.last_tool <= tool_timeout_) return;
   release_tool();
-  send_notice(id, LiveLevel::warning, "no tool motion received for 0.5 s: the tool was released",
+  send_notice(id, LiveLevel::warning,
+              fmt::format("no tool motion received for {} s: the tool was released", tool_timeout_),
               now);
 }
 

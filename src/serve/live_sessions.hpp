@@ -23,8 +23,10 @@ class LiveSessions {
   using PageId = std::uint32_t;
   using Send = std::function<void(PageId, std::vector<std::uint8_t>)>;
 
-  /// Keeps a reference to `world`, which must outlive it, as must what `send` refers to.
-  LiveSessions(LiveWorld& world, LiveWelcome welcome, Send send);
+  /// Keeps a reference to `world`, which must outlive it, as must what `send` refers to. A page
+  /// that holds the clutch but sends nothing for `tool_timeout` [s] counts as disconnected
+  /// (watchdog).
+  LiveSessions(LiveWorld& world, LiveWelcome welcome, Send send, double tool_timeout);
 
   [[nodiscard]] PageId join();
   /// The page has disconnected. Releases the tool if it has it.
@@ -60,6 +62,7 @@ class LiveSessions {
   LiveWorld& world_;
   LiveWelcome welcome_;
   Send send_;
+  double tool_timeout_;  ///< [s]
   std::map<PageId, Page> pages_;
   std::optional<PageId> holder_;  ///< of the tool
   PageId last_page_ = 0;

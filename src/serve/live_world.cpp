@@ -21,10 +21,6 @@
 namespace pcavr {
 namespace {
 
-// SCHED_FIFO: above ordinary programs, below the kernel's interrupt threads (50 and above).
-constexpr int kPriority = 20;
-// A longer backlog is skipped: its device samples are out of date.
-constexpr std::int64_t kMaxBacklog = 20;
 constexpr std::int64_t kNanoseconds = 1'000'000'000;
 
 std::int64_t now_in_nanoseconds() noexcept {
@@ -52,12 +48,13 @@ void lock_memory(std::vector<std::string>& notes) {
                   std::strerror(errno) + "); allow it with ulimit -l unlimited");
 }
 
-void set_real_time_priority(std::thread& thread, std::vector<std::string>& notes) {
-  const sched_param priority{.sched_priority = kPriority};
+void set_priority(std::thread& thread, int real_time_priority, std::vector<std::string>& notes) {
+  const sched_param priority{.sched_priority = real_time_priority};
   const int fault = ::pthread_setschedparam(thread.native_handle(), SCHED_FIFO, &priority);
   if (fault == 0) return;
   notes.push_back(std::string("the world runs without real-time priority (") +
-                  std::strerror(fault) + "); allow it with ulimit -r " + std::to_string(kPriority));
+                  std::strerror(fault) + "); allow it with ulimit -r " +
+                  std::to_string(real_time_priority));
 }
 
 }  // namespace
@@ -65,7 +62,9 @@ void set_real_time_priority(std::thread& thread, std::vector<std::string>& notes
 struct LiveWorld::Content {
   Content(HapticWorld world, std::unique_ptr<Device> device, const LiveWorldOptions& options)
       : cycle(std::move(world), std::move(device), options),
-        period(static_cast<std::int64_t>(std::llround(options.cycle * 1e9))) {}
+        period(static_cast<std::int64_t>(std::llround(options.cycle * 1e9))),
+        thread_priority(options.thread_priority),
+        max_backlog(options.max_backlog) {}
 
   void run() noexcept {
     std::int64_t deadline = now_in_nanoseconds() + period;
@@ -82,13 +81,15 @@ struct LiveWorld::Content {
 
   [[nodiscard]] std::int64_t next_deadline(std::int64_t deadline) noexcept {
     const std::int64_t backlog = (now_in_nanoseconds() - deadline) / period;
-    if (backlog <= kMaxBacklog) return deadline + period;
+    if (backlog <= max_backlog) return deadline + period;
     late_cycles += static_cast<std::uint32_t>(backlog);
     return deadline + (backlog + 1) * period;
   }
 
   LiveCycle cycle;
   std::int64_t period;  ///< [ns]
+  int thread_priority;
+  std::int64_t max_backlog;  ///< [cycles]
   std::uint32_t late_cycles = 0;
   std::atomic<bool> is_stopping{false};
   std::thread thread;
@@ -112,7 +113,7 @@ Expected<std::vector<std::string>> LiveWorld::start() {
   } catch (const std::system_error& error) {
     return Error{.message = std::string("can't start the world's thread: ") + error.what()};
   }
-  set_real_time_priority(content_->thread, notes);
+  set_priority(content_->thread, content_->thread_priority, notes);
   return notes;
 }
 

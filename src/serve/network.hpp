@@ -4,6 +4,7 @@
 
 // Boost.Beast takes most of a minute to compile: only server.cpp may include this header and those
 // that include it.
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -38,6 +39,11 @@ using tcp = boost::asio::ip::tcp;
 using PlainStream = beast::tcp_stream;
 using TlsStream = beast::ssl_stream<beast::tcp_stream>;
 
+[[nodiscard]] inline std::chrono::nanoseconds duration_of(double seconds) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(seconds));
+}
+
 /// A page's WebSocket connection, over TLS or plain TCP.
 class LivePage {
  public:
@@ -54,24 +60,26 @@ struct Hub {
   Hub(const ServerOptions& server_options, LiveWorld& world, std::unique_ptr<HttpHandler> handler)
       : options(server_options),
         http_handler(std::move(handler)),
-        sessions(world,
-                 {.version = options.version,
-                  .is_replay = options.is_replay,
-                  .scene = options.scene,
-                  .objects = world.names(),
-                  .tool_radius = options.tool_radius,
-                  .rate = options.rate,
-                  .device = std::string(world.device_name())},
-                 [this](LiveSessions::PageId id, std::vector<std::uint8_t> message) {
-                   const auto page = pages.find(id);
-                   if (page != pages.end()) page->second->send(std::move(message));
-                 }) {}
+        sessions(
+            world,
+            {.version = options.version,
+             .is_replay = options.is_replay,
+             .scene = options.scene,
+             .objects = world.names(),
+             .tool_radius = options.tool_radius,
+             .rate = options.rate,
+             .device = std::string(world.device_name())},
+            [this](LiveSessions::PageId id, std::vector<std::uint8_t> message) {
+              const auto page = pages.find(id);
+              if (page != pages.end()) page->second->send(std::move(message));
+            },
+            options.tool_timeout) {}
 
   ServerOptions options;
   std::unique_ptr<HttpHandler> http_handler;
   LiveSessions sessions;
   std::map<LiveSessions::PageId, LivePage*> pages;
-  std::size_t connections = 0;
+  int connections = 0;
   /// Declared after the above, so destroyed before: its pending handlers refer to them.
   asio::io_context io{1};
   /// Reads and compresses files; one thread, so that no file is compressed twice. Declared last, so

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <spawn.h>
 #include <stdlib.h>
 #include <sys/wait.h>
@@ -25,9 +26,7 @@ namespace {
 
 constexpr char kProgram[] = "gltfpack";
 constexpr char kGlbStart[] = "glTF";
-/// A million triangles take about a second.
-constexpr auto kTimeout = std::chrono::seconds(30);
-constexpr auto kPollInterval = std::chrono::milliseconds(2);
+constexpr auto kPollInterval = std::chrono::milliseconds(2);  // far below a mesh's second
 
 Error gltfpack_error(const std::string& message) { return {.message = message, .file = kProgram}; }
 
@@ -53,15 +52,15 @@ class ScratchFolder {
   fs::path path_;
 };
 
-/// The exit status, or empty after kTimeout: then the child is killed.
-std::optional<int> wait_for(pid_t child) {
+/// The exit status, or empty after `timeout` [s]: then the child is killed.
+std::optional<int> wait_for(pid_t child, double timeout) {
   const auto start = std::chrono::steady_clock::now();
   int status = 0;
   while (true) {
     const pid_t ended = ::waitpid(child, &status, WNOHANG);
     if (ended == child) return status;
     if (ended < 0 && errno != EINTR) return std::nullopt;
-    if (std::chrono::steady_clock::now() - start > kTimeout) break;
+    if (std::chrono::steady_clock::now() - start > std::chrono::duration<double>(timeout)) break;
     std::this_thread::sleep_for(kPollInterval);
   }
   ::kill(child, SIGKILL);
@@ -70,7 +69,7 @@ std::optional<int> wait_for(pid_t child) {
 }
 
 /// Runs gltfpack, found on the PATH, with its output discarded.
-Expected<void> run(const fs::path& input, const fs::path& output) {
+Expected<void> run(const fs::path& input, const fs::path& output, double timeout) {
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
@@ -92,21 +91,21 @@ Expected<void> run(const fs::path& input, const fs::path& output) {
     error.hint = "apt-get install gltfpack";
     return error;
   }
-  const std::optional<int> status = wait_for(child);
-  if (!status) return gltfpack_error("timed out after 30 s");
+  const std::optional<int> status = wait_for(child, timeout);
+  if (!status) return gltfpack_error(fmt::format("timed out after {} s", timeout));
   if (!WIFEXITED(*status) || WEXITSTATUS(*status) != 0) return gltfpack_error("failed on a mesh");
   return {};
 }
 
 }  // namespace
 
-Expected<std::string> packed_mesh(const std::string& glb) {
+Expected<std::string> packed_mesh(const std::string& glb, double timeout) {
   const ScratchFolder folder;
   if (folder.path().empty()) return gltfpack_error("can't create a temporary folder");
   const fs::path input = folder.path() / "mesh.glb";
   const fs::path output = folder.path() / "packed.glb";
   if (const auto written = write_file(input, glb); !written) return written.error();
-  if (const auto done = run(input, output); !done) return done.error();
+  if (const auto done = run(input, output, timeout); !done) return done.error();
   Expected<std::string> packed = read_file(output);
   if (packed && !packed->starts_with(kGlbStart))
     return gltfpack_error("its output is not binary glTF");

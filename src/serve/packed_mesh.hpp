@@ -11,7 +11,7 @@ namespace pcavr {
 /// A binary glTF file with its meshes compressed (EXT_meshopt_compression) by gltfpack, which runs
 /// as a child process in a temporary folder that is removed afterwards. Names and coordinates are
 /// kept exactly, colours to 12 bits. An Error if gltfpack is missing, fails, or takes longer than
-/// 30 s. Thread-safe.
-[[nodiscard]] Expected<std::string> packed_mesh(const std::string& glb);
+/// `timeout` [s]. Thread-safe.
+[[nodiscard]] Expected<std::string> packed_mesh(const std::string& glb, double timeout);
 
 }  // namespace pcavr

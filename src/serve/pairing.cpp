@@ -18,11 +18,11 @@ namespace {
 constexpr std::string_view kAlphabet = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789";
 // 30 bits: at thirty attempts a minute, trying half of the codes takes 34 years.
 constexpr std::size_t kCodeLength = 6;
-constexpr std::size_t kTokenBytes = 32;
-constexpr std::size_t kMaxTokens = 64;
-constexpr double kMinute = 60.0;
-constexpr std::size_t kMaxAttemptsPerAddress = 5;
-constexpr std::size_t kMaxAttempts = 30;
+constexpr std::size_t kTokenBytes = 32;            // 256 bits: cannot be guessed
+constexpr std::size_t kMaxTokens = 64;             // twice the pages at the same time
+constexpr double kMinute = 60.0;                   // [s]
+constexpr std::size_t kMaxAttemptsPerAddress = 5;  // a minute: enough for typing errors
+constexpr std::size_t kMaxAttempts = 30;           // a minute, see kCodeLength
 
 Expected<void> fill_with_random(std::span<std::uint8_t> bytes) {
   // getrandom() fills up to 256 bytes at once, or fails.

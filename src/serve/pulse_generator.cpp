@@ -10,23 +10,19 @@
 namespace pcavr {
 namespace {
 
-// A page polls 60 to 90 times a second and would miss a pulse shorter than two of its frames.
-constexpr double kPulseDuration = 0.03;  // [s] at full amplitude
-constexpr double kDecayTime = 0.02;      // [s] time constant of the exponential decay after it
-// The continuous vibration uses half of the range, so that a pulse stands out.
-constexpr double kMaxVibration = 0.5;
-// A tip that chatters on a noisy scan loses contact for some cycles: debounces the first contact.
-constexpr double kMinTimeWithoutContact = 0.05;  // [s]
-constexpr double kLongAgo = 1e3;                 // [s] no pulse or contact yet
+constexpr double kLongAgo = 1e3;  // [s] no pulse or contact yet
 
 }  // namespace
 
-PulseGenerator::PulseGenerator(std::size_t bodies, double full_scale_force)
+PulseGenerator::PulseGenerator(std::size_t bodies, double full_scale_force,
+                               const VibrationOptions& options)
     : full_scale_force_(full_scale_force),
+      options_(options),
       since_pulse_(kLongAgo),
       since_contact_(kLongAgo),
       was_static_(bodies, false) {
   PCAVR_REQUIRE(full_scale_force > 0.0, full_scale_force);
+  PCAVR_REQUIRE(options.decay_time > 0.0, options.decay_time);
 }
 
 void PulseGenerator::reset() noexcept {
@@ -44,7 +40,7 @@ void PulseGenerator::start_pulse() noexcept {
 void PulseGenerator::step(const HapticWorldState& state, double dt) noexcept {
   since_pulse_ += dt;
   const bool touches = state.touches_scan || state.touched_body >= 0;
-  if (touches && since_contact_ > kMinTimeWithoutContact) start_pulse();
+  if (touches && since_contact_ > options_.min_time_without_contact) start_pulse();
   since_contact_ = touches ? 0.0 : since_contact_ + dt;
   for (std::size_t i = 0; i < was_static_.size(); ++i) {
     const MotionPhase phase = state.bodies[i].phase;
@@ -52,8 +48,9 @@ void PulseGenerator::step(const HapticWorldState& state, double dt) noexcept {
     was_static_[i] = phase == MotionPhase::static_contact || phase == MotionPhase::critical;
   }
   const double vibration =
-      kMaxVibration * std::min(1.0, state.force_base.norm() / full_scale_force_);
-  const double pulse = std::exp(-std::max(0.0, since_pulse_ - kPulseDuration) / kDecayTime);
+      options_.max_vibration * std::min(1.0, state.force_base.norm() / full_scale_force_);
+  const double pulse =
+      std::exp(-std::max(0.0, since_pulse_ - options_.pulse_duration) / options_.decay_time);
   amplitude_ = std::clamp(std::max(vibration, pulse), 0.0, 1.0);
 }
 

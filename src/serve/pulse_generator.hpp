@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pcavr/haptics/haptic_world.hpp"
+#include "pcavr/serve/live_world.hpp"
 
 namespace pcavr {
 
@@ -16,7 +17,7 @@ namespace pcavr {
 class PulseGenerator {
  public:
   /// `full_scale_force` [N] > 0: force of the strongest continuous vibration.
-  PulseGenerator(std::size_t bodies, double full_scale_force);
+  PulseGenerator(std::size_t bodies, double full_scale_force, const VibrationOptions& options = {});
 
   void step(const HapticWorldState& state, double dt) noexcept;
   void reset() noexcept;
@@ -28,6 +29,7 @@ class PulseGenerator {
   void start_pulse() noexcept;
 
   double full_scale_force_;
+  VibrationOptions options_;
   double since_pulse_;            ///< [s]
   double since_contact_;          ///< [s]
   std::vector<bool> was_static_;  ///< by body: touched and at rest (static or critical)

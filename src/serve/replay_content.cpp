@@ -138,7 +138,8 @@ Json replay_json(const Recording& recording, const Replay& replay, ReplaySpan sp
 
 Expected<ReplayContent> ReplayContent::create(const Recording& recording,
                                               const SceneManifest& scene, const Replay& replay,
-                                              const Observer& observer) {
+                                              const Observer& observer,
+                                              const ContentOptions& options) {
   const ReplaySpan span = span_of(recording, replay);
   ReplayTables tables(span.start);
   const Json json = replay_json(recording, replay, span, tables);
@@ -153,7 +154,7 @@ Expected<ReplayContent> ReplayContent::create(const Recording& recording,
         "the camera's pose is not known in any frame, so nothing is drawn over the images: omit "
         "--tracked to estimate it");
   }
-  content.frames_.emplace(std::move(*frames));
+  content.frames_.emplace(std::move(*frames), options.max_cached_frames);
   return content;
 }
 

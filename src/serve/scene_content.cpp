@@ -38,39 +38,43 @@ void set_content(Item& item, const char* media_type, std::string body) {
   item.content = std::make_shared<const Content>(make_content(media_type, std::move(body)));
 }
 
-void set_mesh(Item& item, std::string glb) {
-  Expected<std::string> packed = packed_mesh(glb);
+void set_mesh(Item& item, std::string glb, const ContentOptions& options) {
+  Expected<std::string> packed = packed_mesh(glb, options.packing_timeout);
   if (!packed) item.warning = packed.error();
   set_content(item, kGlbMedia, packed ? std::move(*packed) : std::move(glb));
 }
 
-Expected<void> make_level(Item& item, const std::filesystem::path& file) {
+Expected<void> make_level(Item& item, const std::filesystem::path& file,
+                          const ContentOptions& options) {
   Expected<StaticMeshGlb> mesh = read_static_mesh_glb(file);
   if (!mesh) return mesh.error();
   item.count = mesh->triangles;
-  if (item.count > 0) set_mesh(item, std::move(mesh.value().bytes));
+  if (item.count > 0) set_mesh(item, std::move(mesh.value().bytes), options);
   return {};
 }
 
-Expected<void> make_object(Item& item, const std::filesystem::path& file) {
+Expected<void> make_object(Item& item, const std::filesystem::path& file,
+                           const ContentOptions& options) {
   const Expected<GlbContent> checked = read_glb(file);
   if (!checked) return checked.error();
   Expected<std::string> glb = read_file(file);
   if (!glb) return glb.error();
-  set_mesh(item, std::move(*glb));
+  set_mesh(item, std::move(*glb), options);
   return {};
 }
 
-Expected<void> make_cloud(Item& item, const std::filesystem::path& file) {
-  Expected<PageCloud> cloud = page_cloud(file);
+Expected<void> make_cloud(Item& item, const std::filesystem::path& file,
+                          const ContentOptions& options) {
+  Expected<PageCloud> cloud = page_cloud(file, options);
   if (!cloud) return cloud.error();
   item.count = cloud->points;
   set_content(item, kBinaryMedia, std::move(cloud.value().bytes));
   return {};
 }
 
-Expected<void> make_occupancy(Item& item, const std::filesystem::path& file) {
-  Expected<PageOccupancy> occupancy = page_occupancy(file);
+Expected<void> make_occupancy(Item& item, const std::filesystem::path& file,
+                              const ContentOptions& options) {
+  Expected<PageOccupancy> occupancy = page_occupancy(file, options);
   if (!occupancy) return occupancy.error();
   item.count = occupancy->cells;
   item.edge = occupancy->edge;
@@ -79,11 +83,11 @@ Expected<void> make_occupancy(Item& item, const std::filesystem::path& file) {
 }
 
 /// Levels of detail first, then cloud, occupancy and the objects.
-std::vector<Item> items_of(const SceneManifest& scene) {
+std::vector<Item> items_of(const SceneManifest& scene, const ContentOptions& options) {
   std::vector<Item> items;
   const auto add = [&](const std::string& path, const std::filesystem::path& file, auto make) {
-    items.push_back({.path = path, .make = [make, file = scene.folder / file](Item& item) {
-                       return make(item, file);
+    items.push_back({.path = path, .make = [make, options, file = scene.folder / file](Item& item) {
+                       return make(item, file, options);
                      }});
   };
   for (std::size_t level = 0; level < scene.levels_of_detail.size(); ++level) {
@@ -133,10 +137,11 @@ Expected<void> check(const std::vector<Item>& items, const Observer& observer) {
 
 Expected<SceneContent> SceneContent::create(const SceneManifest& scene,
                                             const std::optional<ParameterTable>& parameters,
-                                            const Observer& observer, Parallelism parallelism) {
+                                            const Observer& observer, Parallelism parallelism,
+                                            const ContentOptions& options) {
   const Expected<Trajectory> camera = read_trajectory(scene.folder / kTrajectoryFile);
   if (!camera) return camera.error();
-  std::vector<Item> items = items_of(scene);
+  std::vector<Item> items = items_of(scene, options);
   parallel_for(parallelism, items.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Expected<void> result = items[i].make(items[i]);

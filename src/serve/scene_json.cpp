@@ -6,7 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "pcavr/recording/parameters_file.hpp"
+#include "pcavr/object/parameters_file.hpp"
 #include "pcavr/serve/live_protocol.hpp"
 #include "pcavr/serve/scene_content.hpp"
 

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pcavr/geometry/trajectory.hpp"
-#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/object/object_parameters.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 
 namespace pcavr {

@@ -22,10 +22,6 @@ namespace {
 using Cell = std::array<std::uint16_t, 3>;
 
 constexpr int kMaxSteps = std::numeric_limits<std::uint16_t>::max();
-/// [m] Quantization step. Below a depth camera's resolution; finer steps would store its noise.
-constexpr double kMinStep = 0.00025;
-constexpr std::size_t kMaxPoints = 500'000;
-constexpr std::uint64_t kMaxCells = 4'000'000;
 
 /// A cell's Morton code (Z-order curve): the bits of its coordinates, interleaved.
 std::uint64_t morton(const Cell& cell) {
@@ -61,14 +57,14 @@ Cell cell_of(const Eigen::Vector3f& point, const Eigen::Vector3f& origin, float 
 }
 
 /// The points that are kept, in Morton order; those with equal cells stay in the cloud's order.
-std::vector<std::size_t> kept_points(const std::vector<Cell>& cells) {
+std::vector<std::size_t> kept_points(const std::vector<Cell>& cells, std::size_t max_points) {
   std::vector<std::uint64_t> codes(cells.size());
   std::transform(cells.begin(), cells.end(), codes.begin(), morton);
   std::vector<std::size_t> order(cells.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return codes[a] < codes[b]; });
-  const std::size_t stride = (cells.size() + kMaxPoints - 1) / kMaxPoints;
+  const std::size_t stride = (cells.size() + max_points - 1) / max_points;
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < order.size(); i += stride) kept.push_back(order[i]);
   return kept;
@@ -76,19 +72,22 @@ std::vector<std::size_t> kept_points(const std::vector<Cell>& cells) {
 
 }  // namespace
 
-Expected<PageCloud> page_cloud(const std::filesystem::path& cloud_ply) {
+Expected<PageCloud> page_cloud(const std::filesystem::path& cloud_ply,
+                               const ContentOptions& options) {
   const Expected<TriangleMesh> cloud = read_ply(cloud_ply);
   if (!cloud) return cloud.error();
   const Eigen::AlignedBox3f box = bounds(cloud->vertices);
   const Eigen::Vector3f origin = box.isEmpty() ? Eigen::Vector3f(0, 0, 0) : box.min();
   const float extent = box.isEmpty() ? 0.0F : box.sizes().maxCoeff();
-  const auto step = static_cast<float>(std::max(double{extent} / kMaxSteps, kMinStep));
+  const auto step =
+      static_cast<float>(std::max(double{extent} / kMaxSteps, options.min_point_step));
   std::vector<Cell> cells;
   cells.reserve(cloud->vertices.size());
   for (const Eigen::Vector3f& point : cloud->vertices) {
     cells.push_back(cell_of(point, origin, step));
   }
-  const std::vector<std::size_t> kept = kept_points(cells);
+  const std::vector<std::size_t> kept =
+      kept_points(cells, static_cast<std::size_t>(options.max_points));
   PageCloud page{.bytes = {}, .points = kept.size()};
   append_header(page.bytes, origin, step, kept.size());
   for (const std::size_t i : kept) append_cell(page.bytes, cells[i]);
@@ -101,12 +100,14 @@ Expected<PageCloud> page_cloud(const std::filesystem::path& cloud_ply) {
   return page;
 }
 
-Expected<PageOccupancy> page_occupancy(const std::filesystem::path& occupancy_bt) {
+Expected<PageOccupancy> page_occupancy(const std::filesystem::path& occupancy_bt,
+                                       const ContentOptions& options) {
+  const auto max_cells = static_cast<std::uint64_t>(options.max_cells);
   std::vector<Eigen::Vector3i> cells;
   const auto add_leaf = [&](const OctomapLeaf& leaf) {
     const std::int64_t edge = leaf.edge;
     const auto count = static_cast<std::uint64_t>(edge * edge * edge);
-    if (!leaf.is_occupied || cells.size() + count > kMaxCells) return;
+    if (!leaf.is_occupied || cells.size() + count > max_cells) return;
     for (std::int64_t i = 0; i < edge * edge * edge; ++i) {
       const Eigen::Matrix<std::int64_t, 3, 1> offset(i % edge, i / edge % edge, i / (edge * edge));
       cells.push_back(leaf.corner + offset.cast<int>());
@@ -114,9 +115,9 @@ Expected<PageOccupancy> page_occupancy(const std::filesystem::path& occupancy_bt
   };
   const Expected<OctomapContent> map = read_octomap(occupancy_bt, add_leaf);
   if (!map) return map.error();
-  if (map->occupied > kMaxCells) {
+  if (map->occupied > max_cells) {
     return Error{.message = std::to_string(map->occupied) + " occupied cells exceed the limit of " +
-                            std::to_string(kMaxCells) + " that a page can show",
+                            std::to_string(max_cells) + " that a page can show",
                  .file = occupancy_bt.string(),
                  .hint = "build the scene with a larger --occupancy-resolution"};
   }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pcavr/core/expected.hpp"
+#include "pcavr/serve/content.hpp"
 
 namespace pcavr {
 
@@ -16,9 +17,10 @@ struct PageCloud {
   std::size_t points = 0;
 };
 /// Quantizes the points: the error is at most half a step. Sorted by Morton code (Z-order curve)
-/// [Morton 1966], which compresses better; of more than 500 000 points, which is what a headset
-/// renders at 72 Hz, every n-th in that order is kept.
-[[nodiscard]] Expected<PageCloud> page_cloud(const std::filesystem::path& cloud_ply);
+/// [Morton 1966], which compresses better; of more than `max_points`, every n-th in that order is
+/// kept.
+[[nodiscard]] Expected<PageCloud> page_cloud(const std::filesystem::path& cloud_ply,
+                                             const ContentOptions& options);
 
 /// occupancy.bin of docs/live-protocol.md, from a scene's occupancy.bt.
 struct PageOccupancy {
@@ -26,7 +28,8 @@ struct PageOccupancy {
   std::size_t cells = 0;
   double edge = 0.0;  ///< [m]
 };
-/// An Error if there are more cells than a page can draw (4 million).
-[[nodiscard]] Expected<PageOccupancy> page_occupancy(const std::filesystem::path& occupancy_bt);
+/// An Error if there are more than `max_cells`.
+[[nodiscard]] Expected<PageOccupancy> page_occupancy(const std::filesystem::path& occupancy_bt,
+                                                     const ContentOptions& options);
 
 }  // namespace pcavr

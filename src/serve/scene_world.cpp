@@ -3,6 +3,8 @@
 #include "pcavr/serve/scene_world.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <string>
 #include <utility>
 
 #include "pcavr/model/cad_model.hpp"
@@ -13,30 +15,25 @@
 namespace pcavr {
 namespace {
 
-/// Measured: the proxy search runs at 1 kHz with this many.
-constexpr std::size_t kMaxTriangles = 1'000'000;
-/// [m] above the movable objects: without contact, and in view.
-constexpr double kStartHeight = 0.1;
-/// [s] in which the force may rise to its limit: avoids force steps.
-constexpr double kRiseTime = 0.0025;
-
 bool is_seen(const SceneObjectEntry& object) { return object.evidence != kNotSeen; }
 
 /// The scene of a recording without images has only the manifest's objects: nothing was scanned.
 bool is_scanned(const SceneManifest& scene) { return scene.quality.frames_used > 0; }
 
-Expected<TriangleMesh> static_mesh(const SceneManifest& scene, SceneWorld& world) {
+Expected<TriangleMesh> static_mesh(const SceneManifest& scene, int max_triangles,
+                                   SceneWorld& world) {
   if (!is_scanned(scene)) return TriangleMesh{};
   Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
+  const std::string limit = std::to_string(max_triangles) + " triangles";
   // Level 0 is for display only, and contains the objects too.
-  for (std::size_t i = 1; mesh && mesh->triangles.size() > kMaxTriangles; ++i) {
+  for (std::size_t i = 1; mesh && std::ssize(mesh->triangles) > max_triangles; ++i) {
     if (i >= scene.levels_of_detail.size()) {
-      return Error{.message = "more than a million triangles, and no coarser level of detail",
+      return Error{.message = "more than " + limit + ", and no coarser level of detail",
                    .file = (scene.folder / "mesh.ply").string(),
                    .hint = "build the scene again with a larger --voxel"};
     }
     world.notes.push_back("using " + scene.levels_of_detail[i].string() +
-                          " for contact: mesh.ply has more than a million triangles");
+                          " for contact: mesh.ply has more than " + limit);
     mesh = read_mesh(scene.folder / scene.levels_of_detail[i]);
   }
   return mesh;
@@ -51,7 +48,8 @@ void append(const TriangleMesh& more, TriangleMesh& mesh) {
 }
 
 Expected<void> add_object(const SceneManifest& scene, const SceneObjectEntry& object,
-                          const ParameterTable& known, SceneWorld& world) {
+                          const ParameterTable& known, const SceneWorldOptions& options,
+                          SceneWorld& world) {
   Expected<CadModel> model = read_object_model(scene, object);
   if (!model) return model.error();
   if (!object.is_movable) {
@@ -59,8 +57,8 @@ Expected<void> add_object(const SceneManifest& scene, const SceneObjectEntry& ob
            world.model.world.static_mesh_base);
     return {};
   }
-  CompletedPhysics completed =
-      complete_physics(known.at(object.name), *model, object.T_base_object);
+  CompletedPhysics completed = complete_physics(known.at(object.name), *model, object.T_base_object,
+                                                world.model.world.gravity, options.unknown_objects);
   world.full_scale_force =
       std::max(world.full_scale_force, completed.physics.friction.limiting_force);
   world.assumed.push_back({object.name, std::move(completed.assumed)});
@@ -68,7 +66,7 @@ Expected<void> add_object(const SceneManifest& scene, const SceneObjectEntry& ob
   return {};
 }
 
-Eigen::Vector3d tool_start(const WorldModel& world) {
+Eigen::Vector3d tool_start(const WorldModel& world, double start_height) {
   Eigen::AlignedBox3f box;
   for (const WorldBody& body : world.bodies) {
     box.extend(bounds(transformed(body.T_base_object, body.model.mesh_object).vertices));
@@ -76,7 +74,7 @@ Eigen::Vector3d tool_start(const WorldModel& world) {
   if (box.isEmpty()) box = bounds(world.static_mesh_base.vertices);
   if (box.isEmpty()) return Eigen::Vector3d::Zero();
   const Eigen::Vector3f middle = box.center();
-  return {middle.x(), middle.y(), box.max().z() + kStartHeight};
+  return {middle.x(), middle.y(), box.max().z() + start_height};
 }
 
 }  // namespace
@@ -87,26 +85,28 @@ Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
       known_parameters(scene, options.parameters, options.parameters_file);
   if (!known) return known.error();
   SceneWorld world;
-  Expected<TriangleMesh> mesh = static_mesh(scene, world);
+  world.full_scale_force = options.min_full_scale_force;
+  Expected<TriangleMesh> mesh = static_mesh(scene, options.max_triangles, world);
   if (!mesh) return mesh.error();
   world.model.world.static_mesh_base = {
       std::move(mesh->vertices), {}, {}, std::move(mesh->triangles)};
   world.model.world.tool_radius = options.tool_radius;
-  world.model.force.max_force = options.max_force;
-  world.model.force.max_rate = options.max_force / kRiseTime;
+  world.model.world.options = options.world;
+  world.model.options = options.haptics;
+  world.model.force = options.force;
   for (const SceneObjectEntry& object : scene.objects) {
     if (!is_seen(object)) {
       world.notes.push_back(object.name + " was not seen when the scene was built: ignored");
       continue;
     }
-    const Expected<void> added = add_object(scene, object, *known, world);
+    const Expected<void> added = add_object(scene, object, *known, options, world);
     if (!added) return added.error();
   }
   for (const SupportPlane& plane : scene.support_planes) {
     world.model.supports_base.push_back(plane.outline_base);
   }
   world.triangles = world.model.world.static_mesh_base.triangles.size();
-  world.p_base_tool_start = tool_start(world.model.world);
+  world.p_base_tool_start = tool_start(world.model.world, options.start_height);
   return world;
 }
 

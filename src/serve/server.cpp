@@ -19,9 +19,6 @@ namespace {
 
 using namespace network;
 
-/// Time for the closing handshakes with the pages.
-constexpr auto kShutdownTimeout = std::chrono::milliseconds(200);
-
 /// Detects by the first bytes whether a client on a TLS port uses TLS or plain HTTP.
 class TlsDetector final : public std::enable_shared_from_this<TlsDetector> {
  public:
@@ -29,7 +26,7 @@ class TlsDetector final : public std::enable_shared_from_this<TlsDetector> {
       : hub_(hub), tls_(tls), stream_(std::move(socket)), peer_(std::move(peer)) {}
 
   void detect() {
-    stream_.expires_after(kMaxReadTime);
+    stream_.expires_after(duration_of(hub_.options.read_timeout));
     beast::async_detect_ssl(stream_, buffer_,
                             [self = shared_from_this()](error_code fault, bool is_tls) {
                               if (!fault) self->start_session(is_tls);
@@ -205,7 +202,7 @@ struct LiveServer::Impl {
     acceptor.close(ignored);
     timer.cancel();
     for (const auto& [id, page] : hub.pages) page->end();
-    retry.expires_after(kShutdownTimeout);
+    retry.expires_after(duration_of(hub.options.shutdown_timeout));
     retry.async_wait([this](error_code) { hub.io.stop(); });
   }
 
@@ -247,6 +244,7 @@ Expected<LiveServer> LiveServer::open(const ServerOptions& options, LiveWorld& w
                                       const ContentSource& content) {
   PCAVR_REQUIRE(options.rate >= 1.0 && options.rate <= 1000.0, options.rate);
   PCAVR_REQUIRE(options.max_write_time > 0.0, options.max_write_time);
+  PCAVR_REQUIRE(options.min_download_rate > 0.0, options.min_download_rate);
   const Expected<tcp::endpoint> endpoint = endpoint_of(options);
   if (!endpoint) return endpoint.error();
   Expected<TlsSetup> setup = check(options, *endpoint);

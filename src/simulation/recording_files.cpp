@@ -3,13 +3,14 @@
 #include "simulation/recording_files.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <iomanip>
 #include <sstream>
 #include <string>
 
+#include <fmt/core.h>
+
 #include "pcavr/core/output.hpp"
-#include "pcavr/recording/parameters_file.hpp"
+#include "pcavr/object/parameters_file.hpp"
 #include "pcavr/recording/recording.hpp"
 
 namespace pcavr::simulation {
@@ -88,15 +89,13 @@ Trajectory object_trajectory(const Truth& truth, std::size_t box) {
 
 std::string format_tracking(const std::vector<SimulatedMeasurement>& measurements) {
   std::string text = "t,evidence,tags,position_sigma,rotation_sigma,surface_rms,at_rest\n";
-  char row[160];
   for (const SimulatedMeasurement& measurement : measurements) {
     const char* evidence = measurement.is_seen ? "tags_and_shape" : "none";
     // Two tags, and a surface RMS of a millimetre, as for a camera's noise.
-    std::snprintf(row, sizeof row, "%s,%s,%d,%.6f,%.6f,%.6f,%d\n",
-                  format_stamp(measurement.stamp).c_str(), evidence, measurement.is_seen ? 2 : 0,
-                  measurement.position_std, measurement.rotation_std,
-                  measurement.is_seen ? 0.001 : 0.0, measurement.is_at_rest ? 1 : 0);
-    text += row;
+    text += fmt::format("{},{},{},{:.6f},{:.6f},{:.6f},{:d}\n", format_stamp(measurement.stamp),
+                        evidence, measurement.is_seen ? 2 : 0, measurement.position_std,
+                        measurement.rotation_std, measurement.is_seen ? 0.001 : 0.0,
+                        measurement.is_at_rest);
   }
   return text;
 }

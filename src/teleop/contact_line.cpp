@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 
 namespace pcavr {
 namespace {
 
+// Fewer samples are fitted too well by chance: their slope's standard error is too small.
 constexpr std::size_t kMinSamples = 20;
+// With a larger relative standard error of the slope the chord errs less than the line.
 constexpr double kMaxSlopeError = 0.1;
 // A chord of zero compliance would be infinitely stiff [m/N].
 constexpr double kMinCompliance = 1e-7;

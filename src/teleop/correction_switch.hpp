@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "pcavr/teleop/options.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
 namespace pcavr {
@@ -21,25 +22,21 @@ struct SiteComparison {
   double position_std = 0.0;                       ///< of the robot's pose estimate [m]
 };
 
-struct SwitchOptions {
-  double force_tolerance = 0.10;      ///< relative to the real force
-  double force_floor = 0.3;           ///< [N] minimum difference: the sensor's noise and drift
-  double position_tolerance = 0.003;  ///< [m] upper limit of the threshold
-  double round_trip = 0.4;            ///< [s]
-};
-
 /// The correction switch of one object [paper C; methods of section 5]: decides which case, if any,
 /// requires a correction now.
 ///
-/// Adaptive thresholds. Position: three standard deviations of the robot's pose estimate, at least
-/// 0.5 mm, times a backoff factor of 1 to 3 as the traffic exceeds its budget, at most
-/// `position_tolerance`. Force: 10 % of the real one, at least `force_floor`, times the same
-/// factor. Debouncing: a difference counts after 30 to 60 ms, longer than the two sites' phase
-/// stamps may differ. While a correction is in flight (a round trip and a margin), the same case is
-/// not sent again unless the error has doubled.
+/// Adaptive thresholds. Position: some standard deviations of the robot's pose estimate, at least
+/// `min_position_error`, times a backoff factor as the traffic exceeds its budget, at most
+/// `position_tolerance`. Force: a share of the real one, at least `force_floor`, times the same
+/// factor. Debouncing: a difference counts after a time longer than the two sites' phase stamps may
+/// differ. While a correction is in flight (a round trip and a margin), the same case is not sent
+/// again unless the error has grown.
 class CorrectionSwitch {
  public:
-  explicit CorrectionSwitch(const SwitchOptions& options) : options_(options) {}
+  /// `force_floor` [N]: minimum difference of forces, the sensor's noise and drift. `round_trip`:
+  /// [s].
+  CorrectionSwitch(const CorrectionSwitchOptions& options, double force_floor, double round_trip)
+      : options_(options), force_floor_(force_floor), round_trip_(round_trip) {}
 
   /// `traffic`: bytes sent so far over the byte budget (rate limit). Call in ascending order of
   /// time.
@@ -67,7 +64,9 @@ class CorrectionSwitch {
     double size_sent = 0.0;
   };
 
-  SwitchOptions options_;
+  CorrectionSwitchOptions options_;
+  double force_floor_;
+  double round_trip_;
   std::array<PendingFinding, 5> pending_{};
 };
 

@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 
 #include "pcavr/geometry/pose.hpp"
-#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/object/object_parameters.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
 namespace pcavr {

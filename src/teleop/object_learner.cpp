@@ -6,36 +6,22 @@
 #include <cmath>
 #include <iterator>
 
-#include "pcavr/contact/compliance.hpp"
-#include "pcavr/core/gravity.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/identification/contact_fit.hpp"
+#include "pcavr/identification/sliding.hpp"
 
 namespace pcavr {
 namespace {
 
-// Relative standard deviation of a parameter without a stated one.
-constexpr double kDefaultRelativeStd = 0.05;
-// Data contradict a parameter beyond this many standard deviations and this relative model error.
-constexpr double kContradiction = 4.0;
-constexpr double kModelError = 0.05;
 // A new estimate from more data replaces the old one up to this ratio of standard deviations.
 constexpr double kMaxStdRatio = 1.2;
-// Relative standard deviation of the breakaway force, if only one was observed.
-constexpr double kSingleBreakawayStd = 0.03;
-// A contact fit with a larger relative force residual is rejected.
-constexpr double kMaxFitError = 0.1;
-// As is one with a larger relative standard deviation of the penetration.
-constexpr double kMaxRelativeStd = 0.25;
-// [N] Contacts with less force are not used for the contact law.
-constexpr double kMinPeak = 1.0;
-// Safety factor of the conservative F_M over the largest force without breakaway.
-constexpr double kLimitFactor = 1.5;
+// A peak this near to the force at which the sensor saturates is cut off.
+constexpr double kSaturatedRatio = 0.98;
+// [samples] Fewer do not determine the contact law's three parameters.
+constexpr std::size_t kMinContactSamples = 30;
 // The estimated start of a new contact may still change by this much with more data [s].
 constexpr double kSameContact = 0.25;
-// Number of newest contacts that are fitted together, which bounds the cost. Estimates from older
-// ones are kept until newer ones contradict them.
-constexpr std::ptrdiff_t kMaxFittedContacts = 6;
-// A standard deviation of breakaways needs more of them.
+// Of breakaways: their standard deviation needs more contacts than are fitted together.
 constexpr std::size_t kMaxStoredContacts = 20;
 
 ParameterValue value_of(const IdentifiedParameter& parameter) {
@@ -60,20 +46,21 @@ ForceMotion part_until(const ContactEpisode& contact, double until) {
 
 }  // namespace
 
-ObjectLearner::ObjectLearner(const ObjectParameters& given, std::optional<double> force_ceiling)
-    : known_(given), given_(given), force_ceiling_(force_ceiling) {}
+ObjectLearner::ObjectLearner(const ObjectParameters& given, std::optional<double> force_ceiling,
+                             const LearningOptions& options)
+    : options_(options), known_(given), given_(given), force_ceiling_(force_ceiling) {}
 
 bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_slid) {
   has_changed_ = false;
-  const Segmentation found =
-      segment_contacts(record.t_force, record.force_base, record.t_tool, record.p_base_tip);
+  const Segmentation found = segment_contacts(record.t_force, record.force_base, record.t_tool,
+                                              record.p_base_tip, options_.segmentation);
   const auto nearest = std::min_element(
       found.contacts.begin(), found.contacts.end(), [&](const auto& a, const auto& b) {
         return std::abs(a.begin - begin) < std::abs(b.begin - begin);
       });
   // Empty: the tool was not recorded meanwhile.
   if (nearest == found.contacts.end() || nearest->t.empty()) return false;
-  if (force_ceiling_ && nearest->peak_force >= 0.98 * *force_ceiling_) return false;
+  if (force_ceiling_ && nearest->peak_force >= kSaturatedRatio * *force_ceiling_) return false;
   const bool is_same =
       !contacts_.empty() && std::abs(contacts_.back().begin - nearest->begin) < kSameContact;
   if (!is_same) contacts_.emplace_back();
@@ -88,7 +75,8 @@ bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_sl
 }
 
 void ObjectLearner::raise_static_limit(double friction) {
-  conservative_limit_ = std::max(conservative_limit_.value_or(0.0), kLimitFactor * friction);
+  conservative_limit_ =
+      std::max(conservative_limit_.value_or(0.0), options_.static_limit_factor * friction);
   for (ObjectParameters* parameters : {&known_, &given_}) {
     parameters->limiting_static_friction.reset();
     parameters->sliding_friction_coefficient.reset();
@@ -108,9 +96,9 @@ bool ObjectLearner::is_contradicted(const std::optional<ParameterValue>& old,
                                     const ParameterValue& found) const {
   if (!old) return true;
   const double gap = std::abs(found.value - old->value);
-  const double old_std = old->std.value_or(kDefaultRelativeStd * std::abs(old->value));
-  return gap > kContradiction * std::hypot(old_std, found.std.value_or(0.0)) &&
-         gap > kModelError * std::abs(found.value);
+  const double old_std = old->std.value_or(options_.default_relative_std * std::abs(old->value));
+  return gap > options_.contradiction_stds * std::hypot(old_std, found.std.value_or(0.0)) &&
+         gap > options_.model_error * std::abs(found.value);
 }
 
 void ObjectLearner::accept(std::optional<ParameterValue> ObjectParameters::*field,
@@ -129,31 +117,35 @@ void ObjectLearner::learn_contact() {
   std::vector<ForceMotion> presses, static_parts;
   for (const ContactEpisode& contact : contacts_) {
     const ForceMotion part = part_until(contact, static_until(contact));
-    if (contact.peak_force < kMinPeak || part.t.size() < 30) continue;
+    if (contact.peak_force < options_.min_peak_force || part.t.size() < kMinContactSamples)
+      continue;
     (contact.kind == ContactKind::press ? presses : static_parts).push_back(part);
   }
   for (std::vector<ForceMotion>* parts : {&presses, &static_parts}) {
-    if (std::ssize(*parts) > kMaxFittedContacts)
-      parts->erase(parts->begin(), parts->end() - kMaxFittedContacts);
+    if (std::ssize(*parts) > options_.max_fitted_contacts)
+      parts->erase(parts->begin(), parts->end() - options_.max_fitted_contacts);
   }
   const bool has_presses = !presses.empty();
   if (!has_presses && static_parts.empty()) return;
+  ContactFitOptions options = options_.contact_fit;
+  options.is_surface_shared = has_presses;
   const ContactIdentification identified =
-      has_presses ? identify_contact(presses)
-                  : identify_contact(static_parts, {.is_surface_shared = false});
+      identify_contact(has_presses ? presses : static_parts, options);
   const ContactFit& fit = identified.best();
-  if (!fit.is_valid || !fit.stiffness.is_excited || fit.relative_error > kMaxFitError) return;
+  if (!fit.is_valid || !fit.stiffness.is_excited || fit.relative_error > options_.max_fit_error)
+    return;
   // The three parameters are correlated: compared by the penetration that they predict.
   const double relative_std = fit.stiffness.std / fit.stiffness.value / fit.exponent.value;
-  if (relative_std > kMaxRelativeStd) return;
-  const std::optional<Compliance> old = compliance_of(known_);
+  if (relative_std > options_.max_penetration_std) return;
+  const std::optional<HuntCrossley> old = contact_law_of(known_);
   if (old && given_.contact_stiffness) {
     const double force = contacts_.back().peak_force;
     const double penetration = static_penetration(
         {.stiffness = fit.stiffness.value, .exponent = fit.exponent.value}, force);
     const double old_penetration = static_penetration(*old, force);
-    const double combined_std = std::hypot(kDefaultRelativeStd, relative_std);
-    if (std::abs(old_penetration - penetration) < kContradiction * combined_std * penetration)
+    const double combined_std = std::hypot(options_.default_relative_std, relative_std);
+    if (std::abs(old_penetration - penetration) <
+        options_.contradiction_stds * combined_std * penetration)
       return;
   }
   known_.contact_stiffness = value_of(fit.stiffness);
@@ -167,15 +159,15 @@ void ObjectLearner::learn_contact() {
 }
 
 void ObjectLearner::learn_breakaway() {
-  const std::optional<Compliance> compliance = compliance_of(known_);
+  const std::optional<HuntCrossley> contact_law = contact_law_of(known_);
   std::vector<Breakaway> breakaways;
   double noise = 0.0;
   for (const ContactEpisode& contact : contacts_) {
     if (!contact.breakaway.is_found || contact.slides.empty()) continue;
     Breakaway breakaway = contact.breakaway;
-    if (compliance && known_.mass) {
-      const IdentifiedParameter own =
-          limit_of_push(contact.series(), breakaway, *compliance, known_.mass->value);
+    if (contact_law && known_.mass) {
+      const IdentifiedParameter own = limit_of_push(contact.series(), breakaway, *contact_law,
+                                                    known_.mass->value, options_.onset);
       if (own.is_excited && own.value > 0.0) {
         breakaway.force = own.value;
         breakaway.std = own.std;
@@ -185,27 +177,28 @@ void ObjectLearner::learn_breakaway() {
     breakaways.push_back(breakaway);
   }
   if (breakaways.empty()) return;
-  const LimitingFriction limit = limiting_friction(breakaways);
-  const double spread = limit.pushes > 1 ? std::max(limit.std, noise)
-                                         : std::max(noise, kSingleBreakawayStd * limit.mean);
+  const LimitingFriction limit = limiting_friction(breakaways, options_.limiting_friction);
+  const double spread = limit.pushes > 1
+                            ? std::max(limit.std, noise)
+                            : std::max(noise, options_.single_breakaway_std * limit.mean);
   accept(&ObjectParameters::limiting_static_friction, {limit.mean, spread});
   known_.loading_rate = ParameterValue{limit.loading_rate};
   if (limit.pushes > 1) known_.loading_rate->std = limit.loading_rate_std;
 }
 
 void ObjectLearner::learn_sliding() {
-  const std::optional<Compliance> compliance = compliance_of(known_);
-  if (!compliance) return;
+  const std::optional<HuntCrossley> contact_law = contact_law_of(known_);
+  if (!contact_law) return;
   std::vector<ForceMotion> pushes;
   for (const ContactEpisode& contact : contacts_) {
     if (!contact.slides.empty()) pushes.push_back(contact.series());
   }
   if (pushes.empty()) return;
-  if (std::ssize(pushes) > kMaxFittedContacts)
-    pushes.erase(pushes.begin(), pushes.end() - kMaxFittedContacts);
-  SlidingOptions options;
+  if (std::ssize(pushes) > options_.max_fitted_contacts)
+    pushes.erase(pushes.begin(), pushes.end() - options_.max_fitted_contacts);
+  SlidingOptions options = options_.sliding;
   if (known_.mass) options.mass = known_.mass->value;
-  const SlidingIdentification found = identify_sliding(pushes, *compliance, options);
+  const SlidingIdentification found = identify_sliding(pushes, *contact_law, options);
   if (!found.is_valid || !found.coulomb.is_excited) return;
   if (found.mass.is_excited) accept(&ObjectParameters::mass, value_of(found.mass));
   if (!known_.mass) return;
@@ -216,7 +209,7 @@ void ObjectLearner::learn_sliding() {
   // The total friction at this speed is known; its split depends on the viscous friction.
   if (found.viscous.is_excited) coulomb += found.viscous.value * found.speed;
   if (known_.viscous_friction) coulomb -= known_.viscous_friction->value * found.speed;
-  const double weight = known_.mass->value * kStandardGravity;
+  const double weight = known_.mass->value * options_.sliding.gravity;
   if (coulomb <= 0.0) return;
   accept(&ObjectParameters::sliding_friction_coefficient,
          {coulomb / weight, found.coulomb.std / weight});

@@ -8,8 +8,9 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/identification/object_parameters.hpp"
 #include "pcavr/identification/segmentation.hpp"
+#include "pcavr/object/object_parameters.hpp"
+#include "pcavr/teleop/options.hpp"
 
 namespace pcavr {
 
@@ -27,12 +28,13 @@ struct ContactRecord {
 /// their values.
 ///
 /// An estimate replaces a previous one that was based on less data, or that the data contradict: by
-/// more than four standard deviations and 5 %. So noise does not degrade given parameters, but
-/// wrong ones are corrected.
+/// more than some standard deviations and a model error. So noise does not degrade given
+/// parameters, but wrong ones are corrected.
 class ObjectLearner {
  public:
   /// `force_ceiling` [N]: at which the sensor saturates; contacts that reach it are not used.
-  ObjectLearner(const ObjectParameters& given, std::optional<double> force_ceiling);
+  ObjectLearner(const ObjectParameters& given, std::optional<double> force_ceiling,
+                const LearningOptions& options = {});
 
   /// Identifies from a contact that began at `begin` [s], again if it was processed before. A
   /// contact in which the object has not slid yet has no information on friction: a tool that stops
@@ -40,7 +42,7 @@ class ObjectLearner {
   bool learn(const ContactRecord& record, double begin, bool has_slid);
 
   /// The object was static at `friction` [N], beyond its supposed limit F_M: discards its friction
-  /// parameters. Until the next breakaway, F_M is taken as 1.5 times that force.
+  /// parameters. Until the next breakaway, F_M is that force times `static_limit_factor`.
   void raise_static_limit(double friction);
 
   [[nodiscard]] const ObjectParameters& known() const { return known_; }
@@ -55,6 +57,7 @@ class ObjectLearner {
   [[nodiscard]] bool is_contradicted(const std::optional<ParameterValue>& old,
                                      const ParameterValue& found) const;
 
+  LearningOptions options_;
   ObjectParameters known_;
   ObjectParameters given_;
   std::optional<double> force_ceiling_;

@@ -8,27 +8,35 @@
 #include "teleop/sent_parameters.hpp"
 
 namespace pcavr {
+namespace {
+
+// A correction is for the past: a round trip, and this until its detection [s].
+constexpr double kMaxDetectionTime = 1.0;
+
+}  // namespace
 
 Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
                                             const std::vector<BodyPhysics>& physics,
-                                            double round_trip, double start,
+                                            const TeleopOptions& options, double start,
                                             const Eigen::Vector3d& p_base_tip) {
   WorldModel model;
   model.static_mesh_base = input.static_mesh_base;
   model.tool_radius = input.tool_radius;
+  model.gravity = options.gravity();
+  model.options = options.world;
   std::vector<Known> objects;
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const TeleopObject& object = input.objects[i];
     model.bodies.push_back({object.model, object.T_base_object, physics[i]});
-    objects.push_back({object.model, object.T_base_object, sent_parameters(physics[i]), 0});
+    objects.push_back(
+        {object.model, object.T_base_object, sent_parameters(physics[i], options.gravity()), 0});
   }
   Expected<PredictedWorld> world = PredictedWorld::create(std::move(model));
   if (!world) return world.error();
-  PredictorOptions options;
-  // A correction is for the past: a round trip, and the latency of its detection.
-  options.history = std::max(options.history, round_trip + 1.0);
-  return OperatorSite(Predictor(std::move(*world), start, p_base_tip, options), std::move(objects),
-                      start);
+  PredictorOptions predictor = options.predictor;
+  predictor.history = std::max(predictor.history, options.round_trip() + kMaxDetectionTime);
+  return OperatorSite(Predictor(std::move(*world), start, p_base_tip, predictor),
+                      std::move(objects), start, options);
 }
 
 void OperatorSite::enqueue(double arrival, std::vector<std::uint8_t> bytes) {
@@ -54,8 +62,9 @@ void OperatorSite::apply(const CorrectionMessage& message) {
   correction.twist = message.twist;
   if (!is_empty(message.parameters)) {
     overwrite(object.parameters, message.parameters);
-    correction.physics =
-        complete_physics(object.parameters, object.model, object.T_base_start).physics;
+    correction.physics = complete_physics(object.parameters, object.model, object.T_base_start,
+                                          gravity_, unknown_objects_)
+                             .physics;
   }
   if (!predictor_.correct(correction)) ++late_;
 }

@@ -34,7 +34,7 @@ class OperatorSite {
   /// An Error if an object can't be made a body.
   [[nodiscard]] static Expected<OperatorSite> create(const TeleopInput& input,
                                                      const std::vector<BodyPhysics>& physics,
-                                                     double round_trip, double start,
+                                                     const TeleopOptions& options, double start,
                                                      const Eigen::Vector3d& p_base_tip);
 
   /// Queues a message that arrives at `arrival` [s] of the operator's wall clock. Call in order.
@@ -58,13 +58,20 @@ class OperatorSite {
     double at = 0.0;
     std::vector<std::uint8_t> bytes;
   };
-  OperatorSite(Predictor predictor, std::vector<Known> objects, double epoch)
-      : predictor_(std::move(predictor)), objects_(std::move(objects)), epoch_(epoch) {}
+  OperatorSite(Predictor predictor, std::vector<Known> objects, double epoch,
+               const TeleopOptions& options)
+      : predictor_(std::move(predictor)),
+        objects_(std::move(objects)),
+        epoch_(epoch),
+        gravity_(options.gravity()),
+        unknown_objects_(options.unknown_objects) {}
   void apply(const CorrectionMessage& message);
 
   Predictor predictor_;
   std::vector<Known> objects_;
   double epoch_;
+  double gravity_;  ///< [m/s^2]
+  PhysicsDefaults unknown_objects_;
   std::deque<Arriving> arriving_;
   std::size_t late_ = 0;
 };

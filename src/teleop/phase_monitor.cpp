@@ -8,36 +8,27 @@
 namespace pcavr {
 namespace {
 
-// Debouncing: consecutive samples that must agree.
-constexpr int kInARow = 3;
-// Hysteresis: ratio of the contact threshold below which a contact ends, and for how long [s].
-constexpr double kLeaveRatio = 0.5;
-constexpr double kLeaveTime = 0.008;
-// Retraction of the tip from where it last pressed [m].
-constexpr double kRetreat = 1e-4;
-// The newest samples, in which the object may already move, are not used for the line [s].
-constexpr double kGuard = 0.080;
 // After this the line's start is known well enough to estimate the time of contact [s].
 constexpr double kStampAfter = 0.150;
-// Window of the tip's speed for damping [s].
-constexpr double kRateWindow = 0.012;
-// Minimum and maximum window of the object's speed estimate [s].
-constexpr double kMinWindow = 0.060;
-constexpr double kMaxWindow = 0.120;
 // An onset is extrapolated from two levels of the displacement, this factor apart.
 constexpr double kLevels = 4.0;
-constexpr double kRecentTime = 0.020;  // [s]
+// [s] In which the tip must advance: one that has just stopped relaxes its contact, which also
+// looks like motion.
+constexpr double kRecentTime = 0.020;
+// An apparent speed below this ratio of the tool's is the line's fit error, not motion.
 constexpr double kToolSpeedRatio = 0.35;
-constexpr double kMinLevel = 1e-4;  // [m]
 // After this long a slide is stamped with the available data [s].
 constexpr double kSlideSettled = 0.080;
+// Inertial force of a fast push over its friction [identification's README: 12 to 18 %].
 constexpr double kInertialRatio = 0.2;
 // Ratio of the limit from which friction counts as critical, as in the file format.
 constexpr double kCriticalRatio = 0.9;
 
 }  // namespace
 
-PhaseMonitor::PhaseMonitor(double t_start, const MonitorOptions& options) : options_(options) {
+PhaseMonitor::PhaseMonitor(double t_start, const SensorProperties& sensors,
+                           const PhaseMonitorOptions& options)
+    : sensors_(sensors), options_(options), window_(options.min_speed_window) {
   changes_.push_back({t_start, MotionPhase::free});
 }
 
@@ -62,22 +53,22 @@ void PhaseMonitor::step(const MonitorSample& sample,
                         const std::optional<ParameterValue>& limiting_friction, double damping) {
   const double size = sample.force_base.norm();
   if (!is_touched_) {
-    const bool is_above = sample.is_within_reach && size > options_.enter_force;
+    const bool is_above = sample.is_within_reach && size > sensors_.enter_force;
     if (is_above && in_a_row_ == 0) above_since_ = sample.t;
     in_a_row_ = is_above ? in_a_row_ + 1 : 0;
-    if (in_a_row_ < kInARow) return;
+    if (in_a_row_ < options_.debounce_samples) return;
     begin_contact(sample);
   }
   const double tip = sample.p_base_tip.dot(direction_base_);
-  if (size > kLeaveRatio * options_.enter_force) {
+  if (size > options_.leave_ratio * sensors_.enter_force) {
     last_loaded_ = sample.t;
     loaded_tip_ = tip;
   }
   // A tip that stays where it last pressed is still in contact, even if the force is below the
   // noise.
-  const bool has_left = tip < loaded_tip_ - std::max(kRetreat, options_.tip_noise);
+  const bool has_left = tip < loaded_tip_ - std::max(options_.retraction, sensors_.tip_noise);
   if (!has_left) last_near_ = sample.t;
-  if (has_left && sample.t - last_loaded_ > kLeaveTime) {
+  if (has_left && sample.t - last_loaded_ > options_.leave_time) {
     end_contact();
     return;
   }
@@ -91,7 +82,7 @@ double PhaseMonitor::without_damping(double t, double tip, double force, double 
   if (damping <= 0.0 || force <= 0.0 || contact_.empty()) return force;
   if (!line_.is_ready()) {
     // The object is taken as static: the penetration grows with the tip's displacement.
-    const Point& past = contact_[first_after(t - kRateWindow)];
+    const Point& past = contact_[first_after(t - options_.rate_window)];
     const double rate = t > past.t ? (tip - past.tip) / (t - past.t) : 0.0;
     return force / std::max(1.0 + damping * rate, 0.5);
   }
@@ -125,7 +116,7 @@ void PhaseMonitor::begin_contact(const MonitorSample& sample) {
   direction_base_ = inward;
   if (!is_press_) direction_base_ = Eigen::Vector3d(inward.x(), inward.y(), 0.0).normalized();
   line_ = ContactLine(sample.p_base_tip.dot(direction_base_),
-                      std::max(sample.force_base.dot(direction_base_), options_.enter_force));
+                      std::max(sample.force_base.dot(direction_base_), sensors_.enter_force));
   is_line_final_ = is_contact_stamped_ = false;
   next_for_line_ = 0;
   contact_.clear();
@@ -148,9 +139,9 @@ void PhaseMonitor::process(const Point& point,
                            const std::optional<ParameterValue>& limiting_friction) {
   contact_.push_back(point);
   if (is_press_) return;
-  while (!is_line_final_ && contact_[next_for_line_].t < point.t - kGuard) {
+  while (!is_line_final_ && contact_[next_for_line_].t < point.t - options_.line_guard) {
     const Point& past = contact_[next_for_line_++];
-    if (past.force > options_.enter_force) line_.add(past.tip, past.force, options_.correlated);
+    if (past.force > sensors_.enter_force) line_.add(past.tip, past.force, sensors_.correlated);
   }
   if (point.t - contact_.front().t > kStampAfter) stamp_contact();
   if (!line_.is_usable()) {
@@ -164,13 +155,11 @@ void PhaseMonitor::process(const Point& point,
     return;
   }
   const double fast = std::max(options_.slide_speed, 4.0 * speed_noise_);
-  // An apparent speed below this ratio of the tool's is the line's fit error, not motion. A tip
-  // that has just stopped relaxes the contact, which also looks like motion.
   const Point& recent = contact_[first_after(point.t - kRecentTime)];
   const bool advances = point.tip - recent.tip > 0.5 * fast * (point.t - recent.t);
   const bool is_fast = speed_ > std::max(fast, kToolSpeedRatio * tip_speed_) && advances;
   fast_in_a_row_ = is_fast ? fast_in_a_row_ + 1 : 0;
-  if (fast_in_a_row_ >= kInARow) begin_slide();
+  if (fast_in_a_row_ >= options_.debounce_samples) begin_slide();
   if (phase() != MotionPhase::sliding) update_static_phase(limiting_friction);
 }
 
@@ -180,9 +169,9 @@ void PhaseMonitor::update_static_phase(const std::optional<ParameterValue>& limi
   const double limit = limiting_friction->value;
   const Point& now = contact_.back();
   critical_in_a_row_ = now.friction > critical_force() ? critical_in_a_row_ + 1 : 0;
-  const double noise = options_.force_noise;
-  if (critical_in_a_row_ >= kInARow) {
-    change_to(contact_[contact_.size() - static_cast<std::size_t>(kInARow)].t,
+  const double noise = sensors_.force_noise;
+  if (critical_in_a_row_ >= options_.debounce_samples) {
+    change_to(contact_[contact_.size() - static_cast<std::size_t>(options_.debounce_samples)].t,
               MotionPhase::critical);
   } else if (phase() == MotionPhase::critical &&
              now.friction < critical_force() - std::max(0.02 * limit, noise)) {
@@ -209,21 +198,26 @@ double PhaseMonitor::mean_displacement(double from, double to) const {
   return count > 0.0 ? sum / count : displacement(contact_.back());
 }
 
+double PhaseMonitor::min_displacement() const {
+  return std::max(options_.min_displacement, 2.0 * displacement_noise(contact_.back().force));
+}
+
 double PhaseMonitor::displacement_noise(double force) const {
   // Of one raw sample: the tip's noise, and the force's through the line's slope.
   const double slope =
       (line_.penetration(force + 0.5) - line_.penetration(std::max(force - 0.5, 0.0)));
-  return std::hypot(options_.tip_noise, slope * options_.force_noise);
+  return std::hypot(sensors_.tip_noise, slope * sensors_.force_noise);
 }
 
 void PhaseMonitor::measure_speed() {
   const double noise = displacement_noise(contact_.back().force);
   const auto speed_std = [&](double window) {
-    return noise * std::sqrt(12.0 * options_.interval / window) / window;
+    return noise * std::sqrt(12.0 * sensors_.interval / window) / window;
   };
   // Least-squares slope over the shortest window that the noise allows.
-  window_ = kMinWindow;
-  while (window_ < kMaxWindow && 4.0 * speed_std(window_) > options_.slide_speed) window_ += 0.01;
+  window_ = options_.min_speed_window;
+  while (window_ < options_.max_speed_window && 4.0 * speed_std(window_) > options_.slide_speed)
+    window_ += 0.01;
   speed_noise_ = speed_std(window_);
   const double end = contact_.back().t;
   double n = 0.0, t = 0.0, tt = 0.0, s = 0.0, st = 0.0, x = 0.0, xt = 0.0;
@@ -244,7 +238,7 @@ void PhaseMonitor::begin_slide() {
   const double now = contact_.back().t;
   const double rest_from = std::max(rest_since_, now - 2.0 * window_);
   const double rest = mean_displacement(rest_from, std::max(rest_from, now - window_));
-  const double level = std::max(kMinLevel, 2.0 * displacement_noise(contact_.back().force));
+  const double level = min_displacement();
   if (displacement(contact_.back()) - rest < level) return;
   rest_displacement_ = rest;
   is_line_final_ = true;
@@ -258,7 +252,7 @@ void PhaseMonitor::begin_slide() {
 
 void PhaseMonitor::stamp_slide() {
   const double now = contact_.back().t;
-  const double level = std::max(kMinLevel, 2.0 * displacement_noise(contact_.back().force));
+  const double level = min_displacement();
   const bool has_both = displacement(contact_.back()) - rest_displacement_ > kLevels * level;
   if (!has_both && now - slide_detected_ < kSlideSettled) return;
   is_slide_stamped_ = true;
@@ -286,7 +280,7 @@ void PhaseMonitor::stamp_critical(double t_onset) {
     peak = std::max(peak, contact_[i].friction);
   }
   // Already reported by the known limit, unless the push contradicts that limit by more than the
-  // inertial force of a fast push [identification's README: 12 to 18 %].
+  // inertial force of a fast push.
   const bool was_reported = changes_[changes_.size() - 2].phase == MotionPhase::critical;
   const bool is_consistent = limit_ && peak > (1.0 - kInertialRatio) * limit_->value &&
                              peak < (1.0 + kInertialRatio) * limit_->value;
@@ -312,8 +306,8 @@ void PhaseMonitor::end_slide() {
     stamp_slide();
   }
   const double now = contact_.back().t;
-  const double level = std::max(kMinLevel, 2.0 * displacement_noise(contact_.back().force));
-  const double rest = mean_displacement(now - 0.5 * kMinWindow, now);
+  const double level = min_displacement();
+  const double rest = mean_displacement(now - 0.5 * options_.min_speed_window, now);
   double t_low = now, t_high = now;
   for (std::size_t i = contact_.size(); i-- > 0;) {
     const double left = rest - displacement(contact_[i]);
@@ -361,7 +355,7 @@ void PhaseMonitor::stamp_contact() {
   const double advance = contact_[early].tip - contact_.front().tip;
   if (duration <= 0.0 || advance <= 0.0) return;
   const double inside = std::max(contact_.front().tip - line_.surface(), 0.0);
-  const double back = std::min(inside * duration / advance, kGuard);
+  const double back = std::min(inside * duration / advance, options_.line_guard);
   const double t_touch = contact_.front().t - back;
   for (std::size_t i = changes_.size(); i-- > 1;) {
     if (changes_[i].phase != MotionPhase::static_contact || changes_[i].t < contact_begin_)

@@ -8,8 +8,9 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/object/object_parameters.hpp"
 #include "pcavr/prediction/predicted_world.hpp"
+#include "pcavr/teleop/options.hpp"
 
 #include "teleop/contact_line.hpp"
 
@@ -28,13 +29,13 @@ struct MonitoredPhase {
   MotionPhase phase = MotionPhase::free;
 };
 
-struct MonitorOptions {
-  double interval = 0.002;      ///< between samples [s]
-  double tip_noise = 5e-5;      ///< of one raw sample [m]
-  double force_noise = 0.2;     ///< of one raw sample [N]
-  double correlated = 6.0;      ///< correlated smoothed samples per independent one
-  double enter_force = 0.4;     ///< contact threshold of the smoothed force [N]
-  double slide_speed = 0.0025;  ///< minimum speed that is distinguished from rest [m/s]
+/// Measured over the recording, as by a calibration.
+struct SensorProperties {
+  double interval = 0.002;   ///< between samples [s]
+  double tip_noise = 5e-5;   ///< of one raw sample [m]
+  double force_noise = 0.2;  ///< of one raw sample [N]
+  double correlated = 6.0;   ///< correlated smoothed samples per independent one
+  double enter_force = 0.4;  ///< contact threshold of the smoothed force [N]
 };
 
 /// Detects an object's phase (free, static, critical, sliding) from force and motion, causally.
@@ -45,7 +46,8 @@ struct MonitorOptions {
 /// motion.
 class PhaseMonitor {
  public:
-  PhaseMonitor(double t_start, const MonitorOptions& options);
+  PhaseMonitor(double t_start, const SensorProperties& sensors,
+               const PhaseMonitorOptions& options = {});
 
   /// `damping`: damping over stiffness of the contact, chi in k d^n (1 + chi d') [s/m]; 0 if it is
   /// not known.
@@ -95,9 +97,12 @@ class PhaseMonitor {
   [[nodiscard]] double displacement(const Point& point) const;
   [[nodiscard]] double mean_displacement(double from, double to) const;
   [[nodiscard]] std::size_t first_after(double t) const;
+  /// [m] of a slide.
+  [[nodiscard]] double min_displacement() const;
   [[nodiscard]] double displacement_noise(double force) const;
 
-  MonitorOptions options_;
+  SensorProperties sensors_;
+  PhaseMonitorOptions options_;
   std::vector<MonitoredPhase> changes_;
   bool is_touched_ = false;
   bool is_press_ = false;
@@ -113,7 +118,7 @@ class PhaseMonitor {
   bool is_line_final_ = false;
   std::size_t next_for_line_ = 0;
   std::vector<Point> contact_;  ///< all samples of the current contact
-  double window_ = 0.06;        ///< for the speed estimate [s]
+  double window_;               ///< for the speed estimate [s]
   double speed_ = 0.0, tip_speed_ = 0.0, speed_noise_ = 0.0;
   int fast_in_a_row_ = 0;
   int critical_in_a_row_ = 0;

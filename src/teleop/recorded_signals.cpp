@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <span>
 
 #include "pcavr/core/check.hpp"
@@ -14,12 +13,6 @@
 namespace pcavr {
 namespace {
 
-// Faster than any arm that pushes objects [m/s].
-constexpr double kMaxToolSpeed = 3.0;
-// Margin for the noise of two samples shortly after each other [m].
-constexpr double kMaxStepNoise = 0.005;
-// After this long at its new position, a jump is accepted as motion [s].
-constexpr double kMaxJumpDuration = 0.1;
 // Half width [s]: hand and arm motion is below 10 Hz.
 constexpr double kCommandSmoothing = 0.020;
 // The spike filter uses this many later samples.
@@ -49,19 +42,18 @@ IndexRange range_around(std::span<const double> t, double from, double to, doubl
 }
 
 /// One axis of a path, smoothed at the given times in ascending order.
-std::vector<SmoothedSample> smooth_axis(const TipMotion& tip, int axis, std::span<const double> at,
+std::vector<SmoothedSample> smooth_axis(const TipPath& tip, int axis, std::span<const double> at,
                                         double half_width) {
   const IndexRange near = range_around(tip.t, at.front(), at.back(), half_width);
   return smooth(tip.t.subspan(near.begin, near.count),
                 axis_of(tip.p_base.subspan(near.begin, near.count), axis), at, half_width);
 }
 
-/// Whether the tip can't have moved from the last accepted sample to this one.
-bool is_jump(const TeleopInput& input, std::size_t last, std::size_t i) {
-  const double duration = input.t_tool[i] - input.t_tool[last];
-  const double reach = kMaxStepNoise + kMaxToolSpeed * duration;
-  return (input.p_base_tip[i] - input.p_base_tip[last]).norm() > reach &&
-         duration < kMaxJumpDuration;
+SpikeOptions spike_options(double noise) {
+  SpikeOptions options;
+  options.half_window = kSpikeWindow;
+  options.noise = noise;
+  return options;
 }
 
 /// The samples of `part` without spikes, with the same result as for the whole axis.
@@ -72,49 +64,14 @@ std::vector<double> despiked(const TeleopInput& input, const IndexRange& part, i
   const std::size_t begin = part.begin - before;
   const std::span<const Eigen::Vector3d> raw =
       std::span(input.force_base).subspan(begin, end - begin);
-  std::vector<double> clean =
-      remove_spikes(axis_of(raw, axis), {.half_window = kSpikeWindow, .noise = noise}).values;
+  std::vector<double> clean = remove_spikes(axis_of(raw, axis), spike_options(noise)).values;
   const auto first = clean.begin() + static_cast<std::ptrdiff_t>(before);
   return {first, first + static_cast<std::ptrdiff_t>(part.count)};
 }
 
 }  // namespace
 
-std::size_t calibration_count(std::span<const double> t, std::size_t first) {
-  if (first >= t.size()) return 0;
-  const auto begin = t.begin() + static_cast<std::ptrdiff_t>(first);
-  const auto end = std::upper_bound(begin, t.end(), *begin + kCalibrationTime);
-  return static_cast<std::size_t>(end - begin);
-}
-
-Eigen::Vector3d TipMotion::at(double time) const { return PathView(t, p_base).at(time); }
-
-TipMotion clean_tip(const TeleopInput& input) {
-  TipMotion tip;
-  for (std::size_t i = 0, last = 0; i < input.t_tool.size(); ++i) {
-    const bool is_rejected = i > 0 && is_jump(input, last, i);
-    if (is_rejected && tip.jumps++ == 0) {
-      const auto end = static_cast<std::ptrdiff_t>(i);
-      tip.first_jump = input.t_tool[i];
-      tip.t_without_jumps.assign(input.t_tool.begin(), input.t_tool.begin() + end);
-      tip.p_base_without_jumps.assign(input.p_base_tip.begin(), input.p_base_tip.begin() + end);
-    }
-    if (is_rejected) continue;
-    last = i;
-    if (tip.jumps == 0) continue;
-    tip.t_without_jumps.push_back(input.t_tool[i]);
-    tip.p_base_without_jumps.push_back(input.p_base_tip[i]);
-  }
-  tip.t = tip.jumps > 0 ? tip.t_without_jumps : input.t_tool;
-  tip.p_base = tip.jumps > 0 ? tip.p_base_without_jumps : input.p_base_tip;
-  const std::span<const Eigen::Vector3d> part = tip.p_base.first(calibration_count(tip.t));
-  for (int axis = 0; axis < 3 && tip.t.size() > 2; ++axis) {
-    tip.noise = std::max(tip.noise, estimate_noise_std(axis_of(part, axis)));
-  }
-  return tip;
-}
-
-CommandPath::CommandPath(const TipMotion& tip, double start, double step)
+CommandPath::CommandPath(const TipPath& tip, double start, double step)
     : tip_(tip),
       start_(start),
       step_(step),
@@ -145,15 +102,7 @@ void CommandPath::compute_block(std::size_t block) {
   }
 }
 
-std::string describe_jumps(const TipMotion& tip) {
-  char text[128];
-  std::snprintf(text, sizeof text,
-                "the tool's pose jumps (%zu samples, the first at %.3f s): ignored", tip.jumps,
-                tip.first_jump);
-  return text;
-}
-
-ForceSignal::ForceSignal(const TeleopInput& input, const TipMotion& tip, double offset)
+ForceSignal::ForceSignal(const TeleopInput& input, const TipPath& tip, double offset)
     : input_(input), tip_(tip), offset_(offset) {
   // Fewer than ten samples can't be smoothed, and contain no push.
   if (input.t_force.size() < 10 || tip.t.size() < 2) return;
@@ -167,13 +116,15 @@ ForceSignal::ForceSignal(const TeleopInput& input, const TipMotion& tip, double 
 }
 
 void ForceSignal::measure_noise() {
+  const std::span<const double> t(input_.t_force);
+  const auto end = std::upper_bound(t.begin(), t.end(), t.front() + kCalibrationTime);
   const std::span<const Eigen::Vector3d> part =
-      std::span(input_.force_base).first(calibration_count(input_.t_force));
+      std::span(input_.force_base).first(static_cast<std::size_t>(end - t.begin()));
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<double> raw = axis_of(part, axis);
     const double noise = estimate_noise_std(raw);
     spike_noise_[static_cast<std::size_t>(axis)] = noise;
-    const DespikedSignal clean = remove_spikes(raw, {.half_window = kSpikeWindow, .noise = noise});
+    const DespikedSignal clean = remove_spikes(raw, spike_options(noise));
     noise_ = std::max(noise_, estimate_noise_std(clean.values));
   }
 }

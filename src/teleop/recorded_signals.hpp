@@ -5,11 +5,11 @@
 #include <array>
 #include <cstddef>
 #include <span>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "pcavr/inputs/tip_path.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
 namespace pcavr {
@@ -18,58 +18,25 @@ namespace pcavr {
 /// samples of a typical sensor.
 inline constexpr double kSmoothing = 0.010;
 
-/// Number of stamps from `first` on that are within kCalibrationTime of it.
-[[nodiscard]] std::size_t calibration_count(std::span<const double> t, std::size_t first = 0);
-
-/// The tool's motion without outliers (jumps). Refers to the input, which must outlive it.
-struct TipMotion {
-  std::span<const double> t;
-  std::span<const Eigen::Vector3d> p_base;
-  double noise = 0.0;       ///< std of one sample, largest axis [m]
-  std::size_t jumps = 0;    ///< rejected samples
-  double first_jump = 0.0;  ///< [s]
-
-  TipMotion() = default;
-  TipMotion(TipMotion&&) = default;
-  TipMotion& operator=(TipMotion&&) = default;
-  TipMotion(const TipMotion&) = delete;
-  TipMotion& operator=(const TipMotion&) = delete;
-  ~TipMotion() = default;
-
-  /// Linear interpolation; constant before the first and after the last sample.
-  [[nodiscard]] Eigen::Vector3d at(double time) const;
-
-  /// Storage for the spans if samples were rejected; else empty.
-  std::vector<double> t_without_jumps = {};
-  std::vector<Eigen::Vector3d> p_base_without_jumps = {};
-};
-
-/// Rejects samples that no arm could have reached since the last accepted one. A tool that stays at
-/// the new position for longer than a tenth of a second is accepted.
-[[nodiscard]] TipMotion clean_tip(const TeleopInput& input);
-
 /// The tip's path, sampled every `step` [s] and smoothed over +-20 ms: the pose sensor's noise
 /// would be rendered as force. Computed in blocks of some seconds.
 class CommandPath {
  public:
   /// Keeps a reference; `tip` must outlive it and have two samples or more.
-  CommandPath(const TipMotion& tip, double start, double step);
+  CommandPath(const TipPath& tip, double start, double step);
   /// At start + step * cycle. Cheapest in ascending order.
   [[nodiscard]] Eigen::Vector3d at(std::size_t cycle);
 
  private:
   void compute_block(std::size_t block);
 
-  const TipMotion& tip_;
+  const TipPath& tip_;
   double start_;
   double step_;
   double half_width_;
   std::size_t block_ = ~std::size_t{0};
   std::vector<Eigen::Vector3d> path_;  ///< of the block's cycles
 };
-
-/// A line for the report.
-[[nodiscard]] std::string describe_jumps(const TipMotion& tip);
 
 /// Force and tip at the force's stamps, smoothed with the same centred window. A live site has a
 /// smoothed sample `lag` later; the replay uses no newer data than that. (The sensor's noise is
@@ -92,7 +59,7 @@ class ForceSignal {
 
   /// `offset` [s]: the force's clock minus the tool's, which is subtracted. Keeps references to the
   /// arguments, which must outlive it. Empty if there are too few samples to smooth.
-  ForceSignal(const TeleopInput& input, const TipMotion& tip, double offset);
+  ForceSignal(const TeleopInput& input, const TipPath& tip, double offset);
 
   [[nodiscard]] bool empty() const { return count_ == 0; }
   [[nodiscard]] std::size_t size() const { return count_; }
@@ -119,7 +86,7 @@ class ForceSignal {
   void extend();
 
   const TeleopInput& input_;
-  const TipMotion& tip_;
+  const TipPath& tip_;
   double offset_ = 0.0;
   std::size_t count_ = 0;
   double interval_ = 0.0, half_width_ = 0.0, lag_ = 0.0;

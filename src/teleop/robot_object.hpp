@@ -10,10 +10,10 @@
 
 #include <Eigen/Core>
 
+#include "pcavr/inputs/touch.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
-#include "teleop/body_surface.hpp"
 #include "teleop/correction_switch.hpp"
 #include "teleop/message.hpp"
 #include "teleop/object_learner.hpp"
@@ -28,9 +28,6 @@ struct TouchSample {
   Eigen::Vector3d force_base = Eigen::Vector3d::Zero();  ///< bias removed [N]
 };
 
-/// Growth of the position's std of an object that moves untracked, per displacement.
-inline constexpr double kUntrackedDrift = 0.05;
-
 /// The robot site's estimate of an object's pose, with its uncertainty.
 struct PoseEstimate {
   Pose T_base_object;
@@ -41,13 +38,14 @@ struct PoseEstimate {
 /// The robot site's state of one object.
 class RobotObject {
  public:
-  RobotObject(const TeleopObject& object, const BodyPhysics& assumed, const MonitorOptions& monitor,
-              const SwitchOptions& correction_options, std::optional<double> force_ceiling,
+  /// Keeps a reference to `object`, which must outlive it.
+  RobotObject(const TeleopObject& object, const BodyPhysics& assumed, const TeleopOptions& options,
+              const SensorProperties& sensors, std::optional<double> force_ceiling,
               double tool_radius, double start);
 
   /// Processes the frames up to `t` [s].
   void update_tracking(double t);
-  [[nodiscard]] Reach reach(const Eigen::Vector3d& p_base_tip) const;
+  [[nodiscard]] Touch touch(const Eigen::Vector3d& p_base_tip) const;
   /// Whether it moves according to the camera alone.
   [[nodiscard]] bool is_seen_moving() const { return is_seen_moving_; }
   [[nodiscard]] bool is_lost(double t) const;
@@ -85,6 +83,9 @@ class RobotObject {
   [[nodiscard]] double displacement_since_frame(double t) const;
 
   const TeleopObject* source_;
+  PoseFusionOptions options_;
+  double gravity_;  ///< [m/s^2]
+  PhysicsDefaults unknown_objects_;
   BodySurface surface_;
   /// As completed at the start: its shape stays constant, and is expensive to compute.
   std::optional<LimitSurface> limit_surface_;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "pcavr/core/check.hpp"
 
@@ -13,52 +12,23 @@
 namespace pcavr {
 namespace {
 
-// A force may act on an object whose tracked surface is within this of the tip's [m]: the
-// displacement during the tracking's latency at 0.1 m/s.
-constexpr double kReach = 0.010;
-// The bias is estimated only while no object is this near [m], with this time constant [s].
-constexpr double kFreeClearance = 0.002;
-constexpr double kBiasTime = 0.25;
-constexpr double kDriftFloor = 0.3;  // [N] of undetected bias drift
-constexpr double kEnterSigmas = 5.0;
-// Latency of the marker tracking [s].
-constexpr double kTrackingLatency = 0.030;
-// Update interval without a force [s].
+// Update interval without a force: shorter than that of any camera [s].
 constexpr double kCameraInterval = 0.005;
-constexpr double kTouchClearance = 0.0005;  // [m]
+// A force far from every object is noted after this [s]: not a spike.
+constexpr double kMinFarForceTime = 0.05;
+// Shortest averaging of the bias at the start [s]: some ten samples of a typical sensor.
+constexpr double kMinBiasTime = 0.02;
 // Time without contact before a contact that is recorded with it [s].
 constexpr double kBefore = 0.3;
-// Only the beginning of a longer contact [s] is used for identification, which bounds computing
-// time and memory of the force.
-constexpr double kMaxLearnedTime = 60.0;
 // A contact is processed once more after it has ended [s].
 constexpr double kOldContact = 1.0;
-// When to identify after the start of a slide, during it, and after its end [s].
-constexpr double kAfterOnset = 0.12;
-constexpr double kWhileSliding = 0.3;
-constexpr double kAfterStop = 0.08;
+// Parameters older than this are identified again before a correction is composed [s]: its bytes
+// should not carry what is about to change.
 constexpr double kLearnAgain = 0.2;
-// Static friction beyond this ratio of its limit, for this long, contradicts the limit.
-constexpr double kMaxLimitRatio = 1.05;
-constexpr double kMinTimeAboveLimit = 0.05;  // [s]
-// The pose is sent from this error on [m].
-constexpr double kMinPoseError = 1e-4;
-// A rotation counts as the displacement of a point at this radius [m].
-constexpr double kTurnRadius = 0.07;
-// Byte budget of the corrections, relative to streaming (rate limit).
-constexpr double kBudget = 0.01;
-// Bytes that may be sent beyond the budget: a few corrections at the start (burst).
-constexpr double kBurst = 400.0;
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
 
 bool slides(MotionPhase phase) { return phase == MotionPhase::sliding; }
-
-std::string at_time(double t) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f s", t);
-  return text;
-}
 
 /// Damping over stiffness [s/m]; of a linear law, at a penetration of 1 mm.
 double relative_damping(const ObjectParameters& known) {
@@ -68,24 +38,16 @@ double relative_damping(const ObjectParameters& known) {
   return is_linear ? ratio / 1e-3 : ratio;
 }
 
-MonitorOptions monitor_options(const TipMotion& tip, const ForceSignal& force) {
-  MonitorOptions options;
-  options.tip_noise = std::max(tip.noise, 1e-6);
-  if (force.empty()) return options;
-  options.interval = force.interval();
-  options.force_noise = force.noise();
-  options.correlated = force.correlated();
-  options.enter_force = std::max(kEnterSigmas * force.smooth_noise(), kDriftFloor);
-  return options;
-}
-
-SwitchOptions switch_options(const TeleopOptions& options, const MonitorOptions& monitor) {
-  SwitchOptions result;
-  result.force_tolerance = options.force_tolerance;
-  result.force_floor = monitor.enter_force;
-  result.position_tolerance = options.position_tolerance;
-  result.round_trip = options.forward_delay + options.backward_delay;
-  return result;
+SensorProperties sensor_properties(const TipPath& tip, const ForceSignal& force,
+                                   const TouchOptions& options) {
+  SensorProperties sensors;
+  sensors.tip_noise = std::max(tip.noise, 1e-6);
+  if (force.empty()) return sensors;
+  sensors.interval = force.interval();
+  sensors.force_noise = force.noise();
+  sensors.correlated = force.correlated();
+  sensors.enter_force = std::max(options.contact_stds * force.smooth_noise(), options.force_drift);
+  return sensors;
 }
 
 }  // namespace
@@ -112,22 +74,21 @@ void PredictionLog::discard_before(double t) {
   discarded_ += old;
 }
 
-RobotSite::RobotSite(const TeleopInput& input, const TeleopOptions& options, const TipMotion& tip,
+RobotSite::RobotSite(const TeleopInput& input, const TeleopOptions& options, const TipPath& tip,
                      ForceSignal& force, const InputFindings& findings,
                      const std::vector<BodyPhysics>& physics, double start)
     : input_(input),
       options_(options),
       tip_(tip),
       force_(force),
-      has_force_(findings.is_force_usable && !force.empty()),
-      monitor_(monitor_options(tip, force)),
+      has_force_(!findings.fault && !force.empty()),
+      sensors_(sensor_properties(tip, force, options.touch)),
       next_camera_update_(start),
       start_(start),
       streamed_frames_(input.objects.size(), 0) {
-  const SwitchOptions correction_options = switch_options(options, monitor_);
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
-    objects_.emplace_back(input.objects[i], physics[i], monitor_, correction_options,
-                          findings.force_ceiling, input.tool_radius, start);
+    objects_.emplace_back(input.objects[i], physics[i], options, sensors_, findings.force_ceiling,
+                          input.tool_radius, start);
   }
 }
 
@@ -152,23 +113,24 @@ std::vector<CorrectionMessage> RobotSite::advance(double now, const PredictionLo
     streaming_bytes_ += bytes_of_wrench_sample();
     if (!has_force_) continue;
     // No frame newer than the force: the displacement since then would count twice.
-    update_tracking(std::min(now - kTrackingLatency, force_.t(next_sample_)));
+    update_tracking(std::min(now - options_.pose.tracking_latency, force_.t(next_sample_)));
     process_sample(next_sample_, log);
   }
-  force_.discard_before(now - force_.lag() - kMaxLearnedTime - kBefore - kOldContact);
+  force_.discard_before(now - force_.lag() - options_.learning.max_contact_time - kBefore -
+                        kOldContact);
   if (!has_force_ && now >= next_camera_update_) {
     next_camera_update_ += kCameraInterval;
-    update_tracking(now - kTrackingLatency);
-    update_from_camera(now - kTrackingLatency);
-    process_time({now - kTrackingLatency, tip_.at(now - kTrackingLatency), Eigen::Vector3d::Zero()},
-                 log);
+    const double t = now - options_.pose.tracking_latency;
+    update_tracking(t);
+    update_from_camera(t);
+    process_time({t, tip_.at(t), Eigen::Vector3d::Zero()}, log);
   }
   return std::move(outgoing_);
 }
 
 double RobotSite::oldest_needed() const {
-  // The next sample is later than now_ - lag; without a force, data is kTrackingLatency old.
-  return now_ - force_.lag() - kTrackingLatency - kCameraInterval;
+  // The next sample is later than now_ - lag; without a force, data is as old as the tracking.
+  return now_ - force_.lag() - options_.pose.tracking_latency - kCameraInterval;
 }
 
 void RobotSite::update_tracking(double t) {
@@ -183,47 +145,39 @@ void RobotSite::acknowledge(RobotObject& object, const Prediction& prediction) {
 
 void RobotSite::update_from_camera(double t) {
   for (RobotObject& object : objects_) {
-    const bool is_near = object.reach(tip_.at(t)).clearance < kTouchClearance;
+    const bool is_near = object.touch(tip_.at(t)).gap < options_.touch.touch_clearance;
     object.monitor.update_from_camera(t, object.is_seen_moving(), is_near);
   }
 }
 
-std::optional<std::size_t> RobotSite::attribute(const TouchSample& sample,
-                                                std::vector<Reach>& reaches) {
-  std::optional<std::size_t> nearest, touched;
-  std::size_t touching = 0;
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    reaches.push_back(objects_[i].reach(sample.p_base_tip));
-    if (reaches[i].clearance < kTouchClearance) ++touching;
-    if (!nearest || reaches[i].clearance < reaches[*nearest].clearance) nearest = i;
-    if (!touched && objects_[i].monitor.is_touched()) touched = i;
-  }
+std::optional<TouchedBody> RobotSite::attribute(const TouchSample& sample,
+                                                std::vector<Touch>& touches) const {
+  for (const RobotObject& object : objects_) touches.push_back(object.touch(sample.p_base_tip));
   // A contact stays with its object until it ends.
-  if (touched) nearest = touched;
-  if (!nearest || (!touched && reaches[*nearest].clearance > kReach)) return std::nullopt;
-  const bool has_force = sample.force_base.norm() > monitor_.enter_force;
-  if (touching > 1 && has_force && !objects_[*nearest].is_shared) {
-    note_once("the tip touches " + std::to_string(touching) + " objects at " + at_time(sample.t) +
-              ": their shared force is not used to identify");
-    objects_[*nearest].is_shared = true;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (objects_[i].monitor.is_touched()) return TouchedBody{i, false};
   }
-  return nearest;
+  return touched_body(touches, options_.inputs);
 }
 
-void RobotSite::estimate_bias(const TouchSample& sample, const std::vector<Reach>& reaches) {
-  const bool is_small = sample.force_base.norm() < monitor_.enter_force;
+void RobotSite::estimate_bias(const TouchSample& sample, const std::vector<Touch>& touches) {
+  const bool is_small = sample.force_base.norm() < sensors_.enter_force;
   bool is_clear = true;
-  for (const Reach& reach : reaches) is_clear = is_clear && reach.clearance > kFreeClearance;
+  for (const Touch& touch : touches) {
+    is_clear = is_clear && touch.gap > options_.touch.free_clearance;
+  }
   if (is_clear && is_small) {
-    // Mean of the samples so far, then an exponential moving average over kBiasTime.
-    bias_since_ += monitor_.interval;
-    const double gain = monitor_.interval / std::min(std::max(bias_since_, 0.02), kBiasTime);
+    // Mean of the samples so far, then an exponential moving average over bias_time.
+    bias_since_ += sensors_.interval;
+    const double gain =
+        sensors_.interval / std::min(std::max(bias_since_, kMinBiasTime), options_.touch.bias_time);
     bias_base_ += gain * sample.force_base;
   }
   bool is_far = !is_small;
-  for (const Reach& reach : reaches) is_far = is_far && reach.clearance > kReach;
+  const double reach = options_.inputs.max_touch_gap;
+  for (const Touch& touch : touches) is_far = is_far && touch.gap > reach;
   far_samples_ = is_far ? far_samples_ + 1 : 0;
-  if (static_cast<double>(far_samples_) * monitor_.interval > kMinTimeAboveLimit) {
+  if (static_cast<double>(far_samples_) * sensors_.interval > kMinFarForceTime) {
     note_once("a force far from every object (first at " + at_time(sample.t) +
               "): it is assigned to none of them");
     far_samples_ = 0;
@@ -233,19 +187,26 @@ void RobotSite::estimate_bias(const TouchSample& sample, const std::vector<Reach
 void RobotSite::process_sample(std::size_t index, const PredictionLog& log) {
   const ForceSignal::Sample measured = force_.at(index);
   TouchSample sample{measured.t, measured.p_base_tip, measured.smooth_base - bias_base_};
-  std::vector<Reach> reaches;
-  const std::optional<std::size_t> touched = attribute(sample, reaches);
+  std::vector<Touch> touches;
+  const std::optional<TouchedBody> attributed = attribute(sample, touches);
+  std::optional<std::size_t> touched;
+  if (attributed) touched = attributed->body;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     RobotObject& object = objects_[i];
     const MotionPhase before = object.monitor.phase();
     const bool was_touched = object.monitor.is_touched();
     object.monitor.step(
-        {sample.t, sample.p_base_tip, sample.force_base, reaches[i].direction_base, touched == i},
+        {sample.t, sample.p_base_tip, sample.force_base, touches[i].inward_base, touched == i},
         object.learner.known().limiting_static_friction, relative_damping(object.learner.known()));
     if (touched != i) object.monitor.update_from_camera(sample.t, object.is_seen_moving(), false);
     plan_learning(object, before, was_touched, sample.t);
+    if (!was_touched && object.monitor.is_touched() && attributed && attributed->is_ambiguous) {
+      object.is_shared = true;
+      note_once("the tip touches " + object.source().name + " and another object at " +
+                at_time(sample.t) + ": their shared force is not used to identify");
+    }
   }
-  if (!touched || !objects_[*touched].monitor.is_touched()) estimate_bias(sample, reaches);
+  if (!touched || !objects_[*touched].monitor.is_touched()) estimate_bias(sample, touches);
   if (touched) check_static_limit(objects_[*touched], sample);
   record_force(sample, measured.clean_base, log);
   process_time(sample, log);
@@ -263,16 +224,16 @@ void RobotSite::check_static_limit(RobotObject& object, const TouchSample& sampl
   const bool rests =
       object.monitor.is_touched() && !object.monitor.is_press() && !slides(object.monitor.phase());
   const auto& known = object.acknowledged.limiting_static_friction;
-  const double limit =
-      std::max(kMaxLimitRatio * known->value, known->value + 3.0 * known->std.value_or(0.0));
+  const double limit = std::max(options_.learning.static_limit_ratio * known->value,
+                                known->value + 3.0 * known->std.value_or(0.0));
   const double friction = sample.force_base.head<2>().norm();
-  const bool is_beyond = rests && friction > limit + monitor_.enter_force;
+  const bool is_beyond = rests && friction > limit + sensors_.enter_force;
   if (!is_beyond) {
     object.above_limit_since = 1e300;
     return;
   }
   object.above_limit_since = std::min(object.above_limit_since, sample.t);
-  if (sample.t - object.above_limit_since < kMinTimeAboveLimit) return;
+  if (sample.t - object.above_limit_since < options_.learning.static_limit_time) return;
   const auto& supposed = object.learner.conservative_estimate().limiting_static_friction;
   if (!supposed || friction > supposed->value) object.learner.raise_static_limit(friction);
 }
@@ -280,9 +241,10 @@ void RobotSite::check_static_limit(RobotObject& object, const TouchSample& sampl
 void RobotSite::plan_learning(RobotObject& object, MotionPhase before, bool was_touched, double t) {
   const MotionPhase now = object.monitor.phase();
   if (!was_touched && object.monitor.is_touched()) object.is_shared = false;
-  if (!slides(before) && slides(now)) object.learn_at = t + kAfterOnset;
-  if (slides(before) && !slides(now)) object.learn_at = t + kAfterStop;
-  if (was_touched && !object.monitor.is_touched()) object.learn_at = t + kAfterStop;
+  if (!slides(before) && slides(now)) object.learn_at = t + options_.learning.delay_after_onset;
+  if (slides(before) && !slides(now)) object.learn_at = t + options_.learning.delay_after_stop;
+  if (was_touched && !object.monitor.is_touched())
+    object.learn_at = t + options_.learning.delay_after_stop;
   if (!slides(now) || !object.monitor.is_touched()) return;
   for (const RobotObject& other : objects_) {
     if (&other == &object || !other.is_seen_moving()) continue;
@@ -294,11 +256,16 @@ void RobotSite::plan_learning(RobotObject& object, MotionPhase before, bool was_
 
 void RobotSite::learn(RobotObject& object, double t) {
   const bool is_sliding = object.monitor.is_touched() && slides(object.monitor.phase());
-  object.learn_at = is_sliding ? t + kWhileSliding : 1e300;
+  object.learn_at = is_sliding ? t + options_.learning.sliding_interval : 1e300;
   object.last_learned = t;
   if (!options_.identifies || object.is_shared || !has_force_) return;
   const double begin = object.monitor.contact_begin();
-  if (t - begin > kMaxLearnedTime) return;
+  if (t - begin > options_.learning.max_contact_time) return;
+  for (const UnusableInterval& bad : tip_.bad) {
+    if (bad.begin > t || bad.end < begin) continue;
+    note_once("the contact at " + at_time(begin) + " is not used to identify: " + bad.reason);
+    return;
+  }
   const ForceSignal::Record force = force_.between(begin - kBefore, t);
   const auto from = std::lower_bound(tip_.t.begin(), tip_.t.end(), begin - kBefore);
   const auto to = std::upper_bound(from, tip_.t.end(), t);
@@ -319,7 +286,7 @@ void RobotSite::record_force(const TouchSample& sample, const Eigen::Vector3d& c
     const Eigen::Vector3d direction =
         is_touched ? objects_[i].monitor.direction_base() : Eigen::Vector3d(rendered / size);
     const Eigen::Vector3d measured = clean_base - bias_base_;
-    const bool is_near = objects_[i].reach(sample.p_base_tip).clearance < kReach;
+    const bool is_near = objects_[i].touch(sample.p_base_tip).gap < options_.inputs.max_touch_gap;
     forces_.push_back({sample.t, i, is_touched || is_near ? measured.dot(direction) : 0.0,
                        rendered.dot(direction)});
   }
@@ -331,8 +298,9 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
   const PoseEstimate estimate = object.estimate_pose(sample);
   if (!options_.with_corrections) return;
   const PlanarPose here = planar_pose_of(estimate.T_base_object);
-  const double gap = std::hypot(here.x - prediction.pose.x, here.y - prediction.pose.y) +
-                     kTurnRadius * std::abs(wrapped(here.yaw - prediction.pose.yaw));
+  const double gap =
+      std::hypot(here.x - prediction.pose.x, here.y - prediction.pose.y) +
+      options_.messages.rotation_radius * std::abs(wrapped(here.yaw - prediction.pose.yaw));
   SiteComparison seen;
   seen.t = sample.t;
   seen.robot_slides = slides(object.monitor.phase());
@@ -346,7 +314,9 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
   if (!has_force_) seen.robot_touches = seen.operator_touches = false;
   if (estimate.is_current) seen.position_gap = gap;
   seen.position_std = estimate.std;
-  const double allowed = kBurst + kBudget * static_cast<double>(streaming_bytes_);
+  const double allowed =
+      options_.correction_switch.burst_bytes +
+      options_.correction_switch.byte_budget * static_cast<double>(streaming_bytes_);
   const std::optional<CorrectionCase> which =
       object.correction_switch.evaluate(seen, static_cast<double>(sent_bytes_) / allowed);
   if (!which) return;
@@ -370,9 +340,10 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
                                                     const PoseEstimate& estimate, double gap,
                                                     bool operator_slides) {
   RobotObject& object = objects_[index];
-  const bool is_pose_current = estimate.is_current && (gap > kMinPoseError);
+  const bool is_pose_current = estimate.is_current && (gap > options_.messages.min_pose_error);
   const ParameterDifference changed =
-      difference(sent_parameters(object.physics()), object.acknowledged);
+      difference(sent_parameters(object.physics(), options_.gravity()), object.acknowledged,
+                 options_.messages);
   CorrectionMessage message;
   message.t = sample.t;
   message.object = index;
@@ -385,7 +356,7 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
   if (changed.has_contact) overwrite(message.parameters, changed.contact);
   if (changed.has_friction) overwrite(message.parameters, changed.friction);
   if (which == CorrectionCase::touched_by_robot && message.pose) {
-    const double inside = std::max(-object.reach(sample.p_base_tip).clearance, 0.0);
+    const double inside = std::max(-object.touch(sample.p_base_tip).gap, 0.0);
     message.tool_retraction = -inside * object.monitor.direction_base();
   }
   if (!message.pose && is_empty(message.parameters)) return std::nullopt;

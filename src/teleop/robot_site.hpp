@@ -12,9 +12,11 @@
 
 #include <Eigen/Core>
 
+#include "pcavr/inputs/input_findings.hpp"
+#include "pcavr/inputs/tip_path.hpp"
+#include "pcavr/inputs/touch.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
-#include "teleop/input_checks.hpp"
 #include "teleop/operator_site.hpp"
 #include "teleop/recorded_signals.hpp"
 #include "teleop/robot_object.hpp"
@@ -47,7 +49,7 @@ class PredictionLog {
 class RobotSite {
  public:
   /// Keeps references to the arguments, which must outlive it.
-  RobotSite(const TeleopInput& input, const TeleopOptions& options, const TipMotion& tip,
+  RobotSite(const TeleopInput& input, const TeleopOptions& options, const TipPath& tip,
             ForceSignal& force, const InputFindings& findings,
             const std::vector<BodyPhysics>& physics, double start);
 
@@ -66,9 +68,9 @@ class RobotSite {
  private:
   void process_sample(std::size_t index, const PredictionLog& log);
   void process_time(const TouchSample& sample, const PredictionLog& log);
-  [[nodiscard]] std::optional<std::size_t> attribute(const TouchSample& sample,
-                                                     std::vector<Reach>& reaches);
-  void estimate_bias(const TouchSample& sample, const std::vector<Reach>& reaches);
+  [[nodiscard]] std::optional<TouchedBody> attribute(const TouchSample& sample,
+                                                     std::vector<Touch>& touches) const;
+  void estimate_bias(const TouchSample& sample, const std::vector<Touch>& touches);
   void update_tracking(double t);
   void acknowledge(RobotObject& object, const Prediction& prediction);
   void check_static_limit(RobotObject& object, const TouchSample& sample);
@@ -86,10 +88,10 @@ class RobotSite {
 
   const TeleopInput& input_;
   const TeleopOptions& options_;
-  const TipMotion& tip_;
+  const TipPath& tip_;
   ForceSignal& force_;
   bool has_force_;
-  MonitorOptions monitor_;
+  SensorProperties sensors_;
   std::vector<RobotObject> objects_;
   std::vector<ForceRow> forces_;
   std::vector<std::string> notes_;

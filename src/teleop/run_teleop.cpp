@@ -4,16 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <deque>
 #include <optional>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/random.hpp"
+#include "pcavr/inputs/input_monitor.hpp"
+#include "pcavr/inputs/tip_path.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 
-#include "teleop/input_checks.hpp"
 #include "teleop/link.hpp"
 #include "teleop/operator_site.hpp"
 #include "teleop/recorded_signals.hpp"
@@ -22,15 +24,10 @@
 namespace pcavr {
 namespace {
 
-constexpr double kStep = 0.001;           // [s] the operator's cycle
-constexpr std::size_t kMaxObjects = 255;  // a message has one byte for its object's index
-// A clock offset is corrected if it is statistically significant and large enough.
-constexpr double kOffsetSigmas = 3.0;
-constexpr double kMinTrackingGap = 0.2;      // [s] without a frame of an object
+constexpr std::size_t kMaxObjects = 255;     // a message has one byte for its object's index
+constexpr double kMinTrackingGap = 0.2;      // [s] without a frame of an object, that is noted
 constexpr double kTimeTolerance = 5e-7;      // [s] half the last digit in files
-constexpr double kMinPhaseDuration = 0.008;  // [s]
-constexpr double kMinForceOffset = 0.005;    // [s]
-constexpr double kMinCameraOffset = 0.020;   // [s]
+constexpr double kMinPhaseDuration = 0.008;  // [s] of the file format
 
 void require_valid(const TeleopInput& input, const TeleopOptions& options) {
   PCAVR_REQUIRE(input.t_tool.size() == input.p_base_tip.size());
@@ -38,8 +35,9 @@ void require_valid(const TeleopInput& input, const TeleopOptions& options) {
   PCAVR_REQUIRE(input.tool_radius > 0.0, input.tool_radius);
   PCAVR_REQUIRE(options.forward_delay >= 0.0, options.forward_delay);
   PCAVR_REQUIRE(options.backward_delay >= 0.0, options.backward_delay);
-  PCAVR_REQUIRE(options.force_tolerance > 0.0, options.force_tolerance);
-  PCAVR_REQUIRE(options.position_tolerance > 0.0, options.position_tolerance);
+  const CorrectionSwitchOptions& correction = options.correction_switch;
+  PCAVR_REQUIRE(correction.force_tolerance > 0.0, correction.force_tolerance);
+  PCAVR_REQUIRE(correction.position_tolerance > 0.0, correction.position_tolerance);
 }
 
 Error too_many_objects(std::size_t count) {
@@ -50,31 +48,60 @@ Error too_many_objects(std::size_t count) {
           .hint = "split the scene, or set movable: false for objects that do not move"};
 }
 
-bool is_significant(const std::optional<TimeOffset>& offset, double min_offset) {
-  return offset && std::abs(offset->offset) > std::max(kOffsetSigmas * offset->std, min_offset);
-}
-
 std::string offset_note(const char* what, const TimeOffset& offset) {
-  char text[128];
-  std::snprintf(text, sizeof text, "%s lags by %.0f +- %.0f ms by its stamps: corrected", what,
-                1e3 * offset.offset, 1e3 * offset.std);
-  return text;
+  return fmt::format("{} lags by {:.1f} +- {:.1f} ms by its stamps: corrected", what,
+                     1e3 * offset.offset, 1e3 * offset.std);
 }
 
 /// The input on the tool's clock, with the camera's offset subtracted, and without the series of
 /// tool and force. Empty if the input needs no correction.
-std::optional<TeleopInput> on_one_clock(const TeleopInput& input, const InputFindings& findings,
-                                        std::vector<std::string>& notes) {
-  if (!is_significant(findings.tool_to_camera, kMinCameraOffset)) return std::nullopt;
+std::optional<TeleopInput> on_one_clock(const TeleopInput& input, const InputFindings& findings) {
+  if (!findings.is_camera_offset_applied) return std::nullopt;
   TeleopInput result;
   result.objects = input.objects;
   result.static_mesh_base = input.static_mesh_base;
   result.tool_radius = input.tool_radius;
   for (TeleopObject& object : result.objects) {
-    for (TrackedPose& pose : object.tracked) pose.t -= findings.tool_to_camera->offset;
+    for (TrackedPose& pose : object.tracked) pose.t -= findings.camera_shift();
   }
-  notes.push_back(offset_note("tracking", *findings.tool_to_camera));
   return result;
+}
+
+InputSeries series_of(const TeleopInput& input) {
+  InputSeries series{.tool_radius = input.tool_radius,
+                     .t_tool = input.t_tool,
+                     .p_base_tip = input.p_base_tip,
+                     .q_base_tool = input.q_base_tool,
+                     .t_force = input.t_force,
+                     .force_base = input.force_base};
+  for (const TeleopObject& object : input.objects) {
+    InputBody& body = series.bodies.emplace_back(
+        InputBody{object.name, &object.model, object.T_base_object, {}, object.tracked});
+    if (object.parameters.mass) body.mass = object.parameters.mass->value;
+  }
+  return series;
+}
+
+/// What the inputs show, and what is done about it.
+std::vector<std::string> input_notes(const TeleopInput& input, const InputFindings& findings) {
+  std::vector<std::string> notes = findings.notes;
+  if (input.t_force.empty()) {
+    notes.emplace_back(
+        "no wrench was recorded: contact and sliding are detected by the camera alone, and "
+        "nothing is identified");
+  } else if (findings.fault) {
+    notes.push_back("the force is not used: " + findings.fault->error.message + "; " +
+                    findings.fault->error.hint);
+  } else if (findings.no_contact) {
+    notes.push_back(findings.no_contact->message);
+  }
+  if (findings.is_camera_offset_applied) {
+    notes.push_back(offset_note("tracking", findings.tool_to_camera));
+  }
+  if (findings.is_force_offset_applied) {
+    notes.push_back(offset_note("the force", findings.tool_to_force));
+  }
+  return notes;
 }
 
 struct Span {
@@ -82,10 +109,10 @@ struct Span {
   std::size_t cycles = 0;
 };
 
-Span span_of(const TipMotion& tip) {
+Span span_of(const TipPath& tip, double step) {
   // A stamp's rounding must not drop the last cycle: far from zero it is some 1e-6 of one.
   constexpr double kRounding = 1e-5;
-  const double cycles = (tip.t.back() - tip.t.front()) / kStep;
+  const double cycles = (tip.t.back() - tip.t.front()) / step;
   return {tip.t.front(), static_cast<std::size_t>(std::floor(cycles + kRounding))};
 }
 
@@ -179,25 +206,24 @@ std::vector<PhaseRow> phase_rows(std::size_t object, const Changes& measured,
 }
 
 /// Notes the times without tracking of an object, and the uncertainty of the prediction after them.
-void note_gaps(const TeleopObject& object, TeleopRun& run) {
+void note_gaps(const TeleopObject& object, double drift, TeleopRun& run) {
   for (std::size_t i = 1; i < object.tracked.size(); ++i) {
     const TrackedPose& before = object.tracked[i - 1];
     const TrackedPose& after = object.tracked[i];
     if (after.t - before.t < kMinTrackingGap) continue;
     const double distance = translation_distance(before.T_base_object, after.T_base_object);
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  " was not tracked from %.2f to %.2f s: predicted without corrections, with an "
-                  "uncertainty of up to %.1f mm",
-                  before.t, after.t, 1e3 * (before.position_std + kUntrackedDrift * distance));
-    run.notes.push_back(object.name + text);
+    run.notes.push_back(fmt::format(
+        "{} was not tracked from {:.2f} to {:.2f} s: predicted without corrections, with an "
+        "uncertainty of up to {:.1f} mm",
+        object.name, before.t, after.t, 1e3 * (before.position_std + drift * distance)));
   }
 }
 
-void note_unseen(const TeleopInput& input, const RobotSite& robot, TeleopRun& run) {
+void note_unseen(const TeleopInput& input, const TeleopOptions& options, const RobotSite& robot,
+                 TeleopRun& run) {
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const TeleopObject& object = input.objects[i];
-    note_gaps(object, run);
+    note_gaps(object, options.pose.untracked_drift, run);
     if (object.tracked.empty()) {
       run.notes.push_back(object.name +
                           " was never tracked: its pose is that of the scene, updated "
@@ -210,8 +236,8 @@ void note_unseen(const TeleopInput& input, const RobotSite& robot, TeleopRun& ru
   }
 }
 
-void finish(const TeleopInput& input, const RobotSite& robot, const OperatorSite& site,
-            const std::vector<Changes>& predicted, TeleopRun& run) {
+void finish(const TeleopInput& input, const TeleopOptions& options, const RobotSite& robot,
+            const OperatorSite& site, const std::vector<Changes>& predicted, TeleopRun& run) {
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const std::vector<PhaseRow> rows =
         phase_rows(i, merged(robot.objects()[i].monitor.changes()), merged(predicted[i]));
@@ -227,24 +253,24 @@ void finish(const TeleopInput& input, const RobotSite& robot, const OperatorSite
         std::to_string(site.late()));
   }
   run.notes.insert(run.notes.end(), robot.notes().begin(), robot.notes().end());
-  note_unseen(input, robot, run);
+  note_unseen(input, options, robot, run);
 }
 
 /// Simulates both sites cycle by cycle.
 class Session {
  public:
-  Session(const TeleopInput& world, const TeleopOptions& options, const TipMotion& tip,
+  Session(const TeleopInput& world, const TeleopOptions& options, const TipPath& tip,
           const Span& span, OperatorSite& site, RobotSite& robot, const TeleopSink& sink)
       : options_(options),
         span_(span),
         site_(site),
         robot_(robot),
         sink_(sink),
-        command_(tip, span.start, kStep),
+        command_(tip, span.start, options.predictor.step),
         random_(options.seed),
         backward_({options.backward_delay, options.jitter, options.loss}, random_.fork(1)),
         forward_({0.0, options.jitter, 0.0}, random_.fork(2)),
-        log_(span.start, kStep, world.objects.size()),
+        log_(span.start, options.predictor.step, world.objects.size()),
         predicted_(world.objects.size()) {}
 
   Expected<void> run(const Observer& observer, TeleopRun& run) {
@@ -259,7 +285,7 @@ class Session {
 
  private:
   Expected<void> step(std::size_t k, TeleopRun& run) {
-    const double t = span_.start + kStep * static_cast<double>(k);
+    const double t = span_.start + options_.predictor.step * static_cast<double>(k);
     // The command for t was sent a forward delay ago; jitter delays it and those after it.
     const double wall = t - options_.forward_delay;
     site_.step(wall, command_.at(k));
@@ -331,42 +357,40 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
   if (recorded.objects.size() > kMaxObjects) return too_many_objects(recorded.objects.size());
   TeleopRun run;
   run.shown.resize(recorded.objects.size());
-  const TipMotion tip = clean_tip(recorded);
-  if (recorded.objects.empty() || tip.t.size() < 2 || span_of(tip).cycles == 0) {
+  const TipPath tip = clean_tip_path(recorded.t_tool, recorded.p_base_tip, options.inputs);
+  if (recorded.objects.empty() || tip.t.size() < 2 ||
+      span_of(tip, options.predictor.step).cycles == 0) {
     run.notes.emplace_back("nothing was predicted: no movable object, or no tool motion");
     run.parameters.resize(recorded.objects.size());
     run.assumed.resize(recorded.objects.size());
     return run;
   }
-  const InputFindings findings = check_input(recorded, tip);
-  run.notes = findings.notes;
-  if (tip.jumps > 0) run.notes.push_back(describe_jumps(tip));
-  run.tool_to_force = findings.tool_to_force;
-  run.tool_to_camera = findings.tool_to_camera;
-  const std::optional<TeleopInput> shifted = on_one_clock(recorded, findings, run.notes);
+  run.inputs = examine_inputs(series_of(recorded), options.inputs);
+  const InputFindings& findings = run.inputs;
+  if (findings.fault && !findings.fault->is_of_force_only()) return findings.fault->error;
+  run.notes = input_notes(recorded, findings);
+  const std::optional<TeleopInput> shifted = on_one_clock(recorded, findings);
   const TeleopInput& world = shifted ? *shifted : recorded;
-  const bool is_force_late = is_significant(findings.tool_to_force, kMinForceOffset);
-  const double force_late = is_force_late ? findings.tool_to_force->offset : 0.0;
-  if (is_force_late) run.notes.push_back(offset_note("the force", *findings.tool_to_force));
-  ForceSignal force(recorded, tip, force_late);
+  ForceSignal force(recorded, tip, findings.force_shift());
 
   std::vector<BodyPhysics> physics;
   for (const TeleopObject& object : world.objects) {
     CompletedPhysics completed =
-        complete_physics(object.parameters, object.model, object.T_base_object);
+        complete_physics(object.parameters, object.model, object.T_base_object, options.gravity(),
+                         options.unknown_objects);
     physics.push_back(completed.physics);
     run.assumed.push_back(std::move(completed.assumed));
   }
-  const Span span = span_of(tip);
-  const double round_trip = options.forward_delay + options.backward_delay;
-  Expected<OperatorSite> site = OperatorSite::create(world, physics, round_trip, span.start,
-                                                     CommandPath(tip, span.start, kStep).at(0));
+  const double step = options.predictor.step;
+  const Span span = span_of(tip, step);
+  Expected<OperatorSite> site = OperatorSite::create(world, physics, options, span.start,
+                                                     CommandPath(tip, span.start, step).at(0));
   if (!site) return site.error();
   RobotSite robot(world, options, tip, force, findings, physics, span.start);
   Session session(world, options, tip, span, *site, robot, sink);
   const Expected<void> done = session.run(observer, run);
   if (!done) return done.error();
-  finish(world, robot, *site, session.predicted(), run);
+  finish(world, options, robot, *site, session.predicted(), run);
   return run;
 }
 

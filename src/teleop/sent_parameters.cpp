@@ -6,17 +6,13 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 
 namespace pcavr {
 namespace {
 
-constexpr double kMinRelativeChange = 0.03;
 // Within a group that is sent, parameters with a smaller relative change are omitted.
 constexpr double kSame = 1e-3;
-
-constexpr double kMinComparedForce = 1.0;  // [N] smaller contact forces are irrelevant
-constexpr double kComparedRate = 0.02;     // [m/s] at which damping is compared
 
 using Field = std::optional<ParameterValue> ObjectParameters::*;
 constexpr std::initializer_list<Field> kContactFields{&ObjectParameters::contact_stiffness,
@@ -49,21 +45,23 @@ ObjectParameters changed_parameters(const ObjectParameters& now,
   return result;
 }
 
-Compliance law_of(const ObjectParameters& parameters) {
+HuntCrossley law_of(const ObjectParameters& parameters) {
   return {.stiffness = parameters.contact_stiffness->value,
           .damping = parameters.contact_damping->value,
           .exponent = parameters.contact_exponent->value};
 }
 
 /// Stiffness and exponent are correlated: compares the resulting force.
-bool has_different_force(const ObjectParameters& now, const ObjectParameters& acknowledged) {
-  const double max_force = std::max(now.limiting_static_friction->value, kMinComparedForce);
+bool has_different_force(const ObjectParameters& now, const ObjectParameters& acknowledged,
+                         const MessageOptions& options) {
+  const double max_force =
+      std::max(now.limiting_static_friction->value, options.min_compared_force);
   for (const double ratio : {0.3, 1.0}) {
     const double penetration = static_penetration(law_of(now), ratio * max_force);
-    for (const double rate : {0.0, kComparedRate}) {
+    for (const double rate : {0.0, options.compared_rate}) {
       const double force = unclamped_contact_force(law_of(now), penetration, rate);
       const double old_force = unclamped_contact_force(law_of(acknowledged), penetration, rate);
-      if (std::abs(old_force - force) > kMinRelativeChange * force) return true;
+      if (std::abs(old_force - force) > options.min_parameter_change * force) return true;
     }
   }
   return false;
@@ -89,13 +87,14 @@ ObjectParameters sent_parameters(const BodyPhysics& physics, double gravity) {
   return sent;
 }
 
-ParameterDifference difference(const ObjectParameters& now, const ObjectParameters& acknowledged) {
+ParameterDifference difference(const ObjectParameters& now, const ObjectParameters& acknowledged,
+                               const MessageOptions& options) {
   ParameterDifference result;
-  result.has_contact = has_different_force(now, acknowledged);
+  result.has_contact = has_different_force(now, acknowledged, options);
   if (result.has_contact) result.contact = changed_parameters(now, acknowledged, kContactFields);
   for (const Field field : kFrictionFields) {
     result.has_friction =
-        result.has_friction || differs(now, acknowledged, field, kMinRelativeChange);
+        result.has_friction || differs(now, acknowledged, field, options.min_parameter_change);
   }
   if (result.has_friction) result.friction = changed_parameters(now, acknowledged, kFrictionFields);
   if (now.limit_surface && !acknowledged.limit_surface) {

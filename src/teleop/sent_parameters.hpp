@@ -3,8 +3,9 @@
 #pragma once
 
 #include "pcavr/core/gravity.hpp"
-#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/object/object_parameters.hpp"
 #include "pcavr/prediction/body_physics.hpp"
+#include "pcavr/teleop/options.hpp"
 
 namespace pcavr {
 
@@ -13,8 +14,8 @@ namespace pcavr {
                                                double gravity = kStandardGravity);
 
 /// The parameters in `now` that another site does not have yet. A group is omitted as a whole if it
-/// changes its effect by less than 3 %, which is not perceptible: the friction parameters, and the
-/// contact force at the penetrations that the object's friction allows.
+/// changes its effect by less than `min_parameter_change`: the friction parameters, and the contact
+/// force at the penetrations that the object's friction allows.
 struct ParameterDifference {
   ObjectParameters contact;   ///< stiffness, damping, exponent
   ObjectParameters friction;  ///< all the others
@@ -23,7 +24,8 @@ struct ParameterDifference {
 };
 /// Both complete, as by sent_parameters.
 [[nodiscard]] ParameterDifference difference(const ObjectParameters& now,
-                                             const ObjectParameters& acknowledged);
+                                             const ObjectParameters& acknowledged,
+                                             const MessageOptions& options = {});
 
 /// Replaces each of `parameters` that is set in `changed`.
 void overwrite(ObjectParameters& parameters, const ObjectParameters& changed);

@@ -21,7 +21,7 @@ constexpr double kFeaturesPerSample = 12.0;
 // image; the estimate from the residuals may be larger.
 constexpr double kMinFeatureStd = 0.2;  // [px]
 
-constexpr int kRowsPerChunk = 15;
+constexpr int kRowsPerChunk = 15;  // eight chunks of a grid of 160 x 120 cells
 
 /// Gauss-Newton normal equations, H * step = -g.
 struct NormalEquations {
@@ -212,23 +212,21 @@ void classify_landmarks(const AlignmentInput& input, Alignment& alignment) {
 
 }  // namespace
 
-bool Alignment::is_valid() const {
-  constexpr double kMinInlierRatio = 0.6;
+bool Alignment::is_valid(const CameraTrackerOptions& options) const {
   constexpr int kMinSurfaceCells = 300;  // 1.5 % of the image
-  constexpr int kMinFeatures = 12;
-  constexpr double kMaxPositionStd = 0.01;  // [m]
-  constexpr double kMaxRotationStd = 0.01;  // [rad]
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information, Eigen::EigenvaluesOnly);
   if (eigen.eigenvalues()(0) < 1.0) return false;  // std above 1 m or 1 rad: degenerate
   const Matrix6d covariance = information.ldlt().solve(Matrix6d::Identity());
-  if (covariance.topLeftCorner<3, 3>().trace() > kMaxPositionStd * kMaxPositionStd ||
-      covariance.bottomRightCorner<3, 3>().trace() > kMaxRotationStd * kMaxRotationStd) {
+  if (covariance.topLeftCorner<3, 3>().trace() >
+          options.max_position_std * options.max_position_std ||
+      covariance.bottomRightCorner<3, 3>().trace() >
+          options.max_rotation_std * options.max_rotation_std) {
     return false;
   }
   const bool has_surface = surface_in_view >= kMinSurfaceCells;
-  const bool has_features = features_matched >= kMinFeatures;
+  const bool has_features = features_matched >= options.min_features;
   if (!has_surface && !has_features) return false;
-  return !has_surface || surface_matched >= kMinInlierRatio * surface_in_view;
+  return !has_surface || surface_matched >= options.min_inlier_ratio * surface_in_view;
 }
 
 Pose align_features(const AlignmentInput& input, const Pose& start, double initial_scale) {

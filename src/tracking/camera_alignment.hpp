@@ -10,6 +10,7 @@
 #include "pcavr/geometry/camera.hpp"
 #include "pcavr/geometry/depth_noise.hpp"
 #include "pcavr/geometry/pose.hpp"
+#include "pcavr/tracking/camera_tracker.hpp"
 
 #include "camera_surface.hpp"
 
@@ -50,7 +51,7 @@ struct Alignment {
   std::vector<std::size_t> outliers;  ///< the other matched landmarks
 
   /// Whether the pose can be used: well conditioned, and enough inliers.
-  [[nodiscard]] bool is_valid() const;
+  [[nodiscard]] bool is_valid(const CameraTrackerOptions& options = {}) const;
 };
 
 /// Point-to-plane ICP with projective data association [Newcombe et al. 2011 (KinectFusion), eq. 16

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "pcavr/geometry/depth_grid.hpp"
 
@@ -13,17 +12,11 @@
 namespace pcavr::tracking {
 namespace {
 
-// A keyframe is used until the view has changed by one unit of view_change.
-constexpr double kMaxBaseline = 0.15;                          // of the mean depth
-constexpr double kMaxAngle = 12.0 * std::numbers::pi / 180.0;  // [rad]
-constexpr double kMaxReuseChange = 0.7;  // view change up to which an old keyframe is reused
-constexpr double kMinOverlap = 0.65;
-constexpr double kMinLandmarkRatio = 0.35;  // of the keyframe's landmarks
+// View change up to which an old keyframe is reused: less than 1, so that it is used for a while.
+constexpr double kMaxReuseChange = 0.7;
 
-// Limit of the constant-velocity prediction: a hand-held camera accelerates [s].
-constexpr double kMaxCameraPredictionTime = 0.2;
-
-// A keyframe needs surface in at least 1 / kMinSurfaceDivisor of the image.
+// A keyframe needs surface in at least 1 / kMinSurfaceDivisor of the image: with less, the frames
+// aligned to it would be lost.
 constexpr std::size_t kMinSurfaceDivisor = 10;
 
 double mean_depth(const InverseDepth& cells) {
@@ -37,11 +30,6 @@ double mean_depth(const InverseDepth& cells) {
   return count > 0 ? count / sum : 1.0;
 }
 
-double view_change(const Pose& T_keyframe_frame, double depth) {
-  return T_keyframe_frame.translation().norm() / (kMaxBaseline * depth) +
-         rotation_distance(Pose(), T_keyframe_frame) / kMaxAngle;
-}
-
 /// The colour image in grey, resampled to the depth image's grid.
 cv::Mat gray_on_depth_grid(const RgbdFrame& frame) {
   const int width = frame.depth.width();
@@ -53,7 +41,7 @@ cv::Mat gray_on_depth_grid(const RgbdFrame& frame) {
 
 /// Removes landmarks that are outliers in several consecutive frames: they lie on a moving object.
 void remove_outliers(const Alignment& alignment, ActiveModel& model) {
-  constexpr int kMaxOutlierFrames = 3;
+  constexpr int kMaxOutlierFrames = 3;  // one or two may be motion blur
   for (const std::size_t i : alignment.inliers) model.landmarks[i].outlier_frames = 0;
   for (const std::size_t i : alignment.outliers) ++model.landmarks[i].outlier_frames;
   std::erase_if(model.landmarks, [](const Landmark& landmark) {
@@ -69,8 +57,14 @@ bool has_enough_surface(const FrameView& view) {
 
 }  // namespace
 
-CameraFrontEnd::CameraFrontEnd(const CameraModel& camera, const DepthNoise& noise)
-    : sensor_{camera, noise, CellGrid(camera)} {}
+CameraFrontEnd::CameraFrontEnd(const CameraModel& camera, const CameraTrackerOptions& options)
+    : options_(options), sensor_{camera, options.depth_noise, CellGrid(camera)} {}
+
+/// A keyframe is used until the view has changed by one unit.
+double CameraFrontEnd::view_change(const Pose& T_keyframe_frame, double depth) const {
+  return T_keyframe_frame.translation().norm() / (options_.keyframe_baseline * depth) +
+         rotation_distance(Pose(), T_keyframe_frame) / options_.keyframe_angle;
+}
 
 double CameraFrontEnd::tracking_rms() const {
   return aligned_ > 0 ? std::sqrt(sum_squares_ / aligned_) : 0.0;
@@ -99,17 +93,17 @@ FrameRecord& CameraFrontEnd::add(const RgbdFrame& frame, const MaskImage& is_dyn
 
 Pose CameraFrontEnd::predict(Stamp stamp) const {
   const double elapsed = to_seconds(stamp - last_->stamp);
-  if (elapsed > kMaxCameraPredictionTime) return last_->T_keyframe_frame;
+  if (elapsed > options_.max_prediction_time) return last_->T_keyframe_frame;
   return last_->T_keyframe_frame * Pose::exp(velocity_ * elapsed);
 }
 
 bool CameraFrontEnd::track(const FrameView& view, FrameRecord& record, Parallelism parallelism) {
   if (!active_ || !last_) return false;
   Alignment alignment = match(sensor_, *active_, view, predict(record.stamp), parallelism);
-  if (!alignment.is_valid()) {
+  if (!alignment.is_valid(options_)) {
     alignment = match(sensor_, *active_, view, last_->T_keyframe_frame, parallelism);
   }
-  if (!alignment.is_valid()) return false;
+  if (!alignment.is_valid(options_)) return false;
   accept(view, alignment, record);
   choose_keyframe(view, alignment, record, parallelism);
   return true;
@@ -139,9 +133,10 @@ void CameraFrontEnd::accept(const FrameView& view, const Alignment& alignment,
 void CameraFrontEnd::choose_keyframe(const FrameView& view, const Alignment& alignment,
                                      FrameRecord& record, Parallelism parallelism) {
   const double depth = mean_depth(view.inverse_depth);
-  const bool is_similar = view_change(alignment.T_model_frame, depth) < 1.0 &&
-                          alignment.overlap > kMinOverlap &&
-                          alignment.features_matched >= kMinLandmarkRatio * alignment.features;
+  const bool is_similar =
+      view_change(alignment.T_model_frame, depth) < 1.0 &&
+      alignment.overlap > options_.keyframe_overlap &&
+      alignment.features_matched >= options_.keyframe_landmark_ratio * alignment.features;
   if (is_similar || !has_enough_surface(view)) return;
   const int segment = keyframes_[active_->keyframe].segment;
   const Pose T_segment_frame =
@@ -152,7 +147,7 @@ void CameraFrontEnd::choose_keyframe(const FrameView& view, const Alignment& ali
     const Alignment closure =
         match(sensor_, model, view, keyframes_[*old].T_segment_keyframe.inverse() * T_segment_frame,
               parallelism);
-    if (closure.is_valid() && closure.overlap > kMinOverlap) {
+    if (closure.is_valid(options_) && closure.overlap > options_.keyframe_overlap) {
       record.links.push_back({*old, closure.T_model_frame, closure.information});
       switch_to(std::move(model), closure.T_model_frame, record.stamp);
       return;
@@ -211,7 +206,7 @@ bool CameraFrontEnd::relocalise(const FrameView& view, FrameRecord& record,
     ActiveModel model = activate(sensor_, keyframes_, candidate.keyframe);
     const Alignment alignment =
         match(sensor_, model, view, candidate.T_keyframe_frame, parallelism);
-    if (!alignment.is_valid()) continue;
+    if (!alignment.is_valid(options_)) continue;
     record.links.push_back({candidate.keyframe, alignment.T_model_frame, alignment.information});
     if (is_keyframe) {
       const Pose T_into_frame =

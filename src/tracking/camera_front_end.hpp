@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pcavr/recording/frame_reader.hpp"
+#include "pcavr/tracking/camera_tracker.hpp"
 
 #include "camera_map.hpp"
 
@@ -16,7 +17,7 @@ namespace pcavr::tracking {
 /// thread-safe.
 class CameraFrontEnd {
  public:
-  CameraFrontEnd(const CameraModel& camera, const DepthNoise& noise);
+  CameraFrontEnd(const CameraModel& camera, const CameraTrackerOptions& options);
 
   /// Aligns the frame and appends its record; the record of a lost frame has no links.
   FrameRecord& add(const RgbdFrame& frame, const MaskImage& is_dynamic, Parallelism parallelism);
@@ -46,6 +47,9 @@ class CameraFrontEnd {
   void switch_to(ActiveModel model, const Pose& T_keyframe_frame, Stamp stamp);
   void merge_segments(int from, int into, const Pose& T_into_from);
 
+  [[nodiscard]] double view_change(const Pose& T_keyframe_frame, double depth) const;
+
+  CameraTrackerOptions options_;
   Sensor sensor_;
   std::vector<Keyframe> keyframes_;
   std::vector<FrameRecord> records_;

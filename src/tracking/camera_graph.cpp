@@ -22,7 +22,7 @@ constexpr ceres::SparseLinearAlgebraLibraryType kSparseLibrary = ceres::EIGEN_SP
 // outliers.
 constexpr double kCornerLossScale = 3.0;
 
-constexpr double kPriorLossScale = 3.0;
+constexpr double kPriorLossScale = 3.0;  // as for corners: groundtruth.txt has outliers, too
 // Huber's loss: links were validated frame by frame, so they keep their influence.
 constexpr double kLinkLossScale = 3.0;
 

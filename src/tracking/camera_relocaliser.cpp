@@ -14,7 +14,7 @@
 namespace pcavr::tracking {
 namespace {
 
-constexpr int kFeatures = 400;
+constexpr int kFeatures = 400;            // many times kMinMatchInliers
 constexpr std::size_t kCandidates = 6;    // keyframes matched by features
 constexpr int kMinMatchInliers = 15;      // random matches give up to five
 constexpr double kInlierDistance = 0.03;  // [m]; the alignment that follows is finer

@@ -19,9 +19,6 @@ namespace {
 // these from one place add no information.
 constexpr double kMaxIndependentObservations = 8.0;
 
-// A corner with a larger error counts as rejected; the robust loss leaves it little weight.
-constexpr double kCornerRejectionThreshold = 6.0;  // [std]
-
 // If the covariance could not be computed.
 constexpr NodeStd kUnknownStd{HUGE_VAL, HUGE_VAL};
 
@@ -155,7 +152,7 @@ void TrackSolver::add_tag_corners(std::size_t r, std::size_t node, double observ
       (void)input_.color_camera->distortion.distort(factor.rays[i], &factor.lens_jacobians[i]);
     }
     factor.focal_length = input_.color_camera->fx;
-    factor.corner_std = input_.options.corner_std * std_inflation(observations);
+    factor.corner_std = input_.options.body_pose.corner_std * std_inflation(observations);
     graph_.add_corners(factor);
     corners_.push_back(factor);
   }
@@ -218,7 +215,7 @@ void TrackSolver::report_corners() {
   double sum_squares = 0.0;
   for (const CornerFactor& factor : corners_) {
     for (const double error : graph_.corner_errors(factor)) {
-      if (error > kCornerRejectionThreshold * input_.options.corner_std) {
+      if (error > input_.options.corner_rejection_threshold * input_.options.body_pose.corner_std) {
         ++track_.tag_corners_rejected;
       } else {
         ++track_.tag_corners_used;
@@ -256,7 +253,7 @@ void TrackSolver::place_fixed() {
 /// By node. Inverting the whole information matrix takes time quadratic in the frames: of many
 /// nodes only some are computed, and the ones between get the larger value of their neighbours.
 std::vector<NodeStd> TrackSolver::node_stds() const {
-  constexpr std::size_t kMaxNodes = 200;
+  constexpr std::size_t kMaxNodes = 200;  // bounds the time, see above
   const std::size_t stride = (node_count_ + kMaxNodes - 1) / kMaxNodes;
   std::vector<std::size_t> chosen;
   for (std::size_t node = 0; node < node_count_; node += std::max<std::size_t>(1, stride)) {

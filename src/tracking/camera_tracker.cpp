@@ -67,8 +67,8 @@ void CameraTracker::State::detect_base(const RgbdFrame& frame,
   BodyPoseHints hints;
   hints.depth = &frame.depth;
   hints.depth_noise = options.depth_noise;
-  record.base_from_tags = solve_body_pose(base_tags, record.base_tags, camera, hints,
-                                          {.corner_std = options.corner_std});
+  record.base_from_tags =
+      solve_body_pose(base_tags, record.base_tags, camera, hints, options.body_pose);
 }
 
 CameraTrack CameraTracker::State::trusted_track() const {
@@ -80,7 +80,7 @@ CameraTrack CameraTracker::State::trusted_track() const {
 CameraTracker::CameraTracker(const Manifest& manifest, Trajectory groundtruth,
                              const CameraTrackerOptions& options) {
   PCAVR_REQUIRE(manifest.camera.has_value());
-  PCAVR_REQUIRE(options.corner_std > 0.0, options.corner_std);
+  PCAVR_REQUIRE(options.body_pose.corner_std > 0.0, options.body_pose.corner_std);
   state_ = std::make_unique<State>(manifest, std::move(groundtruth), options);
 }
 
@@ -106,7 +106,7 @@ void CameraTracker::add(const RgbdFrame& frame, const std::vector<TagDetection>&
     return;
   }
   std::optional<tracking::CameraFrontEnd>& front_end = state_->front_end;
-  if (!front_end) front_end.emplace(depth_camera, state_->options.depth_noise);
+  if (!front_end) front_end.emplace(depth_camera, state_->options);
   PCAVR_REQUIRE(front_end->sensor().camera.width == depth_camera.width);
   tracking::FrameRecord& record = front_end->add(frame, is_dynamic, parallelism);
   state_->detect_base(frame, detections, record);

@@ -17,21 +17,17 @@ using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 using ImageJacobian = Eigen::Matrix<double, 2, 6>;
 
-/// Huber's threshold for corners and contour, in standard deviations.
+/// Huber's threshold for corners and contour, in standard deviations: 99 % efficiency.
 constexpr double kHuber = 2.0;
-/// Standard deviation of a contour match [px]: depth edges are off by a pixel or two.
-constexpr double kContourStd = 2.0;
-/// A sample further from the surface than this many standard deviations is an outlier.
+/// A sample further from the surface than this many standard deviations is an outlier: 1 in 16 000
+/// of normal noise.
 constexpr double kGate = 4.0;
-constexpr int kMaxIterations = 12;
-/// Below this capture range only the noise gate is used [m].
+constexpr int kMaxIterations = 12;  // the capture range is halved in each
+/// Below this capture range only the noise gate is used: a few standard deviations at 1 m [m].
 constexpr double kMinCaptureRange = 0.005;
 /// Convergence: a step below these ends the iteration; a tenth of the accuracy of a single frame.
 constexpr double kMinTranslationStep = 2e-5;  // [m]
 constexpr double kMinRotationStep = 1e-4;     // [rad]
-/// Noise of pixels closer than this is correlated: block matching uses windows of about nine
-/// pixels, weighted to the middle.
-constexpr double kCorrelationLength = 4.0;  // [px]
 
 /// Gauss-Newton normal equations H * step = b of [v; w; bias].
 struct NormalEquations {
@@ -45,7 +41,7 @@ double incidence(const SurfaceSample& sample) {
 }
 
 double sample_std(const FitProblem& problem, const SurfaceSample& sample) {
-  return problem.noise.depth_std(sample.expected_depth, incidence(sample));
+  return problem.options.depth_noise.depth_std(sample.expected_depth, incidence(sample));
 }
 
 /// d(pixel)/d[v; w] of a point of the object; z > 0.
@@ -72,10 +68,10 @@ void add_corner(const FitProblem& problem, const CornerObservation& corner,
                 const Pose& T_camera_color, NormalEquations& equations) {
   const Eigen::Vector3d p = T_camera_color * corner.p_object;
   if (p.z() <= 0.0) return;
-  const Eigen::Vector2d residual =
-      reprojection_error(problem.camera, corner, p) / problem.corner_std;
+  const double corner_std = problem.options.body_pose.corner_std;
+  const Eigen::Vector2d residual = reprojection_error(problem.camera, corner, p) / corner_std;
   const ImageJacobian jacobian =
-      image_jacobian(problem.camera, T_camera_color, corner.p_object) / problem.corner_std;
+      image_jacobian(problem.camera, T_camera_color, corner.p_object) / corner_std;
   const double weight = huber_weight(residual.norm());
   equations.H.topLeftCorner<6, 6>() += weight * jacobian.transpose() * jacobian;
   equations.b.head<6>() += weight * jacobian.transpose() * residual;
@@ -83,12 +79,14 @@ void add_corner(const FitProblem& problem, const CornerObservation& corner,
 
 void add_contour(const FitProblem& problem, const Pose& T_camera_object,
                  NormalEquations& equations) {
-  for (const ContourMatch& match : match_contour(problem.surface_object, problem.depth_camera,
-                                                 problem.depth, problem.noise, T_camera_object)) {
+  const double contour_std = problem.options.contour_std;
+  for (const ContourMatch& match :
+       match_contour(problem.surface_object, problem.depth_camera, problem.depth,
+                     problem.options.depth_noise, T_camera_object)) {
     const Vector6d jacobian =
         image_jacobian(problem.depth_camera, T_camera_object, match.p_object).transpose() *
-        match.normal / kContourStd;
-    const double residual = match.outward_pixels / kContourStd;
+        match.normal / contour_std;
+    const double residual = match.outward_pixels / contour_std;
     const double weight = huber_weight(std::abs(residual));
     equations.H.topLeftCorner<6, 6>() += weight * jacobian * jacobian.transpose();
     equations.b.head<6>() += weight * residual * jacobian;
@@ -113,7 +111,8 @@ double tukey_weight(double ratio_to_gate) {
 void add_depth(const FitProblem& problem, const std::vector<SurfaceSample>& samples, int stride,
                double bias, double capture_range, NormalEquations& equations) {
   const double area = static_cast<double>(stride * stride);
-  const double independent_share = std::min(1.0, area / (kCorrelationLength * kCorrelationLength));
+  const double correlation_length = problem.options.depth_correlation_length;
+  const double independent_share = std::min(1.0, area / (correlation_length * correlation_length));
   for (const SurfaceSample& sample : samples) {
     const double std_dev = sample_std(problem, sample);
     const double residual = sample.measured_depth - sample.expected_depth - bias;
@@ -134,7 +133,7 @@ Matrix6d marginalise_bias(const Matrix7d& H) {
 
 double bias_information(const FitProblem& problem, const Pose& T_camera_object) {
   const double z = T_camera_object.translation().z();
-  const double bias_std = std::max(problem.depth_bias * z * z, 1e-6);
+  const double bias_std = std::max(problem.options.depth_bias * z * z, 1e-6);
   return 1.0 / (bias_std * bias_std);
 }
 
@@ -182,7 +181,7 @@ Eigen::Vector2d reprojection_error(const CameraModel& camera, const CornerObserv
 
 FitResult fit_object(const FitProblem& problem, const Pose& start, double capture_range) {
   const SampleGrid grid(problem.surface_object, problem.normals_object, problem.depth_camera,
-                        problem.depth, start, problem.max_samples);
+                        problem.depth, start, problem.options.max_samples);
   FitResult result;
   result.T_camera_object = start;
   double bias = 0.0;
@@ -217,7 +216,7 @@ FitResult fit_object(const FitProblem& problem, const Pose& start, double captur
 
 ShapeAgreement evaluate_shape(const FitProblem& problem, const Pose& T_camera_object) {
   const SampleGrid grid(problem.surface_object, problem.normals_object, problem.depth_camera,
-                        problem.depth, T_camera_object, problem.max_samples);
+                        problem.depth, T_camera_object, problem.options.max_samples);
   return evaluate_agreement(problem, grid.samples(T_camera_object), 0.0);
 }
 

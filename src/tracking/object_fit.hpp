@@ -8,10 +8,10 @@
 #include <Eigen/Core>
 
 #include "pcavr/geometry/camera.hpp"
-#include "pcavr/geometry/depth_noise.hpp"
 #include "pcavr/geometry/image.hpp"
 #include "pcavr/geometry/pose.hpp"
 #include "pcavr/model/cad_model.hpp"
+#include "pcavr/tracking/object_tracker.hpp"
 
 #include "tracking/object_normals.hpp"
 
@@ -41,10 +41,7 @@ struct FitProblem {
   const CameraModel& camera;        ///< of the colour image and the corners
   const CameraModel& depth_camera;  ///< the same at the depth image's resolution
   const DepthImage& depth;
-  const DepthNoise& noise;
-  int max_samples = 1500;    ///< rays cast per iteration
-  double corner_std = 0.15;  ///< [px]
-  double depth_bias = 0.0;   ///< standard deviation at 1 m, common to all pixels [m]
+  const ObjectTrackerOptions& options;
   std::vector<CornerObservation> corners = {};
   /// The object's motion between the depth image and the colour image: maps its coordinates at the
   /// time of colour to those at the time of depth.
@@ -73,7 +70,8 @@ struct FitResult {
 /// reprojection errors of the corners; depth along the rays that hit the CAD surface, minus a bias
 /// common to all pixels (and, without corners, the occluding contour in the depth image); the
 /// prior. Tags thus constrain what depth does not observe, such as sliding along the only visible
-/// face, and the effect of a biased sensor is limited by `depth_bias`. `capture_range` [m]: initial
+/// face, and the effect of a biased sensor is limited by
+/// ObjectTrackerOptions::depth_bias. `capture_range` [m]: initial
 /// distance from the surface within which depth counts as an inlier.
 [[nodiscard]] FitResult fit_object(const FitProblem& problem, const Pose& start_T_camera_object,
                                    double capture_range);

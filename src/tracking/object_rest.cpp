@@ -11,35 +11,20 @@ namespace {
 
 /// Window of the mean that is tested against the average: a sixth of a second at 30 Hz.
 constexpr std::size_t kRecentWindow = 5;
-/// Measurements that must pass the tests before an object counts as at rest.
-constexpr int kMinRestCount = 5;
 /// Threshold of the squared Mahalanobis distance: false alarm rate of one in a million frames
 /// (chi-square, six degrees of freedom).
 constexpr double kChiSquareThreshold = 38.3;
-/// Standard deviation of the errors that averaging does not reduce: those of lens, print and pixel
-/// grid are the same in all frames. Smaller motion is not detected.
-constexpr double kTranslationFloorStd = 5e-5;  // [m]
-constexpr double kRotationFloorStd = 2e-4;     // [rad]
-/// Window of the average: beyond it, older measurements are forgotten exponentially.
-constexpr double kMaxAveraged = 60.0;
-/// Bounds of the variance factor.
+/// Bounds of the variance factor: stds that are stated too large by 7 and too small by 2; beyond,
+/// motion would be absorbed as noise.
 constexpr double kMinVarianceFactor = 0.02;
 constexpr double kMaxVarianceFactor = 4.0;
-constexpr int kVarianceWindow = 60;
+constexpr int kVarianceWindow = 60;  // measurements: the factor's own std is then some 7 %
 /// Regularises the information of a measurement with unobservable directions: std of 1 m, 1 rad.
 constexpr double kMinInformation = 1.0;
 
 Matrix6d covariance_of(const Matrix6d& information) {
   const Matrix6d regular = information + kMinInformation * Matrix6d::Identity();
   return regular.ldlt().solve(Matrix6d::Identity());
-}
-
-/// Covariance of the errors that averaging does not reduce.
-Matrix6d floor_covariance() {
-  Vector6d variances;
-  variances << Eigen::Vector3d::Constant(kTranslationFloorStd * kTranslationFloorStd),
-      Eigen::Vector3d::Constant(kRotationFloorStd * kRotationFloorStd);
-  return variances.asDiagonal();
 }
 
 /// Squared Mahalanobis distance.
@@ -53,10 +38,20 @@ Matrix6d full_covariance(const PoseMeasurement& measurement) {
 
 }  // namespace
 
-void RestFilter::Average::add(const PoseMeasurement& measurement) {
+/// Covariance of the errors that averaging does not reduce.
+Matrix6d RestFilter::floor_covariance() const {
+  const double translation = options_.translation_floor_std;
+  const double rotation = options_.rotation_floor_std;
+  Vector6d variances;
+  variances << Eigen::Vector3d::Constant(translation * translation),
+      Eigen::Vector3d::Constant(rotation * rotation);
+  return variances.asDiagonal();
+}
+
+void RestFilter::Average::add(const PoseMeasurement& measurement, int max_averaged) {
   if (count == 0) T_base_object = measurement.T_base_object;
   const Matrix6d own = full_covariance(measurement).ldlt().solve(Matrix6d::Identity());
-  if (count >= static_cast<int>(kMaxAveraged)) information *= 1.0 - 1.0 / kMaxAveraged;
+  if (count >= max_averaged) information *= 1.0 - 1.0 / max_averaged;
   information += own;
   const Vector6d difference = (T_base_object.inverse() * measurement.T_base_object).log();
   T_base_object = T_base_object * Pose::exp(information.ldlt().solve(own * difference));
@@ -65,7 +60,9 @@ void RestFilter::Average::add(const PoseMeasurement& measurement) {
 
 RestFilter::Average RestFilter::average_of_all() const {
   Average average = older_;
-  for (const PoseMeasurement& measurement : recent_) average.add(measurement);
+  for (const PoseMeasurement& measurement : recent_) {
+    average.add(measurement, options_.max_averaged);
+  }
   return average;
 }
 
@@ -82,7 +79,9 @@ bool RestFilter::has_jumped(const PoseMeasurement& measurement) const {
 bool RestFilter::has_drifted() const {
   if (older_.count == 0) return false;
   Average recent;
-  for (const PoseMeasurement& measurement : recent_) recent.add(measurement);
+  for (const PoseMeasurement& measurement : recent_) {
+    recent.add(measurement, options_.max_averaged);
+  }
   const Vector6d difference = (older_.T_base_object.inverse() * recent.T_base_object).log();
   const Matrix6d covariance =
       variance_factor_ * (covariance_of(recent.information) + covariance_of(older_.information)) +
@@ -122,7 +121,7 @@ RestFilter::Estimate RestFilter::add(const PoseMeasurement& measurement) {
   last_ = measurement;
   recent_.push_back(measurement);
   if (recent_.size() > kRecentWindow) {
-    older_.add(recent_.front());
+    older_.add(recent_.front(), options_.max_averaged);
     recent_.pop_front();
   }
   if (has_drifted()) {
@@ -134,7 +133,7 @@ RestFilter::Estimate RestFilter::add(const PoseMeasurement& measurement) {
 
 std::optional<RestFilter::Estimate> RestFilter::at_rest() const {
   const Average average = average_of_all();
-  if (average.count < kMinRestCount || jumps_ > 0) return std::nullopt;
+  if (average.count < options_.min_count || jumps_ > 0) return std::nullopt;
   return Estimate{average.T_base_object, covariance_of(average.information) + floor_covariance(),
                   true};
 }

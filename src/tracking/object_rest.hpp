@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "pcavr/geometry/pose.hpp"
+#include "pcavr/tracking/object_tracker.hpp"
 
 namespace pcavr::tracking {
 
@@ -33,6 +34,8 @@ class RestFilter {
     bool is_at_rest = false;
   };
 
+  explicit RestFilter(const RestOptions& options = {}) : options_(options) {}
+
   Estimate add(const PoseMeasurement& measurement);
 
   /// The average; nothing while the object moves.
@@ -43,15 +46,17 @@ class RestFilter {
     Pose T_base_object;
     Matrix6d information = Matrix6d::Zero();
     int count = 0;
-    void add(const PoseMeasurement& measurement);
+    void add(const PoseMeasurement& measurement, int max_averaged);
   };
 
+  [[nodiscard]] Matrix6d floor_covariance() const;
   [[nodiscard]] Average average_of_all() const;
   [[nodiscard]] bool has_jumped(const PoseMeasurement& measurement) const;
   [[nodiscard]] bool has_drifted() const;
   void update_variance_factor(const PoseMeasurement& measurement);
   void reset();
 
+  RestOptions options_;
   Average older_;  ///< all but the recent ones
   std::deque<PoseMeasurement> recent_;
   std::optional<PoseMeasurement> last_;

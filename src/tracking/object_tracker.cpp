@@ -27,36 +27,8 @@ using tracking::SmoothNormals;
 
 namespace {
 
-/// A tag with a larger reprojection error under the bundle's pose [px rms] is an outlier.
-constexpr double kMaxTagResidual = 3.0;
-/// Fewer inliers than this do not confirm a body.
-constexpr int kMinInliers = 40;
-/// Minimum inlier ratio of the readings on the body: with tags, and without them.
-constexpr double kMinInlierRatioWithTags = 0.5;
-constexpr double kMinInlierRatioShapeOnly = 0.3;
-/// Maximum readings behind the surface, over the inliers: gross errors of the sensor, the contour.
-constexpr double kMaxBehindRatio = 0.2;
-/// Maximum normalised rms of the inliers: above, the CAD model does not match the body. A face that
-/// is off by half a standard deviation stays below it.
-constexpr double kMaxNormalisedRms = 1.6;
-/// Corner standard deviations by which depth may increase the reprojection error. A CAD model of
-/// the wrong size fits the visible faces equally well at another pose; only the tags detect that.
-constexpr double kMaxCornerShift = 5.0;
-/// Capture range of the fit [m]: bound on the error of the tags' pose or of the predicted motion.
-constexpr double kCaptureRange = 0.02;
-/// Process noise: standard deviation of the unknown acceleration by pushes and friction [m/s^2],
-/// [rad/s^2].
-constexpr double kAccelerationStd = 2.0;
-constexpr double kAngularAccelerationStd = 20.0;
-constexpr double kMaxAccelerationTime = 0.5;  // [s]
-/// Standard deviation of a given initial pose [m], [rad].
-constexpr double kInitialTranslationStd = 0.01;
-constexpr double kInitialRotationStd = 0.05;
-/// Velocity damping per frame with shape alone: without it, a motion in an unobservable direction
-/// would never stop.
-constexpr double kVelocityDecay = 0.8;
-/// Limit of the constant-velocity prediction [s].
-constexpr double kMaxPredictionTime = 0.2;
+/// Unknown acceleration averages out over longer times: pushes are short [s].
+constexpr double kMaxAccelerationTime = 0.5;
 
 Matrix6d diagonal(double translation_variance, double rotation_variance) {
   Vector6d variances;
@@ -68,11 +40,11 @@ Matrix6d diagonal(double translation_variance, double rotation_variance) {
 Matrix6d inverse(const Matrix6d& matrix) { return matrix.ldlt().solve(Matrix6d::Identity()); }
 
 /// Covariance that unknown acceleration adds in `dt` seconds.
-Matrix6d process_noise(double dt) {
+Matrix6d process_noise(const ObjectTrackerOptions& options, double dt) {
   const double bounded = std::min(dt, kMaxAccelerationTime);
   const double half = 0.5 * bounded * bounded;
-  return diagonal(std::pow(kAccelerationStd * half, 2),
-                  std::pow(kAngularAccelerationStd * half, 2));
+  return diagonal(std::pow(options.acceleration_std * half, 2),
+                  std::pow(options.angular_acceleration_std * half, 2));
 }
 
 double inlier_ratio(const ShapeAgreement& agreement) {
@@ -80,10 +52,11 @@ double inlier_ratio(const ShapeAgreement& agreement) {
   return all == 0 ? 0.0 : static_cast<double>(agreement.inliers) / all;
 }
 
-bool is_confirmed(const ShapeAgreement& agreement, double min_inlier_ratio) {
-  return agreement.inliers >= kMinInliers && inlier_ratio(agreement) >= min_inlier_ratio &&
-         agreement.behind <= kMaxBehindRatio * agreement.inliers &&
-         agreement.normalised_rms <= kMaxNormalisedRms;
+bool is_confirmed(const ObjectTrackerOptions& options, const ShapeAgreement& agreement,
+                  double min_inlier_ratio) {
+  return agreement.inliers >= options.min_inliers && inlier_ratio(agreement) >= min_inlier_ratio &&
+         agreement.behind <= options.max_behind_ratio * agreement.inliers &&
+         agreement.normalised_rms <= options.max_normalised_rms;
 }
 
 std::vector<CornerObservation> observe_corners(const TagPlacement& tag,
@@ -125,7 +98,8 @@ struct ObjectTracker::State {
         tags(std::move(placements)),
         camera(camera_model),
         depth_camera(camera_model),
-        options(chosen) {}
+        options(chosen),
+        rest(chosen.rest) {}
 
   CadModel model;
   SurfaceQuery surface;
@@ -161,13 +135,14 @@ std::optional<Prediction> ObjectTracker::State::predict(Stamp stamp) const {
   if (!last) {
     if (!T_base_object_initial) return std::nullopt;
     return Prediction{*T_base_object_initial,
-                      diagonal(kInitialTranslationStd * kInitialTranslationStd,
-                               kInitialRotationStd * kInitialRotationStd)};
+                      diagonal(options.initial_translation_std * options.initial_translation_std,
+                               options.initial_rotation_std * options.initial_rotation_std)};
   }
   const double dt = to_seconds(stamp - last->stamp);
   const Vector6d motion =
-      dt < kMaxPredictionTime ? Vector6d(dt * velocity) : Vector6d(Vector6d::Zero());
-  return Prediction{last->T_base_object * Pose::exp(motion), last->covariance + process_noise(dt)};
+      dt < options.max_prediction_time ? Vector6d(dt * velocity) : Vector6d(Vector6d::Zero());
+  return Prediction{last->T_base_object * Pose::exp(motion),
+                    last->covariance + process_noise(options, dt)};
 }
 
 FitProblem ObjectTracker::State::problem(const RgbdFrame& frame) const {
@@ -177,10 +152,7 @@ FitProblem ObjectTracker::State::problem(const RgbdFrame& frame) const {
           .camera = camera,
           .depth_camera = depth_camera,
           .depth = frame.depth,
-          .noise = options.depth_noise,
-          .max_samples = options.max_samples,
-          .corner_std = options.corner_std,
-          .depth_bias = options.depth_bias,
+          .options = options,
           .motion_to_color = Pose::exp(dt * velocity)};
 }
 
@@ -194,7 +166,7 @@ std::vector<CornerObservation> ObjectTracker::State::corners(
     });
     if (tag == tags.end()) continue;
     const std::vector<CornerObservation> own = observe_corners(*tag, detection, camera);
-    if (!(reprojection_rms(own, T_camera_object, camera) <= kMaxTagResidual)) continue;
+    if (!(reprojection_rms(own, T_camera_object, camera) <= options.max_tag_residual)) continue;
     all.insert(all.end(), own.begin(), own.end());
   }
   return all;
@@ -226,15 +198,17 @@ PoseMeasurement ObjectTracker::State::measure_with_tags(const RgbdFrame& frame,
 
   fit.corners = corners(detections, T_color_tags);
   if (fit.corners.empty()) return by_tags;
-  const FitResult refined = fit_object(fit, T_camera_tags, kCaptureRange);
+  const FitResult refined = fit_object(fit, T_camera_tags, options.capture_range);
   observation.inlier_ratio = inlier_ratio(refined.agreement);
   observation.surface_rms = refined.agreement.rms;
   const double corner_rms =
       reprojection_rms(fit.corners, refined.T_camera_object * fit.motion_to_color, camera);
   const double max_corner_rms = std::hypot(reprojection_rms(fit.corners, T_color_tags, camera),
-                                           kMaxCornerShift * options.corner_std);
-  if (corner_rms > max_corner_rms || !is_confirmed(refined.agreement, kMinInlierRatioWithTags))
+                                           options.max_corner_shift * options.body_pose.corner_std);
+  if (corner_rms > max_corner_rms ||
+      !is_confirmed(options, refined.agreement, options.min_inlier_ratio_with_tags)) {
     return by_tags;
+  }
   observation.evidence = ObjectEvidence::tags_and_shape;
   observation.refinement_translation = translation_distance(T_camera_tags, refined.T_camera_object);
   observation.refinement_rotation = rotation_distance(T_camera_tags, refined.T_camera_object);
@@ -249,10 +223,10 @@ PoseMeasurement ObjectTracker::State::measure_by_shape(const RgbdFrame& frame,
   const Pose T_camera_predicted = T_base_camera.inverse() * prediction.T_base_object;
   FitProblem fit = problem(frame);
   fit.prior = PosePrior{T_camera_predicted, inverse(prediction.covariance)};
-  const FitResult found = fit_object(fit, T_camera_predicted, kCaptureRange);
+  const FitResult found = fit_object(fit, T_camera_predicted, options.capture_range);
   observation.inlier_ratio = inlier_ratio(found.agreement);
   observation.surface_rms = found.agreement.rms;
-  if (is_confirmed(found.agreement, kMinInlierRatioShapeOnly))
+  if (is_confirmed(options, found.agreement, options.min_inlier_ratio_shape_only))
     observation.evidence = ObjectEvidence::shape;
   observation.covariance = inverse(fit.prior->information + found.depth_information);
   return {T_base_camera * found.T_camera_object, found.depth_information};
@@ -277,18 +251,18 @@ void ObjectTracker::State::update_velocity(const ObjectObservation& observation)
   Vector6d current = Vector6d::Zero();
   if (!observation.is_at_rest && last) {
     const double dt = to_seconds(observation.stamp - last->stamp);
-    if (dt < kMaxPredictionTime) {
+    if (dt < options.max_prediction_time) {
       current = (last->T_base_object.inverse() * observation.T_base_object).log() / dt;
     }
   }
   // Mean with the previous value: half the noise of a difference, at half a frame of lag.
   velocity = observation.is_at_rest ? current : Vector6d(0.5 * (velocity + current));
-  if (observation.evidence == ObjectEvidence::shape) velocity *= kVelocityDecay;
+  if (observation.evidence == ObjectEvidence::shape) velocity *= options.velocity_decay;
 }
 
 ObjectTracker::ObjectTracker(CadModel model, std::vector<TagPlacement> tags,
                              const CameraModel& camera, const ObjectTrackerOptions& options) {
-  PCAVR_REQUIRE(options.corner_std > 0.0, options.corner_std);
+  PCAVR_REQUIRE(options.body_pose.corner_std > 0.0, options.body_pose.corner_std);
   PCAVR_REQUIRE(options.depth_bias >= 0.0, options.depth_bias);
   PCAVR_REQUIRE(options.max_samples >= 100, options.max_samples);
   state_ = std::make_unique<State>(std::move(model), std::move(tags), camera, options);
@@ -320,8 +294,8 @@ ObjectObservation ObjectTracker::track(const RgbdFrame& frame,
 
   BodyPoseHints hints{.depth = &frame.depth, .depth_noise = state.options.depth_noise};
   if (prediction) hints.T_camera_body = T_base_camera.inverse() * prediction->T_base_object;
-  const BodyPose body = solve_body_pose(state.tags, detections, state.camera, hints,
-                                        {.corner_std = state.options.corner_std});
+  const BodyPose body =
+      solve_body_pose(state.tags, detections, state.camera, hints, state.options.body_pose);
   PoseMeasurement measurement;
   if (body.status == BodyPoseStatus::solved || body.status == BodyPoseStatus::ambiguous) {
     measurement = state.measure_with_tags(frame, detections, body, T_base_camera, observation);

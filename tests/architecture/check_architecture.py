@@ -17,9 +17,9 @@ import re
 import sys
 import tempfile
 
-MODULES = ("core geometry contact friction identification recording model prediction haptics devices "
-           "teleop marker tracking reconstruction scene simulation evaluation pipeline serve").split()
-HEAVY = re.compile(r"<(opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|yaml-cpp/|nlohmann/|"
+MODULES = ("core geometry recording cloud contact friction object identification model inputs prediction haptics "
+           "devices teleop marker tracking reconstruction scene simulation report evaluation pipeline serve").split()
+HEAVY = re.compile(r"<(opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|fmt/|yaml-cpp/|nlohmann/|"
                    r"tbb/|bullet/|btBullet|png\.h|SDL|spnav|boost/|openssl/)")
 INCLUDE = re.compile(r'^#include (["<][^">]+[">])', re.MULTILINE)
 COMMENT_OR_TEXT = re.compile(r'//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'')

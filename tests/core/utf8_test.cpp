@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/recording/parameters_file.hpp"
+#include "pcavr/object/parameters_file.hpp"
 
 namespace pcavr {
 namespace {

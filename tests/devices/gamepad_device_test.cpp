@@ -19,7 +19,9 @@ using test::VirtualGamepad;
 
 TEST(GamepadDevice, SticksMoveTheTipWhileTheShoulderIsHeld) {
   VirtualGamepad pad;
-  auto device = GamepadDevice::open({.rate = {.max_speed = 0.1}});
+  RateOptions rate;
+  rate.max_speed = 0.1;
+  auto device = GamepadDevice::open({}, rate);
   ASSERT_TRUE(device) << device.error().to_string();
   EXPECT_EQ((*device)->name(), "gamepad (Virtual Pad)");
   pad.axis(SDL_CONTROLLER_AXIS_LEFTY, -32768);

@@ -21,9 +21,15 @@ std::string faulty(const std::string& fault) {
   return std::string(PCAVR_FAULTY_PLUGINS) + fault + ".so";
 }
 
+PluginDeviceOptions with_text(const std::string& text) {
+  PluginDeviceOptions options;
+  options.text = text;
+  return options;
+}
+
 /// The error message for a plugin that cannot be used.
 std::string error_text(const std::filesystem::path& file, const std::string& options = "") {
-  const auto device = PluginDevice::open(file, {.text = options});
+  const auto device = PluginDevice::open(file, with_text(options));
   return device ? "it opened" : device.error().to_string();
 }
 
@@ -63,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(PluginDevice, InvalidSamples,
                          testing::Values("nan", "far", "turn", "code", "away"));
 
 TEST_P(InvalidSamples, MakeItAbsentMeanwhileWithoutAJump) {
-  auto device = PluginDevice::open(faulty("answers"), {.text = GetParam()});
+  auto device = PluginDevice::open(faulty("answers"), with_text(GetParam()));
   ASSERT_TRUE(device) << device.error().to_string();
   DeviceFeedback feedback = kFeedback;
   for (int i = 0; i < 300; ++i) {
@@ -101,7 +107,7 @@ TEST(PluginDevice, DoesNotEngageAtAnInvalidToolPosition) {
 #ifdef PCAVR_SAMPLE_PLUGIN
 
 TEST(SamplePlugin, MovesTheToolOnACircleOfTheGivenRadius) {
-  auto device = PluginDevice::open(PCAVR_SAMPLE_PLUGIN, {.text = "50"});
+  auto device = PluginDevice::open(PCAVR_SAMPLE_PLUGIN, with_text("50"));
   ASSERT_TRUE(device) << device.error().to_string();
   EXPECT_EQ((*device)->name(), "round device");
   Eigen::Vector3d min = Eigen::Vector3d::Constant(1e9);

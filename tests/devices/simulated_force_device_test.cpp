@@ -25,6 +25,37 @@ TriangleMesh floor_mesh() {
   return mesh;
 }
 
+ProxyOptions proxy_options(double friction) {
+  ProxyOptions options;
+  options.radius = kRadius;
+  options.friction = friction;
+  return options;
+}
+
+ForceOptions force_options(double stiffness) {
+  ForceOptions options;
+  options.stiffness = stiffness;
+  options.max_force = 100.0;
+  options.rise_time = 1e-3;
+  return options;
+}
+
+/// A hand with that target and noise [N], on motors of up to `max_force` [N].
+SimulatedForceDeviceOptions hand_with(std::function<Eigen::Vector3d(double t)> target,
+                                      double force_noise, double max_force) {
+  SimulatedForceDeviceOptions options;
+  options.target = std::move(target);
+  options.force_noise = force_noise;
+  options.max_force = max_force;
+  return options;
+}
+
+SimulatedForceDeviceOptions hand_with_seed(std::uint64_t seed) {
+  SimulatedForceDeviceOptions options;
+  options.seed = seed;
+  return options;
+}
+
 /// Device and floor in a closed loop, each with the other's output of the previous cycle.
 struct ClosedLoop {
   SimulatedForceDevice device;
@@ -35,8 +66,7 @@ struct ClosedLoop {
 
   ClosedLoop(SimulatedForceDeviceOptions hand, double stiffness, double friction = 0.0)
       : device(std::move(hand)),
-        tool(floor_mesh(), {kRadius, friction},
-             {.compliance = {stiffness, 0.0, 1.0}, .max_force = 100.0, .max_rate = 1e5}) {
+        tool(floor_mesh(), proxy_options(friction), force_options(stiffness)) {
     EXPECT_TRUE(tool.reset(kStart));
   }
   void step() {
@@ -51,7 +81,7 @@ struct ClosedLoop {
 Eigen::Vector3d into_the_floor(double) { return {0.0, 0.0, -0.03}; }
 
 TEST(SimulatedForceDevice, ReachesTheHandsTargetInFreeSpace) {
-  SimulatedForceDevice device({.target = into_the_floor, .force_noise = 0.0});
+  SimulatedForceDevice device(hand_with(into_the_floor, 0.0, 5.0));
   DeviceSample sample;
   for (int i = 0; i < 1000; ++i)
     sample = device.exchange(i * kCycle, kCycle, {.p_base_tool = kStart});
@@ -64,12 +94,10 @@ TEST(SimulatedForceDevice, ComesToRestOnAFloorForAllStiffnesses) {
   for (const double stiffness : {200.0, 1000.0, 3000.0}) {
     for (const double hand_stiffness : {100.0, 400.0, 1000.0}) {
       for (const double mass : {0.1, 0.3}) {
-        ClosedLoop loop({.target = into_the_floor,
-                         .hand_stiffness = hand_stiffness,
-                         .mass = mass,
-                         .force_noise = 0.0,
-                         .max_force = 100.0},
-                        stiffness);
+        SimulatedForceDeviceOptions hand = hand_with(into_the_floor, 0.0, 100.0);
+        hand.hand_stiffness = hand_stiffness;
+        hand.mass = mass;
+        ClosedLoop loop(hand, stiffness);
         for (int i = 0; i < 4000; ++i) loop.step();
         // Equilibrium of the two springs; the sphere's centre is a radius above the floor.
         const double rest =
@@ -85,13 +113,10 @@ TEST(SimulatedForceDevice, ComesToRestOnAFloorForAllStiffnesses) {
 TEST(SimulatedForceDevice, IsPassiveOnAFloorUnderPeriodicContact) {
   for (const double stiffness : {200.0, 1000.0, 3000.0}) {
     for (const double rate : {1.0, 5.0, 20.0}) {
-      ClosedLoop loop({.target =
-                           [rate](double t) {
-                             return Eigen::Vector3d(0.0, 0.0, -0.015 * (1.0 - std::cos(rate * t)));
-                           },
-                       .force_noise = 0.0,
-                       .max_force = 100.0},
-                      stiffness);
+      const auto target = [rate](double t) {
+        return Eigen::Vector3d(0.0, 0.0, -0.015 * (1.0 - std::cos(rate * t)));
+      };
+      ClosedLoop loop(hand_with(target, 0.0, 100.0), stiffness);
       double max_work = -1e9;
       for (int i = 0; i < 10'000; ++i) {
         loop.step();
@@ -105,7 +130,7 @@ TEST(SimulatedForceDevice, IsPassiveOnAFloorUnderPeriodicContact) {
 }
 
 TEST(SimulatedForceDevice, IsStableOnAFloorWithNoiseAndSaturation) {
-  ClosedLoop loop({.target = into_the_floor, .force_noise = 0.05, .max_force = 3.0}, 1000.0, 0.3);
+  ClosedLoop loop(hand_with(into_the_floor, 0.05, 3.0), 1000.0, 0.3);
   double fastest = 0.0;
   for (int i = 0; i < 10'000; ++i) {
     loop.step();
@@ -121,7 +146,7 @@ TEST(SimulatedForceDevice, IsStableOnAFloorWithNoiseAndSaturation) {
 TEST(SimulatedForceDevice, IsDeterministicToTheBit) {
   ClosedLoop first({}, 1000.0);
   ClosedLoop second({}, 1000.0);
-  ClosedLoop other({.seed = 2}, 1000.0);
+  ClosedLoop other(hand_with_seed(2), 1000.0);
   bool differs = false;
   for (int i = 0; i < 3000; ++i) {
     first.step();
@@ -146,9 +171,15 @@ TEST(SimulatedForceDevice, IgnoresInvalidToolPositionsAndForces) {
 }
 
 TEST(SimulatedForceDevice, RejectsOptionsOutOfRange) {
-  EXPECT_THROW(SimulatedForceDevice({.mass = 0.0}), ContractError);
-  EXPECT_THROW(SimulatedForceDevice({.hand_stiffness = -1.0}), ContractError);
-  EXPECT_THROW(SimulatedForceDevice({.max_force = INFINITY}), ContractError);
+  const auto expect_rejected = [](double SimulatedForceDeviceOptions::*field, double value) {
+    SimulatedForceDeviceOptions options;
+    options.*field = value;
+    EXPECT_THROW(SimulatedForceDevice{options}, ContractError);
+  };
+  expect_rejected(&SimulatedForceDeviceOptions::mass, 0.0);
+  expect_rejected(&SimulatedForceDeviceOptions::hand_stiffness, -1.0);
+  expect_rejected(&SimulatedForceDeviceOptions::max_force, INFINITY);
+  expect_rejected(&SimulatedForceDeviceOptions::sway_period, 0.0);
 }
 
 }  // namespace

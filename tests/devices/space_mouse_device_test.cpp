@@ -16,7 +16,9 @@ using test::FakeSpacenavd;
 
 TEST(SpaceMouseDevice, TheCapMovesTheTipWhileTheLeftButtonIsHeld) {
   FakeSpacenavd daemon;
-  auto device = SpaceMouseDevice::open({.max_speed = 0.1});
+  RateOptions rate;
+  rate.max_speed = 0.1;
+  auto device = SpaceMouseDevice::open({}, rate);
   ASSERT_TRUE(device) << device.error().to_string();
   EXPECT_EQ((*device)->name(), "SpaceMouse (FakeNavigator)");
   ASSERT_TRUE(comes_to_be(**device, true, false));
@@ -37,7 +39,10 @@ TEST(SpaceMouseDevice, TheCapMovesTheTipWhileTheLeftButtonIsHeld) {
 
 TEST(SpaceMouseDevice, MovesInTheOperatorsFrame) {
   FakeSpacenavd daemon;
-  auto device = SpaceMouseDevice::open({.max_speed = 0.1, .facing = M_PI / 2.0});
+  RateOptions rate;
+  rate.max_speed = 0.1;
+  rate.facing = M_PI / 2.0;
+  auto device = SpaceMouseDevice::open({}, rate);
   ASSERT_TRUE(device) << device.error().to_string();
   daemon.motion(0, 0, 350);
   daemon.button(0, true);

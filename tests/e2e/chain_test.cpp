@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "support/json_command.hpp"
+#include "support/report_data.hpp"
 
 namespace pcavr {
 namespace {
@@ -33,8 +34,8 @@ class Chain : public testing::Test {
 TemporaryFolder* Chain::folder_ = nullptr;
 
 TEST_F(Chain, WritesEveryFileOfTheBundle) {
-  for (const char* name : {"scene.yaml", "scene.glb", "mesh.ply", "cloud.ply", "occupancy.bt",
-                           "camera_trajectory.txt", "preview.png"}) {
+  for (const char* name : {"scene.yaml", "scene.glb", "mesh.ply", "cloud.ply", "cloud.pcd",
+                           "occupancy.bt", "camera_trajectory.txt", "preview.png"}) {
     EXPECT_GT(fs::file_size(fs::path(path_of("scene")) / name), 100U) << name;
   }
 }
@@ -64,7 +65,7 @@ TEST_F(Chain, ReplaysAndEvaluates) {
   for (const std::string subject : {"scene", "run"}) {
     run_json({"evaluate", path_of(subject), "--truth", path_of("recording") + "/truth", "-o",
               path_of(subject + "-report")});
-    EXPECT_GT(fs::file_size(path_of(subject + "-report") + "/report.html"), 1000U);
+    EXPECT_GT(report_data(path_of(subject + "-report")).size(), 1000U);
     EXPECT_FALSE(json::parse(read_file(path_of(subject + "-report") + "/report.json").value(),
                              nullptr, false)
                      .is_discarded());

@@ -13,7 +13,12 @@ namespace {
 
 /// Float coordinates of about a metre.
 constexpr double kFloatRounding = 1e-6;
-const SurfaceErrorOptions kOptions{.sample_spacing = 0.01, .seed = 1};
+SurfaceErrorOptions make_options() {
+  SurfaceErrorOptions options;
+  options.sample_spacing = 0.01;
+  return options;
+}
+const SurfaceErrorOptions kOptions = make_options();
 
 /// Looks straight down from `height` above the origin; sees 1.28 m x 0.96 m from 1 m.
 Views a_view_from_above(double height) {

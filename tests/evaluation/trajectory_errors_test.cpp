@@ -162,8 +162,9 @@ TEST(TrajectoryErrors, RelativeErrorDoesNotDependOnAnOffset) {
 TEST(TrajectoryErrors, RelativeErrorPairsOnlyPosesOneStepApart) {
   Trajectory sparse;
   for (const double t : {0.0, 0.5, 1.05, 2.5}) sparse.append(at_second(t), Pose());
-  const TrajectoryErrors errors =
-      trajectory_errors(sparse, sparse, {.max_gap = std::chrono::seconds(3)});
+  TrajectoryErrorOptions options;
+  options.max_gap = 3.0;
+  const TrajectoryErrors errors = trajectory_errors(sparse, sparse, options);
   ASSERT_EQ(errors.relative.size(), 1U);  // 0 -> 1.05 alone is 1 s +-10 %
   EXPECT_EQ(errors.relative[0].stamp, at_second(1.05));
 }

@@ -13,6 +13,7 @@
 #include "pcavr/core/median.hpp"
 
 #include "friction/surfaces.hpp"
+#include "support/option_defaults.hpp"
 
 namespace pcavr {
 namespace {
@@ -102,6 +103,33 @@ TEST(LimitSurfaceFit, IsRobustAgainstAFewOutliers) {
   const LimitSurfaceFit fit = fit_as(SurfaceShape::ellipsoid, samples);
   EXPECT_EQ(fit.samples_used, 40);
   EXPECT_LT(median_angle(fit.surface, pushes_on(truth, 200, random), 0.06), 3.0 * kDegree);
+}
+
+TEST(LimitSurfaceFit, HasDocumentedDefaults) {
+  test::expect_documented_defaults<LimitSurfaceFitOptions>();
+}
+
+TEST(LimitSurfaceFit, NeedsTheMinimumSpread) {
+  Random random(25);
+  const auto samples = pushes_on(ellipsoid_surface(4.2, 0.25), 40, random);
+  LimitSurfaceFitOptions options;
+  EXPECT_EQ(fit_limit_surface(samples, options).status, LimitSurfaceFitStatus::fitted);
+  options.min_spread = 1.0;
+  EXPECT_EQ(fit_limit_surface(samples, options).status, LimitSurfaceFitStatus::not_excited);
+}
+
+TEST(LimitSurfaceFit, AHeavyPriorMakesTheQuarticAnEllipsoid) {
+  Random random(26);
+  LimitSurface truth = ellipsoid_surface(5.0, 0.25);
+  const auto power = detail::TernaryForm<4>::power_of({1.2, 0.3, 0.6});
+  for (std::size_t i = 0; i < truth.coefficients.size(); ++i) {
+    truth.coefficients[i] += 2.0 * power[static_cast<Eigen::Index>(i)];
+  }
+  const auto samples = pushes_on(truth, 60, random);
+  LimitSurfaceFitOptions options;
+  const double free = fit_limit_surface(samples, options).median_angle;
+  options.prior_weight = 100.0;
+  EXPECT_GT(fit_limit_surface(samples, options).median_angle, 1.5 * free);
 }
 
 TEST(LimitSurfaceFit, ReportsTooFewOrUnexcitedPushes) {

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/object/parameters_file.hpp"
 #include "pcavr/recording/image_codec.hpp"
 #include "pcavr/recording/manifest.hpp"
-#include "pcavr/recording/parameters_file.hpp"
 #include "pcavr/recording/png_codec.hpp"
 #include "pcavr/recording/time_series.hpp"
 

@@ -17,6 +17,8 @@ void series(std::string_view bytes);
 /// JPEG and PNG of 16 x 12 pixels; also the bytes as the filtered rows of a PNG.
 void image(std::string_view bytes);
 void parameters(std::string_view bytes);
+/// A point cloud, PCD or PLY.
+void cloud(std::string_view bytes);
 /// A recorded trace of an operator's hand.
 void trace(std::string_view bytes);
 /// A correction from the robot's site.

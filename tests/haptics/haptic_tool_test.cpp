@@ -15,11 +15,13 @@ using test::kCycle;
 TEST(HapticTool, IsPassiveOverClosedPaths) {
   const test::ScannedBumps bumps(200, 0.0003, 2);
   for (const double friction : {0.0, 0.5}) {
-    for (const Compliance law : {Compliance{1000.0, 0.0, 1.0}, Compliance{3000.0, 2.0, 1.0},
-                                 Compliance{40'000.0, 0.0, 1.5}}) {
+    for (const HuntCrossley law : {HuntCrossley{1000.0, 0.0, 1.0}, HuntCrossley{3000.0, 2.0, 1.0},
+                                   HuntCrossley{40'000.0, 0.0, 1.5}}) {
       ForceOptions options;
-      options.compliance = law;
-      HapticTool tool(bumps.mesh(), {0.001, friction}, options);
+      options.stiffness = law.stiffness;
+      options.damping = law.damping;
+      options.exponent = law.exponent;
+      HapticTool tool(bumps.mesh(), test::proxy_options(0.001, friction), options);
       const test::Work work = test::over_closed_paths(tool, 200);
       EXPECT_GT(work.touched, 100);
       EXPECT_GE(work.min, -test::kRounding) << friction << ' ' << law.stiffness;

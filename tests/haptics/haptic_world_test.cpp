@@ -194,7 +194,7 @@ TEST(HapticWorld, HasNoPopThroughWhereTheHandJumps) {
 
 TEST(HapticWorld, RejectsInvalidModels) {
   HapticWorldModel model = one_box_on_a_table();
-  model.scan_friction = -0.1;
+  model.options.scan_friction = -0.1;
   EXPECT_THROW((void)HapticWorld::create(model), ContractError);
   model = one_box_on_a_table();
   model.supports_base = {{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}};

@@ -28,7 +28,7 @@ struct Count {
 
 Count press_and_slide(double noise, double radius, double friction) {
   const test::ScannedBumps bumps(707, noise, 5);
-  HapticTool tool(bumps.mesh(), {radius, friction, 1.0}, {});
+  HapticTool tool(bumps.mesh(), test::proxy_options(radius, friction), {});
   const test::PressAndSlide hand(17);
   Count count;
   // From above.
@@ -88,7 +88,7 @@ TEST(MillionSteps, HaveNoPopThroughOrJumpWithATinyProxy) {
 TEST(ClosedPaths, ArePassiveTenThousandTimes) {
   const test::ScannedBumps bumps(200, 0.0003, 3);
   for (const double friction : {0.0, 0.5}) {
-    HapticTool tool(bumps.mesh(), {0.001, friction}, {});
+    HapticTool tool(bumps.mesh(), test::proxy_options(0.001, friction), {});
     const test::Work work = test::over_closed_paths(tool, 5000);
     std::printf("friction %.1f: %ld paths touched, mean work %.3g J, min %.3g J, %ld below 0\n",
                 friction, work.touched, work.sum / static_cast<double>(work.touched), work.min,

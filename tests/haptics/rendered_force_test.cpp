@@ -25,7 +25,8 @@ std::vector<Eigen::Vector3d> press(RenderedForce& rendered, double depth, double
 
 TEST(RenderedForce, IsTheLawsForceForATipAtRest) {
   ForceOptions options;
-  options.compliance = {800.0, 1.0, 1.0};
+  options.stiffness = 800.0;
+  options.damping = 1.0;
   RenderedForce rendered(options);
   (void)press(rendered, 0.003, 0.05);
   Eigen::Vector3d force;
@@ -36,7 +37,8 @@ TEST(RenderedForce, IsTheLawsForceForATipAtRest) {
 
 TEST(RenderedForce, FollowsTheExponent) {
   ForceOptions options;
-  options.compliance = {20'000.0, 0.0, 1.5};
+  options.stiffness = 20'000.0;
+  options.exponent = 1.5;
   RenderedForce rendered(options);
   (void)press(rendered, 0.003, 0.05);
   Eigen::Vector3d force;
@@ -47,12 +49,12 @@ TEST(RenderedForce, FollowsTheExponent) {
 
 TEST(RenderedForce, IsLimitedInMagnitudeAndRate) {
   ForceOptions options;
-  options.compliance.stiffness = 1e5;
+  options.stiffness = 1e5;
   RenderedForce rendered(options);
   Eigen::Vector3d before = Eigen::Vector3d::Zero();
   double max_force = 0.0;
   for (const Eigen::Vector3d& force : press(rendered, 0.01, 0.2)) {
-    EXPECT_LE((force - before).norm(), options.max_rate * kCycle + options.min_force);
+    EXPECT_LE((force - before).norm(), options.max_rate() * kCycle + options.min_force);
     max_force = std::max(max_force, force.norm());
     before = force;
   }
@@ -81,7 +83,7 @@ TEST(RenderedForce, DiscardsTheTipWhenANumberIsNotFinite) {
 
 TEST(RenderedForce, RejectsInvalidOptions) {
   ForceOptions options;
-  options.compliance.stiffness = 0.0;
+  options.stiffness = 0.0;
   EXPECT_THROW(RenderedForce{options}, ContractError);
   options = {};
   options.min_force = 2.0 * options.max_force;

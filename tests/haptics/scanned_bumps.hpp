@@ -14,9 +14,18 @@
 
 #include "pcavr/core/random.hpp"
 #include "pcavr/geometry/mesh.hpp"
+#include "pcavr/haptics/surface_proxy.hpp"
 #include "pcavr/model/triangle.hpp"
 
 namespace pcavr::test {
+
+inline ProxyOptions proxy_options(double radius, double friction, double max_motion_ratio = 1.0) {
+  ProxyOptions options;
+  options.radius = radius;
+  options.friction = friction;
+  options.max_motion_ratio = max_motion_ratio;
+  return options;
+}
 
 /// An open sheet of 0.3 x 0.3 m with bumps of 4 mm every 5 to 6 cm, as a scan of `cells`^2 squares
 /// of two triangles in random order, each vertex off by noise along z. Computes,

@@ -56,7 +56,7 @@ TEST(SurfaceProxy, IsFreeAgainOnTheSideItCameFrom) {
 }
 
 TEST(SurfaceProxy, HasNoPopThroughAtAnySpeed) {
-  SurfaceProxy proxy(flat_square(), {0.0001, 0.0});
+  SurfaceProxy proxy(flat_square(), test::proxy_options(0.0001, 0.0));
   ASSERT_TRUE(proxy.reset({0.1, 0.2, 0.5}));
   const ProxyState state = proxy.step({0.1, 0.2, -0.5});
   EXPECT_TRUE(state.is_inside);
@@ -65,7 +65,7 @@ TEST(SurfaceProxy, HasNoPopThroughAtAnySpeed) {
 
 TEST(SurfaceProxy, LagsByTheFrictionCone) {
   constexpr double kFriction = 0.5;
-  SurfaceProxy proxy(flat_square(), {0.001, kFriction});
+  SurfaceProxy proxy(flat_square(), test::proxy_options(0.001, kFriction));
   const double z = press(proxy, 0.004).centre.z();
   // Inside the cone it sticks; outside it slides at the cone's edge.
   double x = 0.1;
@@ -101,8 +101,8 @@ TEST(SurfaceProxy, IsFreeWithoutTriangles) {
 }
 
 TEST(SurfaceProxy, RejectsInvalidInput) {
-  EXPECT_THROW(SurfaceProxy(flat_square(), {0.0, 0.0}), ContractError);
-  EXPECT_THROW(SurfaceProxy(flat_square(), {0.001, -0.1}), ContractError);
+  EXPECT_THROW(SurfaceProxy(flat_square(), test::proxy_options(0.0, 0.0)), ContractError);
+  EXPECT_THROW(SurfaceProxy(flat_square(), test::proxy_options(0.001, -0.1)), ContractError);
   TriangleMesh invalid = flat_square();
   invalid.triangles.push_back({0, 1, 4});
   EXPECT_THROW(SurfaceProxy(invalid, {}), ContractError);
@@ -111,7 +111,7 @@ TEST(SurfaceProxy, RejectsInvalidInput) {
 // The smooth bumps' slope is at most 1/2: a tip 5 mm deep has its nearest surface within 5 mm.
 TEST(SurfaceProxy, LagsLittleOnSmoothBumps) {
   const test::ScannedBumps bumps(150, 0.0, 1);
-  SurfaceProxy proxy(bumps.mesh(), {0.001, 0.0});
+  SurfaceProxy proxy(bumps.mesh(), test::proxy_options(0.001, 0.0));
   const test::PressAndSlide hand(3);
   ASSERT_TRUE(proxy.reset(hand(0.0) + Eigen::Vector3d(0.0, 0.0, 0.02)));
   for (int i = 0; i < 10'000; ++i) {
@@ -129,7 +129,7 @@ TEST(SurfaceProxy, LagsLessWhereItMayMoveFartherThanTheTip) {
   const test::PressAndSlide hand(3);
   double lag[2] = {};
   for (const int motion : {1, 2}) {
-    SurfaceProxy proxy(bumps.mesh(), {0.001, 0.0, static_cast<double>(motion)});
+    SurfaceProxy proxy(bumps.mesh(), test::proxy_options(0.001, 0.0, static_cast<double>(motion)));
     Eigen::Vector3d tip = hand(0.0) + Eigen::Vector3d(0.0, 0.0, 0.02);
     ASSERT_TRUE(proxy.reset(tip));
     Eigen::Vector3d centre = tip;

@@ -22,7 +22,7 @@ class WorldChecker {
   explicit WorldChecker(const HapticWorldModel& model)
       : radius_(model.world.tool_radius),
         max_force_(model.force.max_force),
-        max_rate_(model.force.max_rate),
+        max_rate_(model.force.max_rate()),
         scan_(with_supports(model)) {
     for (const WorldBody& body : model.world.bodies) {
       bodies_.emplace_back(body.model.mesh_object, Pose());

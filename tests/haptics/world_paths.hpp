@@ -80,7 +80,6 @@ inline HapticWorldModel contact_case(int which) {
   if (which == 2) physics.friction.limiting_force = 1000.0;
   if (which != 0) {
     model.force.max_force = 50.0;
-    model.force.max_rate = 20'000.0;
   }
   return model;
 }

@@ -108,7 +108,7 @@ TEST(PushTwoBoxes, IsIdentifiedFromOnePushEach) {
   struct Truth {
     const char* name;
     double mass, limit, coulomb, viscous, contact, slide, stop, leave;
-    Compliance compliance;
+    HuntCrossley contact_law;
   };
   const Truth truths[] = {
       {"fp_box", 3.0, 9.57, 8.323, 10.0, 0.619, 1.206, 1.876, 2.172, {20600.0, 82400.0, 1.5}},
@@ -126,13 +126,13 @@ TEST(PushTwoBoxes, IsIdentifiedFromOnePushEach) {
     options.mass = truth.mass;
     const ForceMotion series = episode.series();
     const SlidingIdentification sliding =
-        identify_sliding(std::span(&series, 1), truth.compliance, options);
+        identify_sliding(std::span(&series, 1), truth.contact_law, options);
     ASSERT_TRUE(sliding.is_valid);
     const double friction = truth.coulomb + truth.viscous * sliding.speed;
     EXPECT_NEAR(sliding.coulomb.value + sliding.viscous.value * sliding.speed, friction,
                 0.03 * friction);
     const IdentifiedParameter limit =
-        friction_at_breakaway(series, episode.breakaway, truth.compliance, truth.mass);
+        friction_at_breakaway(series, episode.breakaway, truth.contact_law, truth.mass);
     // The first box is pushed fast, from rest just below its limit: its peak is 29 % above it.
     EXPECT_NEAR(limit.value, truth.limit, 0.15 * truth.limit);
     EXPECT_NEAR(limit.value, truth.limit, 2.0 * limit.std);

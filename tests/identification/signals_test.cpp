@@ -181,12 +181,12 @@ TEST(TrackBias, TracksDriftAndInterpolatesAcrossContacts) {
     is_free.push_back(free);
     force.push_back({0.05 * at + (free ? 0.0 : 20.0), 0.0, 0.0});
   }
-  const auto bias = track_bias(t, force, is_free);
+  const auto bias = track_bias(t, force, is_free, 0.25);
   for (std::size_t i = 0; i < t.size(); ++i) {
     // A one-sided mean at the ends is half a half width late: 0.125 s of 0.05 N/s.
     EXPECT_NEAR(bias[i].x(), 0.05 * t[i], 0.0075);
   }
-  for (const auto& none : track_bias(t, force, std::vector<bool>(t.size(), false))) {
+  for (const auto& none : track_bias(t, force, std::vector<bool>(t.size(), false), 0.25)) {
     EXPECT_EQ(none.norm(), 0.0);
   }
 }

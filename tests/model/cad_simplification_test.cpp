@@ -70,7 +70,9 @@ TEST(CadModel, OfAFineSphereIsSimplifiedWithItsErrorStatedAndTheFullMass) {
 TEST(CadModel, OfAFinelyTessellatedBoxKeepsItsEdgesAndCorners) {
   const TriangleMesh full = subdivided(box_mesh({0.2F, 0.15F, 0.1F}), 6);
   ASSERT_GT(full.triangles.size(), 40'000U);
-  const CadModel box = *make_cad_model(full, "box", "box.stl", {.max_triangles = 2000});
+  CadOptions options;
+  options.max_triangles = 2000;
+  const CadModel box = *make_cad_model(full, "box", "box.stl", options);
   ASSERT_TRUE(box.simplification);
   EXPECT_LE(box.mesh_object.triangles.size(), 2000U);
   EXPECT_LT(box.simplification->max_error, 2e-6);

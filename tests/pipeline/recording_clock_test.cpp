@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/object/parameters_file.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/pipeline/replay.hpp"
-#include "pcavr/recording/parameters_file.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 
 #include "pipeline/recorded_case.hpp"

@@ -54,7 +54,7 @@ void expect_placed(const Recording& recording, const Scene& scene, double max_sh
 TEST(ManyObjects, TwentyAreDetectedTrackedAndMasked) {
   const TemporaryFolder folder;
   const Recording recording = simulated(table_case(20, 6), 1, folder);
-  const Expected<std::vector<MovableBody>> bodies = load_movable_bodies(recording);
+  const Expected<std::vector<MovableBody>> bodies = load_movable_bodies(recording, {});
   ASSERT_TRUE(bodies);
   const SurveyOptions options{.parallelism = {2}};
   const Expected<Survey> survey = survey_recording(recording, *bodies, options, {});
@@ -90,10 +90,12 @@ TEST(ManyObjects, TwentyAreDetectedTrackedAndMasked) {
 
 // Ten times the bodies; the number of rays grows most with them.
 TEST(ManyObjects, TwentyCastAtMostThreeAndAHalfTimesTheRaysOfTwoInAFrame) {
-  EXPECT_EQ(samples_per_body(1), ObjectTrackerOptions{}.max_samples);
-  EXPECT_EQ(samples_per_body(6), ObjectTrackerOptions{}.max_samples);
-  EXPECT_LE(20 * samples_per_body(20), 3.5 * 2 * samples_per_body(2));
-  EXPECT_GE(samples_per_body(200), 100);  // a tracker's minimum
+  const int max_samples = ObjectTrackerOptions{}.max_samples;
+  EXPECT_EQ(samples_per_body(1, max_samples), max_samples);
+  EXPECT_EQ(samples_per_body(1, 100), 100);
+  EXPECT_EQ(samples_per_body(6, max_samples), max_samples);
+  EXPECT_LE(20 * samples_per_body(20, max_samples), 3.5 * 2 * samples_per_body(2, max_samples));
+  EXPECT_GE(samples_per_body(200, max_samples), 100);  // a tracker's minimum
 }
 
 TEST(ImageSize, ABoxIsPlacedInImagesOf1280x720) {
@@ -102,7 +104,7 @@ TEST(ImageSize, ABoxIsPlacedInImagesOf1280x720) {
   simulation.height = 720;
   const TemporaryFolder folder;
   const Recording recording = simulated(simulation, 4, folder);
-  const Expected<Scene> scene = build_scene(recording, {.voxel_size = 0.01, .parallelism = {2}});
+  const Expected<Scene> scene = build_scene(recording, BuildOptions(0.01, {2}));
   ASSERT_TRUE(scene) << scene.error().to_string();
   EXPECT_EQ(scene->quality.frames_used, 3U);
   EXPECT_GT(scene->mesh_base.triangles.size(), 1000U);
@@ -117,7 +119,7 @@ TEST(ImageSize, ABoxIsPlacedWhereDepthIsSmallerThanColour) {
     simulation.depth_height = height;
     const TemporaryFolder folder;
     const Recording recording = simulated(simulation, 4, folder);
-    const Expected<Scene> scene = build_scene(recording, {.voxel_size = 0.01, .parallelism = {2}});
+    const Expected<Scene> scene = build_scene(recording, BuildOptions(0.01, {2}));
     ASSERT_TRUE(scene) << scene.error().to_string();
     EXPECT_EQ(scene->quality.frames_used, 4U);
     EXPECT_GT(scene->mesh_base.triangles.size(), 1000U);
@@ -133,8 +135,8 @@ TEST(ImageSize, TheSameBytesAtAnyNumberOfThreadsWithSmallerDepth) {
   simulation.depth_height = 240;
   const TemporaryFolder folder;
   const Recording recording = simulated(simulation, 5, folder);
-  const Expected<Scene> one = build_scene(recording, {.voxel_size = 0.01, .parallelism = {1}});
-  const Expected<Scene> two = build_scene(recording, {.voxel_size = 0.01, .parallelism = {2}});
+  const Expected<Scene> one = build_scene(recording, BuildOptions(0.01, {1}));
+  const Expected<Scene> two = build_scene(recording, BuildOptions(0.01, {2}));
   ASSERT_TRUE(one);
   ASSERT_TRUE(two);
   EXPECT_EQ(one->mesh_base.vertices, two->mesh_base.vertices);

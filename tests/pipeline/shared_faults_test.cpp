@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/object/parameters_file.hpp"
 #include "pcavr/pipeline/identify.hpp"
-#include "pcavr/recording/parameters_file.hpp"
 
 #include "pipeline/input_faults.hpp"
 #include "support/shared_data.hpp"

@@ -11,10 +11,10 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/output.hpp"
+#include "pcavr/object/parameters_file.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/pipeline/replay.hpp"
-#include "pcavr/recording/parameters_file.hpp"
 #include "pcavr/recording/recording_writer.hpp"
 
 #include "scene/scene_builder.hpp"
@@ -102,7 +102,7 @@ class Sweep : public testing::TestWithParam<const char*> {
   void use_all() const {
     const Expected<Recording> recording = read_recording(folder(), {});
     if (!recording) return;
-    const Expected<Scene> built = build_scene(*recording, {.parallelism = {1}});
+    const Expected<Scene> built = build_scene(*recording, BuildOptions(0.005, {1}));
     (void)built.has_value();
     const Expected<SceneManifest> scene = read_scene_manifest(folder() / "scene");
     const Expected<ParameterTable> known = read_parameters(folder() / "parameters.yaml");

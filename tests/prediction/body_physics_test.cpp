@@ -33,7 +33,7 @@ TEST(CompletePhysics, ListsAllDefaults) {
   EXPECT_NEAR(friction.coulomb_force, 0.5 * friction.mass * kGravity, 1e-9);
   EXPECT_NEAR(friction.limiting_force, 1.1 * friction.coulomb_force, 1e-9);
   // The breakaway force causes a penetration of a millimetre.
-  const Compliance& contact = completed.physics.contact;
+  const HuntCrossley& contact = completed.physics.contact;
   EXPECT_NEAR(contact.stiffness * std::pow(0.001, contact.exponent), friction.limiting_force, 1e-9);
 }
 

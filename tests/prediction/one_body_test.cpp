@@ -230,7 +230,7 @@ Eigen::Vector3d varied_path(double t) {
 struct Variant {
   const char* name;
   double mass;
-  Compliance contact;
+  HuntCrossley contact;
 };
 
 class StepSize : public testing::TestWithParam<Variant> {};

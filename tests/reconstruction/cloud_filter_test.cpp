@@ -30,7 +30,10 @@ TEST(RemoveOutliers, RemovesFarPointsAndKeepsTheAttributesOfTheOthers) {
     add({0.2F, 0.2F, 1.0F + 0.6F * static_cast<float>(i) / 160.0F});
     is_outlier.push_back(true);
   }
-  const PointCloud filtered = remove_outliers(cloud, {.neighbours = 4, .std_multiplier = 2.0});
+  OutlierOptions options;
+  options.neighbours = 4;
+  options.std_multiplier = 2.0;
+  const PointCloud filtered = remove_outliers(cloud, options);
   std::size_t next = 0;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     if (is_outlier[i]) continue;
@@ -49,8 +52,8 @@ TEST(RemoveOutliers, LeavesACloudOfTooFewPointsUnchanged) {
   PointCloud cloud;
   EXPECT_TRUE(remove_outliers(cloud).points.empty());
   for (int i = 0; i < 12; ++i) cloud.points.emplace_back(static_cast<float>(i * i * i), 0.0F, 0.0F);
-  EXPECT_EQ(remove_outliers(cloud, {.neighbours = 12}).points, cloud.points);
-  EXPECT_TRUE(remove_outliers(cloud, {.neighbours = 12}).normals.empty());
+  EXPECT_EQ(remove_outliers(cloud).points, cloud.points);
+  EXPECT_TRUE(remove_outliers(cloud).normals.empty());
 }
 
 }  // namespace

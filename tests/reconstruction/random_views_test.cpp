@@ -81,7 +81,7 @@ TEST(FusedPlane, IsFlatFromAnyPosesWithinABound) {
   constexpr double kPooling = 2.2 / (4.0 * 260.0 * 260.0 * kMinCosine * kMinCosine);
   for (const double voxel : {0.004, 0.01, 0.1}) {
     Random random(51);
-    TsdfVolume volume({.voxel_size = voxel});
+    TsdfVolume volume(TsdfOptions{voxel});
     for (int i = 0; i < kFrames; ++i) {
       const Pose pose = pose_above_plane(random);
       volume.integrate(view_of_body(0.0, pose, 0.0, random), {}, {}, kFineCamera, pose, {2});
@@ -103,7 +103,7 @@ TEST(FusedPlane, AveragesNoise) {
   constexpr int kFrames = 16;
   constexpr double kNoiseVoxel = 0.005;
   Random random(52);
-  TsdfVolume volume({.voxel_size = kNoiseVoxel});
+  TsdfVolume volume(TsdfOptions{kNoiseVoxel});
   const Pose pose = Pose::from_translation({0.0, 0.0, 1.0}) *
                     Pose(Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX())),
                          Eigen::Vector3d::Zero());
@@ -134,7 +134,7 @@ TEST(FusedPlane, AveragesNoise) {
 TsdfVolume random_views_of_sphere(double radius, double voxel, int frames, double std_factor,
                                   int threads, std::uint64_t seed) {
   Random random(seed);
-  TsdfVolume volume({.voxel_size = voxel});
+  TsdfVolume volume(TsdfOptions{voxel});
   for (int i = 0; i < frames; ++i) {
     const Eigen::Vector3d direction =
         Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
@@ -232,8 +232,8 @@ TEST(TsdfVolumeInput, InvalidDepthIsAsNone) {
                                       0.299F,
                                       5.001F};
   Random random(56);
-  TsdfVolume zeros({.voxel_size = 0.01});
-  TsdfVolume invalids({.voxel_size = 0.01});
+  TsdfVolume zeros(TsdfOptions{0.01});
+  TsdfVolume invalids(TsdfOptions{0.01});
   for (int i = 0; i < 4; ++i) {
     const Pose pose = pose_above_plane(random);
     DepthImage depth = view_of_body(0.0, pose, 1.0, random);
@@ -252,7 +252,7 @@ TEST(TsdfVolumeInput, InvalidDepthIsAsNone) {
   ASSERT_GT(mesh.vertices.size(), 1000U);
   EXPECT_EQ(invalids.extract_mesh(1.0, {1}).vertices, mesh.vertices);
   // Nothing else than invalid depth: no block.
-  TsdfVolume nothing({.voxel_size = 0.01});
+  TsdfVolume nothing(TsdfOptions{0.01});
   for (const float z : invalid) {
     const DepthImage depth(kFineCamera.width, kFineCamera.height, z);
     EXPECT_EQ(nothing.integrate(depth, {}, {}, kFineCamera, Pose(), {1}).pixels_used, 0U);
@@ -262,7 +262,7 @@ TEST(TsdfVolumeInput, InvalidDepthIsAsNone) {
 
 TEST(TsdfVolumeInput, FramesWithoutInformationChangeNothing) {
   Random random(57);
-  TsdfVolume volume({.voxel_size = 0.01});
+  TsdfVolume volume(TsdfOptions{0.01});
   const Pose pose = pose_above_plane(random);
   const DepthImage depth = view_of_body(0.0, pose, 0.0, random);
   for (int i = 0; i < 2; ++i) volume.integrate(depth, {}, {}, kFineCamera, pose, {1});
@@ -304,7 +304,7 @@ TEST(TsdfVolumeInput, TheSurfaceDoesNotDependOnTheOrderOfFrames) {
     depths.push_back(view_of_body(0.0, poses.back(), 1.0, random));
   }
   const auto heights_of = [&](bool reversed) {
-    TsdfVolume volume({.voxel_size = 0.01});
+    TsdfVolume volume(TsdfOptions{0.01});
     for (int i = 0; i < kFrames; ++i) {
       const auto k = static_cast<std::size_t>(reversed ? kFrames - 1 - i : i);
       volume.integrate(depths[k], {}, {}, kFineCamera, poses[k], {1});

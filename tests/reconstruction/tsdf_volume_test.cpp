@@ -40,7 +40,7 @@ Surface wall() { return plane(Eigen::Vector3d::UnitZ(), 1.0); }
 
 /// A sphere observed from all sides.
 TsdfVolume fused_sphere(double radius, int threads) {
-  TsdfVolume volume({.voxel_size = kVoxel});
+  TsdfVolume volume(TsdfOptions{kVoxel});
   for (int i = 0; i < 24; ++i) {
     // Viewpoints distributed uniformly over a sphere (golden spiral).
     const double z = 1.0 - (2.0 * i + 1.0) / 24.0;
@@ -63,7 +63,7 @@ double area_nearer_than(const TriangleMesh& mesh, float z) {
 
 TEST(TsdfVolume, FusesASlantedWallIntoAPlane) {
   const Eigen::Vector3d normal = Eigen::Vector3d(0.6, 0.2, 1.0).normalized();
-  TsdfVolume volume({.voxel_size = kVoxel});
+  TsdfVolume volume(TsdfOptions{kVoxel});
   for (int i = 0; i < 3; ++i) integrate(volume, plane(normal, 1.0), Pose());
   const TriangleMesh mesh = volume.extract_mesh(2.0, {1});
   ASSERT_GT(mesh.triangles.size(), 1000U);
@@ -81,7 +81,7 @@ TEST(TsdfVolume, HonoursLensDistortion) {
   CameraModel distorted = kCamera;
   distorted.distortion = {-0.2, 0.05, 0.001, -0.001, 0.0};
   const Eigen::Vector3d normal = Eigen::Vector3d(0.6, 0.2, 1.0).normalized();
-  TsdfVolume volume({.voxel_size = kVoxel});
+  TsdfVolume volume(TsdfOptions{kVoxel});
   const DepthImage depth = depth_of(plane(normal, 1.0), distorted, Pose());
   for (int i = 0; i < 2; ++i) volume.integrate(depth, {}, {}, distorted, Pose(), {1});
   const TriangleMesh mesh = volume.extract_mesh(2.0, {1});
@@ -101,7 +101,7 @@ TEST(TsdfVolume, HonoursLensDistortion) {
 }
 
 TEST(TsdfVolume, IgnoresAFrameBeyondTheBlockCoordinates) {
-  TsdfVolume volume({.voxel_size = kVoxel});
+  TsdfVolume volume(TsdfOptions{kVoxel});
   const DepthImage depth = depth_of(plane({0.0, 0.0, 1.0}, 1.0), kCamera, Pose());
   for (const double away : {1e6, 1e12, 1e300}) {
     volume.integrate(depth, {}, {}, kCamera, Pose::from_translation({away, 0.0, -away}), {1});
@@ -143,17 +143,17 @@ TEST(TsdfVolume, GivesTheSameBytesOnAnyNumberOfThreads) {
 }
 
 TEST(TsdfVolume, HasNoSurfaceThatWasNotObserved) {
-  TsdfVolume volume({.voxel_size = kVoxel});
+  TsdfVolume volume(TsdfOptions{kVoxel});
   integrate(volume, sphere({0.0, 0.0, 1.0}, 0.2), Pose());
   const TriangleMesh mesh = volume.extract_mesh(1.0, {1});
   ASSERT_FALSE(mesh.triangles.empty());
   // The camera observes the near half only, plus the truncation band behind its silhouette.
   for (const Eigen::Vector3f& p : mesh.vertices) EXPECT_LT(p.z(), 1.0F + 0.04F);
-  EXPECT_TRUE(TsdfVolume({.voxel_size = kVoxel}).extract_mesh(1.0, {1}).triangles.empty());
+  EXPECT_TRUE(TsdfVolume(TsdfOptions{kVoxel}).extract_mesh(1.0, {1}).triangles.empty());
 }
 
 TEST(TsdfVolume, IgnoresEmptyAndMaskedFrames) {
-  TsdfVolume volume({.voxel_size = kVoxel});
+  TsdfVolume volume(TsdfOptions{kVoxel});
   const DepthImage none(kCamera.width, kCamera.height);
   EXPECT_EQ(volume.integrate(none, {}, {}, kCamera, Pose(), {1}).pixels_used, 0U);
   const DepthImage depth = depth_of(wall(), kCamera, Pose());
@@ -164,7 +164,7 @@ TEST(TsdfVolume, IgnoresEmptyAndMaskedFrames) {
 
 /// The remaining area of a sphere that is in front of a wall in some of the frames [m^2].
 double remaining_sphere_area(const std::vector<bool>& has_sphere) {
-  TsdfVolume volume({.voxel_size = kVoxel});
+  TsdfVolume volume(TsdfOptions{kVoxel});
   const Surface with_sphere = nearest_of(sphere({0.0, 0.0, 0.7}, 0.08), wall());
   for (const bool has : has_sphere) integrate(volume, has ? with_sphere : wall(), Pose());
   return area_nearer_than(volume.extract_mesh(1.0, {1}), 0.9F);
@@ -194,8 +194,8 @@ TEST(TsdfVolume, CarvesAnObjectThatAppearedInTheSecondHalfOfTheFrames) {
 TEST(TsdfVolume, DoesNotErodeEdgesUnderPoseErrors) {
   // A sphere in front of a wall; independent pose errors of 2 mm and 0.2 deg rms in every frame.
   const Surface scene = nearest_of(sphere({0.0, 0.0, 0.7}, 0.08), wall());
-  TsdfVolume volume({.voxel_size = kVoxel});
-  TsdfVolume noisy({.voxel_size = kVoxel});
+  TsdfVolume volume(TsdfOptions{kVoxel});
+  TsdfVolume noisy(TsdfOptions{kVoxel});
   Random random(3);
   for (int i = 0; i < 40; ++i) {
     integrate(volume, scene, Pose());
@@ -210,7 +210,7 @@ TEST(TsdfVolume, DoesNotErodeEdgesUnderPoseErrors) {
 }
 
 TEST(TsdfVolume, DoesNotGrowForRepeatedFrames) {
-  TsdfVolume volume({.voxel_size = kVoxel});
+  TsdfVolume volume(TsdfOptions{kVoxel});
   for (int i = 0; i < 70; ++i) integrate(volume, wall(), Pose());
   const std::size_t blocks = volume.block_count();
   const std::size_t bytes = volume.memory_bytes();

@@ -58,7 +58,9 @@ TEST_F(WrittenRecording, IsRefusedWithAnExtraRow) {
 
 TEST_F(WrittenRecording, IsReadWithAWarningWhereBadRowsMayBeSkipped) {
   write_text(tool(), text_ + "0.9,0,0,0,0,0,0,1\n");
-  const Expected<Recording> recording = read_recording(folder_.path(), {.skip_bad = true});
+  ReadOptions options;
+  options.skip_bad = true;
+  const Expected<Recording> recording = read_recording(folder_.path(), options);
   ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
   ASSERT_EQ(recording->warnings.size(), 1U);
   EXPECT_NE(recording->warnings[0].find("5 lines"), std::string::npos);

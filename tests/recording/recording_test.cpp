@@ -68,7 +68,7 @@ TEST(ReadRecording, AcceptsWindowsLineEndsAndAByteOrderMark) {
 }
 
 /// One file of a valid recording replaced, and the expected error.
-struct Fault {
+struct FileFault {
   const char* name;
   const char* file;
   const char* text;
@@ -76,12 +76,12 @@ struct Fault {
   const char* message;  ///< a part of it
 };
 
-void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+void PrintTo(const FileFault& fault, std::ostream* out) { *out << fault.name; }
 
-class RecordingFault : public testing::TestWithParam<Fault> {};
+class RecordingFault : public testing::TestWithParam<FileFault> {};
 
 TEST_P(RecordingFault, IsReportedWithFileLineAndHint) {
-  const Fault& fault = GetParam();
+  const FileFault& fault = GetParam();
   const SmallRecording folder;
   folder.write(fault.file, fault.text);
   const Expected<Recording> recording = read_recording(folder.path());
@@ -96,41 +96,43 @@ TEST_P(RecordingFault, IsReportedWithFileLineAndHint) {
 INSTANTIATE_TEST_SUITE_P(
     Each, RecordingFault,
     testing::Values(
-        Fault{"ImageMissing", "rgb.txt", "# c\n1.0 rgb/none.jpg\n", 2, "none.jpg is missing"},
-        Fault{"StampGoesBack", "depth.txt", "2.0 depth/1.000000.png\n1.0 depth/1.050000.png\n", 2,
-              "not after"},
-        Fault{"StampRepeats", "groundtruth.txt", "1 0 0 0 0 0 0 1\n1.000 0 0 0 0 0 0 1\n", 2,
-              "not after"},
-        Fault{"PathLeaves", "rgb.txt", "1.0 rgb/../../x.jpg\n", 1, "does not lie"},
-        Fault{"PathAbsolute", "rgb.txt", "1.0 /etc/passwd\n", 1, "does not lie"},
-        Fault{"ListColumns", "rgb.txt", "1.0 rgb/1.000000.jpg extra\n", 1, "3 columns, not 2"},
-        Fault{"NotAStamp", "rgb.txt", "one rgb/1.000000.jpg\n", 1, "not a time"},
-        Fault{"NotANumber", "wrench.csv", "t,fx,fy,fz,tx,ty,tz\n0,0,0,0,0,0,0\n1,nan,0,0,0,0,0\n",
-              3, "'nan' is not a finite number"},
-        Fault{"Infinite", "wrench.csv", "t,fx,fy,fz,tx,ty,tz\n1,0,-inf,0,0,0,0\n", 2, "-inf"},
-        Fault{"TooFewColumns", "wrench.csv", "t,fx,fy,fz,tx,ty,tz\n1,0,0,0,0,0\n", 2,
-              "6 columns, not 7"},
-        Fault{"WrongHeader", "wrench.csv", "t,fx,fz,fy,tx,ty,tz\n1,0,0,0,0,0,0\n", 1, "header"},
-        Fault{"NoHeader", "tool.csv", "0.1,1,2,3,0,0,1,0\n", 1, "header"},
-        Fault{"Empty", "tool.csv", "", 0, "empty"},
-        Fault{"QuaternionOfNormZero", "tool.csv", "t,x,y,z,qx,qy,qz,qw\n1,0,0,0,0,0,0,0\n", 2,
-              "norm"},
-        Fault{"CoordinateOfAnotherUnit", "tool.csv", "t,x,y,z,qx,qy,qz,qw\n1,0,2e4,0,0,0,0,1\n", 2,
-              "out of range for a coordinate"},
-        Fault{"ForceOfAnotherUnit", "wrench.csv", "t,fx,fy,fz,tx,ty,tz\n1,1e300,0,0,0,0,0\n", 2,
-              "1e+300 is out of range for a force"},
-        Fault{"JointOutOfRange", "joints.csv", "t,q1\n1,-1e12\n", 2, "out of range for a joint"},
-        Fault{"ClockChangesWithinASeries", "tool.csv",
-              "t,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n1305031102,0,0,0,0,0,0,1\n", 0,
-              "more than ten hours"},
-        Fault{"JointHeader", "joints.csv", "t,q1,q2,dq1\n", 1, "header"},
-        Fault{"UnknownKey", "recording.yaml", "format: pcavr-recording/1\ncamra: 1\n", 2,
-              "unknown key 'camra'"},
-        Fault{"ImagesWithoutCamera", "recording.yaml", "format: pcavr-recording/1\n", 0,
-              "'camera' is missing"},
-        Fault{"MeshMissing", "recording.yaml",
-              "format: pcavr-recording/1\nobjects:\n  - {name: a, mesh: a.obj}\n", 3,
-              "a.obj is missing"}),
+        FileFault{"ImageMissing", "rgb.txt", "# c\n1.0 rgb/none.jpg\n", 2, "none.jpg is missing"},
+        FileFault{"StampGoesBack", "depth.txt", "2.0 depth/1.000000.png\n1.0 depth/1.050000.png\n",
+                  2, "not after"},
+        FileFault{"StampRepeats", "groundtruth.txt", "1 0 0 0 0 0 0 1\n1.000 0 0 0 0 0 0 1\n", 2,
+                  "not after"},
+        FileFault{"PathLeaves", "rgb.txt", "1.0 rgb/../../x.jpg\n", 1, "does not lie"},
+        FileFault{"PathAbsolute", "rgb.txt", "1.0 /etc/passwd\n", 1, "does not lie"},
+        FileFault{"ListColumns", "rgb.txt", "1.0 rgb/1.000000.jpg extra\n", 1, "3 columns, not 2"},
+        FileFault{"NotAStamp", "rgb.txt", "one rgb/1.000000.jpg\n", 1, "not a time"},
+        FileFault{"NotANumber", "wrench.csv",
+                  "t,fx,fy,fz,tx,ty,tz\n0,0,0,0,0,0,0\n1,nan,0,0,0,0,0\n", 3,
+                  "'nan' is not a finite number"},
+        FileFault{"Infinite", "wrench.csv", "t,fx,fy,fz,tx,ty,tz\n1,0,-inf,0,0,0,0\n", 2, "-inf"},
+        FileFault{"TooFewColumns", "wrench.csv", "t,fx,fy,fz,tx,ty,tz\n1,0,0,0,0,0\n", 2,
+                  "6 columns, not 7"},
+        FileFault{"WrongHeader", "wrench.csv", "t,fx,fz,fy,tx,ty,tz\n1,0,0,0,0,0,0\n", 1, "header"},
+        FileFault{"NoHeader", "tool.csv", "0.1,1,2,3,0,0,1,0\n", 1, "header"},
+        FileFault{"Empty", "tool.csv", "", 0, "empty"},
+        FileFault{"QuaternionOfNormZero", "tool.csv", "t,x,y,z,qx,qy,qz,qw\n1,0,0,0,0,0,0,0\n", 2,
+                  "norm"},
+        FileFault{"CoordinateOfAnotherUnit", "tool.csv", "t,x,y,z,qx,qy,qz,qw\n1,0,2e4,0,0,0,0,1\n",
+                  2, "out of range for a coordinate"},
+        FileFault{"ForceOfAnotherUnit", "wrench.csv", "t,fx,fy,fz,tx,ty,tz\n1,1e300,0,0,0,0,0\n", 2,
+                  "1e+300 is out of range for a force"},
+        FileFault{"JointOutOfRange", "joints.csv", "t,q1\n1,-1e12\n", 2,
+                  "out of range for a joint"},
+        FileFault{"ClockChangesWithinASeries", "tool.csv",
+                  "t,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n1305031102,0,0,0,0,0,0,1\n", 0,
+                  "more than ten hours"},
+        FileFault{"JointHeader", "joints.csv", "t,q1,q2,dq1\n", 1, "header"},
+        FileFault{"UnknownKey", "recording.yaml", "format: pcavr-recording/1\ncamra: 1\n", 2,
+                  "unknown key 'camra'"},
+        FileFault{"ImagesWithoutCamera", "recording.yaml", "format: pcavr-recording/1\n", 0,
+                  "'camera' is missing"},
+        FileFault{"MeshMissing", "recording.yaml",
+                  "format: pcavr-recording/1\nobjects:\n  - {name: a, mesh: a.obj}\n", 3,
+                  "a.obj is missing"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST(ReadRecording, RefusesListsWithoutAPair) {
@@ -162,7 +164,9 @@ TEST(ReadRecording, SkipsAndCountsBadRowsWithSkipBad) {
   folder.write("wrench.csv",
                "t,fx,fy,fz,tx,ty,tz\n1,0,0,0,0,0,0\n0,0,0,0,0,0,0\n2,x,0,0,0,0,0\n"
                "3,0,0,0,0,0,0\n");
-  const Expected<Recording> recording = read_recording(folder.path(), {.skip_bad = true});
+  ReadOptions options;
+  options.skip_bad = true;
+  const Expected<Recording> recording = read_recording(folder.path(), options);
   ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
   EXPECT_EQ(recording->frames.size(), 2u);
   EXPECT_EQ(recording->unpaired_depth, 1u);
@@ -176,7 +180,9 @@ TEST(ReadRecording, ListsSkippedRowsByFileAndReason) {
   folder.write("tool.csv",
                "t,x,y,z,qx,qy,qz,qw\n1,0,0,0,0,0,0,1\n2,nan,0,0,0,0,0,1\n3,1e9,0,0,0,0,0,1\n"
                "4,0,0,0,0,0,0,9\n5,0,0\n0,0,0,0,0,0,0,1\n6,0,inf,0,0,0,0,1\n");
-  const Expected<Recording> recording = read_recording(folder.path(), {.skip_bad = true});
+  ReadOptions options;
+  options.skip_bad = true;
+  const Expected<Recording> recording = read_recording(folder.path(), options);
   ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
   std::string listed;
   for (const auto& [file, reason, count] : recording->left_out) {

@@ -42,8 +42,15 @@ DepthImage a_rough_image(Random& random, const CameraModel& camera) {
   return depth;
 }
 
+OccupancyOptions with(double OccupancyOptions::*member, double value) {
+  OccupancyOptions options;
+  options.*member = value;
+  return options;
+}
+
 TEST(OccupancyMap, AgreesWithOctomapOnRoughWallsFromAnywhere) {
-  const OccupancyOptions options{.resolution = 0.05, .max_range = 3.0};
+  OccupancyOptions options = with(&OccupancyOptions::resolution, 0.05);
+  options.max_range = 3.0;
   const CameraModel camera = a_small_camera();
   OccupancyMap ours(options);
   octomap::OcTree theirs = octomap_with(options);
@@ -83,7 +90,7 @@ TEST(OccupancyMap, AgreesWithOctomapOnARecording) {
 
 /// One measurement on the optical axis of a camera at base's origin that looks along z.
 OccupancyMap after_measurements(std::initializer_list<float> measurements) {
-  OccupancyMap map({.resolution = 0.1});
+  OccupancyMap map(with(&OccupancyOptions::resolution, 0.1));
   const CameraModel camera{.width = 1, .height = 1, .fx = 1.0, .fy = 1.0};
   for (const float z : measurements) {
     map.integrate(DepthImage(1, 1, z), {}, camera, Pose::from_translation({0.05, 0.05, 0.05}));
@@ -142,10 +149,10 @@ TEST(OccupancyMap, IgnoresAFrameBeyondOctomapsKeyRange) {
 }
 
 TEST(OccupancyMap, RejectsOptionsOutOfRange) {
-  EXPECT_THROW(OccupancyMap({.resolution = 0.0}), ContractError);
-  EXPECT_THROW(OccupancyMap({.max_range = 0.001}), ContractError);
-  EXPECT_THROW(OccupancyMap({.prob_hit = 0.5}), ContractError);
-  EXPECT_THROW(OccupancyMap({.prob_miss = 0.5}), ContractError);
+  EXPECT_THROW(OccupancyMap(with(&OccupancyOptions::resolution, 0.0)), ContractError);
+  EXPECT_THROW(OccupancyMap(with(&OccupancyOptions::max_range, 0.001)), ContractError);
+  EXPECT_THROW(OccupancyMap(with(&OccupancyOptions::prob_hit, 0.5)), ContractError);
+  EXPECT_THROW(OccupancyMap(with(&OccupancyOptions::prob_miss, 0.5)), ContractError);
 }
 
 TEST(OccupancyMap, ClearsCellsWithoutASurface) {
@@ -186,7 +193,7 @@ TEST(OccupancyMap, IsReadByOctomapCellByCell) {
 }
 
 TEST(OccupancyMap, OccupiesTheCellsThatASurfaceIntersects) {
-  OccupancyMap map({.resolution = 0.02});
+  OccupancyMap map(with(&OccupancyOptions::resolution, 0.02));
   TriangleMesh square;
   square.vertices = {{-0.205F, -0.205F, 0.01F}, {0.205F, -0.205F, 0.01F}, {0.205F, 0.205F, 0.01F}};
   square.triangles = {{0, 1, 2}};

@@ -76,9 +76,9 @@ TEST_F(SceneBundle, HasEveryFileOfTheFormat) {
   std::vector<std::string> names;
   for (const auto& [name, content] : contents_of(folder_.path())) names.push_back(name);
   EXPECT_EQ(names,
-            (std::vector<std::string>{"camera_trajectory.txt", "cloud.ply", "lod/static_mesh_1.glb",
-                                      "mesh.ply", "objects/box.glb", "occupancy.bt", "preview.png",
-                                      "scene.glb", "scene.yaml"}));
+            (std::vector<std::string>{"camera_trajectory.txt", "cloud.pcd", "cloud.ply",
+                                      "lod/static_mesh_1.glb", "mesh.ply", "objects/box.glb",
+                                      "occupancy.bt", "preview.png", "scene.glb", "scene.yaml"}));
 }
 
 TEST_F(SceneBundle, HasTheSameBytesForAnyNumberOfThreads) {
@@ -295,7 +295,7 @@ TEST_F(SceneBundle, RejectsANonUnitQuaternion) {
 TEST_F(SceneBundle, IsValidAsWritten) {
   EXPECT_EQ(invalid_files(), std::vector<std::string>());
   const auto checks = inspect_scene(folder_.path());
-  EXPECT_EQ(checks->size(), 9U);
+  EXPECT_EQ(checks->size(), 10U);
 }
 
 TEST_F(SceneBundle, IsValidWithoutObjectsMeshOrFrames) {

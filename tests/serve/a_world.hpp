@@ -18,7 +18,11 @@ inline HapticWorld a_box_on_a_table() {
 /// Start position of the tool: next to the box, without contact.
 inline const Eigen::Vector3d kToolStart{-0.2, 0.0, 0.05};
 
-inline LiveWorldOptions options_with_tool_start() { return {.p_base_tool_start = kToolStart}; }
+inline LiveWorldOptions options_with_tool_start() {
+  LiveWorldOptions options;
+  options.p_base_tool_start = kToolStart;
+  return options;
+}
 
 /// Moved by pages.
 inline std::unique_ptr<LiveWorld> a_live_world() {

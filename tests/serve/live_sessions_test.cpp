@@ -53,7 +53,8 @@ class LiveSessionsTest : public testing::Test {
                          {.version = "1.2.3", .objects = world_->names()},
                          [this](PageId id, std::vector<std::uint8_t> bytes) {
                            received_[id].push_back(decode_server_message(bytes).value());
-                         }};
+                         },
+                         0.5};
   double clock_ = 100.0;
 };
 
@@ -180,10 +181,13 @@ TEST(LiveSessions, NoPageGetsTheToolOfAnotherDevice) {
   LiveWorld world(test::a_box_on_a_table(), std::make_unique<StationaryDevice>(),
                   test::options_with_tool_start());
   std::string text;
-  LiveSessions sessions(world, {}, [&](PageId, std::vector<std::uint8_t> bytes) {
-    const auto message = decode_server_message(bytes).value();
-    if (const auto* notice = std::get_if<LiveNotice>(&message.content)) text = notice->text;
-  });
+  LiveSessions sessions(
+      world, {},
+      [&](PageId, std::vector<std::uint8_t> bytes) {
+        const auto message = decode_server_message(bytes).value();
+        if (const auto* notice = std::get_if<LiveNotice>(&message.content)) text = notice->text;
+      },
+      0.5);
   const PageId id = sessions.join();
   EXPECT_TRUE(sessions.on_message(id, encode(PageMessage{{1, 0.0}, LiveHello{}}), 0.0));
   EXPECT_TRUE(sessions.on_message(id, encode(PageMessage{{2, 0.0}, LiveCommand::take_tool}), 0.0));

@@ -187,7 +187,7 @@ TEST_F(SceneContentTest, HasTheSameBytesForAnyNumberOfThreads) {
 }
 
 TEST_F(SceneContentTest, CompressesMeshesAndKeepsThemInBase) {
-  if (!packed_mesh(*read_file(whole_->path() / "objects/box.glb"))) {
+  if (!packed_mesh(*read_file(whole_->path() / "objects/box.glb"), 30.0)) {
     GTEST_SKIP() << "needs gltfpack";
   }
   const std::string level = body_of(*content_, "/scene/lod/0.glb");

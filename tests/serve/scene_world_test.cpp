@@ -24,7 +24,10 @@ class SceneWorldTest : public testing::Test {
 };
 
 TEST_F(SceneWorldTest, TheBoxIsMovableAtItsPoseAndTheToolStartsAboveIt) {
-  const auto world = world_of(a_box_on_a_table(), {.tool_radius = 0.02, .max_force = 7.0});
+  SceneWorldOptions options;
+  options.tool_radius = 0.02;
+  options.force.max_force = 7.0;
+  const auto world = world_of(a_box_on_a_table(), options);
   ASSERT_TRUE(world) << world.error().to_string();
   const WorldModel& model = world->model.world;
   ASSERT_EQ(model.bodies.size(), 1U);
@@ -62,7 +65,9 @@ TEST_F(SceneWorldTest, UsesGivenParametersAndListsDefaultedOnes) {
   ObjectParameters known;
   known.mass = ParameterValue{2.5, 0.1};
   known.contact_stiffness = ParameterValue{20000.0};
-  const auto world = world_of(a_box_on_a_table(), {.parameters = ParameterTable{{"box", known}}});
+  SceneWorldOptions options;
+  options.parameters = ParameterTable{{"box", known}};
+  const auto world = world_of(a_box_on_a_table(), options);
   ASSERT_TRUE(world) << world.error().to_string();
   ASSERT_EQ(world->assumed.size(), 1U);
   EXPECT_EQ(world->assumed[0].object, "box");
@@ -75,8 +80,10 @@ TEST_F(SceneWorldTest, UsesGivenParametersAndListsDefaultedOnes) {
 }
 
 TEST_F(SceneWorldTest, ParametersOfAnUnknownObjectAreAnErrorWithTheirFile) {
-  const auto world = world_of(a_box_on_a_table(), {.parameters = ParameterTable{{"bx", {}}},
-                                                   .parameters_file = "given.yaml"});
+  SceneWorldOptions options;
+  options.parameters = ParameterTable{{"bx", {}}};
+  options.parameters_file = "given.yaml";
+  const auto world = world_of(a_box_on_a_table(), options);
   ASSERT_FALSE(world);
   EXPECT_NE(world.error().to_string().find("given.yaml"), std::string::npos);
   EXPECT_NE(world.error().to_string().find("bx"), std::string::npos);

@@ -236,7 +236,9 @@ TEST_F(ServerTest, DisconnectsAClientThatNeverReads) {
 }
 
 TEST_F(ServerTest, ASlowPageReceivesTheNewestState) {
-  open({.rate = 90.0});
+  ServerOptions options;
+  options.rate = 90.0;
+  open(options);
   PageClient page(port());
   ASSERT_TRUE(page.send_hello());
   ASSERT_TRUE(page.receive_next<LiveState>());
@@ -254,7 +256,9 @@ TEST_F(ServerTest, ASlowPageReceivesTheNewestState) {
 }
 
 TEST_F(ServerTest, RepliesAreNotQueuedWithoutLimit) {
-  open({.max_write_time = 0.5});
+  ServerOptions options;
+  options.max_write_time = 0.5;
+  open(options);
   {
     PageClient page(port());
     ASSERT_TRUE(page.send_hello());
@@ -287,7 +291,9 @@ TEST(LiveServer, RejectsUnsafeOptions) {
   const TemporaryFolder folder;
   const NoScene scene;
   const auto world = test::a_live_world();
-  ServerOptions options{.port = 0, .page = folder.path()};
+  ServerOptions options;
+  options.port = 0;
+  options.page = folder.path();
   const auto message = [&] { return LiveServer::open(options, *world, scene).error().to_string(); };
   EXPECT_NE(message().find("index.html"), std::string::npos);
   ASSERT_TRUE(write_file(folder.path() / "index.html", ""));
@@ -305,7 +311,9 @@ TEST(LiveServer, NamesAPortInUse) {
   ASSERT_TRUE(write_file(folder.path() / "index.html", ""));
   const NoScene scene;
   const auto world = test::a_live_world();
-  ServerOptions options{.port = 0, .page = folder.path()};
+  ServerOptions options;
+  options.port = 0;
+  options.page = folder.path();
   const auto first = LiveServer::open(options, *world, scene);
   ASSERT_TRUE(first);
   options.port = first->port();

@@ -116,8 +116,10 @@ TEST(DepthSensor, NoiseOfNeighboursIsCorrelated) {
 
 TEST(DepthSensor, LateralNoiseDoesNotChangeASlantedPlane) {
   DepthSensor sensor = noise_only();
-  sensor.noise = {
-      .constant = 0.0, .quadratic = 0.0, .grazing = 0.0, .min_depth = 0.1, .max_depth = 10.0};
+  sensor.noise = DepthNoise(0.1, 10.0);
+  sensor.noise.constant = 0.0;
+  sensor.noise.quadratic = 0.0;
+  sensor.noise.grazing = 0.0;
   sensor.disparity_steps = 1e6;
   const IdealFrame frame =
       frame_of_plane(Eigen::Vector3d(0.0, std::sin(0.9), -std::cos(0.9)), -0.8);

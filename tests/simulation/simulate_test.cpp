@@ -14,8 +14,8 @@
 #include "pcavr/marker/body_pose.hpp"
 #include "pcavr/marker/tag_detector.hpp"
 #include "pcavr/model/cad_model.hpp"
+#include "pcavr/object/parameters_file.hpp"
 #include "pcavr/recording/frame_reader.hpp"
-#include "pcavr/recording/parameters_file.hpp"
 #include "pcavr/recording/recording.hpp"
 
 #include "support/temporary_folder.hpp"
@@ -330,7 +330,9 @@ TEST(Simulate, DepthImagesLieOnTheTrueSurfaces) {
 std::vector<double> corner_errors(const Recording& recording) {
   const fs::path truth = recording.folder / "truth";
   const Trajectory camera = read_trajectory(truth / "camera.txt").value();
-  auto detector = TagDetector::create({"tag36h11"}, {.decimation = 1}).value();
+  TagDetectorOptions options;
+  options.decimation = 1;
+  auto detector = TagDetector::create({"tag36h11"}, options).value();
   std::vector<double> errors;
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
     const RgbdFrame frame = decode_frame(recording, i).value();

@@ -8,6 +8,12 @@ namespace pcavr {
 namespace {
 
 constexpr double kTick = 0.002;
+constexpr double kForceFloor = 0.3;  // [N]
+constexpr double kRoundTrip = 0.4;   // [s]
+
+CorrectionSwitch make_switch(const CorrectionSwitchOptions& options = {}) {
+  return CorrectionSwitch(options, kForceFloor, kRoundTrip);
+}
 
 /// The first correction, if the comparison stays the same for a second from `from` on.
 std::optional<std::pair<double, CorrectionCase>> first_correction(
@@ -36,12 +42,12 @@ SiteComparison sliding_apart(double gap) {
 }
 
 TEST(CorrectionSwitch, IgnoresForceErrorsBelowTheJnd) {
-  CorrectionSwitch correction_switch({});
+  CorrectionSwitch correction_switch = make_switch();
   EXPECT_FALSE(first_correction(correction_switch, touched_by_both(10.0, 10.9), 0.0));
 }
 
 TEST(CorrectionSwitch, Gives11IfTheForceErrorExceedsATenth) {
-  CorrectionSwitch correction_switch({});
+  CorrectionSwitch correction_switch = make_switch();
   const auto correction = first_correction(correction_switch, touched_by_both(10.0, 11.5), 0.0);
   ASSERT_TRUE(correction);
   EXPECT_EQ(correction->second, CorrectionCase::both_static_force);
@@ -49,12 +55,12 @@ TEST(CorrectionSwitch, Gives11IfTheForceErrorExceedsATenth) {
 }
 
 TEST(CorrectionSwitch, IgnoresTheSensorsNoise) {
-  CorrectionSwitch correction_switch({.force_floor = 0.5});
+  CorrectionSwitch correction_switch({}, 0.5, kRoundTrip);
   EXPECT_FALSE(first_correction(correction_switch, touched_by_both(1.0, 1.4), 0.0));
 }
 
 TEST(CorrectionSwitch, Gives12aIfOnlyTheOperatorTouches) {
-  CorrectionSwitch correction_switch({});
+  CorrectionSwitch correction_switch = make_switch();
   SiteComparison seen;
   seen.operator_touches = true;
   seen.operator_force = 2.0;
@@ -63,7 +69,7 @@ TEST(CorrectionSwitch, Gives12aIfOnlyTheOperatorTouches) {
 }
 
 TEST(CorrectionSwitch, Gives12bIfOnlyTheRobotTouches) {
-  CorrectionSwitch correction_switch({});
+  CorrectionSwitch correction_switch = make_switch();
   SiteComparison seen;
   seen.robot_touches = true;
   seen.robot_force = 2.0;
@@ -72,14 +78,14 @@ TEST(CorrectionSwitch, Gives12bIfOnlyTheRobotTouches) {
 }
 
 TEST(CorrectionSwitch, Gives13IfBothSlideApart) {
-  CorrectionSwitch correction_switch({});
+  CorrectionSwitch correction_switch = make_switch();
   EXPECT_FALSE(first_correction(correction_switch, sliding_apart(0.0004), 0.0));
   EXPECT_EQ(first_correction(correction_switch, sliding_apart(0.0015), 2.0)->second,
             CorrectionCase::both_sliding);
 }
 
 TEST(CorrectionSwitch, Gives2IfThePhasesDiffer) {
-  CorrectionSwitch correction_switch({});
+  CorrectionSwitch correction_switch = make_switch();
   SiteComparison seen;
   seen.robot_slides = true;
   const auto correction = first_correction(correction_switch, seen, 0.0);
@@ -88,7 +94,7 @@ TEST(CorrectionSwitch, Gives2IfThePhasesDiffer) {
 }
 
 TEST(CorrectionSwitch, ToleratesAFlickeringPhase) {
-  CorrectionSwitch correction_switch({});
+  CorrectionSwitch correction_switch = make_switch();
   bool has_corrected = false;
   for (int i = 0; i < 100; ++i) {
     SiteComparison seen;
@@ -100,7 +106,7 @@ TEST(CorrectionSwitch, ToleratesAFlickeringPhase) {
 }
 
 TEST(CorrectionSwitch, WaitsARoundTripForWhatIsInFlight) {
-  CorrectionSwitch correction_switch({.round_trip = 0.4});
+  CorrectionSwitch correction_switch = make_switch();
   const SiteComparison seen = sliding_apart(0.0015);
   const double sent = first_correction(correction_switch, seen, 0.0)->first;
   correction_switch.note_sent(CorrectionCase::both_sliding, sent);
@@ -110,7 +116,7 @@ TEST(CorrectionSwitch, WaitsARoundTripForWhatIsInFlight) {
 }
 
 TEST(CorrectionSwitch, DoesNotWaitIfTheErrorHasDoubled) {
-  CorrectionSwitch correction_switch({.round_trip = 0.4});
+  CorrectionSwitch correction_switch = make_switch();
   const double sent = first_correction(correction_switch, sliding_apart(0.0010), 0.0)->first;
   correction_switch.note_sent(CorrectionCase::both_sliding, sent);
   const auto again = first_correction(correction_switch, sliding_apart(0.0021), sent + kTick);
@@ -119,14 +125,14 @@ TEST(CorrectionSwitch, DoesNotWaitIfTheErrorHasDoubled) {
 }
 
 TEST(CorrectionSwitch, RaisesThresholdsOverTheByteBudget) {
-  CorrectionSwitch correction_switch({});
+  CorrectionSwitch correction_switch = make_switch();
   EXPECT_FALSE(first_correction(correction_switch, sliding_apart(0.0012), 0.0, 3.0));
   // But never more than the tolerance.
   EXPECT_TRUE(first_correction(correction_switch, sliding_apart(0.0032), 2.0, 3.0));
 }
 
 TEST(CorrectionSwitch, IgnoresUnknownPositions) {
-  CorrectionSwitch correction_switch({});
+  CorrectionSwitch correction_switch = make_switch();
   SiteComparison seen;
   seen.robot_slides = seen.operator_slides = true;
   EXPECT_FALSE(first_correction(correction_switch, seen, 0.0));

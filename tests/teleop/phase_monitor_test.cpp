@@ -111,10 +111,12 @@ TEST(PhaseMonitor, UsesTheCameraWithoutForce) {
 /// On simulated pushes that were not used for tuning. Missed are re-sticks shorter than the window
 /// of the speed estimate.
 TEST(PhaseMonitor, DetectsThePlantsPhaseChanges) {
+  TeleopOptions options;
+  options.with_corrections = false;
   int boundaries = 0, near = 0;
   for (const std::uint64_t seed : {31, 32, 33}) {
     const PlantInput made = plant_input(seed, true);
-    const TeleopRun run = run_teleop(made.input, {.with_corrections = false}).value();
+    const TeleopRun run = run_teleop(made.input, options).value();
     for (const PlantPhaseChange& change : made.run.phases) {
       if (change.t <= 0.0) continue;
       const auto phase = static_cast<MotionPhase>(change.phase);

@@ -202,8 +202,6 @@ export class Page {
 
   private setTheme(theme: Theme): void {
     this.app.view.setTheme(theme);
-    this.plot?.redraw();
-    this.replay?.redraw();
     this.app.invalidate();
   }
 

@@ -115,6 +115,8 @@ test('a missing file of the scene is named, and the rest is shown', limit, async
   await page.route(`**${objects[0].path}`, (route) => route.fulfill({ status: 404 }));
   await page.goto(stage.server.url);
   await page.locator('#toasts', { hasText: objects[0].path }).waitFor();
+  // The toast appears at once, while other files may still be loading.
+  await page.waitForFunction(() => window.__pcavr.scene.isComplete);
   const { objectsLoaded } = await page.evaluate(() => window.__pcavr.scene);
   assert.equal(objectsLoaded, objects.length - 1);
 });

@@ -12,6 +12,7 @@ import { fileURLToPath } from 'node:url';
 const test = fileURLToPath(new URL(`${process.argv[2]}.test.mjs`, import.meta.url));
 const chromium = process.env.PCAVR_CHROMIUM ?? '/usr/bin/chromium';
 const page = process.env.PCAVR_PAGE ?? fileURLToPath(new URL('../dist', import.meta.url));
+const report = fileURLToPath(new URL('../dist-report/report.html', import.meta.url));
 const skipped = 77;
 
 function hasPackage(name) {
@@ -27,6 +28,7 @@ const missing = [
   [existsSync(chromium), `a browser at ${chromium}: apt-get install chromium`],
   [existsSync(process.env.PCAVR_COMMAND ?? ''), 'the pcavr command in PCAVR_COMMAND'],
   [existsSync(`${page}/index.html`), `the built page in ${page}: npm run build`],
+  [existsSync(report), `the reports' built page in ${report}: npm run build`],
   ...['playwright-core', 'iwer', 'ws'].map((name) => [hasPackage(name), `${name}: npm ci`]),
 ].filter(([isPresent]) => !isPresent);
 

@@ -4,6 +4,8 @@
 
 #include <variant>
 
+#include "pcavr/contact/hunt_crossley.hpp"
+
 namespace pcavr {
 
 /// The laws of a contact between a tool and a body along one direction. Pure functions: any thread
@@ -25,14 +27,7 @@ struct MassDamperSpring {
   double stiffness = 0.0;  ///< k [N/m], >= 0
 };
 
-/// F = k x^n + lambda x^n x' [Hunt & Crossley 1975; paper B, eq. 1]. The force neither jumps nor
-/// pulls while the two separate more slowly than k / lambda.
-struct HuntCrossley {
-  double stiffness = 0.0;  ///< k [N/m^n], >= 0
-  double damping = 0.0;    ///< lambda [N s/m^(n+1)], >= 0
-  double exponent = 1.5;   ///< n, >= 1; 1.5 for spheres [Hertz 1882]
-};
-
+/// HuntCrossley as an alternative is F = k x^n + lambda x^n x' for n = 1, too.
 using ContactLaw = std::variant<KelvinVoigt, MassDamperSpring, HuntCrossley>;
 
 /// The penetration of the tool into the body, and its derivatives.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <sstream>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 
@@ -17,19 +17,28 @@ class ContractError : public std::logic_error {
 
 namespace detail {
 
+/// A value as printed in a ContractError; numbers with six digits.
+[[nodiscard]] std::string value_text(int value);
+[[nodiscard]] std::string value_text(unsigned value);
+[[nodiscard]] std::string value_text(long value);
+[[nodiscard]] std::string value_text(unsigned long value);
+[[nodiscard]] std::string value_text(double value);
+[[nodiscard]] std::string value_text(const std::string& value);
+
+[[noreturn]] void throw_contract_error(const char* expression, const char* function,
+                                       std::initializer_list<std::string> values);
+
 template <typename... Values>
 [[noreturn]] void fail_contract(const char* expression, const char* function,
                                 const Values&... values) {
-  std::ostringstream text;
-  text << function << ": requires " << expression;
-  ((text << ' ' << values), ...);
-  throw ContractError(text.str());
+  throw_contract_error(expression, function, {value_text(values)...});
 }
 
 }  // namespace detail
 }  // namespace pcavr
 
-/// Always on. Throws ContractError with the expression and the values given after it.
+/// Always on. Throws ContractError with the expression and the values given after it: numbers and
+/// texts.
 #define PCAVR_REQUIRE(condition, ...)                                                  \
   do {                                                                                 \
     if (!(condition)) {                                                                \

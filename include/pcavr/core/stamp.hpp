@@ -35,6 +35,10 @@ struct Stamp {
 [[nodiscard]] inline double to_seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
+/// To the nearest nanosecond.
+[[nodiscard]] inline Duration duration_from_seconds(double seconds) {
+  return Stamp::from_seconds(seconds) - Stamp();
+}
 
 /// Reads decimal seconds ("1305031480.050000", up to nine decimals) without rounding.
 [[nodiscard]] Expected<Stamp> parse_stamp(std::string_view text);

@@ -10,10 +10,14 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 struct GamepadOptions {
-  RateOptions rate;
-  double max_force = 5.0;  ///< [N] > 0 force of the heavy motor's maximum amplitude
+  GamepadOptions();
+  double dead_zone;  ///< ratio of full deflection at which worn sticks rest
+  double max_force;  ///< [N] force of the heavy motor's maximum amplitude
 };
+[[nodiscard]] OptionSection section_of(GamepadOptions& options);
 
 /// The first available gamepad, through SDL2. The left stick moves the tip away and sideways, the
 /// right one up and down; the clutch is closed while the right shoulder button or trigger is held.
@@ -24,7 +28,7 @@ struct GamepadOptions {
 class GamepadDevice final : public Device {
  public:
   [[nodiscard]] static Expected<std::unique_ptr<GamepadDevice>> open(
-      const GamepadOptions& options = {});
+      const GamepadOptions& options = {}, const RateOptions& rate = {});
   ~GamepadDevice() override;
 
   [[nodiscard]] std::string_view name() const noexcept override;

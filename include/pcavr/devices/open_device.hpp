@@ -7,15 +7,34 @@
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/devices/device.hpp"
+#include "pcavr/devices/gamepad_device.hpp"
+#include "pcavr/devices/plugin_device.hpp"
+#include "pcavr/devices/rate_options.hpp"
+#include "pcavr/devices/simulated_force_device.hpp"
+#include "pcavr/devices/space_mouse_device.hpp"
+#include "pcavr/devices/trace_device.hpp"
 
 namespace pcavr {
+
+struct OptionSection;  // core/options.hpp
 
 /// The descriptions that open_device accepts, for help texts.
 inline constexpr std::string_view kDeviceChoices =
     "spacemouse, gamepad, trace:FILE, simulated, plugin:FILE.so or plugin:FILE.so,OPTIONS";
 
-/// Opens a device by its type and, after a colon, its arguments; with default options. An Error for
-/// an unknown type, missing hardware or an invalid file.
-[[nodiscard]] Expected<std::unique_ptr<Device>> open_device(std::string_view description);
+/// Options of all devices that open_device opens.
+struct DeviceOptions {
+  RateOptions rate;  ///< of gamepad and SpaceMouse
+  GamepadOptions gamepad;
+  SpaceMouseOptions space_mouse;
+  TraceDeviceOptions trace;
+  PluginDeviceOptions plugin;  ///< its text is that of the description
+  SimulatedForceDeviceOptions simulated;
+};
+
+/// Opens a device by its type and, after a colon, its arguments. An Error for an unknown type,
+/// missing hardware or an invalid file.
+[[nodiscard]] Expected<std::unique_ptr<Device>> open_device(std::string_view description,
+                                                            const DeviceOptions& options = {});
 
 }  // namespace pcavr

@@ -12,16 +12,21 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 struct PluginDeviceOptions {
-  std::string text = {};  ///< passed to the plugin
-  double facing = 0.0;  ///< [rad] about base's z, from its x axis: the operator's viewing direction
-  double max_speed = 2.0;  ///< [m/s] > 0 of the tip; see RemoteDeviceOptions
+  PluginDeviceOptions();
+  std::string text;   ///< passed to the plugin
+  double facing;      ///< [rad] about base's z, from its x axis: the operator's viewing direction
+  double max_speed;   ///< [m/s] of the tip; see RemoteDeviceOptions
+  double slow_limit;  ///< [s] an exchange that takes longer counts as slow
 };
+[[nodiscard]] OptionSection section_of(PluginDeviceOptions& options);
 
 /// Statistics of a plugin's exchange calls.
 struct PluginHealth {
   double slowest = 0.0;      ///< [s] maximum duration of an exchange
-  std::uint64_t slow = 0;    ///< exchanges longer than 100 us
+  std::uint64_t slow = 0;    ///< exchanges longer than `slow_limit`
   std::uint64_t faults = 0;  ///< rejected results: not 0, not finite or beyond 100 m
 };
 

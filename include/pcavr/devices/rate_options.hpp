@@ -4,17 +4,18 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 /// Rate control: the deflection of a self-centring stick or cap is the tip's velocity.
+/// Defaults and ranges of all options of this module: src/devices/options.cpp.
 struct RateOptions {
-  /// [m/s] > 0 at full deflection. 0.15 m/s crosses a table in some seconds and still allows
-  /// control to a millimetre at small deflections.
-  double max_speed = 0.15;
-  /// [m] > 0 of the tip ahead of the tool (anti-windup against walls). The maximum force of 5 N is
-  /// reached within it on surfaces stiffer than 250 N/m.
-  double max_lead = 0.02;
+  RateOptions();
+  double max_speed;  ///< [m/s] at full deflection
+  double max_lead;   ///< [m] of the tip ahead of the tool (anti-windup against walls)
   /// [rad] about base's z, from its x axis: the operator's viewing direction. Pushing
   /// forward moves the tip in that direction.
-  double facing = 0.0;
+  double facing;
 };
+[[nodiscard]] OptionSection section_of(RateOptions& options);
 
 }  // namespace pcavr

@@ -11,6 +11,8 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 /// A sample of a page's mouse, keyboard, controller or tracked hand.
 struct RemoteSample {
   Eigen::Vector3d p_base_tip = Eigen::Vector3d::Zero();  ///< [m]
@@ -22,13 +24,15 @@ struct RemoteSample {
 };
 
 struct RemoteDeviceOptions {
-  std::string name = "remote";
-  /// [m/s] > 0 speed limit of the tip. Hands work below 1 m/s and reach below 2; a controller that
-  /// loses tracking moves at tens. At 2 m/s the tip moves 2 mm per cycle.
-  double max_speed = 2.0;
-  double timeout =
-      0.5;  ///< [s] > 0 without a sample: the device is absent, the clutch opens (watchdog)
+  RemoteDeviceOptions();
+  std::string name;     ///< "remote"
+  double max_speed;     ///< [m/s] speed limit of the tip
+  double timeout;       ///< [s] without a sample: the device is absent, the clutch opens (watchdog)
+  double min_interval;  ///< [s] between two samples: rate limit
+  double max_delay;     ///< [s] of the playout; at most 31 intervals
+  double catch_up_time;  ///< [s] time constant with which a late tip catches up
 };
+[[nodiscard]] OptionSection section_of(RemoteDeviceOptions& options);
 
 /// The samples and timing of the newest exchange.
 struct RemoteStatus {
@@ -63,7 +67,8 @@ class RemoteDevice final : public Device {
   ~RemoteDevice() override;
 
   /// False, and counted as rejected: not finite, farther than 100 m, not newer than the last one of
-  /// this sender, less than 2 ms after it with the same clutch (rate limit), or the queue is full.
+  /// this sender, less than `min_interval` after it with the same clutch (rate limit), or the queue
+  /// is full.
   bool push(const RemoteSample& sample) noexcept;
   /// The sender has disconnected: discards its samples and opens the clutch.
   void release() noexcept;

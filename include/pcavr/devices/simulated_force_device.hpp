@@ -10,19 +10,24 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 struct SimulatedForceDeviceOptions {
+  SimulatedForceDeviceOptions();
   /// [m] target of the hand, relative to the initial tip, `t` [s] after the first exchange; finite,
-  /// and must not throw or allocate. Empty: it moves 5 cm to either side and 5 cm down, with a
-  /// period of 4 s.
-  std::function<Eigen::Vector3d(double t)> target = {};
-  double hand_stiffness = 400.0;  ///< [N/m] > 0; a relaxed grip has some hundreds
-  double hand_damping = 10.0;     ///< [N s/m] >= 0; with the mass, slightly underdamped
-  double mass = 0.2;      ///< [kg] > 0 of hand and handle, the apparent mass of a desktop device
-  double friction = 0.5;  ///< [N s/m] >= 0 in the device's own joints
-  double force_noise = 0.02;  ///< [N] >= 0, std per cycle, along each axis
-  double max_force = 5.0;     ///< [N] > 0 saturation of its motors
-  std::uint64_t seed = 1;     ///< of the noise
+  /// and must not throw or allocate. Empty: it moves by `sway` to either side and as far down.
+  std::function<Eigen::Vector3d(double t)> target;
+  double sway;            ///< [m]
+  double sway_period;     ///< [s]
+  double hand_stiffness;  ///< [N/m]
+  double hand_damping;    ///< [N s/m]
+  double mass;            ///< [kg] of hand and handle
+  double friction;        ///< [N s/m] in the device's own joints
+  double force_noise;     ///< [N] std per cycle, along each axis
+  double max_force;       ///< [N] saturation of its motors
+  std::uint64_t seed;     ///< of the noise
 };
+[[nodiscard]] OptionSection section_of(SimulatedForceDeviceOptions& options);
 
 /// A simulated force-feedback device with a hand, to close the loop through the world without
 /// hardware: a mass with a spring and a damper to the hand's target, and the world's force as

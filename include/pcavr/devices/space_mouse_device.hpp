@@ -10,6 +10,14 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
+struct SpaceMouseOptions {
+  SpaceMouseOptions();
+  double full_deflection;  ///< [counts] of the cap, at the sensitivity that the daemon is set to
+};
+[[nodiscard]] OptionSection section_of(SpaceMouseOptions& options);
+
 /// A 3Dconnexion SpaceMouse or the like, through the daemon spacenavd. The cap's deflection is
 /// the tip's velocity; the clutch is closed while the left button is held, so that bumping the cap
 /// moves nothing. Rotations are ignored, since the tool is a sphere.
@@ -20,7 +28,7 @@ class SpaceMouseDevice final : public Device {
  public:
   /// Waits for the daemon for at most some tenths of a second.
   [[nodiscard]] static Expected<std::unique_ptr<SpaceMouseDevice>> open(
-      const RateOptions& options = {});
+      const SpaceMouseOptions& options = {}, const RateOptions& rate = {});
   ~SpaceMouseDevice() override;
 
   [[nodiscard]] std::string_view name() const noexcept override;

@@ -12,6 +12,8 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 /// The hand's state at one time of a trace.
 struct TraceSample {
   double t = 0.0;                                        ///< [s] since the trace's first row
@@ -27,8 +29,10 @@ struct TraceSample {
                                                              const std::string& file);
 
 struct TraceDeviceOptions {
-  double max_speed = 2.0;  ///< [m/s] > 0 of the tip; see RemoteDeviceOptions
+  TraceDeviceOptions();
+  double max_speed;  ///< [m/s] of the tip; see RemoteDeviceOptions
 };
+[[nodiscard]] OptionSection section_of(TraceDeviceOptions& options);
 
 /// Plays back a trace from the first exchange on, with linear interpolation between its rows. While
 /// engaged, the tip is at the trace's position in base, approached at max_speed in a straight line

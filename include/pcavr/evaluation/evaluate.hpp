@@ -8,6 +8,7 @@
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/observer.hpp"
 #include "pcavr/core/parallel.hpp"
+#include "pcavr/evaluation/options.hpp"
 
 namespace pcavr {
 
@@ -19,10 +20,11 @@ struct EvaluationInput {
   /// also another one. Empty, for a run: its prediction is compared with its own tracking, and its
   /// predicted phases and forces with the measured ones.
   std::filesystem::path reference = {};
+  EvaluationOptions options = {};
 };
 
-/// Compares and writes report.json and report.html (self-contained, plots inside) into a folder
-/// that exists. Returns the text of report.json; its "headline" is a list of metrics (name, value
+/// Compares and writes report.json and report.html (write_report_page) into a folder that exists.
+/// Returns the text of report.json; its "headline" is a list of metrics (name, value
 /// and unit) for people, its other keys are flat and in SI units. The only place in the library
 /// that reads truth/. The same bytes for any Parallelism.
 ///

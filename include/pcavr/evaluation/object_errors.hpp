@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pcavr/core/parallel.hpp"
+#include "pcavr/evaluation/options.hpp"
 #include "pcavr/evaluation/trajectory_errors.hpp"
 #include "pcavr/geometry/mesh.hpp"
 #include "pcavr/geometry/trajectory.hpp"
@@ -37,15 +38,6 @@ struct ObjectErrors {
                                          const Trajectory& reference, const Trajectory& estimate,
                                          const TrajectoryErrorOptions& options = {},
                                          Parallelism parallelism = {});
-
-/// What counts as moving: the same hysteresis as that of the phases in `truth/`.
-struct MotionOptions {
-  double speed_to_start = 0.001;  ///< moving from this speed on [m/s]
-  double speed_to_stop = 0.0003;  ///< until slower than this [m/s]
-  /// Speeds are means over this span, centred. Longer: rest just before or after a motion counts as
-  /// motion. Shorter: the noise of a measured reference counts as motion.
-  Duration span = std::chrono::milliseconds(100);
-};
 
 /// For each stamp, whether the reference moves. The speed is that of the fastest vertex, so that a
 /// rotation in place is a motion; without vertices, the origin's.

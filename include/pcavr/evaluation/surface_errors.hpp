@@ -3,11 +3,11 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "pcavr/core/parallel.hpp"
+#include "pcavr/evaluation/options.hpp"
 #include "pcavr/evaluation/trajectory_errors.hpp"
 #include "pcavr/geometry/camera.hpp"
 #include "pcavr/geometry/mesh.hpp"
@@ -25,11 +25,7 @@ struct Views {
   CameraModel camera;
   std::vector<Pose> T_base_camera;  ///< true poses, one per view
   std::vector<MovedBody> bodies;    ///< movable, each with one pose per view
-  // The working range of structured-light and time-of-flight depth cameras: a surface outside it
-  // counts as not seen.
-  double min_depth = 0.4;          ///< along the optical axis [m]
-  double max_depth = 4.0;          ///< along the optical axis [m]
-  double max_incidence = 1.30900;  ///< between ray and surface normal [rad], 75 degrees
+  ViewOptions options = {};         ///< a surface outside these limits counts as not seen
 };
 
 struct MeshErrors {
@@ -41,13 +37,6 @@ struct MeshErrors {
   /// The distances themselves, ascending [m].
   std::vector<double> mesh_to_truth;
   std::vector<double> seen_truth_to_mesh;
-};
-
-struct SurfaceErrorOptions {
-  /// Between samples on either surface [m], > 0. Halving it takes four times as long; a share is
-  /// exact to about one sample of area / spacing^2.
-  double sample_spacing = 0.005;
-  std::uint64_t seed = 1;
 };
 
 /// Compares a mesh with the true static surfaces. With `views`, completeness counts only the parts

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "pcavr/evaluation/options.hpp"
 #include "pcavr/geometry/trajectory.hpp"
 
 namespace pcavr {
@@ -48,14 +49,6 @@ struct TrajectoryErrors {
   std::optional<Pose> T_reference_estimate;
   std::size_t unmatched =
       0;  ///< estimates outside the reference's time span, or inside a gap of it
-};
-
-struct TrajectoryErrorOptions {
-  /// Gaps of the reference up to this long are interpolated. Longer: more estimates are matched,
-  /// with less accurate reference poses.
-  Duration max_gap = std::chrono::milliseconds(100);
-  /// Pairs for the relative error are this far apart in time, +-10 %.
-  Duration relative_step = std::chrono::seconds(1);
 };
 
 /// Absolute and relative pose errors (APE/ATE, RPE) as evo defines them [Sturm et al. 2012, eq. 1

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "pcavr/core/options.hpp"
 #include "pcavr/friction/limit_surface.hpp"
 
 namespace pcavr {
@@ -22,16 +23,21 @@ enum class SurfaceShape {
   quartic,    ///< fifteen; regularised towards the fitted ellipsoid where pushes are missing
 };
 
-/// The weights are those that predict held-out pushes best on simulated supports of many Coulomb
-/// patches, even, uneven, on points and rings, with sensor noise (tests/friction).
+/// The default weights are those that predict held-out pushes best on simulated supports of many
+/// Coulomb patches, even, uneven, on points and rings, with sensor noise (tests/friction). Defaults
+/// and ranges: src/friction/options.cpp.
 struct LimitSurfaceFitOptions {
-  SurfaceShape shape = SurfaceShape::quartic;
+  LimitSurfaceFitOptions();
+  SurfaceShape shape;  ///< quartic
   /// Weight of one sample's distance from the surface relative to its direction. The wrench's
   /// magnitude is noisier than its direction where the support is uneven.
-  double level_weight = 0.03;
+  double level_weight;
   /// Weight of the ellipsoid (the prior) relative to all pushes together; 0: the pushes alone.
-  double prior_weight = 0.007;
+  double prior_weight;
+  double min_angle;   ///< [rad] of error below which a sample gains no more weight: its noise
+  double min_spread;  ///< of wrenches and twists out of a plane, to be excited
 };
+[[nodiscard]] OptionSection section_of(LimitSurfaceFitOptions& options);
 
 enum class LimitSurfaceFitStatus {
   fitted,

@@ -17,13 +17,32 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
+/// How the hand pushes, and when bodies fall.
+struct HapticWorldOptions {
+  HapticWorldOptions();
+  double scan_friction;          ///< Coulomb coefficient between tip and scan
+  double max_penetration_speed;  ///< [m/s] of the tool into a body
+  /// [m/s] by which the proxy is faster than the hand while it lags behind it with nothing between
+  /// them: after a longer path over a rough surface or around a body.
+  double catch_up_speed;
+  double max_push_force;            ///< [N] of the hand on a body
+  double max_push_ratio;            ///< of that force over the static limit of all bodies together
+  double support_height_tolerance;  ///< [m] between a support and the lowest point of what stands
+                                    ///< on it
+  double max_tilt;                  ///< [rad] farther, a body slips off the edge that it tips over
+  double max_fall_height;           ///< [m] after falling this far a body stops: out of view
+};
+[[nodiscard]] OptionSection section_of(HapticWorldOptions& options);
+
 struct HapticWorldModel {
   WorldModel world;  ///< bodies, static scene, the tool's radius
   /// Convex outlines [m] of the support surfaces, base frame, counter-clockwise from above. A body
   /// whose centre of mass leaves all of them falls. Empty: the support is unbounded.
   std::vector<std::vector<Eigen::Vector3d>> supports_base;
-  double scan_friction = 0.2;  ///< Coulomb coefficient between tip and scan
-  ForceOptions force;          ///< of the scan; max_force and max_rate bound the whole force
+  HapticWorldOptions options;
+  ForceOptions force;  ///< of the scan; max_force and rise_time bound the whole force
 };
 
 /// The device's input, once a cycle.
@@ -54,10 +73,10 @@ struct HapticWorldState {
 /// bodies, the predicted bodies, and the total force on the hand, bounded and passive (see
 /// RenderedForce).
 ///
-/// In a cycle the proxy moves no farther than the HIP and the body that it rests on do, and by 0.5
-/// m/s more where it lags behind the HIP with nothing in between. It enters neither the scan nor,
-/// unless squeezed, a body. There is no pop-through: where the HIP goes through a body that cannot
-/// move, the force still acts towards the side it came from.
+/// In a cycle the proxy moves no farther than the HIP and the body that it rests on do, and by
+/// `catch_up_speed` more where it lags behind the HIP with nothing in between. It enters neither
+/// the scan nor, unless squeezed, a body. There is no pop-through: where the HIP goes through a
+/// body that cannot move, the force still acts towards the side it came from.
 ///
 /// One thread at a time; `step` neither allocates, locks nor throws; same inputs, same bits.
 class HapticWorld {

@@ -4,22 +4,30 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/contact/compliance.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
+/// Defaults and ranges of all options of this module: src/haptics/options.cpp.
 struct ForceOptions {
-  Compliance compliance{1000.0, 0.0, 1.0};  ///< of the surface
-  double max_force = 5.0;                   ///< [N] of the device
-  double max_rate = 2000.0;                 ///< [N/s] of the force vector
-  /// [m/s^2] of the hand: bounds the next cycle's motion given the last one's. A hand on a device's
-  /// handle stays under 2 g.
-  double max_acceleration = 20.0;
+  ForceOptions();
+  double stiffness;  ///< [N/m^n] of the surface
+  double damping;    ///< [N s/m^(n+1)] of the surface
+  double exponent;   ///< n of the surface's contact law
+  double max_force;  ///< [N] of the device
+  double rise_time;  ///< [s] in which the force vector may rise to max_force: avoids force steps
+  /// [m/s^2] of the hand: bounds the next cycle's motion given the last one's.
+  double max_acceleration;
   /// [N] rendered while inside even with an empty energy budget, so that a force can build up.
-  /// Below the perception threshold. A thousandth of it where the hand moves out with an empty
-  /// budget.
-  double min_force = 1e-4;
+  /// A thousandth of it where the hand moves out with an empty budget.
+  double min_force;
+
+  [[nodiscard]] HuntCrossley contact_law() const { return {stiffness, damping, exponent}; }
+  [[nodiscard]] double max_rate() const { return max_force / rise_time; }  ///< [N/s]
 };
+[[nodiscard]] OptionSection section_of(ForceOptions& options);
 
 /// The force on the device from the penetration of its tip, constant until the next cycle
 /// (zero-order hold).
@@ -36,10 +44,10 @@ class RenderedForce {
   explicit RenderedForce(const ForceOptions& options);
 
   /// The force [N] on the device after a cycle of `dt` [s] > 0 that ended with the device at `tip`
-  /// and the proxy at `proxy` [m]. Limited to max_force and max_rate; it decreases faster where the
-  /// energy budget runs out. `other_force` [N] comes from other contacts: it is added to the law's
-  /// force before limiting. Zero, with the energy budget unchanged, where an argument is not
-  /// finite.
+  /// and the proxy at `proxy` [m]. Limited to max_force and its maximum rate; it decreases faster
+  /// where the energy budget runs out. `other_force` [N] comes from other contacts: it is added to
+  /// the law's force before limiting. Zero, with the energy budget unchanged, where an argument is
+  /// not finite.
   Eigen::Vector3d step(const Eigen::Vector3d& tip, const Eigen::Vector3d& proxy, bool is_inside,
                        double dt,
                        const Eigen::Vector3d& other_force = Eigen::Vector3d::Zero()) noexcept;
@@ -53,6 +61,8 @@ class RenderedForce {
   void limit_to_energy_budget(const Eigen::Vector3d& displacement, double dt) noexcept;
 
   ForceOptions options_;
+  HuntCrossley contact_law_;
+  double max_rate_;  ///< [N/s]
   bool has_tip_ = false;
   Eigen::Vector3d tip_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();

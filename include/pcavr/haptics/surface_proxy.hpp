@@ -10,14 +10,18 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 struct ProxyOptions {
-  double radius = 0.001;  ///< [m] > 0 of the tool's tip; a larger one smooths a noisy scan more
-  double friction = 0.0;  ///< >= 0, Coulomb coefficient between tip and surface
+  ProxyOptions();
+  double radius;    ///< [m] of the tool's tip; a larger one smooths a noisy scan more
+  double friction;  ///< Coulomb coefficient between tip and surface
   /// >= 1: the proxy's maximum displacement in a step over that of the tip. At 1 the proxy never
   /// jumps, and lags where its path over a rough surface is longer than the tip's; 2 or more lags
   /// less.
-  double max_motion_ratio = 1.0;
+  double max_motion_ratio;
 };
+[[nodiscard]] OptionSection section_of(ProxyOptions& options);
 
 struct ProxyState {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< [m] of the proxy, in the mesh's frame

@@ -7,23 +7,27 @@
 #include <string>
 #include <vector>
 
+#include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/identification/parameter.hpp"
-#include "pcavr/identification/sliding.hpp"
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 struct BreakawayOptions {
+  BreakawayOptions();
   /// [s] of the smoothing; at least three samples are used. The error at a sharp peak grows with
-  /// its square, so it is the minimum that brings 0.25 N at 500 Hz under 0.15 N (4 ms) and that
-  /// three samples allow (6 ms).
-  double half_width = 0.006;
-  double contact_threshold = 6.0;  ///< smoothed force above this many of its stds: contact
-  double guard = 0.080;            ///< [s] newest interval, excluded from the line fit
-  double alarm_threshold = 5.0;    ///< shortfall below the line, in stds of the force, ...
-  double alarm_share = 0.03;       ///< ... and as a share of the line: both raise the alarm
-  double peak_drop = 0.03;         ///< the peak has passed when the force fell by this share, ...
-  double flat_time = 0.080;        ///< [s] ... or has not risen for this long
+  /// its square, so the default is the minimum that brings 0.25 N at 500 Hz under 0.15 N (4 ms) and
+  /// that three samples allow (6 ms).
+  double half_width;
+  double contact_threshold;  ///< smoothed force above this many of its stds: contact
+  double guard;              ///< [s] newest interval, excluded from the line fit
+  double alarm_threshold;    ///< shortfall below the line, in stds of the force, ...
+  double alarm_share;        ///< ... and as a share of the line: both raise the alarm
+  double peak_drop;          ///< the peak has passed when the force fell by this share, ...
+  double flat_time;          ///< [s] ... or has not risen for this long
 };
+[[nodiscard]] OptionSection section_of(BreakawayOptions& options);
 
 /// One push, until the object broke loose.
 struct Breakaway {
@@ -48,6 +52,21 @@ struct Breakaway {
 [[nodiscard]] Breakaway find_breakaway(const ForceMotion& push,
                                        const BreakawayOptions& options = {});
 
+/// How the friction's own limit is found in a push.
+struct OnsetOptions {
+  OnsetOptions();
+  double min_displacement;  ///< [m] the object is surely moving: several position noises
+  double rest_time;         ///< [s] of rest that the fit uses, and of candidates for the onset
+  double moving_time;       ///< [s] of motion beyond `min_displacement` that the fit uses
+  double half_width;        ///< [s] of the smoothing of position, and of the force at the onset
+  /// Error of the onset's force, as a share of peak minus onset, where the object creeps before it
+  /// slides.
+  double creep_share;
+  /// Share of the force due to acceleration above which the onset is searched.
+  double max_acceleration_share;
+};
+[[nodiscard]] OptionSection section_of(OnsetOptions& options);
+
 /// The friction's own limit [N]: the force at the instant the object began to move, which in a fast
 /// push is well below the peak, because the object has to be accelerated. The onset is the one from
 /// which M s'' = F - friction, with the measured force integrated twice, fits the object's
@@ -57,16 +76,28 @@ struct Breakaway {
 /// no clear onset. mass [kg].
 [[nodiscard]] IdentifiedParameter friction_at_breakaway(const ForceMotion& push,
                                                         const Breakaway& breakaway,
-                                                        const Compliance& compliance, double mass);
+                                                        const HuntCrossley& contact_law,
+                                                        double mass,
+                                                        const OnsetOptions& options = {});
 
 /// Friction's own limit of one push [N], whatever its speed: the force at the peak less what
 /// accelerated the object. While a contact of stiffness k is loaded at a rate r, an object under
 /// constant friction overshoots by r sqrt(M / k) of force; friction that drops at once makes the
 /// force drop, too. The truth lies between: the middle is returned, with the std of a uniform
-/// distribution over that range. Where it is more than 5 % of the force, friction_at_breakaway is
-/// more accurate. Not excited where no breakaway was found. mass [kg] > 0.
+/// distribution over that range. Where it is more than `max_acceleration_share` of the force,
+/// friction_at_breakaway is more accurate. Not excited where no breakaway was found. mass [kg] > 0.
 [[nodiscard]] IdentifiedParameter limit_of_push(const ForceMotion& push, const Breakaway& breakaway,
-                                                const Compliance& compliance, double mass);
+                                                const HuntCrossley& contact_law, double mass,
+                                                const OnsetOptions& options = {});
+
+/// Which of repeated pushes count.
+struct LimitingFrictionOptions {
+  LimitingFrictionOptions();
+  double max_std_ratio;      ///< std of a push over the median std: beyond, it is another kind
+  double outlier_stds;       ///< distance from the median, in robust stds, of an outlier, ...
+  double min_outlier_share;  ///< ... and as a share of the median: both make an outlier
+};
+[[nodiscard]] OptionSection section_of(LimitingFrictionOptions& options);
 
 /// F_M of repeated pushes [paper C, eq. 9, 10], weighted by inverse variance: a fast push
 /// determines the friction's own limit many times worse than a slow one. Weights by a random
@@ -85,6 +116,7 @@ struct LimitingFriction {
   int missed = 0;                     ///< that did not break away
 };
 
-[[nodiscard]] LimitingFriction limiting_friction(std::span<const Breakaway> pushes);
+[[nodiscard]] LimitingFriction limiting_friction(std::span<const Breakaway> pushes,
+                                                 const LimitingFrictionOptions& options = {});
 
 }  // namespace pcavr

@@ -11,26 +11,33 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 enum class ContactRegressor {
   mass_damper_spring,  ///< F = m x'' + b x' + k x
   hunt_crossley        ///< F = k x^n + lambda x^n x'
 };
 
 struct ContactFitOptions {
-  double half_width = 0.012;  ///< [s] of the smoothing; at least three samples are used
+  ContactFitOptions();
+  double half_width;  ///< [s] of the smoothing; at least three samples are used
   /// Contact where the smoothed force exceeds this many of its own stds.
-  double contact_threshold = 6.0;
+  double contact_threshold;
   /// Hunt-Crossley: all presses meet the surface at the same coordinate, which makes the exponent
   /// several times more accurate. False for presses at different points.
-  bool is_surface_shared = true;
+  bool is_surface_shared;
   /// [s] > 0: each signal is detrended by its own moving mean over this half width (a high-pass),
   /// and only the linear law is fitted. For a tip that drifts over a surface while it oscillates,
   /// so that the penetration is not known. About one period of the oscillation.
-  double drift_half_width = 0.0;
+  double drift_half_width;
+  double max_exponent;     ///< of the Hunt-Crossley law
+  double min_mass_stds;    ///< mass over its std: below, the contact's mass is not fitted
+  double min_improvement;  ///< of the misfit, as a share, for the Hunt-Crossley law to be chosen
   /// >= 1: fixed, and only the Hunt-Crossley law of this exponent is fitted. The stds are those
   /// for this exponent: k has another value and unit for another one.
-  std::optional<double> exponent = {};
+  std::optional<double> exponent;
 };
+[[nodiscard]] OptionSection section_of(ContactFitOptions& options);
 
 /// One law fitted to all presses together.
 struct ContactFit {
@@ -63,9 +70,9 @@ struct ContactIdentification {
 
 /// The contact law from presses against something that does not move away, at any number of speeds.
 /// Both laws are fitted, with the surface's coordinate as an unknown; the one of the smaller
-/// residual is chosen, the linear law where they are within 2 % of each other (paper C always takes
-/// the linear one: on a Hunt-Crossley contact that costs a few per cent of force). Remove the time
-/// offset between force and tool first: it shifts the surface with the speed.
+/// residual is chosen, the linear law where they are within `min_improvement` of each other (paper
+/// C always takes the linear one: on a Hunt-Crossley contact that costs a few per cent of force).
+/// Remove the time offset between force and tool first: it shifts the surface with the speed.
 [[nodiscard]] ContactIdentification identify_contact(std::span<const ForceMotion> presses,
                                                      const ContactFitOptions& options = {});
 

@@ -8,6 +8,8 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 /// How an estimator forgets old samples.
 enum class EstimationMethod {
   block,        ///< BSLS: least squares over a sliding window of the last `window` samples
@@ -18,35 +20,36 @@ enum class EstimationMethod {
 /// N is the number of parameters, 1 to 4.
 template <int N>
 struct EstimatorOptions {
-  EstimationMethod method = EstimationMethod::adaptive;
+  EstimatorOptions();
+  EstimationMethod method;  ///< adaptive
   /// Typical magnitude of each regressor, in its own unit, > 0. It only conditions the arithmetic
   /// and gives `prior_information` its meaning.
-  std::array<double, N> scale = ones();
-  int window = 30;           ///< samples of a block, >= N + 1
-  double forgetting = 0.98;  ///< exponential: factor in (0, 1]; the larger, the longer the memory
+  std::array<double, N> scale;
+  int window;         ///< samples of a block, >= N + 1
+  double forgetting;  ///< exponential: factor in (0, 1]; the larger, the longer the memory
   /// adaptive: in (0, 1); 1 / (1 - this) samples is the memory right after a change
-  double min_forgetting = 0.8;
-  int error_window = 10;  ///< adaptive: samples the squared error is averaged over
+  double min_forgetting;
+  int error_window;  ///< adaptive: samples the squared error is averaged over
   /// Standard deviation of the measured value's noise. Empty: estimated online, from errors clipped
   /// at three stds. Give it where the model may be wrong: an estimated one includes the model's
   /// misfit in the long run.
-  std::optional<double> noise_std = {};
+  std::optional<double> noise_std;
   /// Minimum information kept on each scaled parameter; P stays below its inverse.
-  double prior_information = 1e-6;
+  double prior_information;
   /// Minimum rms of the part of this regressor that the others do not explain, in its own unit.
   /// Below it the parameter counts as not excited (no persistent excitation). Set it to what the
   /// regressor's own noise can cause.
-  std::array<double, N> min_excitation = {};
+  std::array<double, N> min_excitation;
   /// How many successive samples count as one independent sample (filtered noise is correlated);
   /// widens the stds by its square root. >= 1
-  double correlated_samples = 1.0;
-
-  static constexpr std::array<double, N> ones() {
-    std::array<double, N> values{};
-    for (double& value : values) value = 1.0;
-    return values;
-  }
+  double correlated_samples;
 };
+template <int N>
+[[nodiscard]] OptionSection section_of(EstimatorOptions<N>& options);
+extern template struct EstimatorOptions<1>;
+extern template struct EstimatorOptions<2>;
+extern template struct EstimatorOptions<3>;
+extern template struct EstimatorOptions<4>;
 
 template <int N>
 struct ParameterEstimate {

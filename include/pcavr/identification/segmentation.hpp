@@ -10,8 +10,11 @@
 
 #include "pcavr/identification/breakaway.hpp"
 #include "pcavr/identification/parameter.hpp"
+#include "pcavr/identification/signals.hpp"
 
 namespace pcavr {
+
+struct OptionSection;  // core/options.hpp
 
 enum class ContactKind {
   press,  ///< mostly along z, against the support
@@ -41,16 +44,22 @@ struct ContactEpisode {
 };
 
 struct SegmentationOptions {
-  double half_width = 0.010;     ///< [s] of the force's smoothing
-  double enter_threshold = 6.0;  ///< smoothed force: contact begins above this many stds, ...
-  double min_force = 0.3;        ///< [N] ... and above this (drift not yet estimated)
-  double leave_share = 0.5;      ///< of that threshold: contact ends below (hysteresis)
-  double min_duration = 0.050;   ///< [s] shorter touches are disturbances; shorter gaps are closed
-  double margin = 0.200;         ///< [s] of free time kept around a contact
-  double slide_half_width = 0.030;  ///< [s] of the smoothing of the object's speed
-  double slide_speed = 0.001;       ///< [m/s] above this, and above the noise: sliding
-  BreakawayOptions breakaway = {};
+  SegmentationOptions();
+  double half_width;        ///< [s] of the force's smoothing
+  double enter_threshold;   ///< smoothed force: contact begins above this many stds, ...
+  double min_force;         ///< [N] ... and above this (drift not yet estimated)
+  double leave_share;       ///< of that threshold: contact ends below (hysteresis)
+  double min_duration;      ///< [s] shorter touches are disturbances; shorter gaps are closed
+  double margin;            ///< [s] of free time kept around a contact
+  double free_time;         ///< [s] next to a contact that the fit of its begin and end uses
+  double bias_half_width;   ///< [s] of the moving mean of the free force, which is its drift
+  double slide_half_width;  ///< [s] of the smoothing of the object's speed
+  double slide_speed;       ///< [m/s] above this, and above the noise: sliding
+  SpikeOptions spikes;      ///< of the force
+  BreakawayOptions breakaway;
 };
+/// Without those of `spikes` and `breakaway`, which have their own.
+[[nodiscard]] OptionSection section_of(SegmentationOptions& options);
 
 struct Segmentation {
   std::vector<ContactEpisode> contacts;     ///< by time; between them the tool is free

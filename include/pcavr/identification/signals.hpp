@@ -11,6 +11,8 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 /// Timestamps [s], strictly ascending, and values of one signal. All functions here require finite
 /// numbers (readers refuse others) and throw ContractError where lengths differ. Threads: pure
 /// functions.
@@ -21,12 +23,15 @@ namespace pcavr {
 /// One component, 0 to 2, of a vector signal.
 [[nodiscard]] std::vector<double> axis_of(std::span<const Eigen::Vector3d> values, int axis);
 
+/// Defaults and ranges of all options of this module: src/identification/options.cpp.
 struct SpikeOptions {
-  int half_window = 3;     ///< samples on either side that the middle one is compared with, >= 1
-  double threshold = 5.0;  ///< distance from the median, in robust standard deviations
+  SpikeOptions();
+  int half_window;   ///< samples on either side that the middle one is compared with
+  double threshold;  ///< distance from the median, in robust standard deviations
   /// Std of the whole signal's noise, where the values are a part of it; else estimated from them.
-  std::optional<double> noise = {};
+  std::optional<double> noise;
 };
+[[nodiscard]] OptionSection section_of(SpikeOptions& options);
 
 struct DespikedSignal {
   std::vector<double> values;
@@ -43,6 +48,13 @@ struct DespikedSignal {
 /// spikes, insensitive to motion slower than a few samples.
 [[nodiscard]] double estimate_noise_std(std::span<const double> values);
 
+struct SaturationOptions {
+  SaturationOptions();
+  int min_samples;           ///< consecutive, at exactly the same extreme
+  double min_extreme_ratio;  ///< of the extreme to the axis' noise
+};
+[[nodiscard]] OptionSection section_of(SaturationOptions& options);
+
 struct SaturatedInterval {
   double begin = 0.0, end = 0.0;  ///< [s]
   double force = 0.0;             ///< [N] > 0: the measuring range of the axis
@@ -50,8 +62,9 @@ struct SaturatedInterval {
 
 /// Intervals in which an axis of a force stays constant at its own extreme: sensor saturation
 /// (clipping).
-[[nodiscard]] std::vector<SaturatedInterval> find_saturation(
-    std::span<const double> t, std::span<const Eigen::Vector3d> force);
+[[nodiscard]] std::vector<SaturatedInterval> find_saturation(std::span<const double> t,
+                                                             std::span<const Eigen::Vector3d> force,
+                                                             const SaturationOptions& options = {});
 
 /// A signal and its derivatives at one instant.
 struct SmoothedSample {
@@ -88,8 +101,8 @@ class CausalFilter {
   };
 
   /// half_width [s]; rate [1/s] of the samples; force_noise [N], the minimum std that the spike
-  /// threshold is based on.
-  CausalFilter(double half_width, double rate, double force_noise);
+  /// threshold is based on. Of `spikes` the threshold is used.
+  CausalFilter(double half_width, double rate, double force_noise, const SpikeOptions& spikes = {});
 
   /// A position and a force of the same instant t, later than the one before; otherwise, or where a
   /// number is not finite, the sample is ignored. Empty until the window is full.
@@ -100,6 +113,7 @@ class CausalFilter {
   double half_width_;
   double interval_;
   double force_noise_;
+  double spike_threshold_;
   std::vector<double> t_, position_, force_;  ///< oldest first
   std::size_t count_ = 0;
 };
@@ -112,9 +126,12 @@ struct TimeOffset {
 };
 
 struct TimeOffsetOptions {
-  double range = 0.25;           ///< [s] maximum offset searched
-  double min_correlation = 0.5;  ///< below, the offset is not known
+  TimeOffsetOptions();
+  double range;                ///< [s] maximum offset searched
+  double min_correlation;      ///< below, the offset is not known
+  double smoothing_intervals;  ///< half width, in sampling intervals of the slower signal
 };
+[[nodiscard]] OptionSection section_of(TimeOffsetOptions& options);
 
 /// How much later b happens than a, by normalised cross-correlation on a common grid, then a
 /// parabola through its peak. For signals that change together: penetration and force, or the rates
@@ -126,10 +143,11 @@ struct TimeOffsetOptions {
                                               const TimeOffsetOptions& options = {});
 
 /// The slow drift of a force: the mean of contact-free samples within half_width [s] of each
-/// instant, interpolated linearly across contacts. Zero where nothing is free of contact.
+/// instant, interpolated linearly across contacts. Zero where nothing is free of contact. See
+/// SegmentationOptions::bias_half_width.
 [[nodiscard]] std::vector<Eigen::Vector3d> track_bias(std::span<const double> t,
                                                       std::span<const Eigen::Vector3d> force,
                                                       const std::vector<bool>& is_free,
-                                                      double half_width = 0.25);
+                                                      double half_width);
 
 }  // namespace pcavr

@@ -7,28 +7,35 @@
 #include <string>
 #include <vector>
 
-#include "pcavr/contact/compliance.hpp"
-#include "pcavr/core/gravity.hpp"
+#include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/identification/parameter.hpp"
 
 namespace pcavr {
+
+struct OptionSection;  // core/options.hpp
 
 /// Inverts the contact law: the penetration d(t) [m] that causes the force, by implicit Euler steps
 /// from an unloaded contact; 0 where the force is not positive. Stable for any step.
 [[nodiscard]] std::vector<double> penetration_from_force(std::span<const double> t,
                                                          std::span<const double> force,
-                                                         const Compliance& compliance);
+                                                         const HuntCrossley& contact_law);
 
 struct SlidingOptions {
-  double half_width = 0.040;          ///< [s] of the smoothing; well below the modulation's period
-  double min_speed = 0.005;           ///< [m/s] below, it may be sticking: excluded
-  double min_force = 1.0;             ///< [N] below, the contact may be lost: excluded
-  double min_acceleration = 0.3;      ///< [m/s^2] rms; below, the mass is not excited
-  double min_speed_change = 0.005;    ///< [m/s] rms of the speed beyond what acceleration explains
-  double settle = 0.050;              ///< [s] excluded after a stop: friction has not settled
-  std::optional<double> mass = {};    ///< [kg] where known; used for mu where it is not excited
-  double gravity = kStandardGravity;  ///< [m/s^2]
+  SlidingOptions();
+  double half_width;           ///< [s] of the smoothing; well below the modulation's period
+  double min_speed;            ///< [m/s] below, it may be sticking: excluded
+  double min_force;            ///< [N] below, the contact may be lost: excluded
+  double min_acceleration;     ///< [m/s^2] rms; below, the mass is not excited
+  double min_speed_change;     ///< [m/s] rms of the speed beyond what acceleration explains
+  double settle;               ///< [s] excluded after a stop: friction has not settled
+  double max_mass_share;       ///< std of an identified mass over its value
+  double max_viscous_share;    ///< std of an identified viscous friction over its value
+  double min_forgetting;       ///< see EstimatorOptions
+  int error_window;            ///< [samples] see EstimatorOptions
+  double gravity;              ///< [m/s^2]
+  std::optional<double> mass;  ///< [kg] where known; used for mu where it is not excited
 };
+[[nodiscard]] OptionSection section_of(SlidingOptions& options);
 
 /// The estimates over time, for plots.
 struct SlidingHistory {
@@ -59,7 +66,7 @@ struct SlidingIdentification {
 /// it is smoothed alike. What the motion does not excite is removed from the model, never guessed:
 /// the mass first, then the separation of Coulomb and viscous friction.
 [[nodiscard]] SlidingIdentification identify_sliding(std::span<const ForceMotion> pushes,
-                                                     const Compliance& compliance,
+                                                     const HuntCrossley& contact_law,
                                                      const SlidingOptions& options = {});
 
 }  // namespace pcavr

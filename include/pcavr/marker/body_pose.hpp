@@ -13,6 +13,8 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 /// Pose of a tag in the body that it is fixed to (base or an object).
 struct TagPlacement {
   MarkerId id;
@@ -60,12 +62,21 @@ struct BodyPoseHints {
   std::optional<Pose> T_camera_body = {};  ///< pose in the previous frame
 };
 
+/// See src/marker/options.cpp for meanings, ranges and defaults.
 struct BodyPoseOptions {
-  double corner_std = 0.15;  ///< [px], of a corner coordinate if the detection gives none; > 0
-  /// [px], added in quadrature for model errors (lens model, paper that is not flat); >= 0. If the
-  /// residuals are larger than both explain, the covariance is scaled up.
-  double model_std = 0.03;
+  BodyPoseOptions();
+
+  double corner_std;              ///< [px]
+  double model_std;               ///< [px]
+  double max_tag_residual;        ///< [px]
+  double min_cost_gap;            ///< [-2 log likelihood]
+  double rotation_std;            ///< [rad]
+  double depth_correlation_area;  ///< [px^2]
+  double distortion_length;       ///< of the distance
 };
+
+/// The options "marker.body_pose".
+[[nodiscard]] OptionSection section_of(BodyPoseOptions& options);
 
 /// The pose of a rigid body from all of its tags at once (a tag bundle). Both planar solutions
 /// [Collins & Bartoli 2014 (IPPE)] of each tag are initial guesses; each is refined by robust

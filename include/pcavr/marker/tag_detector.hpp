@@ -17,6 +17,8 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 /// Four corners of a tag in the image [px; the centre of pixel (0, 0) is at (0, 0)], in the order
 /// (-,-) (+,-) (+,+) (-,+) of the marker frame (x right, y up, seen upright).
 struct TagDetection {
@@ -28,17 +30,25 @@ struct TagDetection {
   double corner_std = 0.0;
 };
 
+/// See src/marker/options.cpp for meanings, ranges and defaults.
 struct TagDetectorOptions {
-  int decimation = 2;        ///< >= 1; quads are searched in an image downscaled by this
-  int max_hamming = 1;       ///< 0 to 3; tags with more corrected bits are rejected
-  double min_margin = 20.0;  ///< of 255; printed tags in ordinary light reach 40 to 120
-  /// Frames between searches of the whole image, >= 1; in between only the regions of interest
-  /// around the last detections are searched. A new tag is detected at most this many frames late.
-  int full_search_interval = 5;
+  TagDetectorOptions();
+
+  int decimation;
+  int max_hamming;
+  double min_margin;         ///< of 255
+  int full_search_interval;  ///< [frames]
+  double motion_share;       ///< of the image's width
+  double edge_reach;         ///< [px]
+  double edge_model_std;     ///< [px]
+  double unrefined_std;      ///< [px]
   /// The camera model, if the lens has distortion: edges are fitted in undistorted coordinates.
   /// Without it, strong distortion shifts the corners of large tags by some tenths of a pixel.
   std::optional<CameraModel> lens = {};
 };
+
+/// The options "marker.detector"; without the lens.
+[[nodiscard]] OptionSection section_of(TagDetectorOptions& options);
 
 /// Names of the supported tag families.
 [[nodiscard]] const std::vector<std::string>& tag_families();

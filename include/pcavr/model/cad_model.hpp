@@ -19,6 +19,8 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 /// A rigid body's CAD surface, in its own (object) frame.
 struct CadModel {
   std::string name;
@@ -34,13 +36,17 @@ struct CadModel {
   std::optional<Simplification> simplification = {};
 };
 
+/// See src/model/options.cpp for meanings, ranges and defaults.
 struct CadOptions {
-  /// A mesh with more is simplified for tracking, contact and display: 20 000 triangles approximate
-  /// a curved body of 0.2 m to some 0.03 mm. Many more cost seconds and hundreds of megabytes
-  /// wherever the body is used. More are kept where fewer would exceed an error of half a
-  /// millimetre.
-  std::size_t max_triangles = 20'000;
+  CadOptions();
+
+  int max_triangles;
+  double max_error;  ///< [m]
+  double max_volume_change;
 };
+
+/// The options "model.cad".
+[[nodiscard]] OptionSection section_of(CadOptions& options);
 
 /// Reads `.obj .stl .ply .glb .gltf`: coordinates as stored, node transforms applied, no axis swap.
 /// Coincident vertices are welded, and a mesh whose winding is inward is flipped; an inner shell of

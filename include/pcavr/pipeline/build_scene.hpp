@@ -2,30 +2,47 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/observer.hpp"
 #include "pcavr/core/parallel.hpp"
-#include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/pipeline/perception_options.hpp"
+#include "pcavr/reconstruction/cloud_filter.hpp"
+#include "pcavr/reconstruction/tsdf_volume.hpp"
 #include "pcavr/recording/recording.hpp"
+#include "pcavr/scene/occupancy_map.hpp"
 #include "pcavr/scene/scene.hpp"
+#include "pcavr/scene/support_plane.hpp"
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
+/// See src/pipeline/build_options.cpp for meanings, ranges and defaults. `perception.depth_noise`
+/// applies to the fusion too, in place of the one in `fusion`, and limits the occupancy's range.
 struct BuildOptions {
-  double voxel_size = 0.005;           ///< of the TSDF [m]; smaller resolves more and takes longer
-  double occupancy_resolution = 0.02;  ///< edge of an occupancy cell [m]
-  /// Time between the frames that carve free space [s]: nearby frames see the same cells, and a
-  /// planner needs no more than 10 Hz. Smaller takes longer and clears moving things sooner.
-  double occupancy_interval = 0.1;
-  DepthNoise depth_noise = {};  ///< noise model of the depth sensor
-  bool trust_poses = false;     ///< take groundtruth.txt as given, not as a measurement
-  bool skip_bad = false;        ///< leave out frames that don't decode, and count them
-  /// Surface with less TSDF weight (observed in fewer frames) is left out: it may be an outlier.
-  double min_weight = 2.0;
-  /// Connected components of the mesh with less area than this are left out [m^2].
-  double min_island = 4e-4;
+  BuildOptions();
+  explicit BuildOptions(double voxel_size, Parallelism parallelism = Parallelism::max());
+
+  PerceptionOptions perception;
+  TsdfOptions fusion;
+  OutlierOptions outliers;
+  OccupancyOptions occupancy;
+  SupportPlaneOptions support_planes;
+  double occupancy_interval;     ///< [s]
+  double min_weight;             ///< [frames]
+  double min_island;             ///< [m^2]
+  double level_of_detail_error;  ///< [voxels]
+  double max_surface_distance;   ///< [m]
+  bool trust_poses = false;      ///< take groundtruth.txt as given, not as a measurement
+  bool skip_bad = false;         ///< leave out frames that don't decode, and count them
   Parallelism parallelism = Parallelism::max();
 };
+
+/// The options "build", and all that only building a scene uses; they refer to `options`.
+[[nodiscard]] OptionSection section_of(BuildOptions& options);
+[[nodiscard]] std::vector<OptionSection> sections_of(BuildOptions& options);
 
 /// From a recording to a scene in the robot's base frame: the whole pipeline. Without images the
 /// scene holds what the manifest states: bodies at their poses. Fails where no frame can be placed

@@ -7,18 +7,10 @@
 #include <vector>
 
 #include "pcavr/core/expected.hpp"
-#include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/pipeline/perception_options.hpp"
 #include "pcavr/recording/recording.hpp"
 
 namespace pcavr {
-
-/// Two inputs that state one length disagree where their ratio is above this. Depth cameras are
-/// biased by 1 to 2 %, and so are printed tags: together at most 4 %.
-inline constexpr double kWarningFactor = 1.05;
-/// From this ratio on any result would be meaningless: no sensor and no printer is that far off,
-/// and the usual mistakes (half a size, inches, millimetres, another sensor's depth scale) are
-/// farther off.
-inline constexpr double kContradictionFactor = 1.5;
 
 enum class FindingSeverity {
   warning,        ///< the result is less accurate than its figures state
@@ -52,6 +44,6 @@ struct ConsistencyFinding {
 /// lengths, CAD bodies, camera poses. Contradictions come first. An Error where a
 /// frame or a CAD file can't be read.
 [[nodiscard]] Expected<std::vector<ConsistencyFinding>> inspect_consistency(
-    const Recording& recording, const DepthNoise& depth_noise = {});
+    const Recording& recording, const PerceptionOptions& options = {});
 
 }  // namespace pcavr

@@ -18,16 +18,20 @@
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/friction/limit_surface_fit.hpp"
 #include "pcavr/geometry/pose.hpp"
+#include "pcavr/geometry/tracked_pose.hpp"
 #include "pcavr/identification/breakaway.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/estimator.hpp"
-#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/identification/friction_posterior.hpp"
+#include "pcavr/identification/limit_of_pushes.hpp"
 #include "pcavr/identification/segmentation.hpp"
-#include "pcavr/identification/signals.hpp"
 #include "pcavr/identification/sliding.hpp"
+#include "pcavr/inputs/input_findings.hpp"
+#include "pcavr/inputs/input_options.hpp"
+#include "pcavr/inputs/input_series.hpp"
 #include "pcavr/model/cad_model.hpp"
+#include "pcavr/object/object_parameters.hpp"
 #include "pcavr/recording/recording.hpp"
-#include "pcavr/teleop/run_teleop.hpp"
 
 namespace pcavr {
 
@@ -61,14 +65,7 @@ struct IdentificationInput {
 };
 
 /// One contact of the recording, and what was identified from it.
-struct IdentifiedContact {
-  ContactEpisode episode;  ///< series along `episode.direction_base`
-  std::optional<std::size_t> object = {};
-  std::vector<Eigen::Vector3d> force_base = {};  ///< [N] at the stamps of `episode.t`
-  std::string left_out = {};                     ///< why it was not used; empty where it was used
-  double gap = 0.0;  ///< [m] between tip and the object's surface at touch
-  Eigen::Vector3d normal_object = Eigen::Vector3d::Zero();  ///< of the face touched, outward
-  double lever = 0.0;  ///< [m] signed lever arm of the force about the centre of mass, in the plane
+struct IdentifiedContact : AttributedContact {
   IdentifiedParameter limit = {};  ///< [N] friction limit, less inertia where possible
 };
 
@@ -126,8 +123,11 @@ struct ObjectIdentification {
   std::vector<FaceContact> faces = {};
   std::vector<EstimatorTrace> comparison = {};
   std::vector<MeasuredImpact> impacts = {};
-  LimitingFriction limit = {};
+  LimitingFriction limit = {};  ///< which pushes count; the values are `limit_of_pushes`
+  LimitOfPushes limit_of_pushes = {};
+  /// By affRLS over the slides, for the plots; mass, friction and coefficient are the posterior's.
   SlidingIdentification sliding = {};
+  FrictionPosterior friction = {};
   LimitSurfaceFit surface = {};
   std::vector<PushSample> turning = {};
   std::optional<ParameterValue> friction_radius = {};
@@ -138,12 +138,7 @@ struct Identification {
   IdentificationGoal goal = IdentificationGoal::contact;
   std::vector<ObjectIdentification> objects;  ///< as in the input
   std::vector<IdentifiedContact> contacts;    ///< in order of time
-  TimeOffset tool_to_force = {};              ///< delay of the force's stamps; may be unknown
-  bool is_offset_applied = false;             ///< it exceeded three stds
-  TimeOffset tool_to_camera = {};             ///< delay of the tracked poses
-  std::size_t spikes = 0;
-  double force_noise = 0.0;  ///< [N]
-  double max_drift = 0.0;    ///< [N] of the bias that was removed
+  InputFindings inputs = {};                  ///< what the series show about themselves
   std::vector<std::string> notes = {};
   std::vector<SkippedRows> left_out = {};  ///< rows and frames of the input
 
@@ -164,7 +159,8 @@ struct Identification {
 /// them decisively better than the data as written. A parameter that is merely not identified is
 /// reported in the result. Deterministic.
 [[nodiscard]] Expected<Identification> identify(const IdentificationInput& input,
-                                                IdentificationGoal goal);
+                                                IdentificationGoal goal,
+                                                const InputOptions& options = {});
 
 struct IdentificationSources {
   std::filesystem::path scene = {};    ///< bodies and poses from there; else from the manifest
@@ -178,8 +174,8 @@ struct IdentificationSources {
     const Recording& recording, const IdentificationSources& sources,
     const Observer& observer = {});
 
-/// report.html (one page, opens without a network) and report.json (flat, SI) into a folder that
-/// exists. `recording` is the title's name of the recording.
+/// report.html (write_report_page) and report.json (flat, SI) into a folder that exists.
+/// `recording` is the title's name of the recording.
 [[nodiscard]] Expected<void> write_identification_report(const Identification& found,
                                                          const std::string& recording,
                                                          const std::filesystem::path& folder);

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "pcavr/core/expected.hpp"
-#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/object/object_parameters.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 
 namespace pcavr {

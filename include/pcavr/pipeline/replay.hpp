@@ -15,9 +15,9 @@
 #include "pcavr/core/observer.hpp"
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/core/stage_clock.hpp"
-#include "pcavr/geometry/depth_noise.hpp"
 #include "pcavr/geometry/trajectory.hpp"
-#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/object/object_parameters.hpp"
+#include "pcavr/pipeline/perception_options.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
@@ -30,7 +30,7 @@ inline constexpr char kNothingPredicted[] =
     "the recording has no tool.csv: only tracking is replayed, nothing is predicted";
 
 struct ReplayOptions {
-  DepthNoise depth_noise = {};
+  PerceptionOptions perception = {};
   bool trust_poses = false;
   bool skip_bad = false;
   Parallelism parallelism = Parallelism::max();
@@ -45,6 +45,8 @@ struct ReplayOptions {
   /// for write_run() to complete, and not kept in the Replay. Without it everything is kept in
   /// memory: half a megabyte and more for each second of recording.
   std::optional<std::filesystem::path> run_folder = {};
+  /// Options that differ from their defaults, for the run's manifest: "section.key", value.
+  std::vector<std::pair<std::string, std::string>> configuration = {};
 };
 
 struct ReplayedObject {
@@ -77,6 +79,7 @@ struct Replay {
   std::size_t frames_used = 0;
   std::vector<std::pair<std::string, std::size_t>> frames_dropped;  ///< reason, count
   std::vector<StageTime> times;
+  std::vector<std::pair<std::string, std::string>> configuration = {};  ///< as in ReplayOptions
 };
 
 /// Tracks the scene's movable objects through a recording by tags and shape. The camera's pose

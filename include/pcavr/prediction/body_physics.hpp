@@ -10,22 +10,38 @@
 #include "pcavr/friction/limit_surface.hpp"
 #include "pcavr/friction/slider.hpp"
 #include "pcavr/geometry/pose.hpp"
-#include "pcavr/identification/object_parameters.hpp"
-#include "pcavr/identification/sliding.hpp"
 #include "pcavr/model/cad_model.hpp"
+#include "pcavr/object/object_parameters.hpp"
 
 namespace pcavr {
+
+struct OptionSection;  // core/options.hpp
 
 /// All physical parameters of a predicted body.
 struct BodyPhysics {
   FrictionParameters friction;   ///< of the support, under the body's own weight
-  Compliance contact;            ///< between tip and body
+  HuntCrossley contact;          ///< between tip and body
   double tool_friction = 0.3;    ///< coefficient between tip and body, >= 0
   double friction_radius = 0.0;  ///< maximum friction moment over maximum friction force [m], > 0
   /// In the body's planar axes (see heading_of); only its shape is used, its force is scaled to the
   /// friction above. Empty: the ellipsoid of friction_radius.
   std::optional<LimitSurface> limit_surface = {};
 };
+
+/// What is assumed of a body where nothing is known: by default a wooden object, or a filled box or
+/// tin, on a table.
+struct PhysicsDefaults {
+  PhysicsDefaults();
+  double density;                  ///< [kg/m^3] of the CAD body's volume
+  double sliding_coefficient;      ///< mu on the support
+  double static_to_kinetic_ratio;  ///< F_M over the Coulomb force, >= 1
+  double tool_friction;            ///< coefficient between tip and body
+  double penetration;              ///< [m] of the tip when the body breaks loose
+  double contact_exponent;         ///< n of the contact law
+  double damping_ratio;            ///< of the body on the contact's spring
+  double patch_height;             ///< [m] vertices so close to the lowest one touch the support
+};
+[[nodiscard]] OptionSection section_of(PhysicsDefaults& options);
 
 /// Identified parameters completed by defaults, and the names of those. The defaults are
 /// conservative: friction rather too high, so that no body moves in the prediction before it does
@@ -39,7 +55,8 @@ struct CompletedPhysics {
 /// the patch). Throws ContractError where a given parameter is not physical.
 [[nodiscard]] CompletedPhysics complete_physics(const ObjectParameters& known,
                                                 const CadModel& model, const Pose& T_base_object,
-                                                double gravity = kStandardGravity);
+                                                double gravity = kStandardGravity,
+                                                const PhysicsDefaults& defaults = {});
 
 /// The yaw [rad] about base z of a body's planar axes: its object frame's x axis projected on the
 /// horizontal plane, or its y axis where x is steeper than 60 degrees. Origin of the planar

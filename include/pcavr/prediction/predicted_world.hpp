@@ -20,8 +20,7 @@
 
 namespace pcavr {
 
-/// A faster tip [m/s] has jumped: no hand-guided arm moves at that speed.
-inline constexpr double kMaxTipSpeed = 5.0;
+struct OptionSection;  // core/options.hpp
 
 /// The motion phase of an object; name_of gives the words of `phase.csv`.
 enum class MotionPhase {
@@ -39,11 +38,27 @@ struct WorldBody {
   BodyPhysics physics;
 };
 
+/// Limits of the robot's tool, contact between bodies and with the scan, and collision shapes.
+struct WorldOptions {
+  WorldOptions();
+  double max_tip_speed;         ///< [m/s] a faster tip has jumped
+  double max_contact_force;     ///< [N] between tip and body
+  double body_friction;         ///< coefficient between bodies, which is not identified
+  double body_penetration;      ///< [m] of two bodies under the force at which one breaks loose
+  double max_separation_speed;  ///< [m/s] at which an overlap of two bodies is resolved
+  double min_obstacle_height;   ///< [m] lower surfaces are the support and its noise
+  double max_scan_depth;        ///< [m] a scanned surface deeper inside a body does not touch it
+  double shape_tolerance;       ///< of a body's diagonal: depth of a concavity that stays filled
+  int max_convex_parts;         ///< of a body's collision shape
+};
+[[nodiscard]] OptionSection section_of(WorldOptions& options);
+
 struct WorldModel {
   std::vector<WorldBody> bodies;
   TriangleMesh static_mesh_base;      ///< may be empty
   double tool_radius = 0.01;          ///< of the spherical tip [m], > 0
   double gravity = kStandardGravity;  ///< [m/s^2]
+  WorldOptions options = {};
 };
 
 /// The state of one body at one instant. A plain value: history is kept as copies of it.

@@ -13,11 +13,17 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
+/// Defaults and ranges of all options of this module: src/prediction/options.cpp.
 struct PredictorOptions {
-  double step = 0.001;    ///< [s] the operator's cycle; haptics requires 1 kHz
-  double history = 2.0;   ///< [s] length of the history: the maximum age of a correction
-  double blending = 0.1;  ///< [s] time in which the displayed state converges to a corrected one
+  PredictorOptions();
+  double step;          ///< [s] the operator's cycle; haptics requires 1 kHz
+  double history;       ///< [s] length of the history: the maximum age of a correction
+  double blending;      ///< [s] time in which the displayed state converges to a corrected one
+  int max_corrections;  ///< remembered; of more, the oldest are not re-applied
 };
+[[nodiscard]] OptionSection section_of(PredictorOptions& options);
 
 /// A measurement of the past, valid at `t`. Only what is set is changed.
 struct Correction {

@@ -6,12 +6,18 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
+/// See src/reconstruction/options.cpp for meanings, ranges and defaults.
 struct OutlierOptions {
-  int neighbours = 12;  ///< for the mean distance to the k nearest neighbours; >= 1
-  /// A point is an outlier where its mean distance is more than this many standard deviations above
-  /// the cloud's mean. Small values erode the boundaries of sparse surfaces.
-  double std_multiplier = 4.0;
+  OutlierOptions();
+
+  int neighbours;
+  double std_multiplier;
 };
+
+/// The options "reconstruction.outliers".
+[[nodiscard]] OptionSection section_of(OutlierOptions& options);
 
 /// Statistical outlier removal [Rusu et al. 2008, sec. 4.1], by PCL. Normals and colours stay with
 /// their points.

@@ -14,18 +14,21 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
+/// See src/reconstruction/options.cpp for meanings, ranges and defaults.
 struct TsdfOptions {
-  double voxel_size = 0.005;  ///< [m], > 0. Halving it costs four times the surface voxels.
-  /// Truncation distance of the signed distance, in voxels. Too small: noise causes holes; too
-  /// large: thin walls and edges thicken. It is widened with the depth noise (3 standard
-  /// deviations).
-  double truncation_voxels = 4.0;  ///< >= 2
-  DepthNoise depth_noise = {};
-  /// Space carving: a voxel that this many frames have observed as free holds no surface, whatever
-  /// other frames measured there; 1 to 15. More: moved objects remain; fewer: single bad frames
-  /// cause holes.
-  int frames_to_clear = 3;
+  TsdfOptions();
+  explicit TsdfOptions(double voxel_size);
+
+  DepthNoise depth_noise;
+  double voxel_size;         ///< [m]
+  double truncation_voxels;  ///< [voxels]
+  int frames_to_clear;
 };
+
+/// The options "reconstruction.fusion".
+[[nodiscard]] OptionSection section_of(TsdfOptions& options);
 
 struct IntegrationReport {
   std::size_t pixels_used = 0;

@@ -51,6 +51,8 @@ class ImageDecoder {
 
 /// JPEG of quality 95 with 4:2:0 chroma subsampling.
 [[nodiscard]] Expected<std::string> encode_color(const ColorImage& image);
+/// Depth in whole units, rounded; what is out of range of 16 bits becomes 0.
+[[nodiscard]] RawDepthImage to_raw_depth(const DepthImage& depth, double units_per_metre);
 /// PNG with one channel of 16 bits.
 [[nodiscard]] std::string encode_depth(const RawDepthImage& image);
 

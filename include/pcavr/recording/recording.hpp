@@ -17,6 +17,8 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 /// A colour and a depth image paired by time; the files are not opened yet.
 struct FrameFiles {
   Stamp color_stamp;
@@ -65,12 +67,17 @@ struct Recording {
   [[nodiscard]] std::size_t skipped_rows() const;
 };
 
+/// See src/recording/options.cpp for meanings, ranges and defaults.
 struct ReadOptions {
+  ReadOptions();
+
   /// Skip and count bad rows and frames instead of failing at the first.
   bool skip_bad = false;
-  /// Colour and depth images further apart in time are not paired. The format specifies 20 ms.
-  Duration max_pair_gap = std::chrono::milliseconds(20);
+  double max_pair_gap;  ///< [s]
 };
+
+/// The options "recording".
+[[nodiscard]] OptionSection section_of(ReadOptions& options);
 
 /// Reads a recording folder strictly. Every error names file, line and hint. Thread-safe.
 [[nodiscard]] Expected<Recording> read_recording(const std::filesystem::path& folder,

@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,7 +23,9 @@ namespace pcavr {
 
 /// Exception for an invalid YAML value; parse_yaml() catches it, like the exceptions of yaml-cpp,
 /// and returns it as an Error. Never leaves parse_yaml().
-struct YamlFailure {
+struct YamlFailure : std::runtime_error {
+  explicit YamlFailure(Error failure)
+      : std::runtime_error(failure.to_string()), error(std::move(failure)) {}
   Error error;  ///< without the file's name
 };
 
@@ -32,6 +35,9 @@ class YamlValue {
   YamlValue(const YAML::Node& node, std::string place);
 
   [[noreturn]] void fail(const std::string& message, const std::string& hint) const;
+  /// At the line of a key of this map.
+  [[noreturn]] void fail_at_key(const std::string& key, const std::string& message,
+                                const std::string& hint) const;
 
   [[nodiscard]] std::string text() const;
   [[nodiscard]] double number() const;

@@ -14,15 +14,22 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
+/// See src/scene/options.cpp for meanings, ranges and defaults.
 struct OccupancyOptions {
-  double resolution = 0.02;  ///< edge of a cell [m], > 0
-  double max_range = 5.0;    ///< rays are truncated here [m], >= resolution
-  // OctoMap's defaults [Hornung et al. 2013, sec. 3 and 4], as probabilities.
-  double prob_hit = 0.7;         ///< of a cell in which a ray ends, > 0.5
-  double prob_miss = 0.4;        ///< of a cell that a ray traverses, < 0.5
-  double clamping_min = 0.1192;  ///< lower clamping threshold, < 0.5
-  double clamping_max = 0.971;   ///< upper clamping threshold, > 0.5
+  OccupancyOptions();
+
+  double max_range;   ///< rays are truncated here [m]; by default the sensor's maximum depth
+  double resolution;  ///< [m]
+  double prob_hit;
+  double prob_miss;
+  double clamping_min;
+  double clamping_max;
 };
+
+/// The options "scene.occupancy", without max_range.
+[[nodiscard]] OptionSection section_of(OccupancyOptions& options);
 
 /// Occupancy grid of the static scene: free, occupied or unknown cells. Frame: base. Integrates
 /// depth images into blocks of 8^3 cells much faster than OctoMap, with OctoMap's update rule: one

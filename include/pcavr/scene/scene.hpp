@@ -74,7 +74,8 @@ struct Scene {
   TriangleMesh mesh_base;  ///< static, full detail
   /// Simplified for display, finest first; the first has at most 300 000 triangles.
   std::vector<TriangleMesh> levels_of_detail_base;
-  PointCloud cloud_base;  ///< static
+  /// The measured points of all frames, static, averaged in voxels of `voxel_size`.
+  PointCloud cloud_base;
   OccupancyMap occupancy;
   std::vector<SupportPlane> support_planes;
   std::vector<SceneObject> objects;
@@ -84,6 +85,8 @@ struct Scene {
   SceneQuality quality;
   std::string recording;    ///< the source recording, as named by the user
   double voxel_size = 0.0;  ///< [m]
+  /// Options that differed from their defaults: "section.key", value.
+  std::vector<std::pair<std::string, std::string>> configuration = {};
 };
 
 }  // namespace pcavr

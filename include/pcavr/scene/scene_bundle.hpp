@@ -14,11 +14,11 @@
 
 namespace pcavr {
 
-/// Writes scene.yaml, scene.glb, mesh.ply, cloud.ply, occupancy.bt, camera_trajectory.txt,
-/// preview.png, objects/NAME.glb and, for each further level of detail, lod/static_mesh_N.glb into
-/// a folder that exists (an OutputFolder's). The same scene gives the same bytes for any
-/// Parallelism: times are not written. Objects whose evidence is kNotSeen are in scene.yaml only.
-/// After an Error, such as a full disk, some of the files may remain.
+/// Writes scene.yaml, scene.glb, mesh.ply, cloud.ply, cloud.pcd, occupancy.bt,
+/// camera_trajectory.txt, preview.png, objects/NAME.glb and, for each further level of detail,
+/// lod/static_mesh_N.glb into a folder that exists (an OutputFolder's). The same scene gives the
+/// same bytes for any Parallelism: times are not written. Objects whose evidence is kNotSeen are in
+/// scene.yaml only. After an Error, such as a full disk, some of the files may remain.
 [[nodiscard]] Expected<void> write_scene(const Scene& scene, const std::filesystem::path& folder,
                                          Parallelism parallelism);
 
@@ -58,6 +58,8 @@ struct SceneManifest {
   SceneQuality quality;  ///< without the times
   /// Of the text files; nullopt in scenes of older versions.
   std::optional<LineCounts> lines = {};
+  /// Options that differed from their defaults: "section.key", value.
+  std::vector<std::pair<std::string, std::string>> configuration = {};
 };
 /// Strict: a last line without a newline, an unknown key, a missing key or a path outside the
 /// folder is an Error with its line.

@@ -13,6 +13,7 @@ inline constexpr char kManifestFile[] = "scene.yaml";
 inline constexpr char kDisplayFile[] = "scene.glb";
 inline constexpr char kMeshFile[] = "mesh.ply";
 inline constexpr char kCloudFile[] = "cloud.ply";
+inline constexpr char kCloudPcdFile[] = "cloud.pcd";
 inline constexpr char kOccupancyFile[] = "occupancy.bt";
 inline constexpr char kTrajectoryFile[] = "camera_trajectory.txt";
 inline constexpr char kPreviewFile[] = "preview.png";

@@ -10,6 +10,19 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
+/// How much of a scene and a replay a page gets.
+struct ContentOptions {
+  ContentOptions();
+  int max_points;          ///< of the cloud; of more, every n-th is kept
+  int max_cells;           ///< occupied; more are an Error
+  double min_point_step;   ///< [m] quantization of the cloud
+  double packing_timeout;  ///< [s] of gltfpack, for one mesh
+  int max_cached_frames;   ///< augmented images in memory
+};
+[[nodiscard]] OptionSection section_of(ContentOptions& options);
+
 struct Content {
   std::string media_type;  ///< "model/gltf-binary", "application/json", ...
   std::string body;

@@ -15,7 +15,8 @@ namespace pcavr {
 /// at 640 x 480); the latest ones are cached. Const and thread-safe.
 class FrameContent : public ContentSource {
  public:
-  explicit FrameContent(AugmentedFrames frames);
+  /// `max_cached` images are kept in memory.
+  FrameContent(AugmentedFrames frames, int max_cached);
   FrameContent(FrameContent&&) noexcept;
   FrameContent& operator=(FrameContent&&) noexcept;
   ~FrameContent() override;

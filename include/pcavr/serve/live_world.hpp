@@ -18,6 +18,8 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 /// Quantiles of the cycles' durations [s].
 struct CycleTimes {
   double median = 0.0;
@@ -41,19 +43,35 @@ struct WorldSnapshot {
   RemoteStatus page = {};         ///< if a page moves the tool: the sample that was used
 };
 
-struct LiveWorldOptions {
-  double cycle = 0.001;  ///< [s] > 0
-  /// [m] base frame: the tool's position at the start and after a reset.
-  Eigen::Vector3d p_base_tool_start = Eigen::Vector3d::Zero();
-  double full_scale_force = 5.0;  ///< [N] > 0: force of the strongest continuous vibration
+/// Vibration of controllers without force feedback.
+struct VibrationOptions {
+  VibrationOptions();
+  double pulse_duration;            ///< [s] at full amplitude
+  double decay_time;                ///< [s] time constant of the exponential decay after it
+  double max_vibration;             ///< 0 to 1: amplitude of the continuous vibration
+  double min_time_without_contact;  ///< [s] debounces the first contact of a tip that chatters
 };
+[[nodiscard]] OptionSection section_of(VibrationOptions& options);
+
+struct LiveWorldOptions {
+  LiveWorldOptions();
+  double cycle;         ///< [s]
+  int thread_priority;  ///< of SCHED_FIFO
+  int max_backlog;      ///< [cycles] of more, all are skipped
+  /// [m] base frame: the tool's position at the start and after a reset.
+  Eigen::Vector3d p_base_tool_start;
+  double full_scale_force;  ///< [N] > 0: force of the strongest continuous vibration
+  VibrationOptions vibration;
+};
+/// Without those of `vibration`, which have their own.
+[[nodiscard]] OptionSection section_of(LiveWorldOptions& options);
 
 /// Runs a haptic world in real time on its own thread: one cycle per millisecond, from the device's
 /// sample to the force. Wait-free towards other threads: state is published through a triple
 /// buffer.
 ///
 /// Deadlines are absolute. A late cycle is still run, so that simulation time follows the clock;
-/// with more than twenty cycles of backlog they are skipped. Both count as overruns.
+/// with more than `max_backlog` cycles of backlog they are skipped. Both count as overruns.
 class LiveWorld {
  public:
   /// Options in range: PCAVR_REQUIRE.

@@ -27,7 +27,8 @@ class ReplayContent : public ContentSource {
   [[nodiscard]] static Expected<ReplayContent> create(const Recording& recording,
                                                       const SceneManifest& scene,
                                                       const Replay& replay,
-                                                      const Observer& observer = {});
+                                                      const Observer& observer = {},
+                                                      const ContentOptions& options = {});
 
   [[nodiscard]] Expected<std::shared_ptr<const Content>> find(std::string_view path) const override;
 

@@ -11,7 +11,7 @@
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/observer.hpp"
 #include "pcavr/core/parallel.hpp"
-#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/object/object_parameters.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 #include "pcavr/serve/content.hpp"
 
@@ -30,7 +30,8 @@ class SceneContent : public ContentSource {
   /// shown with the objects. Deterministic.
   [[nodiscard]] static Expected<SceneContent> create(
       const SceneManifest& scene, const std::optional<ParameterTable>& parameters = {},
-      const Observer& observer = {}, Parallelism parallelism = Parallelism::max());
+      const Observer& observer = {}, Parallelism parallelism = Parallelism::max(),
+      const ContentOptions& options = {});
 
   /// `path` as in the request line, percent-encoded or not, without its query.
   [[nodiscard]] Expected<std::shared_ptr<const Content>> find(std::string_view path) const override;

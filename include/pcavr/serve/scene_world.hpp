@@ -10,17 +10,30 @@
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/haptics/haptic_world.hpp"
-#include "pcavr/identification/object_parameters.hpp"
+#include "pcavr/object/object_parameters.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
+/// Defaults and ranges of all options of this module: src/serve/options.cpp.
 struct SceneWorldOptions {
-  std::optional<ParameterTable> parameters = {};  ///< as written by `pcavr identify`
-  std::string parameters_file = {};               ///< file name for error messages
-  double tool_radius = 0.01;                      ///< [m] > 0
-  double max_force = 5.0;                         ///< [N] > 0 rendered on the hand
+  SceneWorldOptions();
+  std::optional<ParameterTable> parameters;  ///< as written by `pcavr identify`
+  std::string parameters_file;               ///< file name for error messages
+  double tool_radius;                        ///< [m] > 0
+  double start_height;                       ///< [m] of the tool above the movable objects
+  int max_triangles;                         ///< of the mesh that is used for contact
+  double max_shown_force;                    ///< [N] limit of the force where no device renders it
+  double min_full_scale_force;               ///< [N] see SceneWorld::full_scale_force
+  ForceOptions force;
+  HapticWorldOptions haptics;
+  WorldOptions world;
+  PhysicsDefaults unknown_objects;
 };
+/// Without those of `force`, `haptics`, `world` and `unknown_objects`, which have their own.
+[[nodiscard]] OptionSection section_of(SceneWorldOptions& options);
 
 /// A body's parameters that neither the scene nor identification gave, so that defaults are used
 /// (see complete_physics).
@@ -33,15 +46,16 @@ struct SceneWorld {
   HapticWorldModel model;
   /// Start position of the tool: above the centre of the movable objects.
   Eigen::Vector3d p_base_tool_start = Eigen::Vector3d::Zero();
-  /// [N] force of the strongest continuous vibration: the largest limiting friction of the bodies.
-  double full_scale_force = 5.0;
+  /// [N] force of the strongest continuous vibration: the largest limiting friction of the bodies,
+  /// and at least `min_full_scale_force`.
+  double full_scale_force = 0.0;
   std::vector<AssumedParameters> assumed;  ///< for each body
   std::size_t triangles = 0;               ///< of the static mesh
   std::vector<std::string> notes;          ///< warnings for the user
 };
 
 /// Makes a haptic world of a scene on disk: its movable objects at their current poses, with their
-/// identified parameters; as static geometry, the finest mesh of at most a million triangles.
+/// identified parameters; as static geometry, the finest mesh of at most `max_triangles`.
 /// Errors: a missing or invalid file, parameters of an object that is not in the scene.
 [[nodiscard]] Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
                                                     const SceneWorldOptions& options);

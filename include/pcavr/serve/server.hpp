@@ -16,21 +16,35 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
 struct ServerOptions {
-  std::string host = "127.0.0.1";   ///< an address of this machine, or "localhost"
-  std::uint16_t port = 8080;        ///< 0: one that is free
-  std::filesystem::path page = {};  ///< folder with the page's index.html
-  std::optional<TlsFiles> tls = {};
-  double rate = 90.0;  ///< [Hz] 60 to 90: states sent to each page
-  std::string version = {};
-  std::string scene = {};             ///< its name on pages
-  bool is_replay = false;             ///< the page starts in replay mode
-  double tool_radius = 0.01;          ///< [m]
-  std::size_t max_pages = 32;         ///< further ones get an error notice and are closed
-  std::size_t max_connections = 256;  ///< of all kinds
-  double max_write_time = 5.0;        ///< [s] > 0: write timeout of a message to a page
-  bool ends_on_signals = false;       ///< SIGINT and SIGTERM end run(), even if sent before it
+  ServerOptions();
+  std::string host;            ///< an address of this machine, or "localhost"; 127.0.0.1
+  std::uint16_t port;          ///< 0: one that is free
+  std::filesystem::path page;  ///< folder with the page's index.html
+  std::optional<TlsFiles> tls;
+  std::string version;
+  std::string scene;          ///< its name on pages
+  bool is_replay;             ///< the page starts in replay mode
+  bool ends_on_signals;       ///< SIGINT and SIGTERM end run(), even if sent before it
+  double tool_radius;         ///< [m]
+  double rate;                ///< [Hz] states sent to each page
+  int max_pages;              ///< further ones get an error notice and are closed
+  int max_connections;        ///< of all kinds
+  double max_write_time;      ///< [s] write timeout of a message to a page
+  double read_timeout;        ///< [s] of a request, and of a TLS handshake
+  double response_timeout;    ///< [s] of a response, in addition to its length over the rate below
+  double min_download_rate;   ///< [bytes/s] slower downloads time out
+  double handshake_timeout;   ///< [s] of a WebSocket
+  double idle_timeout;        ///< [s] of a page that does not answer pings
+  double tool_timeout;        ///< [s] without a sample: the page loses the tool
+  double shutdown_timeout;    ///< [s] for the closing handshakes with the pages
+  int max_queued_messages;    ///< to a page; of more, it counts as not reading
+  int max_messages_per_tick;  ///< of a page, between two states (rate limit)
+  int send_buffer;            ///< [bytes] of a page's socket (SO_SNDBUF)
 };
+[[nodiscard]] OptionSection section_of(ServerOptions& options);
 
 /// Checks whether such a server could be opened now; the same errors as LiveServer::open. For use
 /// before the expensive content is created.

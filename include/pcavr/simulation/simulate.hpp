@@ -41,7 +41,7 @@ struct SimulationCase {
   int depth_width = 0;  ///< [px], for depth images smaller than colour by one factor; 0: as colour
   int depth_height = 0;
   /// First Kinect; it measures nothing nearer than 0.4 m or farther than 4 m.
-  DepthNoise depth_noise = {.min_depth = 0.4, .max_depth = 4.0};
+  DepthNoise depth_noise = DepthNoise(0.4, 4.0);
   double corner_blur = 0.55;  ///< of the colour image [px]
   /// Without images there are no camera and no markers either; the manifest states the objects'
   /// initial poses, and tracked/objects/NAME/ contains the output of a simulated marker tracker, in

@@ -12,33 +12,24 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/observer.hpp"
 #include "pcavr/geometry/mesh.hpp"
 #include "pcavr/geometry/pose.hpp"
-#include "pcavr/identification/object_parameters.hpp"
-#include "pcavr/identification/signals.hpp"
+#include "pcavr/geometry/tracked_pose.hpp"
+#include "pcavr/inputs/input_findings.hpp"
 #include "pcavr/model/cad_model.hpp"
+#include "pcavr/object/object_parameters.hpp"
 #include "pcavr/prediction/predicted_world.hpp"
+#include "pcavr/teleop/options.hpp"
 
 namespace pcavr {
 
 /// All times are seconds on the recording's clock, and mean the robot's site: what the operator
 /// sees is stamped with the time of the remote world that it represents, so that it can be compared
 /// with the tracking directly.
-
-/// An object's pose by marker tracking in one frame.
-struct TrackedPose {
-  double t = 0.0;  ///< [s]
-  Pose T_base_object;
-  double position_std = 0.0;  ///< [m]
-  double rotation_std = 0.0;  ///< [rad]
-};
-
-/// T_base_object at `t` [s]: interpolated between frames, constant before the first and after the
-/// last. `tracked` is not empty.
-[[nodiscard]] Pose pose_at(std::span<const TrackedPose> tracked, double t);
 
 struct TeleopObject {
   std::string name;
@@ -48,8 +39,8 @@ struct TeleopObject {
   std::vector<TrackedPose> tracked;  ///< frames in which it was lost are left out
 };
 
-/// Properties of a sensor (noise, sign, unit, clock) are measured over this much of a recording at
-/// once [s]: many contacts, but memory that does not grow with the recording's length.
+/// The force sensor's noise is measured over this much of a recording [s]: memory must not grow
+/// with the recording's length.
 inline constexpr double kCalibrationTime = 600.0;
 
 /// One recording as two sites see it. Stamps ascend strictly in every series.
@@ -61,23 +52,8 @@ struct TeleopInput {
   std::vector<Eigen::Vector3d> p_base_tip;
   std::vector<double> t_force;              ///< may be empty: no wrench was recorded
   std::vector<Eigen::Vector3d> force_base;  ///< that the tool exerts [N]
-  /// Delay of the force's stamps relative to the tool's, if measured beforehand; subtracted if it
-  /// is significant.
-  std::optional<TimeOffset> tool_to_force = {};
-};
-
-struct TeleopOptions {
-  double forward_delay = 0.2;   ///< operator to robot [s], >= 0
-  double backward_delay = 0.2;  ///< robot to operator [s], >= 0
-  double jitter = 0.0;     ///< standard deviation of either delay [s]; messages keep their order
-  double loss = 0.0;       ///< packet loss of corrections, 0 to 1
-  std::uint64_t seed = 1;  ///< of jitter and loss
-  bool with_corrections = true;
-  bool identifies =
-      true;  ///< the robot's site identifies parameters online; false: they stay as given
-  double force_tolerance =
-      0.10;  ///< relative to the real force: just noticeable difference [paper C]
-  double position_tolerance = 0.003;  ///< [m] maximum error without a correction [paper C]
+  /// At `t_tool`; may be empty: then a force in the tool's axes is not recognised as such.
+  std::vector<Eigen::Quaterniond> q_base_tool = {};
 };
 
 /// The cases of the correction switch [paper C; methods of section 5].
@@ -139,13 +115,13 @@ struct TeleopRun {
   std::size_t correction_bytes = 0;
   /// What sending every tracked pose and every wrench sample would have cost, in the same encoding.
   std::size_t streaming_bytes = 0;
-  std::optional<TimeOffset> tool_to_force = {};   ///< delay of the force; subtracted if significant
-  std::optional<TimeOffset> tool_to_camera = {};  ///< delay of the tracking; the same
-  std::vector<std::string> notes;                 ///< remarks for the report
+  InputFindings inputs = {};       ///< what the recording shows about itself
+  std::vector<std::string> notes;  ///< remarks for the report
 };
 
 /// Simulates both sites in virtual time over a recording. An Error only if an object can't be made
-/// a body. Deterministic.
+/// a body, or if the tool's unit or clock is wrong; a force that shows another fault is not used.
+/// Deterministic.
 [[nodiscard]] Expected<TeleopRun> run_teleop(const TeleopInput& input, const TeleopOptions& options,
                                              const Observer& observer = {});
 /// The same, with the per-cycle results passed to `sink`: besides the input, memory is that of some

@@ -17,16 +17,32 @@
 
 namespace pcavr {
 
+struct OptionSection;  // core/options.hpp
+
+/// See src/tracking/camera_options.cpp for meanings, ranges and defaults.
 struct CameraTrackerOptions {
-  DepthNoise depth_noise = {};
-  double corner_std = 0.15;  ///< of a tag corner's coordinate [px]
-  /// Use the poses of groundtruth.txt as exact, not as measurements.
-  bool trust_poses = false;
-  double groundtruth_position_std = 0.005;  ///< of groundtruth.txt as a measurement [m]
-  double groundtruth_rotation_std = 0.005;  ///< [rad]
-  /// A camera that moved less than this over the whole recording is fixed: one pose for all frames.
-  double max_fixed_camera_motion = 0.003;  ///< [m], of points at a typical distance
+  CameraTrackerOptions();
+
+  DepthNoise depth_noise;
+  BodyPoseOptions body_pose;
+  bool trust_poses = false;         ///< use groundtruth.txt as exact, not as measurements
+  double groundtruth_position_std;  ///< [m]
+  double groundtruth_rotation_std;  ///< [rad]
+  double max_fixed_camera_motion;   ///< [m]
+  double keyframe_baseline;         ///< of the mean depth
+  double keyframe_angle;            ///< [rad]
+  double keyframe_overlap;
+  double keyframe_landmark_ratio;
+  double max_prediction_time;  ///< [s]
+  double min_inlier_ratio;
+  int min_features;
+  double max_position_std;            ///< [m]
+  double max_rotation_std;            ///< [rad]
+  double corner_rejection_threshold;  ///< [std]
 };
+
+/// The options "tracking.camera".
+[[nodiscard]] OptionSection section_of(CameraTrackerOptions& options);
 
 enum class PlacementStatus {
   placed,

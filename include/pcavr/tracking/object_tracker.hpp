@@ -7,25 +7,55 @@
 #include <vector>
 
 #include "pcavr/geometry/depth_noise.hpp"
-#include "pcavr/geometry/trajectory.hpp"
 #include "pcavr/marker/body_pose.hpp"
 #include "pcavr/model/cad_model.hpp"
 #include "pcavr/recording/frame_reader.hpp"
 
 namespace pcavr {
 
-struct ObjectTrackerOptions {
-  DepthNoise depth_noise = {};
-  double corner_std = 0.15;  ///< of a tag corner's coordinate [px]
-  /// Standard deviation of the depth bias common to all depth readings of a body, at a range of 1 m
-  /// [m]; it grows with the square of the range, like a disparity error. Typically 1 to 3 mm remain
-  /// after factory calibration. If set near 0, a biased sensor biases the pose.
-  double depth_bias = 0.001;
-  bool refine_with_depth = true;  ///< point-to-plane fit to the CAD surface, after the tags
-  /// Maximum number of rays cast per iteration, >= 100. With a standard deviation of 2 mm per ray,
-  /// a face with a quarter of 1500 rays is located to 0.1 mm: better than the other error sources.
-  int max_samples = 1500;
+struct OptionSection;  // core/options.hpp
+
+/// Whether an object is at rest; see src/tracking/object_options.cpp for meanings and defaults.
+struct RestOptions {
+  RestOptions();
+
+  int min_count;
+  int max_averaged;
+  double translation_floor_std;  ///< [m]
+  double rotation_floor_std;     ///< [rad]
 };
+
+/// See src/tracking/object_options.cpp for meanings, ranges and defaults.
+struct ObjectTrackerOptions {
+  ObjectTrackerOptions();
+
+  DepthNoise depth_noise;
+  BodyPoseOptions body_pose;
+  RestOptions rest;
+  bool refine_with_depth;
+  int max_samples;
+  double depth_bias;                ///< [m]
+  double depth_correlation_length;  ///< [px]
+  double contour_std;               ///< [px]
+  double max_tag_residual;          ///< [px]
+  double max_corner_shift;          ///< [std]
+  double capture_range;             ///< [m]
+  int min_inliers;
+  double min_inlier_ratio_with_tags;
+  double min_inlier_ratio_shape_only;
+  double max_behind_ratio;
+  double max_normalised_rms;
+  double acceleration_std;          ///< [m/s^2]
+  double angular_acceleration_std;  ///< [rad/s^2]
+  double max_prediction_time;       ///< [s]
+  double initial_translation_std;   ///< [m]
+  double initial_rotation_std;      ///< [rad]
+  double velocity_decay;
+};
+
+/// The options "tracking.rest" and "tracking.objects".
+[[nodiscard]] OptionSection section_of(RestOptions& options);
+[[nodiscard]] OptionSection section_of(ObjectTrackerOptions& options);
 
 /// Measurements that determined an object's pose in a frame.
 enum class ObjectEvidence {

@@ -40,10 +40,6 @@ export class ReplayPlayer {
     return new ReplayPlayer(app, readReplay(model, binary));
   }
 
-  redraw(): void {
-    this.plots.redraw();
-  }
-
   /// The measured force [N] on an object now.
   force(name: string): number {
     const object = this.replay.objects.find((o) => o.name === name);

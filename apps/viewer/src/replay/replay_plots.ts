@@ -1,19 +1,17 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import type uPlot from 'uplot';
 import type { Phase } from '../protocol';
 import { phaseColors } from '../scene/bodies';
-import { cssColor, Plot } from '../ui/plot';
+import { type PlotBand, TimePlot } from '../ui/plot';
 import { decimate } from './decimation';
 import type { Replay, ReplayObject, Table } from './replay_data';
 
 const buckets = 600; // about one per two screen columns: more would not be visible
 const height = 150; // [CSS pixels]
-const bandHeight = 5; // [CSS pixels] of each of the two phase bands
 
 /// Error and force of one object over the whole replay, with phases and corrections.
 export class ReplayPlots {
-  private plots: Plot[] = [];
+  private plots: TimePlot[] = [];
 
   constructor(
     private readonly parent: HTMLElement,
@@ -24,8 +22,9 @@ export class ReplayPlots {
   show(object: ReplayObject): void {
     for (const plot of this.plots) plot.remove();
     const corrections = this.replay.model.corrections.filter((c) => c.object === object.name);
-    const common = { height, onSeek: this.onSeek };
-    const error = new Plot(this.parent, {
+    const marks = corrections.map(({ t }) => t);
+    const common = { height, onSeek: this.onSeek, marks };
+    const error = new TimePlot(this.parent, {
       ...common,
       title: 'Prediction error against tracking',
       note: corrections.length > 0 ? 'dashed: corrections' : '',
@@ -34,15 +33,10 @@ export class ReplayPlots {
       minSpan: 1,
       series: [
         { title: 'position', color: '#2b7de9' },
-        { title: 'rotation', color: '#c2820a', scale: 'right' },
+        { title: 'rotation', color: '#c2820a', isRight: true },
       ],
-      drawBelow: (plot) =>
-        drawMarks(
-          plot,
-          corrections.map(({ t }) => t),
-        ),
     });
-    const force = new Plot(this.parent, {
+    const force = new TimePlot(this.parent, {
       ...common,
       title: 'Force',
       note: 'bands: measured, predicted phase',
@@ -52,13 +46,7 @@ export class ReplayPlots {
         { title: 'measured', color: '#d6336c' },
         { title: 'predicted', color: '#2f9e6e' },
       ],
-      drawBelow: (plot) => {
-        drawPhases(plot, object, this.replay.model.duration);
-        drawMarks(
-          plot,
-          corrections.map(({ t }) => t),
-        );
-      },
+      bands: phaseBands(object, this.replay.model.duration),
     });
     this.plots = [error, force];
     this.fill(error, object.error, [1e3, 180 / Math.PI]);
@@ -69,11 +57,7 @@ export class ReplayPlots {
     for (const plot of this.plots) plot.setPlayhead(time);
   }
 
-  redraw(): void {
-    for (const plot of this.plots) plot.redraw();
-  }
-
-  private fill(plot: Plot, table: Table, scales: readonly number[]): void {
+  private fill(plot: TimePlot, table: Table, scales: readonly number[]): void {
     const columns = scales.map((scale, i) => table.column(i + 1).map((v) => v * scale));
     const rows = decimate(columns, buckets);
     const times = table.column(0);
@@ -86,37 +70,12 @@ export class ReplayPlots {
   }
 }
 
-/// A dashed vertical line at each correction.
-function drawMarks(plot: uPlot, times: readonly number[]): void {
-  const { ctx: pen, bbox } = plot;
-  pen.save();
-  pen.strokeStyle = cssColor('--muted');
-  pen.setLineDash([3 * devicePixelRatio, 3 * devicePixelRatio]);
-  pen.beginPath();
-  for (const time of times) {
-    const x = plot.valToPos(time, 'x', true);
-    pen.moveTo(x, bbox.top);
-    pen.lineTo(x, bbox.top + bbox.height);
-  }
-  pen.stroke();
-  pen.restore();
-}
-
-/// The measured phase in a band along the top, the predicted one in a band below it.
-function drawPhases(plot: uPlot, object: ReplayObject, duration: number): void {
-  const { ctx: pen, bbox } = plot;
-  const band = bandHeight * devicePixelRatio;
-  pen.save();
-  object.phases.forEach((phase, i) => {
-    const from = plot.valToPos(phase.t, 'x', true);
-    const to = plot.valToPos(object.phases[i + 1]?.t ?? duration, 'x', true);
-    const draw = (kind: Phase, row: number) => {
-      if (kind === 'free') return;
-      pen.fillStyle = phaseColors[kind];
-      pen.fillRect(from, bbox.top + row * (band + devicePixelRatio), to - from, band);
-    };
-    draw(phase.measured, 0);
-    draw(phase.predicted, 1);
+/// The measured phases in the first row, the predicted ones below.
+function phaseBands(object: ReplayObject, duration: number): PlotBand[] {
+  return object.phases.flatMap((phase, i) => {
+    const to = object.phases[i + 1]?.t ?? duration;
+    const band = (kind: Phase, row: number) =>
+      kind === 'free' ? [] : [{ from: phase.t, to, row, color: phaseColors[kind] }];
+    return [...band(phase.measured, 0), ...band(phase.predicted, 1)];
   });
-  pen.restore();
 }

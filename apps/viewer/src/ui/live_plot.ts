@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import type { LiveState } from '../protocol';
-import { Plot } from './plot';
+import { TimePlot } from './plot';
 import { length } from './format';
 
 const shownSeconds = 10;
@@ -11,13 +11,13 @@ const minSpan = 2; // [N]
 
 /// Plots the force over the last seconds.
 export class LivePlot {
-  private readonly plot: Plot;
+  private readonly plot: TimePlot;
   private times: number[] = [];
   private forces: number[] = [];
   private lastDrawn = -Infinity;
 
   constructor(parent: HTMLElement) {
-    this.plot = new Plot(parent, {
+    this.plot = new TimePlot(parent, {
       title: 'Force on the hand',
       unit: 'N',
       series: [{ title: 'magnitude', color: '#d6336c' }],
@@ -41,10 +41,6 @@ export class LivePlot {
     this.lastDrawn = now;
     const ago = this.times.map((time) => time - state.worldTime);
     this.plot.setData(ago, [this.forces], -shownSeconds, 0);
-  }
-
-  redraw(): void {
-    this.plot.redraw();
   }
 
   private clear(): void {

@@ -1,13 +1,23 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import uPlot from 'uplot';
-import 'uplot/dist/uPlot.min.css';
+import * as Plot from '@observablehq/plot';
 import { create } from './dom';
+import { axisRange, rightPerLeft } from './plot_axes';
+
+export type PlotColumn = readonly number[] | Float64Array;
 
 export interface PlotSeries {
   title: string;
   color: string;
-  scale?: string; // a second axis, on the right
+  isRight?: boolean; // of the second axis, on the right
+}
+
+/// A bar above the curves.
+export interface PlotBand {
+  from: number; // [s]
+  to: number; // [s]
+  row: number; // 0: the uppermost
+  color: string;
 }
 
 export interface PlotOptions {
@@ -18,60 +28,77 @@ export interface PlotOptions {
   series: PlotSeries[];
   height: number; // [CSS pixels]
   onSeek?: (time: number) => void;
-  /// Draws below the curves, in canvas pixels.
-  drawBelow?: (plot: uPlot) => void;
+  bands?: readonly PlotBand[];
+  marks?: readonly number[]; // [s] dashed vertical lines
   minSpan: number; // of the left axis: noise about zero is not scaled up to fill the plot
 }
 
-/// A plot over time [s], in the page's colours and as wide as its container.
-export class Plot {
-  readonly element = create('div', { className: 'plot' });
-  private readonly plot: uPlot;
-  private playheadTime = NaN; // [s]; NaN: none
-  private span: [number, number] = [0, 1]; // [s] shown
-  private readonly playhead = create('div', { className: 'playhead', hidden: true });
-  private readonly observer: ResizeObserver;
+// [CSS pixels]
+const axisWidth = 46;
+const margins = { marginTop: 16, marginBottom: 24, marginLeft: axisWidth };
+const marginWithoutAxis = 22;
+const bandHeight = 5;
 
-  constructor(parent: HTMLElement, options: PlotOptions) {
-    this.element.append(this.heading(options));
+const muted = 'var(--muted)';
+const grid = { stroke: 'var(--grid)', strokeOpacity: 1 };
+
+/// A plot over time [s], in the page's colours and as wide as its container.
+export class TimePlot {
+  private static readonly all = new Set<TimePlot>();
+
+  readonly element = create('div', { className: 'plot' });
+  private times: readonly number[] = [];
+  private columns: readonly PlotColumn[] = [];
+  private span: [number, number] = [0, 1]; // [s] shown
+  private drawing: Element = create('div');
+  private readonly over = create('div', { className: 'over' }); // the area inside the axes
+  private readonly playhead = create('div', { className: 'playhead', hidden: true });
+  private readonly pointed = create('div', { className: 'pointed', hidden: true });
+  private readonly observer = new ResizeObserver(() => this.draw());
+  private readonly marginRight: number;
+
+  constructor(
+    parent: HTMLElement,
+    private readonly options: PlotOptions,
+  ) {
+    this.marginRight = options.rightUnit ? axisWidth : marginWithoutAxis;
+    this.over.append(this.pointed, this.playhead);
+    Object.assign(this.over.style, {
+      inset: `auto ${this.marginRight}px ${margins.marginBottom}px ${margins.marginLeft}px`,
+      height: `${options.height - margins.marginTop - margins.marginBottom}px`,
+    });
+    this.element.append(this.heading(), this.drawing, this.over);
     parent.append(this.element);
-    this.plot = new uPlot(
-      this.settings(options),
-      [[0], ...options.series.map(() => [null])],
-      this.element,
-    );
-    this.plot.over.append(this.playhead);
-    if (options.onSeek) this.seekByPointer(options.onSeek);
-    this.observer = new ResizeObserver(() =>
-      this.plot.setSize({ width: this.element.clientWidth, height: options.height }),
-    );
+    this.addPointer();
     this.observer.observe(this.element);
+    TimePlot.all.add(this);
   }
 
   /// A NaN interrupts its curve.
-  setData(times: readonly number[], columns: ArrayLike<number>[], from: number, to: number): void {
+  setData(
+    times: readonly number[],
+    columns: readonly PlotColumn[],
+    from: number,
+    to: number,
+  ): void {
+    this.times = times;
+    this.columns = columns;
     this.span = [from, to];
-    const curves = columns.map((column) => Array.from(column, (v) => (Number.isNaN(v) ? null : v)));
-    this.plot.setData([times as number[], ...curves]);
+    this.draw();
   }
 
   setPlayhead(time: number): void {
-    this.playheadTime = time;
-    this.placePlayhead();
-  }
-
-  /// To be called after a change of the page's colours.
-  redraw(): void {
-    this.plot.redraw(false, true);
+    this.place(this.playhead, time);
   }
 
   remove(): void {
+    TimePlot.all.delete(this);
     this.observer.disconnect();
-    this.plot.destroy();
     this.element.remove();
   }
 
-  private heading({ title, note, series }: PlotOptions): HTMLElement {
+  private heading(): HTMLElement {
+    const { title, note, series } = this.options;
     const keys = series.map(({ title: text, color }) => {
       const key = create('span', { className: 'key', textContent: text });
       key.style.setProperty('--key', color);
@@ -81,78 +108,104 @@ export class Plot {
     return create('h3', {}, create('span', { textContent: title }), ...keys, ...notes);
   }
 
-  private settings(options: PlotOptions): uPlot.Options {
-    const axis = (unit: string, scale: string, side: number): uPlot.Axis => ({
-      scale,
-      side,
-      size: 46,
-      stroke: () => cssColor('--muted'),
-      grid: { show: side === 3, stroke: () => cssColor('--grid'), width: 1 },
-      ticks: { show: false },
-      font: '11px system-ui, sans-serif',
-      values: (_, values) =>
-        values.map((value, i) => (i === values.length - 1 ? `${value} ${unit}` : `${value}`)),
-    });
-    const right = options.rightUnit ? [axis(options.rightUnit, 'right', 1)] : [];
-    const range: uPlot.Range.Function = (_, min, max) => [
-      Math.min(0, min ?? 0),
-      Math.max(options.minSpan, (max ?? 0) * 1.08),
-    ];
-    return {
+  private draw(): void {
+    const { options, marginRight } = this;
+    const scale = rightPerLeft(this.select(false), this.select(true), options.minSpan);
+    const columns = this.columns.map((column, i) =>
+      options.series[i].isRight ? Array.from(column, (value) => value / scale) : column,
+    );
+    const drawing = Plot.plot({
+      ...margins,
+      marginRight,
       width: this.element.clientWidth || 300,
       height: options.height,
-      padding: [6, options.rightUnit ? 0 : 12, 0, 0],
-      cursor: {
-        y: false,
-        drag: { x: false, y: false },
-        sync: { key: 'pcavr' },
-        points: { show: false },
-      },
-      legend: { show: false },
-      scales: { x: { time: false, range: () => this.span }, y: { range }, right: { range } },
-      axes: [
-        { ...axis('s', 'x', 2), size: 24, grid: { stroke: () => cssColor('--grid'), width: 1 } },
-        axis(options.unit, 'y', 3),
-        ...right,
+      ariaLabel: options.title,
+      style: { fontSize: '11px', color: muted, background: 'none' },
+      x: { domain: this.span },
+      y: { domain: axisRange(columns, options.minSpan) },
+      marks: [
+        ...this.axes(scale),
+        Plot.ruleX(options.marks ?? [], { stroke: muted, strokeDasharray: '3 3', clip: true }),
+        ...columns.map((column, i) => this.curve(column, options.series[i].color)),
+        ...this.bands(),
       ],
-      series: [
-        {},
-        ...options.series.map(({ color, scale }) => ({
-          stroke: color,
-          width: 1.4,
-          scale: scale ?? 'y',
-          points: { show: false },
-        })),
-      ],
-      hooks: {
-        drawAxes: options.drawBelow ? [options.drawBelow] : [],
-        draw: [() => this.placePlayhead()],
-      },
-    };
-  }
-
-  /// Repeated after each draw: before the first one the plot's time scale is not set.
-  private placePlayhead(): void {
-    const x = this.plot.valToPos(this.playheadTime, 'x');
-    this.playhead.hidden = !Number.isFinite(x);
-    this.playhead.style.transform = `translateX(${x.toFixed(1)}px)`;
-  }
-
-  private seekByPointer(onSeek: (time: number) => void): void {
-    const seek = (event: PointerEvent) => {
-      const box = this.plot.over.getBoundingClientRect();
-      onSeek(this.plot.posToVal(event.clientX - box.left, 'x'));
-    };
-    this.plot.over.addEventListener('pointerdown', (event) => {
-      this.plot.over.setPointerCapture(event.pointerId);
-      seek(event);
     });
-    this.plot.over.addEventListener('pointermove', (event) => {
-      if (event.buttons & 1) seek(event);
+    this.drawing.replaceWith(drawing);
+    this.drawing = drawing;
+  }
+
+  private select(isRight: boolean): PlotColumn[] {
+    return this.columns.filter((_, i) => (this.options.series[i].isRight ?? false) === isRight);
+  }
+
+  private axes(scale: number): Plot.Markish[] {
+    const { unit, rightUnit } = this.options;
+    const axis = { tickSize: 0, tickSpacing: 30, labelArrow: 'none' as const };
+    const right = rightUnit && {
+      ...axis,
+      anchor: 'right' as const,
+      label: rightUnit,
+      tickFormat: (value: number) => String(Number((value * scale).toPrecision(6))),
+    };
+    return [
+      Plot.gridX(grid),
+      Plot.gridY({ ...grid, tickSpacing: axis.tickSpacing }),
+      Plot.axisX({ tickSize: 0, label: 's', labelArrow: 'none', labelOffset: 18 }),
+      Plot.axisY({ ...axis, label: unit }),
+      ...(right ? [Plot.axisY(right)] : []),
+    ];
+  }
+
+  private curve(column: PlotColumn, stroke: string): Plot.Markish {
+    const { times } = this;
+    return Plot.line(times, { x: times, y: column, stroke, strokeWidth: 1.4, clip: true });
+  }
+
+  private bands(): Plot.Markish[] {
+    const { bands = [], height } = this.options;
+    const inner = height - margins.marginTop - margins.marginBottom;
+    return [0, 1].map((row) => {
+      const insetTop = row * (bandHeight + 1);
+      return Plot.rect(
+        bands.filter((band) => band.row === row),
+        {
+          x1: 'from',
+          x2: 'to',
+          fill: 'color',
+          insetTop,
+          insetBottom: inner - insetTop - bandHeight,
+          clip: true,
+        },
+      );
     });
   }
-}
 
-export function cssColor(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  private place(line: HTMLElement, time: number): void {
+    const share = (time - this.span[0]) / (this.span[1] - this.span[0]);
+    line.hidden = !(share >= 0 && share <= 1);
+    if (!line.hidden) line.style.left = `${(100 * share).toFixed(2)}%`;
+  }
+
+  /// The time under the pointer is marked in all plots; pressed, the plot's user goes there.
+  private addPointer(): void {
+    const { over } = this;
+    const { onSeek } = this.options;
+    const timeAt = (event: PointerEvent) => {
+      const box = over.getBoundingClientRect();
+      const share = (event.clientX - box.left) / box.width;
+      return this.span[0] + share * (this.span[1] - this.span[0]);
+    };
+    const point = (time: number) => {
+      for (const plot of TimePlot.all) plot.place(plot.pointed, time);
+    };
+    over.addEventListener('pointermove', (event) => {
+      point(timeAt(event));
+      if (event.buttons & 1) onSeek?.(timeAt(event));
+    });
+    over.addEventListener('pointerleave', () => point(NaN));
+    over.addEventListener('pointerdown', (event) => {
+      over.setPointerCapture(event.pointerId);
+      onSeek?.(timeAt(event));
+    });
+  }
 }

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "configuration.hpp"
+
+#include "pcavr/core/options.hpp"
+#include "pcavr/recording/option_file.hpp"
+
+namespace pcavr::app {
+namespace {
+
+void append(std::vector<OptionSection>& sections, std::vector<OptionSection> more) {
+  for (OptionSection& section : more) sections.push_back(std::move(section));
+}
+
+}  // namespace
+
+std::vector<OptionSection> Configuration::sections() {
+  std::vector<OptionSection> sections{section_of(reading)};
+  append(sections, sections_of(perception()));
+  append(sections, sections_of(build));
+  append(sections, sections_of(teleop));
+  append(sections,
+         {section_of(serve), section_of(serve.force), section_of(serve.haptics), section_of(live),
+          section_of(live.vibration), section_of(content), section_of(network), section_of(page),
+          section_of(devices.rate), section_of(devices.gamepad), section_of(devices.space_mouse),
+          section_of(devices.trace), section_of(devices.plugin), section_of(devices.simulated)});
+  append(sections, sections_of(evaluation));
+  return sections;
+}
+
+std::vector<std::pair<std::string, std::string>> Configuration::changed() {
+  return changed_options(sections());
+}
+
+void add_configuration_options(CLI::App& app, Configuration& configuration,
+                               ConfigurationOptions& options) {
+  app.add_option_function<std::string>(
+         "--config",
+         [&configuration, &options](const std::string& file) {
+           const Expected<void> read = read_options(file, configuration.sections());
+           if (!read) options.error = read.error();
+         },
+         "YAML file with options; --print-config lists them")
+      ->trigger_on_parse();
+  app.add_flag("--print-config", options.is_printed,
+               "Print all options with their values in force, and exit");
+}
+
+}  // namespace pcavr::app

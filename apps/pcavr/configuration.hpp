@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "pcavr/core/options.hpp"
+#include "pcavr/devices/open_device.hpp"
+#include "pcavr/devices/remote_device.hpp"
+#include "pcavr/evaluation/options.hpp"
+#include "pcavr/pipeline/build_scene.hpp"
+#include "pcavr/recording/recording.hpp"
+#include "pcavr/serve/content.hpp"
+#include "pcavr/serve/live_world.hpp"
+#include "pcavr/serve/scene_world.hpp"
+#include "pcavr/serve/server.hpp"
+#include "pcavr/teleop/options.hpp"
+
+namespace pcavr::app {
+
+/// The options of all modules, which every command accepts in one file. Options of the command line
+/// refer to the same fields, and win over the file.
+struct Configuration {
+  ReadOptions reading;
+  BuildOptions build;  ///< its `perception` applies to all commands
+  TeleopOptions
+      teleop;  ///< its `world` and `unknown_objects` apply to serve, its `inputs` to identify, too
+  SceneWorldOptions serve;
+  LiveWorldOptions live;
+  ContentOptions content;
+  ServerOptions network;
+  RemoteDeviceOptions page;
+  DeviceOptions devices;
+  EvaluationOptions evaluation;
+
+  [[nodiscard]] PerceptionOptions& perception() { return build.perception; }
+  [[nodiscard]] const PerceptionOptions& perception() const { return build.perception; }
+
+  /// They refer to this object.
+  [[nodiscard]] std::vector<OptionSection> sections();
+  /// "section.key" and value of what differs from the defaults, for the manifests of outputs.
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> changed();
+};
+
+/// --config and --print-config.
+struct ConfigurationOptions {
+  bool is_printed = false;
+  std::optional<Error> error = {};  ///< of the file
+};
+
+/// Adds both options to all commands. The file is read where --config is parsed: before the values
+/// of the command's options are set, wherever they stand.
+void add_configuration_options(CLI::App& app, Configuration& configuration,
+                               ConfigurationOptions& options);
+
+}  // namespace pcavr::app

@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import * as Plot from '@observablehq/plot';
+import { bandColors, pinColor, seriesColors, softInk } from './colors';
+import { number } from './number';
+import type { PlotData, Series } from './report_data';
+import type { View } from './view';
+
+// [SVG units], about pixels on a desktop screen.
+const width = 640;
+const margins = { marginTop: 14, marginRight: 14, marginBottom: 40, marginLeft: 62 };
+const chartHeight = 300;
+const mapHeight = 690; // two stacked charts with their headings
+const labelHeight = 14;
+const labelWidth = 22;
+const labelLevels = 4;
+
+/// The plot's inner width over its inner height.
+export function aspectOf(plot: PlotData): number {
+  const inner = width - margins.marginLeft - margins.marginRight;
+  return inner / (heightOf(plot) - margins.marginTop - margins.marginBottom);
+}
+
+/// Draws the part of a plot that is in the view.
+export function drawChart(plot: PlotData, view: View): Plot.Plot & SVGSVGElement {
+  return Plot.plot({
+    width,
+    height: heightOf(plot),
+    ...margins,
+    ariaLabel: plot.title,
+    style: { fontSize: '12px' },
+    x: { domain: view.x },
+    y: { domain: view.y },
+    marks: [
+      Plot.rect(plot.bands, {
+        x1: 'from',
+        x2: (band) => Math.min(band.to, view.x[1]),
+        fill: (band) => bandColors[band.kind],
+        insetRight: -1, // a band of a single frame is visible
+        clip: true,
+      }),
+      ...drawAxes(plot),
+      ...plot.series.map(drawSeries),
+      ...drawMarks(plot, view),
+      ...drawPins(plot, view),
+      Plot.frame({ stroke: softInk }),
+      drawTip(plot, view),
+    ],
+  }) as Plot.Plot & SVGSVGElement;
+}
+
+function drawAxes(plot: PlotData): Plot.Markish[] {
+  const axis = {
+    tickSize: 0,
+    labelAnchor: 'center' as const,
+    labelArrow: 'none' as const,
+    ...(plot.equal_axes ? { tickSpacing: 80 } : {}), // the same ticks on both axes of a map
+  };
+  const { tickSpacing } = axis;
+  return [
+    Plot.gridX({ strokeOpacity: 0.15, tickSpacing }),
+    Plot.gridY({ strokeOpacity: 0.15, tickSpacing }),
+    Plot.axisX({ ...axis, label: plot.x_label }),
+    Plot.axisY({ ...axis, label: plot.y_label, labelOffset: 56 }),
+  ];
+}
+
+function heightOf(plot: PlotData): number {
+  return plot.equal_axes ? mapHeight : chartHeight;
+}
+
+function drawSeries({ x, y, color, dashed, points }: Series): Plot.Markish {
+  const stroke = seriesColors[color];
+  if (points) return Plot.dot(x, { x, y, stroke, symbol: 'times', r: 3, clip: true });
+  const strokeDasharray = dashed ? '6 5' : undefined;
+  return Plot.line(x, { x, y, stroke, strokeDasharray, strokeWidth: 1.6, clip: true });
+}
+
+/// Labels are at the top of their line; lower where they would overlap the previous one.
+function drawMarks(plot: PlotData, view: View): Plot.Markish[] {
+  const shown = plot.marks.filter((mark) => isIn(view, mark.x));
+  const perUnit = width / (view.x[1] - view.x[0]);
+  let level = 0;
+  const levels = shown.map((mark, i) => {
+    const isClose = i > 0 && (mark.x - shown[i - 1].x) * perUnit < labelWidth;
+    level = isClose ? (level + 1) % labelLevels : 0;
+    return level;
+  });
+  const labels = Array.from({ length: labelLevels }, (_, row) =>
+    Plot.text(
+      shown.filter((_mark, i) => levels[i] === row),
+      {
+        x: 'x',
+        text: 'label',
+        frameAnchor: 'top-left',
+        dx: 4,
+        dy: 3 + row * labelHeight,
+      },
+    ),
+  );
+  return [Plot.ruleX(shown, { x: 'x', stroke: softInk, strokeDasharray: '2 3' }), ...labels];
+}
+
+function drawPins(plot: PlotData, view: View): Plot.Markish[] {
+  return [false, true].map((hollow) =>
+    Plot.dot(
+      plot.pins.filter((pin) => pin.hollow === hollow && isIn(view, pin.x)),
+      {
+        x: 'x',
+        frameAnchor: 'top',
+        dy: -6,
+        symbol: 'triangle',
+        rotate: 180,
+        r: 3.5,
+        stroke: pinColor,
+        fill: hollow ? 'white' : pinColor,
+      },
+    ),
+  );
+}
+
+/// The values of the point nearest to the pointer.
+function drawTip(plot: PlotData, view: View): Plot.Markish {
+  const points = plot.series.flatMap(({ label, x, y }) =>
+    x.flatMap((at, i) => (at !== null && y[i] !== null ? [{ label, x: at, y: y[i] }] : [])),
+  );
+  const shown = points.filter(({ x, y }) => isIn(view, x) && y >= view.y[0] && y <= view.y[1]);
+  return Plot.tip(
+    shown,
+    Plot.pointer({
+      x: 'x',
+      y: 'y',
+      title: ({ label, x, y }) =>
+        `${label}\n${plot.x_label}: ${number(x)}\n${plot.y_label}: ${number(y)}`,
+    }),
+  );
+}
+
+function isIn(view: View, x: number): boolean {
+  return x >= view.x[0] && x <= view.x[1];
+}

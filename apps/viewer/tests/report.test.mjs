@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { copyFileSync, existsSync, mkdirSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { openBrowser, openPage, screenshot } from './support/browser.mjs';
+import { makeScene } from './support/pcavr.mjs';
+import { sample, writeReport } from './support/report_sample.mjs';
+import { limit } from './support/stage.mjs';
+
+let browser;
+let report;
+
+before(async () => {
+  browser = await openBrowser();
+  report = writeReport(sample);
+}, limit);
+after(async () => {
+  await browser.close();
+  report.remove();
+});
+
+/// Opens a report, and expects that it loads nothing but itself and has no errors.
+async function open(url) {
+  const { page, seen } = await openPage(browser.context, url);
+  await page.setViewportSize({ width: 1240, height: 900 });
+  await page.locator('footer').waitFor();
+  const requests = seen.requests.filter((request) => !request.startsWith('data:'));
+  assert.deepEqual(requests, [url]);
+  assert.deepEqual(seen.errors, []);
+  return { page, seen };
+}
+
+test('a report shows its headings, tables and plots without a network', limit, async () => {
+  const { page, seen } = await open(report.url);
+  assert.equal(await page.title(), sample.title);
+  assert.deepEqual(await page.locator('h1, h2').allTextContents(), [
+    'Run evaluation',
+    'Overview',
+    'box_1',
+  ]);
+  // Names are text, not markup.
+  assert.equal(await page.locator('.input b').first().textContent(), '<b>my & run</b>');
+  assert.deepEqual(await page.locator('.note').allTextContents(), [
+    'box_3 has no pose in this run.',
+    'The tool jumps.',
+  ]);
+  assert.equal(await page.locator('.headline table').count(), 2);
+  assert.equal(await page.locator('.headline tbody tr').count(), 16);
+  assert.equal(await page.locator('td', { hasText: 'missed' }).getAttribute('class'), 'number');
+  assert.equal(await page.locator('figure svg').count(), 4);
+  assert.equal(await page.locator('figure.map').count(), 1);
+  const legend = await page.locator('figure', { hasText: 'force of the tool' }).locator('.legend');
+  assert.deepEqual(await legend.locator('span').allTextContents(), [
+    'measured',
+    'rendered (virtual)',
+    'static',
+    'critical',
+    'sliding',
+    '▼correction arrives',
+    '▽correction lost',
+  ]);
+  // Lines have been drawn, and no coordinate is invalid.
+  const paths = await page
+    .locator('g[aria-label=line] path')
+    .evaluateAll((all) => all.map((path) => path.getAttribute('d')));
+  assert.equal(paths.length, 4);
+  for (const path of paths) assert.match(path, /^M[-\d.]+,[-\d.]+L/);
+  assert.equal((await page.locator('main').innerHTML()).includes('NaN'), false);
+  await screenshot(page, 'report');
+  assert.deepEqual(seen.errors, []);
+});
+
+test('a plot shows values at the pointer, zooms in, and shows all again', limit, async () => {
+  const { page, seen } = await open(report.url);
+  const figure = page.locator('figure', { hasText: 'force of the tool' });
+  const drawing = figure.locator('.drawing');
+  await drawing.scrollIntoViewIfNeeded();
+  const box = await drawing.boundingBox();
+  const ticks = () => figure.locator('g[aria-label="x-axis tick label"] text').allTextContents();
+  const whole = await ticks();
+  await page.mouse.move(box.x + 200, box.y + 100);
+  await figure.locator('g[aria-label=tip]', { hasText: 'force (N):' }).waitFor();
+  await page.mouse.move(box.x + 100, box.y + 100);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 160, box.y + 110, { steps: 3 });
+  await page.mouse.up();
+  const zoomed = await ticks();
+  assert.notDeepEqual(zoomed, whole);
+  assert.ok(Math.max(...zoomed.map(Number)) < Math.max(...whole.map(Number)) / 2, `${zoomed}`);
+  await screenshot(page, 'report-zoomed');
+  await figure.getByRole('button', { name: 'Show all' }).click();
+  assert.deepEqual(await ticks(), whole);
+  assert.deepEqual(seen.errors, []);
+});
+
+test('a plot can be saved as a drawing', limit, async () => {
+  const { page } = await open(report.url);
+  const saved = page.waitForEvent('download');
+  await page.locator('figure.map').getByRole('button', { name: 'Save SVG' }).click();
+  assert.equal((await saved).suggestedFilename(), 'box_1-predicted-path-from-above.svg');
+});
+
+test('a printed report has its folded tables, and no buttons', limit, async () => {
+  const { page } = await open(report.url);
+  assert.equal(await page.locator('details[open]').count(), 0);
+  await page.emulateMedia({ media: 'print' });
+  assert.equal(await page.getByRole('button').first().isVisible(), false);
+  await page.evaluate(() => dispatchEvent(new Event('beforeprint')));
+  assert.equal(await page.locator('details:not([open])').count(), 0);
+});
+
+test('the reports of the command open', { timeout: 180_000 }, async (t) => {
+  const made = makeScene();
+  const path = (name) => join(made.folder, name);
+  const run = (...args) => execFileSync(process.env.PCAVR_COMMAND, args, { stdio: 'pipe' });
+  try {
+    const goal = ['identify', 'friction', made.recording, '--scene', made.scene];
+    run(...goal, '-o', path('found.yaml'), '--report', path('found'));
+    if (!existsSync(path('found/report.html'))) {
+      t.skip('the command was built before the page');
+      return;
+    }
+    // The recording has no images to track: the true poses.
+    for (const name of ['box_1', 'box_2']) {
+      mkdirSync(path(`tracked/objects/${name}`), { recursive: true });
+      const pose = path(`recording/truth/objects/${name}.txt`);
+      copyFileSync(pose, path(`tracked/objects/${name}/tracked.txt`));
+    }
+    const inputs = ['--scene', made.scene, '--tracked', path('tracked')];
+    run('replay', made.recording, ...inputs, '-o', path('run'));
+    run('evaluate', path('run'), '--truth', path('recording/truth'), '-o', path('evaluated'));
+    for (const name of ['found', 'evaluated']) {
+      const { page } = await open(`file://${path(name)}/report.html`);
+      assert.ok((await page.locator('figure svg').count()) > 0, name);
+      assert.ok((await page.locator('tbody tr').count()) > 0, name);
+      await screenshot(page, `report-${name}`);
+    }
+  } finally {
+    made.remove();
+  }
+});

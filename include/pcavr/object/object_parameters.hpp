@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "pcavr/contact/hunt_crossley.hpp"
+#include "pcavr/friction/limit_surface.hpp"
+
+namespace pcavr {
+
+/// A value and, where known, its uncertainty.
+struct ParameterValue {
+  double value = 0.0;
+  std::optional<double> std = {};  ///< standard deviation, in the value's unit
+};
+
+/// The known contact and friction parameters of an object: what identification writes, prediction
+/// reads and `truth/parameters.yaml` states. Empty: not known.
+struct ObjectParameters {
+  std::optional<ParameterValue> mass = {};                      ///< M [kg]
+  std::optional<ParameterValue> limiting_static_friction = {};  ///< F_M [N]
+  /// [N] of F_M from push to push: half the critical band [paper C, eq. 10]. Where it is empty, the
+  /// std of F_M is, as in files of older versions.
+  std::optional<ParameterValue> limiting_static_friction_scatter = {};
+  std::optional<ParameterValue> sliding_friction_coefficient = {};  ///< mu: Coulomb force over M g
+  std::optional<ParameterValue> viscous_friction = {};              ///< B [N s/m]
+  // F = stiffness d^n + damping d^n d' (n = 1: damping d').
+  std::optional<ParameterValue> contact_stiffness = {};  ///< [N/m^n]
+  std::optional<ParameterValue> contact_damping = {};    ///< [N s/m^(n+1)]
+  std::optional<ParameterValue> contact_exponent = {};   ///< n
+  /// Maximum friction moment over maximum friction force of the support [m]; see mean_radius.
+  std::optional<ParameterValue> friction_radius = {};
+  std::optional<ParameterValue> tool_friction_coefficient = {};  ///< between tip and object
+  std::optional<ParameterValue> loading_rate = {};  ///< [N/s] at which F_M was measured
+  /// Where pushes rotated the object enough. Axes: planar axes of the object, see heading_of.
+  std::optional<LimitSurface> limit_surface = {};
+};
+
+/// The contact law, if known. A stiffness without its exponent is in N/m.
+[[nodiscard]] std::optional<HuntCrossley> contact_law_of(const ObjectParameters& known);
+
+/// By the object's name.
+using ParameterTable = std::map<std::string, ObjectParameters>;
+
+}  // namespace pcavr

@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pcavr/identification/breakaway.hpp"
+#include "pcavr/identification/contact_fit.hpp"
+#include "pcavr/identification/segmentation.hpp"
+#include "pcavr/identification/sliding.hpp"
+#include "pcavr/inputs/input_options.hpp"
+#include "pcavr/prediction/body_physics.hpp"
+#include "pcavr/prediction/predicted_world.hpp"
+#include "pcavr/prediction/predictor.hpp"
+
+namespace pcavr {
+
+struct OptionSection;  // core/options.hpp
+
+// Defaults, ranges, and what goes wrong at their ends: src/teleop/options.cpp.
+
+/// Whether the tip touches an object, and the force sensor's bias ("teleop.touch").
+struct TouchOptions {
+  TouchOptions();
+  double touch_clearance;  ///< [m] below: in contact
+  double free_clearance;   ///< [m] above, of every object: the force is the sensor's bias
+  double bias_time;        ///< [s] time constant of the bias
+  double contact_stds;     ///< force at which a contact begins, over its std
+  double force_drift;      ///< [N] minimum of that force
+};
+
+/// Detection of free, static, critical and sliding at the robot's site ("teleop.phases").
+struct PhaseMonitorOptions {
+  PhaseMonitorOptions();
+  double slide_speed;       ///< [m/s] minimum speed that is distinguished from rest
+  double min_displacement;  ///< [m] minimum displacement of a slide
+  int debounce_samples;     ///< consecutive samples that must agree
+  double leave_ratio;       ///< of the contact force: a contact ends below
+  double leave_time;        ///< [s] ... for this long
+  double retraction;        ///< [m] of the tip, at which a contact ends
+  double line_guard;        ///< [s] newest samples that the contact line does not use
+  double rate_window;       ///< [s] of the tip's speed, for damping
+  double min_speed_window;  ///< [s] of the object's speed
+  double max_speed_window;  ///< [s] of the object's speed
+};
+
+/// The robot site's pose estimate, from camera and contact ("teleop.pose").
+struct PoseFusionOptions {
+  PoseFusionOptions();
+  double tracking_latency;         ///< [s]
+  double initial_std;              ///< [m] of a pose that was never tracked
+  double moved_stds;               ///< displacement between two frames, over its std: motion
+  double min_displacement;         ///< [m] ... and at least this
+  double min_speed;                ///< [m/s] ... and this
+  double untracked_drift;          ///< growth of the std per displacement without tracking
+  double contact_std;              ///< [m] of the face's position by contact
+  double default_penetration_std;  ///< relative, if the contact law states none
+  double min_force;                ///< [N] below, contact gives no position
+  double offset_gain;              ///< of the low-pass filter from camera to contact, per sample
+};
+
+/// Online identification at the robot's site ("teleop.learning"); the methods' own options are
+/// nested, in their own sections.
+struct LearningOptions {
+  LearningOptions();
+  double default_relative_std;  ///< of a parameter without a stated std
+  double contradiction_stds;    ///< difference at which data contradict a parameter
+  double model_error;           ///< relative difference that is never a contradiction
+  double single_breakaway_std;  ///< relative, of F_M by one breakaway
+  double max_fit_error;         ///< of a contact law: relative force residual
+  double max_penetration_std;   ///< of a contact law: relative
+  double min_peak_force;        ///< [N] of a contact that is used for the contact law
+  double static_limit_ratio;    ///< static friction over F_M that contradicts it, ...
+  double static_limit_time;     ///< [s] ... after this long
+  double static_limit_factor;   ///< F_M until breakaway, over the largest static friction
+  int max_fitted_contacts;      ///< newest ones, fitted together
+  double max_contact_time;      ///< [s] of one contact that is used
+  double delay_after_onset;     ///< [s] from a slide's onset to its identification
+  double sliding_interval;      ///< [s] between identifications during a slide
+  double delay_after_stop;      ///< [s] from a slide's or contact's end to its identification
+  SegmentationOptions segmentation;
+  ContactFitOptions contact_fit;
+  OnsetOptions onset;
+  LimitingFrictionOptions limiting_friction;
+  SlidingOptions sliding;  ///< its gravity is that of both sites
+};
+
+/// When a correction is sent [paper C] ("teleop.switch").
+struct CorrectionSwitchOptions {
+  CorrectionSwitchOptions();
+  double force_tolerance;       ///< relative to the real force
+  double position_tolerance;    ///< [m] maximum error without a correction
+  double position_stds;         ///< position error over the estimate's std, ...
+  double min_position_error;    ///< [m] ... at least this
+  double phase_persistence;     ///< [s] after which a difference of the phases counts
+  double force_persistence;     ///< [s] ... of the forces
+  double position_persistence;  ///< [s] ... of the positions
+  double max_lapse;             ///< [s] for which a difference may vanish meanwhile
+  double round_trip_margin;     ///< [s] after a round trip until a case is sent again
+  double growth_factor;         ///< of an error whose correction is in flight: sent again
+  double max_threshold_factor;  ///< of the thresholds beyond the byte budget
+  double byte_budget;           ///< of the corrections, relative to streaming
+  double burst_bytes;           ///< [bytes] that may be sent beyond the budget
+};
+
+/// What a correction contains ("teleop.messages").
+struct MessageOptions {
+  MessageOptions();
+  double min_pose_error;        ///< [m] from which on the pose is sent
+  double rotation_radius;       ///< [m] at which a rotation counts as a displacement
+  double min_parameter_change;  ///< relative, from which on parameters are sent
+  double min_compared_force;    ///< [N] of contact laws
+  double compared_rate;         ///< [m/s] of contact laws: rate of penetration
+};
+
+/// Both sites and the link between them ("teleop").
+struct TeleopOptions {
+  TeleopOptions();
+  double forward_delay;   ///< [s] operator to robot
+  double backward_delay;  ///< [s] robot to operator
+  double jitter;          ///< [s] std of either delay; messages keep their order
+  double loss;            ///< packet loss of corrections, 0 to 1
+  std::uint64_t seed;     ///< of jitter and loss
+  bool with_corrections;  ///< false: predict only
+  bool identifies;        ///< false: the parameters stay as given
+  InputOptions inputs;    ///< how the recording is examined before the run
+  TouchOptions touch;
+  PhaseMonitorOptions phases;
+  PoseFusionOptions pose;
+  LearningOptions learning;
+  CorrectionSwitchOptions correction_switch;
+  MessageOptions messages;
+  PredictorOptions predictor;       ///< its history is extended to a round trip
+  WorldOptions world;               ///< of the prediction
+  PhysicsDefaults unknown_objects;  ///< of the prediction
+
+  [[nodiscard]] double round_trip() const { return forward_delay + backward_delay; }
+  /// [m/s^2] of both sites.
+  [[nodiscard]] double gravity() const { return learning.sliding.gravity; }
+};
+
+[[nodiscard]] OptionSection section_of(TouchOptions& options);
+[[nodiscard]] OptionSection section_of(PhaseMonitorOptions& options);
+[[nodiscard]] OptionSection section_of(PoseFusionOptions& options);
+[[nodiscard]] OptionSection section_of(LearningOptions& options);
+[[nodiscard]] OptionSection section_of(CorrectionSwitchOptions& options);
+[[nodiscard]] OptionSection section_of(MessageOptions& options);
+/// Without the nested options.
+[[nodiscard]] OptionSection section_of(TeleopOptions& options);
+/// "teleop" and its nested sections, and those of the methods that it uses.
+[[nodiscard]] std::vector<OptionSection> sections_of(TeleopOptions& options);
+
+}  // namespace pcavr

@@ -1,0 +1,357 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/identification/friction_posterior.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/core/gravity.hpp"
+#include "pcavr/core/median.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr int kViscousSteps = 40;      // of the prior's range, then again of the posterior's
+constexpr double kRefinedRange = 5.0;  // in stds of the posterior, on either side
+constexpr int kScatterSteps = 5;
+constexpr double kScatterRange = 1.6;  // in stds of the prior's logarithm, on either side
+constexpr double kMaxResidual = 2.5;   // in stds; beyond it a sample's std grows with its residual
+constexpr int kFrictionReweightings = 3;
+constexpr double kMaxPosteriorMassStd = 0.1;  // as a share of the mass
+constexpr double kTurningInertia = 0.5;    // error of the inertial force of a turning object, share
+constexpr double kFlatPriorShare = 100.0;  // std of a flat prior, in units of the typical value
+constexpr double kMaxMassFactor = 10.0;    // of the typical mass, for the effective variance
+constexpr double kSameSpeed = 1.25;        // pushes whose speeds are within this factor share a row
+constexpr double kMinRowSpeed = 1e-4;      // [m/s]
+constexpr double kGuessedFriction = 0.3;   // coefficient, for a first guess of the mass
+
+/// Unknowns in closed form.
+enum Column { kCoulomb, kMass, kStribeck, kSize, kColumns };
+using Unknowns = Eigen::Matrix<double, kColumns, 1>;
+using Information = Eigen::Matrix<double, kColumns, kColumns>;
+
+/// The posterior at one grid point: Gaussian in the unknowns, with its log evidence.
+struct Conditional {
+  double viscous = 0.0;
+  double between = 0.0;  ///< scatter from push to push, as a share
+  double within = 0.0;   ///< from place to place
+  Unknowns mean = Unknowns::Zero();
+  Information covariance = Information::Zero();
+  double log_weight = 0.0;
+};
+
+/// Mean and variance of a linear function of the unknowns and B over the posterior.
+struct PosteriorMoments {
+  double mean = 0.0, variance = 0.0;
+};
+
+/// The posterior on the whole grid.
+struct Posterior {
+  std::vector<Conditional> grid;
+  std::vector<double> weights;
+
+  explicit Posterior(std::vector<Conditional> points) : grid(std::move(points)) {
+    double highest = grid.front().log_weight, sum = 0.0;
+    for (const Conditional& point : grid) highest = std::max(highest, point.log_weight);
+    for (const Conditional& point : grid) {
+      weights.push_back(std::exp(point.log_weight - highest));
+      sum += weights.back();
+    }
+    for (double& weight : weights) weight /= sum;
+  }
+
+  [[nodiscard]] const Conditional& best() const {
+    const auto highest = std::max_element(weights.begin(), weights.end());
+    return grid[static_cast<std::size_t>(highest - weights.begin())];
+  }
+
+  /// Of `by` . unknowns + by_viscous B.
+  [[nodiscard]] PosteriorMoments of(const Unknowns& by, double by_viscous) const {
+    PosteriorMoments result;
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      result.mean += weights[i] * (by.dot(grid[i].mean) + by_viscous * grid[i].viscous);
+    }
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      const double off = by.dot(grid[i].mean) + by_viscous * grid[i].viscous - result.mean;
+      result.variance += weights[i] * (by.dot(grid[i].covariance * by) + off * off);
+    }
+    return result;
+  }
+};
+
+/// [N s/m] of viscous friction that a grid covers.
+struct ViscousRange {
+  double low = 0.0, high = 0.0;
+};
+
+class Inference {
+ public:
+  Inference(std::span<const FrictionSample> samples, const FrictionPriors& priors)
+      : samples_(samples), priors_(priors), inflation_(samples.size(), 1.0) {
+    std::vector<double> forces;
+    for (const FrictionSample& sample : samples) {
+      PCAVR_REQUIRE(sample.push + 1 >= pushes_, sample.push, pushes_);
+      forces.push_back(sample.force);
+      pushes_ = std::max(pushes_, sample.push + 1);
+    }
+    level_ = std::max(median(forces), 1e-6);
+    mass_scale_ = priors.mass.value_or(level_ / (kGuessedFriction * kStandardGravity));
+    mass_guess_ = mass_scale_;
+  }
+
+  /// After samples that do not fit have been weighed down.
+  Posterior solve() {
+    ViscousRange range{0.0, priors_.max_viscous};
+    for (int i = 0; i < kFrictionReweightings; ++i) {
+      const Posterior posterior(evaluate_grid(range));
+      reweight(posterior.best());
+    }
+    const Posterior coarse(evaluate_grid(range));
+    const PosteriorMoments viscous = coarse.of(Unknowns::Zero(), 1.0);
+    const double step = priors_.max_viscous / kViscousSteps;
+    const double reach = kRefinedRange * std::max(std::sqrt(viscous.variance), 0.3 * step);
+    range.low = std::max(range.low, viscous.mean - reach);
+    range.high = std::min(range.high, viscous.mean + reach);
+    return Posterior(evaluate_grid(range));
+  }
+
+  [[nodiscard]] std::size_t pushes() const { return pushes_; }
+  [[nodiscard]] double level() const { return level_; }
+  [[nodiscard]] const FrictionPriors& priors() const { return priors_; }
+
+ private:
+  [[nodiscard]] Unknowns row_of(const FrictionSample& sample) const {
+    Unknowns row;
+    row << 1.0, sample.is_turning ? 0.0 : sample.acceleration,
+        level_ * std::exp(-sample.speed / priors_.stribeck_speed), level_ * sample.rotation_share;
+    return row;
+  }
+
+  /// What Coulomb friction and the other linear terms explain. While the object turns, its inertia
+  /// is known roughly only, and is not used to identify the mass.
+  [[nodiscard]] double value_of(const FrictionSample& sample, double viscous) const {
+    const double inertial = sample.is_turning ? mass_guess_ * sample.acceleration : 0.0;
+    return sample.force - inertial - viscous * sample.speed;
+  }
+  [[nodiscard]] double turning_variance(const FrictionSample& sample) const {
+    return sample.is_turning ? std::pow(kTurningInertia * mass_guess_ * sample.acceleration, 2)
+                             : 0.0;
+  }
+
+  /// Noise of one sample, and friction's variation with the place: of all samples within one
+  /// correlation path, only one is independent.
+  [[nodiscard]] double variance_of(std::size_t i, double viscous, double within) const {
+    const FrictionSample& sample = samples_[i];
+    const double noise = std::pow(sample.force_std, 2) + std::pow(viscous * sample.speed_std, 2) +
+                         std::pow(mass_guess_ * sample.acceleration_std, 2);
+    const double repeats =
+        std::clamp(priors_.correlation_path / std::max(sample.travel, 1e-9), 1.0, kMaxRepeats);
+    return inflation_[i] *
+           (noise + turning_variance(sample) + repeats * std::pow(within * level_, 2));
+  }
+
+  [[nodiscard]] Information prior_information() const {
+    Unknowns information;
+    const double mass_std =
+        priors_.mass ? priors_.mass_share * *priors_.mass : kFlatPriorShare * mass_scale_;
+    information << std::pow(kFlatPriorShare * level_, -2), std::pow(mass_std, -2),
+        std::pow(priors_.stribeck_share, -2), std::pow(priors_.support_size_share, -2);
+    return information.asDiagonal();
+  }
+  [[nodiscard]] Unknowns prior_mean() const {
+    Unknowns mean = Unknowns::Zero();
+    if (priors_.mass) mean[kMass] = *priors_.mass;
+    mean[kStribeck] = priors_.stribeck_share;
+    return mean;
+  }
+
+  [[nodiscard]] Conditional condition(double viscous, double between, double within) const {
+    const Information prior = prior_information();
+    Information information = prior;
+    Unknowns weighted = prior * prior_mean();
+    double misfit = prior_mean().dot(weighted), log_determinant = 0.0, attenuation = 0.0;
+    const double push_variance = std::pow(between * level_, 2) + std::pow(priors_.bias_std, 2);
+    for (std::size_t i = 0; i < samples_.size();) {
+      const std::size_t push = samples_[i].push;
+      Unknowns sum_row = Unknowns::Zero();
+      double sum = 0.0, sum_value = 0.0;
+      for (; i < samples_.size() && samples_[i].push == push; ++i) {
+        const double weight = 1.0 / variance_of(i, viscous, within);
+        const Unknowns row = row_of(samples_[i]);
+        const double value = value_of(samples_[i], viscous);
+        information += weight * row * row.transpose();
+        weighted += weight * value * row;
+        misfit += weight * value * value;
+        log_determinant -= std::log(weight);
+        if (!samples_[i].is_turning) {
+          attenuation += weight * std::pow(samples_[i].acceleration_std, 2);
+        }
+        sum_row += weight * row;
+        sum += weight;
+        sum_value += weight * value;
+      }
+      // The push's own random effect, marginalised [Woodbury].
+      const double share = 1.0 / (1.0 / push_variance + sum);
+      information -= share * sum_row * sum_row.transpose();
+      weighted -= share * sum_value * sum_row;
+      misfit -= share * sum_value * sum_value;
+      log_determinant += std::log1p(push_variance * sum);
+    }
+    // The noise of the accelerations adds to their squares, not to their products with the force.
+    // At most half of what the others leave of it, so that a noise that is misjudged does no harm.
+    const Information inverse = information.llt().solve(Information::Identity());
+    const double excess = 1.0 / inverse(kMass, kMass) - prior(kMass, kMass);
+    information(kMass, kMass) -= std::clamp(attenuation, 0.0, std::max(0.5 * excess, 0.0));
+    const Eigen::LLT<Information> factor(information);
+    Conditional result{viscous, between, within, factor.solve(weighted),
+                       factor.solve(Information::Identity())};
+    const Information lower = factor.matrixL();
+    const double log_information = 2.0 * lower.diagonal().array().log().sum();
+    const double prior_misfit =
+        std::pow(scatter_in_stds(between), 2) + std::pow(scatter_in_stds(within), 2);
+    result.log_weight = -0.5 * (misfit - weighted.dot(result.mean) + log_determinant +
+                                log_information + prior_misfit);
+    return result;
+  }
+
+  [[nodiscard]] std::vector<Conditional> evaluate_grid(const ViscousRange& range) const {
+    std::vector<Conditional> grid;
+    for (int s = 0; s < kScatterSteps * kScatterSteps; ++s) {
+      const double between = scatter_at(s / kScatterSteps);
+      const double within = scatter_at(s % kScatterSteps);
+      for (int b = 0; b < kViscousSteps; ++b) {
+        const double viscous = range.low + (range.high - range.low) * (b + 0.5) / kViscousSteps;
+        grid.push_back(condition(viscous, between, within));
+      }
+    }
+    return grid;
+  }
+
+  [[nodiscard]] double scatter_at(int step) const {
+    const double position = 2.0 * step / (kScatterSteps - 1) - 1.0;
+    return priors_.scatter * std::pow(priors_.scatter_factor, kScatterRange * position);
+  }
+  [[nodiscard]] double scatter_in_stds(double scatter) const {
+    return std::log(scatter / priors_.scatter) / std::log(priors_.scatter_factor);
+  }
+
+  /// Residuals about the push's own mean level, which the random effect explains.
+  void reweight(const Conditional& best) {
+    mass_guess_ = std::clamp(best.mean[kMass], 0.0, kMaxMassFactor * mass_scale_);
+    std::vector<double> residuals;
+    std::vector<double> sums(pushes_, 0.0), weights(pushes_, 0.0);
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      const FrictionSample& sample = samples_[i];
+      residuals.push_back(value_of(sample, best.viscous) - row_of(sample).dot(best.mean));
+      const double weight = 1.0 / variance_of(i, best.viscous, best.within);
+      sums[sample.push] += weight * residuals.back();
+      weights[sample.push] += weight;
+    }
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      const std::size_t push = samples_[i].push;
+      const double std = std::sqrt(variance_of(i, best.viscous, best.within) / inflation_[i]);
+      const double distance = std::abs(residuals[i] - sums[push] / weights[push]) / std;
+      inflation_[i] = std::max(1.0, distance / kMaxResidual);
+    }
+  }
+
+  static constexpr double kMaxRepeats = 50.0;
+
+  std::span<const FrictionSample> samples_;
+  FrictionPriors priors_;
+  std::vector<double> inflation_;  ///< of each sample's variance
+  double level_ = 0.0;             ///< [N] typical friction
+  double mass_scale_ = 0.0;        ///< [kg] typical mass
+  double mass_guess_ = 0.0;        ///< [kg] for the effective variance
+  std::size_t pushes_ = 0;
+};
+
+IdentifiedParameter marginal_of(const PosteriorMoments& moments) {
+  return {moments.mean, std::sqrt(std::max(moments.variance, 0.0)), false};
+}
+
+void set_covariance(const Posterior& posterior, FrictionPosterior& result) {
+  const Unknowns units[2] = {Unknowns::Unit(kMass), Unknowns::Unit(kCoulomb)};
+  const double means[3] = {result.mass.value, result.coulomb.value, result.viscous.value};
+  for (std::size_t i = 0; i < posterior.grid.size(); ++i) {
+    const Conditional& point = posterior.grid[i];
+    Eigen::Vector3d off(units[0].dot(point.mean), units[1].dot(point.mean), point.viscous);
+    off -= Eigen::Vector3d(means[0], means[1], means[2]);
+    Eigen::Matrix3d one = off * off.transpose();
+    for (int r = 0; r < 2; ++r) {
+      for (int c = 0; c < 2; ++c) one(r, c) += units[r].dot(point.covariance * units[c]);
+    }
+    result.covariance += posterior.weights[i] * one;
+  }
+}
+
+/// One row for each speed at which pushes slid.
+void set_forces(std::span<const FrictionSample> samples, const Posterior& posterior,
+                const Inference& inference, FrictionPosterior& result) {
+  const FrictionPriors& priors = inference.priors();
+  const double level = inference.level();
+  std::vector<double> speeds;
+  for (std::size_t push = 0; push < inference.pushes(); ++push) {
+    std::vector<double> of_push;
+    for (const FrictionSample& sample : samples) {
+      if (sample.push == push) of_push.push_back(sample.speed);
+    }
+    if (!of_push.empty()) speeds.push_back(std::max(median(of_push), kMinRowSpeed));
+  }
+  std::sort(speeds.begin(), speeds.end());
+  for (std::size_t begin = 0, end; begin < speeds.size(); begin = end) {
+    double sum = 0.0;
+    for (end = begin; end < speeds.size() && speeds[end] <= kSameSpeed * speeds[begin]; ++end) {
+      sum += speeds[end];
+    }
+    const double speed = sum / static_cast<double>(end - begin);
+    Unknowns by = Unknowns::Unit(kCoulomb);
+    by[kStribeck] = level * std::exp(-speed / priors.stribeck_speed);
+    const PosteriorMoments force = posterior.of(by, speed);
+    result.sliding_force.push_back({speed, force.mean, std::sqrt(force.variance)});
+  }
+}
+
+void set_coefficient(const FrictionPriors& priors, FrictionPosterior& result) {
+  const IdentifiedParameter& mass = result.mass;
+  if (!mass.is_excited && !priors.mass) return;
+  const double weight = mass.value * kStandardGravity;
+  const double value = result.coulomb.value / weight;
+  const Eigen::Vector2d by(-value / mass.value, 1.0 / weight);
+  const double variance = by.dot(result.covariance.topLeftCorner<2, 2>() * by);
+  result.coefficient = {value, std::sqrt(std::max(variance, 0.0)), result.coulomb.is_excited};
+}
+
+}  // namespace
+
+FrictionPosterior infer_friction(std::span<const FrictionSample> samples,
+                                 const FrictionPriors& priors) {
+  PCAVR_REQUIRE(priors.max_viscous > 0.0 && priors.scatter > 0.0 && priors.scatter_factor > 1.0);
+  FrictionPosterior result;
+  if (samples.empty()) return result;
+  Inference inference(samples, priors);
+  const Posterior posterior = inference.solve();
+  result.is_valid = true;
+  result.samples = samples.size();
+  result.pushes = inference.pushes();
+  result.mass = marginal_of(posterior.of(Unknowns::Unit(kMass), 0.0));
+  result.coulomb = marginal_of(posterior.of(Unknowns::Unit(kCoulomb), 0.0));
+  result.viscous = marginal_of(posterior.of(Unknowns::Zero(), 1.0));
+  for (std::size_t i = 0; i < posterior.grid.size(); ++i) {
+    result.scatter += posterior.weights[i] * posterior.grid[i].between;
+  }
+  const double uniform_std = priors.max_viscous / std::sqrt(12.0);
+  result.viscous.is_excited = result.viscous.std * kIdentifiedFactor < uniform_std;
+  result.mass.is_excited =
+      !priors.mass && result.mass.std < kMaxPosteriorMassStd * result.mass.value;
+  result.coulomb.is_excited = result.coulomb.std * kIdentifiedFactor < result.coulomb.value;
+  set_covariance(posterior, result);
+  set_coefficient(priors, result);
+  set_forces(samples, posterior, inference, result);
+  return result;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/identification/limit_of_pushes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "pcavr/core/check.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr int kScatterGrid = 25;
+constexpr double kScatterReach = 3.0;  // in stds of the scatter's prior
+
+}  // namespace
+
+LimitOfPushes combine_limits(std::span<const IdentifiedParameter> limits, double scatter_share,
+                             double scatter_factor) {
+  PCAVR_REQUIRE(scatter_share > 0.0 && scatter_factor > 1.0);
+  LimitOfPushes result;
+  double largest = 0.0;
+  for (const IdentifiedParameter& one : limits) {
+    if (one.is_excited) largest = std::max(largest, one.value);
+  }
+  if (!(largest > 0.0)) return result;
+  double total = 0.0, mean = 0.0, squares = 0.0, scatter_mean = 0.0, best = -1e300;
+  std::array<double, kScatterGrid> logs{}, means{}, variances{}, scatters{};
+  for (int g = 0; g < kScatterGrid; ++g) {
+    const auto k = static_cast<std::size_t>(g);
+    const double in_stds = kScatterReach * (2.0 * g / (kScatterGrid - 1) - 1.0);
+    scatters[k] = scatter_share * largest * std::pow(scatter_factor, in_stds);
+    double weight = 0.0, weighted = 0.0, log_determinant = 0.0, misfit = 0.0;
+    for (const IdentifiedParameter& one : limits) {
+      if (!one.is_excited) continue;
+      const double variance = one.std * one.std + scatters[k] * scatters[k];
+      weight += 1.0 / variance;
+      weighted += one.value / variance;
+      misfit += one.value * one.value / variance;
+      log_determinant += std::log(variance);
+    }
+    means[k] = weighted / weight;
+    variances[k] = 1.0 / weight;
+    misfit -= weighted * weighted / weight;
+    logs[k] = -0.5 * (misfit + log_determinant + std::log(weight) + in_stds * in_stds);
+    best = std::max(best, logs[k]);
+  }
+  for (std::size_t k = 0; k < logs.size(); ++k) {
+    const double weight = std::exp(logs[k] - best);
+    total += weight;
+    mean += weight * means[k];
+    squares += weight * (variances[k] + means[k] * means[k]);
+    scatter_mean += weight * scatters[k];
+  }
+  mean /= total;
+  result.limit = {mean, std::sqrt(std::max(0.0, squares / total - mean * mean)), true};
+  result.scatter = scatter_mean / total;
+  return result;
+}
+
+}  // namespace pcavr

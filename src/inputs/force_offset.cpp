@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include <Eigen/Dense>
+
+#include "pcavr/contact/hunt_crossley.hpp"
+
+#include "inputs/clock_offsets.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kRange = 0.25;       // [s] as the search range of estimate_time_offset
+constexpr double kGridStep = 0.010;   // [s] well below the time in which a contact is released
+constexpr double kHalfWidth = 0.016;  // [s] smoothing of both signals
+// Neighbouring linear interpolations of the tip's samples share one sample.
+constexpr double kCorrelatedByInterpolation = 2.0;
+constexpr double kExponents[] = {1.0, 1.5, 2.0};
+constexpr double kBeforeRelease = 0.15;   // [s] of a push before its release that are used
+constexpr std::size_t kMaxSamples = 250;  // of a contact: more are not independent
+
+/// Samples on the force's clock at which the object is at rest under the tip.
+struct StationaryContact {
+  Eigen::Vector3d direction_base;
+  std::vector<double> t;
+  std::vector<double> smooth_force;  ///< [N]
+  std::vector<double> force;         ///< [N] as measured
+};
+
+StationaryContact stationary_samples(const ContactEpisode& episode) {
+  StationaryContact result{episode.direction_base, {}, {}, {}};
+  const std::vector<SmoothedSample> f = smooth(episode.t, episode.force, episode.t, kHalfWidth);
+  // The release of a push begins at its last force peak; before, the object may have moved.
+  double from = episode.begin;
+  const double min_force = 0.1 * episode.peak_force;
+  if (episode.kind != ContactKind::press) {
+    double last_peak = 0.0;
+    for (std::size_t i = f.size(); i-- > 0;) {
+      if (!f[i].is_valid || episode.t[i] > episode.end) continue;
+      if (f[i].value > last_peak) last_peak = f[i].value, from = episode.t[i];
+      if (last_peak > 0.3 * episode.peak_force && f[i].value < 0.9 * last_peak) break;
+      if (last_peak > 0.3 * episode.peak_force && from - episode.t[i] > kBeforeRelease) break;
+    }
+    from -= kBeforeRelease;
+  }
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    if (f[i].is_valid && episode.t[i] >= from && f[i].value > min_force) chosen.push_back(i);
+  }
+  const std::size_t step = chosen.size() / kMaxSamples + 1;
+  for (std::size_t k = 0; k < chosen.size(); k += step) {
+    result.t.push_back(episode.t[chosen[k]]);
+    result.smooth_force.push_back(f[chosen[k]].value);
+    result.force.push_back(std::max(0.0, episode.force[chosen[k]]));
+  }
+  return result;
+}
+
+/// Sums of a least-squares fit: the residual, and its gradient in the offset.
+struct ResidualSums {
+  double squares = 0.0;         ///< [m^2] of the residuals
+  double rate_squares = 0.0;    ///< [m^2/s^2] of q' after elimination of the other parameters
+  double gradient = 0.0;        ///< [m^2/s] of the residual in the offset
+  double motion_squares = 0.0;  ///< [m^2] of q about its means
+  double count = 0.0;
+};
+
+/// With smoothed signals the minimum is clear of the noise; but smoothing distorts the power law
+/// where the signals are curved: a bias of 2 ms on a stiff object that is loaded in 10 ms.
+enum class Signals { smoothed, measured };
+
+/// Eliminates all parameters but the offset, contact by contact (variable projection).
+ResidualSums residual_sums(const std::vector<StationaryContact>& contacts, const PathView& tip,
+                           double offset, double exponent, Signals signals) {
+  ResidualSums total;
+  for (const StationaryContact& contact : contacts) {
+    const auto n = static_cast<Eigen::Index>(contact.t.size());
+    if (n < 12) continue;
+    const bool is_smoothed = signals == Signals::smoothed;
+    const std::vector<double>& force = is_smoothed ? contact.smooth_force : contact.force;
+    Eigen::MatrixXd columns(n, 3);
+    Eigen::VectorXd q(n), rate(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double at = contact.t[k] - offset;
+      // The tip smoothed by differences over the same window as the force.
+      double sum = 0.0, weights = 0.0, slope = 0.0, slope_weights = 0.0;
+      for (int j = -4; j <= 4; ++j) {
+        const double u = j / 5.0;
+        const double weight = (1.0 - u * u) * (1.0 - u * u);
+        const double value = tip.at(at + u * kHalfWidth).dot(contact.direction_base);
+        sum += weight * value, weights += weight;
+        slope += (1.0 - u * u) * u * value, slope_weights += (1.0 - u * u) * u * u;
+      }
+      q[i] = is_smoothed ? sum / weights : tip.at(at).dot(contact.direction_base);
+      rate[i] = slope / (slope_weights * kHalfWidth);
+      const double penetration =
+          static_penetration({.stiffness = 1.0, .exponent = exponent}, force[k]);
+      columns.row(i) << 1.0, penetration, penetration * rate[i];
+    }
+    const auto solver = columns.colPivHouseholderQr();
+    const Eigen::VectorXd residual = q - columns * solver.solve(q);
+    const Eigen::VectorXd rate_residual = rate - columns * solver.solve(rate);
+    total.squares += residual.squaredNorm();
+    total.rate_squares += rate_residual.squaredNorm();
+    total.gradient += rate_residual.dot(residual);
+    total.motion_squares += (q.array() - q.mean()).matrix().squaredNorm();
+    total.count += static_cast<double>(n) - 4.0;
+  }
+  return total;
+}
+
+/// Gauss-Newton in the offset; false where the tip's speed does not determine it.
+bool refine(const std::vector<StationaryContact>& contacts, const PathView& tip, double exponent,
+            Signals signals, double& offset) {
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    const ResidualSums at = residual_sums(contacts, tip, offset, exponent, signals);
+    if (!(at.rate_squares > 0.0)) return false;
+    // The residual is that of q(t - offset), which decreases with the offset where q increases.
+    offset += std::clamp(at.gradient / at.rate_squares, -kGridStep, kGridStep);
+  }
+  return true;
+}
+
+/// Refines offset and exponent on the measured signals: the exponent with the smallest residual.
+void refine_by_measured(const std::vector<StationaryContact>& contacts, const PathView& tip,
+                        double& offset, double& exponent) {
+  const double start = offset;
+  double min_squares = std::numeric_limits<double>::infinity();
+  for (const double n : kExponents) {
+    double refined = start;
+    if (!refine(contacts, tip, n, Signals::measured, refined)) continue;
+    const double squares = residual_sums(contacts, tip, refined, n, Signals::measured).squares;
+    if (squares >= min_squares) continue;
+    min_squares = squares;
+    offset = refined;
+    exponent = n;
+  }
+}
+
+}  // namespace
+
+TimeOffset force_offset(const Segmentation& found, std::span<const double> t_force,
+                        const PathView& tip) {
+  TimeOffset result;
+  // Presses determine it best, by loading and release; pushes are used where there are none.
+  const bool has_presses =
+      std::any_of(found.contacts.begin(), found.contacts.end(),
+                  [](const ContactEpisode& e) { return e.kind == ContactKind::press; });
+  std::vector<StationaryContact> contacts;
+  for (const ContactEpisode& episode : found.contacts) {
+    const bool is_press = episode.kind == ContactKind::press;
+    if (!episode.t.empty() && is_press == has_presses)
+      contacts.push_back(stationary_samples(episode));
+  }
+  double min_squares = std::numeric_limits<double>::infinity();
+  double exponent = 1.0;
+  bool is_at_end = false;
+  for (const double n : kExponents) {
+    for (double offset = -kRange; offset < kRange + 0.5 * kGridStep; offset += kGridStep) {
+      const ResidualSums at = residual_sums(contacts, tip, offset, n, Signals::smoothed);
+      if (!(at.count > 0.0) || at.squares >= min_squares) continue;
+      min_squares = at.squares;
+      result.offset = offset;
+      exponent = n;
+      is_at_end = std::abs(offset) > kRange - 0.5 * kGridStep;
+    }
+  }
+  if (!std::isfinite(min_squares)) return result;
+  // For a weak push, the measured signals are too noisy.
+  if (has_presses) {
+    refine_by_measured(contacts, tip, result.offset, exponent);
+  } else if (!refine(contacts, tip, exponent, Signals::smoothed, result.offset)) {
+    return result;
+  }
+  const Signals signals = has_presses ? Signals::measured : Signals::smoothed;
+  const ResidualSums at = residual_sums(contacts, tip, result.offset, exponent, signals);
+  if (!(at.rate_squares > 0.0)) return result;
+  // The residual of a press is noise; that of a push contains creep, too.
+  const double correlated = has_presses ? kCorrelatedByInterpolation
+                                        : correlated_samples(kHalfWidth, mean_interval(t_force));
+  result.std = std::sqrt(at.squares / at.count * correlated / at.rate_squares);
+  const ResidualSums trend =
+      residual_sums(contacts, tip, result.offset, exponent, Signals::smoothed);
+  result.correlation = std::sqrt(std::max(0.0, 1.0 - trend.squares / trend.motion_squares));
+  // At constant speed under load, any offset would fit.
+  result.is_known = !is_at_end && result.correlation > 0.9 && result.std < 0.5 * kGridStep;
+  return result;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/inputs/tip_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/identification/path_view.hpp"
+#include "pcavr/identification/signals.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Only far outliers: a tip's path is curved, and the smoothing reduces its noise.
+constexpr double kSpikeThreshold = 12.0;
+constexpr double kMinNoise = 1e-6;         // [m] of a tip that is at rest to the last digit
+constexpr double kMaxStepNoise = 0.005;    // [m] margin for two samples shortly after each other
+constexpr double kNoiseStds = 12.0;        // of a jump, as of a spike
+constexpr double kBadMargin = 0.1;         // [s] around a jump, over which the smoothing spreads it
+constexpr std::size_t kSingleSamples = 3;  // in a row: interpolation replaces them
+/// Samples that are searched for spikes at once.
+constexpr std::size_t kChunk = 4096;
+
+double noise_of(std::span<const Eigen::Vector3d> points) {
+  double noise = 0.0;
+  for (int axis = 0; axis < 3 && points.size() > 2; ++axis) {
+    noise = std::max(noise, estimate_noise_std(axis_of(points, axis)));
+  }
+  return noise;
+}
+
+/// Marks single samples far from their neighbours.
+void mark_spikes(std::span<const Eigen::Vector3d> points, double noise,
+                 std::vector<bool>& is_outlier) {
+  SpikeOptions options;
+  options.threshold = kSpikeThreshold;
+  options.noise = std::max(noise, kMinNoise);
+  const auto overlap = static_cast<std::size_t>(options.half_window);
+  for (std::size_t begin = 0; begin < points.size(); begin += kChunk) {
+    const std::size_t end = std::min(begin + kChunk, points.size());
+    const std::size_t first = begin - std::min(begin, overlap);
+    const std::size_t count = std::min(end + overlap, points.size()) - first;
+    for (int axis = 0; axis < 3; ++axis) {
+      const DespikedSignal signal =
+          remove_spikes(axis_of(points.subspan(first, count), axis), options);
+      for (const std::size_t i : signal.spikes) {
+        if (first + i >= begin && first + i < end) is_outlier[first + i] = true;
+      }
+    }
+  }
+}
+
+/// Marks excursions to a place that no arm can reach in that time. A tool that stays there for
+/// longer than max_dropout is accepted.
+void mark_dropouts(std::span<const double> t, std::span<const Eigen::Vector3d> points,
+                   const InputOptions& options, std::vector<bool>& is_outlier) {
+  std::optional<std::size_t> last;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (is_outlier[i]) continue;
+    if (last) {
+      const double duration = t[i] - t[*last];
+      const double reach = kMaxStepNoise + options.max_tool_speed * duration;
+      is_outlier[i] = (points[i] - points[*last]).norm() > reach && duration < options.max_dropout;
+    }
+    if (!is_outlier[i]) last = i;
+  }
+}
+
+/// Times at which the tip jumps farther between two samples than a tip can accelerate.
+std::vector<double> find_jumps(std::span<const double> t, std::span<const Eigen::Vector3d> points,
+                               double noise, const InputOptions& options) {
+  std::vector<double> jumps;
+  if (points.size() < 8) return jumps;
+  const double interval = mean_interval(t);
+  // The speed over the interval before or after a step; never over less than the mean interval: the
+  // stamps of one stream jitter.
+  const auto velocity = [&](std::size_t from, std::size_t to) {
+    return Eigen::Vector3d((points[to] - points[from]) / std::max(t[to] - t[from], interval));
+  };
+  for (std::size_t i = 2; i + 2 < points.size(); ++i) {
+    const double dt = std::max(t[i] - t[i - 1], interval);
+    const Eigen::Vector3d before = velocity(i - 2, i - 1);
+    const Eigen::Vector3d after = velocity(i, i + 1);
+    const Eigen::Vector3d excess =
+        points[i] - points[i - 1] - 0.5 * (t[i] - t[i - 1]) * (before + after);
+    const double jitter =
+        options.max_stamp_jitter * interval * std::max(before.norm(), after.norm());
+    const double allowed = kNoiseStds * noise + options.max_tool_acceleration * dt * dt + jitter;
+    const bool is_known = !jumps.empty() && t[i] - jumps.back() < 3.5 * dt;
+    if (excess.norm() > allowed && !is_known) jumps.push_back(t[i]);
+  }
+  return jumps;
+}
+
+/// The intervals without samples where more than a few in a row were rejected.
+void add_dropouts(std::span<const double> t, const std::vector<bool>& is_outlier, TipPath& path) {
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (!is_outlier[i]) continue;
+    std::size_t end = i;
+    while (end < t.size() && is_outlier[end]) ++end;
+    if (end - i > kSingleSamples) path.bad.push_back({t[i], t[end - 1], {}});
+    i = end;
+  }
+}
+
+void keep(std::span<const double> t, std::span<const Eigen::Vector3d> points,
+          const std::vector<bool>& is_outlier, TipPath& path) {
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (is_outlier[i]) {
+      if (path.outliers++ == 0) path.first_outlier = t[i];
+      continue;
+    }
+    path.kept_t.push_back(t[i]);
+    path.kept_p_base.push_back(points[i]);
+  }
+  path.t = path.kept_t;
+  path.p_base = path.kept_p_base;
+}
+
+}  // namespace
+
+Eigen::Vector3d TipPath::at(double time) const { return PathView(t, p_base).at(time); }
+
+TipPath clean_tip_path(std::span<const double> t, std::span<const Eigen::Vector3d> p_base,
+                       const InputOptions& options) {
+  PCAVR_REQUIRE(t.size() == p_base.size(), t.size(), p_base.size());
+  TipPath path;
+  path.t = t;
+  path.p_base = p_base;
+  if (t.size() < 3) return path;
+  const auto calibrated = std::upper_bound(t.begin(), t.end(), t.front() + options.window);
+  path.noise = noise_of(p_base.first(static_cast<std::size_t>(calibrated - t.begin())));
+  std::vector<bool> is_outlier(t.size(), false);
+  mark_spikes(p_base, path.noise, is_outlier);
+  mark_dropouts(t, p_base, options, is_outlier);
+  if (std::find(is_outlier.begin(), is_outlier.end(), true) != is_outlier.end()) {
+    keep(t, p_base, is_outlier, path);
+  }
+  add_dropouts(t, is_outlier, path);
+  path.jumps = find_jumps(path.t, path.p_base, path.noise, options);
+  for (const double jump : path.jumps) path.bad.push_back({jump, jump, {}});
+  std::sort(path.bad.begin(), path.bad.end(),
+            [](const auto& a, const auto& b) { return a.begin < b.begin; });
+  for (UnusableInterval& interval : path.bad) {
+    interval.begin -= kBadMargin;
+    interval.end += kBadMargin;
+    interval.reason = "the tool's pose jumps";
+  }
+  return path;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "inputs/window.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "inputs/attribution.hpp"
+#include "inputs/clock_offsets.hpp"
+#include "inputs/clock_shift.hpp"
+
+namespace pcavr {
+namespace {
+
+TimeOffset more_certain(const TimeOffset& known, const TimeOffset& found) {
+  const bool is_better = found.is_known && (!known.is_known || found.std < known.std);
+  return is_better ? found : known;
+}
+
+/// A part of a stream on the tool's clock, and its contacts.
+struct Prepared {
+  InputSeries series;  ///< refers to the members below where an offset is applied
+  TipPath tip;
+  std::vector<double> t_force;
+  std::vector<std::vector<TrackedPose>> tracked;
+  Segmentation found;
+
+  [[nodiscard]] PathView path() const { return {tip.t, tip.p_base}; }
+};
+
+void segment(Prepared& prepared) {
+  prepared.found = segment_contacts(prepared.series.t_force, prepared.series.force_base,
+                                    prepared.tip.t, prepared.tip.p_base);
+}
+
+/// Estimates the force's offset and, where it is significant, applies it.
+void put_force_on_clock(const std::vector<BodySurface>& surfaces, const WindowPrior& prior,
+                        const InputOptions& options, Prepared& prepared, WindowFindings& result) {
+  InputSeries& series = prepared.series;
+  TimeOffset found;
+  if (!prepared.tip.t.empty()) {
+    found = force_offset(prepared.found, series.t_force, prepared.path());
+    if (!found.is_known && !prior.tool_to_force.is_known && !prepared.found.contacts.empty()) {
+      const TimeOffset rough =
+          penetration_offset(series, prepared.path(), BodyPoses(series.bodies, surfaces));
+      if (rough.is_known) found = rough;
+    }
+  }
+  result.tool_to_force =
+      prior.tool_to_force.is_known ? more_certain(prior.tool_to_force, found) : found;
+  result.is_force_offset_applied =
+      is_significant(result.tool_to_force, options.min_force_offset, options);
+  if (!result.is_force_offset_applied) return;
+  prepared.t_force.assign(series.t_force.begin(), series.t_force.end());
+  for (double& t : prepared.t_force) t -= result.tool_to_force.offset;
+  series.t_force = prepared.t_force;
+  segment(prepared);
+}
+
+std::vector<UnusableInterval> unusable_intervals(const Prepared& prepared,
+                                                 const WindowFindings& result) {
+  std::vector<UnusableInterval> bad = prepared.tip.bad;
+  for (const SaturatedInterval& interval : result.saturated) {
+    bad.push_back({interval.begin, interval.end, "force sensor saturated"});
+  }
+  return bad;
+}
+
+void attribute(const Prepared& prepared, const InputOptions& options, BodyPoses& poses,
+               WindowFindings& result) {
+  result.contacts =
+      attribute_contacts(prepared.series, prepared.found, prepared.series.t_force, prepared.path(),
+                         unusable_intervals(prepared, result), options, poses);
+  result.evidence = gather_evidence(prepared.series, result.contacts, prepared.path(), poses);
+}
+
+TimeOffset find_camera_offset(const Prepared& prepared, const WindowFindings& result) {
+  // Contacts whose force points elsewhere belong to another body, or have a fault.
+  std::vector<AttributedContact> sound = result.contacts;
+  leave_out_misdirected(result.evidence, sound);
+  TimeOffset offset = camera_offset(prepared.series, sound);
+  if (offset.is_known) return offset;
+  for (const InputBody& body : prepared.series.bodies) {
+    offset = more_certain(offset, motion_offset(body, prepared.path(), prepared.tip.p_base));
+  }
+  return offset;
+}
+
+/// Shifts the tracked poses by the camera's offset.
+void put_tracking_on_clock(double offset, Prepared& prepared) {
+  for (InputBody& body : prepared.series.bodies) {
+    std::vector<TrackedPose>& tracked =
+        prepared.tracked.emplace_back(body.tracked.begin(), body.tracked.end());
+    for (TrackedPose& pose : tracked) pose.t -= offset;
+  }
+  for (std::size_t i = 0; i < prepared.series.bodies.size(); ++i) {
+    prepared.series.bodies[i].tracked = prepared.tracked[i];
+  }
+}
+
+std::optional<InputFault> find_clock_fault(const InputSeries& measured, const Prepared& prepared,
+                                           const BodyPoses& poses) {
+  if (prepared.tip.t.empty() || measured.t_force.empty()) return std::nullopt;
+  // As written: the offset has been searched in a smaller range.
+  return clock_fault(measured, prepared.found, prepared.path(), poses);
+}
+
+std::vector<FrictionRatios> friction_of(const InputSeries& series,
+                                        const std::vector<AttributedContact>& contacts,
+                                        const BodyPoses& poses) {
+  std::vector<FrictionRatios> friction(series.bodies.size());
+  for (std::size_t i = 0; i < friction.size(); ++i) {
+    friction[i].is_weighed = series.bodies[i].mass.has_value();
+  }
+  for (const AttributedContact& contact : contacts) {
+    if (!contact.object || !contact.left_out.empty()) continue;
+    if (const auto ratio = friction_ratio(series, contact, poses)) {
+      friction[*contact.object].ratios.push_back(*ratio);
+    }
+  }
+  return friction;
+}
+
+void describe_signals(const Prepared& prepared, WindowFindings& result) {
+  result.tool_outliers = prepared.tip.outliers;
+  result.first_outlier = prepared.tip.first_outlier;
+  result.jumps = prepared.tip.jumps;
+  result.force_spikes = prepared.found.spikes;
+  result.force_noise = prepared.found.noise;
+  for (const Eigen::Vector3d& bias : prepared.found.bias_base) {
+    result.max_drift = std::max(result.max_drift, bias.norm());
+  }
+}
+
+}  // namespace
+
+WindowFindings analyse_window(const InputSeries& measured, const std::vector<BodySurface>& surfaces,
+                              const WindowPrior& prior, const InputOptions& options) {
+  WindowFindings result;
+  Prepared prepared;
+  prepared.series = measured;
+  prepared.tip = clean_tip_path(measured.t_tool, measured.p_base_tip, options);
+  segment(prepared);
+  put_force_on_clock(surfaces, prior, options, prepared, result);
+  result.saturated = find_saturation(prepared.series.t_force, measured.force_base);
+  describe_signals(prepared, result);
+  std::optional<BodyPoses> poses;
+  poses.emplace(prepared.series.bodies, surfaces);
+  attribute(prepared, options, *poses, result);
+  // Before the tracking's offset, which is wrong where the force's clock is.
+  result.clock_fault = find_clock_fault(measured, prepared, *poses);
+  result.tool_to_camera =
+      more_certain(prior.tool_to_camera,
+                   prepared.tip.t.empty() ? TimeOffset{} : find_camera_offset(prepared, result));
+  result.is_camera_offset_applied =
+      is_significant(result.tool_to_camera, options.min_camera_offset, options);
+  if (result.is_camera_offset_applied) {
+    put_tracking_on_clock(result.tool_to_camera.offset, prepared);
+    poses.emplace(prepared.series.bodies, surfaces);
+    attribute(prepared, options, *poses, result);
+  }
+  const double end = prepared.tip.t.empty() ? 0.0 : prepared.tip.t.back();
+  for (std::size_t i = 0; i < measured.bodies.size(); ++i) {
+    result.T_base_objects_end.push_back(poses->at(i, end));
+  }
+  if (prepared.tip.t.empty() || measured.t_force.empty()) return result;
+  result.touches = count_unit_touches(prepared.series, result.contacts, result.evidence,
+                                      prepared.path(), *poses);
+  leave_out_misdirected(result.evidence, result.contacts);
+  result.friction = friction_of(prepared.series, result.contacts, *poses);
+  const bool has_contacts = prior.has_contacts || !result.contacts.empty();
+  if (!has_contacts) {
+    result.approaches = approaches_of(prepared.series, prepared.path(), *poses);
+  }
+  return result;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,211 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/object/parameters_file.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <yaml-cpp/yaml.h>
+
+#include "pcavr/core/decimal.hpp"
+#include "pcavr/core/input_ranges.hpp"
+#include "pcavr/core/output.hpp"
+#include "pcavr/core/utf8.hpp"
+#include "pcavr/recording/manifest_parser.hpp"
+#include "pcavr/recording/text_rows.hpp"
+#include "pcavr/recording/yaml_map.hpp"
+
+namespace pcavr {
+namespace {
+
+/// One key, the member that stores its value, and the permitted range.
+struct Field {
+  const char* key;
+  std::optional<ParameterValue> ObjectParameters::*member;
+  InputRange range;
+};
+
+constexpr std::array kFields{
+    Field{"mass", &ObjectParameters::mass, ranges::kMass},
+    Field{"limiting_static_friction", &ObjectParameters::limiting_static_friction,
+          ranges::kStaticFriction},
+    Field{"limiting_static_friction_scatter", &ObjectParameters::limiting_static_friction_scatter,
+          ranges::kParameterStd},
+    Field{"sliding_friction_coefficient", &ObjectParameters::sliding_friction_coefficient,
+          ranges::kFrictionCoefficient},
+    Field{"viscous_friction", &ObjectParameters::viscous_friction, ranges::kViscousFriction},
+    Field{"friction_radius", &ObjectParameters::friction_radius, ranges::kFrictionRadius},
+    Field{"tool_friction_coefficient", &ObjectParameters::tool_friction_coefficient,
+          ranges::kToolFriction},
+    Field{"loading_rate", &ObjectParameters::loading_rate, ranges::kLoadingRate},
+};
+
+constexpr std::array kContactFields{
+    Field{"stiffness", &ObjectParameters::contact_stiffness, ranges::kStiffness},
+    Field{"damping", &ObjectParameters::contact_damping, ranges::kDamping},
+    Field{"exponent", &ObjectParameters::contact_exponent, ranges::kExponent},
+};
+
+std::string std_key(const Field& field) { return std::string(field.key) + "_std"; }
+
+void read_field(const YamlValue& map, const Field& field, ObjectParameters& parameters) {
+  const std::optional<YamlValue> value = map.find(field.key);
+  const std::optional<YamlValue> std_value = map.find(std_key(field));
+  if (!value) {
+    if (std_value) {
+      std_value->fail("is given without " + std::string(field.key),
+                      "add the value, or remove its std");
+    }
+    return;
+  }
+  ParameterValue parameter{.value = value->number_in(field.range)};
+  if (std_value) parameter.std = std_value->number_in(ranges::kParameterStd);
+  parameters.*field.member = parameter;
+}
+
+/// Whether the quartic H is positive and its level set convex: each tangent plane is a supporting
+/// plane, with the whole surface on one side. Checked for many directions, each against each
+/// (Fibonacci sphere).
+bool is_convex(const std::array<double, 15>& coefficients) {
+  constexpr int kDirections = 200;
+  constexpr double kMinLevel = 1e-4;  // below, the surface is degenerate in the given scales
+  constexpr double kRounding = 1e-6;
+  const LimitSurface surface{1.0, 1.0, coefficients};
+  std::vector<Eigen::Vector3d> directions;
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (int i = 0; i < kDirections; ++i) {
+    const double z = 1.0 - (2 * i + 1.0) / kDirections;
+    const double r = std::sqrt(1.0 - z * z);
+    directions.emplace_back(r * std::cos(golden * i), r * std::sin(golden * i), z);
+  }
+  for (const Eigen::Vector3d& at : directions) {
+    const double size = level(surface, at);
+    if (!(size > kMinLevel) || !std::isfinite(size)) return false;
+    const Eigen::Vector3d tangent = sliding_direction(surface, at) / (4.0 * std::pow(size, 3));
+    for (const Eigen::Vector3d& other : directions) {
+      if (!(tangent.dot(other) <= level(surface, other) * (1.0 + kRounding))) return false;
+    }
+  }
+  return true;
+}
+
+LimitSurface read_limit_surface(const YamlValue& map) {
+  map.expect_keys({"force", "length", "coefficients"});
+  LimitSurface surface{.force = map.at("force").number_in(ranges::kStaticFriction),
+                       .length = map.at("length").number_in(ranges::kFrictionRadius)};
+  const YamlValue list = map.at("coefficients");
+  const std::vector<double> coefficients = list.numbers(surface.coefficients.size());
+  std::copy(coefficients.begin(), coefficients.end(), surface.coefficients.begin());
+  if (!is_convex(surface.coefficients)) {
+    list.fail("are not those of a convex surface", "identify it again, or remove limit_surface");
+  }
+  return surface;
+}
+
+ObjectParameters read_object(const YamlValue& map) {
+  map.expect_keys({"mass", "mass_std", "limiting_static_friction", "limiting_static_friction_std",
+                   "limiting_static_friction_scatter", "limiting_static_friction_scatter_std",
+                   "sliding_friction_coefficient", "sliding_friction_coefficient_std",
+                   "viscous_friction", "viscous_friction_std", "contact", "friction_radius",
+                   "friction_radius_std", "tool_friction_coefficient",
+                   "tool_friction_coefficient_std", "loading_rate", "loading_rate_std",
+                   "limit_surface"});
+  ObjectParameters parameters;
+  for (const Field& field : kFields) read_field(map, field, parameters);
+  if (const std::optional<YamlValue> contact = map.find("contact")) {
+    contact->expect_keys(
+        {"stiffness", "stiffness_std", "damping", "damping_std", "exponent", "exponent_std"});
+    for (const Field& field : kContactFields) read_field(*contact, field, parameters);
+  }
+  if (const std::optional<YamlValue> surface = map.find("limit_surface")) {
+    parameters.limit_surface = read_limit_surface(*surface);
+  }
+  return parameters;
+}
+
+void emit_field(YAML::Emitter& out, const Field& field, const ObjectParameters& parameters) {
+  const std::optional<ParameterValue>& parameter = parameters.*field.member;
+  if (!parameter) return;
+  out << YAML::Key << field.key << YAML::Value << shortest_decimal(parameter->value);
+  if (parameter->std && std::isfinite(*parameter->std)) {
+    out << YAML::Key << std_key(field) << YAML::Value << shortest_decimal(*parameter->std);
+  }
+}
+
+void emit_limit_surface(YAML::Emitter& out, const LimitSurface& surface) {
+  out << YAML::Key << "limit_surface" << YAML::Value << YAML::BeginMap;
+  out << YAML::Key << "force" << YAML::Value << shortest_decimal(surface.force);
+  out << YAML::Key << "length" << YAML::Value << shortest_decimal(surface.length);
+  out << YAML::Key << "coefficients" << YAML::Value << YAML::Flow << YAML::BeginSeq;
+  for (const double coefficient : surface.coefficients) out << shortest_decimal(coefficient);
+  out << YAML::EndSeq << YAML::EndMap;
+}
+
+void emit_object(YAML::Emitter& out, const ObjectParameters& parameters) {
+  out << YAML::BeginMap;
+  for (const Field& field : kFields) emit_field(out, field, parameters);
+  if (parameters.contact_stiffness || parameters.contact_damping || parameters.contact_exponent) {
+    out << YAML::Key << "contact" << YAML::Value << YAML::BeginMap;
+    for (const Field& field : kContactFields) emit_field(out, field, parameters);
+    out << YAML::EndMap;
+  }
+  if (parameters.limit_surface) emit_limit_surface(out, *parameters.limit_surface);
+  out << YAML::EndMap;
+}
+
+/// Each line prefixed by '#'.
+std::string as_comment(const std::string& comment) {
+  std::string text;
+  const std::string readable = as_utf8_text(comment);
+  LineReader lines(readable);
+  while (const auto line = lines.next()) {
+    text += line->empty() ? std::string("#") : "# " + std::string(*line);
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace
+
+Expected<ParameterTable> parse_parameters(const std::string& text, const std::string& file) {
+  return parse_yaml<ParameterTable>(text, file, [](const YamlValue& root) {
+    ParameterTable table;
+    for (const auto& [name, map] : root.entries()) {
+      expect_object_name(name, map);
+      table.emplace(name, read_object(map));
+    }
+    return table;
+  });
+}
+
+Expected<ParameterTable> read_parameters(const std::filesystem::path& file) {
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  return parse_parameters(*text, file.string());
+}
+
+std::string format_parameters(const ParameterTable& table, const std::string& comment) {
+  YAML::Emitter out;
+  out << YAML::BeginMap;
+  for (const auto& [name, parameters] : table) {
+    out << YAML::Key << name << YAML::Value;
+    emit_object(out, parameters);
+  }
+  out << YAML::EndMap;
+  return as_comment(comment) + out.c_str() + '\n';
+}
+
+std::vector<std::pair<std::string, ParameterValue>> list_parameters(
+    const ObjectParameters& parameters) {
+  std::vector<std::pair<std::string, ParameterValue>> listed;
+  const auto list = [&](const Field& field, const std::string& prefix) {
+    const std::optional<ParameterValue>& parameter = parameters.*field.member;
+    if (parameter) listed.emplace_back(prefix + field.key, *parameter);
+  };
+  for (const Field& field : kFields) list(field, "");
+  for (const Field& field : kContactFields) list(field, "contact_");
+  return listed;
+}
+
+}  // namespace pcavr

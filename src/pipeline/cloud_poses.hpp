@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pcavr/cloud/cloud_list.hpp"
+#include "pcavr/core/expected.hpp"
+#include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/marker/body_pose.hpp"
+#include "pcavr/marker/tag_detector.hpp"
+
+#include "cloud_camera.hpp"
+
+namespace pcavr {
+
+/// The pose of each cloud by a TUM file: those at the clouds' stamps (interpolated), or where the
+/// stamps are of different clocks and there are as many poses as clouds, one after the other.
+/// `selected` are indices in the list. An Error where neither holds.
+[[nodiscard]] Expected<std::vector<Pose>> read_cloud_poses(
+    const std::filesystem::path& file, const CloudList& list,
+    const std::vector<std::size_t>& selected);
+
+/// The interval of the clouds that check_cloud_poses compares: 0, this, twice this, ...
+[[nodiscard]] std::size_t compared_cloud_step(std::size_t clouds);
+
+/// A contradiction between poses and thinned clouds: inverted, in millimetres or of a left-handed
+/// frame. Each such hypothesis is compared with the poses as given, on pairs of clouds along the
+/// sequence. nullopt where the poses are as good as any.
+[[nodiscard]] std::optional<Error> check_cloud_poses(
+    const std::vector<Pose>& T_world_cloud,
+    const std::vector<std::vector<Eigen::Vector3f>>& thinned_clouds, double voxel,
+    const std::filesystem::path& file);
+
+/// T_base_world from base tags that the clouds show.
+struct TagAnchor {
+  Pose T_base_world;
+  std::size_t frames = 0;
+  double position_rms = 0.0;  ///< of the cameras by tags and by poses [m]
+  double rotation_rms = 0.0;  ///< [rad]
+};
+
+/// Collects a sequence's camera poses by the base tags.
+class TagAnchorCollector {
+ public:
+  /// An Error for an unknown family.
+  [[nodiscard]] static Expected<TagAnchorCollector> create(const Manifest& manifest,
+                                                           const CameraModel& camera);
+
+  /// `frame`: index by which solve() finds the frame's pose in the world frame.
+  void add(std::size_t frame, const ColorImage& color, const DepthImage& depth);
+
+  /// The rotation is the mean of the frames' (chordal), the translation that of the cameras'
+  /// positions; frames further from it than three times the median are left out. nullopt where no
+  /// frame has a pose by tags.
+  [[nodiscard]] std::optional<TagAnchor> solve(const std::vector<Pose>& T_world_camera) const;
+
+ private:
+  TagAnchorCollector(TagDetector detector, std::vector<TagPlacement> placements,
+                     const CameraModel& camera)
+      : detector_(std::move(detector)), placements_(std::move(placements)), camera_(camera) {}
+
+  struct Observation {
+    std::size_t frame;
+    Pose T_base_camera;
+  };
+  TagDetector detector_;
+  std::vector<TagPlacement> placements_;
+  CameraModel camera_;
+  std::vector<Observation> observations_;
+};
+
+}  // namespace pcavr

@@ -1,0 +1,290 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "identify_slides.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+#include "pcavr/geometry/convex_hull.hpp"
+#include "pcavr/prediction/body_physics.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kSlideSmoothing = 0.040;  // [s] half width, well below a modulation's period
+constexpr double kSlideSettle = 0.050;   // [s] after the breakaway's peak: the contact still swings
+constexpr double kMinSlideSpeed = 5e-4;  // [m/s] below, it may be creep at rest, ...
+constexpr double kSpeedNoise = 4.0;      // ... and below this many stds it may be noise
+constexpr double kMinForceNoise = 4.0;   // stds of the smoothed force that mean contact
+/// Tip and object move at nearly the same speed: the contact's compression changes by less than
+/// this share of the tip's speed, so that an error of the contact law hardly matters.
+constexpr double kMaxCompressionShare = 0.3;
+constexpr double kMaxSpeedChange = 0.5;  // share, over one smoothing: a start or a stop
+// The tracked motion is smoothed over a time in which the object moves so far, within limits.
+constexpr double kTrackedTravel = 0.004;                                  // [m]
+constexpr double kMinTrackedSmoothing = 0.1, kMaxTrackedSmoothing = 1.0;  // [s] half width
+constexpr double kSupportHeight = 2e-3;    // [m] vertices so close to the lowest are on the support
+constexpr int kSupportCells = 12;          // across the support
+constexpr double kMaxRotationShare = 0.6;  // beyond, friction is mostly that of turning
+constexpr double kMaxStraightShare = 0.01;  // beyond, the object turns
+constexpr double kFaceAgreement = 0.9;      // cosine between the force and the face that it pushes
+constexpr double kMinPower = 0.3;           // of |F| |v|: less is no push through this face
+
+bool contains(const std::vector<Eigen::Vector3d>& outline, const Eigen::Vector2d& p) {
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const Eigen::Vector2d from = outline[k].head<2>();
+    const Eigen::Vector2d edge = outline[(k + 1) % outline.size()].head<2>() - from;
+    const Eigen::Vector2d offset = p - from;
+    if (edge.x() * offset.y() - edge.y() * offset.x() < 0.0) return false;
+  }
+  return true;
+}
+
+/// Points under the object, about its centre of mass, in its planar axes (heading_of).
+std::vector<Eigen::Vector2d> support_of(const CadModel& model, const Pose& T_base_object) {
+  const Eigen::AngleAxisd back(-heading_of(T_base_object), Eigen::Vector3d::UnitZ());
+  std::vector<Eigen::Vector3d> points;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3f& vertex : model.mesh_object.vertices) {
+    points.push_back(back * T_base_object.rotation() *
+                     (vertex.cast<double>() - model.centre_of_mass_object));
+    lowest = std::min(lowest, points.back().z());
+  }
+  std::erase_if(points, [&](const auto& p) { return p.z() > lowest + kSupportHeight; });
+  const std::vector<Eigen::Vector3d> outline = convex_hull_xy(std::move(points));
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector3d& corner : outline) box.extend(corner.head<2>());
+  std::vector<Eigen::Vector2d> cells;
+  for (int i = 0; i < kSupportCells; ++i) {
+    for (int k = 0; k < kSupportCells; ++k) {
+      const Eigen::Vector2d share((i + 0.5) / kSupportCells, (k + 0.5) / kSupportCells);
+      const Eigen::Vector2d p = box.min() + share.cwiseProduct(box.sizes());
+      if (contains(outline, p)) cells.push_back(p);
+    }
+  }
+  if (cells.empty()) cells.push_back(Eigen::Vector2d::Zero());
+  return cells;
+}
+
+/// Motion of the object's centre from its tracked poses, smoothed.
+struct Twist {
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< [m/s] of the centre of mass
+  double rate = 0.0;                                   ///< [rad/s]
+};
+
+class TrackedMotion {
+ public:
+  explicit TrackedMotion(const BodyMotion& body) {
+    double heading = 0.0;
+    for (const TrackedPose& pose : body.tracked) {
+      const Eigen::Vector3d centre = pose.T_base_object * body.model.centre_of_mass_object;
+      const double now = heading_of(pose.T_base_object);
+      heading += t_.empty() ? now : std::remainder(now - heading, 2.0 * std::numbers::pi);
+      t_.push_back(pose.t);
+      for (int k = 0; k < 2; ++k) centre_[static_cast<std::size_t>(k)].push_back(centre[k]);
+      heading_.push_back(heading);
+    }
+  }
+
+  /// Nothing where the poses do not cover the window.
+  [[nodiscard]] std::optional<Twist> at(double t, double speed) const {
+    if (t_.empty()) return std::nullopt;
+    const double half_width = std::clamp(kTrackedTravel / std::max(speed, 1e-6),
+                                         kMinTrackedSmoothing, kMaxTrackedSmoothing);
+    const SmoothedSample x = smooth_at(t_, centre_[0], t, half_width);
+    const SmoothedSample y = smooth_at(t_, centre_[1], t, half_width);
+    const SmoothedSample a = smooth_at(t_, heading_, t, half_width);
+    if (!x.is_valid || !y.is_valid || !a.is_valid) return std::nullopt;
+    return Twist{{x.rate, y.rate}, a.rate};
+  }
+
+ private:
+  std::vector<double> t_, heading_;
+  std::array<std::vector<double>, 2> centre_;
+};
+
+/// One push's signals along its direction, smoothed.
+struct SmoothSlide {
+  double half_width = 0.0, interval = 0.0;
+  double speed_std = 0.0, acceleration_std = 0.0, force_std = 0.0;
+  std::vector<SmoothedSample> object, tool, compression, force;
+  std::array<std::vector<SmoothedSample>, 2> force_base;
+};
+
+SmoothSlide smooth_slide(const IdentifiedContact& contact,
+                         const std::optional<HuntCrossley>& contact_law, double tool_interval) {
+  const ContactEpisode& episode = contact.episode;
+  SmoothSlide push;
+  push.interval = mean_interval(episode.t);
+  push.half_width = std::max({kSlideSmoothing, 3.0 * push.interval, 3.0 * tool_interval});
+  const std::vector<double> force = remove_spikes(episode.force).values;
+  std::vector<double> depth(force.size(), 0.0), object(force.size());
+  if (contact_law) {
+    depth = penetration_from_force(episode.t, force, *contact_law);
+  } else if (episode.breakaway.stiffness > 0.0) {
+    for (std::size_t i = 0; i < force.size(); ++i)
+      depth[i] = force[i] / episode.breakaway.stiffness;
+  }
+  for (std::size_t i = 0; i < force.size(); ++i) object[i] = episode.tool[i] - depth[i];
+  // Noise as of one tool sample: between two of them the positions are interpolated.
+  const double spacing = std::max(push.interval, tool_interval);
+  const double noise = std::max(estimate_noise_std(object), estimate_noise_std(episode.tool));
+  const double cube = std::pow(push.half_width, 3);
+  push.speed_std = noise * std::sqrt(15.0 / 7.0 * spacing / cube);
+  push.acceleration_std =
+      noise * std::sqrt(22.5 * spacing / (cube * push.half_width * push.half_width));
+  push.force_std =
+      estimate_noise_std(force) / std::sqrt(correlated_samples(push.half_width, push.interval));
+  const auto smoothed = [&](const std::vector<double>& values) {
+    return smooth(episode.t, values, episode.t, push.half_width);
+  };
+  push.object = smoothed(object);
+  push.tool = smoothed(episode.tool);
+  push.compression = smoothed(depth);
+  push.force = smoothed(force);
+  for (int axis = 0; axis < 2; ++axis) {
+    push.force_base[static_cast<std::size_t>(axis)] =
+        smoothed(remove_spikes(axis_of(contact.force_base, axis)).values);
+  }
+  return push;
+}
+
+class Slides {
+ public:
+  Slides(const BodyMotion& body, const PathView& tip, double tool_radius)
+      : body_(body), tip_(tip), tool_radius_(tool_radius), motion_(body) {
+    if (!body.tracked.empty()) {
+      support_ = support_of(body.model, body.tracked.front().T_base_object);
+    }
+  }
+
+  void add(const IdentifiedContact& contact, const std::optional<HuntCrossley>& contact_law,
+           std::size_t number, std::vector<FrictionSample>& samples) const {
+    const ContactEpisode& episode = contact.episode;
+    if (episode.t.size() < 20 || episode.kind == ContactKind::press) return;
+    const SmoothSlide push = smooth_slide(contact, contact_law, mean_interval(tip_.t()));
+    double from = episode.begin;
+    if (episode.breakaway.is_found) from = episode.breakaway.t + kSlideSettle + push.half_width;
+    double last = -1e9;
+    for (std::size_t i = 0; i < episode.t.size(); ++i) {
+      const double t = episode.t[i];
+      if (t < from || t > episode.end - push.half_width || t < last + push.half_width) continue;
+      if (!is_sliding(push, episode, i)) continue;
+      std::optional<FrictionSample> sample = sample_at(contact, push, i);
+      if (!sample) continue;
+      sample->push = number;
+      last = t;
+      samples.push_back(*sample);
+    }
+  }
+
+ private:
+  [[nodiscard]] bool is_sliding(const SmoothSlide& push, const ContactEpisode& episode,
+                                std::size_t i) const {
+    const SmoothedSample& object = push.object[i];
+    if (!object.is_valid || !push.force[i].is_valid) return false;
+    const double min_speed = std::max(kMinSlideSpeed, kSpeedNoise * push.speed_std);
+    if (object.rate < min_speed || push.force[i].value < kMinForceNoise * push.force_std)
+      return false;
+    if (std::abs(push.compression[i].rate) > kMaxCompressionShare * std::abs(push.tool[i].rate))
+      return false;
+    // Neither a start nor a stop within the smoothing.
+    const auto steps = static_cast<std::size_t>(push.half_width / push.interval);
+    if (i < steps || i + steps >= push.object.size()) return false;
+    for (const std::size_t k : {i - steps, i + steps}) {
+      if (!push.object[k].is_valid || push.object[k].rate < kMaxSpeedChange * object.rate)
+        return false;
+      if (episode.t[k] < episode.begin || episode.t[k] > episode.end) return false;
+    }
+    return true;
+  }
+
+  /// The touched face's normal; at a corner, where the face does not give it, the force's
+  /// direction.
+  static Eigen::Vector2d inward_at(const IdentifiedContact& contact, const Pose& T_base_object) {
+    const Eigen::Vector2d along = contact.episode.direction_base.head<2>().normalized();
+    const Eigen::Vector2d inward =
+        -(T_base_object.rotation() * contact.normal_object).head<2>().normalized();
+    return inward.dot(along) > kFaceAgreement ? inward : along;
+  }
+
+  [[nodiscard]] std::optional<FrictionSample> sample_at(const IdentifiedContact& contact,
+                                                        const SmoothSlide& push,
+                                                        std::size_t i) const {
+    const ContactEpisode& episode = contact.episode;
+    const double t = episode.t[i];
+    const Eigen::Vector2d along = episode.direction_base.head<2>();
+    const double speed = push.object[i].rate;
+    FrictionSample sample{.t = t,
+                          .force = push.force[i].value,
+                          .speed = speed,
+                          .acceleration = push.object[i].acceleration};
+    sample.force_std = push.force_std;
+    sample.speed_std = push.speed_std;
+    sample.acceleration_std = push.acceleration_std;
+    sample.travel = speed * push.half_width;
+    if (body_.tracked.empty()) return sample;
+    const std::optional<Twist> twist = motion_.at(t, speed);
+    if (!twist) return sample;
+    const Pose T_base_object = pose_at(body_.tracked, t);
+    const Eigen::Vector2d inward = inward_at(contact, T_base_object);
+    const Eigen::Vector2d arm =
+        (tip_.at(t) - T_base_object * body_.model.centre_of_mass_object).head<2>() +
+        tool_radius_ * inward;
+    const Eigen::Vector2d spin(-twist->rate * arm.y(), twist->rate * arm.x());
+    // Along the normal the tip is more accurate than the tracking.
+    Eigen::Vector2d at_contact = twist->velocity + spin;
+    const double normal_speed = speed / std::max(along.dot(inward), 0.5);
+    at_contact += (normal_speed - at_contact.dot(inward)) * inward;
+    const Eigen::Vector2d centre = at_contact - spin;
+    double mean = 0.0, squares = 0.0;
+    const Eigen::Rotation2Dd turned(heading_of(T_base_object));
+    for (const Eigen::Vector2d& point : support_) {
+      const Eigen::Vector2d p = turned * point;
+      const Eigen::Vector2d v = centre + twist->rate * Eigen::Vector2d(-p.y(), p.x());
+      mean += v.norm();
+      squares += v.squaredNorm();
+    }
+    mean /= static_cast<double>(support_.size());
+    squares /= static_cast<double>(support_.size());
+    if (mean <= 0.0) return std::nullopt;
+    sample.rotation_share = 1.0 - std::min(1.0, centre.norm() / mean);
+    const Eigen::Vector2d force(push.force_base[0][i].value, push.force_base[1][i].value);
+    const double power = force.dot(at_contact);
+    if (sample.rotation_share > kMaxRotationShare) return std::nullopt;
+    if (power < kMinPower * force.norm() * at_contact.norm()) return std::nullopt;
+    const double gain = at_contact.norm() / mean;
+    sample.is_turning = sample.rotation_share > kMaxStraightShare;
+    sample.force = power / mean;
+    sample.speed = squares / mean;
+    sample.acceleration *= centre.norm() / mean;
+    sample.force_std *= gain;
+    sample.travel = mean * push.half_width;
+    return sample;
+  }
+
+  const BodyMotion& body_;
+  const PathView& tip_;
+  double tool_radius_;
+  TrackedMotion motion_;
+  std::vector<Eigen::Vector2d> support_;
+};
+
+}  // namespace
+
+std::vector<FrictionSample> friction_samples(const std::vector<IdentifiedContact*>& pushes,
+                                             const std::optional<HuntCrossley>& contact_law,
+                                             const BodyMotion& body, const PathView& tip,
+                                             double tool_radius) {
+  std::vector<FrictionSample> samples;
+  const Slides slides(body, tip, tool_radius);
+  for (std::size_t i = 0; i < pushes.size(); ++i) slides.add(*pushes[i], contact_law, i, samples);
+  return samples;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pcavr/identification/friction_posterior.hpp"
+#include "pcavr/pipeline/identify.hpp"
+
+#include "identify_parts.hpp"
+
+namespace pcavr {
+
+/// The power balances of all pushes in which the object slid, however slowly. Where the object was
+/// tracked, its rotation and its motion along the touched face count; else it moves as the tip
+/// does, less the contact's compression. Samples are one smoothing apart. Without a contact law the
+/// compression is that of each push's own loading.
+[[nodiscard]] std::vector<FrictionSample> friction_samples(
+    const std::vector<IdentifiedContact*>& pushes, const std::optional<HuntCrossley>& contact_law,
+    const BodyMotion& body, const PathView& tip, double tool_radius);
+
+}  // namespace pcavr

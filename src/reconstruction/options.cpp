@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/core/options.hpp"
+
+#include <array>
+
+#include "pcavr/core/input_ranges.hpp"
+#include "pcavr/reconstruction/cloud_filter.hpp"
+#include "pcavr/reconstruction/tsdf_volume.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr auto kFusionFields = std::to_array<OptionField<TsdfOptions>>({
+    {"voxel_size", &TsdfOptions::voxel_size, 0.005, ranges::kVoxel.min, ranges::kVoxel.max, "m",
+     "edge of a voxel of the fused surface",
+     "lower: half costs four times the memory and shows noise; higher: detail is lost"},
+    // Widened with the depth noise, to 3 standard deviations.
+    {"truncation_voxels", &TsdfOptions::truncation_voxels, 4.0, 2.0, 20.0, "voxels",
+     "distance from a surface up to which its signed distance is stored",
+     "lower: noise causes holes; higher: thin walls and edges thicken"},
+    // The voxels' counters have four bits.
+    {"frames_to_clear", &TsdfOptions::frames_to_clear, 3, 1, 15, "",
+     "frames that must see a voxel as free to remove what others measured there",
+     "lower: single bad frames cause holes; higher: traces of moved objects remain"},
+});
+static_assert(are_valid_fields(kFusionFields));
+
+constexpr auto kOutlierFields = std::to_array<OptionField<OutlierOptions>>({
+    {"neighbours", &OutlierOptions::neighbours, 12, 1, 1000, "",
+     "nearest neighbours of a point whose mean distance is tested",
+     "lower: pairs of outliers remain; higher: slower, and small surfaces vanish"},
+    {"std_multiplier", &OutlierOptions::std_multiplier, 4.0, 0.1, 100.0, "std",
+     "distance above the cloud's mean from which a point is an outlier",
+     "lower: boundaries of sparse surfaces are eroded; higher: outliers remain"},
+});
+static_assert(are_valid_fields(kOutlierFields));
+
+}  // namespace
+
+TsdfOptions::TsdfOptions() { set_defaults(*this, kFusionFields); }
+
+TsdfOptions::TsdfOptions(double voxel_size_in) : TsdfOptions() { voxel_size = voxel_size_in; }
+
+OutlierOptions::OutlierOptions() { set_defaults(*this, kOutlierFields); }
+
+OptionSection section_of(TsdfOptions& options) {
+  return make_section("reconstruction.fusion", options, kFusionFields);
+}
+
+OptionSection section_of(OutlierOptions& options) {
+  return make_section("reconstruction.outliers", options, kOutlierFields);
+}
+
+}  // namespace pcavr

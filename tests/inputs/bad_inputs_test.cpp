@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/pipeline/identify.hpp"
+#include "pcavr/teleop/run_teleop.hpp"
+
+#include "inputs/simulated_series.hpp"
+#include "pipeline/input_faults.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kDuration = 16.0;  // [s] presses and slow pushes
+
+/// One row: what is wrong with a recording, and what both commands must find.
+struct BadInput {
+  const char* name;
+  Change apply;
+  const char* fault = "";  ///< part of the message with which the force or the recording is refused
+  const char* note = "";   ///< part of a note
+  double force_late = 0.0;   ///< [s] the offset that is applied
+  double camera_late = 0.0;  ///< [s]
+  bool is_replayed = true;   ///< false: the tool's motion is unusable too
+};
+
+void saturate(IdentificationInput& input) {
+  for (Eigen::Vector3d& force : input.force_base) force = force.cwiseMax(-6.0).cwiseMin(6.0);
+}
+
+void delay_tracking(IdentificationInput& input) {
+  for (IdentifiableObject& object : input.objects) {
+    for (TrackedPose& pose : object.tracked) pose.t += 0.1;
+  }
+}
+
+void jump(IdentificationInput& input) {
+  for (std::size_t i = input.p_base_tip.size() / 2; i < input.p_base_tip.size(); ++i) {
+    input.p_base_tip[i].x() += 0.004;
+  }
+}
+
+void add_spikes(IdentificationInput& input) {
+  for (std::size_t i = 150; i < input.p_base_tip.size(); i += 700) input.p_base_tip[i].y() += 0.02;
+}
+
+void remove_contact(IdentificationInput& input) {
+  for (std::size_t i = 0; i < input.force_base.size(); ++i) {
+    // A periodic pattern as the sensor's noise.
+    const double noise = 0.02 * (static_cast<double>(i % 5) - 2.0);
+    input.force_base[i] = Eigen::Vector3d(noise, -noise, 0.5 * noise);
+  }
+  for (Eigen::Vector3d& p : input.p_base_tip) p.z() += 0.5;
+  for (IdentifiableObject& object : input.objects) {
+    for (TrackedPose& pose : object.tracked) pose.T_base_object = object.T_base_object;
+  }
+}
+
+const std::vector<BadInput>& bad_inputs() {
+  static const std::vector<BadInput> all{
+      {"sound", [](IdentificationInput&) {}},
+      {"reversed force", flip_sign, "wrong sign"},
+      {"force in other axes", swap_x_and_y, "other axes"},
+      {"force in the tool's axes", write_in_tool_axes, "tool's axes"},
+      {.name = "tool in millimetres",
+       .apply = write_tool_in_millimetres,
+       .fault = "in millimetres",
+       .is_replayed = false},
+      {"force in kilonewtons", scale_force(1e-3), "another unit"},
+      {"force in grams-force", scale_force(1e3 / kStandardGravity), "another unit"},
+      {.name = "force 3 s late",
+       .apply = delay_force(3.0),
+       .fault = "3.0 s later than the tool's motion",
+       .is_replayed = false},
+      {.name = "force 0.15 s late", .apply = delay_force(0.15), .force_late = 0.15},
+      {.name = "tracking 0.1 s late", .apply = delay_tracking, .camera_late = 0.1},
+      {.name = "saturated sensor", .apply = saturate, .note = "force sensor saturated"},
+      {.name = "jump", .apply = jump, .note = "the tool's pose jumps 1 time"},
+      {.name = "spikes", .apply = add_spikes, .note = "the tool's pose jumps and returns"},
+      {.name = "no contact", .apply = remove_contact, .note = "no contact"},
+  };
+  return all;
+}
+
+/// Whether a note contains `part`; an empty one is in every report.
+bool has(const std::vector<std::string>& notes, const std::string& part) {
+  return part.empty() || std::any_of(notes.begin(), notes.end(), [&](const std::string& note) {
+           return note.find(part) != std::string::npos;
+         });
+}
+
+/// What one command found.
+struct Answer {
+  std::string fault;  ///< message with which force or recording were refused
+  std::vector<std::string> notes;
+  InputFindings inputs;
+  bool has_run = false;
+};
+
+Answer identified(const IdentificationInput& input) {
+  Answer answer;
+  const auto found = identify(input, IdentificationGoal::friction);
+  answer.has_run = found.has_value();
+  if (found) {
+    answer.inputs = found->inputs;
+    answer.notes = found->notes;
+  } else if (found.error().message.find("no contact") != std::string::npos) {
+    answer.notes = {found.error().message};
+  } else {
+    answer.fault = found.error().message;
+  }
+  return answer;
+}
+
+Answer replayed(const IdentificationInput& input) {
+  Answer answer;
+  const auto run = run_teleop(teleop_input_of(input), {});
+  answer.has_run = run.has_value();
+  if (!run) {
+    answer.fault = run.error().message;
+    return answer;
+  }
+  answer.inputs = run->inputs;
+  answer.notes = run->notes;
+  if (run->inputs.fault) answer.fault = run->inputs.fault->error.message;
+  return answer;
+}
+
+class BadInputs : public testing::TestWithParam<std::size_t> {
+ protected:
+  static const IdentificationInput& sound() {
+    static const IdentificationInput input = simulated_input(kDuration);
+    return input;
+  }
+};
+
+TEST_P(BadInputs, GetTheSameAnswerFromBothCommands) {
+  const BadInput& row = bad_inputs()[GetParam()];
+  SCOPED_TRACE(row.name);
+  IdentificationInput input = sound();
+  row.apply(input);
+  const Answer identify = identified(input);
+  const Answer replay = replayed(input);
+  EXPECT_EQ(identify.fault, replay.fault);
+  EXPECT_NE(identify.fault.find(row.fault), std::string::npos) << identify.fault;
+  EXPECT_EQ(identify.fault.empty(), std::string(row.fault).empty()) << identify.fault;
+  EXPECT_EQ(replay.has_run, row.is_replayed);
+  if (!identify.fault.empty()) {
+    EXPECT_TRUE(!replay.has_run || has(replay.notes, "the force is not used")) << row.name;
+    return;
+  }
+  EXPECT_TRUE(has(identify.notes, row.note)) << "note of identify";
+  EXPECT_TRUE(has(replay.notes, row.note)) << "note of replay";
+  if (!identify.has_run) return;
+  EXPECT_DOUBLE_EQ(identify.inputs.force_shift(), replay.inputs.force_shift());
+  EXPECT_DOUBLE_EQ(identify.inputs.camera_shift(), replay.inputs.camera_shift());
+  EXPECT_NEAR(identify.inputs.force_shift(), row.force_late, 0.003);
+  EXPECT_NEAR(identify.inputs.camera_shift(), row.camera_late, 0.005);
+  EXPECT_EQ(identify.inputs.force_ceiling, replay.inputs.force_ceiling);
+  EXPECT_EQ(identify.inputs.tool_outliers, replay.inputs.tool_outliers);
+  EXPECT_EQ(identify.inputs.tool_jumps, replay.inputs.tool_jumps);
+  EXPECT_EQ(identify.inputs.contacts, replay.inputs.contacts);
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, BadInputs, testing::Range<std::size_t>(0, bad_inputs().size()),
+                         [](const auto& row) {
+                           std::string name = bad_inputs()[row.param].name;
+                           std::erase_if(name, [](char c) { return !std::isalnum(c); });
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace pcavr
