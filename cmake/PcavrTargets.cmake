@@ -38,7 +38,8 @@ function(pcavr_add_module name)
 endfunction()
 
 # pcavr_add_tests(NAME SOURCES file... [NO_UNITY file...] LINK library... [LABELS label...])
-# Tests with the label fast are also built by the target pcavr_fast_tests, which sanitizers use.
+# Tests with the label fast are also built by the target pcavr_fast_tests, for the address sanitizer,
+# those with the label threaded by pcavr_threaded_tests, for the thread sanitizer.
 # NO_UNITY lists sources that are excluded from unity builds, because their helpers have the same
 # names as another source's. One executable; each TEST becomes a CTest case with these labels, or
 # with AS_ONE all of them together, for tests that share an expensive setup.
@@ -56,9 +57,11 @@ function(pcavr_add_tests name)
                              ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(pcavr_${name}_tests PRIVATE ${arg_LINK} pcavr_test_support
                         GTest::gtest_main)
-  if("fast" IN_LIST arg_LABELS)
-    add_dependencies(pcavr_fast_tests pcavr_${name}_tests)
-  endif()
+  foreach(label fast threaded)
+    if(label IN_LIST arg_LABELS)
+      add_dependencies(pcavr_${label}_tests pcavr_${name}_tests)
+    endif()
+  endforeach()
   if(arg_AS_ONE)
     add_test(NAME ${name} COMMAND pcavr_${name}_tests)
     set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})
