@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "import_clouds.hpp"
 
-#include <cstdio>
 #include <numbers>
 #include <span>
+
+#include <fmt/core.h>
 
 #include "pcavr/core/input_ranges.hpp"
 #include "pcavr/recording/time_series.hpp"
@@ -13,13 +14,6 @@
 
 namespace pcavr::app {
 namespace {
-
-template <typename... Values>
-std::string line(const char* format, Values... values) {
-  char text[300];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 Expected<Pose> parse_pose(const std::vector<double>& numbers) {
   Error error{.message = "is not tx ty tz qx qy qz qw",
@@ -39,26 +33,28 @@ std::string poses_line(const CloudImportReport& report) {
                      : report.poses == CloudPoses::viewpoints ? "poses      the clouds' viewpoints"
                                                               : "poses      aligned";
   if (report.poses == CloudPoses::aligned) {
-    text += line(" with each other to %.1f mm (rms), overlapping by %.0f %% or more",
-                 1e3 * report.alignment_rms, 100.0 * report.alignment_overlap);
+    text += fmt::format(" with each other to {:.1f} mm (rms), overlapping by {:.0f} % or more",
+                        1e3 * report.alignment_rms, 100.0 * report.alignment_overlap);
   }
   if (report.anchor_frames > 0) {
-    text += line("; base by tags in %zu frames, residual %.1f mm, %.2f deg", report.anchor_frames,
-                 1e3 * report.anchor_position_rms,
-                 report.anchor_rotation_rms * 180.0 / std::numbers::pi);
+    text += fmt::format("; base by tags in {} frames, residual {:.1f} mm, {:.2f} deg",
+                        report.anchor_frames, 1e3 * report.anchor_position_rms,
+                        report.anchor_rotation_rms * 180.0 / std::numbers::pi);
   }
   return text + '\n';
 }
 
 std::string summary_of(const CloudImportReport& report, const std::string& folder) {
   const CameraModel& camera = report.camera;
-  std::string text = line("clouds     %zu%s, %zu points; %zu frames\n", report.clouds,
-                          report.is_organised ? " organised" : "", report.points, report.frames);
-  text += line("camera     %d x %d, fx %.2f fy %.2f cx %.2f cy %.2f; ", camera.width, camera.height,
-               camera.fx, camera.fy, camera.cx, camera.cy);
-  text += report.is_organised ? line("estimated, residual %.3f px (rms)\n", report.pinhole_residual)
-                              : line("virtual, rays %.2f mrad apart, %zu points left out\n",
-                                     1e3 * report.ray_spacing, report.points_outside);
+  std::string text =
+      fmt::format("clouds     {}{}, {} points; {} frames\n", report.clouds,
+                  report.is_organised ? " organised" : "", report.points, report.frames);
+  text += fmt::format("camera     {} x {}, fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}; ", camera.width,
+                      camera.height, camera.fx, camera.fy, camera.cx, camera.cy);
+  text += report.is_organised
+              ? fmt::format("estimated, residual {:.3f} px (rms)\n", report.pinhole_residual)
+              : fmt::format("virtual, rays {:.2f} mrad apart, {} points left out\n",
+                            1e3 * report.ray_spacing, report.points_outside);
   return text + poses_line(report) + "next: pcavr build " + folder + " -o SCENE\n";
 }
 

@@ -3,8 +3,9 @@
 #include "inputs/accumulated.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
+
+#include <fmt/core.h>
 
 namespace pcavr {
 namespace {
@@ -93,23 +94,20 @@ std::optional<InputFault> AccumulatedFindings::find_fault(
 
 std::vector<std::string> AccumulatedFindings::notes() const {
   std::vector<std::string> notes;
-  char text[160];
   if (counts_.tool_outliers > 0) {
-    std::snprintf(text, sizeof text,
-                  "the tool's pose jumps and returns (%zu sample%s, first at %s): ignored",
-                  counts_.tool_outliers, counts_.tool_outliers == 1 ? "" : "s",
-                  at_time(first_outlier_).c_str());
-    notes.emplace_back(text);
+    notes.push_back(fmt::format(
+        "the tool's pose jumps and returns ({} sample{}, first at {}): ignored",
+        counts_.tool_outliers, counts_.tool_outliers == 1 ? "" : "s", at_time(first_outlier_)));
   }
   if (counts_.tool_jumps > 0) {
     notes.push_back("the tool's pose jumps " + times(counts_.tool_jumps) + ", first at " +
                     at_time(first_jump_) + ": contacts at that time are not used");
   }
   if (counts_.saturations > 0) {
-    std::snprintf(text, sizeof text, "force sensor saturated %s at %.1f N, first at %s: ",
-                  times(counts_.saturations).c_str(), *counts_.force_ceiling,
-                  at_time(counts_.first_saturation).c_str());
-    notes.push_back(text + std::string("contacts at that time are not used to identify"));
+    notes.push_back(fmt::format(
+        "force sensor saturated {} at {:.1f} N, first at {}: contacts at that time are not used to "
+        "identify",
+        times(counts_.saturations), *counts_.force_ceiling, at_time(counts_.first_saturation)));
   }
   for (std::size_t i = 0; i < friction_.size(); ++i) {
     std::string note = doubtful_friction(bodies_[i].name, friction_[i]);

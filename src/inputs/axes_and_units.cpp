@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <utility>
 
 #include <Eigen/LU>
+#include <fmt/core.h>
 
 #include "inputs/faults.hpp"
 
@@ -35,12 +35,6 @@ struct Length {
   double metres;
 };
 constexpr std::array<Length, 2> kLengths{{{"millimetres", 1e-3}, {"centimetres", 1e-2}}};
-
-std::string printed(const char* format, double a, double b) {
-  char text[96];
-  std::snprintf(text, sizeof text, format, a, b);
-  return text;
-}
 
 bool explains(const DirectionAgreement& candidate, const DirectionAgreement& as_written) {
   return candidate.inward >= kExplains && candidate.inward - as_written.inward >= kInwardGain &&
@@ -78,7 +72,7 @@ std::string components(const Eigen::Matrix3d& axes) {
 }
 
 std::string cosines(double better, double as_written, std::size_t contacts) {
-  return printed("mean cosine %.2f, as written %.2f", better, as_written) + " over " +
+  return fmt::format("mean cosine {:.2f}, as written {:.2f}", better, as_written) + " over " +
          std::to_string(contacts) + (contacts == 1 ? " contact" : " contacts");
 }
 
@@ -229,9 +223,9 @@ void leave_out_misdirected(std::span<const ContactEvidence> evidence,
     AttributedContact& contact = contacts[one.contact];
     if (cosine >= kMisdirected || !contact.left_out.empty()) continue;
     const double degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
-    contact.left_out =
-        printed("the force points %.0f degrees off the normal of the face that the tool touches",
-                degrees, 0.0);
+    contact.left_out = fmt::format(
+        "the force points {:.0f} degrees off the normal of the face that the tool touches", degrees,
+        0.0);
   }
 }
 

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include <fmt/core.h>
 
 namespace pcavr {
 namespace {
@@ -132,12 +133,11 @@ std::optional<InputFault> clock_fault(const InputSeries& series, const Segmentat
   const bool is_fault = best.correlation >= kDecisive && std::abs(best.shift) > kEstimatedOffset &&
                         as_written <= kMaxAsWritten && (is_only_shift || gain >= kClearLead);
   if (!is_fault) return std::nullopt;
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "the force is about %.1f s %s than the tool's motion%s: shifted by that, it shows "
-                "contact when the tip is at an object (correlation %.2f, as written %.2f)",
-                std::abs(best.shift), best.shift > 0.0 ? "later" : "earlier",
-                is_only_shift ? "" : ", or by another shift", best.correlation, as_written);
+  const std::string text = fmt::format(
+      "the force is about {:.1f} s {} than the tool's motion{}: shifted by that, it shows "
+      "contact when the tip is at an object (correlation {:.2f}, as written {:.2f})",
+      std::abs(best.shift), best.shift > 0.0 ? "later" : "earlier",
+      is_only_shift ? "" : ", or by another shift", best.correlation, as_written);
   return InputFault{InputFaultKind::clock,
                     {.message = text, .file = "wrench.csv", .hint = "put both on one clock"}};
 }

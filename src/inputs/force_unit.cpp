@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
+
+#include <fmt/core.h>
 
 #include "pcavr/core/gravity.hpp"
 #include "pcavr/core/median.hpp"
@@ -101,20 +102,14 @@ Approach approach_of(const InputSeries& series, const PathView& tip, const BodyP
 
 }  // namespace
 
-std::string at_time(double t) {
-  char text[40];
-  std::snprintf(text, sizeof text, "t = %.3f s", t);
-  return text;
-}
+std::string at_time(double t) { return fmt::format("t = {:.3f} s", t); }
 
 std::string doubtful_friction(const std::string& name, const FrictionRatios& friction) {
   if (friction.ratios.empty() || !friction.is_weighed) return {};
   const double ratio = median(friction.ratios);
   if (ratio <= 0.0 || ratio >= kDoubtfulRatio) return {};
-  char text[160];
-  std::snprintf(
-      text, sizeof text,
-      " slides under a force of %.2g of its weight, as on rollers: check that the force is "
+  const std::string text = fmt::format(
+      " slides under a force of {:.2g} of its weight, as on rollers: check that the force is "
       "in newtons and the mass in kilograms",
       ratio);
   return name + text;
@@ -127,11 +122,10 @@ std::optional<InputFault> force_unit_fault(const std::string& name, double weigh
   if (!mass.is_excited || is_same || std::abs(mass.value - weighed_mass) < kMassStds * mass.std) {
     return std::nullopt;
   }
-  char text[160];
-  std::snprintf(text, sizeof text,
-                " has a mass of %.3g +- %.2g kg by force and acceleration, of %.3g kg by the "
-                "manifest: one of them is in another unit",
-                mass.value, mass.std, weighed_mass);
+  const std::string text = fmt::format(
+      " has a mass of {:.3g} +- {:.2g} kg by force and acceleration, of {:.3g} kg by the "
+      "manifest: one of them is in another unit",
+      mass.value, mass.std, weighed_mass);
   return unit_fault(name + text, suggest_units([factor](double per_newton) {
                       return std::abs(std::log(factor / per_newton)) < std::log(kSameUnit);
                     }));
@@ -151,11 +145,10 @@ std::optional<InputFault> force_unit_fault(const std::string& name,
         return one < kMaxRatioSpread * ratio && one > ratio / kMaxRatioSpread;
       });
   if (!is_consistent) return std::nullopt;
-  char text[200];
-  std::snprintf(text, sizeof text,
-                " slides under a force of %.2g times its weight in %zu push%s, and any support "
-                "lets it slide between %.3g and %.3g: the force or the mass is in another unit",
-                ratio, ratios.size(), ratios.size() == 1 ? "" : "es", min, max);
+  const std::string text = fmt::format(
+      " slides under a force of {:.2g} times its weight in {} push{}, and any support "
+      "lets it slide between {:.3g} and {:.3g}: the force or the mass is in another unit",
+      ratio, ratios.size(), ratios.size() == 1 ? "" : "es", min, max);
   return unit_fault(name + text, suggest_units_by_ratio(ratio));
 }
 
@@ -172,7 +165,7 @@ NoContact explain_no_contact(const std::vector<InputBody>& bodies,
                              std::span<const Approach> approaches) {
   Approach closest;
   std::size_t which = 0;
-  char text[200];
+  std::string text;
   for (std::size_t i = 0; i < approaches.size(); ++i) {
     const InputBody& body = bodies[i];
     const Approach& approach = approaches[i];
@@ -180,24 +173,24 @@ NoContact explain_no_contact(const std::vector<InputBody>& bodies,
     if (!body.mass || approach.moved < kCertainDisplacement) continue;
     const double ratio = approach.max_force / (*body.mass * kStandardGravity);
     if (ratio >= kMinRatio) continue;
-    std::snprintf(text, sizeof text,
-                  " is pushed by %.0f mm with a force of at most %.2g N, %.2g of its weight: the "
-                  "force or the mass is in another unit, or the sensor was off",
-                  1e3 * approach.moved, approach.max_force, ratio);
+    text = fmt::format(
+        " is pushed by {:.0f} mm with a force of at most {:.2g} N, {:.2g} of its weight: the "
+        "force or the mass is in another unit, or the sensor was off",
+        1e3 * approach.moved, approach.max_force, ratio);
     return {unit_fault(body.name + text, suggest_units_by_ratio(ratio)).error, true};
   }
   if (closest.gap < -kCertainPenetration) {
-    std::snprintf(text, sizeof text,
-                  "the force never exceeds its noise, although by the poses the tip is %.1f mm "
-                  "inside ",
-                  -1e3 * closest.gap);
+    text = fmt::format(
+        "the force never exceeds its noise, although by the poses the tip is {:.1f} mm "
+        "inside ",
+        -1e3 * closest.gap);
     return {force_error(text + bodies[which].name + " at " + at_time(closest.t),
                         "check that the force is in newtons, and the poses of tool and object")};
   }
   std::string message = "no contact: the force never exceeds its noise";
   if (std::isfinite(closest.gap)) {
     const double gap = std::max(closest.gap, 0.0);
-    std::snprintf(text, sizeof text, ", and the tip comes within %.0f mm of ", 1e3 * gap);
+    text = fmt::format(", and the tip comes within {:.0f} mm of ", 1e3 * gap);
     message += text + bodies[which].name + " at " + at_time(closest.t);
   }
   return {force_error(std::move(message), "record a press of the object along z, then a push")};

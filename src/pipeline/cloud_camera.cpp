@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <span>
 #include <utility>
+
+#include <fmt/core.h>
 
 #include "pcavr/cloud/cloud_alignment.hpp"
 #include "pcavr/cloud/range_image.hpp"
@@ -22,11 +23,7 @@ constexpr double kMillimetre = 1e-3;
 constexpr double kMaxMedianRange = 100.0;
 constexpr Rgb8 kNoColor{128, 128, 128};
 
-std::string pixels_text(double pixels) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f px", pixels);
-  return text;
-}
+std::string pixels_text(double pixels) { return fmt::format("{:.2f} px", pixels); }
 
 double median_range(const RecordedCloud& cloud) {
   const Eigen::Vector3f sensor = cloud.T_cloud_sensor.translation().cast<float>();

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include <fmt/core.h>
 
 #include "identify_parts.hpp"
 #include "identify_slides.hpp"
@@ -127,11 +128,10 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
   for (const IdentifiedContact* push : pushes) limits.push_back(push->limit);
   for (const std::size_t i : result.limit.left_out) {
     limits[i].is_excited = false;
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "the push at t = %.3f s (%.2f N +- %.2f N) is not counted for the limiting "
-                  "friction: it is an outlier",
-                  pushes[i]->episode.begin, breakaways[i].force, breakaways[i].std);
+    const std::string text = fmt::format(
+        "the push at t = {:.3f} s ({:.2f} N +- {:.2f} N) is not counted for the limiting "
+        "friction: it is an outlier",
+        pushes[i]->episode.begin, breakaways[i].force, breakaways[i].std);
     result.notes.push_back(text);
   }
   if (result.limit.pushes == 0) return;

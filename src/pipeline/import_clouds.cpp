@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include <fmt/core.h>
 
 #include "pcavr/cloud/cloud_alignment.hpp"
 #include "pcavr/cloud/cloud_list.hpp"
@@ -260,14 +261,13 @@ class CloudImport {
     constexpr double kDegree = std::numbers::pi / 180.0;
     constexpr double kDoubtful = 0.05;       // [m]
     constexpr double kContradiction = 0.15;  // [m]
-    char text[120];
-    std::snprintf(text, sizeof text, "base tags and the clouds' poses differ by %.0f mm, %.1f deg",
-                  1e3 * anchor.position_rms, anchor.rotation_rms / kDegree);
+    const std::string text =
+        fmt::format("base tags and the clouds' poses differ by {:.0f} mm, {:.1f} deg",
+                    1e3 * anchor.position_rms, anchor.rotation_rms / kDegree);
     if (anchor.position_rms > kContradiction || anchor.rotation_rms > 10.0 * kDegree) {
-      return Error{
-          .message = std::string(text) + " (rms, " + std::to_string(anchor.frames) + " frames)",
-          .file = options_.poses.empty() ? source_.string() : options_.poses.string(),
-          .hint = "check the tags' sizes and poses; more overlap aligns clouds better"};
+      return Error{.message = text + " (rms, " + std::to_string(anchor.frames) + " frames)",
+                   .file = options_.poses.empty() ? source_.string() : options_.poses.string(),
+                   .hint = "check the tags' sizes and poses; more overlap aligns clouds better"};
     }
     if (anchor.position_rms > kDoubtful || anchor.rotation_rms > 3.0 * kDegree) {
       observer_.on_warning(source_.string() + ": " + text + " (rms)");
