@@ -42,7 +42,7 @@ pcavr::Expected<void> render(const char* cad_file) {
     const pcavr::HapticWorldState& state = world->state();
     std::printf("%.2f s  hand %6.2f mm, god-object %5.2f mm above contact  force %.2f N%s\n", t,
                 1e3 * (state.p_base_hip.z() - top), 1e3 * (state.p_base_proxy.z() - top),
-                state.force_base.norm(), state.touched_body == 0 ? "  touches the body" : "");
+                state.force_base.norm(), state.touched_body == 0U ? "  touches the body" : "");
   }
   return {};
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pcavr/core/median.hpp"
 
@@ -80,8 +81,8 @@ std::optional<Grid> find_grid(const std::vector<Eigen::Vector2f>& rays, int axis
 
 /// Moves the numbers so that the first of `all_rays` is 0; returns how many there are.
 int first_at_zero(const std::vector<Eigen::Vector2f>& all_rays, int axis, Grid& grid) {
-  double low = 1e9;
-  double high = -1e9;
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
   for (const Eigen::Vector2f& ray : all_rays) {
     const double number = grid.scale * static_cast<double>(ray[axis]) + grid.offset;
     low = std::min(low, number);

@@ -28,10 +28,6 @@ constexpr double kMinSameFaceCosine = 0.7;
 /// Backtracking of a tip that has penetrated too far: to 0.43 of its depth.
 constexpr double kBacktrackFactor = 0.9;
 constexpr int kMaxBacktracks = 8;
-/// [m] Where the prediction's tool is parked while it is not in contact.
-const Eigen::Vector3d kParkedTip(0.0, 0.0, 1e4);
-/// [m] Where a fallen body is parked in the prediction, and its distance to the next one.
-constexpr double kParkedBodySpacing = 1e4;
 /// [m] A tip farther from the origin along any axis is invalid.
 constexpr double kMaxTipCoordinate = 1e3;
 /// Iterations that move the proxy out of overlapping bodies: bounds a cycle's time where they
@@ -88,7 +84,7 @@ struct HapticWorld::Content {
  public:
   PredictedWorld world;
   std::vector<BodyState> start;
-  std::vector<BodyState> work;  ///< buffer, so that parking a body does not allocate
+  std::vector<BodyState> work;  ///< buffer, so that removing a body does not allocate
   detail::Supports supports;
   detail::ProxySphere proxy;
   RenderedForce force;
@@ -107,8 +103,8 @@ struct HapticWorld::Content {
   Eigen::Vector3d scan_normal = Eigen::Vector3d::Zero();
   Eigen::Vector3d hip = Eigen::Vector3d::Zero();
   Eigen::Vector3d goal = Eigen::Vector3d::Zero();
-  Eigen::Vector3d tip = kParkedTip;         ///< of the prediction
-  Eigen::Vector3d tip_before = kParkedTip;  ///< a step earlier
+  std::optional<Eigen::Vector3d> tip;         ///< [m] of the prediction; empty while disengaged
+  std::optional<Eigen::Vector3d> tip_before;  ///< a step earlier
   Eigen::Vector3d static_proxy =
       Eigen::Vector3d::Zero();  ///< [m] the proxy's centre among static surfaces only
 };
@@ -194,7 +190,7 @@ void HapticWorld::Content::reset(const Eigen::Vector3d& wanted_tip) noexcept {
   state.force_base.setZero();
   state.is_engaged = false;
   state.touches_scan = false;
-  state.touched_body = -1;
+  state.touched_body.reset();
   state.p_base_hip = hip;
   state.p_base_proxy = centre;
   publish_bodies();
@@ -245,14 +241,15 @@ void HapticWorld::Content::update_tip(double dt) noexcept {
     penetration = limited_penetration(direction, std::min(length, max_penetration),
                                       options.max_penetration_speed * dt);
     // A faster tip counts as placed anew in the prediction, which would move the body away.
-    const Eigen::Vector3d displacement = proxy.centre() + penetration - tip_before;
-    if (displacement.norm() > max_tip_speed * dt) penetration.setZero();
-    tip += penetration;
+    const bool has_jumped =
+        !tip_before || (proxy.centre() + penetration - *tip_before).norm() > max_tip_speed * dt;
+    if (has_jumped) penetration.setZero();
+    *tip += penetration;
     // The HIP's depth beyond the body's maximum penetration makes no force from the scan.
     const double excess = length > 0.0 ? (hip - static_proxy).dot(direction) / length : 0.0;
     if (budget <= 0.0 && excess > 0.0) static_proxy += excess / length * direction;
   }
-  if (tip_before == kParkedTip) tip_before = tip;
+  if (!tip_before) tip_before = tip;
 }
 
 /// The penetration for a desired one of `desired` [m] along `direction`: changes by at most
@@ -294,8 +291,8 @@ void HapticWorld::Content::release() noexcept {
   goal = hip;
   static_proxy = hip;
   scan_normal.setZero();
-  tip = kParkedTip;
-  tip_before = kParkedTip;
+  tip.reset();
+  tip_before.reset();
   penetration.setZero();
   body_displacement = 0.0;
   for (Body& body : bodies) body.is_under_tool = false;
@@ -314,12 +311,16 @@ void HapticWorld::Content::start_falling(std::size_t i) noexcept {
   proxy.remove(kFirstBody + i);
   std::copy(world.state().begin(), world.state().end(), work.begin());
   work[i] = BodyState{};
-  work[i].planar.position = {kParkedBodySpacing * static_cast<double>(i + 1), kParkedBodySpacing};
+  work[i].is_present = false;
   world.set_state(work);
 }
 
 void HapticWorld::Content::move_bodies(double dt) noexcept {
-  world.step(tip_before, tip, dt);
+  if (tip) {
+    world.step(*tip_before, *tip, dt);
+  } else {
+    world.step(dt);
+  }
   body_displacement = 0.0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     Body& body = bodies[i];
@@ -364,14 +365,14 @@ void HapticWorld::Content::compute_force(const Eigen::Vector3d& device, double d
   Eigen::Vector3d body_force = Eigen::Vector3d::Zero();
   double max_tool_force = -1.0;
   Eigen::Vector3d out = Eigen::Vector3d::Zero();
-  state.touched_body = -1;
+  state.touched_body.reset();
   for (std::size_t i = 0; i < bodies.size() && state.is_engaged; ++i) {
     const Eigen::Vector3d& tool_force = world.state()[i].tool_force_base;
     body_force -= tool_force;
     if (const auto answer = closest(bodies[i], hip)) out = answer->normal;
     if (!bodies[i].is_under_tool || tool_force.norm() <= max_tool_force) continue;
     max_tool_force = tool_force.norm();
-    state.touched_body = static_cast<int>(i);
+    state.touched_body = i;
   }
   const bool is_penetrating = state.is_engaged && proxy.is_separated_from(hip);
   if (is_penetrating && out.isZero(0.0)) out = (proxy.centre() - hip).stableNormalized();

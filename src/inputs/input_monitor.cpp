@@ -165,11 +165,13 @@ struct InputMonitor::State {
   void advance() {
     sequence.advance(series());
     const double begin = sequence.begin();
-    const std::size_t tool = range_of(t_tool, -1e300, begin).count;
+    const std::size_t tool =
+        range_of(t_tool, -std::numeric_limits<double>::infinity(), begin).count;
     erase_first(tool, t_tool);
     erase_first(tool, p_base_tip);
     if (!q_base_tool.empty()) erase_first(tool, q_base_tool);
-    const std::size_t force = range_of(t_force, -1e300, begin).count;
+    const std::size_t force =
+        range_of(t_force, -std::numeric_limits<double>::infinity(), begin).count;
     erase_first(force, t_force);
     erase_first(force, force_base);
     for (std::vector<TrackedPose>& poses : tracked) {

@@ -95,6 +95,7 @@ class BodyStepper {
  private:
   [[nodiscard]] TipContact contact_at(const PlanarState& planar,
                                       const Eigen::Vector3d& tip) const noexcept {
+    if (!tip_.is_present) return {};
     return find_tip_contact(body_, planar, tip, tip_.radius).value_or(TipContact{});
   }
 

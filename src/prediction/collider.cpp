@@ -86,7 +86,8 @@ void reduce_contacts(std::vector<CollisionPoint>& found, std::vector<CollisionPo
     const Eigen::Vector3d normal = found[first].normal;
     const Eigen::Vector2d along(-normal.y(), normal.x());
     std::array<std::size_t, 2> ends{first, first};
-    std::array<double, 2> best{-1e300, -1e300};
+    constexpr double kNone = -std::numeric_limits<double>::infinity();
+    std::array<double, 2> best{kNone, kNone};
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (is_used[i] || found[i].normal.dot(normal) < 0.9) continue;
       is_used[i] = true;

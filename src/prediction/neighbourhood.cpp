@@ -41,8 +41,11 @@ double speed_of(const UprightBody& body, const BodyState& state) {
 BodyState stopped(const UprightBody& body, const BodyState& begin, const TipPath& tip) {
   BodyState end = begin;
   end.planar.twist.setZero();
-  end.penetration =
-      find_tip_contact(body, end.planar, tip.to, tip.radius).value_or(TipContact{}).depth;
+  end.penetration = TipContact{}.depth;
+  if (!tip.is_present) return end;
+  if (const auto contact = find_tip_contact(body, end.planar, tip.to, tip.radius)) {
+    end.penetration = contact->depth;
+  }
   return end;
 }
 
@@ -72,6 +75,7 @@ void Neighbourhood::step(const std::vector<UprightBody>& bodies, const TipPath& 
   find_contacts(bodies, tip, dt, states);
   bool is_together = false;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!states[i].is_present) continue;
     if (!members_[i].sides.empty()) {
       is_together = true;
       continue;
@@ -98,6 +102,7 @@ void Neighbourhood::find_contacts(const std::vector<UprightBody>& bodies, const 
                                   double dt, const std::vector<BodyState>& states) {
   queue_.clear();
   max_static_friction_ = 0.0;
+  const double travel = (tip.to - tip.from).head<2>().norm();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     max_static_friction_ =
         std::max(max_static_friction_, static_friction_limit(bodies[i].physics().friction));
@@ -105,10 +110,11 @@ void Neighbourhood::find_contacts(const std::vector<UprightBody>& bodies, const 
     member.sides.clear();
     member.partners.clear();
     member.is_searched = false;
-    const double travel = (tip.to - tip.from).head<2>().norm();
+    member.is_awake = false;
+    if (!states[i].is_present) continue;
     const double near = collider_.reach(i) + tip.radius + travel + kMargin;
     const double distance = (tip.to.head<2>() - states[i].planar.position).norm();
-    member.is_awake = !states[i].planar.twist.isZero(0.0) || distance < near;
+    member.is_awake = !states[i].planar.twist.isZero(0.0) || (tip.is_present && distance < near);
     if (member.is_awake) queue_.push_back(i);
   }
   for (std::size_t i = 0; i < queue_.size(); ++i) search(queue_[i], bodies, dt, states);
@@ -122,7 +128,7 @@ void Neighbourhood::search(std::size_t body, const std::vector<UprightBody>& bod
   collider_.with_static(body, own, points_);
   for (const CollisionPoint& point : points_) link(body, -1, point, 1.0, bodies, states);
   for (std::size_t other = 0; other < bodies.size(); ++other) {
-    if (other == body || members_[other].is_searched) continue;
+    if (other == body || members_[other].is_searched || !states[other].is_present) continue;
     const double margin = kMargin + dt * (speed + speed_of(bodies[other], states[other]));
     const double apart = (states[other].planar.position - own.position).norm();
     if (apart > collider_.reach(body) + collider_.reach(other) + margin) continue;

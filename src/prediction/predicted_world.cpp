@@ -104,4 +104,10 @@ void PredictedWorld::step(const Eigen::Vector3d& p_base_before, const Eigen::Vec
   content_->neighbourhood.step(content_->bodies, tip, dt, content_->states);
 }
 
+void PredictedWorld::step(double dt) noexcept {
+  if (!(dt > 0.0)) return;
+  content_->neighbourhood.step(content_->bodies, detail::TipPath{.is_present = false}, dt,
+                               content_->states);
+}
+
 }  // namespace pcavr

@@ -21,6 +21,7 @@ struct TipPath {
   Eigen::Vector3d to = Eigen::Vector3d::Zero();
   double radius = 0.0;     ///< [m]
   double max_speed = 0.0;  ///< [m/s] a faster tip has jumped: it is placed at `to`
+  bool is_present = true;  ///< false: there is no tool
 };
 
 /// Contact, or closest points, of the tip's sphere and a body, base axes.

@@ -39,7 +39,7 @@ void PulseGenerator::start_pulse() noexcept {
 
 void PulseGenerator::step(const HapticWorldState& state, double dt) noexcept {
   since_pulse_ += dt;
-  const bool touches = state.touches_scan || state.touched_body >= 0;
+  const bool touches = state.touches_scan || state.touched_body.has_value();
   if (touches && since_contact_ > options_.min_time_without_contact) start_pulse();
   since_contact_ = touches ? 0.0 : since_contact_ + dt;
   for (std::size_t i = 0; i < was_static_.size(); ++i) {

@@ -49,6 +49,8 @@ LiveObject read_object(ByteReader& reader) {
   return object;
 }
 
+constexpr std::uint32_t kNoObject = 0xffff'ffff;
+
 std::uint32_t flags_of(const LiveState& state) {
   return (state.is_engaged ? kEngaged : 0U) | (state.is_on_hold ? kOnHold : 0U) |
          (state.touches_scan ? kTouchesScan : 0U) | (state.has_tool ? kHasTool : 0U) |
@@ -59,7 +61,7 @@ void write_state(const LiveState& state, ByteWriter& writer) {
   writer.f64(state.t);
   writer.f64(state.page_clock);
   writer.integer(flags_of(state));
-  writer.integer(static_cast<std::uint32_t>(state.touched_object));
+  writer.integer(static_cast<std::uint32_t>(state.touched_object.value_or(kNoObject)));
   write_vector(state.p_base_hip, writer);
   write_vector(state.p_base_proxy, writer);
   write_vector(state.force_base, writer);
@@ -89,7 +91,8 @@ Expected<ServerMessage> read_state(const LiveFrame& frame) {
   state.t = reader.f64();
   state.page_clock = reader.f64();
   read_flags(reader.integer<std::uint32_t>(), state);
-  state.touched_object = static_cast<std::int32_t>(reader.integer<std::uint32_t>());
+  const auto touched = reader.integer<std::uint32_t>();
+  if (touched != kNoObject) state.touched_object = touched;
   state.p_base_hip = read_vector(reader);
   state.p_base_proxy = read_vector(reader);
   state.force_base = read_vector(reader);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -41,7 +42,7 @@ MaskImage projector_shadow(const DepthSensor& sensor, const CameraModel& camera,
                            const DepthImage& depth) {
   MaskImage shadow(depth.width(), depth.height());
   for (int y = 0; y < depth.height(); ++y) {
-    double farthest = -1e9;
+    double farthest = -std::numeric_limits<double>::infinity();
     for (int x = 0; x < depth.width(); ++x) {
       const double z = depth(x, y);
       if (z <= 0.0) continue;

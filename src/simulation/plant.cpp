@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "pcavr/core/check.hpp"
@@ -38,7 +39,7 @@ struct MassDistribution {
 
 MassDistribution mass_distribution(const std::vector<PlantCuboid>& parts) {
   double volume = 0.0;
-  double bottom = 1e9;
+  double bottom = std::numeric_limits<double>::infinity();
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double square = 0.0;
   for (const PlantCuboid& part : parts) {

@@ -53,7 +53,7 @@ TEST(FallingBody, TipsOverTheEdgeAndFallsWithoutCollidingWithTheTool) {
   EXPECT_GT(height, -2.5);
   EXPECT_GT(T.translation().x(), 0.5);
   EXPECT_EQ(world.state().force_base, Eigen::Vector3d::Zero());
-  EXPECT_EQ(world.state().touched_body, -1);
+  EXPECT_FALSE(world.state().touched_body.has_value());
   EXPECT_EQ(world.state().p_base_proxy, hand);
 }
 

@@ -52,7 +52,7 @@ TEST(HapticWorld, PushesABodyThatTheVisibleToolDoesNotEnter) {
     ASSERT_LE(state.force_base.norm(), 5.0 + 1e-12);
   });
   const HapticWorldState& state = world.state();
-  EXPECT_EQ(state.touched_body, 0);
+  EXPECT_EQ(state.touched_body, 0U);
   EXPECT_FALSE(state.touches_scan);
   EXPECT_EQ(state.bodies[0].phase, MotionPhase::sliding);
   // The HIP penetrates as the sliding friction needs: 8.5 N at 8 kN/m.
@@ -84,7 +84,7 @@ TEST(HapticWorld, PushesAlongTheTableThatTheHandPressesInto) {
   move(world, below, below + Eigen::Vector3d(0.06, 0.0, 0.0), 0.05);
   const HapticWorldState& state = world.state();
   EXPECT_TRUE(state.touches_scan);
-  EXPECT_EQ(state.touched_body, 0);
+  EXPECT_EQ(state.touched_body, 0U);
   EXPECT_GT(state.bodies[0].T_base_object.translation().x(), 0.03);
   EXPECT_GE(state.p_base_proxy.z(), 0.01 - 1e-9);
   EXPECT_GT(state.force_base.z(), 0.0);
@@ -107,7 +107,7 @@ TEST(HapticWorld, PushesNothingAndResetsTheHipToTheProxyWhenNotEngaged) {
     before = world.state().force_base.norm();
   }
   EXPECT_EQ(before, 0.0);
-  EXPECT_EQ(world.state().touched_body, -1);
+  EXPECT_FALSE(world.state().touched_body.has_value());
 }
 
 TEST(HapticWorld, TreatsAnInvalidTipAsNotEngaged) {

@@ -57,7 +57,7 @@ inline Work over_closed_paths(HapticWorld& world, int paths, std::uint64_t seed)
       taken -= world.state().force_base.dot(next - tip);
       tip = next;
       world.step({tip, true}, kCycle);
-      has_touched |= world.state().touched_body >= 0;
+      has_touched |= world.state().touched_body.has_value();
     }
     work.min = std::min(work.min, taken);
     work.sum += taken;

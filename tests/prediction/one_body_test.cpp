@@ -218,6 +218,23 @@ TEST(OneBody, IgnoresAnInvalidTipPosition) {
   EXPECT_EQ(world.state()[0].planar.position, before.position);
 }
 
+TEST(OneBody, SlidesToRestWithoutATool) {
+  PredictedWorld world = world_of(one_box());
+  std::vector<BodyState> state = world.state();
+  state[0].planar.twist.x() = 0.3;
+  world.set_state(state);
+  PredictedWorld other = world_of(one_box());
+  other.set_state(state);
+  const Eigen::Vector3d far(5.0, 0.0, 0.0);
+  for (int i = 0; i < 400; ++i) {
+    world.step(0.001);
+    other.step(far, far, 0.001);
+  }
+  EXPECT_TRUE(world.state()[0].planar.twist.isZero(0.0));
+  EXPECT_GT(world.state()[0].planar.position.x(), 0.01);
+  EXPECT_EQ(world.state()[0].planar.position, other.state()[0].planar.position) << "a tool far off";
+}
+
 /// Press, push with a modulation, stop, retract, push again.
 Eigen::Vector3d varied_path(double t) {
   const double forward = t < 1.0   ? 0.05 * t + 0.003 * std::sin(2.0 * std::numbers::pi * 2.0 * t)

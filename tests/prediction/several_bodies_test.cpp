@@ -78,6 +78,20 @@ TEST(SeveralBodies, AnOffCentreNeighbourRotates) {
   EXPECT_TRUE(world.state()[0].planar.position.allFinite());
 }
 
+TEST(SeveralBodies, AnAbsentBodyNeitherMovesNorTouches) {
+  PredictedWorld world = world_of(row_of_boxes(2, 0.002));
+  std::vector<BodyState> state = world.state();
+  state[1].is_present = false;
+  state[1].planar.twist.x() = 1.0;
+  world.set_state(state);
+  const auto path = [](double t) -> Eigen::Vector3d {
+    return touching_tip() + Eigen::Vector3d(0.04 * t, 0.0, 0.0);
+  };
+  test::run(world, path, 2.0, 0.001);
+  EXPECT_GT(world.state()[0].planar.position.x(), 0.07) << "nothing is in its way";
+  EXPECT_EQ(world.state()[1].planar.position, state[1].planar.position);
+}
+
 class Wall : public testing::TestWithParam<double> {};
 
 TEST_P(Wall, OfTheScannedMeshStopsABody) {

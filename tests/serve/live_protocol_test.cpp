@@ -40,7 +40,7 @@ LiveState a_state(Random& random, std::size_t objects) {
   state.touches_scan = random.below(2) == 1;
   state.has_tool = random.below(2) == 1;
   state.tool_taken = random.below(2) == 1;
-  state.touched_object = static_cast<int>(random.below(5)) - 1;
+  if (random.below(5) > 0) state.touched_object = random.below(4);
   state.p_base_hip = vector(random);
   state.p_base_proxy = vector(random);
   state.force_base = vector(random);

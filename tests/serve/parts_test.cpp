@@ -158,7 +158,7 @@ HapticWorldState touching(MotionPhase phase, double force) {
   HapticWorldState state;
   state.bodies.resize(1);
   state.bodies[0].phase = phase;
-  state.touched_body = phase == MotionPhase::free ? -1 : 0;
+  if (phase != MotionPhase::free) state.touched_body = 0;
   state.force_base = {force, 0.0, 0.0};
   return state;
 }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,7 +66,7 @@ struct HapticWorldState {
   Eigen::Vector3d force_base = Eigen::Vector3d::Zero();  ///< [N] on the hand
   bool is_engaged = false;
   bool touches_scan = false;
-  int touched_body = -1;                ///< -1: none
+  std::optional<std::size_t> touched_body;
   std::vector<HapticBodyState> bodies;  ///< as in the model
 };
 

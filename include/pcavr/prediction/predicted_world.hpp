@@ -70,6 +70,7 @@ struct BodyState {
   Eigen::Vector3d tool_force_base = Eigen::Vector3d::Zero();  ///< of the tip on the body [N]
   double penetration = 0.0;  ///< of the tip, > 0 in contact; negative: clearance up to 50 mm [m]
   MotionPhase phase = MotionPhase::free;
+  bool is_present = true;  ///< false: taken out of the world, it neither moves nor touches anything
 };
 
 /// Movable bodies, a static environment, and a tool that pushes: contact by the identified law,
@@ -102,6 +103,8 @@ class PredictedWorld {
   /// `p_base_before` to `p_base_tip`. Neither allocates nor throws.
   void step(const Eigen::Vector3d& p_base_before, const Eigen::Vector3d& p_base_tip,
             double dt) noexcept;
+  /// The same without a tool.
+  void step(double dt) noexcept;
 
  private:
   struct Content;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -92,7 +93,7 @@ struct LiveState {
   bool touches_scan = false;
   bool has_tool = false;    ///< the receiving page has the tool
   bool tool_taken = false;  ///< some page or device has it
-  int touched_object = -1;  ///< -1: none
+  std::optional<std::size_t> touched_object;
   Eigen::Vector3f p_base_hip = Eigen::Vector3f::Zero();
   Eigen::Vector3f p_base_proxy = Eigen::Vector3f::Zero();
   Eigen::Vector3f force_base = Eigen::Vector3f::Zero();  ///< [N] rendered force on the hand
