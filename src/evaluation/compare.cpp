@@ -145,8 +145,9 @@ void compare_placements(const ComparisonSide& reference, const ComparisonSide& s
     if (!truth) continue;
     findings.placements.push_back(compare_placement(name, "start", truth->T_base_object_start,
                                                     placed.T_base_object_start, recording));
-    findings.placements.push_back(compare_placement(name, "end", truth->T_base_object_end,
-                                                    placed.T_base_object_end, recording));
+    if (!truth->T_base_object_end || !placed.T_base_object_end) continue;
+    findings.placements.push_back(compare_placement(name, "end", *truth->T_base_object_end,
+                                                    *placed.T_base_object_end, recording));
   }
 }
 
@@ -178,7 +179,10 @@ std::vector<MovedBody> swept_bodies(const ComparisonSide& reference,
         body.T_base_object.push_back(timed.pose);
       }
     } else if (placed != reference.placed.end()) {
-      body.T_base_object = {placed->second.T_base_object_start, placed->second.T_base_object_end};
+      body.T_base_object = {placed->second.T_base_object_start};
+      if (placed->second.T_base_object_end) {
+        body.T_base_object.push_back(*placed->second.T_base_object_end);
+      }
     }
     if (!body.T_base_object.empty()) bodies.push_back(std::move(body));
   }

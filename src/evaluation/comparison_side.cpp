@@ -95,8 +95,10 @@ Expected<ComparisonSide> read_scene(ComparisonSide side) {
   if (!manifest) return manifest.error();
   side.recording = find_recording(manifest->recording, side.folder);
   for (const SceneObjectEntry& object : manifest->objects) {
-    if (object.evidence == "not_seen") continue;  // its pose is unknown
-    side.placed[object.name] = {object.T_base_object_start, object.T_base_object};
+    if (object.evidence == kNotSeen) continue;  // its pose is unknown
+    Placement& placed = side.placed[object.name];
+    placed.T_base_object_start = object.T_base_object_start;
+    if (object.evidence != kByManifest) placed.T_base_object_end = object.T_base_object;
     side.object_meshes[object.name] = side.folder / object.mesh;
   }
   if (is_present(side.folder / "camera_trajectory.txt")) {
@@ -104,7 +106,8 @@ Expected<ComparisonSide> read_scene(ComparisonSide side) {
     if (!camera) return camera.error();
     side.camera = std::move(camera).value();
   }
-  Expected<void> done = read_surface(side.folder / "mesh.ply", side);
+  if (!manifest->is_scanned()) return side;
+  const Expected<void> done = read_surface(side.folder / "mesh.ply", side);
   if (!done) return done.error();
   return side;
 }

@@ -27,7 +27,7 @@ enum class SideKind {
 /// An object's poses in a scene at the start and at the end of its recording.
 struct Placement {
   Pose T_base_object_start;
-  Pose T_base_object_end;
+  std::optional<Pose> T_base_object_end;  ///< unknown where the manifest places the object
 };
 
 /// One side of a comparison; parts that its folder does not have are empty.

@@ -147,7 +147,7 @@ SceneObject to_scene_object(const MovableBody& body, const std::vector<ObjectObs
   }
   if (last == nullptr) {
     if (body.entry.T_base_object) {
-      object.evidence = "manifest";
+      object.evidence = kByManifest;
       object.T_base_object = object.T_base_object_start = *body.entry.T_base_object;
     }
     return object;
@@ -200,7 +200,7 @@ std::vector<ConsistencyFinding> rejected_tags(const Recording& recording, const 
                                               const BodyPoseOptions& options) {
   std::vector<ConsistencyFinding> findings;
   for (const SceneObject& object : objects) {
-    if (object.evidence != kNotSeen && object.evidence != "manifest") continue;
+    if (object.evidence != kNotSeen && object.evidence != kByManifest) continue;
     const std::string reason =
         explain_rejected_tags(recording, survey.detections, object.model.name, options);
     if (reason.empty()) continue;

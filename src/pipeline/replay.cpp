@@ -337,8 +337,7 @@ Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManife
                              known.at(body.entry.name),
                              tracked_from_start(replay.objects[i].tracked, start)});
   }
-  // The scene of a recording without images has no reconstructed mesh.
-  if (scene.quality.frames_used > 0) {
+  if (scene.is_scanned()) {
     Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
     if (!mesh) return mesh.error();
     input.static_mesh_base = std::move(*mesh);

@@ -115,7 +115,7 @@ Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_siz
     SceneObject object;
     object.model = std::move(body.model);
     object.T_base_object = object.T_base_object_start = *body.entry.T_base_object;
-    object.evidence = "manifest";
+    object.evidence = kByManifest;
     object.mass = body.entry.mass;
     object.is_movable = true;
     scene.objects.push_back(std::move(object));

@@ -17,12 +17,9 @@ namespace {
 
 bool is_seen(const SceneObjectEntry& object) { return object.evidence != kNotSeen; }
 
-/// The scene of a recording without images has only the manifest's objects: nothing was scanned.
-bool is_scanned(const SceneManifest& scene) { return scene.quality.frames_used > 0; }
-
 Expected<TriangleMesh> static_mesh(const SceneManifest& scene, int max_triangles,
                                    SceneWorld& world) {
-  if (!is_scanned(scene)) return TriangleMesh{};
+  if (!scene.is_scanned()) return TriangleMesh{};
   Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
   const std::string limit = std::to_string(max_triangles) + " triangles";
   // Level 0 is for display only, and contains the objects too.

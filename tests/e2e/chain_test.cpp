@@ -72,6 +72,16 @@ TEST_F(Chain, ReplaysAndEvaluates) {
   }
 }
 
+TEST_F(Chain, ComparesTheObjectsOfASceneWithoutImages) {
+  run_json({"simulate", "push", "-o", path_of("unseen"), "--no-images"});
+  run_json({"build", path_of("unseen"), "-o", path_of("unseen-scene")});
+  const json report = run_json({"evaluate", path_of("unseen-scene"), "--truth",
+                                path_of("unseen") + "/truth", "-o", path_of("unseen-report")});
+  EXPECT_LT(report["placed.box_1.start.translation_m"].get<double>(), 1e-3);
+  EXPECT_FALSE(report.contains("placed.box_1.end.translation_m")) << "it was not tracked";
+  EXPECT_FALSE(report.contains("mesh.completeness_5mm")) << "there is no surface";
+}
+
 TEST_F(Chain, ForceReplacesAnOutput) {
   run_json({"simulate", "push", "-o", path_of("old"), "--no-images"});
   run_json({"simulate", "tabletop", "-o", path_of("old"), "--seed", "11", "--force"});

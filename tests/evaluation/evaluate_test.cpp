@@ -132,6 +132,8 @@ class Evaluate : public testing::Test {
     cube.evidence = "tags";
     scene.objects.push_back(std::move(cube));
     scene.camera_trajectory = shifted(a_circling_camera(), offset);
+    scene.quality.frames_used = scene.camera_trajectory.size();
+    scene.quality.frames_recorded = scene.quality.frames_used;
     scene.recording = recording().string();
     scene.voxel_size = 0.005;
     const fs::path folder = folder_.path() / name;

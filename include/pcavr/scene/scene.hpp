@@ -28,6 +28,8 @@ struct SupportPlane {
 
 /// The evidence of an object that was not detected in any frame: its pose is invalid.
 inline constexpr char kNotSeen[] = "not_seen";
+/// That of an object placed by the recording's manifest, which gives its pose at the start only.
+inline constexpr char kByManifest[] = "manifest";
 
 /// A movable CAD body in the scene.
 struct SceneObject {

@@ -60,6 +60,10 @@ struct SceneManifest {
   std::optional<LineCounts> lines = {};
   /// Options that differed from their defaults: "section.key", value.
   std::vector<std::pair<std::string, std::string>> configuration = {};
+
+  /// False for the scene of a recording without images: it has the manifest's objects, and no
+  /// reconstructed surface.
+  [[nodiscard]] bool is_scanned() const { return quality.frames_used > 0; }
 };
 /// Strict: a last line without a newline, an unknown key, a missing key or a path outside the
 /// folder is an Error with its line.
