@@ -115,6 +115,7 @@ TimeOffset camera_offset(const InputSeries& series, std::span<const AttributedCo
     result.offset +=
         std::clamp(sums.gradient / sums.speed_squares, -kMaxOffsetStep, kMaxOffsetStep);
     result.std = std::sqrt(sums.residual_squares / sums.count / sums.speed_squares);
+    result.std = std::hypot(result.std, kMotionBias);
     result.is_known = std::abs(result.offset) < kMaxOffset && result.std < 0.1 * kMaxOffset;
   }
   return result;

@@ -173,14 +173,21 @@ SphereView project_sphere(const FrameSurface& frame, const Eigen::Vector3f& cent
   view.in_view = true;
   view.is_clipped = u0 < 0.0F || v0 < 0.0F || u1 > static_cast<float>(frame.camera.width - 1) ||
                     v1 > static_cast<float>(frame.camera.height - 1);
-  // Clamped to the image before the cast: close to the image plane z = 0 it may exceed an int.
-  const auto tile_of = [](float pixel, int tiles) {
+  // Close to the image plane z = 0 a pixel may exceed an int, or be no number: then all tiles
+  // count.
+  const auto first_tile = [](float pixel, int tiles) {
     const float max_pixel = static_cast<float>(tiles * FrameSurface::kTile);
-    return std::clamp(static_cast<int>(std::min(pixel, max_pixel) + 0.5F) / FrameSurface::kTile, 0,
-                      tiles - 1);
+    const float clamped = pixel > 0.0F ? std::min(pixel, max_pixel) : 0.0F;
+    return std::min(static_cast<int>(clamped + 0.5F) / FrameSurface::kTile, tiles - 1);
   };
-  for (int y = tile_of(std::max(v0, 0.0F), frame.tiles_y); y <= tile_of(v1, frame.tiles_y); ++y) {
-    for (int x = tile_of(std::max(u0, 0.0F), frame.tiles_x); x <= tile_of(u1, frame.tiles_x); ++x) {
+  const auto last_tile = [&first_tile](float pixel, int tiles) {
+    return pixel <= static_cast<float>(tiles * FrameSurface::kTile) ? first_tile(pixel, tiles)
+                                                                    : tiles - 1;
+  };
+  const int last_x = last_tile(u1, frame.tiles_x);
+  const int last_y = last_tile(v1, frame.tiles_y);
+  for (int y = first_tile(v0, frame.tiles_y); y <= last_y; ++y) {
+    for (int x = first_tile(u0, frame.tiles_x); x <= last_x; ++x) {
       const DepthTile& tile = frame.tiles[static_cast<std::size_t>(y * frame.tiles_x + x)];
       view.depth.min_depth = std::min(view.depth.min_depth, tile.min_depth);
       view.depth.max_depth = std::max(view.depth.max_depth, tile.max_depth);

