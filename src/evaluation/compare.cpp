@@ -256,7 +256,7 @@ Expected<Findings> compare(const ComparisonSide& reference, const ComparisonSide
     return nothing_in_common(reference, subject);
   }
   findings.origin = origin_of(findings);
-  compared = add_run(reference, subject, options.forces, findings);
+  compared = add_run(reference, subject, *recording, options.forces, findings);
   if (!compared) return compared.error();
   findings.objects_missing = missing_objects(reference, subject);
   for (const std::string& name : findings.objects_missing) {

@@ -6,6 +6,8 @@
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/time_series.hpp"
 
+#include "contact_task.hpp"
+#include "evaluated_recording.hpp"
 #include "findings.hpp"
 #include "run_findings.hpp"
 
@@ -103,13 +105,29 @@ Expected<Trajectory> read_tool(const std::filesystem::path& recording) {
   return std::move(tool).value().content;
 }
 
-void add_speeds(const Trajectory& T_base_tool, const ForceErrorOptions& options,
-                RunFindings& findings) {
-  for (auto& [object, peaks] : findings.peaks) {
+/// Speed and task of each contact, by the tool's motion.
+void add_contact_motion(const Trajectory& T_base_tool, const EvaluatedRecording& recording,
+                        const std::vector<ObjectFindings>& objects,
+                        const ForceErrorOptions& options, RunFindings& run) {
+  for (auto& [name, peaks] : run.peaks) {
+    const PhaseTimeline phases = run.phases_of(name);
+    ContactTaskInput motion{.T_base_tool = T_base_tool, .phases = phases};
+    for (const ObjectFindings& object : objects) {
+      if (object.name == name) motion.T_base_object = &object.reference;
+    }
+    const auto mesh = recording.meshes_object.find(name);
+    if (mesh != recording.meshes_object.end()) motion.closed_mesh_object = &mesh->second;
     for (ContactPeak& peak : peaks) {
       peak.approach_speed = approach_speed(T_base_tool, peak.begin, options);
+      peak.task = task_of(peak, motion, options);
     }
   }
+}
+
+std::vector<ForceSample> samples_from(const std::vector<ForceSample>& samples, Stamp from) {
+  const auto first = std::find_if(samples.begin(), samples.end(),
+                                  [from](const ForceSample& one) { return one.stamp >= from; });
+  return {first, samples.end()};
 }
 
 }  // namespace
@@ -138,7 +156,15 @@ RunFindings compare_run(RunFiles files, std::map<std::string, PhaseTimeline> tru
                  findings);
   find_nodes(findings);
   for (const auto& [object, samples] : run.forces) {
-    findings.forces[object] = force_errors(samples, findings.phases_of(object), options);
+    const PhaseTimeline phases = findings.phases_of(object);
+    findings.forces[object] = force_errors(samples, phases, options);
+    const std::optional<Stamp> arrival =
+        run.corrections ? first_parameters(object, *run.corrections, findings.round_trip)
+                        : std::nullopt;
+    if (arrival) {
+      findings.forces_with_parameters[object] =
+          force_errors(samples_from(samples, *arrival), phases, options);
+    }
     findings.peaks[object] = contact_peaks(samples, options);
   }
   if (run.corrections) {
@@ -148,7 +174,8 @@ RunFindings compare_run(RunFiles files, std::map<std::string, PhaseTimeline> tru
 }
 
 Expected<void> add_run(const ComparisonSide& reference, const ComparisonSide& subject,
-                       const ForceErrorOptions& options, Findings& findings) {
+                       const EvaluatedRecording& recording, const ForceErrorOptions& options,
+                       Findings& findings) {
   if (subject.kind != SideKind::run) return {};
   Expected<RunFiles> files = read_run_files(subject.folder);
   if (!files) return files.error();
@@ -171,7 +198,7 @@ Expected<void> add_run(const ComparisonSide& reference, const ComparisonSide& su
   const Expected<Trajectory> T_base_tool =
       read_tool((reference.recording.empty() ? subject : reference).recording);
   if (!T_base_tool) return T_base_tool.error();
-  add_speeds(*T_base_tool, options, *findings.run);
+  add_contact_motion(*T_base_tool, recording, findings.objects, options, *findings.run);
   return {};
 }
 

@@ -9,6 +9,12 @@ namespace {
 
 bool is_within_tolerance(const PoseError& error) { return error.translation < kPositionTolerance; }
 
+bool has_parameters(const RunCorrection& correction) {
+  return std::any_of(correction.what.begin(), correction.what.end(), [](const std::string& what) {
+    return what == "contact parameters" || what == "friction parameters";
+  });
+}
+
 }  // namespace
 
 CorrectionCounts count_corrections(const std::vector<RunCorrection>& corrections) {
@@ -21,6 +27,18 @@ CorrectionCounts count_corrections(const std::vector<RunCorrection>& corrections
     for (const std::string& what : correction.what) ++counts.by_what[what];
   }
   return counts;
+}
+
+std::optional<Stamp> first_parameters(const std::string& object,
+                                      const std::vector<RunCorrection>& corrections,
+                                      Duration round_trip) {
+  std::optional<Stamp> first;
+  for (const RunCorrection& one : corrections) {
+    if (one.object != object || one.is_lost || !has_parameters(one)) continue;
+    const Stamp arrival = one.stamp + round_trip;
+    first = first ? std::min(*first, arrival) : arrival;
+  }
+  return first;
 }
 
 CorrectionEffect effect_of(const RunCorrection& correction, const std::vector<PoseError>& errors) {

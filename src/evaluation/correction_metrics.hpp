@@ -27,6 +27,11 @@ struct CorrectionCounts {
 };
 [[nodiscard]] CorrectionCounts count_corrections(const std::vector<RunCorrection>& corrections);
 
+/// When the operator's site first receives parameters of the object; nothing where it never does.
+[[nodiscard]] std::optional<Stamp> first_parameters(const std::string& object,
+                                                    const std::vector<RunCorrection>& corrections,
+                                                    Duration round_trip);
+
 /// The error of what the operator saw [m], around one correction.
 struct CorrectionEffect {
   std::optional<double> initial_error;  ///< at the corrected time, or the next known

@@ -20,6 +20,8 @@
 
 namespace pcavr {
 
+struct EvaluatedRecording;
+
 struct CameraFindings {
   Trajectory reference;
   Trajectory estimate;
@@ -70,6 +72,7 @@ struct Findings {
 /// If the subject is a run, reads its files other than trajectories, and the truth for them, and
 /// adds their comparison to the findings. Called last.
 [[nodiscard]] Expected<void> add_run(const ComparisonSide& reference, const ComparisonSide& subject,
+                                     const EvaluatedRecording& recording,
                                      const ForceErrorOptions& options, Findings& findings);
 
 /// An Error where the two sides have no data or no time span in common.

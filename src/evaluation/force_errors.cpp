@@ -18,6 +18,20 @@ void add(const ForceSample& sample, double min_relative_force, ForceErrorList& e
 
 }  // namespace
 
+std::string_view to_string(ContactTask task) {
+  switch (task) {
+    case ContactTask::push:
+      return "push";
+    case ContactTask::press:
+      return "press";
+    case ContactTask::slotting:
+      return "slotting";
+    case ContactTask::unknown:
+      break;
+  }
+  return "unknown";
+}
+
 std::vector<double> magnitudes(const ForceErrorList& errors) {
   std::vector<double> values;
   values.reserve(errors.difference.size());
@@ -45,11 +59,15 @@ std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples,
   std::vector<ContactPeak> contacts;
   for (const ForceSample& sample : samples) {
     if (contacts.empty() || sample.stamp - contacts.back().end > gap) {
-      contacts.push_back({sample.stamp, sample.stamp, sample.measured, sample.rendered});
+      contacts.push_back(
+          {sample.stamp, sample.stamp, sample.stamp, sample.measured, sample.rendered});
     }
     ContactPeak& contact = contacts.back();
     contact.end = sample.stamp;
-    contact.measured = std::max(contact.measured, sample.measured);
+    if (sample.measured > contact.measured) {
+      contact.measured = sample.measured;
+      contact.peak = sample.stamp;
+    }
     contact.rendered = std::max(contact.rendered, sample.rendered);
   }
   std::erase_if(contacts, [&](const ContactPeak& contact) {

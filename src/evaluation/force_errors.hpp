@@ -4,6 +4,7 @@
 
 #include <array>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "pcavr/evaluation/options.hpp"
@@ -34,13 +35,21 @@ struct ForceErrors {
                                        const PhaseTimeline& timeline,
                                        const ForceErrorOptions& options = {});
 
+/// What the tool does in a contact.
+enum class ContactTask { unknown, push, press, slotting };
+
+/// "unknown", "push", "press", "slotting".
+[[nodiscard]] std::string_view to_string(ContactTask task);
+
 /// One contact from its first to its last sample, with its peak forces: as in paper B's table 3.
 struct ContactPeak {
   Stamp begin;
   Stamp end;
+  Stamp peak;                                 ///< of the measured force
   double measured = 0.0;                      ///< [N]
   double rendered = 0.0;                      ///< [N]
   std::optional<double> approach_speed = {};  ///< of the tip before it [m/s], where recorded
+  ContactTask task = ContactTask::unknown;
 };
 
 /// Samples more than `contact_gap` apart belong to different contacts. Contacts that never reach

@@ -11,11 +11,8 @@ namespace pcavr {
 /// people: the table shows the difference, it is no ranking.
 [[nodiscard]] ReportTable paper_table(const Findings& findings);
 
-/// The peak force of each contact, measured and rendered; where nothing slides, with paper B's
+/// The peak force of each contact, measured and rendered; where there are presses, with paper B's
 /// table 3 below.
 [[nodiscard]] ReportTable contact_table(const Findings& findings);
-
-/// |rendered - measured| / measured of the peak forces, over all objects' contacts.
-[[nodiscard]] std::vector<double> peak_errors(const RunFindings& run);
 
 }  // namespace pcavr

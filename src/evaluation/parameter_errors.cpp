@@ -72,7 +72,10 @@ std::vector<ParameterError> errors_of(const std::string& object, const ObjectPar
     error.estimate = estimate.*kind.member;
     if (truth && truth->*kind.member) error.truth = (truth->*kind.member)->value;
     if (!error.estimate && !error.truth) continue;
-    if (truth && (!kind.depends_on_exponent || same_exponent(*truth, estimate))) compare(error);
+    const bool is_mass = kind.member == &ObjectParameters::mass;
+    error.is_given = is_mass && error.estimate && !error.estimate->std;
+    if (truth && !error.is_given && (!kind.depends_on_exponent || same_exponent(*truth, estimate)))
+      compare(error);
     errors.push_back(error);
   }
   if (truth) {

@@ -34,6 +34,7 @@ void add_values(const ParameterError& error, ReportSection& section) {
     add("value", error.estimate->value);
     add("std", error.estimate->std);
   }
+  if (error.is_given) section.values.push_back({key + ".source", std::string("given")});
   add("truth", error.truth);
   add("error_relative", error.relative);
   add("error_in_std", error.error_in_std);
@@ -57,8 +58,10 @@ ReportSection parameter_section(const Findings& findings) {
                                     error.estimate ? readable(error.estimate->value) : "unknown",
                                     error.estimate ? number_text(error.estimate->std) : "-"};
     if (findings.has_true_parameters) {
-      row.insert(row.end(), {number_text(error.truth), number_text(error.relative, kPercent),
-                             number_text(error.error_in_std)});
+      row.insert(row.end(),
+                 {number_text(error.truth),
+                  error.is_given ? std::string("given") : number_text(error.relative, kPercent),
+                  number_text(error.error_in_std)});
     }
     table.rows.push_back(std::move(row));
     add_values(error, section);
@@ -68,7 +71,7 @@ ReportSection parameter_section(const Findings& findings) {
       "exponent n; stiffness and damping of different exponents have different units and are not "
       "compared. contact.force: the elastic force at the penetration where the true contact's "
       "force equals the limiting friction. The std of the limiting friction is its spread over "
-      "pushes.";
+      "pushes. Given: a mass without a std was not identified, and has no error.";
   if (has_default) table.note += " *: default value at the start of the run.";
   section.tables.push_back(std::move(table));
   return section;

@@ -47,10 +47,12 @@ template <typename Keep>
   return pooled;
 }
 
-/// Relative force errors in the phases static, critical and sliding, over all objects.
-[[nodiscard]] inline std::vector<double> relative_force_errors(const RunFindings& run) {
+/// Relative force errors in the phases static, critical and sliding, over all objects: of
+/// RunFindings::forces or forces_with_parameters.
+[[nodiscard]] inline std::vector<double> relative_force_errors(
+    const std::map<std::string, ForceErrors>& forces) {
   std::vector<double> pooled;
-  for (const auto& [object, errors] : run.forces) {
+  for (const auto& [object, errors] : forces) {
     const std::vector<double>& more = errors.in_contact.relative;
     pooled.insert(pooled.end(), more.begin(), more.end());
   }

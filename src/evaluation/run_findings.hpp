@@ -45,6 +45,8 @@ struct RunFindings {
   std::vector<PhaseComparison> phase_comparisons;
   std::vector<NodeFindings> nodes;
   std::map<std::string, ForceErrors> forces;
+  /// From the first arrival of parameters on; of objects that received some.
+  std::map<std::string, ForceErrors> forces_with_parameters;
   std::map<std::string, std::vector<ContactPeak>> peaks;
   std::optional<CorrectionFindings> corrections;
   Duration round_trip{};  ///< forward and backward delay

@@ -36,7 +36,7 @@ void add_positions(const Findings& findings, std::vector<Metric>& headline) {
 }
 
 void add_forces(const RunFindings& run, std::vector<Metric>& headline) {
-  const std::vector<double> relative = relative_force_errors(run);
+  const std::vector<double> relative = relative_force_errors(run.forces);
   if (!relative.empty()) {
     const ErrorStatistics stats = statistics(relative);
     headline.push_back({"Rendered force error in contact, median", kPercent * stats.median, "%"});

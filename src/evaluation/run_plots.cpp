@@ -13,8 +13,6 @@
 namespace pcavr {
 namespace {
 
-/// More time nodes than this would clutter the plot; the table has them.
-constexpr std::size_t kMaxNodes = 15;
 constexpr double kMinMotion = 0.001;  // [m]
 
 std::vector<PlotBand> bands_of(const PhaseTimeline& timeline, Stamp origin) {
@@ -41,7 +39,6 @@ std::vector<PlotMark> marks_of(const std::string& object, const RunFindings& run
     marks.push_back(
         {to_seconds(found.node.event.stamp - origin), "t" + std::to_string(found.node.number)});
   }
-  if (marks.size() > kMaxNodes) marks.clear();
   return marks;
 }
 

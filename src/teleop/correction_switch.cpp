@@ -10,6 +10,10 @@ namespace {
 
 // [s] New data take a few frames to change what there is to send: composing it costs time.
 constexpr double kRetryInterval = 0.1;
+// An error above this share of its size before is not corrected.
+constexpr double kPersistingShare = 0.5;
+// [s] Averaging after a correction: three frames of an ordinary camera.
+constexpr double kEffectTime = 0.1;
 
 }  // namespace
 
@@ -50,6 +54,7 @@ std::optional<CorrectionSwitch::Finding> CorrectionSwitch::find(const SiteCompar
 
 std::optional<CorrectionCase> CorrectionSwitch::evaluate(const SiteComparison& seen,
                                                          double traffic) {
+  observe_effect(seen);
   const double factor = std::clamp(traffic, 1.0, options_.max_threshold_factor);
   const std::optional<Finding> finding = find(seen, factor);
   if (!finding) return std::nullopt;
@@ -69,8 +74,38 @@ void CorrectionSwitch::note_nothing_to_send(CorrectionCase which, double t) {
   pending_[static_cast<std::size_t>(which)].suppressed_until = t + kRetryInterval;
 }
 
-void CorrectionSwitch::note_sent(CorrectionCase which, double t_sent) {
+bool CorrectionSwitch::forces_agree(const SiteComparison& seen) const {
+  const double limit = std::max(options_.force_tolerance * seen.robot_force, force_floor_);
+  return std::abs(seen.robot_force - seen.operator_force) <= limit;
+}
+
+void CorrectionSwitch::observe_effect(const SiteComparison& seen) {
+  if (!seen.robot_slides) effect_ = {};
+  if (!seen.robot_slides || !seen.operator_slides || !seen.position_gap) return;
+  gap_ = *seen.position_gap;
+  if (!effect_.is_received) return;
+  if (!effect_.received) effect_.received = seen.t;
+  if (seen.t - *effect_.received > kEffectTime) return;
+  effect_.sum_after += seen.push_gap;
+  ++effect_.count_after;
+}
+
+bool CorrectionSwitch::had_no_effect(CorrectionCase which) const {
+  if (which != CorrectionCase::both_sliding || effect_.count_after == 0) return false;
+  const double push_gap = std::abs(effect_.sum_after) / effect_.count_after;
+  return push_gap > kPersistingShare * effect_.gap_sent &&
+         gap_ < options_.growth_factor * effect_.gap_sent;
+}
+
+void CorrectionSwitch::note_received(std::uint8_t sequence) {
+  if (effect_.awaited != sequence) return;
+  effect_.awaited.reset();
+  effect_.is_received = true;
+}
+
+void CorrectionSwitch::note_sent(CorrectionCase which, double t_sent, std::uint8_t sequence) {
   PendingFinding& pending = pending_[static_cast<std::size_t>(which)];
+  if (which == CorrectionCase::both_sliding) effect_ = {.awaited = sequence, .gap_sent = gap_};
   pending.in_flight_until = t_sent + round_trip_ + options_.round_trip_margin;
   pending.size_sent = std::max(pending.size, 1.0);
   pending.last = -1e300;

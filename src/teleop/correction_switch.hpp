@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "pcavr/teleop/options.hpp"
@@ -19,7 +20,8 @@ struct SiteComparison {
   bool robot_touches = false, operator_touches = false;
   double robot_force = 0.0, operator_force = 0.0;  ///< along the push [N]
   std::optional<double> position_gap = {};         ///< [m] position error; if known at t
-  double position_std = 0.0;                       ///< of the robot's pose estimate [m]
+  double push_gap = 0.0;      ///< [m] its part along the push; signed, only with position_gap
+  double position_std = 0.0;  ///< of the robot's pose estimate [m]
 };
 
 /// The correction switch of one object [paper C; methods of section 5]: decides which case, if any,
@@ -41,8 +43,17 @@ class CorrectionSwitch {
   /// `traffic`: bytes sent so far over the byte budget (rate limit). Call in ascending order of
   /// time.
   [[nodiscard]] std::optional<CorrectionCase> evaluate(const SiteComparison& seen, double traffic);
+  /// Whether the forces differ by no more than the tolerance: as in case 1.3 of paper C.
+  [[nodiscard]] bool forces_agree(const SiteComparison& seen) const;
+  /// Case 1.3 only: a correction was received in this slide, right after that the error along the
+  /// push was still more than half of the error before, and it has not grown since. Along the push
+  /// an object is where the tip and its penetration put it, so that the contact undoes a corrected
+  /// position within milliseconds: only other parameters change that.
+  [[nodiscard]] bool had_no_effect(CorrectionCase which) const;
   /// A correction of that case was sent at `t_sent` [s].
-  void note_sent(CorrectionCase which, double t_sent);
+  void note_sent(CorrectionCase which, double t_sent, std::uint8_t sequence = 0);
+  /// The operator's site has received the correction of that number.
+  void note_received(std::uint8_t sequence);
   /// There was nothing new to send for that case: it is suppressed for a tenth of a second.
   void note_nothing_to_send(CorrectionCase which, double t);
 
@@ -64,10 +75,23 @@ class CorrectionSwitch {
     double size_sent = 0.0;
   };
 
+  /// What the last correction of case 1.3 in this slide has changed.
+  struct SlideEffect {
+    std::optional<std::uint8_t> awaited = {};  ///< its number, until received
+    bool is_received = false;
+    std::optional<double> received = {};  ///< [s] first comparison since
+    double gap_sent = 0.0;                ///< [m]
+    double sum_after = 0.0;  ///< [m] of the gaps along the push right after it was received
+    int count_after = 0;
+  };
+  void observe_effect(const SiteComparison& seen);
+
   CorrectionSwitchOptions options_;
   double force_floor_;
   double round_trip_;
   std::array<PendingFinding, 5> pending_{};
+  SlideEffect effect_;
+  double gap_ = 0.0;  ///< [m] the newest
 };
 
 }  // namespace pcavr

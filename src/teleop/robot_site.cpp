@@ -138,6 +138,7 @@ void RobotSite::update_tracking(double t) {
 }
 
 void RobotSite::acknowledge(RobotObject& object, const Prediction& prediction) {
+  object.correction_switch.note_received(prediction.received);
   if (!object.in_flight || prediction.received != object.in_flight->sequence) return;
   overwrite(object.acknowledged, object.in_flight->parameters);
   object.in_flight.reset();
@@ -313,6 +314,8 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
       seen.robot_touches ? prediction.force_base.dot(direction) : prediction.force_base.norm();
   if (!has_force_) seen.robot_touches = seen.operator_touches = false;
   if (estimate.is_current) seen.position_gap = gap;
+  seen.push_gap =
+      (here.x - prediction.pose.x) * direction.x() + (here.y - prediction.pose.y) * direction.y();
   seen.position_std = estimate.std;
   const double allowed =
       options_.correction_switch.burst_bytes +
@@ -325,20 +328,19 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
     learn(object, sample.t);
     object.learn_at = std::min(object.learn_at, planned);
   }
-  std::optional<CorrectionMessage> message =
-      compose(index, *which, sample, estimate, gap, seen.operator_slides);
+  std::optional<CorrectionMessage> message = compose(index, *which, sample, estimate, gap, seen);
   if (!message) {
     object.correction_switch.note_nothing_to_send(*which, sample.t);
     return;
   }
-  object.correction_switch.note_sent(*which, now_);
+  object.correction_switch.note_sent(*which, now_, message->sequence);
   outgoing_.push_back(std::move(*message));
 }
 
 std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, CorrectionCase which,
                                                     const TouchSample& sample,
                                                     const PoseEstimate& estimate, double gap,
-                                                    bool operator_slides) {
+                                                    const SiteComparison& seen) {
   RobotObject& object = objects_[index];
   const bool is_pose_current = estimate.is_current && (gap > options_.messages.min_pose_error);
   const ParameterDifference changed =
@@ -351,15 +353,17 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
   if (is_pose_current) {
     // Again, since newly identified contact parameters change it.
     message.pose = planar_pose_of(object.estimate_pose(sample).T_base_object);
-    if (operator_slides || slides(object.monitor.phase())) message.twist = object.twist();
+    if (seen.operator_slides || slides(object.monitor.phase())) message.twist = object.twist();
   }
-  if (changed.has_contact) overwrite(message.parameters, changed.contact);
-  if (changed.has_friction) overwrite(message.parameters, changed.friction);
+  message.parameters = parameters_to_send(
+      changed, which, object.correction_switch.forces_agree(seen), options_.messages);
   if (which == CorrectionCase::touched_by_robot && message.pose) {
     const double inside = std::max(-object.touch(sample.p_base_tip).gap, 0.0);
     message.tool_retraction = -inside * object.monitor.direction_base();
   }
-  if (!message.pose && is_empty(message.parameters)) return std::nullopt;
+  const bool has_parameters = !is_empty(message.parameters);
+  if (!message.pose && !has_parameters) return std::nullopt;
+  if (!has_parameters && object.correction_switch.had_no_effect(which)) return std::nullopt;
   message.sequence = ++object.sequence;
   object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
   return message;

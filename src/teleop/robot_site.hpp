@@ -82,7 +82,7 @@ class RobotSite {
   [[nodiscard]] std::optional<CorrectionMessage> compose(std::size_t index, CorrectionCase which,
                                                          const TouchSample& sample,
                                                          const PoseEstimate& estimate, double gap,
-                                                         bool operator_slides);
+                                                         const SiteComparison& seen);
   void update_from_camera(double t);
   void note_once(const std::string& text);
 

@@ -104,6 +104,15 @@ ParameterDifference difference(const ObjectParameters& now, const ObjectParamete
   return result;
 }
 
+ObjectParameters parameters_to_send(const ParameterDifference& changed, CorrectionCase which,
+                                    bool forces_agree, const MessageOptions& options) {
+  const bool is_one_group = options.parameters_by_force && which == CorrectionCase::both_sliding;
+  ObjectParameters sent;
+  if (changed.has_contact && !(is_one_group && forces_agree)) overwrite(sent, changed.contact);
+  if (changed.has_friction && !(is_one_group && !forces_agree)) overwrite(sent, changed.friction);
+  return sent;
+}
+
 void overwrite(ObjectParameters& parameters, const ObjectParameters& changed) {
   for (const auto& fields : {kContactFields, kFrictionFields}) {
     for (const Field field : fields) {

@@ -6,6 +6,7 @@
 #include "pcavr/object/object_parameters.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 #include "pcavr/teleop/options.hpp"
+#include "pcavr/teleop/run_teleop.hpp"
 
 namespace pcavr {
 
@@ -26,6 +27,13 @@ struct ParameterDifference {
 [[nodiscard]] ParameterDifference difference(const ObjectParameters& now,
                                              const ObjectParameters& acknowledged,
                                              const MessageOptions& options = {});
+
+/// What a correction of that case contains: every group that has changed. With
+/// `parameters_by_force`, in case 1.3 as in paper C only one: friction where the forces agree, else
+/// the contact.
+[[nodiscard]] ObjectParameters parameters_to_send(const ParameterDifference& changed,
+                                                  CorrectionCase which, bool forces_agree,
+                                                  const MessageOptions& options);
 
 /// Replaces each of `parameters` that is set in `changed`.
 void overwrite(ObjectParameters& parameters, const ObjectParameters& changed);

@@ -7,7 +7,8 @@
 - a public header (include/pcavr/M) includes no third-party library but Eigen;
 - a private header (src/M) is included by its own module only, by its tests (tests/M) and by the
   fuzzers, which feed the parsers of many modules;
-- no two types of a named namespace have the same name, which would violate the one definition rule.
+- no two types of a named namespace have the same name, which would violate the one definition rule;
+- every test that docs/papers.md names exists.
 
     check_architecture.py [ROOT]         # default: this repository
     check_architecture.py --self-check   # finds each of its planted faults
@@ -23,6 +24,7 @@ HEAVY = re.compile(r"<(opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|
                    r"tbb/|bullet/|btBullet|png\.h|SDL|spnav|boost/|openssl/)")
 INCLUDE = re.compile(r'^#include (["<][^">]+[">])', re.MULTILINE)
 COMMENT_OR_TEXT = re.compile(r'//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'')
+NAMED_TEST = re.compile(r"`([A-Z]\w+)\.([A-Z]\w+)`")
 SCOPE = re.compile(r"namespace\s*([\w:]*)\s*\{"
                    r"|\b(?:struct|class|enum(?:\s+class)?)\s+(?:\[\[\w+\]\]\s*)?(\w+)(?:\s+final)?"
                    r"\s*(?::(?!:)[^;{(]*)?\{"
@@ -85,10 +87,20 @@ def duplicate_faults(root):
             first.setdefault(name, path)
 
 
+def missing_tests(root):
+    papers = root / "docs/papers.md"
+    if not papers.exists():
+        return
+    tests = "".join(path.read_text() for path in sources(root, "tests"))
+    for suite, case in NAMED_TEST.findall(papers.read_text()):
+        if not re.search(rf"\bTEST\w*\({suite},\s*{case}\)", tests):
+            yield f"{papers}: no test {suite}.{case}"
+
+
 def faults_of(root):
     found = [fault for path in sources(root, "include", "src", "apps", "bench", "tests")
              for fault in include_faults(root, path)]
-    return found + list(duplicate_faults(root))
+    return found + list(duplicate_faults(root)) + list(missing_tests(root))
 
 
 PLANTED = {  # by the fault that must be found: the files that have it
@@ -98,8 +110,12 @@ PLANTED = {  # by the fault that must be found: the files that have it
     "private header of scene": {"src/scene/b.hpp": "", "apps/a.cpp": '#include "scene/b.hpp"\n'},
     "pcavr::Page is defined in": {"src/serve/a.hpp": "namespace pcavr {\nstruct Page {};\n}\n",
                                   "src/serve/b.hpp": "namespace pcavr {\nclass Page { };\n}\n"},
+    "no test Core.IsMissing": {"docs/papers.md": "`Core.IsMissing`\n",
+                               "tests/core/a_test.cpp": "TEST(Core, IsThere) {}\n"},
 }
 PLAIN = {
+    "docs/papers.md": "as `Core.IsTested` and `teleop.switch` show\n",
+    "tests/core/c_test.cpp": "TEST_F(Core, IsTested) {}\n",
     "include/pcavr/core/a.hpp": "namespace pcavr {\nclass A { class B; };\n}\n",
     "src/core/b.hpp": "namespace pcavr {\nnamespace {\nstruct Local {};\n}\nclass A::B { };\n}\n",
     "src/core/b.cpp": '#include "core/b.hpp"\nnamespace pcavr {\nnamespace {\nstruct Local {};\n}\n}\n',

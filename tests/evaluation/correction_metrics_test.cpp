@@ -38,6 +38,17 @@ TEST(CorrectionCounts, AreByCaseAndByContent) {
   EXPECT_EQ(count_corrections({}).count, 0U);
 }
 
+TEST(FirstParameters, AreThoseThatArriveFirstAndAreNotLost) {
+  RunCorrection position = a_correction(0.5);
+  position.what = {"position"};
+  RunCorrection other = a_correction(0.6);
+  other.object = "ball";
+  const std::vector<RunCorrection> corrections = {position, other, a_correction(1.0, true),
+                                                  a_correction(2.0), a_correction(3.0)};
+  EXPECT_EQ(first_parameters("box", corrections, kRoundTrip), at(2.4));
+  EXPECT_FALSE(first_parameters("box", {position}, kRoundTrip).has_value());
+}
+
 TEST(CorrectionEffects, LastUntilTheErrorIsWithinTolerance) {
   const auto errors = errors_every_tenth({0.01, 0.01, 0.01, 0.008, 0.004, 0.002, 0.001});
   const CorrectionEffect effect = effect_of(a_correction(0.1), errors);

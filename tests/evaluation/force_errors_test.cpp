@@ -53,6 +53,7 @@ TEST(ContactPeaks, AreTheMaximaOfEachContact) {
   ASSERT_EQ(peaks.size(), 2U);
   EXPECT_EQ(peaks[0].measured, 5.0);
   EXPECT_EQ(peaks[0].rendered, 5.5);
+  EXPECT_EQ(peaks[0].peak, at(1.04));
   EXPECT_EQ(peaks[1].measured, 10.0);
   EXPECT_EQ(peaks[1].begin, at(2.0));
   EXPECT_EQ(peaks[1].end, at(2.09));

@@ -38,6 +38,20 @@ TEST(ParameterErrors, AreRelativeAndInStd) {
   EXPECT_NEAR(*mass.error_in_std, 3.0, kRounding);
 }
 
+TEST(ParameterErrors, DoNotIncludeThatOfAGivenMass) {
+  ObjectParameters estimate;
+  estimate.mass = ParameterValue{3.0};
+  const ParameterError given =
+      find(parameter_errors({{"box", a_true_box()}}, {{"box", estimate}}), "mass");
+  EXPECT_TRUE(given.is_given);
+  EXPECT_FALSE(given.relative.has_value());
+  estimate.mass->std = 0.1;
+  const ParameterError identified =
+      find(parameter_errors({{"box", a_true_box()}}, {{"box", estimate}}), "mass");
+  EXPECT_FALSE(identified.is_given);
+  EXPECT_EQ(identified.relative, 0.0);
+}
+
 TEST(ParameterErrors, IncludeUnknownParameters) {
   const auto errors = parameter_errors({{"box", a_true_box()}}, {{"box", ObjectParameters()}});
   const ParameterError mass = find(errors, "mass");

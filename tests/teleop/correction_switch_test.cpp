@@ -2,7 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "teleop/correction_switch.hpp"
 
+#include <string>
+
 #include <gtest/gtest.h>
+
+#include "teleop/message.hpp"
+#include "teleop/sent_parameters.hpp"
 
 namespace pcavr {
 namespace {
@@ -122,6 +127,74 @@ TEST(CorrectionSwitch, DoesNotWaitIfTheErrorHasDoubled) {
   const auto again = first_correction(correction_switch, sliding_apart(0.0021), sent + kTick);
   ASSERT_TRUE(again);
   EXPECT_LT(again->first, sent + 0.1);
+}
+
+/// Sends a correction of case 1.3 for a gap of 1.5 mm, and has it received half a second later;
+/// the gap is `after` from then on, `share_along` of it along the push. Returns whether it had no
+/// effect.
+bool had_no_effect(CorrectionSwitch& correction_switch, double after, bool is_received = true,
+                   double share_along = -0.9) {
+  const double sent = first_correction(correction_switch, sliding_apart(0.0015), 0.0)->first;
+  correction_switch.note_sent(CorrectionCase::both_sliding, sent, 7);
+  for (double t = sent; t < sent + 1.0; t += kTick) {
+    SiteComparison seen = sliding_apart(t < sent + 0.5 ? 0.0015 : after);
+    seen.push_gap = share_along * *seen.position_gap;
+    seen.t = t;
+    if (is_received && t >= sent + 0.5) correction_switch.note_received(7);
+    (void)correction_switch.evaluate(seen, 0.0);
+  }
+  return correction_switch.had_no_effect(CorrectionCase::both_sliding);
+}
+
+TEST(CorrectionSwitch, FindsThatACorrectionWhileSlidingHadNoEffect) {
+  CorrectionSwitch same = make_switch();
+  EXPECT_TRUE(had_no_effect(same, 0.0014));
+  EXPECT_FALSE(same.had_no_effect(CorrectionCase::phases_differ));
+  CorrectionSwitch corrected = make_switch();
+  EXPECT_FALSE(had_no_effect(corrected, 0.0002));
+  CorrectionSwitch grown = make_switch();
+  EXPECT_FALSE(had_no_effect(grown, 0.0031));
+  CorrectionSwitch lost = make_switch();
+  EXPECT_FALSE(had_no_effect(lost, 0.0014, false));
+  CorrectionSwitch across = make_switch();
+  EXPECT_FALSE(had_no_effect(across, 0.0014, true, 0.1));
+}
+
+TEST(CorrectionSwitch, ForgetsTheEffectWhenTheSlideEnds) {
+  CorrectionSwitch correction_switch = make_switch();
+  ASSERT_TRUE(had_no_effect(correction_switch, 0.0014));
+  SiteComparison at_rest = touched_by_both(5.0, 5.0);
+  at_rest.t = 3.0;
+  (void)correction_switch.evaluate(at_rest, 0.0);
+  EXPECT_FALSE(correction_switch.had_no_effect(CorrectionCase::both_sliding));
+}
+
+/// What a correction of case 1.3 contains after both groups of parameters have changed, where the
+/// operator's force is off by the given share.
+std::string content_while_sliding(double force_gap, bool parameters_by_force) {
+  ParameterDifference changed;
+  changed.has_contact = changed.has_friction = true;
+  changed.contact.contact_stiffness = ParameterValue{1e4};
+  changed.friction.sliding_friction_coefficient = ParameterValue{0.3};
+  MessageOptions options;
+  options.parameters_by_force = parameters_by_force;
+  SiteComparison seen = sliding_apart(0.0035);
+  seen.robot_force = 10.0;
+  seen.operator_force = 10.0 * (1.0 + force_gap);
+  CorrectionMessage message;
+  message.parameters = parameters_to_send(changed, CorrectionCase::both_sliding,
+                                          make_switch().forces_agree(seen), options);
+  return describe(message);
+}
+
+TEST(ParametersToSend, AreAllThatChangedWhileSlidingWithAForceGapOf5Percent) {
+  EXPECT_EQ(content_while_sliding(0.05, false), "contact parameters+friction parameters");
+  EXPECT_EQ(content_while_sliding(0.05, true), "friction parameters");
+}
+
+TEST(ParametersToSend, AreAllThatChangedWhileSlidingWithAForceGapOf20Percent) {
+  EXPECT_EQ(content_while_sliding(0.20, false), "contact parameters+friction parameters");
+  EXPECT_EQ(content_while_sliding(0.20, true), "contact parameters");
 }
 
 TEST(CorrectionSwitch, RaisesThresholdsOverTheByteBudget) {

@@ -150,6 +150,40 @@ TEST(RunTeleop, SendsNothingWithoutCorrections) {
   EXPECT_GT(run.streaming_bytes, 0U);
 }
 
+/// rms of the shown position [m] over both boxes of two pushes without parameters.
+double rms_without_parameters(bool parameters_by_force) {
+  TeleopOptions options;
+  options.messages.parameters_by_force = parameters_by_force;
+  double squares = 0.0;
+  std::size_t count = 0;
+  for (const std::uint64_t seed : {1U, 2U}) {
+    const PlantInput made = plant_input(seed, false);
+    const TeleopRun run = run_teleop(made.input, options).value();
+    for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
+      for (const double error : position_errors(made, run, i)) {
+        squares += error * error;
+        ++count;
+      }
+    }
+  }
+  return std::sqrt(squares / static_cast<double>(count));
+}
+
+TEST(RunTeleop, PredictsBetterWithAllChangedParametersThanWithOneGroupByForce) {
+  EXPECT_LT(1.1 * rms_without_parameters(false), rms_without_parameters(true));
+}
+
+TEST(RunTeleop, SendsNoPositionAgainThatTheContactHasUndone) {
+  const PlantInput made = plant_input(1, false);
+  std::vector<int> positions(made.input.objects.size(), 0);
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  for (const SentCorrection& sent : run.corrections) {
+    const bool is_position = sent.which == CorrectionCase::both_sliding && sent.what == "position";
+    if (is_position) ++positions[sent.object];
+  }
+  for (const int count : positions) EXPECT_LE(count, 1);
+}
+
 TEST(RunTeleop, KeepsParametersWithoutIdentification) {
   const PlantInput made = plant_input(kSeed, false);
   TeleopOptions options;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
+import { labelRows, placeLabels, type PlacedLabel } from '../src/report/mark_labels';
 import { number } from '../src/report/number';
 import { type PlotData, readReport, type Series, type TableData } from '../src/report/report_data';
 import { numberColumns } from '../src/report/tables';
@@ -94,5 +95,50 @@ test('data of another format are refused', () => {
   assert.throws(
     () => readReport('{"format":"pcavr-report-data/9"}'),
     /is not pcavr-report-data\/1/,
+  );
+});
+
+/// The labels' extents in SVG units, by row.
+function extentsOf(labels: PlacedLabel[], perUnit: number): [number, number][][] {
+  return Array.from({ length: labelRows }, (_, row) =>
+    labels
+      .filter((label) => label.row === row)
+      .map(({ x, text }): [number, number] => [x * perUnit, x * perUnit + 7 * text.length]),
+  );
+}
+
+test('the labels of sixty time nodes do not overlap, and count those without room', () => {
+  // Twelve pushes in a minute, five nodes each within 2 s, on 564 units.
+  const marks = Array.from({ length: 60 }, (_, i) => ({
+    x: 5 * Math.floor(i / 5) + [0, 0.1, 0.2, 1.6, 1.9][i % 5],
+    label: `t${i + 1}`,
+  }));
+  const perUnit = 564 / 60;
+  const labels = placeLabels(marks, perUnit);
+  for (const row of extentsOf(labels, perUnit)) {
+    row.forEach(([from], i) => assert.ok(i === 0 || row[i - 1][1] <= from, `${row[i - 1]}`));
+  }
+  const counted = labels.map(({ text }) => 1 + Number(text.split(' +')[1] ?? 0));
+  assert.equal(
+    counted.reduce((sum, count) => sum + count, 0),
+    60,
+  );
+  assert.ok(labels.some(({ text }) => text.includes(' +')));
+  // Zoomed in to one push, each has its own.
+  const push = placeLabels(marks.slice(0, 5), 564 / 2);
+  assert.deepEqual(
+    push.map(({ text }) => text),
+    ['t1', 't2', 't3', 't4', 't5'],
+  );
+});
+
+test('marks that are far apart have their labels in the first row', () => {
+  const labels = placeLabels(
+    [0, 1, 2].map((x) => ({ x, label: `t${x}` })),
+    100,
+  );
+  assert.deepEqual(
+    labels.map(({ row }) => row),
+    [0, 0, 0],
   );
 });

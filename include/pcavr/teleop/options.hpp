@@ -112,6 +112,7 @@ struct MessageOptions {
   double min_parameter_change;  ///< relative, from which on parameters are sent
   double min_compared_force;    ///< [N] of contact laws
   double compared_rate;         ///< [m/s] of contact laws: rate of penetration
+  bool parameters_by_force;     ///< case 1.3 sends one group of parameters [paper C]
 };
 
 /// Both sites and the link between them ("teleop").

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Plot from '@observablehq/plot';
 import { bandColors, pinColor, seriesColors, softInk } from './colors';
+import { labelHeight, labelRows, placeLabels } from './mark_labels';
 import { number } from './number';
 import type { PlotData, Series } from './report_data';
 import type { View } from './view';
@@ -11,9 +12,6 @@ const width = 640;
 const margins = { marginTop: 14, marginRight: 14, marginBottom: 40, marginLeft: 62 };
 const chartHeight = 300;
 const mapHeight = 690; // two stacked charts with their headings
-const labelHeight = 14;
-const labelWidth = 22;
-const labelLevels = 4;
 
 /// The plot's inner width over its inner height.
 export function aspectOf(plot: PlotData): number {
@@ -76,22 +74,17 @@ function drawSeries({ x, y, color, dashed, points }: Series): Plot.Markish {
   return Plot.line(x, { x, y, stroke, strokeDasharray, strokeWidth: 1.6, clip: true });
 }
 
-/// Labels are at the top of their line; lower where they would overlap the previous one.
+/// Labels are at the top of their line; lower where they would overlap another one.
 function drawMarks(plot: PlotData, view: View): Plot.Markish[] {
   const shown = plot.marks.filter((mark) => isIn(view, mark.x));
-  const perUnit = width / (view.x[1] - view.x[0]);
-  let level = 0;
-  const levels = shown.map((mark, i) => {
-    const isClose = i > 0 && (mark.x - shown[i - 1].x) * perUnit < labelWidth;
-    level = isClose ? (level + 1) % labelLevels : 0;
-    return level;
-  });
-  const labels = Array.from({ length: labelLevels }, (_, row) =>
+  const inner = width - margins.marginLeft - margins.marginRight;
+  const placed = placeLabels(shown, inner / (view.x[1] - view.x[0]));
+  const labels = Array.from({ length: labelRows }, (_, row) =>
     Plot.text(
-      shown.filter((_mark, i) => levels[i] === row),
+      placed.filter((label) => label.row === row),
       {
         x: 'x',
-        text: 'label',
+        text: 'text',
         frameAnchor: 'top-left',
         dx: 4,
         dy: 3 + row * labelHeight,

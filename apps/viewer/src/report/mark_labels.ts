@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+
+export interface Mark {
+  x: number;
+  label: string;
+}
+
+export interface PlacedLabel {
+  x: number;
+  row: number;
+  text: string;
+}
+
+export const labelRows = 4;
+// [SVG units] at a font of 12 px.
+export const labelHeight = 14;
+const characterWidth = 7;
+const gap = 12; // between labels, and from a line to its label
+
+/// Places the labels of marks, in ascending order, so that none overlap: each in the highest row
+/// that has room. A mark without room adds to the count of the label before it: "t4 +2" are three
+/// marks, which zooming in separates. `perUnit`: SVG units per unit of the x axis.
+export function placeLabels(marks: Mark[], perUnit: number): PlacedLabel[] {
+  const placed: PlacedLabel[] = [];
+  const ends = new Array<number>(labelRows).fill(-Infinity);
+  const widthOf = (text: string) => characterWidth * text.length + gap;
+  let hidden = 0;
+  for (const { x, label } of marks) {
+    const at = x * perUnit;
+    const row = ends.findIndex((end) => end <= at);
+    if (row >= 0) {
+      placed.push({ x, row, text: label });
+      // Room for the count that may follow.
+      ends[row] = at + widthOf(label);
+      hidden = 0;
+      continue;
+    }
+    const last = placed[placed.length - 1];
+    hidden += 1;
+    last.text = `${last.text.split(' +')[0]} +${hidden}`;
+    ends[last.row] = last.x * perUnit + widthOf(last.text);
+  }
+  return placed;
+}
