@@ -11,6 +11,7 @@
 #include "pcavr/recording/recording_writer.hpp"
 
 #include "support/command.hpp"
+#include "support/sanitizers.hpp"
 
 namespace pcavr {
 namespace {
@@ -418,8 +419,7 @@ TEST_F(BadInput, CountsSkippedRowsWithSkipBad) {
       << summary.standard_output;
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-/// Not with sanitizers: their shadow memory exceeds any address space limit.
+#ifndef PCAVR_IS_SANITIZED
 TEST_F(BadInput, MemoryThatRunsOut) {
   int refusals = 0;
   // [KiB] From just enough to map the libraries to enough for the whole command.

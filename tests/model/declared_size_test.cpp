@@ -11,6 +11,7 @@
 
 #include "pcavr/model/cad_model.hpp"
 
+#include "support/sanitizers.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace pcavr {
@@ -77,14 +78,7 @@ TEST_F(DeclaredSize, ThatIsNotACountIsRejected) {
   }
 }
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define PCAVR_ABORTS_WITHOUT_MEMORY
-#endif
-#endif
-#ifndef PCAVR_ABORTS_WITHOUT_MEMORY
-// Sanitizers abort the process when memory runs out, instead of the std::bad_alloc that the reader
-// catches.
+#ifndef PCAVR_IS_SANITIZED  // the reader catches std::bad_alloc
 TEST_F(DeclaredSize, OfAListInABinaryPlyIsRejected) {
   std::string header = ply("binary_little_endian", "3", "1", "");
   header.replace(header.find("uchar"), 5, "uint");
