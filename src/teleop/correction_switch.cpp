@@ -108,7 +108,7 @@ void CorrectionSwitch::note_sent(CorrectionCase which, double t_sent, std::uint8
   if (which == CorrectionCase::both_sliding) effect_ = {.awaited = sequence, .gap_sent = gap_};
   pending.in_flight_until = t_sent + round_trip_ + options_.round_trip_margin;
   pending.size_sent = std::max(pending.size, 1.0);
-  pending.last = -1e300;
+  pending.last = -std::numeric_limits<double>::infinity();
 }
 
 }  // namespace pcavr

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "pcavr/teleop/options.hpp"
@@ -68,10 +69,10 @@ class CorrectionSwitch {
   /// One case: how long it has persisted, with short lapses ignored; and what was sent.
   struct PendingFinding {
     double since = 0.0;
-    double last = -1e300;
+    double last = -std::numeric_limits<double>::infinity();
     double size = 0.0;
-    double in_flight_until = -1e300;
-    double suppressed_until = -1e300;
+    double in_flight_until = -std::numeric_limits<double>::infinity();
+    double suppressed_until = -std::numeric_limits<double>::infinity();
     double size_sent = 0.0;
   };
 
