@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parameter_errors.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "pcavr/contact/hunt_crossley.hpp"
 
@@ -70,6 +73,8 @@ std::vector<ParameterError> errors_of(const std::string& object, const ObjectPar
   for (const Kind& kind : kKinds) {
     ParameterError error{.object = object, .name = kind.name, .unit = kind.unit};
     error.estimate = estimate.*kind.member;
+    const std::vector<std::string>& given = estimate.sources.given;
+    error.is_given = std::find(given.begin(), given.end(), kind.name) != given.end();
     if (truth && truth->*kind.member) error.truth = (truth->*kind.member)->value;
     if (!error.estimate && !error.truth) continue;
     if (truth && (!kind.depends_on_exponent || same_exponent(*truth, estimate))) compare(error);
