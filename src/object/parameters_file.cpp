@@ -152,7 +152,7 @@ std::map<std::string, int> read_counts(const YamlValue& map) {
   std::map<std::string, int> counts;
   for (const auto& [key, count] : map.entries()) {
     if (!is_parameter_key(key)) {
-      map.fail_at_key(key, "is no parameter", "name it as in this file, such as contact.stiffness");
+      count.fail("is no parameter", "name it as in this file, such as contact.stiffness");
     }
     counts[key] = count.integer(0, kMaxCount);
   }

@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(
             "b.correlation.matrix"},
         Refusal{"CorrelationAboveOne",
                 "b:\n  correlation: {parameters: [mass],\n    matrix: [[1.5]]}\n", 3,
-                "b.correlation.matrix[0]"},
+                "b.correlation.matrix[0][0]"},
         Refusal{"SlidingForceWithoutStd", "b:\n  sliding_force: [{speed: 1, force: 2}]\n", 2,
                 "b.sliding_force[0]"},
         Refusal{"FlatObject", "box: 3\n", 1, "box"}, Refusal{"List", "- box\n", 1, ""},
