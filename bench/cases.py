@@ -86,7 +86,8 @@ class Cases:
     def evaluate_identification(self, parameters, recording, seed):
         report = self.run("evaluate", parameters, "--truth", recording / "truth", "-o",
                           self.work / f"probe-{seed}-report", "--force")
-        words = {"mass": "mass, error", "sliding_friction_coefficient": "sliding friction, coefficient, error",
+        self.add_mass_errors(parameters, report, seed)
+        words = {"sliding_friction_coefficient": "sliding friction, coefficient, error",
                  "limiting_static_friction": "limiting friction, bias of the mean",
                  "contact.force": "contact force at F_M's penetration, from probes, error"}
         for key, value in report.items():
@@ -104,6 +105,19 @@ class Cases:
                 limit = report[key[: -len("std")] + "truth"]
                 self.add("limiting friction, std over the pushes", 1e2 * value / limit,
                          f"{seed} {match[1]}")
+
+    def add_mass_errors(self, parameters, evaluation, seed):
+        """Of the mass by accelerations alone, where a weighed one is in the file."""
+        report = json.loads((parameters.with_suffix(".report") / "report.json").read_text())
+        for key, truth in evaluation.items():
+            match = re.fullmatch(r"parameters\.(\w+)\.mass\.truth", key)
+            if not match:
+                continue
+            found = f"object.{match[1]}.mass"
+            if f"object.{match[1]}.inertial_mass.is_excited" in report:
+                found = f"object.{match[1]}.inertial_mass"
+            if report.get(f"{found}.is_excited"):
+                self.add("mass, error", 1e2 * abs(report[found] / truth - 1.0), f"{seed} {match[1]}")
 
     def evaluate_presses(self, seed):
         parameters, recording = self.identify("contact", "press", seed)

@@ -89,10 +89,17 @@ def contact_force(law, depth):
     return law["contact.stiffness"] * depth ** law.get("contact.exponent", 1.0)
 
 
+def reported_key(report, name, key):
+    """Where a parameter stands in the report: a mass that was weighed is no result, but the one by
+    accelerations alone is."""
+    inertial = f"object.{name}.inertial_mass"
+    return inertial if key == "mass" and f"{inertial}.is_excited" in report else f"object.{name}.{key}"
+
+
 def score_object(report, name, truth, where, scores):
     found = {}
     for key in PARAMETERS:
-        full = f"object.{name}.{key}"
+        full = reported_key(report, name, key)
         if full in report:
             found[key] = report[full]
         if key not in truth:
@@ -167,7 +174,7 @@ def main():
 
 def print_values(where, report, name, truth):
     for key in PARAMETERS:
-        full = f"object.{name}.{key}"
+        full = reported_key(report, name, key)
         if key in truth and report.get(f"{full}.is_excited"):
             print(f"{where:<14} {key:<30} {report[full]:>10.5g} +- {report.get(full + '_std', 0):<9.3g} "
                   f"truth {truth[key]:.5g}")

@@ -16,9 +16,9 @@ namespace pcavr::app {
 /// configuration has to outlive the action.
 void add_build(CLI::App& app, Configuration& configuration, Action& action);
 void add_replay(CLI::App& app, Configuration& configuration, Action& action);
-void add_evaluate(CLI::App& app, const Configuration& configuration, Action& action);
+void add_evaluate(CLI::App& app, Configuration& configuration, Action& action);
 void add_simulate(CLI::App& app, Action& action);
-void add_identify(CLI::App& app, const Configuration& configuration, Action& action);
+void add_identify(CLI::App& app, Configuration& configuration, Action& action);
 void add_import(CLI::App& app, Action& action);
 void add_serve(CLI::App& app, Configuration& configuration, Action& action);
 void add_inspect(CLI::App& app, const Configuration& configuration, Action& action);

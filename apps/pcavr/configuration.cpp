@@ -25,7 +25,23 @@ std::vector<OptionSection> Configuration::sections() {
           section_of(devices.rate), section_of(devices.gamepad), section_of(devices.space_mouse),
           section_of(devices.trace), section_of(devices.plugin), section_of(devices.simulated)});
   append(sections, sections_of(evaluation));
+  sections.push_back(section_of(friction_priors));
   return sections;
+}
+
+TeleopOptions Configuration::replayed() const {
+  TeleopOptions options = teleop;
+  options.inputs.segmentation = teleop.learning.segmentation;
+  return options;
+}
+
+IdentificationOptions Configuration::identification() const {
+  return {.inputs = replayed().inputs,
+          .contact_fit = teleop.learning.contact_fit,
+          .onset = teleop.learning.onset,
+          .limiting_friction = teleop.learning.limiting_friction,
+          .sliding = teleop.learning.sliding,
+          .friction_priors = friction_priors};
 }
 
 std::vector<std::pair<std::string, std::string>> Configuration::changed() {

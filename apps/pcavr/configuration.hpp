@@ -13,7 +13,9 @@
 #include "pcavr/devices/open_device.hpp"
 #include "pcavr/devices/remote_device.hpp"
 #include "pcavr/evaluation/options.hpp"
+#include "pcavr/identification/friction_posterior.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
+#include "pcavr/pipeline/identify.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/serve/content.hpp"
 #include "pcavr/serve/live_world.hpp"
@@ -37,9 +39,15 @@ struct Configuration {
   RemoteDeviceOptions page;
   DeviceOptions devices;
   EvaluationOptions evaluation;
+  FrictionPriors friction_priors;
 
   [[nodiscard]] PerceptionOptions& perception() { return build.perception; }
   [[nodiscard]] const PerceptionOptions& perception() const { return build.perception; }
+
+  /// Of `identify`: the sections that the robot's site uses to identify online, and the priors.
+  [[nodiscard]] IdentificationOptions identification() const;
+  /// Of `replay`: the segmentation is that of online identification.
+  [[nodiscard]] TeleopOptions replayed() const;
 
   /// They refer to this object.
   [[nodiscard]] std::vector<OptionSection> sections();

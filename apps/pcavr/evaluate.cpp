@@ -31,8 +31,7 @@ std::string headline(const nlohmann::ordered_json& report) {
 }
 
 Expected<CommandResult> run_evaluation(const EvaluateArguments& arguments,
-                                       const Configuration& configuration,
-                                       const Observer& observer) {
+                                       Configuration& configuration, const Observer& observer) {
   Expected<OutputFolder> folder =
       create_output(arguments.output, OutputKind::report,
                     {arguments.subject, arguments.truth, arguments.reference});
@@ -40,7 +39,8 @@ Expected<CommandResult> run_evaluation(const EvaluateArguments& arguments,
   const EvaluationInput input{
       .subject = arguments.subject,
       .reference = arguments.truth.empty() ? arguments.reference : arguments.truth,
-      .options = configuration.evaluation};
+      .options = configuration.evaluation,
+      .configuration = configuration.changed()};
   const Expected<std::string> report =
       evaluate(input, folder->path(), {arguments.threads}, observer);
   if (!report) return report.error();
@@ -54,7 +54,7 @@ Expected<CommandResult> run_evaluation(const EvaluateArguments& arguments,
 
 }  // namespace
 
-void add_evaluate(CLI::App& app, const Configuration& configuration, Action& action) {
+void add_evaluate(CLI::App& app, Configuration& configuration, Action& action) {
   CLI::App* command = app.add_subcommand(
       "evaluate", "Compare a scene, a run or identified parameters with the ground truth");
   command->footer(

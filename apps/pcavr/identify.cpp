@@ -116,7 +116,7 @@ Expected<void> commit(IdentifyOutputs& outputs) {
   return done;
 }
 
-Expected<Identification> run(const IdentifyArguments& arguments, const Configuration& configuration,
+Expected<Identification> run(const IdentifyArguments& arguments, Configuration& configuration,
                              const Observer& observer) {
   ParameterTable known;
   if (!arguments.parameters.empty()) {
@@ -127,16 +127,21 @@ Expected<Identification> run(const IdentifyArguments& arguments, const Configura
   const Expected<Recording> recording =
       read_with_warnings(arguments.recording, arguments.skip_bad, configuration, observer);
   if (!recording) return recording.error();
-  Expected<IdentificationInput> input = identification_input(*recording,
-                                                             {.scene = arguments.scene,
-                                                              .tracked = arguments.tracked,
-                                                              .skip_bad = arguments.skip_bad,
-                                                              .parallelism = {arguments.threads}},
-                                                             observer);
+  Expected<IdentificationInput> input =
+      identification_input(*recording,
+                           {.scene = arguments.scene,
+                            .tracked = arguments.tracked,
+                            .skip_bad = arguments.skip_bad,
+                            .perception = configuration.perception(),
+                            .parallelism = {arguments.threads}},
+                           observer);
   if (!input) return input.error();
   input->known = std::move(known);
-  Expected<Identification> found = identify(*input, arguments.goal, configuration.teleop.inputs);
-  if (found) return found;
+  Expected<Identification> found = identify(*input, arguments.goal, configuration.identification());
+  if (found) {
+    found->configuration = configuration.changed();
+    return found;
+  }
   Error error = found.error();
   if (!error.file.empty()) error.file = (recording->folder / error.file).string();
   return error;
@@ -158,8 +163,7 @@ std::string comment_of(const Identification& found, const std::string& recording
 }
 
 Expected<CommandResult> identify_recording(IdentifyArguments arguments,
-                                           const Configuration& configuration,
-                                           const Observer& observer) {
+                                           Configuration& configuration, const Observer& observer) {
   if (arguments.report.empty()) {
     const std::filesystem::path output = arguments.output;
     arguments.report = (output.parent_path() / output.stem()).string() + ".report";
@@ -179,8 +183,8 @@ Expected<CommandResult> identify_recording(IdentifyArguments arguments,
   return describe(*found, arguments);
 }
 
-void add_goal(CLI::App& app, const Configuration& configuration, Action& action,
-              IdentificationGoal goal, const std::string& name, const std::string& what) {
+void add_goal(CLI::App& app, Configuration& configuration, Action& action, IdentificationGoal goal,
+              const std::string& name, const std::string& what) {
   CLI::App* command = app.add_subcommand(name, what);
   command->footer("Example:\n  pcavr identify " + name +
                   " my_recording --scene my_scene -o parameters.yaml");
@@ -212,7 +216,7 @@ void add_goal(CLI::App& app, const Configuration& configuration, Action& action,
 
 }  // namespace
 
-void add_identify(CLI::App& app, const Configuration& configuration, Action& action) {
+void add_identify(CLI::App& app, Configuration& configuration, Action& action) {
   CLI::App* command = app.add_subcommand(
       "identify", "Identify contact and friction parameters of objects from force and motion");
   command->require_subcommand(1);

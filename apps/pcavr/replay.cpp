@@ -161,7 +161,7 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
   Expected<OutputFolder> folder = create_outputs(arguments);
   if (!folder) return folder.error();
   options.perception = configuration.perception();
-  options.teleop = configuration.teleop;
+  options.teleop = configuration.replayed();
   options.configuration = configuration.changed();
   const Expected<DepthNoise> noise =
       depth_noise_of(arguments.sensor, options.perception.depth_noise);

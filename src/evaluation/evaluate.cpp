@@ -61,8 +61,8 @@ Expected<ComparisonSide> read_reference(const EvaluationInput& input, Comparison
                .hint = "give --truth, or a second scene as --reference"};
 }
 
-Expected<Evaluation> evaluate_sides(const EvaluationInput& input, Parallelism parallelism,
-                                    const Observer& observer) {
+Expected<Evaluation> compare_sides(const EvaluationInput& input, Parallelism parallelism,
+                                   const Observer& observer) {
   if (is_file(input.subject)) return evaluate_parameters(input);
   Expected<ComparisonSide> subject = read_side(input.subject);
   if (!subject) return subject.error();
@@ -73,6 +73,13 @@ Expected<Evaluation> evaluate_sides(const EvaluationInput& input, Parallelism pa
   Evaluation evaluation;
   evaluation.report = make_report(*reference, *subject, *findings);
   evaluation.findings = std::move(findings).value();
+  return evaluation;
+}
+
+Expected<Evaluation> evaluate_sides(const EvaluationInput& input, Parallelism parallelism,
+                                    const Observer& observer) {
+  Expected<Evaluation> evaluation = compare_sides(input, parallelism, observer);
+  if (evaluation) evaluation->report.configuration = input.configuration;
   return evaluation;
 }
 

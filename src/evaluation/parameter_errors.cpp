@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parameter_errors.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "pcavr/contact/hunt_crossley.hpp"
 
@@ -70,10 +73,13 @@ std::vector<ParameterError> errors_of(const std::string& object, const ObjectPar
   for (const Kind& kind : kKinds) {
     ParameterError error{.object = object, .name = kind.name, .unit = kind.unit};
     error.estimate = estimate.*kind.member;
+    const std::vector<std::string>& given = estimate.sources.given;
     if (truth && truth->*kind.member) error.truth = (truth->*kind.member)->value;
     if (!error.estimate && !error.truth) continue;
     const bool is_mass = kind.member == &ObjectParameters::mass;
-    error.is_given = is_mass && error.estimate && !error.estimate->std;
+    // Files of older versions do not state what was given: there, a weighed mass has no std.
+    error.is_given = std::find(given.begin(), given.end(), kind.name) != given.end() ||
+                     (is_mass && error.estimate && !error.estimate->std);
     if (truth && !error.is_given && (!kind.depends_on_exponent || same_exponent(*truth, estimate)))
       compare(error);
     errors.push_back(error);

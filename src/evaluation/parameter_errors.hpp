@@ -17,8 +17,7 @@ struct ParameterError {
   std::string unit;
   std::optional<ParameterValue> estimate = {};
   std::optional<double> truth = {};
-  /// A mass that was weighed, not identified: it has no std. Then it is not compared.
-  bool is_given = false;
+  bool is_given = false;  ///< the estimate was stated, not identified: its error is no result
   /// Of the estimate from the truth. Empty where either is unknown, or where stiffness or damping
   /// belong to different exponents: then their units differ, too.
   std::optional<double> relative = {};      ///< (estimate - truth) / truth

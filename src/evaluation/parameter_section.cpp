@@ -53,8 +53,8 @@ ReportSection parameter_section(const Findings& findings) {
   for (const ParameterError& error : findings.parameters) {
     const bool uses_default = is_default(findings, error);
     has_default = has_default || uses_default;
-    std::vector<std::string> row = {error.name + (uses_default ? " *" : ""), error.object,
-                                    error.unit,
+    const char* source = uses_default ? " *" : error.is_given ? " (given)" : "";
+    std::vector<std::string> row = {error.name + source, error.object, error.unit,
                                     error.estimate ? readable(error.estimate->value) : "unknown",
                                     error.estimate ? number_text(error.estimate->std) : "-"};
     if (findings.has_true_parameters) {
@@ -70,8 +70,7 @@ ReportSection parameter_section(const Findings& findings) {
       "Contact: F = stiffness d^n + damping d^n d' (n = 1: damping d'), with penetration d and "
       "exponent n; stiffness and damping of different exponents have different units and are not "
       "compared. contact.force: the elastic force at the penetration where the true contact's "
-      "force equals the limiting friction. The std of the limiting friction is its spread over "
-      "pushes. Given: a mass without a std was not identified, and has no error.";
+      "force equals the limiting friction. Given: stated, not identified; it has no error.";
   if (has_default) table.note += " *: default value at the start of the run.";
   section.tables.push_back(std::move(table));
   return section;
@@ -82,7 +81,7 @@ std::vector<Metric> parameter_headline(const Findings& findings) {
   for (const ParameterError& error : findings.parameters) {
     const bool is_main = error.name == "mass" || error.name == "limiting_static_friction" ||
                          error.name == "sliding_friction_coefficient";
-    if (!is_main || !error.relative) continue;
+    if (!is_main || !error.relative || error.is_given) continue;
     std::string name = error.name;
     std::replace(name.begin(), name.end(), '_', ' ');
     headline.push_back({error.object + ": error of the " + name, kPercent * *error.relative, "%"});

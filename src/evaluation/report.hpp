@@ -55,7 +55,8 @@ struct Report {
   std::string subject_kind;
   std::string reference;
   std::string reference_kind;
-  std::string recording;  ///< empty where not found
+  std::string recording;                                                ///< empty where not found
+  std::vector<std::pair<std::string, std::string>> configuration = {};  ///< as in EvaluationInput
   std::vector<Metric> headline = {};
   std::vector<ReportSection> sections = {};
 };

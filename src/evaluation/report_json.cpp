@@ -64,6 +64,7 @@ std::string format_json(const Report& report, const Findings& findings) {
   json["reference"] = report.reference;
   json["reference_kind"] = report.reference_kind;
   json["recording"] = report.recording;
+  for (const auto& [key, value] : report.configuration) json["configuration"][key] = value;
   json["units"] =
       "SI, named at the end of each key; shares and completeness are fractions (0 to 1)";
   json["headline"] = headline_of(report);

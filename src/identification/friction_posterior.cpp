@@ -8,7 +8,6 @@
 #include <Eigen/Cholesky>
 
 #include "pcavr/core/check.hpp"
-#include "pcavr/core/gravity.hpp"
 #include "pcavr/core/median.hpp"
 
 namespace pcavr {
@@ -98,7 +97,7 @@ class Inference {
       pushes_ = std::max(pushes_, sample.push + 1);
     }
     level_ = std::max(median(forces), 1e-6);
-    mass_scale_ = priors.mass.value_or(level_ / (kGuessedFriction * kStandardGravity));
+    mass_scale_ = priors.mass.value_or(level_ / (kGuessedFriction * priors.gravity));
     mass_guess_ = mass_scale_;
   }
 
@@ -318,9 +317,10 @@ void set_forces(std::span<const FrictionSample> samples, const Posterior& poster
 void set_coefficient(const FrictionPriors& priors, FrictionPosterior& result) {
   const IdentifiedParameter& mass = result.mass;
   if (!mass.is_excited && !priors.mass) return;
-  const double weight = mass.value * kStandardGravity;
+  const double used_mass = priors.mass.value_or(mass.value);
+  const double weight = used_mass * priors.gravity;
   const double value = result.coulomb.value / weight;
-  const Eigen::Vector2d by(-value / mass.value, 1.0 / weight);
+  const Eigen::Vector2d by(-value / used_mass, 1.0 / weight);
   const double variance = by.dot(result.covariance.topLeftCorner<2, 2>() * by);
   result.coefficient = {value, std::sqrt(std::max(variance, 0.0)), result.coulomb.is_excited};
 }
@@ -336,7 +336,9 @@ FrictionPosterior infer_friction(std::span<const FrictionSample> samples,
   const Posterior posterior = inference.solve();
   result.is_valid = true;
   result.samples = samples.size();
-  result.pushes = inference.pushes();
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    result.pushes += i == 0 || samples[i].push != samples[i - 1].push;
+  }
   result.mass = marginal_of(posterior.of(Unknowns::Unit(kMass), 0.0));
   result.coulomb = marginal_of(posterior.of(Unknowns::Unit(kCoulomb), 0.0));
   result.viscous = marginal_of(posterior.of(Unknowns::Zero(), 1.0));

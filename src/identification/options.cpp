@@ -8,6 +8,7 @@
 #include "pcavr/identification/breakaway.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/estimator.hpp"
+#include "pcavr/identification/friction_posterior.hpp"
 #include "pcavr/identification/segmentation.hpp"
 #include "pcavr/identification/signals.hpp"
 #include "pcavr/identification/sliding.hpp"
@@ -208,6 +209,39 @@ constexpr auto kSlidingFields = std::to_array<OptionField<SlidingOptions>>({
 });
 static_assert(are_valid_fields(kSlidingFields));
 
+constexpr auto kFrictionPriorFields = std::to_array<OptionField<FrictionPriors>>({
+    {"max_viscous", &FrictionPriors::max_viscous, 40.0, 0.1, 1e4, "N s/m",
+     "viscous friction, uniform from 0 to this",
+     "lower: excludes greased or rubber supports; higher: slow pushes say less of Coulomb "
+     "friction"},
+    // Repeated pushes on dry tables differ by 2 to 5 %.
+    {"scatter", &FrictionPriors::scatter, 0.02, 1e-4, 1.0, "",
+     "std of friction from push to push and from place to place, as a share; its median",
+     "lower: too confident on an uneven table; higher: many pushes are needed"},
+    {"scatter_factor", &FrictionPriors::scatter_factor, 2.0, 1.01, 100.0, "",
+     "factor by which that std may differ from its median: one std of its logarithm",
+     "lower: the data can't correct the median; higher: two pushes alone decide it"},
+    {"correlation_path", &FrictionPriors::correlation_path, 0.020, 1e-4, 1.0, "m",
+     "travel over which friction varies with the place",
+     "lower: samples of one place count as independent; higher: long slides count for little"},
+    {"bias_std", &FrictionPriors::bias_std, 0.02, 0.0, 100.0, "N",
+     "error of the force's bias in one push",
+     "lower: too confident for light objects; higher: light objects are not identified"},
+    {"stribeck_share", &FrictionPriors::stribeck_share, 0.04, 1e-4, 1.0, "",
+     "share by which friction at rest exceeds that of fast sliding, with the same as its std",
+     "lower: slow pushes overestimate Coulomb friction; higher: slow pushes say less of it"},
+    {"stribeck_speed", &FrictionPriors::stribeck_speed, 0.003, 1e-5, 1.0, "m/s",
+     "speed over which that excess falls off, as exp(-v / this) [Stribeck 1902]",
+     "lower: slow pushes count as fast ones; higher: fast ones count as slow"},
+    {"support_size_share", &FrictionPriors::support_size_share, 0.25, 1e-3, 10.0, "",
+     "std of the support's size about that of the CAD body's lowest face",
+     "lower: too confident where only the rim bears; higher: turning objects say less of friction"},
+    {"mass_share", &FrictionPriors::mass_share, 0.005, 1e-6, 1.0, "",
+     "std of a weighed mass, as a share",
+     "lower: too confident for a bad scale; higher: the coefficient is less certain"},
+});
+static_assert(are_valid_fields(kFrictionPriorFields));
+
 template <int N>
 constexpr auto kEstimatorFields = std::to_array<OptionField<EstimatorOptions<N>>>({
     {"window", &EstimatorOptions<N>::window, 30, N + 1, 1'000'000, "samples",
@@ -274,6 +308,13 @@ OptionSection section_of(SegmentationOptions& options) {
 SlidingOptions::SlidingOptions() { set_defaults(*this, kSlidingFields); }
 OptionSection section_of(SlidingOptions& options) {
   return make_section("identification.sliding", options, kSlidingFields);
+}
+
+FrictionPriors::FrictionPriors() : gravity(kStandardGravity) {
+  set_defaults(*this, kFrictionPriorFields);
+}
+OptionSection section_of(FrictionPriors& priors) {
+  return make_section("identification.friction_priors", priors, kFrictionPriorFields);
 }
 
 template <int N>

@@ -65,8 +65,8 @@ double end_of_window(const InputSeries& series, double from, double to,
                      const InputOptions& options) {
   const InputSeries part = part_of(series, series.bodies, from, to + kFreeTime);
   if (part.t_force.size() < 2 || part.t_tool.size() < 2) return to;
-  const Segmentation found =
-      segment_contacts(part.t_force, part.force_base, part.t_tool, part.p_base_tip);
+  const Segmentation found = segment_contacts(part.t_force, part.force_base, part.t_tool,
+                                              part.p_base_tip, options.segmentation);
   double end = to;
   for (auto contact = found.contacts.rbegin(); contact != found.contacts.rend(); ++contact) {
     if (contact->begin - kFreeTime > end) continue;

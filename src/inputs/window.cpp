@@ -28,9 +28,9 @@ struct Prepared {
   [[nodiscard]] PathView path() const { return {tip.t, tip.p_base}; }
 };
 
-void segment(Prepared& prepared) {
+void segment(const InputOptions& options, Prepared& prepared) {
   prepared.found = segment_contacts(prepared.series.t_force, prepared.series.force_base,
-                                    prepared.tip.t, prepared.tip.p_base);
+                                    prepared.tip.t, prepared.tip.p_base, options.segmentation);
 }
 
 /// Estimates the force's offset and, where it is significant, applies it.
@@ -54,7 +54,7 @@ void put_force_on_clock(const std::vector<BodySurface>& surfaces, const WindowPr
   prepared.t_force.assign(series.t_force.begin(), series.t_force.end());
   for (double& t : prepared.t_force) t -= result.tool_to_force.offset;
   series.t_force = prepared.t_force;
-  segment(prepared);
+  segment(options, prepared);
 }
 
 std::vector<UnusableInterval> unusable_intervals(const Prepared& prepared,
@@ -140,7 +140,7 @@ WindowFindings analyse_window(const InputSeries& measured, const std::vector<Bod
   Prepared prepared;
   prepared.series = measured;
   prepared.tip = clean_tip_path(measured.t_tool, measured.p_base_tip, options);
-  segment(prepared);
+  segment(options, prepared);
   put_force_on_clock(surfaces, prior, options, prepared, result);
   result.saturated = find_saturation(prepared.series.t_force, measured.force_base);
   describe_signals(prepared, result);

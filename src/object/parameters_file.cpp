@@ -2,12 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/object/parameters_file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <string_view>
+#include <vector>
 
 #include <yaml-cpp/yaml.h>
 
+#include "pcavr/core/check.hpp"
 #include "pcavr/core/decimal.hpp"
 #include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output.hpp"
@@ -18,6 +23,19 @@
 
 namespace pcavr {
 namespace {
+
+constexpr InputRange kCorrelation{"correlation", -1.0, 1.0, "1", "by definition"};
+
+constexpr char kFormatKey[] = "format";
+constexpr char kFormat[] = "pcavr-parameters/2";
+
+/// Files without a format are of version 1, whose keys are a subset.
+void expect_format(const YamlValue& format) {
+  if (format.text() == kFormat) return;
+  format.fail(
+      "is not " + std::string(kFormat),
+      "identify the parameters with this version of pcavr, or rename an object of this name");
+}
 
 /// One key, the member that stores its value, and the permitted range.
 struct Field {
@@ -103,14 +121,101 @@ LimitSurface read_limit_surface(const YamlValue& map) {
   return surface;
 }
 
+bool is_parameter_key(const std::string& key) {
+  constexpr std::string_view kContact = "contact.";
+  const auto is_named = [](const std::string& name) {
+    return [&name](const Field& field) { return name == field.key; };
+  };
+  if (!key.starts_with(kContact)) return std::any_of(kFields.begin(), kFields.end(), is_named(key));
+  const std::string name = key.substr(kContact.size());
+  return std::any_of(kContactFields.begin(), kContactFields.end(), is_named(name));
+}
+
+/// Names of parameters, each at most once.
+std::vector<std::string> read_keys(const YamlValue& list) {
+  std::vector<std::string> keys;
+  for (const YamlValue& item : list.items()) {
+    const std::string key = item.text();
+    if (!is_parameter_key(key)) {
+      item.fail("is no parameter: " + key, "name it as in this file, such as contact.stiffness");
+    }
+    if (std::find(keys.begin(), keys.end(), key) != keys.end()) {
+      item.fail(key + " is listed twice", "list it once");
+    }
+    keys.push_back(key);
+  }
+  return keys;
+}
+
+std::map<std::string, int> read_counts(const YamlValue& map) {
+  constexpr int kMaxCount = 1'000'000;
+  std::map<std::string, int> counts;
+  for (const auto& [key, count] : map.entries()) {
+    if (!is_parameter_key(key)) {
+      count.fail("is no parameter", "name it as in this file, such as contact.stiffness");
+    }
+    counts[key] = count.integer(0, kMaxCount);
+  }
+  return counts;
+}
+
+void read_correlation(const YamlValue& map, ParameterSources& sources) {
+  map.expect_keys({"parameters", "matrix"});
+  sources.correlated = read_keys(map.at("parameters"));
+  const std::vector<YamlValue> rows = map.at("matrix").items();
+  if (rows.size() != sources.correlated.size()) {
+    map.at("matrix").fail("has " + std::to_string(rows.size()) + " rows for " +
+                              std::to_string(sources.correlated.size()) + " parameters",
+                          "write one row for each parameter");
+  }
+  for (const YamlValue& row : rows) {
+    const std::vector<double> values = row.numbers_in(rows.size(), kCorrelation);
+    sources.correlation.insert(sources.correlation.end(), values.begin(), values.end());
+  }
+}
+
+std::vector<SlidingForce> read_sliding_force(const YamlValue& list) {
+  std::vector<SlidingForce> rows;
+  for (const YamlValue& row : list.items()) {
+    row.expect_keys({"speed", "force", "std"});
+    rows.push_back({row.at("speed").positive_number(),
+                    row.at("force").number_in(ranges::kStaticFriction),
+                    row.at("std").number_in(ranges::kParameterStd)});
+  }
+  return rows;
+}
+
+void read_sources(const YamlValue& map, ParameterSources& sources) {
+  if (const auto given = map.find("given")) sources.given = read_keys(*given);
+  if (const auto pushes = map.find("pushes")) sources.pushes = read_counts(*pushes);
+  if (const auto presses = map.find("presses")) sources.presses = read_counts(*presses);
+  if (const auto correlation = map.find("correlation")) read_correlation(*correlation, sources);
+}
+
 ObjectParameters read_object(const YamlValue& map) {
-  map.expect_keys({"mass", "mass_std", "limiting_static_friction", "limiting_static_friction_std",
-                   "limiting_static_friction_scatter", "limiting_static_friction_scatter_std",
-                   "sliding_friction_coefficient", "sliding_friction_coefficient_std",
-                   "viscous_friction", "viscous_friction_std", "contact", "friction_radius",
-                   "friction_radius_std", "tool_friction_coefficient",
-                   "tool_friction_coefficient_std", "loading_rate", "loading_rate_std",
-                   "limit_surface"});
+  map.expect_keys({"mass",
+                   "mass_std",
+                   "limiting_static_friction",
+                   "limiting_static_friction_std",
+                   "limiting_static_friction_scatter",
+                   "limiting_static_friction_scatter_std",
+                   "sliding_friction_coefficient",
+                   "sliding_friction_coefficient_std",
+                   "viscous_friction",
+                   "viscous_friction_std",
+                   "contact",
+                   "friction_radius",
+                   "friction_radius_std",
+                   "tool_friction_coefficient",
+                   "tool_friction_coefficient_std",
+                   "loading_rate",
+                   "loading_rate_std",
+                   "limit_surface",
+                   "sliding_force",
+                   "given",
+                   "pushes",
+                   "presses",
+                   "correlation"});
   ObjectParameters parameters;
   for (const Field& field : kFields) read_field(map, field, parameters);
   if (const std::optional<YamlValue> contact = map.find("contact")) {
@@ -121,6 +226,10 @@ ObjectParameters read_object(const YamlValue& map) {
   if (const std::optional<YamlValue> surface = map.find("limit_surface")) {
     parameters.limit_surface = read_limit_surface(*surface);
   }
+  if (const auto rows = map.find("sliding_force")) {
+    parameters.sliding_force = read_sliding_force(*rows);
+  }
+  read_sources(map, parameters.sources);
   return parameters;
 }
 
@@ -142,6 +251,47 @@ void emit_limit_surface(YAML::Emitter& out, const LimitSurface& surface) {
   out << YAML::EndSeq << YAML::EndMap;
 }
 
+void emit_sliding_force(YAML::Emitter& out, const std::vector<SlidingForce>& rows) {
+  if (rows.empty()) return;
+  out << YAML::Key << "sliding_force" << YAML::Value << YAML::BeginSeq;
+  for (const SlidingForce& row : rows) {
+    out << YAML::Flow << YAML::BeginMap;
+    out << YAML::Key << "speed" << YAML::Value << shortest_decimal(row.speed);
+    out << YAML::Key << "force" << YAML::Value << shortest_decimal(row.force);
+    out << YAML::Key << "std" << YAML::Value << shortest_decimal(row.std) << YAML::EndMap;
+  }
+  out << YAML::EndSeq;
+}
+
+void emit_counts(YAML::Emitter& out, const char* key, const std::map<std::string, int>& counts) {
+  if (counts.empty()) return;
+  out << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginMap;
+  for (const auto& [name, count] : counts) out << YAML::Key << name << YAML::Value << count;
+  out << YAML::EndMap;
+}
+
+void emit_sources(YAML::Emitter& out, const ParameterSources& sources) {
+  if (!sources.given.empty()) {
+    out << YAML::Key << "given" << YAML::Value << YAML::Flow << sources.given;
+  }
+  emit_counts(out, "pushes", sources.pushes);
+  emit_counts(out, "presses", sources.presses);
+  if (sources.correlated.empty()) return;
+  out << YAML::Key << "correlation" << YAML::Value << YAML::BeginMap;
+  out << YAML::Key << "parameters" << YAML::Value << YAML::Flow << sources.correlated;
+  out << YAML::Key << "matrix" << YAML::Value << YAML::BeginSeq;
+  const std::size_t size = sources.correlated.size();
+  PCAVR_REQUIRE(sources.correlation.size() == size * size, sources.correlation.size(), size);
+  for (std::size_t row = 0; row < size; ++row) {
+    out << YAML::Flow << YAML::BeginSeq;
+    for (std::size_t column = 0; column < size; ++column) {
+      out << shortest_decimal(sources.correlation[row * size + column]);
+    }
+    out << YAML::EndSeq;
+  }
+  out << YAML::EndSeq << YAML::EndMap;
+}
+
 void emit_object(YAML::Emitter& out, const ObjectParameters& parameters) {
   out << YAML::BeginMap;
   for (const Field& field : kFields) emit_field(out, field, parameters);
@@ -151,6 +301,8 @@ void emit_object(YAML::Emitter& out, const ObjectParameters& parameters) {
     out << YAML::EndMap;
   }
   if (parameters.limit_surface) emit_limit_surface(out, *parameters.limit_surface);
+  emit_sliding_force(out, parameters.sliding_force);
+  emit_sources(out, parameters.sources);
   out << YAML::EndMap;
 }
 
@@ -172,6 +324,10 @@ Expected<ParameterTable> parse_parameters(const std::string& text, const std::st
   return parse_yaml<ParameterTable>(text, file, [](const YamlValue& root) {
     ParameterTable table;
     for (const auto& [name, map] : root.entries()) {
+      if (name == kFormatKey) {
+        expect_format(map);
+        continue;
+      }
       expect_object_name(name, map);
       table.emplace(name, read_object(map));
     }
@@ -188,6 +344,7 @@ Expected<ParameterTable> read_parameters(const std::filesystem::path& file) {
 std::string format_parameters(const ParameterTable& table, const std::string& comment) {
   YAML::Emitter out;
   out << YAML::BeginMap;
+  out << YAML::Key << kFormatKey << YAML::Value << kFormat;
   for (const auto& [name, parameters] : table) {
     out << YAML::Key << name << YAML::Value;
     emit_object(out, parameters);

@@ -92,7 +92,7 @@ ParameterTable Identification::parameters() const {
 }
 
 Expected<Identification> identify(const IdentificationInput& input, IdentificationGoal goal,
-                                  const InputOptions& options) {
+                                  const IdentificationOptions& options) {
   if (const auto error = missing_streams(input)) return *error;
   if (input.objects.empty()) {
     return Error{.message = "no object is defined that the tool could have touched",
@@ -104,13 +104,13 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
   result.goal = goal;
   result.known = input.known;
   result.left_out = input.left_out;
-  result.inputs = examine_inputs(series_of(input), options, [&result](AttributedContact&& contact) {
-    result.contacts.push_back({std::move(contact)});
-  });
+  result.inputs = examine_inputs(
+      series_of(input), options.inputs,
+      [&result](AttributedContact&& contact) { result.contacts.push_back({std::move(contact)}); });
   if (result.inputs.fault) return result.inputs.fault->error;
   if (result.inputs.no_contact) return *result.inputs.no_contact;
   result.notes = result.inputs.notes;
-  const TipPath clean = clean_tip_path(input.t_tool, input.p_base_tip, options);
+  const TipPath clean = clean_tip_path(input.t_tool, input.p_base_tip, options.inputs);
   const PathView tip(clean.t, clean.p_base);
 
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
@@ -118,13 +118,14 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
     ObjectIdentification& found = result.objects.emplace_back(begin_object(object, input.known));
     const bool has_contact_law = found.parameters.contact_stiffness.has_value();
     if (goal == IdentificationGoal::contact || !has_contact_law) {
-      identify_contact_of(result.contacts, i, found);
+      identify_contact_of(result.contacts, i, options, found);
     }
     if (goal == IdentificationGoal::friction) {
       const std::vector<TrackedPose> tracked =
           on_clock(object.tracked, result.inputs.camera_shift());
       const BodyMotion motion{object.model, tracked};
-      identify_friction_of(result.contacts, i, object.mass, motion, tip, input.tool_radius, found);
+      identify_friction_of(result.contacts, i, object.mass, motion, tip, input.tool_radius, options,
+                           found);
       identify_turning_of(result.contacts, i, motion, tip, input.tool_radius, found);
       if (object.mass) {
         const auto fault = force_unit_fault(object.name, *object.mass, found.sliding.mass);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <string_view>
 
 #include "pcavr/contact/damping.hpp"
 #include "pcavr/contact/impact.hpp"
@@ -32,6 +33,18 @@ bool is_one_surface(const std::vector<IdentifiedContact*>& presses) {
   return std::all_of(presses.begin(), presses.end(), [&](const IdentifiedContact* press) {
     return press->episode.direction_base.dot(presses.front()->episode.direction_base) > 0.999999;
   });
+}
+
+/// States how many presses, or pushes, the contact law rests on.
+void count_sources(bool by_presses, int count, ObjectParameters& parameters) {
+  ParameterSources& sources = parameters.sources;
+  for (const char* key : {"contact.stiffness", "contact.damping", "contact.exponent"}) {
+    sources.presses.erase(key);
+    sources.pushes.erase(key);
+    const bool is_damping = std::string_view(key) == "contact.damping";
+    if (is_damping && !parameters.contact_damping) continue;
+    (by_presses ? sources.presses : sources.pushes)[key] = count;
+  }
 }
 
 void take_parameters(const ContactFit& fit, ObjectParameters& parameters) {
@@ -67,7 +80,7 @@ double stiffness_scatter(const std::vector<ForceMotion>& pushes, const ContactFi
 }
 
 std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& pushes,
-                                        double exponent) {
+                                        double exponent, ContactFitOptions options) {
   std::vector<FaceContact> faces;
   std::vector<std::vector<ForceMotion>> series;
   for (const IdentifiedContact* push : pushes) {
@@ -83,7 +96,6 @@ std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& p
     ++faces[index].pushes;
     series[index].push_back(until_alarm(push->episode));
   }
-  ContactFitOptions options;
   options.is_surface_shared = false;  // the object moves between pushes
   options.exponent = exponent;
   for (std::size_t i = 0; i < faces.size(); ++i) {
@@ -115,21 +127,22 @@ std::vector<IdentifiedContact*> contacts_of(std::vector<IdentifiedContact>& cont
 }
 
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
-                         ObjectIdentification& result) {
+                         const IdentificationOptions& options, ObjectIdentification& result) {
   const auto presses = contacts_of(contacts, object, true);
   const auto pushes = contacts_of(contacts, object, false);
   std::vector<ForceMotion> series;
   series.reserve(presses.size());
   for (const IdentifiedContact* press : presses) series.push_back(press->episode.series());
   result.press_count = static_cast<int>(presses.size());
-  ContactFitOptions options;
-  options.is_surface_shared = is_one_surface(presses);
-  if (!series.empty()) result.presses = identify_contact(series, options);
+  ContactFitOptions fit_options = options.contact_fit;
+  fit_options.is_surface_shared = fit_options.is_surface_shared && is_one_surface(presses);
+  if (!series.empty()) result.presses = identify_contact(series, fit_options);
   const ParameterValue exponent = result.parameters.contact_exponent.value_or(
       ParameterValue{kGivenExponent, kGivenExponentStd});
-  result.faces = identify_faces(pushes, exponent.value);
+  result.faces = identify_faces(pushes, exponent.value, options.contact_fit);
 
   const ContactFit* best = nullptr;
+  int count = result.press_count;
   if (result.presses.best().is_valid) {
     best = &result.presses.best();
     result.comparison = compare_estimators(series, result.presses);
@@ -139,7 +152,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
     for (const FaceContact& face : result.faces) {
       const ContactFit& fit = face.contact.best();
       if (fit.is_valid && fit.stiffness.is_excited && face.pushes > max_pushes) {
-        max_pushes = face.pushes;
+        count = max_pushes = face.pushes;
         best = &fit;
       }
     }
@@ -151,6 +164,8 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
       result.parameters.contact_exponent = exponent;
       result.parameters.contact_damping.reset();  // creep biases the damping, too
     }
+    count_sources(!result.is_exponent_given, count, result.parameters);
+    if (result.is_exponent_given) result.parameters.sources.pushes.erase("contact.exponent");
   }
   identify_impacts(pushes, result);
 }

@@ -3,6 +3,9 @@
 #include "identify_findings.hpp"
 
 #include <string>
+#include <vector>
+
+#include "identify_parts.hpp"
 
 namespace pcavr {
 namespace {
@@ -13,6 +16,8 @@ const std::string kExponentRemark =
 constexpr char kPriorRemark[] =
     "not excited: the value is its prior's, right with the coefficient at the speeds that were "
     "pushed only; to identify it: ";
+/// A mass by accelerations alone, beside the one that the parameters contain.
+constexpr char kInertialMass[] = "inertial_mass";
 constexpr char kBetterPress[] = "press along z at 5, 15 and 40 mm/s, 2 mm deep";
 constexpr char kBetterPush[] = "push slowly through the centre of mass until it slides, ten times";
 constexpr char kBetterSlide[] = "push at 60 mm/s, modulated by 2 Hz, 3 mm, without stopping";
@@ -72,10 +77,16 @@ void state_friction(const IdentifiableObject& object, ObjectIdentification& foun
                     Findings& findings) {
   const ObjectParameters& p = found.parameters;
   const SlidingIdentification& sliding = found.sliding;
-  std::string mass_remark = std::string("not excited: ") + kBetterSlide;
-  if (object.mass) mass_remark += "; the given mass is used";
-  findings.add("mass", "kg", p.mass, sliding.mass.is_excited, "accelerations during sliding",
-               mass_remark);
+  ParameterFinding& mass =
+      findings.add("mass", "kg", p.mass, sliding.mass.is_excited && !found.is_mass_given,
+                   "accelerations during sliding", std::string("not excited: ") + kBetterSlide);
+  if (found.is_mass_given) {
+    mass.remark = object.mass ? "given: weighed" : "given: the mass known before";
+    if (!sliding.mass.is_excited) mass.remark += std::string("; to identify it: ") + kBetterSlide;
+    findings.add(kInertialMass, "kg", as_value(sliding.mass), sliding.mass.is_excited,
+                 "accelerations during sliding, without the given mass",
+                 std::string("not excited: ") + kBetterSlide);
+  }
   findings.add("limiting_static_friction", "N", p.limiting_static_friction, found.limit.pushes > 0,
                counted(found.limit.pushes, "push", "es"), kBetterPush);
   findings.add("limiting_static_friction_scatter", "N", p.limiting_static_friction_scatter,
@@ -84,9 +95,9 @@ void state_friction(const IdentifiableObject& object, ObjectIdentification& foun
                "loading rate of the measured limit", kBetterPush);
   findings.add("sliding_friction_coefficient", "", p.sliding_friction_coefficient,
                sliding.coefficient.is_excited,
-               sliding.mass.is_excited ? "with the identified mass"
-               : object.mass           ? "with the given mass"
-                                       : "with the mass known before",
+               !found.is_mass_given ? "with the identified mass"
+               : object.mass        ? "with the given mass"
+                                    : "with the mass known before",
                sliding.is_valid ? "the friction is known, the mass is not: weigh the object"
                                 : std::string("slide the object for a second or more at 40 mm/s"));
   ParameterFinding& viscous =
@@ -101,6 +112,15 @@ void state_friction(const IdentifiableObject& object, ObjectIdentification& foun
   if (!sliding.proposal.empty()) found.notes.push_back(sliding.proposal);
 }
 
+/// Lists what has a value and was not identified: now or, for what was not looked for, before.
+void list_given(ObjectIdentification& found) {
+  std::vector<std::string>& given = found.parameters.sources.given;
+  for (const ParameterFinding& row : found.findings) {
+    std::erase(given, row.name);
+    if (!row.is_excited && row.value != 0.0 && row.name != kInertialMass) given.push_back(row.name);
+  }
+}
+
 }  // namespace
 
 void state_findings(IdentificationGoal goal, const IdentifiableObject& object,
@@ -108,6 +128,7 @@ void state_findings(IdentificationGoal goal, const IdentifiableObject& object,
   Findings findings(found.findings);
   state_contact(found, findings);
   if (goal == IdentificationGoal::friction) state_friction(object, found, findings);
+  list_given(found);
 }
 
 }  // namespace pcavr

@@ -5,6 +5,8 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Core>
+
 #include "identify_parts.hpp"
 #include "identify_slides.hpp"
 
@@ -29,57 +31,94 @@ constexpr double kMaxHalfWidth = 0.030;  // [s] half width; the peak is wider th
 
 bool is_centred(const IdentifiedContact* push) { return std::abs(push->lever) <= kMaxCentredLever; }
 
-/// With the mass that was weighed, and without: a mass that the motion itself excites checks it.
-FrictionPosterior infer(const std::vector<FrictionSample>& samples,
-                        std::optional<double> given_mass, IdentifiedParameter& mass) {
-  const FrictionPosterior alone = infer_friction(samples);
-  mass = alone.mass;
-  if (!given_mass) return alone;
-  const bool is_contradicted =
-      mass.is_excited && std::abs(mass.value - *given_mass) > kMassContradiction * mass.std;
-  if (is_contradicted) return alone;
-  FrictionPriors priors;
+/// Mass, friction and damping of all slides: with the mass that was weighed, and without.
+struct SlidesPosterior {
+  FrictionPosterior joint;
+  /// By accelerations alone, which checks a weighed mass.
+  IdentifiedParameter inertial_mass;
+  bool has_given_mass = false;  ///< the weighed mass is not contradicted, and part of `joint`
+};
+
+SlidesPosterior infer(const std::vector<FrictionSample>& samples, std::optional<double> given_mass,
+                      const IdentificationOptions& options) {
+  FrictionPriors priors = options.friction_priors;
+  priors.gravity = options.sliding.gravity;
+  SlidesPosterior result{infer_friction(samples, priors), {}, false};
+  const IdentifiedParameter& mass = result.inertial_mass = result.joint.mass;
+  const bool is_contradicted = given_mass && mass.is_excited &&
+                               std::abs(mass.value - *given_mass) > kMassContradiction * mass.std;
+  if (!given_mass || is_contradicted) return result;
   priors.mass = given_mass;
-  return infer_friction(samples, priors);
+  result.joint = infer_friction(samples, priors);
+  result.has_given_mass = true;
+  return result;
 }
 
-void take_sliding(std::optional<double> given_mass, const IdentifiedParameter& mass,
+void take_correlation(const SlidesPosterior& found, ParameterSources& sources) {
+  // From mass, Coulomb force and viscous friction to mass, coefficient and viscous friction, with
+  // the constant factor 1 / (M g) left out.
+  Eigen::Matrix3d by = Eigen::Matrix3d::Identity();
+  by(1, 0) = -found.joint.coulomb.value / found.joint.mass.value;
+  Eigen::Matrix3d covariance = by * found.joint.covariance * by.transpose();
+  const Eigen::Vector3d std = covariance.diagonal().cwiseSqrt();
+  if (!(std.minCoeff() > 0.0)) return;
+  const int first = found.has_given_mass ? 1 : 0;
+  sources.correlation.clear();
+  sources.correlated = {"mass", "sliding_friction_coefficient", "viscous_friction"};
+  sources.correlated.erase(sources.correlated.begin(), sources.correlated.begin() + first);
+  for (int row = first; row < 3; ++row) {
+    for (int column = first; column < 3; ++column) {
+      sources.correlation.push_back(
+          row == column ? 1.0 : covariance(row, column) / (std[row] * std[column]));
+    }
+  }
+}
+
+/// Mass and coefficient come from one posterior: a coefficient by the weighed mass beside the mass
+/// by accelerations alone would give a wrong product, the friction at standstill.
+void take_sliding(const SlidesPosterior& found, std::optional<double> weighed_mass,
                   ObjectIdentification& result) {
-  const FrictionPosterior& found = result.friction;
-  if (!found.is_valid) return;
+  const FrictionPosterior& joint = result.friction = found.joint;
+  if (!joint.is_valid) return;
   SlidingIdentification& sliding = result.sliding;
   sliding.is_valid = true;
-  sliding.mass = mass;
-  sliding.coulomb = found.coulomb;
-  sliding.viscous = found.viscous;
-  sliding.coefficient = found.coefficient;
+  sliding.mass = found.inertial_mass;
+  sliding.coulomb = joint.coulomb;
+  sliding.viscous = joint.viscous;
+  sliding.coefficient = joint.coefficient;
   sliding.proposal.clear();
-  if (!mass.is_excited || !found.viscous.is_excited) {
+  if (!sliding.mass.is_excited || !joint.viscous.is_excited) {
     sliding.proposal = "modulate the push at 2 Hz, 3 mm, on 60 mm/s, without stopping: ";
-    sliding.proposal += mass.is_excited ? "viscous friction was" : "the mass was";
+    sliding.proposal += sliding.mass.is_excited ? "viscous friction was" : "the mass was";
     sliding.proposal += " not excited";
   }
   ObjectParameters& parameters = result.parameters;
-  if (mass.is_excited) {
-    parameters.mass = as_value(mass);
-  } else if (given_mass) {
-    parameters.mass = ParameterValue{*given_mass, {}};
+  parameters.sliding_force = joint.sliding_force;
+  result.is_mass_given = found.has_given_mass;
+  const auto pushes = static_cast<int>(joint.pushes);
+  if (found.has_given_mass) {
+    if (weighed_mass) parameters.mass = ParameterValue{*weighed_mass, {}};
+  } else if (joint.mass.is_excited) {
+    parameters.mass = as_value(joint.mass);
+    parameters.sources.pushes["mass"] = pushes;
   }
-  if (found.coefficient.is_excited && found.coefficient.value > 0.0) {
-    parameters.sliding_friction_coefficient = as_value(found.coefficient);
+  if (joint.coefficient.is_excited && joint.coefficient.value > 0.0) {
+    parameters.sliding_friction_coefficient = as_value(joint.coefficient);
     // Excited or not: only both together give the force at the speeds that were pushed.
-    parameters.viscous_friction = as_value(found.viscous);
+    parameters.viscous_friction = as_value(joint.viscous);
+    parameters.sources.pushes["sliding_friction_coefficient"] = pushes;
+    parameters.sources.pushes["viscous_friction"] = pushes;
+    take_correlation(found, parameters.sources);
   }
 }
 
 /// Smooths a weak push with a wider window: noise of some per cent of the force resembles the drop
 /// after the peak. Loading is slow, so that the wider window does not flatten the peak.
-void widen_smoothing(ContactEpisode& episode) {
+void widen_smoothing(ContactEpisode& episode, BreakawayOptions options) {
   const Breakaway& found = episode.breakaway;
   const double noise_share = found.std / std::max(episode.peak_force, 1e-9);
   if (!found.is_found || noise_share <= kMaxNoise) return;
   // The noise decreases with the square root of the width.
-  BreakawayOptions options;
   options.half_width =
       std::min(options.half_width * std::pow(noise_share / kMaxNoise, 2), kMaxHalfWidth);
   const Breakaway smoother = find_breakaway(episode.series(), options);
@@ -107,23 +146,24 @@ double rate_std(const LimitingFriction& limit) {
 /// F_M of each push: the limiting static friction without inertia, which needs the mass; else the
 /// force at the peak. F_M of all that count: with the scatter between pushes.
 void find_limits(const std::vector<IdentifiedContact*>& pushes,
-                 const std::optional<HuntCrossley>& contact_law, ObjectIdentification& result) {
+                 const std::optional<HuntCrossley>& contact_law,
+                 const IdentificationOptions& options, ObjectIdentification& result) {
   std::vector<Breakaway> breakaways;
   for (IdentifiedContact* push : pushes) {
-    widen_smoothing(push->episode);
+    widen_smoothing(push->episode, options.inputs.segmentation.breakaway);
     Breakaway breakaway = push->episode.breakaway;
     if (breakaway.is_found) {
       push->limit = {breakaway.force, breakaway.std, true};
       if (contact_law && result.parameters.mass) {
         push->limit = limit_of_push(push->episode.series(), with_final_rate(push->episode),
-                                    *contact_law, result.parameters.mass->value);
+                                    *contact_law, result.parameters.mass->value, options.onset);
       }
       breakaway.force = push->limit.value;
       breakaway.std = push->limit.std;
     }
     breakaways.push_back(breakaway);
   }
-  result.limit = limiting_friction(breakaways);
+  result.limit = limiting_friction(breakaways, options.limiting_friction);
   std::vector<IdentifiedParameter> limits;
   for (const IdentifiedContact* push : pushes) limits.push_back(push->limit);
   for (const std::size_t i : result.limit.left_out) {
@@ -135,7 +175,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
     result.notes.push_back(text);
   }
   if (result.limit.pushes == 0) return;
-  const FrictionPriors priors;
+  const FrictionPriors& priors = options.friction_priors;
   result.limit_of_pushes = combine_limits(limits, priors.scatter, priors.scatter_factor);
   IdentifiedParameter& mean = result.limit_of_pushes.limit;
   mean.std = std::hypot(mean.std, rate_std(result.limit));
@@ -145,13 +185,18 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
   ParameterValue rate{result.limit.loading_rate, {}};
   if (result.limit.pushes > 1) rate.std = result.limit.loading_rate_std;
   if (rate.value > 0.0) parameters.loading_rate = rate;
+  for (const char* key :
+       {"limiting_static_friction", "limiting_static_friction_scatter", "loading_rate"}) {
+    parameters.sources.pushes[key] = static_cast<int>(result.limit.pushes);
+  }
 }
 
 }  // namespace
 
 void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                           std::optional<double> given_mass, const BodyMotion& body,
-                          const PathView& tip, double tool_radius, ObjectIdentification& result) {
+                          const PathView& tip, double tool_radius,
+                          const IdentificationOptions& options, ObjectIdentification& result) {
   std::vector<IdentifiedContact*> pushes = contacts_of(contacts, object, false);
   const std::vector<IdentifiedContact*> all = pushes;
   const auto off_centre = std::stable_partition(pushes.begin(), pushes.end(), is_centred);
@@ -172,16 +217,14 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
     for (const IdentifiedContact* push : pushes) {
       if (push->episode.kind == ContactKind::slide) slides.push_back(push->episode.series());
     }
-    SlidingOptions options;
-    options.mass = known_mass;
-    result.sliding = identify_sliding(slides, *contact_law, options);
+    SlidingOptions sliding = options.sliding;
+    sliding.mass = known_mass;
+    result.sliding = identify_sliding(slides, *contact_law, sliding);
   }
   const std::vector<FrictionSample> samples =
       friction_samples(body.tracked.empty() ? pushes : all, contact_law, body, tip, tool_radius);
-  IdentifiedParameter mass;
-  result.friction = infer(samples, known_mass, mass);
-  take_sliding(given_mass, mass, result);
-  find_limits(pushes, contact_law, result);
+  take_sliding(infer(samples, known_mass, options), given_mass, result);
+  find_limits(pushes, contact_law, options, result);
 }
 
 }  // namespace pcavr

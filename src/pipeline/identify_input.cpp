@@ -72,9 +72,11 @@ Expected<void> track(const Recording& recording, const IdentificationSources& so
     return {};
   }
   if (!scene || recording.frames.empty()) return {};
-  const Expected<Replay> replay =
-      replay_tracking(recording, *scene,
-                      {.skip_bad = sources.skip_bad, .parallelism = sources.parallelism}, observer);
+  const Expected<Replay> replay = replay_tracking(recording, *scene,
+                                                  {.perception = sources.perception,
+                                                   .skip_bad = sources.skip_bad,
+                                                   .parallelism = sources.parallelism},
+                                                  observer);
   if (!replay) return replay.error();
   for (const auto& [reason, count] : replay->frames_dropped) {
     input.left_out.push_back({"frames", reason, count});

@@ -19,7 +19,7 @@ namespace pcavr {
 
 /// Presses, faces and impacts, and the estimators' comparison.
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
-                         ObjectIdentification& result);
+                         const IdentificationOptions& options, ObjectIdentification& result);
 /// `found` is the identification from these presses.
 [[nodiscard]] std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> presses,
                                                              const ContactIdentification& found);
@@ -33,7 +33,8 @@ struct BodyMotion {
 /// Breakaway and sliding.
 void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                           std::optional<double> given_mass, const BodyMotion& body,
-                          const PathView& tip, double tool_radius, ObjectIdentification& result);
+                          const PathView& tip, double tool_radius,
+                          const IdentificationOptions& options, ObjectIdentification& result);
 /// Pushes that turn the object; needs tracking.
 void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const BodyMotion& body, const PathView& tip, double tool_radius,

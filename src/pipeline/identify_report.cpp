@@ -189,6 +189,7 @@ std::string format_json(const Identification& found, const std::string& recordin
   json["version"] = PCAVR_VERSION;
   json["recording"] = recording;
   json["units"] = "SI";
+  for (const auto& [key, value] : found.configuration) json["configuration"][key] = value;
   add_offset(json, "time_offset.tool_to_force", found.inputs.tool_to_force);
   json["time_offset.is_applied"] = found.inputs.is_force_offset_applied;
   add_offset(json, "time_offset.tool_to_camera", found.inputs.tool_to_camera);

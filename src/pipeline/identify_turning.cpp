@@ -128,12 +128,16 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
                          ObjectIdentification& result) {
   if (body.tracked.empty()) return;
   const Turning turning(body, tip, tool_radius);
+  int pushes = 0;
   for (const IdentifiedContact* push : contacts_of(contacts, object, false)) {
+    const std::size_t before = result.turning.size();
     turning.add(*push, result.turning);
+    pushes += result.turning.size() > before ? 1 : 0;
   }
   if (const auto radius = radius_of(result.turning)) {
     result.friction_radius = radius;
     result.parameters.friction_radius = radius;
+    result.parameters.sources.pushes["friction_radius"] = pushes;
   }
   result.surface = fit_limit_surface(result.turning);
   if (result.surface.status != LimitSurfaceFitStatus::fitted) return;

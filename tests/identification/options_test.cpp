@@ -11,6 +11,7 @@
 #include "pcavr/identification/breakaway.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/estimator.hpp"
+#include "pcavr/identification/friction_posterior.hpp"
 #include "pcavr/identification/segmentation.hpp"
 #include "pcavr/identification/signals.hpp"
 #include "pcavr/identification/sliding.hpp"
@@ -35,6 +36,7 @@ TEST(IdentificationOptions, HaveTheirDocumentedDefaults) {
   test::expect_documented_defaults<LimitingFrictionOptions>();
   test::expect_documented_defaults<SegmentationOptions>();
   test::expect_documented_defaults<SlidingOptions>();
+  test::expect_documented_defaults<FrictionPriors>();
   test::expect_documented_defaults<EstimatorOptions<1>>();
   test::expect_documented_defaults<EstimatorOptions<4>>();
 }

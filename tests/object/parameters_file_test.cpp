@@ -22,7 +22,13 @@ ObjectParameters all_parameters() {
           .friction_radius = ParameterValue{0.067, 0.003},
           .tool_friction_coefficient = ParameterValue{0.3, 0.1},
           .loading_rate = ParameterValue{55.5, 3.0},
-          .limit_surface = ellipsoid_surface(9.0, 0.6, {0.003, -0.002})};
+          .limit_surface = ellipsoid_surface(9.0, 0.6, {0.003, -0.002}),
+          .sliding_force = {{0.01, 8.4, 0.05}, {0.06, 8.9, 0.04}},
+          .sources = {.given = {"contact.exponent", "viscous_friction"},
+                      .correlated = {"mass", "sliding_friction_coefficient"},
+                      .correlation = {1.0, -0.25, -0.25, 1.0},
+                      .pushes = {{"limiting_static_friction", 10}, {"mass", 11}},
+                      .presses = {{"contact.stiffness", 3}}}};
 }
 
 void expect_same(const std::optional<ParameterValue>& a, const std::optional<ParameterValue>& b) {
@@ -43,6 +49,17 @@ void expect_same(const ObjectParameters& a, const ObjectParameters& b) {
   expect_same(a.friction_radius, b.friction_radius);
   expect_same(a.tool_friction_coefficient, b.tool_friction_coefficient);
   expect_same(a.loading_rate, b.loading_rate);
+  ASSERT_EQ(a.sliding_force.size(), b.sliding_force.size());
+  for (std::size_t i = 0; i < a.sliding_force.size(); ++i) {
+    EXPECT_EQ(a.sliding_force[i].speed, b.sliding_force[i].speed);
+    EXPECT_EQ(a.sliding_force[i].force, b.sliding_force[i].force);
+    EXPECT_EQ(a.sliding_force[i].std, b.sliding_force[i].std);
+  }
+  EXPECT_EQ(a.sources.given, b.sources.given);
+  EXPECT_EQ(a.sources.correlated, b.sources.correlated);
+  EXPECT_EQ(a.sources.correlation, b.sources.correlation);
+  EXPECT_EQ(a.sources.pushes, b.sources.pushes);
+  EXPECT_EQ(a.sources.presses, b.sources.presses);
   ASSERT_EQ(a.limit_surface.has_value(), b.limit_surface.has_value());
   if (!a.limit_surface) return;
   EXPECT_EQ(a.limit_surface->force, b.limit_surface->force);
@@ -70,12 +87,12 @@ TEST(ParametersFile, OfNoObjectIsAnEmptyTable) {
 TEST(ParametersFile, OmitsAStdThatIsNotFinite) {
   const ParameterTable table{
       {"box", {.mass = ParameterValue{1.0, std::numeric_limits<double>::infinity()}}}};
-  EXPECT_EQ(format_parameters(table), "box:\n  mass: 1\n");
+  EXPECT_EQ(format_parameters(table), "format: pcavr-parameters/2\nbox:\n  mass: 1\n");
 }
 
 TEST(ParametersFile, PutsItsCommentFirst) {
   EXPECT_EQ(format_parameters({{"box", {.mass = ParameterValue{2.0}}}}, "of a push\n\nby hand"),
-            "# of a push\n#\n# by hand\nbox:\n  mass: 2\n");
+            "# of a push\n#\n# by hand\nformat: pcavr-parameters/2\nbox:\n  mass: 2\n");
 }
 
 struct Refusal {
@@ -114,6 +131,20 @@ INSTANTIATE_TEST_SUITE_P(
                 "box.contact.exponent"},
         Refusal{"ZeroStiffness", "box:\n  contact:\n    stiffness: 0\n", 3,
                 "box.contact.stiffness"},
+        Refusal{"OtherFormat", "format: pcavr-parameters/3\nbox:\n  mass: 3\n", 1, "format"},
+        Refusal{"GivenThatIsNoParameter", "b:\n  mass: 3\n  given: [colour]\n", 3, "b.given[0]"},
+        Refusal{"GivenTwice", "b:\n  given: [mass, mass]\n", 2, "b.given[1]"},
+        Refusal{"PushesOfNoParameter", "b:\n  pushes: {weight: 3}\n", 2, "b.pushes.weight"},
+        Refusal{"NegativePushes", "b:\n  pushes: {mass: -3}\n", 2, "b.pushes.mass"},
+        Refusal{
+            "NonSquareCorrelation",
+            "b:\n  correlation: {parameters: [mass, viscous_friction],\n    matrix: [[1, 0]]}\n", 3,
+            "b.correlation.matrix"},
+        Refusal{"CorrelationAboveOne",
+                "b:\n  correlation: {parameters: [mass],\n    matrix: [[1.5]]}\n", 3,
+                "b.correlation.matrix[0][0]"},
+        Refusal{"SlidingForceWithoutStd", "b:\n  sliding_force: [{speed: 1, force: 2}]\n", 2,
+                "b.sliding_force[0]"},
         Refusal{"FlatObject", "box: 3\n", 1, "box"}, Refusal{"List", "- box\n", 1, ""},
         Refusal{"ShortSurface",
                 "b:\n  limit_surface: {force: 1, length: 1,\n    coefficients: "
@@ -136,6 +167,13 @@ TEST(ParametersFile, ThatIsEmptyOrNoYamlIsRefused) {
   const auto broken = parse_parameters("box: {mass: 3\n", "p.yaml");
   ASSERT_FALSE(broken.has_value());
   EXPECT_GT(broken.error().line, 0);
+}
+
+TEST(ParametersFile, OfAnOlderVersionHasNoFormat) {
+  const auto table = parse_parameters("box:\n  mass: 3\n", "p.yaml");
+  ASSERT_TRUE(table.has_value()) << table.error().to_string();
+  EXPECT_EQ(table->size(), 1U);
+  EXPECT_TRUE(table->at("box").sources.given.empty());
 }
 
 TEST(ParametersFile, ThatIsMissingIsNamed) {

@@ -266,6 +266,72 @@ TEST(Identify, ReportsThatSlowPushesDoNotExciteTheMassAndProposesAMotion) {
   EXPECT_FALSE(box.parameters.mass->std.has_value());
 }
 
+const ParameterFinding* finding_of(const ObjectIdentification& object, const std::string& name) {
+  const auto row = std::find_if(object.findings.begin(), object.findings.end(),
+                                [&](const ParameterFinding& one) { return one.name == name; });
+  return row == object.findings.end() ? nullptr : &*row;
+}
+
+bool lists(const std::vector<std::string>& keys, const std::string& key) {
+  return std::find(keys.begin(), keys.end(), key) != keys.end();
+}
+
+TEST(Identify, DoesNotMixTheWeighedMassWithTheOneByAccelerations) {
+  // The weighed mass is 3 % off: the friction at standstill must not be.
+  IdentificationInput input = probe().input;
+  input.objects[0].mass = 1.03 * truth().mass;
+  const auto found = identify(input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  const ObjectParameters& p = found->objects[0].parameters;
+  EXPECT_EQ(p.mass->value, 1.03 * truth().mass);
+  const double coulomb = truth().sliding_friction_coefficient * truth().mass;
+  EXPECT_NEAR(p.sliding_friction_coefficient->value * p.mass->value, coulomb, 0.01 * coulomb);
+  EXPECT_FALSE(finding_of(found->objects[0], "mass")->is_excited);
+  EXPECT_TRUE(lists(p.sources.given, "mass"));
+  const ParameterFinding* inertial = finding_of(found->objects[0], "inertial_mass");
+  ASSERT_NE(inertial, nullptr);
+  EXPECT_TRUE(inertial->is_excited);
+  EXPECT_LT(std::abs(inertial->value - truth().mass), 3.0 * *inertial->std);
+}
+
+TEST(Identify, StatesWhatTheValuesRestOn) {
+  IdentificationInput input = probe().input;
+  input.objects[0].mass.reset();
+  const auto found = identify(input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  const ObjectParameters& p = found->objects[0].parameters;
+  EXPECT_FALSE(lists(p.sources.given, "mass"));
+  EXPECT_EQ(p.sources.presses.at("contact.stiffness"), 3);
+  EXPECT_GE(p.sources.pushes.at("limiting_static_friction"), 9);
+  EXPECT_EQ(p.sources.pushes.at("mass"), 11);
+  ASSERT_EQ(p.sources.correlated.size(), 3U);
+  ASSERT_EQ(p.sources.correlation.size(), 9U);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(p.sources.correlation[4 * i], 1.0);
+  // Of two speeds, a higher viscous friction leaves less to Coulomb friction.
+  EXPECT_LT(p.sources.correlation[5], -0.1);
+  EXPECT_EQ(p.sources.correlation[5], p.sources.correlation[7]);
+  ASSERT_GE(p.sliding_force.size(), 2U);
+  EXPECT_LT(p.sliding_force.front().speed, p.sliding_force.back().speed);
+  for (const SlidingForce& row : p.sliding_force) {
+    const double force = truth().sliding_friction_coefficient * truth().mass * kStandardGravity +
+                         truth().viscous_friction * row.speed;
+    EXPECT_NEAR(row.force, force, 3.0 * row.std);
+  }
+}
+
+TEST(Identify, AppliesItsOptions) {
+  IdentificationOptions options;
+  options.friction_priors.scatter = 0.2;
+  options.inputs.segmentation.min_force = 1e3;
+  EXPECT_FALSE(identify(probe().input, IdentificationGoal::friction, options).has_value());
+  options.inputs.segmentation = {};
+  const auto usual = identify(probe().input, IdentificationGoal::friction);
+  const auto uneven = identify(probe().input, IdentificationGoal::friction, options);
+  ASSERT_TRUE(usual && uneven);
+  EXPECT_GT(*uneven->objects[0].parameters.sliding_friction_coefficient->std,
+            1.2 * *usual->objects[0].parameters.sliding_friction_coefficient->std);
+}
+
 TEST(Identify, KeepsKnownParametersAndDoesNotIdentifyTheContactAgain) {
   IdentificationInput input = probe().input;
   input.known["box_1"].contact_stiffness = ParameterValue{truth().contact_stiffness, 1.0};

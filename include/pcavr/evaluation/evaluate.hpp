@@ -21,6 +21,8 @@ struct EvaluationInput {
   /// predicted phases and forces with the measured ones.
   std::filesystem::path reference = {};
   EvaluationOptions options = {};
+  /// Options that differ from their defaults, for report.json: "section.key", value.
+  std::vector<std::pair<std::string, std::string>> configuration = {};
 };
 
 /// Compares and writes report.json and report.html (write_report_page) into a folder that exists.

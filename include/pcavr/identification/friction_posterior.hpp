@@ -9,9 +9,12 @@
 
 #include <Eigen/Core>
 
+#include "pcavr/friction/sliding_force.hpp"
 #include "pcavr/identification/parameter.hpp"
 
 namespace pcavr {
+
+struct OptionSection;  // core/options.hpp
 
 /// One instant of a slide, smoothed: the power balance of the sliding object, divided by the mean
 /// speed of its support. With the supporting points' speeds v_p, all under the same share of the
@@ -39,40 +42,34 @@ struct FrictionSample {
 
 /// What is known before the pushes. Each is a range that supports, tips and bodies of this kind
 /// have; a parameter that the pushes do not excite keeps it, and widens the stds of the others.
+/// Defaults, ranges and reasons: options.cpp.
 struct FrictionPriors {
-  double max_viscous = 40.0;  ///< [N s/m] viscous friction: uniform from 0 to this
-  /// Std of friction from push to push, and from place to place on the support, as a share of it:
-  /// log-normal with this median, ...
-  double scatter = 0.02;
-  double scatter_factor = 2.0;      ///< ... and this factor as its std
-  double correlation_path = 0.020;  ///< [m] of travel over which friction varies with the place
-  double bias_std = 0.02;           ///< [N] of the force's bias in one push
-  /// Friction at rest exceeds that of fast sliding [Stribeck 1902]: by this share, +- the same, at
-  /// speed 0, falling off with exp(-v / stribeck_speed).
-  double stribeck_share = 0.04;
-  double stribeck_speed = 0.003;     ///< [m/s]
-  double support_size_share = 0.25;  ///< std of the support's size about the supposed one
-  std::optional<double> mass = {};   ///< [kg] weighed
-  double mass_share = 0.005;         ///< std of the weighed mass, as a share
+  FrictionPriors();
+  double max_viscous;          ///< [N s/m] viscous friction: uniform from 0 to this
+  double scatter;              ///< share: std of friction from push to push and place to place, ...
+  double scatter_factor;       ///< ... log-normal with this median and this factor as its std
+  double correlation_path;     ///< [m] of travel over which friction varies with the place
+  double bias_std;             ///< [N] of the force's bias in one push
+  double stribeck_share;       ///< by which friction at rest exceeds that of fast sliding, +- it
+  double stribeck_speed;       ///< [m/s] over which it falls off, as exp(-v / stribeck_speed)
+  double support_size_share;   ///< std of the support's size about the supposed one
+  double mass_share;           ///< std of the weighed mass, as a share
+  std::optional<double> mass;  ///< [kg] weighed
+  double gravity;              ///< [m/s^2]
 };
-
-/// The friction at a speed that occurred, whatever its split into Coulomb and viscous parts.
-struct SlidingForce {
-  double speed = 0.0;  ///< [m/s]
-  double force = 0.0;  ///< [N] mu M g + B speed, and what a slow speed adds
-  double std = 0.0;    ///< [N]
-};
+[[nodiscard]] OptionSection section_of(FrictionPriors& priors);
 
 struct FrictionPosterior {
   bool is_valid = false;  ///< at least one sample
   IdentifiedParameter mass, coulomb, viscous;
-  IdentifiedParameter coefficient;  ///< mu; not excited where neither mass is known
+  /// mu, with the weighed mass where there is one, else M; not excited where neither is known.
+  IdentifiedParameter coefficient;
   /// Of mass, Coulomb force and viscous friction, in their units.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double scatter = 0.0;  ///< share of friction, from push to push
   std::vector<SlidingForce> sliding_force;
   std::size_t samples = 0;
-  std::size_t pushes = 0;
+  std::size_t pushes = 0;  ///< with at least one sample
 };
 
 /// A posterior narrower than its prior by this factor is identified; for the mass, which has no

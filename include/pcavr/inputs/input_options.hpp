@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pcavr/identification/segmentation.hpp"
+
 namespace pcavr {
 
 struct OptionSection;  // core/options.hpp
@@ -20,8 +22,9 @@ struct InputOptions {
   double min_gap_difference;      ///< [m]
   double min_other_displacement;  ///< [m]
   double min_offset_stds;
-  double min_force_offset;   ///< [s]
-  double min_camera_offset;  ///< [s]
+  double min_force_offset;           ///< [s]
+  double min_camera_offset;          ///< [s]
+  SegmentationOptions segmentation;  ///< in its own section
 };
 
 /// "inputs" in a configuration file.

@@ -5,9 +5,11 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/friction/limit_surface.hpp"
+#include "pcavr/friction/sliding_force.hpp"
 
 namespace pcavr {
 
@@ -15,6 +17,16 @@ namespace pcavr {
 struct ParameterValue {
   double value = 0.0;
   std::optional<double> std = {};  ///< standard deviation, in the value's unit
+};
+
+/// What the values rest on. Its keys are those of the parameter file; "contact.stiffness" is the
+/// key stiffness of contact.
+struct ParameterSources {
+  std::vector<std::string> given = {};       ///< stated or assumed, not identified
+  std::vector<std::string> correlated = {};  ///< identified together: the rows of `correlation`
+  std::vector<double> correlation = {};      ///< coefficients, row by row
+  std::map<std::string, int> pushes = {};    ///< by key: the pushes that a value rests on
+  std::map<std::string, int> presses = {};   ///< by key: the presses
 };
 
 /// The known contact and friction parameters of an object: what identification writes, prediction
@@ -37,6 +49,8 @@ struct ObjectParameters {
   std::optional<ParameterValue> loading_rate = {};  ///< [N/s] at which F_M was measured
   /// Where pushes rotated the object enough. Axes: planar axes of the object, see heading_of.
   std::optional<LimitSurface> limit_surface = {};
+  std::vector<SlidingForce> sliding_force = {};  ///< by ascending speed
+  ParameterSources sources = {};
 };
 
 /// The contact law, if known. A stiffness without its exponent is in N/m.

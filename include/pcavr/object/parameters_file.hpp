@@ -13,8 +13,10 @@
 namespace pcavr {
 
 /// Reads a parameter file: by object, the keys of `truth/parameters.yaml`, each with its standard
-/// deviation as KEY_std. Any key may be absent. Strict: unknown keys, and numbers that are not
-/// finite, negative or out of range (a mass of 0, an exponent below 1) are Errors with their line.
+/// deviation as KEY_std, and what the values rest on (ParameterSources). Any key may be absent; so
+/// may `format`, pcavr-parameters/2, in files of older versions. Strict: unknown keys, and numbers
+/// that are not finite, negative or out of range (a mass of 0, an exponent below 1) are Errors with
+/// their line.
 [[nodiscard]] Expected<ParameterTable> read_parameters(const std::filesystem::path& file);
 
 /// Checks and reads the text of such a file; `file` names it in errors.

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -31,6 +32,7 @@
 #include "pcavr/inputs/input_series.hpp"
 #include "pcavr/model/cad_model.hpp"
 #include "pcavr/object/object_parameters.hpp"
+#include "pcavr/pipeline/perception_options.hpp"
 #include "pcavr/recording/recording.hpp"
 
 namespace pcavr {
@@ -62,6 +64,17 @@ struct IdentificationInput {
   std::vector<Eigen::Vector3d> force_base;  ///< that the tool exerts [N]
   ParameterTable known = {};                ///< identified earlier; new results replace it
   std::vector<SkippedRows> left_out = {};   ///< rows and frames of the recording
+};
+
+/// The options of the methods that identify() applies, each in its own section of a configuration
+/// file; the segmentation is that of `inputs`.
+struct IdentificationOptions {
+  InputOptions inputs;
+  ContactFitOptions contact_fit;
+  OnsetOptions onset;
+  LimitingFrictionOptions limiting_friction;
+  SlidingOptions sliding;
+  FrictionPriors friction_priors;
 };
 
 /// One contact of the recording, and what was identified from it.
@@ -125,9 +138,11 @@ struct ObjectIdentification {
   std::vector<MeasuredImpact> impacts = {};
   LimitingFriction limit = {};  ///< which pushes count; the values are `limit_of_pushes`
   LimitOfPushes limit_of_pushes = {};
-  /// By affRLS over the slides, for the plots; mass, friction and coefficient are the posterior's.
+  /// By affRLS over the slides, for the plots; friction and coefficient are the posterior's, and
+  /// `mass` is by accelerations alone.
   SlidingIdentification sliding = {};
   FrictionPosterior friction = {};
+  bool is_mass_given = false;  ///< the parameters' mass is the weighed or known one
   LimitSurfaceFit surface = {};
   std::vector<PushSample> turning = {};
   std::optional<ParameterValue> friction_radius = {};
@@ -147,6 +162,8 @@ struct Identification {
   /// The input's table, updated with what was identified.
   [[nodiscard]] ParameterTable parameters() const;
   ParameterTable known = {};
+  /// Options that differ from their defaults; report.json repeats them.
+  std::vector<std::pair<std::string, std::string>> configuration = {};
 };
 
 /// An Error for a recording without force, without tool motion, or with clocks that do not overlap;
@@ -160,12 +177,13 @@ struct Identification {
 /// reported in the result. Deterministic.
 [[nodiscard]] Expected<Identification> identify(const IdentificationInput& input,
                                                 IdentificationGoal goal,
-                                                const InputOptions& options = {});
+                                                const IdentificationOptions& options = {});
 
 struct IdentificationSources {
   std::filesystem::path scene = {};    ///< bodies and poses from there; else from the manifest
   std::filesystem::path tracked = {};  ///< with objects/NAME/tracked.txt; else images are tracked
   bool skip_bad = false;               ///< leave out images that don't decode
+  PerceptionOptions perception = {};   ///< of the tracking in images
   Parallelism parallelism = Parallelism::max();
 };
 
