@@ -30,6 +30,7 @@ struct SimulateArguments {
   int threads = 1;
   bool without_images = false;
   bool without_mass = false;
+  bool is_immovable = false;
   SensorFaults faults;
   double saturation = 0.0;
   std::string lost;
@@ -114,6 +115,11 @@ Expected<void> change_scene(SimulationCase& simulation, const SimulateArguments&
     }
     simulation.movable_boxes = *arguments.objects;
   }
+  if (arguments.is_immovable && simulation.task != ToolTask::press) {
+    return not_applicable("--immovable", simulation, "its boxes are pushed away, or it has none",
+                          "choose press");
+  }
+  simulation.is_immovable = arguments.is_immovable;
   return {};
 }
 
@@ -255,6 +261,8 @@ void add_simulate(CLI::App& app, Action& action) {
                     "No frames: the objects' initial poses are in the manifest, and tracked/ holds "
                     "simulated marker tracking");
   command->add_flag("--without-mass", arguments->without_mass, "No masses in the manifest");
+  command->add_flag("--immovable", arguments->is_immovable,
+                    "The boxes are fixed to the table (movable: false); for press");
   add_number(*command, "--clock-offset", arguments->faults.clock_offset, ranges::kClockOffset,
              "Delay of the wrench's timestamps [s]; negative: early");
   command->add_flag("--flip-force", arguments->faults.is_force_flipped,

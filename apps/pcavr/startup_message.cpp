@@ -43,7 +43,7 @@ std::string startup_message(const StartupInfo& info) {
   }
   if (!info.fingerprint.empty()) text += "SHA-256    " + info.fingerprint + '\n';
   text += "scene      " + info.scene + ", " + std::to_string(info.triangles) +
-          " collision triangles; movable:";
+          " collision triangles; objects:";
   for (const std::string& object : info.objects) text += ' ' + object;
   if (info.objects.empty()) text += " none";
   text += "\ntool       moved by " + info.device + "\n";

@@ -98,7 +98,8 @@ Expected<ComparisonSide> read_scene(ComparisonSide side) {
     if (object.evidence == kNotSeen) continue;  // its pose is unknown
     Placement& placed = side.placed[object.name];
     placed.T_base_object_start = object.T_base_object_start;
-    if (object.evidence != kByManifest) placed.T_base_object_end = object.T_base_object;
+    const bool is_end_known = object.evidence != kByManifest || !object.is_movable;
+    if (is_end_known) placed.T_base_object_end = object.T_base_object;
     side.object_meshes[object.name] = side.folder / object.mesh;
   }
   if (is_present(side.folder / "camera_trajectory.txt")) {

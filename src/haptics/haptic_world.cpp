@@ -127,17 +127,21 @@ HapticWorld::Content::Content(const HapticWorldModel& model, PredictedWorld pred
     for (const Eigen::Vector3f& v : mesh->vertices) top = std::max(top, static_cast<double>(v.z()));
   }
   double static_limit = 0.0;
-  for (const WorldBody& body : model.world.bodies)
-    static_limit += static_friction_limit(body.physics.friction);
+  for (const WorldBody& body : model.world.bodies) {
+    if (body.is_movable) static_limit += static_friction_limit(body.physics.friction);
+  }
   for (const WorldBody& body : model.world.bodies) {
     proxy.add_moving(body.model.mesh_object);
     Body& added = bodies.emplace_back(detail::shape_of(body));
-    const double max_push = std::min(options.max_push_ratio * static_limit, options.max_push_force);
+    const double max_push =
+        body.is_movable ? std::min(options.max_push_ratio * static_limit, options.max_push_force)
+                        : options.max_push_force;
     const double penetration_at_max = static_penetration(body.physics.contact, max_push);
     added.max_penetration = std::min(
         penetration_at_max, proxy.radius() + kMaxThicknessShare * added.shape.min_thickness);
     const Eigen::Vector3d centre = body.T_base_object * added.shape.centre_of_mass;
-    added.has_support = supports.is_supported(centre.head<2>(), added.shape.bottom);
+    added.has_support =
+        body.is_movable && supports.is_supported(centre.head<2>(), added.shape.bottom);
     const Eigen::Vector3d bounding_centre = body.T_base_object * added.shape.bounding_centre;
     top = std::max(top, bounding_centre.z() + added.shape.bounding_radius);
   }

@@ -173,8 +173,12 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
   const ContactFit& curved = found.hunt_crossley;
   const bool is_curved = curved.is_valid && curved.exponent.value > kMaxLinearExponent;
   const double tie = is_curved ? 1.0 + options.min_improvement : 1.0 - options.min_improvement;
-  if (curved.is_valid && (!linear.is_valid || normalised_misfit(samples, curved) <
-                                                  tie * normalised_misfit(samples, linear))) {
+  // A curved law that ends at an exponent of 1 would have its damping [N s/m^2] read as the linear
+  // law's [N s/m].
+  const bool is_distinct = curved.exponent.value > 1.0 || !linear.is_valid;
+  if (curved.is_valid && is_distinct &&
+      (!linear.is_valid ||
+       normalised_misfit(samples, curved) < tie * normalised_misfit(samples, linear))) {
     found.chosen = ContactRegressor::hunt_crossley;
   }
   found.proposal = proposal_for(found);

@@ -85,7 +85,8 @@ class Attribution {
                                 T_base_object * series_.bodies[object].model->centre_of_mass_object;
     const Eigen::Vector2d along = episode.direction_base.head<2>().normalized();
     contact.lever = arm.x() * along.y() - arm.y() * along.x();
-    if (episode.kind == ContactKind::slide && !poses_.is_tracked(object)) {
+    const bool has_moved = episode.kind == ContactKind::slide && series_.bodies[object].is_movable;
+    if (has_moved && !poses_.is_tracked(object)) {
       poses_.displace(object, episode.slides.back().end,
                       displacement_at(episode, episode.slides.back().end) * episode.direction_base);
     }

@@ -17,6 +17,7 @@
 #include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/core/utf8.hpp"
+#include "pcavr/object/contact_units.hpp"
 #include "pcavr/recording/manifest_parser.hpp"
 #include "pcavr/recording/text_rows.hpp"
 #include "pcavr/recording/yaml_map.hpp"
@@ -192,6 +193,25 @@ void read_sources(const YamlValue& map, ParameterSources& sources) {
   if (const auto correlation = map.find("correlation")) read_correlation(*correlation, sources);
 }
 
+/// The stated law and unit of damping must be those of the exponent, so that no number is read
+/// under another law than it was written for. Files of older versions state neither.
+void check_contact_law(const YamlValue& contact, const ObjectParameters& parameters) {
+  const double exponent = parameters.contact_exponent ? parameters.contact_exponent->value : 1.0;
+  const std::string name(contact_law_name(exponent));
+  const std::optional<YamlValue> law = contact.find("law");
+  if (law && law->text() != name) {
+    law->fail(
+        "is not the law of this exponent",
+        "state " + name + ", or an exponent of 1 for kelvin_voigt and above for hunt_crossley");
+  }
+  const std::string unit = damping_unit(exponent);
+  const std::optional<YamlValue> stated_unit = contact.find("damping_unit");
+  if (stated_unit && stated_unit->text() != unit) {
+    stated_unit->fail("is not the unit of the damping under this exponent",
+                      "give the damping in " + unit + ", or the exponent that it is for");
+  }
+}
+
 ObjectParameters read_object(const YamlValue& map) {
   map.expect_keys({"mass",
                    "mass_std",
@@ -219,9 +239,10 @@ ObjectParameters read_object(const YamlValue& map) {
   ObjectParameters parameters;
   for (const Field& field : kFields) read_field(map, field, parameters);
   if (const std::optional<YamlValue> contact = map.find("contact")) {
-    contact->expect_keys(
-        {"stiffness", "stiffness_std", "damping", "damping_std", "exponent", "exponent_std"});
+    contact->expect_keys({"law", "stiffness", "stiffness_std", "damping", "damping_std",
+                          "damping_unit", "exponent", "exponent_std"});
     for (const Field& field : kContactFields) read_field(*contact, field, parameters);
+    check_contact_law(*contact, parameters);
   }
   if (const std::optional<YamlValue> surface = map.find("limit_surface")) {
     parameters.limit_surface = read_limit_surface(*surface);
@@ -240,6 +261,19 @@ void emit_field(YAML::Emitter& out, const Field& field, const ObjectParameters& 
   if (parameter->std && std::isfinite(*parameter->std)) {
     out << YAML::Key << std_key(field) << YAML::Value << shortest_decimal(*parameter->std);
   }
+}
+
+void emit_contact(YAML::Emitter& out, const ObjectParameters& parameters) {
+  const double exponent = parameters.contact_exponent ? parameters.contact_exponent->value : 1.0;
+  out << YAML::Key << "contact" << YAML::Value << YAML::BeginMap;
+  if (parameters.contact_stiffness) {
+    out << YAML::Key << "law" << YAML::Value << std::string(contact_law_name(exponent));
+  }
+  for (const Field& field : kContactFields) emit_field(out, field, parameters);
+  if (parameters.contact_damping) {
+    out << YAML::Key << "damping_unit" << YAML::Value << damping_unit(exponent);
+  }
+  out << YAML::EndMap;
 }
 
 void emit_limit_surface(YAML::Emitter& out, const LimitSurface& surface) {
@@ -296,9 +330,7 @@ void emit_object(YAML::Emitter& out, const ObjectParameters& parameters) {
   out << YAML::BeginMap;
   for (const Field& field : kFields) emit_field(out, field, parameters);
   if (parameters.contact_stiffness || parameters.contact_damping || parameters.contact_exponent) {
-    out << YAML::Key << "contact" << YAML::Value << YAML::BeginMap;
-    for (const Field& field : kContactFields) emit_field(out, field, parameters);
-    out << YAML::EndMap;
+    emit_contact(out, parameters);
   }
   if (parameters.limit_surface) emit_limit_surface(out, *parameters.limit_surface);
   emit_sliding_force(out, parameters.sliding_force);

@@ -165,7 +165,7 @@ SceneObject to_scene_object(const MovableBody& body, const std::vector<ObjectObs
 std::vector<SupportedBody> standing_bodies(const std::vector<SceneObject>& objects) {
   std::vector<SupportedBody> bodies;
   for (const SceneObject& object : objects) {
-    if (object.evidence == kNotSeen) continue;
+    if (object.evidence == kNotSeen || !object.is_movable) continue;
     bodies.push_back({object.model.name, &object.model.mesh_object, object.T_base_object});
   }
   return bodies;
@@ -238,7 +238,12 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
   const Expected<std::vector<MovableBody>> bodies =
       load_movable_bodies(recording, options.perception.cad);
   if (!bodies) return bodies.error();
-  for (const MovableBody& body : *bodies) report_simplified(body.model, observer);
+  const Expected<std::vector<MovableBody>> immovable =
+      load_immovable_bodies(recording, options.perception.cad);
+  if (!immovable) return immovable.error();
+  for (const auto* loaded : {&*bodies, &*immovable}) {
+    for (const MovableBody& body : *loaded) report_simplified(body.model, observer);
+  }
   const Expected<Survey> survey = survey_recording(recording, *bodies, survey_options, observer);
   if (!survey) return survey.error();
 
@@ -278,6 +283,9 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
   scene.cloud_base = cloud.get();
   for (std::size_t i = 0; i < bodies->size(); ++i) {
     scene.objects.push_back(to_scene_object((*bodies)[i], fusion.tracks[i]));
+  }
+  for (const MovableBody& body : *immovable) {
+    scene.objects.push_back(scene_object_at_stated_pose(body));
   }
   clock.begin("support and quality");
   scene.support_planes =

@@ -23,8 +23,10 @@ InputSeries series_of(const IdentificationInput& input) {
                      .t_force = input.t_force,
                      .force_base = input.force_base};
   for (const IdentifiableObject& object : input.objects) {
-    series.bodies.push_back(
-        {object.name, &object.model, object.T_base_object, object.mass, object.tracked});
+    // The weight of an immovable body does not bound the force on it.
+    series.bodies.push_back({object.name, &object.model, object.T_base_object,
+                             object.is_movable ? object.mass : std::nullopt, object.tracked,
+                             object.is_movable});
   }
   return series;
 }
@@ -38,6 +40,7 @@ std::vector<TrackedPose> on_clock(std::vector<TrackedPose> tracked, double offse
 ObjectIdentification begin_object(const IdentifiableObject& object, const ParameterTable& known) {
   ObjectIdentification result;
   result.name = object.name;
+  result.is_movable = object.is_movable;
   if (const auto entry = known.find(object.name); entry != known.end()) {
     result.parameters = entry->second;
   }
@@ -52,7 +55,9 @@ void note_contacts(Identification& result, const IdentificationInput& input) {
         std::any_of(result.contacts.begin(), result.contacts.end(),
                     [&](const IdentifiedContact& contact) { return contact.object == i; });
     if (!is_touched)
-      result.objects[i].notes.push_back("was never touched: record a press and a push");
+      result.objects[i].notes.push_back(input.objects[i].is_movable
+                                            ? "was never touched: record a press and a push"
+                                            : "was never touched: record a press");
   }
   for (const IdentifiedContact& contact : result.contacts) {
     if (contact.left_out.empty()) continue;
@@ -120,7 +125,7 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
     if (goal == IdentificationGoal::contact || !has_contact_law) {
       identify_contact_of(result.contacts, i, options, found);
     }
-    if (goal == IdentificationGoal::friction) {
+    if (goal == IdentificationGoal::friction && object.is_movable) {
       const std::vector<TrackedPose> tracked =
           on_clock(object.tracked, result.inputs.camera_shift());
       const BodyMotion motion{object.model, tracked};

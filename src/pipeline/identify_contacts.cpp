@@ -128,8 +128,12 @@ std::vector<IdentifiedContact*> contacts_of(std::vector<IdentifiedContact>& cont
 
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const IdentificationOptions& options, ObjectIdentification& result) {
-  const auto presses = contacts_of(contacts, object, true);
-  const auto pushes = contacts_of(contacts, object, false);
+  auto presses = contacts_of(contacts, object, true);
+  auto pushes = contacts_of(contacts, object, false);
+  if (!result.is_movable) {
+    presses.insert(presses.end(), pushes.begin(), pushes.end());
+    pushes.clear();
+  }
   std::vector<ForceMotion> series;
   series.reserve(presses.size());
   for (const IdentifiedContact* press : presses) series.push_back(press->episode.series());

@@ -65,7 +65,9 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
                                         : "";
   const std::string better = kBetterPress;
   findings.add("contact.stiffness", "N/m^n", p.contact_stiffness, is_identified, source, better);
-  findings.add("contact.damping", "N s/m^(n+1)", p.contact_damping, is_identified, source, better);
+  const bool is_linear = p.contact_exponent && p.contact_exponent->value == 1.0;
+  const char* const unit = is_linear ? "N s/m" : "N s/m^(n+1)";
+  findings.add("contact.damping", unit, p.contact_damping, is_identified, source, better);
   ParameterFinding& exponent =
       findings.add("contact.exponent", "", p.contact_exponent,
                    is_identified && !found.is_exponent_given, source, better);
@@ -127,7 +129,9 @@ void state_findings(IdentificationGoal goal, const IdentifiableObject& object,
                     ObjectIdentification& found) {
   Findings findings(found.findings);
   state_contact(found, findings);
-  if (goal == IdentificationGoal::friction) state_friction(object, found, findings);
+  if (goal == IdentificationGoal::friction && object.is_movable) {
+    state_friction(object, found, findings);
+  }
   list_given(found);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <utility>
 
 #include "pcavr/pipeline/identify.hpp"
@@ -18,13 +19,13 @@ constexpr double kDefaultTipRadius = 0.01;  // [m] as in the recording format's 
 Expected<std::vector<IdentifiableObject>> objects_of_scene(const SceneManifest& scene) {
   std::vector<IdentifiableObject> objects;
   for (const SceneObjectEntry& entry : scene.objects) {
-    if (!entry.is_movable) continue;
     Expected<CadModel> model = read_object_model(scene, entry);
     if (!model) return model.error();
     objects.push_back({.name = entry.name,
                        .model = std::move(*model),
                        .T_base_object = entry.T_base_object_start,
-                       .mass = entry.mass});
+                       .mass = entry.mass,
+                       .is_movable = entry.is_movable});
   }
   return objects;
 }
@@ -33,8 +34,8 @@ Expected<std::vector<IdentifiableObject>> objects_of_manifest(const Recording& r
                                                               bool is_tracked) {
   std::vector<IdentifiableObject> objects;
   for (const ObjectEntry& entry : recording.manifest.objects) {
-    if (!entry.is_movable || entry.mesh.empty()) continue;
-    if (!entry.T_base_object && !is_tracked) {
+    if (entry.mesh.empty()) continue;
+    if (!entry.T_base_object && !(is_tracked && entry.is_movable)) {
       return Error{.message = "has no pose for object " + entry.name,
                    .file = (recording.folder / "recording.yaml").string(),
                    .place = "objects",
@@ -45,9 +46,15 @@ Expected<std::vector<IdentifiableObject>> objects_of_manifest(const Recording& r
     objects.push_back({.name = entry.name,
                        .model = std::move(*model),
                        .T_base_object = entry.T_base_object.value_or(Pose()),
-                       .mass = entry.mass});
+                       .mass = entry.mass,
+                       .is_movable = entry.is_movable});
   }
   return objects;
+}
+
+bool has_movable(const std::vector<IdentifiableObject>& objects) {
+  return std::any_of(objects.begin(), objects.end(),
+                     [](const IdentifiableObject& object) { return object.is_movable; });
 }
 
 Expected<void> track(const Recording& recording, const IdentificationSources& sources,
@@ -57,6 +64,7 @@ Expected<void> track(const Recording& recording, const IdentificationSources& so
   if (!sources.tracked.empty()) {
     bool has_any = false;
     for (IdentifiableObject& object : objects) {
+      if (!object.is_movable) continue;
       Expected<std::vector<TrackedPose>> tracked =
           read_tracked_poses(sources.tracked, object.name, start_of(recording));
       if (!tracked) return tracked.error();
@@ -64,14 +72,14 @@ Expected<void> track(const Recording& recording, const IdentificationSources& so
       warn_of_tracked_clock(recording, object.name, object.tracked, observer);
       has_any |= !object.tracked.empty();
     }
-    if (!has_any) {
+    if (!has_any && has_movable(objects)) {
       return Error{.message = "contains no objects/NAME/tracked.txt of any of the objects",
                    .file = sources.tracked.string(),
                    .hint = "give a run from pcavr replay"};
     }
     return {};
   }
-  if (!scene || recording.frames.empty()) return {};
+  if (!scene || recording.frames.empty() || !has_movable(objects)) return {};
   const Expected<Replay> replay = replay_tracking(recording, *scene,
                                                   {.perception = sources.perception,
                                                    .skip_bad = sources.skip_bad,

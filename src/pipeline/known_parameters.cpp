@@ -9,7 +9,6 @@ Expected<ParameterTable> known_parameters(const SceneManifest& scene,
                                           const std::string& file) {
   ParameterTable known;
   for (const SceneObjectEntry& object : scene.objects) {
-    if (!object.is_movable) continue;
     ObjectParameters& parameters = known[object.name];
     if (given && given->contains(object.name)) parameters = given->at(object.name);
     if (!parameters.mass && object.mass) parameters.mass = ParameterValue{*object.mass};
@@ -17,7 +16,7 @@ Expected<ParameterTable> known_parameters(const SceneManifest& scene,
   if (!given) return known;
   for (const auto& [name, parameters] : *given) {
     if (known.contains(name)) continue;
-    return Error{.message = "the scene has no movable object '" + name + "'",
+    return Error{.message = "the scene has no object '" + name + "'",
                  .file = file,
                  .place = name,
                  .hint = "remove it, or give the scene that these parameters are for"};

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <utility>
 
 #include "pcavr/core/output.hpp"
 #include "pcavr/pipeline/known_parameters.hpp"
+#include "pcavr/pipeline/scanned_surface.hpp"
 #include "pcavr/recording/stream_clocks.hpp"
 
 #include "clock_checks.hpp"
@@ -23,27 +25,29 @@ namespace {
 /// A scene pose within this time belongs to the frame [half the format's pairing tolerance].
 constexpr Duration kSameFrame = std::chrono::milliseconds(10);
 
-/// The scene's movable bodies at their initial poses, with the recording's tags.
-Expected<std::vector<MovableBody>> bodies_of(const Recording& recording,
-                                             const SceneManifest& scene) {
+/// The scene's bodies, movable or not, at their initial poses, with the recording's tags.
+Expected<std::vector<MovableBody>> bodies_of(const Recording& recording, const SceneManifest& scene,
+                                             bool is_movable) {
   std::vector<MovableBody> bodies;
   for (const SceneObjectEntry& object : scene.objects) {
-    if (!object.is_movable) continue;
+    if (object.is_movable != is_movable) continue;
     Expected<CadModel> model = read_object_model(scene, object);
     if (!model) return model.error();
     ObjectEntry entry{.name = object.name,
                       .mesh = object.mesh,
                       .mass = object.mass,
-                      .is_movable = true,
+                      .is_movable = is_movable,
                       .T_base_object = object.T_base_object_start};
     bodies.push_back(
         {std::move(entry), std::move(*model), object_placements(recording.manifest, object.name)});
   }
-  if (bodies.empty()) {
-    return Error{.message = "the scene has no movable object to track",
-                 .file = (scene.folder / "scene.yaml").string()};
-  }
   return bodies;
+}
+
+Error no_object(const SceneManifest& scene, const char* what) {
+  return {.message = std::string("the scene has no ") + what,
+          .file = (scene.folder / "scene.yaml").string(),
+          .hint = "declare objects with mesh and pose or tags in recording.yaml, and build again"};
 }
 
 /// The camera poses that the scene was built with, if they cover this recording.
@@ -106,6 +110,14 @@ std::vector<ReplayedObject> replayed_objects(const std::vector<MovableBody>& bod
     object.simplification = body.model.simplification;
   }
   return objects;
+}
+
+/// After the tracked ones: they keep their poses.
+void add_immovable(const std::vector<MovableBody>& bodies, Replay& replay) {
+  for (ReplayedObject& object : replayed_objects(bodies)) {
+    object.is_movable = false;
+    replay.objects.push_back(std::move(object));
+  }
 }
 
 /// Stores each frame's observations in the replay, or streams them to its folder.
@@ -238,7 +250,7 @@ Expected<Replay> read_tracking(const std::filesystem::path& folder,
     has_any = has_any || !tracked->empty();
     object.tracked = std::move(*tracked);
   }
-  if (!has_any) {
+  if (!has_any && !bodies.empty()) {
     return Error{.message = "no objects/NAME/tracked.txt of the scene's objects",
                  .file = folder.string(),
                  .hint = "give a run, or the folder tracked of a simulated recording"};
@@ -306,6 +318,7 @@ Expected<Replay> track(const Recording& recording, const SceneManifest& scene,
     if (known) replay->camera_trajectory = placed_frames(*known);
     return replay;
   }
+  if (bodies.empty()) return Replay();
   const bool has_images = recording.manifest.camera && !recording.frames.empty();
   if (has_images || recording.tool.empty()) {
     return track_by_images(recording, scene, bodies, options, observer);
@@ -333,14 +346,19 @@ Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManife
   TeleopInput input;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const MovableBody& body = bodies[i];
-    input.objects.push_back({body.entry.name, body.model, *body.entry.T_base_object,
-                             known.at(body.entry.name),
-                             tracked_from_start(replay.objects[i].tracked, start)});
+    input.objects.push_back(
+        {body.entry.name, body.model, *body.entry.T_base_object, known.at(body.entry.name),
+         tracked_from_start(replay.objects[i].tracked, start), body.entry.is_movable});
   }
   if (scene.is_scanned()) {
     Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
     if (!mesh) return mesh.error();
     input.static_mesh_base = std::move(*mesh);
+    for (const MovableBody& body : bodies) {
+      if (body.entry.is_movable) continue;
+      remove_surface_of(transformed(*body.entry.T_base_object, body.model.mesh_object),
+                        input.static_mesh_base);
+    }
   }
   input.tool_radius = recording.manifest.tool_radius.value_or(input.tool_radius);
   input.t_tool.reserve(recording.tool.size());
@@ -367,17 +385,23 @@ Expected<Replay> replay_recording(const Recording& recording, const SceneManifes
   const ImageUse images = options.tracked ? ImageUse::none : ImageUse::tracking;
   if (const auto conflict = check_clocks(recording, images, observer)) return *conflict;
   if (recording.tool.empty()) observer.on_warning(kNothingPredicted);
-  const Expected<std::vector<MovableBody>> bodies = bodies_of(recording, scene);
+  Expected<std::vector<MovableBody>> bodies = bodies_of(recording, scene, true);
   if (!bodies) return bodies.error();
   for (const MovableBody& body : *bodies) report_simplified(body.model, observer);
   const Expected<ParameterTable> known =
       known_parameters(scene, options.parameters, options.parameters_file);
   if (!known) return known.error();
+  const Expected<std::vector<MovableBody>> immovable = bodies_of(recording, scene, false);
+  if (!immovable) return immovable.error();
+  for (const MovableBody& body : *immovable) report_simplified(body.model, observer);
+  if (bodies->empty() && immovable->empty()) return no_object(scene, "object");
   Expected<Replay> replay = track(recording, scene, *bodies, options, observer);
+  if (replay) add_immovable(*immovable, *replay);
   if (replay) replay->configuration = options.configuration;
   if (!replay || recording.tool.empty()) return replay;
   StageClock clock;
   clock.begin("both sites");
+  std::move(immovable->begin(), immovable->end(), std::back_inserter(*bodies));
   Expected<TeleopInput> input = teleop_input(recording, scene, *bodies, *replay, *known);
   if (!input) return input.error();
   replay->run_folder = options.run_folder;
@@ -400,8 +424,9 @@ Expected<Replay> replay_recording(const Recording& recording, const SceneManifes
 
 Expected<Replay> replay_tracking(const Recording& recording, const SceneManifest& scene,
                                  const ReplayOptions& options, const Observer& observer) {
-  const Expected<std::vector<MovableBody>> bodies = bodies_of(recording, scene);
+  const Expected<std::vector<MovableBody>> bodies = bodies_of(recording, scene, true);
   if (!bodies) return bodies.error();
+  if (bodies->empty()) return no_object(scene, "movable object to track");
   return track_by_images(recording, scene, *bodies, options, observer);
 }
 

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
-
-#include "survey.hpp"
 
 namespace pcavr {
 namespace {
@@ -16,7 +15,6 @@ namespace {
 constexpr double kSamePlane = 0.002;
 /// Margin of a support plane around the objects on it and the tool's path [m].
 constexpr double kMargin = 0.1;
-constexpr Rgb8 kNeutral{150, 150, 150};
 
 Error missing_pose_error(const Recording& recording, const std::string& name) {
   return {.message = name.empty() ? "the recording has no frames"
@@ -25,28 +23,6 @@ Error missing_pose_error(const Recording& recording, const std::string& name) {
           .hint =
               "a scene needs colour and depth images (rgb.txt and depth.txt with at least one "
               "pair within 20 ms), or a pose in recording.yaml for every movable object"};
-}
-
-void append(TriangleMesh& mesh, const TriangleMesh& part) {
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());
-  mesh.normals.insert(mesh.normals.end(), part.normals.begin(), part.normals.end());
-  mesh.colors.resize(mesh.vertices.size(), kNeutral);
-  for (const auto& [a, b, c] : part.triangles) {
-    mesh.triangles.push_back({first + a, first + b, first + c});
-  }
-}
-
-/// The bodies that do not move and have a pose: static collision geometry.
-Expected<TriangleMesh> static_bodies(const Recording& recording) {
-  TriangleMesh mesh;
-  for (const ObjectEntry& object : recording.manifest.objects) {
-    if (object.is_movable || object.mesh.empty() || !object.T_base_object) continue;
-    const Expected<CadModel> model = read_cad_model(recording.folder / object.mesh, object.name);
-    if (!model) return model.error();
-    append(mesh, transformed(*object.T_base_object, model->mesh_object));
-  }
-  return mesh;
 }
 
 /// A rectangle around the objects on the plane and the tool's path, counter-clockwise.
@@ -65,6 +41,7 @@ std::vector<SupportPlane> horizontal_planes(const std::vector<SceneObject>& obje
   std::vector<SupportPlane> planes;
   std::vector<Eigen::AlignedBox3d> boxes;
   for (const SceneObject& object : objects) {
+    if (!object.is_movable) continue;
     const TriangleMesh mesh_base = transformed(object.T_base_object, object.model.mesh_object);
     const Eigen::AlignedBox3d box = bounds(mesh_base.vertices).cast<double>();
     const double height = box.min().z();
@@ -90,14 +67,25 @@ std::vector<SupportPlane> horizontal_planes(const std::vector<SceneObject>& obje
 
 }  // namespace
 
+SceneObject scene_object_at_stated_pose(const MovableBody& body) {
+  SceneObject object;
+  object.model = body.model;
+  object.T_base_object = object.T_base_object_start = *body.entry.T_base_object;
+  object.evidence = kByManifest;
+  object.mass = body.entry.mass;
+  object.is_movable = body.entry.is_movable;
+  return object;
+}
+
 Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_size,
                                     const OccupancyOptions& occupancy, const CadOptions& cad) {
   Expected<std::vector<MovableBody>> bodies = load_movable_bodies(recording, cad);
   if (!bodies) return bodies.error();
-  if (bodies->empty()) return missing_pose_error(recording, {});
-  Expected<TriangleMesh> mesh = static_bodies(recording);
-  if (!mesh) return mesh.error();
-  Scene scene{.mesh_base = std::move(*mesh),
+  Expected<std::vector<MovableBody>> immovable = load_immovable_bodies(recording, cad);
+  if (!immovable) return immovable.error();
+  if (bodies->empty() && immovable->empty()) return missing_pose_error(recording, {});
+  std::move(immovable->begin(), immovable->end(), std::back_inserter(*bodies));
+  Scene scene{.mesh_base = {},
               .levels_of_detail_base = {},
               .cloud_base = {},
               .occupancy = OccupancyMap(occupancy),
@@ -109,16 +97,12 @@ Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_siz
               .recording = recording.folder.string(),
               .voxel_size = voxel_size};
   scene.quality.left_out = recording.left_out;
-  scene.occupancy.mark_occupied(scene.mesh_base);
   for (MovableBody& body : *bodies) {
     if (!body.entry.T_base_object) return missing_pose_error(recording, body.entry.name);
-    SceneObject object;
-    object.model = std::move(body.model);
-    object.T_base_object = object.T_base_object_start = *body.entry.T_base_object;
-    object.evidence = kByManifest;
-    object.mass = body.entry.mass;
-    object.is_movable = true;
-    scene.objects.push_back(std::move(object));
+    scene.objects.push_back(scene_object_at_stated_pose(body));
+    const SceneObject& object = scene.objects.back();
+    if (object.is_movable) continue;
+    scene.occupancy.mark_occupied(transformed(object.T_base_object, object.model.mesh_object));
   }
   scene.levels_of_detail_base.push_back(scene.mesh_base);
   scene.support_planes = horizontal_planes(scene.objects, recording.tool);

@@ -6,11 +6,16 @@
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/scene/scene.hpp"
 
+#include "survey.hpp"
+
 namespace pcavr {
 
+/// A body as an object of the scene, at the pose that its manifest states.
+[[nodiscard]] SceneObject scene_object_at_stated_pose(const MovableBody& body);
+
 /// The scene of a recording without images, from its manifest alone: bodies at their stated poses,
-/// movable ones as objects and the others as static mesh, with horizontal support planes under the
-/// movable ones. Fails where the manifest does not state a movable object's pose.
+/// with horizontal support planes under the movable ones. Fails where the manifest does not state a
+/// movable object's pose.
 [[nodiscard]] Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_size,
                                                   const OccupancyOptions& occupancy,
                                                   const CadOptions& cad);

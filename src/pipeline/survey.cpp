@@ -226,6 +226,18 @@ Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recordin
   return bodies;
 }
 
+Expected<std::vector<MovableBody>> load_immovable_bodies(const Recording& recording,
+                                                         const CadOptions& options) {
+  std::vector<MovableBody> bodies;
+  for (const ObjectEntry& entry : recording.manifest.objects) {
+    if (entry.is_movable || entry.mesh.empty() || !entry.T_base_object) continue;
+    Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name, options);
+    if (!model) return model.error();
+    bodies.push_back({entry, std::move(*model), {}});
+  }
+  return bodies;
+}
+
 void report_simplified(const CadModel& model, const Observer& observer) {
   if (!model.simplification) return;
   observer.on_warning(fmt::format(

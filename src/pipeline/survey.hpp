@@ -22,7 +22,7 @@
 
 namespace pcavr {
 
-/// A movable object as the recording declares it.
+/// An object with a CAD body as the recording declares it.
 struct MovableBody {
   ObjectEntry entry;
   CadModel model;
@@ -33,6 +33,11 @@ struct MovableBody {
 /// replaces the object's points.
 [[nodiscard]] Expected<std::vector<MovableBody>> load_movable_bodies(const Recording& recording,
                                                                      const CadOptions& options);
+
+/// Reads the CAD body of every immovable object whose pose the manifest states. One without a mesh
+/// or a pose is part of the scan.
+[[nodiscard]] Expected<std::vector<MovableBody>> load_immovable_bodies(const Recording& recording,
+                                                                       const CadOptions& options);
 
 /// Warns where a body's mesh is a simplification of a finer one, with its error bound.
 void report_simplified(const CadModel& model, const Observer& observer);

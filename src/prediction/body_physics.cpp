@@ -134,6 +134,16 @@ CompletedPhysics complete_physics(const ObjectParameters& known, const CadModel&
   return completed;
 }
 
+CompletedPhysics complete_immovable_physics(const ObjectParameters& known, const CadModel& model,
+                                            const Pose& T_base_object, double gravity,
+                                            const PhysicsDefaults& defaults) {
+  CompletedPhysics completed = complete_physics(known, model, T_base_object, gravity, defaults);
+  std::erase_if(completed.assumed, [](const std::string& name) {
+    return !name.starts_with("contact_") && name != "tool_friction_coefficient";
+  });
+  return completed;
+}
+
 double heading_of(const Pose& T_base_object) {
   const Eigen::Matrix3d axes = T_base_object.rotation_matrix();
   const Eigen::Index axis = axes.col(0).head<2>().norm() < kSteep ? 1 : 0;

@@ -84,7 +84,9 @@ class BodyStepper {
   }
 
   BodyStep run() noexcept {
-    if (state_.planar.twist.isZero(0.0)) {
+    if (!body_.is_movable()) {
+      finish(state_.planar, load_at_rest(1.0), 0.0);
+    } else if (state_.planar.twist.isZero(0.0)) {
       stick();
     } else {
       slide();
@@ -102,7 +104,7 @@ class BodyStepper {
   /// A pose or a tip that was set from outside may penetrate deeper than any force allows: then the
   /// body is moved to where a slow push would have brought it.
   void resolve_overlap() noexcept {
-    if (!(contact_.depth > 0.0)) return;
+    if (!body_.is_movable() || !(contact_.depth > 0.0)) return;
     const double allowed = std::max(state_.penetration, body_.static_limit_depth());
     if (!(contact_.depth > allowed + 1e-8)) return;
     for (int i = 0; i < 8; ++i) {  // more than one only where the surface is curved
@@ -309,7 +311,7 @@ class BodyStepper {
     state_.penetration = load.contact.depth;
     state_.tangential_deflection_base = load.tip.deflection;
     state_.tool_force_base = load.tip.force;
-    const bool is_critical = load_ratio >= body_.critical_share();
+    const bool is_critical = body_.is_movable() && load_ratio >= body_.critical_share();
     if (planar.twist.isZero(0.0)) {
       state_.planar.phase = is_critical ? FrictionPhase::critical : FrictionPhase::static_contact;
     }
@@ -341,6 +343,7 @@ class BodyStepper {
 
 int count_substeps(const UprightBody& body, const BodyState& state, const TipPath& tip,
                    double dt) noexcept {
+  if (!body.is_movable()) return 1;
   const double frequency =
       std::sqrt(body.working_stiffness() / body.physics().friction.mass);  // [rad/s]
   const double substeps = std::ceil(frequency * dt / kMaxPhasePerSubstep);

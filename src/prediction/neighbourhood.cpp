@@ -104,8 +104,10 @@ void Neighbourhood::find_contacts(const std::vector<UprightBody>& bodies, const 
   max_static_friction_ = 0.0;
   const double travel = (tip.to - tip.from).head<2>().norm();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    max_static_friction_ =
-        std::max(max_static_friction_, static_friction_limit(bodies[i].physics().friction));
+    if (bodies[i].is_movable()) {
+      max_static_friction_ =
+          std::max(max_static_friction_, static_friction_limit(bodies[i].physics().friction));
+    }
     Member& member = members_[i];
     member.sides.clear();
     member.partners.clear();
@@ -114,7 +116,8 @@ void Neighbourhood::find_contacts(const std::vector<UprightBody>& bodies, const 
     if (!states[i].is_present) continue;
     const double near = collider_.reach(i) + tip.radius + travel + kMargin;
     const double distance = (tip.to.head<2>() - states[i].planar.position).norm();
-    member.is_awake = !states[i].planar.twist.isZero(0.0) || (tip.is_present && distance < near);
+    const bool is_touched = tip.is_present && distance < near;
+    member.is_awake = bodies[i].is_movable() && (is_touched || !states[i].planar.twist.isZero(0.0));
     if (member.is_awake) queue_.push_back(i);
   }
   for (std::size_t i = 0; i < queue_.size(); ++i) search(queue_[i], bodies, dt, states);
@@ -134,6 +137,10 @@ void Neighbourhood::search(std::size_t body, const std::vector<UprightBody>& bod
     if (apart > collider_.reach(body) + collider_.reach(other) + margin) continue;
     points_.clear();
     collider_.between(body, own, other, states[other].planar, margin, points_);
+    if (!bodies[other].is_movable()) {  // like the static mesh
+      for (const CollisionPoint& point : points_) link(body, -1, point, 1.0, bodies, states);
+      continue;
+    }
     for (const CollisionPoint& point : points_) {
       link(body, static_cast<std::ptrdiff_t>(other), point, 1.0, bodies, states);
       link(other, static_cast<std::ptrdiff_t>(body), point, -1.0, bodies, states);

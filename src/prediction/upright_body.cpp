@@ -105,6 +105,7 @@ bool is_physical(const BodyPhysics& p) noexcept {
 
 UprightBody::UprightBody(const WorldBody& body, double gravity, double max_contact_force)
     : name_(body.model.name),
+      is_movable_(body.is_movable),
       T_base_object_start_(body.T_base_object),
       centre_of_mass_object_(body.model.centre_of_mass_object),
       surface_(body.model.mesh_object, to_body_axes(T_base_object_start_, centre_of_mass_object_)),

@@ -25,6 +25,7 @@ class UprightBody {
   UprightBody(const WorldBody& body, double gravity, double max_contact_force);
 
   [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] bool is_movable() const { return is_movable_; }
   [[nodiscard]] const ClosestSurface& surface() const { return surface_; }
   [[nodiscard]] const BodyPhysics& physics() const { return physics_; }
   [[nodiscard]] double max_contact_force() const { return max_contact_force_; }  ///< [N]
@@ -61,6 +62,7 @@ class UprightBody {
 
  private:
   std::string name_;
+  bool is_movable_;
   Pose T_base_object_start_;
   Eigen::Vector3d centre_of_mass_object_;
   ClosestSurface surface_;

@@ -9,6 +9,7 @@
 
 #include "pcavr/model/cad_model.hpp"
 #include "pcavr/pipeline/known_parameters.hpp"
+#include "pcavr/pipeline/scanned_surface.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 #include "pcavr/scene/scene.hpp"
 
@@ -36,30 +37,24 @@ Expected<TriangleMesh> static_mesh(const SceneManifest& scene, int max_triangles
   return mesh;
 }
 
-void append(const TriangleMesh& more, TriangleMesh& mesh) {
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
-  for (const auto& corners : more.triangles) {
-    mesh.triangles.push_back({corners[0] + first, corners[1] + first, corners[2] + first});
-  }
-}
-
 Expected<void> add_object(const SceneManifest& scene, const SceneObjectEntry& object,
                           const ParameterTable& known, const SceneWorldOptions& options,
                           SceneWorld& world) {
   Expected<CadModel> model = read_object_model(scene, object);
   if (!model) return model.error();
-  if (!object.is_movable) {
-    append(transformed(object.T_base_object, model->mesh_object),
-           world.model.world.static_mesh_base);
-    return {};
+  const auto complete = object.is_movable ? complete_physics : complete_immovable_physics;
+  CompletedPhysics completed = complete(known.at(object.name), *model, object.T_base_object,
+                                        world.model.world.gravity, options.unknown_objects);
+  if (object.is_movable) {
+    world.full_scale_force =
+        std::max(world.full_scale_force, completed.physics.friction.limiting_force);
+  } else {
+    remove_surface_of(transformed(object.T_base_object, model->mesh_object),
+                      world.model.world.static_mesh_base);
   }
-  CompletedPhysics completed = complete_physics(known.at(object.name), *model, object.T_base_object,
-                                                world.model.world.gravity, options.unknown_objects);
-  world.full_scale_force =
-      std::max(world.full_scale_force, completed.physics.friction.limiting_force);
   world.assumed.push_back({object.name, std::move(completed.assumed)});
-  world.model.world.bodies.push_back({std::move(*model), object.T_base_object, completed.physics});
+  world.model.world.bodies.push_back(
+      {std::move(*model), object.T_base_object, completed.physics, object.is_movable});
   return {};
 }
 

@@ -39,6 +39,7 @@ void check(const SimulationCase& simulation) {
                 simulation.depth_width, simulation.depth_height);
   PCAVR_REQUIRE(simulation.base_tags >= 0 && simulation.base_tags <= 2, simulation.base_tags);
   PCAVR_REQUIRE(simulation.with_images || simulation.task != ToolTask::none);
+  PCAVR_REQUIRE(!simulation.is_immovable || simulation.task == ToolTask::press);
 }
 
 CameraModel depth_camera_of(const SimulationCase& simulation) {
@@ -157,7 +158,10 @@ Manifest manifest_for(const SimulationCase& simulation, const World& world) {
     manifest.markers.clear();
   }
   for (std::size_t i = 0; i < manifest.objects.size(); ++i) {
-    if (!simulation.with_images) manifest.objects[i].T_base_object = world.boxes[i].T_base_object;
+    // A body that does not move is not tracked.
+    if (!simulation.with_images || !world.boxes[i].is_movable) {
+      manifest.objects[i].T_base_object = world.boxes[i].T_base_object;
+    }
     if (!simulation.with_mass) manifest.objects[i].mass.reset();
   }
   return manifest;
@@ -213,7 +217,10 @@ Expected<void> simulate(const SimulationCase& simulation, std::uint64_t seed,
                         const Observer& observer) {
   check(simulation);
   const PushOptions push = push_options(simulation);
-  const PlantCase plant = make_plant_case(simulation.task, seed, push);
+  PlantCase plant = make_plant_case(simulation.task, seed, push);
+  if (simulation.is_immovable) {
+    for (PlantBody& body : plant.bodies) body.is_movable = false;
+  }
   const bool has_task = simulation.task != ToolTask::none;
   PlantOptions plant_options;
   if (push.duration > 0.0) plant_options.max_duration = push.duration;

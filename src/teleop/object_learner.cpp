@@ -8,6 +8,7 @@
 
 #include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/identification/contact_fit.hpp"
+#include "pcavr/identification/path_view.hpp"
 #include "pcavr/identification/sliding.hpp"
 
 namespace pcavr {
@@ -21,6 +22,8 @@ constexpr double kSaturatedRatio = 0.98;
 constexpr std::size_t kMinContactSamples = 30;
 // The estimated start of a new contact may still change by this much with more data [s].
 constexpr double kSameContact = 0.25;
+// Cosine between the mean forces of two presses on the same face: 1 degree, of noise and friction.
+constexpr double kSamePressDirection = 0.9998;
 // Of breakaways: their standard deviation needs more contacts than are fitted together.
 constexpr std::size_t kMaxStoredContacts = 20;
 
@@ -28,9 +31,8 @@ ParameterValue value_of(const IdentifiedParameter& parameter) {
   return {parameter.value, parameter.std};
 }
 
-/// End of the static phase: the breakaway alarm, at the latest the first slide.
+/// End of a push's static phase: the breakaway alarm, at the latest the first slide.
 double static_until(const ContactEpisode& contact) {
-  if (contact.kind == ContactKind::press) return contact.t.back();
   double until = contact.t.back();
   if (contact.breakaway.t_alarm > 0.0) until = std::min(until, contact.breakaway.t_alarm);
   if (!contact.slides.empty()) until = std::min(until, contact.slides.front().begin);
@@ -47,8 +49,12 @@ ForceMotion part_until(const ContactEpisode& contact, double until) {
 }  // namespace
 
 ObjectLearner::ObjectLearner(const ObjectParameters& given, std::optional<double> force_ceiling,
-                             const LearningOptions& options)
-    : options_(options), known_(given), given_(given), force_ceiling_(force_ceiling) {}
+                             const LearningOptions& options, bool is_movable)
+    : options_(options),
+      is_movable_(is_movable),
+      known_(given),
+      given_(given),
+      force_ceiling_(force_ceiling) {}
 
 bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_slid) {
   has_changed_ = false;
@@ -66,8 +72,9 @@ bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_sl
   if (!is_same) contacts_.emplace_back();
   if (contacts_.size() > kMaxStoredContacts) contacts_.erase(contacts_.begin());
   contacts_.back() = *nearest;
+  if (is_press(contacts_.back())) align_press(record, contacts_.back());
   learn_contact();
-  if (nearest->kind != ContactKind::press && has_slid) {
+  if (!is_press(*nearest) && has_slid) {
     learn_breakaway();
     learn_sliding();
   }
@@ -90,6 +97,24 @@ ObjectParameters ObjectLearner::conservative_estimate() const {
     estimate.limiting_static_friction = ParameterValue{*conservative_limit_};
   }
   return estimate;
+}
+
+void ObjectLearner::align_press(const ContactRecord& record, ContactEpisode& press) const {
+  const auto known =
+      std::find_if(contacts_.begin(), contacts_.end(), [&](const ContactEpisode& contact) {
+        return &contact != &press && is_press(contact) &&
+               contact.direction_base.dot(press.direction_base) > kSamePressDirection;
+      });
+  if (known == contacts_.end()) return;
+  press.direction_base = known->direction_base;
+  const PathView tip(record.t_tool, record.p_base_tip);
+  for (std::size_t i = 0; i < press.t.size(); ++i) {
+    press.tool[i] = tip.at(press.t[i]).dot(press.direction_base);
+  }
+}
+
+bool ObjectLearner::is_press(const ContactEpisode& contact) const {
+  return !is_movable_ || contact.kind == ContactKind::press;
 }
 
 bool ObjectLearner::is_contradicted(const std::optional<ParameterValue>& old,
@@ -116,10 +141,11 @@ void ObjectLearner::accept(std::optional<ParameterValue> ObjectParameters::*fiel
 void ObjectLearner::learn_contact() {
   std::vector<ForceMotion> presses, static_parts;
   for (const ContactEpisode& contact : contacts_) {
-    const ForceMotion part = part_until(contact, static_until(contact));
+    const ForceMotion part =
+        is_press(contact) ? contact.series() : part_until(contact, static_until(contact));
     if (contact.peak_force < options_.min_peak_force || part.t.size() < kMinContactSamples)
       continue;
-    (contact.kind == ContactKind::press ? presses : static_parts).push_back(part);
+    (is_press(contact) ? presses : static_parts).push_back(part);
   }
   for (std::vector<ForceMotion>* parts : {&presses, &static_parts}) {
     if (std::ssize(*parts) > options_.max_fitted_contacts)

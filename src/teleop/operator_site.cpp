@@ -27,7 +27,7 @@ Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
   std::vector<Known> objects;
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const TeleopObject& object = input.objects[i];
-    model.bodies.push_back({object.model, object.T_base_object, physics[i]});
+    model.bodies.push_back({object.model, object.T_base_object, physics[i], object.is_movable});
     objects.push_back(
         {object.model, object.T_base_object, sent_parameters(physics[i], options.gravity()), 0});
   }

@@ -27,8 +27,11 @@ constexpr double kCriticalRatio = 0.9;
 }  // namespace
 
 PhaseMonitor::PhaseMonitor(double t_start, const SensorProperties& sensors,
-                           const PhaseMonitorOptions& options)
-    : sensors_(sensors), options_(options), window_(options.min_speed_window) {
+                           const PhaseMonitorOptions& options, bool is_movable)
+    : sensors_(sensors),
+      options_(options),
+      is_movable_(is_movable),
+      window_(options.min_speed_window) {
   changes_.push_back({t_start, MotionPhase::free});
 }
 
@@ -112,7 +115,7 @@ void PhaseMonitor::begin_contact(const MonitorSample& sample) {
   contact_begin_ = above_since_;
   last_loaded_ = last_near_ = sample.t;
   const Eigen::Vector3d& inward = sample.direction_base;
-  is_press_ = std::abs(inward.z()) > inward.head<2>().norm();
+  is_press_ = !is_movable_ || std::abs(inward.z()) > inward.head<2>().norm();
   direction_base_ = inward;
   if (!is_press_) direction_base_ = Eigen::Vector3d(inward.x(), inward.y(), 0.0).normalized();
   line_ = ContactLine(sample.p_base_tip.dot(direction_base_),

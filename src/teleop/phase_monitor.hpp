@@ -46,8 +46,9 @@ struct SensorProperties {
 /// motion.
 class PhaseMonitor {
  public:
+  /// An object that is not movable never slides: each of its contacts is a press.
   PhaseMonitor(double t_start, const SensorProperties& sensors,
-               const PhaseMonitorOptions& options = {});
+               const PhaseMonitorOptions& options = {}, bool is_movable = true);
 
   /// `damping`: damping over stiffness of the contact, chi in k d^n (1 + chi d') [s/m]; 0 if it is
   /// not known.
@@ -103,6 +104,7 @@ class PhaseMonitor {
 
   SensorProperties sensors_;
   PhaseMonitorOptions options_;
+  bool is_movable_;
   std::vector<MonitoredPhase> changes_;
   bool is_touched_ = false;
   bool is_press_ = false;

@@ -30,8 +30,8 @@ double median_interval(const std::vector<TrackedPose>& tracked) {
 RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
                          const TeleopOptions& options, const SensorProperties& sensors,
                          std::optional<double> force_ceiling, double tool_radius, double start)
-    : monitor(start, sensors, options.phases),
-      learner(object.parameters, force_ceiling, options.learning),
+    : monitor(start, sensors, options.phases, object.is_movable),
+      learner(object.parameters, force_ceiling, options.learning, object.is_movable),
       correction_switch(options.correction_switch, sensors.enter_force, options.round_trip()),
       acknowledged(sent_parameters(assumed, options.gravity())),
       source_(&object),

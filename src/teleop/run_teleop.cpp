@@ -75,9 +75,9 @@ InputSeries series_of(const TeleopInput& input) {
                      .t_force = input.t_force,
                      .force_base = input.force_base};
   for (const TeleopObject& object : input.objects) {
-    InputBody& body = series.bodies.emplace_back(
-        InputBody{object.name, &object.model, object.T_base_object, {}, object.tracked});
-    if (object.parameters.mass) body.mass = object.parameters.mass->value;
+    InputBody& body = series.bodies.emplace_back(InputBody{
+        object.name, &object.model, object.T_base_object, {}, object.tracked, object.is_movable});
+    if (object.is_movable && object.parameters.mass) body.mass = object.parameters.mass->value;
   }
   return series;
 }
@@ -224,7 +224,7 @@ void note_unseen(const TeleopInput& input, const TeleopOptions& options, const R
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const TeleopObject& object = input.objects[i];
     note_gaps(object, options.pose.untracked_drift, run);
-    if (object.tracked.empty()) {
+    if (object.tracked.empty() && object.is_movable) {
       run.notes.push_back(object.name +
                           " was never tracked: its pose is that of the scene, updated "
                           "by contact only");
@@ -360,7 +360,7 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
   const TipPath tip = clean_tip_path(recorded.t_tool, recorded.p_base_tip, options.inputs);
   if (recorded.objects.empty() || tip.t.size() < 2 ||
       span_of(tip, options.predictor.step).cycles == 0) {
-    run.notes.emplace_back("nothing was predicted: no movable object, or no tool motion");
+    run.notes.emplace_back("nothing was predicted: no object, or no tool motion");
     run.parameters.resize(recorded.objects.size());
     run.assumed.resize(recorded.objects.size());
     return run;
@@ -375,9 +375,9 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
 
   std::vector<BodyPhysics> physics;
   for (const TeleopObject& object : world.objects) {
-    CompletedPhysics completed =
-        complete_physics(object.parameters, object.model, object.T_base_object, options.gravity(),
-                         options.unknown_objects);
+    const auto complete = object.is_movable ? complete_physics : complete_immovable_physics;
+    CompletedPhysics completed = complete(object.parameters, object.model, object.T_base_object,
+                                          options.gravity(), options.unknown_objects);
     physics.push_back(completed.physics);
     run.assumed.push_back(std::move(completed.assumed));
   }

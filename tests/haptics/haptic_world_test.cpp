@@ -76,6 +76,24 @@ TEST(HapticWorld, RendersTheBodysReactionForce) {
   EXPECT_EQ(world.state().bodies[0].phase, MotionPhase::static_contact);
 }
 
+TEST(HapticWorld, RendersAnImmovableBodyByItsOwnLaw) {
+  HapticWorldModel model = one_box_on_a_table();
+  model.force.max_force = 200.0;
+  model.world.bodies[0].is_movable = false;
+  model.world.bodies[0].physics.contact = {1e6, 2e6, 1.5};
+  HapticWorld world = world_of(model);
+  world.reset(touching_tip());
+  const Eigen::Vector3d deep = touching_tip() + Eigen::Vector3d(0.002, 0.0, 0.0);
+  move(world, touching_tip(), deep, 0.01);
+  for (int i = 0; i < 20; ++i) world.step({deep, true}, kCycle);
+  const double expected = 1e6 * std::pow(0.002, 1.5);  // 89 N; the friction limit is 9.6 N
+  EXPECT_NEAR(-world.state().force_base.x(), expected, 0.01 * expected);
+  EXPECT_EQ(world.state().touched_body, 0);
+  EXPECT_FALSE(world.state().touches_scan);
+  EXPECT_EQ(world.state().bodies[0].T_base_object.translation(),
+            model.world.bodies[0].T_base_object.translation());
+}
+
 TEST(HapticWorld, PushesAlongTheTableThatTheHandPressesInto) {
   HapticWorld world = world_of(one_box_on_a_table(0.0005));
   const Eigen::Vector3d above(-0.12, 0.0, 0.02);

@@ -145,6 +145,13 @@ INSTANTIATE_TEST_SUITE_P(
                 "b.correlation.matrix[0][0]"},
         Refusal{"SlidingForceWithoutStd", "b:\n  sliding_force: [{speed: 1, force: 2}]\n", 2,
                 "b.sliding_force[0]"},
+        Refusal{"LawOfAnotherExponent",
+                "box:\n  contact:\n    law: kelvin_voigt\n    stiffness: 5\n    exponent: 1.5\n", 3,
+                "box.contact.law"},
+        Refusal{"DampingUnitOfAnotherExponent",
+                "box:\n  contact: {stiffness: 5, damping: 2,\n    damping_unit: N s/m, exponent: "
+                "1.5}\n",
+                3, "box.contact.damping_unit"},
         Refusal{"FlatObject", "box: 3\n", 1, "box"}, Refusal{"List", "- box\n", 1, ""},
         Refusal{"ShortSurface",
                 "b:\n  limit_surface: {force: 1, length: 1,\n    coefficients: "
@@ -161,6 +168,27 @@ INSTANTIATE_TEST_SUITE_P(
                 "[1, 0, 0, 12, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1]}\n",
                 3, "b.limit_surface.coefficients"}),
     [](const auto& test) { return std::string(test.param.name); });
+
+TEST(ParametersFile, StatesTheLawAndItsDampingsUnit) {
+  ObjectParameters box{.contact_stiffness = ParameterValue{20000.0},
+                       .contact_damping = ParameterValue{30.0},
+                       .contact_exponent = ParameterValue{1.0}};
+  const std::string linear = format_parameters({{"box", box}});
+  EXPECT_NE(linear.find("law: kelvin_voigt"), std::string::npos) << linear;
+  EXPECT_NE(linear.find("damping_unit: N s/m\n"), std::string::npos) << linear;
+  box.contact_exponent = ParameterValue{1.5};
+  const std::string curved = format_parameters({{"box", box}});
+  EXPECT_NE(curved.find("law: hunt_crossley"), std::string::npos) << curved;
+  EXPECT_NE(curved.find("damping_unit: N s/m^2.5\n"), std::string::npos) << curved;
+  EXPECT_TRUE(parse_parameters(curved, "p.yaml"));
+}
+
+TEST(ParametersFile, WithoutLawAndUnitIsReadAsBefore) {
+  const auto table =
+      parse_parameters("box:\n  contact: {stiffness: 5, damping: 2, exponent: 1.5}\n", "p.yaml");
+  ASSERT_TRUE(table) << table.error().to_string();
+  EXPECT_EQ(table->at("box").contact_damping->value, 2.0);
+}
 
 TEST(ParametersFile, ThatIsEmptyOrNoYamlIsRefused) {
   EXPECT_FALSE(parse_parameters("", "p.yaml").has_value());

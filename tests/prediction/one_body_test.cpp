@@ -39,6 +39,21 @@ TEST(OneBody, IsPenetratedByTheContactLawWhileStatic) {
   EXPECT_EQ(state.phase, MotionPhase::static_contact);
 }
 
+TEST(OneBody, ThatIsImmovableKeepsItsPoseAndIsPenetratedByTheContactLaw) {
+  WorldModel model = one_box();
+  model.bodies[0].is_movable = false;
+  model.bodies[0].physics.contact = {1.5e6, 3e6, 1.5};
+  PredictedWorld world = world_of(model);
+  const Pose before = world.T_base_object(0);
+  // To 2 mm at 20 mm/s: 134 N, fourteen times the friction limit of its physics.
+  test::run(world, push(0.02), 0.1, 0.001);
+  const BodyState& state = world.state()[0];
+  EXPECT_NEAR(state.penetration, 0.002, 1e-8);
+  EXPECT_NEAR(state.tool_force_base.x(), std::pow(0.002, 1.5) * (1.5e6 + 3e6 * 0.02), 0.01);
+  EXPECT_EQ(world.T_base_object(0).translation(), before.translation());
+  EXPECT_EQ(state.phase, MotionPhase::static_contact);
+}
+
 TEST(OneBody, BreaksLooseAtTheLimitingForce) {
   PredictedWorld world = world_of(one_box());
   double max_force = 0.0;

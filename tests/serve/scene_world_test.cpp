@@ -44,21 +44,40 @@ TEST_F(SceneWorldTest, TheBoxIsMovableAtItsPoseAndTheToolStartsAboveIt) {
   EXPECT_TRUE(world->notes.empty());
 }
 
-TEST_F(SceneWorldTest, AddsFixedObjectsToTheStaticMeshAndIgnoresUnseenOnesWithANote) {
+TEST_F(SceneWorldTest, AddsImmovableObjectsInPlaceOfTheirScanAndIgnoresUnseenOnesWithANote) {
   Scene scene = a_box_on_a_table();
   scene.objects.push_back(an_object("rail", {0.2, 0.2, 0.04}));
   scene.objects.back().is_movable = false;
+  const std::size_t scanned = scene.mesh_base.triangles.size();
+  const TriangleMesh rail_base =
+      transformed(scene.objects.back().T_base_object, scene.objects.back().model.mesh_object);
+  const auto first = static_cast<std::uint32_t>(scene.mesh_base.vertices.size());
+  for (const Eigen::Vector3f& vertex : rail_base.vertices) {
+    scene.mesh_base.vertices.push_back(vertex + Eigen::Vector3f(0.003F, 0.0F, 0.002F));
+    scene.mesh_base.normals.push_back(Eigen::Vector3f::UnitZ());
+    scene.mesh_base.colors.push_back({90, 90, 90});
+  }
+  for (const auto& [a, b, c] : rail_base.triangles) {
+    scene.mesh_base.triangles.push_back({first + a, first + b, first + c});
+  }
   scene.objects.push_back(an_object("lost", {0.0, 0.0, 0.0}));
   scene.objects.back().evidence = kNotSeen;
-  const auto world = world_of(scene);
+  SceneWorldOptions options;
+  options.parameters = ParameterTable{{"rail", {}}};
+  options.parameters->at("rail").contact_stiffness = ParameterValue{12345.0};
+  const auto world = world_of(scene, options);
   ASSERT_TRUE(world) << world.error().to_string();
-  ASSERT_EQ(world->model.world.bodies.size(), 1U);
-  EXPECT_EQ(world->triangles, 5000U + 12U);
+  ASSERT_EQ(world->model.world.bodies.size(), 2U);
+  const WorldBody& rail = world->model.world.bodies[1];
+  EXPECT_FALSE(rail.is_movable);
+  EXPECT_EQ(rail.physics.contact.stiffness, 12345.0);
+  // The rail's scan, 3.6 mm off, is gone, and with it the table within 10 mm of the rail.
+  EXPECT_LE(world->triangles, scanned);
+  EXPECT_GT(world->triangles, scanned - 500U);
+  for (const std::string& name : world->assumed[1].names) EXPECT_NE(name, "mass");
   ASSERT_EQ(world->notes.size(), 1U);
   EXPECT_NE(world->notes[0].find("lost"), std::string::npos);
-  // The rail's corners, rotated by 0.3 rad, are at its pose in the scene.
-  const Eigen::Vector3f& corner = world->model.world.static_mesh_base.vertices.back();
-  EXPECT_NEAR((corner.head<2>() - Eigen::Vector2f(0.2F, 0.2F)).norm(), std::hypot(0.05, 0.1), 1e-5);
+  EXPECT_LT((rail.T_base_object.translation() - Eigen::Vector3d(0.2, 0.2, 0.04)).norm(), 1e-8);
 }
 
 TEST_F(SceneWorldTest, UsesGivenParametersAndListsDefaultedOnes) {

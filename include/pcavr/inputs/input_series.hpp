@@ -25,6 +25,7 @@ struct InputBody {
   Pose T_base_object;                         ///< at the start
   std::optional<double> mass = {};            ///< [kg] where it was weighed
   std::span<const TrackedPose> tracked = {};  ///< may be empty: its motion follows from the pushes
+  bool is_movable = true;                     ///< false: it stays at T_base_object
 };
 
 /// The measured series of one recording, or of a part of it, on one clock: base frame, SI, stamps

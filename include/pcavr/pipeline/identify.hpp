@@ -52,6 +52,9 @@ struct IdentifiableObject {
   Pose T_base_object;                     ///< pose at the start
   std::optional<double> mass = {};        ///< [kg] where it was weighed
   std::vector<TrackedPose> tracked = {};  ///< may be empty: then its motion follows from the pushes
+  /// False: every contact is a press, whatever its direction, and only the contact law is
+  /// identified.
+  bool is_movable = true;
 };
 
 struct IdentificationInput {
@@ -127,6 +130,7 @@ struct ParameterFinding {
 
 struct ObjectIdentification {
   std::string name;
+  bool is_movable = true;
   ObjectParameters parameters;  ///< all known parameters: goes into the parameter file
   std::vector<ParameterFinding> findings = {};
   ContactIdentification presses = {};

@@ -11,7 +11,7 @@
 
 namespace pcavr {
 
-/// The prior parameters of each movable object of a scene: those given in a parameter file, with
+/// The prior parameters of each object of a scene: those given in a parameter file, with
 /// the scene's mass where the file has none. `file` names the file in errors: an object that is not
 /// in the scene is an Error.
 [[nodiscard]] Expected<ParameterTable> known_parameters(const SceneManifest& scene,

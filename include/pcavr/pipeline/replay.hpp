@@ -51,6 +51,7 @@ struct ReplayOptions {
 
 struct ReplayedObject {
   std::string name;
+  bool is_movable = true;  ///< false: it is not tracked, and follows those that are
   /// One for each frame with a camera pose; empty where tracking was read from a folder, or
   /// streamed to one.
   std::vector<ObjectObservation> observations;

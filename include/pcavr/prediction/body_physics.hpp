@@ -58,6 +58,14 @@ struct CompletedPhysics {
                                                 double gravity = kStandardGravity,
                                                 const PhysicsDefaults& defaults = {});
 
+/// The same of a body that does not move: of its physics only contact and tool friction are used,
+/// so that only those are named where assumed.
+[[nodiscard]] CompletedPhysics complete_immovable_physics(const ObjectParameters& known,
+                                                          const CadModel& model,
+                                                          const Pose& T_base_object,
+                                                          double gravity = kStandardGravity,
+                                                          const PhysicsDefaults& defaults = {});
+
 /// The yaw [rad] about base z of a body's planar axes: its object frame's x axis projected on the
 /// horizontal plane, or its y axis where x is steeper than 60 degrees. Origin of the planar
 /// axes: the centre of mass. The frame of `limit_surface`.

@@ -31,11 +31,13 @@ enum class MotionPhase {
 };
 [[nodiscard]] std::string_view name_of(MotionPhase phase) noexcept;
 
-/// A movable body that stays upright on its support: it slides and rotates on the plane.
+/// A body that stays upright on its support: it slides and rotates on the plane. An immovable one
+/// keeps its pose under any force; of its physics only contact and tool friction are used.
 struct WorldBody {
   CadModel model;
   Pose T_base_object;  ///< its initial pose
   BodyPhysics physics;
+  bool is_movable = true;
 };
 
 /// Limits of the robot's tool, contact between bodies and with the scan, and collision shapes.
@@ -73,7 +75,7 @@ struct BodyState {
   bool is_present = true;  ///< false: taken out of the world, it neither moves nor touches anything
 };
 
-/// Movable bodies, a static environment, and a tool that pushes: contact by the identified law,
+/// Bodies, a static environment, and a tool that pushes: contact by the identified law,
 /// support friction by our three phases, collision detection by Bullet. Deterministic: same inputs,
 /// same bits, also after rollback and re-simulation. One thread at a time.
 class PredictedWorld {

@@ -48,6 +48,8 @@ struct SimulationCase {
   /// the format that a replay writes.
   bool with_images = true;
   bool with_mass = true;  ///< in the manifest
+  /// The boxes are fixed to the table, with movable: false in the manifest; ToolTask::press only.
+  bool is_immovable = false;
   SensorFaults faults = {};
 };
 

@@ -37,6 +37,7 @@ struct TeleopObject {
   Pose T_base_object;                ///< initial pose at both sites
   ObjectParameters parameters;       ///< prior knowledge
   std::vector<TrackedPose> tracked;  ///< frames in which it was lost are left out
+  bool is_movable = true;            ///< false: it keeps its pose, and every contact is a press
 };
 
 /// The force sensor's noise is measured over this much of a recording [s]: memory must not grow
