@@ -20,10 +20,11 @@ pcavr::Expected<void> predict(char** argv) {
   auto known = pcavr::read_parameters(argv[3]);
   if (!known) return known.error();
   pcavr::WorldModel model{{}, {}, input->tool_radius};
-  for (const auto& [name, cad, T_base_start, mass, tracked] : input->objects) {
-    if (tracked.empty()) return pcavr::Error{.message = name + " was not tracked"};
-    const pcavr::Pose& start = tracked.front().T_base_object;
-    model.bodies.push_back({cad, start, complete_physics((*known)[name], cad, start).physics});
+  for (const pcavr::IdentifiableObject& object : input->objects) {
+    if (object.tracked.empty()) return pcavr::Error{.message = object.name + " was not tracked"};
+    const pcavr::Pose& start = object.tracked.front().T_base_object;
+    model.bodies.push_back({object.model, start,
+                            complete_physics((*known)[object.name], object.model, start).physics});
   }
   auto world = pcavr::PredictedWorld::create(std::move(model));
   if (!world) return world.error();
@@ -34,14 +35,15 @@ pcavr::Expected<void> predict(char** argv) {
     if (cycle % 500 != 0) continue;
     const double now = predictor.now();
     for (std::size_t i = 0; i < input->objects.size(); ++i) {
-      const auto& [name, cad, T_base_start, mass, tracked] = input->objects[i];
+      const pcavr::IdentifiableObject& object = input->objects[i];
       const pcavr::ShownBody shown = predictor.shown(i);
       const pcavr::Pose old = predictor.world().T_base_object(i);
-      predictor.correct({now - 0.4, i, pose_at(tracked, now - 0.4)});
+      predictor.correct({now - 0.4, i, pose_at(object.tracked, now - 0.4)});
       if (shown.phase == pcavr::MotionPhase::free) continue;
       std::printf("%6.2f s  %s %-8s  %5.2f N, error %.2f mm, corrected by %.2f mm\n", now,
-                  name.c_str(), std::string(name_of(shown.phase)).c_str(), shown.force_base.norm(),
-                  1e3 * translation_distance(old, pose_at(tracked, now)),
+                  object.name.c_str(), std::string(name_of(shown.phase)).c_str(),
+                  shown.force_base.norm(),
+                  1e3 * translation_distance(old, pose_at(object.tracked, now)),
                   1e3 * translation_distance(old, predictor.world().T_base_object(i)));
     }
   }

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/core.h>
-
 #include <Eigen/Core>
+#include <fmt/core.h>
 
 #include "identify_parts.hpp"
 #include "identify_slides.hpp"
