@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Predicts the objects from the tool's motion alone, in cycles of 1 ms. Twice a second a tracked
 // pose arrives, 0.4 s old: rollback to its time and re-simulation of the present.
-//   06_predict_a_push RECORDING TRACKED PARAMETERS
 #include <cstdio>
 
 #include <pcavr/identification/path_view.hpp>
@@ -53,8 +52,7 @@ pcavr::Expected<void> predict(char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4)
-    return std::fprintf(stderr, "usage: %s RECORDING TRACKED PARAMETERS\n", argv[0]), 2;
+  if (argc != 4) return std::puts("usage: 06_predict_a_push RECORDING TRACKED PARAMETERS"), 2;
   const auto done = predict(argv);
   if (!done) std::fprintf(stderr, "%s\n", done.error().to_string().c_str());
   return done ? 0 : 1;
