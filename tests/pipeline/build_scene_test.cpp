@@ -50,10 +50,13 @@ TEST(BuildScene, WithoutImagesHoldsWhatTheManifestStates) {
   const Expected<Scene> scene = build_scene(recording_without_images(folder), {}, observer);
   ASSERT_TRUE(scene) << scene.error().to_string();
   EXPECT_NE(warning.find("no images"), std::string::npos);
-  ASSERT_EQ(scene->objects.size(), 1U);
-  EXPECT_EQ(scene->objects[0].evidence, "manifest");
+  ASSERT_EQ(scene->objects.size(), 2U);
+  EXPECT_EQ(scene->objects[0].evidence, kByManifest);
   EXPECT_EQ(scene->objects[0].mass, 2.0);
-  EXPECT_EQ(scene->mesh_base.triangles.size(), 12U);  // the body that does not move
+  EXPECT_TRUE(scene->objects[0].is_movable);
+  EXPECT_FALSE(scene->objects[1].is_movable);
+  EXPECT_EQ(scene->objects[1].model.mesh_object.triangles.size(), 12U);
+  EXPECT_TRUE(scene->mesh_base.triangles.empty()) << "nothing was scanned";
   ASSERT_EQ(scene->support_planes.size(), 1U);
   EXPECT_NEAR(scene->support_planes[0].plane_base.offset, 0.10, 1e-6);
   EXPECT_EQ(scene->support_planes[0].objects, std::vector<std::string>{"cube"});
