@@ -94,10 +94,11 @@ class Cases:
             match = re.fullmatch(r"parameters\.(\w+)\.([\w.]+)\.error_relative", key)
             if match and match[2] in words:
                 self.add(words[match[2]], 1e2 * abs(value), f"{seed} {match[1]}")
-            match = re.fullmatch(r"parameters\.(\w+)\.mass\.error_relative", key)
-            coefficient = f"parameters.{match[1]}.sliding_friction_coefficient" if match else None
-            if match and f"{coefficient}.error_relative" in report:
-                force = (1.0 + value) * (1.0 + report[f"{coefficient}.error_relative"]) - 1.0
+            match = re.fullmatch(r"parameters\.(\w+)\.sliding_friction_coefficient\.error_relative", key)
+            if match:
+                # A given mass has no error.
+                mass_error = report.get(f"parameters.{match[1]}.mass.error_relative", 0.0)
+                force = (1.0 + value) * (1.0 + mass_error) - 1.0
                 self.add("sliding friction, force at standstill, error", 1e2 * abs(force),
                          f"{seed} {match[1]}")
             match = re.fullmatch(r"parameters\.(\w+)\.limiting_static_friction\.std", key)

@@ -78,6 +78,10 @@ class PushedObjects : public testing::Test {
                      path_of(run + "-report")});
   }
 
+  static json report_of(const std::string& name) {
+    return json::parse(read_file(fs::path(path_of(name)) / "report.json").value());
+  }
+
   static TemporaryFolder* folder_;
 };
 TemporaryFolder* PushedObjects::folder_ = nullptr;
@@ -89,10 +93,14 @@ TEST_F(PushedObjects, AreIdentified) {
     const std::string key = "parameters." + box + ".";
     for (const auto& [name, bound] :
          std::map<std::string, double>{{"limiting_static_friction", 0.02},
-                                       {"sliding_friction_coefficient", 0.03},
-                                       {"mass", 0.05}}) {
+                                       {"sliding_friction_coefficient", 0.03}}) {
       expect_within(report, key + name + ".error_relative", bound);
     }
+    // The mass was weighed; the accelerations show it as well.
+    EXPECT_EQ(report[key + "mass.source"], "given");
+    const json identified = report_of("parameters.report");
+    const double mass = identified["object." + box + ".inertial_mass"].get<double>();
+    EXPECT_NEAR(mass / report[key + "mass.truth"].get<double>(), 1.0, 0.05);
   }
 }
 
