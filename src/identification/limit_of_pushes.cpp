@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "pcavr/core/check.hpp"
 
@@ -58,6 +59,20 @@ LimitOfPushes combine_limits(std::span<const IdentifiedParameter> limits, double
   result.limit = {mean, std::sqrt(std::max(0.0, squares / total - mean * mean)), true};
   result.scatter = scatter_mean / total;
   return result;
+}
+
+IdentifiedParameter limit_above_sliding(const IdentifiedParameter& limit,
+                                        const IdentifiedParameter& coulomb) {
+  const double square = limit.std * limit.std + coulomb.std * coulomb.std;
+  const double bound = (coulomb.value - limit.value) / std::sqrt(square);
+  if (!limit.is_excited || !coulomb.is_excited || !(square > 0.0)) return limit;
+  if (bound > kLimitContradiction) return {limit.value, limit.std, false};
+  const double density = std::exp(-0.5 * bound * bound) / std::sqrt(2.0 * std::numbers::pi);
+  const double remaining = 0.5 * std::erfc(bound / std::numbers::sqrt2);
+  const double shift = density / remaining;  // of the mean, in stds of the difference
+  const double gain = limit.std * limit.std / std::sqrt(square);
+  const double narrowing = gain * gain * shift * (shift - bound);
+  return {limit.value + gain * shift, std::sqrt(limit.std * limit.std - narrowing), true};
 }
 
 }  // namespace pcavr

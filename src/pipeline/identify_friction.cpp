@@ -12,10 +12,6 @@
 namespace pcavr {
 namespace {
 
-/// A push with a larger lever arm about the centre meets less friction, because the object also
-/// rotates: 1.5 % at a friction radius of 60 mm.
-constexpr double kMaxCentredLever = 0.010;  // [m]
-
 /// Stds beyond which a weighed mass contradicts the one that accelerations show.
 constexpr double kMassContradiction = 5.0;
 
@@ -27,8 +23,6 @@ constexpr double kRateDuration = 0.10;  // [s]
 
 constexpr double kMaxNoise = 0.01;  // smoothed noise over force: a third of the drop after a peak
 constexpr double kMaxHalfWidth = 0.030;  // [s] half width; the peak is wider than that
-
-bool is_centred(const IdentifiedContact* push) { return std::abs(push->lever) <= kMaxCentredLever; }
 
 /// Mass, friction and damping of all slides: with the mass that was weighed, and without.
 struct SlidesPosterior {
@@ -142,6 +136,31 @@ double rate_std(const LimitingFriction& limit) {
   return limit.mean * kRateShare * kRateDuration / (kRateDuration + duration);
 }
 
+/// Raises an F_M that is uncertain to what sliding says of it, and withholds one that contradicts
+/// it: false then.
+bool bound_by_sliding(ObjectIdentification& result) {
+  IdentifiedParameter& limit = result.limit_of_pushes.limit;
+  const IdentifiedParameter& coulomb = result.friction.coulomb;
+  const IdentifiedParameter bounded = limit_above_sliding(limit, coulomb);
+  const std::string contradiction = fmt::format(
+      "the limiting friction of the pushes, {:.2f} N +- {:.2f} N, is below the sliding friction, "
+      "{:.2f} N +- {:.2f} N",
+      limit.value, limit.std, coulomb.value, coulomb.std);
+  if (!bounded.is_excited) {
+    result.notes.push_back(contradiction +
+                           ": it is not used; push slowly through the centre of mass");
+    result.limit.pushes = 0;
+    return false;
+  }
+  if (limit.value < coulomb.value) {
+    result.notes.push_back(contradiction +
+                           fmt::format(", which it can't be: raised to {:.2f} N +- {:.2f} N",
+                                       bounded.value, bounded.std));
+  }
+  limit = bounded;
+  return true;
+}
+
 /// F_M of each push: the limiting static friction without inertia, which needs the mass; else the
 /// force at the peak. F_M of all that count: with the scatter between pushes.
 void find_limits(const std::vector<IdentifiedContact*>& pushes,
@@ -178,6 +197,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
   result.limit_of_pushes = combine_limits(limits, priors.scatter, priors.scatter_factor);
   IdentifiedParameter& mean = result.limit_of_pushes.limit;
   mean.std = std::hypot(mean.std, rate_std(result.limit));
+  if (!bound_by_sliding(result)) return;
   ObjectParameters& parameters = result.parameters;
   parameters.limiting_static_friction = as_value(result.limit_of_pushes.limit);
   parameters.limiting_static_friction_scatter = ParameterValue{result.limit_of_pushes.scatter, {}};
@@ -191,6 +211,8 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
 }
 
 }  // namespace
+
+bool is_centred(const IdentifiedContact* push) { return std::abs(push->lever) <= kMaxCentredLever; }
 
 void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                           std::optional<double> given_mass, const BodyMotion& body,

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "pcavr/core/median.hpp"
 #include "pcavr/friction/limit_surface.hpp"
@@ -18,6 +21,31 @@ constexpr double kMinTurnDisplacement = 0.004;  // [m], with rotations weighted 
 constexpr double kRotationLever = 0.05;         // [m]
 /// Minimum weighted rotation, as a share of the translation, of a twist that determines the radius.
 constexpr double kMinRotationShare = 0.2;
+
+/// Share of a slow push's median force above which its object slides: the rest is the loading, and
+/// the end.
+constexpr double kLoadedShare = 0.7;
+
+/// When the object slid. A push as slow as the noise of the tip's speed shows no slides of its own,
+/// but an object that was displaced while the force stayed near its level slid under it.
+std::vector<SlideInterval> sliding_intervals(const ContactEpisode& episode) {
+  if (!episode.slides.empty()) return episode.slides;
+  std::vector<double> forces;
+  const auto is_inside = [&](double t) { return t >= episode.begin && t <= episode.end; };
+  for (std::size_t i = 0; i < episode.t.size(); ++i) {
+    if (is_inside(episode.t[i])) forces.push_back(episode.force[i]);
+  }
+  if (forces.empty()) return {};
+  const double level = kLoadedShare * median(std::move(forces));
+  std::optional<SlideInterval> loaded;
+  for (std::size_t i = 0; i < episode.t.size(); ++i) {
+    const double t = episode.t[i];
+    if (!is_inside(t) || episode.force[i] < level) continue;
+    if (!loaded) loaded = SlideInterval{t, t};
+    loaded->end = t;
+  }
+  return loaded ? std::vector{*loaded} : std::vector<SlideInterval>{};
+}
 
 /// Planar pose of the object's centre of mass.
 struct Planar {
@@ -55,7 +83,7 @@ class Turning {
 
   void add(const IdentifiedContact& contact, std::vector<PushSample>& samples) const {
     const std::span<const TrackedPose> tracked = body_.tracked;
-    for (const SlideInterval& slide : contact.episode.slides) {
+    for (const SlideInterval& slide : sliding_intervals(contact.episode)) {
       const TrackedPose* from = nullptr;
       for (const TrackedPose& pose : tracked) {
         if (pose.t < slide.begin || pose.t > slide.end) continue;

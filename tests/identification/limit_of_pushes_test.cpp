@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/identification/limit_of_pushes.hpp"
 
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "pcavr/core/random.hpp"
 
 namespace pcavr {
 namespace {
@@ -31,6 +34,36 @@ TEST(CombineLimits, WeighsAWidePushLittleAndReportsTheScatter) {
 
 TEST(CombineLimits, HasNoValueWithoutPushes) {
   EXPECT_FALSE(combine_limits({}, 0.02, 2.0).limit.is_excited);
+}
+
+TEST(LimitAboveSliding, LeavesALimitFarAboveSlidingFriction) {
+  const IdentifiedParameter limit{10.0, 0.1, true};
+  const IdentifiedParameter found = limit_above_sliding(limit, {8.0, 0.1, true});
+  EXPECT_NEAR(found.value, limit.value, 1e-9);
+  EXPECT_NEAR(found.std, limit.std, 1e-9);
+  EXPECT_TRUE(found.is_excited);
+}
+
+TEST(LimitAboveSliding, HasTheMomentsOfSamplesAboveSlidingFriction) {
+  const IdentifiedParameter limit{3.0, 0.5, true}, coulomb{3.2, 0.3, true};
+  Random random(5);
+  double sum = 0.0, squares = 0.0, count = 0.0;
+  for (int i = 0; i < 400000; ++i) {
+    const double value = limit.value + limit.std * random.normal();
+    if (value < coulomb.value + coulomb.std * random.normal()) continue;
+    sum += value, squares += value * value, count += 1.0;
+  }
+  const double mean = sum / count;
+  const IdentifiedParameter found = limit_above_sliding(limit, coulomb);
+  EXPECT_NEAR(found.value, mean, 0.005);
+  EXPECT_NEAR(found.std, std::sqrt(squares / count - mean * mean), 0.005);
+}
+
+TEST(LimitAboveSliding, IsNotExcitedWhereTheTwoContradictEachOther) {
+  EXPECT_FALSE(limit_above_sliding({9.0, 0.2, true}, {10.0, 0.2, true}).is_excited);
+  EXPECT_TRUE(limit_above_sliding({9.5, 0.2, true}, {10.0, 0.2, true}).is_excited);
+  // A sliding friction that is not known bounds nothing.
+  EXPECT_EQ(limit_above_sliding({9.0, 0.2, true}, {10.0, 0.2, false}).value, 9.0);
 }
 
 }  // namespace

@@ -20,4 +20,13 @@ struct LimitOfPushes {
 [[nodiscard]] LimitOfPushes combine_limits(std::span<const IdentifiedParameter> limits,
                                            double scatter_share, double scatter_factor);
 
+/// F_M with what the slides say of it: limiting friction is not below Coulomb friction. Both are
+/// Gaussian, the part of their distribution where F_M is below is cut off, and mean and std of the
+/// rest are returned [moments of the truncated normal distribution: Johnson, Kotz & Balakrishnan
+/// 1994, ch. 13]. Not excited where next to nothing would remain: where F_M is below by more than
+/// `kLimitContradiction` stds, the two contradict each other.
+[[nodiscard]] IdentifiedParameter limit_above_sliding(const IdentifiedParameter& limit,
+                                                      const IdentifiedParameter& coulomb);
+inline constexpr double kLimitContradiction = 3.0;
+
 }  // namespace pcavr
