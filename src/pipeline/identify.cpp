@@ -137,6 +137,7 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
         if (fault) return fault->error;
       }
     }
+    withhold_contact_off_centre(found);
     state_findings(goal, object, found);
   }
   note_contacts(result, input);

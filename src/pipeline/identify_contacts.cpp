@@ -135,8 +135,6 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
     presses.insert(presses.end(), pushes.begin(), pushes.end());
     pushes.clear();
   }
-  // An object that is pushed off its centre turns under the load: the tip's path is not the
-  // compression alone, and the stiffness comes out up to a half too small.
   std::vector<IdentifiedContact*> centred;
   std::copy_if(pushes.begin(), pushes.end(), std::back_inserter(centred), is_centred);
   std::vector<ForceMotion> series;
@@ -148,7 +146,9 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   if (!series.empty()) result.presses = identify_contact(series, fit_options);
   const ParameterValue exponent = result.parameters.contact_exponent.value_or(
       ParameterValue{kGivenExponent, kGivenExponentStd});
-  result.faces = identify_faces(centred, exponent.value, options.contact_fit);
+  result.is_contact_off_centre = centred.empty() && !pushes.empty();
+  result.faces = identify_faces(result.is_contact_off_centre ? pushes : centred, exponent.value,
+                                options.contact_fit);
 
   const ContactFit* best = nullptr;
   int count = result.press_count;
@@ -166,11 +166,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
       }
     }
   }
-  if (best == nullptr && centred.size() < pushes.size()) {
-    result.notes.emplace_back(
-        "pushes off the centre of mass: not used for the contact law, because the object turns "
-        "under the load; press along z, or push through the centre");
-  }
+  if (best == nullptr || result.presses.best().is_valid) result.is_contact_off_centre = false;
   if (best != nullptr) {
     take_parameters(*best, result.parameters);
     result.is_exponent_given = !result.presses.best().is_valid;
@@ -182,6 +178,20 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
     if (result.is_exponent_given) result.parameters.sources.pushes.erase("contact.exponent");
   }
   identify_impacts(pushes, result);
+}
+
+void withhold_contact_off_centre(ObjectIdentification& result) {
+  if (!result.is_contact_off_centre) return;
+  ObjectParameters& parameters = result.parameters;
+  parameters.contact_stiffness.reset();
+  parameters.contact_damping.reset();
+  parameters.contact_exponent.reset();
+  for (const char* key : {"contact.stiffness", "contact.damping", "contact.exponent"}) {
+    parameters.sources.pushes.erase(key);
+  }
+  result.notes.emplace_back(
+      "all pushes are off the centre of mass: the contact law is not identified, because the "
+      "object turns under the load; press along z, or push through the centre");
 }
 
 void identify_impacts(const std::vector<IdentifiedContact*>& pushes, ObjectIdentification& result) {

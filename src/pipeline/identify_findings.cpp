@@ -59,6 +59,7 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
   for (const FaceContact& face : found.faces) {
     by_face |= face.contact.best().is_valid && face.contact.best().stiffness.is_excited;
   }
+  by_face = by_face && !found.is_contact_off_centre;
   const bool is_identified = by_presses || by_face;
   const std::string source = by_presses ? counted(found.press_count, "press", "es")
                              : by_face  ? "pushes before breakaway, under the given exponent"
@@ -71,7 +72,7 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
   ParameterFinding& exponent =
       findings.add("contact.exponent", "", p.contact_exponent,
                    is_identified && !found.is_exponent_given, source, better);
-  if (found.is_exponent_given) exponent.remark = kExponentRemark + better;
+  if (found.is_exponent_given && by_face) exponent.remark = kExponentRemark + better;
   if (by_presses && !found.presses.proposal.empty()) found.notes.push_back(found.presses.proposal);
 }
 

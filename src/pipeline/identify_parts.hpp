@@ -22,6 +22,9 @@ namespace pcavr {
 inline constexpr double kMaxCentredLever = 0.010;  // [m]
 [[nodiscard]] bool is_centred(const IdentifiedContact* push);
 
+/// Removes a contact law that is not a result (ObjectIdentification::is_contact_off_centre).
+void withhold_contact_off_centre(ObjectIdentification& result);
+
 /// Presses, faces and impacts, and the estimators' comparison.
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const IdentificationOptions& options, ObjectIdentification& result);

@@ -137,6 +137,10 @@ struct ObjectIdentification {
   int press_count = 0;
   /// The exponent is an assumption (Hertz): pushes before breakaway do not identify it.
   bool is_exponent_given = false;
+  /// The contact law rests on pushes off the centre of mass alone: under the load the object turns,
+  /// so that the stiffness comes out up to a half too small. It corrects the compression in the
+  /// estimates of friction, and is not a result.
+  bool is_contact_off_centre = false;
   std::vector<FaceContact> faces = {};
   std::vector<EstimatorTrace> comparison = {};
   std::vector<MeasuredImpact> impacts = {};
