@@ -91,9 +91,8 @@ TEST_F(PushedObjects, AreIdentified) {
                                 path_of("probe/truth"), "-o", path_of("parameters-report")});
   for (const std::string box : {"box_1", "box_2"}) {
     const std::string key = "parameters." + box + ".";
-    for (const auto& [name, bound] :
-         std::map<std::string, double>{{"limiting_static_friction", 0.02},
-                                       {"sliding_friction_coefficient", 0.03}}) {
+    for (const auto& [name, bound] : std::map<std::string, double>{
+             {"limiting_static_friction", 0.02}, {"sliding_friction_coefficient", 0.03}}) {
       expect_within(report, key + name + ".error_relative", bound);
     }
     // The mass was weighed; the accelerations show it as well.
