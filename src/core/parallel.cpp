@@ -12,7 +12,30 @@
 
 #include "pcavr/core/check.hpp"
 
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define PCAVR_HAS_THREAD_SANITIZER
+#include <sanitizer/tsan_interface.h>
+#endif
+#endif
+
 namespace pcavr {
+namespace {
+
+/// A point that threads pass one after the other. oneTBB is not instrumented: without it the thread
+/// sanitizer would not see that chunks begin after the call and end before it returns.
+class Handover {
+ public:
+#ifdef PCAVR_HAS_THREAD_SANITIZER
+  void release() { __tsan_release(this); }
+  void acquire() { __tsan_acquire(this); }
+#else
+  void release() {}
+  void acquire() {}
+#endif
+};
+
+}  // namespace
 
 Parallelism Parallelism::max() {
   return {std::max(1, static_cast<int>(std::thread::hardware_concurrency()))};
@@ -23,8 +46,11 @@ void parallel_for(Parallelism parallelism, std::size_t count, std::size_t grain,
   PCAVR_REQUIRE(parallelism.threads >= 1, parallelism.threads);
   PCAVR_REQUIRE(grain >= 1, grain);
   const std::size_t chunks = (count + grain - 1) / grain;
+  Handover begin, end;
   const auto run_chunk = [&](std::size_t chunk) {
+    begin.acquire();
     body(chunk * grain, std::min(count, (chunk + 1) * grain));
+    end.release();
   };
   if (parallelism.threads == 1 || chunks <= 1) {
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) run_chunk(chunk);
@@ -37,7 +63,9 @@ void parallel_for(Parallelism parallelism, std::size_t count, std::size_t grain,
                          static_cast<std::size_t>(parallelism.threads));
   }
   tbb::task_arena arena(parallelism.threads);
+  begin.release();
   arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, run_chunk); });
+  end.acquire();
 }
 
 }  // namespace pcavr
