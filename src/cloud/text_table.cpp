@@ -71,7 +71,7 @@ std::span<const ScalarColumn> TextTable::columns() {
   for (std::size_t i = 0; i < placed_.size(); ++i) {
     ScalarColumn& column = placed_[i];
     column.type = is_packed_color(columns_[i]) ? ScalarType::u32 : ScalarType::f64;
-    column.first = reinterpret_cast<const char*>(cells_.data() + i);
+    column.first = cells_.empty() ? nullptr : reinterpret_cast<const char*>(&cells_[i]);
     column.stride = columns_.size() * sizeof(std::uint64_t);
     column.is_big_endian = false;
   }
