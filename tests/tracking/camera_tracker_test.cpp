@@ -40,6 +40,7 @@ struct SimulatedRecording {
   Trajectory groundtruth = {};
   CameraTrackerOptions options = {};
   int threads = 1;
+  std::size_t seed = 0;  ///< of the noise
 };
 
 CameraTrack track(const SimulatedRecording& recording) {
@@ -47,11 +48,12 @@ CameraTrack track(const SimulatedRecording& recording) {
   CameraTracker tracker(manifest, recording.groundtruth, recording.options);
   for (int i = 0; i < recording.frames; ++i) {
     const double t = i * kPeriod;
-    const auto index = static_cast<std::size_t>(i);
+    const std::size_t index = static_cast<std::size_t>(i) + 100 * recording.seed;
     Scene scene;
     recording.change_scene(i, scene);
     const Pose T_base_color = recording.path(t + recording.color_delay);
     RgbdFrame frame = render(scene, recording.camera, T_base_color, recording.path(t), index);
+    frame.index = static_cast<std::size_t>(i);
     frame.depth_stamp = stamp_of(t);
     frame.color_stamp = stamp_of(t + recording.color_delay);
     recording.corrupt_frame(i, frame);
@@ -174,12 +176,21 @@ TEST(CameraTracker, DoesNotPlaceASegmentWithoutALinkToBase) {
   recording.path = [](double t) {
     return t < 7.5 * kPeriod ? walk(t) : look_at({2.0, 0.1 * t, 0.6}, {0.7, 0.3 + 0.1 * t, 0.5});
   };
-  const CameraTrack result = track(recording);
-  EXPECT_EQ(count(result, PlacementStatus::placed), 8);
-  EXPECT_EQ(count(result, PlacementStatus::not_anchored), 8);
-  // Four frames see the tag: its error is common to all, and in the stated std.
-  EXPECT_LT(result.frames[0].position_std, 0.008);
-  EXPECT_LT(max_position_error(result, recording.path), 2.0 * result.frames[0].position_std);
+  // Four frames see the tag: their error is common to all frames, and follows the stated std.
+  constexpr std::size_t kDraws = 7;
+  double squares = 0.0;
+  double position_std = 0.0;
+  for (recording.seed = 0; recording.seed < kDraws; ++recording.seed) {
+    const CameraTrack result = track(recording);
+    EXPECT_EQ(count(result, PlacementStatus::placed), 8);
+    EXPECT_EQ(count(result, PlacementStatus::not_anchored), 8);
+    position_std = result.frames[0].position_std;
+    const double error = max_position_error(result, recording.path);
+    EXPECT_LT(error, 2.0 * position_std);
+    squares += error * error / kDraws;
+  }
+  EXPECT_LT(std::sqrt(squares), position_std);
+  EXPECT_LT(position_std, 0.008);
 }
 
 TEST(CameraTracker, ReportsWhyNothingIsAnchoredWithoutTagsAndPoses) {
