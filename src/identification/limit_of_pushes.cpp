@@ -27,7 +27,7 @@ LimitOfPushes combine_limits(std::span<const IdentifiedParameter> limits, double
     if (one.is_excited) largest = std::max(largest, one.value);
   }
   if (!(largest > 0.0)) return result;
-  double total = 0.0, mean = 0.0, squares = 0.0, scatter_mean = 0.0, best = -1e300;
+  double total = 0.0, mean = 0.0, squares = 0.0, scatter_mean = 0.0;
   std::array<double, kScatterGrid> logs{}, means{}, variances{}, scatters{};
   for (int g = 0; g < kScatterGrid; ++g) {
     const auto k = static_cast<std::size_t>(g);
@@ -46,8 +46,8 @@ LimitOfPushes combine_limits(std::span<const IdentifiedParameter> limits, double
     variances[k] = 1.0 / weight;
     misfit -= weighted * weighted / weight;
     logs[k] = -0.5 * (misfit + log_determinant + std::log(weight) + in_stds * in_stds);
-    best = std::max(best, logs[k]);
   }
+  const double best = *std::max_element(logs.begin(), logs.end());
   for (std::size_t k = 0; k < logs.size(); ++k) {
     const double weight = std::exp(logs[k] - best);
     total += weight;

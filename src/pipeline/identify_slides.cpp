@@ -170,15 +170,15 @@ class Slides {
     const SmoothSlide push = smooth_slide(contact, contact_law, mean_interval(tip_.t()));
     double from = episode.begin;
     if (episode.breakaway.is_found) from = episode.breakaway.t + kSlideSettle + push.half_width;
-    double last = -1e9;
+    double next = from;
     for (std::size_t i = 0; i < episode.t.size(); ++i) {
       const double t = episode.t[i];
-      if (t < from || t > episode.end - push.half_width || t < last + push.half_width) continue;
+      if (t < next || t > episode.end - push.half_width) continue;
       if (!is_sliding(push, episode, i)) continue;
       std::optional<FrictionSample> sample = sample_at(contact, push, i);
       if (!sample) continue;
       sample->push = number;
-      last = t;
+      next = t + push.half_width;
       samples.push_back(*sample);
     }
   }

@@ -253,11 +253,11 @@ void PhaseMonitor::begin_slide() {
   stamp_slide();
 }
 
-void PhaseMonitor::stamp_slide() {
+void PhaseMonitor::stamp_slide(bool is_over) {
   const double now = contact_.back().t;
   const double level = min_displacement();
   const bool has_both = displacement(contact_.back()) - rest_displacement_ > kLevels * level;
-  if (!has_both && now - slide_detected_ < kSlideSettled) return;
+  if (!has_both && !is_over && now - slide_detected_ < kSlideSettled) return;
   is_slide_stamped_ = true;
   // The last time below each level, so that noise before the onset is ignored.
   double t_low = now, t_high = now;
@@ -304,10 +304,7 @@ void PhaseMonitor::stamp_critical(double t_onset) {
 }
 
 void PhaseMonitor::end_slide() {
-  if (!is_slide_stamped_) {
-    slide_detected_ = -1e300;
-    stamp_slide();
-  }
+  if (!is_slide_stamped_) stamp_slide(true);
   const double now = contact_.back().t;
   const double level = min_displacement();
   const double rest = mean_displacement(now - 0.5 * options_.min_speed_window, now);

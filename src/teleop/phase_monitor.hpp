@@ -89,7 +89,8 @@ class PhaseMonitor {
   void update_static_phase(const std::optional<ParameterValue>& limiting_friction);
   void measure_speed();
   void begin_slide();
-  void stamp_slide();
+  /// `is_over`: no further samples will tell its onset better.
+  void stamp_slide(bool is_over = false);
   void end_slide();
   void stamp_critical(double t_onset);
   void stamp_rest(double t_stop);

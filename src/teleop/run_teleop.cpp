@@ -196,12 +196,14 @@ std::vector<PhaseRow> phase_rows(std::size_t object, const Changes& measured,
   PhaseRow row{predicted.front().t, object, measured.front().phase, predicted.front().phase};
   while (true) {
     rows.push_back(row);
-    const double next_m = m + 1 < measured.size() ? measured[m + 1].t : 1e300;
-    const double next_p = p + 1 < predicted.size() ? predicted[p + 1].t : 1e300;
+    const bool has_m = m + 1 < measured.size();
+    const bool has_p = p + 1 < predicted.size();
+    if (!has_m && !has_p) return rows;
+    const double next_m = has_m ? measured[m + 1].t : predicted[p + 1].t;
+    const double next_p = has_p ? predicted[p + 1].t : measured[m + 1].t;
     row.t = std::min(next_m, next_p);
-    if (row.t == 1e300) return rows;
-    if (next_m < row.t + kTimeTolerance) row.measured = measured[++m].phase;
-    if (next_p < row.t + kTimeTolerance) row.predicted = predicted[++p].phase;
+    if (has_m && next_m < row.t + kTimeTolerance) row.measured = measured[++m].phase;
+    if (has_p && next_p < row.t + kTimeTolerance) row.predicted = predicted[++p].phase;
   }
 }
 
