@@ -42,6 +42,7 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
       limit_surface_(assumed.limit_surface),
       tool_radius_(tool_radius),
       latest_{start, object.T_base_object, std::sqrt(3.0) * options.pose.initial_std, 0.0},
+      T_base_object_(object.T_base_object),
       frame_interval_(median_interval(object.tracked)) {}
 
 void RobotObject::update_tracking(double t) {
@@ -68,11 +69,12 @@ void RobotObject::update_tracking(double t) {
                                 displacement > 2.0 * options_.min_displacement;
     if (has_moved_away && !monitor.is_touched()) touched_std_ = 0.0;
     latest_ = seen;
+    T_base_object_ = seen.T_base_object;
   }
 }
 
 bool RobotObject::is_lost(double t) const {
-  return frames_ > 0 && t - latest_.t > kMaxMissedFrames * frame_interval_;
+  return t - latest_.t > kMaxMissedFrames * frame_interval_;
 }
 
 double RobotObject::displacement_since_frame(double t) const {
@@ -82,54 +84,75 @@ double RobotObject::displacement_since_frame(double t) const {
 }
 
 Touch RobotObject::touch(const Eigen::Vector3d& p_base_tip) const {
-  return surface_.touch(latest_.T_base_object, p_base_tip, tool_radius_);
+  return surface_.touch(T_base_object_, p_base_tip, tool_radius_);
 }
 
-PoseEstimate RobotObject::estimate_pose(const TouchSample& sample) {
+PoseEstimate RobotObject::estimate_pose(const TouchSample& sample, const PlanarPose& predicted) {
+  if (!is_lost(sample.t)) return estimate_from_frame(sample);
+  PoseEstimate estimate = estimate_from_prediction(sample, predicted);
+  T_base_object_ = estimate.T_base_object;
+  return estimate;
+}
+
+PoseEstimate RobotObject::estimate_from_frame(const TouchSample& sample) {
   PoseEstimate estimate{latest_.T_base_object, latest_.position_std / std::sqrt(3.0), true};
   const bool is_moving = monitor.phase() == MotionPhase::sliding;
   const double displacement = displacement_since_frame(sample.t);
-  const bool is_extrapolated = monitor.is_touched() && !monitor.is_press();
-  if (is_extrapolated && (is_moving || std::abs(displacement) > options_.min_displacement)) {
+  if (is_pushed() && (is_moving || std::abs(displacement) > options_.min_displacement)) {
     estimate.T_base_object =
         Pose::from_translation(displacement * monitor.direction_base()) * estimate.T_base_object;
   }
-  if (is_lost(sample.t)) estimate.std += options_.untracked_drift * std::abs(displacement);
-  estimate.is_current = !is_moving || is_extrapolated;
+  estimate.is_current = !is_moving || is_pushed();
 
-  const ObjectParameters& law = learner.known();
-  const double force = monitor.resting_force();
-  if (is_extrapolated && law.contact_stiffness && force > options_.min_force) {
-    const double stiffness = law.contact_stiffness->value;
-    const double exponent = law.contact_exponent ? law.contact_exponent->value : 1.0;
-    const double relative_std = law.contact_stiffness->std.value_or(
-                                    options_.default_penetration_std * exponent * stiffness) /
-                                (stiffness * exponent);
-    const double penetration =
-        static_penetration({.stiffness = stiffness, .exponent = exponent}, force);
-    const double touch_std =
-        std::hypot(options_.contact_std, std::min(relative_std, kMaxPenetrationStd) * penetration);
-    const Touch tip = surface_.touch(estimate.T_base_object, sample.p_base_tip, tool_radius_);
-    if (std::isfinite(tip.gap)) {
-      const double error = -tip.gap - penetration;
-      const double camera_variance = estimate.std * estimate.std;
-      const double weight = camera_variance / (camera_variance + touch_std * touch_std);
-      const Eigen::Vector3d offset = weight * error * monitor.direction_base();
-      touched_offset_ =
-          touched_std_ > 0.0
-              ? Eigen::Vector3d(touched_offset_ + options_.offset_gain * (offset - touched_offset_))
-              : offset;
-      estimate.std *= std::sqrt(1.0 - weight);
-      touched_std_ = estimate.std;
-      estimate.T_base_object = Pose::from_translation(offset) * estimate.T_base_object;
-      return estimate;
-    }
-  }
-  if (touched_std_ > 0.0) {
-    estimate.T_base_object = Pose::from_translation(touched_offset_) * estimate.T_base_object;
-    estimate.std = std::min(estimate.std, touched_std_);
+  if (const std::optional<ContactOffset> face = offset_by_contact(sample, estimate)) {
+    const double gain = touched_std_ > 0.0 ? options_.offset_gain : 1.0;
+    touched_offset_ += gain * (face->offset_base - touched_offset_);
+    touched_std_ = face->std;
+    apply(*face, estimate);
+  } else if (touched_std_ > 0.0) {
+    apply({touched_offset_, std::min(estimate.std, touched_std_)}, estimate);
   }
   return estimate;
+}
+
+PoseEstimate RobotObject::estimate_from_prediction(const TouchSample& sample,
+                                                   const PlanarPose& predicted) const {
+  const double drift = options_.untracked_drift * std::abs(displacement_since_frame(sample.t));
+  PoseEstimate estimate{pose_at(predicted, latest_.T_base_object),
+                        latest_.position_std / std::sqrt(3.0) + drift, false};
+  if (const std::optional<ContactOffset> face = offset_by_contact(sample, estimate)) {
+    apply(*face, estimate);
+    estimate.is_current = true;
+  }
+  return estimate;
+}
+
+std::optional<RobotObject::ContactOffset> RobotObject::offset_by_contact(
+    const TouchSample& sample, const PoseEstimate& estimate) const {
+  const ObjectParameters& law = learner.known();
+  const double force = monitor.resting_force();
+  if (!is_pushed() || !law.contact_stiffness || force <= options_.min_force) return std::nullopt;
+  const double stiffness = law.contact_stiffness->value;
+  const double exponent = law.contact_exponent ? law.contact_exponent->value : 1.0;
+  const double relative_std =
+      law.contact_stiffness->std.value_or(options_.default_penetration_std * exponent * stiffness) /
+      (stiffness * exponent);
+  const double penetration =
+      static_penetration({.stiffness = stiffness, .exponent = exponent}, force);
+  const double touch_std =
+      std::hypot(options_.contact_std, std::min(relative_std, kMaxPenetrationStd) * penetration);
+  const Touch tip = surface_.touch(estimate.T_base_object, sample.p_base_tip, tool_radius_);
+  if (!std::isfinite(tip.gap)) return std::nullopt;
+  const double error = -tip.gap - penetration;
+  const double variance = estimate.std * estimate.std;
+  const double weight = variance / (variance + touch_std * touch_std);
+  return ContactOffset{weight * error * monitor.direction_base(),
+                       estimate.std * std::sqrt(1.0 - weight)};
+}
+
+void RobotObject::apply(const ContactOffset& face, PoseEstimate& estimate) {
+  estimate.T_base_object = Pose::from_translation(face.offset_base) * estimate.T_base_object;
+  estimate.std = face.std;
 }
 
 Eigen::Vector3d RobotObject::twist() const {

@@ -53,8 +53,9 @@ class RobotObject {
   /// Its pose at a sample's time: the latest frame, extrapolated by the object's displacement
   /// since, and during contact fused with the face's position by force and contact law, weighted by
   /// the inverse variances. The correction by contact is kept until the camera sees the object
-  /// move.
-  [[nodiscard]] PoseEstimate estimate_pose(const TouchSample& sample);
+  /// move. An object that is not tracked is where the operator's site has predicted it to be
+  /// (dead reckoning) until a contact shows its face elsewhere.
+  [[nodiscard]] PoseEstimate estimate_pose(const TouchSample& sample, const PlanarPose& predicted);
   /// Current estimate of [vx vy omega].
   [[nodiscard]] Eigen::Vector3d twist() const;
 
@@ -73,13 +74,26 @@ class RobotObject {
   std::uint8_t sequence = 0;
   /// Another object moved with it: the force does not act on this one alone.
   bool is_shared = false;
-  double last_learned = -1e300;  ///< [s]
-  double learn_at = 1e300;       ///< [s] next time to identify
-  double above_limit_since = 1e300;
+  std::optional<double> last_learned = {};  ///< [s]
+  std::optional<double> learn_at = {};      ///< [s] next time to identify; empty: none is planned
+  std::optional<double> above_limit_since = {};  ///< [s]
 
   [[nodiscard]] const TeleopObject& source() const { return *source_; }
 
  private:
+  /// From an estimate of the pose to the face that the tip presses.
+  struct ContactOffset {
+    Eigen::Vector3d offset_base = Eigen::Vector3d::Zero();  ///< [m]
+    double std = 0.0;                                       ///< of the shifted pose, one axis [m]
+  };
+  [[nodiscard]] PoseEstimate estimate_from_frame(const TouchSample& sample);
+  [[nodiscard]] PoseEstimate estimate_from_prediction(const TouchSample& sample,
+                                                      const PlanarPose& predicted) const;
+  /// Empty without a push, or without a contact law that gives the penetration.
+  [[nodiscard]] std::optional<ContactOffset> offset_by_contact(const TouchSample& sample,
+                                                               const PoseEstimate& estimate) const;
+  static void apply(const ContactOffset& face, PoseEstimate& estimate);
+  [[nodiscard]] bool is_pushed() const { return monitor.is_touched() && !monitor.is_press(); }
   [[nodiscard]] double displacement_since_frame(double t) const;
 
   const TeleopObject* source_;
@@ -91,8 +105,9 @@ class RobotObject {
   std::optional<LimitSurface> limit_surface_;
   double tool_radius_;
   std::size_t frames_ = 0;  ///< processed
-  TrackedPose latest_;
-  double yaw_rate_ = 0.0;  ///< [rad/s]
+  TrackedPose latest_;      ///< the scene's pose before the first frame
+  Pose T_base_object_;      ///< latest frame, or the estimate while it is lost
+  double yaw_rate_ = 0.0;   ///< [rad/s]
   bool is_seen_moving_ = false;
   double frame_interval_ = 0.033;
   Eigen::Vector3d touched_offset_ =

@@ -215,7 +215,7 @@ void RobotSite::process_sample(std::size_t index, const PredictionLog& log) {
 
 void RobotSite::process_time(const TouchSample& sample, const PredictionLog& log) {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (objects_[i].learn_at <= sample.t) learn(objects_[i], sample.t);
+    if (objects_[i].learn_at && *objects_[i].learn_at <= sample.t) learn(objects_[i], sample.t);
     compare(i, sample, log.at(sample.t, i));
   }
 }
@@ -230,11 +230,11 @@ void RobotSite::check_static_limit(RobotObject& object, const TouchSample& sampl
   const double friction = sample.force_base.head<2>().norm();
   const bool is_beyond = rests && friction > limit + sensors_.enter_force;
   if (!is_beyond) {
-    object.above_limit_since = 1e300;
+    object.above_limit_since.reset();
     return;
   }
-  object.above_limit_since = std::min(object.above_limit_since, sample.t);
-  if (sample.t - object.above_limit_since < options_.learning.static_limit_time) return;
+  if (!object.above_limit_since) object.above_limit_since = sample.t;
+  if (sample.t - *object.above_limit_since < options_.learning.static_limit_time) return;
   const auto& supposed = object.learner.conservative_estimate().limiting_static_friction;
   if (!supposed || friction > supposed->value) object.learner.raise_static_limit(friction);
 }
@@ -257,7 +257,8 @@ void RobotSite::plan_learning(RobotObject& object, MotionPhase before, bool was_
 
 void RobotSite::learn(RobotObject& object, double t) {
   const bool is_sliding = object.monitor.is_touched() && slides(object.monitor.phase());
-  object.learn_at = is_sliding ? t + options_.learning.sliding_interval : 1e300;
+  object.learn_at.reset();
+  if (is_sliding) object.learn_at = t + options_.learning.sliding_interval;
   object.last_learned = t;
   if (!options_.identifies || object.is_shared || !has_force_) return;
   const double begin = object.monitor.contact_begin();
@@ -296,7 +297,7 @@ void RobotSite::record_force(const TouchSample& sample, const Eigen::Vector3d& c
 void RobotSite::compare(std::size_t index, const TouchSample& sample,
                         const Prediction& prediction) {
   RobotObject& object = objects_[index];
-  const PoseEstimate estimate = object.estimate_pose(sample);
+  const PoseEstimate estimate = object.estimate_pose(sample, prediction.pose);
   if (!options_.with_corrections) return;
   const PlanarPose here = planar_pose_of(estimate.T_base_object);
   const double gap =
@@ -323,12 +324,15 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
   const std::optional<CorrectionCase> which =
       object.correction_switch.evaluate(seen, static_cast<double>(sent_bytes_) / allowed);
   if (!which) return;
-  if (sample.t - object.last_learned > kLearnAgain && object.monitor.is_touched()) {
-    const double planned = object.learn_at;
+  const bool is_learned_lately =
+      object.last_learned && sample.t - *object.last_learned <= kLearnAgain;
+  if (!is_learned_lately && object.monitor.is_touched()) {
+    const std::optional<double> planned = object.learn_at;
     learn(object, sample.t);
-    object.learn_at = std::min(object.learn_at, planned);
+    if (planned && (!object.learn_at || *planned < *object.learn_at)) object.learn_at = planned;
   }
-  std::optional<CorrectionMessage> message = compose(index, *which, sample, estimate, gap, seen);
+  std::optional<CorrectionMessage> message =
+      compose(index, *which, sample, prediction.pose, gap, seen);
   if (!message) {
     object.correction_switch.note_nothing_to_send(*which, sample.t);
     return;
@@ -339,10 +343,10 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
 
 std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, CorrectionCase which,
                                                     const TouchSample& sample,
-                                                    const PoseEstimate& estimate, double gap,
+                                                    const PlanarPose& predicted, double gap,
                                                     const SiteComparison& seen) {
   RobotObject& object = objects_[index];
-  const bool is_pose_current = estimate.is_current && (gap > options_.messages.min_pose_error);
+  const bool is_pose_current = seen.position_gap && gap > options_.messages.min_pose_error;
   const ParameterDifference changed =
       difference(sent_parameters(object.physics(), options_.gravity()), object.acknowledged,
                  options_.messages);
@@ -352,7 +356,7 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
   message.which = which;
   if (is_pose_current) {
     // Again, since newly identified contact parameters change it.
-    message.pose = planar_pose_of(object.estimate_pose(sample).T_base_object);
+    message.pose = planar_pose_of(object.estimate_pose(sample, predicted).T_base_object);
     if (seen.operator_slides || slides(object.monitor.phase())) message.twist = object.twist();
   }
   message.parameters = parameters_to_send(

@@ -81,7 +81,7 @@ class RobotSite {
   void compare(std::size_t index, const TouchSample& sample, const Prediction& prediction);
   [[nodiscard]] std::optional<CorrectionMessage> compose(std::size_t index, CorrectionCase which,
                                                          const TouchSample& sample,
-                                                         const PoseEstimate& estimate, double gap,
+                                                         const PlanarPose& predicted, double gap,
                                                          const SiteComparison& seen);
   void update_from_camera(double t);
   void note_once(const std::string& text);

@@ -243,6 +243,46 @@ TEST(RunTeleop, BridgesLossOfTracking) {
   EXPECT_LT(quantile(position_errors(made, run, 0), 0.95), 0.004);
 }
 
+double final_error(const PlantInput& made, const TeleopRun& run, std::size_t object) {
+  const ShownPose& last = run.shown[object].back();
+  const Pose truth = T_base_object_at(made.run, made.plant.bodies[object], object, last.t);
+  return translation_distance(truth, last.T_base_object);
+}
+
+/// Corrections against none, of objects whose tracking ends at `t_lost` [s].
+void expect_corrections_no_worse_without_tracking(bool known, double t_lost) {
+  constexpr double kTolerance = 3e-4;  // a correction's rounding and the contact's std
+  for (std::uint64_t seed = kSeed; seed < kSeed + 3; ++seed) {
+    PlantInput made = plant_input(seed, known);
+    for (TeleopObject& object : made.input.objects) {
+      std::erase_if(object.tracked, [&](const TrackedPose& seen) { return seen.t > t_lost; });
+    }
+    TeleopOptions without;
+    without.with_corrections = false;
+    without.identifies = false;
+    const TeleopRun corrected = run_teleop(made.input, {}).value();
+    const TeleopRun uncorrected = run_teleop(made.input, without).value();
+    for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
+      const std::vector<double> with = position_errors(made, corrected, i);
+      const std::vector<double> none = position_errors(made, uncorrected, i);
+      EXPECT_LT(quantile(with, 0.95), quantile(none, 0.95) + kTolerance) << seed << " " << i;
+      EXPECT_LT(with.back(), none.back() + kTolerance) << seed << " " << i;
+      EXPECT_LT(final_error(made, corrected, i), final_error(made, uncorrected, i) + kTolerance)
+          << seed << " " << i;
+    }
+  }
+}
+
+TEST(RunTeleop, KeepsAnObjectThatIsNeverTrackedWhereTheContactLeftIt) {
+  expect_corrections_no_worse_without_tracking(true, -1.0);
+  expect_corrections_no_worse_without_tracking(false, -1.0);
+}
+
+TEST(RunTeleop, KeepsAnObjectThatIsLostForGoodWhereTheContactLeftIt) {
+  expect_corrections_no_worse_without_tracking(true, 1.0);
+  expect_corrections_no_worse_without_tracking(false, 1.0);
+}
+
 TEST(RunTeleop, NotesThatAnObjectWasNeverTouched) {
   PlantInput made = plant_input(kSeed, true);
   const double end = 4.0;  // before the tool reaches the second box
