@@ -195,8 +195,10 @@ void add_goal(CLI::App& app, Configuration& configuration, Action& action, Ident
   command->add_option(
       "--scene", arguments->scene,
       "Scene from pcavr build; without it the manifest must have the objects' poses");
-  command->add_option("--tracked", arguments->tracked,
-                      "Folder with objects/NAME/tracked.txt, used instead of tracking");
+  command->add_option(
+      "--tracked", arguments->tracked,
+      "Folder with objects/NAME/tracked.txt, used instead of tracking; by default the "
+      "recording's own folder tracked, if it has one");
   command->add_option("--parameters", arguments->parameters,
                       "Parameter file with known parameters; new results replace them");
   command->add_option("-o,--output", arguments->output, "Parameter file to write")->required();

@@ -203,8 +203,10 @@ void add_link_options(CLI::App& command, TeleopOptions& teleop, ReplayArguments&
       "--parameters", arguments.parameters,
       "Parameter file from pcavr identify; without it both sites start from the scene's "
       "parameters and defaults");
-  command.add_option("--tracked", arguments.tracked,
-                     "Run whose tracking is used instead of tracking again");
+  command.add_option(
+      "--tracked", arguments.tracked,
+      "Run whose tracking is used instead of tracking again; by default the recording's "
+      "own folder tracked, if it has one");
   add_number(command, "--forward-delay", teleop.forward_delay, ranges::kDelay,
              "Delay from operator to robot [s]")
       ->capture_default_str();

@@ -39,7 +39,7 @@ Expected<std::vector<IdentifiableObject>> objects_of_manifest(const Recording& r
       return Error{.message = "has no pose for object " + entry.name,
                    .file = (recording.folder / "recording.yaml").string(),
                    .place = "objects",
-                   .hint = "add its pose, or give --scene or --tracked"};
+                   .hint = "add its pose or its tracked poses, or give --scene or --tracked"};
     }
     Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name);
     if (!model) return model.error();
@@ -57,28 +57,30 @@ bool has_movable(const std::vector<IdentifiableObject>& objects) {
                      [](const IdentifiableObject& object) { return object.is_movable; });
 }
 
-Expected<void> track(const Recording& recording, const IdentificationSources& sources,
-                     const std::optional<SceneManifest>& scene, const Observer& observer,
-                     IdentificationInput& input) {
-  std::vector<IdentifiableObject>& objects = input.objects;
-  if (!sources.tracked.empty()) {
-    bool has_any = false;
-    for (IdentifiableObject& object : objects) {
-      if (!object.is_movable) continue;
-      Expected<std::vector<TrackedPose>> tracked =
-          read_tracked_poses(sources.tracked, object.name, start_of(recording));
-      if (!tracked) return tracked.error();
-      object.tracked = std::move(*tracked);
-      warn_of_tracked_clock(recording, object.name, object.tracked, observer);
-      has_any |= !object.tracked.empty();
-    }
-    if (!has_any && has_movable(objects)) {
-      return Error{.message = "contains no objects/NAME/tracked.txt of any of the objects",
-                   .file = sources.tracked.string(),
-                   .hint = "give a run from pcavr replay"};
-    }
-    return {};
+Expected<void> read_tracking(const Recording& recording, const std::filesystem::path& folder,
+                             const Observer& observer, std::vector<IdentifiableObject>& objects) {
+  bool has_any = false;
+  for (IdentifiableObject& object : objects) {
+    if (!object.is_movable) continue;
+    Expected<std::vector<TrackedPose>> tracked =
+        read_tracked_poses(folder, object.name, start_of(recording));
+    if (!tracked) return tracked.error();
+    object.tracked = std::move(*tracked);
+    warn_of_tracked_clock(recording, object.name, object.tracked, observer);
+    has_any |= !object.tracked.empty();
   }
+  if (!has_any && has_movable(objects)) {
+    return Error{.message = "contains no objects/NAME/tracked.txt of any of the objects",
+                 .file = folder.string(),
+                 .hint = "give a run from pcavr replay"};
+  }
+  return {};
+}
+
+Expected<void> track_by_images(const Recording& recording, const IdentificationSources& sources,
+                               const std::optional<SceneManifest>& scene, const Observer& observer,
+                               IdentificationInput& input) {
+  std::vector<IdentifiableObject>& objects = input.objects;
   if (!scene || recording.frames.empty() || !has_movable(objects)) return {};
   const Expected<Replay> replay = replay_tracking(recording, *scene,
                                                   {.perception = sources.perception,
@@ -118,7 +120,9 @@ Expected<IdentificationInput> identification_input(const Recording& recording,
     input.force_base.push_back(sample.force);
   }
   // Tracking takes long: missing inputs are reported first.
-  const bool is_tracked_in_images = !sources.scene.empty() && sources.tracked.empty();
+  const auto tracked = tracked_folder_of(
+      recording, sources.tracked.empty() ? std::nullopt : std::optional(sources.tracked));
+  const bool is_tracked_in_images = !sources.scene.empty() && !tracked;
   const auto conflict =
       check_clocks(recording, is_tracked_in_images ? ImageUse::tracking : ImageUse::none, observer);
   if (conflict) return *conflict;
@@ -133,11 +137,12 @@ Expected<IdentificationInput> identification_input(const Recording& recording,
     scene = std::move(*manifest);
   }
   Expected<std::vector<IdentifiableObject>> objects =
-      scene ? objects_of_scene(*scene) : objects_of_manifest(recording, !sources.tracked.empty());
+      scene ? objects_of_scene(*scene) : objects_of_manifest(recording, tracked.has_value());
   if (!objects) return objects.error();
   input.objects = std::move(*objects);
-  const Expected<void> tracked = track(recording, sources, scene, observer, input);
-  if (!tracked) return tracked.error();
+  const Expected<void> done = tracked ? read_tracking(recording, *tracked, observer, input.objects)
+                                      : track_by_images(recording, sources, scene, observer, input);
+  if (!done) return done.error();
   return input;
 }
 

@@ -309,8 +309,8 @@ Expected<Replay> track_by_images(const Recording& recording, const SceneManifest
 Expected<Replay> track(const Recording& recording, const SceneManifest& scene,
                        const std::vector<MovableBody>& bodies, const ReplayOptions& options,
                        const Observer& observer) {
-  if (options.tracked) {
-    Expected<Replay> replay = read_tracking(*options.tracked, bodies);
+  if (const auto folder = tracked_folder_of(recording, options.tracked)) {
+    Expected<Replay> replay = read_tracking(*folder, bodies);
     if (!replay || recording.frames.empty()) return replay;
     const Expected<Trajectory> camera = read_camera_trajectory(scene);
     if (!camera) return camera.error();

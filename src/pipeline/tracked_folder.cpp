@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "pcavr/core/input_file.hpp"
@@ -103,6 +105,15 @@ Expected<std::map<Stamp, PoseStd>> parse_stds(std::string_view text,
 }
 
 }  // namespace
+
+std::optional<std::filesystem::path> tracked_folder_of(
+    const Recording& recording, const std::optional<std::filesystem::path>& given) {
+  if (given) return given;
+  std::error_code code;
+  std::filesystem::path own = recording.folder / "tracked";
+  if (std::filesystem::is_directory(own / "objects", code)) return own;
+  return std::nullopt;
+}
 
 Expected<std::vector<TrackedPose>> read_tracked_poses(const std::filesystem::path& folder,
                                                       const std::string& name, Stamp zero) {

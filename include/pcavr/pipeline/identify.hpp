@@ -189,7 +189,8 @@ struct Identification {
 
 struct IdentificationSources {
   std::filesystem::path scene = {};    ///< bodies and poses from there; else from the manifest
-  std::filesystem::path tracked = {};  ///< with objects/NAME/tracked.txt; else images are tracked
+  /// With objects/NAME/tracked.txt; else the recording's own `tracked`, else images are tracked.
+  std::filesystem::path tracked = {};
   bool skip_bad = false;               ///< leave out images that don't decode
   PerceptionOptions perception = {};   ///< of the tracking in images
   Parallelism parallelism = Parallelism::max();

@@ -34,8 +34,8 @@ struct ReplayOptions {
   bool trust_poses = false;
   bool skip_bad = false;
   Parallelism parallelism = Parallelism::max();
-  /// A folder with objects/NAME/tracked.txt, such as an earlier run: used instead of tracking
-  /// again.
+  /// A folder with objects/NAME/tracked.txt, such as an earlier run: used instead of the
+  /// recording's own `tracked`, and of tracking in the images.
   std::optional<std::filesystem::path> tracked = {};
   /// Identified earlier; without it the robot's site starts from the scene's parameters.
   std::optional<ParameterTable> parameters = {};
@@ -89,6 +89,11 @@ struct Replay {
                                                const SceneManifest& scene,
                                                const ReplayOptions& options,
                                                const Observer& observer = {});
+
+/// The folder that the objects' poses are read from: `given`, else the recording's own `tracked`
+/// (motion capture, another tracker). Empty where there is neither: the images are tracked.
+[[nodiscard]] std::optional<std::filesystem::path> tracked_folder_of(
+    const Recording& recording, const std::optional<std::filesystem::path>& given);
 
 /// Reads objects/NAME/tracked.txt of a run, with the stds from tracking.csv next to
 /// it (1 mm and 10 mrad where that file is absent). Empty where the folder has no such object.
