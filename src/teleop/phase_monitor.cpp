@@ -68,8 +68,10 @@ void PhaseMonitor::step(const MonitorSample& sample,
     loaded_tip_ = tip;
   }
   // A tip that stays where it last pressed is still in contact, even if the force is below the
-  // noise.
-  const bool has_left = tip < loaded_tip_ - std::max(options_.retraction, sensors_.tip_noise);
+  // noise. One that has drawn back has left; and so has one that goes on without a force: it has
+  // slipped off an edge, or the object has gone ahead of it.
+  const bool has_left =
+      std::abs(tip - loaded_tip_) > std::max(options_.retraction, sensors_.tip_noise);
   if (!has_left) last_near_ = sample.t;
   if (has_left && sample.t - last_loaded_ > options_.leave_time) {
     end_contact();

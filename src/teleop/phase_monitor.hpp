@@ -66,6 +66,8 @@ class PhaseMonitor {
   [[nodiscard]] bool has_slid() const { return is_line_final_; }
   /// The object's speed along the push [m/s]; 0 unless it slides.
   [[nodiscard]] double speed() const { return speed_; }
+  /// The tip's speed along the push, over the same time [m/s].
+  [[nodiscard]] double tip_speed() const { return tip_speed_; }
   /// The force along the push without damping [N], which determines the penetration.
   [[nodiscard]] double resting_force() const;
   /// The object's displacement in this contact [m], by the current contact line. Empty before there

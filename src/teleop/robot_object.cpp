@@ -157,7 +157,10 @@ void RobotObject::apply(const ContactOffset& face, PoseEstimate& estimate) {
 
 Eigen::Vector3d RobotObject::twist() const {
   if (monitor.phase() != MotionPhase::sliding) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d velocity = monitor.speed() * monitor.direction_base();
+  // A body that is pushed goes no faster than the tip; where the force falls, the compression's
+  // estimate does.
+  const double speed = std::min(monitor.speed(), std::max(monitor.tip_speed(), 0.0));
+  const Eigen::Vector3d velocity = speed * monitor.direction_base();
   return {velocity.x(), velocity.y(), yaw_rate_};
 }
 

@@ -100,6 +100,19 @@ TEST(PhaseMonitor, DistinguishesAPressFromAPush) {
   EXPECT_EQ(time_of(monitor, MotionPhase::sliding), -1.0);
 }
 
+TEST(PhaseMonitor, EndsTheContactOfATipThatGoesOnWithoutAForce) {
+  constexpr double kSlip = 1.2;  // [s] off an edge, while the tool goes on at its speed
+  PhaseMonitor monitor(0.0, {});
+  for (MonitorSample sample : made_push(1.0).samples) {
+    if (sample.t > kSlip) sample.force_base.x() = 0.0;
+    if (sample.t > kSlip + 0.05) break;
+    monitor.step(sample, std::nullopt, 0.0);
+  }
+  EXPECT_EQ(monitor.phase(), MotionPhase::free);
+  EXPECT_FALSE(monitor.is_touched());
+  EXPECT_NEAR(monitor.changes().back().t, kSlip, 0.02);
+}
+
 TEST(PhaseMonitor, UsesTheCameraWithoutForce) {
   PhaseMonitor monitor(0.0, {});
   monitor.update_from_camera(1.0, true, false);
