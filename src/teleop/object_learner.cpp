@@ -82,6 +82,9 @@ bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_sl
 }
 
 void ObjectLearner::raise_static_limit(double friction) {
+  // Breakaways have shown the limit: what exceeds it is the inertia of a fast push, which is
+  // detected late as a slide.
+  if (known_.limiting_static_friction && !given_.limiting_static_friction) return;
   conservative_limit_ =
       std::max(conservative_limit_.value_or(0.0), options_.static_limit_factor * friction);
   for (ObjectParameters* parameters : {&known_, &given_}) {

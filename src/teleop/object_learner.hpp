@@ -43,7 +43,8 @@ class ObjectLearner {
   bool learn(const ContactRecord& record, double begin, bool has_slid);
 
   /// The object was static at `friction` [N], beyond its supposed limit F_M: discards its friction
-  /// parameters. Until the next breakaway, F_M is that force times `static_limit_factor`.
+  /// parameters, unless breakaways have identified them here. Until the next breakaway, F_M is that
+  /// force times `static_limit_factor`.
   void raise_static_limit(double friction);
 
   [[nodiscard]] const ObjectParameters& known() const { return known_; }
