@@ -26,10 +26,27 @@ constexpr double kMinRotationShare = 0.2;
 /// the end.
 constexpr double kLoadedShare = 0.7;
 
+/// Slides this short after each other are one [s]: a body does not stop and start within it, but
+/// the noise of a slow tip's speed seems to make it do so.
+constexpr double kMaxSlideGap = 0.1;
+
+/// The slides, those in rapid succession as one.
+std::vector<SlideInterval> joined(const std::vector<SlideInterval>& slides) {
+  std::vector<SlideInterval> result;
+  for (const SlideInterval& slide : slides) {
+    if (!result.empty() && slide.begin - result.back().end <= kMaxSlideGap) {
+      result.back().end = slide.end;
+    } else {
+      result.push_back(slide);
+    }
+  }
+  return result;
+}
+
 /// When the object slid. A push as slow as the noise of the tip's speed shows no slides of its own,
 /// but an object that was displaced while the force stayed near its level slid under it.
 std::vector<SlideInterval> sliding_intervals(const ContactEpisode& episode) {
-  if (!episode.slides.empty()) return episode.slides;
+  if (!episode.slides.empty()) return joined(episode.slides);
   std::vector<double> forces;
   const auto is_inside = [&](double t) { return t >= episode.begin && t <= episode.end; };
   for (std::size_t i = 0; i < episode.t.size(); ++i) {

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/object/parameters_file.hpp"
+
 #include "support/json_command.hpp"
 #include "support/shared_data.hpp"
 
@@ -85,6 +87,59 @@ class PushedObjects : public testing::Test {
   static TemporaryFolder* folder_;
 };
 TemporaryFolder* PushedObjects::folder_ = nullptr;
+
+/// Corrections against none on a recording that this project did not make.
+void expect_corrections_no_worse(const std::string& name) {
+  const fs::path recording = shared_data(name);
+  const TemporaryFolder folder;
+  const auto path_of = [&](const char* part) { return (folder.path() / part).string(); };
+  run_json({"build", recording.string(), "-o", path_of("scene")});
+  const auto errors = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"replay", recording.string(), "--scene", path_of("scene"),
+                                          "-o",     path_of("run"),     "--force"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    run_json(arguments);
+    return run_json({"evaluate", path_of("run"), "--truth", (recording / "truth").string(), "-o",
+                     path_of("report"), "--force"});
+  };
+  const json with = errors({}), without = errors({"--no-corrections"});
+  EXPECT_GT(with["corrections.count"].get<int>(), 0) << name;
+  for (const char* key : {"predicted.touched.translation.median_m",
+                          "predicted.touched.translation.p95_m", "predicted.all.translation.max_m"}) {
+    EXPECT_LE(with[key].get<double>(), without[key].get<double>()) << name << ' ' << key;
+  }
+}
+
+TEST(RealPushes, ArePredictedNoWorseWithCorrections) {
+  PCAVR_NEEDS_SHARED_DATA("real/push_mit_delrin");
+  // A corner that the tip slips off, and a face that it slides along.
+  expect_corrections_no_worse("real/push_mit_delrin/d0698");
+  expect_corrections_no_worse("real/push_mit_delrin/d1396");
+}
+
+TEST(RealPushes, GiveTheFrictionRadiusOfTheirSupports) {
+  PCAVR_NEEDS_SHARED_DATA("real/push_cmu/recordings");
+  // By statics from the three support points [m] (the recordings' description).
+  const std::map<std::string, double> radii{{"10_130_10_10_10_130", 0.0785},
+                                            {"30_90_30_30_30_90", 0.0392}};
+  for (const auto& [support, radius] : radii) {
+    const TemporaryFolder folder;
+    const std::string file = (folder.path() / "parameters.yaml").string();
+    const fs::path recording = shared_data("real/push_cmu/recordings/" + support + "/train");
+    run_json({"identify", "friction", recording.string(), "-o", file});
+    const ObjectParameters found = read_parameters(file).value().at("tri");
+    ASSERT_TRUE(found.friction_radius.has_value()) << support;
+    EXPECT_NEAR(found.friction_radius->value / radius, 1.0, 0.05) << support;
+    EXPECT_TRUE(found.limit_surface.has_value()) << support;
+  }
+}
+
+TEST(OtherPlants, ArePredictedNoWorseWithCorrections) {
+  PCAVR_NEEDS_SHARED_DATA("plants");
+  // Fast pushes, whose peak force exceeds the limit, and a turning body.
+  expect_corrections_no_worse("plants/probe-2");
+  expect_corrections_no_worse("plants/offcentre-3");
+}
 
 TEST_F(PushedObjects, AreIdentified) {
   const json report = run_json({"evaluate", path_of("parameters.yaml"), "--truth",
