@@ -19,6 +19,7 @@ import type { LivePlot } from './ui/live_plot';
 import type { Messages } from './ui/messages';
 import { distanceText, ObjectsPanel } from './ui/objects_panel';
 import { pair } from './ui/pairing';
+import { Sheet } from './ui/sheet';
 import type { Theme, ThemeSwitch } from './ui/theme';
 import { ToolPanel } from './ui/tool_panel';
 
@@ -47,6 +48,7 @@ export class Page {
   private lastStats = -Infinity; // [ms]
   private pulses = -1;
   private hasFirstFrame = false;
+  private hadState = false;
 
   constructor(
     private readonly app: App,
@@ -91,7 +93,9 @@ export class Page {
     if (this.isReplay) await this.loadReplay();
     else await this.addTool();
     await loading;
-    if (!this.navigation.hasMoved) this.frameAll();
+    this.frameAtFirst();
+    // Until the user turns the view, it follows the window's shape.
+    new ResizeObserver(() => this.frameAtFirst()).observe(byId('stage', HTMLElement));
   }
 
   private triangleBudget(): number {
@@ -123,14 +127,7 @@ export class Page {
     chip.hidden = false;
     chip.textContent = info.mode;
     document.title = `${this.model.name || info.scene} · pcavr`;
-    const panel = byId('panel', HTMLElement);
-    const toggle = byId('panel-toggle', HTMLButtonElement);
-    const show = (isShown: boolean) => {
-      panel.hidden = !isShown;
-      toggle.setAttribute('aria-expanded', String(isShown));
-    };
-    toggle.addEventListener('click', () => show(panel.hidden));
-    show(!matchMedia('(width <= 720px)').matches);
+    new Sheet();
   }
 
   private connectView(): void {
@@ -210,6 +207,11 @@ export class Page {
     this.app.invalidate();
   }
 
+  /// Shows all, unless the user has chosen another view.
+  private frameAtFirst(): void {
+    if (!this.navigation.hasMoved && !this.app.renderer.xr.isPresenting) this.frameAll();
+  }
+
   private partLoaded(): void {
     // Without a scan the first frame shows the bodies.
     const hasScan = this.model.mesh.length > 0;
@@ -235,6 +237,7 @@ export class Page {
     this.tool?.update(seconds);
     const state = this.app.session.latest();
     if (state) {
+      if (!this.hadState) this.showFirstState();
       this.plot?.add(state, time / 1000);
       if (this.pulses >= 0 && state.pulses > this.pulses) navigator.vibrate?.(vibrationMs);
       this.pulses = state.pulses;
@@ -244,6 +247,12 @@ export class Page {
     this.lastStats = time;
     this.hud.update();
     this.objects.update((body) => this.forceOn(body.object.name));
+  }
+
+  /// The tool appears with the first state: the first view has it too.
+  private showFirstState(): void {
+    this.hadState = true;
+    if (this.hasFirstFrame && !this.isReplay) this.frameAtFirst();
   }
 
   private forceOn(name: string): number {

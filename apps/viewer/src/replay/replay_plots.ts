@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import type { Phase } from '../protocol';
-import { phaseColors } from '../scene/bodies';
+import { phaseColors, sourceColors } from '../palette';
 import { type PlotBand, TimePlot } from '../ui/plot';
 import { decimate } from './decimation';
 import type { Replay, ReplayObject, Table } from './replay_data';
@@ -43,8 +43,8 @@ export class ReplayPlots {
       unit: 'N',
       minSpan: 2,
       series: [
-        { title: 'measured', color: '#d6336c' },
-        { title: 'predicted', color: '#2f9e6e' },
+        { title: 'measured', color: sourceColors.measured },
+        { title: 'predicted', color: sourceColors.predicted },
       ],
       bands: phaseBands(object, this.replay.model.duration),
     });

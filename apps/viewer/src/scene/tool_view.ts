@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import {
+  BackSide,
   ConeGeometry,
   CylinderGeometry,
   Group,
@@ -13,9 +14,11 @@ import {
   Vector3,
 } from 'three';
 import type { LiveState, Vector } from '../protocol';
+import { showThrough } from './see_through';
 import { Segment } from './segment';
 
 const proxyColor = '#f5f7fa';
+const rimColor = '#10151b';
 const touchColor = '#ffb300';
 const hipColor = '#d6336c';
 const forceColor = '#d6336c';
@@ -31,6 +34,11 @@ export class ToolView {
   readonly proxy = new Mesh(
     new SphereGeometry(1, 32, 20),
     new MeshLambertMaterial({ color: proxyColor }),
+  );
+  // The back of a slightly larger black sphere: a rim that shows the ball on any background.
+  private readonly rim = new Mesh(
+    new SphereGeometry(1.16, 32, 20),
+    new MeshBasicMaterial({ color: rimColor, side: BackSide }),
   );
   readonly hip = new Mesh(
     new SphereGeometry(1, 20, 12),
@@ -60,6 +68,7 @@ export class ToolView {
     this.hip.renderOrder = 2;
     this.spring.renderOrder = 1;
     this.group.add(this.proxy, this.hip, this.spring, this.arrow, this.ring);
+    this.proxy.add(this.rim);
     base.add(this.group);
     this.setRadius(this.radius);
   }
@@ -86,10 +95,13 @@ export class ToolView {
     this.spring.join(hip, proxy);
     this.force = [...force];
     this.showForce();
+    this.proxy.updateWorldMatrix(true, false);
+    showThrough(this.proxy.getWorldPosition(new Vector3()), this.radius);
   }
 
   hide(): void {
     this.group.visible = false;
+    showThrough(new Vector3(), 0);
   }
 
   /// The tip of the force arrow in world coordinates; null if it is not drawn.

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import { phaseColors, type Body } from '../scene/bodies';
+import { phaseColors } from '../palette';
+import type { Body } from '../scene/bodies';
 import type { SceneObject } from '../scene/scene_model';
 import { byId, create, fillList, setPressed, setText } from './dom';
 import { heading, millimetres, newtons, significant } from './format';
