@@ -54,7 +54,8 @@ class LiveSessionsTest : public testing::Test {
                          [this](PageId id, std::vector<std::uint8_t> bytes) {
                            received_[id].push_back(decode_server_message(bytes).value());
                          },
-                         0.5};
+                         0.5,
+                         10.0};
   double clock_ = 100.0;
 };
 
@@ -126,6 +127,38 @@ TEST_F(LiveSessionsTest, ADisengagedPageMayBeSilent) {
   clock_ += 60.0;
   sessions_.check_timeouts(clock_);
   EXPECT_TRUE(state(id).has_tool);
+}
+
+TEST_F(LiveSessionsTest, AnIdleToolGoesToAPageThatRequestsIt) {
+  const PageId first = page(true);
+  const PageId second = page();
+  send(first, engaged());
+  clock_ += 0.1;
+  send(first, LiveTool{});
+  clock_ += 9.9;
+  EXPECT_TRUE(state(second).tool_taken);
+  send(second, LiveCommand::take_tool);
+  EXPECT_TRUE(state(first).has_tool);
+  clock_ += 0.2;
+  EXPECT_TRUE(state(first).has_tool);
+  EXPECT_FALSE(state(second).tool_taken);
+  send(second, LiveCommand::take_tool);
+  EXPECT_TRUE(state(second).has_tool);
+  EXPECT_FALSE(state(first).has_tool);
+  EXPECT_TRUE(state(first).tool_taken);
+  ASSERT_NE(last<LiveNotice>(first), nullptr);
+  EXPECT_EQ(last<LiveNotice>(first)->level, LiveLevel::info);
+}
+
+TEST_F(LiveSessionsTest, AToolInUseIsNotIdleHoweverLong) {
+  const PageId first = page(true);
+  const PageId second = page();
+  for (int i = 0; i < 300; ++i) {
+    send(first, engaged());
+    clock_ += 0.1;
+  }
+  send(second, LiveCommand::take_tool);
+  EXPECT_TRUE(state(first).has_tool);
 }
 
 TEST_F(LiveSessionsTest, DropsDuplicatesAndOutdatedMessages) {

@@ -15,9 +15,11 @@ import { length, megabytes } from './ui/format';
 import { Hud } from './ui/hud';
 import { Labels } from './ui/labels';
 import { fillDetail, fillLayersPanel, presentLayers } from './ui/layers_panel';
+import { fillHeightLegend, fillLegend } from './ui/legend';
 import type { LivePlot } from './ui/live_plot';
 import type { Messages } from './ui/messages';
-import { distanceText, ObjectsPanel } from './ui/objects_panel';
+import { differenceText, MeasureLabels } from './ui/measure_labels';
+import { ObjectsPanel } from './ui/objects_panel';
 import { pair } from './ui/pairing';
 import { Sheet } from './ui/sheet';
 import type { Theme, ThemeSwitch } from './ui/theme';
@@ -38,6 +40,7 @@ export class Page {
   private readonly objects: ObjectsPanel;
   private readonly labels: Labels;
   private readonly hud: Hud;
+  private readonly measured: MeasureLabels;
   private readonly isReplay: boolean;
   private readonly showDetail: (level: number) => void;
   private readonly reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
@@ -71,6 +74,7 @@ export class Page {
     this.picking = new Picking(view, app.canvas, () => app.invalidate());
     this.objects = new ObjectsPanel(view.bodies, (text) => messages.announce(text));
     this.labels = new Labels(view, byId('stage', HTMLElement));
+    this.measured = new MeasureLabels(view, byId('stage', HTMLElement));
     this.hud = new Hud(session);
     addMarks(view, model);
     // Without a scan only the support planes show what the bodies stand on.
@@ -78,6 +82,7 @@ export class Page {
     fillLayersPanel(view.layers, presentLayers(model, this.isReplay));
     view.layers.onChange(() => app.invalidate());
     this.showDetail = fillDetail(model, (level) => void this.loader.choose(level));
+    fillLegend(byId('phase-legend', HTMLParagraphElement), this.isReplay);
     this.loadOnDemand();
     this.fillHead(info);
     this.connectView();
@@ -118,7 +123,7 @@ export class Page {
     this.toolPanel = new ToolPanel(this.app, this.tool, handle);
     const { LivePlot } = await import('./ui/live_plot');
     byId('dock', HTMLElement).hidden = false;
-    this.plot = new LivePlot(byId('plots', HTMLDivElement));
+    this.plot = new LivePlot(byId('plots', HTMLDivElement), this.model);
   }
 
   private fillHead(info: SessionInfo): void {
@@ -141,9 +146,13 @@ export class Page {
     measure.addEventListener('click', () => {
       this.picking.setMeasuring(!this.picking.isMeasuring);
       setPressed(measure, this.picking.isMeasuring);
-      setText(distance, this.picking.isMeasuring ? 'click two points' : 'two points, in mm');
+      setText(
+        distance,
+        this.picking.isMeasuring ? 'click two points' : 'between two points, in mm',
+      );
     });
-    this.picking.onMeasure = (metres) => setText(distance, distanceText(metres));
+    this.picking.onMeasure = ([a, b]) =>
+      setText(distance, b ? differenceText(a, b) : 'click the second point');
     this.picking.onPick = (body) => {
       if (body || this.objects.selected) this.objects.select(body ?? this.objects.selected);
     };
@@ -184,12 +193,15 @@ export class Page {
       occupancy: occupancy && { path: occupancy.path, make: makeOccupancy },
     };
     layers.onChange(async (name, isShown) => {
+      if (name === 'occupancy') byId('height-legend', HTMLElement).hidden = !isShown;
       if (!isShown || (name !== 'cloud' && name !== 'occupancy')) return;
       const source = sources[name];
       if (!source) return;
       sources[name] = null;
       try {
-        layers.group(name).add(source.make(await fetchBytes(source.path, () => {})));
+        const cells = source.make(await fetchBytes(source.path, () => {}));
+        layers.group(name).add(cells);
+        if (name === 'occupancy') fillHeightLegend(cells.userData.heights);
         this.app.invalidate();
       } catch (error) {
         this.messages.show({ level: 'error', text: `${source.path}: ${(error as Error).message}` });
@@ -238,7 +250,7 @@ export class Page {
     const state = this.app.session.latest();
     if (state) {
       if (!this.hadState) this.showFirstState();
-      this.plot?.add(state, time / 1000);
+      this.plot?.add(state, this.app.session.welcome?.objects ?? [], time / 1000);
       if (this.pulses >= 0 && state.pulses > this.pulses) navigator.vibrate?.(vibrationMs);
       this.pulses = state.pulses;
     }
@@ -266,6 +278,7 @@ export class Page {
     if (this.hasFirstFrame && Number.isNaN(this.hook.firstFrameTime))
       this.hook.firstFrameTime = performance.now();
     this.labels.update(!this.app.renderer.xr.isPresenting);
+    this.measured.update(this.picking.points);
     this.toolPanel?.update();
   }
 }

@@ -4,7 +4,7 @@ import { phaseColors } from '../palette';
 import type { Body } from '../scene/bodies';
 import type { SceneObject } from '../scene/scene_model';
 import { byId, create, fillList, setPressed, setText } from './dom';
-import { heading, millimetres, newtons, significant } from './format';
+import { heading, newtons, significant } from './format';
 
 const announceSeconds = 1; // min. interval between announcements: a push passes four phases in less
 
@@ -135,8 +135,4 @@ export function parameterRows(object: SceneObject): [string, string][] {
     rows.push([title[0].toUpperCase() + title.slice(1), text.trimEnd()]);
   }
   return rows;
-}
-
-export function distanceText(metres: number | null): string {
-  return metres === null ? 'click the second point' : millimetres(metres);
 }

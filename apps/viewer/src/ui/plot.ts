@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Plot from '@observablehq/plot';
 import { create } from './dom';
-import { axisRange, rightPerLeft } from './plot_axes';
+import { axisRange, nearestRow, rightPerLeft } from './plot_axes';
+import { csvText, saveText, svgText } from './plot_files';
 
 export type PlotColumn = readonly number[] | Float64Array;
 
@@ -20,9 +21,17 @@ export interface PlotBand {
   color: string;
 }
 
+/// A value that the curves are compared with: a horizontal line.
+export interface PlotLimit {
+  value: number; // on the left axis
+  title: string;
+}
+
 export interface PlotOptions {
   title: string;
-  note?: string; // legend of bands and marks
+  note?: string; // legend of marks, and of the bands' rows
+  bandKeys?: readonly PlotSeries[]; // legend of the bands' colours
+  save?: () => { times: readonly number[]; columns: readonly PlotColumn[] }; // all rows, for CSV
   unit: string;
   rightUnit?: string;
   series: PlotSeries[];
@@ -35,9 +44,12 @@ export interface PlotOptions {
 
 // [CSS pixels]
 const axisWidth = 46;
-const margins = { marginTop: 16, marginBottom: 24, marginLeft: axisWidth };
-const marginWithoutAxis = 22;
+// The same for every plot, with and without a right axis: times are below one another.
+const margins = { marginTop: 16, marginBottom: 24, marginLeft: axisWidth, marginRight: axisWidth };
 const bandHeight = 5;
+const minDrag = 5; // less is a click
+
+type Span = [number, number]; // [s]
 
 const muted = 'var(--muted)';
 const grid = { stroke: 'var(--grid)', strokeOpacity: 1 };
@@ -49,22 +61,32 @@ export class TimePlot {
   readonly element = create('div', { className: 'plot' });
   private times: readonly number[] = [];
   private columns: readonly PlotColumn[] = [];
-  private span: [number, number] = [0, 1]; // [s] shown
+  private whole: Span = [0, 1]; // [s]
+  private zoomed: Span | null = null; // [s]
+  private bandList: readonly PlotBand[];
+  private limits: readonly PlotLimit[] = [];
+  private minSpan: number;
   private drawing: Element = create('div');
   private readonly over = create('div', { className: 'over' }); // the area inside the axes
   private readonly playhead = create('div', { className: 'playhead', hidden: true });
   private readonly pointed = create('div', { className: 'pointed', hidden: true });
+  private readonly selection = create('div', { className: 'selection', hidden: true });
+  private readonly readout = create('div', { className: 'readout', hidden: true });
+  private playheadTime = NaN; // [s]
   private readonly observer = new ResizeObserver(() => this.draw());
-  private readonly marginRight: number;
 
   constructor(
     parent: HTMLElement,
     private readonly options: PlotOptions,
   ) {
-    this.marginRight = options.rightUnit ? axisWidth : marginWithoutAxis;
-    this.over.append(this.pointed, this.playhead);
+    this.bandList = options.bands ?? [];
+    this.minSpan = options.minSpan;
+    this.over.title = options.onSeek
+      ? 'Click: go there. Drag: zoom in. Double-click: show all.'
+      : 'Drag: zoom in. Double-click: show all.';
+    this.over.append(this.pointed, this.playhead, this.selection, this.readout);
     Object.assign(this.over.style, {
-      inset: `auto ${this.marginRight}px ${margins.marginBottom}px ${margins.marginLeft}px`,
+      inset: `auto ${margins.marginRight}px ${margins.marginBottom}px ${margins.marginLeft}px`,
       height: `${options.height - margins.marginTop - margins.marginBottom}px`,
     });
     this.element.append(this.heading(), this.drawing, this.over);
@@ -83,11 +105,30 @@ export class TimePlot {
   ): void {
     this.times = times;
     this.columns = columns;
-    this.span = [from, to];
+    this.whole = [from, to];
     this.draw();
   }
 
+  /// Before the next data: bands and limits that change, and the least span of the left axis.
+  setFrame(bands: readonly PlotBand[], limits: readonly PlotLimit[], minSpan: number): void {
+    this.bandList = bands;
+    this.limits = limits;
+    this.minSpan = minSpan;
+  }
+
+  get isZoomed(): boolean {
+    return this.zoomed !== null;
+  }
+
+  /// Shows a part of the time; null: all of it.
+  zoom(span: Span | null): void {
+    this.zoomed = span;
+    this.draw();
+    this.setPlayhead(this.playheadTime);
+  }
+
   setPlayhead(time: number): void {
+    this.playheadTime = time;
     this.place(this.playhead, time);
   }
 
@@ -98,36 +139,70 @@ export class TimePlot {
   }
 
   private heading(): HTMLElement {
-    const { title, note, series } = this.options;
-    const keys = series.map(({ title: text, color }) => {
-      const key = create('span', { className: 'key', textContent: text });
-      key.style.setProperty('--key', color);
+    const { title, note, series, bandKeys = [] } = this.options;
+    const keyOf = (className: string) => (entry: PlotSeries) => {
+      const key = create('span', { className, textContent: entry.title });
+      key.style.setProperty('--key', entry.color);
       return key;
-    });
+    };
+    const keys = [...series.map(keyOf('key')), ...bandKeys.map(keyOf('key area'))];
+    const save = (textContent: string, what: string, action: () => void) => {
+      const button = create('button', { type: 'button', textContent, title: what });
+      button.addEventListener('click', action);
+      return button;
+    };
+    const actions = create(
+      'span',
+      { className: 'actions' },
+      save('SVG', 'Saves the plot as a drawing.', () => this.saveDrawing()),
+      save('CSV', 'Saves the plotted numbers as a table.', () => this.saveTable()),
+    );
     const notes = note ? [create('span', { className: 'note', textContent: note })] : [];
-    return create('h3', {}, create('span', { textContent: title }), ...keys, ...notes);
+    return create('h3', {}, create('span', { textContent: title }), ...keys, ...notes, actions);
+  }
+
+  private saveDrawing(): void {
+    const color = getComputedStyle(this.element).color;
+    saveText(this.options.title, 'svg', 'image/svg+xml', svgText(this.drawing, color));
+  }
+
+  private saveTable(): void {
+    const { series, save, title } = this.options;
+    const { times, columns } = save?.() ?? { times: this.times, columns: this.columns };
+    const names = series.map((entry) => `${entry.title} (${this.unitOf(entry)})`);
+    saveText(title, 'csv', 'text/csv', csvText(['time (s)', ...names], [times, ...columns]));
+  }
+
+  private unitOf(series: PlotSeries): string {
+    const { unit, rightUnit = unit } = this.options;
+    return series.isRight ? rightUnit : unit;
+  }
+
+  private get span(): Span {
+    return this.zoomed ?? this.whole;
   }
 
   private draw(): void {
-    const { options, marginRight } = this;
-    const scale = rightPerLeft(this.select(false), this.select(true), options.minSpan);
+    const { options, minSpan } = this;
+    const left = [...this.select(false), this.limits.map(({ value }) => value)];
+    const scale = rightPerLeft(left, this.select(true), minSpan);
     const columns = this.columns.map((column, i) =>
       options.series[i].isRight ? Array.from(column, (value) => value / scale) : column,
     );
     const drawing = Plot.plot({
       ...margins,
-      marginRight,
       width: this.element.clientWidth || 300,
       height: options.height,
       ariaLabel: options.title,
       style: { fontSize: '11px', color: muted, background: 'none' },
       x: { domain: this.span },
-      y: { domain: axisRange(columns, options.minSpan) },
+      y: { domain: axisRange([...columns, left[left.length - 1]], minSpan) },
       marks: [
         ...this.axes(scale),
         Plot.ruleX(options.marks ?? [], { stroke: muted, strokeDasharray: '3 3', clip: true }),
         ...columns.map((column, i) => this.curve(column, options.series[i].color)),
         ...this.bands(),
+        ...this.limitLines(),
       ],
     });
     this.drawing.replaceWith(drawing);
@@ -161,8 +236,25 @@ export class TimePlot {
     return Plot.line(times, { x: times, y: column, stroke, strokeWidth: 1.4, clip: true });
   }
 
+  private limitLines(): Plot.Markish[] {
+    const { limits } = this;
+    return [
+      Plot.ruleY(limits, { y: 'value', stroke: 'var(--text)', strokeDasharray: '6 4' }),
+      Plot.text(limits, {
+        y: 'value',
+        text: 'title',
+        frameAnchor: 'left',
+        textAnchor: 'start',
+        dx: 4,
+        dy: -7,
+        fill: 'var(--text)',
+      }),
+    ];
+  }
+
   private bands(): Plot.Markish[] {
-    const { bands = [], height } = this.options;
+    const { height } = this.options;
+    const bands = this.bandList;
     const inner = height - margins.marginTop - margins.marginBottom;
     return [0, 1].map((row) => {
       const insetTop = row * (bandHeight + 1);
@@ -186,26 +278,65 @@ export class TimePlot {
     if (!line.hidden) line.style.left = `${(100 * share).toFixed(2)}%`;
   }
 
-  /// The time under the pointer is marked in all plots; pressed, the plot's user goes there.
+  /// The time under the pointer is marked in all plots, with its values. A click goes there, a drag
+  /// zooms all plots, a double click shows all.
   private addPointer(): void {
-    const { over } = this;
-    const { onSeek } = this.options;
-    const timeAt = (event: PointerEvent) => {
-      const box = over.getBoundingClientRect();
-      const share = (event.clientX - box.left) / box.width;
-      return this.span[0] + share * (this.span[1] - this.span[0]);
+    const { over, selection } = this;
+    let pressed: number | null = null; // [CSS pixels]
+    const xOf = (event: PointerEvent) => {
+      const { left, width } = over.getBoundingClientRect();
+      return Math.min(Math.max(event.clientX - left, 0), width);
     };
-    const point = (time: number) => {
-      for (const plot of TimePlot.all) plot.place(plot.pointed, time);
-    };
+    const timeAt = (x: number) =>
+      this.span[0] + (x / over.clientWidth) * (this.span[1] - this.span[0]);
     over.addEventListener('pointermove', (event) => {
-      point(timeAt(event));
-      if (event.buttons & 1) onSeek?.(timeAt(event));
+      const x = xOf(event);
+      for (const plot of TimePlot.all) plot.point(timeAt(x));
+      selection.hidden = pressed === null || Math.abs(x - pressed) < minDrag;
+      if (pressed === null) return;
+      selection.style.left = `${Math.min(x, pressed)}px`;
+      selection.style.width = `${Math.abs(x - pressed)}px`;
     });
-    over.addEventListener('pointerleave', () => point(NaN));
+    over.addEventListener('pointerleave', () => {
+      for (const plot of TimePlot.all) plot.point(NaN);
+    });
     over.addEventListener('pointerdown', (event) => {
+      if (event.button !== 0) return;
       over.setPointerCapture(event.pointerId);
-      onSeek?.(timeAt(event));
+      pressed = xOf(event);
     });
+    over.addEventListener('pointerup', (event) => {
+      const [x, from] = [xOf(event), pressed];
+      pressed = null;
+      selection.hidden = true;
+      if (from === null) return;
+      if (Math.abs(x - from) < minDrag) return this.options.onSeek?.(timeAt(x));
+      const span: Span = [timeAt(Math.min(x, from)), timeAt(Math.max(x, from))];
+      for (const plot of TimePlot.all) plot.zoom(span);
+    });
+    over.addEventListener('pointercancel', () => {
+      pressed = null;
+      selection.hidden = true;
+    });
+    over.addEventListener('dblclick', () => {
+      for (const plot of TimePlot.all) plot.zoom(null);
+    });
+  }
+
+  /// Marks a time, and shows its values; NaN: none.
+  private point(time: number): void {
+    this.place(this.pointed, time);
+    this.readout.hidden = this.pointed.hidden;
+    if (this.readout.hidden) return;
+    const row = nearestRow(this.times, time);
+    const lines = this.options.series.map((entry, i) => {
+      const value = this.columns[i]?.[row] ?? NaN;
+      const text = Number.isFinite(value) ? `${value.toFixed(2)} ${this.unitOf(entry)}` : '–';
+      return create('div', {}, `${entry.title}: ${text}`);
+    });
+    this.readout.replaceChildren(create('div', {}, `${time.toFixed(2)} s`), ...lines);
+    const share = parseFloat(this.pointed.style.left);
+    this.readout.style.left = `${share}%`;
+    this.readout.classList.toggle('left', share > 60);
   }
 }
