@@ -220,7 +220,7 @@ TEST(LiveSessions, NoPageGetsTheToolOfAnotherDevice) {
         const auto message = decode_server_message(bytes).value();
         if (const auto* notice = std::get_if<LiveNotice>(&message.content)) text = notice->text;
       },
-      0.5);
+      0.5, 10.0);
   const PageId id = sessions.join();
   EXPECT_TRUE(sessions.on_message(id, encode(PageMessage{{1, 0.0}, LiveHello{}}), 0.0));
   EXPECT_TRUE(sessions.on_message(id, encode(PageMessage{{2, 0.0}, LiveCommand::take_tool}), 0.0));

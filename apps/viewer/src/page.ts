@@ -9,6 +9,7 @@ import { makeCloud, makeOccupancy } from './scene/cells';
 import { SceneLoader, type Progress } from './scene/loading';
 import { addMarks } from './scene/marks';
 import { fetchBytes, type SceneModel, type SessionInfo } from './scene/scene_model';
+import { RestartCheck } from './session/restart';
 import { TestHook } from './test_hook';
 import { byId, setPressed, setText } from './ui/dom';
 import { length, megabytes } from './ui/format';
@@ -40,6 +41,7 @@ export class Page {
   private readonly objects: ObjectsPanel;
   private readonly labels: Labels;
   private readonly hud: Hud;
+  private readonly restart: RestartCheck;
   private readonly measured: MeasureLabels;
   private readonly isReplay: boolean;
   private readonly showDetail: (level: number) => void;
@@ -76,6 +78,7 @@ export class Page {
     this.labels = new Labels(view, byId('stage', HTMLElement));
     this.measured = new MeasureLabels(view, byId('stage', HTMLElement));
     this.hud = new Hud(session);
+    this.restart = new RestartCheck((text) => messages.show({ level: 'warning', text }));
     addMarks(view, model);
     // Without a scan only the support planes show what the bodies stand on.
     if (model.mesh.length === 0) view.layers.show('planes', true);
@@ -162,6 +165,7 @@ export class Page {
     const { session, view } = this.app;
     const status = byId('connection', HTMLSpanElement);
     session.onWelcome((welcome) => {
+      void this.restart.onWelcome(welcome);
       view.setObjectOrder(welcome.objects);
       view.tool.setRadius(welcome.tool_radius);
     });
@@ -179,9 +183,20 @@ export class Page {
         }[connection],
       );
       if (reason && connection === 'refused') this.messages.show({ level: 'error', text: reason });
+      this.showLost(connection === 'lost');
       // A restarted server has a new pairing code; while it is down, the worker keeps reconnecting.
       if (connection === 'lost') pair().catch(() => undefined);
     });
+  }
+
+  /// Dims the scene, and shows that phases and forces are not known. A replay goes on.
+  private showLost(isLost: boolean): void {
+    if (this.isReplay) return;
+    byId('lost', HTMLElement).hidden = !isLost;
+    if (!isLost) return;
+    this.app.view.forgetState();
+    this.plot?.clear();
+    this.lastStats = -Infinity; // shown with the next frame
   }
 
   /// Fetches the point cloud and the occupancy cells when their layer is first shown.
@@ -250,6 +265,7 @@ export class Page {
     const state = this.app.session.latest();
     if (state) {
       if (!this.hadState) this.showFirstState();
+      this.restart.onState(state);
       this.plot?.add(state, this.app.session.welcome?.objects ?? [], time / 1000);
       if (this.pulses >= 0 && state.pulses > this.pulses) navigator.vibrate?.(vibrationMs);
       this.pulses = state.pulses;
@@ -270,8 +286,9 @@ export class Page {
   private forceOn(name: string): number {
     if (this.replay) return this.replay.force(name);
     const index = this.app.session.welcome?.objects.indexOf(name) ?? -1;
-    const object = this.app.session.latest()?.objects[index];
-    return object ? length(object.force) : 0;
+    const state = this.app.session.latest();
+    if (!state) return this.hadState ? NaN : 0;
+    return length(state.objects[index]?.force ?? [0]);
   }
 
   private drawn(): void {

@@ -31,6 +31,7 @@ export class Body {
   readonly marks = [new Group(), new Group()] as const; // its tags, its frame: in separate layers
   phase: Phase = 'free';
   isOutsideModel = false;
+  isKnown = true; // false: without a server, phase and force are not
   private fill: MeshLambertMaterial;
   private edges = new LineBasicMaterial({ color: '#10151b' });
 

@@ -99,6 +99,12 @@ export class ToolView {
     showThrough(this.proxy.getWorldPosition(new Vector3()), this.radius);
   }
 
+  /// Without a server the force is not known.
+  forgetForce(): void {
+    this.force = [NaN, NaN, NaN];
+    this.arrow.visible = false;
+  }
+
   hide(): void {
     this.group.visible = false;
     showThrough(new Vector3(), 0);

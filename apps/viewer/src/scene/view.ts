@@ -74,7 +74,14 @@ export class SceneView {
     this.order = names.map((name) => this.byName.get(name));
   }
 
+  /// Without a server phases and forces are not known; the poses stay where they were.
+  forgetState(): void {
+    for (const body of this.bodies) body.isKnown = false;
+    this.tool.forgetForce();
+  }
+
   showState(state: LiveState): void {
+    for (const body of this.bodies) body.isKnown = true;
     state.objects.forEach((object, i) => {
       const body = this.order[i];
       body?.place(object.position, object.quaternion);

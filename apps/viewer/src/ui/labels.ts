@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import { Box3, Vector3, type PerspectiveCamera } from 'three';
-import { phaseColors } from '../palette';
 import type { Body } from '../scene/bodies';
 import type { SceneView } from '../scene/view';
 import { byId, create, setText } from './dom';
 import { length, newtons } from './format';
-import { phaseLabel } from './objects_panel';
+import { phaseLabel, setPhaseColor } from './objects_panel';
 
 const maxLabels = 24; // more would hide the scene
 const edgeGap = { x: 64, y: 24 }; // [CSS pixels] of the robot's label from the stage's edge
@@ -70,7 +69,7 @@ export class Labels {
     label.hidden = at === null;
     if (!at) return;
     setText(label, `${body.object.name} · ${phaseLabel(body)}`);
-    label.style.setProperty('--phase', phaseColors[body.phase]);
+    setPhaseColor(label, body);
     label.style.transform = `translate(${at.x.toFixed(0)}px, ${at.y.toFixed(0)}px) translate(-50%, -100%)`;
   }
 

@@ -34,7 +34,7 @@ export class MeasureLabels {
     label.hidden = !at;
     if (!at || text === undefined) return;
     setText(label, text);
-    label.style.transform = `translate(${at.x.toFixed(0)}px, ${at.y.toFixed(0)}px) translate(-50%, 8px)`;
+    label.style.transform = `translate(${at.x.toFixed(0)}px, ${at.y.toFixed(0)}px) translate(-50%, ${index < 2 ? '8px' : 'calc(-100% - 8px)'})`;
   }
 }
 

@@ -6,6 +6,7 @@ import type { SceneObject } from '../scene/scene_model';
 import { byId, create, fillList, setPressed, setText } from './dom';
 import { heading, newtons, significant } from './format';
 
+const minForceShown = 0.05; // [N]
 const announceSeconds = 1; // min. interval between announcements: a push passes four phases in less
 
 interface Row {
@@ -16,7 +17,13 @@ interface Row {
 
 export function phaseLabel(body: Body): string {
   if (!body.object.movable) return 'fixed';
+  if (!body.isKnown) return '–';
   return body.isOutsideModel ? 'outside the model' : body.phase;
+}
+
+/// The square beside a phase.
+export function setPhaseColor(element: HTMLElement, body: Body): void {
+  element.style.setProperty('--phase', body.isKnown ? phaseColors[body.phase] : 'transparent');
 }
 
 /// The objects with their phases, and the details of the selected one.
@@ -52,10 +59,10 @@ export class ObjectsPanel {
       if (row.phase.textContent !== label) {
         if (row.phase.textContent) this.unannounced.add(body);
         row.phase.textContent = label;
-        row.phase.style.setProperty('--phase', phaseColors[body.phase]);
+        setPhaseColor(row.phase, body);
       }
       const magnitude = force(body);
-      setText(row.number, magnitude > 0.05 ? newtons(magnitude) : '');
+      setText(row.number, magnitude < minForceShown ? '' : newtons(magnitude));
     }
     this.announcePhases();
     this.showDetails();
