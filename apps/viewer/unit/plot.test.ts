@@ -5,7 +5,7 @@ import { test } from 'node:test';
 import { valuesByX } from '../src/report/values';
 import { spacingOf } from '../src/scene/cells';
 import { phaseRuns } from '../src/ui/live_plot';
-import { axisRange, nearestRow, rightPerLeft, steadyTop } from '../src/ui/plot_axes';
+import { axisRange, nearestRow, rightPerLeft, roundTicks, steadyTop } from '../src/ui/plot_axes';
 import { csvText } from '../src/ui/plot_files';
 
 test('an axis has zero, its least span, and room above the maximum', () => {
@@ -83,4 +83,11 @@ test('the spacing of points is the median distance of neighbours', () => {
   const grid = [0, 1, 2, 3].flatMap((x) => [0, 1, 2, 3].flatMap((y) => [4 * x, 4 * y, 7]));
   assert.ok(Math.abs(spacingOf(Uint16Array.from(grid), 0.002) - 0.008) < 1e-12);
   assert.equal(spacingOf(Uint16Array.of(1, 2, 3), 0.002), 0);
+});
+
+test('ticks are round, in the range, and not too many', () => {
+  const rounded = (values: number[]) => values.map((value) => Number(value.toFixed(9)) + 0);
+  assert.deepEqual(rounded(roundTicks([-10, 0], 5)), [-10, -8, -6, -4, -2, 0]);
+  assert.deepEqual(rounded(roundTicks([0.3, 1.1], 4)), [0.4, 0.6, 0.8, 1]);
+  assert.deepEqual(roundTicks([0, 0], 4), []);
 });

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import * as Plot from '@observablehq/plot';
 import { create } from './dom';
 import { axisRange, nearestRow, rightPerLeft } from './plot_axes';
+import { PlotDrawing } from './plot_drawing';
 import { csvText, saveText, svgText } from './plot_files';
 
 export type PlotColumn = readonly number[] | Float64Array;
@@ -45,14 +45,11 @@ export interface PlotOptions {
 // [CSS pixels]
 const axisWidth = 46;
 // The same for every plot, with and without a right axis: times are below one another.
-const margins = { marginTop: 16, marginBottom: 24, marginLeft: axisWidth, marginRight: axisWidth };
+const margins = { top: 16, right: axisWidth, bottom: 24, left: axisWidth };
 const bandHeight = 5;
 const minDrag = 5; // less is a click
 
 type Span = [number, number]; // [s]
-
-const muted = 'var(--muted)';
-const grid = { stroke: 'var(--grid)', strokeOpacity: 1 };
 
 /// A plot over time [s], in the page's colours and as wide as its container.
 export class TimePlot {
@@ -86,8 +83,8 @@ export class TimePlot {
       : 'Drag: zoom in. Double-click: show all.';
     this.over.append(this.pointed, this.playhead, this.selection, this.readout);
     Object.assign(this.over.style, {
-      inset: `auto ${margins.marginRight}px ${margins.marginBottom}px ${margins.marginLeft}px`,
-      height: `${options.height - margins.marginTop - margins.marginBottom}px`,
+      inset: `auto ${margins.right}px ${margins.bottom}px ${margins.left}px`,
+      height: `${options.height - margins.top - margins.bottom}px`,
     });
     this.element.append(this.heading(), this.drawing, this.over);
     parent.append(this.element);
@@ -184,92 +181,32 @@ export class TimePlot {
 
   private draw(): void {
     const { options, minSpan } = this;
-    const left = [...this.select(false), this.limits.map(({ value }) => value)];
+    const limits = this.limits.map(({ value }) => value);
+    const left = [...this.select(false), limits];
     const scale = rightPerLeft(left, this.select(true), minSpan);
     const columns = this.columns.map((column, i) =>
       options.series[i].isRight ? Array.from(column, (value) => value / scale) : column,
     );
-    const drawing = Plot.plot({
-      ...margins,
+    const frame = {
       width: this.element.clientWidth || 300,
       height: options.height,
-      ariaLabel: options.title,
-      style: { fontSize: '11px', color: muted, background: 'none' },
-      x: { domain: this.span },
-      y: { domain: axisRange([...columns, left[left.length - 1]], minSpan) },
-      marks: [
-        ...this.axes(scale),
-        Plot.ruleX(options.marks ?? [], { stroke: muted, strokeDasharray: '3 3', clip: true }),
-        ...columns.map((column, i) => this.curve(column, options.series[i].color)),
-        ...this.bands(),
-        ...this.limitLines(),
-      ],
-    });
-    this.drawing.replaceWith(drawing);
-    this.drawing = drawing;
+      margins,
+      x: this.span,
+      y: axisRange([...columns, limits], minSpan),
+    };
+    const drawing = new PlotDrawing(frame, options.title);
+    drawing.axes(options.unit, options.rightUnit, scale);
+    options.marks?.forEach((time) => drawing.mark(time));
+    columns.forEach((column, i) => drawing.curve(this.times, column, options.series[i].color));
+    for (const { from, to, row, color } of this.bandList)
+      drawing.band(from, to, row * (bandHeight + 1), bandHeight, color);
+    for (const { value, title } of this.limits) drawing.limit(value, title);
+    this.drawing.replaceWith(drawing.svg);
+    this.drawing = drawing.svg;
   }
 
   private select(isRight: boolean): PlotColumn[] {
     return this.columns.filter((_, i) => (this.options.series[i].isRight ?? false) === isRight);
-  }
-
-  private axes(scale: number): Plot.Markish[] {
-    const { unit, rightUnit } = this.options;
-    const axis = { tickSize: 0, tickSpacing: 30, labelArrow: 'none' as const };
-    const right = rightUnit && {
-      ...axis,
-      anchor: 'right' as const,
-      label: rightUnit,
-      tickFormat: (value: number) => String(Number((value * scale).toPrecision(6))),
-    };
-    return [
-      Plot.gridX(grid),
-      Plot.gridY({ ...grid, tickSpacing: axis.tickSpacing }),
-      Plot.axisX({ tickSize: 0, label: 's', labelArrow: 'none', labelOffset: 18 }),
-      Plot.axisY({ ...axis, label: unit }),
-      ...(right ? [Plot.axisY(right)] : []),
-    ];
-  }
-
-  private curve(column: PlotColumn, stroke: string): Plot.Markish {
-    const { times } = this;
-    return Plot.line(times, { x: times, y: column, stroke, strokeWidth: 1.4, clip: true });
-  }
-
-  private limitLines(): Plot.Markish[] {
-    const { limits } = this;
-    return [
-      Plot.ruleY(limits, { y: 'value', stroke: 'var(--text)', strokeDasharray: '6 4' }),
-      Plot.text(limits, {
-        y: 'value',
-        text: 'title',
-        frameAnchor: 'left',
-        textAnchor: 'start',
-        dx: 4,
-        dy: -7,
-        fill: 'var(--text)',
-      }),
-    ];
-  }
-
-  private bands(): Plot.Markish[] {
-    const { height } = this.options;
-    const bands = this.bandList;
-    const inner = height - margins.marginTop - margins.marginBottom;
-    return [0, 1].map((row) => {
-      const insetTop = row * (bandHeight + 1);
-      return Plot.rect(
-        bands.filter((band) => band.row === row),
-        {
-          x1: 'from',
-          x2: 'to',
-          fill: 'color',
-          insetTop,
-          insetBottom: inner - insetTop - bandHeight,
-          clip: true,
-        },
-      );
-    });
   }
 
   private place(line: HTMLElement, time: number): void {

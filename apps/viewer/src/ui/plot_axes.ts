@@ -25,6 +25,16 @@ export function rightPerLeft(
   return [1, 2, 5].map((factor) => factor * power).find((step) => step >= ratio) ?? 10 * power;
 }
 
+/// Multiples of 1, 2 or 5 times a power of ten in a range, at most about `count` of them.
+export function roundTicks([from, to]: readonly [number, number], count: number): number[] {
+  const least = (to - from) / Math.max(count, 1);
+  if (!(least > 0) || !Number.isFinite(least)) return [];
+  const power = 10 ** Math.floor(Math.log10(least));
+  const step = [1, 2, 5].map((factor) => factor * power).find((s) => s >= least) ?? 10 * power;
+  const [first, last] = [Math.ceil(from / step - 1e-9), Math.floor(to / step + 1e-9)];
+  return Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step);
+}
+
 /// The row whose time is nearest; `times` ascend. -1 if there is none.
 export function nearestRow(times: readonly number[], time: number): number {
   let [low, high] = [0, times.length];
