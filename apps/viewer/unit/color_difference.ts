@@ -92,8 +92,8 @@ export function colorDifference([l1, a1, b1]: Triple, [l2, a2, b2]: Triple): num
   return Math.sqrt(x * x + y * y + z * z + rt * y * z);
 }
 
-/// The smallest difference of two colours over normal vision and the three dichromacies.
-export function leastDifference(a: string, b: string): number {
+/// The minimum difference of two colours over normal vision and the three dichromacies.
+export function minDifferenceOf(a: string, b: string): number {
   return Math.min(
     ...Object.values(visions).map((vision) => colorDifference(labOf(a, vision), labOf(b, vision))),
   );

@@ -4,11 +4,11 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { fixedColor, objectColors, phaseColors, sourceColors } from '../src/palette';
 import { bandColors } from '../src/report/colors';
-import { colorDifference, labOf, leastDifference } from './color_difference';
+import { colorDifference, labOf, minDifferenceOf } from './color_difference';
 
 // Metric: CIEDE2000, its minimum over normal vision and simulated protanopia, deuteranopia and
-// tritanopia. 15 is some seven times what side by side is just seen; patches of a screen apart from
-// each other are told apart.
+// tritanopia. 15 is some seven times the just noticeable difference of adjacent patches, so that
+// patches apart from each other are distinguished too.
 const minDifference = 15;
 const minBandDifference = 7; // of pale areas that touch each other
 const backgrounds = { light: '#e9edf1', dark: '#15191e' }; // of the scene
@@ -21,7 +21,7 @@ function assertDistinct(colors: readonly string[], others: readonly string[], le
   for (const a of colors)
     for (const b of others)
       if (a !== b) {
-        const found = leastDifference(a, b);
+        const found = minDifferenceOf(a, b);
         assert.ok(found >= least, `${a} and ${b} differ by ${found.toFixed(1)} only`);
       }
 }

@@ -99,7 +99,7 @@ function connect(): void {
   opened.onclose = (event) => reconnect(event.reason);
 }
 
-/// A server that hangs or cannot be reached keeps its socket open for long: the states tell.
+/// A server that hangs or cannot be reached keeps its socket open for long: only the states show it.
 setInterval(() => {
   if (lastState === null || isStalled || pageClock() - lastState < stallSeconds) return;
   isStalled = true;

@@ -3,8 +3,8 @@
 import { Mesh, MeshBasicMaterial, PlaneGeometry, type Quaternion, Vector3 } from 'three';
 import { drawnTexture } from '../scene/drawn_texture';
 
-// Below the line of sight, clear of the scene's centre, near enough to be read [m].
-const signOffset = new Vector3(0, -0.22, -0.9);
+// Above the line of sight: the bodies are below it; near enough to be read [m].
+const signOffset = new Vector3(0, 0.2, -0.9);
 const size = { x: 0.42, y: 0.084 };
 const pixels = { x: 840, y: 168 };
 
