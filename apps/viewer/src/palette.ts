@@ -11,6 +11,9 @@ export const fixedColor = palette.fixed;
 export const phaseColors: Record<Phase, string> = palette.phases;
 export const sourceColors = palette.sources;
 
+/// The tool's ball with its rim, one of which is seen on any background; the ball in contact; force.
+export const toolColors = { ball: '#f5f7fa', rim: '#10151b', touch: '#ffb300', force: '#d6336c' };
+
 /// The colour with `share` of it on white.
 export function tint(color: string, share: number): string {
   const channel = (at: number) => {

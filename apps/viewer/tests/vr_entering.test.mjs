@@ -7,6 +7,7 @@ import { closeClutch, flick, frames, press } from './support/controller.mjs';
 import { enterVr } from './support/headset.mjs';
 import { until } from './support/live.mjs';
 import { serve } from './support/pcavr.mjs';
+import { startRelay } from './support/relay.mjs';
 import { limit, sceneArguments, setStage } from './support/stage.mjs';
 
 const maxSignDelay = 300; // [ms]
@@ -175,6 +176,19 @@ test('a sign says within 0.3 s that the server is gone', limit, async () => {
   const { page } = await enterVr({ open: () => stage.open(server.url) });
   await lookDown(page);
   await assertSign(page, 'CONNECTION LOST', () => server.signal('SIGSTOP'));
+});
+
+test('a sign says within 0.3 s that a body is outside the model', limit, async (t) => {
+  let isOutside = false;
+  const relay = await startRelay(stage.server.url, (message) => {
+    // The first object's flags in a state.
+    if (message[5] === 2 && isOutside) message[24 + 104 + 41] |= 1;
+    return message;
+  });
+  t.after(relay.close);
+  const { page } = await enterVr({ open: () => stage.open(relay.url) });
+  await lookDown(page);
+  await assertSign(page, 'OUTSIDE THE MODEL', () => (isOutside = true));
 });
 
 /// Touches a button of the panel with the right hand's tip.

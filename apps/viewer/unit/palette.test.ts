@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { fixedColor, objectColors, phaseColors, sourceColors } from '../src/palette';
+import { fixedColor, objectColors, phaseColors, sourceColors, toolColors } from '../src/palette';
 import { bandColors } from '../src/report/colors';
 import { colorDifference, labOf, minDifferenceOf } from './color_difference';
 
@@ -62,4 +62,15 @@ test('objects, phases and sources are seen on both backgrounds', () => {
 
 test('the bands of phases behind curves differ', () => {
   assertDistinct(bandColors.slice(1), bandColors.slice(1), minBandDifference);
+});
+
+test("the tool's ball or its rim stands out on both backgrounds", () => {
+  const { ball, rim, touch } = toolColors;
+  const minContrast = 50; // the ball is a few pixels large
+  for (const background of Object.values(backgrounds))
+    for (const inside of [ball, touch]) {
+      const found = Math.max(minDifferenceOf(inside, background), minDifferenceOf(rim, background));
+      assert.ok(found >= minContrast, `${inside} on ${background}: ${found.toFixed(1)}`);
+      assert.ok(minDifferenceOf(inside, rim) >= minContrast);
+    }
 });

@@ -5,6 +5,7 @@ import { byId } from './dom';
 import { moveTo } from './labels';
 
 const gap = 30; // [CSS pixels] from the ring's centre
+const minAbove = 110; // [CSS pixels] over the ring's centre
 
 /// What to do first, at the ring; gone after the first push by this page.
 export class CallToAction {
@@ -16,6 +17,10 @@ export class CallToAction {
     if (state?.hasTool && state.isEngaged && state.touchedObject >= 0) this.isDone = true;
     const isFree = state !== null && !state.isOnHold && (state.hasTool || !state.isToolTaken);
     this.element.hidden = this.isDone || !isFree || ring === null;
-    if (ring && !this.element.hidden) moveTo(this.element, ring.x, ring.y - gap);
+    if (!ring || this.element.hidden) return;
+    // Below a ring near the upper edge, where the statistics are.
+    const isBelow = ring.y < minAbove;
+    this.element.classList.toggle('below', isBelow);
+    moveTo(this.element, ring.x, ring.y + (isBelow ? gap : -gap));
   }
 }

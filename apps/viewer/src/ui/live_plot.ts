@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import { phaseColors } from '../palette';
+import { phaseColors, toolColors } from '../palette';
 import type { LiveState, Phase } from '../protocol';
 import type { SceneModel } from '../scene/scene_model';
 import { length } from './format';
@@ -37,7 +37,7 @@ export class LivePlot {
       note: 'band: phase of the object pushed',
       bandKeys: phaseKeys,
       unit: 'N',
-      series: [{ title: 'magnitude', color: '#d6336c' }],
+      series: [{ title: 'magnitude', color: toolColors.force }],
       height: 110,
       minSpan,
     });

@@ -93,7 +93,7 @@ export class PlotDrawing {
       shape('path', { d: lines.join(''), stroke: 'var(--grid)' }),
       label(xTicks, 'x', (at) => text(this.x(at), bottom + 16, 'middle', tickText(at))),
       label(yTicks, 'y', (at) => text(margins.left - 6, this.y(at) + 4, 'end', tickText(at))),
-      text(margins.left - 6, margins.top - 5, 'end', unit),
+      text(2, margins.top - 4, 'start', unit),
       text(width - 2, bottom + 16, 'end', 's'),
     );
     if (rightUnit)
@@ -101,7 +101,7 @@ export class PlotDrawing {
         label(yTicks, 'right', (at) =>
           text(right + 6, this.y(at) + 4, 'start', tickText(at * rightPerLeft)),
         ),
-        text(right + 6, margins.top - 5, 'start', rightUnit),
+        text(width - 2, margins.top - 4, 'end', rightUnit),
       );
     this.svg.append(this.inside);
   }
