@@ -12,7 +12,7 @@ export const seriesColors = [
   '#aa4499',
 ];
 const phases = [phaseColors.free, phaseColors.static, phaseColors.critical, phaseColors.sliding];
-const bandShare = 0.32; // of a phase's colour behind curves
+const bandShare = 0.25; // of a phase's colour behind curves
 export const bandColors = phases.map((color) => tint(color, bandShare));
 export const laneColors = phases;
 export const pinColor = seriesColors[3];

@@ -9,6 +9,7 @@ import { phaseLabel, setPhaseColor } from './objects_panel';
 
 const maxLabels = 24; // more would hide the scene
 const edgeGap = { x: 64, y: 24 }; // [CSS pixels] of the robot's label from the stage's edge
+const ringArea = { side: 130, above: 86, below: 36 }; // [CSS pixels] around the ring's centre
 const minForceShown = 0.05; // [N]
 
 /// Projects a world point to the canvas [CSS pixels]; null outside of the near and far planes.
@@ -82,7 +83,8 @@ export class Labels {
     this.robot.classList.toggle('outside', !isInside);
     setText(this.robot, isInside ? 'robot' : 'robot is this way');
     if (isInside) {
-      this.robot.style.transform = `translate(${at.x.toFixed(0)}px, ${at.y.toFixed(0)}px) translate(-50%, -50%)`;
+      const y = this.clearOfTool(at, width, height);
+      this.robot.style.transform = `translate(${at.x.toFixed(0)}px, ${y.toFixed(0)}px) translate(-50%, -50%)`;
       return;
     }
     // The direction on the picture, also of a point behind the camera.
@@ -93,6 +95,17 @@ export class Labels {
     this.robot.style.transform = `translate(${left.toFixed(0)}px, ${top.toFixed(0)}px) translate(-50%, -50%)`;
     const degrees = (Math.atan2(-y, x) * 180) / Math.PI;
     this.robot.style.setProperty('--towards', `${degrees.toFixed(0)}deg`);
+  }
+
+  /// The height of a label at `at` that is not behind the tool's ring and what is said above it.
+  private clearOfTool(at: { x: number; y: number }, width: number, height: number): number {
+    const { tool, camera } = this.view;
+    const ring =
+      tool.group.visible &&
+      project(tool.proxy.getWorldPosition(new Vector3()), camera, width, height);
+    if (!ring || Math.abs(at.x - ring.x) > ringArea.side) return at.y;
+    const isClear = at.y < ring.y - ringArea.above || at.y > ring.y + ringArea.below;
+    return isClear ? at.y : Math.max(ring.y - ringArea.above, edgeGap.y);
   }
 
   /// [m] from a body's origin to its top; 0 until its mesh is loaded.
