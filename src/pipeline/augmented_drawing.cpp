@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pcavr/scene/palette.hpp"
 #include "pcavr/scene/preview_parts.hpp"
 
 namespace pcavr {
@@ -15,9 +16,6 @@ namespace {
 constexpr int kPerPixel = 2;  ///< samples along each side of a pixel (supersampling)
 constexpr std::size_t kRowsPerTask = 8;
 
-constexpr Rgb8 kSolid{255, 130, 20};
-constexpr Rgb8 kSolidEdge{255, 80, 0};
-constexpr Rgb8 kGhost{0, 235, 255};
 constexpr float kFillShare = 0.4F;
 constexpr float kEdgeShare = 0.9F;
 constexpr float kGhostShare = 0.9F;
@@ -199,12 +197,13 @@ void paint(Eigen::Vector3f& color, const Layer& solid, const Layer& ghosts, floa
   if (body.body != 0) {
     // Shaded by a light at the camera, so that faces differ.
     const float light = 0.65F + 0.35F * std::abs(body.normal_camera.z());
-    blend(color, light * to_vector(kSolid), opacity * kFillShare);
+    blend(color, light * to_vector(kPredictedColor), opacity * kFillShare);
   }
   if (ghosts.bodies.is_edge(ghosts.x(sample_x), ghosts.y(sample_y))) {
-    blend(color, to_vector(kGhost), kGhostShare);
+    blend(color, to_vector(kTrackedColor), kGhostShare);
   }
-  if (is_near_edge(solid.bodies, x, y)) blend(color, to_vector(kSolidEdge), opacity * kEdgeShare);
+  if (is_near_edge(solid.bodies, x, y))
+    blend(color, to_vector(kPredictedColor), opacity * kEdgeShare);
 }
 
 }  // namespace
@@ -251,10 +250,11 @@ void draw_legend(ColorImage& picture, bool has_solid, bool has_ghosts) {
   if (picture.height() < kMinHeight) return;
   double y = picture.height() - 10.0;
   if (has_ghosts) {
-    draw_label(picture, {kFromLeft, y}, "tracked", kGhost);
+    draw_label(picture, {kFromLeft, y}, "tracked", kTrackedColor);
     y -= kLine;
   }
-  if (has_solid) draw_label(picture, {kFromLeft, y}, has_ghosts ? "predicted" : "body", kSolidEdge);
+  if (has_solid)
+    draw_label(picture, {kFromLeft, y}, has_ghosts ? "predicted" : "body", kPredictedColor);
 }
 
 }  // namespace pcavr

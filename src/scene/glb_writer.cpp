@@ -27,6 +27,11 @@ std::array<std::uint16_t, 256> make_linear_of_srgb() {
   return table;
 }
 
+std::uint16_t linear_of_srgb(std::uint8_t channel) {
+  static const std::array<std::uint16_t, 256> kTable = make_linear_of_srgb();
+  return kTable[channel];
+}
+
 json list_of(const Eigen::Vector3f& v) { return json::array({v.x(), v.y(), v.z()}); }
 
 void pad(std::string& bytes, char padding) {
@@ -82,11 +87,10 @@ int GlbWriter::add_vectors(const std::vector<Eigen::Vector3f>& vectors, bool wit
 }
 
 int GlbWriter::add_colors(const std::vector<Rgb8>& colors) {
-  static const std::array<std::uint16_t, 256> kLinearOfSrgb = make_linear_of_srgb();
   const std::size_t first_byte = buffer_.size();
   for (const Rgb8& color : colors) {
     for (const std::uint8_t channel : {color.r, color.g, color.b}) {
-      append_bytes(buffer_, kLinearOfSrgb[channel]);
+      append_bytes(buffer_, linear_of_srgb(channel));
     }
     append_bytes(buffer_, std::uint16_t{65535});  // opaque; keeps the elements 4-byte aligned
   }
@@ -105,7 +109,7 @@ int GlbWriter::add_indices(const TriangleMesh& mesh) {
                       mesh.triangles.size() * 3);
 }
 
-int GlbWriter::material_index(GlbMaterial kind, bool has_colors) {
+int GlbWriter::material_index(GlbMaterial kind, bool has_colors, const Rgb8& color) {
   json material;
   if (kind == GlbMaterial::captured) {
     material["name"] = "captured";
@@ -118,9 +122,12 @@ int GlbWriter::material_index(GlbMaterial kind, bool has_colors) {
   auto& surface = material["pbrMetallicRoughness"];
   surface["metallicFactor"] = 0.0;
   surface["roughnessFactor"] = 0.9;
-  // Bodies without colours: orange, which is rare in scenes.
   if (kind == GlbMaterial::body && !has_colors) {
-    surface["baseColorFactor"] = json::array({0.85, 0.30, 0.05, 1.0});
+    json& factor = surface["baseColorFactor"];
+    for (const std::uint8_t channel : {color.r, color.g, color.b}) {
+      factor.push_back(linear_of_srgb(channel) / 65535.0);
+    }
+    factor.push_back(1.0);
   }
   auto& materials = document_["materials"];
   for (std::size_t i = 0; i < materials.size(); ++i) {
@@ -130,14 +137,15 @@ int GlbWriter::material_index(GlbMaterial kind, bool has_colors) {
   return static_cast<int>(materials.size()) - 1;
 }
 
-int GlbWriter::add_mesh(const std::string& name, const TriangleMesh& mesh, GlbMaterial material) {
+int GlbWriter::add_mesh(const std::string& name, const TriangleMesh& mesh, GlbMaterial material,
+                        const Rgb8& color) {
   PCAVR_REQUIRE(!mesh.triangles.empty(), name);
   json primitive;
   primitive["attributes"]["POSITION"] = add_vectors(mesh.vertices, true);
   primitive["attributes"]["NORMAL"] = add_vectors(unit_normals(mesh), false);
   if (!mesh.colors.empty()) primitive["attributes"]["COLOR_0"] = add_colors(mesh.colors);
   primitive["indices"] = add_indices(mesh);
-  primitive["material"] = material_index(material, !mesh.colors.empty());
+  primitive["material"] = material_index(material, !mesh.colors.empty(), color);
   document_["meshes"].push_back({{"name", name}, {"primitives", json::array({primitive})}});
   return static_cast<int>(document_["meshes"].size()) - 1;
 }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pcavr/geometry/mesh.hpp"
+#include "pcavr/scene/palette.hpp"
 
 namespace pcavr {
 
@@ -22,8 +23,9 @@ enum class GlbMaterial {
 class GlbWriter {
  public:
   /// Returns the mesh index. Converts sRGB colours to linear (16 bits); normalises the normals, or
-  /// computes missing ones. The mesh must not be empty.
-  int add_mesh(const std::string& name, const TriangleMesh& mesh, GlbMaterial material);
+  /// computes missing ones. The mesh must not be empty. `color` is that of a body without colours.
+  int add_mesh(const std::string& name, const TriangleMesh& mesh, GlbMaterial material,
+               const Rgb8& color = kObjectColors.front());
 
   /// Adds a node, with a mesh unless `mesh` is negative. Returns its index.
   int add_node(const std::string& name, const Pose& T_parent_node, int mesh);
@@ -37,7 +39,7 @@ class GlbWriter {
   int add_vectors(const std::vector<Eigen::Vector3f>& vectors, bool with_bounds);
   int add_colors(const std::vector<Rgb8>& colors);
   int add_indices(const TriangleMesh& mesh);
-  int material_index(GlbMaterial material, bool has_colors);
+  int material_index(GlbMaterial material, bool has_colors, const Rgb8& color);
 
   nlohmann::json document_;
   std::string buffer_;

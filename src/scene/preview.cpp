@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "pcavr/scene/preview_parts.hpp"
 
 #include "display_mesh.hpp"
+#include "object_colors.hpp"
 
 namespace pcavr {
 namespace {
@@ -26,10 +28,6 @@ constexpr std::size_t kFrustums = 8;    ///< drawn along the camera trajectory
 constexpr int kTrajectoryOpacity = 40;  ///< opacity of the camera trajectory [%]
 constexpr double kFrustumDepth = 0.04;  ///< [m]
 
-/// Distinct object colours that are rare in scenes.
-constexpr std::array<Rgb8, 6> kTints = {
-    {{255, 122, 26}, {41, 121, 255}, {0, 176, 117}, {224, 49, 140}, {245, 190, 0}, {126, 87, 194}}};
-
 Eigen::Vector3f as_vector(const Rgb8& c) { return Eigen::Vector3f(c.r, c.g, c.b) / 255.0F; }
 
 /// Renders the preview image.
@@ -37,6 +35,7 @@ class PreviewRenderer {
  public:
   PreviewRenderer(const Scene& scene, Parallelism parallelism)
       : scene_(scene),
+        object_colors_(object_colors(scene)),
         parallelism_(parallelism),
         view_(choose_view(scene, kPreviewWidth * kSupersampling, kPreviewHeight * kSupersampling)),
         canvas_(view_.camera.width, view_.camera.height),
@@ -86,7 +85,7 @@ class PreviewRenderer {
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
       const SceneObject& object = scene_.objects[i];
       if (object.evidence == kNotSeen) continue;
-      const Eigen::Vector3f tint = as_vector(kTints[i % kTints.size()]);
+      const Eigen::Vector3f tint = as_vector(object_colors_[i]);
       const auto id = static_cast<std::uint8_t>(std::min<std::size_t>(kFirstObject + i, 255));
       draw(transformed(object.T_base_object, with_sharp_edges(object.model.mesh_object)), id,
            [&](const Eigen::Vector3f& color, const Eigen::Vector3f& n) {
@@ -180,7 +179,7 @@ class PreviewRenderer {
               .cast<double>();
       objects.extend(box);
       if (const auto at = top_centre_of(box)) {
-        draw_label(picture, *at, object.model.name, kTints[i % kTints.size()]);
+        draw_label(picture, *at, object.model.name, object_colors_[i]);
       }
     }
     const Eigen::Vector3d middle =
@@ -191,6 +190,7 @@ class PreviewRenderer {
   }
 
   const Scene& scene_;
+  std::vector<Rgb8> object_colors_;
   Parallelism parallelism_;
   View view_;
   Canvas canvas_;

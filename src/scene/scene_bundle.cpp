@@ -13,6 +13,7 @@
 #include "pcavr/scene/scene_text.hpp"
 
 #include "display_mesh.hpp"
+#include "object_colors.hpp"
 #include "preview.hpp"
 #include "scene/glb_writer.hpp"
 
@@ -34,11 +35,13 @@ std::string format_display(const Scene& scene) {
   const bool has_levels = !scene.levels_of_detail_base.empty();
   std::vector<int> children =
       add_static_mesh(glb, has_levels ? scene.levels_of_detail_base.front() : scene.mesh_base);
-  for (const SceneObject& object : scene.objects) {
+  const std::vector<Rgb8> colors = object_colors(scene);
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
     if (object.evidence == kNotSeen) continue;
     const std::string& name = object.model.name;
-    const int mesh =
-        glb.add_mesh(name, with_sharp_edges(object.model.mesh_object), GlbMaterial::body);
+    const int mesh = glb.add_mesh(name, with_sharp_edges(object.model.mesh_object),
+                                  GlbMaterial::body, colors[i]);
     children.push_back(glb.add_node(name, object.T_base_object, mesh));
   }
   return glb.finish(root, children);

@@ -46,11 +46,13 @@ void copy_world(const WorldSnapshot& snapshot, LiveState& state) {
 
 }  // namespace
 
-LiveSessions::LiveSessions(LiveWorld& world, LiveWelcome welcome, Send send, double tool_timeout)
+LiveSessions::LiveSessions(LiveWorld& world, LiveWelcome welcome, Send send, double tool_timeout,
+                           double tool_idle_time)
     : world_(world),
       welcome_(std::move(welcome)),
       send_(std::move(send)),
-      tool_timeout_(tool_timeout) {}
+      tool_timeout_(tool_timeout),
+      tool_idle_time_(tool_idle_time) {}
 
 LiveSessions::PageId LiveSessions::join() {
   pages_.emplace(++last_page_, Page{});
@@ -120,6 +122,7 @@ void LiveSessions::move_tool(PageId id, const LiveHeader& header, const LiveTool
   if (holder_ != id) return;
   Page& page = pages_.at(id);
   page.last_tool = now;
+  if (page.is_engaged || tool.is_engaged) page.last_engaged = now;
   page.is_engaged = tool.is_engaged;
   // The device counts the samples that it rejects (too early, too far away).
   (void)world_.page_device()->push({tool.p_base_tip.cast<double>(),
@@ -156,15 +159,30 @@ void LiveSessions::take_tool(PageId id, double now) {
                 now);
     return;
   }
-  if (holder_ && holder_ != id) {
+  if (is_used_by_another(id, now)) {
     send_notice(id, LiveLevel::warning, "another page has the tool", now);
     return;
   }
   if (holder_ == id) return;
+  if (holder_) {
+    const PageId previous = *holder_;
+    release_tool();
+    send_notice(previous, LiveLevel::info,
+                fmt::format("not used for {} s, the tool went to another page that requested it",
+                            tool_idle_time_),
+                now);
+  }
   holder_ = id;
   Page& page = pages_.at(id);
   page.last_tool = now;
+  page.last_engaged = now;
   page.is_engaged = false;
+}
+
+bool LiveSessions::is_used_by_another(PageId id, double now) const {
+  if (!holder_ || holder_ == id) return false;
+  const Page& holder = pages_.at(*holder_);
+  return holder.is_engaged || now - holder.last_engaged < tool_idle_time_;
 }
 
 void LiveSessions::release_tool() {
@@ -191,7 +209,8 @@ void LiveSessions::write_state(PageId id, double now, double queue_age,
   state_.page_clock =
       is_from_page ? snapshot.page.sender_clock : std::numeric_limits<double>::quiet_NaN();
   state_.has_tool = holder_ == id;
-  state_.tool_taken = holder_.has_value() || world_.page_device() == nullptr;
+  state_.tool_taken =
+      holder_ == id || is_used_by_another(id, now) || world_.page_device() == nullptr;
   state_.tool_age =
       is_from_page ? static_cast<float>(snapshot.page.age + snapshot.page.delay) : 0.0F;
   state_.state_age = static_cast<float>(now - snapshot.published);

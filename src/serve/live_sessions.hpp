@@ -25,8 +25,10 @@ class LiveSessions {
 
   /// Keeps a reference to `world`, which must outlive it, as must what `send` refers to. A page
   /// that holds the clutch but sends nothing for `tool_timeout` [s] counts as disconnected
-  /// (watchdog).
-  LiveSessions(LiveWorld& world, LiveWelcome welcome, Send send, double tool_timeout);
+  /// (watchdog). A page that has not held the clutch for `tool_idle_time` [s] keeps the tool only
+  /// until another one requests it.
+  LiveSessions(LiveWorld& world, LiveWelcome welcome, Send send, double tool_timeout,
+               double tool_idle_time);
 
   [[nodiscard]] PageId join();
   /// The page has disconnected. Releases the tool if it has it.
@@ -47,6 +49,7 @@ class LiveSessions {
     std::uint32_t last_received = 0;  ///< sequence number
     std::uint32_t last_sent = 0;      ///< sequence number
     double last_tool = 0.0;           ///< [s] when it last sent a tool sample
+    double last_engaged = 0.0;        ///< [s] when it last took the tool or held the clutch
     bool is_engaged = false;
   };
 
@@ -58,11 +61,14 @@ class LiveSessions {
   void handle_command(PageId page, LiveCommand command, double now);
   void take_tool(PageId page, double now);
   void release_tool();
+  /// Whether a page other than `id` has the tool and uses it.
+  [[nodiscard]] bool is_used_by_another(PageId id, double now) const;
 
   LiveWorld& world_;
   LiveWelcome welcome_;
   Send send_;
-  double tool_timeout_;  ///< [s]
+  double tool_timeout_;    ///< [s]
+  double tool_idle_time_;  ///< [s]
   std::map<PageId, Page> pages_;
   std::optional<PageId> holder_;  ///< of the tool
   PageId last_page_ = 0;

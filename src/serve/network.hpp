@@ -73,7 +73,7 @@ struct Hub {
               const auto page = pages.find(id);
               if (page != pages.end()) page->second->send(std::move(message));
             },
-            options.tool_timeout) {}
+            options.tool_timeout, options.tool_idle_time) {}
 
   ServerOptions options;
   std::unique_ptr<HttpHandler> http_handler;

@@ -96,6 +96,10 @@ constexpr auto kServerFields = std::to_array<OptionField<ServerOptions>>({
     {"tool_timeout", &ServerOptions::tool_timeout, 0.5, 0.02, 60.0, "s",
      "time without a sample after which a page with a closed clutch loses the tool (watchdog)",
      "lower: stutters of the network release it; higher: a lost page blocks it for others"},
+    // A pause to look and think, and not so long that the next one gives up.
+    {"tool_idle_time", &ServerOptions::tool_idle_time, 10.0, 0.0, 3600.0, "s",
+     "time with an open clutch after which the tool goes to another page that requests it",
+     "lower: a short pause loses the tool; higher: a forgotten page blocks it for others"},
     {"shutdown_timeout", &ServerOptions::shutdown_timeout, 0.2, 0.0, 60.0, "s",
      "time for the closing handshakes with the pages",
      "lower: pages see an error instead of an end; higher: stopping takes long"},

@@ -60,7 +60,7 @@ TEST_F(AugmentedFramesTest, DrawsTheBodyWhereTheCameraSeesIt) {
     const Eigen::Vector2d pixel = a_small_camera().project(a_view_from_above().inverse() * top);
     const Rgb8 middle = (*picture)(static_cast<int>(std::lround(pixel.x())),
                                    static_cast<int>(std::lround(pixel.y())));
-    EXPECT_GT(middle.r, middle.b + 20);  // orange on gray
+    EXPECT_GT(middle.r, middle.b + 20);  // ochre on gray
   }
 }
 

@@ -54,7 +54,8 @@ class LiveSessionsTest : public testing::Test {
                          [this](PageId id, std::vector<std::uint8_t> bytes) {
                            received_[id].push_back(decode_server_message(bytes).value());
                          },
-                         0.5};
+                         0.5,
+                         10.0};
   double clock_ = 100.0;
 };
 
@@ -128,6 +129,38 @@ TEST_F(LiveSessionsTest, ADisengagedPageMayBeSilent) {
   EXPECT_TRUE(state(id).has_tool);
 }
 
+TEST_F(LiveSessionsTest, AnIdleToolGoesToAPageThatRequestsIt) {
+  const PageId first = page(true);
+  const PageId second = page();
+  send(first, engaged());
+  clock_ += 0.1;
+  send(first, LiveTool{});
+  clock_ += 9.9;
+  EXPECT_TRUE(state(second).tool_taken);
+  send(second, LiveCommand::take_tool);
+  EXPECT_TRUE(state(first).has_tool);
+  clock_ += 0.2;
+  EXPECT_TRUE(state(first).has_tool);
+  EXPECT_FALSE(state(second).tool_taken);
+  send(second, LiveCommand::take_tool);
+  EXPECT_TRUE(state(second).has_tool);
+  EXPECT_FALSE(state(first).has_tool);
+  EXPECT_TRUE(state(first).tool_taken);
+  ASSERT_NE(last<LiveNotice>(first), nullptr);
+  EXPECT_EQ(last<LiveNotice>(first)->level, LiveLevel::info);
+}
+
+TEST_F(LiveSessionsTest, AToolInUseIsNotIdleHoweverLong) {
+  const PageId first = page(true);
+  const PageId second = page();
+  for (int i = 0; i < 300; ++i) {
+    send(first, engaged());
+    clock_ += 0.1;
+  }
+  send(second, LiveCommand::take_tool);
+  EXPECT_TRUE(state(first).has_tool);
+}
+
 TEST_F(LiveSessionsTest, DropsDuplicatesAndOutdatedMessages) {
   const PageId id = page(true);
   const std::uint32_t newest = last_sent_[id] += 10;
@@ -187,7 +220,7 @@ TEST(LiveSessions, NoPageGetsTheToolOfAnotherDevice) {
         const auto message = decode_server_message(bytes).value();
         if (const auto* notice = std::get_if<LiveNotice>(&message.content)) text = notice->text;
       },
-      0.5);
+      0.5, 10.0);
   const PageId id = sessions.join();
   EXPECT_TRUE(sessions.on_message(id, encode(PageMessage{{1, 0.0}, LiveHello{}}), 0.0));
   EXPECT_TRUE(sessions.on_message(id, encode(PageMessage{{2, 0.0}, LiveCommand::take_tool}), 0.0));

@@ -51,7 +51,7 @@ TEST(ServeOptions, VibrationHasTheGivenDurationAndAmplitude) {
 bool has_tool_after_a_second(double tool_timeout) {
   const auto world = test::a_live_world();
   LiveSessions sessions(
-      *world, {}, [](LiveSessions::PageId, std::vector<std::uint8_t>) {}, tool_timeout);
+      *world, {}, [](LiveSessions::PageId, std::vector<std::uint8_t>) {}, tool_timeout, 10.0);
   const auto page = sessions.join();
   const auto send = [&](std::uint32_t sequence, auto content) {
     EXPECT_TRUE(sessions.on_message(page, encode(PageMessage{{sequence, 100.0}, content}), 100.0));

@@ -5,7 +5,7 @@
 import { readdirSync, readFileSync } from 'node:fs';
 import { gzipSync } from 'node:zlib';
 
-const maxPage = 290_000; // [bytes]
+const maxPage = 260_000; // [bytes]
 const maxReport = 110_000; // [bytes]
 
 function gzippedSize(file) {

@@ -73,6 +73,7 @@ export class App {
     const isInVr = this.renderer.xr.isPresenting;
     if (!isInVr && this.shouldSkipFrame()) return;
     const state = this.session.latest();
+    if (!state) this.lastShown = null; // a lost state is drawn again, even if it is the same
     if (state && this.showsLiveState && this.needsRedraw(state)) {
       this.lastShown = state;
       this.view.showState(state);

@@ -9,16 +9,20 @@ import { makeCloud, makeOccupancy } from './scene/cells';
 import { SceneLoader, type Progress } from './scene/loading';
 import { addMarks } from './scene/marks';
 import { fetchBytes, type SceneModel, type SessionInfo } from './scene/scene_model';
+import { RestartCheck } from './session/restart';
 import { TestHook } from './test_hook';
 import { byId, setPressed, setText } from './ui/dom';
 import { length, megabytes } from './ui/format';
 import { Hud } from './ui/hud';
 import { Labels } from './ui/labels';
 import { fillDetail, fillLayersPanel, presentLayers } from './ui/layers_panel';
+import { fillHeightLegend, fillLegend } from './ui/legend';
 import type { LivePlot } from './ui/live_plot';
 import type { Messages } from './ui/messages';
-import { distanceText, ObjectsPanel } from './ui/objects_panel';
+import { differenceText, MeasureLabels } from './ui/measure_labels';
+import { ObjectsPanel } from './ui/objects_panel';
 import { pair } from './ui/pairing';
+import { Sheet } from './ui/sheet';
 import type { Theme, ThemeSwitch } from './ui/theme';
 import { ToolPanel } from './ui/tool_panel';
 
@@ -37,6 +41,8 @@ export class Page {
   private readonly objects: ObjectsPanel;
   private readonly labels: Labels;
   private readonly hud: Hud;
+  private readonly restart: RestartCheck;
+  private readonly measured: MeasureLabels;
   private readonly isReplay: boolean;
   private readonly showDetail: (level: number) => void;
   private readonly reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
@@ -47,6 +53,7 @@ export class Page {
   private lastStats = -Infinity; // [ms]
   private pulses = -1;
   private hasFirstFrame = false;
+  private hadState = false;
 
   constructor(
     private readonly app: App,
@@ -69,13 +76,16 @@ export class Page {
     this.picking = new Picking(view, app.canvas, () => app.invalidate());
     this.objects = new ObjectsPanel(view.bodies, (text) => messages.announce(text));
     this.labels = new Labels(view, byId('stage', HTMLElement));
+    this.measured = new MeasureLabels(view, byId('stage', HTMLElement));
     this.hud = new Hud(session);
+    this.restart = new RestartCheck((text) => messages.show({ level: 'warning', text }));
     addMarks(view, model);
     // Without a scan only the support planes show what the bodies stand on.
     if (model.mesh.length === 0) view.layers.show('planes', true);
     fillLayersPanel(view.layers, presentLayers(model, this.isReplay));
     view.layers.onChange(() => app.invalidate());
     this.showDetail = fillDetail(model, (level) => void this.loader.choose(level));
+    fillLegend(byId('phase-legend', HTMLParagraphElement), this.isReplay);
     this.loadOnDemand();
     this.fillHead(info);
     this.connectView();
@@ -91,7 +101,9 @@ export class Page {
     if (this.isReplay) await this.loadReplay();
     else await this.addTool();
     await loading;
-    if (!this.navigation.hasMoved) this.frameAll();
+    this.frameAtFirst();
+    // Until the user turns the view, it follows the window's shape.
+    new ResizeObserver(() => this.frameAtFirst()).observe(byId('stage', HTMLElement));
   }
 
   private triangleBudget(): number {
@@ -114,7 +126,7 @@ export class Page {
     this.toolPanel = new ToolPanel(this.app, this.tool, handle);
     const { LivePlot } = await import('./ui/live_plot');
     byId('dock', HTMLElement).hidden = false;
-    this.plot = new LivePlot(byId('plots', HTMLDivElement));
+    this.plot = new LivePlot(byId('plots', HTMLDivElement), this.model);
   }
 
   private fillHead(info: SessionInfo): void {
@@ -123,14 +135,7 @@ export class Page {
     chip.hidden = false;
     chip.textContent = info.mode;
     document.title = `${this.model.name || info.scene} · pcavr`;
-    const panel = byId('panel', HTMLElement);
-    const toggle = byId('panel-toggle', HTMLButtonElement);
-    const show = (isShown: boolean) => {
-      panel.hidden = !isShown;
-      toggle.setAttribute('aria-expanded', String(isShown));
-    };
-    toggle.addEventListener('click', () => show(panel.hidden));
-    show(!matchMedia('(width <= 720px)').matches);
+    new Sheet();
   }
 
   private connectView(): void {
@@ -144,9 +149,13 @@ export class Page {
     measure.addEventListener('click', () => {
       this.picking.setMeasuring(!this.picking.isMeasuring);
       setPressed(measure, this.picking.isMeasuring);
-      setText(distance, this.picking.isMeasuring ? 'click two points' : 'two points, in mm');
+      setText(
+        distance,
+        this.picking.isMeasuring ? 'click two points' : 'between two points, in mm',
+      );
     });
-    this.picking.onMeasure = (metres) => setText(distance, distanceText(metres));
+    this.picking.onMeasure = ([a, b]) =>
+      setText(distance, b ? differenceText(a, b) : 'click the second point');
     this.picking.onPick = (body) => {
       if (body || this.objects.selected) this.objects.select(body ?? this.objects.selected);
     };
@@ -156,6 +165,7 @@ export class Page {
     const { session, view } = this.app;
     const status = byId('connection', HTMLSpanElement);
     session.onWelcome((welcome) => {
+      void this.restart.onWelcome(welcome);
       view.setObjectOrder(welcome.objects);
       view.tool.setRadius(welcome.tool_radius);
     });
@@ -173,9 +183,20 @@ export class Page {
         }[connection],
       );
       if (reason && connection === 'refused') this.messages.show({ level: 'error', text: reason });
+      this.showLost(connection === 'lost');
       // A restarted server has a new pairing code; while it is down, the worker keeps reconnecting.
       if (connection === 'lost') pair().catch(() => undefined);
     });
+  }
+
+  /// Dims the scene, and shows that phases and forces are not known. A replay goes on.
+  private showLost(isLost: boolean): void {
+    if (this.isReplay) return;
+    byId('lost', HTMLElement).hidden = !isLost;
+    if (!isLost) return;
+    this.app.view.forgetState();
+    this.plot?.clear();
+    this.lastStats = -Infinity; // shown with the next frame
   }
 
   /// Fetches the point cloud and the occupancy cells when their layer is first shown.
@@ -187,12 +208,15 @@ export class Page {
       occupancy: occupancy && { path: occupancy.path, make: makeOccupancy },
     };
     layers.onChange(async (name, isShown) => {
+      if (name === 'occupancy') byId('height-legend', HTMLElement).hidden = !isShown;
       if (!isShown || (name !== 'cloud' && name !== 'occupancy')) return;
       const source = sources[name];
       if (!source) return;
       sources[name] = null;
       try {
-        layers.group(name).add(source.make(await fetchBytes(source.path, () => {})));
+        const cells = source.make(await fetchBytes(source.path, () => {}));
+        layers.group(name).add(cells);
+        if (name === 'occupancy') fillHeightLegend(cells.userData.heights);
         this.app.invalidate();
       } catch (error) {
         this.messages.show({ level: 'error', text: `${source.path}: ${(error as Error).message}` });
@@ -208,6 +232,11 @@ export class Page {
   private frameAll(): void {
     this.navigation.lookAt(this.app.view.frameAll());
     this.app.invalidate();
+  }
+
+  /// Shows all, unless the user has chosen another view.
+  private frameAtFirst(): void {
+    if (!this.navigation.hasMoved && !this.app.renderer.xr.isPresenting) this.frameAll();
   }
 
   private partLoaded(): void {
@@ -235,7 +264,9 @@ export class Page {
     this.tool?.update(seconds);
     const state = this.app.session.latest();
     if (state) {
-      this.plot?.add(state, time / 1000);
+      if (!this.hadState) this.showFirstState();
+      this.restart.onState(state);
+      this.plot?.add(state, this.app.session.welcome?.objects ?? [], time / 1000);
       if (this.pulses >= 0 && state.pulses > this.pulses) navigator.vibrate?.(vibrationMs);
       this.pulses = state.pulses;
     }
@@ -246,17 +277,25 @@ export class Page {
     this.objects.update((body) => this.forceOn(body.object.name));
   }
 
+  /// The tool appears with the first state: the first view has it too.
+  private showFirstState(): void {
+    this.hadState = true;
+    if (this.hasFirstFrame && !this.isReplay) this.frameAtFirst();
+  }
+
   private forceOn(name: string): number {
     if (this.replay) return this.replay.force(name);
     const index = this.app.session.welcome?.objects.indexOf(name) ?? -1;
-    const object = this.app.session.latest()?.objects[index];
-    return object ? length(object.force) : 0;
+    const state = this.app.session.latest();
+    if (!state) return this.hadState ? NaN : 0;
+    return length(state.objects[index]?.force ?? [0]);
   }
 
   private drawn(): void {
     if (this.hasFirstFrame && Number.isNaN(this.hook.firstFrameTime))
       this.hook.firstFrameTime = performance.now();
     this.labels.update(!this.app.renderer.xr.isPresenting);
+    this.measured.update(this.picking.points);
     this.toolPanel?.update();
   }
 }

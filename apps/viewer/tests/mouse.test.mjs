@@ -43,6 +43,20 @@ test(
     await dragTo(page, [x + 0.02, y, z]);
     await screenshot(page, 'mouse-pushing');
     await until(() => world.state.objects[0].position[0] > x + 0.03, 'the box pushed');
+    // The plot has the box's phases, and the force at which it breaks away.
+    await page
+      .locator('.plot svg text', { hasText: 'box_1 breaks away' })
+      .waitFor({ state: 'attached' });
+    const bands = () =>
+      page
+        .locator('.plot svg g rect')
+        .evaluateAll((all) => all.map((one) => one.getAttribute('fill')));
+    const sliding = await page.evaluate(() => {
+      const entries = [...document.querySelectorAll('#phase-legend .phase')];
+      const entry = entries.find(({ textContent }) => textContent === 'sliding');
+      return entry.style.getPropertyValue('--phase');
+    });
+    await until(async () => (await bands()).includes(sliding), 'a band of sliding');
     await page.mouse.up();
     await until(() => !world.state.isEngaged, 'the clutch open');
     await until(() => world.state.objects[0].speed < 1e-4, 'the box at rest');

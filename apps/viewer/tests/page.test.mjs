@@ -120,3 +120,42 @@ test('a missing file of the scene is named, and the rest is shown', limit, async
   const { objectsLoaded } = await page.evaluate(() => window.__pcavr.scene);
   assert.equal(objectsLoaded, objects.length - 1);
 });
+
+test(
+  'occupied cells have a legend of heights, and points are as large as their spacing',
+  limit,
+  async () => {
+    const page = await stage.browser.context.newPage();
+    await page.setViewportSize({ width: 1280, height: 800 });
+    const scene = await (await fetch(`${stage.server.url}api/scene.json`)).json();
+    // A column of cells with an edge of 5 cm, and points 2 cm apart.
+    const grid = (step, points, extra) => {
+      const file = Buffer.alloc(20 + (6 + extra) * points.length);
+      [0.4, 0, -0.1, step].forEach((value, i) => file.writeFloatLE(value, 4 * i));
+      file.writeUInt32LE(points.length, 16);
+      points.flat().forEach((value, i) => file.writeUInt16LE(value, 20 + 2 * i));
+      return file;
+    };
+    const column = [0, 1, 2, 3].map((z) => [0, 0, z]);
+    const points = [0, 1, 2, 3, 4].map((x) => [20 * x, 0, 0]);
+    scene.occupancy = { path: '/scene/cells', cells: 4, edge: 0.05, bytes: 44 };
+    scene.cloud = { path: '/scene/points', points: 5, bytes: 65 };
+    await page.route('**/api/scene.json', (route) => route.fulfill({ json: scene }));
+    await page.route('**/scene/cells', (route) => route.fulfill({ body: grid(0.05, column, 0) }));
+    await page.route('**/scene/points', (route) => route.fulfill({ body: grid(0.001, points, 3) }));
+    await page.goto(stage.server.url);
+    await loaded(page);
+    const legend = page.locator('#height-legend');
+    assert.equal(await legend.isVisible(), false);
+    await page.click('#layer-occupancy');
+    await legend.locator('.ends', { hasText: '0.08 m' }).waitFor();
+    assert.deepEqual(await legend.locator('.ends > span').allTextContents(), ['-0.08 m', '0.08 m']);
+    await screenshot(page, 'page-cells');
+    await page.click('#layer-occupancy');
+    assert.equal(await legend.isVisible(), false);
+    await page.click('#layer-cloud');
+    const size = () =>
+      page.evaluate(() => window.__pcavr.app.view.layers.group('cloud').children[0]?.material.size);
+    await until(async () => Math.abs((await size()) - 0.03) < 1e-6, '1.5 times 2 cm');
+  },
+);

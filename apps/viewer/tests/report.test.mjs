@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { copyFileSync, existsSync, mkdirSync } from 'node:fs';
+import { copyFileSync, existsSync, mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { openBrowser, openPage, screenshot } from './support/browser.mjs';
@@ -82,7 +82,12 @@ test('a plot shows values at the pointer, zooms in, and shows all again', limit,
   const ticks = () => figure.locator('g[aria-label="x-axis tick label"] text').allTextContents();
   const whole = await ticks();
   await page.mouse.move(box.x + 200, box.y + 100);
-  await figure.locator('g[aria-label=tip]', { hasText: 'force (N):' }).waitFor();
+  const tip = figure.locator('g[aria-label=tip]', { hasText: 'force (N):' });
+  await tip.waitFor();
+  const values = await tip.textContent();
+  assert.match(values, /time \(s\): [\d.]+/);
+  for (const name of ['measured', 'rendered \\(virtual\\)'])
+    assert.match(values, new RegExp(`${name} (−|-)?[\\d.]+`));
   await page.mouse.move(box.x + 100, box.y + 100);
   await page.mouse.down();
   await page.mouse.move(box.x + 160, box.y + 110, { steps: 3 });
@@ -101,6 +106,26 @@ test('a plot can be saved as a drawing', limit, async () => {
   const saved = page.waitForEvent('download');
   await page.locator('figure.map').getByRole('button', { name: 'Save SVG' }).click();
   assert.equal((await saved).suggestedFilename(), 'box_1-predicted-path-from-above.svg');
+});
+
+test('a plot is saved as a table with all its numbers', limit, async () => {
+  const { page } = await open(report.url);
+  const saveOf = async (figure) => {
+    const saved = page.waitForEvent('download');
+    await figure.getByRole('button', { name: 'Save CSV' }).click();
+    const file = await saved;
+    return readFileSync(await file.path(), 'utf8')
+      .trimEnd()
+      .split('\r\n');
+  };
+  const map = await saveOf(page.locator('figure.map'));
+  assert.match(map[0], /^reference: x in base \(m\),reference: y in base \(m\),measured: x/);
+  assert.equal(map.length, 4001);
+  assert.match(map[1], /,0,0\.1$/);
+  assert.match(map[4], /,,$/);
+  const lanes = await saveOf(page.locator('figure.wide'));
+  assert.equal(lanes[0], 'group,lane,from,to,kind');
+  assert.equal(lanes[1], 'box_1,truth,0,2,free');
 });
 
 test('a printed report has its folded tables, and no buttons', limit, async () => {

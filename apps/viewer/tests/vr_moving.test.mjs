@@ -111,11 +111,8 @@ test('a fingertip on the panel at the other hand holds and resumes', limit, asyn
   const reach = (offset) =>
     page.evaluate((z) => {
       const { mesh } = window.__pcavr.vr.panel;
-      const {
-        x,
-        y,
-        z: depth,
-      } = mesh.position.clone().set(-0.034, -0.034, z).applyMatrix4(mesh.matrix);
+      const center = window.__pcavr.vr.panel.centerOf('hold');
+      const { x, y, z: depth } = center.setZ(z).applyMatrix4(mesh.matrix);
       window.__headset.controllers.right.position.set(x, y, depth);
     }, offset);
   const touch = async () => {

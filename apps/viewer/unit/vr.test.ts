@@ -3,10 +3,12 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { Quaternion, Vector3 } from 'three';
+import { clearPlace, hides } from '../src/vr/clear_view';
 import { Clutch } from '../src/vr/clutch';
 import { nextScale } from '../src/vr/locomotion';
 import { Person } from '../src/vr/person';
 import { Pulses } from '../src/vr/pulses';
+import { signText } from '../src/vr/sign';
 import { floorHeight, startPose } from '../src/vr/start';
 import { ballisticPath, findLanding } from '../src/vr/teleport';
 
@@ -127,19 +129,77 @@ test('an arc that meets no level has no landing', () => {
 });
 
 test('the floor is the lowest point of the scan, or a table height below the support', () => {
+  const nothing = { objects: [], cameras: [] };
   const supports = [{ z: 0.02, outline: null }];
-  assert.equal(floorHeight({ supports, scanMinZ: -0.7, objects: [] }), -0.7);
-  assert.equal(floorHeight({ supports, scanMinZ: -0.05, objects: [] }), 0.02 - 0.75);
-  assert.equal(floorHeight({ supports: [], scanMinZ: undefined, objects: [] }), -0.75);
+  assert.equal(floorHeight({ supports, scanMinZ: -0.7, ...nothing }), -0.7);
+  assert.equal(floorHeight({ supports, scanMinZ: -0.05, ...nothing }), 0.02 - 0.75);
+  assert.equal(floorHeight({ supports: [], scanMinZ: undefined, ...nothing }), -0.75);
 });
 
-test('the user starts at the base, facing the objects, at a minimum distance from them', () => {
-  const ground = { supports: [], scanMinZ: 0, objects: [new Vector3(0, 0.8, 0.1)] };
-  const far = startPose(ground);
-  near(far.foot, new Vector3());
-  assert.ok(Math.abs(far.heading - Math.PI / 2) < rounding);
-  const close = startPose({ ...ground, objects: [new Vector3(0.1, 0, 0.1)] });
-  near(close.foot, new Vector3(0.1 - 0.45, 0, 0));
+const degree = Math.PI / 180;
+
+/// The angles of a point below the horizon and to the side of an eye at a start pose [rad].
+function anglesTo(point: Vector3, foot: Vector3, heading: number, eyeHeight: number) {
+  const from = point
+    .clone()
+    .sub(foot)
+    .sub(new Vector3(0, 0, eyeHeight));
+  const ahead = Math.cos(heading) * from.x + Math.sin(heading) * from.y;
+  const aside = Math.cos(heading) * from.y - Math.sin(heading) * from.x;
+  assert.ok(ahead > 0, 'in front');
+  return { down: Math.atan2(-from.z, Math.hypot(ahead, aside)), aside: Math.atan2(aside, ahead) };
+}
+
+test('from the start a head pitched 20 degrees down has all objects in view', () => {
+  const objects = [new Vector3(0.5, 0.3, 0.1), new Vector3(0.7, -0.3, 0.05)];
+  const supports = [{ z: 0, outline: null }];
+  for (const eyeHeight of [1.1, 1.6, 1.9]) {
+    const ground = { supports, scanMinZ: undefined, objects, cameras: [] };
+    const { foot, heading } = startPose(ground, eyeHeight);
+    for (const object of objects) {
+      const { down, aside } = anglesTo(object, foot, heading, eyeHeight);
+      // A headset shows at least 40 degrees to each side of the middle.
+      assert.ok(Math.abs(down - 20 * degree) < 25 * degree, `${down / degree} degrees down`);
+      assert.ok(Math.abs(aside) < 35 * degree, `${aside / degree} degrees aside`);
+    }
+  }
+});
+
+test('the user starts at the side of the robot, or where the cameras were', () => {
+  const objects = [new Vector3(0, 0.8, 0)];
+  const ground = { supports: [], scanMinZ: 0, objects, cameras: [] };
+  const atRobot = startPose(ground, 1.6);
+  assert.ok(Math.abs(atRobot.heading - Math.PI / 2) < rounding);
+  assert.ok(Math.abs(atRobot.foot.x) < rounding && atRobot.foot.y < 0.8 - 0.45 + rounding);
+  assert.equal(atRobot.foot.z, 0);
+  const atCameras = startPose({ ...ground, cameras: [[0, 2, 1]] }, 1.6);
+  assert.ok(Math.abs(Math.abs(atCameras.heading) - Math.PI / 2) < rounding);
+  assert.ok(atCameras.foot.y > 0.8 + 0.45 - rounding);
+});
+
+test('a sheet stays at the hand, and moves only where it would hide a body', () => {
+  const eye = new Vector3(0, 1.6, 0);
+  const place = new Vector3(-0.1, 1.4, -0.4);
+  near(clearPlace(place, 0.1, eye, [], -1), place);
+  const far = { center: new Vector3(1, 1, -1), radius: 0.1 };
+  near(clearPlace(place, 0.1, eye, [far], -1), place);
+  const behind = { center: place.clone().sub(eye).multiplyScalar(3).add(eye), radius: 0.15 };
+  assert.ok(hides(place, 0.1, eye, behind));
+  const clear = clearPlace(place, 0.1, eye, [behind], -1);
+  assert.ok(!hides(clear, 0.1, eye, behind));
+  assert.ok(clear.distanceTo(place) > 0.05 && clear.distanceTo(place) < 0.4);
+});
+
+test('a sign names the most urgent trouble', () => {
+  const well = { isLost: false, isOutsideModel: false, isRefused: false, isOnHold: false };
+  assert.equal(signText(well), null);
+  assert.equal(signText({ ...well, isOnHold: true })?.[0], 'PAUSED');
+  assert.equal(signText({ ...well, isOnHold: true, isRefused: true })?.[0], 'TOOL IN USE');
+  assert.equal(
+    signText({ ...well, isRefused: true, isOutsideModel: true })?.[0],
+    'OUTSIDE THE MODEL',
+  );
+  assert.equal(signText({ ...well, isOutsideModel: true, isLost: true })?.[0], 'CONNECTION LOST');
 });
 
 test('the scale goes up and wraps around', () => {

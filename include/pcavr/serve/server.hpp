@@ -39,6 +39,7 @@ struct ServerOptions {
   double handshake_timeout;   ///< [s] of a WebSocket
   double idle_timeout;        ///< [s] of a page that does not answer pings
   double tool_timeout;        ///< [s] without a sample: the page loses the tool
+  double tool_idle_time;      ///< [s] with an open clutch: the tool goes to a page that requests it
   double shutdown_timeout;    ///< [s] for the closing handshakes with the pages
   int max_queued_messages;    ///< to a page; of more, it counts as not reading
   int max_messages_per_tick;  ///< of a page, between two states (rate limit)

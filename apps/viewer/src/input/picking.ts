@@ -25,7 +25,7 @@ export class Picking {
   isMeasuring = false;
   points: Vector3[] = []; // in base
   onPick: (body: Body | null) => void = () => {};
-  onMeasure: (metres: number | null) => void = () => {};
+  onMeasure: (points: readonly Vector3[]) => void = () => {};
   private readonly ray = new Raycaster();
   private readonly marks = new Group();
   private pressed = new Vector2();
@@ -79,8 +79,7 @@ export class Picking {
     if (this.points.length === 2) this.points = [];
     this.points.push(point);
     this.drawMarks();
-    const [a, b] = this.points;
-    this.onMeasure(b ? a.distanceTo(b) : null);
+    this.onMeasure(this.points);
   }
 
   private drawMarks(): void {

@@ -8,7 +8,7 @@ export class PicturePanel {
   shown = -1;
   private readonly figure = byId('picture', HTMLElement);
   private readonly image = this.figure.querySelector('img')!;
-  private readonly caption = this.figure.querySelector('figcaption')!;
+  private readonly caption = this.figure.querySelector<HTMLElement>('.caption')!;
   private readonly toggle = byId('picture-toggle', HTMLButtonElement);
   private wanted = -1;
   private loading = -1;
@@ -16,6 +16,14 @@ export class PicturePanel {
   constructor(private readonly times: readonly number[]) {
     this.toggle.hidden = times.length === 0;
     this.toggle.addEventListener('click', () => this.show(this.figure.hidden));
+    byId('picture-close', HTMLButtonElement).addEventListener('click', () => this.show(false));
+    const enlarge = byId('picture-enlarge', HTMLButtonElement);
+    enlarge.addEventListener('click', () => {
+      const isLarge = this.figure.classList.toggle('large');
+      setPressed(enlarge, isLarge);
+      setText(enlarge, isLarge ? 'Reduce' : 'Enlarge');
+    });
+    this.caption.addEventListener('pointerdown', (event) => this.startMove(event));
     this.image.addEventListener('load', () => this.finish(true));
     this.image.addEventListener('error', () => this.finish(false));
   }
@@ -29,6 +37,29 @@ export class PicturePanel {
   setTime(time: number): void {
     this.wanted = indexAt(this.times, time);
     this.load();
+  }
+
+  /// Moves the picture with the pointer, within the stage.
+  private startMove(event: PointerEvent): void {
+    if (event.button !== 0 || this.figure.classList.contains('large')) return;
+    const { figure, caption } = this;
+    const stage = figure.parentElement!;
+    const from = { x: event.clientX - figure.offsetLeft, y: event.clientY - figure.offsetTop };
+    caption.setPointerCapture(event.pointerId);
+    const move = ({ clientX, clientY }: PointerEvent) => {
+      const within = (value: number, max: number) => Math.min(Math.max(value, 0), Math.max(max, 0));
+      const left = within(clientX - from.x, stage.clientWidth - figure.offsetWidth);
+      const top = within(clientY - from.y, stage.clientHeight - figure.offsetHeight);
+      Object.assign(figure.style, {
+        left: `${left}px`,
+        top: `${top}px`,
+        right: 'auto',
+        bottom: 'auto',
+      });
+    };
+    caption.addEventListener('pointermove', move);
+    const end = () => caption.removeEventListener('pointermove', move);
+    caption.addEventListener('lostpointercapture', end, { once: true });
   }
 
   private load(): void {

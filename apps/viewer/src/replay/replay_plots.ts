@@ -1,13 +1,16 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import type { Phase } from '../protocol';
-import { phaseColors } from '../scene/bodies';
+import { phaseColors, sourceColors } from '../palette';
+import { phaseKeys } from '../ui/legend';
 import { type PlotBand, TimePlot } from '../ui/plot';
 import { decimate } from './decimation';
 import type { Replay, ReplayObject, Table } from './replay_data';
 
 const buckets = 600; // about one per two screen columns: more would not be visible
 const height = 150; // [CSS pixels]
+const errorScales = [1e3, 180 / Math.PI]; // to mm and degrees
+const forceScales = [1, 1];
 
 /// Error and force of one object over the whole replay, with phases and corrections.
 export class ReplayPlots {
@@ -24,33 +27,40 @@ export class ReplayPlots {
     const corrections = this.replay.model.corrections.filter((c) => c.object === object.name);
     const marks = corrections.map(({ t }) => t);
     const common = { height, onSeek: this.onSeek, marks };
+    const save = (table: Table, scales: readonly number[]) => () => ({
+      times: [...table.column(0)],
+      columns: scaled(table, scales),
+    });
     const error = new TimePlot(this.parent, {
       ...common,
+      save: save(object.error, errorScales),
       title: 'Prediction error against tracking',
       note: corrections.length > 0 ? 'dashed: corrections' : '',
       unit: 'mm',
       rightUnit: '°',
       minSpan: 1,
       series: [
-        { title: 'position', color: '#2b7de9' },
+        { title: 'position', color: '#3b82c4' },
         { title: 'rotation', color: '#c2820a', isRight: true },
       ],
     });
     const force = new TimePlot(this.parent, {
       ...common,
+      save: save(object.force, forceScales),
       title: 'Force',
-      note: 'bands: measured, predicted phase',
+      note: 'bands: phase measured, below it predicted',
+      bandKeys: phaseKeys,
       unit: 'N',
       minSpan: 2,
       series: [
-        { title: 'measured', color: '#d6336c' },
-        { title: 'predicted', color: '#2f9e6e' },
+        { title: 'measured', color: sourceColors.measured },
+        { title: 'predicted', color: sourceColors.predicted },
       ],
       bands: phaseBands(object, this.replay.model.duration),
     });
     this.plots = [error, force];
-    this.fill(error, object.error, [1e3, 180 / Math.PI]);
-    this.fill(force, object.force, [1, 1]);
+    this.fill(error, object.error, errorScales);
+    this.fill(force, object.force, forceScales);
   }
 
   setPlayhead(time: number): void {
@@ -58,7 +68,7 @@ export class ReplayPlots {
   }
 
   private fill(plot: TimePlot, table: Table, scales: readonly number[]): void {
-    const columns = scales.map((scale, i) => table.column(i + 1).map((v) => v * scale));
+    const columns = scaled(table, scales);
     const rows = decimate(columns, buckets);
     const times = table.column(0);
     plot.setData(
@@ -68,6 +78,10 @@ export class ReplayPlots {
       this.replay.model.duration,
     );
   }
+}
+
+function scaled(table: Table, scales: readonly number[]): Float64Array[] {
+  return scales.map((scale, i) => table.column(i + 1).map((value) => value * scale));
 }
 
 /// The measured phases in the first row, the predicted ones below.

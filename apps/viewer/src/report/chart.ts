@@ -5,6 +5,7 @@ import { bandColors, pinColor, seriesColors, softInk } from './colors';
 import { labelHeight, labelRows, placeLabels } from './mark_labels';
 import { number } from './number';
 import type { PlotData, Series } from './report_data';
+import { pointsOf, type ValueRow, valuesByX } from './values';
 import type { View } from './view';
 
 // [SVG units], about pixels on a desktop screen.
@@ -112,10 +113,20 @@ function drawPins(plot: PlotData, view: View): Plot.Markish[] {
   );
 }
 
-/// The values of the point nearest to the pointer.
+/// The values at the pointer: of all curves at its x, or of the nearest point of a map or of marks.
 function drawTip(plot: PlotData, view: View): Plot.Markish {
-  const points = plot.series.flatMap(({ label, x, y }) =>
-    x.flatMap((at, i) => (at !== null && y[i] !== null ? [{ label, x: at, y: y[i] }] : [])),
+  if (plot.equal_axes || plot.series.some(({ points }) => points)) return drawPointTip(plot, view);
+  const rows = valuesByX(plot.series).filter(
+    ({ x, y }) => isIn(view, x) && y >= view.y[0] && y <= view.y[1],
+  );
+  const title = ({ x, values }: ValueRow) =>
+    [`${plot.x_label}: ${number(x)}`, `${plot.y_label}:`, ...values].join('\n');
+  return Plot.tip(rows, Plot.pointerX({ x: 'x', y: 'y', title }));
+}
+
+function drawPointTip(plot: PlotData, view: View): Plot.Markish {
+  const points = plot.series.flatMap((one) =>
+    pointsOf(one).map((at) => ({ ...at, label: one.label })),
   );
   const shown = points.filter(({ x, y }) => isIn(view, x) && y >= view.y[0] && y <= view.y[1]);
   return Plot.tip(

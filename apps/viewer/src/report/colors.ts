@@ -1,10 +1,19 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Okabe & Ito's palette, distinguishable with any kind of colour vision. Not in the style sheet: a
-// saved plot has them too.
-export const seriesColors = ['#0072b2', '#d55e00', '#009e73', '#aa4499'];
-export const bandColors = ['#f3dfb4', '#dde3e9', '#f7dd93', '#c9e7d8'];
-export const laneColors = ['#d7dde3', '#b4bfca', '#e8b321', '#3fa57c'];
+import { phaseColors, sourceColors, tint } from '../palette';
+
+// Not in the style sheet: a saved plot has them too. The C++ side's indices: 0 what was predicted
+// or rendered, 1 what was measured or is known, 2 what was tracked.
+export const seriesColors = [
+  sourceColors.predicted,
+  sourceColors.measured,
+  sourceColors.tracked,
+  '#aa4499',
+];
+const phases = [phaseColors.free, phaseColors.static, phaseColors.critical, phaseColors.sliding];
+const bandShare = 0.25; // of a phase's colour behind curves
+export const bandColors = phases.map((color) => tint(color, bandShare));
+export const laneColors = phases;
 export const pinColor = seriesColors[3];
 export const softInk = '#5b6570';

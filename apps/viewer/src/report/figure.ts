@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import type * as Plot from '@observablehq/plot';
 import { create } from '../ui/dom';
+import { saveText, svgText } from '../ui/plot_files';
 import { aspectOf, drawChart } from './chart';
 import { bandColors, laneColors, pinColor, seriesColors } from './colors';
 import { drawLanes, wholeSpan } from './lane_chart';
 import type { LaneData, PlotData, Series } from './report_data';
+import { csvOfLanes, csvOfPlot } from './csv';
 import { addSelection, type Area } from './selection';
 import { type Range, viewOfArea, viewOfColumns, wholeView } from './view';
 
@@ -22,6 +24,7 @@ export function plotFigure(plot: PlotData): HTMLElement {
     ({ x, y }) =>
       drawChart(plot, plot.equal_axes ? viewOfArea({ x, y }, aspect) : viewOfColumns(plot, x)),
     plot.equal_axes ?? false,
+    () => csvOfPlot(plot),
   );
   figure.classList.toggle('map', plot.equal_axes ?? false);
   return figure;
@@ -36,6 +39,7 @@ export function laneFigure(chart: LaneData): HTMLElement {
     () => drawLanes(chart, wholeSpan(chart)),
     ({ x }) => drawLanes(chart, x),
     false,
+    () => csvOfLanes(chart),
   );
   figure.classList.add('wide');
   return figure;
@@ -47,6 +51,7 @@ function zoomableFigure(
   drawWhole: () => Chart,
   drawPart: (area: { x: Range; y: Range }) => Chart,
   selectsArea: boolean,
+  tableText: () => string,
 ): HTMLElement {
   let chart = drawWhole();
   const reset = create('button', { type: 'button', textContent: 'Show all', hidden: true });
@@ -62,11 +67,15 @@ function zoomableFigure(
   const showAll = () => show(drawWhole(), false);
   drawing.addEventListener('dblclick', showAll);
   reset.addEventListener('click', showAll);
-  save.addEventListener('click', () => saveDrawing(chart, title));
+  save.addEventListener('click', () =>
+    saveText(title, 'svg', 'image/svg+xml', svgText(chart, '#1c2126')),
+  );
+  const table = create('button', { type: 'button', textContent: 'Save CSV' });
+  table.addEventListener('click', () => saveText(title, 'csv', 'text/csv', tableText()));
   return create(
     'figure',
     {},
-    create('figcaption', {}, title, create('span', { className: 'actions' }, reset, save)),
+    create('figcaption', {}, title, create('span', { className: 'actions' }, reset, save, table)),
     create('p', { className: 'legend' }, ...legend),
     drawing,
   );
@@ -109,18 +118,4 @@ function pinKey(hollow: boolean, label: string): HTMLElement {
   const key = create('i', { textContent: hollow ? '▽' : '▼' });
   key.style.color = pinColor;
   return create('span', {}, key, label);
-}
-
-/// Downloads the drawing as a file for documents.
-function saveDrawing(chart: Chart, title: string): void {
-  const copy = chart.cloneNode(true) as SVGSVGElement;
-  copy.setAttribute('xmlns', 'http://www.w3.org/2000/svg');
-  copy.setAttribute('color', '#1c2126');
-  const file = new Blob([new XMLSerializer().serializeToString(copy)], { type: 'image/svg+xml' });
-  const link = create('a', {
-    href: URL.createObjectURL(file),
-    download: `${title.replace(/[^\p{L}\p{N}_]+/gu, '-')}.svg`,
-  });
-  link.click();
-  URL.revokeObjectURL(link.href);
 }

@@ -10,24 +10,17 @@ import {
   MeshLambertMaterial,
   type Object3D,
 } from 'three';
+import { fixedColor, objectColors, phaseColors, sourceColors } from '../palette';
 import type { Phase, Quaternion, Vector } from '../protocol';
 import type { GlbPart } from './glb';
 import type { SceneObject } from './scene_model';
+import { seeThrough } from './see_through';
 
-// Distinct from each other, from a scan's browns and greys, and to colour-blind users.
-const bodyColors = ['#3273dc', '#e2711d', '#129e86', '#b14aa3', '#c9a013', '#6650c9'];
-const fixedColor = '#8b96a5';
-export const phaseColors: Record<Phase, string> = {
-  free: '#7d8896',
-  static: '#2b7de9',
-  critical: '#e0a100',
-  sliding: '#d9480f',
-};
 const outsideColor = '#c92a2a';
 const edgeAngle = 25; // [degrees] between faces: a rounded edge of a CAD body shows no lines
 
 export function bodyColor(index: number, movable: boolean): string {
-  return movable ? bodyColors[index % bodyColors.length] : fixedColor;
+  return movable ? objectColors[index % objectColors.length] : fixedColor;
 }
 
 /// A CAD body: solid at its predicted pose, with a ghost at its tracked pose.
@@ -38,6 +31,7 @@ export class Body {
   readonly marks = [new Group(), new Group()] as const; // its tags, its frame: in separate layers
   phase: Phase = 'free';
   isOutsideModel = false;
+  isKnown = true; // false: without a server, phase and force are not
   private fill: MeshLambertMaterial;
   private edges = new LineBasicMaterial({ color: '#10151b' });
 
@@ -47,12 +41,14 @@ export class Body {
   ) {
     this.color = bodyColor(index, object.movable);
     // Polygon offset: the faces are drawn slightly behind the edges, against z-fighting.
-    this.fill = new MeshLambertMaterial({
-      color: this.color,
-      polygonOffset: true,
-      polygonOffsetFactor: 1,
-      polygonOffsetUnits: 1,
-    });
+    this.fill = seeThrough(
+      new MeshLambertMaterial({
+        color: this.color,
+        polygonOffset: true,
+        polygonOffsetFactor: 1,
+        polygonOffsetUnits: 1,
+      }),
+    );
     this.solid.name = object.name;
     this.ghost.name = `${object.name} (tracked)`;
     this.ghost.visible = false;
@@ -61,12 +57,12 @@ export class Body {
 
   addParts(parts: readonly GlbPart[]): void {
     const ghostFill = new MeshLambertMaterial({
-      color: '#ffffff',
+      color: sourceColors.tracked,
       transparent: true,
       opacity: 0.14,
       depthWrite: false,
     });
-    const ghostEdges = new LineBasicMaterial({ color: '#ffffff', transparent: true, opacity: 0.9 });
+    const ghostEdges = new LineBasicMaterial({ color: sourceColors.tracked });
     for (const { geometry, matrix } of parts) {
       const edges = new EdgesGeometry(geometry, edgeAngle);
       this.add(this.solid, new Mesh(geometry, this.fill), matrix);

@@ -14,7 +14,9 @@ import {
 import type { Vector } from '../protocol';
 
 const headerBytes = 20;
-const pointSize = 0.006; // [m] slightly above the default voxel (5 mm): points close to a surface
+const minPointSize = 0.003; // [m] smaller points are not seen from a metre
+const pointPerSpacing = 1.5; // points close to a surface, also along the diagonals of a grid
+const spacingSamples = 48;
 
 interface Grid {
   origin: Vector;
@@ -60,24 +62,54 @@ export function makeCloud(file: ArrayBuffer): Points {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(positionsOf(grid), 3));
   geometry.setAttribute('color', new BufferAttribute(linearColors(srgb), 3, true));
-  const points = new Points(geometry, new PointsMaterial({ size: pointSize, vertexColors: true }));
+  const size = Math.max(pointPerSpacing * spacingOf(grid.steps, grid.step), minPointSize);
+  const points = new Points(geometry, new PointsMaterial({ size, vertexColors: true }));
   points.position.fromArray(grid.origin);
   return points;
 }
 
-/// A box for each occupied cell, coloured by height, from blue to yellow.
+/// The colour of a height from the lowest (0) to the highest cell (1): from blue to yellow.
+export function heightColor(share: number): Color {
+  return new Color().setHSL(0.62 - 0.48 * share, 0.6, 0.32 + 0.13 * share);
+}
+
+/// A box for each occupied cell, coloured by height; `userData.heights`: of the lowest and the
+/// highest centre [m].
 export function makeOccupancy(file: ArrayBuffer): InstancedMesh {
   const { origin, step, count, steps } = readGrid(file, 0);
   const box = new BoxGeometry(0.92 * step, 0.92 * step, 0.92 * step);
   const boxes = new InstancedMesh(box, new MeshLambertMaterial(), count);
-  let maxZ = 1; // [steps]
-  for (let i = 0; i < count; ++i) maxZ = Math.max(maxZ, steps[3 * i + 2]);
+  let [low, high] = [Infinity, 0]; // [steps]
+  for (let i = 0; i < count; ++i) {
+    low = Math.min(low, steps[3 * i + 2]);
+    high = Math.max(high, steps[3 * i + 2]);
+  }
   const matrix = new Matrix4();
   for (let i = 0; i < count; ++i) {
     const [x, y, z] = [0, 1, 2].map((axis) => origin[axis] + (steps[3 * i + axis] + 0.5) * step);
     boxes.setMatrixAt(i, matrix.makeTranslation(x, y, z));
-    const height = steps[3 * i + 2] / maxZ;
-    boxes.setColorAt(i, new Color().setHSL(0.62 - 0.48 * height, 0.6, 0.32 + 0.13 * height));
+    boxes.setColorAt(i, heightColor((steps[3 * i + 2] - low) / Math.max(high - low, 1)));
   }
+  boxes.userData.heights = [low, high].map((z) => origin[2] + (z + 0.5) * step);
   return boxes;
+}
+
+/// The median distance [m] of a point to its nearest neighbour, over some of the points.
+export function spacingOf(steps: Uint16Array, step: number): number {
+  const count = steps.length / 3;
+  const nearest: number[] = [];
+  for (let sample = 0; sample < spacingSamples && count > 1; ++sample) {
+    const at = Math.floor(((sample + 0.5) * count) / spacingSamples);
+    let best = Infinity;
+    for (let i = 0; i < count; ++i) {
+      const dx = steps[3 * i] - steps[3 * at];
+      const dy = steps[3 * i + 1] - steps[3 * at + 1];
+      const dz = steps[3 * i + 2] - steps[3 * at + 2];
+      const squared = dx * dx + dy * dy + dz * dz;
+      if (squared > 0 && squared < best) best = squared;
+    }
+    if (best < Infinity) nearest.push(best);
+  }
+  nearest.sort((a, b) => a - b);
+  return nearest.length > 0 ? Math.sqrt(nearest[nearest.length >> 1]) * step : 0;
 }

@@ -11,6 +11,7 @@ import {
 } from 'three';
 import { readGlb } from './glb';
 import { fetchBytes, type MeshLevel } from './scene_model';
+import { seeThrough } from './see_through';
 import type { SceneView } from './view';
 
 export interface Progress {
@@ -27,8 +28,8 @@ export function levelWithin(levels: readonly MeshLevel[], triangles: number): nu
 
 /// Scanned colours contain the light already (unlit material); a plain surface needs shading.
 function scanMaterial(hasColors: boolean, color: Color | null): Material {
-  if (hasColors) return new MeshBasicMaterial({ vertexColors: true, side: DoubleSide });
-  return new MeshLambertMaterial({ color: color ?? '#b8bec6', side: DoubleSide });
+  if (hasColors) return seeThrough(new MeshBasicMaterial({ vertexColors: true, side: DoubleSide }));
+  return seeThrough(new MeshLambertMaterial({ color: color ?? '#b8bec6', side: DoubleSide }));
 }
 
 /// Loads the bodies and the scan's coarsest level first, then the finest level within the budget.

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import {
+  BackSide,
   ConeGeometry,
   CylinderGeometry,
   Group,
@@ -12,13 +13,11 @@ import {
   TorusGeometry,
   Vector3,
 } from 'three';
+import { toolColors } from '../palette';
 import type { LiveState, Vector } from '../protocol';
+import { showThrough } from './see_through';
 import { Segment } from './segment';
 
-const proxyColor = '#f5f7fa';
-const touchColor = '#ffb300';
-const hipColor = '#d6336c';
-const forceColor = '#d6336c';
 const metresPerNewton = 0.01; // an arrow of 10 cm at 10 N
 const maxArrow = 0.3; // [m]
 const minForce = 0.05; // [N] below, the arrow would show noise
@@ -30,20 +29,32 @@ export class ToolView {
   readonly group = new Group();
   readonly proxy = new Mesh(
     new SphereGeometry(1, 32, 20),
-    new MeshLambertMaterial({ color: proxyColor }),
+    new MeshLambertMaterial({ color: toolColors.ball }),
+  );
+  // The back of a slightly larger black sphere: a rim that shows the ball on any background.
+  private readonly rim = new Mesh(
+    new SphereGeometry(1.16, 32, 20),
+    new MeshBasicMaterial({ color: toolColors.rim, side: BackSide }),
   );
   readonly hip = new Mesh(
     new SphereGeometry(1, 20, 12),
-    new MeshBasicMaterial({ color: hipColor, transparent: true, opacity: 0.85, depthTest: false }),
+    new MeshBasicMaterial({
+      color: toolColors.force,
+      transparent: true,
+      opacity: 0.85,
+      depthTest: false,
+    }),
   );
   force: Vector = [0, 0, 0];
-  private spring = new Segment(new LineBasicMaterial({ color: hipColor, depthTest: false }));
+  private spring = new Segment(
+    new LineBasicMaterial({ color: toolColors.force, depthTest: false }),
+  );
   private arrow = new Group();
   private shaft: Mesh;
   private head: Mesh;
   private ring = new Mesh(
     new TorusGeometry(1, 0.06, 8, 48),
-    new MeshBasicMaterial({ color: touchColor, transparent: true, depthWrite: false }),
+    new MeshBasicMaterial({ color: toolColors.touch, transparent: true, depthWrite: false }),
   );
   radius = 0.01; // [m]
   private pulses = -1;
@@ -52,7 +63,7 @@ export class ToolView {
   constructor(base: Group) {
     this.group.name = 'tool';
     this.group.visible = false;
-    const material = new MeshLambertMaterial({ color: forceColor });
+    const material = new MeshLambertMaterial({ color: toolColors.force });
     this.shaft = new Mesh(new CylinderGeometry(1, 1, 1, 12).translate(0, 0.5, 0), material);
     this.head = new Mesh(new ConeGeometry(1, 1, 20).translate(0, 0.5, 0), material);
     this.arrow.add(this.shaft, this.head);
@@ -60,6 +71,7 @@ export class ToolView {
     this.hip.renderOrder = 2;
     this.spring.renderOrder = 1;
     this.group.add(this.proxy, this.hip, this.spring, this.arrow, this.ring);
+    this.proxy.add(this.rim);
     base.add(this.group);
     this.setRadius(this.radius);
   }
@@ -73,7 +85,7 @@ export class ToolView {
 
   showContact(state: LiveState): void {
     const touches = state.touchesScan || state.touchedObject >= 0;
-    this.proxy.material.color.set(touches ? touchColor : proxyColor);
+    this.proxy.material.color.set(touches ? toolColors.touch : toolColors.ball);
     if (this.pulses >= 0 && state.pulses !== this.pulses)
       this.pulseStart = performance.now() / 1000;
     this.pulses = state.pulses;
@@ -86,10 +98,19 @@ export class ToolView {
     this.spring.join(hip, proxy);
     this.force = [...force];
     this.showForce();
+    this.proxy.updateWorldMatrix(true, false);
+    showThrough(this.proxy.getWorldPosition(new Vector3()), this.radius);
+  }
+
+  /// Without a server the force is not known.
+  forgetForce(): void {
+    this.force = [NaN, NaN, NaN];
+    this.arrow.visible = false;
   }
 
   hide(): void {
     this.group.visible = false;
+    showThrough(new Vector3(), 0);
   }
 
   /// The tip of the force arrow in world coordinates; null if it is not drawn.

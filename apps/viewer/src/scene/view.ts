@@ -13,14 +13,19 @@ import {
 } from 'three';
 import type { LiveState, Vector } from '../protocol';
 import { Body } from './bodies';
+import { framePoints, operatorSide } from './first_view';
 import { Layers } from './layers';
 import type { Outline } from './outline';
 import { PlumbLine } from './plumb_line';
 import type { SceneModel } from './scene_model';
 import { ToolView } from './tool_view';
 
-const viewingElevation = 0.6; // [rad] shows a table top and the bodies on it
+// [rad] shows a table top and the bodies on it; steeper in a tall window, which it fills better.
+const viewingElevation = { wide: 0.6, tall: 0.95 };
 const minRadius = 0.15; // [m]
+const frameMargin = 0.86; // share of the window that is filled: labels and statistics need the rest
+const bodyMargin = 0.06; // [m]
+const supportReach = 0.8; // [m] around the bodies: a larger table would make them small
 const backgrounds = { light: '#e9edf1', dark: '#15191e' };
 
 /// The scene graph. three.js has y up, the base frame z up: the group `base` converts, and
@@ -69,7 +74,14 @@ export class SceneView {
     this.order = names.map((name) => this.byName.get(name));
   }
 
+  /// Without a server phases and forces are not known; the poses stay where they were.
+  forgetState(): void {
+    for (const body of this.bodies) body.isKnown = false;
+    this.tool.forgetForce();
+  }
+
   showState(state: LiveState): void {
+    for (const body of this.bodies) body.isKnown = true;
     state.objects.forEach((object, i) => {
       const body = this.order[i];
       body?.place(object.position, object.quaternion);
@@ -88,8 +100,9 @@ export class SceneView {
     this.scene.background = new Color(backgrounds[theme]);
   }
 
-  /// Frames the movable bodies from the side of the scan's first camera, where the scan has the
-  /// fewest holes; without movable bodies, from that camera's pose. Returns the target point.
+  /// Shows all movable bodies, the supports they stand on and the tool, from where the operator
+  /// stands, as large as the window's shape allows; without movable bodies, from the first camera's
+  /// pose. Returns the target point.
   frameAll(): Vector3 {
     this.scene.updateMatrixWorld(true);
     const box = this.boundsToFrame();
@@ -97,12 +110,13 @@ export class SceneView {
     const first = this.model?.cameras[0];
     if (first && !this.bodies.some((body) => body.object.movable))
       return this.lookAsCamera(first, center);
-    const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), minRadius);
-    const aspect = Math.min(1, this.camera.aspect);
-    const distance = radius / (aspect * Math.sin((this.camera.fov * Math.PI) / 360));
-    this.camera.position.copy(center).addScaledVector(this.viewDirection(center), distance);
-    this.camera.lookAt(center);
-    return center;
+    const up = frameMargin * Math.tan((this.camera.fov * Math.PI) / 360);
+    const tangents = { right: up * this.camera.aspect, up };
+    const points = this.pointsToFrame(box);
+    const { eye, target } = framePoints(points, this.viewDirection(center), tangents);
+    this.camera.position.copy(eye);
+    this.camera.lookAt(target);
+    return target;
   }
 
   /// A camera looks along its z. The target's distance is that of `center`.
@@ -122,20 +136,33 @@ export class SceneView {
   private boundsToFrame(): Box3 {
     const box = new Box3();
     for (const body of this.bodies) if (body.object.movable) box.expandByObject(body.solid);
-    if (!box.isEmpty()) return box.expandByScalar(0.1);
+    if (!box.isEmpty()) return box.expandByScalar(bodyMargin);
     for (const name of ['bodies', 'mesh'] as const) box.expandByObject(this.layers.group(name));
     return box.isEmpty() ? box.set(new Vector3(-1, 0, -1), new Vector3(1, 1, 1)) : box;
   }
 
-  /// Unit vector from the center to the viewpoint: towards the first camera, at a fixed elevation;
-  /// without a camera from behind the robot's base, along its x.
+  /// The corners of the bodies' box, of the supports below them as far as they are near, and the
+  /// tool; all in the scene's coordinates.
+  private pointsToFrame(box: Box3): Vector3[] {
+    const points = cornersOf(box);
+    const near = box.clone().expandByVector(new Vector3(supportReach, 0, supportReach));
+    near.min.y = -Infinity;
+    for (const corner of this.supports.flat()) {
+      const point = this.base.localToWorld(new Vector3(...corner));
+      if (point.y < box.max.y) points.push(point.clamp(near.min, near.max));
+    }
+    const { tool } = this;
+    if (tool.group.visible) points.push(tool.proxy.getWorldPosition(new Vector3()));
+    return points;
+  }
+
+  /// Unit vector from the center to the viewpoint: towards the operator, at a fixed elevation.
   private viewDirection(center: Vector3): Vector3 {
-    const camera = this.model?.cameras[0];
-    const side = camera
-      ? this.base.localToWorld(new Vector3(...camera.position)).sub(center)
-      : new Vector3(-1, 0, 0.5);
-    const level = side.setY(0).length() > 1e-3 ? side.normalize() : new Vector3(-1, 0, 0);
-    return level.setY(Math.tan(viewingElevation)).normalize();
+    const cameras = this.model?.cameras.map(({ position }) => position) ?? [];
+    const at = this.base.worldToLocal(center.clone()).toArray();
+    const side = operatorSide(at, cameras).transformDirection(this.base.matrixWorld);
+    const elevation = viewingElevation[this.camera.aspect < 1 ? 'tall' : 'wide'];
+    return side.setY(Math.tan(elevation)).normalize();
   }
 
   /// Ambient light, a directional light, and one at the camera for shading.
@@ -148,4 +175,10 @@ export class SceneView {
     this.camera.add(headlight);
     this.scene.add(this.camera);
   }
+}
+
+function cornersOf({ min, max }: Box3): Vector3[] {
+  return [0, 1, 2, 3, 4, 5, 6, 7].map(
+    (i) => new Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z),
+  );
 }

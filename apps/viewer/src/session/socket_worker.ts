@@ -38,6 +38,9 @@ export type FromWorker =
 const pingSeconds = 1;
 const firstRetrySeconds = 0.5;
 const maxRetrySeconds = 8; // exponential backoff up to here
+// States come 60 to 90 times a second; with the time to the next check and frame below 0.5 s.
+const stallSeconds = 0.35;
+const stallCheckSeconds = 0.05;
 const maxBuffered = 4096; // [bytes] not yet sent: above, tool samples are dropped instead of queued
 
 let url = '';
@@ -51,6 +54,8 @@ let retrySeconds = firstRetrySeconds;
 let isRejected = false;
 let pingTimer: ReturnType<typeof setInterval> | undefined;
 let offset = new ClockOffset();
+let lastState: number | null = null; // [s] when one was received on this connection
+let isStalled = false;
 
 const post = (message: FromWorker) => self.postMessage(message);
 
@@ -79,6 +84,8 @@ function connect(): void {
   sequence = 0;
   newestSequence = 0;
   offset = new ClockOffset();
+  lastState = null;
+  isStalled = false;
   const opened = new WebSocket(url);
   opened.binaryType = 'arraybuffer';
   socket = opened;
@@ -92,6 +99,21 @@ function connect(): void {
   opened.onclose = (event) => reconnect(event.reason);
 }
 
+/// A server that hangs or cannot be reached keeps its socket open for long: only the states show it.
+setInterval(() => {
+  if (lastState === null || isStalled || pageClock() - lastState < stallSeconds) return;
+  isStalled = true;
+  pendingState = null;
+  post({ kind: 'connection', connection: 'lost', reason: 'no state from the server' });
+}, stallCheckSeconds * 1000);
+
+function recordState(): void {
+  lastState = pageClock();
+  if (!isStalled) return;
+  isStalled = false;
+  post({ kind: 'connection', connection: 'open', reason: '' });
+}
+
 function send(message: ArrayBuffer): void {
   if (socket?.readyState === WebSocket.OPEN) socket.send(message);
 }
@@ -102,6 +124,7 @@ function ping(): void {
 
 function reconnect(reason: string): void {
   clearInterval(pingTimer);
+  lastState = null;
   pendingState = null;
   if (isRejected) return;
   post({ kind: 'connection', connection: 'lost', reason: reason || 'no response from the server' });
@@ -132,6 +155,7 @@ function receive(data: unknown): void {
     case MessageType.state: {
       const state = readState(data);
       if (!state) break;
+      recordState();
       if (pendingState) ++skipped;
       pendingState = state;
       forwardState();

@@ -17,10 +17,6 @@ export function newtons(force: number): string {
   return Number.isFinite(force) ? `${force.toFixed(1)} N` : '–';
 }
 
-export function millimetres(metres: number): string {
-  return Number.isFinite(metres) ? `${(metres * 1e3).toFixed(1)} mm` : '–';
-}
-
 export function length(vector: readonly number[]): number {
   return Math.hypot(...vector);
 }

@@ -1,13 +1,15 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import { Box3, Vector3, type PerspectiveCamera } from 'three';
-import { phaseColors, type Body } from '../scene/bodies';
+import type { Body } from '../scene/bodies';
 import type { SceneView } from '../scene/view';
 import { byId, create, setText } from './dom';
 import { length, newtons } from './format';
-import { phaseLabel } from './objects_panel';
+import { phaseLabel, setPhaseColor } from './objects_panel';
 
 const maxLabels = 24; // more would hide the scene
+const edgeGap = { x: 64, y: 24 }; // [CSS pixels] of the robot's label from the stage's edge
+const ringArea = { side: 130, above: 86, below: 36 }; // [CSS pixels] around the ring's centre
 const minForceShown = 0.05; // [N]
 
 /// Projects a world point to the canvas [CSS pixels]; null outside of the near and far planes.
@@ -31,6 +33,10 @@ export class Labels {
   private readonly container = byId('labels', HTMLDivElement);
   private readonly force = byId('force-value', HTMLSpanElement);
   private readonly labels = new Map<Body, HTMLSpanElement>();
+  private readonly robot = create('span', {
+    className: 'robot',
+    title: 'The robot stands here: the origin of all coordinates.',
+  });
   private readonly heights = new Map<Body, number>();
 
   constructor(
@@ -42,6 +48,7 @@ export class Labels {
       this.labels.set(body, label);
       this.container.append(label);
     }
+    this.container.append(this.robot);
   }
 
   /// `isFlat`: rendered on the page, not in a headset, where overlay labels would be misplaced.
@@ -51,6 +58,7 @@ export class Labels {
     const isShown = isFlat && layers.isShown('labels') && layers.isShown('bodies');
     this.container.hidden = !isShown;
     this.force.hidden = true;
+    if (isShown) this.placeRobot(width, height);
     if (isShown) for (const [body, label] of this.labels) this.place(body, label, width, height);
     if (isFlat) this.placeForce(width, height);
   }
@@ -62,8 +70,42 @@ export class Labels {
     label.hidden = at === null;
     if (!at) return;
     setText(label, `${body.object.name} · ${phaseLabel(body)}`);
-    label.style.setProperty('--phase', phaseColors[body.phase]);
+    setPhaseColor(label, body);
     label.style.transform = `translate(${at.x.toFixed(0)}px, ${at.y.toFixed(0)}px) translate(-50%, -100%)`;
+  }
+
+  /// At the robot's base; where that is outside of the picture, at the edge towards it.
+  private placeRobot(width: number, height: number): void {
+    const { camera, base } = this.view;
+    const origin = base.getWorldPosition(new Vector3());
+    const at = project(origin, camera, width, height);
+    const isInside = at && at.x > 0 && at.x < width && at.y > 0 && at.y < height;
+    this.robot.classList.toggle('outside', !isInside);
+    setText(this.robot, isInside ? 'robot' : 'robot is this way');
+    if (isInside) {
+      const y = this.clearOfTool(at, width, height);
+      this.robot.style.transform = `translate(${at.x.toFixed(0)}px, ${y.toFixed(0)}px) translate(-50%, -50%)`;
+      return;
+    }
+    // The direction on the picture, also of a point behind the camera.
+    const { x, y } = origin.applyMatrix4(camera.matrixWorldInverse);
+    const [halfWidth, halfHeight] = [width / 2 - edgeGap.x, height / 2 - edgeGap.y];
+    const scale = Math.min(halfWidth / Math.abs(x), halfHeight / Math.abs(y));
+    const [left, top] = [width / 2 + scale * x, height / 2 - scale * y];
+    this.robot.style.transform = `translate(${left.toFixed(0)}px, ${top.toFixed(0)}px) translate(-50%, -50%)`;
+    const degrees = (Math.atan2(-y, x) * 180) / Math.PI;
+    this.robot.style.setProperty('--towards', `${degrees.toFixed(0)}deg`);
+  }
+
+  /// The height of a label at `at` that is not behind the tool's ring and what is said above it.
+  private clearOfTool(at: { x: number; y: number }, width: number, height: number): number {
+    const { tool, camera } = this.view;
+    const ring =
+      tool.group.visible &&
+      project(tool.proxy.getWorldPosition(new Vector3()), camera, width, height);
+    if (!ring || Math.abs(at.x - ring.x) > ringArea.side) return at.y;
+    const isClear = at.y < ring.y - ringArea.above || at.y > ring.y + ringArea.below;
+    return isClear ? at.y : Math.max(ring.y - ringArea.above, edgeGap.y);
   }
 
   /// [m] from a body's origin to its top; 0 until its mesh is loaded.

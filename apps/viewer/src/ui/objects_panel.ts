@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import { phaseColors, type Body } from '../scene/bodies';
+import { phaseColors } from '../palette';
+import type { Body } from '../scene/bodies';
 import type { SceneObject } from '../scene/scene_model';
 import { byId, create, fillList, setPressed, setText } from './dom';
-import { heading, millimetres, newtons, significant } from './format';
+import { heading, newtons, significant } from './format';
 
+const minForceShown = 0.05; // [N]
 const announceSeconds = 1; // min. interval between announcements: a push passes four phases in less
 
 interface Row {
@@ -15,7 +17,13 @@ interface Row {
 
 export function phaseLabel(body: Body): string {
   if (!body.object.movable) return 'fixed';
+  if (!body.isKnown) return '–';
   return body.isOutsideModel ? 'outside the model' : body.phase;
+}
+
+/// The square beside a phase.
+export function setPhaseColor(element: HTMLElement, body: Body): void {
+  element.style.setProperty('--phase', body.isKnown ? phaseColors[body.phase] : 'transparent');
 }
 
 /// The objects with their phases, and the details of the selected one.
@@ -51,10 +59,10 @@ export class ObjectsPanel {
       if (row.phase.textContent !== label) {
         if (row.phase.textContent) this.unannounced.add(body);
         row.phase.textContent = label;
-        row.phase.style.setProperty('--phase', phaseColors[body.phase]);
+        setPhaseColor(row.phase, body);
       }
       const magnitude = force(body);
-      setText(row.number, magnitude > 0.05 ? newtons(magnitude) : '');
+      setText(row.number, magnitude < minForceShown ? '' : newtons(magnitude));
     }
     this.announcePhases();
     this.showDetails();
@@ -134,8 +142,4 @@ export function parameterRows(object: SceneObject): [string, string][] {
     rows.push([title[0].toUpperCase() + title.slice(1), text.trimEnd()]);
   }
   return rows;
-}
-
-export function distanceText(metres: number | null): string {
-  return metres === null ? 'click the second point' : millimetres(metres);
 }

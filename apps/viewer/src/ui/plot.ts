@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import * as Plot from '@observablehq/plot';
 import { create } from './dom';
-import { axisRange, rightPerLeft } from './plot_axes';
+import { axisRange, nearestRow, rightPerLeft } from './plot_axes';
+import { PlotDrawing } from './plot_drawing';
+import { csvText, saveText, svgText } from './plot_files';
 
 export type PlotColumn = readonly number[] | Float64Array;
 
@@ -20,9 +21,17 @@ export interface PlotBand {
   color: string;
 }
 
+/// A value that the curves are compared with: a horizontal line.
+export interface PlotLimit {
+  value: number; // on the left axis
+  title: string;
+}
+
 export interface PlotOptions {
   title: string;
-  note?: string; // legend of bands and marks
+  note?: string; // legend of marks, and of the bands' rows
+  bandKeys?: readonly PlotSeries[]; // legend of the bands' colours
+  save?: () => { times: readonly number[]; columns: readonly PlotColumn[] }; // all rows, for CSV
   unit: string;
   rightUnit?: string;
   series: PlotSeries[];
@@ -35,12 +44,12 @@ export interface PlotOptions {
 
 // [CSS pixels]
 const axisWidth = 46;
-const margins = { marginTop: 16, marginBottom: 24, marginLeft: axisWidth };
-const marginWithoutAxis = 22;
+// The same for every plot, with and without a right axis: times are below one another.
+const margins = { top: 16, right: axisWidth, bottom: 24, left: axisWidth };
 const bandHeight = 5;
+const minDrag = 5; // less is a click
 
-const muted = 'var(--muted)';
-const grid = { stroke: 'var(--grid)', strokeOpacity: 1 };
+type Span = [number, number]; // [s]
 
 /// A plot over time [s], in the page's colours and as wide as its container.
 export class TimePlot {
@@ -49,23 +58,33 @@ export class TimePlot {
   readonly element = create('div', { className: 'plot' });
   private times: readonly number[] = [];
   private columns: readonly PlotColumn[] = [];
-  private span: [number, number] = [0, 1]; // [s] shown
+  private whole: Span = [0, 1]; // [s]
+  private zoomed: Span | null = null; // [s]
+  private bandList: readonly PlotBand[];
+  private limits: readonly PlotLimit[] = [];
+  private minSpan: number;
   private drawing: Element = create('div');
   private readonly over = create('div', { className: 'over' }); // the area inside the axes
   private readonly playhead = create('div', { className: 'playhead', hidden: true });
   private readonly pointed = create('div', { className: 'pointed', hidden: true });
+  private readonly selection = create('div', { className: 'selection', hidden: true });
+  private readonly readout = create('div', { className: 'readout', hidden: true });
+  private playheadTime = NaN; // [s]
   private readonly observer = new ResizeObserver(() => this.draw());
-  private readonly marginRight: number;
 
   constructor(
     parent: HTMLElement,
     private readonly options: PlotOptions,
   ) {
-    this.marginRight = options.rightUnit ? axisWidth : marginWithoutAxis;
-    this.over.append(this.pointed, this.playhead);
+    this.bandList = options.bands ?? [];
+    this.minSpan = options.minSpan;
+    this.over.title = options.onSeek
+      ? 'Click: go there. Drag: zoom in. Double-click: show all.'
+      : 'Drag: zoom in. Double-click: show all.';
+    this.over.append(this.pointed, this.playhead, this.selection, this.readout);
     Object.assign(this.over.style, {
-      inset: `auto ${this.marginRight}px ${margins.marginBottom}px ${margins.marginLeft}px`,
-      height: `${options.height - margins.marginTop - margins.marginBottom}px`,
+      inset: `auto ${margins.right}px ${margins.bottom}px ${margins.left}px`,
+      height: `${options.height - margins.top - margins.bottom}px`,
     });
     this.element.append(this.heading(), this.drawing, this.over);
     parent.append(this.element);
@@ -83,11 +102,30 @@ export class TimePlot {
   ): void {
     this.times = times;
     this.columns = columns;
-    this.span = [from, to];
+    this.whole = [from, to];
     this.draw();
   }
 
+  /// Before the next data: bands and limits that change, and the least span of the left axis.
+  setFrame(bands: readonly PlotBand[], limits: readonly PlotLimit[], minSpan: number): void {
+    this.bandList = bands;
+    this.limits = limits;
+    this.minSpan = minSpan;
+  }
+
+  get isZoomed(): boolean {
+    return this.zoomed !== null;
+  }
+
+  /// Shows a part of the time; null: all of it.
+  zoom(span: Span | null): void {
+    this.zoomed = span;
+    this.draw();
+    this.setPlayhead(this.playheadTime);
+  }
+
   setPlayhead(time: number): void {
+    this.playheadTime = time;
     this.place(this.playhead, time);
   }
 
@@ -98,86 +136,77 @@ export class TimePlot {
   }
 
   private heading(): HTMLElement {
-    const { title, note, series } = this.options;
-    const keys = series.map(({ title: text, color }) => {
-      const key = create('span', { className: 'key', textContent: text });
-      key.style.setProperty('--key', color);
+    const { title, note, series, bandKeys = [] } = this.options;
+    const keyOf = (className: string) => (entry: PlotSeries) => {
+      const key = create('span', { className, textContent: entry.title });
+      key.style.setProperty('--key', entry.color);
       return key;
-    });
+    };
+    const keys = [...series.map(keyOf('key')), ...bandKeys.map(keyOf('key area'))];
+    const save = (textContent: string, what: string, action: () => void) => {
+      const button = create('button', { type: 'button', textContent, title: what });
+      button.addEventListener('click', action);
+      return button;
+    };
+    const actions = create(
+      'span',
+      { className: 'actions' },
+      save('SVG', 'Saves the plot as a drawing.', () => this.saveDrawing()),
+      save('CSV', 'Saves the plotted numbers as a table.', () => this.saveTable()),
+    );
     const notes = note ? [create('span', { className: 'note', textContent: note })] : [];
-    return create('h3', {}, create('span', { textContent: title }), ...keys, ...notes);
+    return create('h3', {}, create('span', { textContent: title }), ...keys, ...notes, actions);
+  }
+
+  private saveDrawing(): void {
+    const color = getComputedStyle(this.element).color;
+    saveText(this.options.title, 'svg', 'image/svg+xml', svgText(this.drawing, color));
+  }
+
+  private saveTable(): void {
+    const { series, save, title } = this.options;
+    const { times, columns } = save?.() ?? { times: this.times, columns: this.columns };
+    const names = series.map((entry) => `${entry.title} (${this.unitOf(entry)})`);
+    saveText(title, 'csv', 'text/csv', csvText(['time (s)', ...names], [times, ...columns]));
+  }
+
+  private unitOf(series: PlotSeries): string {
+    const { unit, rightUnit = unit } = this.options;
+    return series.isRight ? rightUnit : unit;
+  }
+
+  private get span(): Span {
+    return this.zoomed ?? this.whole;
   }
 
   private draw(): void {
-    const { options, marginRight } = this;
-    const scale = rightPerLeft(this.select(false), this.select(true), options.minSpan);
+    const { options, minSpan } = this;
+    const limits = this.limits.map(({ value }) => value);
+    const left = [...this.select(false), limits];
+    const scale = rightPerLeft(left, this.select(true), minSpan);
     const columns = this.columns.map((column, i) =>
       options.series[i].isRight ? Array.from(column, (value) => value / scale) : column,
     );
-    const drawing = Plot.plot({
-      ...margins,
-      marginRight,
+    const frame = {
       width: this.element.clientWidth || 300,
       height: options.height,
-      ariaLabel: options.title,
-      style: { fontSize: '11px', color: muted, background: 'none' },
-      x: { domain: this.span },
-      y: { domain: axisRange(columns, options.minSpan) },
-      marks: [
-        ...this.axes(scale),
-        Plot.ruleX(options.marks ?? [], { stroke: muted, strokeDasharray: '3 3', clip: true }),
-        ...columns.map((column, i) => this.curve(column, options.series[i].color)),
-        ...this.bands(),
-      ],
-    });
-    this.drawing.replaceWith(drawing);
-    this.drawing = drawing;
+      margins,
+      x: this.span,
+      y: axisRange([...columns, limits], minSpan),
+    };
+    const drawing = new PlotDrawing(frame, options.title);
+    drawing.axes(options.unit, options.rightUnit, scale);
+    options.marks?.forEach((time) => drawing.mark(time));
+    columns.forEach((column, i) => drawing.curve(this.times, column, options.series[i].color));
+    for (const { from, to, row, color } of this.bandList)
+      drawing.band(from, to, row * (bandHeight + 1), bandHeight, color);
+    for (const { value, title } of this.limits) drawing.limit(value, title);
+    this.drawing.replaceWith(drawing.svg);
+    this.drawing = drawing.svg;
   }
 
   private select(isRight: boolean): PlotColumn[] {
     return this.columns.filter((_, i) => (this.options.series[i].isRight ?? false) === isRight);
-  }
-
-  private axes(scale: number): Plot.Markish[] {
-    const { unit, rightUnit } = this.options;
-    const axis = { tickSize: 0, tickSpacing: 30, labelArrow: 'none' as const };
-    const right = rightUnit && {
-      ...axis,
-      anchor: 'right' as const,
-      label: rightUnit,
-      tickFormat: (value: number) => String(Number((value * scale).toPrecision(6))),
-    };
-    return [
-      Plot.gridX(grid),
-      Plot.gridY({ ...grid, tickSpacing: axis.tickSpacing }),
-      Plot.axisX({ tickSize: 0, label: 's', labelArrow: 'none', labelOffset: 18 }),
-      Plot.axisY({ ...axis, label: unit }),
-      ...(right ? [Plot.axisY(right)] : []),
-    ];
-  }
-
-  private curve(column: PlotColumn, stroke: string): Plot.Markish {
-    const { times } = this;
-    return Plot.line(times, { x: times, y: column, stroke, strokeWidth: 1.4, clip: true });
-  }
-
-  private bands(): Plot.Markish[] {
-    const { bands = [], height } = this.options;
-    const inner = height - margins.marginTop - margins.marginBottom;
-    return [0, 1].map((row) => {
-      const insetTop = row * (bandHeight + 1);
-      return Plot.rect(
-        bands.filter((band) => band.row === row),
-        {
-          x1: 'from',
-          x2: 'to',
-          fill: 'color',
-          insetTop,
-          insetBottom: inner - insetTop - bandHeight,
-          clip: true,
-        },
-      );
-    });
   }
 
   private place(line: HTMLElement, time: number): void {
@@ -186,26 +215,65 @@ export class TimePlot {
     if (!line.hidden) line.style.left = `${(100 * share).toFixed(2)}%`;
   }
 
-  /// The time under the pointer is marked in all plots; pressed, the plot's user goes there.
+  /// The time under the pointer is marked in all plots, with its values. A click goes there, a drag
+  /// zooms all plots, a double click shows all.
   private addPointer(): void {
-    const { over } = this;
-    const { onSeek } = this.options;
-    const timeAt = (event: PointerEvent) => {
-      const box = over.getBoundingClientRect();
-      const share = (event.clientX - box.left) / box.width;
-      return this.span[0] + share * (this.span[1] - this.span[0]);
+    const { over, selection } = this;
+    let pressed: number | null = null; // [CSS pixels]
+    const xOf = (event: PointerEvent) => {
+      const { left, width } = over.getBoundingClientRect();
+      return Math.min(Math.max(event.clientX - left, 0), width);
     };
-    const point = (time: number) => {
-      for (const plot of TimePlot.all) plot.place(plot.pointed, time);
-    };
+    const timeAt = (x: number) =>
+      this.span[0] + (x / over.clientWidth) * (this.span[1] - this.span[0]);
     over.addEventListener('pointermove', (event) => {
-      point(timeAt(event));
-      if (event.buttons & 1) onSeek?.(timeAt(event));
+      const x = xOf(event);
+      for (const plot of TimePlot.all) plot.point(timeAt(x));
+      selection.hidden = pressed === null || Math.abs(x - pressed) < minDrag;
+      if (pressed === null) return;
+      selection.style.left = `${Math.min(x, pressed)}px`;
+      selection.style.width = `${Math.abs(x - pressed)}px`;
     });
-    over.addEventListener('pointerleave', () => point(NaN));
+    over.addEventListener('pointerleave', () => {
+      for (const plot of TimePlot.all) plot.point(NaN);
+    });
     over.addEventListener('pointerdown', (event) => {
+      if (event.button !== 0) return;
       over.setPointerCapture(event.pointerId);
-      onSeek?.(timeAt(event));
+      pressed = xOf(event);
     });
+    over.addEventListener('pointerup', (event) => {
+      const [x, from] = [xOf(event), pressed];
+      pressed = null;
+      selection.hidden = true;
+      if (from === null) return;
+      if (Math.abs(x - from) < minDrag) return this.options.onSeek?.(timeAt(x));
+      const span: Span = [timeAt(Math.min(x, from)), timeAt(Math.max(x, from))];
+      for (const plot of TimePlot.all) plot.zoom(span);
+    });
+    over.addEventListener('pointercancel', () => {
+      pressed = null;
+      selection.hidden = true;
+    });
+    over.addEventListener('dblclick', () => {
+      for (const plot of TimePlot.all) plot.zoom(null);
+    });
+  }
+
+  /// Marks a time, and shows its values; NaN: none.
+  private point(time: number): void {
+    this.place(this.pointed, time);
+    this.readout.hidden = this.pointed.hidden;
+    if (this.readout.hidden) return;
+    const row = nearestRow(this.times, time);
+    const lines = this.options.series.map((entry, i) => {
+      const value = this.columns[i]?.[row] ?? NaN;
+      const text = Number.isFinite(value) ? `${value.toFixed(2)} ${this.unitOf(entry)}` : '–';
+      return create('div', {}, `${entry.title}: ${text}`);
+    });
+    this.readout.replaceChildren(create('div', {}, `${time.toFixed(2)} s`), ...lines);
+    const share = parseFloat(this.pointed.style.left);
+    this.readout.style.left = `${share}%`;
+    this.readout.classList.toggle('left', share > 60);
   }
 }

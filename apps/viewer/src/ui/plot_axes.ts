@@ -25,6 +25,37 @@ export function rightPerLeft(
   return [1, 2, 5].map((factor) => factor * power).find((step) => step >= ratio) ?? 10 * power;
 }
 
+/// Multiples of 1, 2 or 5 times a power of ten in a range, at most about `count` of them.
+export function roundTicks([from, to]: readonly [number, number], count: number): number[] {
+  const least = (to - from) / Math.max(count, 1);
+  if (!(least > 0) || !Number.isFinite(least)) return [];
+  const power = 10 ** Math.floor(Math.log10(least));
+  const step = [1, 2, 5].map((factor) => factor * power).find((s) => s >= least) ?? 10 * power;
+  const [first, last] = [Math.ceil(from / step - 1e-9), Math.floor(to / step + 1e-9)];
+  return Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step);
+}
+
+/// The row whose time is nearest; `times` ascend. -1 if there is none.
+export function nearestRow(times: readonly number[], time: number): number {
+  let [low, high] = [0, times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle] < time) low = middle + 1;
+    else high = middle;
+  }
+  const isBefore = low > 0 && (low === times.length || time - times[low - 1] < times[low] - time);
+  return isBefore ? low - 1 : low < times.length ? low : -1;
+}
+
+/// The top of an axis that stays in place: 1, 2 or 5 times a power of ten above `high`, kept from
+/// `before` until the values need another one, or less than 0.4 of it.
+export function steadyTop(high: number, before: number, least: number): number {
+  const needed = Math.max(high * headroom, least);
+  if (needed <= before && needed >= 0.4 * before) return before;
+  const power = 10 ** Math.floor(Math.log10(needed));
+  return [1, 2, 5].map((factor) => factor * power).find((top) => top >= needed) ?? 10 * power;
+}
+
 function extent(columns: readonly ArrayLike<number>[]): [number, number] {
   let [low, high] = [0, 0];
   for (const column of columns) {

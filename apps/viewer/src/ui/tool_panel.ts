@@ -4,6 +4,7 @@ import { Vector3 } from 'three';
 import type { App } from '../app';
 import type { DesktopTool } from '../input/desktop_tool';
 import { Command } from '../protocol';
+import { CallToAction } from './call_to_action';
 import { byId, setPressed, setText } from './dom';
 import { moveTo, project } from './labels';
 
@@ -15,6 +16,7 @@ export class ToolPanel {
   private readonly release = byId('release', HTMLButtonElement);
   private readonly hold = byId('hold', HTMLButtonElement);
   private readonly clutch = byId('clutch', HTMLButtonElement);
+  private readonly callToAction = new CallToAction();
 
   constructor(
     private readonly app: App,
@@ -58,19 +60,20 @@ export class ToolPanel {
       !state
         ? ''
         : state.hasTool
-          ? 'This page controls the tool.'
+          ? 'You are using the tool.'
           : isTakenByOther
-            ? 'Another page controls the tool.'
-            : 'No page controls the tool.',
+            ? 'Another page uses the tool.'
+            : 'The tool is free: drag its ring.',
     );
     this.take.disabled = !state || state.isToolTaken;
     this.release.disabled = !state?.hasTool;
     this.hold.disabled = !state;
     setPressed(this.hold, state?.isOnHold ?? false);
+    setText(this.hold, state?.isOnHold ? 'Continue' : 'Pause');
     setPressed(this.clutch, this.tool.isClutchLocked);
     this.handle.classList.toggle('engaged', this.tool.isEngaged);
     this.handle.classList.toggle('denied', isTakenByOther || (state?.isOnHold ?? false));
-    this.placeHandle();
+    this.callToAction.update(state, this.placeHandle());
   }
 
   private toggleHold(): void {
@@ -78,7 +81,8 @@ export class ToolPanel {
     if (state) this.app.session.command(state.isOnHold ? Command.resume : Command.hold);
   }
 
-  private placeHandle(): void {
+  /// The ring's centre on the stage; null while it is not shown.
+  private placeHandle(): { x: number; y: number } | null {
     const { view, canvas, renderer } = this.app;
     const at = project(
       view.tool.proxy.getWorldPosition(new Vector3()),
@@ -89,6 +93,8 @@ export class ToolPanel {
     const isShown = view.tool.group.visible && at !== null && !renderer.xr.isPresenting;
     // Hiding the handle during a drag would end the drag.
     this.handle.hidden = !isShown && !this.tool.isEngaged;
-    if (at && isShown) moveTo(this.handle, at.x, at.y);
+    if (!at || !isShown) return null;
+    moveTo(this.handle, at.x, at.y);
+    return at;
   }
 }

@@ -28,5 +28,6 @@ function groundOf(app: App): Ground {
   // The box is in three.js coordinates, y up; heights in base count from its origin.
   const scanMinZ = scan.isEmpty() ? undefined : scan.min.y - base.position.y;
   const objects = bodies.filter((b) => b.object.movable).map((b) => b.solid.position.clone());
-  return { supports, scanMinZ, objects };
+  const cameras = (model?.cameras ?? []).map(({ position }) => position);
+  return { supports, scanMinZ, objects, cameras };
 }

@@ -7,7 +7,7 @@ import { worldScales, type Person } from './person';
 import { Press } from './press';
 import { ballisticPath, findLanding, type Level, TeleportView } from './teleport';
 
-const snapAngle = Math.PI / 6;
+export const snapAngle = Math.PI / 6;
 // Hysteresis of a thumbstick's deflection.
 const stickOn = 0.7;
 const stickOff = 0.3;

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import { Mesh, MeshBasicMaterial, PlaneGeometry, type Vector3 } from 'three';
+import { Mesh, MeshBasicMaterial, PlaneGeometry, Vector3 } from 'three';
 import { drawnTexture } from '../scene/drawn_texture';
+import { type Ball, clearPlace } from './clear_view';
+import { faceHead } from './face_head';
 import { Press } from './press';
 
 /// The content of the panel.
@@ -13,30 +15,50 @@ export interface PanelText {
   isOnHold: boolean;
   note: string; // the interlock that keeps the clutch open, or empty
   scale: number;
+  isScanShown: boolean;
+  canTake: boolean; // another page has the tool
 }
 
-export type PanelButton = 'hold' | 'reset';
+export const panelButtons = [
+  'hold',
+  'reset',
+  'take',
+  'scale',
+  'recentre',
+  'scan',
+  'turn',
+  'swap',
+  'leave',
+] as const;
+export type PanelButton = (typeof panelButtons)[number];
 
 const width = 512;
-const height = 336;
+const height = 520;
 // The panel's width: 0.3 mm a pixel is readable at arm's length in a headset [m].
 const metres = 0.16;
 // The state age from which the number is red: six frames at 60 Hz [s].
 const staleAge = 0.1;
 // Redraw interval of numbers: faster can't be read, and each redraw uploads a texture [ms].
 const redrawMs = 150;
-// The buttons, in pixels from the panel's upper left corner.
-const buttonTop = 236;
-const buttonHeight = 84;
-const buttons: { name: PanelButton; x: number; width: number }[] = [
-  { name: 'hold', x: 16, width: 264 },
-  { name: 'reset', x: 296, width: 200 },
-];
+// The buttons, in pixels from the panel's upper left corner: three in a row.
+const buttonTop = 232;
+const buttonSize = { x: 152, y: 84 };
+const buttonStep = { x: 164, y: 94 };
+const buttonLeft = 16;
+const confirmMs = 3000; // in which a second press confirms a reset
+
+function cornerOf(index: number): { x: number; y: number } {
+  const row = Math.floor(index / 3);
+  return { x: buttonLeft + (index % 3) * buttonStep.x, y: buttonTop + row * buttonStep.y };
+}
+
 // Hysteresis of a fingertip's distance to a button [m].
 const pressDistance = 0.012;
 const releaseDistance = 0.035;
+// Of the circle around the panel [m].
+const panelRadius = (0.5 * metres * Math.hypot(width, height)) / width;
 
-/// A small panel at the free hand, with state, force and two touch buttons.
+/// A small panel at the free hand, with state, force and touch buttons.
 export class Panel {
   readonly mesh: Mesh;
   private readonly sheet = drawnTexture(width, height);
@@ -44,6 +66,7 @@ export class Panel {
   private shownText = '';
   private shownNumbers = '';
   private drawnAt = 0; // [ms]
+  private confirmUntil = 0; // [ms] a reset was pressed once; 0: not
 
   constructor() {
     this.mesh = new Mesh(
@@ -53,24 +76,29 @@ export class Panel {
     this.mesh.name = 'panel';
   }
 
-  /// Above a hand, facing the head; all in the headset's space.
-  placeAbove(hand: Vector3, head: Vector3): void {
-    this.mesh.position.copy(hand);
-    this.mesh.position.y += 0.12;
-    const towards = head.clone().sub(this.mesh.position);
-    const flat = Math.hypot(towards.x, towards.z);
-    this.mesh.rotation.set(
-      -Math.atan2(towards.y, flat),
-      Math.atan2(towards.x, towards.z),
+  /// Above a hand, facing the head, and beside it where it would hide one of `balls`; all in the
+  /// headset's space. `outward`: the hand's side, +1 right, -1 left.
+  placeAbove(hand: Vector3, head: Vector3, balls: readonly Ball[], outward: number): void {
+    const above = hand.clone().add(new Vector3(0, 0.12, 0));
+    this.mesh.position.copy(clearPlace(above, panelRadius, head, balls, outward));
+    faceHead(this.mesh, head);
+  }
+
+  /// A button's centre in the panel's frame [m].
+  centerOf(button: PanelButton): Vector3 {
+    const { x, y } = cornerOf(panelButtons.indexOf(button));
+    return new Vector3(
+      ((x + buttonSize.x / 2) / width - 0.5) * metres,
+      ((height / 2 - y - buttonSize.y / 2) / width) * metres,
       0,
-      'YXZ',
     );
-    this.mesh.updateMatrix();
   }
 
   /// Redraws what has changed: text at once, numbers at a readable rate. `now` in milliseconds.
   show(text: PanelText, now: number): void {
-    const withoutNumbers = JSON.stringify({ ...text, force: 0, age: 0 });
+    if (now > this.confirmUntil) this.confirmUntil = 0;
+    const isAsking = this.confirmUntil > 0;
+    const withoutNumbers = JSON.stringify({ ...text, force: 0, age: 0, isAsking });
     const numbers = `${text.force.toFixed(1)} ${Math.round(text.age * 100)}`;
     const isDue = now - this.drawnAt > redrawMs && numbers !== this.shownNumbers;
     if (withoutNumbers === this.shownText && !isDue) return;
@@ -88,14 +116,23 @@ export class Panel {
     return this.pressed.update(near !== undefined, isClose) ? near : undefined;
   }
 
+  /// A reset cannot be undone: true once it was pressed twice. `now` in milliseconds.
+  confirmsReset(now: number): boolean {
+    const isConfirmed = this.confirmUntil > 0 && now <= this.confirmUntil;
+    this.confirmUntil = isConfirmed ? 0 : now + confirmMs;
+    return isConfirmed;
+  }
+
   private buttonAt(tip: Vector3, distance: number): PanelButton | undefined {
     const local = tip.clone().applyMatrix4(this.mesh.matrix.clone().invert());
     const x = (local.x / metres + 0.5) * width;
     const y = height / 2 - (local.y / metres) * width;
-    if (Math.abs(local.z) > distance || y < buttonTop || y > buttonTop + buttonHeight) {
-      return undefined;
-    }
-    return buttons.find((b) => x > b.x && x < b.x + b.width)?.name;
+    if (Math.abs(local.z) > distance) return undefined;
+    return panelButtons.find((_, i) => {
+      const corner = cornerOf(i);
+      const [dx, dy] = [x - corner.x, y - corner.y];
+      return dx > 0 && dx < buttonSize.x && dy > 0 && dy < buttonSize.y;
+    });
   }
 
   private draw(text: PanelText): void {
@@ -113,8 +150,22 @@ export class Panel {
     this.line(age, 164, 28, isStale ? '#ff6b5e' : '#9fb3c8');
     this.line(`scale ${text.scale} : 1`, 164, 28, '#9fb3c8', 'right');
     this.line(text.note, 212, 28, '#ffc14d');
-    this.button(0, text.isOnHold ? 'ON HOLD' : 'HOLD', text.isOnHold);
-    this.button(1, 'RESET', false);
+    const labels: Record<PanelButton, string> = {
+      hold: text.isOnHold ? 'PAUSED' : 'PAUSE',
+      reset: this.confirmUntil > 0 ? 'SURE?' : 'RESET',
+      take: 'TAKE',
+      scale: 'SCALE',
+      recentre: 'RECENTRE',
+      scan: text.isScanShown ? 'NO SCAN' : 'SCAN',
+      turn: 'TURN',
+      swap: 'SWAP',
+      leave: 'LEAVE',
+    };
+    const isLit = (name: PanelButton) =>
+      (name === 'hold' && text.isOnHold) ||
+      (name === 'reset' && this.confirmUntil > 0) ||
+      (name === 'take' && text.canTake);
+    panelButtons.forEach((name, i) => this.button(i, labels[name], isLit(name)));
   }
 
   private line(text: string, y: number, size: number, colour: string, align = 'left'): void {
@@ -127,12 +178,12 @@ export class Panel {
 
   private button(index: number, text: string, isLit: boolean): void {
     const c = this.sheet.pen;
-    const { x, width: wide } = buttons[index];
+    const { x, y } = cornerOf(index);
     c.fillStyle = isLit ? '#ff8a1f' : '#24425c';
-    c.fillRect(x, buttonTop, wide, buttonHeight);
+    c.fillRect(x, y, buttonSize.x, buttonSize.y);
     c.fillStyle = isLit ? '#10161d' : '#ffffff';
-    c.font = '700 44px system-ui, sans-serif';
+    c.font = '700 32px system-ui, sans-serif';
     c.textAlign = 'center';
-    c.fillText(text, x + wide / 2, buttonTop + 58, wide - 16);
+    c.fillText(text, x + buttonSize.x / 2, y + 54, buttonSize.x - 12);
   }
 }

@@ -54,6 +54,11 @@ export class Person {
     return point.clone().applyMatrix4(this.rig.matrix);
   }
 
+  /// A point from base to the headset's space.
+  toHeadset(point: Vector3): Vector3 {
+    return point.clone().applyMatrix4(this.rig.matrix.clone().invert());
+  }
+
   /// A rotation from the headset's space to base.
   rotationToBase(rotation: Quaternion): Quaternion {
     return this.rig.quaternion.clone().multiply(rotation);

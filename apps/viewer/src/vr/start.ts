@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Vector3 } from 'three';
 
+import type { Vector } from '../protocol';
+import { operatorSide } from '../scene/first_view';
 import type { Level } from './teleport';
 
 // Height of a table: the support's assumed height above a floor that was not scanned [m].
@@ -10,6 +12,10 @@ const tableHeight = 0.75;
 const floorDepth = 0.3;
 // Minimum horizontal distance of the user from the objects [m].
 const minDistance = 0.45;
+// Angles to the objects from a head that looks at them: below the horizon, and to each side. A head
+// pitched 20 degrees down has them near the middle of its view [rad].
+const viewDown = (32 * Math.PI) / 180;
+const viewAside = (30 * Math.PI) / 180;
 
 /// The parts of a scene that determine where the user stands; all in base.
 export interface Ground {
@@ -19,6 +25,8 @@ export interface Ground {
   scanMinZ: number | undefined;
   /// Positions of the movable objects.
   objects: Vector3[];
+  /// Positions of the cameras that have seen the scene [m].
+  cameras: readonly Vector[];
 }
 
 /// The floor's height [m]: the scan's lowest point, or a table's height below the lowest support.
@@ -29,18 +37,26 @@ export function floorHeight(ground: Ground): number {
   return scanMinZ < support - floorDepth ? scanMinZ : support - tableHeight;
 }
 
-/// The user's initial pose: on the floor at the robot's base, facing the objects.
-export function startPose(ground: Ground): { foot: Vector3; heading: number } {
+/// The user's initial pose: on the floor where the operator stands, facing the objects, so far from
+/// them that they are in view of a head at `eyeHeight` [m] above the floor that looks slightly down.
+export function startPose(ground: Ground, eyeHeight: number): { foot: Vector3; heading: number } {
   const foot = new Vector3(0, 0, floorHeight(ground));
-  if (ground.objects.length === 0) return { foot, heading: 0 };
+  const { objects } = ground;
+  if (objects.length === 0) return { foot, heading: 0 };
   const mean = new Vector3();
-  for (const object of ground.objects) mean.addScaledVector(object, 1 / ground.objects.length);
-  const distance = Math.hypot(mean.x, mean.y);
-  // Objects above the base give no direction: face along the robot's x.
-  const heading = distance < 0.05 ? 0 : Math.atan2(mean.y, mean.x);
-  if (distance < minDistance) {
-    foot.x = mean.x - minDistance * Math.cos(heading);
-    foot.y = mean.y - minDistance * Math.sin(heading);
-  }
-  return { foot, heading };
+  for (const object of objects) mean.addScaledVector(object, 1 / objects.length);
+  const side = operatorSide(mean.toArray(), ground.cameras);
+  const across = new Vector3(-side.y, side.x, 0);
+  const offsets = objects.map((object) => object.clone().sub(mean));
+  const nearest = Math.max(...offsets.map((offset) => offset.dot(side)));
+  const halfWidth = Math.max(...offsets.map((offset) => Math.abs(offset.dot(across))));
+  const drop = foot.z + eyeHeight - mean.z;
+  const distance = Math.max(
+    drop / Math.tan(viewDown),
+    halfWidth / Math.tan(viewAside),
+    nearest + minDistance,
+  );
+  foot.x = mean.x + distance * side.x;
+  foot.y = mean.y + distance * side.y;
+  return { foot, heading: Math.atan2(-side.y, -side.x) };
 }

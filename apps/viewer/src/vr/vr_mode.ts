@@ -1,18 +1,25 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Vector3 } from 'three';
+import { Box3, Mesh, Sphere, Vector3 } from 'three';
 import type { App } from '../app';
 import { Command, Device, type LiveState, type Quaternion, type Vector } from '../protocol';
+import type { Body } from '../scene/bodies';
+import { Cards } from './cards';
+import type { Ball } from './clear_view';
 import { Clutch } from './clutch';
 import { type Hand, HandReader, type Side, toQuaternion, toVector } from './hands';
 import { HandsView } from './hands_view';
-import { HoldSign } from './hold_sign';
-import { Locomotion } from './locomotion';
-import { Panel } from './panel';
+import { Locomotion, nextScale, snapAngle } from './locomotion';
+import { Panel, type PanelButton } from './panel';
 import { Person } from './person';
 import { Pulses } from './pulses';
+import { Sign } from './sign';
 import { attachCamera, makeFloorGrid } from './stage';
 import { floorHeight, type Ground, startPose } from './start';
+
+const takenByOther = 'another page controls the tool';
+// Some twenty states; with the next frame the sign is there within 0.3 s.
+const maxStateAge = 0.2; // [s]
 
 /// The VR session: entering and leaving, the tool, haptic pulses, locomotion.
 ///
@@ -24,7 +31,9 @@ export class VrMode {
   private readonly reader = new HandReader();
   private readonly hands = new HandsView();
   private readonly panel = new Panel();
-  private readonly sign = new HoldSign();
+  private readonly cards = new Cards();
+  private readonly sign = new Sign();
+  private readonly sizes = new Map<Body, Sphere>(); // bounding spheres in the bodies' frames
   private readonly pulses = new Pulses();
   private readonly locomotion: Locomotion;
   private readonly floor = makeFloorGrid();
@@ -41,7 +50,7 @@ export class VrMode {
     private readonly ground: () => Ground,
   ) {
     this.locomotion = new Locomotion(this.person, () => this.levels());
-    this.person.rig.add(this.hands.group, this.panel.mesh, this.sign.mesh);
+    this.person.rig.add(this.hands.group, this.panel.mesh, this.cards.group, this.sign.mesh);
     app.renderer.xr.setReferenceSpaceType('local-floor');
     document.addEventListener('visibilitychange', () => {
       if (document.hidden) this.disengage('page hidden');
@@ -118,25 +127,33 @@ export class VrMode {
       return;
     }
     const head = toVector(viewer.transform.position);
-    this.sign.show(
-      this.app.session.latest()?.isOnHold ?? false,
-      head,
-      toQuaternion(viewer.transform.orientation),
-    );
+    const state = this.app.session.latest();
+    this.sign.show(this.trouble(state), head, toQuaternion(viewer.transform.orientation));
     if (!this.isPlaced) this.placePerson(head);
     const hands = this.reader.read(frame, space);
     const tool = hands.find((h) => h.side === this.toolSide);
     const free = hands.find((h) => h.side !== this.toolSide);
-    const state = this.app.session.latest();
-    this.handleButtons(hands, tool, free, state);
+    this.handleButtons(now, hands, head, tool, free, state);
     this.updateTool(tool, state);
     this.moveUser(tool, free, head);
     if (state) this.pulses.update(now, state, this.clutch.isClosed ? tool?.actuator : undefined);
     this.show(now, hands, tool, free, head, state);
   }
 
+  private trouble(state: LiveState | null) {
+    const { session } = this.app;
+    const age = session.latencyStats().age;
+    const isReplay = session.welcome?.mode === 'replay';
+    return {
+      isLost: !isReplay && (!state || session.connection !== 'open' || age > maxStateAge),
+      isOutsideModel: state?.objects.some((object) => object.isOutsideModel) ?? false,
+      isRefused: this.clutch.openReason === takenByOther,
+      isOnHold: state?.isOnHold ?? false,
+    };
+  }
+
   private placePerson(head: Vector3): void {
-    const { foot, heading } = startPose(this.ground());
+    const { foot, heading } = startPose(this.ground(), head.y / this.person.scale);
     this.person.standAt(foot, heading, head);
     this.floor.position.copy(foot);
     this.isPlaced = true;
@@ -149,7 +166,9 @@ export class VrMode {
 
   /// Buttons: hold and resume, reset, swap the tool hand.
   private handleButtons(
+    now: number,
     hands: Hand[],
+    head: Vector3,
     tool: Hand | undefined,
     free: Hand | undefined,
     state: LiveState | null,
@@ -158,8 +177,64 @@ export class VrMode {
     const tip = free && !this.clutch.isClosed ? tool?.fingertip : undefined;
     const touched = this.panel.pressedBy(tip);
     if (touched === 'hold' || hands.some((h) => h.isHoldPressed)) this.toggleHold(state);
-    if (touched === 'reset') this.app.session.command(Command.reset);
-    if (tool?.isExtraPressed && free && !this.clutch.isClosed) this.toolSide = free.side;
+    const isSwapped = touched === 'swap' || (tool?.isExtraPressed && !this.clutch.isClosed);
+    if (isSwapped && free) this.toolSide = free.side;
+    else if (touched) this.pressPanel(touched, now, head);
+  }
+
+  /// The panel's other buttons: hands without a controller have no others.
+  private pressPanel(button: PanelButton, now: number, head: Vector3): void {
+    const { session, view } = this.app;
+    switch (button) {
+      case 'reset':
+        if (this.panel.confirmsReset(now)) session.command(Command.reset);
+        break;
+      case 'take':
+        session.command(Command.take);
+        break;
+      case 'scale':
+        this.person.scaleTo(nextScale(this.person.scale), head);
+        break;
+      case 'recentre':
+        this.placePerson(head);
+        break;
+      case 'scan':
+        view.layers.show('mesh', !view.layers.isShown('mesh'));
+        break;
+      case 'turn':
+        this.person.turnBy(-snapAngle, head);
+        break;
+      case 'leave':
+        void this.leave();
+    }
+  }
+
+  /// The movable bodies in the headset's space.
+  private bodyBalls(): Ball[] {
+    return this.app.view.bodies
+      .filter((body) => body.object.movable)
+      .map((body) => {
+        const { center, radius } = this.sizeOf(body);
+        const inBase = center.clone().applyQuaternion(body.solid.quaternion);
+        return {
+          center: this.person.toHeadset(inBase.add(body.solid.position)),
+          radius: radius * this.person.scale,
+        };
+      });
+  }
+
+  private sizeOf(body: Body): Sphere {
+    const known = this.sizes.get(body);
+    if (known) return known;
+    const box = new Box3();
+    for (const child of body.solid.children) {
+      if (!(child instanceof Mesh)) continue;
+      child.geometry.computeBoundingBox();
+      box.union(child.geometry.boundingBox!.clone().applyMatrix4(child.matrix));
+    }
+    const sphere = box.getBoundingSphere(new Sphere());
+    if (!box.isEmpty()) this.sizes.set(body, sphere);
+    return box.isEmpty() ? new Sphere(new Vector3(), 0) : sphere;
   }
 
   private toggleHold(state: LiveState | null): void {
@@ -192,7 +267,7 @@ export class VrMode {
     if (this.app.session.connection !== 'open' || !state) return 'no connection';
     if (this.app.session.welcome?.mode === 'replay') return 'replay mode';
     if (state.isOnHold) return 'on hold';
-    if (state.isToolTaken && !state.hasTool) return 'another page controls the tool';
+    if (state.isToolTaken && !state.hasTool) return takenByOther;
     if (this.clutch.isClosed && this.hadTool && !state.hasTool) return 'server released the tool';
     if (!tool) return 'hand not tracked';
     if (this.xr?.visibilityState !== 'visible') return 'headset session not visible';
@@ -237,7 +312,10 @@ export class VrMode {
     );
     const panelHand = free ?? tool;
     this.panel.mesh.visible = panelHand !== undefined;
-    if (panelHand) this.panel.placeAbove(panelHand.position, head);
+    const balls = this.bodyBalls();
+    const outward = panelHand?.side === 'right' ? 1 : -1;
+    if (panelHand) this.panel.placeAbove(panelHand.position, head, balls, outward);
+    this.cards.update(hands, this.toolSide, head, balls);
     this.panel.show(this.panelText(state), now);
   }
 
@@ -252,6 +330,8 @@ export class VrMode {
       isOnHold: state?.isOnHold ?? false,
       note: this.clutch.openReason,
       scale: this.person.scale,
+      isScanShown: this.app.view.layers.isShown('mesh'),
+      canTake: state !== null && state.isToolTaken && !state.hasTool,
     };
   }
 

@@ -28,5 +28,6 @@ export function onScreen(page, position) {
 
 /// Shows the panel, which is hidden at first in a small window.
 export async function openPanel(page) {
-  if (await page.locator('#panel').isHidden()) await page.click('#panel-toggle');
+  if (await page.locator('#panel').isHidden())
+    await page.click('#sheet-grip, #panel-toggle >> visible=true');
 }

@@ -27,9 +27,14 @@ export function makeScene() {
 }
 
 /// Starts a server on a free port. `url` ends with a slash; `code` is empty without pairing.
-export async function serve(...args) {
+export function serve(...args) {
+  return serveAt(0, ...args);
+}
+
+/// Starts a server on a port.
+export async function serveAt(port, ...args) {
   const page = ['--page', process.env.PCAVR_PAGE];
-  const server = spawn(command, ['--json', 'serve', ...args, '--port', '0', ...page]);
+  const server = spawn(command, ['--json', 'serve', ...args, '--port', String(port), ...page]);
   const ended = new Promise((resolve) => server.on('exit', resolve));
   let output = '';
   let errors = '';
@@ -45,6 +50,8 @@ export async function serve(...args) {
   return {
     url: ready.addresses[0],
     code: ready.code,
+    signal: (name) => server.kill(name),
+    ended,
     stop: async () => {
       server.kill('SIGTERM');
       return ended;

@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The colours of objects, phases and sources of poses and forces. C++ has the same in
+// pcavr/scene/palette.hpp; tests compare both, and the colours for every kind of colour vision.
+import type { Phase } from './protocol';
+import palette from './palette.json';
+
+export const objectColors: readonly string[] = palette.objects;
+export const fixedColor = palette.fixed;
+export const phaseColors: Record<Phase, string> = palette.phases;
+export const sourceColors = palette.sources;
+
+/// The tool's ball with its rim, one of which is seen on any background; the ball in contact; force.
+export const toolColors = { ball: '#f5f7fa', rim: '#10151b', touch: '#ffb300', force: '#d6336c' };
+
+/// The colour with `share` of it on white.
+export function tint(color: string, share: number): string {
+  const channel = (at: number) => {
+    const value = parseInt(color.slice(at, at + 2), 16);
+    return Math.round(255 + share * (value - 255))
+      .toString(16)
+      .padStart(2, '0');
+  };
+  return `#${channel(1)}${channel(3)}${channel(5)}`;
+}

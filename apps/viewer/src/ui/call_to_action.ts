@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+import type { LiveState } from '../protocol';
+import { byId } from './dom';
+import { moveTo } from './labels';
+
+const gap = 30; // [CSS pixels] from the ring's centre
+const minAbove = 110; // [CSS pixels] over the ring's centre
+
+/// What to do first, at the ring; gone after the first push by this page.
+export class CallToAction {
+  private readonly element = byId('call-to-action', HTMLElement);
+  private isDone = false;
+
+  /// `ring`: its centre on the stage [CSS pixels]; null while it is not shown.
+  update(state: LiveState | null, ring: { x: number; y: number } | null): void {
+    if (state?.hasTool && state.isEngaged && state.touchedObject >= 0) this.isDone = true;
+    const isFree = state !== null && !state.isOnHold && (state.hasTool || !state.isToolTaken);
+    this.element.hidden = this.isDone || !isFree || ring === null;
+    if (!ring || this.element.hidden) return;
+    // Below a ring near the upper edge, where the statistics are.
+    const isBelow = ring.y < minAbove;
+    this.element.classList.toggle('below', isBelow);
+    moveTo(this.element, ring.x, ring.y + (isBelow ? gap : -gap));
+  }
+}
