@@ -74,6 +74,16 @@ class KdlPeer {
     forward_.CartToJnt(q_, dq_, tau_, wrenches_, ddq_);
     ddq = ddq_.data;
   }
+  /// Without copies, for benchmarks.
+  void inverse_dynamics(const KDL::JntArray& q, const KDL::JntArray& dq, const KDL::JntArray& ddq) {
+    inverse_.CartToJnt(q, dq, ddq, wrenches_, tau_);
+  }
+  void forward_dynamics(const KDL::JntArray& q, const KDL::JntArray& dq, const KDL::JntArray& tau) {
+    forward_.CartToJnt(q, dq, tau, wrenches_, ddq_);
+  }
+  [[nodiscard]] const KDL::JntArray& ddq() const { return ddq_; }
+  [[nodiscard]] const KDL::JntArray& tau() const { return tau_; }
+
   [[nodiscard]] Eigen::MatrixXd mass_matrix(const Eigen::VectorXd& q) {
     q_.data = q;
     KDL::JntSpaceInertiaMatrix mass(chain_.getNrOfJoints());

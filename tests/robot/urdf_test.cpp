@@ -5,11 +5,14 @@
 #include <fstream>
 #include <numbers>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/output.hpp"
 #include "pcavr/robot/robot_dynamics.hpp"
 
+#include "fuzz/targets.hpp"
 #include "support/shared_data.hpp"
 #include "support/source_folder.hpp"
 #include "support/temporary_folder.hpp"
@@ -198,6 +201,22 @@ TEST(Urdf, OtherFilesAreErrors) {
   EXPECT_EQ(line("<robot name='r'><xacro:arm/></robot>"),
             "the.urdf:1: robot: is a xacro macro, not URDF; expand it first: xacro FILE > robot.urdf");
   EXPECT_NE(read_urdf("no/such.urdf").error().to_string().find("no/such.urdf"), std::string::npos);
+}
+
+TEST(Urdf, PassesTheFuzzersChecks) {
+  int files = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(source_folder() / "tests/fuzz/corpus/urdf")) {
+    const auto bytes = read_file(entry.path());
+    ASSERT_TRUE(bytes);
+    EXPECT_NO_THROW(fuzz::urdf(*bytes)) << entry.path();
+    // And truncated, at every 7th byte: a description is long.
+    for (std::size_t i = 0; i < bytes->size(); i += 7) {
+      EXPECT_NO_THROW(fuzz::urdf(std::string_view(*bytes).substr(0, i))) << entry.path() << i;
+    }
+    ++files;
+  }
+  EXPECT_GE(files, 4);
 }
 
 TEST(Urdf, MeshesAreFoundByPackageFileAndPath) {
