@@ -21,9 +21,16 @@ Pose pose_of(const urdf::Pose& pose) {
   return {Eigen::Quaterniond(q.w, q.x, q.y, q.z), vector_of(pose.position)};
 }
 
-bool is_finite(const urdf::Pose& pose) {
+/// Beyond these, products overflow; no robot comes near.
+constexpr double kMaxLength = 1e4;   // [m]
+constexpr double kMaxMass = 1e6;     // [kg]
+constexpr double kMaxInertia = 1e9;  // [kg m^2]
+constexpr double kMaxRatio = 1e6;    // of a mimic joint
+
+bool is_plausible(const urdf::Pose& pose) {
   const urdf::Rotation& q = pose.rotation;
-  return vector_of(pose.position).allFinite() && std::isfinite(q.x + q.y + q.z + q.w);
+  return vector_of(pose.position).cwiseAbs().maxCoeff() < kMaxLength &&
+         std::isfinite(q.x + q.y + q.z + q.w);
 }
 
 /// Walks along the tree and fills the model; each step returns its fault.
@@ -87,8 +94,9 @@ class RobotBuilder {
     if (!source) {
       return finding(element, "joint", "was not understood", "check its elements and attributes");
     }
-    if (!is_finite(source->parent_to_joint_origin_transform)) {
-      return finding(element, "joint", "origin is not finite", "correct its <origin>");
+    if (!is_plausible(source->parent_to_joint_origin_transform)) {
+      return finding(element, "joint", fmt::format("origin is {:g} m away or more", kMaxLength),
+                     "correct its <origin>; lengths are in metres");
     }
     const RobotLink& parent =
         model_.links[model_.link_index(structure_.links[element.parent].name).value()];
@@ -189,8 +197,13 @@ class RobotBuilder {
     const Eigen::Matrix3d inertia{{inertial.ixx, inertial.ixy, inertial.ixz},
                                   {inertial.ixy, inertial.iyy, inertial.iyz},
                                   {inertial.ixz, inertial.iyz, inertial.izz}};
-    if (!(is_finite(inertial.origin) && std::isfinite(inertial.mass) && inertia.allFinite())) {
-      return finding(element, "link", "inertia is not finite", "correct its <inertial>");
+    if (!(is_plausible(inertial.origin) && inertial.mass < kMaxMass &&
+          inertia.cwiseAbs().maxCoeff() < kMaxInertia)) {
+      return finding(element, "link",
+                     fmt::format("mass, inertia or centre of mass is too large: {:g} kg or more, {:g} "
+                                 "kg m^2 or {:g} m",
+                                 kMaxMass, kMaxInertia, kMaxLength),
+                     "correct its <inertial>; units are kg and m");
     }
     if (inertial.mass < 0.0) {
       return finding(element, "link", fmt::format("mass {:g} kg is negative", inertial.mass),
@@ -210,7 +223,7 @@ class RobotBuilder {
                      fmt::format("correct its <{}>", kind));
     };
     if (part == nullptr || !part->geometry) return fault("has no geometry");
-    if (!is_finite(part->origin)) return fault("origin is not finite");
+    if (!is_plausible(part->origin)) return fault("origin is too far away");
     RobotShape shape;
     shape.name = part->name;
     shape.T_link_shape = pose_of(part->origin);
@@ -284,11 +297,12 @@ class RobotBuilder {
         return finding(element, "joint", "mimics itself, by way of others",
                        "one of the joints must move of its own");
       }
-      if (!std::isfinite(mimic.multiplier) || !std::isfinite(mimic.offset)) {
-        return finding(element, "joint", "its <mimic> is not finite", "correct its <mimic>");
-      }
       joint.offset += joint.multiplier * mimic.offset;
       joint.multiplier *= mimic.multiplier;
+      if (!(std::abs(joint.multiplier) < kMaxRatio && std::abs(joint.offset) < kMaxRatio)) {
+        return finding(element, "joint", "multiplier or offset is too large",
+                       "correct its <mimic>");
+      }
       joint.coordinate = model_.joints[*leader].coordinate;
       name = mimic.joint_name;
     }
