@@ -111,7 +111,6 @@ Body make_body(const RobotJoint& joint, const JointPlace& place, double own_turn
   body.branch = {std::cos(branch_angle), std::sin(branch_angle)};
   body.twist = place.angles.twist;
   body.angle_offset = place.angles.last + own_turn;
-  body.fixed_turn = {std::cos(body.angle_offset), std::sin(body.angle_offset)};
   body.origin = to_vec(R_parent_body.transpose() * joint.T_parent_joint.translation());
   body.slide = about_z(body.branch, about_x(body.twist, Vec{0.0, 0.0, 1.0}));
   body.armature = joint.armature;

@@ -27,7 +27,6 @@ struct Body {
   Turn branch;
   Turn twist;
   double angle_offset = 0.0;  ///< of Rz at position 0 [rad]
-  Turn fixed_turn;            ///< of a prismatic joint
   Vec origin;                 ///< at position 0, in the parent's body axes [m]
   Vec slide;                  ///< a prismatic joint's axis, in the parent's body axes
 
