@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Forward and inverse dynamics of an arm against Orocos KDL and Bullet's btMultiBody, in one run, on
-// the same random states. Each library works on a block of states in turn; the time is that of its
-// fastest block, which other processes disturb least. Then each call by Google Benchmark.
+// Forward and inverse dynamics of an arm against Orocos KDL and Bullet's btMultiBody, in one run,
+// on the same random states. Each library works on a block of states in turn; the time is that of
+// its fastest block, which other processes disturb least. Then each call by Google Benchmark.
 //
 //     pcavr_bench_robot calib/robots/pa10/pa10.urdf
 #include <algorithm>

@@ -112,8 +112,8 @@ struct InverseKinematics::Solver {
     error.tail<3>() = length * limited(std::abs(angle), kMaxError) * angle * turn.axis();
   }
 
-  /// `step` from `error`: damped least squares in the singular directions, the secondary goal in the
-  /// null space; joints that would leave their limits are locked, and the rest computed again.
+  /// `step` from `error`: damped least squares in the singular directions, the secondary goal in
+  /// the null space; joints that would leave their limits are locked, and the rest computed again.
   void compute_step(const Eigen::Ref<const Eigen::VectorXd>& q) {
     std::fill(is_locked.begin(), is_locked.end(), false);
     for (std::size_t i = 0; i < ranges.size(); ++i) {
@@ -215,8 +215,9 @@ struct InverseKinematics::Solver {
   void draw(Random& random, Eigen::Ref<Eigen::VectorXd> q) const {
     for (std::size_t i = 0; i < ranges.size(); ++i) {
       const bool is_bounded = ranges[i].is_bounded();
-      q[static_cast<Eigen::Index>(i)] = random.uniform(is_bounded ? ranges[i].lower : -std::numbers::pi,
-                                                       is_bounded ? ranges[i].upper : std::numbers::pi);
+      q[static_cast<Eigen::Index>(i)] =
+          random.uniform(is_bounded ? ranges[i].lower : -std::numbers::pi,
+                         is_bounded ? ranges[i].upper : std::numbers::pi);
     }
   }
 

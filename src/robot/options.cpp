@@ -26,18 +26,18 @@ constexpr auto kIkFields = std::to_array<OptionField<IkOptions>>({
     {"singular_value", &IkOptions::singular_value, 0.02, 1e-4, 1.0, "m/rad",
      "singular value of the Jacobian below which its direction is damped",
      "lower: fast joints near singularities; higher: slow convergence in more poses"},
-    {"max_damping", &IkOptions::max_damping, 0.02, 1e-4, 1.0, "m/rad",
-     "damping in a singularity",
+    {"max_damping", &IkOptions::max_damping, 0.02, 1e-4, 1.0, "m/rad", "damping in a singularity",
      "lower: large steps of the joints there; higher: slow there"},
     {"max_step", &IkOptions::max_step, 0.3, 0.001, 3.0, "rad or m",
      "maximum motion of a joint in an iteration",
      "lower: more iterations; higher: the linearisation no longer holds, steps overshoot"},
     {"centring_gain", &IkOptions::centring_gain, 0.5, 0.0, 1.0, "",
-     "fraction of the way to the middle of its range in an iteration, for the joint with the narrowest "
+     "fraction of the way to the middle of its range in an iteration, for the joint with the "
+     "narrowest "
      "one, as far as the pose leaves it free",
      "lower: redundant joints drift to their limits; higher: they move more than the task needs"},
-    {"max_iterations", &IkOptions::max_iterations, 150, 1, 100'000, "",
-     "iterations from one start", "lower: far targets are missed; higher: computing time"},
+    {"max_iterations", &IkOptions::max_iterations, 150, 1, 100'000, "", "iterations from one start",
+     "lower: far targets are missed; higher: computing time"},
     {"max_restarts", &IkOptions::max_restarts, 30, 0, 10'000, "",
      "random positions to start from where the given one gets stuck",
      "lower: reachable targets are missed behind limits; higher: computing time if out of reach"},

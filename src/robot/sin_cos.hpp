@@ -17,8 +17,9 @@ struct TurnPair {
 };
 
 /// To 2e-16, for angles up to 1e5 rad; beyond, the standard functions. Two at once, and faster than
-/// these: the angle is reduced to [-pi/4, pi/4] by pi/2 in three parts [Cody & Waite 1980]; there the
-/// first terms left out of the Taylor series are 1e-19 (sine, x^19/19!) and 2e-18 (cosine, x^18/18!).
+/// these: the angle is reduced to [-pi/4, pi/4] by pi/2 in three parts [Cody & Waite 1980]; there
+/// the first terms left out of the Taylor series are 1e-19 (sine, x^19/19!) and 2e-18 (cosine,
+/// x^18/18!).
 inline TurnPair turns_of(Pair angle) {
   // Beyond this the products with the parts of pi/2 are no longer exact.
   constexpr double kMaxAngle = 1e5;
@@ -41,9 +42,9 @@ inline TurnPair turns_of(Pair angle) {
   const Pair x8 = x4 * x4;
   // Estrin's scheme: short chains of dependent operations.
   const Pair sine_high = -1.0 / 1307674368000.0 + xx * (1.0 / 355687428096000.0);
-  const Pair sine_tail =
-      (-1.0 / 6.0 + xx * (1.0 / 120.0)) + x4 * (-1.0 / 5040.0 + xx * (1.0 / 362880.0)) +
-      x8 * ((-1.0 / 39916800.0 + xx * (1.0 / 6227020800.0)) + x4 * sine_high);
+  const Pair sine_tail = (-1.0 / 6.0 + xx * (1.0 / 120.0)) +
+                         x4 * (-1.0 / 5040.0 + xx * (1.0 / 362880.0)) +
+                         x8 * ((-1.0 / 39916800.0 + xx * (1.0 / 6227020800.0)) + x4 * sine_high);
   const Pair sine = x + x * xx * sine_tail;
   const Pair cosine_tail =
       (1.0 / 24.0 + xx * (-1.0 / 720.0)) + x4 * (1.0 / 40320.0 + xx * (-1.0 / 3628800.0)) +

@@ -6,12 +6,13 @@
 
 namespace pcavr::robot {
 
-/// Two numbers that go through the same operations: the halves of a spatial vector or inertia, which
-/// turn alike. A vector of GCC and Clang, in one register of any 64-bit processor; lanes are [0], [1].
+/// Two numbers that go through the same operations: the halves of a spatial vector or inertia,
+/// which turn alike. A vector of GCC and Clang, in one register of any 64-bit processor; lanes are
+/// [0], [1].
 using Pair = double __attribute__((vector_size(16)));
 
-/// Three numbers (or pairs of them) in body axes. Plain scalars: at this size the compiler does better
-/// with them than with expression templates.
+/// Three numbers (or pairs of them) in body axes. Plain scalars: at this size the compiler does
+/// better with them than with expression templates.
 template <typename T>
 struct Triple {
   T x{};
@@ -85,7 +86,9 @@ struct Rows {
   Vec z;
 };
 
-inline Vec operator*(const Rows& m, const Vec& v) { return {dot(m.x, v), dot(m.y, v), dot(m.z, v)}; }
+inline Vec operator*(const Rows& m, const Vec& v) {
+  return {dot(m.x, v), dot(m.y, v), dot(m.z, v)};
+}
 
 /// An angle as its cosine and sine.
 struct Turn {
@@ -160,7 +163,8 @@ struct ArticulatedInertia {
   Rows coupling;
 };
 
-/// The same about a point at -p, in the same axes: a = a' + domega x p, moment' = moment + p x force.
+/// The same about a point at -p, in the same axes: a = a' + domega x p, moment' = moment + p x
+/// force.
 inline ArticulatedInertia shifted(const ArticulatedInertia& inertia, const Vec& p) {
   const Sym m = second(inertia.blocks);
   const Rows& h = inertia.coupling;

@@ -147,32 +147,32 @@ class RobotBuilder {
       return finding(element, "joint", "limits are not finite", "correct its <limit>");
     }
     if (limits.velocity < 0.0 || limits.effort < 0.0) {
-      return finding(element, "joint",
-                     fmt::format("negative limit: velocity {:g}, effort {:g}", limits.velocity,
-                                 limits.effort),
-                     "write limits as positive numbers");
+      return finding(
+          element, "joint",
+          fmt::format("negative limit: velocity {:g}, effort {:g}", limits.velocity, limits.effort),
+          "write limits as positive numbers");
     }
     if (limits.velocity > 0.0) joint.limits.velocity = limits.velocity;
     if (limits.effort > 0.0) joint.limits.effort = limits.effort;
     if (limits.velocity == 0.0 || limits.effort == 0.0) {
-      warn(finding(element, "joint",
-                   fmt::format("no limit of {}: it is 0",
-                               limits.velocity > 0.0 ? "effort"
-                               : limits.effort > 0.0 ? "velocity"
-                                                     : "velocity and effort"),
-                   "add the value of the data sheet to its <limit>"));
+      warn(finding(
+          element, "joint",
+          fmt::format("no limit of {}: it is 0", limits.velocity > 0.0 ? "effort"
+                                                 : limits.effort > 0.0 ? "velocity"
+                                                                       : "velocity and effort"),
+          "add the value of the data sheet to its <limit>"));
     }
     return read_range(element, limits, joint);
   }
 
-  Fault read_range(const UrdfElement& element, const urdf::JointLimits& limits,
-                   RobotJoint& joint) {
+  Fault read_range(const UrdfElement& element, const urdf::JointLimits& limits, RobotJoint& joint) {
     if (joint.kind == JointKind::kContinuous) {
       if (limits.lower != 0.0 || limits.upper != 0.0) {
-        warn(finding(element, "joint",
-                     fmt::format("continuous, yet limited to {:g} ... {:g} rad: the limits are ignored",
-                                 limits.lower, limits.upper),
-                     "make it revolute if they hold"));
+        warn(finding(
+            element, "joint",
+            fmt::format("continuous, yet limited to {:g} ... {:g} rad: the limits are ignored",
+                        limits.lower, limits.upper),
+            "make it revolute if they hold"));
       }
       return std::nullopt;
     }
@@ -199,11 +199,12 @@ class RobotBuilder {
                                   {inertial.ixz, inertial.iyz, inertial.izz}};
     if (!(is_plausible(inertial.origin) && inertial.mass < kMaxMass &&
           inertia.cwiseAbs().maxCoeff() < kMaxInertia)) {
-      return finding(element, "link",
-                     fmt::format("mass, inertia or centre of mass is too large: {:g} kg or more, {:g} "
-                                 "kg m^2 or {:g} m",
-                                 kMaxMass, kMaxInertia, kMaxLength),
-                     "correct its <inertial>; units are kg and m");
+      return finding(
+          element, "link",
+          fmt::format("mass, inertia or centre of mass is too large: {:g} kg or more, {:g} "
+                      "kg m^2 or {:g} m",
+                      kMaxMass, kMaxInertia, kMaxLength),
+          "correct its <inertial>; units are kg and m");
     }
     if (inertial.mass < 0.0) {
       return finding(element, "link", fmt::format("mass {:g} kg is negative", inertial.mass),
@@ -249,7 +250,8 @@ class RobotBuilder {
         if (auto missing = find_mesh(element, what, mesh, shape)) return missing;
       }
     }
-    if (!(size.allFinite() && size.minCoeff() > 0.0)) return fault("a dimension or scale is not positive");
+    if (!(size.allFinite() && size.minCoeff() > 0.0))
+      return fault("a dimension or scale is not positive");
     shapes.push_back(std::move(shape));
     return std::nullopt;
   }
@@ -257,11 +259,10 @@ class RobotBuilder {
   Fault find_mesh(const UrdfElement& element, const std::string& what, const urdf::Mesh& mesh,
                   RobotShape& shape) {
     const auto found = resolve_mesh(mesh.filename, file_, options_.package_folders);
-    shape.geometry = MeshShape{found.value_or(std::filesystem::path()), mesh.filename,
-                               vector_of(mesh.scale)};
+    shape.geometry =
+        MeshShape{found.value_or(std::filesystem::path()), mesh.filename, vector_of(mesh.scale)};
     if (found || !missing_meshes_.insert(mesh.filename).second) return std::nullopt;
-    Error missing = finding(element, "link",
-                            fmt::format("{}: no mesh at {}", what, mesh.filename),
+    Error missing = finding(element, "link", fmt::format("{}: no mesh at {}", what, mesh.filename),
                             mesh.filename.starts_with("package://")
                                 ? "give the folder of its package"
                                 : "the path starts in the folder of the description");
@@ -337,8 +338,8 @@ class RobotBuilder {
 }  // namespace
 
 Expected<RobotModel> build_robot(const urdf::ModelInterface& description,
-                                 const UrdfStructure& structure,
-                                 const std::filesystem::path& file, const UrdfOptions& options) {
+                                 const UrdfStructure& structure, const std::filesystem::path& file,
+                                 const UrdfOptions& options) {
   return RobotBuilder(description, structure, file, options).build();
 }
 

@@ -77,13 +77,14 @@ double along_joint(const VecPair& wrench, bool is_prismatic) {
 }
 
 /// inertia - U U^T / D: what the joint passes on to its parent [Featherstone 2008, eq. 7.23].
-ArticulatedInertia handed_on(const ArticulatedInertia& inertia, const VecPair& u, double inverse_d) {
+ArticulatedInertia handed_on(const ArticulatedInertia& inertia, const VecPair& u,
+                             double inverse_d) {
   const VecPair n = inverse_d * u;
   const SymPair& m = inertia.blocks;
   const Rows& h = inertia.coupling;
   const Vec f = second(n);
-  return {{m.xx - n.x * u.x, m.xy - n.x * u.y, m.xz - n.x * u.z, m.yy - n.y * u.y,
-           m.yz - n.y * u.z, m.zz - n.z * u.z},
+  return {{m.xx - n.x * u.x, m.xy - n.x * u.y, m.xz - n.x * u.z, m.yy - n.y * u.y, m.yz - n.y * u.z,
+           m.zz - n.z * u.z},
           {h.x + -u.x[0] * f, h.y + -u.y[0] * f, h.z + -u.z[0] * f}};
 }
 
@@ -148,7 +149,8 @@ Placement Workspace::place_of_link(std::size_t link) const {
 }
 
 /// The outward pass of the recursive Newton-Euler algorithm [Featherstone 2008, table 5.1], with
-/// the acceleration of the points of a body by its matrix `spin`; and the force that each body needs.
+/// the acceleration of the points of a body by its matrix `spin`; and the force that each body
+/// needs.
 template <bool kHasAcceleration>
 void Workspace::move_bodies(const double* dq, const double* ddq) {
   for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
@@ -167,12 +169,11 @@ void Workspace::move_bodies(const double* dq, const double* ddq) {
       const VecPair rotation = to_child(body, state, parent.rotation);
       omega = first(rotation);
       domega = second(rotation);
-      origin_acceleration =
-          to_child(body, state, parent.acceleration + parent.spin * state.origin);
+      origin_acceleration = to_child(body, state, parent.acceleration + parent.spin * state.origin);
     }
     if (body.is_prismatic) {
-      origin_acceleration = origin_acceleration + Vec{2.0 * speed * omega.y,
-                                                      -2.0 * speed * omega.x, acceleration};
+      origin_acceleration =
+          origin_acceleration + Vec{2.0 * speed * omega.y, -2.0 * speed * omega.x, acceleration};
     } else {
       domega = domega + Vec{speed * omega.y, -speed * omega.x, acceleration};
       omega.z += speed;
@@ -181,9 +182,9 @@ void Workspace::move_bodies(const double* dq, const double* ddq) {
     state.rotation = paired(omega, domega);
     state.acceleration = origin_acceleration;
     state.spin = spin;
-    state.force = paired(cross(body.first_moment, origin_acceleration) +
-                             spin_moment(spin, body.pseudo_inertia),
-                         body.mass * origin_acceleration + spin * body.first_moment);
+    state.force = paired(
+        cross(body.first_moment, origin_acceleration) + spin_moment(spin, body.pseudo_inertia),
+        body.mass * origin_acceleration + spin * body.first_moment);
   }
 }
 
@@ -213,11 +214,10 @@ void Workspace::gravity_torque(double* tau) {
   for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
     const Body& body = tree.bodies[i];
     BodyState& state = states_[i];
-    state.acceleration =
-        to_child(body, state,
-                 body.parent == Body::kBase
-                     ? tree.minus_gravity
-                     : states_[static_cast<std::size_t>(body.parent)].acceleration);
+    state.acceleration = to_child(
+        body, state,
+        body.parent == Body::kBase ? tree.minus_gravity
+                                   : states_[static_cast<std::size_t>(body.parent)].acceleration);
     state.force =
         paired(cross(body.first_moment, state.acceleration), body.mass * state.acceleration);
   }
@@ -259,17 +259,15 @@ void Workspace::accelerate_bodies(double* ddq) {
     VecPair relative;
     if (body.parent != Body::kBase) {
       relative = states_[static_cast<std::size_t>(body.parent)].relative;
-      const Vec shift = cross(first(relative), state.origin);
-      relative.x[1] += shift.x;
-      relative.y[1] += shift.y;
-      relative.z[1] += shift.z;
-      relative = to_child(body, state, relative);
+      relative =
+          to_child(body, state, relative + paired(Vec{}, cross(first(relative), state.origin)));
     }
     const Pair needed = dot(state.force_of_joint, relative);
     const double acceleration =
         (state.remaining_torque - needed[0] - needed[1]) * state.inverse_inertia;
     ddq[body.coordinate] = acceleration;
-    relative.z[body.is_prismatic ? 1 : 0] += acceleration;
+    // Not by a variable lane, which would go through memory.
+    relative.z += body.is_prismatic ? Pair{0.0, acceleration} : Pair{acceleration, 0.0};
     state.relative = relative;
   }
 }
@@ -284,8 +282,8 @@ void Workspace::fill_mass_matrix() {
     const Body& body = tree.bodies[i];
     const auto row = static_cast<Eigen::Index>(body.coordinate);
     VecPair force = force_of_axis(states_[i].inertia, body.is_prismatic);
-    mass(row, row) += body.multiplier * body.multiplier *
-                      (along_joint(force, body.is_prismatic) + body.armature);
+    mass(row, row) +=
+        body.multiplier * body.multiplier * (along_joint(force, body.is_prismatic) + body.armature);
     if (body.parent != Body::kBase) {
       add_to(states_[static_cast<std::size_t>(body.parent)].inertia,
              to_parent(body, states_[i], states_[i].inertia));
@@ -297,8 +295,8 @@ void Workspace::fill_mass_matrix() {
       child = static_cast<std::size_t>(j);
       const Body& carrier = tree.bodies[child];
       const auto column = static_cast<Eigen::Index>(carrier.coordinate);
-      const double entry = body.multiplier * carrier.multiplier *
-                           along_joint(force, carrier.is_prismatic);
+      const double entry =
+          body.multiplier * carrier.multiplier * along_joint(force, carrier.is_prismatic);
       mass(row, column) += entry;
       mass(column, row) += entry;  // for a joint that mimics its carrier, both on the diagonal
     }
@@ -366,8 +364,8 @@ void Workspace::fill_regressor(const double* dq, const double* ddq,
         const Eigen::Vector3d v = place.rotation.transpose() * axis;
         block += v.transpose() * force;
       } else {
-        const Eigen::Vector3d v = place.rotation.transpose() *
-                                  axis.cross(place.translation - joint.translation);
+        const Eigen::Vector3d v =
+            place.rotation.transpose() * axis.cross(place.translation - joint.translation);
         const Eigen::Vector3d omega = place.rotation.transpose() * axis;
         block += v.transpose() * force + omega.transpose() * moment;
       }

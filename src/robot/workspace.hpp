@@ -19,17 +19,17 @@ struct Placement {
 
 /// The variables of one body, in its body axes if nothing else is said.
 struct BodyState {
-  Turn turn;   ///< of Rz in the rotation from the parent
-  Vec origin;  ///< in the parent's body axes
+  Turn turn;         ///< of Rz in the rotation from the parent
+  Vec origin;        ///< in the parent's body axes
   VecPair rotation;  ///< omega, domega
   Vec acceleration;  ///< of the origin, minus gravity
   Rows spin;         ///< skew(domega) + skew(omega)^2: acceleration of a point is spin * r more
   VecPair force;     ///< moment about the origin, force
   ArticulatedInertia inertia;
-  VecPair force_of_joint;  ///< U of Featherstone: inertia times the joint's axis
-  double inverse_inertia;  ///< 1 / D of Featherstone
-  double remaining_torque; ///< u of Featherstone
-  VecPair relative;  ///< domega and acceleration, relative to the motion without ddq
+  VecPair force_of_joint;   ///< U of Featherstone: inertia times the joint's axis
+  double inverse_inertia;   ///< 1 / D of Featherstone
+  double remaining_torque;  ///< u of Featherstone
+  VecPair relative;         ///< domega and acceleration, relative to the motion without ddq
 };
 
 /// The working memory of RobotDynamics and its recursions. set_positions comes before all others.

@@ -26,7 +26,8 @@ void urdf(std::string_view bytes) {
   // Kinematics work for every model that is accepted.
   PCAVR_REQUIRE(!model->links.empty() && model->coordinate_joints().size() == model->dof);
   RobotDynamics dynamics(*model);
-  dynamics.forward_kinematics(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model->dof), 0.3));
+  dynamics.forward_kinematics(
+      Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model->dof), 0.3));
   for (const RobotJoint& joint : model->joints) {
     PCAVR_REQUIRE(joint.coordinate < model->dof && joint.axis.allFinite());
     PCAVR_REQUIRE(!joint.parent || *joint.parent < model->joints.size());

@@ -29,15 +29,13 @@ inline KDL::Chain to_kdl_chain(const RobotModel& model) {
   for (const RobotJoint& joint : model.joints) {
     const KDL::Frame frame(to_kdl(joint.T_parent_joint.rotation_matrix()),
                            to_kdl(joint.T_parent_joint.translation()));
-    const KDL::Joint::JointType type = joint.kind == JointKind::kPrismatic
-                                           ? KDL::Joint::TransAxis
-                                           : KDL::Joint::RotAxis;
+    const KDL::Joint::JointType type =
+        joint.kind == JointKind::kPrismatic ? KDL::Joint::TransAxis : KDL::Joint::RotAxis;
     const Eigen::Matrix3d& I = joint.body.inertia_at_com;
     const KDL::RotationalInertia inertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
     chain.addSegment(KDL::Segment(
-        joint.child_link,
-        KDL::Joint(joint.name, frame.p, frame.M * to_kdl(joint.axis), type), frame,
-        KDL::RigidBodyInertia(joint.body.mass, to_kdl(joint.body.centre_of_mass), inertia)));
+        joint.child_link, KDL::Joint(joint.name, frame.p, frame.M * to_kdl(joint.axis), type),
+        frame, KDL::RigidBodyInertia(joint.body.mass, to_kdl(joint.body.centre_of_mass), inertia)));
   }
   return chain;
 }

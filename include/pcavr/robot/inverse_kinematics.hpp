@@ -51,8 +51,8 @@ struct IkResult {
 /// squares [Wampler 1986; Nakamura & Hanafusa 1986], damped near singularities only [Maciejewski &
 /// Klein 1988: numerical filtering by singular value]. A joint that would leave its limits stays at
 /// them, and the others take over its part. What the pose leaves free (the seventh joint of an arm)
-/// goes to the secondary goal: the least sum of ((q - middle) / range)^2 over the joints with limits,
-/// by the gradient in the null space [Liegeois 1977].
+/// goes to the secondary goal: the least sum of ((q - middle) / range)^2 over the joints with
+/// limits, by the gradient in the null space [Liegeois 1977].
 ///
 /// After the constructor nothing allocates. Threads: one at a time per object. Same input, same
 /// result: restarts are drawn from a fixed seed.
@@ -66,12 +66,13 @@ class InverseKinematics {
   ~InverseKinematics();
 
   /// From `q` (moved into its limits first) and, if that gets stuck, from random positions; `q` is
-  /// the result. The secondary goal is at a local optimum where kReached. Throws ContractError for a
-  /// wrong size or numbers not finite.
+  /// the result. The secondary goal is at a local optimum where kReached. Throws ContractError for
+  /// a wrong size or numbers not finite.
   IkResult solve(const Pose& T_base_target, Eigen::Ref<Eigen::VectorXd> q);
 
   /// One cycle of a control loop: towards the target from `q`, with no joint faster than its limit
-  /// of velocity (all are slowed down alike, so that the direction stays) over `dt` [s]. No restarts.
+  /// of velocity (all are slowed down alike, so that the direction stays) over `dt` [s]. No
+  /// restarts.
   IkResult follow(const Pose& T_base_target, double dt, Eigen::Ref<Eigen::VectorXd> q);
 
   /// The secondary goal's value: 0 where all joints are in the middle of their range.

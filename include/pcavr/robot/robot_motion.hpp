@@ -8,11 +8,11 @@
 
 namespace pcavr {
 
-/// Integrates M(q) ddq + C(q, dq) dq + g(q) = tau under a constant torque by the classical Runge-Kutta
-/// method of fourth order [Kutta 1901]: four evaluations of the forward dynamics a step. At 1 kHz a
-/// free swinging arm keeps its energy to some 1e-9 in 10 s. Does not know limits or friction: what
-/// depends on the velocity goes into the torque, step by step. After the constructor nothing
-/// allocates. Threads: one at a time per object.
+/// Integrates M(q) ddq + C(q, dq) dq + g(q) = tau under a constant torque by the classical
+/// Runge-Kutta method of fourth order [Kutta 1901]: four evaluations of the forward dynamics a
+/// step. At 1 kHz a free swinging arm keeps its energy to some 1e-9 in 10 s. Does not know limits
+/// or friction: what depends on the velocity goes into the torque, step by step. After the
+/// constructor nothing allocates. Threads: one at a time per object.
 class RobotMotion {
  public:
   explicit RobotMotion(const RobotModel& model);
