@@ -51,7 +51,7 @@ std::optional<std::string> physical_fault(const RigidInertia& inertia) {
   if (inertia.mass <= 0.0) return fmt::format("mass {:g} kg is not positive", inertia.mass);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia.inertia_at_com,
                                                               Eigen::EigenvaluesOnly);
-  const Eigen::Vector3d principal = solver.eigenvalues();
+  const Eigen::Vector3d& principal = solver.eigenvalues();
   // Descriptions round to some six digits.
   const double tolerance = 1e-6 * std::abs(principal[2]);
   if (principal[0] < -tolerance) {

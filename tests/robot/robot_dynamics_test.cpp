@@ -132,6 +132,53 @@ TEST(RobotDynamics, ForwardUndoesInverseDynamicsWithArmature) {
   }
 }
 
+// A joint that mimics another, earlier or later in the chain: the dynamics of the free chain,
+// projected by dq_joints = G dq.
+TEST(RobotDynamics, MimicJointsProjectTheDynamicsOfTheFreeChain) {
+  Random random(7);
+  const RobotModel free = test::random_robot(random, {.joints = 5, .has_prismatic = true});
+  RobotModel model = free;
+  model.joints[3].mimics = true;
+  model.joints[3].multiplier = -1.5;
+  model.joints[3].offset = 0.2;
+  const std::size_t coordinates[] = {0, 1, 2, 1, 3};
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(5, 4);
+  for (std::size_t i = 0; i < 5; ++i) {
+    model.joints[i].coordinate = coordinates[i];
+    G(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(coordinates[i])) =
+        model.joints[i].multiplier;
+  }
+  model.dof = 4;
+  const State state = random_state(random, 4);
+  Eigen::VectorXd q_joints = G * state.q;
+  q_joints[3] += 0.2;
+  const Eigen::VectorXd dq_joints = G * state.dq;
+  const Eigen::VectorXd ddq_joints = G * state.x;
+  RobotDynamics dynamics(model);
+  RobotDynamics chain(free);
+  Eigen::VectorXd tau(4);
+  Eigen::VectorXd tau_joints(5);
+  dynamics.inverse_dynamics(state.q, state.dq, state.x, tau);
+  chain.inverse_dynamics(q_joints, dq_joints, ddq_joints, tau_joints);
+  EXPECT_LT(relative_error(tau, G.transpose() * tau_joints), kMaxInverseError);
+  Eigen::VectorXd ddq(4);
+  dynamics.forward_dynamics(state.q, state.dq, tau, ddq);
+  EXPECT_LT(relative_error(ddq, state.x), kMaxForwardError);
+  Eigen::MatrixXd mass(4, 4);
+  Eigen::MatrixXd mass_joints(5, 5);
+  dynamics.mass_matrix(state.q, mass);
+  chain.mass_matrix(q_joints, mass_joints);
+  EXPECT_LT(relative_error(mass, G.transpose() * mass_joints * G), kMaxInverseError);
+  Matrix6Xd jacobian(6, 4);
+  Matrix6Xd jacobian_joints(6, 5);
+  dynamics.jacobian(state.q, 5, jacobian);
+  chain.jacobian(q_joints, 5, jacobian_joints);
+  EXPECT_LT(relative_error(jacobian, jacobian_joints * G), kMaxInverseError);
+  Eigen::MatrixXd regressor(4, 50);
+  dynamics.regressor(state.q, state.dq, state.x, regressor);
+  EXPECT_LT(relative_error(regressor * inertial_parameters(model), tau), kMaxInverseError);
+}
+
 TEST(RobotDynamics, RegressorTimesParametersIsTheTorque) {
   Random random(5);
   for (int robot = 0; robot < 20; ++robot) {
