@@ -69,11 +69,11 @@ class FrameChoice {
 
   /// The turn of a body's axes about its z; the base is body -1.
   [[nodiscard]] double turn(int body) const {
-    return turns_[static_cast<std::size_t>(body + 1)].value_or(0.0);
+    return turns_[static_cast<std::size_t>(body) + 1].value_or(0.0);
   }
   /// The rest of `first` that the parent's turn does not cover.
   double take(int parent, double first) {
-    std::optional<double>& chosen = turns_[static_cast<std::size_t>(parent + 1)];
+    std::optional<double>& chosen = turns_[static_cast<std::size_t>(parent) + 1];
     if (!chosen) chosen = first;
     return first - *chosen;
   }
