@@ -190,6 +190,7 @@ void read_sources(const YamlValue& map, ParameterSources& sources) {
   if (const auto given = map.find("given")) sources.given = read_keys(*given);
   if (const auto pushes = map.find("pushes")) sources.pushes = read_counts(*pushes);
   if (const auto presses = map.find("presses")) sources.presses = read_counts(*presses);
+  if (const auto impacts = map.find("impacts")) sources.impacts = read_counts(*impacts);
   if (const auto correlation = map.find("correlation")) read_correlation(*correlation, sources);
 }
 
@@ -210,6 +211,18 @@ void check_contact_law(const YamlValue& contact, const ObjectParameters& paramet
     stated_unit->fail("is not the unit of the damping under this exponent",
                       "give the damping in " + unit + ", or the exponent that it is for");
   }
+}
+
+/// Of a damping that was not computed from a restitution.
+constexpr char kFittedDamping[] = "fitted";
+
+void read_damping_law(const YamlValue& contact, ObjectParameters& parameters) {
+  const std::optional<YamlValue> name = contact.find("damping_law");
+  if (!name || name->text() == kFittedDamping) return;
+  parameters.contact_damping_law = damping_law_of(name->text());
+  if (parameters.contact_damping_law) return;
+  name->fail("is no damping law: " + name->text(),
+             "name fitted, exact, or a published one, such as gonthier");
 }
 
 ObjectParameters read_object(const YamlValue& map) {
@@ -235,14 +248,16 @@ ObjectParameters read_object(const YamlValue& map) {
                    "given",
                    "pushes",
                    "presses",
+                   "impacts",
                    "correlation"});
   ObjectParameters parameters;
   for (const Field& field : kFields) read_field(map, field, parameters);
   if (const std::optional<YamlValue> contact = map.find("contact")) {
     contact->expect_keys({"law", "stiffness", "stiffness_std", "damping", "damping_std",
-                          "damping_unit", "exponent", "exponent_std"});
+                          "damping_unit", "damping_law", "exponent", "exponent_std"});
     for (const Field& field : kContactFields) read_field(*contact, field, parameters);
     check_contact_law(*contact, parameters);
+    read_damping_law(*contact, parameters);
   }
   if (const std::optional<YamlValue> surface = map.find("limit_surface")) {
     parameters.limit_surface = read_limit_surface(*surface);
@@ -272,6 +287,12 @@ void emit_contact(YAML::Emitter& out, const ObjectParameters& parameters) {
   for (const Field& field : kContactFields) emit_field(out, field, parameters);
   if (parameters.contact_damping) {
     out << YAML::Key << "damping_unit" << YAML::Value << damping_unit(exponent);
+    const auto& law = parameters.contact_damping_law;
+    const bool is_fitted = parameters.sources.presses.contains("contact.damping");
+    if (law || is_fitted) {
+      out << YAML::Key << "damping_law" << YAML::Value
+          << (law ? std::string(key_of(*law)) : std::string(kFittedDamping));
+    }
   }
   out << YAML::EndMap;
 }
@@ -310,6 +331,7 @@ void emit_sources(YAML::Emitter& out, const ParameterSources& sources) {
   }
   emit_counts(out, "pushes", sources.pushes);
   emit_counts(out, "presses", sources.presses);
+  emit_counts(out, "impacts", sources.impacts);
   if (sources.correlated.empty()) return;
   out << YAML::Key << "correlation" << YAML::Value << YAML::BeginMap;
   out << YAML::Key << "parameters" << YAML::Value << YAML::Flow << sources.correlated;

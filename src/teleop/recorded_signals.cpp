@@ -15,6 +15,8 @@ namespace {
 
 // Half width [s]: hand and arm motion is below 10 Hz.
 constexpr double kCommandSmoothing = 0.020;
+/// Variance of the smoothing kernel (15/16)(1 - u^2)^2, in squared half widths.
+constexpr double kKernelVariance = 1.0 / 7.0;
 // The spike filter uses this many later samples.
 constexpr int kSpikeWindow = 3;
 
@@ -93,8 +95,12 @@ void CommandPath::compute_block(std::size_t block) {
   }
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<SmoothedSample> position = smooth_axis(tip_, axis, at, half_width_);
+    // The kernel flattens a peak by half its variance times the acceleration, 11 % at 10 Hz; less
+    // that it is of fourth order, which leaves 1.3 % and has 1.3 times the noise.
+    const double flattening = 0.5 * kKernelVariance * half_width_ * half_width_;
     const auto value = [&](std::size_t k) {
-      return position[k].is_valid ? position[k].value : tip_.at(at[k])[axis];
+      return position[k].is_valid ? position[k].value - flattening * position[k].acceleration
+                                  : tip_.at(at[k])[axis];
     };
     for (std::size_t k = 0; k < kBlock; ++k) {
       path_[k][axis] = k % 2 == 1 ? 0.5 * (value(k / 2) + value(k / 2 + 1)) : value(k / 2);

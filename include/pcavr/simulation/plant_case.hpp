@@ -18,6 +18,7 @@ enum class ToolTask {
   slot,   ///< into the slot of a block, along one wall and back along the other [paper B]
   turn,   ///< off-centre pushes, so that the boxes turn
   paper,  ///< paper C's two boxes: a short probe of each, then the operator's push
+  impact,  ///< slow presses, then impacts along z by a tip that flies freely while it hits
 };
 
 /// Bodies, tool and moves: the input of run_plant. The table's top is base z = 0.
@@ -25,6 +26,7 @@ struct PlantCase {
   std::vector<PlantBody> bodies;
   PlantTool tool;
   std::vector<ToolMove> moves;
+  int substeps = PlantOptions().substeps;  ///< of the plant: impacts need finer ones
 };
 
 /// Options of ToolTask::push; other tasks ignore them.
