@@ -116,22 +116,22 @@ struct FaceContact {
 struct MeasuredImpact {
   double t = 0.0;                        ///< [s]
   double duration = 0.0;                 ///< [s] above the force's threshold
-  IdentifiedParameter approach_speed;    ///< [m/s]
-  IdentifiedParameter restitution;
-  IdentifiedParameter mass;              ///< [kg] effective, of the tool
+  IdentifiedParameter approach_speed = {};    ///< [m/s]
+  IdentifiedParameter restitution = {};
+  IdentifiedParameter mass = {};              ///< [kg] effective, of the tool
   DampingLaw law = DampingLaw::exact;    ///< the published law with the smallest error there
   /// lambda / k [s/m] by the exact relation.
-  IdentifiedParameter damping_over_stiffness;
+  IdentifiedParameter damping_over_stiffness = {};
   /// k [N/m^n] from the width of the force's pulse; not excited where the sensor's averaging hides
   /// it.
-  IdentifiedParameter stiffness;
+  IdentifiedParameter stiffness = {};
 };
 
 /// The impacts of one object together.
 struct ImpactFindings {
-  IdentifiedParameter restitution;             ///< weighted mean
-  IdentifiedParameter damping_over_stiffness;  ///< lambda / k [s/m], weighted mean
-  IdentifiedParameter stiffness;               ///< k [N/m^n] for `exponent`
+  IdentifiedParameter restitution = {};             ///< weighted mean
+  IdentifiedParameter damping_over_stiffness = {};  ///< lambda / k [s/m], weighted mean
+  IdentifiedParameter stiffness = {};               ///< k [N/m^n] for `exponent`
   double exponent = 1.5;
   DampingLaw law = DampingLaw::exact;  ///< of damping_over_stiffness
   std::string choice = {};             ///< how the law was chosen
