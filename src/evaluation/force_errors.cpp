@@ -16,6 +16,28 @@ void add(const ForceSample& sample, double min_relative_force, ForceErrorList& e
   }
 }
 
+/// Moving means of both forces over the samples of the same contact.
+std::vector<ForceSample> averaged(const std::vector<ForceSample>& samples, double half_width) {
+  const Duration reach = duration_from_seconds(half_width);
+  std::vector<ForceSample> means = samples;
+  std::size_t begin = 0, end = 0;
+  double measured = 0.0, rendered = 0.0;  // sums over [begin, end)
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    for (; end < samples.size() && samples[end].stamp - samples[i].stamp <= reach; ++end) {
+      measured += samples[end].measured;
+      rendered += samples[end].rendered;
+    }
+    for (; samples[i].stamp - samples[begin].stamp > reach; ++begin) {
+      measured -= samples[begin].measured;
+      rendered -= samples[begin].rendered;
+    }
+    const double count = static_cast<double>(end - begin);
+    means[i].measured = end - begin > 1 ? measured / count : samples[i].measured;
+    means[i].rendered = end - begin > 1 ? rendered / count : samples[i].rendered;
+  }
+  return means;
+}
+
 }  // namespace
 
 std::string_view to_string(ContactTask task) {
@@ -57,7 +79,7 @@ std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples,
                                        const ForceErrorOptions& options) {
   const Duration gap = duration_from_seconds(options.contact_gap);
   std::vector<ContactPeak> contacts;
-  for (const ForceSample& sample : samples) {
+  for (const ForceSample& sample : averaged(samples, options.peak_half_width)) {
     if (contacts.empty() || sample.stamp - contacts.back().end > gap) {
       contacts.push_back(
           {sample.stamp, sample.stamp, sample.stamp, sample.measured, sample.rendered});

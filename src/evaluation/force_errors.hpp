@@ -52,7 +52,8 @@ struct ContactPeak {
   ContactTask task = ContactTask::unknown;
 };
 
-/// Samples more than `contact_gap` apart belong to different contacts. Contacts that never reach
+/// Samples more than `contact_gap` apart belong to different contacts. Both peaks are those of the
+/// moving mean over `peak_half_width`: the maximum of a noisy series is biased. Contacts that never reach
 /// `min_relative_force` (grazing or noise) are excluded.
 [[nodiscard]] std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples,
                                                      const ForceErrorOptions& options = {});

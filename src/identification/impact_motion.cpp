@@ -28,72 +28,56 @@ constexpr double kMaxFlightMisfit = 1.5;     // rms residual over the tip's nois
 /// Residual of a smooth path over that of the impact's, which tells it from a spike of the force.
 constexpr double kMinCubicRatio = 1.4;
 
-/// The force along a direction, with its integrals by the trapezoidal rule.
-struct Integrals {
-  std::vector<double> t, force, impulse, path;  ///< [s], [N], [N s], [N s^2]
+/// The force along a direction, from before the tool touches until after it separates.
+struct PulseForce {
+  std::vector<double> t, force;  ///< [s], [N]
 
-  /// At any time, linear between samples; beyond the end the impulse is constant.
-  [[nodiscard]] double path_at(double at) const {
-    if (at <= t.front()) return 0.0;
-    if (at >= t.back()) return path.back() + impulse.back() * (at - t.back());
-    const auto after = std::upper_bound(t.begin(), t.end(), at);
-    const auto i = static_cast<std::size_t>(after - t.begin()) - 1;
-    const double dt = at - t[i];
-    const double share = dt / (t[i + 1] - t[i]);
-    const double force_at = force[i] + share * (force[i + 1] - force[i]);
-    return path[i] + dt * impulse[i] + dt * dt * (2.0 * force[i] + force_at) / 6.0;
+  PulseForce(std::span<const double> all, std::span<const Eigen::Vector3d> force_base,
+             const Eigen::Vector3d& direction, double from, double to) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all[i] < from || all[i] > to) continue;
+      t.push_back(all[i]);
+      force.push_back(force_base[i].dot(direction));
+    }
+  }
+  /// [N s], by the trapezoidal rule.
+  [[nodiscard]] double impulse() const {
+    double sum = 0.0;
+    for (std::size_t i = 1; i < t.size(); ++i) {
+      sum += 0.5 * (t[i] - t[i - 1]) * (force[i] + force[i - 1]);
+    }
+    return sum;
   }
 };
 
-Integrals integrate(std::span<const double> t, std::span<const Eigen::Vector3d> force_base,
-                    const Eigen::Vector3d& direction, double from, double to) {
-  Integrals all;
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    if (t[i] < from || t[i] > to) continue;
-    const double force = force_base[i].dot(direction);
-    if (all.t.empty()) {
-      all.impulse.push_back(0.0);
-      all.path.push_back(0.0);
-    } else {
-      const double dt = t[i] - all.t.back();
-      const double before = all.force.back();
-      all.path.push_back(all.path.back() + dt * all.impulse.back() +
-                         dt * dt * (2.0 * before + force) / 6.0);
-      all.impulse.push_back(all.impulse.back() + 0.5 * dt * (before + force));
-    }
-    all.t.push_back(t[i]);
-    all.force.push_back(force);
-  }
-  return all;
-}
-
-/// Mean time and std of the force's distribution over time.
-std::pair<double, double> moments_of(const Integrals& force) {
+/// Std of the force's distribution over time.
+double width_of(const PulseForce& force) {
   double sum = 0.0, first = 0.0, second = 0.0;
   for (std::size_t i = 0; i < force.t.size(); ++i) sum += force.force[i];
   for (std::size_t i = 0; i < force.t.size(); ++i) first += force.force[i] / sum * force.t[i];
   for (std::size_t i = 0; i < force.t.size(); ++i) {
     second += force.force[i] / sum * std::pow(force.t[i] - first, 2);
   }
-  return {first, std::sqrt(std::max(second, 0.0))};
+  return std::sqrt(std::max(second, 0.0));
 }
 
-/// The tip's path along the direction around a pulse.
+/// The tip's path along the direction before and after a pulse.
 struct FlightSamples {
   std::vector<double> t, path;
-  std::size_t before = 0, after = 0;  ///< outside of the force's interval
+  std::size_t before = 0, after = 0;
   double noise = 0.0;                 ///< [m] std of one sample
 
-  FlightSamples(const Integrals& force, const PathView& tip, const Eigen::Vector3d& direction,
+  FlightSamples(const PulseForce& force, const PathView& tip, const Eigen::Vector3d& direction,
                 double from, double to) {
     const auto end = std::upper_bound(tip.t().begin(), tip.t().end(), to);
     for (auto at = std::lower_bound(tip.t().begin(), end, from); at != end; ++at) {
-      before += *at < force.t.front() ? 1 : 0;
-      after += *at > force.t.back() ? 1 : 0;
+      const bool is_before = *at < force.t.front();
+      if (!is_before && *at <= force.t.back()) continue;
+      (is_before ? before : after) += 1;
       t.push_back(*at);
       path.push_back(tip.at(*at).dot(direction));
     }
-    noise = estimate_noise_std(path);
+    noise = estimate_noise_std(std::span(path).first(before));
   }
   [[nodiscard]] bool is_enough() const { return before >= kMinPoints && after >= kMinPoints; }
 };
@@ -135,25 +119,27 @@ LinearFit<N> fit_linear_model(const FlightSamples& samples, const Row& row_at) {
   return fit;
 }
 
-/// p0, v0 and 1/m.
-using FreeFlight = LinearFit<3>;
+/// Position and speed before, at the pulse's begin, then after, at its end.
+using FreeFlight = LinearFit<4>;
 
 /// Over the longest flight in which the tool flies freely within its noise; where it never does,
 /// over the shortest.
-FreeFlight fit_flight(const Integrals& force, const PathView& tip, const Eigen::Vector3d& direction,
-                      double free_from, double free_to, double centre, double flight) {
+FreeFlight fit_flight(const PulseForce& force, const PathView& tip,
+                      const Eigen::Vector3d& direction, double free_from, double free_to,
+                      double flight) {
   FreeFlight fit;
+  const double begin = force.t.front(), end = force.t.back();
   for (int halvings = 0; halvings < kMaxHalvings; ++halvings, flight *= 0.5) {
-    const FlightSamples samples(force, tip, direction,
-                                std::max(free_from, force.t.front() - flight),
-                                std::min(free_to, force.t.back() + flight));
+    const FlightSamples samples(force, tip, direction, std::max(free_from, begin - flight),
+                                std::min(free_to, end + flight));
     if (!samples.is_enough()) break;
-    fit = fit_linear_model<3>(samples, [&](double t) {
-      return Eigen::Vector3d(1.0, t - centre, -force.path_at(t));
+    fit = fit_linear_model<4>(samples, [&](double t) {
+      return t < begin ? Eigen::Vector4d(1.0, t - begin, 0.0, 0.0)
+                       : Eigen::Vector4d(0.0, 0.0, 1.0, t - end);
     });
     // A tool that brakes smoothly while its force has a spike: a cubic fits better.
     const auto smooth_fit = fit_linear_model<4>(samples, [&](double t) {
-      const double u = (t - centre) / flight;
+      const double u = (t - 0.5 * (begin + end)) / flight;
       return Eigen::Vector4d(1.0, u, u * u, u * u * u);
     });
     fit.is_valid = fit.is_valid && kMinCubicRatio * fit.residual < smooth_fit.residual;
@@ -204,36 +190,37 @@ std::optional<FoundImpact> find_impact(const ForcePulse& pulse, std::span<const 
   const double margin = std::max(kMinEnd, kEndShare * (end - begin));
   const double from = std::max(free_from, begin - margin);
   const double to = std::min(free_to, end + margin);
-  const Integrals force = integrate(t, force_base, found.direction_base, from, to);
-  if (force.t.size() < 3 || tip.t().empty()) return std::nullopt;
-  const auto [centre, width] = moments_of(force);
-  const FreeFlight fit = fit_flight(force, tip, found.direction_base, free_from, free_to, centre,
-                                    options.impact_flight);
+  const PulseForce force(t, force_base, found.direction_base, from, to);
+  const double impulse = force.impulse();
+  if (force.t.size() < 3 || tip.t().empty() || !(impulse > 0.0)) return std::nullopt;
+  const FreeFlight fit =
+      fit_flight(force, tip, found.direction_base, free_from, free_to, options.impact_flight);
   if (!fit.is_valid) return std::nullopt;
 
   ImpactMotion& motion = found.motion;
-  const double impulse = force.impulse.back();
-  const double change = impulse * fit.value[2];
-  const double change_std = std::abs(impulse) * std::sqrt(fit.covariance(2, 2));
-  const double approach = fit.value[1];
-  if (approach < kMinApproach || change < kMinChangeStds * change_std) return std::nullopt;
-  const auto parameter = [&](double value, const Eigen::Vector3d& by) {
+  const auto parameter = [&](double value, const Eigen::Vector4d& by) {
     return IdentifiedParameter{value, std::sqrt(std::max(0.0, by.dot(fit.covariance * by))), true};
   };
-  const double separation = change - approach;
-  motion.approach = parameter(approach, {0.0, 1.0, 0.0});
-  motion.separation = parameter(separation, {0.0, -1.0, impulse});
-  motion.speed_ratio =
-      parameter(separation / approach, {0.0, -change / (approach * approach), impulse / approach});
-  motion.mass = parameter(1.0 / fit.value[2], {0.0, 0.0, 1.0 / (fit.value[2] * fit.value[2])});
+  const double approach = fit.value[1], separation = -fit.value[3];
+  const double change = approach + separation;
+  const IdentifiedParameter braking = parameter(change, {0.0, 1.0, 0.0, -1.0});
+  if (approach < kMinApproach || change < kMinChangeStds * braking.std) return std::nullopt;
+  motion.approach = parameter(approach, {0.0, 1.0, 0.0, 0.0});
+  motion.separation = parameter(separation, {0.0, 0.0, 0.0, -1.0});
+  motion.speed_ratio = parameter(
+      separation / approach, {0.0, -separation / (approach * approach), 0.0, -1.0 / approach});
+  const double samples = static_cast<double>(force.t.size());
+  const double impulse_std = noise * std::sqrt(samples) * mean_interval(t);
+  motion.mass = {impulse / change,
+                 impulse / change * std::hypot(impulse_std / impulse, braking.std / change), true};
   motion.impulse = impulse;
+  const double width = width_of(force);
   motion.width = width;
   // A force error at u from the centre changes the variance by u^2 over the sum of the forces; over
   // a uniform interval of half length h the mean of u^4 is h^4 / 5.
   const double half = 0.5 * (force.t.back() - force.t.front());
-  const double samples = static_cast<double>(force.t.size());
   const double variance_std = noise * std::sqrt(samples / 5.0) * half * half * mean_interval(t) /
-                              std::abs(impulse);
+                              impulse;
   motion.width_std = width > 0.0 ? variance_std / (2.0 * width) : 0.0;
   motion.sample_width = mean_interval(t) / std::sqrt(12.0);
   return found;

@@ -33,11 +33,10 @@ struct FoundImpact {
   ImpactMotion motion;
 };
 
-/// Whether the tool's motion changes as the pulse's force demands. The tool's path is fitted by a
-/// mass that flies freely but for this force, p = p0 + v0 t - (1/m) double integral of F: linear
-/// least squares over the pulse and the free motion around it, up to `free_from` and `free_to` [s].
-/// `noise` as above.
-/// Empty where the change of speed is not significant, or the tool hardly approached.
+/// Whether the tool's speed changes with the pulse: lines through its path before and after, up to
+/// `free_from` and `free_to` [s]. Without the force, whose integral would add its noise to the
+/// speeds. `noise` as above. Empty where the change is not significant, where one smooth path fits
+/// as well, or where the tool hardly approached.
 [[nodiscard]] std::optional<FoundImpact> find_impact(const ForcePulse& pulse,
                                                      std::span<const double> t,
                                                      std::span<const Eigen::Vector3d> force_base,

@@ -47,8 +47,11 @@ void take_parameters(const ContactFit& fit, ObjectParameters& parameters) {
   parameters.contact_exponent = as_value(fit.exponent);
   parameters.contact_damping.reset();
   parameters.contact_damping_law.reset();
-  if (fit.damping.is_excited && fit.damping.value >= 0.0) {
-    parameters.contact_damping = as_value(fit.damping);
+  // A damping that is 0 within its std may come out negative.
+  const bool is_known = fit.damping.value > -kMinStds * fit.damping.std;
+  if (fit.damping.is_excited && is_known) {
+    parameters.contact_damping =
+        ParameterValue{std::max(0.0, fit.damping.value), fit.damping.std};
   }
 }
 

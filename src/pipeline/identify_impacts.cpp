@@ -22,6 +22,8 @@ namespace {
 constexpr double kHertzExponent = 1.5;
 /// Std of a stiffness over its value above which the pulse's width does not identify it.
 constexpr double kMaxStiffnessShare = 0.5;
+/// A linear law of presses, or one of another stiffness, contradicts the impacts from here on.
+constexpr double kContradictionStds = 4.0;
 
 /// Relative std; infinite where there is no value.
 double share_of(const ParameterValue& value) {
@@ -140,6 +142,21 @@ std::pair<DampingLaw, std::string> choose_law(std::optional<DampingLaw> option,
                                 100.0 * best.relative_error, restitution)};
 }
 
+/// Whether the impacts' stiffness replaces the known one: where presses, which hardly penetrate a
+/// stiff contact, gave none, or one that contradicts the impacts.
+bool is_stiffness_needed(const ObjectIdentification& result, bool has_press) {
+  const IdentifiedParameter& found = result.impact_findings.stiffness;
+  const auto& known = result.parameters.contact_stiffness;
+  if (!found.is_excited) return false;
+  if (!known) return true;
+  const double share = share_of(as_value(found));
+  if (!has_press) return share < share_of(*known);
+  const bool is_linear = result.presses.best().exponent.value <= 1.0;
+  if (is_linear) return false;  // of another unit
+  const double gap = std::abs(std::log(found.value / known->value));
+  return gap > kContradictionStds * std::hypot(share, share_of(*known));
+}
+
 void take_stiffness(ObjectIdentification& result) {
   ImpactFindings& found = result.impact_findings;
   ObjectParameters& parameters = result.parameters;
@@ -183,10 +200,10 @@ void take_damping(ObjectIdentification& result, std::optional<DampingLaw> option
 
 void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_t object,
                       std::optional<DampingLaw> damping_law, ObjectIdentification& result) {
-  const bool has_press = result.presses.best().is_valid;
-  const double exponent =
-      has_press ? result.presses.best().exponent.value
-                : result.parameters.contact_exponent.value_or(ParameterValue{kHertzExponent}).value;
+  const ContactFit& press = result.presses.best();
+  const bool has_press = press.is_valid && press.stiffness.is_excited;
+  const bool is_curved = has_press && press.exponent.value > 1.0;
+  const double exponent = is_curved ? press.exponent.value : kHertzExponent;
   result.impact_findings.exponent = exponent;
   for (const IdentifiedContact& contact : contacts) {
     const ContactEpisode& episode = contact.episode;
@@ -210,11 +227,7 @@ void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_
       weighted_mean(result.impacts, [](const auto& impact) { return impact.restitution; });
   found.stiffness =
       weighted_mean(result.impacts, [](const auto& impact) { return impact.stiffness; });
-  const auto& stiffness = result.parameters.contact_stiffness;
-  const bool is_better =
-      found.stiffness.is_excited &&
-      (!stiffness || (!has_press && share_of(as_value(found.stiffness)) < share_of(*stiffness)));
-  if (is_better) take_stiffness(result);
+  if (is_stiffness_needed(result, has_press)) take_stiffness(result);
   take_damping(result, damping_law);
 }
 

@@ -18,8 +18,9 @@ namespace pcavr {
 /// samples of a typical sensor.
 inline constexpr double kSmoothing = 0.010;
 
-/// The tip's path, sampled every `step` [s] and smoothed over +-20 ms: the pose sensor's noise
-/// would be rendered as force. Computed in blocks of some seconds.
+/// The tip's path, sampled every `step` [s] and smoothed over +-20 ms, up to +-80 ms where the
+/// motion is slow: the pose sensor's noise would be rendered as force. Computed in blocks of some
+/// seconds.
 class CommandPath {
  public:
   /// Keeps a reference; `tip` must outlive it and have two samples or more.
