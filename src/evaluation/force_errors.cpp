@@ -98,6 +98,17 @@ std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples,
   return contacts;
 }
 
+bool is_soft_press(const ContactPeak& contact) {
+  return contact.task == ContactTask::press && contact.travel.value_or(0.0) > kSoftTravel;
+}
+
+std::optional<double> travel_to_peak(const Trajectory& T_base_tool, const ContactPeak& contact) {
+  const std::optional<Pose> from = T_base_tool.at(contact.begin);
+  const std::optional<Pose> to = T_base_tool.at(contact.peak);
+  if (!from || !to) return std::nullopt;
+  return translation_distance(*from, *to);
+}
+
 std::optional<double> approach_speed(const Trajectory& T_base_tool, Stamp contact,
                                      const ForceErrorOptions& options) {
   const Duration before = duration_from_seconds(options.approach_time);

@@ -33,11 +33,13 @@ bool is_one_surface(const std::vector<IdentifiedContact*>& presses) {
 /// States how many presses, or pushes, the contact law rests on.
 void count_sources(bool by_presses, int count, ObjectParameters& parameters) {
   ParameterSources& sources = parameters.sources;
-  for (const char* key : {"contact.stiffness", "contact.damping", "contact.exponent"}) {
+  for (const char* key :
+       {"contact.stiffness", "contact.damping", "contact.exponent", "contact.mass"}) {
     sources.presses.erase(key);
     sources.pushes.erase(key);
     const bool is_damping = std::string_view(key) == "contact.damping";
     if (is_damping && !parameters.contact_damping) continue;
+    if (std::string_view(key) == "contact.mass" && !parameters.contact_mass) continue;
     (by_presses ? sources.presses : sources.pushes)[key] = count;
   }
 }
@@ -47,6 +49,8 @@ void take_parameters(const ContactFit& fit, ObjectParameters& parameters) {
   parameters.contact_exponent = as_value(fit.exponent);
   parameters.contact_damping.reset();
   parameters.contact_damping_law.reset();
+  parameters.contact_mass.reset();
+  if (fit.mass.is_excited) parameters.contact_mass = as_value(fit.mass);
   // A damping that is 0 within its std may come out negative.
   const bool is_known = fit.damping.value > -kMinStds * fit.damping.std;
   if (fit.damping.is_excited && is_known) {
@@ -169,6 +173,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   if (best != nullptr) {
     take_parameters(*best, result.parameters);
     result.is_exponent_given = !result.presses.best().is_valid;
+    if (result.is_exponent_given) result.parameters.contact_mass.reset();
     if (result.is_exponent_given) {
       result.parameters.contact_exponent = exponent;
       result.parameters.contact_damping.reset();  // creep biases the damping, too

@@ -85,6 +85,10 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
                          impacts.choice
                    : source,
                better);
+  if (p.contact_mass) {
+    findings.add("contact.mass", "kg", p.contact_mass, by_presses, source,
+                 "modulate the press at 10 Hz, 1 mm");
+  }
   ParameterFinding& exponent =
       findings.add("contact.exponent", "", p.contact_exponent,
                    is_identified && !found.is_exponent_given, source, better);

@@ -163,6 +163,7 @@ void take_stiffness(ObjectIdentification& result) {
   found.gives_stiffness = true;
   parameters.contact_stiffness = as_value(found.stiffness);
   parameters.contact_exponent = ParameterValue{found.exponent, {}};
+  parameters.contact_mass.reset();
   result.is_exponent_given = true;
 }
 

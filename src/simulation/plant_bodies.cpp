@@ -149,6 +149,18 @@ std::vector<PlantBody> paper_boxes(std::uint64_t seed) {
   return bodies;
 }
 
+std::vector<PlantBody> soft_boxes(std::uint64_t seed, double depth) {
+  std::vector<PlantBody> bodies = sample_boxes(seed, 2);
+  for (std::size_t number = 0; number < bodies.size(); ++number) {
+    Random random = Random(seed).fork(70 + number);
+    PlantParameters& p = bodies[number].parameters;
+    p.contact_stiffness =
+        stiffness_for(sample_log_uniform(10.0, 40.0, random), depth, p.contact_exponent);
+    p.contact_damping = sample_log_uniform(1.0, 6.0, random) * p.contact_stiffness;
+  }
+  return bodies;
+}
+
 std::vector<PlantBody> struck_boxes(std::uint64_t seed, double speed, double mass) {
   std::vector<PlantBody> bodies = sample_boxes(seed, 2);
   for (std::size_t number = 0; number < bodies.size(); ++number) {

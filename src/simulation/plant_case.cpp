@@ -23,6 +23,9 @@ constexpr double kStandoff = 0.025;              ///< between tip and face befor
 constexpr double kApproachGap = 0.0005;          ///< gap at which loading begins [m]
 constexpr double kBreakawayDisplacement = 5e-5;  ///< above the presliding displacement [m]
 
+/// Of the tip in a soft body [m]: a large deformation, more than the tip's radius.
+constexpr double kSoftDepth = 0.015;
+
 /// Presses down on the centre of the top face, and retracts.
 void press(Program& program, std::size_t body, double radius, double speed, double depth,
            double max_force) {
@@ -188,6 +191,16 @@ void add_press_moves(Program& program, double radius) {
   }
 }
 
+/// B's soft ball.
+void add_soft_moves(Program& program, double radius) {
+  for (std::size_t body = 0; body < 2; ++body) {
+    travel_above(program, body, radius);
+    for (const double speed : {0.01, 0.02, 0.03, 0.04, 0.05}) {
+      press(program, body, radius, speed, kSoftDepth, 60.0);
+    }
+  }
+}
+
 void add_turn_moves(Program& program, double radius, Random& random) {
   for (std::size_t body = 0; body < 2; ++body) {
     const Eigen::Vector3d half = half_extents_of(program.body(body));
@@ -255,6 +268,7 @@ std::vector<PlantBody> bodies_of(ToolTask task, std::uint64_t seed, double tip_r
   if (task == ToolTask::none) return {};
   if (task == ToolTask::slot) return {slotted_block(seed, tip_radius)};
   if (task == ToolTask::paper) return paper_boxes(seed);
+  if (task == ToolTask::soft) return soft_boxes(seed, kSoftDepth);
   if (task == ToolTask::impact) return struck_boxes(seed, kImpactSpeed, kStrikerMass);
   return sample_boxes(seed, task == ToolTask::push ? push.boxes : 2);
 }
@@ -295,6 +309,9 @@ PlantCase make_plant_case(ToolTask task, std::uint64_t seed, const PushOptions& 
       break;
     case ToolTask::paper:
       add_paper_moves(program, made.tool.radius, random);
+      break;
+    case ToolTask::soft:
+      add_soft_moves(program, made.tool.radius);
       break;
     case ToolTask::impact:
       add_impact_moves(program, made.tool.radius);

@@ -209,6 +209,8 @@ const std::vector<SimulationCase>& simulation_cases() {
         with_tool("slot", ToolTask::slot, "along both walls of the slot in a block"),
         with_tool("turn", ToolTask::turn, "off-centre pushes, which turn two boxes"),
         paper,
+        with_tool("soft", ToolTask::soft,
+                  "presses along z at five speeds, 15 mm deep, on each of two soft boxes"),
         with_tool("impact", ToolTask::impact,
                   "slow presses, then impacts of 2 to 80 ms, on each of two boxes")};
   }();

@@ -122,20 +122,33 @@ Eigen::Vector3d CommandPath::at(std::size_t cycle) {
   return path_[cycle % kBlock];
 }
 
+Eigen::Vector3d CommandPath::acceleration_at(std::size_t cycle) {
+  if (cycle / kBlock != block_) compute_block(cycle / kBlock);
+  return acceleration_[cycle % kBlock];
+}
+
 void CommandPath::compute_block(std::size_t block) {
   block_ = block;
   path_.resize(kBlock);
+  acceleration_.resize(kBlock);
   // At every other time, with linear interpolation: its error is below a micrometre for a hand.
-  std::vector<double> at(kBlock / 2 + 1);
-  const std::size_t first = block * (kBlock / 2);
+  // Beyond both ends for the acceleration, a second difference over this many times.
+  constexpr std::size_t kReach = 3;
+  std::vector<double> at(kBlock / 2 + 1 + 2 * kReach);
+  const double first = static_cast<double>(block * (kBlock / 2)) - kReach;
   for (std::size_t k = 0; k < at.size(); ++k) {
-    at[k] = start_ + 2.0 * step_ * static_cast<double>(first + k);
+    at[k] = start_ + 2.0 * step_ * (first + static_cast<double>(k));
   }
+  const double span = 2.0 * step_ * kReach;
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<double> position = smooth_command(tip_, axis, at, half_width_);
+    const auto value = [&](std::size_t k) { return position[k + kReach]; };
+    const auto bend = [&](std::size_t k) {
+      return (position[k + 2 * kReach] - 2.0 * position[k + kReach] + position[k]) / (span * span);
+    };
     for (std::size_t k = 0; k < kBlock; ++k) {
-      path_[k][axis] =
-          k % 2 == 1 ? 0.5 * (position[k / 2] + position[k / 2 + 1]) : position[k / 2];
+      path_[k][axis] = k % 2 == 1 ? 0.5 * (value(k / 2) + value(k / 2 + 1)) : value(k / 2);
+      acceleration_[k][axis] = k % 2 == 1 ? 0.5 * (bend(k / 2) + bend(k / 2 + 1)) : bend(k / 2);
     }
   }
 }

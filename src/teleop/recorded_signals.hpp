@@ -27,6 +27,8 @@ class CommandPath {
   CommandPath(const TipPath& tip, double start, double step);
   /// At start + step * cycle. Cheapest in ascending order.
   [[nodiscard]] Eigen::Vector3d at(std::size_t cycle);
+  /// [m/s^2], 1.2 % low at 10 Hz.
+  [[nodiscard]] Eigen::Vector3d acceleration_at(std::size_t cycle);
 
  private:
   void compute_block(std::size_t block);
@@ -37,6 +39,7 @@ class CommandPath {
   double half_width_;
   std::size_t block_ = ~std::size_t{0};
   std::vector<Eigen::Vector3d> path_;  ///< of the block's cycles
+  std::vector<Eigen::Vector3d> acceleration_;
 };
 
 /// Force and tip at the force's stamps, smoothed with the same centred window. A live site has a

@@ -45,6 +45,9 @@ struct ObjectParameters {
   std::optional<ParameterValue> contact_stiffness = {};  ///< [N/m^n]
   std::optional<ParameterValue> contact_damping = {};    ///< [N s/m^(n+1)]
   std::optional<ParameterValue> contact_exponent = {};   ///< n
+  /// m [kg] of F = m d'' + damping d' + stiffness d [paper C, eq. 2]: material that moves with the
+  /// tool; with an exponent of 1 only.
+  std::optional<ParameterValue> contact_mass = {};
   /// By which the damping follows from a restitution; empty: fitted to the force, or not known.
   std::optional<DampingLaw> contact_damping_law = {};
   /// Maximum friction moment over maximum friction force of the support [m]; see mean_radius.

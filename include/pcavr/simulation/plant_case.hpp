@@ -18,6 +18,7 @@ enum class ToolTask {
   slot,   ///< into the slot of a block, along one wall and back along the other [paper B]
   turn,   ///< off-centre pushes, so that the boxes turn
   paper,  ///< paper C's two boxes: a short probe of each, then the operator's push
+  soft,  ///< along z at five speeds, 15 mm into something soft [paper B's ball]
   impact,  ///< slow presses, then impacts along z by a tip that flies freely while it hits
 };
 
