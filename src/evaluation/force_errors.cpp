@@ -16,24 +16,23 @@ void add(const ForceSample& sample, double min_relative_force, ForceErrorList& e
   }
 }
 
-/// Moving means of both forces over the samples of the same contact.
+/// Moving means of both forces. Each is summed anew: running sums would add rounding errors, by
+/// which a plateau would have its maximum anywhere.
 std::vector<ForceSample> averaged(const std::vector<ForceSample>& samples, double half_width) {
   const Duration reach = duration_from_seconds(half_width);
   std::vector<ForceSample> means = samples;
-  std::size_t begin = 0, end = 0;
-  double measured = 0.0, rendered = 0.0;  // sums over [begin, end)
+  std::size_t begin = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    for (; end < samples.size() && samples[end].stamp - samples[i].stamp <= reach; ++end) {
-      measured += samples[end].measured;
-      rendered += samples[end].rendered;
+    while (samples[i].stamp - samples[begin].stamp > reach) ++begin;
+    double measured = 0.0, rendered = 0.0, count = 0.0;
+    for (std::size_t k = begin; k < samples.size(); ++k) {
+      if (samples[k].stamp - samples[i].stamp > reach) break;
+      measured += samples[k].measured;
+      rendered += samples[k].rendered;
+      count += 1.0;
     }
-    for (; samples[i].stamp - samples[begin].stamp > reach; ++begin) {
-      measured -= samples[begin].measured;
-      rendered -= samples[begin].rendered;
-    }
-    const double count = static_cast<double>(end - begin);
-    means[i].measured = end - begin > 1 ? measured / count : samples[i].measured;
-    means[i].rendered = end - begin > 1 ? rendered / count : samples[i].rendered;
+    means[i].measured = measured / count;
+    means[i].rendered = rendered / count;
   }
   return means;
 }
