@@ -25,7 +25,7 @@ constexpr double kMergeGap = 0.006;   // [s] between pulses that noise has split
 constexpr std::size_t kMinPoints = 8;  // of the path, on either side
 constexpr int kMaxHalvings = 3;        // of the free flight, where the servo drives the tool
 constexpr double kMaxFlightMisfit = 1.5;     // rms residual over the tip's noise of a free flight
-/// Residual of a smooth path over that of the impact's, which tells it from a spike of the force.
+/// Residual of a smooth path over that of the impact's, which distinguishes it from a spike of the force.
 constexpr double kMinCubicRatio = 1.4;
 
 /// The force along a direction, from before the tool touches until after it separates.

@@ -99,7 +99,7 @@ std::vector<DampingErrorCurve> damping_error_curves() {
 }
 
 Plot damping_laws_plot(const ObjectIdentification& object) {
-  constexpr double kMaxError = 100.0;  // [%]: beyond, the good laws could not be told apart
+  constexpr double kMaxError = 100.0;  // [%]: larger errors would hide the small ones
   Plot plot{.title = "Error of the damping laws [paper B, figure 6]",
             .x_label = "restitution",
             .y_label = "error of the law's restitution (%)",
