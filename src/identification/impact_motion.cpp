@@ -17,10 +17,10 @@ namespace {
 constexpr double kMinApproach = 0.02;
 /// Change of the tool's speed in its stds, which a spike of the force does not cause.
 constexpr double kMinChangeStds = 6.0;
-/// The pulse's slow ends are below its threshold: the force counts from these shares of the pulse's
-/// duration before it until after it.
-constexpr double kEndShare = 0.5;
+/// The pulse's slow ends are below its threshold: the force counts from its own duration, within
+/// these limits, before it until after it.
 constexpr double kMinEnd = 0.004;     // [s] two samples at 500 Hz
+constexpr double kMaxEnd = 0.025;     // [s]
 constexpr double kMergeGap = 0.006;   // [s] between pulses that noise has split
 constexpr std::size_t kMinPoints = 8;  // of the path, on either side
 constexpr int kMaxHalvings = 3;        // of the free flight, where the servo drives the tool
@@ -187,7 +187,7 @@ std::optional<FoundImpact> find_impact(const ForcePulse& pulse, std::span<const 
   for (std::size_t i = pulse.begin; i < pulse.end; ++i) sum += force_base[i];
   FoundImpact found{sum.normalized(), {}};
   const double begin = t[pulse.begin], end = t[pulse.end - 1];
-  const double margin = std::max(kMinEnd, kEndShare * (end - begin));
+  const double margin = std::clamp(end - begin, kMinEnd, kMaxEnd);
   const double from = std::max(free_from, begin - margin);
   const double to = std::min(free_to, end + margin);
   const PulseForce force(t, force_base, found.direction_base, from, to);

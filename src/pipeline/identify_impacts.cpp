@@ -165,6 +165,12 @@ void take_stiffness(ObjectIdentification& result) {
   parameters.contact_exponent = ParameterValue{found.exponent, {}};
   parameters.contact_mass.reset();
   result.is_exponent_given = true;
+  for (auto* counts : {&parameters.sources.presses, &parameters.sources.pushes}) {
+    counts->erase("contact.stiffness");
+    counts->erase("contact.exponent");
+    counts->erase("contact.mass");
+  }
+  parameters.sources.impacts["contact.stiffness"] = static_cast<int>(result.impacts.size());
 }
 
 void take_damping(ObjectIdentification& result, std::optional<DampingLaw> option) {
