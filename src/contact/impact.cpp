@@ -95,8 +95,8 @@ class PulseWidth {
   void add(double time, double force) noexcept {
     const double dt = time - time_;
     for (int power = 0; power < 3; ++power) {
-      moments_[power] += 0.5 * dt *
-                         (force_ * std::pow(time_, power) + force * std::pow(time, power));
+      moments_[power] +=
+          0.5 * dt * (force_ * std::pow(time_, power) + force * std::pow(time, power));
     }
     time_ = time;
     force_ = force;

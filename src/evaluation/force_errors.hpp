@@ -61,10 +61,9 @@ inline constexpr double kSoftTravel = 0.005;  // [m]
 [[nodiscard]] std::optional<double> travel_to_peak(const Trajectory& T_base_tool,
                                                    const ContactPeak& contact);
 
-
 /// Samples more than `contact_gap` apart belong to different contacts. Both peaks are those of the
-/// moving mean over `peak_half_width`: the maximum of a noisy series is biased. Contacts that never reach
-/// `min_relative_force` (grazing or noise) are excluded.
+/// moving mean over `peak_half_width`: the maximum of a noisy series is biased. Contacts that never
+/// reach `min_relative_force` (grazing or noise) are excluded.
 [[nodiscard]] std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples,
                                                      const ForceErrorOptions& options = {});
 

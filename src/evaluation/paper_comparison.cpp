@@ -41,8 +41,7 @@ constexpr Published kForceError = {"C, Fig. 9", "relative force error once param
                                    "below 10 %, without delay"};
 constexpr Published kPeakError = {"B, table 3", "relative error of a press's peak force",
                                   "1.85 ± 0.85 %"};
-constexpr Published kSoftError = {"B, table 4",
-                                  "relative error of the peak force on a soft object",
+constexpr Published kSoftError = {"B, table 4", "relative error of the peak force on a soft object",
                                   "2.24 % (GADM 2.75 %, HSMM 3.12 %)"};
 constexpr Published kSlotting = {"B, hole slotting", "peak force: real, virtual, difference",
                                  "91.23 N, 93.27 N, 2.24 %"};
@@ -214,7 +213,8 @@ ReportTable paper_table(const Findings& findings) {
       "augmented virtual environment. The papers use real boxes and robots; for a run of a "
       "simulated recording, this compares methods under the given noise, not hardware. Not in the "
       "source: the available text of C lacks its tables' numbers. –: this run has no value. B's "
-      "presses, soft object and slotting are listed for runs with such contacts. C's figure 8, the comparison of "
+      "presses, soft object and slotting are listed for runs with such contacts. C's figure 8, the "
+      "comparison of "
       "estimators, is in the report of pcavr identify.";
   return table;
 }

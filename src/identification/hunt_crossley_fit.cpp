@@ -18,11 +18,11 @@ namespace {
 constexpr double kMinExponent = 1.0;    // a flat face; contacts do not soften with depth
 constexpr double kHertzExponent = 1.5;  // a sphere: between a flat face and a cone
 constexpr double kStartMargin = 0.02;   // of the depth: force is detected after the touch
-/// Error of the force by the damping's std at the presses' speed, as a share, up to which the damping
-/// is excited.
+/// Error of the force by the damping's std at the presses' speed, as a share, up to which the
+/// damping is excited.
 constexpr double kMaxDampingShare = 0.02;
-constexpr int kIterations = 60;         // bounds the time where it does not converge
-constexpr double kMinNoise = 1e-6;      // of the largest force: below any sensor's resolution
+constexpr int kIterations = 60;     // bounds the time where it does not converge
+constexpr double kMinNoise = 1e-6;  // of the largest force: below any sensor's resolution
 
 /// F = force (d / depth)^n (1 + c d'), with d = x - surface: these parameters are nearly
 /// uncorrelated, k, lambda and n are not.

@@ -19,13 +19,14 @@ constexpr double kMinApproach = 0.02;
 constexpr double kMinChangeStds = 6.0;
 /// The pulse's slow ends are below its threshold: the force counts from its own duration, within
 /// these limits, before it until after it.
-constexpr double kMinEnd = 0.004;     // [s] two samples at 500 Hz
-constexpr double kMaxEnd = 0.025;     // [s]
-constexpr double kMergeGap = 0.006;   // [s] between pulses that noise has split
-constexpr std::size_t kMinPoints = 8;  // of the path, on either side
-constexpr int kMaxHalvings = 3;        // of the free flight, where the servo drives the tool
-constexpr double kMaxFlightMisfit = 1.5;     // rms residual over the tip's noise of a free flight
-/// Residual of a smooth path over that of the impact's, which distinguishes it from a spike of the force.
+constexpr double kMinEnd = 0.004;         // [s] two samples at 500 Hz
+constexpr double kMaxEnd = 0.025;         // [s]
+constexpr double kMergeGap = 0.006;       // [s] between pulses that noise has split
+constexpr std::size_t kMinPoints = 8;     // of the path, on either side
+constexpr int kMaxHalvings = 3;           // of the free flight, where the servo drives the tool
+constexpr double kMaxFlightMisfit = 1.5;  // rms residual over the tip's noise of a free flight
+/// Residual of a smooth path over that of the impact's, which distinguishes it from a spike of the
+/// force.
 constexpr double kMinCubicRatio = 1.4;
 
 /// The force along a direction, from before the tool touches until after it separates.
@@ -65,7 +66,7 @@ double width_of(const PulseForce& force) {
 struct FlightSamples {
   std::vector<double> t, path;
   std::size_t before = 0, after = 0;
-  double noise = 0.0;                 ///< [m] std of one sample
+  double noise = 0.0;  ///< [m] std of one sample
 
   FlightSamples(const PulseForce& force, const PathView& tip, const Eigen::Vector3d& direction,
                 double from, double to) {
@@ -207,8 +208,8 @@ std::optional<FoundImpact> find_impact(const ForcePulse& pulse, std::span<const 
   if (approach < kMinApproach || change < kMinChangeStds * braking.std) return std::nullopt;
   motion.approach = parameter(approach, {0.0, 1.0, 0.0, 0.0});
   motion.separation = parameter(separation, {0.0, 0.0, 0.0, -1.0});
-  motion.speed_ratio = parameter(
-      separation / approach, {0.0, -separation / (approach * approach), 0.0, -1.0 / approach});
+  motion.speed_ratio = parameter(separation / approach,
+                                 {0.0, -separation / (approach * approach), 0.0, -1.0 / approach});
   const double samples = static_cast<double>(force.t.size());
   const double impulse_std = noise * std::sqrt(samples) * mean_interval(t);
   motion.mass = {impulse / change,
@@ -219,8 +220,8 @@ std::optional<FoundImpact> find_impact(const ForcePulse& pulse, std::span<const 
   // A force error at u from the centre changes the variance by u^2 over the sum of the forces; over
   // a uniform interval of half length h the mean of u^4 is h^4 / 5.
   const double half = 0.5 * (force.t.back() - force.t.front());
-  const double variance_std = noise * std::sqrt(samples / 5.0) * half * half * mean_interval(t) /
-                              impulse;
+  const double variance_std =
+      noise * std::sqrt(samples / 5.0) * half * half * mean_interval(t) / impulse;
   motion.width_std = width > 0.0 ? variance_std / (2.0 * width) : 0.0;
   motion.sample_width = mean_interval(t) / std::sqrt(12.0);
   return found;

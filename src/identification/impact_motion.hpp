@@ -21,8 +21,8 @@ struct ForcePulse {
 };
 
 /// Intervals of at most `max_impact` in which a force exceeds its noise. Without smoothing and with
-/// spikes: an impact of 2 ms is a single sample, which only the tool's motion distinguishes from a spike.
-/// `noise` is the std of one sample of one axis [N].
+/// spikes: an impact of 2 ms is a single sample, which only the tool's motion distinguishes from a
+/// spike. `noise` is the std of one sample of one axis [N].
 [[nodiscard]] std::vector<ForcePulse> find_pulses(std::span<const double> t,
                                                   std::span<const Eigen::Vector3d> force_base,
                                                   double noise, const SegmentationOptions& options);

@@ -234,8 +234,8 @@ struct RangedImpact {
 /// Impacts among the pulses of the unfiltered force. A contact of `contacts` that is one is removed
 /// from there; pulses within other contacts are not examined.
 std::vector<RangedImpact> find_impacts(std::span<const double> t, const Vectors& raw, double noise,
-                                 const PathView& tip, const SegmentationOptions& options,
-                                 std::vector<Range>& contacts) {
+                                       const PathView& tip, const SegmentationOptions& options,
+                                       std::vector<Range>& contacts) {
   std::vector<RangedImpact> impacts;
   for (const ForcePulse& pulse : find_pulses(t, raw, noise, options)) {
     // The next contacts on either side bound the free flight.
@@ -268,8 +268,8 @@ ContactEpisode describe_impact(const Cleaned& all, const RangedImpact& impact,
   episode.end = all.t[impact.range.end - 1];
   episode.direction_base = impact.found.direction_base;
   const Eigen::Vector3d& direction = episode.direction_base;
-  episode.kind = std::abs(direction.z()) > direction.head<2>().norm() ? ContactKind::press
-                                                                      : ContactKind::push;
+  episode.kind =
+      std::abs(direction.z()) > direction.head<2>().norm() ? ContactKind::press : ContactKind::push;
   Along along(all, direction, episode.begin - options.margin, episode.end + options.margin);
   episode.t = std::move(along.t);
   episode.tool = std::move(along.tool);

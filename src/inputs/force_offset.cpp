@@ -148,9 +148,9 @@ TimeOffset force_offset(const Segmentation& found, std::span<const double> t_for
                         const PathView& tip) {
   TimeOffset result;
   // Presses determine it best, by loading and release; pushes are used where there are none.
-  const bool has_presses =
-      std::any_of(found.contacts.begin(), found.contacts.end(),
-                  [](const ContactEpisode& e) { return e.kind == ContactKind::press && !e.impact; });
+  const bool has_presses = std::any_of(
+      found.contacts.begin(), found.contacts.end(),
+      [](const ContactEpisode& e) { return e.kind == ContactKind::press && !e.impact; });
   std::vector<StationaryContact> contacts;
   for (const ContactEpisode& episode : found.contacts) {
     const bool is_press = episode.kind == ContactKind::press;

@@ -206,10 +206,10 @@ void check_contact_law(const YamlValue& contact, const ObjectParameters& paramet
   const std::string name(contact_law_name(exponent, parameters.contact_mass.has_value()));
   const std::optional<YamlValue> law = contact.find("law");
   if (law && law->text() != name) {
-    law->fail(
-        "is not the law of this exponent",
-        "state " + name + ", or an exponent of 1 for kelvin_voigt, also a mass for "
-                          "mass_damper_spring, and above 1 for hunt_crossley");
+    law->fail("is not the law of this exponent",
+              "state " + name +
+                  ", or an exponent of 1 for kelvin_voigt, also a mass for "
+                  "mass_damper_spring, and above 1 for hunt_crossley");
   }
   const std::string unit = damping_unit(exponent);
   const std::optional<YamlValue> stated_unit = contact.find("damping_unit");
@@ -260,7 +260,8 @@ ObjectParameters read_object(const YamlValue& map) {
   for (const Field& field : kFields) read_field(map, field, parameters);
   if (const std::optional<YamlValue> contact = map.find("contact")) {
     contact->expect_keys({"law", "stiffness", "stiffness_std", "damping", "damping_std",
-                          "damping_unit", "damping_law", "exponent", "exponent_std", "mass", "mass_std"});
+                          "damping_unit", "damping_law", "exponent", "exponent_std", "mass",
+                          "mass_std"});
     for (const Field& field : kContactFields) read_field(*contact, field, parameters);
     check_contact_law(*contact, parameters);
     read_damping_law(*contact, parameters);
@@ -288,7 +289,8 @@ void emit_contact(YAML::Emitter& out, const ObjectParameters& parameters) {
   const double exponent = parameters.contact_exponent ? parameters.contact_exponent->value : 1.0;
   out << YAML::Key << "contact" << YAML::Value << YAML::BeginMap;
   if (parameters.contact_stiffness) {
-    out << YAML::Key << "law" << YAML::Value << std::string(contact_law_name(exponent, parameters.contact_mass.has_value()));
+    out << YAML::Key << "law" << YAML::Value
+        << std::string(contact_law_name(exponent, parameters.contact_mass.has_value()));
   }
   for (const Field& field : kContactFields) emit_field(out, field, parameters);
   if (parameters.contact_damping) {

@@ -54,8 +54,7 @@ void take_parameters(const ContactFit& fit, ObjectParameters& parameters) {
   // A damping that is 0 within its std may come out negative.
   const bool is_known = fit.damping.value > -kMinStds * fit.damping.std;
   if (fit.damping.is_excited && is_known) {
-    parameters.contact_damping =
-        ParameterValue{std::max(0.0, fit.damping.value), fit.damping.std};
+    parameters.contact_damping = ParameterValue{std::max(0.0, fit.damping.value), fit.damping.std};
   }
 }
 

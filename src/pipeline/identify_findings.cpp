@@ -70,20 +70,16 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
                                         : "";
   const std::string better = kBetterPress;
   const ImpactFindings& impacts = found.impact_findings;
-  const std::string by_impacts =
-      counted(static_cast<int>(found.impacts.size()), "impact", "s");
-  findings.add("contact.stiffness", "N/m^n", p.contact_stiffness,
-               is_identified || impacts.gives_stiffness,
-               impacts.gives_stiffness ? by_impacts + ", under the given exponent" : source,
-               better);
+  const std::string by_impacts = counted(static_cast<int>(found.impacts.size()), "impact", "s");
+  findings.add(
+      "contact.stiffness", "N/m^n", p.contact_stiffness, is_identified || impacts.gives_stiffness,
+      impacts.gives_stiffness ? by_impacts + ", under the given exponent" : source, better);
   const bool is_linear = p.contact_exponent && p.contact_exponent->value == 1.0;
   const char* const unit = is_linear ? "N s/m" : "N s/m^(n+1)";
-  findings.add("contact.damping", unit, p.contact_damping,
-               is_identified || impacts.gives_damping,
-               impacts.gives_damping
-                   ? by_impacts + ", damping law: " + std::string(name_of(impacts.law)) + ", " +
-                         impacts.choice
-                   : source,
+  findings.add("contact.damping", unit, p.contact_damping, is_identified || impacts.gives_damping,
+               impacts.gives_damping ? by_impacts + ", damping law: " +
+                                           std::string(name_of(impacts.law)) + ", " + impacts.choice
+                                     : source,
                better);
   if (p.contact_mass) {
     findings.add("contact.mass", "kg", p.contact_mass, by_presses, source,
@@ -92,7 +88,8 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
   ParameterFinding& exponent =
       findings.add("contact.exponent", "", p.contact_exponent,
                    is_identified && !found.is_exponent_given, source, better);
-  if (found.is_exponent_given && (by_face || impacts.gives_stiffness)) exponent.remark = kExponentRemark + better;
+  if (found.is_exponent_given && (by_face || impacts.gives_stiffness))
+    exponent.remark = kExponentRemark + better;
   if (by_presses && !found.presses.proposal.empty() && !found.impact_findings.gives_damping) {
     found.notes.push_back(found.presses.proposal);
   }

@@ -56,14 +56,14 @@ IdentifiedParameter stiffness_of(const ImpactMotion& motion, double restitution,
   const double width = std::sqrt(square);
   const double width_std =
       std::hypot(0.5 * sampled, 2.0 * motion.width * motion.width_std) / (2.0 * width);
-  const Impact unit = simulate_impact(
-      HuntCrossley{1.0, exact_damping_factor(restitution), exponent}, 1.0, 1.0);
+  const Impact unit =
+      simulate_impact(HuntCrossley{1.0, exact_damping_factor(restitution), exponent}, 1.0, 1.0);
   if (!(unit.force_width > 0.0)) return {};
   const double speed = motion.approach.value;
   const double length = speed * width / unit.force_width;
   const double value = motion.mass.value * speed * speed / std::pow(length, exponent + 1.0);
-  const double share = std::hypot((exponent + 1.0) * width_std / width,
-                                  motion.mass.std / motion.mass.value);
+  const double share =
+      std::hypot((exponent + 1.0) * width_std / width, motion.mass.std / motion.mass.value);
   return {value, value * share, share < kMaxStiffnessShare};
 }
 
@@ -183,7 +183,8 @@ void take_damping(ObjectIdentification& result, std::optional<DampingLaw> option
     return damping_over_stiffness(law, impact);
   });
   // Kelvin-Voigt has another relation.
-  if (!parameters.contact_stiffness || parameters.contact_exponent.value_or(ParameterValue{1.0}).value <= 1.0) {
+  if (!parameters.contact_stiffness ||
+      parameters.contact_exponent.value_or(ParameterValue{1.0}).value <= 1.0) {
     return;
   }
   const ParameterValue& stiffness = *parameters.contact_stiffness;

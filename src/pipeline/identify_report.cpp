@@ -82,18 +82,16 @@ ReportTable faces_table(const ObjectIdentification& object) {
 }
 
 ReportTable impacts_table(const ObjectIdentification& object) {
-  ReportTable table{
-      .title = "Impacts",
-      .columns = {"time (s)", "duration (ms)", "approach (mm/s)", "restitution",
-                  "published law with the smallest error",
-                  "damping over stiffness, exact (s/m)", "tool's mass (kg)"}};
+  ReportTable table{.title = "Impacts",
+                    .columns = {"time (s)", "duration (ms)", "approach (mm/s)", "restitution",
+                                "published law with the smallest error",
+                                "damping over stiffness, exact (s/m)", "tool's mass (kg)"}};
   for (const MeasuredImpact& impact : object.impacts) {
     const double approach = impact.approach_speed.value * 1e3;
-    table.rows.push_back({fixed(impact.t, 2), fixed(impact.duration * kMilliseconds, 0),
-                          fixed(approach, 0), text_with_std(impact.restitution),
-                          std::string(name_of(impact.law)),
-                          text_with_std(impact.damping_over_stiffness),
-                          text_with_std(impact.mass)});
+    table.rows.push_back(
+        {fixed(impact.t, 2), fixed(impact.duration * kMilliseconds, 0), fixed(approach, 0),
+         text_with_std(impact.restitution), std::string(name_of(impact.law)),
+         text_with_std(impact.damping_over_stiffness), text_with_std(impact.mass)});
   }
   return table;
 }

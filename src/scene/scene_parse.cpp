@@ -82,9 +82,9 @@ SceneObjectEntry::Simplified simplified_of(const YamlValue& object) {
 }
 
 SceneObjectEntry object_of(const YamlValue& value) {
-  value.expect_keys({"name", "mesh", "movable", "mass", "hertz_stiffness", "pose", "start", "evidence", "sigma",
-                     "refinement", "simplified_error", "full_triangles", "volume",
-                     "centre_of_mass"});
+  value.expect_keys({"name", "mesh", "movable", "mass", "hertz_stiffness", "pose", "start",
+                     "evidence", "sigma", "refinement", "simplified_error", "full_triangles",
+                     "volume", "centre_of_mass"});
   SceneObjectEntry object;
   object.name = value.at("name").text();
   expect_object_name(object.name, value.at("name"));

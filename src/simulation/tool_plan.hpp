@@ -52,7 +52,7 @@ class ToolPlan {
   Eigen::Vector3d v_base_ = Eigen::Vector3d::Zero();
   std::size_t current_ = 0;
   bool has_begun_ = false;
-  bool has_touched_ = false;  ///< in this flight
+  bool has_touched_ = false;             ///< in this flight
   std::optional<double> stop_detected_;  ///< `time_` at which the stop condition was met
   Eigen::Vector3d start_;
   Eigen::Vector3d direction_;

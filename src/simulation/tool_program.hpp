@@ -15,9 +15,9 @@
 
 namespace pcavr::simulation {
 
-inline constexpr double kClearance = 0.025;             ///< of the tip above the highest body [m]
-inline constexpr double kTravelSpeed = 0.9;             ///< [m/s]
-inline constexpr double kTravelAcceleration = 5.0;      ///< [m/s^2]
+inline constexpr double kClearance = 0.025;         ///< of the tip above the highest body [m]
+inline constexpr double kTravelSpeed = 0.9;         ///< [m/s]
+inline constexpr double kTravelAcceleration = 5.0;  ///< [m/s^2]
 
 /// Where a box is pushed, in its own frame: a point on a face, and the outward normal.
 struct PushContact {

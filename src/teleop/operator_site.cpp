@@ -38,9 +38,9 @@ Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const TeleopObject& object = input.objects[i];
     model.bodies.push_back({object.model, object.T_base_object, physics[i], object.is_movable});
-    objects.push_back(
-        {object.model, object.T_base_object, sent_parameters(physics[i], options.gravity()), 0,
-         object.parameters.contact_mass.value_or(ParameterValue{}).value});
+    objects.push_back({object.model, object.T_base_object,
+                       sent_parameters(physics[i], options.gravity()), 0,
+                       object.parameters.contact_mass.value_or(ParameterValue{}).value});
   }
   Expected<PredictedWorld> world = PredictedWorld::create(std::move(model));
   if (!world) return world.error();

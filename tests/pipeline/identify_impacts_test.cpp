@@ -37,7 +37,8 @@ TEST(IdentifyImpacts, FindsTheRestitutionOfImpactsOf2To80MillisecondsWithin5Hund
       ASSERT_NE(impact, nullptr) << at << ", c " << truth.restitution;
       EXPECT_NEAR(impact->restitution.value, truth.restitution, 0.05) << at;
       EXPECT_NEAR(impact->approach_speed.value, truth.approach_speed, 0.01) << at;
-      stds += std::pow((impact->restitution.value - truth.restitution) / impact->restitution.std, 2);
+      stds +=
+          std::pow((impact->restitution.value - truth.restitution) / impact->restitution.std, 2);
       ++count;
       shortest = std::min(shortest, truth.duration);
       longest = std::max(longest, truth.duration);

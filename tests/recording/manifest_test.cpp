@@ -74,16 +74,17 @@ TEST(Manifest, HasTheMaterialsOfObjectsAndTool) {
   ASSERT_TRUE(again) << again.error().to_string();
   EXPECT_EQ(again->objects[0].material->poisson_ratio, 0.38);
   EXPECT_EQ(again->tool_material->youngs_modulus, 7e10);
-  for (const char* bad : {"youngs_modulus: 2.8, poisson_ratio: 0.38",
-                          "youngs_modulus: 2.8e9, poisson_ratio: 0.6",
-                          "youngs_modulus: -1e9, poisson_ratio: 0.3"}) {
+  for (const char* bad :
+       {"youngs_modulus: 2.8, poisson_ratio: 0.38", "youngs_modulus: 2.8e9, poisson_ratio: 0.6",
+        "youngs_modulus: -1e9, poisson_ratio: 0.3"}) {
     const auto refused = with(bad);
     ASSERT_FALSE(refused) << bad;
     EXPECT_EQ(refused.error().line, 3) << refused.error().to_string();
   }
-  EXPECT_FALSE(parse_manifest("format: pcavr-recording/1\nobjects:\n  - {name: box, material: "
-                              "{youngs_modulus: 1e9, poisson_ratio: 0.3}}\n",
-                              "m.yaml"));
+  EXPECT_FALSE(
+      parse_manifest("format: pcavr-recording/1\nobjects:\n  - {name: box, material: "
+                     "{youngs_modulus: 1e9, poisson_ratio: 0.3}}\n",
+                     "m.yaml"));
 }
 
 TEST(Manifest, NeedsNoMoreThanItsFormat) {

@@ -165,8 +165,8 @@ TEST(PlantCase, SoftBoxesAreDeformedByMoreThanTheTipsRadius) {
 TEST(PlantCase, ImpactsLast2To80MillisecondsAndBounce) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const PlantCase plant = make_plant_case(ToolTask::impact, seed);
-    const PlantRun run = run_plant(plant.bodies, plant.tool, plant.moves,
-                                   {.substeps = plant.substeps});
+    const PlantRun run =
+        run_plant(plant.bodies, plant.tool, plant.moves, {.substeps = plant.substeps});
     int count = 0;
     for (const PlantImpact& impact : run.impacts) {
       if (impact.approach_speed < 0.05) continue;  // a slow press that bounces
@@ -178,8 +178,8 @@ TEST(PlantCase, ImpactsLast2To80MillisecondsAndBounce) {
     }
     EXPECT_EQ(count, 10) << seed;
     // In half the step the same, to a thousandth of the restitution.
-    const PlantRun finer = run_plant(plant.bodies, plant.tool, plant.moves,
-                                     {.substeps = 2 * plant.substeps});
+    const PlantRun finer =
+        run_plant(plant.bodies, plant.tool, plant.moves, {.substeps = 2 * plant.substeps});
     ASSERT_EQ(finer.impacts.size(), run.impacts.size()) << seed;
     for (std::size_t i = 0; i < run.impacts.size(); ++i) {
       if (run.impacts[i].approach_speed < 0.05) continue;

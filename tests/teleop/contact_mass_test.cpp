@@ -16,11 +16,11 @@
 namespace pcavr {
 namespace {
 
-constexpr double kStiffness = 8e3;     // [N/m]
-constexpr double kDamping = 20.0;      // [N s/m]
-constexpr double kMass = 0.5;          // [kg] of the contact
-constexpr double kFrequency = 10.0;    // [Hz] of the modulation
-constexpr double kAmplitude = 0.001;   // [m]
+constexpr double kStiffness = 8e3;          // [N/m]
+constexpr double kDamping = 20.0;           // [N s/m]
+constexpr double kMass = 0.5;               // [kg] of the contact
+constexpr double kFrequency = 10.0;         // [Hz] of the modulation
+constexpr double kAmplitude = 0.001;        // [m]
 constexpr double kBegin = 1.0, kEnd = 4.0;  // [s] of the modulation
 
 struct Penetration {
@@ -60,8 +60,8 @@ double force_at(double t) {
 TeleopInput mass_damper_spring_input(bool with_mass) {
   TeleopInput input;
   const Eigen::Vector3d half(0.1, 0.1, 0.05);
-  TeleopObject object{"box", box_model("box", half), Pose::from_translation({0.6, 0.0, 0.05}),
-                      {},    {}};
+  TeleopObject object{
+      "box", box_model("box", half), Pose::from_translation({0.6, 0.0, 0.05}), {}, {}};
   object.is_movable = false;
   object.parameters.contact_stiffness = ParameterValue{kStiffness};
   object.parameters.contact_damping = ParameterValue{kDamping};

@@ -113,25 +113,15 @@ inline constexpr InputRange kPageSize{"page's side", 0.02, 10.0, "m",
                                       "from a label to the widest plotter's roll"};
 
 /// All of them, in the order of the documentation.
-inline constexpr std::array kAll{kStamp,          kSpan,
-                                 kCoordinate,     kTagSize,
-                                 kBodySize,       kMass,
-                                 kToolRadius,     kYoungsModulus,
-                                 kPoissonRatio,   kForce,
-                                 kTorque,         kJoint,
-                                 kDepthScale,     kPositionStd,
-                                 kRotationStd,    kFigure,
-                                 kStaticFriction, kFrictionCoefficient,
-                                 kToolFriction,   kViscousFriction,
-                                 kFrictionRadius, kLoadingRate,
-                                 kStiffness,      kDamping,
-                                 kExponent,       kParameterStd,
-                                 kVoxel,          kOccupancyCell,
-                                 kDelay,          kJitter,
-                                 kShare,          kImportRate,
-                                 kStateRate,      kHandForce,
-                                 kClockOffset,    kSaturation,
-                                 kPageSize};
+inline constexpr std::array kAll{
+    kStamp,          kSpan,           kCoordinate,          kTagSize,      kBodySize,
+    kMass,           kToolRadius,     kYoungsModulus,       kPoissonRatio, kForce,
+    kTorque,         kJoint,          kDepthScale,          kPositionStd,  kRotationStd,
+    kFigure,         kStaticFriction, kFrictionCoefficient, kToolFriction, kViscousFriction,
+    kFrictionRadius, kLoadingRate,    kStiffness,           kDamping,      kExponent,
+    kParameterStd,   kVoxel,          kOccupancyCell,       kDelay,        kJitter,
+    kShare,          kImportRate,     kStateRate,           kHandForce,    kClockOffset,
+    kSaturation,     kPageSize};
 
 }  // namespace ranges
 

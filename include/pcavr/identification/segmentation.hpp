@@ -36,11 +36,11 @@ struct ImpactMotion {
   IdentifiedParameter separation;  ///< [m/s] of the tool after, backwards; < 0: it moves on
   /// separation / approach, with their correlation in its std.
   IdentifiedParameter speed_ratio;
-  IdentifiedParameter mass;     ///< [kg] effective, of the tool: impulse over change of speed
-  double impulse = 0.0;         ///< [N s] > 0
-  double width = 0.0;           ///< [s] std of the force's distribution over time
-  double width_std = 0.0;       ///< [s] of `width`, by the force's noise
-  double sample_width = 0.0;    ///< [s] the part of `width` that is due to the sensor's averaging
+  IdentifiedParameter mass;   ///< [kg] effective, of the tool: impulse over change of speed
+  double impulse = 0.0;       ///< [N s] > 0
+  double width = 0.0;         ///< [s] std of the force's distribution over time
+  double width_std = 0.0;     ///< [s] of `width`, by the force's noise
+  double sample_width = 0.0;  ///< [s] the part of `width` that is due to the sensor's averaging
 };
 
 /// One contact, from first touch to separation; its series are at the force's timestamps.

@@ -114,12 +114,12 @@ struct FaceContact {
 
 /// Restitution and damping of a short impact [paper B, eq. 11, 12].
 struct MeasuredImpact {
-  double t = 0.0;                        ///< [s]
-  double duration = 0.0;                 ///< [s] above the force's threshold
-  IdentifiedParameter approach_speed = {};    ///< [m/s]
+  double t = 0.0;                           ///< [s]
+  double duration = 0.0;                    ///< [s] above the force's threshold
+  IdentifiedParameter approach_speed = {};  ///< [m/s]
   IdentifiedParameter restitution = {};
-  IdentifiedParameter mass = {};              ///< [kg] effective, of the tool
-  DampingLaw law = DampingLaw::exact;    ///< the published law with the smallest error there
+  IdentifiedParameter mass = {};       ///< [kg] effective, of the tool
+  DampingLaw law = DampingLaw::exact;  ///< the published law with the smallest error there
   /// lambda / k [s/m] by the exact relation.
   IdentifiedParameter damping_over_stiffness = {};
   /// k [N/m^n] from the width of the force's pulse; not excited where the sensor's averaging hides
@@ -135,8 +135,8 @@ struct ImpactFindings {
   double exponent = 1.5;
   DampingLaw law = DampingLaw::exact;  ///< of damping_over_stiffness
   std::string choice = {};             ///< how the law was chosen
-  bool gives_damping = false;    ///< the parameters' damping is from here
-  bool gives_stiffness = false;  ///< and the stiffness
+  bool gives_damping = false;          ///< the parameters' damping is from here
+  bool gives_stiffness = false;        ///< and the stiffness
 };
 
 /// A row of the printed parameter table.

@@ -18,8 +18,8 @@ namespace pcavr {
                                                        const ObjectEntry& object);
 
 /// The prior parameters of each object of a scene: those given in a parameter file, with
-/// the scene's mass where the file has none, and its Hertz stiffness likewise. `file` names the file in errors: an object that is not
-/// in the scene is an Error.
+/// the scene's mass where the file has none, and its Hertz stiffness likewise. `file` names the
+/// file in errors: an object that is not in the scene is an Error.
 [[nodiscard]] Expected<ParameterTable> known_parameters(const SceneManifest& scene,
                                                         const std::optional<ParameterTable>& given,
                                                         const std::string& file);

@@ -37,7 +37,7 @@ struct MarkerEntry {
 
 /// An elastic material, for the contact's first stiffness [Hertz 1882].
 struct MaterialEntry {
-  double youngs_modulus = 0.0;        ///< [Pa]
+  double youngs_modulus = 0.0;  ///< [Pa]
   double poisson_ratio = 0.0;
   std::optional<double> radius = {};  ///< [m] of the surface that is touched; empty: it is flat
 };
@@ -57,9 +57,9 @@ struct Manifest {
   double depth_scale = 0.0;  ///< depth image units in one metre; > 0 where there is a camera
   std::vector<MarkerEntry> markers = {};
   std::vector<ObjectEntry> objects = {};
-  std::optional<double> tool_radius = {};          ///< [m]
+  std::optional<double> tool_radius = {};           ///< [m]
   std::optional<MaterialEntry> tool_material = {};  ///< without a radius, which is tool_radius
-  std::optional<std::filesystem::path> urdf = {};  ///< relative to the recording's folder
+  std::optional<std::filesystem::path> urdf = {};   ///< relative to the recording's folder
 };
 
 /// Reads and checks the text of a manifest; `file` names it in errors. Unknown keys, wrong types,
