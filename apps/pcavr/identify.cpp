@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include "pcavr/contact/damping.hpp"
 #include "pcavr/core/output_file.hpp"
 #include "pcavr/core/output_paths.hpp"
 #include "pcavr/object/parameters_file.hpp"
@@ -25,6 +26,7 @@ struct IdentifyArguments {
   std::string parameters;
   std::string output;
   std::string report;
+  std::string damping_law = "exact";
   bool replace = false;
   bool skip_bad = false;
   int threads = 1;
@@ -137,7 +139,9 @@ Expected<Identification> run(const IdentifyArguments& arguments, Configuration& 
                            observer);
   if (!input) return input.error();
   input->known = std::move(known);
-  Expected<Identification> found = identify(*input, arguments.goal, configuration.identification());
+  IdentificationOptions options = configuration.identification();
+  options.damping_law = damping_law_of(arguments.damping_law);  // none: by the criterion
+  Expected<Identification> found = identify(*input, arguments.goal, options);
   if (found) {
     found->configuration = configuration.changed();
     return found;
@@ -204,6 +208,15 @@ void add_goal(CLI::App& app, Configuration& configuration, Action& action, Ident
   command->add_option("-o,--output", arguments->output, "Parameter file to write")->required();
   command->add_option("--report", arguments->report,
                       "Folder for the report; by default next to the parameter file");
+  std::vector<std::string> laws{std::string(key_of(DampingLaw::exact)), "criterion"};
+  for (const DampingLaw law : kPublishedDampingLaws) laws.emplace_back(key_of(law));
+  command
+      ->add_option("--damping-law", arguments->damping_law,
+                   "Damping of a Hunt-Crossley contact from the restitution of impacts: the exact "
+                   "relation, a published law, or criterion: the published law with the smallest "
+                   "error there")
+      ->check(CLI::IsMember(laws))
+      ->capture_default_str();
   command->add_flag("--force", arguments->replace,
                     "Replace an existing parameter file and report of pcavr; "
                     "other files and folders are never replaced");

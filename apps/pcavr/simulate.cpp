@@ -115,9 +115,11 @@ Expected<void> change_scene(SimulationCase& simulation, const SimulateArguments&
     }
     simulation.movable_boxes = *arguments.objects;
   }
-  if (arguments.is_immovable && simulation.task != ToolTask::press) {
+  const bool can_be_immovable =
+      simulation.task == ToolTask::press || simulation.task == ToolTask::impact;
+  if (arguments.is_immovable && !can_be_immovable) {
     return not_applicable("--immovable", simulation, "its boxes are pushed away, or it has none",
-                          "choose press");
+                          "choose press or impact");
   }
   simulation.is_immovable = arguments.is_immovable;
   return {};
@@ -262,7 +264,7 @@ void add_simulate(CLI::App& app, Action& action) {
                     "simulated marker tracking");
   command->add_flag("--without-mass", arguments->without_mass, "No masses in the manifest");
   command->add_flag("--immovable", arguments->is_immovable,
-                    "The boxes are fixed to the table (movable: false); for press");
+                    "The boxes are fixed to the table (movable: false); for press and impact");
   add_number(*command, "--clock-offset", arguments->faults.clock_offset, ranges::kClockOffset,
              "Delay of the wrench's timestamps [s]; negative: early");
   command->add_flag("--flip-force", arguments->faults.is_force_flipped,

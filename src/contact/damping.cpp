@@ -75,6 +75,36 @@ std::string_view name_of(DampingLaw law) noexcept {
   return "unknown";
 }
 
+std::string_view key_of(DampingLaw law) noexcept {
+  switch (law) {
+    case DampingLaw::flores:
+      return "flores";
+    case DampingLaw::gonthier:
+      return "gonthier";
+    case DampingLaw::lankarani_nikravesh:
+      return "lankarani_nikravesh";
+    case DampingLaw::lee_wang:
+      return "lee_wang";
+    case DampingLaw::hunt_crossley:
+      return "hunt_crossley";
+    case DampingLaw::zhiying_qishao:
+      return "zhiying_qishao";
+    case DampingLaw::herbert_mcwhannell:
+      return "herbert_mcwhannell";
+    case DampingLaw::exact:
+      return "exact";
+  }
+  return "unknown";
+}
+
+std::optional<DampingLaw> damping_law_of(std::string_view key) noexcept {
+  if (key == key_of(DampingLaw::exact)) return DampingLaw::exact;
+  for (const DampingLaw law : kPublishedDampingLaws) {
+    if (key == key_of(law)) return law;
+  }
+  return std::nullopt;
+}
+
 double damping_factor(DampingLaw law, double c) noexcept {
   if (c <= 0.0) return kInfinity;
   const double one_minus_c = 1.0 - c;

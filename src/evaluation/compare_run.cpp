@@ -119,6 +119,7 @@ void add_contact_motion(const Trajectory& T_base_tool, const EvaluatedRecording&
     if (mesh != recording.meshes_object.end()) motion.closed_mesh_object = &mesh->second;
     for (ContactPeak& peak : peaks) {
       peak.approach_speed = approach_speed(T_base_tool, peak.begin, options);
+      peak.travel = travel_to_peak(T_base_tool, peak);
       peak.task = task_of(peak, motion, options);
     }
   }

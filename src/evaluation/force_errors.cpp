@@ -16,6 +16,27 @@ void add(const ForceSample& sample, double min_relative_force, ForceErrorList& e
   }
 }
 
+/// Moving means of both forces. Each is summed anew: running sums would add rounding errors, by
+/// which a plateau would have its maximum anywhere.
+std::vector<ForceSample> averaged(const std::vector<ForceSample>& samples, double half_width) {
+  const Duration reach = duration_from_seconds(half_width);
+  std::vector<ForceSample> means = samples;
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    while (samples[i].stamp - samples[begin].stamp > reach) ++begin;
+    double measured = 0.0, rendered = 0.0, count = 0.0;
+    for (std::size_t k = begin; k < samples.size(); ++k) {
+      if (samples[k].stamp - samples[i].stamp > reach) break;
+      measured += samples[k].measured;
+      rendered += samples[k].rendered;
+      count += 1.0;
+    }
+    means[i].measured = measured / count;
+    means[i].rendered = rendered / count;
+  }
+  return means;
+}
+
 }  // namespace
 
 std::string_view to_string(ContactTask task) {
@@ -57,7 +78,7 @@ std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples,
                                        const ForceErrorOptions& options) {
   const Duration gap = duration_from_seconds(options.contact_gap);
   std::vector<ContactPeak> contacts;
-  for (const ForceSample& sample : samples) {
+  for (const ForceSample& sample : averaged(samples, options.peak_half_width)) {
     if (contacts.empty() || sample.stamp - contacts.back().end > gap) {
       contacts.push_back(
           {sample.stamp, sample.stamp, sample.stamp, sample.measured, sample.rendered});
@@ -74,6 +95,17 @@ std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples,
     return contact.measured < options.min_relative_force;
   });
   return contacts;
+}
+
+bool is_soft_press(const ContactPeak& contact) {
+  return contact.task == ContactTask::press && contact.travel.value_or(0.0) > kSoftTravel;
+}
+
+std::optional<double> travel_to_peak(const Trajectory& T_base_tool, const ContactPeak& contact) {
+  const std::optional<Pose> from = T_base_tool.at(contact.begin);
+  const std::optional<Pose> to = T_base_tool.at(contact.peak);
+  if (!from || !to) return std::nullopt;
+  return translation_distance(*from, *to);
 }
 
 std::optional<double> approach_speed(const Trajectory& T_base_tool, Stamp contact,

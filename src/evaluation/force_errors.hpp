@@ -49,11 +49,21 @@ struct ContactPeak {
   double measured = 0.0;                      ///< [N]
   double rendered = 0.0;                      ///< [N]
   std::optional<double> approach_speed = {};  ///< of the tip before it [m/s], where recorded
+  std::optional<double> travel = {};  ///< [m] of the tip from the contact's begin to its peak
   ContactTask task = ContactTask::unknown;
 };
 
-/// Samples more than `contact_gap` apart belong to different contacts. Contacts that never reach
-/// `min_relative_force` (grazing or noise) are excluded.
+/// From this travel on a press deforms its object as paper B's soft ball, not as its plastic.
+inline constexpr double kSoftTravel = 0.005;  // [m]
+[[nodiscard]] bool is_soft_press(const ContactPeak& contact);
+
+/// The tip's travel [m] from the contact's begin to its peak; nothing where it was not recorded.
+[[nodiscard]] std::optional<double> travel_to_peak(const Trajectory& T_base_tool,
+                                                   const ContactPeak& contact);
+
+/// Samples more than `contact_gap` apart belong to different contacts. Both peaks are those of the
+/// moving mean over `peak_half_width`: the maximum of a noisy series is biased. Contacts that never
+/// reach `min_relative_force` (grazing or noise) are excluded.
 [[nodiscard]] std::vector<ContactPeak> contact_peaks(const std::vector<ForceSample>& samples,
                                                      const ForceErrorOptions& options = {});
 

@@ -18,8 +18,11 @@ namespace {
 constexpr double kMinExponent = 1.0;    // a flat face; contacts do not soften with depth
 constexpr double kHertzExponent = 1.5;  // a sphere: between a flat face and a cone
 constexpr double kStartMargin = 0.02;   // of the depth: force is detected after the touch
-constexpr int kIterations = 60;         // bounds the time where it does not converge
-constexpr double kMinNoise = 1e-6;      // of the largest force: below any sensor's resolution
+/// Error of the force by the damping's std at the presses' speed, as a share, up to which the
+/// damping is excited.
+constexpr double kMaxDampingShare = 0.02;
+constexpr int kIterations = 60;     // bounds the time where it does not converge
+constexpr double kMinNoise = 1e-6;  // of the largest force: below any sensor's resolution
 
 /// F = force (d / depth)^n (1 + c d'), with d = x - surface: these parameters are nearly
 /// uncorrelated, k, lambda and n are not.
@@ -206,6 +209,17 @@ void set_parameters(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covaria
   fit.exponent = parameter(theta[2], shared(2, 2));
 }
 
+/// [m/s] of the tip in contact.
+double max_speed(const std::vector<PressSamples>& presses) {
+  double speed = 0.0;
+  for (const PressSamples& press : presses) {
+    for (const ContactSample& sample : press.samples) {
+      speed = std::max(speed, std::abs(sample.speed));
+    }
+  }
+  return speed;
+}
+
 /// Of the smoothed force, for comparison with the linear law.
 void set_residual(const std::vector<PressSamples>& presses, ContactFit& fit) {
   double errors = 0.0, energy = 0.0, count = 0.0;
@@ -268,6 +282,11 @@ ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses,
   Eigen::MatrixXd covariance = variance * normal.ldlt().solve(identity);
   if (problem.is_exponent_given()) covariance(2, 2) = 0.0;
   set_parameters(theta, covariance, problem.depth(), fit);
+  // A small damping is as well known as a large one: it is excited where its error hardly changes
+  // the force at the speeds of the presses.
+  if (fit.damping.std * max_speed(presses) < kMaxDampingShare * fit.stiffness.value) {
+    fit.damping.is_excited = true;
+  }
   for (std::size_t p = 0; p < presses.size(); ++p) {
     fit.surface.push_back(theta[problem.surface_column(p)]);
   }

@@ -12,6 +12,7 @@
 #include "pcavr/identification/signals.hpp"
 
 #include "identification/derivative_noise.hpp"
+#include "identification/impact_motion.hpp"
 #include "identification/touch.hpp"
 
 namespace pcavr {
@@ -217,6 +218,70 @@ ContactEpisode describe(const Cleaned& all, const Range& range, double free_from
   return episode;
 }
 
+/// The force without its bias, with spikes.
+Vectors without_bias(std::span<const Eigen::Vector3d> force, const Vectors& bias) {
+  Vectors result(force.begin(), force.end());
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] -= bias[i];
+  return result;
+}
+
+/// An impact at samples `range`, and its motion.
+struct RangedImpact {
+  Range range;
+  FoundImpact found;
+};
+
+/// Impacts among the pulses of the unfiltered force. A contact of `contacts` that is one is removed
+/// from there; pulses within other contacts are not examined.
+std::vector<RangedImpact> find_impacts(std::span<const double> t, const Vectors& raw, double noise,
+                                       const PathView& tip, const SegmentationOptions& options,
+                                       std::vector<Range>& contacts) {
+  std::vector<RangedImpact> impacts;
+  for (const ForcePulse& pulse : find_pulses(t, raw, noise, options)) {
+    // The next contacts on either side bound the free flight.
+    double free_from = t.front(), free_to = t.back();
+    auto same = contacts.end();
+    bool is_part = false;
+    for (auto contact = contacts.begin(); contact != contacts.end(); ++contact) {
+      const bool is_apart = contact->end <= pulse.begin || contact->begin >= pulse.end;
+      if (contact->end <= pulse.begin) free_from = t[contact->end - 1];
+      if (contact->begin >= pulse.end) free_to = std::min(free_to, t[contact->begin]);
+      if (is_apart) continue;
+      // Smoothing makes a contact longer than its pulse, by its own width at both ends.
+      const double duration = t[contact->end - 1] - t[contact->begin];
+      is_part |= duration > options.max_impact + 4.0 * options.half_width;
+      same = contact;
+    }
+    if (is_part) continue;
+    const auto found = find_impact(pulse, t, raw, tip, free_from, free_to, noise, options);
+    if (!found) continue;
+    impacts.push_back({{pulse.begin, pulse.end}, *found});
+    if (same != contacts.end()) contacts.erase(same);
+  }
+  return impacts;
+}
+
+ContactEpisode describe_impact(const Cleaned& all, const RangedImpact& impact,
+                               const SegmentationOptions& options) {
+  ContactEpisode episode;
+  episode.begin = all.t[impact.range.begin];
+  episode.end = all.t[impact.range.end - 1];
+  episode.direction_base = impact.found.direction_base;
+  const Eigen::Vector3d& direction = episode.direction_base;
+  episode.kind =
+      std::abs(direction.z()) > direction.head<2>().norm() ? ContactKind::press : ContactKind::push;
+  Along along(all, direction, episode.begin - options.margin, episode.end + options.margin);
+  episode.t = std::move(along.t);
+  episode.tool = std::move(along.tool);
+  episode.force = std::move(along.force);
+  for (std::size_t i = 0; i < episode.t.size(); ++i) {
+    if (episode.t[i] < episode.begin || episode.t[i] > episode.end) continue;
+    episode.peak_force = std::max(episode.peak_force, episode.force[i]);
+  }
+  episode.impact = impact.found.motion;
+  return episode;
+}
+
 }  // namespace
 
 Segmentation segment_contacts(std::span<const double> t_force,
@@ -238,7 +303,9 @@ Segmentation segment_contacts(std::span<const double> t_force,
   result.bias_base.assign(t_force.size(), first_bias(clean, window, enter));
 
   std::vector<Range> contacts;
+  std::vector<RangedImpact> impacts;
   std::vector<double> size;
+  const PathView tip(t_tool, p_base_tip);
   // Two passes: the drift is estimated between the contacts of the first.
   for (int pass = 0; pass < 2; ++pass) {
     result.force_base = clean;
@@ -246,26 +313,45 @@ Segmentation segment_contacts(std::span<const double> t_force,
     size = smooth_size(t_force, result.force_base, half_width);
     contacts =
         find_contacts(t_force, size, enter, options.leave_share * enter, options.min_duration);
+    const Vectors raw = without_bias(force_base, result.bias_base);
+    impacts = find_impacts(t_force, raw, result.noise, tip, options, contacts);
+    // The spikes of an impact are its force.
+    for (const RangedImpact& impact : impacts) {
+      for (std::size_t i = impact.range.begin; i < impact.range.end; ++i) {
+        result.force_base[i] = raw[i];
+      }
+    }
     if (pass == 1) break;
     std::vector<bool> is_free(t_force.size(), true);
-    for (const Range& range : contacts) {
+    const auto exclude = [&](const Range& range) {
       // The smoothing and the slow rise of a contact extend beyond its threshold.
       const double from = t_force[range.begin] - kRiseHalfWidths * half_width;
       const double to = t_force[range.end - 1] + kRiseHalfWidths * half_width;
       for (std::size_t i = 0; i < is_free.size(); ++i) {
         if (t_force[i] >= from && t_force[i] <= to) is_free[i] = false;
       }
-    }
+    };
+    for (const Range& range : contacts) exclude(range);
+    for (const RangedImpact& impact : impacts) exclude(impact.range);
     result.bias_base = track_bias(t_force, clean, is_free, options.bias_half_width);
   }
-  const PathView tip(t_tool, p_base_tip);
   const Cleaned all{t_force, result.force_base, size, tip, half_width, enter, options.free_time};
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const double free_from = k == 0 ? t_force.front() : t_force[contacts[k - 1].end];
-    const double free_to =
-        k + 1 == contacts.size() ? t_force.back() : t_force[contacts[k + 1].begin];
-    result.contacts.push_back(describe(all, contacts[k], free_from, free_to, options));
+  // Where the neighbours end and begin: an impact bounds a contact's free time, too.
+  std::vector<Range> occupied = contacts;
+  for (const RangedImpact& impact : impacts) occupied.push_back(impact.range);
+  for (const Range& contact : contacts) {
+    double free_from = t_force.front(), free_to = t_force.back();
+    for (const Range& other : occupied) {
+      if (other.end <= contact.begin) free_from = std::max(free_from, t_force[other.end]);
+      if (other.begin >= contact.end) free_to = std::min(free_to, t_force[other.begin]);
+    }
+    result.contacts.push_back(describe(all, contact, free_from, free_to, options));
   }
+  for (const RangedImpact& impact : impacts) {
+    result.contacts.push_back(describe_impact(all, impact, options));
+  }
+  std::stable_sort(result.contacts.begin(), result.contacts.end(),
+                   [](const auto& a, const auto& b) { return a.begin < b.begin; });
   return result;
 }
 

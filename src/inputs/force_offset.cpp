@@ -148,13 +148,13 @@ TimeOffset force_offset(const Segmentation& found, std::span<const double> t_for
                         const PathView& tip) {
   TimeOffset result;
   // Presses determine it best, by loading and release; pushes are used where there are none.
-  const bool has_presses =
-      std::any_of(found.contacts.begin(), found.contacts.end(),
-                  [](const ContactEpisode& e) { return e.kind == ContactKind::press; });
+  const bool has_presses = std::any_of(
+      found.contacts.begin(), found.contacts.end(),
+      [](const ContactEpisode& e) { return e.kind == ContactKind::press && !e.impact; });
   std::vector<StationaryContact> contacts;
   for (const ContactEpisode& episode : found.contacts) {
     const bool is_press = episode.kind == ContactKind::press;
-    if (!episode.t.empty() && is_press == has_presses)
+    if (!episode.t.empty() && !episode.impact && is_press == has_presses)
       contacts.push_back(stationary_samples(episode));
   }
   double min_squares = std::numeric_limits<double>::infinity();

@@ -6,7 +6,8 @@
 
 namespace pcavr {
 
-std::string_view contact_law_name(double exponent) noexcept {
+std::string_view contact_law_name(double exponent, bool has_mass) noexcept {
+  if (exponent == 1.0 && has_mass) return "mass_damper_spring";
   return exponent == 1.0 ? "kelvin_voigt" : "hunt_crossley";
 }
 

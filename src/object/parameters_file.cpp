@@ -64,6 +64,7 @@ constexpr std::array kContactFields{
     Field{"stiffness", &ObjectParameters::contact_stiffness, ranges::kStiffness},
     Field{"damping", &ObjectParameters::contact_damping, ranges::kDamping},
     Field{"exponent", &ObjectParameters::contact_exponent, ranges::kExponent},
+    Field{"mass", &ObjectParameters::contact_mass, ranges::kMass},
 };
 
 std::string std_key(const Field& field) { return std::string(field.key) + "_std"; }
@@ -190,6 +191,7 @@ void read_sources(const YamlValue& map, ParameterSources& sources) {
   if (const auto given = map.find("given")) sources.given = read_keys(*given);
   if (const auto pushes = map.find("pushes")) sources.pushes = read_counts(*pushes);
   if (const auto presses = map.find("presses")) sources.presses = read_counts(*presses);
+  if (const auto impacts = map.find("impacts")) sources.impacts = read_counts(*impacts);
   if (const auto correlation = map.find("correlation")) read_correlation(*correlation, sources);
 }
 
@@ -197,12 +199,17 @@ void read_sources(const YamlValue& map, ParameterSources& sources) {
 /// under another law than it was written for. Files of older versions state neither.
 void check_contact_law(const YamlValue& contact, const ObjectParameters& parameters) {
   const double exponent = parameters.contact_exponent ? parameters.contact_exponent->value : 1.0;
-  const std::string name(contact_law_name(exponent));
+  if (exponent != 1.0 && parameters.contact_mass) {
+    contact.at("mass").fail("is given for an exponent other than 1",
+                            "remove it, or give the exponent of mass_damper_spring, 1");
+  }
+  const std::string name(contact_law_name(exponent, parameters.contact_mass.has_value()));
   const std::optional<YamlValue> law = contact.find("law");
   if (law && law->text() != name) {
-    law->fail(
-        "is not the law of this exponent",
-        "state " + name + ", or an exponent of 1 for kelvin_voigt and above for hunt_crossley");
+    law->fail("is not the law of this exponent",
+              "state " + name +
+                  ", or an exponent of 1 for kelvin_voigt, also a mass for "
+                  "mass_damper_spring, and above 1 for hunt_crossley");
   }
   const std::string unit = damping_unit(exponent);
   const std::optional<YamlValue> stated_unit = contact.find("damping_unit");
@@ -210,6 +217,18 @@ void check_contact_law(const YamlValue& contact, const ObjectParameters& paramet
     stated_unit->fail("is not the unit of the damping under this exponent",
                       "give the damping in " + unit + ", or the exponent that it is for");
   }
+}
+
+/// Of a damping that was not computed from a restitution.
+constexpr char kFittedDamping[] = "fitted";
+
+void read_damping_law(const YamlValue& contact, ObjectParameters& parameters) {
+  const std::optional<YamlValue> name = contact.find("damping_law");
+  if (!name || name->text() == kFittedDamping) return;
+  parameters.contact_damping_law = damping_law_of(name->text());
+  if (parameters.contact_damping_law) return;
+  name->fail("is no damping law: " + name->text(),
+             "name fitted, exact, or a published one, such as gonthier");
 }
 
 ObjectParameters read_object(const YamlValue& map) {
@@ -235,14 +254,17 @@ ObjectParameters read_object(const YamlValue& map) {
                    "given",
                    "pushes",
                    "presses",
+                   "impacts",
                    "correlation"});
   ObjectParameters parameters;
   for (const Field& field : kFields) read_field(map, field, parameters);
   if (const std::optional<YamlValue> contact = map.find("contact")) {
     contact->expect_keys({"law", "stiffness", "stiffness_std", "damping", "damping_std",
-                          "damping_unit", "exponent", "exponent_std"});
+                          "damping_unit", "damping_law", "exponent", "exponent_std", "mass",
+                          "mass_std"});
     for (const Field& field : kContactFields) read_field(*contact, field, parameters);
     check_contact_law(*contact, parameters);
+    read_damping_law(*contact, parameters);
   }
   if (const std::optional<YamlValue> surface = map.find("limit_surface")) {
     parameters.limit_surface = read_limit_surface(*surface);
@@ -267,11 +289,18 @@ void emit_contact(YAML::Emitter& out, const ObjectParameters& parameters) {
   const double exponent = parameters.contact_exponent ? parameters.contact_exponent->value : 1.0;
   out << YAML::Key << "contact" << YAML::Value << YAML::BeginMap;
   if (parameters.contact_stiffness) {
-    out << YAML::Key << "law" << YAML::Value << std::string(contact_law_name(exponent));
+    out << YAML::Key << "law" << YAML::Value
+        << std::string(contact_law_name(exponent, parameters.contact_mass.has_value()));
   }
   for (const Field& field : kContactFields) emit_field(out, field, parameters);
   if (parameters.contact_damping) {
     out << YAML::Key << "damping_unit" << YAML::Value << damping_unit(exponent);
+    const auto& law = parameters.contact_damping_law;
+    const bool is_fitted = parameters.sources.presses.contains("contact.damping");
+    if (law || is_fitted) {
+      out << YAML::Key << "damping_law" << YAML::Value
+          << (law ? std::string(key_of(*law)) : std::string(kFittedDamping));
+    }
   }
   out << YAML::EndMap;
 }
@@ -310,6 +339,7 @@ void emit_sources(YAML::Emitter& out, const ParameterSources& sources) {
   }
   emit_counts(out, "pushes", sources.pushes);
   emit_counts(out, "presses", sources.presses);
+  emit_counts(out, "impacts", sources.impacts);
   if (sources.correlated.empty()) return;
   out << YAML::Key << "correlation" << YAML::Value << YAML::BeginMap;
   out << YAML::Key << "parameters" << YAML::Value << YAML::Flow << sources.correlated;

@@ -12,6 +12,7 @@
 #include "pcavr/core/stage_clock.hpp"
 #include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/model/mesh_simplification.hpp"
+#include "pcavr/pipeline/known_parameters.hpp"
 #include "pcavr/reconstruction/cloud_filter.hpp"
 #include "pcavr/reconstruction/depth_filter.hpp"
 #include "pcavr/reconstruction/measured_cloud.hpp"
@@ -283,9 +284,12 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
   scene.cloud_base = cloud.get();
   for (std::size_t i = 0; i < bodies->size(); ++i) {
     scene.objects.push_back(to_scene_object((*bodies)[i], fusion.tracks[i]));
+    scene.objects.back().hertz_stiffness =
+        hertz_stiffness_of(recording.manifest, (*bodies)[i].entry);
   }
   for (const MovableBody& body : *immovable) {
     scene.objects.push_back(scene_object_at_stated_pose(body));
+    scene.objects.back().hertz_stiffness = hertz_stiffness_of(recording.manifest, body.entry);
   }
   clock.begin("support and quality");
   scene.support_planes =

@@ -6,9 +6,6 @@
 #include <span>
 #include <string_view>
 
-#include "pcavr/contact/damping.hpp"
-#include "pcavr/contact/impact.hpp"
-
 #include "identify_parts.hpp"
 
 namespace pcavr {
@@ -25,9 +22,6 @@ constexpr double kGivenExponentStd = 0.289;  // 1 / sqrt(12)
 /// Relative bias of the stiffness under that exponent by creep: 2 to 4 % on the same plants.
 constexpr double kCreep = 0.04;
 constexpr double kMinStds = 2.0;  // a stiffness nearer to 0 is not identified
-/// A contact is an impact if it is shorter than this and the tip approaches faster than that.
-constexpr double kMaxImpact = 0.08;       // [s]
-constexpr double kMinImpactSpeed = 0.02;  // [m/s]
 
 /// All presses share one surface position where they have the same direction.
 bool is_one_surface(const std::vector<IdentifiedContact*>& presses) {
@@ -39,11 +33,13 @@ bool is_one_surface(const std::vector<IdentifiedContact*>& presses) {
 /// States how many presses, or pushes, the contact law rests on.
 void count_sources(bool by_presses, int count, ObjectParameters& parameters) {
   ParameterSources& sources = parameters.sources;
-  for (const char* key : {"contact.stiffness", "contact.damping", "contact.exponent"}) {
+  for (const char* key :
+       {"contact.stiffness", "contact.damping", "contact.exponent", "contact.mass"}) {
     sources.presses.erase(key);
     sources.pushes.erase(key);
     const bool is_damping = std::string_view(key) == "contact.damping";
     if (is_damping && !parameters.contact_damping) continue;
+    if (std::string_view(key) == "contact.mass" && !parameters.contact_mass) continue;
     (by_presses ? sources.presses : sources.pushes)[key] = count;
   }
 }
@@ -52,8 +48,13 @@ void take_parameters(const ContactFit& fit, ObjectParameters& parameters) {
   parameters.contact_stiffness = as_value(fit.stiffness);
   parameters.contact_exponent = as_value(fit.exponent);
   parameters.contact_damping.reset();
-  if (fit.damping.is_excited && fit.damping.value >= 0.0) {
-    parameters.contact_damping = as_value(fit.damping);
+  parameters.contact_damping_law.reset();
+  parameters.contact_mass.reset();
+  if (fit.mass.is_excited) parameters.contact_mass = as_value(fit.mass);
+  // A damping that is 0 within its std may come out negative.
+  const bool is_known = fit.damping.value > -kMinStds * fit.damping.std;
+  if (fit.damping.is_excited && is_known) {
+    parameters.contact_damping = ParameterValue{std::max(0.0, fit.damping.value), fit.damping.std};
   }
 }
 
@@ -120,7 +121,8 @@ std::vector<IdentifiedContact*> contacts_of(std::vector<IdentifiedContact>& cont
   std::vector<IdentifiedContact*> chosen;
   for (IdentifiedContact& contact : contacts) {
     const bool is_press = contact.episode.kind == ContactKind::press;
-    if (contact.object == object && contact.left_out.empty() && is_press == presses) {
+    const bool is_usable = contact.left_out.empty() && !contact.episode.impact;
+    if (contact.object == object && is_usable && is_press == presses) {
       chosen.push_back(&contact);
     }
   }
@@ -170,6 +172,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   if (best != nullptr) {
     take_parameters(*best, result.parameters);
     result.is_exponent_given = !result.presses.best().is_valid;
+    if (result.is_exponent_given) result.parameters.contact_mass.reset();
     if (result.is_exponent_given) {
       result.parameters.contact_exponent = exponent;
       result.parameters.contact_damping.reset();  // creep biases the damping, too
@@ -177,7 +180,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
     count_sources(!result.is_exponent_given, count, result.parameters);
     if (result.is_exponent_given) result.parameters.sources.pushes.erase("contact.exponent");
   }
-  identify_impacts(pushes, result);
+  identify_impacts(contacts, object, options.damping_law, result);
 }
 
 void withhold_contact_off_centre(ObjectIdentification& result) {
@@ -192,40 +195,6 @@ void withhold_contact_off_centre(ObjectIdentification& result) {
   result.notes.emplace_back(
       "all pushes are off the centre of mass: the contact law is not identified, because the "
       "object turns under the load; press along z, or push through the centre");
-}
-
-void identify_impacts(const std::vector<IdentifiedContact*>& pushes, ObjectIdentification& result) {
-  if (!result.parameters.mass) return;
-  const double mass = result.parameters.mass->value;
-  for (const IdentifiedContact* push : pushes) {
-    const ContactEpisode& episode = push->episode;
-    const double duration = episode.end - episode.begin;
-    const SmoothedSample before = smooth_at(episode.t, episode.tool, episode.begin - 0.03, 0.025);
-    const SmoothedSample after = smooth_at(episode.t, episode.tool, episode.end + 0.03, 0.025);
-    if (duration > kMaxImpact || !before.is_valid || !after.is_valid) continue;
-    if (before.rate < kMinImpactSpeed) continue;
-    // The object's speed after the impact from the impulse, less that of friction.
-    double impulse = 0.0;
-    for (std::size_t i = 1; i < episode.t.size(); ++i) {
-      if (episode.t[i] < episode.begin || episode.t[i] > episode.end) continue;
-      impulse +=
-          0.5 * (episode.force[i] + episode.force[i - 1]) * (episode.t[i] - episode.t[i - 1]);
-    }
-    const auto& limit = result.parameters.limiting_static_friction;
-    if (limit) impulse -= std::min(impulse, limit->value * duration);
-    const Eigen::Vector3d along = Eigen::Vector3d::UnitX();
-    const auto restitution = measured_restitution({.normal = along,
-                                                   .tool_before = before.rate * along,
-                                                   .tool_after = after.rate * along,
-                                                   .body_after = impulse / mass * along});
-    if (!restitution || !(*restitution > 0.0 && *restitution < 1.0)) continue;
-    result.impacts.push_back(
-        {.t = episode.begin,
-         .approach_speed = before.rate,
-         .restitution = *restitution,
-         .law = best_published_damping_law(*restitution).law,
-         .damping_over_stiffness = damping_factor(DampingLaw::exact, *restitution) / before.rate});
-  }
 }
 
 }  // namespace pcavr

@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "identify_findings.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
+
+#include <fmt/core.h>
 
 #include "identify_parts.hpp"
 
@@ -65,15 +69,45 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
                              : by_face  ? "pushes before breakaway, under the given exponent"
                                         : "";
   const std::string better = kBetterPress;
-  findings.add("contact.stiffness", "N/m^n", p.contact_stiffness, is_identified, source, better);
+  const ImpactFindings& impacts = found.impact_findings;
+  const std::string by_impacts = counted(static_cast<int>(found.impacts.size()), "impact", "s");
+  findings.add(
+      "contact.stiffness", "N/m^n", p.contact_stiffness, is_identified || impacts.gives_stiffness,
+      impacts.gives_stiffness ? by_impacts + ", under the given exponent" : source, better);
   const bool is_linear = p.contact_exponent && p.contact_exponent->value == 1.0;
   const char* const unit = is_linear ? "N s/m" : "N s/m^(n+1)";
-  findings.add("contact.damping", unit, p.contact_damping, is_identified, source, better);
+  findings.add("contact.damping", unit, p.contact_damping, is_identified || impacts.gives_damping,
+               impacts.gives_damping ? by_impacts + ", damping law: " +
+                                           std::string(name_of(impacts.law)) + ", " + impacts.choice
+                                     : source,
+               better);
+  if (p.contact_mass) {
+    findings.add("contact.mass", "kg", p.contact_mass, by_presses, source,
+                 "modulate the press at 10 Hz, 1 mm");
+  }
   ParameterFinding& exponent =
       findings.add("contact.exponent", "", p.contact_exponent,
                    is_identified && !found.is_exponent_given, source, better);
-  if (found.is_exponent_given && by_face) exponent.remark = kExponentRemark + better;
-  if (by_presses && !found.presses.proposal.empty()) found.notes.push_back(found.presses.proposal);
+  if (found.is_exponent_given && (by_face || impacts.gives_stiffness))
+    exponent.remark = kExponentRemark + better;
+  if (by_presses && !found.presses.proposal.empty() && !found.impact_findings.gives_damping) {
+    found.notes.push_back(found.presses.proposal);
+  }
+}
+
+/// The restitution is no parameter of the file: it depends on the speed.
+void state_restitution(const ObjectIdentification& found, Findings& findings) {
+  if (found.impacts.empty()) return;
+  double slowest = HUGE_VAL, fastest = 0.0;
+  for (const MeasuredImpact& impact : found.impacts) {
+    slowest = std::min(slowest, impact.approach_speed.value);
+    fastest = std::max(fastest, impact.approach_speed.value);
+  }
+  findings.add("restitution", "", as_value(found.impact_findings.restitution), true,
+               fmt::format("{} at {:.0f} to {:.0f} mm/s",
+                           counted(static_cast<int>(found.impacts.size()), "impact", "s"),
+                           1e3 * slowest, 1e3 * fastest),
+               "");
 }
 
 void state_friction(const IdentifiableObject& object, ObjectIdentification& found,
@@ -130,6 +164,7 @@ void state_findings(IdentificationGoal goal, const IdentifiableObject& object,
                     ObjectIdentification& found) {
   Findings findings(found.findings);
   state_contact(found, findings);
+  state_restitution(found, findings);
   if (goal == IdentificationGoal::friction && object.is_movable) {
     state_friction(object, found, findings);
   }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,7 +32,10 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
 /// `found` is the identification from these presses.
 [[nodiscard]] std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> presses,
                                                              const ContactIdentification& found);
-void identify_impacts(const std::vector<IdentifiedContact*>& pushes, ObjectIdentification& result);
+/// Restitution of every impact; the damping where presses gave none, and the stiffness likewise.
+/// `damping_law`: see IdentificationOptions.
+void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_t object,
+                      std::optional<DampingLaw> damping_law, ObjectIdentification& result);
 
 /// A body whose motion is known, on the tool's clock.
 struct BodyMotion {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcavr/contact/impact.hpp"
 #include "pcavr/report/number_text.hpp"
 
 #include "identify_parts.hpp"
@@ -76,6 +77,48 @@ std::string name_of(EstimationMethod method) {
       break;
   }
   return "affRLS";
+}
+
+std::vector<DampingErrorCurve> damping_error_curves() {
+  constexpr double kFrom = 0.05, kTo = 1.0, kStep = 0.025;
+  std::vector<DampingErrorCurve> curves;
+  for (const DampingLaw law : kPublishedDampingLaws) curves.push_back({.law = law});
+  curves.push_back({.law = DampingLaw::exact});
+  for (int i = 0; kFrom + i * kStep < kTo - 0.5 * kStep; ++i) {
+    const double restitution = kFrom + i * kStep;
+    const auto scores = score_damping_laws(restitution);
+    for (std::size_t k = 0; k < curves.size(); ++k) {
+      curves[k].restitution.push_back(restitution);
+      // The exact relation is integrated, too: its error is the integration's.
+      curves[k].relative_error.push_back(
+          k < scores.size() ? scores[k].relative_error
+                            : score_damping_law(DampingLaw::exact, restitution).relative_error);
+    }
+  }
+  return curves;
+}
+
+Plot damping_laws_plot(const ObjectIdentification& object) {
+  constexpr double kMaxError = 100.0;  // [%]: larger errors would hide the small ones
+  Plot plot{.title = "Error of the damping laws [paper B, figure 6]",
+            .x_label = "restitution",
+            .y_label = "error of the law's restitution (%)",
+            .y_to = kMaxError};
+  int number = 0;
+  for (const DampingErrorCurve& curve : damping_error_curves()) {
+    PlotSeries series{.label = std::string(name_of(curve.law)),
+                      .color = number % 4,
+                      .x = curve.restitution,
+                      .dashed = number >= 4};
+    for (const double error : curve.relative_error) {
+      const double percent = kPercent * error;
+      series.y.push_back(percent > kMaxError ? kLineBreak : percent);
+    }
+    plot.series.push_back(std::move(series));
+    ++number;
+  }
+  plot.marks.push_back({object.impact_findings.restitution.value, "measured"});
+  return plot;
 }
 
 std::vector<Plot> contact_plots(const ObjectIdentification& object) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pcavr/contact/damping.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/report/plot.hpp"
 
@@ -23,5 +24,16 @@ inline constexpr double kPercent = 1e2;
 [[nodiscard]] std::vector<Plot> sliding_plots(const ObjectIdentification& object);
 /// The limit surface and the wrenches it was fitted to.
 [[nodiscard]] std::vector<Plot> surface_plots(const ObjectIdentification& object);
+
+/// The error of a damping law over the restitution [paper B, figure 6].
+struct DampingErrorCurve {
+  DampingLaw law = DampingLaw::exact;
+  std::vector<double> restitution = {};
+  std::vector<double> relative_error = {};
+};
+/// The seven published laws, then the exact one.
+[[nodiscard]] std::vector<DampingErrorCurve> damping_error_curves();
+/// With the object's measured restitution marked.
+[[nodiscard]] Plot damping_laws_plot(const ObjectIdentification& object);
 
 }  // namespace pcavr

@@ -9,6 +9,8 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "pcavr/contact/damping.hpp"
+#include "pcavr/contact/impact.hpp"
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/report/number_text.hpp"
@@ -80,14 +82,16 @@ ReportTable faces_table(const ObjectIdentification& object) {
 }
 
 ReportTable impacts_table(const ObjectIdentification& object) {
-  ReportTable table{
-      .title = "Impacts",
-      .columns = {"time (s)", "approach (mm/s)", "restitution",
-                  "damping law with the smallest error", "damping over stiffness, exact (s/m)"}};
+  ReportTable table{.title = "Impacts",
+                    .columns = {"time (s)", "duration (ms)", "approach (mm/s)", "restitution",
+                                "published law with the smallest error",
+                                "damping over stiffness, exact (s/m)", "tool's mass (kg)"}};
   for (const MeasuredImpact& impact : object.impacts) {
-    table.rows.push_back({fixed(impact.t, 2), fixed(impact.approach_speed * 1e3, 0),
-                          fixed(impact.restitution, 2), std::string(name_of(impact.law)),
-                          readable(impact.damping_over_stiffness)});
+    const double approach = impact.approach_speed.value * 1e3;
+    table.rows.push_back(
+        {fixed(impact.t, 2), fixed(impact.duration * kMilliseconds, 0), fixed(approach, 0),
+         text_with_std(impact.restitution), std::string(name_of(impact.law)),
+         text_with_std(impact.damping_over_stiffness), text_with_std(impact.mass)});
   }
   return table;
 }
@@ -103,6 +107,7 @@ PageSection object_section(const Identification& found, std::size_t index) {
   }
   section.blocks.emplace_back(std::move(tables));
   PlotGroup group{"Plots", contact_plots(object)};
+  if (!object.impacts.empty()) group.plots.push_back(damping_laws_plot(object));
   if (found.goal == IdentificationGoal::friction) {
     for (const auto& plots :
          {push_plots(found, index), sliding_plots(object), surface_plots(object)}) {
@@ -149,6 +154,32 @@ ReportPage identification_page(const Identification& found, const std::string& r
   return page;
 }
 
+/// Paper B's figure 6 with this object's restitution, and its impacts.
+void add_impacts(Json& json, const std::string& key, const ObjectIdentification& object) {
+  if (object.impacts.empty()) return;
+  Json& impacts = json[key + "impacts"] = Json::array();
+  for (const MeasuredImpact& impact : object.impacts) {
+    impacts.push_back({{"t", impact.t},
+                       {"duration_s", impact.duration},
+                       {"approach_speed", impact.approach_speed.value},
+                       {"restitution", impact.restitution.value},
+                       {"restitution_std", impact.restitution.std},
+                       {"tool_mass", impact.mass.value},
+                       {"damping_over_stiffness", impact.damping_over_stiffness.value},
+                       {"best_published_law", key_of(impact.law)}});
+  }
+  const double restitution = object.impact_findings.restitution.value;
+  for (const DampingScore& score : score_damping_laws(restitution)) {
+    json[key + "damping_law_error." + std::string(key_of(score.law))] = score.relative_error;
+  }
+  if (json.contains("damping_law_errors")) return;
+  Json& figure = json["damping_law_errors"];
+  for (const DampingErrorCurve& curve : damping_error_curves()) {
+    figure["restitution"] = curve.restitution;
+    figure[std::string(key_of(curve.law))] = curve.relative_error;
+  }
+}
+
 void add_object(Json& json, const ObjectIdentification& object) {
   const std::string key = "object." + object.name + ".";
   for (const ParameterFinding& row : object.findings) {
@@ -174,6 +205,7 @@ void add_object(Json& json, const ObjectIdentification& object) {
     json[key + "limit_surface.median_angle_rad"] = object.surface.median_angle;
     json[key + "limit_surface.samples"] = object.surface.samples_used;
   }
+  add_impacts(json, key, object);
   json[key + "notes"] = object.notes;
 }
 

@@ -2,7 +2,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/pipeline/known_parameters.hpp"
 
+#include "pcavr/contact/material.hpp"
+
 namespace pcavr {
+namespace {
+
+constexpr double kMaterialExponent = 1.5;  // [Hertz 1882]
+
+Material material_of(const MaterialEntry& entry) {
+  return {entry.youngs_modulus, entry.poisson_ratio};
+}
+
+}  // namespace
+
+std::optional<double> hertz_stiffness_of(const Manifest& manifest, const ObjectEntry& object) {
+  if (!object.material || !manifest.tool_material || !manifest.tool_radius) return std::nullopt;
+  const double radius = *manifest.tool_radius;
+  const double tau = object.material->radius ? sphere_on_sphere(radius, *object.material->radius)
+                                             : sphere_on_plane(radius);
+  return hertz_stiffness(material_of(*manifest.tool_material), material_of(*object.material), tau);
+}
 
 Expected<ParameterTable> known_parameters(const SceneManifest& scene,
                                           const std::optional<ParameterTable>& given,
@@ -12,6 +31,12 @@ Expected<ParameterTable> known_parameters(const SceneManifest& scene,
     ObjectParameters& parameters = known[object.name];
     if (given && given->contains(object.name)) parameters = given->at(object.name);
     if (!parameters.mass && object.mass) parameters.mass = ParameterValue{*object.mass};
+    if (!parameters.contact_stiffness && object.hertz_stiffness) {
+      parameters.contact_stiffness = ParameterValue{*object.hertz_stiffness};
+      parameters.contact_exponent = ParameterValue{kMaterialExponent};
+      parameters.sources.given.insert(parameters.sources.given.end(),
+                                      {"contact.stiffness", "contact.exponent"});
+    }
   }
   if (!given) return known;
   for (const auto& [name, parameters] : *given) {

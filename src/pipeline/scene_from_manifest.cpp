@@ -8,6 +8,8 @@
 #include <iterator>
 #include <utility>
 
+#include "pcavr/pipeline/known_parameters.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -100,6 +102,7 @@ Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_siz
   for (MovableBody& body : *bodies) {
     if (!body.entry.T_base_object) return missing_pose_error(recording, body.entry.name);
     scene.objects.push_back(scene_object_at_stated_pose(body));
+    scene.objects.back().hertz_stiffness = hertz_stiffness_of(recording.manifest, body.entry);
     const SceneObject& object = scene.objects.back();
     if (object.is_movable) continue;
     scene.occupancy.mark_occupied(transformed(object.T_base_object, object.model.mesh_object));

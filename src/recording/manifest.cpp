@@ -62,8 +62,23 @@ bool has_object(const Manifest& manifest, const std::string& name) {
                      [&](const ObjectEntry& object) { return object.name == name; });
 }
 
+MaterialEntry material_of(const YamlValue& value, bool has_radius) {
+  if (has_radius) {
+    value.expect_keys({"youngs_modulus", "poisson_ratio", "radius"});
+  } else {
+    value.expect_keys({"youngs_modulus", "poisson_ratio"});
+  }
+  MaterialEntry material{value.at("youngs_modulus").number_in(ranges::kYoungsModulus),
+                         value.at("poisson_ratio").number_in(ranges::kPoissonRatio),
+                         {}};
+  if (const auto radius = has_radius ? value.find("radius") : std::nullopt) {
+    material.radius = radius->number_in(ranges::kBodySize);
+  }
+  return material;
+}
+
 void read_object(const YamlValue& value, const std::filesystem::path& folder, Manifest& manifest) {
-  value.expect_keys({"name", "mesh", "mass", "movable", "pose"});
+  value.expect_keys({"name", "mesh", "mass", "movable", "pose", "material"});
   ObjectEntry object;
   const YamlValue name = value.at("name");
   object.name = name.text();
@@ -82,6 +97,9 @@ void read_object(const YamlValue& value, const std::filesystem::path& folder, Ma
   }
   if (const std::optional<YamlValue> pose = value.find("pose")) {
     object.T_base_object = pose_of(*pose);
+  }
+  if (const std::optional<YamlValue> material = value.find("material")) {
+    object.material = material_of(*material, true);
   }
   manifest.objects.push_back(std::move(object));
 }
@@ -135,8 +153,18 @@ Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folde
     for (const YamlValue& marker : markers->items()) read_marker(marker, manifest);
   }
   if (const std::optional<YamlValue> tool = root.find("tool")) {
-    tool->expect_keys({"radius"});
+    tool->expect_keys({"radius", "material"});
     manifest.tool_radius = tool->at("radius").number_in(ranges::kToolRadius);
+    if (const std::optional<YamlValue> material = tool->find("material")) {
+      manifest.tool_material = material_of(*material, false);
+    }
+  }
+  if (const std::optional<YamlValue> objects = root.find("objects")) {
+    for (const YamlValue& object : objects->items()) {
+      const std::optional<YamlValue> material = object.find("material");
+      if (!material || manifest.tool_material) continue;
+      material->fail("is given, but the tool has none", "add a material to the tool");
+    }
   }
   if (const std::optional<YamlValue> robot = root.find("robot")) {
     robot->expect_keys({"urdf"});

@@ -65,6 +65,14 @@ void emit_marker(YAML::Emitter& out, const MarkerEntry& marker) {
   out << YAML::EndMap;
 }
 
+void emit_material(YAML::Emitter& out, const MaterialEntry& material) {
+  out << YAML::Key << "material" << YAML::Value << YAML::Flow << YAML::BeginMap;
+  emit(out, "youngs_modulus", material.youngs_modulus);
+  emit(out, "poisson_ratio", material.poisson_ratio);
+  if (material.radius) emit(out, "radius", *material.radius);
+  out << YAML::EndMap;
+}
+
 void emit_object(YAML::Emitter& out, const ObjectEntry& object) {
   out << YAML::BeginMap;
   emit(out, "name", object.name);
@@ -72,6 +80,7 @@ void emit_object(YAML::Emitter& out, const ObjectEntry& object) {
   if (object.mass) emit(out, "mass", *object.mass);
   emit(out, "movable", object.is_movable);
   if (object.T_base_object) emit_pose(out, *object.T_base_object);
+  if (object.material) emit_material(out, *object.material);
   out << YAML::EndMap;
 }
 
@@ -96,6 +105,7 @@ std::string format_manifest(const Manifest& manifest) {
   if (manifest.tool_radius) {
     out << YAML::Key << "tool" << YAML::Value << YAML::BeginMap;
     emit(out, "radius", *manifest.tool_radius);
+    if (manifest.tool_material) emit_material(out, *manifest.tool_material);
     out << YAML::EndMap;
   }
   if (manifest.urdf) {

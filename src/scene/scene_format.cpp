@@ -59,6 +59,7 @@ void emit_object(YAML::Emitter& out, const SceneObjectEntry& object) {
   emit(out, "mesh", object.mesh.string());
   emit(out, "movable", object.is_movable);
   if (object.mass) emit(out, "mass", *object.mass);
+  if (object.hertz_stiffness) emit(out, "hertz_stiffness", *object.hertz_stiffness);
   emit_pose(out, "pose", object.T_base_object);
   emit_pose(out, "start", object.T_base_object_start);
   emit(out, "evidence", object.evidence);
@@ -207,6 +208,7 @@ SceneManifest manifest_of(const Scene& scene) {
                                 .refinement_rotation = object.refinement_rotation,
                                 .mass = object.mass,
                                 .is_movable = object.is_movable,
+                                .hertz_stiffness = object.hertz_stiffness,
                                 .simplified = simplified_of(object.model)});
   }
   manifest.tags = scene.tags;

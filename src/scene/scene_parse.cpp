@@ -82,15 +82,18 @@ SceneObjectEntry::Simplified simplified_of(const YamlValue& object) {
 }
 
 SceneObjectEntry object_of(const YamlValue& value) {
-  value.expect_keys({"name", "mesh", "movable", "mass", "pose", "start", "evidence", "sigma",
-                     "refinement", "simplified_error", "full_triangles", "volume",
-                     "centre_of_mass"});
+  value.expect_keys({"name", "mesh", "movable", "mass", "hertz_stiffness", "pose", "start",
+                     "evidence", "sigma", "refinement", "simplified_error", "full_triangles",
+                     "volume", "centre_of_mass"});
   SceneObjectEntry object;
   object.name = value.at("name").text();
   expect_object_name(object.name, value.at("name"));
   object.mesh = path_of(value.at("mesh"));
   object.is_movable = value.at("movable").boolean();
   if (const auto mass = value.find("mass")) object.mass = mass->number_in(ranges::kMass);
+  if (const auto stiffness = value.find("hertz_stiffness")) {
+    object.hertz_stiffness = stiffness->number_in(ranges::kStiffness);
+  }
   object.T_base_object = pose_of(value.at("pose"));
   object.T_base_object_start = pose_of(value.at("start"));
   object.evidence = value.at("evidence").text();

@@ -102,6 +102,9 @@ class BodyDynamics {
     return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_, Eigen::Vector3d::UnitZ())), now.p_base};
   }
 
+  /// Of the centre of mass.
+  [[nodiscard]] Eigen::Vector3d v_base() const { return {twist_.x(), twist_.y(), 0.0}; }
+
   [[nodiscard]] PlantBodyState state() const {
     return {
         .p_base = motion().p_base.head<2>(), .yaw = yaw_, .twist = twist_, .friction = friction_};
@@ -160,6 +163,11 @@ class Arm {
         tip_{tool.p_base_start, Eigen::Vector3d::Zero()} {}
 
   void advance(const ToolPlan& plan, const Eigen::Vector3d& load, double dt) {
+    if (plan.is_released()) {
+      tip_.v_base -= dt / mass_ * load;
+      tip_.p_base += dt * tip_.v_base;
+      return;
+    }
     const Eigen::Vector3d acceleration =
         rate_ * rate_ * (plan.p_base() - tip_.p_base) +
         2.0 * kArmDampingRatio * rate_ * (plan.v_base() - tip_.v_base) - load / mass_;
@@ -201,6 +209,41 @@ void check(const std::vector<PlantBody>& bodies, const PlantTool& tool,
   PCAVR_REQUIRE(options.substeps >= 1 && options.tail >= 0.0, options.substeps, options.tail);
 }
 
+/// Detects the impacts of the tip on one body, at the plant's substeps.
+class ImpactRecorder {
+ public:
+  explicit ImpactRecorder(std::size_t body) : body_(body) {}
+
+  /// `v_base` [m/s] is the tip's velocity relative to the body, `t` [s] the time.
+  void add(double t, const TipLoad& load, const Eigen::Vector3d& v_base,
+           std::vector<PlantImpact>& impacts) {
+    if (load.is_touched) {
+      if (!was_touched_) {
+        begin_ = t;
+        v_before_ = v_base;
+        impulse_.setZero();
+      }
+      impulse_ += load.force;
+    } else if (was_touched_ && t - begin_ <= kMaxImpactDuration) {
+      const Eigen::Vector3d along = impulse_.normalized();
+      const double approach = v_before_.dot(along);
+      impacts.push_back({.t = begin_,
+                         .body = body_,
+                         .duration = t - begin_,
+                         .approach_speed = approach,
+                         .restitution = -v_base.dot(along) / approach});
+    }
+    was_touched_ = load.is_touched;
+  }
+
+ private:
+  std::size_t body_;
+  bool was_touched_ = false;
+  double begin_ = 0.0;
+  Eigen::Vector3d v_before_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d impulse_ = Eigen::Vector3d::Zero();
+};
+
 /// Mean wrench at the tip over a step.
 struct MeanWrench {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
@@ -212,24 +255,33 @@ class Plant {
   Plant(const std::vector<PlantBody>& bodies, const PlantTool& tool,
         const std::vector<ToolMove>& moves, int substeps)
       : plan_(moves, tool.p_base_start), arm_(tool), substeps_(substeps) {
-    for (const PlantBody& body : bodies) bodies_.emplace_back(body, tool.radius);
+    for (const PlantBody& body : bodies) {
+      recorders_.emplace_back(bodies_.size());
+      bodies_.emplace_back(body, tool.radius);
+    }
   }
 
   /// Advances by PlantRun::kStep; returns the mean wrench that the tip exerts.
-  MeanWrench step() {
+  MeanWrench step(std::vector<PlantImpact>& impacts) {
     const double dt = PlantRun::kStep / substeps_;
     MeanWrench sum;
     for (int i = 0; i < substeps_; ++i) {
       const std::optional<std::size_t> watched = plan_.watched_body();
       plan_.advance(watched ? bodies_[*watched].pose() : Pose(), load_.norm(), dt);
       load_.setZero();
-      for (BodyDynamics& body : bodies_) {
-        const TipLoad load = body.advance(arm_.tip(), dt);
+      bool is_touched = false;
+      for (std::size_t k = 0; k < bodies_.size(); ++k) {
+        const Eigen::Vector3d v_base = arm_.tip().v_base - bodies_[k].v_base();
+        const TipLoad load = bodies_[k].advance(arm_.tip(), dt);
         load_ += load.force;
+        is_touched |= load.is_touched;
         sum.torque += load.tip_torque / substeps_;
+        recorders_[k].add(t_, load, v_base, impacts);
       }
       sum.force += load_ / substeps_;
       arm_.advance(plan_, load_, dt);
+      if (plan_.is_released()) plan_.follow(arm_.tip(), is_touched, dt);
+      t_ += dt;
     }
     return sum;
   }
@@ -243,6 +295,8 @@ class Plant {
   Arm arm_;
   int substeps_;
   std::vector<BodyDynamics> bodies_;
+  std::vector<ImpactRecorder> recorders_;
+  double t_ = 0.0;  ///< [s]
   Eigen::Vector3d load_ = Eigen::Vector3d::Zero();
 };
 
@@ -291,7 +345,7 @@ PlantRun run_plant(const std::vector<PlantBody>& bodies, const PlantTool& tool,
       run.bodies[i].push_back(plant.dynamics()[i].state());
       recorders[i].add(t, plant.dynamics()[i].phase_inputs());
     }
-    const MeanWrench mean = plant.step();
+    const MeanWrench mean = plant.step(run.impacts);
     run.force_base.push_back(mean.force);
     run.torque_base.push_back(mean.torque);
   }

@@ -10,6 +10,7 @@
 #include "pcavr/core/random.hpp"
 
 #include "simulation/box_grid.hpp"
+#include "simulation/impact_moves.hpp"
 
 namespace pcavr::simulation {
 namespace {
@@ -144,6 +145,30 @@ std::vector<PlantBody> paper_boxes(std::uint64_t seed) {
     PlantBody& body = bodies[static_cast<std::size_t>(number)];
     body.T_base_object = sample_box_pose(number, half.z(), random);
     make_pressure_uneven(body.patches, 0.3, sample_centre(random), random);
+  }
+  return bodies;
+}
+
+std::vector<PlantBody> soft_boxes(std::uint64_t seed, double depth) {
+  std::vector<PlantBody> bodies = sample_boxes(seed, 2);
+  for (std::size_t number = 0; number < bodies.size(); ++number) {
+    Random random = Random(seed).fork(70 + number);
+    PlantParameters& p = bodies[number].parameters;
+    p.contact_stiffness =
+        stiffness_for(sample_log_uniform(10.0, 40.0, random), depth, p.contact_exponent);
+    p.contact_damping = sample_log_uniform(1.0, 6.0, random) * p.contact_stiffness;
+  }
+  return bodies;
+}
+
+std::vector<PlantBody> struck_boxes(std::uint64_t seed, double speed, double mass) {
+  std::vector<PlantBody> bodies = sample_boxes(seed, 2);
+  for (std::size_t number = 0; number < bodies.size(); ++number) {
+    Random random = Random(seed).fork(60 + number);
+    PlantParameters& p = bodies[number].parameters;
+    const double duration = sample_log_uniform(0.0025, 0.07, random);
+    const double restitution = random.uniform(0.1, 0.95);
+    set_impact(speed, mass, duration, restitution, p);
   }
   return bodies;
 }

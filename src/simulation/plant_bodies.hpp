@@ -17,6 +17,13 @@ namespace pcavr::simulation {
 /// The foam-faced and the rubber-faced box of paper C.
 [[nodiscard]] std::vector<PlantBody> paper_boxes(std::uint64_t seed);
 
+/// Two of sample_boxes that are soft: a tip `depth` [m] deep needs 10 to 40 N.
+[[nodiscard]] std::vector<PlantBody> soft_boxes(std::uint64_t seed, double depth);
+
+/// Two of sample_boxes, with a contact on which a tip of `mass` [kg] at `speed` [m/s] bounces
+/// for 2.5 to 70 ms, with a restitution of 0.1 to 0.95.
+[[nodiscard]] std::vector<PlantBody> struck_boxes(std::uint64_t seed, double speed, double mass);
+
 /// A heavy block with a slot along its y, open above, a little wider than a tip of `tip_radius`.
 [[nodiscard]] PlantBody slotted_block(std::uint64_t seed, double tip_radius);
 

@@ -7,11 +7,12 @@
 #include <numbers>
 
 #include "pcavr/core/check.hpp"
-#include "pcavr/core/gravity.hpp"
 #include "pcavr/core/random.hpp"
 
 #include "simulation/box_grid.hpp"
+#include "simulation/impact_moves.hpp"
 #include "simulation/plant_bodies.hpp"
+#include "simulation/tool_program.hpp"
 
 namespace pcavr {
 namespace {
@@ -21,111 +22,9 @@ using namespace simulation;
 constexpr double kStandoff = 0.025;              ///< between tip and face before an approach [m]
 constexpr double kApproachGap = 0.0005;          ///< gap at which loading begins [m]
 constexpr double kBreakawayDisplacement = 5e-5;  ///< above the presliding displacement [m]
-constexpr double kClearance = 0.025;             ///< of the tip above the highest body [m]
-constexpr double kTravelSpeed = 0.9;             ///< [m/s]
-constexpr double kTravelAcceleration = 5.0;      ///< [m/s^2]
 
-/// Where a box is pushed, in its own frame: a point on a face, and the outward normal.
-struct PushContact {
-  Eigen::Vector3d point;
-  Eigen::Vector3d outward;
-};
-
-/// Builds the tool's sequence of moves.
-class Program {
- public:
-  Program(const std::vector<PlantBody>& bodies, const PlantTool& tool)
-      : bodies_(bodies), tool_(tool), travel_height_(travel_height(bodies, tool)) {}
-
-  /// Height of the tip in base that is above all bodies [m].
-  static double travel_height(const std::vector<PlantBody>& bodies, const PlantTool& tool) {
-    double top = 0.0;
-    for (const PlantBody& body : bodies) top = std::max(top, 2.0 * half_extents_of(body).z());
-    return top + tool.radius + kClearance;
-  }
-
-  /// On the face towards -y, `offset` [m] from its centre along x; low enough that the box does not
-  /// tip over.
-  [[nodiscard]] PushContact minus_y_face(std::size_t body, double offset) const {
-    const Eigen::Vector3d half = half_extents_of(bodies_[body]);
-    return {{offset, -half.y(), height(body, half.y())}, -Eigen::Vector3d::UnitY()};
-  }
-
-  /// On the face towards +y, from where a box is pushed back.
-  [[nodiscard]] PushContact plus_y_face(std::size_t body, double offset) const {
-    const Eigen::Vector3d half = half_extents_of(bodies_[body]);
-    return {{offset, half.y(), height(body, half.y())}, Eigen::Vector3d::UnitY()};
-  }
-
-  /// On the face towards -x.
-  [[nodiscard]] PushContact minus_x_face(std::size_t body, double offset) const {
-    const Eigen::Vector3d half = half_extents_of(bodies_[body]);
-    return {{-half.x(), offset, height(body, half.x())}, -Eigen::Vector3d::UnitX()};
-  }
-
-  void add(const ToolMove& move) { moves_.push_back(move); }
-  void wait(double seconds) { moves_.back().dwell += seconds; }
-
-  void lift() {
-    add({.target = {0.0, 0.0, travel_height_ - tool_.radius},
-         .is_offset = true,
-         .speed = kTravelSpeed,
-         .acceleration = kTravelAcceleration});
-  }
-
-  /// Free motion above all bodies, to a point in the body's frame.
-  void travel(std::size_t body, const Eigen::Vector3d& p_body) {
-    Eigen::Vector3d above = p_body;
-    above.z() = travel_height_ - bodies_[body].T_base_object.translation().z();
-    for (const Eigen::Vector3d& p : {above, p_body}) {
-      add({.body = body, .target = p, .speed = kTravelSpeed, .acceleration = kTravelAcceleration});
-    }
-  }
-
-  /// To a contact, stopping `gap` [m] before it.
-  void approach(std::size_t body, const PushContact& contact, double gap, double speed) {
-    add({.body = body,
-         .target = contact.point + (tool_.radius + gap) * contact.outward,
-         .speed = speed,
-         .acceleration = 1.0});
-  }
-
-  void back_off(std::size_t body, const PushContact& contact, double distance, double speed) {
-    add({.body = body,
-         .target = distance * contact.outward,
-         .is_offset = true,
-         .speed = speed,
-         .acceleration = 1.0});
-  }
-
-  /// Speed of the tip [m/s] at which breakaway is reached after `seconds`.
-  [[nodiscard]] double loading_speed(std::size_t body, double seconds) const {
-    const PlantParameters& p = bodies_[body].parameters;
-    const double compression =
-        std::pow(p.limiting_static_friction / p.contact_stiffness, 1.0 / p.contact_exponent) +
-        p.limiting_static_friction / tool_.stiffness;
-    return compression / seconds;
-  }
-
-  [[nodiscard]] const PlantBody& body(std::size_t index) const { return bodies_[index]; }
-  [[nodiscard]] std::vector<ToolMove> take() { return std::move(moves_); }
-
- private:
-  /// Height of a push above the body's origin [m]: the middle, or lower where friction is high, so
-  /// that the centre of pressure stays well inside the base (no tipping).
-  [[nodiscard]] double height(std::size_t body, double half_along) const {
-    const PlantBody& b = bodies_[body];
-    const double half = half_extents_of(b).z();
-    const double coefficient =
-        b.parameters.limiting_static_friction / (b.parameters.mass * kStandardGravity);
-    return std::max(tool_.radius + 0.005, std::min(half, 0.6 * half_along / coefficient)) - half;
-  }
-
-  const std::vector<PlantBody>& bodies_;
-  const PlantTool& tool_;
-  double travel_height_;
-  std::vector<ToolMove> moves_;
-};
+/// Of the tip in a soft body [m]: a large deformation, more than the tip's radius.
+constexpr double kSoftDepth = 0.015;
 
 /// Presses down on the centre of the top face, and retracts.
 void press(Program& program, std::size_t body, double radius, double speed, double depth,
@@ -292,6 +191,16 @@ void add_press_moves(Program& program, double radius) {
   }
 }
 
+/// B's soft ball.
+void add_soft_moves(Program& program, double radius) {
+  for (std::size_t body = 0; body < 2; ++body) {
+    travel_above(program, body, radius);
+    for (const double speed : {0.01, 0.02, 0.03, 0.04, 0.05}) {
+      press(program, body, radius, speed, kSoftDepth, 60.0);
+    }
+  }
+}
+
 void add_turn_moves(Program& program, double radius, Random& random) {
   for (std::size_t body = 0; body < 2; ++body) {
     const Eigen::Vector3d half = half_extents_of(program.body(body));
@@ -359,6 +268,8 @@ std::vector<PlantBody> bodies_of(ToolTask task, std::uint64_t seed, double tip_r
   if (task == ToolTask::none) return {};
   if (task == ToolTask::slot) return {slotted_block(seed, tip_radius)};
   if (task == ToolTask::paper) return paper_boxes(seed);
+  if (task == ToolTask::soft) return soft_boxes(seed, kSoftDepth);
+  if (task == ToolTask::impact) return struck_boxes(seed, kImpactSpeed, kStrikerMass);
   return sample_boxes(seed, task == ToolTask::push ? push.boxes : 2);
 }
 
@@ -373,6 +284,10 @@ PlantCase make_plant_case(ToolTask task, std::uint64_t seed, const PushOptions& 
   Random arm = Random(seed).fork(40);
   made.tool.stiffness = arm.uniform(3e4, 1e5);
   made.tool.bandwidth = arm.uniform(10.0, 20.0);
+  if (task == ToolTask::impact) {
+    made.tool = striking_tool(made.tool);
+    made.substeps = kImpactSubsteps;
+  }
   made.tool.p_base_start = {0.55, -0.55, Program::travel_height(made.bodies, made.tool)};
   Random random = Random(seed).fork(41);
   Program program(made.bodies, made.tool);
@@ -394,6 +309,12 @@ PlantCase make_plant_case(ToolTask task, std::uint64_t seed, const PushOptions& 
       break;
     case ToolTask::paper:
       add_paper_moves(program, made.tool.radius, random);
+      break;
+    case ToolTask::soft:
+      add_soft_moves(program, made.tool.radius);
+      break;
+    case ToolTask::impact:
+      add_impact_moves(program, made.tool.radius);
       break;
     case ToolTask::none:
       break;

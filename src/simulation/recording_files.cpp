@@ -52,6 +52,16 @@ std::string format_phases(const Truth& truth) {
   return std::move(text).str();
 }
 
+std::string format_impacts(const Truth& truth) {
+  std::string text = "t,object,duration,approach_speed,restitution\n";
+  for (const PlantImpact& impact : truth.run.impacts) {
+    text += fmt::format("{:.6f},{},{:.6f},{:.6f},{:.6f}\n", impact.t,
+                        truth.plant.bodies[impact.body].name, impact.duration,
+                        impact.approach_speed, impact.restitution);
+  }
+  return text;
+}
+
 ParameterTable parameter_table(const std::vector<PlantBody>& bodies) {
   ParameterTable table;
   for (const PlantBody& body : bodies) {
@@ -135,6 +145,9 @@ Expected<void> write_truth(const fs::path& folder, const Truth& truth) {
   }
   if (!written || !truth.world.has_tool) return written;
   written = write_file(folder / "truth/phase.csv", format_phases(truth));
+  if (written && !truth.run.impacts.empty()) {
+    written = write_file(folder / "truth/impacts.csv", format_impacts(truth));
+  }
   if (written) {
     written = write_file(folder / "truth/parameters.yaml",
                          format_parameters(parameter_table(truth.plant.bodies)));

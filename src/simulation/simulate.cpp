@@ -39,7 +39,8 @@ void check(const SimulationCase& simulation) {
                 simulation.depth_width, simulation.depth_height);
   PCAVR_REQUIRE(simulation.base_tags >= 0 && simulation.base_tags <= 2, simulation.base_tags);
   PCAVR_REQUIRE(simulation.with_images || simulation.task != ToolTask::none);
-  PCAVR_REQUIRE(!simulation.is_immovable || simulation.task == ToolTask::press);
+  PCAVR_REQUIRE(!simulation.is_immovable || simulation.task == ToolTask::press ||
+                simulation.task == ToolTask::impact);
 }
 
 CameraModel depth_camera_of(const SimulationCase& simulation) {
@@ -207,7 +208,11 @@ const std::vector<SimulationCase>& simulation_cases() {
                   "presses along z at seven speeds, on each of two boxes"),
         with_tool("slot", ToolTask::slot, "along both walls of the slot in a block"),
         with_tool("turn", ToolTask::turn, "off-centre pushes, which turn two boxes"),
-        paper};
+        paper,
+        with_tool("soft", ToolTask::soft,
+                  "presses along z at five speeds, 15 mm deep, on each of two soft boxes"),
+        with_tool("impact", ToolTask::impact,
+                  "slow presses, then impacts of 2 to 80 ms, on each of two boxes")};
   }();
   return cases;
 }
@@ -222,7 +227,7 @@ Expected<void> simulate(const SimulationCase& simulation, std::uint64_t seed,
     for (PlantBody& body : plant.bodies) body.is_movable = false;
   }
   const bool has_task = simulation.task != ToolTask::none;
-  PlantOptions plant_options;
+  PlantOptions plant_options{.substeps = plant.substeps};
   if (push.duration > 0.0) plant_options.max_duration = push.duration;
   const PlantRun run =
       has_task ? run_plant(plant.bodies, plant.tool, plant.moves, plant_options) : PlantRun();

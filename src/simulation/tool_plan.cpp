@@ -7,6 +7,12 @@
 #include <numbers>
 
 namespace pcavr::simulation {
+namespace {
+
+/// A released tip that meets nothing is caught after this [s].
+constexpr double kMaxFlight = 1.0;
+
+}  // namespace
 
 void ToolPlan::begin(const Pose& T_base_body) {
   const ToolMove& move = moves_[current_];
@@ -26,6 +32,7 @@ void ToolPlan::begin(const Pose& T_base_body) {
 bool ToolPlan::should_stop(const Pose& T_base_body, double force) const {
   const ToolMove& move = moves_[current_];
   if (move.until_force && force > *move.until_force) return true;
+  if (move.until_travelled && distance_ > *move.until_travelled) return true;
   return move.until_moved &&
          (T_base_body.translation() - body_at_start_).norm() > *move.until_moved;
 }
@@ -36,6 +43,7 @@ void ToolPlan::advance(const Pose& T_base_body, double force, double dt) {
   if (!has_begun_) begin(T_base_body);
   const ToolMove& move = moves_[current_];
   time_ += dt;
+  if (move.release) return;  // see follow()
   if (!stop_detected_ && should_stop(T_base_body, force)) stop_detected_ = time_;
   const bool is_stopping = stop_detected_ && time_ >= *stop_detected_ + move.reaction_time;
   if (is_stopping && move.blends_into_next) {
@@ -62,6 +70,21 @@ void ToolPlan::advance(const Pose& T_base_body, double force, double dt) {
   speed_ = 0.0;
   ++current_;
   has_begun_ = false;
+}
+
+void ToolPlan::follow(const Tip& tip, bool is_touched, double dt) {
+  p_base_ = tip.p_base;
+  speed_ = 0.0;
+  if (is_touched) {
+    has_touched_ = true;
+    dwelled_ = 0.0;
+    return;
+  }
+  dwelled_ += dt;
+  const double timeout = has_touched_ ? *moves_[current_].release : kMaxFlight;
+  if (dwelled_ < timeout) return;
+  ++current_;
+  has_begun_ = has_touched_ = false;
 }
 
 }  // namespace pcavr::simulation

@@ -11,6 +11,8 @@
 #include "pcavr/geometry/pose.hpp"
 #include "pcavr/simulation/plant.hpp"
 
+#include "simulation/tip_contact.hpp"
+
 namespace pcavr::simulation {
 
 /// Generates the commanded trajectory of a tool from its moves, each planned from the bodies' poses
@@ -31,6 +33,13 @@ class ToolPlan {
   /// of the tip.
   void advance(const Pose& T_base_body, double force, double dt);
 
+  /// The tip flies freely now: call follow() after each step.
+  [[nodiscard]] bool is_released() const {
+    return !is_done() && has_begun_ && moves_[current_].release.has_value();
+  }
+  /// Sets the command to the flying tip; ends the flight.
+  void follow(const Tip& tip, bool is_touched, double dt);
+
   [[nodiscard]] const Eigen::Vector3d& p_base() const { return p_base_; }
   [[nodiscard]] const Eigen::Vector3d& v_base() const { return v_base_; }
 
@@ -43,6 +52,7 @@ class ToolPlan {
   Eigen::Vector3d v_base_ = Eigen::Vector3d::Zero();
   std::size_t current_ = 0;
   bool has_begun_ = false;
+  bool has_touched_ = false;             ///< in this flight
   std::optional<double> stop_detected_;  ///< `time_` at which the stop condition was met
   Eigen::Vector3d start_;
   Eigen::Vector3d direction_;

@@ -65,7 +65,7 @@ bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_sl
         return std::abs(a.begin - begin) < std::abs(b.begin - begin);
       });
   // Empty: the tool was not recorded meanwhile.
-  if (nearest == found.contacts.end() || nearest->t.empty()) return false;
+  if (nearest == found.contacts.end() || nearest->t.empty() || nearest->impact) return false;
   if (force_ceiling_ && nearest->peak_force >= kSaturatedRatio * *force_ceiling_) return false;
   const bool is_same =
       !contacts_.empty() && std::abs(contacts_.back().begin - nearest->begin) < kSameContact;

@@ -13,6 +13,16 @@ namespace {
 // A correction is for the past: a round trip, and this until its detection [s].
 constexpr double kMaxDetectionTime = 1.0;
 
+/// Of the material that moves with the tip [N], along the contact's force; the sum never pulls. The
+/// body's own acceleration is neglected: a body with such a contact is pressed, or slides slowly.
+Eigen::Vector3d inertial_force(const Eigen::Vector3d& a_base_tip, const Eigen::Vector3d& force,
+                               double mass) {
+  const double size = force.norm();
+  if (!(mass > 0.0) || !(size > 0.0)) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d along = force / size;
+  return std::max(-size, mass * a_base_tip.dot(along)) * along;
+}
+
 }  // namespace
 
 Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
@@ -28,8 +38,9 @@ Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const TeleopObject& object = input.objects[i];
     model.bodies.push_back({object.model, object.T_base_object, physics[i], object.is_movable});
-    objects.push_back(
-        {object.model, object.T_base_object, sent_parameters(physics[i], options.gravity()), 0});
+    objects.push_back({object.model, object.T_base_object,
+                       sent_parameters(physics[i], options.gravity()), 0,
+                       object.parameters.contact_mass.value_or(ParameterValue{}).value});
   }
   Expected<PredictedWorld> world = PredictedWorld::create(std::move(model));
   if (!world) return world.error();
@@ -43,7 +54,9 @@ void OperatorSite::enqueue(double arrival, std::vector<std::uint8_t> bytes) {
   arriving_.push_back({arrival, std::move(bytes)});
 }
 
-void OperatorSite::step(double wall, const Eigen::Vector3d& p_base_tip) {
+void OperatorSite::step(double wall, const Eigen::Vector3d& p_base_tip,
+                        const Eigen::Vector3d& a_base_tip) {
+  a_base_tip_ = a_base_tip;
   while (!arriving_.empty() && arriving_.front().at <= wall) {
     const std::optional<CorrectionMessage> message = decode(arriving_.front().bytes, epoch_);
     arriving_.pop_front();
@@ -71,8 +84,10 @@ void OperatorSite::apply(const CorrectionMessage& message) {
 
 Prediction OperatorSite::prediction(std::size_t object) const {
   const BodyState& state = predictor_.world().state()[object];
+  const Eigen::Vector3d force = predictor_.shown(object).force_base;
   return {planar_pose_of(predictor_.world().T_base_object(object)), state.tool_force_base,
-          predictor_.shown(object).force_base, state.phase, objects_[object].received};
+          force + inertial_force(a_base_tip_, force, objects_[object].contact_mass), state.phase,
+          objects_[object].received};
 }
 
 }  // namespace pcavr

@@ -40,7 +40,9 @@ class OperatorSite {
   /// Queues a message that arrives at `arrival` [s] of the operator's wall clock. Call in order.
   void enqueue(double arrival, std::vector<std::uint8_t> bytes);
   /// One cycle, with the messages that have arrived by `wall` [s].
-  void step(double wall, const Eigen::Vector3d& p_base_tip);
+  /// `a_base_tip` [m/s^2] is the tip's acceleration, for contacts with a mass.
+  void step(double wall, const Eigen::Vector3d& p_base_tip,
+            const Eigen::Vector3d& a_base_tip = Eigen::Vector3d::Zero());
 
   [[nodiscard]] double now() const { return predictor_.now(); }
   [[nodiscard]] Prediction prediction(std::size_t object) const;
@@ -53,6 +55,7 @@ class OperatorSite {
     Pose T_base_start;
     ObjectParameters parameters;
     std::uint8_t received = 0;
+    double contact_mass = 0.0;  ///< [kg] of the law mass_damper_spring
   };
   struct Arriving {
     double at = 0.0;
@@ -74,6 +77,7 @@ class OperatorSite {
   PhysicsDefaults unknown_objects_;
   std::deque<Arriving> arriving_;
   std::size_t late_ = 0;
+  Eigen::Vector3d a_base_tip_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace pcavr

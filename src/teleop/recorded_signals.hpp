@@ -18,14 +18,17 @@ namespace pcavr {
 /// samples of a typical sensor.
 inline constexpr double kSmoothing = 0.010;
 
-/// The tip's path, sampled every `step` [s] and smoothed over +-20 ms: the pose sensor's noise
-/// would be rendered as force. Computed in blocks of some seconds.
+/// The tip's path, sampled every `step` [s] and smoothed over +-20 ms, up to +-80 ms where the
+/// motion is slow: the pose sensor's noise would be rendered as force. Computed in blocks of some
+/// seconds.
 class CommandPath {
  public:
   /// Keeps a reference; `tip` must outlive it and have two samples or more.
   CommandPath(const TipPath& tip, double start, double step);
   /// At start + step * cycle. Cheapest in ascending order.
   [[nodiscard]] Eigen::Vector3d at(std::size_t cycle);
+  /// [m/s^2], 1.2 % low at 10 Hz.
+  [[nodiscard]] Eigen::Vector3d acceleration_at(std::size_t cycle);
 
  private:
   void compute_block(std::size_t block);
@@ -36,6 +39,7 @@ class CommandPath {
   double half_width_;
   std::size_t block_ = ~std::size_t{0};
   std::vector<Eigen::Vector3d> path_;  ///< of the block's cycles
+  std::vector<Eigen::Vector3d> acceleration_;
 };
 
 /// Force and tip at the force's stamps, smoothed with the same centred window. A live site has a

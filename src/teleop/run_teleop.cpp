@@ -290,7 +290,7 @@ class Session {
     const double t = span_.start + options_.predictor.step * static_cast<double>(k);
     // The command for t was sent a forward delay ago; jitter delays it and those after it.
     const double wall = t - options_.forward_delay;
-    site_.step(wall, command_.at(k));
+    site_.step(wall, command_.at(k), command_.acceleration_at(k));
     const Expected<void> shown = show(site_, span_, t, sink_, predicted_, log_);
     if (!shown) return shown;
     in_flight_.push_back({*forward_.arrival(t), t});

@@ -96,5 +96,11 @@ TEST(MeasuredRestitution, IsUnknownWithoutApproach) {
   EXPECT_FALSE(measured_restitution(v).has_value());
 }
 
+TEST(DampingLaw, HasAKeyOfItsOwn) {
+  for (const DampingLaw law : kPublishedDampingLaws) EXPECT_EQ(damping_law_of(key_of(law)), law);
+  EXPECT_EQ(damping_law_of("exact"), DampingLaw::exact);
+  EXPECT_FALSE(damping_law_of("criterion"));
+}
+
 }  // namespace
 }  // namespace pcavr

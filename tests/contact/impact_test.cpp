@@ -102,5 +102,13 @@ TEST(BestPublishedDampingLaw, IsGonthierWhereFloresIsNoLongerSmall) {
   }
 }
 
+TEST(Impact, HasTheForceWidthOfAHalfSineOnASpring) {
+  const Impact impact = simulate_impact(KelvinVoigt{1000.0, 0.0}, 2.0, 0.3);
+  // Std of a half sine over its duration T: T sqrt(1/4 - 2/pi^2).
+  const double width =
+      impact.duration * std::sqrt(0.25 - 2.0 / (std::numbers::pi * std::numbers::pi));
+  EXPECT_NEAR(impact.force_width, width, 1e-3 * width);
+}
+
 }  // namespace
 }  // namespace pcavr

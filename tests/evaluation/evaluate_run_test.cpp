@@ -327,6 +327,20 @@ TEST_F(EvaluateRun, ComparesPressesWithPaperB) {
   EXPECT_EQ(beside("B, hole slotting"), "no row");
 }
 
+TEST_F(EvaluateRun, ComparesSoftPressesWithPaperBsTable4) {
+  // 12 mm deep until the force's peak.
+  write(truth() / "phase.csv", "t,object,phase\n0,box,free\n1.0,box,static\n2.5,box,free\n");
+  std::string tool = "t,x,y,z,qx,qy,qz,qw\n";
+  for (int i = 0; i <= 400; ++i) {
+    const double z = 0.1 - 0.06 * std::min(0.01 * i, 1.3);
+    tool += std::to_string(0.01 * i) + ",0,0," + std::to_string(z) + ",0,0,0,1\n";
+  }
+  write(truth().parent_path() / "tool.csv", tool);
+  write(truth().parent_path() / "recording.yaml", "format: pcavr-recording/1\n");
+  EXPECT_EQ(beside("B, table 4"), "10.0 ± 0 % of 1 presses");
+  EXPECT_EQ(beside("B, table 3"), "no row");
+}
+
 TEST_F(EvaluateRun, HasNoErrorOfAGivenMass) {
   write(run() / "parameters.yaml", "box:\n  mass: 3\n");
   const Json metrics = metrics_against(truth());

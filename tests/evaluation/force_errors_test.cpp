@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/random.hpp"
+
 #include "run_samples.hpp"
 
 namespace pcavr {
@@ -57,6 +59,18 @@ TEST(ContactPeaks, AreTheMaximaOfEachContact) {
   EXPECT_EQ(peaks[1].measured, 10.0);
   EXPECT_EQ(peaks[1].begin, at(2.0));
   EXPECT_EQ(peaks[1].end, at(2.09));
+}
+
+TEST(ContactPeaks, AreNotRaisedByTheNoiseOfTheMeasuredForce) {
+  Random random(5);
+  std::vector<ForceSample> samples;
+  for (int i = 0; i < 500; ++i) {
+    samples.push_back({at(1.0 + 0.002 * i), 20.0 + 0.2 * random.normal(), 20.0});
+  }
+  const std::vector<ContactPeak> peaks = contact_peaks(samples);
+  ASSERT_EQ(peaks.size(), 1U);
+  EXPECT_NEAR(peaks[0].measured, 20.0, 0.25);  // the maximum is 0.6 N too high
+  EXPECT_NEAR(peaks[0].rendered, 20.0, 1e-9);
 }
 
 TEST(ContactPeaks, ExcludeGrazingContacts) {

@@ -152,6 +152,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "box:\n  contact: {stiffness: 5, damping: 2,\n    damping_unit: N s/m, exponent: "
                 "1.5}\n",
                 3, "box.contact.damping_unit"},
+        Refusal{"MassOfACurvedLaw",
+                "box:\n  contact: {stiffness: 5, exponent: 1.5,\n    mass: 0.5}\n", 3,
+                "box.contact.mass"},
+        Refusal{"UnknownDampingLaw",
+                "box:\n  contact: {stiffness: 5, damping: 2,\n    damping_law: hooke}\n", 3,
+                "box.contact.damping_law"},
         Refusal{"FlatObject", "box: 3\n", 1, "box"}, Refusal{"List", "- box\n", 1, ""},
         Refusal{"ShortSurface",
                 "b:\n  limit_surface: {force: 1, length: 1,\n    coefficients: "
@@ -168,6 +174,27 @@ INSTANTIATE_TEST_SUITE_P(
                 "[1, 0, 0, 12, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1]}\n",
                 3, "b.limit_surface.coefficients"}),
     [](const auto& test) { return std::string(test.param.name); });
+
+TEST(ParametersFile, KeepsTheContactsMassAndTheDampingLaw) {
+  ObjectParameters box{.contact_stiffness = ParameterValue{20000.0},
+                       .contact_damping = ParameterValue{30.0},
+                       .contact_exponent = ParameterValue{1.0},
+                       .contact_mass = ParameterValue{0.5, 0.02}};
+  const std::string linear = format_parameters({{"box", box}});
+  EXPECT_NE(linear.find("law: mass_damper_spring"), std::string::npos) << linear;
+  auto read = parse_parameters(linear, "p.yaml");
+  ASSERT_TRUE(read) << read.error().to_string();
+  EXPECT_EQ(read->at("box").contact_mass->value, 0.5);
+  EXPECT_EQ(read->at("box").contact_mass->std, 0.02);
+  box.contact_mass.reset();
+  box.contact_exponent = ParameterValue{1.5};
+  box.contact_damping_law = DampingLaw::gonthier;
+  const std::string curved = format_parameters({{"box", box}});
+  EXPECT_NE(curved.find("damping_law: gonthier"), std::string::npos) << curved;
+  read = parse_parameters(curved, "p.yaml");
+  ASSERT_TRUE(read) << read.error().to_string();
+  EXPECT_EQ(read->at("box").contact_damping_law, DampingLaw::gonthier);
+}
 
 TEST(ParametersFile, StatesTheLawAndItsDampingsUnit) {
   ObjectParameters box{.contact_stiffness = ParameterValue{20000.0},

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/simulation/plant_case.hpp"
@@ -15,6 +16,7 @@ namespace pcavr {
 struct IdentifiedCase {
   PlantCase plant;
   IdentificationInput input;
+  std::vector<PlantImpact> impacts = {};  ///< the truth
 };
 
 inline CadModel model_of(const PlantBody& body) {
@@ -39,10 +41,11 @@ inline CadModel model_of(const PlantBody& body) {
 /// The first `duration` seconds of a task, with the marker tracking of a recording without images.
 inline IdentifiedCase identified_case(ToolTask task, std::uint64_t seed, double duration,
                                       const SensorFaults& faults = {}) {
-  IdentifiedCase made{make_plant_case(task, seed), {}};
-  PlantOptions options;
+  IdentifiedCase made{make_plant_case(task, seed), {}, {}};
+  PlantOptions options{.substeps = made.plant.substeps};
   options.max_duration = duration;
   const PlantRun run = run_plant(made.plant.bodies, made.plant.tool, made.plant.moves, options);
+  made.impacts = run.impacts;
   IdentificationInput& input = made.input;
   const Trajectory tool = measured_tool(run, seed);
   for (const auto& [stamp, pose] : tool.poses()) {

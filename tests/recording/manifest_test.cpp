@@ -57,6 +57,36 @@ TEST(Manifest, ContainsEveryKeyOfTheFile) {
   EXPECT_EQ(manifest->urdf, "robot.urdf");
 }
 
+TEST(Manifest, HasTheMaterialsOfObjectsAndTool) {
+  const std::string tool =
+      "tool: {radius: 0.01, material: {youngs_modulus: 7e10, poisson_ratio: 0.33}}\n";
+  const auto with = [&](const std::string& material) {
+    return parse_manifest("format: pcavr-recording/1\nobjects:\n  - {name: box, material: {" +
+                              material + "}}\n" + tool,
+                          "m.yaml");
+  };
+  const auto manifest = with("youngs_modulus: 2.8e9, poisson_ratio: 0.38, radius: 0.05");
+  ASSERT_TRUE(manifest) << manifest.error().to_string();
+  EXPECT_EQ(manifest->objects[0].material->youngs_modulus, 2.8e9);
+  EXPECT_EQ(manifest->objects[0].material->radius, 0.05);
+  EXPECT_EQ(manifest->tool_material->poisson_ratio, 0.33);
+  const auto again = parse_manifest(format_manifest(*manifest), "m.yaml");
+  ASSERT_TRUE(again) << again.error().to_string();
+  EXPECT_EQ(again->objects[0].material->poisson_ratio, 0.38);
+  EXPECT_EQ(again->tool_material->youngs_modulus, 7e10);
+  for (const char* bad :
+       {"youngs_modulus: 2.8, poisson_ratio: 0.38", "youngs_modulus: 2.8e9, poisson_ratio: 0.6",
+        "youngs_modulus: -1e9, poisson_ratio: 0.3"}) {
+    const auto refused = with(bad);
+    ASSERT_FALSE(refused) << bad;
+    EXPECT_EQ(refused.error().line, 3) << refused.error().to_string();
+  }
+  EXPECT_FALSE(
+      parse_manifest("format: pcavr-recording/1\nobjects:\n  - {name: box, material: "
+                     "{youngs_modulus: 1e9, poisson_ratio: 0.3}}\n",
+                     "m.yaml"));
+}
+
 TEST(Manifest, NeedsNoMoreThanItsFormat) {
   const Expected<Manifest> manifest = parse_manifest("format: pcavr-recording/1\n", "m.yaml");
   ASSERT_TRUE(manifest.has_value());

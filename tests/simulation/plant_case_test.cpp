@@ -147,6 +147,47 @@ TEST(PlantCase, PressesDoNotMoveTheBoxes) {
   EXPECT_LT(max_force, 90.0);
 }
 
+TEST(PlantCase, SoftBoxesAreDeformedByMoreThanTheTipsRadius) {
+  const PlantCase plant = make_plant_case(ToolTask::soft, 2);
+  const PlantRun run = run_of(plant);
+  for (const PlantBody& body : plant.bodies) {
+    const double top = 2.0 * body.parts.front().half_extents.z();
+    double deepest = 0.0;
+    for (const Eigen::Vector3d& tip : run.p_base_tip) {
+      const Eigen::Vector2d off = (tip - body.T_base_object.translation()).head<2>();
+      if (off.norm() < 0.01) deepest = std::max(deepest, top + plant.tool.radius - tip.z());
+    }
+    EXPECT_GT(deepest, 0.013) << body.name;
+    EXPECT_LT(deepest, 0.016) << body.name;
+  }
+}
+
+TEST(PlantCase, ImpactsLast2To80MillisecondsAndBounce) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const PlantCase plant = make_plant_case(ToolTask::impact, seed);
+    const PlantRun run =
+        run_plant(plant.bodies, plant.tool, plant.moves, {.substeps = plant.substeps});
+    int count = 0;
+    for (const PlantImpact& impact : run.impacts) {
+      if (impact.approach_speed < 0.05) continue;  // a slow press that bounces
+      ++count;
+      EXPECT_GT(impact.duration, 0.002) << seed;
+      EXPECT_LT(impact.duration, 0.08) << seed;
+      EXPECT_GT(impact.restitution, 0.05) << seed;
+      EXPECT_LT(impact.restitution, 1.0) << seed;
+    }
+    EXPECT_EQ(count, 10) << seed;
+    // In half the step the same, to a thousandth of the restitution.
+    const PlantRun finer =
+        run_plant(plant.bodies, plant.tool, plant.moves, {.substeps = 2 * plant.substeps});
+    ASSERT_EQ(finer.impacts.size(), run.impacts.size()) << seed;
+    for (std::size_t i = 0; i < run.impacts.size(); ++i) {
+      if (run.impacts[i].approach_speed < 0.05) continue;
+      EXPECT_NEAR(finer.impacts[i].restitution, run.impacts[i].restitution, 2e-3) << seed;
+    }
+  }
+}
+
 TEST(PlantCase, TheSlotPressesOnBothWallsWithoutSliding) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const PlantCase plant = make_plant_case(ToolTask::slot, seed);

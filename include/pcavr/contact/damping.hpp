@@ -35,6 +35,10 @@ inline constexpr std::array kPublishedDampingLaws{DampingLaw::flores,
 
 [[nodiscard]] std::string_view name_of(DampingLaw law) noexcept;
 
+/// As options and parameter files write it: "herbert_mcwhannell".
+[[nodiscard]] std::string_view key_of(DampingLaw law) noexcept;
+[[nodiscard]] std::optional<DampingLaw> damping_law_of(std::string_view key) noexcept;
+
 /// g(c), dimensionless. c in (0, 1]; infinity at 0 and below, where no finite damping exists.
 [[nodiscard]] double damping_factor(DampingLaw law, double restitution) noexcept;
 

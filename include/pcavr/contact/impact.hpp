@@ -16,6 +16,7 @@ struct Impact {
   double restitution = 0.0;  ///< speed after over speed before
   double duration = 0.0;     ///< [s]
   double max_penetration = 0.0;  ///< [m]
+  double force_width = 0.0;      ///< [s] std of the force's distribution over time
 };
 
 /// Integrates m x'' = -F from x = 0, x' = approach_speed by an adaptive fifth-order Runge-Kutta
@@ -29,6 +30,9 @@ struct DampingScore {
   DampingLaw law = DampingLaw::exact;
   double relative_error = 0.0;  ///< (c_M - c) / c, with c_M the simulated restitution
 };
+
+/// The score of one law at restitution c in (0, 1), by one simulated impact.
+[[nodiscard]] DampingScore score_damping_law(DampingLaw law, double restitution) noexcept;
 
 /// The score of each published law at restitution c in (0, 1), in the order of
 /// kPublishedDampingLaws, by one simulated impact each. The score depends on c only.

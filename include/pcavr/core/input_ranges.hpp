@@ -47,6 +47,10 @@ inline constexpr InputRange kMass{"mass", 1e-6, 1e4, "kg",
                                   "from a milligram to more than a tool can push"};
 inline constexpr InputRange kToolRadius{"tool's radius", 1e-4, 0.5, "m",
                                         "from a needle to a sphere of 1 m diameter"};
+inline constexpr InputRange kYoungsModulus{"Young's modulus", 1e3, 1e13, "Pa",
+                                           "from soft foam to ten times diamond"};
+inline constexpr InputRange kPoissonRatio{"Poisson's ratio", -0.99, 0.5, "1",
+                                          "stable isotropic materials, -1 to 0.5 (rubber)"};
 inline constexpr InputRange kForce{"force", -1e5, 1e5, "N",
                                    "ten times the rating of the largest arms"};
 inline constexpr InputRange kTorque{"torque", -1e5, 1e5, "N m",
@@ -109,24 +113,15 @@ inline constexpr InputRange kPageSize{"page's side", 0.02, 10.0, "m",
                                       "from a label to the widest plotter's roll"};
 
 /// All of them, in the order of the documentation.
-inline constexpr std::array kAll{kStamp,          kSpan,
-                                 kCoordinate,     kTagSize,
-                                 kBodySize,       kMass,
-                                 kToolRadius,     kForce,
-                                 kTorque,         kJoint,
-                                 kDepthScale,     kPositionStd,
-                                 kRotationStd,    kFigure,
-                                 kStaticFriction, kFrictionCoefficient,
-                                 kToolFriction,   kViscousFriction,
-                                 kFrictionRadius, kLoadingRate,
-                                 kStiffness,      kDamping,
-                                 kExponent,       kParameterStd,
-                                 kVoxel,          kOccupancyCell,
-                                 kDelay,          kJitter,
-                                 kShare,          kImportRate,
-                                 kStateRate,      kHandForce,
-                                 kClockOffset,    kSaturation,
-                                 kPageSize};
+inline constexpr std::array kAll{
+    kStamp,          kSpan,           kCoordinate,          kTagSize,      kBodySize,
+    kMass,           kToolRadius,     kYoungsModulus,       kPoissonRatio, kForce,
+    kTorque,         kJoint,          kDepthScale,          kPositionStd,  kRotationStd,
+    kFigure,         kStaticFriction, kFrictionCoefficient, kToolFriction, kViscousFriction,
+    kFrictionRadius, kLoadingRate,    kStiffness,           kDamping,      kExponent,
+    kParameterStd,   kVoxel,          kOccupancyCell,       kDelay,        kJitter,
+    kShare,          kImportRate,     kStateRate,           kHandForce,    kClockOffset,
+    kSaturation,     kPageSize};
 
 }  // namespace ranges
 

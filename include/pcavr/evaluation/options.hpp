@@ -51,6 +51,7 @@ struct ForceErrorOptions {
   double min_relative_force;  ///< [N] measured, from which on a relative error is computed
   double contact_gap;         ///< [s] between samples of different contacts
   double approach_time;       ///< [s] of the tip's mean speed before a contact
+  double peak_half_width;     ///< [s] over which a peak's two forces are averaged
 };
 
 struct EvaluationOptions {

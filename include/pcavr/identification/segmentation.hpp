@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,20 @@ struct SlideInterval {
   double end = 0.0;    ///< [s]
 };
 
+/// A contact so short that the tool's motion before and after it shows the restitution: an impact.
+/// Along the contact's direction, in which the tool pushes.
+struct ImpactMotion {
+  IdentifiedParameter approach;    ///< [m/s] speed of the tool before, > 0
+  IdentifiedParameter separation;  ///< [m/s] of the tool after, backwards; < 0: it moves on
+  /// separation / approach, with their correlation in its std.
+  IdentifiedParameter speed_ratio;
+  IdentifiedParameter mass;   ///< [kg] effective, of the tool: impulse over change of speed
+  double impulse = 0.0;       ///< [N s] > 0
+  double width = 0.0;         ///< [s] std of the force's distribution over time
+  double width_std = 0.0;     ///< [s] of `width`, by the force's noise
+  double sample_width = 0.0;  ///< [s] the part of `width` that is due to the sensor's averaging
+};
+
 /// One contact, from first touch to separation; its series are at the force's timestamps.
 struct ContactEpisode {
   ContactKind kind = ContactKind::push;
@@ -37,6 +52,9 @@ struct ContactEpisode {
   double peak_force = 0.0;                                   ///< [N] smoothed
   Breakaway breakaway;                                       ///< pushes and slides only
   std::vector<SlideInterval> slides;
+  /// An impact's begin and end are where the force passes its threshold; of the fields above it has
+  /// no breakaway and no slides.
+  std::optional<ImpactMotion> impact = {};
   /// Along `direction_base`, with some free time before and after. Bias and drift are removed.
   std::vector<double> t, tool, force;
 
@@ -53,6 +71,8 @@ struct SegmentationOptions {
   double margin;            ///< [s] of free time kept around a contact
   double free_time;         ///< [s] next to a contact that the fit of its begin and end uses
   double bias_half_width;   ///< [s] of the moving mean of the free force, which is its drift
+  double max_impact;        ///< [s] longer contacts are no impacts
+  double impact_flight;     ///< [s] before and after an impact, in which the tool flies freely
   double slide_half_width;  ///< [s] of the smoothing of the object's speed
   double slide_speed;       ///< [m/s] above this, and above the noise: sliding
   SpikeOptions spikes;      ///< of the force

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pcavr/contact/damping.hpp"
 #include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/friction/limit_surface.hpp"
 #include "pcavr/friction/sliding_force.hpp"
@@ -27,6 +28,7 @@ struct ParameterSources {
   std::vector<double> correlation = {};      ///< coefficients, row by row
   std::map<std::string, int> pushes = {};    ///< by key: the pushes that a value rests on
   std::map<std::string, int> presses = {};   ///< by key: the presses
+  std::map<std::string, int> impacts = {};   ///< by key: the impacts
 };
 
 /// The known contact and friction parameters of an object: what identification writes, prediction
@@ -43,6 +45,11 @@ struct ObjectParameters {
   std::optional<ParameterValue> contact_stiffness = {};  ///< [N/m^n]
   std::optional<ParameterValue> contact_damping = {};    ///< [N s/m^(n+1)]
   std::optional<ParameterValue> contact_exponent = {};   ///< n
+  /// m [kg] of F = m d'' + damping d' + stiffness d [paper C, eq. 2]: material that moves with the
+  /// tool; with an exponent of 1 only.
+  std::optional<ParameterValue> contact_mass = {};
+  /// By which the damping follows from a restitution; empty: fitted to the force, or not known.
+  std::optional<DampingLaw> contact_damping_law = {};
   /// Maximum friction moment over maximum friction force of the support [m]; see mean_radius.
   std::optional<ParameterValue> friction_radius = {};
   std::optional<ParameterValue> tool_friction_coefficient = {};  ///< between tip and object

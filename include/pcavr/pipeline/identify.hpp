@@ -78,6 +78,9 @@ struct IdentificationOptions {
   LimitingFrictionOptions limiting_friction;
   SlidingOptions sliding;
   FrictionPriors friction_priors;
+  /// Damping from impacts; empty: the published law that paper B's criterion chooses (eq. 12). The
+  /// exact relation has no error, the published ones up to hundreds of per cent.
+  std::optional<DampingLaw> damping_law = DampingLaw::exact;
 };
 
 /// One contact of the recording, and what was identified from it.
@@ -111,11 +114,29 @@ struct FaceContact {
 
 /// Restitution and damping of a short impact [paper B, eq. 11, 12].
 struct MeasuredImpact {
-  double t = 0.0;
-  double approach_speed = 0.0;  ///< [m/s]
-  double restitution = 0.0;
-  DampingLaw law = DampingLaw::exact;   ///< the published law with the smallest error there
-  double damping_over_stiffness = 0.0;  ///< [s/m] by the exact relation
+  double t = 0.0;                           ///< [s]
+  double duration = 0.0;                    ///< [s] above the force's threshold
+  IdentifiedParameter approach_speed = {};  ///< [m/s]
+  IdentifiedParameter restitution = {};
+  IdentifiedParameter mass = {};       ///< [kg] effective, of the tool
+  DampingLaw law = DampingLaw::exact;  ///< the published law with the smallest error there
+  /// lambda / k [s/m] by the exact relation.
+  IdentifiedParameter damping_over_stiffness = {};
+  /// k [N/m^n] from the width of the force's pulse; not excited where the sensor's averaging hides
+  /// it.
+  IdentifiedParameter stiffness = {};
+};
+
+/// The impacts of one object together.
+struct ImpactFindings {
+  IdentifiedParameter restitution = {};             ///< weighted mean
+  IdentifiedParameter damping_over_stiffness = {};  ///< lambda / k [s/m], weighted mean
+  IdentifiedParameter stiffness = {};               ///< k [N/m^n] for `exponent`
+  double exponent = 1.5;
+  DampingLaw law = DampingLaw::exact;  ///< of damping_over_stiffness
+  std::string choice = {};             ///< how the law was chosen
+  bool gives_damping = false;          ///< the parameters' damping is from here
+  bool gives_stiffness = false;        ///< and the stiffness
 };
 
 /// A row of the printed parameter table.
@@ -144,6 +165,7 @@ struct ObjectIdentification {
   std::vector<FaceContact> faces = {};
   std::vector<EstimatorTrace> comparison = {};
   std::vector<MeasuredImpact> impacts = {};
+  ImpactFindings impact_findings = {};
   LimitingFriction limit = {};  ///< which pushes count; the values are `limit_of_pushes`
   LimitOfPushes limit_of_pushes = {};
   /// By affRLS over the slides, for the plots; friction and coefficient are the posterior's, and

@@ -35,12 +35,20 @@ struct MarkerEntry {
   Pose T_parent_marker{};  ///< in base or in its object, by role
 };
 
+/// An elastic material, for the contact's first stiffness [Hertz 1882].
+struct MaterialEntry {
+  double youngs_modulus = 0.0;  ///< [Pa]
+  double poisson_ratio = 0.0;
+  std::optional<double> radius = {};  ///< [m] of the surface that is touched; empty: it is flat
+};
+
 struct ObjectEntry {
   std::string name;
   std::filesystem::path mesh;       ///< relative to the recording's folder; may be empty
   std::optional<double> mass = {};  ///< [kg]
   bool is_movable = true;
   std::optional<Pose> T_base_object = {};  ///< initial pose, if the manifest states it
+  std::optional<MaterialEntry> material = {};
 };
 
 /// The content of `recording.yaml` (`pcavr-recording/1`).
@@ -49,8 +57,9 @@ struct Manifest {
   double depth_scale = 0.0;  ///< depth image units in one metre; > 0 where there is a camera
   std::vector<MarkerEntry> markers = {};
   std::vector<ObjectEntry> objects = {};
-  std::optional<double> tool_radius = {};          ///< [m]
-  std::optional<std::filesystem::path> urdf = {};  ///< relative to the recording's folder
+  std::optional<double> tool_radius = {};           ///< [m]
+  std::optional<MaterialEntry> tool_material = {};  ///< without a radius, which is tool_radius
+  std::optional<std::filesystem::path> urdf = {};   ///< relative to the recording's folder
 };
 
 /// Reads and checks the text of a manifest; `file` names it in errors. Unknown keys, wrong types,

@@ -43,6 +43,8 @@ struct SceneObject {
   double refinement_rotation = 0.0;     ///< [rad]
   std::optional<double> mass = {};      ///< [kg]
   bool is_movable = true;
+  /// [N/m^1.5] of the contact with the tool, by both materials; empty: they are not known.
+  std::optional<double> hertz_stiffness = {};
 };
 
 /// An input of the recording that is inconsistent with the others, but not so much that the scene

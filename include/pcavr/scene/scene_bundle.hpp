@@ -35,6 +35,8 @@ struct SceneObjectEntry {
   double refinement_rotation = 0.0;     ///< [rad]
   std::optional<double> mass = {};      ///< [kg]
   bool is_movable = true;
+  /// [N/m^1.5] of the contact with the tool, by both materials; empty: they are not known.
+  std::optional<double> hertz_stiffness = {};
   /// Where the scene's mesh is a simplified CAD mesh, with the properties of the original.
   struct Simplified {
     CadModel::Simplification simplification;

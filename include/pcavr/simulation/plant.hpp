@@ -83,14 +83,19 @@ struct ToolMove {
   Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< of the tip's centre [m]
   bool is_offset = false;  ///< `target` is relative to the current command, along the frame's axes
   double speed = 0.05;     ///< [m/s], > 0
-  double acceleration = 1.0;               ///< [m/s^2], > 0
-  double modulation_amplitude = 0.0;       ///< [m] of a sine added along the path
-  double modulation_frequency = 2.0;       ///< [Hz]
-  std::optional<double> until_force = {};  ///< [N]: stops early when the tip presses harder
-  std::optional<double> until_moved = {};  ///< [m]: stops early when `body` has moved that far
-  double reaction_time = 0.0;              ///< [s] from the stop condition to the stop
+  double acceleration = 1.0;                   ///< [m/s^2], > 0
+  double modulation_amplitude = 0.0;           ///< [m] of a sine added along the path
+  double modulation_frequency = 2.0;           ///< [Hz]
+  std::optional<double> until_force = {};      ///< [N]: stops early when the tip presses harder
+  std::optional<double> until_moved = {};      ///< [m]: stops early when `body` has moved that far
+  double reaction_time = 0.0;                  ///< [s] from the stop condition to the stop
+  std::optional<double> until_travelled = {};  ///< [m]: stops early after that part of the path
   bool blends_into_next = false;  ///< at the stop condition, passes its speed to the next move
-  double dwell = 0.0;             ///< [s] of rest at the end
+  /// The arm is released instead: the tip flies freely, with its effective mass, until this long
+  /// after its last contact [s]; the target is ignored. For impacts, as with a striker that is
+  /// thrown: an arm's servo would drive the tip while it bounces.
+  std::optional<double> release = {};
+  double dwell = 0.0;  ///< [s] of rest at the end
 };
 
 enum class PlantPhase { free, static_friction, critical, sliding };
@@ -104,6 +109,16 @@ struct PlantPhaseChange {
   std::size_t body = 0;
   PlantPhase phase = PlantPhase::free;
 };
+
+/// A contact of at most kMaxImpactDuration, from touch to separation, to the plant's own substep.
+struct PlantImpact {
+  double t = 0.0;  ///< [s] of the touch
+  std::size_t body = 0;
+  double duration = 0.0;        ///< [s]
+  double approach_speed = 0.0;  ///< [m/s] along the mean force, relative to the body, > 0
+  double restitution = 0.0;     ///< speed of separation over that of approach [paper B, eq. 11]
+};
+inline constexpr double kMaxImpactDuration = 0.1;  ///< [s]
 
 /// One body at one instant.
 struct PlantBodyState {
@@ -122,6 +137,7 @@ struct PlantRun {
   std::vector<Eigen::Vector3d> torque_base;         ///< the same about the tip's centre [N m]
   std::vector<std::vector<PlantBodyState>> bodies;  ///< by body
   std::vector<PlantPhaseChange> phases;             ///< ascending in time
+  std::vector<PlantImpact> impacts;                 ///< ascending in time
   [[nodiscard]] double duration() const;            ///< [s]
 };
 

@@ -12,12 +12,14 @@ namespace pcavr {
 /// The tool's task.
 enum class ToolTask {
   none,
-  push,   ///< an operator pushes each of two boxes at its centre until it slides and stops
-  probe,  ///< for identification: presses, ten pushes to breakaway, a modulated slide
-  press,  ///< along z at seven speeds [paper B]
-  slot,   ///< into the slot of a block, along one wall and back along the other [paper B]
-  turn,   ///< off-centre pushes, so that the boxes turn
-  paper,  ///< paper C's two boxes: a short probe of each, then the operator's push
+  push,    ///< an operator pushes each of two boxes at its centre until it slides and stops
+  probe,   ///< for identification: presses, ten pushes to breakaway, a modulated slide
+  press,   ///< along z at seven speeds [paper B]
+  slot,    ///< into the slot of a block, along one wall and back along the other [paper B]
+  turn,    ///< off-centre pushes, so that the boxes turn
+  paper,   ///< paper C's two boxes: a short probe of each, then the operator's push
+  soft,    ///< along z at five speeds, 15 mm into something soft [paper B's ball]
+  impact,  ///< slow presses, then impacts along z by a tip that flies freely while it hits
 };
 
 /// Bodies, tool and moves: the input of run_plant. The table's top is base z = 0.
@@ -25,6 +27,7 @@ struct PlantCase {
   std::vector<PlantBody> bodies;
   PlantTool tool;
   std::vector<ToolMove> moves;
+  int substeps = PlantOptions().substeps;  ///< of the plant: impacts need finer ones
 };
 
 /// Options of ToolTask::push; other tasks ignore them.

@@ -1,0 +1,242 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "pcavr/contact/contact_law.hpp"
+#include "pcavr/contact/damping.hpp"
+#include "pcavr/contact/impact.hpp"
+
+#include "identify_parts.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Of a spherical tip on a flat face [Hertz 1882]: assumed where no press gives it.
+constexpr double kHertzExponent = 1.5;
+/// Std of a stiffness over its value above which the pulse's width does not identify it.
+constexpr double kMaxStiffnessShare = 0.5;
+/// A linear law of presses, or one of another stiffness, contradicts the impacts from here on.
+constexpr double kContradictionStds = 4.0;
+
+/// Relative std; infinite where there is no value.
+double share_of(const ParameterValue& value) {
+  return value.std && value.value > 0.0 ? *value.std / value.value : HUGE_VAL;
+}
+
+/// The law's factor g(c) and its std by the restitution's.
+IdentifiedParameter factor_of(DampingLaw law, const IdentifiedParameter& restitution) {
+  const auto at = [law](double c) { return damping_factor(law, std::clamp(c, 1e-3, 1.0)); };
+  const double c = restitution.value;
+  const double slope = 0.5 * std::abs(at(c - restitution.std) - at(c + restitution.std));
+  return {at(c), slope, true};
+}
+
+/// lambda / k by a damping law.
+IdentifiedParameter damping_over_stiffness(DampingLaw law, const MeasuredImpact& impact) {
+  const IdentifiedParameter factor = factor_of(law, impact.restitution);
+  const double value = factor.value / impact.approach_speed.value;
+  const double speed_share = impact.approach_speed.std / impact.approach_speed.value;
+  return {value, std::hypot(factor.std / impact.approach_speed.value, value * speed_share), true};
+}
+
+/// k from the width w of the pulse: in units of L = (m v^2 / k)^(1/(n+1)) and L / v, the pulse
+/// depends on restitution and exponent only.
+IdentifiedParameter stiffness_of(const ImpactMotion& motion, double restitution, double exponent) {
+  // The sensor averages over its interval, or it does not: half of that width is uncertain.
+  const double sampled = std::pow(motion.sample_width, 2);
+  const double square = std::pow(motion.width, 2) - 0.5 * sampled;
+  if (!(square > 0.0)) return {};
+  const double width = std::sqrt(square);
+  const double width_std =
+      std::hypot(0.5 * sampled, 2.0 * motion.width * motion.width_std) / (2.0 * width);
+  const Impact unit =
+      simulate_impact(HuntCrossley{1.0, exact_damping_factor(restitution), exponent}, 1.0, 1.0);
+  if (!(unit.force_width > 0.0)) return {};
+  const double speed = motion.approach.value;
+  const double length = speed * width / unit.force_width;
+  const double value = motion.mass.value * speed * speed / std::pow(length, exponent + 1.0);
+  const double share =
+      std::hypot((exponent + 1.0) * width_std / width, motion.mass.std / motion.mass.value);
+  return {value, value * share, share < kMaxStiffnessShare};
+}
+
+/// Speed of the object after a push, from the impulse less that of friction [m/s]; empty where the
+/// mass is not known.
+std::optional<double> object_speed(const ContactEpisode& episode, const ObjectParameters& known) {
+  if (!known.mass) return std::nullopt;
+  double impulse = episode.impact->impulse;
+  const double duration = episode.end - episode.begin;
+  const auto& limit = known.limiting_static_friction;
+  if (limit) impulse -= std::min(impulse, limit->value * duration);
+  return impulse / known.mass->value;
+}
+
+/// The restitution of an impact [paper B, eq. 11]. Empty where the object's own speed is not known.
+std::optional<IdentifiedParameter> restitution_of(const ContactEpisode& episode, bool is_fixed,
+                                                  const ObjectParameters& known) {
+  const ImpactMotion& motion = *episode.impact;
+  if (is_fixed) return motion.speed_ratio;
+  const std::optional<double> speed = object_speed(episode, known);
+  if (!speed) return std::nullopt;
+  const Eigen::Vector3d along = Eigen::Vector3d::UnitX();
+  const auto ratio = measured_restitution({.normal = along,
+                                           .tool_before = motion.approach.value * along,
+                                           .tool_after = -motion.separation.value * along,
+                                           .body_after = *speed * along});
+  if (!ratio) return std::nullopt;
+  return IdentifiedParameter{*ratio, motion.speed_ratio.std, true};
+}
+
+MeasuredImpact measure(const ContactEpisode& episode, const IdentifiedParameter& restitution,
+                       double exponent) {
+  MeasuredImpact impact{.t = episode.begin,
+                        .duration = episode.end - episode.begin,
+                        .approach_speed = episode.impact->approach,
+                        .restitution = restitution,
+                        .mass = episode.impact->mass,
+                        .law = best_published_damping_law(restitution.value).law};
+  impact.damping_over_stiffness = damping_over_stiffness(DampingLaw::exact, impact);
+  impact.stiffness = stiffness_of(*episode.impact, restitution.value, exponent);
+  return impact;
+}
+
+/// Mean weighted by the inverse variances; its std grows with a scatter beyond them (Birge ratio).
+template <typename Value>
+IdentifiedParameter weighted_mean(const std::vector<MeasuredImpact>& impacts, const Value& value) {
+  double weights = 0.0, sum = 0.0, chi_squared = 0.0, count = 0.0;
+  std::vector<IdentifiedParameter> used;
+  for (const MeasuredImpact& impact : impacts) {
+    const IdentifiedParameter one = value(impact);
+    if (one.is_excited && one.std > 0.0) used.push_back(one);
+  }
+  if (used.empty()) return {};
+  for (const IdentifiedParameter& one : used) {
+    weights += 1.0 / (one.std * one.std);
+    sum += one.value / (one.std * one.std);
+    count += 1.0;
+  }
+  const double mean = sum / weights;
+  for (const IdentifiedParameter& one : used) {
+    chi_squared += std::pow((one.value - mean) / one.std, 2);
+  }
+  const double birge = count > 1.0 ? std::sqrt(chi_squared / (count - 1.0)) : 1.0;
+  return {mean, std::max(1.0, birge) / std::sqrt(weights), true};
+}
+
+/// The law that the option names, or the one of paper B's criterion, and how it was chosen.
+std::pair<DampingLaw, std::string> choose_law(std::optional<DampingLaw> option,
+                                              double restitution) {
+  if (option) {
+    return {*option, *option == DampingLaw::exact ? "by the exact relation" : "as chosen"};
+  }
+  const DampingScore best = best_published_damping_law(restitution);
+  return {best.law, fmt::format("the published law with the smallest error of the restitution, "
+                                "{:+.1f} % at {:.2f} [paper B, eq. 12]",
+                                100.0 * best.relative_error, restitution)};
+}
+
+/// Whether the impacts' stiffness replaces the known one: where presses, which hardly penetrate a
+/// stiff contact, gave none, or one that contradicts the impacts.
+bool is_stiffness_needed(const ObjectIdentification& result, bool has_press) {
+  const IdentifiedParameter& found = result.impact_findings.stiffness;
+  const auto& known = result.parameters.contact_stiffness;
+  if (!found.is_excited) return false;
+  if (!known) return true;
+  const double share = share_of(as_value(found));
+  if (!has_press) return share < share_of(*known);
+  const bool is_linear = result.presses.best().exponent.value <= 1.0;
+  if (is_linear) return false;  // of another unit
+  const double gap = std::abs(std::log(found.value / known->value));
+  return gap > kContradictionStds * std::hypot(share, share_of(*known));
+}
+
+void take_stiffness(ObjectIdentification& result) {
+  ImpactFindings& found = result.impact_findings;
+  ObjectParameters& parameters = result.parameters;
+  found.gives_stiffness = true;
+  parameters.contact_stiffness = as_value(found.stiffness);
+  parameters.contact_exponent = ParameterValue{found.exponent, {}};
+  parameters.contact_mass.reset();
+  result.is_exponent_given = true;
+  for (auto* counts : {&parameters.sources.presses, &parameters.sources.pushes}) {
+    counts->erase("contact.stiffness");
+    counts->erase("contact.exponent");
+    counts->erase("contact.mass");
+  }
+  parameters.sources.impacts["contact.stiffness"] = static_cast<int>(result.impacts.size());
+}
+
+void take_damping(ObjectIdentification& result, std::optional<DampingLaw> option) {
+  ImpactFindings& found = result.impact_findings;
+  ObjectParameters& parameters = result.parameters;
+  const auto [law, how] = choose_law(option, found.restitution.value);
+  found.law = law;
+  found.choice = how;
+  found.damping_over_stiffness = weighted_mean(result.impacts, [law = law](const auto& impact) {
+    return damping_over_stiffness(law, impact);
+  });
+  // Kelvin-Voigt has another relation.
+  if (!parameters.contact_stiffness ||
+      parameters.contact_exponent.value_or(ParameterValue{1.0}).value <= 1.0) {
+    return;
+  }
+  const ParameterValue& stiffness = *parameters.contact_stiffness;
+  const double value = found.damping_over_stiffness.value * stiffness.value;
+  const double share =
+      std::hypot(found.damping_over_stiffness.std / found.damping_over_stiffness.value,
+                 stiffness.std ? *stiffness.std / stiffness.value : 0.0);
+  const ParameterValue damping{value, value * share};
+  if (parameters.contact_damping && share_of(*parameters.contact_damping) < share) return;
+  parameters.contact_damping = damping;
+  parameters.contact_damping_law = law;
+  found.gives_damping = true;
+  const auto count = static_cast<int>(result.impacts.size());
+  for (auto* counts : {&parameters.sources.presses, &parameters.sources.pushes}) {
+    counts->erase("contact.damping");
+  }
+  parameters.sources.impacts["contact.damping"] = count;
+}
+
+}  // namespace
+
+void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_t object,
+                      std::optional<DampingLaw> damping_law, ObjectIdentification& result) {
+  const ContactFit& press = result.presses.best();
+  const bool has_press = press.is_valid && press.stiffness.is_excited;
+  const bool is_curved = has_press && press.exponent.value > 1.0;
+  const double exponent = is_curved ? press.exponent.value : kHertzExponent;
+  result.impact_findings.exponent = exponent;
+  for (const IdentifiedContact& contact : contacts) {
+    const ContactEpisode& episode = contact.episode;
+    if (contact.object != object || !contact.left_out.empty() || !episode.impact) continue;
+    const bool is_fixed = !result.is_movable || episode.kind == ContactKind::press;
+    const auto restitution = restitution_of(episode, is_fixed, result.parameters);
+    if (!restitution) {
+      result.notes.push_back("the impact at " + at_time(episode.begin) +
+                             " is not used: the object moves, and its mass is not known");
+    } else if (!(restitution->value > 0.0 && restitution->value < 1.0)) {
+      result.notes.push_back(fmt::format(
+          "the impact at {} is not used: a restitution of {:.2f} +- {:.2f} is not physical",
+          at_time(episode.begin), restitution->value, restitution->std));
+    } else {
+      result.impacts.push_back(measure(episode, *restitution, exponent));
+    }
+  }
+  if (result.impacts.empty()) return;
+  ImpactFindings& found = result.impact_findings;
+  found.restitution =
+      weighted_mean(result.impacts, [](const auto& impact) { return impact.restitution; });
+  found.stiffness =
+      weighted_mean(result.impacts, [](const auto& impact) { return impact.stiffness; });
+  if (is_stiffness_needed(result, has_press)) take_stiffness(result);
+  take_damping(result, damping_law);
+}
+
+}  // namespace pcavr
