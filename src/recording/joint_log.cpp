@@ -124,7 +124,9 @@ struct LogRows {
 
 /// The stamps relative to the first, and the numbers by quantity and joint.
 JointLog log_of(ColumnMap map, const LogRows& rows, std::size_t width) {
-  JointLog log{.joints = std::move(map.joints), .lines = rows.lines};
+  JointLog log;
+  log.joints = std::move(map.joints);
+  log.lines = rows.lines;
   log.unused = std::move(map.unused);
   for (const Stamp stamp : rows.stamps) {
     log.t.push_back(to_seconds(stamp - rows.stamps.front()));

@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kMinRows = 8;
 constexpr double kMotionPowerShare = 0.999;
+constexpr double kNoiseMargin = 20.0;  ///< over the mean level of noise: its peaks stay below
 constexpr double kMaxBandwidthOverRate = 0.4;  ///< the bilinear transform needs less than 0.5
 
 /// One section of second order, in the transposed direct form II.
@@ -117,6 +118,67 @@ Eigen::MatrixXd selected_rows(const Eigen::MatrixXd& values, const std::vector<s
   return selected;
 }
 
+/// Signals of the whole log on the grid, filtered.
+struct GridSignals {
+  Eigen::MatrixXd q, dq, ddq, tau;
+};
+
+Eigen::MatrixXd filtered(Eigen::MatrixXd values, double rate, double bandwidth) {
+  for (Eigen::Index j = 0; j < values.cols(); ++j) {
+    values.col(j) = filter_zero_phase(values.col(j), rate, bandwidth);
+  }
+  return values;
+}
+
+Eigen::MatrixXd differentiated(const Eigen::MatrixXd& values, double interval) {
+  Eigen::MatrixXd rates(values.rows(), values.cols());
+  for (Eigen::Index j = 0; j < values.cols(); ++j) {
+    rates.col(j) = differentiate(values.col(j), interval);
+  }
+  return rates;
+}
+
+/// How much later [s] the recorded velocities are than the positions' derivative: the least-squares
+/// shift, to first order around `shift`.
+double lag_step(const Eigen::MatrixXd& recorded, const GridSignals& grid) {
+  const double slope = grid.ddq.squaredNorm();
+  return slope > 0.0 ? (grid.dq - recorded).cwiseProduct(grid.ddq).sum() / slope : 0.0;
+}
+
+/// Mean square of what a signal has above `bandwidth`.
+double noise_power(const Eigen::MatrixXd& values, double rate, double bandwidth) {
+  return (values - filtered(values, rate, bandwidth)).squaredNorm();
+}
+
+/// Uses the recorded velocities, their lag removed, where they agree with the positions and are
+/// less noisy: stamps with jitter cost the positions' derivative, not them.
+void use_recorded_velocity(const JointLog& log, const std::vector<double>& grid, double interval,
+                           JointSignals& signals, GridSignals& on_grid) {
+  constexpr int kLagSteps = 4;
+  constexpr double kMaxLag = 0.05;           // [s] longer ones are faults, not filters
+  constexpr double kMaxDisagreement = 0.05;  // of the rms speed
+  const double rate = 1.0 / interval;
+  Eigen::MatrixXd recorded;
+  double lag = 0.0;
+  for (int step = 0; step <= kLagSteps; ++step) {
+    std::vector<double> at = grid;
+    for (double& t : at) t += lag;
+    recorded = filtered(resampled(log.t, log.velocity, at), rate, signals.bandwidth);
+    if (step == kLagSteps) break;
+    lag += lag_step(recorded, on_grid);
+    if (!(std::abs(lag) < kMaxLag)) return;
+  }
+  signals.velocity_lag = lag;
+  signals.velocity_disagreement = (recorded - on_grid.dq).norm() / on_grid.dq.norm();
+  if (*signals.velocity_disagreement > kMaxDisagreement) return;
+  const Eigen::MatrixXd acceleration = differentiated(recorded, interval);
+  const double low = 0.5 * signals.bandwidth;
+  if (noise_power(acceleration, rate, low) >= noise_power(on_grid.ddq, rate, low)) return;
+  on_grid.dq = recorded;
+  on_grid.ddq = acceleration;
+  signals.is_velocity_recorded = true;
+}
+
 }  // namespace
 
 Eigen::VectorXd filter_zero_phase(const Eigen::VectorXd& values, double rate, double bandwidth) {
@@ -181,10 +243,18 @@ double motion_frequency(const Eigen::MatrixXd& position, double interval) {
   Eigen::VectorXd power;
   double step = 0.0;
   for (Eigen::Index j = 0; j < position.cols(); ++j) {
-    const Spectrum spectrum = power_spectrum(differentiate(position.col(j), interval), interval);
-    if (power.size() == 0) power.setZero(spectrum.power.size());
-    power += spectrum.power;
+    const Spectrum spectrum = power_spectrum(position.col(j), interval);
     step = spectrum.step;
+    // White noise of the positions would dominate the spectrum of the speed: its level is that of
+    // the upper half of the frequencies.
+    const Eigen::Index count = spectrum.power.size();
+    const Eigen::VectorXd upper = spectrum.power.tail(count / 2);
+    const double noise = kNoiseMargin * upper.mean();
+    if (power.size() == 0) power.setZero(count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const double frequency = step * static_cast<double>(k);
+      power[k] += std::max(0.0, spectrum.power[k] - noise) * frequency * frequency;
+    }
   }
   double sum = 0.0;
   for (Eigen::Index k = 0; k < power.size(); ++k) {
@@ -197,22 +267,22 @@ double motion_frequency(const Eigen::MatrixXd& position, double interval) {
 JointSignals joint_signals(const JointLog& log, const JointSignalOptions& options) {
   PCAVR_REQUIRE(log.t.size() >= kMinRows, log.t.size());
   const double interval = median_interval(log.t);
-  const std::vector<double> grid = uniform_grid(log.t, interval);
-  Eigen::MatrixXd q = resampled(log.t, log.position, grid);
-  Eigen::MatrixXd tau = resampled(log.t, log.torque, grid);
-  JointSignals signals{.log_interval = interval};
-  signals.motion_frequency = motion_frequency(q, interval);
   const double rate = 1.0 / interval;
+  const std::vector<double> grid = uniform_grid(log.t, interval);
+  const Eigen::MatrixXd position = resampled(log.t, log.position, grid);
+  JointSignals signals;
+  signals.log_interval = interval;
+  signals.motion_frequency = motion_frequency(position, interval);
   signals.bandwidth = options.bandwidth > 0.0
                           ? options.bandwidth
                           : options.bandwidth_of_motion * signals.motion_frequency;
   signals.bandwidth = std::min(signals.bandwidth, kMaxBandwidthOverRate * rate);
-  Eigen::MatrixXd dq = q, ddq = q;
-  for (Eigen::Index j = 0; j < q.cols(); ++j) {
-    q.col(j) = filter_zero_phase(q.col(j), rate, signals.bandwidth);
-    tau.col(j) = filter_zero_phase(tau.col(j), rate, signals.bandwidth);
-    dq.col(j) = differentiate(q.col(j), interval);
-    ddq.col(j) = differentiate(dq.col(j), interval);
+  GridSignals on_grid{.q = filtered(position, rate, signals.bandwidth), .dq = {}, .ddq = {},
+                      .tau = filtered(resampled(log.t, log.torque, grid), rate, signals.bandwidth)};
+  on_grid.dq = differentiated(on_grid.q, interval);
+  on_grid.ddq = differentiated(on_grid.dq, interval);
+  if (log.velocity.rows() > 0) {
+    use_recorded_velocity(log, grid, interval, signals, on_grid);
   }
   const auto stride = static_cast<std::size_t>(
       std::max(1.0, std::floor(rate / (options.rows_per_period * signals.bandwidth))));
@@ -226,10 +296,10 @@ JointSignals joint_signals(const JointLog& log, const JointSignalOptions& option
     signals.lines.push_back(log.lines[nearest_row(log.t, grid[i])]);
   }
   signals.interval = interval * static_cast<double>(stride);
-  signals.position = selected_rows(q, rows);
-  signals.velocity = selected_rows(dq, rows);
-  signals.acceleration = selected_rows(ddq, rows);
-  signals.torque = selected_rows(tau, rows);
+  signals.position = selected_rows(on_grid.q, rows);
+  signals.velocity = selected_rows(on_grid.dq, rows);
+  signals.acceleration = selected_rows(on_grid.ddq, rows);
+  signals.torque = selected_rows(on_grid.tau, rows);
   return signals;
 }
 

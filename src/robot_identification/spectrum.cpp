@@ -31,7 +31,8 @@ Spectrum power_spectrum(const Eigen::VectorXd& values, double interval) {
   std::vector<std::complex<double>> transform;
   Eigen::FFT<double> fft;
   fft.fwd(transform, windowed);
-  Spectrum spectrum{.step = 1.0 / (interval * static_cast<double>(length))};
+  Spectrum spectrum;
+  spectrum.step = 1.0 / (interval * static_cast<double>(length));
   spectrum.power.resize(static_cast<Eigen::Index>(length / 2));
   const double scale = 2.0 / (window_power * static_cast<double>(length));
   for (std::size_t k = 0; k < length / 2; ++k) {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -29,6 +29,9 @@ struct JointSignals {
   double bandwidth = 0.0;        ///< [Hz] of all signals, -6 dB
   double motion_frequency = 0.0; ///< [Hz] 99.9 % of the joints' squared speed lies below
   double log_interval = 0.0;     ///< [s] median of the log
+  bool is_velocity_recorded = false;            ///< else it is the positions' derivative
+  double velocity_lag = 0.0;                    ///< [s] of recorded velocities after positions
+  std::optional<double> velocity_disagreement;  ///< rms, relative; where they are recorded
   std::vector<double> t;         ///< [s] from the log's first row
   std::vector<int> lines;        ///< of the log's file, of the nearest row
   Eigen::MatrixXd position;      ///< [rad]
@@ -57,8 +60,9 @@ struct JointSignals {
 /// between first and last value were removed.
 [[nodiscard]] double motion_frequency(const Eigen::MatrixXd& position, double interval);
 
-/// Resamples, filters and differentiates. Uses position and torque (or current) alone: velocities
-/// of the log are often filtered with an unknown delay. Rows within 1/bandwidth of the ends and of
+/// Resamples, filters and differentiates. Velocities of the log are used where they agree with the
+/// positions and give less noisy accelerations; the delay of their filter is estimated and removed.
+/// Rows within 1/bandwidth of the ends and of
 /// gaps are left out. Throws ContractError for fewer than 8 rows.
 [[nodiscard]] JointSignals joint_signals(const JointLog& log, const JointSignalOptions& options);
 
