@@ -16,7 +16,7 @@ namespace pcavr {
 namespace {
 
 constexpr std::size_t kMinRows = 8;
-constexpr double kMotionPowerShare = 0.999;
+constexpr double kMotionPowerShare = 0.99999;
 constexpr double kNoiseMargin = 20.0;  ///< over the mean level of noise: its peaks stay below
 constexpr double kMaxBandwidthOverRate = 0.4;  ///< the bilinear transform needs less than 0.5
 
@@ -245,15 +245,13 @@ double motion_frequency(const Eigen::MatrixXd& position, double interval) {
   for (Eigen::Index j = 0; j < position.cols(); ++j) {
     const Spectrum spectrum = power_spectrum(position.col(j), interval);
     step = spectrum.step;
-    // White noise of the positions would dominate the spectrum of the speed: its level is that of
-    // the upper half of the frequencies.
+    // The level of white noise is that of the upper half of the frequencies.
     const Eigen::Index count = spectrum.power.size();
     const Eigen::VectorXd upper = spectrum.power.tail(count / 2);
     const double noise = kNoiseMargin * upper.mean();
     if (power.size() == 0) power.setZero(count);
     for (Eigen::Index k = 0; k < count; ++k) {
-      const double frequency = step * static_cast<double>(k);
-      power[k] += std::max(0.0, spectrum.power[k] - noise) * frequency * frequency;
+      power[k] += std::max(0.0, spectrum.power[k] - noise);
     }
   }
   double sum = 0.0;
@@ -300,6 +298,7 @@ JointSignals joint_signals(const JointLog& log, const JointSignalOptions& option
   signals.velocity = selected_rows(on_grid.dq, rows);
   signals.acceleration = selected_rows(on_grid.ddq, rows);
   signals.torque = selected_rows(on_grid.tau, rows);
+  signals.torque_rate = selected_rows(differentiated(on_grid.tau, interval), rows);
   return signals;
 }
 

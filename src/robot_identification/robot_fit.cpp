@@ -46,6 +46,7 @@ class Fit {
     RobotFit fit;
     fit.joints.resize(joints_.size());
     fit_plainly(fit);
+    remove_torque_lag(fit);
     choose_smoothing();
     fit_friction_terms();
     finish(fit);
@@ -62,10 +63,14 @@ class Fit {
                                                const Selection& selection,
                                                const FitPrior& prior) const;
   void fit_plainly(RobotFit& fit);
+  void remove_torque_lag(RobotFit& fit);
   void choose_smoothing();
+  void set_variance();
   void fit_friction_terms();
   void update_noise(const FitSolution& solution, bool is_robust);
   void select_terms(const BlockSystem& system);
+  [[nodiscard]] bool is_dissipative(const BlockSystem& system, const Selection& selection,
+                                    std::size_t joint) const;
   void choose_prior_scale(const BlockSystem& system);
   void finish(RobotFit& fit);
   [[nodiscard]] FitPrior scaled_prior(double scale) const;
@@ -210,7 +215,38 @@ void Fit::fit_plainly(RobotFit& fit) {
     noise_[at(j)] = std::max(1e-9, std::sqrt(r.head(train_).squaredNorm() / double(train_)));
     correlated_rows_[at(j)] = correlated_rows(r.head(train_));
   }
-  variance_ = noise_.cwiseAbs2().cwiseProduct(correlated_rows_);
+  set_variance();
+}
+
+/// Torques that are late by L are tau(t - L), about tau - L dtau/dt: one further unknown that all
+/// joints share.
+void Fit::remove_torque_lag(RobotFit& fit) {
+  constexpr double kLagPrior = 0.1;  // [s] std: wider than any lag that is looked for
+  std::vector<JointRows> extended = joints_;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    Eigen::MatrixXd& rigid = extended[j].rigid;
+    rigid.conservativeResize(Eigen::NoChange, rigid.cols() + 1);
+    rigid.rightCols<1>() = -signals_.torque_rate.col(at(j));
+  }
+  const Selection selection(joints_.size(),
+                            {column_of(full_library(), FrictionTerm::offset),
+                             column_of(full_library(), FrictionTerm::viscous),
+                             column_of(full_library(), FrictionTerm::coulomb)});
+  FitPrior prior = prior_;
+  prior.mean.conservativeResize(prior.mean.size() + 1);
+  prior.std.conservativeResize(prior.std.size() + 1);
+  prior.mean.tail<1>().setZero();
+  prior.std.tail<1>().setConstant(kLagPrior);
+  const FitSolution solution = solve(block_system(extended, train_, kBlocks),
+                                     std::vector<bool>(kBlocks, true), selection, variance_, prior,
+                                     true);
+  const Eigen::Index place = solution.rigid.size() - 1;
+  fit.torque_lag = solution.rigid[place];
+  fit.torque_lag_std = std::sqrt(solution.covariance(place, place));
+  if (std::abs(fit.torque_lag) < 3.0 * fit.torque_lag_std) fit.torque_lag = 0.0;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    joints_[j].torque += fit.torque_lag * signals_.torque_rate.col(at(j));
+  }
 }
 
 void Fit::choose_smoothing() {
@@ -219,8 +255,7 @@ void Fit::choose_smoothing() {
   const BlockSystem system = train_system();
   set_library_std(system);
   const std::vector<int> common{column_of(library, FrictionTerm::offset),
-                                column_of(library, FrictionTerm::viscous),
-                                column_of(library, FrictionTerm::motor_inertia)};
+                                column_of(library, FrictionTerm::viscous)};
   std::vector<double> best(joints_.size(), std::numeric_limits<double>::max());
   for (std::size_t k = 0; k < kSmoothingSpeeds.size(); ++k) {
     Selection selection(joints_.size(), common);
@@ -249,7 +284,13 @@ void Fit::update_noise(const FitSolution& solution, bool is_robust) {
       joints_[j].weight[i] = std::min(1.0, limit / std::max(limit, std::abs(r[i])));
     }
   }
-  variance_ = noise_.cwiseAbs2().cwiseProduct(correlated_rows_);
+  set_variance();
+}
+
+/// One correlation for all joints: a joint whose residual drifts must not lose its weight.
+void Fit::set_variance() {
+  const double log_mean = correlated_rows_.array().log().mean();
+  variance_ = std::exp(log_mean) * noise_.cwiseAbs2();
 }
 
 /// Adds the term that lowers a joint's cross-validated error the most, until none does by min_gain.
@@ -268,12 +309,14 @@ void Fit::select_terms(const BlockSystem& system) {
           return library[static_cast<std::size_t>(k)].term ==
                  library[static_cast<std::size_t>(column)].term;
         });
-        if (is_used) continue;
+        const bool is_basic = library[static_cast<std::size_t>(column)].term ==
+                              FrictionTerm::motor_inertia;
+        if (is_used || !(is_basic || options_.is_extended)) continue;
         Selection tried = selection_;
         tried[j].push_back(column);
         const Eigen::VectorXd tried_error = cross_validate(system, tried, prior);
         const double score = 0.5 * (tried_error.array() / error.array()).log().sum();
-        if (score >= best_score) continue;
+        if (score >= best_score || !is_dissipative(system, tried, j)) continue;
         best_score = score;
         best = std::move(tried);
       }
@@ -283,6 +326,18 @@ void Fit::select_terms(const BlockSystem& system) {
       is_added = true;
     }
   }
+}
+
+/// Whether viscous and Coulomb friction and motor inertia are positive with these terms:
+/// combinations of opposite signs fit one log, and no other.
+bool Fit::is_dissipative(const BlockSystem& system, const Selection& selection,
+                         std::size_t joint) const {
+  const FitSolution solution = solve(system, std::vector<bool>(kBlocks, true), selection, variance_,
+                                     scaled_prior(prior_scale_));
+  const Eigen::VectorXd& values = solution.library[joint];
+  const auto value = [&](FrictionTerm term) { return values[column_of(full_library(), term)]; };
+  return value(FrictionTerm::viscous) >= 0.0 && value(FrictionTerm::coulomb) >= 0.0 &&
+         value(FrictionTerm::motor_inertia) >= 0.0;
 }
 
 void Fit::choose_prior_scale(const BlockSystem& system) {
@@ -302,8 +357,7 @@ void Fit::fit_friction_terms() {
   const std::vector<bool> all(kBlocks, true);
   selection_.assign(joints_.size(), {column_of(library, FrictionTerm::offset),
                                      column_of(library, FrictionTerm::viscous),
-                                     column_of(library, FrictionTerm::coulomb),
-                                     column_of(library, FrictionTerm::motor_inertia)});
+                                     column_of(library, FrictionTerm::coulomb)});
   set_libraries(library);
   BlockSystem system = train_system();
   set_library_std(system);
@@ -312,7 +366,7 @@ void Fit::fit_friction_terms() {
   update_noise(solution_, true);
   set_libraries(library);
   system = train_system();
-  if (options_.is_extended) select_terms(system);
+  select_terms(system);
   choose_prior_scale(system);
   for (int round = 0; round < kRobustRounds; ++round) {
     solution_ = solve(system, all, selection_, variance_, scaled_prior(prior_scale_));

@@ -27,7 +27,7 @@ struct JointSignalOptions {
 struct JointSignals {
   double interval = 0.0;         ///< [s] between rows
   double bandwidth = 0.0;        ///< [Hz] of all signals, -6 dB
-  double motion_frequency = 0.0; ///< [Hz] 99.9 % of the joints' squared speed lies below
+  double motion_frequency = 0.0; ///< [Hz] the motion's power above it is 1e-5 of the whole
   double log_interval = 0.0;     ///< [s] median of the log
   bool is_velocity_recorded = false;            ///< else it is the positions' derivative
   double velocity_lag = 0.0;                    ///< [s] of recorded velocities after positions
@@ -38,6 +38,7 @@ struct JointSignals {
   Eigen::MatrixXd velocity;      ///< [rad/s]
   Eigen::MatrixXd acceleration;  ///< [rad/s^2]
   Eigen::MatrixXd torque;        ///< [N m]
+  Eigen::MatrixXd torque_rate;   ///< [N m/s]
 };
 
 /// Butterworth low-pass of order 4, forward and backward: no phase, -6 dB at `bandwidth` [Hz]. At
@@ -56,8 +57,8 @@ struct JointSignals {
                                           const Eigen::VectorXd& values,
                                           const std::vector<double>& at);
 
-/// Frequency [Hz] below which 99.9 % of the power of all columns lies, after their straight lines
-/// between first and last value were removed.
+/// Frequency [Hz] above which lies 1e-5 of the power of all columns about their means, noise left
+/// out: amplitudes of 0.3 % of the motion's.
 [[nodiscard]] double motion_frequency(const Eigen::MatrixXd& position, double interval);
 
 /// Resamples, filters and differentiates. Velocities of the log are used where they agree with the
