@@ -98,6 +98,7 @@ struct RobotJoint {
   /// Index in the vectors q, dq, ddq, tau. The joint's position is multiplier * q + offset, with
   /// 1 and 0 except for joints that mimic another: those share its coordinate.
   std::size_t coordinate = 0;
+  bool mimics = false;  ///< whether it follows another joint, which has the same coordinate
   double multiplier = 1.0;
   double offset = 0.0;  ///< [rad] or [m]
 
