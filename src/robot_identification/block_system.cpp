@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "robot_identification/block_system.hpp"
 
-#include <cmath>
+#include <algorithm>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -135,15 +136,22 @@ FitSolution solve(const BlockSystem& system, const std::vector<bool>& use,
     solution.covariance = std.asDiagonal() *
                           factors.solve(Eigen::MatrixXd::Identity(unknowns, unknowns)) *
                           std.asDiagonal();
+    const Eigen::VectorXd inverse = std.cwiseInverse();
+    solution.information = inverse.asDiagonal() * scaled * inverse.asDiagonal();
   }
-  solution.rigid = solution.ordered.head(system.rigid);
-  for (std::size_t j = 0; j < selection.size(); ++j) {
-    Eigen::VectorXd& library = solution.library.emplace_back(Eigen::VectorXd::Zero(system.library));
-    for (std::size_t i = 0; i < places[j].size(); ++i) {
-      library[selection[j][i]] = solution.ordered[places[j][i]];
-    }
-  }
+  set_ordered(std::move(solution.ordered), system, selection, solution);
   return solution;
+}
+
+void set_ordered(Eigen::VectorXd ordered, const BlockSystem& system, const Selection& selection,
+                 FitSolution& solution) {
+  solution.ordered = std::move(ordered);
+  solution.rigid = solution.ordered.head(system.rigid);
+  solution.library.assign(selection.size(), Eigen::VectorXd::Zero(system.library));
+  Eigen::Index place = system.rigid;
+  for (std::size_t j = 0; j < selection.size(); ++j) {
+    for (const int column : selection[j]) solution.library[j][column] = solution.ordered[place++];
+  }
 }
 
 }  // namespace pcavr

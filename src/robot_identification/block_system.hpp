@@ -56,6 +56,7 @@ struct FitSolution {
   Eigen::VectorXd rigid;
   std::vector<Eigen::VectorXd> library;  ///< by joint, all columns; 0 where not selected
   Eigen::MatrixXd covariance;            ///< of `ordered`
+  Eigen::MatrixXd information;           ///< its inverse
   Eigen::VectorXd ordered;               ///< rigid, then the selected columns joint by joint
 
   /// Parameters of one joint's rows: rigid and library.
@@ -66,5 +67,9 @@ struct FitSolution {
 [[nodiscard]] FitSolution solve(const BlockSystem& system, const std::vector<bool>& use,
                                 const Selection& selection, const Eigen::VectorXd& variance,
                                 const FitPrior& prior, bool with_covariance = false);
+
+/// Replaces the values of a solution; covariance and information stay.
+void set_ordered(Eigen::VectorXd ordered, const BlockSystem& system, const Selection& selection,
+                 FitSolution& solution);
 
 }  // namespace pcavr

@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kMinRows = 8;
 constexpr double kMotionPowerShare = 0.99999;
 constexpr double kNoiseMargin = 20.0;  ///< over the mean level of noise: its peaks stay below
+constexpr double kAutomaticBandwidthOverRate = 0.1;  ///< differences are exact to 0.1 % there
 constexpr double kMaxBandwidthOverRate = 0.4;  ///< the bilinear transform needs less than 0.5
 
 /// One section of second order, in the transposed direct form II.
@@ -273,7 +274,8 @@ JointSignals joint_signals(const JointLog& log, const JointSignalOptions& option
   signals.motion_frequency = motion_frequency(position, interval);
   signals.bandwidth = options.bandwidth > 0.0
                           ? options.bandwidth
-                          : options.bandwidth_of_motion * signals.motion_frequency;
+                          : std::min(options.bandwidth_of_motion * signals.motion_frequency,
+                                     kAutomaticBandwidthOverRate * rate);
   signals.bandwidth = std::min(signals.bandwidth, kMaxBandwidthOverRate * rate);
   GridSignals on_grid{.q = filtered(position, rate, signals.bandwidth), .dq = {}, .ddq = {},
                       .tau = filtered(resampled(log.t, log.torque, grid), rate, signals.bandwidth)};

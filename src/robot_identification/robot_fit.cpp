@@ -11,8 +11,10 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/median.hpp"
 
+#include "robot_identification/base_parameters.hpp"
 #include "robot_identification/block_system.hpp"
 #include "robot_identification/fit_rows.hpp"
+#include "robot_identification/physical_fit.hpp"
 
 namespace pcavr {
 namespace {
@@ -25,6 +27,8 @@ constexpr double kWide = 1e4;             ///< std that leaves a parameter to th
 /// Factors of the prior's std that cross-validation chooses from.
 constexpr std::array<double, 6> kPriorScales{0.03, 0.1, 0.3, 1.0, 3.0, 10.0};
 constexpr int kRobustRounds = 2;
+/// Smallest over largest eigenvalue of a pseudo-inertia that counts as positive definite.
+constexpr double kMinPhysicalMargin = 1e-7;
 
 Eigen::Index at(std::size_t index) { return static_cast<Eigen::Index>(index); }
 
@@ -72,6 +76,7 @@ class Fit {
   [[nodiscard]] bool is_dissipative(const BlockSystem& system, const Selection& selection,
                                     std::size_t joint) const;
   void choose_prior_scale(const BlockSystem& system);
+  void make_physical(const BlockSystem& system);
   void finish(RobotFit& fit);
   [[nodiscard]] FitPrior scaled_prior(double scale) const;
   [[nodiscard]] TorqueError error_of(std::size_t joint, const Eigen::VectorXd& residuals,
@@ -113,6 +118,16 @@ double robust_std(const Eigen::VectorXd& residual) {
     sizes[static_cast<std::size_t>(i)] = std::abs(residual[i]);
   }
   return 1.4826 * median(std::move(sizes));  // a normal's std over its median deviation
+}
+
+/// The body itself, or where none can have these parameters a sphere of its mass.
+Eigen::Matrix<double, 10, 1> possible_body(const Eigen::Matrix<double, 10, 1>& parameters) {
+  constexpr double kRadiusOfGyration = 0.1;  // [m]
+  if (physical_margin(parameters) > kMinPhysicalMargin) return parameters;
+  Eigen::Matrix<double, 10, 1> sphere = Eigen::Matrix<double, 10, 1>::Zero();
+  sphere[0] = std::max(parameters[0], 0.1);
+  sphere[4] = sphere[7] = sphere[9] = sphere[0] * kRadiusOfGyration * kRadiusOfGyration;
+  return sphere;
 }
 
 FitPrior Fit::rigid_prior() const {
@@ -374,6 +389,23 @@ void Fit::fit_friction_terms() {
     system = train_system();
   }
   solution_ = solve(system, all, selection_, variance_, scaled_prior(prior_scale_), true);
+  if (options_.is_physical && !options_.known_body) make_physical(system);
+}
+
+/// Moves the solution to the nearest possible bodies, in the metric of its own covariance.
+void Fit::make_physical(const BlockSystem& system) {
+  const Eigen::Index bodies = at(joints_.size());
+  bool is_possible = true;
+  for (Eigen::Index body = 0; body < bodies; ++body) {
+    is_possible &= physical_margin(solution_.rigid.segment<10>(10 * body)) > kMinPhysicalMargin;
+  }
+  if (is_possible) return;
+  Eigen::VectorXd start = solution_.ordered;
+  for (Eigen::Index body = 0; body < bodies; ++body) {
+    start.segment<10>(10 * body) = possible_body(prior_.mean.segment<10>(10 * body));
+  }
+  set_ordered(fit_physical(solution_.ordered, solution_.information, start, bodies), system,
+              selection_, solution_);
 }
 
 TorqueError Fit::error_of(std::size_t joint, const Eigen::VectorXd& residuals,
@@ -414,9 +446,25 @@ void Fit::finish(RobotFit& fit) {
     fit.fitted_torque.col(at(j)) = joints_[j].torque - r;
   }
   fit.prior_scale = prior_scale_;
+  fit.is_physical = true;
+  for (Eigen::Index body = 0; body < at(joints_.size()); ++body) {
+    fit.is_physical &= physical_margin(solution_.rigid.segment<10>(10 * body)) > 0.0;
+  }
+  fit.base_parameters = base_parameters(
+      model_, solution_.rigid,
+      solution_.covariance.topLeftCorner(solution_.rigid.size(), solution_.rigid.size()),
+      scaled_prior(prior_scale_).std);
 }
 
 }  // namespace
+
+RobotModel RobotFit::robot(const RobotModel& described) const {
+  RobotModel model = with_inertial_parameters(described, inertial_parameters);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    model.joints[j].armature = joints[j].value_of(FrictionTerm::motor_inertia);
+  }
+  return model;
+}
 
 RobotFit fit_robot(const JointSignals& signals, const RobotModel& model,
                    const RobotFitOptions& options) {

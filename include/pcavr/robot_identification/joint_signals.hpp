@@ -29,6 +29,7 @@ struct JointSignals {
   double bandwidth = 0.0;        ///< [Hz] of all signals, -6 dB
   double motion_frequency = 0.0; ///< [Hz] the motion's power above it is 1e-5 of the whole
   double log_interval = 0.0;     ///< [s] median of the log
+  bool is_sign_changed = false;  ///< torques are those of the log times -1
   bool is_velocity_recorded = false;            ///< else it is the positions' derivative
   double velocity_lag = 0.0;                    ///< [s] of recorded velocities after positions
   std::optional<double> velocity_disagreement;  ///< rms, relative; where they are recorded
