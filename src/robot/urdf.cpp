@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/robot/urdf.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "pcavr/core/input_file.hpp"
+#include "pcavr/core/output.hpp"
+
+#include "robot/urdf_builder.hpp"
+#include "robot/urdf_structure.hpp"
+#include "robot/urdfdom_model.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Descriptions have some 100 kB; meshes are in files of their own.
+constexpr std::uintmax_t kMaxSize = 16'000'000;
+
+/// urdfdom names links and joints in its messages, but no lines.
+Error error_of(const robot::UrdfdomResult& result, const robot::UrdfStructure& structure,
+               const std::filesystem::path& file) {
+  Error error{"is not a valid robot description", file.string(), 0, "",
+              "check it by check_urdf of Debian's liburdfdom-tools"};
+  if (result.errors.empty()) return error;
+  error.message = result.errors.front();
+  const auto find_in = [&](const auto& elements, const char* kind) {
+    for (const auto& element : elements) {
+      const bool is_named =
+          error.message.find("[" + element.name + "]") != std::string::npos ||
+          error.message.find("'" + element.name + "'") != std::string::npos;
+      if (!is_named || error.line != 0) continue;
+      error.line = element.line;
+      error.place = fmt::format("{} '{}'", kind, element.name);
+    }
+  };
+  find_in(structure.joints, "joint");
+  find_in(structure.links, "link");
+  return error;
+}
+
+}  // namespace
+
+Expected<RobotModel> read_urdf(const std::filesystem::path& file, const UrdfOptions& options) {
+  const Expected<std::uintmax_t> size = regular_file_size(file);
+  if (!size) return size.error();
+  if (*size > kMaxSize) {
+    return Error{fmt::format("has {} bytes; at most {} are read", *size, kMaxSize), file.string(), 0,
+                 "", "a robot description in URDF is expected"};
+  }
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  return parse_urdf(*text, file, options);
+}
+
+Expected<RobotModel> parse_urdf(const std::string& text, const std::filesystem::path& file,
+                                const UrdfOptions& options) {
+  const Expected<robot::UrdfStructure> structure = robot::parse_urdf_structure(text, file);
+  if (!structure) return structure.error();
+  const robot::UrdfdomResult parsed = robot::parse_by_urdfdom(text);
+  if (!parsed.model) return error_of(parsed, *structure, file);
+  Expected<RobotModel> model = robot::build_robot(*parsed.model, *structure, file, options);
+  if (!model) return model;
+  robot::InertiaFindings inertias = robot::check_inertias(*model, *structure);
+  if (options.requires_inertia && !inertias.faults.empty()) return inertias.faults.front();
+  for (std::vector<Error>* list : {&inertias.faults, &inertias.doubts}) {
+    for (Error& finding : *list) model->warnings.push_back(std::move(finding));
+  }
+  return model;
+}
+
+}  // namespace pcavr
