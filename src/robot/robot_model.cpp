@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "pcavr/core/check.hpp"
@@ -97,6 +98,80 @@ bool RobotModel::has_inertia() const {
     if (joint.parent && joint.body.mass > 0.0) has_mass[*joint.parent] = true;
   }
   return true;
+}
+
+namespace {
+
+Pose motion_of(const RobotJoint& joint, double position) {
+  if (joint.kind == JointKind::kPrismatic) {
+    return Pose::from_translation(position * joint.axis);
+  }
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(position, joint.axis)), Eigen::Vector3d::Zero()};
+}
+
+/// The position at which each joint is locked; nothing for those that stay movable.
+std::vector<std::optional<double>> locked_positions(const RobotModel& model,
+                                                    const std::vector<LockedJoint>& locked) {
+  std::vector<std::optional<double>> by_coordinate(model.dof);
+  for (const LockedJoint& lock : locked) {
+    const std::optional<std::size_t> index = model.joint_index(lock.name);
+    PCAVR_REQUIRE(index.has_value() && !model.joints[*index].mimics, lock.name);
+    PCAVR_REQUIRE(std::isfinite(lock.position), lock.name, lock.position);
+    by_coordinate[model.joints[*index].coordinate] = lock.position;
+  }
+  std::vector<std::optional<double>> positions;
+  for (const RobotJoint& joint : model.joints) {
+    const std::optional<double> q = by_coordinate[joint.coordinate];
+    positions.push_back(q ? std::optional(joint.multiplier * *q + joint.offset) : std::nullopt);
+  }
+  return positions;
+}
+
+/// Where the frame of a joint of the old model is in the new one: what carries it, and its place.
+struct CarriedFrame {
+  std::optional<std::size_t> joint;
+  Pose T_carrier_frame;
+};
+
+}  // namespace
+
+RobotModel lock_joints(const RobotModel& model, const std::vector<LockedJoint>& locked) {
+  const std::vector<std::optional<double>> positions = locked_positions(model, locked);
+  RobotModel reduced = model;
+  reduced.joints.clear();
+  std::vector<CarriedFrame> frames;
+  std::vector<std::optional<std::size_t>> coordinates(model.dof);
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    RobotJoint joint = model.joints[i];
+    const CarriedFrame parent = joint.parent ? frames[*joint.parent] : CarriedFrame{};
+    const Pose T_carrier_joint = parent.T_carrier_frame * joint.T_parent_joint;
+    if (positions[i]) {
+      const CarriedFrame frame{parent.joint, T_carrier_joint * motion_of(joint, *positions[i])};
+      if (parent.joint) {
+        RigidInertia& body = reduced.joints[*parent.joint].body;
+        body = body + transform(frame.T_carrier_frame, joint.body);
+      }
+      frames.push_back(frame);
+      continue;
+    }
+    joint.parent = parent.joint;
+    joint.T_parent_joint = T_carrier_joint;
+    frames.push_back({reduced.joints.size(), {}});
+    reduced.joints.push_back(joint);
+  }
+  // Coordinates keep their order.
+  reduced.dof = 0;
+  for (const std::size_t leader : model.coordinate_joints()) {
+    if (!positions[leader]) coordinates[model.joints[leader].coordinate] = reduced.dof++;
+  }
+  for (RobotJoint& joint : reduced.joints) joint.coordinate = coordinates[joint.coordinate].value();
+  for (RobotLink& link : reduced.links) {
+    if (!link.joint) continue;
+    const CarriedFrame& frame = frames[*link.joint];
+    link.joint = frame.joint;
+    link.T_joint_link = frame.T_carrier_frame * link.T_joint_link;
+  }
+  return reduced;
 }
 
 Eigen::VectorXd inertial_parameters(const RobotModel& model) {

@@ -30,8 +30,9 @@ State random_state(Random& random, std::size_t dof) {
           random_vector(random, dof, 20.0)};
 }
 
-// Rounding, some 1e-15 by operation; the condition of the mass matrix (up to 1e4 here) comes on top.
-constexpr double kMaxInverseError = 1e-13;
+// Rounding, some 1e-15 by operation, times the condition: of the mass matrix (up to 1e4 here), or of
+// a torque in which gravity and inertia nearly cancel.
+constexpr double kMaxInverseError = 1e-12;
 constexpr double kMaxForwardError = 1e-12;
 
 TEST(RobotDynamics, AgreesWithKdlOnRandomChains) {
