@@ -98,7 +98,14 @@ Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration
   if (!folder) return folder.error();
   const Expected<RobotModel> model = read_urdf(arguments.robot);
   if (!model) return model.error();
-  for (const Error& warning : model->warnings) observer.on_warning(warning.to_string());
+  for (const Error& warning : model->warnings) {
+    // Shapes have no part in it.
+    const bool is_of_shape = warning.message.find("visual") != std::string::npos ||
+                             warning.message.find("collision") != std::string::npos ||
+                             warning.place.find("visual") != std::string::npos ||
+                             warning.place.find("collision") != std::string::npos;
+    if (!is_of_shape) observer.on_warning(warning.to_string());
+  }
   const Expected<JointLog> log = read_joint_log(arguments.log, arguments.skip_bad);
   if (!log) return log.error();
   RobotIdentificationOptions options = configuration.robot_identification;

@@ -70,6 +70,10 @@ std::vector<std::string> signal_notes(const JointSignals& signals, const SampleC
         "sample and {} samples are missing; stamps were replaced by whole cycles",
         clock.tick * 1e3, clock.repeated, clock.skipped));
   }
+  if (signals.rows_at_rest > 0) {
+    notes.push_back(fmt::format("{} rows at rest are left out: friction is not determined there",
+                                signals.rows_at_rest));
+  }
   if (signals.velocity_disagreement) {
     notes.push_back(fmt::format(
         "recorded velocities are {:.2g} ms after the positions and differ by {:.2g} %; {} used",
@@ -160,8 +164,8 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
     shown.errors.insert(shown.errors.begin(), fault);
   }
   if (!shown.errors.empty()) return first_of(shown.errors, file);
-  for (const auto* warnings : {&rows.warnings, &shown.warnings}) {
-    for (const Error& warning : *warnings) found.notes.push_back(text_of(warning));
+  for (const LogFindings& findings : {rows, shown}) {
+    for (const Error& warning : findings.warnings) found.notes.push_back(text_of(warning));
   }
   for (std::string& note : signal_notes(found.signals, found.clock)) {
     found.notes.push_back(std::move(note));

@@ -17,6 +17,8 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kLimitMargin = 0.05;    ///< [rad] beyond a limit that calibration may explain
 constexpr double kFastestJoint = 30.0;   ///< [rad/s] beyond the rating of any arm's joint
+constexpr double kMissedTravel = 0.03;   ///< [rad] of some milliseconds that a logger missed
+constexpr double kInMotion = 0.2;        ///< of the 95th percentile of steps: the joint moves
 constexpr Eigen::Index kStuckRows = 5;   ///< bit-identical rows in motion
 constexpr double kStuckJump = 3.0;       ///< [steps before] by which a stuck joint returns
 constexpr Eigen::Index kSaturatedRows = 5;
@@ -67,7 +69,7 @@ void check_jumps(JointLog& log, const RobotModel& model, LogFindings& findings) 
       const double before = log.position(i - 1, j);
       double step = log.position(i, j) + turns - before;
       const auto at = static_cast<std::size_t>(i);
-      const double room = fastest * (log.t[at] - log.t[at - 1]) + 1e-3;
+      const double room = fastest * (log.t[at] - log.t[at - 1]) + kMissedTravel;
       if (std::abs(step) > room && std::abs(step) > 0.5 * kTurn) {
         const double whole = kTurn * std::round(step / kTurn);
         if (std::abs(step - whole) <= std::max(room, 0.1)) {
@@ -98,6 +100,11 @@ void check_jumps(JointLog& log, const RobotModel& model, LogFindings& findings) 
 std::optional<Error> stuck_joint(const JointLog& log, Eigen::Index j) {
   const auto q = [&](Eigen::Index i) { return log.position(i, j); };
   const Eigen::Index rows = log.position.rows();
+  std::vector<double> steps;
+  for (Eigen::Index i = 1; i < rows; ++i) steps.push_back(std::abs(q(i) - q(i - 1)));
+  const auto high = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() * 19 / 20);
+  std::nth_element(steps.begin(), high, steps.end());
+  const double moving = kInMotion * *high;
   for (Eigen::Index i = 2; i < rows; ++i) {
     if (q(i) != q(i - 1) || q(i - 1) == q(i - 2)) continue;
     Eigen::Index end = i;
@@ -110,7 +117,7 @@ std::optional<Error> stuck_joint(const JointLog& log, Eigen::Index j) {
       const double jump = q(end + 1) - q(end);
       const bool catches_up = std::abs(jump) > kStuckJump * std::abs(step) &&
                               std::abs(jump) > 0.3 * std::abs(step) * static_cast<double>(length);
-      if (catches_up && step * jump > 0.0) {
+      if (catches_up && step * jump > 0.0 && std::abs(step) > moving) {
         return finding(log, j, i,
                        fmt::format("position does not change for {} rows while the joint moves",
                                    length + 1),

@@ -94,6 +94,25 @@ std::vector<bool> usable(const std::vector<double>& t, const std::vector<double>
   return is_usable;
 }
 
+/// Excludes stretches of more than `max_rest` rows in which all joints rest; returns their rows.
+std::size_t exclude_rest(const Eigen::MatrixXd& velocity, std::size_t max_rest,
+                         std::vector<bool>& is_usable) {
+  constexpr double kRestShare = 0.01;  // of the rms of the sum of all speeds
+  const Eigen::VectorXd speed = velocity.rowwise().norm();
+  const double limit =
+      kRestShare * std::sqrt(speed.squaredNorm() / static_cast<double>(speed.size()));
+  std::size_t excluded = 0, begin = 0;
+  for (std::size_t i = 0; i <= is_usable.size(); ++i) {
+    if (i < is_usable.size() && speed[static_cast<Eigen::Index>(i)] < limit) continue;
+    if (i - begin > max_rest) {
+      for (std::size_t k = begin; k < i; ++k) is_usable[k] = false;
+      excluded += i - begin;
+    }
+    begin = i + 1;
+  }
+  return excluded;
+}
+
 std::size_t nearest_row(const std::vector<double>& t, double at) {
   const auto after = std::lower_bound(t.begin(), t.end(), at);
   if (after == t.begin()) return 0;
@@ -286,8 +305,10 @@ JointSignals joint_signals(const JointLog& log, const JointSignalOptions& option
   }
   const auto stride = static_cast<std::size_t>(
       std::max(1.0, std::floor(rate / (options.rows_per_period * signals.bandwidth))));
-  const std::vector<bool> is_usable =
+  std::vector<bool> is_usable =
       usable(log.t, grid, 1.0 / signals.bandwidth, std::max(options.max_gap, 2.5 * interval));
+  signals.rows_at_rest = exclude_rest(
+      on_grid.dq, static_cast<std::size_t>(std::ceil(options.max_rest * rate)), is_usable);
   std::vector<std::size_t> rows;
   for (std::size_t i = 0; i < grid.size(); i += stride) {
     if (!is_usable[i]) continue;

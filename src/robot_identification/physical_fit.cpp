@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "robot_identification/physical_fit.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -36,13 +39,19 @@ Vector10d parameters_of(const Eigen::Matrix4d& pseudo) {
   return p;
 }
 
+/// What the exponentials of the diagonal are added to: a body of 1 kg then extends 1 mm at least,
+/// and has 0.1 g. Without it, fits at the border of the possible run to minus infinity.
+constexpr std::array<double, 4> kMinDiagonal{1e-3, 1e-3, 1e-3, 1e-2};
+/// Beyond it nothing is finite any more.
+constexpr double kMaxLog = 50.0;
+
 /// Lower triangle with the logarithms of its diagonal, row by row.
 Eigen::Matrix4d factor_of(const double* logs) {
   Eigen::Matrix4d factor = Eigen::Matrix4d::Zero();
   int k = 0;
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < row; ++column) factor(row, column) = logs[k++];
-    factor(row, row) = std::exp(logs[k++]);
+    factor(row, row) = kMinDiagonal[static_cast<std::size_t>(row)] + std::exp(logs[k++]);
   }
   return factor;
 }
@@ -53,7 +62,8 @@ Vector10d logs_of(const Vector10d& parameters) {
   int k = 0;
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < row; ++column) logs[k++] = factor(row, column);
-    logs[k++] = std::log(factor(row, row));
+    const double least = kMinDiagonal[static_cast<std::size_t>(row)];
+    logs[k++] = std::log(std::max(factor(row, row) - least, least));
   }
   return logs;
 }
@@ -66,7 +76,8 @@ Eigen::Matrix<double, 10, 10> derivative(const double* logs) {
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column <= row; ++column) {
       Eigen::Matrix4d change = Eigen::Matrix4d::Zero();
-      change(row, column) = row == column ? factor(row, row) : 1.0;
+      change(row, column) =
+          row == column ? factor(row, row) - kMinDiagonal[static_cast<std::size_t>(row)] : 1.0;
       const Eigen::Matrix4d product = change * factor.transpose();
       jacobian.col(k++) = parameters_of(product + product.transpose());
     }
@@ -86,6 +97,9 @@ class PhysicalCost final : public ceres::CostFunction {
   bool Evaluate(double const* const* blocks, double* residuals,
                 double** jacobians) const override {
     const Eigen::Index size = centre_.size();
+    if (!(Eigen::Map<const Eigen::VectorXd>(blocks[0], 10 * bodies_).maxCoeff() < kMaxLog)) {
+      return false;
+    }
     Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(blocks[0], size);
     for (Eigen::Index body = 0; body < bodies_; ++body) {
       const Eigen::Matrix4d factor = factor_of(blocks[0] + 10 * body);

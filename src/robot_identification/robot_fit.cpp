@@ -265,6 +265,10 @@ void Fit::remove_torque_lag(RobotFit& fit) {
 }
 
 void Fit::choose_smoothing() {
+  if (options_.smoothing_speed > 0.0) {
+    smoothing_.assign(joints_.size(), options_.smoothing_speed);
+    return;
+  }
   const std::vector<LibraryColumn>& library = smoothing_library();
   set_libraries(library);
   const BlockSystem system = train_system();

@@ -19,6 +19,7 @@ struct JointSignalOptions {
   double bandwidth;            ///< [Hz] -6 dB of the zero-phase filter; 0: from the motion
   double bandwidth_of_motion;  ///< bandwidth over the frequency below which the motion lies
   double rows_per_period;      ///< rows kept per period of the bandwidth (decimation)
+  double max_rest;             ///< [s] longer ones of all joints are left out
   double max_gap;              ///< [s] longer intervals without rows are left out
 };
 [[nodiscard]] OptionSection section_of(JointSignalOptions& options);
@@ -28,6 +29,7 @@ struct JointSignals {
   double interval = 0.0;         ///< [s] between rows
   double bandwidth = 0.0;        ///< [Hz] of all signals, -6 dB
   double motion_frequency = 0.0; ///< [Hz] the motion's power above it is 1e-5 of the whole
+  std::size_t rows_at_rest = 0;  ///< left out: friction at rest is not determined
   double log_interval = 0.0;     ///< [s] median of the log
   bool is_sign_changed = false;  ///< torques are those of the log times -1
   bool is_velocity_recorded = false;            ///< else it is the positions' derivative
