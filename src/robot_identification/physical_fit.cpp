@@ -2,23 +2,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "robot_identification/physical_fit.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
+#include <limits>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <ceres/ceres.h>
-
-#include "pcavr/core/check.hpp"
 
 namespace pcavr {
 namespace {
 
 using Vector10d = Eigen::Matrix<double, 10, 1>;
+using Matrix10d = Eigen::Matrix<double, 10, 10>;
 
-/// The pseudo-inertia: second moments of the mass, first moments, mass.
+/// Weight of the barrier at the end: four times it, a body, is what the minimum may be missed by,
+/// in units of a unit variance.
+constexpr double kLastBarrier = 0.01;
+constexpr double kBarrierStep = 0.2;
+constexpr int kMaxNewtonSteps = 50;
+constexpr double kConverged = 1e-6;  ///< Newton's decrement
+
+/// The pseudo-inertia: second moments of the mass, first moments, mass. Linear in the parameters.
 Eigen::Matrix4d pseudo_inertia(const Vector10d& p) {
   Eigen::Matrix3d inertia;
   inertia << p[4], p[5], p[6], p[5], p[7], p[8], p[6], p[8], p[9];
@@ -30,96 +34,69 @@ Eigen::Matrix4d pseudo_inertia(const Vector10d& p) {
   return pseudo;
 }
 
-Vector10d parameters_of(const Eigen::Matrix4d& pseudo) {
-  const Eigen::Matrix3d moments = pseudo.topLeftCorner<3, 3>();
-  const Eigen::Matrix3d inertia = moments.trace() * Eigen::Matrix3d::Identity() - moments;
-  Vector10d p;
-  p << pseudo(3, 3), pseudo.topRightCorner<3, 1>(), inertia(0, 0), inertia(0, 1), inertia(0, 2),
-      inertia(1, 1), inertia(1, 2), inertia(2, 2);
-  return p;
-}
-
-/// What the exponentials of the diagonal are added to: a body of 1 kg then extends 1 mm at least,
-/// and has 0.1 g. Without it, fits at the border of the possible run to minus infinity.
-constexpr std::array<double, 4> kMinDiagonal{1e-3, 1e-3, 1e-3, 1e-2};
-/// Beyond it nothing is finite any more.
-constexpr double kMaxLog = 50.0;
-
-/// Lower triangle with the logarithms of its diagonal, row by row.
-Eigen::Matrix4d factor_of(const double* logs) {
-  Eigen::Matrix4d factor = Eigen::Matrix4d::Zero();
-  int k = 0;
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < row; ++column) factor(row, column) = logs[k++];
-    factor(row, row) = kMinDiagonal[static_cast<std::size_t>(row)] + std::exp(logs[k++]);
-  }
-  return factor;
-}
-
-Vector10d logs_of(const Vector10d& parameters) {
-  const Eigen::Matrix4d factor = pseudo_inertia(parameters).llt().matrixL();
-  Vector10d logs;
-  int k = 0;
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < row; ++column) logs[k++] = factor(row, column);
-    const double least = kMinDiagonal[static_cast<std::size_t>(row)];
-    logs[k++] = std::log(std::max(factor(row, row) - least, least));
-  }
-  return logs;
-}
-
-/// The derivative of a body's parameters by its logs.
-Eigen::Matrix<double, 10, 10> derivative(const double* logs) {
-  const Eigen::Matrix4d factor = factor_of(logs);
-  Eigen::Matrix<double, 10, 10> jacobian;
-  int k = 0;
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column <= row; ++column) {
-      Eigen::Matrix4d change = Eigen::Matrix4d::Zero();
-      change(row, column) =
-          row == column ? factor(row, row) - kMinDiagonal[static_cast<std::size_t>(row)] : 1.0;
-      const Eigen::Matrix4d product = change * factor.transpose();
-      jacobian.col(k++) = parameters_of(product + product.transpose());
+/// The derivative of the pseudo-inertia by each parameter.
+const std::array<Eigen::Matrix4d, 10>& pseudo_derivatives() {
+  static const std::array<Eigen::Matrix4d, 10> derivatives = [] {
+    std::array<Eigen::Matrix4d, 10> all;
+    for (int k = 0; k < 10; ++k) {
+      all[static_cast<std::size_t>(k)] = pseudo_inertia(Vector10d::Unit(k));
     }
-  }
-  return jacobian;
+    return all;
+  }();
+  return derivatives;
 }
 
-/// root' (x - centre), root root' = information.
-class PhysicalCost final : public ceres::CostFunction {
+/// The quadratic cost with the bodies' barriers.
+class BarrierCost {
  public:
-  PhysicalCost(Eigen::VectorXd centre, Eigen::MatrixXd root, Eigen::Index bodies)
-      : centre_(std::move(centre)), root_(std::move(root)), bodies_(bodies) {
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(centre_.size()));
-    set_num_residuals(static_cast<int>(centre_.size()));
+  BarrierCost(const Eigen::VectorXd& centre, const Eigen::MatrixXd& information,
+              Eigen::Index bodies)
+      : centre_(centre), information_(information), bodies_(bodies) {}
+
+  /// Infinite where a body is not possible.
+  [[nodiscard]] double value(const Eigen::VectorXd& x, double barrier) const {
+    double logs = 0.0;
+    for (Eigen::Index body = 0; body < bodies_; ++body) {
+      const Eigen::LLT<Eigen::Matrix4d> factors(pseudo_inertia(x.segment<10>(10 * body)));
+      if (factors.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+      logs += 2.0 * Eigen::Matrix4d(factors.matrixL()).diagonal().array().log().sum();
+    }
+    const Eigen::VectorXd from_centre = x - centre_;
+    return 0.5 * from_centre.dot(information_ * from_centre) - barrier * logs;
   }
 
-  bool Evaluate(double const* const* blocks, double* residuals,
-                double** jacobians) const override {
-    const Eigen::Index size = centre_.size();
-    if (!(Eigen::Map<const Eigen::VectorXd>(blocks[0], 10 * bodies_).maxCoeff() < kMaxLog)) {
-      return false;
-    }
-    Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(blocks[0], size);
+  /// Newton's step at a possible x, and its decrement: half of it is what the step may gain.
+  [[nodiscard]] Eigen::VectorXd step(const Eigen::VectorXd& x, double barrier,
+                                     double& decrement) const {
+    Eigen::MatrixXd hessian = information_;
+    Eigen::VectorXd gradient = information_ * (x - centre_);
     for (Eigen::Index body = 0; body < bodies_; ++body) {
-      const Eigen::Matrix4d factor = factor_of(blocks[0] + 10 * body);
-      x.segment<10>(10 * body) = parameters_of(factor * factor.transpose());
+      const Eigen::Matrix4d inverse = pseudo_inertia(x.segment<10>(10 * body)).inverse();
+      std::array<Eigen::Matrix4d, 10> products;
+      for (std::size_t k = 0; k < 10; ++k) {
+        products[k] = inverse * pseudo_derivatives()[k];
+        gradient[10 * body + static_cast<Eigen::Index>(k)] -= barrier * products[k].trace();
+      }
+      Matrix10d curvature;
+      for (std::size_t k = 0; k < 10; ++k) {
+        for (std::size_t l = 0; l < 10; ++l) {
+          curvature(static_cast<int>(k), static_cast<int>(l)) =
+              products[k].cwiseProduct(products[l].transpose()).sum();
+        }
+      }
+      hessian.block<10, 10>(10 * body, 10 * body) += barrier * curvature;
     }
-    Eigen::Map<Eigen::VectorXd>(residuals, size) = root_.transpose() * (x - centre_);
-    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    Eigen::Map<RowMajor> jacobian(jacobians[0], size, size);
-    jacobian = root_.transpose();
-    for (Eigen::Index body = 0; body < bodies_; ++body) {
-      jacobian.middleCols<10>(10 * body) =
-          (root_.middleRows<10>(10 * body).transpose() * derivative(blocks[0] + 10 * body)).eval();
-    }
-    return true;
+    const Eigen::VectorXd scale = hessian.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * hessian * scale.asDiagonal();
+    const Eigen::VectorXd direction =
+        -scale.cwiseProduct(scaled.ldlt().solve(scale.cwiseProduct(gradient)));
+    decrement = -gradient.dot(direction);
+    return direction;
   }
 
  private:
-  Eigen::VectorXd centre_;
-  Eigen::MatrixXd root_;
+  const Eigen::VectorXd& centre_;
+  const Eigen::MatrixXd& information_;
   Eigen::Index bodies_;
 };
 
@@ -133,24 +110,26 @@ double physical_margin(const Vector10d& parameters) {
 
 Eigen::VectorXd fit_physical(const Eigen::VectorXd& centre, const Eigen::MatrixXd& information,
                              const Eigen::VectorXd& start, Eigen::Index bodies) {
-  const Eigen::LLT<Eigen::MatrixXd> factors(information);
-  PCAVR_REQUIRE(factors.info() == Eigen::Success, information.rows());
+  const BarrierCost cost(centre, information, bodies);
   Eigen::VectorXd x = start;
-  for (Eigen::Index body = 0; body < bodies; ++body) {
-    x.segment<10>(10 * body) = logs_of(start.segment<10>(10 * body));
-  }
-  ceres::Problem problem;
-  problem.AddResidualBlock(new PhysicalCost(centre, factors.matrixL(), bodies), nullptr, x.data());
-  ceres::Solver::Options options;
-  options.max_num_iterations = 200;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.logging_type = ceres::SILENT;
-  options.num_threads = 1;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  for (Eigen::Index body = 0; body < bodies; ++body) {
-    const Eigen::Matrix4d factor = factor_of(x.data() + 10 * body);
-    x.segment<10>(10 * body) = parameters_of(factor * factor.transpose());
+  // Begins where barrier and cost are of one size.
+  double barrier = std::max(kLastBarrier, std::abs(cost.value(start, 0.0)) /
+                                              static_cast<double>(4 * bodies));
+  for (bool is_last = false; !is_last; barrier *= kBarrierStep) {
+    is_last = barrier <= kLastBarrier;
+    for (int k = 0; k < kMaxNewtonSteps; ++k) {
+      double decrement = 0.0;
+      const Eigen::VectorXd direction = cost.step(x, barrier, decrement);
+      if (!(decrement > kConverged * (1.0 + barrier))) break;
+      const double before = cost.value(x, barrier);
+      double length = 1.0;
+      while (length > 1e-12 &&
+             !(cost.value(x + length * direction, barrier) <= before - 0.1 * length * decrement)) {
+        length *= 0.5;
+      }
+      if (length <= 1e-12) break;
+      x += length * direction;
+    }
   }
   return x;
 }

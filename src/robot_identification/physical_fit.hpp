@@ -10,9 +10,10 @@ namespace pcavr {
 /// have these ten parameters [Wensing, Kim & Slotine 2018, eq. 7].
 [[nodiscard]] double physical_margin(const Eigen::Matrix<double, 10, 1>& parameters);
 
-/// Minimises (x - centre)' information (x - centre) over x = [inertial parameters, others] such
-/// that each of `bodies` has a positive definite pseudo-inertia, which a log-Cholesky
-/// parametrisation ensures [Rucker & Wensing 2022]. `start`: possible bodies.
+/// Minimises half (x - centre)' information (x - centre) over x = [inertial parameters, others]
+/// such that each of `bodies` has a positive definite pseudo-inertia. The constraint is convex in
+/// the parameters: Newton's method with a logarithmic barrier finds the only minimum, within
+/// 0.05 a body [Boyd & Vandenberghe 2004, chapter 11]. `start`: possible bodies.
 [[nodiscard]] Eigen::VectorXd fit_physical(const Eigen::VectorXd& centre,
                                            const Eigen::MatrixXd& information,
                                            const Eigen::VectorXd& start, Eigen::Index bodies);
