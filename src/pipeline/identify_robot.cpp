@@ -86,7 +86,7 @@ std::vector<std::string> signal_notes(const JointSignals& signals, const SampleC
 std::vector<std::string> fit_notes(const RobotIdentification& found) {
   std::vector<std::string> notes;
   const RobotFit& fit = found.fit;
-  if (fit.torque_lag != 0.0) {
+  if (std::abs(fit.torque_lag) > 3.0 * fit.torque_lag_std) {
     notes.push_back(fmt::format("torques are {:.2g} ± {:.1g} ms after the positions; removed",
                                 fit.torque_lag * 1e3, fit.torque_lag_std * 1e3));
   }
@@ -185,7 +185,7 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
       std::min(found.fit.train_rows, found.signals.t.size() - std::size_t{2});
   if (found.fit.is_physical) {
     found.replay =
-        replay_motion(found.signals, found.fit, found.model, first, kReplayDuration);
+        replay_motion(found.log, found.signals, found.fit, found.model, first, kReplayDuration);
   }
   return found;
 }

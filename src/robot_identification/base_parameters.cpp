@@ -19,6 +19,7 @@ namespace {
 constexpr std::uint64_t kSeed = 1;
 constexpr int kStates = 60;             ///< each has as many rows as joints
 constexpr double kDependent = 1e-8;     ///< squared norm of a column's rest over its own
+constexpr double kNoEffect = 1e-18;     ///< squared norm over the largest: zero but for rounding
 constexpr double kSmallShare = 1e-6;    ///< coefficients below this are rounding
 constexpr double kExcitedShare = 0.5;   ///< of the prior's std that the data must go below
 
@@ -49,10 +50,11 @@ Eigen::MatrixXd structural_gram(const RobotModel& model) {
 /// dependent column joins the links behind it.
 std::vector<Eigen::Index> independent_columns(const Eigen::MatrixXd& gram) {
   Eigen::MatrixXd rest = gram;
+  const double largest = gram.diagonal().maxCoeff();
   std::vector<Eigen::Index> columns;
   for (Eigen::Index k = gram.cols() - 1; k >= 0; --k) {
     const double norm = rest(k, k);
-    if (gram(k, k) <= 0.0 || norm <= kDependent * gram(k, k)) continue;
+    if (gram(k, k) <= kNoEffect * largest || norm <= kDependent * gram(k, k)) continue;
     columns.push_back(k);
     const Eigen::VectorXd column = rest.col(k);
     rest -= column * column.transpose() / norm;

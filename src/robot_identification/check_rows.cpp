@@ -211,8 +211,9 @@ LogFindings check_rows(JointLog& log, const RobotModel& model, double max_gap) {
   LogFindings findings;
   check_degrees(log, model, findings);
   if (!findings.errors.empty()) return findings;
-  check_jumps(log, model, findings);
+  // First: a stuck joint ends with a jump.
   check_stuck(log, findings);
+  check_jumps(log, model, findings);
   if (log.torque.rows() > 0) check_saturation(log, log.torque, findings);
   check_gaps(log, max_gap, findings);
   return findings;

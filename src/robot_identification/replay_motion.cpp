@@ -5,60 +5,68 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 #include "pcavr/core/check.hpp"
 #include "pcavr/robot/robot_dynamics.hpp"
 
 namespace pcavr {
 namespace {
 
-constexpr double kMaxStep = 1e-3;  ///< [s] friction's sign changes within some milliseconds
+constexpr double kMaxStep = 0.5e-3;  ///< [s] the error of the first-order steps is some millidegrees
 
 struct MotionState {
   Eigen::VectorXd q, dq;
 };
 
+/// Slope of the friction torque over the speed, not negative.
+double friction_slope(const JointFit& joint, double q, double v, double load) {
+  const double step = 0.1 * joint.smoothing_speed;
+  const double change = friction_torque(joint, q, v + step, load) -
+                        friction_torque(joint, q, v - step, load);
+  return std::max(0.0, 0.5 * change / step);
+}
+
 class ArmSimulation {
  public:
   ArmSimulation(const RobotFit& fit, const RobotModel& model)
-      : fit_(fit), dynamics_(model), acceleration_(Eigen::VectorXd::Zero(
-                                         static_cast<Eigen::Index>(model.dof))) {
-    has_load_ = std::any_of(fit.joints.begin(), fit.joints.end(), [](const JointFit& joint) {
-      return joint.value_of(FrictionTerm::load) != 0.0;
-    });
+      : fit_(fit), dynamics_(model), dof_(static_cast<Eigen::Index>(model.dof)) {
+    mass_.resize(dof_, dof_);
+    bias_.resize(dof_);
   }
 
-  MotionState step(const MotionState& at, const Eigen::VectorXd& from, const Eigen::VectorXd& to,
-                   double dt) {
-    const Eigen::VectorXd middle = 0.5 * (from + to);
-    const Eigen::VectorXd a1 = acceleration(at, from);
-    const MotionState s2{at.q + 0.5 * dt * at.dq, at.dq + 0.5 * dt * a1};
-    const Eigen::VectorXd a2 = acceleration(s2, middle);
-    const MotionState s3{at.q + 0.5 * dt * s2.dq, at.dq + 0.5 * dt * a2};
-    const Eigen::VectorXd a3 = acceleration(s3, middle);
-    const MotionState s4{at.q + dt * s3.dq, at.dq + dt * a3};
-    const Eigen::VectorXd a4 = acceleration(s4, to);
-    return {at.q + dt / 6.0 * (at.dq + 2.0 * s2.dq + 2.0 * s3.dq + s4.dq),
-            at.dq + dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)};
+  /// One linearly implicit step: wrists have so little inertia that their friction decays within
+  /// tens of microseconds, for which explicit steps would be too long.
+  void step(MotionState& state, const Eigen::VectorXd& torque, double dt) {
+    dynamics_.mass_matrix(state.q, mass_);
+    dynamics_.inverse_dynamics(state.q, state.dq, Eigen::VectorXd::Zero(dof_), bias_);
+    Eigen::VectorXd net = torque - bias_;
+    for (Eigen::Index j = 0; j < dof_; ++j) {
+      const JointFit& joint = fit_.joints[static_cast<std::size_t>(j)];
+      net[j] -= friction_torque(joint, state.q[j], state.dq[j], bias_[j]);
+      mass_(j, j) += dt * friction_slope(joint, state.q[j], state.dq[j], bias_[j]);
+    }
+    const Eigen::VectorXd change = dt * mass_.ldlt().solve(net);
+    state.q += dt * (state.dq + 0.5 * change);
+    state.dq += change;
   }
 
  private:
-  Eigen::VectorXd acceleration(const MotionState& at, const Eigen::VectorXd& torque) {
-    Eigen::VectorXd net = torque, load = Eigen::VectorXd::Zero(torque.size());
-    // Load-dependent friction takes the rigid-body torque of the last known acceleration.
-    if (has_load_) dynamics_.inverse_dynamics(at.q, at.dq, acceleration_, load);
-    for (Eigen::Index j = 0; j < torque.size(); ++j) {
-      net[j] -= friction_torque(fit_.joints[static_cast<std::size_t>(j)], at.q[j], at.dq[j],
-                                load[j]);
-    }
-    dynamics_.forward_dynamics(at.q, at.dq, net, acceleration_);
-    return acceleration_;
-  }
-
   const RobotFit& fit_;
   RobotDynamics dynamics_;
-  Eigen::VectorXd acceleration_;
-  bool has_load_ = false;
+  Eigen::Index dof_;
+  Eigen::MatrixXd mass_;
+  Eigen::VectorXd bias_;
 };
+
+Eigen::VectorXd torque_at(const JointLog& log, double t) {
+  const auto after = std::upper_bound(log.t.begin() + 1, log.t.end() - 1, t);
+  const auto row = static_cast<std::size_t>(after - log.t.begin());
+  const double width = log.t[row] - log.t[row - 1];
+  const double share = std::clamp((t - log.t[row - 1]) / width, 0.0, 1.0);
+  const auto at = static_cast<Eigen::Index>(row);
+  return ((1.0 - share) * log.torque.row(at - 1) + share * log.torque.row(at)).transpose();
+}
 
 /// The rows from `first` on that follow each other without a gap, up to `duration`.
 Eigen::Index row_count(const JointSignals& signals, std::size_t first, double duration) {
@@ -73,16 +81,15 @@ Eigen::Index row_count(const JointSignals& signals, std::size_t first, double du
 
 }  // namespace
 
-MotionReplay replay_motion(const JointSignals& signals, const RobotFit& fit,
-                           const RobotModel& model, std::size_t first, double duration) {
+MotionReplay replay_motion(const JointLog& log, const JointSignals& signals,
+                           const RobotFit& fit, const RobotModel& model, std::size_t first, double duration) {
   PCAVR_REQUIRE(first < signals.t.size() && duration > 0.0, first, duration);
   const Eigen::Index rows = row_count(signals, first, duration);
   const auto start = static_cast<Eigen::Index>(first);
   MotionReplay replay;
   replay.recorded = signals.position.middleRows(start, rows);
   replay.simulated = replay.recorded;
-  const Eigen::MatrixXd torque = signals.torque.middleRows(start, rows) +
-                                 fit.torque_lag * signals.torque_rate.middleRows(start, rows);
+  const double sign = signals.is_sign_changed ? -1.0 : 1.0;
   ArmSimulation simulation(fit, fit.robot(model));
   MotionState state{signals.position.row(start).transpose(),
                     signals.velocity.row(start).transpose()};
@@ -92,11 +99,9 @@ MotionReplay replay_motion(const JointSignals& signals, const RobotFit& fit,
     replay.t.push_back(signals.t[first + static_cast<std::size_t>(row)]);
     replay.simulated.row(row) = state.q.transpose();
     if (row + 1 == rows || !state.q.allFinite()) continue;
-    const Eigen::VectorXd from = torque.row(row).transpose();
-    const Eigen::VectorXd change = (torque.row(row + 1) - torque.row(row)).transpose();
     for (int k = 0; k < steps; ++k) {
-      state = simulation.step(state, from + change * (double(k) / steps),
-                              from + change * (double(k + 1) / steps), dt);
+      const double t = replay.t.back() + (double(k) + 0.5) * dt + fit.torque_lag;
+      simulation.step(state, sign * torque_at(log, t), dt);
     }
   }
   const Eigen::MatrixXd error = replay.simulated - replay.recorded;

@@ -241,7 +241,8 @@ void Fit::remove_torque_lag(RobotFit& fit) {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Eigen::MatrixXd& rigid = extended[j].rigid;
     rigid.conservativeResize(Eigen::NoChange, rigid.cols() + 1);
-    rigid.rightCols<1>() = -signals_.torque_rate.col(at(j));
+    // Of the fitted bodies: the noise of the measured torques' rate would make the lag too small.
+    rigid.rightCols<1>() = -differentiate(joints_[j].rigid * solution_.rigid, signals_.interval);
   }
   const Selection selection(joints_.size(),
                             {column_of(full_library(), FrictionTerm::offset),
@@ -252,16 +253,23 @@ void Fit::remove_torque_lag(RobotFit& fit) {
   prior.std.conservativeResize(prior.std.size() + 1);
   prior.mean.tail<1>().setZero();
   prior.std.tail<1>().setConstant(kLagPrior);
-  const FitSolution solution = solve(block_system(extended, train_, kBlocks),
-                                     std::vector<bool>(kBlocks, true), selection, variance_, prior,
-                                     true);
-  const Eigen::Index place = solution.rigid.size() - 1;
-  fit.torque_lag = solution.rigid[place];
-  fit.torque_lag_std = std::sqrt(solution.covariance(place, place));
-  if (std::abs(fit.torque_lag) < 3.0 * fit.torque_lag_std) fit.torque_lag = 0.0;
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    joints_[j].torque += fit.torque_lag * signals_.torque_rate.col(at(j));
+  // Each round moves the torques by what is left: friction changes its sign at the right instants
+  // only once they are in step.
+  constexpr int kRounds = 4;
+  for (int round = 0; round < kRounds; ++round) {
+    const FitSolution solution = solve(block_system(extended, train_, kBlocks),
+                                       std::vector<bool>(kBlocks, true), selection, variance_,
+                                       prior, true);
+    const Eigen::Index place = solution.rigid.size() - 1;
+    fit.torque_lag = std::clamp(fit.torque_lag + solution.rigid[place], -kLagPrior, kLagPrior);
+    fit.torque_lag_std = std::sqrt(solution.covariance(place, place));
+    std::vector<double> later = signals_.t;
+    for (double& t : later) t += fit.torque_lag;
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      extended[j].torque = interpolate(signals_.t, signals_.torque.col(at(j)), later);
+    }
   }
+  for (std::size_t j = 0; j < joints_.size(); ++j) joints_[j].torque = extended[j].torque;
 }
 
 void Fit::choose_smoothing() {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/robot_identification/robot_fit.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -32,10 +33,11 @@ TEST(FitRobot, RecoversThePa10sFrictionFromNoisyTorques) {
 
 TEST(FitRobot, FitsPossibleBodiesAndReplaysTheMotion) {
   const RobotModel model = pa10();
-  const JointSignals signals = joint_signals(simulated_log(model, {.duration = 60.0}), {});
+  const JointLog log = simulated_log(model, {.duration = 60.0});
+  const JointSignals signals = joint_signals(log, {});
   const RobotFit fit = fit_robot(signals, model, {});
   EXPECT_TRUE(fit.is_physical);
-  const MotionReplay replay = replay_motion(signals, fit, model, fit.train_rows, 1.2);
+  const MotionReplay replay = replay_motion(log, signals, fit, model, fit.train_rows, 1.2);
   ASSERT_TRUE(replay.is_finite);
   EXPECT_LT(replay.after_1s.maxCoeff() * kDegrees, 0.5);
 }

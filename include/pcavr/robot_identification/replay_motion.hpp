@@ -23,10 +23,11 @@ struct MotionReplay {
   bool is_finite = false;     ///< false: the simulation diverged
 };
 
-/// Simulates from row `first` for `duration` [s], or to the end of the rows without gaps. Torques
-/// are interpolated linearly; steps of at most 1 ms, Runge-Kutta of order 4.
-[[nodiscard]] MotionReplay replay_motion(const JointSignals& signals, const RobotFit& fit,
-                                         const RobotModel& model, std::size_t first,
+/// Simulates from row `first` of the signals for `duration` [s], or to the end of the rows without
+/// gaps. Torques are the log's, unfiltered, interpolated linearly; linearly implicit steps of at most
+/// 0.5 ms.
+[[nodiscard]] MotionReplay replay_motion(const JointLog& log, const JointSignals& signals,
+                                         const RobotFit& fit, const RobotModel& model, std::size_t first,
                                          double duration);
 
 }  // namespace pcavr
