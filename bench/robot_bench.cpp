@@ -1,15 +1,16 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Forward and inverse dynamics of an arm against Orocos KDL and Bullet's btMultiBody, in one run, on
-// the same random states. Each library works on a block of states in turn; the time is that of its
-// fastest block, which other processes disturb least. Then each call by Google Benchmark.
+// Forward and inverse dynamics of an arm against Orocos KDL and Bullet's btMultiBody, in one run,
+// on the same random states. Each library works on a block of states in turn; the time is that of
+// its fastest block, which other processes disturb least. Then each call by Google Benchmark.
 //
-//     pcavr_bench_robot [robot.urdf]     by default calib/robots/pa10/pa10.urdf
+//     pcavr_bench_robot calib/robots/pa10/pa10.urdf
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <cstdio>
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,6 @@
 
 #include "robot/bullet_peer.hpp"
 #include "robot/kdl_peer.hpp"
-#include "support/source_folder.hpp"
 
 namespace pcavr {
 namespace {
@@ -35,7 +35,20 @@ struct States {
   std::vector<Eigen::VectorXd> q;
   std::vector<Eigen::VectorXd> dq;
   std::vector<Eigen::VectorXd> x;
+  // The same for KDL, so that no copying is measured.
+  std::vector<KDL::JntArray> kdl_q;
+  std::vector<KDL::JntArray> kdl_dq;
+  std::vector<KDL::JntArray> kdl_x;
 };
+
+std::vector<KDL::JntArray> to_kdl(const std::vector<Eigen::VectorXd>& vectors) {
+  std::vector<KDL::JntArray> arrays;
+  for (const Eigen::VectorXd& v : vectors) {
+    arrays.emplace_back(static_cast<unsigned>(v.size()));
+    arrays.back().data = v;
+  }
+  return arrays;
+}
 
 States random_states(std::size_t dof) {
   Random random(1);
@@ -47,11 +60,14 @@ States random_states(std::size_t dof) {
       list->push_back(v);
     }
   }
+  states.kdl_q = to_kdl(states.q);
+  states.kdl_dq = to_kdl(states.dq);
+  states.kdl_x = to_kdl(states.x);
   return states;
 }
 
-using Call = std::function<void(const Eigen::VectorXd& q, const Eigen::VectorXd& dq,
-                                const Eigen::VectorXd& x, Eigen::VectorXd& result)>;
+/// Works on one of the states.
+using Call = std::function<void(std::size_t state)>;
 
 /// Everything that is measured, on one robot.
 struct Arm {
@@ -60,6 +76,7 @@ struct Arm {
         dynamics(model),
         kdl(model),
         bullet(model),
+        result(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.dof))),
         mass(model.dof, model.dof),
         regressor(model.dof, 10 * model.joints.size()) {}
 
@@ -67,6 +84,7 @@ struct Arm {
   RobotDynamics dynamics;
   test::KdlPeer kdl;
   test::BulletPeer bullet;
+  Eigen::VectorXd result;
   Eigen::MatrixXd mass;
   Eigen::MatrixXd regressor;
 };
@@ -77,43 +95,41 @@ struct NamedCall {
 };
 
 std::vector<NamedCall> calls_of(Arm& arm) {
+  const States& s = arm.states;
+  RobotDynamics& d = arm.dynamics;
   return {
       {"forward dynamics, pcavr",
-       [&](auto& q, auto& dq, auto& x, auto& r) { arm.dynamics.forward_dynamics(q, dq, x, r); }},
+       [&](std::size_t i) { d.forward_dynamics(s.q[i], s.dq[i], s.x[i], arm.result); }},
       {"forward dynamics, KDL",
-       [&](auto& q, auto& dq, auto& x, auto& r) { arm.kdl.forward_dynamics(q, dq, x, r); }},
+       [&](std::size_t i) { arm.kdl.forward_dynamics(s.kdl_q[i], s.kdl_dq[i], s.kdl_x[i]); }},
       {"forward dynamics, Bullet",
-       [&](auto& q, auto& dq, auto& x, auto& r) { arm.bullet.forward_dynamics(q, dq, x, r); }},
+       [&](std::size_t i) { arm.bullet.forward_dynamics(s.q[i], s.dq[i], s.x[i], arm.result); }},
       {"inverse dynamics, pcavr",
-       [&](auto& q, auto& dq, auto& x, auto& r) { arm.dynamics.inverse_dynamics(q, dq, x, r); }},
+       [&](std::size_t i) { d.inverse_dynamics(s.q[i], s.dq[i], s.x[i], arm.result); }},
       {"inverse dynamics, KDL",
-       [&](auto& q, auto& dq, auto& x, auto& r) { arm.kdl.inverse_dynamics(q, dq, x, r); }},
-      {"mass matrix, pcavr",
-       [&](auto& q, auto&, auto&, auto&) { arm.dynamics.mass_matrix(q, arm.mass); }},
-      {"gravity, pcavr",
-       [&](auto& q, auto&, auto&, auto& r) { arm.dynamics.gravity_torque(q, r); }},
-      {"forward kinematics, pcavr", [&](auto& q, auto&, auto&, auto&) { arm.dynamics.forward_kinematics(q); }},
+       [&](std::size_t i) { arm.kdl.inverse_dynamics(s.kdl_q[i], s.kdl_dq[i], s.kdl_x[i]); }},
+      {"mass matrix, pcavr", [&](std::size_t i) { d.mass_matrix(s.q[i], arm.mass); }},
+      {"gravity, pcavr", [&](std::size_t i) { d.gravity_torque(s.q[i], arm.result); }},
+      {"forward kinematics, pcavr", [&](std::size_t i) { d.forward_kinematics(s.q[i]); }},
       {"regressor, pcavr",
-       [&](auto& q, auto& dq, auto& x, auto&) { arm.dynamics.regressor(q, dq, x, arm.regressor); }},
+       [&](std::size_t i) { d.regressor(s.q[i], s.dq[i], s.x[i], arm.regressor); }},
   };
 }
 
-void run_block(const NamedCall& named, const States& states, Eigen::VectorXd& result) {
+void run_block(const NamedCall& named) {
   for (std::size_t i = 0; i < kStates; ++i) {
-    named.call(states.q[i], states.dq[i], states.x[i], result);
-    benchmark::DoNotOptimize(result.data());
+    named.call(i);
+    benchmark::ClobberMemory();
   }
 }
 
 /// [us] a call, by the fastest block; the libraries take turns.
-std::vector<double> measure(const std::vector<NamedCall>& calls, const States& states,
-                            std::size_t dof) {
+std::vector<double> measure(const std::vector<NamedCall>& calls) {
   std::vector<double> fastest(calls.size(), 1e9);
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(dof));
   for (int block = 0; block < kBlocks; ++block) {
     for (std::size_t i = 0; i < calls.size(); ++i) {
       const auto start = std::chrono::steady_clock::now();
-      run_block(calls[i], states, result);
+      run_block(calls[i]);
       const std::chrono::duration<double, std::micro> taken =
           std::chrono::steady_clock::now() - start;
       fastest[i] = std::min(fastest[i], taken.count() / static_cast<double>(kStates));
@@ -138,9 +154,11 @@ void print_ratios(const std::vector<NamedCall>& calls, const std::vector<double>
 int main(int argc, char** argv) {
   using namespace pcavr;
   benchmark::Initialize(&argc, argv);
-  const std::filesystem::path file =
-      argc > 1 ? std::filesystem::path(argv[1]) : source_folder() / "calib/robots/pa10/pa10.urdf";
-  const Expected<RobotModel> model = read_urdf(file, {.requires_inertia = true});
+  if (argc != 2) {
+    fmt::print(stderr, "usage: pcavr_bench_robot ROBOT.urdf\n");
+    return 1;
+  }
+  const Expected<RobotModel> model = read_urdf(argv[1], {.requires_inertia = true});
   if (!model) {
     fmt::print(stderr, "{}\n", model.error().to_string());
     return 1;
@@ -148,11 +166,10 @@ int main(int argc, char** argv) {
   Arm arm(*model);
   const std::vector<NamedCall> calls = calls_of(arm);
   fmt::print("{}: {} joints\n", model->name, model->dof);
-  print_ratios(calls, measure(calls, arm.states, model->dof));
+  print_ratios(calls, measure(calls));
   for (const NamedCall& named : calls) {
     benchmark::RegisterBenchmark(named.name.c_str(), [&](benchmark::State& state) {
-      Eigen::VectorXd result = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model->dof));
-      for (auto _ : state) run_block(named, arm.states, result);
+      for (auto _ : state) run_block(named);
       state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(kStates));
     });
   }

@@ -58,13 +58,13 @@ nlohmann::ordered_json joint_json(const RobotIdentification& found, std::size_t 
 
 CommandResult describe(const RobotIdentification& found, const RobotArguments& arguments) {
   CommandResult result;
-  result.summary = fmt::format(
-      "{} rows, filter {:.3g} Hz, {} of {} base parameters excited, bodies {}\n",
-      found.log.t.size(), found.signals.bandwidth,
-      std::count_if(found.fit.base_parameters.begin(), found.fit.base_parameters.end(),
-                    [](const BaseParameter& entry) { return entry.is_excited; }),
-      found.fit.base_parameters.size(),
-      found.fit.is_physical ? "physically possible" : "not physically possible");
+  result.summary =
+      fmt::format("{} rows, filter {:.3g} Hz, {} of {} base parameters excited, bodies {}\n",
+                  found.log.t.size(), found.signals.bandwidth,
+                  std::count_if(found.fit.base_parameters.begin(), found.fit.base_parameters.end(),
+                                [](const BaseParameter& entry) { return entry.is_excited; }),
+                  found.fit.base_parameters.size(),
+                  found.fit.is_physical ? "physically possible" : "not physically possible");
   for (const std::string& note : found.notes) result.summary += "note: " + note + '\n';
   result.summary += "    joint                    held-out torque error, friction\n";
   result.json = {{"report", arguments.report.folder},
@@ -79,12 +79,11 @@ CommandResult describe(const RobotIdentification& found, const RobotArguments& a
   }
   if (found.replay.is_finite) {
     const double degrees = 180.0 / std::numbers::pi;
-    result.summary +=
-        fmt::format("replay of held-out torques: position error after 1 s up to {:.2g} deg, rms "
-                    "over {:.2g} s up to {:.2g} deg\n",
-                    found.replay.after_1s.maxCoeff() * degrees,
-                    found.replay.t.back() - found.replay.t.front(),
-                    found.replay.rms.maxCoeff() * degrees);
+    result.summary += fmt::format(
+        "replay of held-out torques: position error after 1 s up to {:.2g} deg, rms "
+        "over {:.2g} s up to {:.2g} deg\n",
+        found.replay.after_1s.maxCoeff() * degrees, found.replay.t.back() - found.replay.t.front(),
+        found.replay.rms.maxCoeff() * degrees);
   }
   result.json["notes"] = found.notes;
   result.summary += how_to_open(arguments.report.folder) + '\n';
@@ -93,8 +92,8 @@ CommandResult describe(const RobotIdentification& found, const RobotArguments& a
 
 Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration& configuration,
                                   const Observer& observer) {
-  Expected<OutputFolder> folder = create_output(arguments.report, OutputKind::report,
-                                                {arguments.log, arguments.robot});
+  Expected<OutputFolder> folder =
+      create_output(arguments.report, OutputKind::report, {arguments.log, arguments.robot});
   if (!folder) return folder.error();
   const Expected<RobotModel> model = read_urdf(arguments.robot);
   if (!model) return model.error();
@@ -111,8 +110,7 @@ Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration
   RobotIdentificationOptions options = configuration.robot_identification;
   options.gains = arguments.gains;
   options.fit.known_body |= arguments.is_body_known;
-  Expected<RobotIdentification> found =
-      identify_robot(*log, *model, options, arguments.log);
+  Expected<RobotIdentification> found = identify_robot(*log, *model, options, arguments.log);
   if (!found) return found.error();
   found->configuration = configuration.changed();
   const Expected<void> written =

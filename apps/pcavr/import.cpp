@@ -65,13 +65,13 @@ Expected<CommandResult> import_joints(const ImportArguments& arguments) {
   const JointLog& log = imported->log;
   const std::string& name = arguments.output.folder;
   return CommandResult{
-      .summary = fmt::format("{} rows of {} joints, {:.6g} s, {} rows not after the one before "
-                             "left out\n{}next: pcavr identify robot {} --robot URDF -o REPORT\n",
-                             log.t.size(), log.joints.size(), log.t.back(), imported->left_out,
-                             options.period ? fmt::format("stamps: a row each {:.6g} s, as given\n",
-                                                          *options.period)
-                                            : "",
-                             name),
+      .summary = fmt::format(
+          "{} rows of {} joints, {:.6g} s, {} rows not after the one before "
+          "left out\n{}next: pcavr identify robot {} --robot URDF -o REPORT\n",
+          log.t.size(), log.joints.size(), log.t.back(), imported->left_out,
+          options.period ? fmt::format("stamps: a row each {:.6g} s, as given\n", *options.period)
+                         : "",
+          name),
       .json = {{"recording", name},
                {"rows", log.t.size()},
                {"joints", log.joints.size()},

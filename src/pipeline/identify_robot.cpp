@@ -13,10 +13,10 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kMinLogRows = 200;   ///< fewer can't determine some eighty unknowns
+constexpr std::size_t kMinLogRows = 200;  ///< fewer can't determine some eighty unknowns
 constexpr Eigen::Index kMinFittedRows = 100;
-constexpr double kReplayDuration = 5.0;    ///< [s]
-constexpr double kMaxTorqueLag = 0.012;    ///< [s] that a drive's filter explains; longer: a fault
+constexpr double kReplayDuration = 5.0;  ///< [s]
+constexpr double kMaxTorqueLag = 0.012;  ///< [s] that a drive's filter explains; longer: a fault
 
 std::string text_of(const Error& finding) {
   std::string text = finding.place.empty() ? "" : finding.place + ": ";
@@ -109,8 +109,9 @@ std::vector<std::string> fit_notes(const RobotIdentification& found) {
 std::vector<Error> velocity_faults(const JointLog& log, const JointSignals& signals) {
   constexpr double kDegrees = 180.0 / 3.14159265358979;
   if (!signals.velocity_disagreement || *signals.velocity_disagreement < 0.5) return {};
-  const double ratio = std::sqrt(log.velocity.squaredNorm() / double(log.velocity.rows()) /
-                                 (signals.velocity.squaredNorm() / double(signals.velocity.rows())));
+  const double ratio =
+      std::sqrt(log.velocity.squaredNorm() / double(log.velocity.rows()) /
+                (signals.velocity.squaredNorm() / double(signals.velocity.rows())));
   if (std::abs(ratio / kDegrees - 1.0) > 0.2) return {};
   return {{.message = fmt::format("velocities are {:.3g} times the positions' derivatives: degrees",
                                   ratio),
@@ -146,18 +147,23 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
   }
   const Expected<MatchedRobot> matched = match_joints(log, model);
   if (!matched) return first_of({matched.error()}, file);
-  RobotIdentification found{.model = matched->model, .log = reordered(log, matched->columns),
-                            .clock = {}, .signals = {}, .fit = {}, .replay = {},
-                            .notes = matched->notes, .configuration = {}};
+  RobotIdentification found{.model = matched->model,
+                            .log = reordered(log, matched->columns),
+                            .clock = {},
+                            .signals = {},
+                            .fit = {},
+                            .replay = {},
+                            .notes = matched->notes,
+                            .configuration = {}};
   const LogFindings rows = check_rows(found.log, found.model, options.signals.max_gap);
   if (!rows.errors.empty()) return first_of(rows.errors, file);
   found.clock = correct_sample_clock(found.log);
   found.signals = joint_signals(found.log, options.signals);
   if (found.signals.position.rows() < kMinFittedRows) {
-    return Error{.message = fmt::format("only {} rows are left for the fit",
-                                        found.signals.position.rows()),
-                 .file = file,
-                 .hint = "record a longer motion without gaps"};
+    return Error{
+        .message = fmt::format("only {} rows are left for the fit", found.signals.position.rows()),
+        .file = file,
+        .hint = "record a longer motion without gaps"};
   }
   LogFindings shown = check_hypotheses(found.signals, found.model);
   for (const Error& fault : velocity_faults(found.log, found.signals)) {
@@ -181,8 +187,7 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
                  .hint = "shift their stamps before writing the rows"};
   }
   for (std::string& note : fit_notes(found)) found.notes.push_back(std::move(note));
-  const std::size_t first =
-      std::min(found.fit.train_rows, found.signals.t.size() - std::size_t{2});
+  const std::size_t first = std::min(found.fit.train_rows, found.signals.t.size() - std::size_t{2});
   if (found.fit.is_physical) {
     found.replay =
         replay_motion(found.log, found.signals, found.fit, found.model, first, kReplayDuration);

@@ -47,8 +47,7 @@ ReportTable error_table(const RobotFit& fit) {
 }
 
 ReportTable friction_table(const JointFit& joint) {
-  ReportTable table{.title = "Friction",
-                    .columns = {"term", "value", "± std", "unit", "excited"}};
+  ReportTable table{.title = "Friction", .columns = {"term", "value", "± std", "unit", "excited"}};
   for (const FittedTerm& term : joint.friction) {
     table.rows.push_back({name_of(term.term), short_number(term.value), short_number(term.std),
                           unit_of(term.term), term.is_excited ? "yes" : "no"});
@@ -61,10 +60,10 @@ ReportTable friction_table(const JointFit& joint) {
 }
 
 ReportTable base_table(const RobotFit& fit) {
-  ReportTable table{.title = "Base parameters",
-                    .columns = {"combination (SI)", "value", "± std", "std before the data",
-                                "excited"},
-                    .is_folded = true};
+  ReportTable table{
+      .title = "Base parameters",
+      .columns = {"combination (SI)", "value", "± std", "std before the data", "excited"},
+      .is_folded = true};
   for (const BaseParameter& entry : fit.base_parameters) {
     table.rows.push_back({entry.name, short_number(entry.value), short_number(entry.std),
                           short_number(entry.prior_std), entry.is_excited ? "yes" : "no"});
@@ -78,11 +77,17 @@ ReportTable base_table(const RobotFit& fit) {
 Plot torque_plot(const RobotIdentification& found, Eigen::Index joint) {
   Plot plot{.title = "Torque", .x_label = "time (s)", .y_label = "torque (N m)"};
   const Eigen::MatrixXd residual = found.signals.torque - found.fit.fitted_torque;
-  plot.series = {{.label = "measured", .color = 0, .x = found.signals.t,
+  plot.series = {{.label = "measured",
+                  .color = 0,
+                  .x = found.signals.t,
                   .y = column_of(found.signals.torque, joint)},
-                 {.label = "fitted", .color = 1, .x = found.signals.t,
+                 {.label = "fitted",
+                  .color = 1,
+                  .x = found.signals.t,
                   .y = column_of(found.fit.fitted_torque, joint)},
-                 {.label = "measured less fitted", .color = 2, .x = found.signals.t,
+                 {.label = "measured less fitted",
+                  .color = 2,
+                  .x = found.signals.t,
                   .y = column_of(residual, joint)}};
   if (found.fit.train_rows < found.signals.t.size()) {
     plot.bands.push_back({found.signals.t[found.fit.train_rows], found.signals.t.back(), 0});
@@ -95,22 +100,28 @@ Plot replay_plot(const RobotIdentification& found, Eigen::Index joint) {
   Plot plot{.title = "Recorded torques in, positions out",
             .x_label = "time (s)",
             .y_label = "position (deg)"};
-  plot.series = {{.label = "measured", .color = 0, .x = found.replay.t,
+  plot.series = {{.label = "measured",
+                  .color = 0,
+                  .x = found.replay.t,
                   .y = column_of(found.replay.recorded * kDegrees, joint)},
-                 {.label = "simulated", .color = 1, .x = found.replay.t,
-                  .y = column_of(found.replay.simulated * kDegrees, joint), .dashed = true}};
+                 {.label = "simulated",
+                  .color = 1,
+                  .x = found.replay.t,
+                  .y = column_of(found.replay.simulated * kDegrees, joint),
+                  .dashed = true}};
   return plot;
 }
 
 Plot spectrum_plot(const RobotIdentification& found, Eigen::Index joint) {
-  const ResidualSpectrum spectrum =
-      residual_spectrum(found.signals.torque.col(joint) - found.fit.fitted_torque.col(joint),
-                        found.signals.interval);
+  const ResidualSpectrum spectrum = residual_spectrum(
+      found.signals.torque.col(joint) - found.fit.fitted_torque.col(joint), found.signals.interval);
   Plot plot{.title = "Spectrum of the torque error",
             .x_label = "frequency (Hz)",
             .y_label = "amplitude density (N m/√Hz)",
             .y_from_zero = true};
-  plot.series = {{.label = "measured less fitted", .color = 2, .x = spectrum.frequency,
+  plot.series = {{.label = "measured less fitted",
+                  .color = 2,
+                  .x = spectrum.frequency,
                   .y = spectrum.density}};
   return plot;
 }
@@ -142,17 +153,16 @@ ReportTable replay_table(const RobotIdentification& found) {
 
 ReportPage robot_page(const RobotIdentification& found, const std::string& log,
                       const std::string& robot) {
-  ReportPage page{.title = "Robot identification: " + log,
-                  .heading = "Identification of a robot"};
-  page.inputs = {{{"log "}, {log, true}, {fmt::format(", {} rows", found.log.t.size())}},
-                 {{"robot description "}, {robot, true}},
-                 {{"filter "},
-                  {readable(found.signals.bandwidth) + " Hz", true},
-                  {fmt::format(" (-6 dB, zero phase); motion up to {:.3g} Hz",
-                               found.signals.motion_frequency)}},
-                 {{"bodies: "},
-                  {found.fit.is_physical ? "physically possible" : "not physically possible",
-                   true}}};
+  ReportPage page{.title = "Robot identification: " + log, .heading = "Identification of a robot"};
+  page.inputs = {
+      {{"log "}, {log, true}, {fmt::format(", {} rows", found.log.t.size())}},
+      {{"robot description "}, {robot, true}},
+      {{"filter "},
+       {readable(found.signals.bandwidth) + " Hz", true},
+       {fmt::format(" (-6 dB, zero phase); motion up to {:.3g} Hz",
+                    found.signals.motion_frequency)}},
+      {{"bodies: "},
+       {found.fit.is_physical ? "physically possible" : "not physically possible", true}}};
   page.notes = found.notes;
   page.headline = error_table(found.fit);
   PageSection all{.title = "All joints"};
@@ -164,9 +174,10 @@ ReportPage robot_page(const RobotIdentification& found, const std::string& log,
     page.sections.push_back(joint_section(found, j));
   }
   page.sections.push_back(std::move(all));
-  page.footer = "Std: standard deviation, for noise with the correlation of the residuals. The same "
-                "figures in SI units are in report.json. pcavr " +
-                std::string(PCAVR_VERSION);
+  page.footer =
+      "Std: standard deviation, for noise with the correlation of the residuals. The same "
+      "figures in SI units are in report.json. pcavr " +
+      std::string(PCAVR_VERSION);
   return page;
 }
 

@@ -73,8 +73,7 @@ Eigen::MatrixXd matrix_of(const StampedRows& rows, std::size_t first, std::size_
                          static_cast<Eigen::Index>(count));
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     for (std::size_t j = 0; j < count; ++j) {
-      values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          rows.rows[i][first + j];
+      values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = rows.rows[i][first + j];
     }
   }
   return values;
@@ -259,9 +258,8 @@ Expected<ImportedJointLog> import_joint_log(const fs::path& source,
   if (!text) return text.error();
   const std::string line = text->substr(0, text->find('\n'));
   const bool is_numbers = parse_number(comma_fields(line)[0]).has_value();
-  Expected<ImportedJointLog> imported = is_numbers
-                                            ? import_without_header(source, *text)
-                                            : import_without_stamps(source, *text, options);
+  Expected<ImportedJointLog> imported = is_numbers ? import_without_header(source, *text)
+                                                   : import_without_stamps(source, *text, options);
   if (imported && imported->log.t.empty()) {
     return Error{.message = "has no rows", .file = source.string()};
   }

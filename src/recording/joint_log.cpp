@@ -56,8 +56,9 @@ Error header_error(std::string message, std::string place = {}) {
   return Error{.message = std::move(message),
                .line = 1,
                .place = std::move(place),
-               .hint = "the columns are t, and q_NAME, dq_NAME, tau_NAME or current_NAME for each "
-                       "joint NAME; all but q may be absent"};
+               .hint =
+                   "the columns are t, and q_NAME, dq_NAME, tau_NAME or current_NAME for each "
+                   "joint NAME; all but q may be absent"};
 }
 
 /// Assigns a column that isn't a position; false where it is none of the quantities.

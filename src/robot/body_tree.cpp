@@ -54,14 +54,12 @@ ZxzAngles zxz_angles(const Eigen::Matrix3d& rotation) {
 void set_inertia(Body& body, const RigidInertia& inertia_joint) {
   const Eigen::Matrix3d R_body_joint = body.R_joint_body.transpose();
   const Eigen::Vector3d centre = R_body_joint * inertia_joint.centre_of_mass;
-  const Eigen::Matrix3d inertia =
-      R_body_joint * inertia_joint.inertia_at_com * body.R_joint_body -
-      inertia_joint.mass * skew(centre) * skew(centre);
+  const Eigen::Matrix3d inertia = R_body_joint * inertia_joint.inertia_at_com * body.R_joint_body -
+                                  inertia_joint.mass * skew(centre) * skew(centre);
   body.mass = inertia_joint.mass;
   body.first_moment = to_vec(inertia_joint.mass * centre);
   body.inertia = to_sym(inertia);
-  body.pseudo_inertia =
-      to_sym(0.5 * inertia.trace() * Eigen::Matrix3d::Identity() - inertia);
+  body.pseudo_inertia = to_sym(0.5 * inertia.trace() * Eigen::Matrix3d::Identity() - inertia);
 }
 
 /// The frames of the bodies: a turn about each axis that the first child of each body chooses.
@@ -111,7 +109,6 @@ Body make_body(const RobotJoint& joint, const JointPlace& place, double own_turn
   body.branch = {std::cos(branch_angle), std::sin(branch_angle)};
   body.twist = place.angles.twist;
   body.angle_offset = place.angles.last + own_turn;
-  body.fixed_turn = {std::cos(body.angle_offset), std::sin(body.angle_offset)};
   body.origin = to_vec(R_parent_body.transpose() * joint.T_parent_joint.translation());
   body.slide = about_z(body.branch, about_x(body.twist, Vec{0.0, 0.0, 1.0}));
   body.armature = joint.armature;
@@ -139,8 +136,8 @@ BodyTree make_body_tree(const RobotModel& model) {
     const RobotJoint& joint = model.joints[i];
     const Eigen::Matrix3d R_parent_body =
         joint.parent ? tree.bodies[*joint.parent].R_joint_body : tree.R_base_body;
-    tree.bodies.push_back(make_body(joint, places[i], frames.turn(static_cast<int>(i)),
-                                    branches[i], R_parent_body));
+    tree.bodies.push_back(
+        make_body(joint, places[i], frames.turn(static_cast<int>(i)), branches[i], R_parent_body));
   }
   for (const RobotLink& link : model.links) {
     const Eigen::Matrix3d R_body_joint =

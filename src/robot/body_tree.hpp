@@ -14,10 +14,11 @@
 namespace pcavr::robot {
 
 /// What is constant of a movable joint and its body, in "body axes": origin of the joint frame, z
-/// along the joint's axis, and turned about z such that the rotation from the body to the first body
-/// that it carries is Rx(twist) Rz(angle), as in Denavit and Hartenberg's notation. (The origin stays
-/// where the description has it: on the common normal it would be far away for axes that are nearly
-/// parallel.) Further bodies on the same parent need Rz(branch) Rx(twist) Rz(angle).
+/// along the joint's axis, and turned about z such that the rotation from the body to the first
+/// body that it carries is Rx(twist) Rz(angle), as in Denavit and Hartenberg's notation. (The
+/// origin stays where the description has it: on the common normal it would be far away for axes
+/// that are nearly parallel.) Further bodies on the same parent need Rz(branch) Rx(twist)
+/// Rz(angle).
 struct Body {
   static constexpr int kBase = -1;
 
@@ -27,14 +28,13 @@ struct Body {
   Turn branch;
   Turn twist;
   double angle_offset = 0.0;  ///< of Rz at position 0 [rad]
-  Turn fixed_turn;            ///< of a prismatic joint
   Vec origin;                 ///< at position 0, in the parent's body axes [m]
   Vec slide;                  ///< a prismatic joint's axis, in the parent's body axes
 
   double mass = 0.0;
-  Vec first_moment;     ///< mass * centre of mass
-  Sym inertia;          ///< about the origin
-  Sym pseudo_inertia;   ///< sum of m r r^T: half the trace of the inertia minus the inertia
+  Vec first_moment;    ///< mass * centre of mass
+  Sym inertia;         ///< about the origin
+  Sym pseudo_inertia;  ///< sum of m r r^T: half the trace of the inertia minus the inertia
   double armature = 0.0;
 
   std::size_t coordinate = 0;

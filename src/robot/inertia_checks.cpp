@@ -25,8 +25,7 @@ bool have_same_inertia(const RigidInertia& a, const RigidInertia& b) {
 
 /// Exactly the same numbers on all moving links do not come from a CAD system.
 bool are_placeholders(const std::vector<const RobotLink*>& links) {
-  return links.size() >= 3 &&
-         std::all_of(links.begin(), links.end(), [&](const RobotLink* link) {
+  return links.size() >= 3 && std::all_of(links.begin(), links.end(), [&](const RobotLink* link) {
            return have_same_inertia(*link->inertia, *links.front()->inertia);
          });
 }
@@ -91,9 +90,10 @@ class InertiaCheck {
     const double max_radius = reach(model_);
     if (max_radius > 0.0 && radius > max_radius) {
       add(findings_.doubts, link.name,
-          fmt::format("inertia too large for its mass: radius of gyration {:.2g} m, the whole robot "
-                      "reaches {:.2g} m",
-                      radius, max_radius),
+          fmt::format(
+              "inertia too large for its mass: radius of gyration {:.2g} m, the whole robot "
+              "reaches {:.2g} m",
+              radius, max_radius),
           "correct its <inertial>");
     } else if (is_round_ball(inertia.inertia_at_com)) {
       add(findings_.doubts, link.name,

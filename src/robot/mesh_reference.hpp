@@ -9,8 +9,8 @@
 
 namespace pcavr::robot {
 
-/// The file that package://NAME/PATH, file://PATH or a path refers to in the description `file`; see
-/// UrdfOptions::package_folders. Nothing where there is no such regular file.
+/// The file that package://NAME/PATH, file://PATH or a path refers to in the description `file`;
+/// see UrdfOptions::package_folders. Nothing where there is no such regular file.
 [[nodiscard]] std::optional<std::filesystem::path> resolve_mesh(
     const std::string& reference, const std::filesystem::path& file,
     const std::vector<std::filesystem::path>& package_folders);

@@ -55,13 +55,15 @@ std::optional<std::string> physical_fault(const RigidInertia& inertia) {
   // Descriptions round to some six digits.
   const double tolerance = 1e-6 * std::abs(principal[2]);
   if (principal[0] < -tolerance) {
-    return fmt::format("inertia is not positive definite: principal moments {:.4g}, {:.4g}, {:.4g} kg m^2",
-                       principal[0], principal[1], principal[2]);
+    return fmt::format(
+        "inertia is not positive definite: principal moments {:.4g}, {:.4g}, {:.4g} kg m^2",
+        principal[0], principal[1], principal[2]);
   }
   if (principal[0] + principal[1] < principal[2] - tolerance) {
-    return fmt::format("inertia violates the triangle inequality: principal moments {:.4g} + {:.4g} < "
-                       "{:.4g} kg m^2",
-                       principal[0], principal[1], principal[2]);
+    return fmt::format(
+        "inertia violates the triangle inequality: principal moments {:.4g} + {:.4g} < "
+        "{:.4g} kg m^2",
+        principal[0], principal[1], principal[2]);
   }
   return std::nullopt;
 }

@@ -6,32 +6,70 @@
 
 namespace pcavr::robot {
 
-/// Three numbers in body axes. Plain scalars: at this size the compiler does better with them than
-/// with expression templates.
-struct Vec {
-  double x = 0.0;
-  double y = 0.0;
-  double z = 0.0;
+/// Two numbers that go through the same operations: the halves of a spatial vector or inertia,
+/// which turn alike. A vector of GCC and Clang, in one register of any 64-bit processor; lanes are
+/// [0], [1].
+using Pair = double __attribute__((vector_size(16)));
+
+/// Three numbers (or pairs of them) in body axes. Plain scalars: at this size the compiler does
+/// better with them than with expression templates.
+template <typename T>
+struct Triple {
+  T x{};
+  T y{};
+  T z{};
 };
+using Vec = Triple<double>;
+using VecPair = Triple<Pair>;
 
 inline Vec to_vec(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 inline Eigen::Vector3d to_eigen(const Vec& v) { return {v.x, v.y, v.z}; }
-inline Vec operator+(const Vec& a, const Vec& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Vec operator*(double s, const Vec& a) { return {s * a.x, s * a.y, s * a.z}; }
-inline double dot(const Vec& a, const Vec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline VecPair paired(const Vec& a, const Vec& b) {
+  return {Pair{a.x, b.x}, Pair{a.y, b.y}, Pair{a.z, b.z}};
+}
+inline Vec first(const VecPair& v) { return {v.x[0], v.y[0], v.z[0]}; }
+inline Vec second(const VecPair& v) { return {v.x[1], v.y[1], v.z[1]}; }
+
+template <typename T>
+Triple<T> operator+(const Triple<T>& a, const Triple<T>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <typename T>
+Triple<T> operator*(double s, const Triple<T>& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+template <typename T>
+T dot(const Triple<T>& a, const Triple<T>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 inline Vec cross(const Vec& a, const Vec& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// A symmetric 3x3 matrix.
-struct Sym {
-  double xx = 0.0;
-  double xy = 0.0;
-  double xz = 0.0;
-  double yy = 0.0;
-  double yz = 0.0;
-  double zz = 0.0;
+/// A symmetric 3x3 matrix, or a pair of them.
+template <typename T>
+struct Symmetric {
+  T xx{};
+  T xy{};
+  T xz{};
+  T yy{};
+  T yz{};
+  T zz{};
 };
+using Sym = Symmetric<double>;
+using SymPair = Symmetric<Pair>;
+
+inline SymPair paired(const Sym& a, const Sym& b) {
+  return {Pair{a.xx, b.xx}, Pair{a.xy, b.xy}, Pair{a.xz, b.xz},
+          Pair{a.yy, b.yy}, Pair{a.yz, b.yz}, Pair{a.zz, b.zz}};
+}
+inline Sym second(const SymPair& m) {
+  return {m.xx[1], m.xy[1], m.xz[1], m.yy[1], m.yz[1], m.zz[1]};
+}
+template <typename T>
+Symmetric<T> operator+(const Symmetric<T>& a, const Symmetric<T>& b) {
+  return {a.xx + b.xx, a.xy + b.xy, a.xz + b.xz, a.yy + b.yy, a.yz + b.yz, a.zz + b.zz};
+}
 
 inline Sym to_sym(const Eigen::Matrix3d& m) {
   return {m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)};
@@ -48,7 +86,9 @@ struct Rows {
   Vec z;
 };
 
-inline Vec operator*(const Rows& m, const Vec& v) { return {dot(m.x, v), dot(m.y, v), dot(m.z, v)}; }
+inline Vec operator*(const Rows& m, const Vec& v) {
+  return {dot(m.x, v), dot(m.y, v), dot(m.z, v)};
+}
 
 /// An angle as its cosine and sine.
 struct Turn {
@@ -57,25 +97,30 @@ struct Turn {
 };
 
 // Rz v, Rz^T v, Rx v, Rx^T v.
-inline Vec about_z(const Turn& t, const Vec& v) {
+template <typename T>
+Triple<T> about_z(const Turn& t, const Triple<T>& v) {
   return {t.c * v.x - t.s * v.y, t.s * v.x + t.c * v.y, v.z};
 }
-inline Vec back_about_z(const Turn& t, const Vec& v) {
+template <typename T>
+Triple<T> back_about_z(const Turn& t, const Triple<T>& v) {
   return {t.c * v.x + t.s * v.y, t.c * v.y - t.s * v.x, v.z};
 }
-inline Vec about_x(const Turn& t, const Vec& v) {
+template <typename T>
+Triple<T> about_x(const Turn& t, const Triple<T>& v) {
   return {v.x, t.c * v.y - t.s * v.z, t.s * v.y + t.c * v.z};
 }
-inline Vec back_about_x(const Turn& t, const Vec& v) {
+template <typename T>
+Triple<T> back_about_x(const Turn& t, const Triple<T>& v) {
   return {v.x, t.c * v.y + t.s * v.z, t.c * v.z - t.s * v.y};
 }
 
 // R m R^T.
-inline Sym about_z(const Turn& t, const Sym& m) {
+template <typename T>
+Symmetric<T> about_z(const Turn& t, const Symmetric<T>& m) {
   const double cs = t.c * t.s;
   const double cc = t.c * t.c;
-  const double difference = m.xx - m.yy;
-  const double a = cc * difference - 2.0 * cs * m.xy;
+  const T difference = m.xx - m.yy;
+  const T a = cc * difference - 2.0 * cs * m.xy;
   return {m.yy + a,
           cs * difference + (cc - t.s * t.s) * m.xy,
           t.c * m.xz - t.s * m.yz,
@@ -83,11 +128,12 @@ inline Sym about_z(const Turn& t, const Sym& m) {
           t.s * m.xz + t.c * m.yz,
           m.zz};
 }
-inline Sym about_x(const Turn& t, const Sym& m) {
+template <typename T>
+Symmetric<T> about_x(const Turn& t, const Symmetric<T>& m) {
   const double cs = t.c * t.s;
   const double cc = t.c * t.c;
-  const double difference = m.yy - m.zz;
-  const double a = cc * difference - 2.0 * cs * m.yz;
+  const T difference = m.yy - m.zz;
+  const T a = cc * difference - 2.0 * cs * m.yz;
   return {m.xx,
           t.c * m.xy - t.s * m.xz,
           t.s * m.xy + t.c * m.xz,
@@ -110,23 +156,17 @@ inline Rows about_x(const Turn& t, const Rows& m) {
           {t.s * y.x + t.c * z.x, t.s * y.y + t.c * z.y, t.s * y.z + t.c * z.z}};
 }
 
-/// A force and its moment about the origin of the frame whose axes they are in.
-struct Wrench {
-  Vec moment;
-  Vec force;
-};
-
 /// An articulated-body inertia: moment = rotation * domega + coupling * a,
 /// force = coupling^T * domega + translation * a [Featherstone 2008, eq. 7.2 in blocks].
 struct ArticulatedInertia {
-  Sym rotation;
+  SymPair blocks;  ///< rotation, translation
   Rows coupling;
-  Sym translation;
 };
 
-/// The same about a point at -p, in the same axes: a = a' + domega x p, moment' = moment + p x force.
+/// The same about a point at -p, in the same axes: a = a' + domega x p, moment' = moment + p x
+/// force.
 inline ArticulatedInertia shifted(const ArticulatedInertia& inertia, const Vec& p) {
-  const Sym& m = inertia.translation;
+  const Sym m = second(inertia.blocks);
   const Rows& h = inertia.coupling;
   const Rows h_shifted{{h.x.x + p.y * m.xz - p.z * m.xy, h.x.y + p.y * m.yz - p.z * m.yy,
                         h.x.z + p.y * m.zz - p.z * m.yz},
@@ -136,25 +176,21 @@ inline ArticulatedInertia shifted(const ArticulatedInertia& inertia, const Vec& 
                         h.z.z + p.x * m.yz - p.y * m.xz}};
   const Rows& g = h_shifted;
   // Entry i, j: (p x row i of h)_j + (p x row j of g)_i.
-  const Sym& r = inertia.rotation;
-  return {{r.xx + p.y * (h.x.z + g.x.z) - p.z * (h.x.y + g.x.y),
-           r.xy + p.z * h.x.x - p.x * h.x.z + p.y * g.y.z - p.z * g.y.y,
-           r.xz + p.x * h.x.y - p.y * h.x.x + p.y * g.z.z - p.z * g.z.y,
-           r.yy + p.z * (h.y.x + g.y.x) - p.x * (h.y.z + g.y.z),
-           r.yz + p.x * h.y.y - p.y * h.y.x + p.z * g.z.x - p.x * g.z.z,
-           r.zz + p.x * (h.z.y + g.z.y) - p.y * (h.z.x + g.z.x)},
-          h_shifted,
-          m};
+  ArticulatedInertia result{inertia.blocks, h_shifted};
+  SymPair& r = result.blocks;
+  r.xx[0] += p.y * (h.x.z + g.x.z) - p.z * (h.x.y + g.x.y);
+  r.xy[0] += p.z * h.x.x - p.x * h.x.z + p.y * g.y.z - p.z * g.y.y;
+  r.xz[0] += p.x * h.x.y - p.y * h.x.x + p.y * g.z.z - p.z * g.z.y;
+  r.yy[0] += p.z * (h.y.x + g.y.x) - p.x * (h.y.z + g.y.z);
+  r.yz[0] += p.x * h.y.y - p.y * h.y.x + p.z * g.z.x - p.x * g.z.z;
+  r.zz[0] += p.x * (h.z.y + g.z.y) - p.y * (h.z.x + g.z.x);
+  return result;
 }
 
 inline void add_to(ArticulatedInertia& sum, const ArticulatedInertia& b) {
-  const auto add = [](Sym& s, const Sym& t) {
-    s = {s.xx + t.xx, s.xy + t.xy, s.xz + t.xz, s.yy + t.yy, s.yz + t.yz, s.zz + t.zz};
-  };
-  add(sum.rotation, b.rotation);
-  sum.coupling = {sum.coupling.x + b.coupling.x, sum.coupling.y + b.coupling.y,
-                  sum.coupling.z + b.coupling.z};
-  add(sum.translation, b.translation);
+  sum = {sum.blocks + b.blocks,
+         {sum.coupling.x + b.coupling.x, sum.coupling.y + b.coupling.y,
+          sum.coupling.z + b.coupling.z}};
 }
 
 }  // namespace pcavr::robot

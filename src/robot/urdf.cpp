@@ -28,9 +28,8 @@ Error error_of(const robot::UrdfdomResult& result, const robot::UrdfStructure& s
   error.message = result.errors.front();
   const auto find_in = [&](const auto& elements, const char* kind) {
     for (const auto& element : elements) {
-      const bool is_named =
-          error.message.find("[" + element.name + "]") != std::string::npos ||
-          error.message.find("'" + element.name + "'") != std::string::npos;
+      const bool is_named = error.message.find("[" + element.name + "]") != std::string::npos ||
+                            error.message.find("'" + element.name + "'") != std::string::npos;
       if (!is_named || error.line != 0) continue;
       error.line = element.line;
       error.place = fmt::format("{} '{}'", kind, element.name);
@@ -47,8 +46,8 @@ Expected<RobotModel> read_urdf(const std::filesystem::path& file, const UrdfOpti
   const Expected<std::uintmax_t> size = regular_file_size(file);
   if (!size) return size.error();
   if (*size > kMaxSize) {
-    return Error{fmt::format("has {} bytes; at most {} are read", *size, kMaxSize), file.string(), 0,
-                 "", "a robot description in URDF is expected"};
+    return Error{fmt::format("has {} bytes; at most {} are read", *size, kMaxSize), file.string(),
+                 0, "", "a robot description in URDF is expected"};
   }
   const Expected<std::string> text = read_file(file);
   if (!text) return text.error();

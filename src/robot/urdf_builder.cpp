@@ -21,9 +21,16 @@ Pose pose_of(const urdf::Pose& pose) {
   return {Eigen::Quaterniond(q.w, q.x, q.y, q.z), vector_of(pose.position)};
 }
 
-bool is_finite(const urdf::Pose& pose) {
+/// Beyond these, products overflow; no robot comes near.
+constexpr double kMaxLength = 1e4;   // [m]
+constexpr double kMaxMass = 1e6;     // [kg]
+constexpr double kMaxInertia = 1e9;  // [kg m^2]
+constexpr double kMaxRatio = 1e6;    // of a mimic joint
+
+bool is_plausible(const urdf::Pose& pose) {
   const urdf::Rotation& q = pose.rotation;
-  return vector_of(pose.position).allFinite() && std::isfinite(q.x + q.y + q.z + q.w);
+  return vector_of(pose.position).cwiseAbs().maxCoeff() < kMaxLength &&
+         std::isfinite(q.x + q.y + q.z + q.w);
 }
 
 /// Walks along the tree and fills the model; each step returns its fault.
@@ -87,8 +94,9 @@ class RobotBuilder {
     if (!source) {
       return finding(element, "joint", "was not understood", "check its elements and attributes");
     }
-    if (!is_finite(source->parent_to_joint_origin_transform)) {
-      return finding(element, "joint", "origin is not finite", "correct its <origin>");
+    if (!is_plausible(source->parent_to_joint_origin_transform)) {
+      return finding(element, "joint", fmt::format("origin is {:g} m away or more", kMaxLength),
+                     "correct its <origin>; lengths are in metres");
     }
     const RobotLink& parent =
         model_.links[model_.link_index(structure_.links[element.parent].name).value()];
@@ -139,32 +147,32 @@ class RobotBuilder {
       return finding(element, "joint", "limits are not finite", "correct its <limit>");
     }
     if (limits.velocity < 0.0 || limits.effort < 0.0) {
-      return finding(element, "joint",
-                     fmt::format("negative limit: velocity {:g}, effort {:g}", limits.velocity,
-                                 limits.effort),
-                     "write limits as positive numbers");
+      return finding(
+          element, "joint",
+          fmt::format("negative limit: velocity {:g}, effort {:g}", limits.velocity, limits.effort),
+          "write limits as positive numbers");
     }
     if (limits.velocity > 0.0) joint.limits.velocity = limits.velocity;
     if (limits.effort > 0.0) joint.limits.effort = limits.effort;
     if (limits.velocity == 0.0 || limits.effort == 0.0) {
-      warn(finding(element, "joint",
-                   fmt::format("no limit of {}: it is 0",
-                               limits.velocity > 0.0 ? "effort"
-                               : limits.effort > 0.0 ? "velocity"
-                                                     : "velocity and effort"),
-                   "add the value of the data sheet to its <limit>"));
+      warn(finding(
+          element, "joint",
+          fmt::format("no limit of {}: it is 0", limits.velocity > 0.0 ? "effort"
+                                                 : limits.effort > 0.0 ? "velocity"
+                                                                       : "velocity and effort"),
+          "add the value of the data sheet to its <limit>"));
     }
     return read_range(element, limits, joint);
   }
 
-  Fault read_range(const UrdfElement& element, const urdf::JointLimits& limits,
-                   RobotJoint& joint) {
+  Fault read_range(const UrdfElement& element, const urdf::JointLimits& limits, RobotJoint& joint) {
     if (joint.kind == JointKind::kContinuous) {
       if (limits.lower != 0.0 || limits.upper != 0.0) {
-        warn(finding(element, "joint",
-                     fmt::format("continuous, yet limited to {:g} ... {:g} rad: the limits are ignored",
-                                 limits.lower, limits.upper),
-                     "make it revolute if they hold"));
+        warn(finding(
+            element, "joint",
+            fmt::format("continuous, yet limited to {:g} ... {:g} rad: the limits are ignored",
+                        limits.lower, limits.upper),
+            "make it revolute if they hold"));
       }
       return std::nullopt;
     }
@@ -189,8 +197,14 @@ class RobotBuilder {
     const Eigen::Matrix3d inertia{{inertial.ixx, inertial.ixy, inertial.ixz},
                                   {inertial.ixy, inertial.iyy, inertial.iyz},
                                   {inertial.ixz, inertial.iyz, inertial.izz}};
-    if (!(is_finite(inertial.origin) && std::isfinite(inertial.mass) && inertia.allFinite())) {
-      return finding(element, "link", "inertia is not finite", "correct its <inertial>");
+    if (!(is_plausible(inertial.origin) && inertial.mass < kMaxMass &&
+          inertia.cwiseAbs().maxCoeff() < kMaxInertia)) {
+      return finding(
+          element, "link",
+          fmt::format("mass, inertia or centre of mass is too large: {:g} kg or more, {:g} "
+                      "kg m^2 or {:g} m",
+                      kMaxMass, kMaxInertia, kMaxLength),
+          "correct its <inertial>; units are kg and m");
     }
     if (inertial.mass < 0.0) {
       return finding(element, "link", fmt::format("mass {:g} kg is negative", inertial.mass),
@@ -210,7 +224,7 @@ class RobotBuilder {
                      fmt::format("correct its <{}>", kind));
     };
     if (part == nullptr || !part->geometry) return fault("has no geometry");
-    if (!is_finite(part->origin)) return fault("origin is not finite");
+    if (!is_plausible(part->origin)) return fault("origin is too far away");
     RobotShape shape;
     shape.name = part->name;
     shape.T_link_shape = pose_of(part->origin);
@@ -236,7 +250,8 @@ class RobotBuilder {
         if (auto missing = find_mesh(element, what, mesh, shape)) return missing;
       }
     }
-    if (!(size.allFinite() && size.minCoeff() > 0.0)) return fault("a dimension or scale is not positive");
+    if (!(size.allFinite() && size.minCoeff() > 0.0))
+      return fault("a dimension or scale is not positive");
     shapes.push_back(std::move(shape));
     return std::nullopt;
   }
@@ -244,11 +259,10 @@ class RobotBuilder {
   Fault find_mesh(const UrdfElement& element, const std::string& what, const urdf::Mesh& mesh,
                   RobotShape& shape) {
     const auto found = resolve_mesh(mesh.filename, file_, options_.package_folders);
-    shape.geometry = MeshShape{found.value_or(std::filesystem::path()), mesh.filename,
-                               vector_of(mesh.scale)};
+    shape.geometry =
+        MeshShape{found.value_or(std::filesystem::path()), mesh.filename, vector_of(mesh.scale)};
     if (found || !missing_meshes_.insert(mesh.filename).second) return std::nullopt;
-    Error missing = finding(element, "link",
-                            fmt::format("{}: no mesh at {}", what, mesh.filename),
+    Error missing = finding(element, "link", fmt::format("{}: no mesh at {}", what, mesh.filename),
                             mesh.filename.starts_with("package://")
                                 ? "give the folder of its package"
                                 : "the path starts in the folder of the description");
@@ -284,11 +298,12 @@ class RobotBuilder {
         return finding(element, "joint", "mimics itself, by way of others",
                        "one of the joints must move of its own");
       }
-      if (!std::isfinite(mimic.multiplier) || !std::isfinite(mimic.offset)) {
-        return finding(element, "joint", "its <mimic> is not finite", "correct its <mimic>");
-      }
       joint.offset += joint.multiplier * mimic.offset;
       joint.multiplier *= mimic.multiplier;
+      if (!(std::abs(joint.multiplier) < kMaxRatio && std::abs(joint.offset) < kMaxRatio)) {
+        return finding(element, "joint", "multiplier or offset is too large",
+                       "correct its <mimic>");
+      }
       joint.coordinate = model_.joints[*leader].coordinate;
       name = mimic.joint_name;
     }
@@ -323,8 +338,8 @@ class RobotBuilder {
 }  // namespace
 
 Expected<RobotModel> build_robot(const urdf::ModelInterface& description,
-                                 const UrdfStructure& structure,
-                                 const std::filesystem::path& file, const UrdfOptions& options) {
+                                 const UrdfStructure& structure, const std::filesystem::path& file,
+                                 const UrdfOptions& options) {
   return RobotBuilder(description, structure, file, options).build();
 }
 

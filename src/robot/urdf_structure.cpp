@@ -148,11 +148,12 @@ class StructureParser {
     }
     for (const UrdfJointElement& other : structure_.joints) {
       if (other.child != joint.child) continue;
-      return error(joint, "joint",
-                   fmt::format("link '{}' has two parents: it is the child of joint '{}' (line {}), "
-                               "too",
-                               name, other.name, other.line),
-                   "closed chains are not supported; remove one of the two joints");
+      return error(
+          joint, "joint",
+          fmt::format("link '{}' has two parents: it is the child of joint '{}' (line {}), "
+                      "too",
+                      name, other.name, other.line),
+          "closed chains are not supported; remove one of the two joints");
     }
     return std::nullopt;
   }

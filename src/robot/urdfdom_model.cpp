@@ -14,7 +14,9 @@ namespace {
 /// Keeps the errors of the log as long as it lives; libraries do not print.
 class LogCapture : public console_bridge::OutputHandler {
  public:
-  LogCapture() : previous_(console_bridge::getOutputHandler()) { console_bridge::useOutputHandler(this); }
+  LogCapture() : previous_(console_bridge::getOutputHandler()) {
+    console_bridge::useOutputHandler(this);
+  }
   LogCapture(const LogCapture&) = delete;
   LogCapture& operator=(const LogCapture&) = delete;
   ~LogCapture() override { console_bridge::useOutputHandler(previous_); }

@@ -11,23 +11,26 @@
 namespace pcavr::robot {
 namespace {
 
-Vec to_child(const Body& body, const BodyState& state, Vec v) {
+template <typename T>
+Triple<T> to_child(const Body& body, const BodyState& state, Triple<T> v) {
   if (body.is_branch) v = back_about_z(body.branch, v);
   return back_about_z(state.turn, back_about_x(body.twist, v));
 }
 
-Vec to_parent(const Body& body, const BodyState& state, const Vec& v) {
-  const Vec turned = about_x(body.twist, about_z(state.turn, v));
+template <typename T>
+Triple<T> turned_to_parent(const Body& body, const BodyState& state, const Triple<T>& v) {
+  const Triple<T> turned = about_x(body.twist, about_z(state.turn, v));
   return body.is_branch ? about_z(body.branch, turned) : turned;
 }
 
-Wrench to_parent(const Body& body, const BodyState& state, const Wrench& w) {
-  const Vec force = to_parent(body, state, w.force);
-  return {to_parent(body, state, w.moment) + cross(state.origin, force), force};
-}
-
-void add_to(Wrench& sum, const Wrench& w) {
-  sum = {sum.moment + w.moment, sum.force + w.force};
+/// A moment about the origin and a force.
+VecPair wrench_to_parent(const Body& body, const BodyState& state, const VecPair& wrench) {
+  VecPair turned = turned_to_parent(body, state, wrench);
+  const Vec moment = cross(state.origin, second(turned));
+  turned.x[0] += moment.x;
+  turned.y[0] += moment.y;
+  turned.z[0] += moment.z;
+  return turned;
 }
 
 /// skew(domega) + omega omega^T - |omega|^2.
@@ -56,44 +59,41 @@ Vec spin_moment(const Rows& spin, const Sym& j) {
 /// The spatial inertia of a rigid body about its origin.
 ArticulatedInertia rigid_inertia(const Body& body) {
   const Vec& h = body.first_moment;
-  return {body.inertia,
-          {{0.0, -h.z, h.y}, {h.z, 0.0, -h.x}, {-h.y, h.x, 0.0}},
-          {body.mass, 0.0, 0.0, body.mass, 0.0, body.mass}};
+  return {paired(body.inertia, Sym{body.mass, 0.0, 0.0, body.mass, 0.0, body.mass}),
+          {{0.0, -h.z, h.y}, {h.z, 0.0, -h.x}, {-h.y, h.x, 0.0}}};
 }
 
-/// The inertia times the axis of the joint.
-Wrench force_of_axis(const ArticulatedInertia& inertia, bool is_prismatic) {
+/// The inertia times the axis of the joint: moment and force.
+VecPair force_of_axis(const ArticulatedInertia& inertia, bool is_prismatic) {
+  const SymPair& m = inertia.blocks;
   const Rows& h = inertia.coupling;
-  if (is_prismatic) {
-    const Sym& m = inertia.translation;
-    return {{h.x.z, h.y.z, h.z.z}, {m.xz, m.yz, m.zz}};
-  }
-  const Sym& r = inertia.rotation;
-  return {{r.xz, r.yz, r.zz}, h.z};
+  if (is_prismatic) return paired(Vec{h.x.z, h.y.z, h.z.z}, Vec{m.xz[1], m.yz[1], m.zz[1]});
+  return paired(Vec{m.xz[0], m.yz[0], m.zz[0]}, h.z);
+}
+
+/// The component along the joint.
+double along_joint(const VecPair& wrench, bool is_prismatic) {
+  return is_prismatic ? wrench.z[1] : wrench.z[0];
 }
 
 /// inertia - U U^T / D: what the joint passes on to its parent [Featherstone 2008, eq. 7.23].
-ArticulatedInertia handed_on(const ArticulatedInertia& inertia, const Wrench& u, double inverse_d) {
-  const Vec n = inverse_d * u.moment;
-  const Vec f = inverse_d * u.force;
-  const Sym& r = inertia.rotation;
+ArticulatedInertia handed_on(const ArticulatedInertia& inertia, const VecPair& u,
+                             double inverse_d) {
+  const VecPair n = inverse_d * u;
+  const SymPair& m = inertia.blocks;
   const Rows& h = inertia.coupling;
-  const Sym& m = inertia.translation;
-  return {{r.xx - n.x * u.moment.x, r.xy - n.x * u.moment.y, r.xz - n.x * u.moment.z,
-           r.yy - n.y * u.moment.y, r.yz - n.y * u.moment.z, r.zz - n.z * u.moment.z},
-          {h.x + -u.moment.x * f, h.y + -u.moment.y * f, h.z + -u.moment.z * f},
-          {m.xx - f.x * u.force.x, m.xy - f.x * u.force.y, m.xz - f.x * u.force.z,
-           m.yy - f.y * u.force.y, m.yz - f.y * u.force.z, m.zz - f.z * u.force.z}};
+  const Vec f = second(n);
+  return {{m.xx - n.x * u.x, m.xy - n.x * u.y, m.xz - n.x * u.z, m.yy - n.y * u.y, m.yz - n.y * u.z,
+           m.zz - n.z * u.z},
+          {h.x + -u.x[0] * f, h.y + -u.y[0] * f, h.z + -u.z[0] * f}};
 }
 
 ArticulatedInertia to_parent(const Body& body, const BodyState& state,
                              const ArticulatedInertia& inertia) {
-  ArticulatedInertia turned{about_x(body.twist, about_z(state.turn, inertia.rotation)),
-                            about_x(body.twist, about_z(state.turn, inertia.coupling)),
-                            about_x(body.twist, about_z(state.turn, inertia.translation))};
+  ArticulatedInertia turned{about_x(body.twist, about_z(state.turn, inertia.blocks)),
+                            about_x(body.twist, about_z(state.turn, inertia.coupling))};
   if (body.is_branch) {
-    turned = {about_z(body.branch, turned.rotation), about_z(body.branch, turned.coupling),
-              about_z(body.branch, turned.translation)};
+    turned = {about_z(body.branch, turned.blocks), about_z(body.branch, turned.coupling)};
   }
   return shifted(turned, state.origin);
 }
@@ -103,23 +103,24 @@ ArticulatedInertia to_parent(const Body& body, const BodyState& state,
 Workspace::Workspace(BodyTree body_tree)
     : tree(std::move(body_tree)), places(tree.bodies.size()), states_(tree.bodies.size()) {
   const auto dof = static_cast<Eigen::Index>(tree.dof);
+  angles_.resize(tree.bodies.size() + 1);  // read in pairs
   mass.setZero(dof, dof);
   factor_.setZero(dof, dof);
   bias_.setZero(dof);
 }
 
 void Workspace::set_positions(const double* q) {
-  for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
+  const std::size_t count = tree.bodies.size();
+  for (std::size_t i = 0; i < count; ++i) {
     const Body& body = tree.bodies[i];
-    BodyState& state = states_[i];
     const double position = body.multiplier * q[body.coordinate] + body.offset;
-    if (body.is_prismatic) {
-      state.turn = body.fixed_turn;
-      state.origin = body.origin + position * body.slide;
-    } else {
-      state.turn = turn_of(position + body.angle_offset);
-      state.origin = body.origin;
-    }
+    angles_[i] = body.angle_offset + (body.is_prismatic ? 0.0 : position);
+    states_[i].origin = body.is_prismatic ? body.origin + position * body.slide : body.origin;
+  }
+  for (std::size_t i = 0; i < count; i += 2) {
+    const TurnPair turns = turns_of(Pair{angles_[i], angles_[i + 1]});
+    states_[i].turn = {turns.c[0], turns.s[0]};
+    if (i + 1 < count) states_[i + 1].turn = {turns.c[1], turns.s[1]};
   }
 }
 
@@ -131,9 +132,9 @@ void Workspace::place_bodies() {
                                  ? Placement{tree.R_base_body, Eigen::Vector3d::Zero()}
                                  : places[static_cast<std::size_t>(body.parent)];
     Eigen::Matrix3d R_parent_body;
-    R_parent_body << to_eigen(to_parent(body, state, Vec{1.0, 0.0, 0.0})),
-        to_eigen(to_parent(body, state, Vec{0.0, 1.0, 0.0})),
-        to_eigen(to_parent(body, state, Vec{0.0, 0.0, 1.0}));
+    R_parent_body << to_eigen(turned_to_parent(body, state, Vec{1.0, 0.0, 0.0})),
+        to_eigen(turned_to_parent(body, state, Vec{0.0, 1.0, 0.0})),
+        to_eigen(turned_to_parent(body, state, Vec{0.0, 0.0, 1.0}));
     places[i].rotation.noalias() = parent.rotation * R_parent_body;
     places[i].translation = parent.rotation * to_eigen(state.origin) + parent.translation;
   }
@@ -148,7 +149,8 @@ Placement Workspace::place_of_link(std::size_t link) const {
 }
 
 /// The outward pass of the recursive Newton-Euler algorithm [Featherstone 2008, table 5.1], with
-/// the acceleration of the points of a body by its matrix `spin`; and the force that each body needs.
+/// the acceleration of the points of a body by its matrix `spin`; and the force that each body
+/// needs.
 template <bool kHasAcceleration>
 void Workspace::move_bodies(const double* dq, const double* ddq) {
   for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
@@ -157,29 +159,32 @@ void Workspace::move_bodies(const double* dq, const double* ddq) {
     const double speed = body.multiplier * dq[body.coordinate];
     double acceleration = 0.0;
     if constexpr (kHasAcceleration) acceleration = body.multiplier * ddq[body.coordinate];
+    Vec omega;
+    Vec domega;
+    Vec origin_acceleration;
     if (body.parent == Body::kBase) {
-      state.omega = {};
-      state.domega = {};
-      state.acceleration = to_child(body, state, tree.minus_gravity);
+      origin_acceleration = to_child(body, state, tree.minus_gravity);
     } else {
       const BodyState& parent = states_[static_cast<std::size_t>(body.parent)];
-      state.omega = to_child(body, state, parent.omega);
-      state.domega = to_child(body, state, parent.domega);
-      state.acceleration =
-          to_child(body, state, parent.acceleration + parent.spin * state.origin);
+      const VecPair rotation = to_child(body, state, parent.rotation);
+      omega = first(rotation);
+      domega = second(rotation);
+      origin_acceleration = to_child(body, state, parent.acceleration + parent.spin * state.origin);
     }
     if (body.is_prismatic) {
-      state.acceleration = state.acceleration + Vec{2.0 * speed * state.omega.y,
-                                                    -2.0 * speed * state.omega.x, acceleration};
+      origin_acceleration =
+          origin_acceleration + Vec{2.0 * speed * omega.y, -2.0 * speed * omega.x, acceleration};
     } else {
-      state.domega = state.domega +
-                     Vec{speed * state.omega.y, -speed * state.omega.x, acceleration};
-      state.omega.z += speed;
+      domega = domega + Vec{speed * omega.y, -speed * omega.x, acceleration};
+      omega.z += speed;
     }
-    state.spin = spin_of(state.omega, state.domega);
-    state.force.force = body.mass * state.acceleration + state.spin * body.first_moment;
-    state.force.moment = cross(body.first_moment, state.acceleration) +
-                         spin_moment(state.spin, body.pseudo_inertia);
+    const Rows spin = spin_of(omega, domega);
+    state.rotation = paired(omega, domega);
+    state.acceleration = origin_acceleration;
+    state.spin = spin;
+    state.force = paired(
+        cross(body.first_moment, origin_acceleration) + spin_moment(spin, body.pseudo_inertia),
+        body.mass * origin_acceleration + spin * body.first_moment);
   }
 }
 
@@ -189,11 +194,10 @@ void Workspace::sum_forces(double* tau) {
   for (std::size_t i = tree.bodies.size(); i-- > 0;) {
     const Body& body = tree.bodies[i];
     const BodyState& state = states_[i];
-    tau[body.coordinate] +=
-        body.multiplier * (body.is_prismatic ? state.force.force.z : state.force.moment.z);
+    tau[body.coordinate] += body.multiplier * along_joint(state.force, body.is_prismatic);
     if (body.parent == Body::kBase) continue;
-    add_to(states_[static_cast<std::size_t>(body.parent)].force,
-           to_parent(body, state, state.force));
+    VecPair& sum = states_[static_cast<std::size_t>(body.parent)].force;
+    sum = sum + wrench_to_parent(body, state, state.force);
   }
 }
 
@@ -210,12 +214,12 @@ void Workspace::gravity_torque(double* tau) {
   for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
     const Body& body = tree.bodies[i];
     BodyState& state = states_[i];
-    state.acceleration =
-        to_child(body, state,
-                 body.parent == Body::kBase
-                     ? tree.minus_gravity
-                     : states_[static_cast<std::size_t>(body.parent)].acceleration);
-    state.force = {cross(body.first_moment, state.acceleration), body.mass * state.acceleration};
+    state.acceleration = to_child(
+        body, state,
+        body.parent == Body::kBase ? tree.minus_gravity
+                                   : states_[static_cast<std::size_t>(body.parent)].acceleration);
+    state.force =
+        paired(cross(body.first_moment, state.acceleration), body.mass * state.acceleration);
   }
   sum_forces(tau);
 }
@@ -235,17 +239,14 @@ void Workspace::fold_inertias(const double* tau) {
   for (std::size_t i = tree.bodies.size(); i-- > 0;) {
     const Body& body = tree.bodies[i];
     BodyState& state = states_[i];
-    const Wrench u = force_of_axis(state.inertia, body.is_prismatic);
-    const double d = (body.is_prismatic ? u.force.z : u.moment.z) + body.armature;
-    const double bias = body.is_prismatic ? state.force.force.z : state.force.moment.z;
+    const VecPair u = force_of_axis(state.inertia, body.is_prismatic);
     state.force_of_joint = u;
-    state.inverse_inertia = 1.0 / d;
-    state.remaining_torque = tau[body.coordinate] - bias;
+    state.inverse_inertia = 1.0 / (along_joint(u, body.is_prismatic) + body.armature);
+    state.remaining_torque = tau[body.coordinate] - along_joint(state.force, body.is_prismatic);
     if (body.parent == Body::kBase) continue;
     BodyState& parent = states_[static_cast<std::size_t>(body.parent)];
     const double share = state.remaining_torque * state.inverse_inertia;
-    const Wrench force{state.force.moment + share * u.moment, state.force.force + share * u.force};
-    add_to(parent.force, to_parent(body, state, force));
+    parent.force = parent.force + wrench_to_parent(body, state, state.force + share * u);
     add_to(parent.inertia,
            to_parent(body, state, handed_on(state.inertia, u, state.inverse_inertia)));
   }
@@ -255,21 +256,19 @@ void Workspace::accelerate_bodies(double* ddq) {
   for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
     const Body& body = tree.bodies[i];
     BodyState& state = states_[i];
-    if (body.parent == Body::kBase) {
-      state.domega = {};
-      state.acceleration = {};
-    } else {
-      const BodyState& parent = states_[static_cast<std::size_t>(body.parent)];
-      state.domega = to_child(body, state, parent.domega);
-      state.acceleration =
-          to_child(body, state, parent.acceleration + cross(parent.domega, state.origin));
+    VecPair relative;
+    if (body.parent != Body::kBase) {
+      relative = states_[static_cast<std::size_t>(body.parent)].relative;
+      relative =
+          to_child(body, state, relative + paired(Vec{}, cross(first(relative), state.origin)));
     }
+    const Pair needed = dot(state.force_of_joint, relative);
     const double acceleration =
-        (state.remaining_torque - dot(state.force_of_joint.moment, state.domega) -
-         dot(state.force_of_joint.force, state.acceleration)) *
-        state.inverse_inertia;
+        (state.remaining_torque - needed[0] - needed[1]) * state.inverse_inertia;
     ddq[body.coordinate] = acceleration;
-    (body.is_prismatic ? state.acceleration : state.domega).z += acceleration;
+    // Not by a variable lane, which would go through memory.
+    relative.z += body.is_prismatic ? Pair{0.0, acceleration} : Pair{acceleration, 0.0};
+    state.relative = relative;
   }
 }
 
@@ -282,9 +281,9 @@ void Workspace::fill_mass_matrix() {
   for (std::size_t i = tree.bodies.size(); i-- > 0;) {
     const Body& body = tree.bodies[i];
     const auto row = static_cast<Eigen::Index>(body.coordinate);
-    Wrench force = force_of_axis(states_[i].inertia, body.is_prismatic);
-    mass(row, row) += body.multiplier * body.multiplier *
-                      ((body.is_prismatic ? force.force.z : force.moment.z) + body.armature);
+    VecPair force = force_of_axis(states_[i].inertia, body.is_prismatic);
+    mass(row, row) +=
+        body.multiplier * body.multiplier * (along_joint(force, body.is_prismatic) + body.armature);
     if (body.parent != Body::kBase) {
       add_to(states_[static_cast<std::size_t>(body.parent)].inertia,
              to_parent(body, states_[i], states_[i].inertia));
@@ -292,12 +291,12 @@ void Workspace::fill_mass_matrix() {
     std::size_t child = i;
     for (int j = body.parent; j != Body::kBase;
          j = tree.bodies[static_cast<std::size_t>(j)].parent) {
-      force = to_parent(tree.bodies[child], states_[child], force);
+      force = wrench_to_parent(tree.bodies[child], states_[child], force);
       child = static_cast<std::size_t>(j);
       const Body& carrier = tree.bodies[child];
       const auto column = static_cast<Eigen::Index>(carrier.coordinate);
-      const double entry = body.multiplier * carrier.multiplier *
-                           (carrier.is_prismatic ? force.force.z : force.moment.z);
+      const double entry =
+          body.multiplier * carrier.multiplier * along_joint(force, carrier.is_prismatic);
       mass(row, column) += entry;
       mass(column, row) += entry;  // for a joint that mimics its carrier, both on the diagonal
     }
@@ -337,8 +336,8 @@ void Workspace::fill_regressor(const double* dq, const double* ddq,
   for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
     // In the joint frame, like the parameters.
     const Eigen::Matrix3d& R_joint_body = tree.bodies[i].R_joint_body;
-    const Eigen::Vector3d w = R_joint_body * to_eigen(states_[i].omega);
-    const Eigen::Vector3d dw = R_joint_body * to_eigen(states_[i].domega);
+    const Eigen::Vector3d w = R_joint_body * to_eigen(first(states_[i].rotation));
+    const Eigen::Vector3d dw = R_joint_body * to_eigen(second(states_[i].rotation));
     const Eigen::Vector3d a = R_joint_body * to_eigen(states_[i].acceleration);
     const Eigen::Matrix3d spin = skew(dw) + skew(w) * skew(w);
     // The force and moment that the body needs, by parameter [Atkeson, An & Hollerbach 1986].
@@ -365,8 +364,8 @@ void Workspace::fill_regressor(const double* dq, const double* ddq,
         const Eigen::Vector3d v = place.rotation.transpose() * axis;
         block += v.transpose() * force;
       } else {
-        const Eigen::Vector3d v = place.rotation.transpose() *
-                                  axis.cross(place.translation - joint.translation);
+        const Eigen::Vector3d v =
+            place.rotation.transpose() * axis.cross(place.translation - joint.translation);
         const Eigen::Vector3d omega = place.rotation.transpose() * axis;
         block += v.transpose() * force + omega.transpose() * moment;
       }
@@ -380,17 +379,15 @@ double Workspace::kinetic_energy(const double* dq) {
     const Body& body = tree.bodies[i];
     BodyState& state = states_[i];
     const double speed = body.multiplier * dq[body.coordinate];
-    // `acceleration` serves as the velocity of the origin.
     Vec omega;
     Vec velocity;
     if (body.parent != Body::kBase) {
-      const BodyState& parent = states_[static_cast<std::size_t>(body.parent)];
-      omega = to_child(body, state, parent.omega);
-      velocity = to_child(body, state, parent.acceleration + cross(parent.omega, state.origin));
+      const VecPair& parent = states_[static_cast<std::size_t>(body.parent)].relative;
+      omega = to_child(body, state, first(parent));
+      velocity = to_child(body, state, second(parent) + cross(first(parent), state.origin));
     }
     (body.is_prismatic ? velocity : omega).z += speed;
-    state.omega = omega;
-    state.acceleration = velocity;
+    state.relative = paired(omega, velocity);  // angular and linear velocity of the origin
     energy += 0.5 * body.mass * dot(velocity, velocity) +
               dot(velocity, cross(omega, body.first_moment)) +
               0.5 * dot(omega, body.inertia * omega) + 0.5 * body.armature * speed * speed;

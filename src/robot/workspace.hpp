@@ -19,17 +19,17 @@ struct Placement {
 
 /// The variables of one body, in its body axes if nothing else is said.
 struct BodyState {
-  Turn turn;   ///< of Rz in the rotation from the parent
-  Vec origin;  ///< in the parent's body axes
-  Vec omega;
-  Vec domega;
+  Turn turn;         ///< of Rz in the rotation from the parent
+  Vec origin;        ///< in the parent's body axes
+  VecPair rotation;  ///< omega, domega
   Vec acceleration;  ///< of the origin, minus gravity
   Rows spin;         ///< skew(domega) + skew(omega)^2: acceleration of a point is spin * r more
-  Wrench force;
+  VecPair force;     ///< moment about the origin, force
   ArticulatedInertia inertia;
-  Wrench force_of_joint;   ///< U of Featherstone: inertia times the joint's axis
-  double inverse_inertia;  ///< 1 / D of Featherstone
-  double remaining_torque; ///< u of Featherstone
+  VecPair force_of_joint;   ///< U of Featherstone: inertia times the joint's axis
+  double inverse_inertia;   ///< 1 / D of Featherstone
+  double remaining_torque;  ///< u of Featherstone
+  VecPair relative;         ///< domega and acceleration, relative to the motion without ddq
 };
 
 /// The working memory of RobotDynamics and its recursions. set_positions comes before all others.
@@ -65,6 +65,7 @@ class Workspace {
   void accelerate_bodies(double* ddq);
 
   std::vector<BodyState> states_;
+  std::vector<double> angles_;  ///< of the bodies' turns [rad]
   Eigen::MatrixXd factor_;
   Eigen::VectorXd bias_;
 };

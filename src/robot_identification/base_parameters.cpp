@@ -17,11 +17,11 @@ namespace pcavr {
 namespace {
 
 constexpr std::uint64_t kSeed = 1;
-constexpr int kStates = 60;             ///< each has as many rows as joints
-constexpr double kDependent = 1e-8;     ///< squared norm of a column's rest over its own
-constexpr double kNoEffect = 1e-18;     ///< squared norm over the largest: zero but for rounding
-constexpr double kSmallShare = 1e-6;    ///< coefficients below this are rounding
-constexpr double kExcitedShare = 0.5;   ///< of the prior's std that the data must go below
+constexpr int kStates = 60;            ///< each has as many rows as joints
+constexpr double kDependent = 1e-8;    ///< squared norm of a column's rest over its own
+constexpr double kNoEffect = 1e-18;    ///< squared norm over the largest: zero but for rounding
+constexpr double kSmallShare = 1e-6;   ///< coefficients below this are rounding
+constexpr double kExcitedShare = 0.5;  ///< of the prior's std that the data must go below
 
 constexpr std::array<const char*, 10> kNames{"m",   "mx",  "my",  "mz",  "Ixx",
                                              "Ixy", "Ixz", "Iyy", "Iyz", "Izz"};

@@ -74,8 +74,7 @@ void NormalEquations::add(const NormalEquations& other) {
 }
 
 double NormalEquations::squared_error(const Eigen::VectorXd& parameters) const {
-  return std::max(0.0, power - 2.0 * parameters.dot(moment) +
-                           parameters.dot(gram * parameters));
+  return std::max(0.0, power - 2.0 * parameters.dot(moment) + parameters.dot(gram * parameters));
 }
 
 BlockSystem block_system(const std::vector<JointRows>& joints, Eigen::Index rows,
@@ -125,9 +124,8 @@ FitSolution solve(const BlockSystem& system, const std::vector<bool>& use,
   }
   // In units of the prior's std the matrix is the identity plus what the data add.
   moment -= gram * mean;
-  const Eigen::MatrixXd scaled =
-      (std.asDiagonal() * gram * std.asDiagonal()).eval() +
-      Eigen::MatrixXd::Identity(unknowns, unknowns);
+  const Eigen::MatrixXd scaled = (std.asDiagonal() * gram * std.asDiagonal()).eval() +
+                                 Eigen::MatrixXd::Identity(unknowns, unknowns);
   const Eigen::LDLT<Eigen::MatrixXd> factors(scaled);
   FitSolution solution;
   solution.ordered =

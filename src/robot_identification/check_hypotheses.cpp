@@ -17,7 +17,8 @@
 namespace pcavr {
 namespace {
 
-constexpr Eigen::Index kHypothesisRows = 700;  ///< of the log, equally spaced: 7 joints, 80 unknowns
+constexpr Eigen::Index kHypothesisRows =
+    700;  ///< of the log, equally spaced: 7 joints, 80 unknowns
 /// A hypothesis is decisive where it lowers the product of the joints' relative errors by this
 /// factor: by chance, in fits of as many unknowns, it changes by a few per cent.
 constexpr double kDecisive = 3.0;
@@ -51,9 +52,8 @@ Eigen::VectorXd misfit(const JointSignals& signals, const RobotModel& model) {
   Eigen::VectorXd variance(count);
   for (Eigen::Index j = 0; j < count; ++j) {
     JointRows& joint = joints[static_cast<std::size_t>(j)];
-    joint.library = library_columns(
-        library, {signals.position.col(j), signals.velocity.col(j), signals.acceleration.col(j),
-                  none, 0.05});
+    joint.library = library_columns(library, {signals.position.col(j), signals.velocity.col(j),
+                                              signals.acceleration.col(j), none, 0.05});
     const double power = joint.torque.squaredNorm() / static_cast<double>(joint.torque.size());
     variance[j] = std::max(1e-6, 0.01 * power);
     prior.library_std.emplace_back(Eigen::VectorXd::Constant(joint.library.cols(), 1e3));
@@ -95,7 +95,8 @@ void add_swaps(const RobotModel& model, std::vector<Hypothesis>& hypotheses) {
     for (Eigen::Index b = a + 1; b < count; ++b) {
       const std::string names = joint_text(model, a) + " and " + joint_text(model, b);
       hypotheses.push_back({"the torques of " + names + " are swapped",
-                            "exchange the columns' names", {a, b},
+                            "exchange the columns' names",
+                            {a, b},
                             [a, b](JointSignals& s) { s.torque.col(a).swap(s.torque.col(b)); }});
       const Change motion = [a, b](JointSignals& s) {
         s.position.col(a).swap(s.position.col(b));
@@ -103,9 +104,12 @@ void add_swaps(const RobotModel& model, std::vector<Hypothesis>& hypotheses) {
         s.acceleration.col(a).swap(s.acceleration.col(b));
       };
       hypotheses.push_back({"the positions of " + names + " are swapped",
-                            "exchange the columns' names", {a, b}, motion});
+                            "exchange the columns' names",
+                            {a, b},
+                            motion});
       hypotheses.push_back({"the joints " + names + " are swapped, in positions and torques",
-                            "exchange the columns' names", {a, b},
+                            "exchange the columns' names",
+                            {a, b},
                             [motion, a, b](JointSignals& s) {
                               motion(s);
                               s.torque.col(a).swap(s.torque.col(b));
@@ -116,26 +120,28 @@ void add_swaps(const RobotModel& model, std::vector<Hypothesis>& hypotheses) {
 
 void add_signs(const RobotModel& model, std::vector<Hypothesis>& hypotheses) {
   for (Eigen::Index j = 0; j < static_cast<Eigen::Index>(model.dof); ++j) {
-    hypotheses.push_back({"the torque of " + joint_text(model, j) +
-                              " has the opposite sign of the other joints'",
-                          "change the sign of its column", {j},
-                          [j](JointSignals& s) { s.torque.col(j) *= -1.0; }});
+    hypotheses.push_back(
+        {"the torque of " + joint_text(model, j) + " has the opposite sign of the other joints'",
+         "change the sign of its column",
+         {j},
+         [j](JointSignals& s) { s.torque.col(j) *= -1.0; }});
     hypotheses.push_back({"the position of " + joint_text(model, j) +
                               " has the opposite sign of the robot description's axis",
-                          "change the sign of its column", {j},
+                          "change the sign of its column",
+                          {j},
                           [j](JointSignals& s) {
                             s.position.col(j) *= -1.0;
                             s.velocity.col(j) *= -1.0;
                             s.acceleration.col(j) *= -1.0;
                           }});
   }
-  hypotheses.push_back({"positions are in degrees, not in radians", "write radians", {},
-                        [](JointSignals& s) {
-                          constexpr double kRadians = std::numbers::pi / 180.0;
-                          s.position *= kRadians;
-                          s.velocity *= kRadians;
-                          s.acceleration *= kRadians;
-                        }});
+  hypotheses.push_back(
+      {"positions are in degrees, not in radians", "write radians", {}, [](JointSignals& s) {
+         constexpr double kRadians = std::numbers::pi / 180.0;
+         s.position *= kRadians;
+         s.velocity *= kRadians;
+         s.acceleration *= kRadians;
+       }});
 }
 
 /// The torque of the description's bodies, or of equal masses where it has none.
@@ -220,10 +226,9 @@ LogFindings check_hypotheses(JointSignals& signals, const RobotModel& model) {
   const Hypothesis* found = nullptr;
   for (const Hypothesis& hypothesis : hypotheses) {
     const auto is_poor = [&](Eigen::Index j) { return logs[j] > std::log(kPoorFit); };
-    const bool is_tried = hypothesis.joints.empty()
-                              ? logs.maxCoeff() > std::log(kPoorFit)
-                              : std::any_of(hypothesis.joints.begin(), hypothesis.joints.end(),
-                                            is_poor);
+    const bool is_tried = hypothesis.joints.empty() ? logs.maxCoeff() > std::log(kPoorFit)
+                                                    : std::any_of(hypothesis.joints.begin(),
+                                                                  hypothesis.joints.end(), is_poor);
     if (!is_tried) continue;
     JointSignals changed = few;
     hypothesis.change(changed);
@@ -234,12 +239,11 @@ LogFindings check_hypotheses(JointSignals& signals, const RobotModel& model) {
   }
   if (found == nullptr) return findings;
   const std::string place = found->joints.empty() ? "q" : joint_text(model, found->joints.front());
-  findings.errors.push_back(
-      {.message = fmt::format("{}: the torques then fit {:.1f} times better", found->message,
-                              std::exp(as_written - best)),
-       .line = signals.lines.front(),
-       .place = place,
-       .hint = found->hint});
+  findings.errors.push_back({.message = fmt::format("{}: the torques then fit {:.1f} times better",
+                                                    found->message, std::exp(as_written - best)),
+                             .line = signals.lines.front(),
+                             .place = place,
+                             .hint = found->hint});
   return findings;
 }
 

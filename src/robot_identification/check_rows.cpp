@@ -15,12 +15,12 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kLimitMargin = 0.05;    ///< [rad] beyond a limit that calibration may explain
-constexpr double kFastestJoint = 30.0;   ///< [rad/s] beyond the rating of any arm's joint
-constexpr double kMissedTravel = 0.03;   ///< [rad] of some milliseconds that a logger missed
-constexpr double kInMotion = 0.2;        ///< of the 95th percentile of steps: the joint moves
-constexpr Eigen::Index kStuckRows = 5;   ///< bit-identical rows in motion
-constexpr double kStuckJump = 3.0;       ///< [steps before] by which a stuck joint returns
+constexpr double kLimitMargin = 0.05;   ///< [rad] beyond a limit that calibration may explain
+constexpr double kFastestJoint = 30.0;  ///< [rad/s] beyond the rating of any arm's joint
+constexpr double kMissedTravel = 0.03;  ///< [rad] of some milliseconds that a logger missed
+constexpr double kInMotion = 0.2;       ///< of the 95th percentile of steps: the joint moves
+constexpr Eigen::Index kStuckRows = 5;  ///< bit-identical rows in motion
+constexpr double kStuckJump = 3.0;      ///< [steps before] by which a stuck joint returns
 constexpr Eigen::Index kSaturatedRows = 5;
 constexpr double kSaturatedShare = 0.6;  ///< of such an extreme's rows lie in runs
 
@@ -44,12 +44,13 @@ void check_degrees(const JointLog& log, const RobotModel& model, LogFindings& fi
                              : 2.0 * kTurn;
     if (extreme <= limit + kLimitMargin) continue;
     const bool is_degrees = extreme * kDegree <= limit + kLimitMargin && extreme > 2.0 * limit;
-    const std::string range = fmt::format("position {:.4g} is beyond the limit {:.4g} rad of the "
-                                          "robot description",
-                                          log.position(row, j), limit);
+    const std::string range = fmt::format(
+        "position {:.4g} is beyond the limit {:.4g} rad of the "
+        "robot description",
+        log.position(row, j), limit);
     if (is_degrees) {
-      findings.errors.push_back(finding(log, j, row, range + ", and inside it as degrees",
-                                        "write positions in radians"));
+      findings.errors.push_back(
+          finding(log, j, row, range + ", and inside it as degrees", "write positions in radians"));
     } else {
       findings.warnings.push_back(finding(log, j, row, range, {}));
     }
@@ -79,20 +80,18 @@ void check_jumps(JointLog& log, const RobotModel& model, LogFindings& findings) 
         }
       }
       if (std::abs(step) > room) {
-        findings.errors.push_back(
-            finding(log, j, i,
-                    fmt::format("position jumps by {:.4g} rad in {:.3g} s", step,
-                                log.t[at] - log.t[at - 1]),
-                    "remove these rows, or split the log there"));
+        findings.errors.push_back(finding(log, j, i,
+                                          fmt::format("position jumps by {:.4g} rad in {:.3g} s",
+                                                      step, log.t[at] - log.t[at - 1]),
+                                          "remove these rows, or split the log there"));
         return;
       }
       log.position(i, j) += turns;
     }
     if (wraps == 0) continue;
-    findings.warnings.push_back(
-        finding(log, j, first_wrap,
-                fmt::format("position wraps by full turns {} times from here; unwrapped", wraps),
-                {}));
+    findings.warnings.push_back(finding(
+        log, j, first_wrap,
+        fmt::format("position wraps by full turns {} times from here; unwrapped", wraps), {}));
   }
 }
 
@@ -118,10 +117,10 @@ std::optional<Error> stuck_joint(const JointLog& log, Eigen::Index j) {
       const bool catches_up = std::abs(jump) > kStuckJump * std::abs(step) &&
                               std::abs(jump) > 0.3 * std::abs(step) * static_cast<double>(length);
       if (catches_up && step * jump > 0.0 && std::abs(step) > moving) {
-        return finding(log, j, i,
-                       fmt::format("position does not change for {} rows while the joint moves",
-                                   length + 1),
-                       "remove these rows, or repair the encoder's connection");
+        return finding(
+            log, j, i,
+            fmt::format("position does not change for {} rows while the joint moves", length + 1),
+            "remove these rows, or repair the encoder's connection");
       }
       const bool has_speed = log.velocity.rows() > 0;
       if (has_speed) {

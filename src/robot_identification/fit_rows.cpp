@@ -77,8 +77,7 @@ const std::vector<LibraryColumn>& full_library() {
   return library;
 }
 
-int column_of(const std::vector<LibraryColumn>& library, FrictionTerm term,
-              std::size_t candidate) {
+int column_of(const std::vector<LibraryColumn>& library, FrictionTerm term, std::size_t candidate) {
   for (std::size_t i = 0; i < library.size(); ++i) {
     if (library[i].term == term && library[i].candidate == candidate) return static_cast<int>(i);
   }

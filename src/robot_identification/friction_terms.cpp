@@ -53,8 +53,7 @@ double JointFit::value_of(FrictionTerm term) const {
 
 double friction_torque(const JointFit& joint, double q, double v, double load) {
   const double sign = std::tanh(v / joint.smoothing_speed);
-  double torque = joint.value_of(FrictionTerm::offset) +
-                  joint.value_of(FrictionTerm::viscous) * v +
+  double torque = joint.value_of(FrictionTerm::offset) + joint.value_of(FrictionTerm::viscous) * v +
                   joint.value_of(FrictionTerm::coulomb) * sign +
                   joint.value_of(FrictionTerm::load) * std::abs(load) * sign +
                   joint.value_of(FrictionTerm::quadratic) * v * std::abs(v) +

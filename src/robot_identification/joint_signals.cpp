@@ -19,7 +19,7 @@ constexpr std::size_t kMinRows = 8;
 constexpr double kMotionPowerShare = 0.99999;
 constexpr double kNoiseMargin = 20.0;  ///< over the mean level of noise: its peaks stay below
 constexpr double kAutomaticBandwidthOverRate = 0.1;  ///< differences are exact to 0.1 % there
-constexpr double kMaxBandwidthOverRate = 0.4;  ///< the bilinear transform needs less than 0.5
+constexpr double kMaxBandwidthOverRate = 0.4;        ///< the bilinear transform needs less than 0.5
 
 /// One section of second order, in the transposed direct form II.
 class Biquad {
@@ -252,9 +252,9 @@ Eigen::VectorXd interpolate(const std::vector<double>& t, const Eigen::VectorXd&
     const double width = time(i + 1) - time(i);
     const double s = std::clamp((at[k] - time(i)) / width, 0.0, 1.0);
     const double r = 1.0 - s;
-    result[static_cast<Eigen::Index>(k)] =
-        r * r * (1.0 + 2.0 * s) * values[i] + s * s * (1.0 + 2.0 * r) * values[i + 1] +
-        width * s * r * (r * slope(i) - s * slope(i + 1));
+    result[static_cast<Eigen::Index>(k)] = r * r * (1.0 + 2.0 * s) * values[i] +
+                                           s * s * (1.0 + 2.0 * r) * values[i + 1] +
+                                           width * s * r * (r * slope(i) - s * slope(i + 1));
   }
   return result;
 }
@@ -296,7 +296,9 @@ JointSignals joint_signals(const JointLog& log, const JointSignalOptions& option
                           : std::min(options.bandwidth_of_motion * signals.motion_frequency,
                                      kAutomaticBandwidthOverRate * rate);
   signals.bandwidth = std::min(signals.bandwidth, kMaxBandwidthOverRate * rate);
-  GridSignals on_grid{.q = filtered(position, rate, signals.bandwidth), .dq = {}, .ddq = {},
+  GridSignals on_grid{.q = filtered(position, rate, signals.bandwidth),
+                      .dq = {},
+                      .ddq = {},
                       .tau = filtered(resampled(log.t, log.torque, grid), rate, signals.bandwidth)};
   on_grid.dq = differentiated(on_grid.q, interval);
   on_grid.ddq = differentiated(on_grid.dq, interval);

@@ -113,8 +113,8 @@ Eigen::VectorXd fit_physical(const Eigen::VectorXd& centre, const Eigen::MatrixX
   const BarrierCost cost(centre, information, bodies);
   Eigen::VectorXd x = start;
   // Begins where barrier and cost are of one size.
-  double barrier = std::max(kLastBarrier, std::abs(cost.value(start, 0.0)) /
-                                              static_cast<double>(4 * bodies));
+  double barrier =
+      std::max(kLastBarrier, std::abs(cost.value(start, 0.0)) / static_cast<double>(4 * bodies));
   for (bool is_last = false; !is_last; barrier *= kBarrierStep) {
     is_last = barrier <= kLastBarrier;
     for (int k = 0; k < kMaxNewtonSteps; ++k) {

@@ -13,7 +13,8 @@
 namespace pcavr {
 namespace {
 
-constexpr double kMaxStep = 0.5e-3;  ///< [s] the error of the first-order steps is some millidegrees
+constexpr double kMaxStep =
+    0.5e-3;  ///< [s] the error of the first-order steps is some millidegrees
 
 struct MotionState {
   Eigen::VectorXd q, dq;
@@ -22,8 +23,8 @@ struct MotionState {
 /// Slope of the friction torque over the speed, not negative.
 double friction_slope(const JointFit& joint, double q, double v, double load) {
   const double step = 0.1 * joint.smoothing_speed;
-  const double change = friction_torque(joint, q, v + step, load) -
-                        friction_torque(joint, q, v - step, load);
+  const double change =
+      friction_torque(joint, q, v + step, load) - friction_torque(joint, q, v - step, load);
   return std::max(0.0, 0.5 * change / step);
 }
 
@@ -81,8 +82,8 @@ Eigen::Index row_count(const JointSignals& signals, std::size_t first, double du
 
 }  // namespace
 
-MotionReplay replay_motion(const JointLog& log, const JointSignals& signals,
-                           const RobotFit& fit, const RobotModel& model, std::size_t first, double duration) {
+MotionReplay replay_motion(const JointLog& log, const JointSignals& signals, const RobotFit& fit,
+                           const RobotModel& model, std::size_t first, double duration) {
   PCAVR_REQUIRE(first < signals.t.size() && duration > 0.0, first, duration);
   const Eigen::Index rows = row_count(signals, first, duration);
   const auto start = static_cast<Eigen::Index>(first);

@@ -161,8 +161,11 @@ FitPrior Fit::scaled_prior(double scale) const {
 
 void Fit::set_libraries(const std::vector<LibraryColumn>& library) {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    LibraryInput input{signals_.position.col(at(j)), signals_.velocity.col(at(j)),
-                       signals_.acceleration.col(at(j)), {}, smoothing_[j]};
+    LibraryInput input{signals_.position.col(at(j)),
+                       signals_.velocity.col(at(j)),
+                       signals_.acceleration.col(at(j)),
+                       {},
+                       smoothing_[j]};
     if (solution_.rigid.size() > 0) input.load = joints_[j].rigid * solution_.rigid;
     if (input.load.size() == 0) input.load.setZero(rows_);
     joints_[j].library = library_columns(library, input);
@@ -214,10 +217,9 @@ void Fit::fit_plainly(RobotFit& fit) {
   set_libraries(full_library());
   const BlockSystem system = train_system();
   set_library_std(system);
-  const Selection selection(joints_.size(),
-                            {column_of(full_library(), FrictionTerm::offset),
-                             column_of(full_library(), FrictionTerm::viscous),
-                             column_of(full_library(), FrictionTerm::coulomb)});
+  const Selection selection(joints_.size(), {column_of(full_library(), FrictionTerm::offset),
+                                             column_of(full_library(), FrictionTerm::viscous),
+                                             column_of(full_library(), FrictionTerm::coulomb)});
   FitPrior wide = prior_;
   if (!options_.known_body) wide.std.setConstant(kWide);
   const Eigen::VectorXd equal = Eigen::VectorXd::Constant(at(joints_.size()), 1e-2);
@@ -244,10 +246,9 @@ void Fit::remove_torque_lag(RobotFit& fit) {
     // Of the fitted bodies: the noise of the measured torques' rate would make the lag too small.
     rigid.rightCols<1>() = -differentiate(joints_[j].rigid * solution_.rigid, signals_.interval);
   }
-  const Selection selection(joints_.size(),
-                            {column_of(full_library(), FrictionTerm::offset),
-                             column_of(full_library(), FrictionTerm::viscous),
-                             column_of(full_library(), FrictionTerm::coulomb)});
+  const Selection selection(joints_.size(), {column_of(full_library(), FrictionTerm::offset),
+                                             column_of(full_library(), FrictionTerm::viscous),
+                                             column_of(full_library(), FrictionTerm::coulomb)});
   FitPrior prior = prior_;
   prior.mean.conservativeResize(prior.mean.size() + 1);
   prior.std.conservativeResize(prior.std.size() + 1);
@@ -257,9 +258,9 @@ void Fit::remove_torque_lag(RobotFit& fit) {
   // only once they are in step.
   constexpr int kRounds = 4;
   for (int round = 0; round < kRounds; ++round) {
-    const FitSolution solution = solve(block_system(extended, train_, kBlocks),
-                                       std::vector<bool>(kBlocks, true), selection, variance_,
-                                       prior, true);
+    const FitSolution solution =
+        solve(block_system(extended, train_, kBlocks), std::vector<bool>(kBlocks, true), selection,
+              variance_, prior, true);
     const Eigen::Index place = solution.rigid.size() - 1;
     fit.torque_lag = std::clamp(fit.torque_lag + solution.rigid[place], -kLagPrior, kLagPrior);
     fit.torque_lag_std = std::sqrt(solution.covariance(place, place));
@@ -268,6 +269,11 @@ void Fit::remove_torque_lag(RobotFit& fit) {
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       extended[j].torque = interpolate(signals_.t, signals_.torque.col(at(j)), later);
     }
+  }
+  // What friction's model does not reproduce at reversals looks like a small lag, too.
+  if (std::abs(fit.torque_lag) < 3.0 * fit.torque_lag_std) {
+    fit.torque_lag = 0.0;
+    return;
   }
   for (std::size_t j = 0; j < joints_.size(); ++j) joints_[j].torque = extended[j].torque;
 }
@@ -336,8 +342,8 @@ void Fit::select_terms(const BlockSystem& system) {
           return library[static_cast<std::size_t>(k)].term ==
                  library[static_cast<std::size_t>(column)].term;
         });
-        const bool is_basic = library[static_cast<std::size_t>(column)].term ==
-                              FrictionTerm::motor_inertia;
+        const bool is_basic =
+            library[static_cast<std::size_t>(column)].term == FrictionTerm::motor_inertia;
         if (is_used || !(is_basic || options_.is_extended)) continue;
         Selection tried = selection_;
         tried[j].push_back(column);
@@ -445,8 +451,8 @@ void Fit::finish(RobotFit& fit) {
     for (const int column : selection_[j]) {
       const LibraryColumn& entry = library[static_cast<std::size_t>(column)];
       const double std = std::sqrt(solution_.covariance(place, place));
-      joint.friction.push_back({entry.term, solution_.ordered[place], std,
-                                std < 0.3 * prior_.library_std[j][column]});
+      joint.friction.push_back(
+          {entry.term, solution_.ordered[place], std, std < 0.3 * prior_.library_std[j][column]});
       if (entry.term == FrictionTerm::stribeck) {
         joint.stribeck_speed = kStribeckSpeeds[entry.candidate];
       }

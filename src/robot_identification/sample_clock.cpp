@@ -12,12 +12,12 @@
 namespace pcavr {
 namespace {
 
-constexpr double kMinSpeedShare = 0.2;     ///< of the rms speed: slower rows show no interval
-constexpr double kMaxFraction = 0.12;      ///< [ticks] of an interval beyond a whole number
-constexpr double kMinWholeShare = 0.95;    ///< of the intervals must be whole multiples
-constexpr double kMinJitter = 0.05;        ///< [ticks] rms; below it the stamps are right
-constexpr double kMaxDrift = 5.0;          ///< [ticks] of the corrected stamps from the read ones
-constexpr double kDriftAverage = 0.01;     ///< weight of a row in the mean difference of both clocks
+constexpr double kMinSpeedShare = 0.2;   ///< of the rms speed: slower rows show no interval
+constexpr double kMaxFraction = 0.12;    ///< [ticks] of an interval beyond a whole number
+constexpr double kMinWholeShare = 0.95;  ///< of the intervals must be whole multiples
+constexpr double kMinJitter = 0.05;      ///< [ticks] rms; below it the stamps are right
+constexpr double kMaxDrift = 5.0;        ///< [ticks] of the corrected stamps from the read ones
+constexpr double kDriftAverage = 0.01;   ///< weight of a row in the mean difference of both clocks
 
 /// Intervals between rows that position increments and velocities imply, where the arm is fast
 /// enough.
@@ -113,10 +113,7 @@ SampleClock correct_sample_clock(JointLog& log) {
   const double stretch = (log.t.back() - log.t.front()) / corrected.back();
   for (std::size_t i = 0; i < corrected.size(); ++i) log.t[i] = corrected[i] * stretch;
   keep_rows(kept, log);
-  return {.is_corrected = true,
-          .tick = *tick * stretch,
-          .repeated = repeated,
-          .skipped = skipped};
+  return {.is_corrected = true, .tick = *tick * stretch, .repeated = repeated, .skipped = skipped};
 }
 
 }  // namespace pcavr

@@ -18,10 +18,10 @@ import re
 import sys
 import tempfile
 
-MODULES = ("core geometry recording cloud contact friction object identification model inputs prediction haptics "
+MODULES = ("core geometry recording cloud contact friction object identification model robot inputs prediction haptics "
            "devices teleop marker tracking reconstruction scene simulation report evaluation pipeline serve").split()
 HEAVY = re.compile(r"<(opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|fmt/|yaml-cpp/|nlohmann/|"
-                   r"tbb/|bullet/|btBullet|png\.h|SDL|spnav|boost/|openssl/)")
+                   r"tbb/|bullet/|btBullet|png\.h|SDL|spnav|boost/|openssl/|urdf|tinyxml|console_bridge|kdl/)")
 INCLUDE = re.compile(r'^#include (["<][^">]+[">])', re.MULTILINE)
 COMMENT_OR_TEXT = re.compile(r'//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'')
 NAMED_TEST = re.compile(r"`([A-Z]\w+)\.([A-Z]\w+)`")

@@ -64,8 +64,8 @@ TEST(IdentifyRobot, NeedsGainsForCurrents) {
   log.torque.resize(0, 0);
   const std::string file = write_log(folder, log);
   const std::string report = (folder.path() / "report").string();
-  const std::vector<std::string> command{"identify", "robot",   file, "--robot",
-                                         pa10_file(), "-o", report};
+  const std::vector<std::string> command{"identify",  "robot", file,  "--robot",
+                                         pa10_file(), "-o",    report};
   const CommandOutcome outcome = run_pcavr(command);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.standard_error.find("--gains"), std::string::npos) << outcome.standard_error;

@@ -21,6 +21,8 @@ void parameters(std::string_view bytes);
 void cloud(std::string_view bytes);
 /// A recorded trace of an operator's hand.
 void trace(std::string_view bytes);
+/// A robot description.
+void urdf(std::string_view bytes);
 /// A correction from the robot's site.
 void message(std::string_view bytes);
 /// A WebSocket message of page or server.

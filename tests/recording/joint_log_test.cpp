@@ -54,8 +54,9 @@ TEST(JointLog, NamesWhatTheHeaderLacks) {
 TEST(ImportJointLog, ReadsRowsWithoutHeader) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "log.csv";
-  ASSERT_TRUE(write_file(file, "10.0,1,2,3,4,5,6,7,8,9,10\n10.1,2,2,3,4,5,6,7,8,9,10\n"
-                               "10.1,9,9,9,9,9,9,9,9,9,9\n"));
+  ASSERT_TRUE(write_file(file,
+                         "10.0,1,2,3,4,5,6,7,8,9,10\n10.1,2,2,3,4,5,6,7,8,9,10\n"
+                         "10.1,9,9,9,9,9,9,9,9,9,9\n"));
   EXPECT_TRUE(has_joint_log(file));
   const auto imported = import_joint_log(file, {});
   ASSERT_TRUE(imported) << imported.error().to_string();

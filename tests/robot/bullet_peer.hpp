@@ -15,8 +15,8 @@ namespace pcavr::test {
 
 inline btVector3 to_bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-/// Forward dynamics by Bullet's btMultiBody, for trees too. Its links are at the centres of mass, in
-/// principal axes. Gravity is a force on each link, as its worlds apply it.
+/// Forward dynamics by Bullet's btMultiBody, for trees too. Its links are at the centres of mass,
+/// in principal axes. Gravity is a force on each link, as its worlds apply it.
 class BulletPeer {
  public:
   explicit BulletPeer(const RobotModel& model)

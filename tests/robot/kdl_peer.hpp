@@ -29,15 +29,13 @@ inline KDL::Chain to_kdl_chain(const RobotModel& model) {
   for (const RobotJoint& joint : model.joints) {
     const KDL::Frame frame(to_kdl(joint.T_parent_joint.rotation_matrix()),
                            to_kdl(joint.T_parent_joint.translation()));
-    const KDL::Joint::JointType type = joint.kind == JointKind::kPrismatic
-                                           ? KDL::Joint::TransAxis
-                                           : KDL::Joint::RotAxis;
+    const KDL::Joint::JointType type =
+        joint.kind == JointKind::kPrismatic ? KDL::Joint::TransAxis : KDL::Joint::RotAxis;
     const Eigen::Matrix3d& I = joint.body.inertia_at_com;
     const KDL::RotationalInertia inertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
     chain.addSegment(KDL::Segment(
-        joint.child_link,
-        KDL::Joint(joint.name, frame.p, frame.M * to_kdl(joint.axis), type), frame,
-        KDL::RigidBodyInertia(joint.body.mass, to_kdl(joint.body.centre_of_mass), inertia)));
+        joint.child_link, KDL::Joint(joint.name, frame.p, frame.M * to_kdl(joint.axis), type),
+        frame, KDL::RigidBodyInertia(joint.body.mass, to_kdl(joint.body.centre_of_mass), inertia)));
   }
   return chain;
 }
@@ -74,6 +72,16 @@ class KdlPeer {
     forward_.CartToJnt(q_, dq_, tau_, wrenches_, ddq_);
     ddq = ddq_.data;
   }
+  /// Without copies, for benchmarks.
+  void inverse_dynamics(const KDL::JntArray& q, const KDL::JntArray& dq, const KDL::JntArray& ddq) {
+    inverse_.CartToJnt(q, dq, ddq, wrenches_, tau_);
+  }
+  void forward_dynamics(const KDL::JntArray& q, const KDL::JntArray& dq, const KDL::JntArray& tau) {
+    forward_.CartToJnt(q, dq, tau, wrenches_, ddq_);
+  }
+  [[nodiscard]] const KDL::JntArray& ddq() const { return ddq_; }
+  [[nodiscard]] const KDL::JntArray& tau() const { return tau_; }
+
   [[nodiscard]] Eigen::MatrixXd mass_matrix(const Eigen::VectorXd& q) {
     q_.data = q;
     KDL::JntSpaceInertiaMatrix mass(chain_.getNrOfJoints());

@@ -30,8 +30,8 @@ State random_state(Random& random, std::size_t dof) {
           random_vector(random, dof, 20.0)};
 }
 
-// Rounding, some 1e-15 by operation, times the condition: of the mass matrix (up to 1e4 here), or of
-// a torque in which gravity and inertia nearly cancel.
+// Rounding, some 1e-15 by operation, times the condition: of the mass matrix (up to 1e4 here), or
+// of a torque in which gravity and inertia nearly cancel.
 constexpr double kMaxInverseError = 1e-12;
 constexpr double kMaxForwardError = 1e-12;
 
@@ -40,9 +40,10 @@ TEST(RobotDynamics, AgreesWithKdlOnRandomChains) {
   double max_inverse = 0.0;
   double max_forward = 0.0;
   for (int robot = 0; robot < 40; ++robot) {
-    const RobotModel model = test::random_robot(
-        random, {.joints = 1 + static_cast<std::size_t>(robot % 9), .has_prismatic = robot % 2 == 1,
-                 .has_axis_aligned = robot % 4 >= 2});
+    const RobotModel model =
+        test::random_robot(random, {.joints = 1 + static_cast<std::size_t>(robot % 9),
+                                    .has_prismatic = robot % 2 == 1,
+                                    .has_axis_aligned = robot % 4 >= 2});
     RobotDynamics dynamics(model);
     test::KdlPeer kdl(model);
     Eigen::VectorXd result(model.dof);
@@ -74,9 +75,11 @@ TEST(RobotDynamics, AgreesWithBulletOnRandomTrees) {
   Random random(2);
   double max_forward = 0.0;
   for (int robot = 0; robot < 40; ++robot) {
-    const RobotModel model = test::random_robot(
-        random, {.joints = 1 + static_cast<std::size_t>(robot % 9), .is_chain = false,
-                 .has_prismatic = robot % 2 == 1, .has_axis_aligned = robot % 4 >= 2});
+    const RobotModel model =
+        test::random_robot(random, {.joints = 1 + static_cast<std::size_t>(robot % 9),
+                                    .is_chain = false,
+                                    .has_prismatic = robot % 2 == 1,
+                                    .has_axis_aligned = robot % 4 >= 2});
     RobotDynamics dynamics(model);
     test::BulletPeer bullet(model);
     Eigen::VectorXd result(model.dof);
@@ -95,9 +98,10 @@ TEST(RobotDynamics, AgreesWithBulletOnRandomTrees) {
 TEST(RobotDynamics, PosesAndJacobiansAgreeWithKdl) {
   Random random(3);
   for (int robot = 0; robot < 20; ++robot) {
-    const RobotModel model = test::random_robot(
-        random, {.joints = 1 + static_cast<std::size_t>(robot % 9), .has_prismatic = robot % 2 == 1,
-                 .has_axis_aligned = robot % 4 >= 2});
+    const RobotModel model =
+        test::random_robot(random, {.joints = 1 + static_cast<std::size_t>(robot % 9),
+                                    .has_prismatic = robot % 2 == 1,
+                                    .has_axis_aligned = robot % 4 >= 2});
     RobotDynamics dynamics(model);
     test::KdlPeer kdl(model);
     const std::size_t tip = model.links.size() - 1;
@@ -115,8 +119,8 @@ TEST(RobotDynamics, PosesAndJacobiansAgreeWithKdl) {
 TEST(RobotDynamics, ForwardUndoesInverseDynamicsWithArmature) {
   Random random(4);
   for (int robot = 0; robot < 20; ++robot) {
-    RobotModel model = test::random_robot(
-        random, {.joints = 8, .is_chain = false, .has_prismatic = true});
+    RobotModel model =
+        test::random_robot(random, {.joints = 8, .is_chain = false, .has_prismatic = true});
     for (RobotJoint& joint : model.joints) joint.armature = random.uniform(0.0, 0.5);
     RobotDynamics dynamics(model);
     const State state = random_state(random, model.dof);
@@ -131,9 +135,11 @@ TEST(RobotDynamics, ForwardUndoesInverseDynamicsWithArmature) {
 TEST(RobotDynamics, RegressorTimesParametersIsTheTorque) {
   Random random(5);
   for (int robot = 0; robot < 20; ++robot) {
-    const RobotModel model = test::random_robot(
-        random, {.joints = 1 + static_cast<std::size_t>(robot % 9), .is_chain = robot % 3 != 0,
-                 .has_prismatic = robot % 2 == 1, .has_axis_aligned = robot % 4 >= 2});
+    const RobotModel model =
+        test::random_robot(random, {.joints = 1 + static_cast<std::size_t>(robot % 9),
+                                    .is_chain = robot % 3 != 0,
+                                    .has_prismatic = robot % 2 == 1,
+                                    .has_axis_aligned = robot % 4 >= 2});
     RobotDynamics dynamics(model);
     const State state = random_state(random, model.dof);
     Eigen::VectorXd tau(model.dof);

@@ -5,11 +5,14 @@
 #include <fstream>
 #include <numbers>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/output.hpp"
 #include "pcavr/robot/robot_dynamics.hpp"
 
+#include "fuzz/targets.hpp"
 #include "support/shared_data.hpp"
 #include "support/source_folder.hpp"
 #include "support/temporary_folder.hpp"
@@ -25,10 +28,10 @@ std::string link(const std::string& name, const std::string& content = kInertia)
   return "<link name='" + name + "'>" + content + "</link>\n";
 }
 
-std::string joint(const std::string& name, const std::string& parent, const std::string& child,
-                  const std::string& type = "revolute",
-                  const std::string& content =
-                      "<limit lower='-1' upper='2' velocity='3' effort='40'/>") {
+std::string joint(
+    const std::string& name, const std::string& parent, const std::string& child,
+    const std::string& type = "revolute",
+    const std::string& content = "<limit lower='-1' upper='2' velocity='3' effort='40'/>") {
   return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent +
          "'/><child link='" + child + "'/><origin xyz='0.1 0 0.3' rpy='0 0 0'/>" +
          "<axis xyz='0 1 0'/>" + content + "</joint>\n";
@@ -50,8 +53,7 @@ std::string error_line(const std::string& content, const UrdfOptions& options = 
 
 TEST(Urdf, ReadsJointsLimitsAndInertias) {
   const Expected<RobotModel> model =
-      parse(link("base", "") + link("upper") + link("plate") +
-            joint("shoulder", "base", "upper") +
+      parse(link("base", "") + link("upper") + link("plate") + joint("shoulder", "base", "upper") +
             joint("weld", "upper", "plate", "fixed", ""));
   ASSERT_TRUE(model) << model.error().to_string();
   ASSERT_EQ(model->joints.size(), 1U);
@@ -65,7 +67,8 @@ TEST(Urdf, ReadsJointsLimitsAndInertias) {
   // Two bodies of 2 kg, the second 0.1, 0, 0.3 from the first.
   EXPECT_EQ(shoulder.body.mass, 4.0);
   EXPECT_TRUE(shoulder.body.centre_of_mass.isApprox(Eigen::Vector3d(0.05, 0.0, 0.25)));
-  EXPECT_NEAR(shoulder.body.inertia_at_com(1, 1), 2 * 0.02 + 4.0 * (0.05 * 0.05 + 0.15 * 0.15), 1e-15);
+  EXPECT_NEAR(shoulder.body.inertia_at_com(1, 1), 2 * 0.02 + 4.0 * (0.05 * 0.05 + 0.15 * 0.15),
+              1e-15);
   ASSERT_EQ(model->links.size(), 3U);
   EXPECT_EQ(model->links[2].joint, 0U);
   EXPECT_TRUE(model->warnings.empty());
@@ -86,7 +89,8 @@ TEST(Urdf, MimicJointsShareACoordinate) {
   const std::string limit = "<limit lower='0' upper='0.04' velocity='1' effort='20'/>";
   const Expected<RobotModel> model = parse(
       link("hand") + link("left") + link("right") + link("tip") +
-      joint("right", "hand", "right", "prismatic", limit + "<mimic joint='left' multiplier='-2' offset='0.01'/>") +
+      joint("right", "hand", "right", "prismatic",
+            limit + "<mimic joint='left' multiplier='-2' offset='0.01'/>") +
       joint("tip", "hand", "tip", "prismatic", limit + "<mimic joint='right' multiplier='3'/>") +
       joint("left", "hand", "left", "prismatic", limit));
   ASSERT_TRUE(model) << model.error().to_string();
@@ -95,7 +99,8 @@ TEST(Urdf, MimicJointsShareACoordinate) {
   EXPECT_EQ(tip.coordinate, 0U);
   EXPECT_DOUBLE_EQ(tip.multiplier, -6.0);
   EXPECT_DOUBLE_EQ(tip.offset, 0.03);
-  EXPECT_EQ(model->coordinate_joints(), std::vector<std::size_t>{model->joint_index("left").value()});
+  EXPECT_EQ(model->coordinate_joints(),
+            std::vector<std::size_t>{model->joint_index("left").value()});
 }
 
 TEST(Urdf, FaultsOfTheTreeHaveTheirPlace) {
@@ -103,26 +108,31 @@ TEST(Urdf, FaultsOfTheTreeHaveTheirPlace) {
   EXPECT_EQ(error_line(two + joint("j", "a", "b") + joint("k", "b", "a")),
             "the.urdf:5: joint 'k': the links form a loop: 'a' - 'b' - 'a'; closed chains are not "
             "supported; remove one of the joints");
-  EXPECT_EQ(error_line(two + link("c") + joint("j", "a", "c") + joint("k", "b", "c")),
-            "the.urdf:6: joint 'k': link 'c' has two parents: it is the child of joint 'j' (line 5), "
-            "too; closed chains are not supported; remove one of the two joints");
-  EXPECT_EQ(error_line(two),
-            "the.urdf:3: link 'b': is a second root link: no joint leads to it, nor to 'a' (line 2); "
-            "connect it by a joint, or remove it");
-  EXPECT_EQ(error_line(two + link("a") + joint("j", "a", "b")),
-            "the.urdf:4: link 'a': the name is used in line 2, too; rename one of the two links, and "
-            "what refers to it");
+  EXPECT_EQ(
+      error_line(two + link("c") + joint("j", "a", "c") + joint("k", "b", "c")),
+      "the.urdf:6: joint 'k': link 'c' has two parents: it is the child of joint 'j' (line 5), "
+      "too; closed chains are not supported; remove one of the two joints");
+  EXPECT_EQ(
+      error_line(two),
+      "the.urdf:3: link 'b': is a second root link: no joint leads to it, nor to 'a' (line 2); "
+      "connect it by a joint, or remove it");
+  EXPECT_EQ(
+      error_line(two + link("a") + joint("j", "a", "b")),
+      "the.urdf:4: link 'a': the name is used in line 2, too; rename one of the two links, and "
+      "what refers to it");
   EXPECT_EQ(error_line(two + link("c") + joint("j", "a", "b") + joint("j", "b", "c")),
             "the.urdf:6: joint 'j': the name is used in line 5, too; rename one of the two joints, "
             "and what refers to it");
-  EXPECT_EQ(error_line(two + joint("j", "a", "elbow")),
-            "the.urdf:4: joint 'j': child link 'elbow' does not exist; add <link name=\"elbow\"/>, or "
-            "correct the name");
+  EXPECT_EQ(
+      error_line(two + joint("j", "a", "elbow")),
+      "the.urdf:4: joint 'j': child link 'elbow' does not exist; add <link name=\"elbow\"/>, or "
+      "correct the name");
   EXPECT_EQ(error_line(link("a") + joint("j", "a", "a")),
             "the.urdf:3: joint 'j': connects link 'a' with itself; parent and child must differ");
-  EXPECT_EQ(error_line(two + joint("j", "a", "b", "floating", "")),
-            "the.urdf:4: joint 'j': type 'floating' is not supported; the base is fixed; connect the "
-            "link by a fixed joint");
+  EXPECT_EQ(
+      error_line(two + joint("j", "a", "b", "floating", "")),
+      "the.urdf:4: joint 'j': type 'floating' is not supported; the base is fixed; connect the "
+      "link by a fixed joint");
   // A loop beside a sound tree.
   EXPECT_NE(error_line(two + link("c") + link("d") + joint("j", "a", "b") + joint("k", "c", "d") +
                        joint("l", "d", "c"))
@@ -132,27 +142,31 @@ TEST(Urdf, FaultsOfTheTreeHaveTheirPlace) {
 
 TEST(Urdf, FaultsOfJointsHaveTheirPlace) {
   const std::string two = link("a") + link("b");
-  EXPECT_EQ(error_line(two + joint("j", "a", "b", "revolute",
-                                   "<limit lower='2' upper='-1' velocity='3' effort='40'/>")),
-            "the.urdf:4: joint 'j': limits reversed: lower 2 is above upper -1; swap lower and upper");
+  EXPECT_EQ(
+      error_line(two + joint("j", "a", "b", "revolute",
+                             "<limit lower='2' upper='-1' velocity='3' effort='40'/>")),
+      "the.urdf:4: joint 'j': limits reversed: lower 2 is above upper -1; swap lower and upper");
   EXPECT_NE(error_line(two + joint("j", "a", "b", "revolute", "")).find("the.urdf:4: joint 'j': "),
             std::string::npos);
   EXPECT_EQ(error_line(two + joint("j", "a", "b", "continuous", "<mimic joint='k'/>")),
             "the.urdf:4: joint 'j': mimics 'k', which is no movable joint; correct the name in its "
             "<mimic>");
-  EXPECT_EQ(error_line(two + joint("j", "a", "b", "continuous", "<mimic joint='j'/>")),
-            "the.urdf:4: joint 'j': mimics itself, by way of others; one of the joints must move of "
-            "its own");
-  EXPECT_EQ(error_line(two + "<joint name='j' type='continuous'><parent link='a'/>"
-                             "<child link='b'/><axis xyz='0 0 0'/></joint>"),
-            "the.urdf:4: joint 'j': axis has no direction; set <axis xyz=\"...\"/> to a vector other "
-            "than zero");
+  EXPECT_EQ(
+      error_line(two + joint("j", "a", "b", "continuous", "<mimic joint='j'/>")),
+      "the.urdf:4: joint 'j': mimics itself, by way of others; one of the joints must move of "
+      "its own");
+  EXPECT_EQ(
+      error_line(two + "<joint name='j' type='continuous'><parent link='a'/>"
+                       "<child link='b'/><axis xyz='0 0 0'/></joint>"),
+      "the.urdf:4: joint 'j': axis has no direction; set <axis xyz=\"...\"/> to a vector other "
+      "than zero");
 }
 
 TEST(Urdf, UnlikelyInertiasAreErrorsOnlyWhereWanted) {
   const auto arm = [](const std::string& mass, const std::string& moments) {
-    return link("a") + link("b", "<inertial><mass value='" + mass + "'/><inertia " + moments +
-                                     " ixy='0' ixz='0' iyz='0'/></inertial>") +
+    return link("a") +
+           link("b", "<inertial><mass value='" + mass + "'/><inertia " + moments +
+                         " ixy='0' ixz='0' iyz='0'/></inertial>") +
            joint("j", "a", "b");
   };
   const struct {
@@ -175,10 +189,10 @@ TEST(Urdf, UnlikelyInertiasAreErrorsOnlyWhereWanted) {
   EXPECT_EQ(error_line(arm("-1", "ixx='1' iyy='1' izz='1'")),
             "the.urdf:3: link 'b': mass -1 kg is negative; correct its <inertial>, or leave it out "
             "for kinematics");
-  EXPECT_EQ(error_line(link("a") + link("b", "") + joint("j", "a", "b"),
-                       {.requires_inertia = true}),
-            "the.urdf: no moving link has an inertia; enough for kinematics; dynamics need <inertial> "
-            "in each moving link");
+  EXPECT_EQ(
+      error_line(link("a") + link("b", "") + joint("j", "a", "b"), {.requires_inertia = true}),
+      "the.urdf: no moving link has an inertia; enough for kinematics; dynamics need <inertial> "
+      "in each moving link");
 }
 
 TEST(Urdf, OtherFilesAreErrors) {
@@ -188,16 +202,34 @@ TEST(Urdf, OtherFilesAreErrors) {
   const std::string hint = "; a robot description in URDF is expected";
   EXPECT_EQ(line(""), "the.urdf: is empty" + hint);
   EXPECT_EQ(line("t,q1,q2\n0,1,2\n").substr(0, 20), "the.urdf: is not XML");
-  EXPECT_EQ(line("<robot name='r'>\n<link name='a'>\n</robot>").substr(0, 22), "the.urdf:3: is not XML");
+  EXPECT_EQ(line("<robot name='r'>\n<link name='a'>\n</robot>").substr(0, 22),
+            "the.urdf:3: is not XML");
   EXPECT_EQ(line("<sdf/>"), "the.urdf:1: has no <robot>" + hint);
   EXPECT_EQ(line("<robot name='r'/>"),
             "the.urdf:1: robot: has no <link>; a description has links, connected by joints");
   std::string deep = "<robot name='r'>";
   for (int i = 0; i < 200'000; ++i) deep += "<a>";
   EXPECT_EQ(line(deep), "the.urdf: is not URDF: elements nested more than 100 deep" + hint);
-  EXPECT_EQ(line("<robot name='r'><xacro:arm/></robot>"),
-            "the.urdf:1: robot: is a xacro macro, not URDF; expand it first: xacro FILE > robot.urdf");
+  EXPECT_EQ(
+      line("<robot name='r'><xacro:arm/></robot>"),
+      "the.urdf:1: robot: is a xacro macro, not URDF; expand it first: xacro FILE > robot.urdf");
   EXPECT_NE(read_urdf("no/such.urdf").error().to_string().find("no/such.urdf"), std::string::npos);
+}
+
+TEST(Urdf, PassesTheFuzzersChecks) {
+  int files = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(source_folder() / "tests/fuzz/corpus/urdf")) {
+    const auto bytes = read_file(entry.path());
+    ASSERT_TRUE(bytes);
+    EXPECT_NO_THROW(fuzz::urdf(*bytes)) << entry.path();
+    // And truncated, at every 7th byte: a description is long.
+    for (std::size_t i = 0; i < bytes->size(); i += 7) {
+      EXPECT_NO_THROW(fuzz::urdf(std::string_view(*bytes).substr(0, i))) << entry.path() << i;
+    }
+    ++files;
+  }
+  EXPECT_GE(files, 4);
 }
 
 TEST(Urdf, MeshesAreFoundByPackageFileAndPath) {
@@ -209,12 +241,14 @@ TEST(Urdf, MeshesAreFoundByPackageFileAndPath) {
   std::ofstream(mesh) << "solid";
   const auto resolved = [&](const std::string& reference, const UrdfOptions& options = {},
                             const std::filesystem::path& place = "arm_description/urdf/arm.urdf") {
-    const Expected<RobotModel> model = parse_urdf(
-        robot(link("a", "<visual><geometry><mesh filename='" + reference +
-                            "' scale='0.001 0.001 0.001'/></geometry></visual>")),
-        folder.path() / place, options);
+    const Expected<RobotModel> model =
+        parse_urdf(robot(link("a", "<visual><geometry><mesh filename='" + reference +
+                                       "' scale='0.001 0.001 0.001'/></geometry></visual>")),
+                   folder.path() / place, options);
     if (!model) return model.error().message;
-    return std::get<MeshShape>(model->links[0].visuals.at(0).geometry).file.lexically_normal().string();
+    return std::get<MeshShape>(model->links[0].visuals.at(0).geometry)
+        .file.lexically_normal()
+        .string();
   };
   const std::string by_package = "package://arm_description/meshes/link.stl";
   EXPECT_EQ(resolved(by_package), mesh);
@@ -254,9 +288,9 @@ TEST(Urdf, LockedJointsKeepTheMotionOfTheOthers) {
 
 // The modified Denavit-Hartenberg table of paper A, multiplied out.
 TEST(Pa10, IsWhereItsTableSays) {
-  const RobotModel arm = read_urdf(source_folder() / "calib/robots/pa10/pa10.urdf",
-                                   {.requires_inertia = true})
-                             .value();
+  const RobotModel arm =
+      read_urdf(source_folder() / "calib/robots/pa10/pa10.urdf", {.requires_inertia = true})
+          .value();
   EXPECT_TRUE(arm.warnings.empty());
   EXPECT_TRUE(arm.has_inertia());
   ASSERT_EQ(arm.dof, 7U);
@@ -269,8 +303,7 @@ TEST(Pa10, IsWhereItsTableSays) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   for (int i = 0; i < 7; ++i) {
     T = T * Eigen::AngleAxisd(alpha[i] * std::numbers::pi, Eigen::Vector3d::UnitX()) *
-        Eigen::AngleAxisd(q[i], Eigen::Vector3d::UnitZ()) *
-        Eigen::Translation3d(0.0, 0.0, d[i]);
+        Eigen::AngleAxisd(q[i], Eigen::Vector3d::UnitZ()) * Eigen::Translation3d(0.0, 0.0, d[i]);
     const std::size_t index = arm.link_index("link" + std::to_string(i + 1)).value();
     EXPECT_LT((dynamics.T_base_link(index).matrix() - T.matrix()).norm(), 1e-14) << i;
   }
@@ -308,9 +341,9 @@ TEST(SharedRobots, AreReadWithTheirDoubts) {
   EXPECT_NE(warnings(pa10).find("placeholders"), std::string::npos);
   EXPECT_NE(warnings(pa10).find("continuous, yet limited"), std::string::npos);
   EXPECT_FALSE(read_urdf(shared_data("real/robots/pa10/pa10.urdf"), {.requires_inertia = true}));
-  const RobotModel irb120 = read_urdf(shared_data("real/robots/irb120/irb120_3_58.urdf"),
-                                      {.requires_inertia = true})
-                                .value();
+  const RobotModel irb120 =
+      read_urdf(shared_data("real/robots/irb120/irb120_3_58.urdf"), {.requires_inertia = true})
+          .value();
   EXPECT_EQ(irb120.dof, 6U);
   EXPECT_EQ(irb120.joints[0].limits.effort, std::nullopt);
   EXPECT_NE(warnings(irb120).find("no limit of effort"), std::string::npos);

@@ -41,8 +41,7 @@ TEST(SampleClock, RecoversTheCycleOfAControllerReadOutOfStep) {
   EXPECT_GT(clock.repeated, 50U);
   double error = 0.0;
   for (std::size_t i = 0; i < log.t.size(); ++i) {
-    const double offset = log.position(static_cast<Eigen::Index>(i), 0) -
-                          std::sin(2.0 * log.t[i]);
+    const double offset = log.position(static_cast<Eigen::Index>(i), 0) - std::sin(2.0 * log.t[i]);
     error = std::max(error, std::abs(offset));
   }
   EXPECT_LT(error, 1.2e-3) << "half a cycle at 2 rad/s, and the phase of the first row";

@@ -37,11 +37,11 @@ inline PlantFriction plant_friction(Eigen::Index joint) {
 }
 
 struct SimulatedLogOptions {
-  double duration = 30.0;          ///< [s]
-  double rate = 200.0;             ///< [Hz]
-  double torque_noise = 0.3;       ///< [N m] std, of base joints; less at the wrist
-  double position_noise = 2e-5;    ///< [rad] std
-  double torque_delay = 0.0;       ///< [s]
+  double duration = 30.0;        ///< [s]
+  double rate = 200.0;           ///< [Hz]
+  double torque_noise = 0.3;     ///< [N m] std, of base joints; less at the wrist
+  double position_noise = 2e-5;  ///< [rad] std
+  double torque_delay = 0.0;     ///< [s]
   std::uint64_t seed = 3;
 };
 

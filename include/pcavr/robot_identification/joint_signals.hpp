@@ -26,22 +26,22 @@ struct JointSignalOptions {
 
 /// A log on a uniform grid, filtered, with derivatives; one row an instant, one column a joint.
 struct JointSignals {
-  double interval = 0.0;         ///< [s] between rows
-  double bandwidth = 0.0;        ///< [Hz] of all signals, -6 dB
-  double motion_frequency = 0.0; ///< [Hz] the motion's power above it is 1e-5 of the whole
-  std::size_t rows_at_rest = 0;  ///< left out: friction at rest is not determined
-  double log_interval = 0.0;     ///< [s] median of the log
-  bool is_sign_changed = false;  ///< torques are those of the log times -1
-  bool is_velocity_recorded = false;            ///< else it is the positions' derivative
-  double velocity_lag = 0.0;                    ///< [s] of recorded velocities after positions
+  double interval = 0.0;              ///< [s] between rows
+  double bandwidth = 0.0;             ///< [Hz] of all signals, -6 dB
+  double motion_frequency = 0.0;      ///< [Hz] the motion's power above it is 1e-5 of the whole
+  std::size_t rows_at_rest = 0;       ///< left out: friction at rest is not determined
+  double log_interval = 0.0;          ///< [s] median of the log
+  bool is_sign_changed = false;       ///< torques are those of the log times -1
+  bool is_velocity_recorded = false;  ///< else it is the positions' derivative
+  double velocity_lag = 0.0;          ///< [s] of recorded velocities after positions
   std::optional<double> velocity_disagreement;  ///< rms, relative; where they are recorded
-  std::vector<double> t;         ///< [s] from the log's first row
-  std::vector<int> lines;        ///< of the log's file, of the nearest row
-  Eigen::MatrixXd position;      ///< [rad]
-  Eigen::MatrixXd velocity;      ///< [rad/s]
-  Eigen::MatrixXd acceleration;  ///< [rad/s^2]
-  Eigen::MatrixXd torque;        ///< [N m]
-  Eigen::MatrixXd torque_rate;   ///< [N m/s]
+  std::vector<double> t;                        ///< [s] from the log's first row
+  std::vector<int> lines;                       ///< of the log's file, of the nearest row
+  Eigen::MatrixXd position;                     ///< [rad]
+  Eigen::MatrixXd velocity;                     ///< [rad/s]
+  Eigen::MatrixXd acceleration;                 ///< [rad/s^2]
+  Eigen::MatrixXd torque;                       ///< [N m]
+  Eigen::MatrixXd torque_rate;                  ///< [N m/s]
 };
 
 /// Butterworth low-pass of order 4, forward and backward: no phase, -6 dB at `bandwidth` [Hz]. At

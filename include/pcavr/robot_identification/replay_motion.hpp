@@ -24,10 +24,10 @@ struct MotionReplay {
 };
 
 /// Simulates from row `first` of the signals for `duration` [s], or to the end of the rows without
-/// gaps. Torques are the log's, unfiltered, interpolated linearly; linearly implicit steps of at most
-/// 0.5 ms.
+/// gaps. Torques are the log's, unfiltered, interpolated linearly; linearly implicit steps of at
+/// most 0.5 ms.
 [[nodiscard]] MotionReplay replay_motion(const JointLog& log, const JointSignals& signals,
-                                         const RobotFit& fit, const RobotModel& model, std::size_t first,
-                                         double duration);
+                                         const RobotFit& fit, const RobotModel& model,
+                                         std::size_t first, double duration);
 
 }  // namespace pcavr

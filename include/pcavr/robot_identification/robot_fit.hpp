@@ -86,12 +86,12 @@ struct RobotFit {
   std::vector<JointFit> joints;
   Eigen::VectorXd inertial_parameters;  ///< as RobotModel: see inertial_parameters()
   std::vector<BaseParameter> base_parameters;
-  bool is_physical = false;         ///< every body's pseudo-inertia is positive definite
-  std::size_t train_rows = 0;       ///< the first rows of the signals
-  Eigen::MatrixXd fitted_torque;    ///< [N m] row by row of the signals
-  double torque_lag = 0.0;          ///< [s] of the torques after the positions; was removed
-  double torque_lag_std = 0.0;      ///< [s]
-  double prior_scale = 1.0;  ///< factor of the prior's std that cross-validation chose
+  bool is_physical = false;       ///< every body's pseudo-inertia is positive definite
+  std::size_t train_rows = 0;     ///< the first rows of the signals
+  Eigen::MatrixXd fitted_torque;  ///< [N m] row by row of the signals
+  double torque_lag = 0.0;        ///< [s] of the torques after the positions; was removed
+  double torque_lag_std = 0.0;    ///< [s]
+  double prior_scale = 1.0;       ///< factor of the prior's std that cross-validation chose
 
   /// The model with these inertias, for dynamics; armature is the motor inertia.
   [[nodiscard]] RobotModel robot(const RobotModel& described) const;
