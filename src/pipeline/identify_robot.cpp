@@ -16,7 +16,6 @@ namespace {
 constexpr std::size_t kMinLogRows = 200;  ///< fewer can't determine some eighty unknowns
 constexpr Eigen::Index kMinFittedRows = 100;
 constexpr double kReplayDuration = 5.0;  ///< [s]
-constexpr double kMaxTorqueLag = 0.012;  ///< [s] that a drive's filter explains; longer: a fault
 
 std::string text_of(const Error& finding) {
   std::string text = finding.place.empty() ? "" : finding.place + ": ";
@@ -177,14 +176,16 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
     found.notes.push_back(std::move(note));
   }
   found.fit = fit_robot(found.signals, found.model, options.fit);
-  if (std::abs(found.fit.torque_lag) > kMaxTorqueLag) {
+  if (std::abs(found.fit.torque_lag) > options.fit.max_torque_lag) {
     return Error{.message = fmt::format("torques are {:.0f} ms {} the positions",
                                         std::abs(found.fit.torque_lag) * 1e3,
                                         found.fit.torque_lag > 0.0 ? "after" : "before"),
                  .file = file,
                  .line = found.signals.lines.front(),
                  .place = "tau, all joints",
-                 .hint = "shift their stamps before writing the rows"};
+                 .hint =
+                     "shift their stamps, or accept the lag by "
+                     "robot_identification.fit: max_torque_lag in --config"};
   }
   for (std::string& note : fit_notes(found)) found.notes.push_back(std::move(note));
   const std::size_t first = std::min(found.fit.train_rows, found.signals.t.size() - std::size_t{2});

@@ -23,6 +23,7 @@ struct RobotFitOptions {
   double prior_mass_std;    ///< [kg] of each body about the model's, before the data
   double prior_offset_std;  ///< [m] of each centre of mass
   double min_gain;          ///< relative decrease of the error for a further friction term
+  double max_torque_lag;    ///< [s] that is removed; a longer one is an Error of identify_robot
   double smoothing_speed;   ///< [rad/s] of Coulomb friction's sign; 0: by cross-validation
   bool known_body;          ///< inertias are the model's; friction alone is fitted [paper A]
   bool is_physical;         ///< bodies with positive definite pseudo-inertia only
