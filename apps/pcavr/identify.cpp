@@ -219,7 +219,8 @@ void add_goal(CLI::App& app, Configuration& configuration, Action& action, Ident
 
 void add_identify(CLI::App& app, Configuration& configuration, Action& action) {
   CLI::App* command = app.add_subcommand(
-      "identify", "Identify contact and friction of objects from force and motion, or an arm from its torques");
+      "identify",
+      "Identify contact and friction of objects from force and motion, or an arm from its torques");
   command->require_subcommand(1);
   add_goal(*command, configuration, action, IdentificationGoal::contact, "contact",
            "Contact law (stiffness, damping, exponent) from presses along z");
