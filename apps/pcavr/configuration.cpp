@@ -26,6 +26,8 @@ std::vector<OptionSection> Configuration::sections() {
           section_of(devices.trace), section_of(devices.plugin), section_of(devices.simulated)});
   append(sections, sections_of(evaluation));
   sections.push_back(section_of(friction_priors));
+  sections.push_back(section_of(robot_identification.signals));
+  sections.push_back(section_of(robot_identification.fit));
   return sections;
 }
 

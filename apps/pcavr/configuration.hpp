@@ -16,6 +16,7 @@
 #include "pcavr/identification/friction_posterior.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
 #include "pcavr/pipeline/identify.hpp"
+#include "pcavr/pipeline/identify_robot.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/serve/content.hpp"
 #include "pcavr/serve/live_world.hpp"
@@ -40,6 +41,7 @@ struct Configuration {
   DeviceOptions devices;
   EvaluationOptions evaluation;
   FrictionPriors friction_priors;
+  RobotIdentificationOptions robot_identification;
 
   [[nodiscard]] PerceptionOptions& perception() { return build.perception; }
   [[nodiscard]] const PerceptionOptions& perception() const { return build.perception; }

@@ -13,6 +13,7 @@
 #include "pcavr/report/report_page.hpp"
 
 #include "commands.hpp"
+#include "identify_robot.hpp"
 #include "output_option.hpp"
 
 namespace pcavr::app {
@@ -233,12 +234,14 @@ void add_goal(CLI::App& app, Configuration& configuration, Action& action, Ident
 
 void add_identify(CLI::App& app, Configuration& configuration, Action& action) {
   CLI::App* command = app.add_subcommand(
-      "identify", "Identify contact and friction parameters of objects from force and motion");
+      "identify",
+      "Identify contact and friction of objects from force and motion, or an arm from its torques");
   command->require_subcommand(1);
   add_goal(*command, configuration, action, IdentificationGoal::contact, "contact",
            "Contact law (stiffness, damping, exponent) from presses along z");
   add_goal(*command, configuration, action, IdentificationGoal::friction, "friction",
            "Limiting and sliding friction, mass and friction radius from pushes");
+  add_identify_robot(*command, configuration, action);
 }
 
 }  // namespace pcavr::app

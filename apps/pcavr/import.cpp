@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/recording/import.hpp"
 
+#include <fmt/format.h>
+
 #include "pcavr/cloud/cloud_list.hpp"
 #include "pcavr/recording/camera_file.hpp"
+#include "pcavr/recording/import_joint_log.hpp"
 
 #include "commands.hpp"
 #include "import_clouds.hpp"
@@ -16,12 +19,16 @@ namespace {
 /// More than ten hours at 90 Hz.
 constexpr std::size_t kMaxFrames = 10'000'000;
 
+constexpr InputRange kRowPeriod{"time between rows", 1e-5, 10.0, "s",
+                                "from the fastest drives to loggers by hand"};
+
 struct ImportArguments {
   std::string source;
   OutputOption output;
   std::string format;
   std::string camera;
   double depth_scale = 0.0;
+  double period = 0.0;  ///< [s] 0: not given
   ImportOptions options;
   CloudArguments clouds;
 };
@@ -33,6 +40,42 @@ bool is_of_clouds(const ImportArguments& arguments) {
   const bool has_images = std::filesystem::exists(source / "rgb.txt", code) ||
                           std::filesystem::exists(source / "recording.yaml", code);
   return !has_images && has_clouds(source);
+}
+
+bool is_joint_log(const ImportArguments& arguments) {
+  if (!arguments.format.empty()) return arguments.format == "joints";
+  return has_joint_log(arguments.source);
+}
+
+/// A recording without images: its manifest, and joints.csv.
+Expected<CommandResult> import_joints(const ImportArguments& arguments) {
+  Expected<OutputFolder> folder =
+      create_output(arguments.output, OutputKind::recording, {arguments.source});
+  if (!folder) return folder.error();
+  JointLogImportOptions options;
+  if (arguments.period > 0.0) options.period = arguments.period;
+  const Expected<ImportedJointLog> imported = import_joint_log(arguments.source, options);
+  if (!imported) return imported.error();
+  Expected<void> written = write_file(folder->path() / "recording.yaml", format_manifest({}));
+  if (!written) return written.error();
+  written = write_file(folder->path() / "joints.csv", format_joint_log(imported->log));
+  if (!written) return written.error();
+  written = folder->commit();
+  if (!written) return written.error();
+  const JointLog& log = imported->log;
+  const std::string& name = arguments.output.folder;
+  return CommandResult{
+      .summary = fmt::format(
+          "{} rows of {} joints, {:.6g} s, {} rows not after the one before "
+          "left out\n{}next: pcavr identify robot {} --robot URDF -o REPORT\n",
+          log.t.size(), log.joints.size(), log.t.back(), imported->left_out,
+          options.period ? fmt::format("stamps: a row each {:.6g} s, as given\n", *options.period)
+                         : "",
+          name),
+      .json = {{"recording", name},
+               {"rows", log.t.size()},
+               {"joints", log.joints.size()},
+               {"left_out", imported->left_out}}};
 }
 
 Expected<CommandResult> import_sequence(const ImportArguments& arguments,
@@ -47,6 +90,7 @@ Expected<CommandResult> import_sequence(const ImportArguments& arguments,
 }
 
 Expected<CommandResult> run_import(ImportArguments arguments, const Observer& observer) {
+  if (is_joint_log(arguments)) return import_joints(arguments);
   if (is_of_clouds(arguments)) return import_sequence(arguments, observer);
   if (const std::string option = first_cloud_option(arguments.clouds); !option.empty()) {
     return Error{.message = option + " is for point clouds, but there are none",
@@ -88,8 +132,8 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
 void add_import(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("import",
-                         "Convert a TUM RGB-D or 7-Scenes folder, or point clouds, into a "
-                         "recording");
+                         "Convert a TUM RGB-D or 7-Scenes folder, point clouds, or the log "
+                         "of an arm into a recording");
   command->footer(
       "Example:\n  pcavr import rgbd_dataset_freiburg1_desk --camera calib/cameras/kinect_v1.yaml "
       "-o desk\n  pcavr import clouds/ --poses poses.txt -o scan");
@@ -101,8 +145,8 @@ void add_import(CLI::App& app, Action& action) {
   add_output_option(*command, arguments->output, "Folder for the recording");
   command
       ->add_option("--format", arguments->format,
-                   "tum, 7scenes or clouds; detected from the files if absent")
-      ->check(CLI::IsMember({"tum", "7scenes", "clouds"}));
+                   "tum, 7scenes, clouds or joints; detected from the files if absent")
+      ->check(CLI::IsMember({"tum", "7scenes", "clouds", "joints"}));
   command->add_option("--camera", arguments->camera,
                       "Camera file for a source without intrinsics (see calib/cameras)");
   add_number(*command, "--depth-scale", arguments->depth_scale, ranges::kDepthScale,
@@ -110,6 +154,8 @@ void add_import(CLI::App& app, Action& action) {
   add_number(*command, "--rate", arguments->options.frame_rate, ranges::kImportRate,
              "Frame rate of a source without timestamps [Hz]")
       ->capture_default_str();
+  add_number(*command, "--period", arguments->period, kRowPeriod,
+             "Time between rows of a joint log without stamps [s]");
   add_whole<std::size_t>(*command, "--stride", arguments->options.stride, 1, kMaxFrames,
                          "Import every n-th frame")
       ->capture_default_str();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pcavr/core/input_ranges.hpp"
+#include "pcavr/recording/joint_log.hpp"
 
 namespace pcavr {
 namespace {
@@ -57,36 +58,6 @@ Expected<Series<Trajectory>> read_poses(const RowFormat& format, LineReader& lin
   Expected<RowReport> report = read_number_rows(format, lines, handle);
   if (!report) return report.error();
   return Series<Trajectory>{Trajectory(std::move(poses)), *std::move(report)};
-}
-
-/// How many of the names from `first` on are prefix1, prefix2, ...
-std::size_t count_numbered(const std::vector<std::string>& names, std::size_t first,
-                           const std::string& prefix) {
-  std::size_t count = 0;
-  while (first + count < names.size() &&
-         names[first + count] == prefix + std::to_string(count + 1)) {
-    ++count;
-  }
-  return count;
-}
-
-struct JointColumns {
-  std::size_t joints = 0;
-  bool has_velocity = false;
-  bool has_torque = false;
-};
-
-/// `t,q1..qn` and then all or none of `dq1..dqn` and of `tau1..taun`.
-std::optional<JointColumns> joint_columns(const std::vector<std::string>& names) {
-  if (names.empty() || names[0] != "t") return std::nullopt;
-  const std::size_t joints = count_numbered(names, 1, "q");
-  const std::size_t velocities = count_numbered(names, 1 + joints, "dq");
-  const std::size_t torques = count_numbered(names, 1 + joints + velocities, "tau");
-  const bool is_complete = joints > 0 && (velocities == 0 || velocities == joints) &&
-                           (torques == 0 || torques == joints) &&
-                           names.size() == 1 + joints + velocities + torques;
-  if (!is_complete) return std::nullopt;
-  return JointColumns{joints, velocities > 0, torques > 0};
 }
 
 }  // namespace
@@ -163,35 +134,20 @@ Expected<Series<std::vector<WrenchSample>>> parse_wrench(const SeriesText& text)
 }
 
 Expected<Series<std::vector<JointSample>>> parse_joints(const SeriesText& text) {
-  LineReader lines(text.text);
-  const Expected<std::vector<std::string>> header = read_header(text.file, lines);
-  if (!header) return header.error();
-  const std::optional<JointColumns> columns = joint_columns(*header);
-  if (!columns) {
-    return Error{.message = "the header is not 't,q1..qn,dq1..dqn,tau1..taun'",
-                 .file = text.file,
-                 .line = lines.line(),
-                 .hint = "use these column names; all dq or all tau may be absent"};
-  }
-  Series<std::vector<JointSample>> joints;
-  const RowFormat format = format_of(text, Separator::comma, *header);
-  const auto handle = [&](Stamp stamp, std::span<const double> numbers) -> std::optional<RowFault> {
-    if (auto fault = check_columns(format, ranges::kJoint, numbers, 1)) return fault;
-    JointSample& sample = joints.content.emplace_back();
-    sample.stamp = stamp;
-    auto from = numbers.begin();
-    const auto fill = [&](std::vector<double>& to) {
-      to.assign(from, from + static_cast<std::ptrdiff_t>(columns->joints));
-      from += static_cast<std::ptrdiff_t>(columns->joints);
-    };
-    fill(sample.position);
-    if (columns->has_velocity) fill(sample.velocity);
-    if (columns->has_torque) fill(sample.torque);
-    return std::nullopt;
+  const Expected<Series<JointLog>> log = parse_joint_log(text);
+  if (!log) return log.error();
+  Series<std::vector<JointSample>> joints{.content = {}, .report = log->report};
+  const auto row_of = [](const Eigen::MatrixXd& values, std::size_t row) {
+    if (values.rows() == 0) return std::vector<double>();
+    const Eigen::VectorXd numbers = values.row(static_cast<Eigen::Index>(row)).transpose();
+    return std::vector<double>(numbers.begin(), numbers.end());
   };
-  Expected<RowReport> report = read_number_rows(format, lines, handle);
-  if (!report) return report.error();
-  joints.report = *std::move(report);
+  for (std::size_t row = 0; row < log->content.t.size(); ++row) {
+    joints.content.push_back({.stamp = log->content.stamps[row],
+                              .position = row_of(log->content.position, row),
+                              .velocity = row_of(log->content.velocity, row),
+                              .torque = row_of(log->content.torque, row)});
+  }
   return joints;
 }
 

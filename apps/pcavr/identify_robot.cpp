@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/pipeline/identify_robot.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "pcavr/report/report_page.hpp"
+#include "pcavr/robot/urdf.hpp"
+
+#include "commands.hpp"
+#include "identify_robot.hpp"
+#include "output_option.hpp"
+
+namespace pcavr::app {
+namespace {
+
+struct RobotArguments {
+  std::string log;
+  std::string robot;
+  OutputOption report;
+  std::vector<double> gains;
+  bool is_body_known = false;
+  bool skip_bad = false;
+};
+
+std::string joint_line(const JointFit& joint) {
+  std::string line = fmt::format("    {:<24} {:>7.3g} % {:>8.3g} N m  ", joint.name,
+                                 joint.held_out.relative * 100.0, joint.held_out.rms);
+  for (const FittedTerm& term : joint.friction) {
+    line += fmt::format(" {} {:.3g} +- {:.2g}", name_of(term.term), term.value, term.std);
+  }
+  return line + '\n';
+}
+
+nlohmann::ordered_json joint_json(const RobotIdentification& found, std::size_t index) {
+  const JointFit& joint = found.fit.joints[index];
+  nlohmann::ordered_json json{{"name", joint.name},
+                              {"held_out_relative_error", joint.held_out.relative},
+                              {"held_out_rms_error", joint.held_out.rms},
+                              {"plain_held_out_relative_error", joint.plain_held_out.relative},
+                              {"train_relative_error", joint.train.relative}};
+  for (const FittedTerm& term : joint.friction) {
+    json[name_of(term.term)] = term.value;
+    json[std::string(name_of(term.term)) + "_std"] = term.std;
+  }
+  if (found.replay.is_finite) {
+    json["replay_after_1s"] = found.replay.after_1s[static_cast<Eigen::Index>(index)];
+    json["replay_rms"] = found.replay.rms[static_cast<Eigen::Index>(index)];
+  }
+  return json;
+}
+
+CommandResult describe(const RobotIdentification& found, const RobotArguments& arguments) {
+  CommandResult result;
+  result.summary =
+      fmt::format("{} rows, filter {:.3g} Hz, {} of {} base parameters excited, bodies {}\n",
+                  found.log.t.size(), found.signals.bandwidth,
+                  std::count_if(found.fit.base_parameters.begin(), found.fit.base_parameters.end(),
+                                [](const BaseParameter& entry) { return entry.is_excited; }),
+                  found.fit.base_parameters.size(),
+                  found.fit.is_physical ? "physically possible" : "not physically possible");
+  for (const std::string& note : found.notes) result.summary += "note: " + note + '\n';
+  result.summary += "    joint                    held-out torque error, friction\n";
+  result.json = {{"report", arguments.report.folder},
+                 {"bandwidth_hz", found.signals.bandwidth},
+                 {"torque_lag", found.fit.torque_lag},
+                 {"is_torque_sign_changed", found.signals.is_sign_changed},
+                 {"is_physical", found.fit.is_physical}};
+  result.json["joints"] = nlohmann::ordered_json::array();
+  for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
+    result.summary += joint_line(found.fit.joints[j]);
+    result.json["joints"].push_back(joint_json(found, j));
+  }
+  if (found.replay.is_finite) {
+    const double degrees = 180.0 / std::numbers::pi;
+    result.summary += fmt::format(
+        "replay of held-out torques: position error after 1 s up to {:.2g} deg, rms "
+        "over {:.2g} s up to {:.2g} deg\n",
+        found.replay.after_1s.maxCoeff() * degrees, found.replay.t.back() - found.replay.t.front(),
+        found.replay.rms.maxCoeff() * degrees);
+  }
+  result.json["notes"] = found.notes;
+  result.summary += how_to_open(arguments.report.folder) + '\n';
+  return result;
+}
+
+Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration& configuration,
+                                  const Observer& observer) {
+  Expected<OutputFolder> folder =
+      create_output(arguments.report, OutputKind::report, {arguments.log, arguments.robot});
+  if (!folder) return folder.error();
+  const Expected<RobotModel> model = read_urdf(arguments.robot);
+  if (!model) return model.error();
+  for (const Error& warning : model->warnings) {
+    // Shapes have no part in it.
+    const bool is_of_shape = warning.message.find("visual") != std::string::npos ||
+                             warning.message.find("collision") != std::string::npos ||
+                             warning.place.find("visual") != std::string::npos ||
+                             warning.place.find("collision") != std::string::npos;
+    if (!is_of_shape) observer.on_warning(warning.to_string());
+  }
+  const Expected<JointLog> log = read_joint_log(arguments.log, arguments.skip_bad);
+  if (!log) return log.error();
+  RobotIdentificationOptions options = configuration.robot_identification;
+  options.gains = arguments.gains;
+  options.fit.known_body |= arguments.is_body_known;
+  Expected<RobotIdentification> found = identify_robot(*log, *model, options, arguments.log);
+  if (!found) return found.error();
+  found->configuration = configuration.changed();
+  const Expected<void> written =
+      write_robot_report(*found, arguments.log, arguments.robot, folder->path());
+  if (!written) return written.error();
+  const Expected<void> committed = folder->commit();
+  if (!committed) return committed.error();
+  return describe(*found, arguments);
+}
+
+}  // namespace
+
+void add_identify_robot(CLI::App& app, Configuration& configuration, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "robot", "Inertias and joint friction of an arm from its positions and torques");
+  command->footer(
+      "Example:\n  pcavr identify robot my_log/joints.csv --robot arm.urdf -o arm_report");
+  auto arguments = std::make_shared<RobotArguments>();
+  command
+      ->add_option("log", arguments->log,
+                   "Recording with joints.csv, or such a file: t, q_NAME, and tau_NAME or "
+                   "current_NAME for each joint")
+      ->required();
+  command->add_option("--robot", arguments->robot, "Robot description (URDF)")->required();
+  add_output_option(*command, arguments->report, "Folder for the report");
+  command
+      ->add_option("--gains", arguments->gains,
+                   "Torque of a current [N m/A] for each joint, in the order of the columns")
+      ->delimiter(',');
+  command->add_flag("--known-body", arguments->is_body_known,
+                    "Fit friction alone: the inertias are the description's");
+  command->add_flag("--skip-bad", arguments->skip_bad, "Skip bad rows");
+  command->callback([arguments, &configuration, &action] {
+    action = [arguments, &configuration](const Observer& observer) {
+      return run_robot(*arguments, configuration, observer);
+    };
+  });
+}
+
+}  // namespace pcavr::app

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/recording/joint_log.hpp"
+#include "pcavr/robot/robot_model.hpp"
+#include "pcavr/robot_identification/joint_signals.hpp"
+#include "pcavr/robot_identification/replay_motion.hpp"
+#include "pcavr/robot_identification/robot_fit.hpp"
+#include "pcavr/robot_identification/sample_clock.hpp"
+
+namespace pcavr {
+
+struct RobotIdentificationOptions {
+  JointSignalOptions signals;
+  RobotFitOptions fit;
+  /// [N m/A] by joint of the log's columns, for currents; empty where the log has torques.
+  std::vector<double> gains = {};
+};
+
+struct RobotIdentification {
+  RobotModel model;  ///< with the log's joints alone
+  JointLog log;      ///< as fitted: in the chain's order, torques from currents, unwrapped
+  SampleClock clock;
+  JointSignals signals;
+  RobotFit fit;
+  MotionReplay replay;  ///< of the first held-out rows; empty where the bodies aren't possible
+  std::vector<std::string> notes;
+  std::vector<std::pair<std::string, std::string>> configuration;  ///< changed options
+};
+
+/// `joints.csv` of a recording, or a file of its format.
+[[nodiscard]] Expected<JointLog> read_joint_log(const std::filesystem::path& file_or_folder,
+                                                bool skip_bad);
+
+/// Checks the log, fits the robot and replays the held-out motion. Fails where the log shows a
+/// fault that must not be fitted; `file` names it in errors. Deterministic.
+[[nodiscard]] Expected<RobotIdentification> identify_robot(
+    JointLog log, const RobotModel& model, const RobotIdentificationOptions& options,
+    const std::string& file);
+
+/// report.html (write_report_page) and report.json (flat, SI) into a folder that exists.
+[[nodiscard]] Expected<void> write_robot_report(const RobotIdentification& found,
+                                                const std::string& log, const std::string& robot,
+                                                const std::filesystem::path& folder);
+
+}  // namespace pcavr

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/robot/robot_model.hpp"
+#include "pcavr/robot_identification/joint_signals.hpp"
+#include "pcavr/robot_identification/robot_fit.hpp"
+
+namespace pcavr {
+
+/// One stretch of the log simulated from its first state under the recorded torques [paper A,
+/// figure 3: torque in, position out].
+struct MotionReplay {
+  std::vector<double> t;      ///< [s] of the log
+  Eigen::MatrixXd recorded;   ///< [rad] positions, row by row
+  Eigen::MatrixXd simulated;  ///< [rad]
+  Eigen::VectorXd rms;        ///< [rad] by joint, over the stretch
+  Eigen::VectorXd after_1s;   ///< [rad] absolute error 1 s after the start
+  bool is_finite = false;     ///< false: the simulation diverged
+};
+
+/// Simulates from row `first` of the signals for `duration` [s], or to the end of the rows without
+/// gaps. Torques are the log's, unfiltered, interpolated linearly; linearly implicit steps of at
+/// most 0.5 ms.
+[[nodiscard]] MotionReplay replay_motion(const JointLog& log, const JointSignals& signals,
+                                         const RobotFit& fit, const RobotModel& model,
+                                         std::size_t first, double duration);
+
+}  // namespace pcavr

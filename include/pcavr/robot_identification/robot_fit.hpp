@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/robot/robot_model.hpp"
+#include "pcavr/robot_identification/joint_signals.hpp"
+
+namespace pcavr {
+
+struct OptionSection;  // core/options.hpp
+
+/// Defaults and ranges: src/robot_identification/options.cpp.
+struct RobotFitOptions {
+  RobotFitOptions();
+  double train_share;       ///< first part of the log that is fitted; the rest is held out
+  double huber_threshold;   ///< [std] residuals beyond count linearly
+  double prior_mass_std;    ///< [kg] of each body about the model's, before the data
+  double prior_offset_std;  ///< [m] of each centre of mass
+  double min_gain;          ///< relative decrease of the error for a further friction term
+  double max_torque_lag;    ///< [s] that is removed; a longer one is an Error of identify_robot
+  double smoothing_speed;   ///< [rad/s] of Coulomb friction's sign; 0: by cross-validation
+  bool known_body;          ///< inertias are the model's; friction alone is fitted [paper A]
+  bool is_physical;         ///< bodies with positive definite pseudo-inertia only
+  bool is_extended;         ///< try Stribeck, load-dependent and further terms of friction
+};
+[[nodiscard]] OptionSection section_of(RobotFitOptions& options);
+
+/// The terms of a joint's friction, torque as a function of speed v = dq.
+enum class FrictionTerm {
+  offset,         ///< 1
+  viscous,        ///< v
+  coulomb,        ///< tanh(v / smoothing)
+  motor_inertia,  ///< ddq
+  stribeck,       ///< tanh(v / smoothing) exp(-(v / stribeck_speed)^2)
+  load,           ///< |rigid-body torque| tanh(v / smoothing)
+  quadratic,      ///< v |v|
+  asymmetric,     ///< |v|: viscous friction that differs by direction
+  ripple_sin,     ///< sin q
+  ripple_cos,     ///< cos q
+};
+inline constexpr int kFrictionTerms = 10;
+[[nodiscard]] const char* name_of(FrictionTerm term);
+[[nodiscard]] const char* unit_of(FrictionTerm term);
+
+struct FittedTerm {
+  FrictionTerm term = FrictionTerm::offset;
+  double value = 0.0;
+  double std = 0.0;
+  bool is_excited = false;  ///< the data reduce the std well below the prior's
+};
+
+/// Torque errors of one joint [N m], of the filtered signals.
+struct TorqueError {
+  double rms = 0.0;
+  double relative = 0.0;  ///< rms error over rms torque
+};
+
+struct JointFit {
+  std::string name;
+  std::vector<FittedTerm> friction;  ///< the terms that were used
+  double smoothing_speed = 0.0;      ///< [rad/s] of tanh
+  double stribeck_speed = 0.0;       ///< [rad/s] where the term is used
+  double noise_std = 0.0;            ///< [N m] of the residual, training part
+  double correlated_rows = 1.0;      ///< rows that count as one independent one
+  TorqueError train, held_out;
+  TorqueError plain_held_out;  ///< of plain least squares: unweighted, no prior, plain friction
+
+  [[nodiscard]] double value_of(FrictionTerm term) const;  ///< 0 where it is not used
+};
+
+/// A combination of inertial parameters that the torques of this robot can identify.
+struct BaseParameter {
+  std::string name;  ///< "Izz_2 + 0.1 m_3 ..."
+  double value = 0.0;
+  double std = 0.0;
+  double prior_std = 0.0;
+  bool is_excited = false;
+};
+
+struct RobotFit {
+  std::vector<JointFit> joints;
+  Eigen::VectorXd inertial_parameters;  ///< as RobotModel: see inertial_parameters()
+  std::vector<BaseParameter> base_parameters;
+  bool is_physical = false;       ///< every body's pseudo-inertia is positive definite
+  std::size_t train_rows = 0;     ///< the first rows of the signals
+  Eigen::MatrixXd fitted_torque;  ///< [N m] row by row of the signals
+  double torque_lag = 0.0;        ///< [s] of the torques after the positions; was removed
+  double torque_lag_std = 0.0;    ///< [s]
+  double prior_scale = 1.0;       ///< factor of the prior's std that cross-validation chose
+
+  /// The model with these inertias, for dynamics; armature is the motor inertia.
+  [[nodiscard]] RobotModel robot(const RobotModel& described) const;
+};
+
+/// Friction torque of a joint at position q [rad], speed v [rad/s], without motor inertia. `load`:
+/// the rigid-body torque [N m].
+[[nodiscard]] double friction_torque(const JointFit& joint, double q, double v, double load);
+
+/// Fits inertial parameters and friction by weighted, robust least squares with a weak prior about
+/// the model's inertias. The model has exactly the joints of the signals, in their order, without
+/// mimic joints. Friction terms are selected by cross-validation within the training part alone.
+/// Deterministic; pure function.
+[[nodiscard]] RobotFit fit_robot(const JointSignals& signals, const RobotModel& model,
+                                 const RobotFitOptions& options);
+
+}  // namespace pcavr

@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/pipeline/identify_robot.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "pcavr/core/output.hpp"
+#include "pcavr/robot_identification/log_checks.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr std::size_t kMinLogRows = 200;  ///< fewer can't determine some eighty unknowns
+constexpr Eigen::Index kMinFittedRows = 100;
+constexpr double kReplayDuration = 5.0;  ///< [s]
+
+std::string text_of(const Error& finding) {
+  std::string text = finding.place.empty() ? "" : finding.place + ": ";
+  text += finding.message;
+  if (finding.line > 0) text += fmt::format(" (line {})", finding.line);
+  return text;
+}
+
+/// The first error with the log's name; the number of further ones in its message.
+Error first_of(const std::vector<Error>& errors, const std::string& file) {
+  Error error = errors.front();
+  error.file = file;
+  if (errors.size() > 1) error.message += fmt::format(" (and {} more faults)", errors.size() - 1);
+  return error;
+}
+
+Expected<void> apply_gains(const std::vector<double>& gains, JointLog& log,
+                           const std::string& file) {
+  if (log.torque.rows() > 0) {
+    if (gains.empty()) return {};
+    return Error{.message = "has torques; gains are for currents",
+                 .file = file,
+                 .line = 1,
+                 .hint = "omit --gains, or name the columns current_NAME"};
+  }
+  if (log.current.rows() == 0) {
+    return Error{.message = "has neither torques nor currents",
+                 .file = file,
+                 .line = 1,
+                 .hint = "add columns tau_NAME or current_NAME"};
+  }
+  if (gains.size() != log.joints.size()) {
+    return Error{.message = fmt::format("has currents of {} joints, and {} gains are given",
+                                        log.joints.size(), gains.size()),
+                 .file = file,
+                 .line = 1,
+                 .hint = "give --gains with N m/A for each joint, in the order of the columns"};
+  }
+  log.torque = log.current;
+  for (std::size_t j = 0; j < gains.size(); ++j) {
+    log.torque.col(static_cast<Eigen::Index>(j)) *= gains[j];
+  }
+  return {};
+}
+
+std::vector<std::string> signal_notes(const JointSignals& signals, const SampleClock& clock) {
+  std::vector<std::string> notes;
+  if (clock.is_corrected) {
+    notes.push_back(fmt::format(
+        "rows were read out of step with the controller: its cycle is {:.4g} ms, {} rows repeat a "
+        "sample and {} samples are missing; stamps were replaced by whole cycles",
+        clock.tick * 1e3, clock.repeated, clock.skipped));
+  }
+  if (signals.rows_at_rest > 0) {
+    notes.push_back(fmt::format("{} rows at rest are left out: friction is not determined there",
+                                signals.rows_at_rest));
+  }
+  if (signals.velocity_disagreement) {
+    notes.push_back(fmt::format(
+        "recorded velocities are {:.2g} ms after the positions and differ by {:.2g} %; {} used",
+        signals.velocity_lag * 1e3, *signals.velocity_disagreement * 1e2,
+        signals.is_velocity_recorded ? "they are" : "the positions' derivatives are"));
+  }
+  return notes;
+}
+
+std::vector<std::string> fit_notes(const RobotIdentification& found) {
+  std::vector<std::string> notes;
+  const RobotFit& fit = found.fit;
+  if (std::abs(fit.torque_lag) > 3.0 * fit.torque_lag_std) {
+    notes.push_back(fmt::format("torques are {:.2g} ± {:.1g} ms after the positions; removed",
+                                fit.torque_lag * 1e3, fit.torque_lag_std * 1e3));
+  }
+  const auto weak = std::count_if(fit.base_parameters.begin(), fit.base_parameters.end(),
+                                  [](const BaseParameter& entry) { return !entry.is_excited; });
+  if (weak > 0) {
+    notes.push_back(fmt::format(
+        "{} of {} base parameters are not excited by this motion: their values are the prior's",
+        weak, fit.base_parameters.size()));
+  }
+  if (!found.model.has_inertia()) {
+    notes.emplace_back(
+        "the robot description has no masses: bodies of 3 kg are the prior, and currents in place "
+        "of torques can't be detected");
+  }
+  return notes;
+}
+
+/// Velocities that are those of the positions times a constant of units.
+std::vector<Error> velocity_faults(const JointLog& log, const JointSignals& signals) {
+  constexpr double kDegrees = 180.0 / 3.14159265358979;
+  if (!signals.velocity_disagreement || *signals.velocity_disagreement < 0.5) return {};
+  const double ratio =
+      std::sqrt(log.velocity.squaredNorm() / double(log.velocity.rows()) /
+                (signals.velocity.squaredNorm() / double(signals.velocity.rows())));
+  if (std::abs(ratio / kDegrees - 1.0) > 0.2) return {};
+  return {{.message = fmt::format("velocities are {:.3g} times the positions' derivatives: degrees",
+                                  ratio),
+           .line = log.lines.front(),
+           .place = "dq",
+           .hint = "write radians per second"}};
+}
+
+}  // namespace
+
+Expected<JointLog> read_joint_log(const std::filesystem::path& file_or_folder, bool skip_bad) {
+  std::error_code code;
+  const bool is_folder = std::filesystem::is_directory(file_or_folder, code);
+  const std::filesystem::path file = is_folder ? file_or_folder / "joints.csv" : file_or_folder;
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  Expected<Series<JointLog>> log =
+      parse_joint_log({.file = file.string(), .text = *text, .skip_bad = skip_bad});
+  if (!log) return log.error();
+  return std::move(log->content);
+}
+
+Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& model,
+                                             const RobotIdentificationOptions& options,
+                                             const std::string& file) {
+  if (log.t.size() < kMinLogRows) {
+    return Error{.message = fmt::format("has {} rows, fewer than {}", log.t.size(), kMinLogRows),
+                 .file = file,
+                 .hint = "record a motion of at least some seconds"};
+  }
+  if (Expected<void> applied = apply_gains(options.gains, log, file); !applied) {
+    return applied.error();
+  }
+  const Expected<MatchedRobot> matched = match_joints(log, model);
+  if (!matched) return first_of({matched.error()}, file);
+  RobotIdentification found{.model = matched->model,
+                            .log = reordered(log, matched->columns),
+                            .clock = {},
+                            .signals = {},
+                            .fit = {},
+                            .replay = {},
+                            .notes = matched->notes,
+                            .configuration = {}};
+  const LogFindings rows = check_rows(found.log, found.model, options.signals.max_gap);
+  if (!rows.errors.empty()) return first_of(rows.errors, file);
+  found.clock = correct_sample_clock(found.log);
+  found.signals = joint_signals(found.log, options.signals);
+  if (found.signals.position.rows() < kMinFittedRows) {
+    return Error{
+        .message = fmt::format("only {} rows are left for the fit", found.signals.position.rows()),
+        .file = file,
+        .hint = "record a longer motion without gaps"};
+  }
+  LogFindings shown = check_hypotheses(found.signals, found.model);
+  for (const Error& fault : velocity_faults(found.log, found.signals)) {
+    shown.errors.insert(shown.errors.begin(), fault);
+  }
+  if (!shown.errors.empty()) return first_of(shown.errors, file);
+  for (const LogFindings& findings : {rows, shown}) {
+    for (const Error& warning : findings.warnings) found.notes.push_back(text_of(warning));
+  }
+  for (std::string& note : signal_notes(found.signals, found.clock)) {
+    found.notes.push_back(std::move(note));
+  }
+  found.fit = fit_robot(found.signals, found.model, options.fit);
+  if (std::abs(found.fit.torque_lag) > options.fit.max_torque_lag) {
+    return Error{.message = fmt::format("torques are {:.0f} ms {} the positions",
+                                        std::abs(found.fit.torque_lag) * 1e3,
+                                        found.fit.torque_lag > 0.0 ? "after" : "before"),
+                 .file = file,
+                 .line = found.signals.lines.front(),
+                 .place = "tau, all joints",
+                 .hint =
+                     "shift their stamps, or accept the lag by "
+                     "robot_identification.fit: max_torque_lag in --config"};
+  }
+  for (std::string& note : fit_notes(found)) found.notes.push_back(std::move(note));
+  const std::size_t first = std::min(found.fit.train_rows, found.signals.t.size() - std::size_t{2});
+  if (found.fit.is_physical) {
+    found.replay =
+        replay_motion(found.log, found.signals, found.fit, found.model, first, kReplayDuration);
+  }
+  return found;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,247 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "pcavr/core/json_text.hpp"
+#include "pcavr/core/output.hpp"
+#include "pcavr/pipeline/identify_robot.hpp"
+#include "pcavr/report/number_text.hpp"
+#include "pcavr/report/report_page.hpp"
+#include "pcavr/robot_identification/residual_spectrum.hpp"
+
+namespace pcavr {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kHundred = 100.0;
+
+std::string short_number(double value) { return fmt::format("{:.4g}", value); }
+
+std::vector<double> column_of(const Eigen::MatrixXd& values, Eigen::Index column) {
+  return {values.col(column).begin(), values.col(column).end()};
+}
+
+ReportTable error_table(const RobotFit& fit) {
+  ReportTable table{.title = "Torque error by joint",
+                    .columns = {"joint", "fitted part (%)", "held-out part (%)",
+                                "held-out part (N m)", "plain least squares, held out (%)"}};
+  for (const JointFit& joint : fit.joints) {
+    table.rows.push_back({joint.name, readable(joint.train.relative * kHundred),
+                          readable(joint.held_out.relative * kHundred),
+                          readable(joint.held_out.rms),
+                          readable(joint.plain_held_out.relative * kHundred)});
+  }
+  table.note = fmt::format(
+      "rms of measured less fitted torque over rms of the torque; the first {} of {} rows are "
+      "fitted. Plain: unweighted, without prior, Coulomb, viscous and offset alone.",
+      fit.train_rows, fit.fitted_torque.rows());
+  return table;
+}
+
+ReportTable friction_table(const JointFit& joint) {
+  ReportTable table{.title = "Friction", .columns = {"term", "value", "± std", "unit", "excited"}};
+  for (const FittedTerm& term : joint.friction) {
+    table.rows.push_back({name_of(term.term), short_number(term.value), short_number(term.std),
+                          unit_of(term.term), term.is_excited ? "yes" : "no"});
+  }
+  table.note = fmt::format("sign of the speed: tanh(speed / {:.3g} rad/s)", joint.smoothing_speed);
+  if (joint.stribeck_speed > 0.0) {
+    table.note += fmt::format("; Stribeck speed {:.3g} rad/s", joint.stribeck_speed);
+  }
+  return table;
+}
+
+ReportTable base_table(const RobotFit& fit) {
+  ReportTable table{
+      .title = "Base parameters",
+      .columns = {"combination (SI)", "value", "± std", "std before the data", "excited"},
+      .is_folded = true};
+  for (const BaseParameter& entry : fit.base_parameters) {
+    table.rows.push_back({entry.name, short_number(entry.value), short_number(entry.std),
+                          short_number(entry.prior_std), entry.is_excited ? "yes" : "no"});
+  }
+  table.note =
+      "What joint torques can show of masses m, first moments mx my mz and inertias of the joints' "
+      "bodies, about and in their joint frames.";
+  return table;
+}
+
+Plot torque_plot(const RobotIdentification& found, Eigen::Index joint) {
+  Plot plot{.title = "Torque", .x_label = "time (s)", .y_label = "torque (N m)"};
+  const Eigen::MatrixXd residual = found.signals.torque - found.fit.fitted_torque;
+  plot.series = {{.label = "measured",
+                  .color = 0,
+                  .x = found.signals.t,
+                  .y = column_of(found.signals.torque, joint)},
+                 {.label = "fitted",
+                  .color = 1,
+                  .x = found.signals.t,
+                  .y = column_of(found.fit.fitted_torque, joint)},
+                 {.label = "measured less fitted",
+                  .color = 2,
+                  .x = found.signals.t,
+                  .y = column_of(residual, joint)}};
+  if (found.fit.train_rows < found.signals.t.size()) {
+    plot.bands.push_back({found.signals.t[found.fit.train_rows], found.signals.t.back(), 0});
+    plot.band_labels = {"held out"};
+  }
+  return plot;
+}
+
+Plot replay_plot(const RobotIdentification& found, Eigen::Index joint) {
+  Plot plot{.title = "Recorded torques in, positions out",
+            .x_label = "time (s)",
+            .y_label = "position (deg)"};
+  plot.series = {{.label = "measured",
+                  .color = 0,
+                  .x = found.replay.t,
+                  .y = column_of(found.replay.recorded * kDegrees, joint)},
+                 {.label = "simulated",
+                  .color = 1,
+                  .x = found.replay.t,
+                  .y = column_of(found.replay.simulated * kDegrees, joint),
+                  .dashed = true}};
+  return plot;
+}
+
+Plot spectrum_plot(const RobotIdentification& found, Eigen::Index joint) {
+  const ResidualSpectrum spectrum = residual_spectrum(
+      found.signals.torque.col(joint) - found.fit.fitted_torque.col(joint), found.signals.interval);
+  Plot plot{.title = "Spectrum of the torque error",
+            .x_label = "frequency (Hz)",
+            .y_label = "amplitude density (N m/√Hz)",
+            .y_from_zero = true};
+  plot.series = {{.label = "measured less fitted",
+                  .color = 2,
+                  .x = spectrum.frequency,
+                  .y = spectrum.density}};
+  return plot;
+}
+
+PageSection joint_section(const RobotIdentification& found, std::size_t index) {
+  const auto joint = static_cast<Eigen::Index>(index);
+  PageSection section{.title = found.fit.joints[index].name};
+  section.blocks.emplace_back(std::vector<ReportTable>{friction_table(found.fit.joints[index])});
+  PlotGroup group{"Plots", {torque_plot(found, joint)}};
+  if (found.replay.is_finite) group.plots.push_back(replay_plot(found, joint));
+  group.plots.push_back(spectrum_plot(found, joint));
+  section.blocks.emplace_back(std::move(group));
+  return section;
+}
+
+ReportTable replay_table(const RobotIdentification& found) {
+  ReportTable table{.title = "Replay: recorded torques in, positions out",
+                    .columns = {"joint", "error after 1 s (deg)", "rms (deg)"}};
+  for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
+    const auto joint = static_cast<Eigen::Index>(j);
+    table.rows.push_back({found.fit.joints[j].name,
+                          readable(found.replay.after_1s[joint] * kDegrees),
+                          readable(found.replay.rms[joint] * kDegrees)});
+  }
+  table.note = fmt::format("simulated over {:.3g} s of the held-out part from its first state",
+                           found.replay.t.back() - found.replay.t.front());
+  return table;
+}
+
+ReportPage robot_page(const RobotIdentification& found, const std::string& log,
+                      const std::string& robot) {
+  ReportPage page{.title = "Robot identification: " + log, .heading = "Identification of a robot"};
+  page.inputs = {
+      {{"log "}, {log, true}, {fmt::format(", {} rows", found.log.t.size())}},
+      {{"robot description "}, {robot, true}},
+      {{"filter "},
+       {readable(found.signals.bandwidth) + " Hz", true},
+       {fmt::format(" (-6 dB, zero phase); motion up to {:.3g} Hz",
+                    found.signals.motion_frequency)}},
+      {{"bodies: "},
+       {found.fit.is_physical ? "physically possible" : "not physically possible", true}}};
+  page.notes = found.notes;
+  page.headline = error_table(found.fit);
+  PageSection all{.title = "All joints"};
+  std::vector<ReportTable> tables;
+  if (found.replay.is_finite) tables.push_back(replay_table(found));
+  tables.push_back(base_table(found.fit));
+  all.blocks.emplace_back(std::move(tables));
+  for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
+    page.sections.push_back(joint_section(found, j));
+  }
+  page.sections.push_back(std::move(all));
+  page.footer =
+      "Std: standard deviation, for noise with the correlation of the residuals. The same "
+      "figures in SI units are in report.json. pcavr " +
+      std::string(PCAVR_VERSION);
+  return page;
+}
+
+void add_joint(Json& json, const RobotIdentification& found, std::size_t index) {
+  const JointFit& joint = found.fit.joints[index];
+  const std::string key = "joint." + joint.name + ".";
+  for (const FittedTerm& term : joint.friction) {
+    json[key + name_of(term.term)] = term.value;
+    json[key + name_of(term.term) + "_std"] = term.std;
+    json[key + name_of(term.term) + ".is_excited"] = term.is_excited;
+  }
+  json[key + "smoothing_speed"] = joint.smoothing_speed;
+  if (joint.stribeck_speed > 0.0) json[key + "stribeck_speed"] = joint.stribeck_speed;
+  json[key + "noise_std"] = joint.noise_std;
+  json[key + "train.relative_error"] = joint.train.relative;
+  json[key + "held_out.relative_error"] = joint.held_out.relative;
+  json[key + "held_out.rms_error"] = joint.held_out.rms;
+  json[key + "plain.held_out.relative_error"] = joint.plain_held_out.relative;
+  if (!found.replay.is_finite) return;
+  json[key + "replay.after_1s_rad"] = found.replay.after_1s[static_cast<Eigen::Index>(index)];
+  json[key + "replay.rms_rad"] = found.replay.rms[static_cast<Eigen::Index>(index)];
+}
+
+std::string format_json(const RobotIdentification& found, const std::string& log,
+                        const std::string& robot) {
+  Json json;
+  json["format"] = "pcavr-identification/1";
+  json["version"] = PCAVR_VERSION;
+  json["log"] = log;
+  json["robot"] = robot;
+  json["units"] = "SI";
+  for (const auto& [key, value] : found.configuration) json["configuration"][key] = value;
+  json["rows"] = found.log.t.size();
+  json["fitted_rows"] = found.fit.train_rows;
+  json["filter.bandwidth_Hz"] = found.signals.bandwidth;
+  json["motion_frequency_Hz"] = found.signals.motion_frequency;
+  json["torque_lag_s"] = found.fit.torque_lag;
+  json["torque_sign"] = found.signals.is_sign_changed ? -1 : 1;
+  json["prior_scale"] = found.fit.prior_scale;
+  json["is_physical"] = found.fit.is_physical;
+  for (std::size_t j = 0; j < found.fit.joints.size(); ++j) add_joint(json, found, j);
+  const Eigen::VectorXd& inertias = found.fit.inertial_parameters;
+  for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
+    const Eigen::VectorXd body = inertias.segment<10>(static_cast<Eigen::Index>(10 * j));
+    json["joint." + found.fit.joints[j].name + ".inertial_parameters"] =
+        std::vector<double>(body.begin(), body.end());
+  }
+  for (const BaseParameter& entry : found.fit.base_parameters) {
+    json["base_parameters"].push_back({{"name", entry.name},
+                                       {"value", entry.value},
+                                       {"std", entry.std},
+                                       {"is_excited", entry.is_excited}});
+  }
+  json["notes"] = found.notes;
+  return json_text(json, 2) + '\n';
+}
+
+}  // namespace
+
+Expected<void> write_robot_report(const RobotIdentification& found, const std::string& log,
+                                  const std::string& robot, const std::filesystem::path& folder) {
+  const Expected<void> written = write_report_page(robot_page(found, log, robot), folder);
+  if (!written) return written;
+  return write_file(folder / "report.json", format_json(found, log, robot));
+}
+
+}  // namespace pcavr

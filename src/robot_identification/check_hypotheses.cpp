@@ -1,0 +1,250 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "pcavr/core/median.hpp"
+#include "pcavr/robot/robot_dynamics.hpp"
+#include "pcavr/robot_identification/log_checks.hpp"
+
+#include "robot_identification/block_system.hpp"
+#include "robot_identification/fit_rows.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr Eigen::Index kHypothesisRows =
+    700;  ///< of the log, equally spaced: 7 joints, 80 unknowns
+/// A hypothesis is decisive where it lowers the product of the joints' relative errors by this
+/// factor: by chance, in fits of as many unknowns, it changes by a few per cent.
+constexpr double kDecisive = 3.0;
+/// A hypothesis is tried where it concerns a joint with at least this relative error.
+constexpr double kPoorFit = 0.3;
+constexpr double kKnownMassScale = 0.35;  ///< torque below this share of the description's: current
+constexpr double kAligned = 0.8;          ///< correlation of torque and the description's
+
+JointSignals thinned(const JointSignals& signals) {
+  JointSignals few = signals;
+  const Eigen::Index rows = signals.position.rows();
+  const Eigen::Index count = std::min(rows, kHypothesisRows);
+  for (Eigen::MatrixXd JointSignals::*values :
+       {&JointSignals::position, &JointSignals::velocity, &JointSignals::acceleration,
+        &JointSignals::torque, &JointSignals::torque_rate}) {
+    (few.*values).resize(count, signals.position.cols());
+    for (Eigen::Index i = 0; i < count; ++i) {
+      (few.*values).row(i) = (signals.*values).row(i * rows / count);
+    }
+  }
+  return few;
+}
+
+/// Log of the relative error of each joint in a fit with a wide prior.
+Eigen::VectorXd misfit(const JointSignals& signals, const RobotModel& model) {
+  std::vector<JointRows> joints = rigid_rows(signals, model);
+  const std::vector<LibraryColumn>& library = full_library();
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(signals.position.rows());
+  const auto count = static_cast<Eigen::Index>(joints.size());
+  FitPrior prior;
+  Eigen::VectorXd variance(count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    JointRows& joint = joints[static_cast<std::size_t>(j)];
+    joint.library = library_columns(library, {signals.position.col(j), signals.velocity.col(j),
+                                              signals.acceleration.col(j), none, 0.05});
+    const double power = joint.torque.squaredNorm() / static_cast<double>(joint.torque.size());
+    variance[j] = std::max(1e-6, 0.01 * power);
+    prior.library_std.emplace_back(Eigen::VectorXd::Constant(joint.library.cols(), 1e3));
+  }
+  const BlockSystem system = block_system(joints, signals.position.rows(), 1);
+  prior.mean = Eigen::VectorXd::Zero(system.rigid);
+  prior.std = Eigen::VectorXd::Constant(system.rigid, 30.0);
+  const Selection selection(joints.size(), {column_of(library, FrictionTerm::offset),
+                                            column_of(library, FrictionTerm::viscous),
+                                            column_of(library, FrictionTerm::coulomb)});
+  const FitSolution solution = solve(system, {true}, selection, variance, prior);
+  Eigen::VectorXd logs(count);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const NormalEquations& equations = system.blocks[0][j];
+    const double floor = 1e-8 * equations.power + 1e-12;
+    logs[static_cast<Eigen::Index>(j)] =
+        0.5 * std::log((equations.squared_error(solution.of_joint(j)) + floor) /
+                       (equations.power + floor));
+  }
+  return logs;
+}
+
+using Change = std::function<void(JointSignals&)>;
+
+struct Hypothesis {
+  std::string message;
+  std::string hint;
+  std::vector<Eigen::Index> joints;  ///< the ones it concerns; none: all
+  Change change;
+};
+
+std::string joint_text(const RobotModel& model, Eigen::Index joint) {
+  return model.joints[static_cast<std::size_t>(joint)].name;
+}
+
+void add_swaps(const RobotModel& model, std::vector<Hypothesis>& hypotheses) {
+  const auto count = static_cast<Eigen::Index>(model.dof);
+  for (Eigen::Index a = 0; a < count; ++a) {
+    for (Eigen::Index b = a + 1; b < count; ++b) {
+      const std::string names = joint_text(model, a) + " and " + joint_text(model, b);
+      hypotheses.push_back({"the torques of " + names + " are swapped",
+                            "exchange the columns' names",
+                            {a, b},
+                            [a, b](JointSignals& s) { s.torque.col(a).swap(s.torque.col(b)); }});
+      const Change motion = [a, b](JointSignals& s) {
+        s.position.col(a).swap(s.position.col(b));
+        s.velocity.col(a).swap(s.velocity.col(b));
+        s.acceleration.col(a).swap(s.acceleration.col(b));
+      };
+      hypotheses.push_back({"the positions of " + names + " are swapped",
+                            "exchange the columns' names",
+                            {a, b},
+                            motion});
+      hypotheses.push_back({"the joints " + names + " are swapped, in positions and torques",
+                            "exchange the columns' names",
+                            {a, b},
+                            [motion, a, b](JointSignals& s) {
+                              motion(s);
+                              s.torque.col(a).swap(s.torque.col(b));
+                            }});
+    }
+  }
+}
+
+void add_signs(const RobotModel& model, std::vector<Hypothesis>& hypotheses) {
+  for (Eigen::Index j = 0; j < static_cast<Eigen::Index>(model.dof); ++j) {
+    hypotheses.push_back(
+        {"the torque of " + joint_text(model, j) + " has the opposite sign of the other joints'",
+         "change the sign of its column",
+         {j},
+         [j](JointSignals& s) { s.torque.col(j) *= -1.0; }});
+    hypotheses.push_back({"the position of " + joint_text(model, j) +
+                              " has the opposite sign of the robot description's axis",
+                          "change the sign of its column",
+                          {j},
+                          [j](JointSignals& s) {
+                            s.position.col(j) *= -1.0;
+                            s.velocity.col(j) *= -1.0;
+                            s.acceleration.col(j) *= -1.0;
+                          }});
+  }
+  hypotheses.push_back(
+      {"positions are in degrees, not in radians", "write radians", {}, [](JointSignals& s) {
+         constexpr double kRadians = std::numbers::pi / 180.0;
+         s.position *= kRadians;
+         s.velocity *= kRadians;
+         s.acceleration *= kRadians;
+       }});
+}
+
+/// The torque of the description's bodies, or of equal masses where it has none.
+Eigen::MatrixXd described_torque(const JointSignals& signals, const RobotModel& model) {
+  constexpr double kMass = 3.0;  // [kg] of a body without one
+  Eigen::VectorXd parameters = inertial_parameters(model);
+  for (Eigen::Index k = 0; k < parameters.size(); k += 10) {
+    if (parameters[k] <= 0.0) parameters[k] = kMass;
+  }
+  const std::vector<JointRows> joints = rigid_rows(signals, model);
+  Eigen::MatrixXd torque(signals.torque.rows(), signals.torque.cols());
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    torque.col(static_cast<Eigen::Index>(j)) = joints[j].rigid * parameters;
+  }
+  return torque;
+}
+
+struct Alignment {
+  Eigen::VectorXd correlation;  ///< by joint
+  Eigen::VectorXd scale;        ///< recorded over described
+  Eigen::VectorXd power;        ///< of the described torque
+};
+
+Alignment align(const Eigen::MatrixXd& recorded, const Eigen::MatrixXd& described) {
+  const Eigen::RowVectorXd power = described.colwise().squaredNorm();
+  const Eigen::RowVectorXd product = described.cwiseProduct(recorded).colwise().sum();
+  const Eigen::RowVectorXd norm = recorded.colwise().norm();
+  const Eigen::RowVectorXd tiny = Eigen::RowVectorXd::Constant(power.size(), 1e-300);
+  return {product.cwiseQuotient(norm.cwiseProduct(power.cwiseSqrt()) + tiny).transpose(),
+          product.cwiseQuotient(power + tiny).transpose(), power.transpose()};
+}
+
+/// Corrects the sign of all torques where they oppose the description's.
+void check_sign(const Alignment& alignment, JointSignals& signals, LogFindings& findings) {
+  const double vote = alignment.correlation.cwiseProduct(alignment.power).sum();
+  if (vote >= -0.5 * alignment.power.sum()) return;
+  signals.torque *= -1.0;
+  signals.torque_rate *= -1.0;
+  signals.is_sign_changed = true;
+  findings.warnings.push_back(
+      {.message = fmt::format("torques oppose those that hold the robot (correlation {:.2f}): they "
+                              "are the load on the joints; their sign was changed",
+                              vote / alignment.power.sum()),
+       .place = "tau"});
+}
+
+void check_scale(const Alignment& alignment, const RobotModel& model, LogFindings& findings) {
+  std::vector<double> scales;
+  Eigen::Index worst = 0;
+  for (Eigen::Index j = 0; j < alignment.scale.size(); ++j) {
+    if (std::abs(alignment.correlation[j]) < kAligned) continue;
+    scales.push_back(std::abs(alignment.scale[j]));
+    if (scales.back() <= *std::min_element(scales.begin(), scales.end())) worst = j;
+  }
+  if (scales.empty() || !model.has_inertia()) return;
+  const double scale = median(scales);
+  if (scale >= kKnownMassScale) return;
+  findings.errors.push_back(
+      {.message = fmt::format("torques are {:.2g} of those of the described masses: currents, or "
+                              "another unit",
+                              scale),
+       .place = "joint " + joint_text(model, worst),
+       .hint = "name the columns current_NAME and give --gains, or write N m"});
+}
+
+}  // namespace
+
+LogFindings check_hypotheses(JointSignals& signals, const RobotModel& model) {
+  LogFindings findings;
+  JointSignals few = thinned(signals);
+  const bool has_inertia = model.has_inertia();
+  const Alignment alignment = align(few.torque, described_torque(few, model));
+  check_sign(alignment, signals, findings);
+  if (signals.is_sign_changed) few.torque *= -1.0;
+  if (has_inertia) check_scale(alignment, model, findings);
+  std::vector<Hypothesis> hypotheses;
+  add_swaps(model, hypotheses);
+  add_signs(model, hypotheses);
+  const Eigen::VectorXd logs = misfit(few, model);
+  const double as_written = logs.sum();
+  double best = as_written - std::log(kDecisive);
+  const Hypothesis* found = nullptr;
+  for (const Hypothesis& hypothesis : hypotheses) {
+    const auto is_poor = [&](Eigen::Index j) { return logs[j] > std::log(kPoorFit); };
+    const bool is_tried = hypothesis.joints.empty() ? logs.maxCoeff() > std::log(kPoorFit)
+                                                    : std::any_of(hypothesis.joints.begin(),
+                                                                  hypothesis.joints.end(), is_poor);
+    if (!is_tried) continue;
+    JointSignals changed = few;
+    hypothesis.change(changed);
+    const double changed_misfit = misfit(changed, model).sum();
+    if (changed_misfit >= best) continue;
+    best = changed_misfit;
+    found = &hypothesis;
+  }
+  if (found == nullptr) return findings;
+  const std::string place = found->joints.empty() ? "q" : joint_text(model, found->joints.front());
+  findings.errors.push_back({.message = fmt::format("{}: the torques then fit {:.1f} times better",
+                                                    found->message, std::exp(as_written - best)),
+                             .line = signals.lines.front(),
+                             .place = place,
+                             .hint = found->hint});
+  return findings;
+}
+
+}  // namespace pcavr

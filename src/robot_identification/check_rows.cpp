@@ -1,0 +1,221 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "pcavr/core/median.hpp"
+#include "pcavr/robot_identification/log_checks.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kLimitMargin = 0.05;   ///< [rad] beyond a limit that calibration may explain
+constexpr double kFastestJoint = 30.0;  ///< [rad/s] beyond the rating of any arm's joint
+constexpr double kMissedTravel = 0.03;  ///< [rad] of some milliseconds that a logger missed
+constexpr double kInMotion = 0.2;       ///< of the 95th percentile of steps: the joint moves
+constexpr Eigen::Index kStuckRows = 5;  ///< bit-identical rows in motion
+constexpr double kStuckJump = 3.0;      ///< [steps before] by which a stuck joint returns
+constexpr Eigen::Index kSaturatedRows = 5;
+constexpr double kSaturatedShare = 0.6;  ///< of such an extreme's rows lie in runs
+
+Error finding(const JointLog& log, Eigen::Index joint, Eigen::Index row, std::string message,
+              std::string hint) {
+  return {.message = std::move(message),
+          .line = log.lines[static_cast<std::size_t>(row)],
+          .place = "joint " + log.joints[static_cast<std::size_t>(joint)],
+          .hint = std::move(hint)};
+}
+
+/// Positions beyond the limits that would be inside them as degrees.
+void check_degrees(const JointLog& log, const RobotModel& model, LogFindings& findings) {
+  for (Eigen::Index j = 0; j < log.position.cols(); ++j) {
+    const JointLimits& limits = model.joints[static_cast<std::size_t>(j)].limits;
+    if (model.joints[static_cast<std::size_t>(j)].kind == JointKind::kPrismatic) continue;
+    Eigen::Index row = 0;
+    const double extreme = log.position.col(j).cwiseAbs().maxCoeff(&row);
+    const double limit = limits.lower && limits.upper
+                             ? std::max(std::abs(*limits.lower), std::abs(*limits.upper))
+                             : 2.0 * kTurn;
+    if (extreme <= limit + kLimitMargin) continue;
+    const bool is_degrees = extreme * kDegree <= limit + kLimitMargin && extreme > 2.0 * limit;
+    const std::string range = fmt::format(
+        "position {:.4g} is beyond the limit {:.4g} rad of the "
+        "robot description",
+        log.position(row, j), limit);
+    if (is_degrees) {
+      findings.errors.push_back(
+          finding(log, j, row, range + ", and inside it as degrees", "write positions in radians"));
+    } else {
+      findings.warnings.push_back(finding(log, j, row, range, {}));
+    }
+  }
+}
+
+/// Removes jumps by full turns; reports other jumps that no arm can make.
+void check_jumps(JointLog& log, const RobotModel& model, LogFindings& findings) {
+  for (Eigen::Index j = 0; j < log.position.cols(); ++j) {
+    if (model.joints[static_cast<std::size_t>(j)].kind == JointKind::kPrismatic) continue;
+    const JointLimits& limits = model.joints[static_cast<std::size_t>(j)].limits;
+    const double fastest = 3.0 * limits.velocity.value_or(kFastestJoint / 3.0);
+    double turns = 0.0;
+    std::size_t wraps = 0;
+    Eigen::Index first_wrap = 0;
+    for (Eigen::Index i = 1; i < log.position.rows(); ++i) {
+      const double before = log.position(i - 1, j);
+      double step = log.position(i, j) + turns - before;
+      const auto at = static_cast<std::size_t>(i);
+      const double room = fastest * (log.t[at] - log.t[at - 1]) + kMissedTravel;
+      if (std::abs(step) > room && std::abs(step) > 0.5 * kTurn) {
+        const double whole = kTurn * std::round(step / kTurn);
+        if (std::abs(step - whole) <= std::max(room, 0.1)) {
+          if (wraps++ == 0) first_wrap = i;
+          turns -= whole;
+          step -= whole;
+        }
+      }
+      if (std::abs(step) > room) {
+        findings.errors.push_back(finding(log, j, i,
+                                          fmt::format("position jumps by {:.4g} rad in {:.3g} s",
+                                                      step, log.t[at] - log.t[at - 1]),
+                                          "remove these rows, or split the log there"));
+        return;
+      }
+      log.position(i, j) += turns;
+    }
+    if (wraps == 0) continue;
+    findings.warnings.push_back(finding(
+        log, j, first_wrap,
+        fmt::format("position wraps by full turns {} times from here; unwrapped", wraps), {}));
+  }
+}
+
+/// A position that stays bit-identical in motion and then jumps to catch up.
+std::optional<Error> stuck_joint(const JointLog& log, Eigen::Index j) {
+  const auto q = [&](Eigen::Index i) { return log.position(i, j); };
+  const Eigen::Index rows = log.position.rows();
+  std::vector<double> steps;
+  for (Eigen::Index i = 1; i < rows; ++i) steps.push_back(std::abs(q(i) - q(i - 1)));
+  const auto high = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() * 19 / 20);
+  std::nth_element(steps.begin(), high, steps.end());
+  const double moving = kInMotion * *high;
+  for (Eigen::Index i = 2; i < rows; ++i) {
+    if (q(i) != q(i - 1) || q(i - 1) == q(i - 2)) continue;
+    Eigen::Index end = i;
+    while (end + 1 < rows && q(end + 1) == q(i)) ++end;
+    const Eigen::Index length = end - i + 1;
+    if (length >= kStuckRows && end + 1 < rows) {
+      // The speed before, and the distance that it would have taken it.
+      const Eigen::Index back = std::max<Eigen::Index>(0, i - 6);
+      const double step = (q(i - 1) - q(back)) / static_cast<double>(i - 1 - back);
+      const double jump = q(end + 1) - q(end);
+      const bool catches_up = std::abs(jump) > kStuckJump * std::abs(step) &&
+                              std::abs(jump) > 0.3 * std::abs(step) * static_cast<double>(length);
+      if (catches_up && step * jump > 0.0 && std::abs(step) > moving) {
+        return finding(
+            log, j, i,
+            fmt::format("position does not change for {} rows while the joint moves", length + 1),
+            "remove these rows, or repair the encoder's connection");
+      }
+      const bool has_speed = log.velocity.rows() > 0;
+      if (has_speed) {
+        const double dt = log.t[static_cast<std::size_t>(end)] - log.t[static_cast<std::size_t>(i)];
+        const double travel = std::abs(log.velocity.col(j).segment(i, length).mean()) * dt;
+        if (travel > 0.02) {
+          return finding(log, j, i,
+                         fmt::format("position does not change for {} rows, in which its velocity "
+                                     "makes {:.3g} rad",
+                                     length + 1, travel),
+                         "remove these rows, or repair the encoder's connection");
+        }
+      }
+    }
+    i = end;
+  }
+  return std::nullopt;
+}
+
+/// A joint that never moves has no information, but is not a fault; one that never changes while
+/// its velocity does is.
+void check_stuck(const JointLog& log, LogFindings& findings) {
+  for (Eigen::Index j = 0; j < log.position.cols(); ++j) {
+    if (std::optional<Error> error = stuck_joint(log, j)) {
+      findings.errors.push_back(*std::move(error));
+    }
+  }
+}
+
+/// Torques that stay at exactly their own extreme for several rows.
+void check_saturation(const JointLog& log, const Eigen::MatrixXd& values, LogFindings& findings) {
+  for (Eigen::Index j = 0; j < values.cols(); ++j) {
+    for (const double sign : {1.0, -1.0}) {
+      const Eigen::VectorXd column = sign * values.col(j);
+      const double extreme = column.maxCoeff();
+      const double spread = extreme - column.minCoeff();
+      if (spread <= 0.0) continue;
+      Eigen::Index run = 0, longest = 0, in_runs = 0, count = 0, first = 0;
+      for (Eigen::Index i = 0; i < column.size(); ++i) {
+        run = column[i] == extreme ? run + 1 : 0;
+        if (run > 0) ++count;
+        if (run == kSaturatedRows) in_runs += kSaturatedRows;
+        if (run > kSaturatedRows) ++in_runs;
+        if (run > longest) {
+          longest = run;
+          first = i - run + 1;
+        }
+      }
+      const bool is_saturated =
+          longest >= kSaturatedRows &&
+          static_cast<double>(in_runs) > kSaturatedShare * static_cast<double>(count);
+      // A joint at rest may repeat a torque; at its extreme, with others moving, it is a limit.
+      if (!is_saturated || column.cwiseAbs().maxCoeff() == 0.0) continue;
+      const Eigen::Index from = std::max<Eigen::Index>(0, first - 20);
+      const Eigen::Index to = std::min(values.rows() - 1, first + longest + 20);
+      if ((log.position.row(to) - log.position.row(from)).norm() < 1e-3) continue;
+      findings.errors.push_back(finding(
+          log, j, first,
+          fmt::format("torque or current saturates at {:.4g} in {} rows", sign * extreme, in_runs),
+          "repeat the motion more slowly, or remove these rows"));
+    }
+  }
+}
+
+void check_gaps(const JointLog& log, double max_gap, LogFindings& findings) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < log.t.size(); ++i) intervals.push_back(log.t[i] - log.t[i - 1]);
+  const double limit = std::max(max_gap, 2.5 * median(intervals));
+  std::size_t gaps = 0, first = 0;
+  double longest = 0.0;
+  for (std::size_t i = 0; i < intervals.size(); ++i) {
+    if (intervals[i] <= limit) continue;
+    if (gaps++ == 0) first = i + 1;
+    longest = std::max(longest, intervals[i]);
+  }
+  if (gaps == 0) return;
+  findings.warnings.push_back(
+      {.message = fmt::format("{} gaps, the longest {:.3g} s; their surroundings are left out",
+                              gaps, longest),
+       .line = log.lines[first],
+       .place = "t"});
+}
+
+}  // namespace
+
+LogFindings check_rows(JointLog& log, const RobotModel& model, double max_gap) {
+  LogFindings findings;
+  check_degrees(log, model, findings);
+  if (!findings.errors.empty()) return findings;
+  // First: a stuck joint ends with a jump.
+  check_stuck(log, findings);
+  check_jumps(log, model, findings);
+  if (log.torque.rows() > 0) check_saturation(log, log.torque, findings);
+  check_gaps(log, max_gap, findings);
+  return findings;
+}
+
+}  // namespace pcavr

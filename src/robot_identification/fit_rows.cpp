@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "robot_identification/fit_rows.hpp"
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/robot/robot_dynamics.hpp"
+
+namespace pcavr {
+namespace {
+
+Eigen::ArrayXd smoothed_sign(const Eigen::VectorXd& velocity, double smoothing) {
+  return (velocity.array() / smoothing).tanh();
+}
+
+Eigen::VectorXd column(const LibraryColumn& entry, const LibraryInput& in, double smoothing) {
+  const auto v = in.velocity.array();
+  switch (entry.term) {
+    case FrictionTerm::offset:
+      return Eigen::VectorXd::Ones(in.velocity.size());
+    case FrictionTerm::viscous:
+      return in.velocity;
+    case FrictionTerm::coulomb:
+      return smoothed_sign(in.velocity, smoothing);
+    case FrictionTerm::motor_inertia:
+      return in.acceleration;
+    case FrictionTerm::stribeck:
+      return smoothed_sign(in.velocity, smoothing) *
+             (-(v / kStribeckSpeeds[entry.candidate]).square()).exp();
+    case FrictionTerm::load:
+      return smoothed_sign(in.velocity, smoothing) * in.load.array().abs();
+    case FrictionTerm::quadratic:
+      return v * v.abs();
+    case FrictionTerm::asymmetric:
+      return v.abs();
+    case FrictionTerm::ripple_sin:
+      return in.position.array().sin();
+    case FrictionTerm::ripple_cos:
+      return in.position.array().cos();
+  }
+  PCAVR_REQUIRE(false, static_cast<int>(entry.term));
+}
+
+std::vector<LibraryColumn> make_smoothing_library() {
+  std::vector<LibraryColumn> library{
+      {FrictionTerm::offset}, {FrictionTerm::viscous}, {FrictionTerm::motor_inertia}};
+  for (std::size_t k = 0; k < kSmoothingSpeeds.size(); ++k) {
+    library.push_back({FrictionTerm::coulomb, k});
+  }
+  return library;
+}
+
+std::vector<LibraryColumn> make_full_library() {
+  std::vector<LibraryColumn> library{{FrictionTerm::offset},
+                                     {FrictionTerm::viscous},
+                                     {FrictionTerm::coulomb},
+                                     {FrictionTerm::motor_inertia}};
+  for (std::size_t k = 0; k < kStribeckSpeeds.size(); ++k) {
+    library.push_back({FrictionTerm::stribeck, k});
+  }
+  for (const FrictionTerm term :
+       {FrictionTerm::load, FrictionTerm::quadratic, FrictionTerm::asymmetric,
+        FrictionTerm::ripple_sin, FrictionTerm::ripple_cos}) {
+    library.push_back({term});
+  }
+  return library;
+}
+
+}  // namespace
+
+const std::vector<LibraryColumn>& smoothing_library() {
+  static const std::vector<LibraryColumn> library = make_smoothing_library();
+  return library;
+}
+
+const std::vector<LibraryColumn>& full_library() {
+  static const std::vector<LibraryColumn> library = make_full_library();
+  return library;
+}
+
+int column_of(const std::vector<LibraryColumn>& library, FrictionTerm term, std::size_t candidate) {
+  for (std::size_t i = 0; i < library.size(); ++i) {
+    if (library[i].term == term && library[i].candidate == candidate) return static_cast<int>(i);
+  }
+  PCAVR_REQUIRE(false, static_cast<int>(term), candidate);
+}
+
+std::vector<JointRows> rigid_rows(const JointSignals& signals, const RobotModel& model) {
+  const Eigen::Index rows = signals.position.rows();
+  const auto dof = static_cast<Eigen::Index>(model.dof);
+  PCAVR_REQUIRE(dof == signals.position.cols() && !model.has_mimic_joints(), dof);
+  std::vector<JointRows> joints(model.dof);
+  for (Eigen::Index j = 0; j < dof; ++j) {
+    JointRows& joint = joints[static_cast<std::size_t>(j)];
+    joint.rigid.resize(rows, 10 * dof);
+    joint.torque = signals.torque.col(j);
+    joint.weight.setOnes(rows);
+  }
+  RobotDynamics dynamics(model);
+  Eigen::MatrixXd regressor(dof, 10 * dof);
+  Eigen::VectorXd q(dof), dq(dof), ddq(dof);
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    q = signals.position.row(row).transpose();
+    dq = signals.velocity.row(row).transpose();
+    ddq = signals.acceleration.row(row).transpose();
+    dynamics.regressor(q, dq, ddq, regressor);
+    for (Eigen::Index j = 0; j < dof; ++j) {
+      joints[static_cast<std::size_t>(j)].rigid.row(row) = regressor.row(j);
+    }
+  }
+  return joints;
+}
+
+Eigen::MatrixXd library_columns(const std::vector<LibraryColumn>& library,
+                                const LibraryInput& input) {
+  Eigen::MatrixXd columns(input.velocity.size(), static_cast<Eigen::Index>(library.size()));
+  const bool is_smoothing_library = &library == &smoothing_library();
+  for (std::size_t i = 0; i < library.size(); ++i) {
+    const double smoothing =
+        is_smoothing_library ? kSmoothingSpeeds[library[i].candidate] : input.smoothing;
+    columns.col(static_cast<Eigen::Index>(i)) = column(library[i], input, smoothing);
+  }
+  return columns;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/robot/robot_model.hpp"
+#include "pcavr/robot_identification/joint_signals.hpp"
+#include "pcavr/robot_identification/robot_fit.hpp"
+
+#include "robot_identification/block_system.hpp"
+
+namespace pcavr {
+
+/// Candidates for the speed over which friction changes its sign [rad/s]: from the resolution of
+/// encoders to the smoothing of the published identifications.
+inline constexpr std::array<double, 6> kSmoothingSpeeds{0.003, 0.01, 0.02, 0.035, 0.05, 0.1};
+/// Candidates for Stribeck's speed [rad/s].
+inline constexpr std::array<double, 3> kStribeckSpeeds{0.05, 0.15, 0.5};
+
+/// A column of the friction library: a term, and which of the candidate speeds it has.
+struct LibraryColumn {
+  FrictionTerm term;
+  std::size_t candidate = 0;
+};
+
+/// Offset, viscous, motor inertia, and Coulomb friction with each smoothing speed.
+[[nodiscard]] const std::vector<LibraryColumn>& smoothing_library();
+/// All terms, Stribeck's with each speed.
+[[nodiscard]] const std::vector<LibraryColumn>& full_library();
+/// The first column of a term.
+[[nodiscard]] int column_of(const std::vector<LibraryColumn>& library, FrictionTerm term,
+                            std::size_t candidate = 0);
+
+/// The rows of all joints with the rigid regressor; weights 1, libraries empty.
+[[nodiscard]] std::vector<JointRows> rigid_rows(const JointSignals& signals,
+                                                const RobotModel& model);
+
+struct LibraryInput {
+  Eigen::VectorXd position, velocity, acceleration;
+  Eigen::VectorXd load;     ///< [N m] rigid-body torque; may be empty where not used
+  double smoothing = 0.05;  ///< [rad/s] ignored by the smoothing library
+};
+[[nodiscard]] Eigen::MatrixXd library_columns(const std::vector<LibraryColumn>& library,
+                                              const LibraryInput& input);
+
+}  // namespace pcavr

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/robot_identification/robot_fit.hpp"
+
+namespace pcavr {
+namespace {
+
+struct TermText {
+  const char* name;
+  const char* unit;
+};
+
+TermText text_of(FrictionTerm term) {
+  switch (term) {
+    case FrictionTerm::offset:
+      return {"offset", "N m"};
+    case FrictionTerm::viscous:
+      return {"viscous", "N m s/rad"};
+    case FrictionTerm::coulomb:
+      return {"coulomb", "N m"};
+    case FrictionTerm::motor_inertia:
+      return {"motor_inertia", "kg m^2"};
+    case FrictionTerm::stribeck:
+      return {"stribeck", "N m"};
+    case FrictionTerm::load:
+      return {"load", ""};
+    case FrictionTerm::quadratic:
+      return {"quadratic", "N m s^2/rad^2"};
+    case FrictionTerm::asymmetric:
+      return {"asymmetric", "N m s/rad"};
+    case FrictionTerm::ripple_sin:
+      return {"ripple_sin", "N m"};
+    case FrictionTerm::ripple_cos:
+      return {"ripple_cos", "N m"};
+  }
+  PCAVR_REQUIRE(false, static_cast<int>(term));
+}
+
+}  // namespace
+
+const char* name_of(FrictionTerm term) { return text_of(term).name; }
+const char* unit_of(FrictionTerm term) { return text_of(term).unit; }
+
+double JointFit::value_of(FrictionTerm term) const {
+  for (const FittedTerm& entry : friction) {
+    if (entry.term == term) return entry.value;
+  }
+  return 0.0;
+}
+
+double friction_torque(const JointFit& joint, double q, double v, double load) {
+  const double sign = std::tanh(v / joint.smoothing_speed);
+  double torque = joint.value_of(FrictionTerm::offset) + joint.value_of(FrictionTerm::viscous) * v +
+                  joint.value_of(FrictionTerm::coulomb) * sign +
+                  joint.value_of(FrictionTerm::load) * std::abs(load) * sign +
+                  joint.value_of(FrictionTerm::quadratic) * v * std::abs(v) +
+                  joint.value_of(FrictionTerm::asymmetric) * std::abs(v) +
+                  joint.value_of(FrictionTerm::ripple_sin) * std::sin(q) +
+                  joint.value_of(FrictionTerm::ripple_cos) * std::cos(q);
+  if (const double stribeck = joint.value_of(FrictionTerm::stribeck); stribeck != 0.0) {
+    const double ratio = v / joint.stribeck_speed;
+    torque += stribeck * sign * std::exp(-ratio * ratio);
+  }
+  return torque;
+}
+
+}  // namespace pcavr

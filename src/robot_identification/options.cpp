@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/core/options.hpp"
+
+#include "pcavr/robot_identification/joint_signals.hpp"
+#include "pcavr/robot_identification/robot_fit.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr auto kSignalFields = std::to_array<OptionField<JointSignalOptions>>({
+    {"bandwidth", &JointSignalOptions::bandwidth, 0.0, 0.0, 1000.0, "Hz",
+     "-6 dB frequency of the zero-phase filter of all signals; 0: from the motion",
+     "lower: accelerations of the motion are lost; higher: noise in accelerations"},
+    {"bandwidth_of_motion", &JointSignalOptions::bandwidth_of_motion, 20.0, 2.0, 200.0, "",
+     "filter bandwidth over the highest frequency of the motion, at most a tenth of the rate",
+     "lower: reversals of friction are lost; higher: more noise"},
+    {"rows_per_period", &JointSignalOptions::rows_per_period, 8.0, 4.0, 100.0, "",
+     "rows kept per period of the bandwidth (decimation)",
+     "lower: aliasing; higher: slower, without further information"},
+    {"max_rest", &JointSignalOptions::max_rest, 0.5, 0.05, 1e6, "s",
+     "longer stretches in which all joints rest are left out: friction is not determined there",
+     "lower: reversals of slow motions are lost; higher: static friction is fitted as sliding"},
+    {"max_gap", &JointSignalOptions::max_gap, 0.05, 1e-3, 10.0, "s",
+     "longer intervals without rows are left out, with their surroundings",
+     "lower: jitter counts as a gap; higher: interpolated rows are fitted"},
+});
+static_assert(are_valid_fields(kSignalFields));
+
+constexpr auto kFitFields = std::to_array<OptionField<RobotFitOptions>>({
+    {"train_share", &RobotFitOptions::train_share, 0.65, 0.2, 1.0, "",
+     "first part of the log that is fitted; the rest is held out",
+     "lower: less motion to fit; higher: less to judge by"},
+    {"huber_threshold", &RobotFitOptions::huber_threshold, 2.5, 1.0, 100.0, "std",
+     "residuals beyond this count linearly",
+     "lower: valid rows are discounted; higher: outliers bias the fit"},
+    {"prior_mass_std", &RobotFitOptions::prior_mass_std, 3.0, 1e-3, 1000.0, "kg",
+     "std of each body's mass about the description's, before the data",
+     "lower: the description wins over the data; higher: weakly excited parameters are noise"},
+    {"prior_offset_std", &RobotFitOptions::prior_offset_std, 0.15, 1e-3, 10.0, "m",
+     "std of each body's centre of mass and radius of gyration, before the data",
+     "lower: the description wins over the data; higher: weakly excited parameters are noise"},
+    {"min_gain", &RobotFitOptions::min_gain, 0.02, 0.0, 0.5, "",
+     "relative decrease of the cross-validated error for which a friction term is added",
+     "lower: terms that do not generalise; higher: friction that is visible stays unmodelled"},
+    {"max_torque_lag", &RobotFitOptions::max_torque_lag, 0.012, 0.0, 0.1, "s",
+     "lag of the torques after the positions that is removed; a longer one is an error",
+     "lower: filters of drives are errors; higher: faults of stamps are accepted"},
+    {"smoothing_speed", &RobotFitOptions::smoothing_speed, 0.0, 0.0, 1.0, "rad/s",
+     "speed over which Coulomb friction changes its sign; 0: chosen by cross-validation",
+     "lower: noise of the speed changes the sign; higher: Coulomb friction counts as viscous"},
+    {"known_body", &RobotFitOptions::known_body, 0.0, 0.0, 1.0, "",
+     "inertias are the description's; friction alone is fitted",
+     "off: inertias are fitted; on: errors of the description go into the friction"},
+    {"physical", &RobotFitOptions::is_physical, 1.0, 0.0, 1.0, "",
+     "only bodies with positive definite pseudo-inertia",
+     "off: the fit may have negative masses; on: slower"},
+    {"extended_friction", &RobotFitOptions::is_extended, 1.0, 0.0, 1.0, "",
+     "try Stribeck, load-dependent and further terms of friction",
+     "off: Coulomb, viscous, offset and motor inertia alone; on: slower"},
+});
+static_assert(are_valid_fields(kFitFields));
+
+}  // namespace
+
+JointSignalOptions::JointSignalOptions() { set_defaults(*this, kSignalFields); }
+OptionSection section_of(JointSignalOptions& options) {
+  return make_section("robot_identification.signals", options, kSignalFields);
+}
+
+RobotFitOptions::RobotFitOptions() { set_defaults(*this, kFitFields); }
+OptionSection section_of(RobotFitOptions& options) {
+  return make_section("robot_identification.fit", options, kFitFields);
+}
+
+}  // namespace pcavr

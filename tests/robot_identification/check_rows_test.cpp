@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/robot_identification/log_checks.hpp"
+#include "pcavr/robot_identification/robot_fit.hpp"
+
+#include "robot_identification/simulated_arm.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kMaxGap = 0.05;
+
+JointLog short_log() { return simulated_log(pa10(), {.duration = 12.0}); }
+
+LogFindings shown_by(const JointLog& log) {
+  JointSignals signals = joint_signals(log, {});
+  return check_hypotheses(signals, pa10());
+}
+
+TEST(CheckRows, FindsNothingInASoundLog) {
+  JointLog log = short_log();
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  EXPECT_TRUE(rows.errors.empty()) << rows.errors.front().to_string();
+  EXPECT_TRUE(rows.warnings.empty()) << rows.warnings.front().to_string();
+  const LogFindings shown = shown_by(log);
+  EXPECT_TRUE(shown.errors.empty()) << shown.errors.front().to_string();
+  EXPECT_TRUE(shown.warnings.empty());
+}
+
+TEST(CheckRows, UnwrapsFullTurnsAndNamesJointAndRow) {
+  JointLog log = short_log();
+  const Eigen::MatrixXd before = log.position;
+  for (Eigen::Index i = 700; i < 1500; ++i) log.position(i, 4) -= 2.0 * std::numbers::pi;
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  EXPECT_TRUE(rows.errors.empty());
+  ASSERT_FALSE(rows.warnings.empty());
+  EXPECT_EQ(rows.warnings.back().line, 702);
+  EXPECT_NE(rows.warnings.back().place.find(log.joints[4]), std::string::npos);
+  EXPECT_LT((log.position - before).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(CheckRows, FindsAJump) {
+  JointLog log = short_log();
+  for (Eigen::Index i = 900; i < log.position.rows(); ++i) log.position(i, 2) += 0.4;
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  ASSERT_EQ(rows.errors.size(), 1U);
+  EXPECT_EQ(rows.errors[0].line, 902);
+}
+
+TEST(CheckRows, FindsAStuckJoint) {
+  JointLog log = short_log();
+  for (Eigen::Index i = 800; i < 860; ++i) log.position(i, 1) = log.position(800, 1);
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  ASSERT_FALSE(rows.errors.empty());
+  EXPECT_NEAR(rows.errors[0].line, 803, 2);
+  EXPECT_NE(rows.errors[0].place.find(log.joints[1]), std::string::npos);
+}
+
+TEST(CheckRows, FindsSaturatedTorques) {
+  JointLog log = short_log();
+  const double limit = 0.7 * log.torque.col(1).maxCoeff();
+  log.torque.col(1) = log.torque.col(1).cwiseMin(limit);
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  ASSERT_FALSE(rows.errors.empty());
+  EXPECT_NE(rows.errors[0].message.find("saturates"), std::string::npos);
+  EXPECT_NE(rows.errors[0].place.find(log.joints[1]), std::string::npos);
+}
+
+TEST(CheckRows, FindsAGap) {
+  JointLog log = short_log();
+  for (std::size_t i = 1000; i < log.t.size(); ++i) log.t[i] += 0.3;
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  ASSERT_EQ(rows.warnings.size(), 1U);
+  EXPECT_EQ(rows.warnings[0].line, 1002);
+}
+
+TEST(CheckRows, FindsDegrees) {
+  JointLog log = short_log();
+  log.position *= 180.0 / std::numbers::pi;
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  ASSERT_FALSE(rows.errors.empty());
+  EXPECT_NE(rows.errors[0].message.find("degrees"), std::string::npos);
+}
+
+TEST(CheckHypotheses, FindsSwappedTorques) {
+  JointLog log = short_log();
+  log.torque.col(3).swap(log.torque.col(5));
+  const LogFindings shown = shown_by(log);
+  ASSERT_EQ(shown.errors.size(), 1U);
+  EXPECT_NE(shown.errors[0].message.find("swapped"), std::string::npos);
+  EXPECT_NE(shown.errors[0].message.find(log.joints[3] + " and " + log.joints[5]),
+            std::string::npos);
+}
+
+TEST(CheckHypotheses, FindsSwappedPositions) {
+  JointLog log = short_log();
+  log.position.col(1).swap(log.position.col(2));
+  const LogFindings shown = shown_by(log);
+  ASSERT_EQ(shown.errors.size(), 1U);
+  EXPECT_NE(shown.errors[0].message.find("positions of " + log.joints[1] + " and " + log.joints[2]),
+            std::string::npos);
+}
+
+TEST(CheckHypotheses, FindsTheSignOfOneJoint) {
+  JointLog log = short_log();
+  log.torque.col(3) *= -1.0;
+  const LogFindings shown = shown_by(log);
+  ASSERT_EQ(shown.errors.size(), 1U);
+  EXPECT_NE(shown.errors[0].message.find(log.joints[3]), std::string::npos);
+  EXPECT_NE(shown.errors[0].message.find("sign"), std::string::npos);
+}
+
+TEST(CheckHypotheses, CorrectsTheSignOfAllTorquesAndReportsIt) {
+  JointLog log = short_log();
+  log.torque *= -1.0;
+  JointSignals signals = joint_signals(log, {});
+  const LogFindings shown = check_hypotheses(signals, pa10());
+  EXPECT_TRUE(shown.errors.empty());
+  ASSERT_EQ(shown.warnings.size(), 1U);
+  EXPECT_TRUE(signals.is_sign_changed);
+}
+
+TEST(CheckHypotheses, FindsCurrentsInPlaceOfTorques) {
+  JointLog log = short_log();
+  log.torque *= 0.1;
+  const LogFindings shown = shown_by(log);
+  ASSERT_FALSE(shown.errors.empty());
+  EXPECT_NE(shown.errors[0].message.find("currents"), std::string::npos);
+}
+
+TEST(FitRobot, MeasuresTorquesThatAreLate) {
+  const JointLog log = simulated_log(pa10(), {.duration = 20.0, .torque_delay = 0.02});
+  const RobotFit fit = fit_robot(joint_signals(log, {}), pa10(), {});
+  EXPECT_NEAR(fit.torque_lag, 0.02, 0.003);
+}
+
+}  // namespace
+}  // namespace pcavr

@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+
+#include "pcavr/core/random.hpp"
+#include "pcavr/core/stamp.hpp"
+#include "pcavr/recording/joint_log.hpp"
+#include "pcavr/robot/robot_dynamics.hpp"
+#include "pcavr/robot/urdf.hpp"
+
+#include "support/source_folder.hpp"
+
+namespace pcavr {
+
+inline RobotModel pa10() {
+  const auto model = read_urdf(source_folder() / "calib/robots/pa10/pa10.urdf");
+  EXPECT_TRUE(model) << (model ? "" : model.error().to_string());
+  return *model;
+}
+
+struct PlantFriction {
+  double viscous, coulomb, offset;
+};
+
+/// Friction of the simulated arm's joint, falling from base to wrist.
+inline PlantFriction plant_friction(Eigen::Index joint) {
+  const double share = 1.0 - 0.12 * static_cast<double>(joint);
+  return {8.0 * share, 5.0 * share, 0.3 * share};
+}
+
+struct SimulatedLogOptions {
+  double duration = 30.0;        ///< [s]
+  double rate = 200.0;           ///< [Hz]
+  double torque_noise = 0.3;     ///< [N m] std, of base joints; less at the wrist
+  double position_noise = 2e-5;  ///< [rad] std
+  double torque_delay = 0.0;     ///< [s]
+  std::uint64_t seed = 3;
+};
+
+/// A Fourier motion of all joints with the torques of bodies and friction, by inverse dynamics. The
+/// plant is not the fitted model: its friction changes sign by a Stribeck curve and without
+/// smoothing.
+inline JointLog simulated_log(const RobotModel& model, const SimulatedLogOptions& options = {}) {
+  const auto dof = static_cast<Eigen::Index>(model.dof);
+  const auto rows = static_cast<Eigen::Index>(options.duration * options.rate);
+  Random random(options.seed);
+  constexpr int kHarmonics = 5;
+  Eigen::MatrixXd amplitude(dof, kHarmonics), phase(dof, kHarmonics);
+  for (Eigen::Index j = 0; j < dof; ++j) {
+    for (int k = 0; k < kHarmonics; ++k) {
+      amplitude(j, k) = random.uniform(0.1, 0.35);
+      phase(j, k) = random.uniform(0.0, 6.28);
+    }
+  }
+  JointLog log;
+  for (Eigen::Index j = 0; j < dof; ++j) {
+    log.joints.push_back(model.joints[static_cast<std::size_t>(j)].name);
+  }
+  log.position.resize(rows, dof);
+  log.torque.resize(rows, dof);
+  RobotDynamics dynamics(model);
+  Eigen::VectorXd q(dof), dq(dof), ddq(dof), tau(dof);
+  const auto state_at = [&](double t) {
+    for (Eigen::Index j = 0; j < dof; ++j) {
+      q[j] = dq[j] = ddq[j] = 0.0;
+      for (int k = 0; k < kHarmonics; ++k) {
+        const double w = 2.0 * 3.14159265358979 * 0.1 * (k + 1);
+        const double a = amplitude(j, k), p = w * t + phase(j, k);
+        q[j] += a * std::sin(p);
+        dq[j] += a * w * std::cos(p);
+        ddq[j] -= a * w * w * std::sin(p);
+      }
+    }
+  };
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const double t = static_cast<double>(i) / options.rate;
+    log.stamps.push_back(Stamp::from_seconds(100.0 + t));
+    log.t.push_back(t);
+    log.lines.push_back(static_cast<int>(i) + 2);
+    state_at(t - options.torque_delay);
+    dynamics.inverse_dynamics(q, dq, ddq, tau);
+    for (Eigen::Index j = 0; j < dof; ++j) {
+      const PlantFriction f = plant_friction(j);
+      const double sign = std::tanh(dq[j] / 1e-3);
+      tau[j] += f.offset + f.viscous * dq[j] +
+                f.coulomb * sign * (1.0 + 0.1 * std::exp(-std::pow(dq[j] / 0.02, 2)));
+      const double share = 1.0 - 0.12 * static_cast<double>(j);
+      log.torque(i, j) = tau[j] + options.torque_noise * share * random.normal();
+    }
+    state_at(t);
+    for (Eigen::Index j = 0; j < dof; ++j) {
+      log.position(i, j) = q[j] + options.position_noise * random.normal();
+    }
+  }
+  return log;
+}
+
+}  // namespace pcavr
