@@ -91,7 +91,7 @@ class PhaseMonitor {
   void update_static_phase(const std::optional<ParameterValue>& limiting_friction);
   void measure_speed();
   void begin_slide();
-  /// `is_over`: no further samples will tell its onset better.
+  /// `is_over`: no further samples will refine its onset.
   void stamp_slide(bool is_over = false);
   void end_slide();
   void stamp_critical(double t_onset);

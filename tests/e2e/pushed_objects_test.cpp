@@ -104,8 +104,9 @@ void expect_corrections_no_worse(const std::string& name) {
   };
   const json with = errors({}), without = errors({"--no-corrections"});
   EXPECT_GT(with["corrections.count"].get<int>(), 0) << name;
-  for (const char* key : {"predicted.touched.translation.median_m",
-                          "predicted.touched.translation.p95_m", "predicted.all.translation.max_m"}) {
+  for (const char* key :
+       {"predicted.touched.translation.median_m", "predicted.touched.translation.p95_m",
+        "predicted.all.translation.max_m"}) {
     EXPECT_LE(with[key].get<double>(), without[key].get<double>()) << name << ' ' << key;
   }
 }
