@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Logs of arms through the real command: import, identify robot. Options were chosen on the first
-// 65 % of the shared franka_dynamics log, and on the PA-10 with another seed.
+// Logs of arms through the real command: import, identify robot. Variants were compared on the whole
+// of the shared logs, so their held-out errors are no independent judgement; the PA-10's seed is its
+// own.
 #include <array>
 #include <cmath>
 #include <map>
@@ -83,7 +84,7 @@ TEST(IdentifyRobot, HeldOutTorqueErrorsOfFrankaDynamicsStayWithinTheirBounds) {
   const nlohmann::json found =
       run_json({"identify", "robot", log, "--robot",
                 shared_data("real/robots/panda/panda.urdf").string(), "-o", report});
-  // Joints 1 and 2 miss the 6.5 and 1.0 % that were aimed at.
+  // Joints 2 and 4 miss the 1.0 % that were aimed at, and joint 1 has a margin to its 6.5 %.
   constexpr std::array<double, 7> kBounds{7.0, 1.3, 2.1, 1.05, 8.5, 6.1, 18.0};  // [%]
   for (std::size_t j = 0; j < 7; ++j) {
     EXPECT_LT(found["joints"][j]["held_out_relative_error"].get<double>() * 100.0, kBounds[j]) << j;

@@ -210,11 +210,11 @@ struct Identification {
                                                 const IdentificationOptions& options = {});
 
 struct IdentificationSources {
-  std::filesystem::path scene = {};    ///< bodies and poses from there; else from the manifest
+  std::filesystem::path scene = {};  ///< bodies and poses from there; else from the manifest
   /// With objects/NAME/tracked.txt; else the recording's own `tracked`, else images are tracked.
   std::filesystem::path tracked = {};
-  bool skip_bad = false;               ///< leave out images that don't decode
-  PerceptionOptions perception = {};   ///< of the tracking in images
+  bool skip_bad = false;              ///< leave out images that don't decode
+  PerceptionOptions perception = {};  ///< of the tracking in images
   Parallelism parallelism = Parallelism::max();
 };
 
