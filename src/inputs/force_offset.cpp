@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <optional>
 
 #include <Eigen/Dense>
 
@@ -143,18 +142,6 @@ void refine_by_measured(const std::vector<StationaryContact>& contacts, const Pa
   }
 }
 
-/// [s] The shortest impact; empty where there is none. Its force and the reversal of the tool are
-/// found together as they are stamped, so the clocks differ by less than it lasts.
-std::optional<double> shortest_impact(const Segmentation& found) {
-  std::optional<double> shortest;
-  for (const ContactEpisode& episode : found.contacts) {
-    if (!episode.impact) continue;
-    const double duration = episode.end - episode.begin;
-    shortest = std::min(shortest.value_or(duration), duration);
-  }
-  return shortest;
-}
-
 }  // namespace
 
 TimeOffset force_offset(const Segmentation& found, std::span<const double> t_force,
@@ -201,10 +188,7 @@ TimeOffset force_offset(const Segmentation& found, std::span<const double> t_for
       residual_sums(contacts, tip, result.offset, exponent, Signals::smoothed);
   result.correlation = std::sqrt(std::max(0.0, 1.0 - trend.squares / trend.motion_squares));
   // At constant speed under load, any offset would fit.
-  const std::optional<double> impact = shortest_impact(found);
-  const bool is_contradicted = impact && std::abs(result.offset) > *impact;
-  result.is_known =
-      !is_at_end && !is_contradicted && result.correlation > 0.9 && result.std < 0.5 * kGridStep;
+  result.is_known = !is_at_end && result.correlation > 0.9 && result.std < 0.5 * kGridStep;
   return result;
 }
 

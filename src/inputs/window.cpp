@@ -3,6 +3,8 @@
 #include "inputs/window.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
 
 #include "inputs/attribution.hpp"
@@ -33,6 +35,18 @@ void segment(const InputOptions& options, Prepared& prepared) {
                                     prepared.tip.t, prepared.tip.p_base, options.segmentation);
 }
 
+/// [s] The shortest impact; empty where there is none. Its force and the reversal of the tool are
+/// found together as they are stamped, so the clocks differ by less than it lasts.
+std::optional<double> shortest_impact(const Segmentation& found) {
+  std::optional<double> shortest;
+  for (const ContactEpisode& episode : found.contacts) {
+    if (!episode.impact) continue;
+    const double duration = episode.end - episode.begin;
+    shortest = std::min(shortest.value_or(duration), duration);
+  }
+  return shortest;
+}
+
 /// Estimates the force's offset and, where it is significant, applies it.
 void put_force_on_clock(const std::vector<BodySurface>& surfaces, const WindowPrior& prior,
                         const InputOptions& options, Prepared& prepared, WindowFindings& result) {
@@ -46,6 +60,8 @@ void put_force_on_clock(const std::vector<BodySurface>& surfaces, const WindowPr
       if (rough.is_known) found = rough;
     }
   }
+  const std::optional<double> impact = shortest_impact(prepared.found);
+  if (impact && std::abs(found.offset) > *impact) found.is_known = false;
   result.tool_to_force =
       prior.tool_to_force.is_known ? more_certain(prior.tool_to_force, found) : found;
   result.is_force_offset_applied =
