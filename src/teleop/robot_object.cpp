@@ -16,6 +16,10 @@ namespace {
 
 // Lost without a frame for this many intervals: single frames are missing in any recording.
 constexpr double kMaxMissedFrames = 3.5;
+// Frames of an object at rest that are averaged: a second of an ordinary camera.
+constexpr int kMaxAveragedFrames = 30;
+// Share of a frame's std that averaging does not reduce: calibration, and noise that is correlated.
+constexpr double kSystematicShare = 0.5;
 // A relative std above this carries no information on the penetration.
 constexpr double kMaxPenetrationStd = 0.5;
 
@@ -68,9 +72,27 @@ void RobotObject::update_tracking(double t) {
     const bool has_moved_away = displacement > options_.moved_stds * position_std &&
                                 displacement > 2.0 * options_.min_displacement;
     if (has_moved_away && !monitor.is_touched()) touched_std_ = 0.0;
-    latest_ = seen;
-    T_base_object_ = seen.T_base_object;
+    latest_ = averaged_at_rest(seen);
+    T_base_object_ = latest_.T_base_object;
   }
+}
+
+TrackedPose RobotObject::averaged_at_rest(const TrackedPose& seen) {
+  const Pose moved = latest_.T_base_object.inverse() * seen.T_base_object;
+  const double position_limit = options_.moved_stds * seen.position_std / std::sqrt(3.0);
+  const double rotation_limit = options_.moved_stds * seen.rotation_std;
+  const bool rests = frames_ > 0 && !is_seen_moving_ && monitor.phase() != MotionPhase::sliding &&
+                     moved.translation().norm() <= position_limit &&
+                     std::abs(heading_of(moved)) <= rotation_limit;
+  averaged_frames_ = rests ? std::min(averaged_frames_ + 1, kMaxAveragedFrames) : 1;
+  if (averaged_frames_ == 1) return seen;
+  TrackedPose mean = seen;
+  mean.T_base_object =
+      interpolate(latest_.T_base_object, seen.T_base_object, 1.0 / averaged_frames_);
+  const double gain = std::max(1.0 / std::sqrt(averaged_frames_), kSystematicShare);
+  mean.position_std *= gain;
+  mean.rotation_std *= gain;
+  return mean;
 }
 
 bool RobotObject::is_lost(double t) const {

@@ -95,6 +95,8 @@ class RobotObject {
   static void apply(const ContactOffset& face, PoseEstimate& estimate);
   [[nodiscard]] bool is_pushed() const { return monitor.is_touched() && !monitor.is_press(); }
   [[nodiscard]] double displacement_since_frame(double t) const;
+  /// The mean of the newest frames while the object rests: their noise is no motion.
+  [[nodiscard]] TrackedPose averaged_at_rest(const TrackedPose& seen);
 
   const TeleopObject* source_;
   PoseFusionOptions options_;
@@ -104,10 +106,11 @@ class RobotObject {
   /// As completed at the start: its shape stays constant, and is expensive to compute.
   std::optional<LimitSurface> limit_surface_;
   double tool_radius_;
-  std::size_t frames_ = 0;  ///< processed
-  TrackedPose latest_;      ///< the scene's pose before the first frame
-  Pose T_base_object_;      ///< latest frame, or the estimate while it is lost
-  double yaw_rate_ = 0.0;   ///< [rad/s]
+  std::size_t frames_ = 0;   ///< processed
+  int averaged_frames_ = 0;  ///< in `latest_`
+  TrackedPose latest_;       ///< or the mean of the latest; the scene's pose before the first frame
+  Pose T_base_object_;       ///< latest frame, or the estimate while it is lost
+  double yaw_rate_ = 0.0;    ///< [rad/s]
   bool is_seen_moving_ = false;
   double frame_interval_ = 0.033;
   Eigen::Vector3d touched_offset_ =
