@@ -21,6 +21,7 @@
 
 #include "model/declared_size.hpp"
 #include "model/mesh_repair.hpp"
+#include "model/ply_data.hpp"
 #include "model/polygon.hpp"
 
 namespace pcavr {
@@ -138,7 +139,11 @@ Expected<TriangleMesh> read_with_assimp(const fs::path& file, const MeshType& ty
     importer.SetIOHandler(new RegularFiles);  // the importer takes ownership
     // Coordinates as stored: no unit scaling, no axis conversion. Polygons are not triangulated
     // by assimp, which aborts the process if they are malformed.
-    const aiScene* scene = importer.ReadFile(file.string(), aiProcess_ValidateDataStructure);
+    const auto ply =
+        type.extension == ".ply" ? model::ply_with_unambiguous_data(file) : std::nullopt;
+    const aiScene* scene = ply ? importer.ReadFileFromMemory(ply->data(), ply->size(),
+                                                             aiProcess_ValidateDataStructure, "ply")
+                               : importer.ReadFile(file.string(), aiProcess_ValidateDataStructure);
     if (scene == nullptr) return not_a_mesh(file, first_line(importer.GetErrorString()));
     if (scene->mRootNode == nullptr) return not_a_mesh(file, "it is empty");
     return flatten(*scene, type);

@@ -3,9 +3,10 @@
 #include "pcavr/recording/text_rows.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
-#include <limits>
+#include <iterator>
 
 namespace pcavr {
 namespace {
@@ -127,19 +128,22 @@ std::optional<RowFault> handle_row(const RowFormat& format,
   return std::nullopt;
 }
 
-/// Detects a truncated last line: one without a line end and shorter than all previous lines.
+/// Detects a truncated last line: one without a line end and shorter than each of the lines just
+/// before it. Those at the start of a recording may be much shorter: zeros.
 class TruncationDetector {
  public:
   void add(const LineReader& lines, std::string_view line) {
-    if (!lines.has_line_end() && rows_ > 0 && line.size() < shortest_) short_line_ = lines.line();
-    shortest_ = std::min(shortest_, line.size());
-    ++rows_;
+    const auto shortest = std::min_element(sizes_.begin(), sizes_.begin() + known_);
+    if (!lines.has_line_end() && known_ > 0 && line.size() < *shortest) short_line_ = lines.line();
+    std::rotate(sizes_.rbegin(), sizes_.rbegin() + 1, sizes_.rend());
+    sizes_.front() = line.size();
+    known_ = std::min(known_ + 1, std::ssize(sizes_));
   }
   [[nodiscard]] std::optional<int> short_line() const { return short_line_; }
 
  private:
-  std::size_t shortest_ = std::numeric_limits<std::size_t>::max();
-  std::size_t rows_ = 0;
+  std::array<std::size_t, 8> sizes_{};  ///< of the lines before, newest first
+  std::ptrdiff_t known_ = 0;
   std::optional<int> short_line_;
 };
 

@@ -78,6 +78,9 @@ struct RayBodies::Trees {
 RayBodies::RayBodies(const World& world) : trees_(std::make_unique<Trees>()) {
   // Not "threads=1": Embree would then limit TBB of the whole process to one thread.
   trees_->device.reset(rtcNewDevice(nullptr));
+  if (trees_->device == nullptr && rtcGetDeviceError(nullptr) == RTC_ERROR_OUT_OF_MEMORY) {
+    throw std::bad_alloc();
+  }
   PCAVR_REQUIRE(trees_->device != nullptr, rtcGetDeviceError(nullptr));
   for (const Body& body : world.bodies) {
     trees_->scenes.push_back(build_bvh(trees_->device.get(), body.surface.mesh));

@@ -72,6 +72,22 @@ TEST_F(DeclaredSize, OfABinaryPlyIsChecked) {
   }
 }
 
+TEST_F(DeclaredSize, OfABinaryPlyIsRightWhateverItsFirstByteIs) {
+  // A line feed there was taken for the end of the header's line.
+  for (std::uint32_t first = 0; first < 256; ++first) {
+    const float x = std::bit_cast<float>(0x3f800000U + first);  // 1.00000 to 1.00003
+    std::string data = little_endian(std::bit_cast<std::uint32_t>(x)) + std::string(8, '\0');
+    for (const float y : {2.0F, 0.0F, 0.0F, 0.0F, 2.0F, 0.0F}) {
+      data += little_endian(std::bit_cast<std::uint32_t>(y));
+    }
+    data += '\3' + little_endian(0) + little_endian(1) + little_endian(2);
+    const auto mesh = read_mesh(write("b.ply", ply("binary_little_endian", "3", "1", data)));
+    ASSERT_TRUE(mesh.has_value()) << first << ": " << mesh.error().to_string();
+    ASSERT_EQ(mesh->vertices.size(), 3U) << first;
+    EXPECT_NEAR(mesh->vertices[0].x(), x, 2e-7F) << first;
+  }
+}
+
 TEST_F(DeclaredSize, ThatIsNotACountIsRejected) {
   for (const char* vertices : {"-1", "1e14", "99999999999999999999999", "x"}) {
     expect_rejected(write("v.ply", ply("ascii", vertices, "1", kTriangle)), "its header declares");

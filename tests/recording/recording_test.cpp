@@ -216,6 +216,24 @@ TEST(ReadRecording, AcceptsALastLineWithoutALineEndAndWarnsWhereItIsShort) {
       << cut->warnings[0];
 }
 
+TEST(ReadRecording, WarnsOfATruncationAlsoAfterShortRows) {
+  const SmallRecording folder;
+  std::string rows = "t,fx,fy,fz,tx,ty,tz\n0.0,0,0,0,0,0,0\n";
+  for (int i = 1; i < 10; ++i) {
+    rows += "0." + std::to_string(i) + ",1.25,2.25,-3.2512345678,4,5,6.125\n";
+  }
+  folder.write("wrench.csv", rows + "1.0,1.25,2.25,-3.2512345678,4,5,-0.00");
+  const Expected<Recording> cut = read_recording(folder.path());
+  ASSERT_TRUE(cut.has_value()) << cut.error().to_string();
+  EXPECT_TRUE(cut->warnings.empty());  // as long as its neighbours
+
+  folder.write("wrench.csv", rows + "1.0,1.25,2.25,-3.25,4,5,6.125");
+  const Expected<Recording> short_row = read_recording(folder.path());
+  ASSERT_TRUE(short_row.has_value());
+  ASSERT_EQ(short_row->warnings.size(), 1U);
+  EXPECT_NE(short_row->warnings[0].find("no line end"), std::string::npos);
+}
+
 TEST(ReadRecording, ReadsImagesWithSpacesInTheirNames) {
   const SmallRecording folder;
   std::filesystem::create_directories(folder.path() / "my images");
