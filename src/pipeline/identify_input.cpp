@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "pcavr/pipeline/consistency.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/pipeline/replay.hpp"
 #include "pcavr/recording/stream_clocks.hpp"
@@ -135,6 +136,11 @@ Expected<IdentificationInput> identification_input(const Recording& recording,
     Expected<SceneManifest> manifest = read_scene_manifest(sources.scene);
     if (!manifest) return manifest.error();
     scene = std::move(*manifest);
+  }
+  if (!scene && recording.frames.empty()) {
+    const auto findings = inspect_consistency(recording, sources.perception);
+    if (!findings) return findings.error();
+    if (has_contradiction(*findings)) return contradiction_error(recording, *findings);
   }
   Expected<std::vector<IdentifiableObject>> objects =
       scene ? objects_of_scene(*scene) : objects_of_manifest(recording, tracked.has_value());

@@ -3,6 +3,7 @@
 // Pushes with the real command: identify, replay over a delayed link, evaluate; and their errors
 // for bad input. The seeds are used in this file only; nothing was tuned on them.
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <sstream>
 
@@ -209,6 +210,27 @@ TEST_F(PushedObjects, AreTrackedWithoutAWrench) {
                             path_of("no-wrench-scene"), "-o", path_of("no-wrench.yaml")}),
                  {"wrench.csv"});
   EXPECT_FALSE(fs::exists(path_of("no-wrench.yaml")));
+}
+
+TEST_F(PushedObjects, AreRefusedWithAMeshInMillimetres) {
+  simulate("push", "millimetres", {});
+  const fs::path file = fs::path(path_of("millimetres")) / "objects/box_1.obj";
+  std::istringstream lines(read_file(file).value());
+  std::ostringstream scaled;
+  for (std::string line; std::getline(lines, line);) {
+    double x = 0.0, y = 0.0, z = 0.0;
+    if (std::sscanf(line.c_str(), "v %lf %lf %lf", &x, &y, &z) == 3) {
+      scaled << "v " << 1e3 * x << ' ' << 1e3 * y << ' ' << 1e3 * z << '\n';
+    } else {
+      scaled << line << '\n';
+    }
+  }
+  ASSERT_TRUE(write_file(file, scaled.str()));
+  expect_refused(run_pcavr({"build", path_of("millimetres"), "-o", path_of("mm-scene")}),
+                 {"objects[0].mesh", "box_1.obj", "metres"});
+  expect_refused(
+      run_pcavr({"identify", "friction", path_of("millimetres"), "-o", path_of("mm.yaml")}),
+      {"objects[0].mesh", "box_1.obj", "metres"});
 }
 
 TEST_F(PushedObjects, AreNotIdentifiedFromAForceOfTheWrongSign) {
