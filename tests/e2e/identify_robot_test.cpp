@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Logs of arms through the real command: import, identify robot. Variants were compared on the whole
-// of the shared logs, so their held-out errors are no independent judgement; the PA-10's seed is its
-// own.
+// Logs of arms through the real command: import, identify robot. Variants were compared on the
+// whole of the shared logs, so their held-out errors are no independent judgement; the PA-10's seed
+// is its own.
 #include <array>
 #include <cmath>
 #include <map>
