@@ -12,7 +12,6 @@
 #include "pcavr/core/stage_clock.hpp"
 #include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/model/mesh_simplification.hpp"
-#include "pcavr/pipeline/consistency.hpp"
 #include "pcavr/pipeline/known_parameters.hpp"
 #include "pcavr/reconstruction/cloud_filter.hpp"
 #include "pcavr/reconstruction/depth_filter.hpp"
@@ -220,11 +219,8 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
                             const Observer& observer) {
   warn_of_clocks(recording, observer);
   if (!recording.manifest.camera || recording.frames.empty()) {
-    const auto findings = inspect_consistency(recording, options.perception);
-    if (!findings) return findings.error();
-    if (has_contradiction(*findings)) return contradiction_error(recording, *findings);
     Expected<Scene> scene = scene_from_manifest(recording, options.fusion.voxel_size,
-                                                occupancy_options(options), options.perception.cad);
+                                                occupancy_options(options), options.perception);
     if (scene) {
       for (const SceneObject& object : scene->objects) report_simplified(object.model, observer);
       observer.on_warning(

@@ -10,6 +10,7 @@
 #include "pcavr/scene/scene_bundle.hpp"
 
 #include "clock_checks.hpp"
+#include "consistency_checks.hpp"
 
 namespace pcavr {
 namespace {
@@ -31,8 +32,8 @@ Expected<std::vector<IdentifiableObject>> objects_of_scene(const SceneManifest& 
   return objects;
 }
 
-Expected<std::vector<IdentifiableObject>> objects_of_manifest(const Recording& recording,
-                                                              bool is_tracked) {
+Expected<std::vector<IdentifiableObject>> objects_of_manifest(
+    const Recording& recording, bool is_tracked, const ConsistencyOptions& consistency) {
   std::vector<IdentifiableObject> objects;
   for (const ObjectEntry& entry : recording.manifest.objects) {
     if (entry.mesh.empty()) continue;
@@ -44,6 +45,9 @@ Expected<std::vector<IdentifiableObject>> objects_of_manifest(const Recording& r
     }
     Expected<CadModel> model = read_cad_model(recording.folder / entry.mesh, entry.name);
     if (!model) return model.error();
+    const auto findings = check_body(recording.manifest, entry, *model,
+                                     SurfaceQuery(model->mesh_object), consistency);
+    if (has_contradiction(findings)) return contradiction_error(recording, findings);
     objects.push_back({.name = entry.name,
                        .model = std::move(*model),
                        .T_base_object = entry.T_base_object.value_or(Pose()),
@@ -137,13 +141,9 @@ Expected<IdentificationInput> identification_input(const Recording& recording,
     if (!manifest) return manifest.error();
     scene = std::move(*manifest);
   }
-  if (!scene && recording.frames.empty()) {
-    const auto findings = inspect_consistency(recording, sources.perception);
-    if (!findings) return findings.error();
-    if (has_contradiction(*findings)) return contradiction_error(recording, *findings);
-  }
   Expected<std::vector<IdentifiableObject>> objects =
-      scene ? objects_of_scene(*scene) : objects_of_manifest(recording, tracked.has_value());
+      scene ? objects_of_scene(*scene)
+            : objects_of_manifest(recording, tracked.has_value(), sources.perception.consistency);
   if (!objects) return objects.error();
   input.objects = std::move(*objects);
   const Expected<void> done = tracked ? read_tracking(recording, *tracked, observer, input.objects)

@@ -10,6 +10,8 @@
 
 #include "pcavr/pipeline/known_parameters.hpp"
 
+#include "consistency_checks.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -80,13 +82,19 @@ SceneObject scene_object_at_stated_pose(const MovableBody& body) {
 }
 
 Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_size,
-                                    const OccupancyOptions& occupancy, const CadOptions& cad) {
-  Expected<std::vector<MovableBody>> bodies = load_movable_bodies(recording, cad);
+                                    const OccupancyOptions& occupancy,
+                                    const PerceptionOptions& perception) {
+  Expected<std::vector<MovableBody>> bodies = load_movable_bodies(recording, perception.cad);
   if (!bodies) return bodies.error();
-  Expected<std::vector<MovableBody>> immovable = load_immovable_bodies(recording, cad);
+  Expected<std::vector<MovableBody>> immovable = load_immovable_bodies(recording, perception.cad);
   if (!immovable) return immovable.error();
   if (bodies->empty() && immovable->empty()) return missing_pose_error(recording, {});
   std::move(immovable->begin(), immovable->end(), std::back_inserter(*bodies));
+  for (const MovableBody& body : *bodies) {
+    const auto findings = check_body(recording.manifest, body.entry, body.model,
+                                     SurfaceQuery(body.model.mesh_object), perception.consistency);
+    if (has_contradiction(findings)) return contradiction_error(recording, findings);
+  }
   Scene scene{.mesh_base = {},
               .levels_of_detail_base = {},
               .cloud_base = {},

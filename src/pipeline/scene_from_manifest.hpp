@@ -15,9 +15,9 @@ namespace pcavr {
 
 /// The scene of a recording without images, from its manifest alone: bodies at their stated poses,
 /// with horizontal support planes under the movable ones. Fails where the manifest does not state a
-/// movable object's pose.
+/// movable object's pose, or a mesh can't be in metres.
 [[nodiscard]] Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_size,
                                                   const OccupancyOptions& occupancy,
-                                                  const CadOptions& cad);
+                                                  const PerceptionOptions& perception);
 
 }  // namespace pcavr
