@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "pcavr/robot/arm_follower.hpp"
 #include "pcavr/robot/inverse_kinematics.hpp"
 
 namespace pcavr {
@@ -44,11 +45,27 @@ constexpr auto kIkFields = std::to_array<OptionField<IkOptions>>({
 });
 static_assert(are_valid_fields(kIkFields));
 
+constexpr auto kArmFields = std::to_array<OptionField<ArmFollowerOptions>>({
+    // Capsules contain the links, and a cycle moves a joint by some 3 mm at most.
+    {"stop_distance", &ArmFollowerOptions::stop_distance, 0.01, 0.001, 0.5, "m",
+     "distance of a link to the scan, to a body or to another link at which the arm stops",
+     "lower: a joint at full speed may pass it in a cycle; higher: the arm can't reach into gaps"},
+    {"shown_distance", &ArmFollowerOptions::shown_distance, 0.3, 0.01, 2.0, "m",
+     "distance up to which the nearest pair is searched and shown",
+     "lower: no distance is shown; higher: computing time"},
+});
+static_assert(are_valid_fields(kArmFields));
+
 }  // namespace
 
 InverseKinematicsOptions::InverseKinematicsOptions() { set_defaults(*this, kIkFields); }
 OptionSection section_of(InverseKinematicsOptions& options) {
   return make_section("robot.inverse_kinematics", options, kIkFields);
+}
+
+ArmFollowerOptions::ArmFollowerOptions() { set_defaults(*this, kArmFields); }
+OptionSection section_of(ArmFollowerOptions& options) {
+  return make_section("robot.arm", options, kArmFields);
 }
 
 }  // namespace pcavr

@@ -4,10 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/robot/arm_follower.hpp"
 #include "pcavr/robot/inverse_kinematics.hpp"
+#include "pcavr/robot/link_meshes.hpp"
 #include "pcavr/robot/robot_motion.hpp"
 #include "pcavr/robot/urdf.hpp"
 
+#include "robot/wavy_ground.hpp"
 #include "support/heap_counter.hpp"
 #include "support/source_folder.hpp"
 
@@ -44,6 +47,22 @@ TEST(RobotDynamics, CallsDoNotAllocate) {
   EXPECT_NE(energy, 0.0);
   EXPECT_EQ(reached.status, IkStatus::kReached);
   EXPECT_EQ(followed.status, IkStatus::kReached);
+}
+
+TEST(ArmFollower, ACycleDoesNotAllocate) {
+  const RobotModel model = read_urdf(source_folder() / "calib/robots/pa10/pa10.urdf").value();
+  ArmFollower follower(model, link_meshes(model).value().of_link, default_tip(model),
+                       Eigen::VectorXd::Constant(7, 0.4));
+  follower.place_surface(follower.add_surface(test::wavy_ground(20)), Pose());
+  follower.reset();
+  const Eigen::Vector3d p_tip = follower.T_base_tip().translation();
+  ArmState copied = follower.state();
+  const long before = heap_allocations;
+  for (int i = 0; i < 300; ++i) {
+    copied = follower.follow(p_tip - Eigen::Vector3d(0.0, 0.0, 0.003 * i), 0.001);
+  }
+  EXPECT_EQ(heap_allocations, before);
+  EXPECT_EQ(copied.q.size(), 7);
 }
 
 }  // namespace
