@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/core/options.hpp"
 
+#include "pcavr/robot_identification/contact_observer.hpp"
 #include "pcavr/robot_identification/joint_signals.hpp"
 #include "pcavr/robot_identification/robot_fit.hpp"
 
@@ -61,11 +62,29 @@ constexpr auto kFitFields = std::to_array<OptionField<RobotFitOptions>>({
 });
 static_assert(are_valid_fields(kFitFields));
 
+constexpr auto kContactFields = std::to_array<OptionField<ContactObserverOptions>>({
+    {"gain", &ContactObserverOptions::gain, 50.0, 1.0, 1000.0, "1/s",
+     "of the momentum observer: its time constant is 1 / gain",
+     "lower: touches are found late; higher: noise of the velocities raises the thresholds"},
+    {"margin", &ContactObserverOptions::margin, 1.5, 1.0, 20.0, "",
+     "threshold over the largest external torque of the rows without contact",
+     "lower: false alarms; higher: light touches are missed"},
+    {"min_duration", &ContactObserverOptions::min_duration, 0.003, 0.0, 1.0, "s",
+     "time above a threshold that counts as a touch",
+     "lower: single samples are alarms; higher: touches are found late"},
+});
+static_assert(are_valid_fields(kContactFields));
+
 }  // namespace
 
 JointSignalOptions::JointSignalOptions() { set_defaults(*this, kSignalFields); }
 OptionSection section_of(JointSignalOptions& options) {
   return make_section("robot_identification.signals", options, kSignalFields);
+}
+
+ContactObserverOptions::ContactObserverOptions() { set_defaults(*this, kContactFields); }
+OptionSection section_of(ContactObserverOptions& options) {
+  return make_section("robot_identification.contact", options, kContactFields);
 }
 
 RobotFitOptions::RobotFitOptions() { set_defaults(*this, kFitFields); }

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "pcavr/robot/robot_model.hpp"
+#include "pcavr/robot_identification/joint_signals.hpp"
+#include "pcavr/robot_identification/robot_fit.hpp"
+
+namespace pcavr {
+
+/// What an arm carries in one run and not in another. Standard deviations are those of the loaded
+/// run's noise alone: the errors of the unloaded fit come on top (some three times as much).
+struct Payload {
+  double mass = 0.0;      ///< [kg]
+  double mass_std = 0.0;  ///< [kg]
+  /// [m] in the frame of the last joint's child link; without meaning where the mass is less than
+  /// a few standard deviations.
+  Eigen::Vector3d centre_of_mass = Eigen::Vector3d::Zero();
+  Eigen::Vector3d centre_of_mass_std = Eigen::Vector3d::Zero();  ///< [m]
+  /// The inertia about the joint frame's origin: Ixx, Ixy, Ixz, Iyy, Iyz, Izz [kg m^2].
+  Eigen::Matrix<double, 6, 1> inertia = Eigen::Matrix<double, 6, 1>::Zero();
+  Eigen::VectorXd torque_rms;    ///< [N m] of the load by joint: what the load adds
+  Eigen::VectorXd residual_rms;  ///< [N m] that it does not explain
+};
+
+/// The load on the last body from a loaded run, given the fit of an unloaded one: the torques that
+/// the unloaded arm does not explain are linear in the load's ten inertial parameters [Atkeson, An
+/// & Hollerbach 1986]. Friction may change by a tenth between the runs (another temperature):
+/// offset, Coulomb and viscous changes are fitted along, with that prior. `model`: of the unloaded
+/// fit, with the signals' joints. Deterministic; pure function.
+[[nodiscard]] Payload identify_payload(const JointSignals& loaded, const RobotModel& model,
+                                       const RobotFit& unloaded);
+
+}  // namespace pcavr

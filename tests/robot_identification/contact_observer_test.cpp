@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/robot_identification/contact_observer.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/recording/import_joint_log.hpp"
+#include "pcavr/robot/link_meshes.hpp"
+#include "pcavr/robot_identification/log_checks.hpp"
+#include "pcavr/robot_identification/payload.hpp"
+#include "pcavr/robot_identification/sample_clock.hpp"
+
+#include "robot_identification/simulated_arm.hpp"
+#include "support/shared_data.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Adds the torque that holds the arm on its motion against a force on the tip from `onset` on.
+JointLog pushed(JointLog log, const RobotModel& model, double onset, double end,
+                const Eigen::Vector3d& force_base) {
+  RobotDynamics kinematics(model);
+  Matrix6Xd jacobian(6, log.position.cols());
+  for (Eigen::Index i = 0; i < log.position.rows(); ++i) {
+    const double t = log.t[static_cast<std::size_t>(i)];
+    if (t < onset || t > end) continue;
+    kinematics.jacobian(log.position.row(i).transpose(), default_tip(model), jacobian);
+    log.torque.row(i) -= (jacobian.topRows<3>().transpose() * force_base).transpose();
+  }
+  return log;
+}
+
+/// A robot with known bodies, and no friction but what `friction` has.
+std::vector<JointFit> without_friction(const RobotModel& model) {
+  std::vector<JointFit> friction(model.dof);
+  for (JointFit& joint : friction) joint.smoothing_speed = 0.01;
+  return friction;
+}
+
+// A first-order low pass of the true external torque, in closed form, without noise.
+TEST(ContactObserver, FollowsAStepWithItsTimeConstant) {
+  const RobotModel model = pa10();
+  ContactObserverOptions options;
+  options.gain = 40.0;
+  ContactObserver observer(model, without_friction(model), options);
+  RobotDynamics dynamics(model);
+  Eigen::VectorXd q(7), dq(7), ddq(7), tau(7), external = Eigen::VectorXd::Zero(7);
+  const auto state_at = [&](double t) {
+    for (Eigen::Index j = 0; j < 7; ++j) {
+      const double w = 1.0 + 0.3 * static_cast<double>(j);
+      q[j] = 0.8 * std::sin(w * t);
+      dq[j] = 0.8 * w * std::cos(w * t);
+      ddq[j] = -0.8 * w * w * std::sin(w * t);
+    }
+  };
+  constexpr double kInterval = 0.0005;
+  state_at(0.0);
+  observer.reset(q, dq);
+  for (int i = 1; i <= 4000; ++i) {
+    const double t = kInterval * i;
+    state_at(t);
+    dynamics.inverse_dynamics(q, dq, ddq, tau);
+    if (t > 1.0) external << 5.0, -3.0, 2.0, 1.0, 0.5, 0.2, 0.1;
+    const Eigen::VectorXd& found = observer.update(q, dq, tau - external, kInterval);
+    const double share = t > 1.0 ? 1.0 - std::exp(-40.0 * (t - 1.0)) : 0.0;
+    ASSERT_LT((found - share * external).cwiseAbs().maxCoeff(), 0.12) << t;
+  }
+}
+
+TEST(TipForce, IsRecoveredFromItsJointTorques) {
+  const RobotModel model = pa10();
+  RobotDynamics kinematics(model);
+  Matrix6Xd jacobian(6, 7);
+  kinematics.jacobian(Eigen::VectorXd::Constant(7, 0.5), default_tip(model), jacobian);
+  const Eigen::Vector3d force(3.0, -8.0, 5.0);
+  const Eigen::VectorXd torque = jacobian.topRows<3>().transpose() * force;
+  const auto found = tip_force(jacobian, torque, Eigen::VectorXd::Constant(7, 0.5));
+  ASSERT_TRUE(found.has_value());
+  EXPECT_LT((*found - force).norm(), 1e-9);
+  jacobian.setZero();
+  EXPECT_FALSE(tip_force(jacobian, torque, Eigen::VectorXd::Constant(7, 0.5)).has_value());
+}
+
+class IdentifiedArmTest : public testing::Test {
+ protected:
+  // Fitted on the first 65 %; thresholds from these rows, judged on the others.
+  static void SetUpTestSuite() {
+    model = new RobotModel(pa10());
+    log = new JointLog(simulated_log(*model, {.duration = 60.0, .rate = 500.0, .seed = 11}));
+    fit = new RobotFit(fit_robot(joint_signals(*log, {}), *model, {}));
+  }
+  static void TearDownTestSuite() {
+    delete model;
+    delete log;
+    delete fit;
+  }
+  static inline RobotModel* model = nullptr;
+  static inline JointLog* log = nullptr;
+  static inline RobotFit* fit = nullptr;
+};
+
+TEST_F(IdentifiedArmTest, RaisesNoAlarmWithoutContact) {
+  const ObservedContacts found =
+      observe_contacts(*log, *model, *fit, false, 39.0, default_tip(*model));
+  EXPECT_TRUE(found.touches.empty());
+  EXPECT_GT(found.detectable_force, 0.0);
+}
+
+TEST_F(IdentifiedArmTest, ReportsATouchWithin50Milliseconds) {
+  const double detectable =
+      observe_contacts(*log, *model, *fit, false, 39.0, default_tip(*model)).detectable_force;
+  for (const double onset : {42.0, 47.5, 53.0}) {
+    const Eigen::Vector3d force(0.0, 0.0, 3.0 * detectable);
+    const ObservedContacts found = observe_contacts(pushed(*log, *model, onset, onset + 1.0, force),
+                                                    *model, *fit, false, 39.0, default_tip(*model));
+    ASSERT_FALSE(found.touches.empty()) << onset;
+    EXPECT_GE(found.touches.front().t, onset);
+    EXPECT_LE(found.touches.front().t, onset + 0.050);
+  }
+}
+
+// Another seed, another motion; 2 kg, 6 cm from the last joint's axis.
+TEST_F(IdentifiedArmTest, RecoversALoadWithin3Percent) {
+  RigidInertia load;
+  load.mass = 2.0;
+  load.centre_of_mass = {0.06, -0.02, 0.10};
+  load.inertia_at_com = 0.004 * Eigen::Matrix3d::Identity();
+  RobotModel loaded = *model;
+  loaded.joints.back().body = loaded.joints.back().body + load;
+  const JointLog run = simulated_log(loaded, {.duration = 60.0, .rate = 500.0, .seed = 12});
+  const Payload found = identify_payload(joint_signals(run, {}), *model, *fit);
+  EXPECT_NEAR(found.mass, load.mass, 0.03 * load.mass);
+  EXPECT_LT((found.centre_of_mass - load.centre_of_mass).norm(), 0.005);
+  RecordProperty("mass", std::to_string(found.mass) + " +- " + std::to_string(found.mass_std));
+}
+
+/// A real log without contact, ready for the observer.
+struct RealLog {
+  JointLog log;
+  RobotModel model;
+  RobotFit fit;
+  bool is_sign_changed = false;
+  double calibration_end = 0.0;  ///< [s] end of the fitted rows
+};
+
+RealLog real_log(const std::string& log, const std::string& urdf, const std::vector<double>& gains,
+                 std::optional<double> period) {
+  JointLog read = import_joint_log(shared_data("real/" + log), {.period = period}).value().log;
+  if (read.torque.rows() == 0) read.torque = read.current;
+  for (std::size_t j = 0; j < gains.size(); ++j) {
+    read.torque.col(static_cast<Eigen::Index>(j)) *= gains[j];
+  }
+  const MatchedRobot matched =
+      match_joints(read, read_urdf(shared_data("real/" + urdf)).value()).value();
+  RealLog real{reordered(read, matched.columns), matched.model, {}, false, 0.0};
+  EXPECT_TRUE(check_rows(real.log, real.model, 0.2).errors.empty());
+  (void)correct_sample_clock(real.log);
+  JointSignals signals = joint_signals(real.log, {});
+  (void)check_hypotheses(signals, real.model);
+  real.is_sign_changed = signals.is_sign_changed;
+  real.fit = fit_robot(signals, real.model, {});
+  real.calibration_end = signals.t[real.fit.train_rows];
+  return real;
+}
+
+ObservedContacts observe(const RealLog& real, const JointLog& log) {
+  return observe_contacts(log, real.model, real.fit, real.is_sign_changed, real.calibration_end,
+                          default_tip(real.model));
+}
+
+// Fit and thresholds from the first 65 % of each log; the options are the defaults, which were not
+// chosen on these logs. The forces are added to the held-out torques.
+void expect_touches_found(const RealLog& real) {
+  const ObservedContacts free = observe(real, real.log);
+  EXPECT_TRUE(free.touches.empty()) << free.touches.front().t;
+  const double span = real.log.t.back() - real.calibration_end;
+  for (const double share : {0.1, 0.35, 0.6}) {
+    const double onset = real.calibration_end + share * span;
+    const Eigen::Vector3d force = Eigen::Vector3d(0.0, 0.0, -3.0 * free.detectable_force) *
+                                  (real.is_sign_changed ? -1.0 : 1.0);
+    const ObservedContacts found =
+        observe(real, pushed(real.log, real.model, onset, onset + 0.5, force));
+    ASSERT_FALSE(found.touches.empty()) << onset;
+    EXPECT_LE(std::abs(found.touches.front().t - onset - 0.025), 0.025);
+  }
+}
+
+TEST(RealContacts, AreFoundOnAPandaWithoutFalseAlarms) {
+  PCAVR_NEEDS_SHARED_DATA("real/franka_dynamics");
+  expect_touches_found(real_log("franka_dynamics", "robots/panda/panda.urdf", {}, {}));
+}
+
+TEST(RealContacts, AreFoundOnAnLbrMedWithoutFalseAlarms) {
+  PCAVR_NEEDS_SHARED_DATA("real/lbr_med");
+  expect_touches_found(real_log("lbr_med/measurements.csv", "lbr_med/med7dock.urdf", {}, 0.01));
+}
+
+// The drive gains are the origin's. Its held-out rows come close to the threshold of joint 2.
+TEST(RealContacts, RaiseNoFalseAlarmOnAUr10e) {
+  PCAVR_NEEDS_SHARED_DATA("real/ur10e");
+  const RealLog real =
+      real_log("ur10e/identification_data/ur-20_02_12-50sec_12harm.csv", "ur10e/ur10e.urdf",
+               {10.0, 10.6956, 8.4566, 9.0029, 9.48, 10.1232}, {});
+  EXPECT_TRUE(observe(real, real.log).touches.empty());
+}
+
+}  // namespace
+}  // namespace pcavr
