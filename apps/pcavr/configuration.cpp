@@ -28,6 +28,9 @@ std::vector<OptionSection> Configuration::sections() {
   sections.push_back(section_of(friction_priors));
   sections.push_back(section_of(robot_identification.signals));
   sections.push_back(section_of(robot_identification.fit));
+  sections.push_back(section_of(robot_identification.contact));
+  sections.push_back(section_of(arm));
+  sections.push_back(section_of(arm.inverse_kinematics));
   return sections;
 }
 

@@ -18,6 +18,7 @@
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/pipeline/identify_robot.hpp"
 #include "pcavr/recording/recording.hpp"
+#include "pcavr/robot/arm_follower.hpp"
 #include "pcavr/serve/content.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/scene_world.hpp"
@@ -42,6 +43,7 @@ struct Configuration {
   EvaluationOptions evaluation;
   FrictionPriors friction_priors;
   RobotIdentificationOptions robot_identification;
+  ArmFollowerOptions arm;  ///< with the options of its inverse kinematics
 
   [[nodiscard]] PerceptionOptions& perception() { return build.perception; }
   [[nodiscard]] const PerceptionOptions& perception() const { return build.perception; }

@@ -23,6 +23,7 @@ namespace {
 struct RobotArguments {
   std::string log;
   std::string robot;
+  std::string unloaded;
   OutputOption report;
   std::vector<double> gains;
   bool is_body_known = false;
@@ -56,6 +57,38 @@ nlohmann::ordered_json joint_json(const RobotIdentification& found, std::size_t 
   return json;
 }
 
+void describe_contacts(const RobotIdentification& found, CommandResult& result) {
+  if (!found.contacts) return;
+  const ObservedContacts& contacts = *found.contacts;
+  result.json["contact"] = {{"detectable_force", contacts.detectable_force},
+                            {"touches", nlohmann::ordered_json::array()}};
+  for (const ObservedContacts::Touch& touch : contacts.touches) {
+    nlohmann::ordered_json json{{"t", touch.t}, {"joint", found.fit.joints[touch.joint].name}};
+    if (touch.force_base) {
+      json["force"] = {touch.force_base->x(), touch.force_base->y(), touch.force_base->z()};
+    }
+    result.json["contact"]["touches"].push_back(json);
+    result.summary += fmt::format("touch at {:.3f} s, by joint {}\n", touch.t,
+                                  found.fit.joints[touch.joint].name);
+  }
+  result.summary += fmt::format(
+      "contact: {} touches in the held-out rows; a force of {:.3g} N on the tip would be found\n",
+      contacts.touches.size(), contacts.detectable_force);
+}
+
+void describe_payload(const RobotIdentification& found, CommandResult& result) {
+  if (!found.payload) return;
+  const Payload& payload = *found.payload;
+  const Eigen::Vector3d& centre = payload.centre_of_mass;
+  result.json["payload"] = {{"mass", payload.mass},
+                            {"mass_std", payload.mass_std},
+                            {"centre_of_mass", {centre.x(), centre.y(), centre.z()}}};
+  result.summary += fmt::format(
+      "load: {:.4g} +- {:.2g} kg at ({:.4g}, {:.4g}, {:.4g}) m in the frame behind joint {}\n",
+      payload.mass, payload.mass_std, centre.x(), centre.y(), centre.z(),
+      found.fit.joints.back().name);
+}
+
 CommandResult describe(const RobotIdentification& found, const RobotArguments& arguments) {
   CommandResult result;
   result.summary =
@@ -85,15 +118,23 @@ CommandResult describe(const RobotIdentification& found, const RobotArguments& a
         found.replay.after_1s.maxCoeff() * degrees, found.replay.t.back() - found.replay.t.front(),
         found.replay.rms.maxCoeff() * degrees);
   }
+  describe_contacts(found, result);
+  describe_payload(found, result);
   result.json["notes"] = found.notes;
   result.summary += how_to_open(arguments.report.folder) + '\n';
   return result;
 }
 
+std::vector<std::filesystem::path> inputs_of(const RobotArguments& arguments) {
+  std::vector<std::filesystem::path> inputs{arguments.log, arguments.robot};
+  if (!arguments.unloaded.empty()) inputs.emplace_back(arguments.unloaded);
+  return inputs;
+}
+
 Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration& configuration,
                                   const Observer& observer) {
   Expected<OutputFolder> folder =
-      create_output(arguments.report, OutputKind::report, {arguments.log, arguments.robot});
+      create_output(arguments.report, OutputKind::report, inputs_of(arguments));
   if (!folder) return folder.error();
   const Expected<RobotModel> model = read_urdf(arguments.robot);
   if (!model) return model.error();
@@ -105,16 +146,24 @@ Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration
                              warning.place.find("collision") != std::string::npos;
     if (!is_of_shape) observer.on_warning(warning.to_string());
   }
-  const Expected<JointLog> log = read_joint_log(arguments.log, arguments.skip_bad);
+  const std::string& fitted = arguments.unloaded.empty() ? arguments.log : arguments.unloaded;
+  const Expected<JointLog> log = read_joint_log(fitted, arguments.skip_bad);
   if (!log) return log.error();
   RobotIdentificationOptions options = configuration.robot_identification;
   options.gains = arguments.gains;
   options.fit.known_body |= arguments.is_body_known;
-  Expected<RobotIdentification> found = identify_robot(*log, *model, options, arguments.log);
+  Expected<RobotIdentification> found = identify_robot(*log, *model, options, fitted);
   if (!found) return found.error();
+  if (!arguments.unloaded.empty()) {
+    Expected<JointLog> loaded = read_joint_log(arguments.log, arguments.skip_bad);
+    if (!loaded) return loaded.error();
+    const Expected<void> added =
+        add_payload(std::move(*loaded), options, arguments.log, *model, *found);
+    if (!added) return added.error();
+  }
   found->configuration = configuration.changed();
   const Expected<void> written =
-      write_robot_report(*found, arguments.log, arguments.robot, folder->path());
+      write_robot_report(*found, fitted, arguments.robot, folder->path());
   if (!written) return written.error();
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
@@ -135,6 +184,9 @@ void add_identify_robot(CLI::App& app, Configuration& configuration, Action& act
                    "current_NAME for each joint")
       ->required();
   command->add_option("--robot", arguments->robot, "Robot description (URDF)")->required();
+  command->add_option("--unloaded", arguments->unloaded,
+                      "Log of the same arm without its load: fitted in place of LOG, and the load "
+                      "of LOG is identified");
   add_output_option(*command, arguments->report, "Folder for the report");
   command
       ->add_option("--gains", arguments->gains,

@@ -19,6 +19,7 @@
 #include "pcavr/serve/certificate.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/replay_content.hpp"
+#include "pcavr/serve/scene_arm.hpp"
 #include "pcavr/serve/scene_content.hpp"
 #include "pcavr/serve/scene_world.hpp"
 #include "pcavr/serve/server.hpp"
@@ -167,7 +168,8 @@ Expected<SceneWorld> make_world(const ServeInputs& inputs, const ServeArguments&
   return world;
 }
 
-Expected<std::unique_ptr<LiveWorld>> make_live(const SceneWorld& scene,
+Expected<std::unique_ptr<LiveWorld>> make_live(const SceneManifest& manifest,
+                                               const SceneWorld& scene,
                                                const std::string& device_name,
                                                const Configuration& configuration) {
   Expected<HapticWorld> haptic = HapticWorld::create(scene.model);
@@ -180,10 +182,17 @@ Expected<std::unique_ptr<LiveWorld>> make_live(const SceneWorld& scene,
     if (!opened) return opened.error();
     device = std::move(*opened);
   }
+  const Expected<std::optional<SceneArm>> arm = read_scene_arm(manifest);
+  if (!arm) return arm.error();
+  std::unique_ptr<LiveArm> live_arm;
+  if (*arm) {
+    live_arm = std::make_unique<LiveArm>(make_live_arm(**arm, scene, configuration.arm));
+  }
   LiveWorldOptions options = configuration.live;
   options.p_base_tool_start = scene.p_base_tool_start;
   options.full_scale_force = scene.full_scale_force;
-  return std::make_unique<LiveWorld>(std::move(*haptic), std::move(device), options);
+  return std::make_unique<LiveWorld>(std::move(*haptic), std::move(device), options,
+                                     std::move(live_arm));
 }
 
 bool is_ipv6(const std::string& host) { return host.find(':') != std::string::npos; }
@@ -275,7 +284,8 @@ Expected<CommandResult> serve(ServeArguments arguments, const Configuration& con
   Expected<SceneWorld> scene = make_world(*inputs, arguments, configuration, observer);
   if (!scene) return scene.error();
   options.tool_radius = scene->model.world.tool_radius;
-  Expected<std::unique_ptr<LiveWorld>> world = make_live(*scene, arguments.device, configuration);
+  Expected<std::unique_ptr<LiveWorld>> world =
+      make_live(inputs->scene, *scene, arguments.device, configuration);
   if (!world) return world.error();
   const Expected<ServedContent> content = make_content(*inputs, arguments, configuration, observer);
   if (!content) return content.error();

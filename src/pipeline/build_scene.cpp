@@ -24,6 +24,7 @@
 #include "async_if_parallel.hpp"
 #include "clock_checks.hpp"
 #include "follow_objects.hpp"
+#include "recorded_arm.hpp"
 #include "scene_from_manifest.hpp"
 #include "scene_quality.hpp"
 #include "survey.hpp"
@@ -218,10 +219,13 @@ std::vector<ConsistencyFinding> rejected_tags(const Recording& recording, const 
 Expected<Scene> build_scene(const Recording& recording, const BuildOptions& options,
                             const Observer& observer) {
   warn_of_clocks(recording, observer);
+  const Expected<std::optional<RecordedArm>> arm = read_recorded_arm(recording, observer);
+  if (!arm) return arm.error();
   if (!recording.manifest.camera || recording.frames.empty()) {
     Expected<Scene> scene = scene_from_manifest(recording, options.fusion.voxel_size,
                                                 occupancy_options(options), options.perception);
     if (scene) {
+      if (*arm) scene->robot = scene_robot_of(**arm);
       for (const SceneObject& object : scene->objects) report_simplified(object.model, observer);
       observer.on_warning(
           "no images: the scene has the manifest's bodies only, and no reconstructed surfaces");
@@ -252,9 +256,9 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
   // marching cubes).
   clock.begin("objects and fusion");
   Fusion fusion(*recording.manifest.camera, bodies->size(), options);
-  const Expected<void> followed =
-      follow_objects(recording, *bodies, *survey, survey_options, observer,
-                     [&](const FollowedFrame& frame) { fusion.add(frame); });
+  const Expected<void> followed = follow_objects(
+      recording, *bodies, *survey, survey_options, observer,
+      [&](const FollowedFrame& frame) { fusion.add(frame); }, *arm ? &**arm : nullptr);
   if (!followed) return followed.error();
   clock.begin("mesh");
   TriangleMesh mesh = fusion.volume.extract_mesh(options.min_weight, options.parallelism);
@@ -272,6 +276,7 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
               .occupancy = std::move(fusion.occupancy),
               .support_planes = {},
               .objects = {},
+              .robot = {},
               .tags = scene_tags(recording.manifest),
               .camera_trajectory = std::move(fusion.camera_trajectory),
               .quality = {},
@@ -287,6 +292,7 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
     scene.objects.back().hertz_stiffness =
         hertz_stiffness_of(recording.manifest, (*bodies)[i].entry);
   }
+  if (*arm) scene.robot = scene_robot_of(**arm);
   for (const MovableBody& body : *immovable) {
     scene.objects.push_back(scene_object_at_stated_pose(body));
     scene.objects.back().hertz_stiffness = hertz_stiffness_of(recording.manifest, body.entry);

@@ -76,11 +76,13 @@ const char* evidence_name(ObjectEvidence evidence) {
 Expected<void> follow_objects(const Recording& recording, const std::vector<MovableBody>& bodies,
                               const Survey& survey, const SurveyOptions& options,
                               const Observer& observer,
-                              const std::function<void(const FollowedFrame&)>& use) {
+                              const std::function<void(const FollowedFrame&)>& use,
+                              const RecordedArm* arm) {
   const CameraModel& camera = *recording.manifest.camera;
   std::vector<TrackedBody> all = start_tracking(recording, bodies, survey, options.perception);
   FrameReader reader(recording, {.skip_bad = options.skip_bad});
   ToolMask tool(recording, options.perception.masks);
+  ArmMask arm_mask(arm, options.perception);
   std::size_t next_placement = 0;
 
   const auto follow_next = [&]() -> Expected<std::optional<FollowedFrame>> {
@@ -109,6 +111,7 @@ Expected<void> follow_objects(const Recording& recording, const std::vector<Mova
                   image.depth, options.perception.depth_noise, options.perception.masks.body_margin,
                   followed.is_dynamic);
       }
+      arm_mask.mark(image, depth_camera, followed.T_base_camera, followed.is_dynamic);
       tool.mark(image, followed.T_base_camera, followed.is_dynamic);
       return std::optional<FollowedFrame>(std::move(followed));
     }

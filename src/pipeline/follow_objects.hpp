@@ -11,6 +11,7 @@
 #include "pcavr/recording/frame_reader.hpp"
 #include "pcavr/tracking/object_tracker.hpp"
 
+#include "recorded_arm.hpp"
 #include "survey.hpp"
 
 namespace pcavr {
@@ -31,12 +32,13 @@ struct FollowedFrame {
 [[nodiscard]] int samples_per_body(std::size_t bodies, int max_samples);
 
 /// Second pass: reads the frames again with the camera's final poses, tracks the movable bodies by
-/// tags and shape, and masks them and the tool. Calls `use` for each frame with a camera pose, in
-/// order, while the next one is prefetched on a second thread.
+/// tags and shape, and masks them, the arm and the tool. Calls `use` for each frame with a camera
+/// pose, in order, while the next one is prefetched on a second thread. `arm` may be null.
 [[nodiscard]] Expected<void> follow_objects(const Recording& recording,
                                             const std::vector<MovableBody>& bodies,
                                             const Survey& survey, const SurveyOptions& options,
                                             const Observer& observer,
-                                            const std::function<void(const FollowedFrame&)>& use);
+                                            const std::function<void(const FollowedFrame&)>& use,
+                                            const RecordedArm* arm = nullptr);
 
 }  // namespace pcavr

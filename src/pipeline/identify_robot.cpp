@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/robot/link_meshes.hpp"
 #include "pcavr/robot_identification/log_checks.hpp"
 
 namespace pcavr {
@@ -151,6 +152,8 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
                             .clock = {},
                             .signals = {},
                             .fit = {},
+                            .contacts = {},
+                            .payload = {},
                             .replay = {},
                             .notes = matched->notes,
                             .configuration = {}};
@@ -190,10 +193,44 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
   for (std::string& note : fit_notes(found)) found.notes.push_back(std::move(note));
   const std::size_t first = std::min(found.fit.train_rows, found.signals.t.size() - std::size_t{2});
   if (found.fit.is_physical) {
+    found.contacts =
+        observe_contacts(found.log, found.model, found.fit, found.signals.is_sign_changed,
+                         found.signals.t[first], default_tip(found.model), options.contact);
     found.replay =
         replay_motion(found.log, found.signals, found.fit, found.model, first, kReplayDuration);
   }
   return found;
+}
+
+Expected<void> add_payload(JointLog loaded, const RobotIdentificationOptions& options,
+                           const std::string& file, const RobotModel& model,
+                           RobotIdentification& found) {
+  if (Expected<void> applied = apply_gains(options.gains, loaded, file); !applied) return applied;
+  const Expected<MatchedRobot> matched = match_joints(loaded, model);
+  if (!matched) return first_of({matched.error()}, file);
+  if (matched->model.dof != found.model.dof) {
+    return Error{.message = "has other joints than the log of the unloaded arm",
+                 .file = file,
+                 .line = 1,
+                 .hint = "record the same joints in both runs"};
+  }
+  loaded = reordered(loaded, matched->columns);
+  const LogFindings rows = check_rows(loaded, found.model, options.signals.max_gap);
+  if (!rows.errors.empty()) return first_of(rows.errors, file);
+  (void)correct_sample_clock(loaded);
+  JointSignals signals = joint_signals(loaded, options.signals);
+  if (signals.position.rows() < kMinFittedRows) {
+    return Error{
+        .message = fmt::format("only {} rows are left for the fit", signals.position.rows()),
+        .file = file,
+        .hint = "record a longer motion without gaps"};
+  }
+  if (found.signals.is_sign_changed) {
+    signals.torque *= -1.0;
+    signals.torque_rate *= -1.0;
+  }
+  found.payload = identify_payload(signals, found.model, found.fit);
+  return {};
 }
 
 }  // namespace pcavr

@@ -46,6 +46,37 @@ ReportTable error_table(const RobotFit& fit) {
   return table;
 }
 
+ReportTable payload_table(const RobotFit& fit, const Payload& payload) {
+  ReportTable table{.title = "Load", .columns = {"quantity", "value", "± std", "unit"}};
+  table.rows.push_back({"mass", short_number(payload.mass), short_number(payload.mass_std), "kg"});
+  constexpr const char* kAxes[] = {"x", "y", "z"};
+  for (int axis = 0; axis < 3; ++axis) {
+    table.rows.push_back({std::string("centre of mass, ") + kAxes[axis],
+                          short_number(payload.centre_of_mass[axis]),
+                          short_number(payload.centre_of_mass_std[axis]), "m"});
+  }
+  table.note = "In the frame of the link behind joint " + fit.joints.back().name +
+               ": what the loaded run's torques have beyond the unloaded arm's.";
+  return table;
+}
+
+ReportTable contact_table(const RobotFit& fit, const ObservedContacts& contacts) {
+  ReportTable table{.title = "Contact", .columns = {"joint", "threshold (N m)"}};
+  for (std::size_t j = 0; j < fit.joints.size(); ++j) {
+    table.rows.push_back(
+        {fit.joints[j].name, readable(contacts.thresholds[static_cast<Eigen::Index>(j)])});
+  }
+  table.note = fmt::format(
+      "External torque of a momentum observer, from the fitted rows; {} touches are found in the "
+      "held-out rows. A force of {:.3g} N on the tip is found.",
+      contacts.touches.size(), contacts.detectable_force);
+  for (const ObservedContacts::Touch& touch : contacts.touches) {
+    table.note +=
+        fmt::format(" Touch at {:.3f} s, joint {}.", touch.t, fit.joints[touch.joint].name);
+  }
+  return table;
+}
+
 ReportTable friction_table(const JointFit& joint) {
   ReportTable table{.title = "Friction", .columns = {"term", "value", "± std", "unit", "excited"}};
   for (const FittedTerm& term : joint.friction) {
@@ -168,6 +199,8 @@ ReportPage robot_page(const RobotIdentification& found, const std::string& log,
   PageSection all{.title = "All joints"};
   std::vector<ReportTable> tables;
   if (found.replay.is_finite) tables.push_back(replay_table(found));
+  if (found.payload) tables.push_back(payload_table(found.fit, *found.payload));
+  if (found.contacts) tables.push_back(contact_table(found.fit, *found.contacts));
   tables.push_back(base_table(found.fit));
   all.blocks.emplace_back(std::move(tables));
   for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
@@ -201,6 +234,19 @@ void add_joint(Json& json, const RobotIdentification& found, std::size_t index) 
   json[key + "replay.rms_rad"] = found.replay.rms[static_cast<Eigen::Index>(index)];
 }
 
+Json touches_json(const ObservedContacts& contacts) {
+  Json json = Json::array();
+  for (const ObservedContacts::Touch& touch : contacts.touches) {
+    Json entry{{"t", touch.t}, {"joint", touch.joint}};
+    entry["force"] = nullptr;
+    if (touch.force_base) {
+      entry["force"] = {touch.force_base->x(), touch.force_base->y(), touch.force_base->z()};
+    }
+    json.push_back(entry);
+  }
+  return json;
+}
+
 std::string format_json(const RobotIdentification& found, const std::string& log,
                         const std::string& robot) {
   Json json;
@@ -230,6 +276,22 @@ std::string format_json(const RobotIdentification& found, const std::string& log
                                        {"value", entry.value},
                                        {"std", entry.std},
                                        {"is_excited", entry.is_excited}});
+  }
+  if (found.contacts) {
+    json["contact.detectable_force"] = found.contacts->detectable_force;
+    json["contact.touches"] = touches_json(*found.contacts);
+    for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
+      json["joint." + found.fit.joints[j].name + ".contact_threshold"] =
+          found.contacts->thresholds[static_cast<Eigen::Index>(j)];
+    }
+  }
+  if (found.payload) {
+    json["payload.mass"] = found.payload->mass;
+    json["payload.mass_std"] = found.payload->mass_std;
+    for (int axis = 0; axis < 3; ++axis) {
+      json["payload.centre_of_mass"].push_back(found.payload->centre_of_mass[axis]);
+      json["payload.centre_of_mass_std"].push_back(found.payload->centre_of_mass_std[axis]);
+    }
   }
   json["notes"] = found.notes;
   return json_text(json, 2) + '\n';

@@ -75,7 +75,7 @@ Expected<void> copy_named_files(const Manifest& manifest, const fs::path& from,
   for (const ObjectEntry& object : manifest.objects) {
     if (!object.mesh.empty()) files.push_back(object.mesh);
   }
-  if (manifest.urdf) files.push_back(*manifest.urdf);
+  if (manifest.robot) files.push_back(manifest.robot->urdf);
   for (const fs::path& file : files) {
     const Expected<std::string> bytes = read_file(from / file);
     if (!bytes) return bytes.error();

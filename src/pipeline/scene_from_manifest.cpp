@@ -88,7 +88,8 @@ Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_siz
   if (!bodies) return bodies.error();
   Expected<std::vector<MovableBody>> immovable = load_immovable_bodies(recording, perception.cad);
   if (!immovable) return immovable.error();
-  if (bodies->empty() && immovable->empty()) return missing_pose_error(recording, {});
+  if (bodies->empty() && immovable->empty() && !recording.manifest.robot)
+    return missing_pose_error(recording, {});
   std::move(immovable->begin(), immovable->end(), std::back_inserter(*bodies));
   for (const MovableBody& body : *bodies) {
     const auto findings = check_body(recording.manifest, body.entry, body.model,
@@ -101,6 +102,7 @@ Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_siz
               .occupancy = OccupancyMap(occupancy),
               .support_planes = {},
               .objects = {},
+              .robot = {},
               .tags = scene_tags(recording.manifest),
               .camera_trajectory = {},
               .quality = {},

@@ -167,9 +167,13 @@ Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folde
     }
   }
   if (const std::optional<YamlValue> robot = root.find("robot")) {
-    robot->expect_keys({"urdf"});
+    robot->expect_keys({"urdf", "pose", "tip"});
     if (const std::optional<YamlValue> urdf = robot->find("urdf")) {
-      manifest.urdf = path_of(*urdf, folder);
+      manifest.robot = RobotEntry{.urdf = path_of(*urdf, folder)};
+      if (const auto pose = robot->find("pose")) manifest.robot->T_base_robot = pose_of(*pose);
+      if (const auto tip = robot->find("tip")) manifest.robot->tip = tip->text();
+    } else if (robot->find("pose") || robot->find("tip")) {
+      robot->fail("has no urdf", "add the arm's description, or remove the robot");
     }
   }
   return manifest;

@@ -108,9 +108,11 @@ std::string format_manifest(const Manifest& manifest) {
     if (manifest.tool_material) emit_material(out, *manifest.tool_material);
     out << YAML::EndMap;
   }
-  if (manifest.urdf) {
+  if (manifest.robot) {
     out << YAML::Key << "robot" << YAML::Value << YAML::BeginMap;
-    emit(out, "urdf", manifest.urdf->string());
+    emit(out, "urdf", manifest.robot->urdf.string());
+    emit_pose(out, manifest.robot->T_base_robot);
+    if (manifest.robot->tip) emit(out, "tip", *manifest.robot->tip);
     out << YAML::EndMap;
   }
   out << YAML::EndMap;

@@ -60,6 +60,12 @@ std::string format_object(const CadModel& model) {
   return glb.finish(glb.add_node(model.name, Pose(), mesh), {});
 }
 
+std::string format_link(const SceneRobot::Link& link) {
+  GlbWriter glb;
+  const int mesh = glb.add_mesh(link.name, with_sharp_edges(link.mesh_link), GlbMaterial::body);
+  return glb.finish(glb.add_node(link.name, Pose(), mesh), {});
+}
+
 /// Writes a file; creates its folder where needed.
 Expected<void> write_with_folder(const fs::path& file, const std::string& content) {
   std::error_code code;
@@ -90,6 +96,13 @@ Expected<void> write_scene(const Scene& scene, const fs::path& folder, Paralleli
   for (const SceneObject& object : scene.objects) {
     files.push_back(
         {object_file(object.model.name), [&model = object.model] { return format_object(model); }});
+  }
+  if (scene.robot) {
+    files.push_back({kRobotFile, [&] { return scene.robot->urdf; }});
+    for (std::size_t i = 0; i < scene.robot->links.size(); ++i) {
+      files.push_back(
+          {link_file(i), [&link = scene.robot->links[i]] { return format_link(link); }});
+    }
   }
   for (std::size_t level = 1; level < scene.levels_of_detail_base.size(); ++level) {
     files.push_back({level_of_detail_file(level),

@@ -69,6 +69,25 @@ void emit_object(YAML::Emitter& out, const SceneObjectEntry& object) {
   out << YAML::EndMap;
 }
 
+void emit_robot(YAML::Emitter& out, const SceneRobotEntry& robot) {
+  emit_section(out, "robot");
+  out << YAML::BeginMap;
+  emit(out, "urdf", robot.urdf.string());
+  emit_pose(out, "pose", robot.T_base_robot);
+  emit(out, "tip", robot.tip);
+  out << YAML::Key << "joints" << YAML::Value << YAML::Flow << robot.joints;
+  out << YAML::Key << "position" << YAML::Value;
+  emit_list(out, robot.position);
+  out << YAML::Key << "links" << YAML::Value << YAML::BeginSeq;
+  for (const SceneRobotEntry::Link& link : robot.links) {
+    out << YAML::Flow << YAML::BeginMap;
+    emit(out, "name", link.name);
+    emit(out, "mesh", link.mesh.string());
+    out << YAML::EndMap;
+  }
+  out << YAML::EndSeq << YAML::EndMap;
+}
+
 void emit_tag(YAML::Emitter& out, const MarkerEntry& tag) {
   out << YAML::Flow << YAML::BeginMap;
   emit(out, "family", tag.id.family);
@@ -186,6 +205,10 @@ std::filesystem::path object_file(const std::string& name) {
   return std::filesystem::path("objects") / (name + ".glb");
 }
 
+std::filesystem::path link_file(std::size_t index) {
+  return std::filesystem::path("robot") / ("link_" + std::to_string(index) + ".glb");
+}
+
 std::filesystem::path level_of_detail_file(std::size_t level) {
   if (level == 0) return kDisplayFile;
   return std::filesystem::path("lod") / ("static_mesh_" + std::to_string(level) + ".glb");
@@ -210,6 +233,18 @@ SceneManifest manifest_of(const Scene& scene) {
                                 .is_movable = object.is_movable,
                                 .hertz_stiffness = object.hertz_stiffness,
                                 .simplified = simplified_of(object.model)});
+  }
+  if (scene.robot) {
+    const SceneRobot& robot = *scene.robot;
+    manifest.robot = SceneRobotEntry{.urdf = kRobotFile,
+                                     .T_base_robot = robot.T_base_robot,
+                                     .tip = robot.tip,
+                                     .joints = robot.joints,
+                                     .position = robot.position,
+                                     .links = {}};
+    for (std::size_t i = 0; i < robot.links.size(); ++i) {
+      manifest.robot->links.push_back({robot.links[i].name, link_file(i)});
+    }
   }
   manifest.tags = scene.tags;
   manifest.support_planes = scene.support_planes;
@@ -242,6 +277,7 @@ std::string format_scene_manifest(const SceneManifest& manifest) {
   out << YAML::BeginSeq;
   for (const SceneObjectEntry& object : manifest.objects) emit_object(out, object);
   out << YAML::EndSeq;
+  if (manifest.robot) emit_robot(out, *manifest.robot);
   emit_section(out, "tags");
   out << YAML::BeginSeq;
   for (const MarkerEntry& tag : manifest.tags) emit_tag(out, tag);

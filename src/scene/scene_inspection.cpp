@@ -56,6 +56,7 @@ class Inspection {
     check_trajectory();
     check_preview();
     for (const SceneObjectEntry& object : manifest_.objects) check_object(object);
+    if (manifest_.robot) check_robot(*manifest_.robot);
     return std::move(checks_);
   }
 
@@ -213,6 +214,21 @@ class Inspection {
                  " within " + rounded(1e3 * simplification->max_error, 3) + " mm, ";
     }
     report(object.mesh, summary + rounded(1e3 * model->volume, 3) + " litres, " + object.evidence,
+           "");
+  }
+
+  void check_robot(const SceneRobotEntry& robot) {
+    std::size_t triangles = 0;
+    for (const SceneRobotEntry::Link& link : robot.links) {
+      const Expected<TriangleMesh> mesh = read_mesh(manifest_.folder / link.mesh);
+      if (!mesh) return report(link.mesh, mesh.error());
+      triangles += mesh->triangles.size();
+    }
+    const Expected<std::string> urdf = read_file(manifest_.folder / robot.urdf);
+    if (!urdf) return report(robot.urdf, urdf.error());
+    report(robot.urdf,
+           std::to_string(robot.joints.size()) + " joints, " + std::to_string(robot.links.size()) +
+               " links of " + with_digit_groups(triangles) + " triangles",
            "");
   }
 

@@ -107,6 +107,21 @@ SceneObjectEntry object_of(const YamlValue& value) {
   return object;
 }
 
+SceneRobotEntry robot_of(const YamlValue& value) {
+  value.expect_keys({"urdf", "pose", "tip", "joints", "position", "links"});
+  SceneRobotEntry robot;
+  robot.urdf = path_of(value.at("urdf"));
+  robot.T_base_robot = pose_of(value.at("pose"));
+  robot.tip = value.at("tip").text();
+  for (const YamlValue& joint : value.at("joints").items()) robot.joints.push_back(joint.text());
+  robot.position = value.at("position").numbers(robot.joints.size());
+  for (const YamlValue& link : value.at("links").items()) {
+    link.expect_keys({"name", "mesh"});
+    robot.links.push_back({link.at("name").text(), path_of(link.at("mesh"))});
+  }
+  return robot;
+}
+
 /// A tag of base, unless it has an object.
 MarkerEntry tag_of(const YamlValue& value) {
   value.expect_keys({"family", "id", "size", "object", "pose"});
@@ -217,7 +232,7 @@ std::vector<std::filesystem::path> levels_of(const YamlValue& files) {
 
 SceneManifest manifest_of_yaml(const YamlValue& root) {
   root.expect_keys({"format", "made_by", "recording", "camera", "voxel_size", "files", "objects",
-                    "tags", "support_planes", "lines", "quality", "configuration"});
+                    "robot", "tags", "support_planes", "lines", "quality", "configuration"});
   const YamlValue format = root.at("format");
   if (format.text() != kFormat) {
     format.fail("is '" + format.text() + "'", std::string("this version reads ") + kFormat);
@@ -234,6 +249,7 @@ SceneManifest manifest_of_yaml(const YamlValue& root) {
   for (const YamlValue& object : root.at("objects").items()) {
     manifest.objects.push_back(object_of(object));
   }
+  if (const auto robot = root.find("robot")) manifest.robot = robot_of(*robot);
   if (const auto tags = root.find("tags")) {
     for (const YamlValue& tag : tags->items()) manifest.tags.push_back(tag_of(tag));
   }

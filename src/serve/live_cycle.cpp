@@ -15,10 +15,14 @@ std::vector<std::string> names_of(const HapticWorld& world) {
   return names;
 }
 
-WorldSnapshot first_snapshot(const HapticWorld& world) {
+WorldSnapshot first_snapshot(const HapticWorld& world, const LiveArm* arm) {
   WorldSnapshot snapshot;
   snapshot.world = world.state();
   snapshot.speeds.assign(world.size(), 0.0);
+  if (arm != nullptr) {
+    snapshot.arm = arm->follower.state();
+    snapshot.arm_meets_scan = arm->has_scan;
+  }
   return snapshot;
 }
 
@@ -30,15 +34,16 @@ std::uint32_t cycles_per_slice(double cycle) {
 }  // namespace
 
 LiveCycle::LiveCycle(HapticWorld world, std::unique_ptr<Device> device,
-                     const LiveWorldOptions& options)
+                     const LiveWorldOptions& options, std::unique_ptr<LiveArm> arm)
     : world_(std::move(world)),
       device_(std::move(device)),
       page_device_(dynamic_cast<RemoteDevice*>(device_.get())),
+      arm_(std::move(arm)),
       options_(options),
       names_(names_of(world_)),
       pulses_(world_.size(), options.full_scale_force, options.vibration),
       histogram_(cycles_per_slice(options.cycle)),
-      buffer_((world_.reset(options.p_base_tool_start), first_snapshot(world_))),
+      buffer_((world_.reset(options.p_base_tool_start), first_snapshot(world_, arm_.get()))),
       speeds_(world_.size(), 0.0) {
   PCAVR_REQUIRE(device_ != nullptr);
   command_.p_base_tip = options.p_base_tool_start;
@@ -67,6 +72,7 @@ void LiveCycle::reset_if_requested(const DeviceSample& sample) noexcept {
   resets_done_ = requested;
   world_.reset(options_.p_base_tool_start);
   pulses_.reset();
+  if (arm_) arm_->follower.reset();
   command_.p_base_tip = world_.state().p_base_hip;
   p_tip_offset_ = command_.p_base_tip - sample.p_base_tip;
   for (std::size_t i = 0; i < positions_.size(); ++i) {
@@ -82,6 +88,16 @@ void LiveCycle::measure_speeds() noexcept {
   }
 }
 
+void LiveCycle::move_arm() noexcept {
+  const Pose T_robot_base = arm_->T_base_robot.inverse();
+  const std::size_t first_body = arm_->has_scan ? 1 : 0;
+  const HapticWorldState& state = world_.state();
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    arm_->follower.place_surface(first_body + i, T_robot_base * state.bodies[i].T_base_object);
+  }
+  arm_->follower.follow(T_robot_base * state.p_base_proxy, options_.cycle);
+}
+
 void LiveCycle::step(double t) noexcept {
   const HapticWorldState& state = world_.state();
   const DeviceSample sample = device_->exchange(
@@ -90,6 +106,7 @@ void LiveCycle::step(double t) noexcept {
   was_on_hold_ = is_on_hold_.load(std::memory_order_relaxed);
   command_ = command_from(sample, was_on_hold_);
   world_.step(command_, options_.cycle);
+  if (arm_) move_arm();
   ++cycles_;
   pulses_.step(state, options_.cycle);
   measure_speeds();
@@ -108,6 +125,7 @@ void LiveCycle::publish(double duration, std::uint32_t late_cycles, double now) 
   snapshot.cycles = cycles_;
   snapshot.late_cycles = late_cycles;
   snapshot.times = histogram_.times();
+  if (arm_) *snapshot.arm = arm_->follower.state();
   if (page_device_ != nullptr) snapshot.page = page_device_->status();
   buffer_.publish();
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pcavr/serve/live_world.hpp"
+#include "pcavr/serve/scene_arm.hpp"
 
 #include "cycle_histogram.hpp"
 #include "pulse_generator.hpp"
@@ -15,10 +16,11 @@
 
 namespace pcavr {
 
-/// One cycle of a live world, without a clock: device, world, vibration, publish.
+/// One cycle of a live world, without a clock: device, world, arm, vibration, publish.
 class LiveCycle {
  public:
-  LiveCycle(HapticWorld world, std::unique_ptr<Device> device, const LiveWorldOptions& options);
+  LiveCycle(HapticWorld world, std::unique_ptr<Device> device, const LiveWorldOptions& options,
+            std::unique_ptr<LiveArm> arm = nullptr);
 
   /// One thread; never allocates, locks, waits or throws. `t` [s]: the device's clock.
   void step(double t) noexcept;
@@ -38,10 +40,12 @@ class LiveCycle {
   [[nodiscard]] ToolCommand command_from(const DeviceSample& sample, bool is_on_hold) noexcept;
   void reset_if_requested(const DeviceSample& sample) noexcept;
   void measure_speeds() noexcept;
+  void move_arm() noexcept;
 
   HapticWorld world_;
   std::unique_ptr<Device> device_;
   RemoteDevice* page_device_;
+  std::unique_ptr<LiveArm> arm_;
   LiveWorldOptions options_;
   std::vector<std::string> names_;
   PulseGenerator pulses_;

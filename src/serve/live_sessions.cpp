@@ -25,6 +25,31 @@ void copy_bodies(const WorldSnapshot& snapshot, LiveState& state) {
   }
 }
 
+void copy_arm(const WorldSnapshot& snapshot, bool has_scan, LiveState& state) {
+  if (!snapshot.arm) return;
+  if (!state.arm) state.arm.emplace();
+  const ArmState& arm = *snapshot.arm;
+  state.arm->position.resize(static_cast<std::size_t>(arm.q.size()));
+  for (std::size_t i = 0; i < state.arm->position.size(); ++i) {
+    state.arm->position[i] = static_cast<float>(arm.q[static_cast<Eigen::Index>(i)]);
+  }
+  state.arm->is_stopped = arm.is_stopped;
+  state.arm->is_reached = arm.is_reached;
+  state.arm->nearest.reset();
+  if (!arm.nearest) return;
+  state.arm->nearest = LiveArmState::Nearest{static_cast<float>(arm.nearest->distance),
+                                             static_cast<std::uint32_t>(arm.nearest->link),
+                                             {},
+                                             {}};
+  if (arm.nearest->other_link) {
+    state.arm->nearest->other_link = static_cast<std::uint32_t>(*arm.nearest->other_link);
+  }
+  const std::size_t first_body = has_scan ? 1 : 0;
+  if (arm.nearest->surface && *arm.nearest->surface >= first_body) {
+    state.arm->nearest->object = static_cast<std::uint32_t>(*arm.nearest->surface - first_body);
+  }
+}
+
 void copy_world(const WorldSnapshot& snapshot, LiveState& state) {
   state.t = snapshot.t;
   state.is_engaged = snapshot.world.is_engaged;
@@ -42,6 +67,7 @@ void copy_world(const WorldSnapshot& snapshot, LiveState& state) {
   state.cycle_p99 = static_cast<float>(snapshot.times.p99);
   state.cycle_longest = static_cast<float>(snapshot.times.longest);
   copy_bodies(snapshot, state);
+  copy_arm(snapshot, snapshot.arm_meets_scan, state);
 }
 
 }  // namespace

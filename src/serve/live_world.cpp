@@ -60,8 +60,9 @@ void set_priority(std::thread& thread, int real_time_priority, std::vector<std::
 }  // namespace
 
 struct LiveWorld::Content {
-  Content(HapticWorld world, std::unique_ptr<Device> device, const LiveWorldOptions& options)
-      : cycle(std::move(world), std::move(device), options),
+  Content(HapticWorld world, std::unique_ptr<Device> device, const LiveWorldOptions& options,
+          std::unique_ptr<LiveArm> arm)
+      : cycle(std::move(world), std::move(device), options, std::move(arm)),
         period(static_cast<std::int64_t>(std::llround(options.cycle * 1e9))),
         thread_priority(options.thread_priority),
         max_backlog(options.max_backlog) {}
@@ -96,8 +97,9 @@ struct LiveWorld::Content {
 };
 
 LiveWorld::LiveWorld(HapticWorld world, std::unique_ptr<Device> device,
-                     const LiveWorldOptions& options)
-    : content_(std::make_unique<Content>(std::move(world), std::move(device), options)) {}
+                     const LiveWorldOptions& options, std::unique_ptr<LiveArm> arm)
+    : content_(std::make_unique<Content>(std::move(world), std::move(device), options,
+                                         std::move(arm))) {}
 
 LiveWorld::~LiveWorld() { stop(); }
 

@@ -11,6 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "pcavr/core/json_text.hpp"
+#include "pcavr/pipeline/identify_robot.hpp"
+#include "pcavr/robot_identification/log_checks.hpp"
+#include "pcavr/serve/scene_arm.hpp"
 
 #include "content_text.hpp"
 #include "replay_rows.hpp"
@@ -116,8 +119,25 @@ Json frames_json(const Recording& recording, double start) {
       {"t", times}, {"width", camera ? camera->width : 0}, {"height", camera ? camera->height : 0}};
 }
 
-Json replay_json(const Recording& recording, const Replay& replay, ReplaySpan span,
-                 ReplayTables& tables) {
+/// The recorded joints in the order of the scene's arm; nothing where either is missing.
+Expected<std::optional<JointLog>> arm_log(const Recording& recording, const SceneManifest& scene) {
+  const Expected<std::optional<SceneArm>> arm = read_scene_arm(scene);
+  if (!arm) return arm.error();
+  if (!*arm || recording.joints.empty()) return std::optional<JointLog>();
+  const Expected<JointLog> log = read_joint_log(recording.folder, false);
+  if (!log) return log.error();
+  const Expected<MatchedRobot> matched = match_joints(*log, (*arm)->model);
+  if (!matched) return matched.error();
+  if (matched->columns.size() != (*arm)->model.dof) {
+    return Error{.message = "has other joints than the scene's arm",
+                 .file = (recording.folder / "joints.csv").string(),
+                 .hint = "replay the recording in the scene that was built from it"};
+  }
+  return std::optional<JointLog>(reordered(*log, matched->columns));
+}
+
+Json replay_json(const Recording& recording, const Replay& replay,
+                 const std::optional<JointLog>& arm, ReplaySpan span, ReplayTables& tables) {
   Json json = {{"duration", span.end - span.start}, {"start", span.start}};
   json["delays"] = {{"forward", replay.teleop_options.forward_delay},
                     {"backward", replay.teleop_options.backward_delay}};
@@ -129,6 +149,8 @@ Json replay_json(const Recording& recording, const Replay& replay, ReplaySpan sp
     json["objects"].push_back(object_json(replay, i, span.start, tables));
   }
   json["tool"] = table_json(tables.add_tool(recording.tool, recording.wrench));
+  json["arm"] = nullptr;
+  if (arm) json["arm"] = table_json(tables.add_arm(*arm));
   json["corrections"] = corrections_json(replay, span.start);
   json["frames"] = frames_json(recording, span.start);
   return json;
@@ -142,7 +164,9 @@ Expected<ReplayContent> ReplayContent::create(const Recording& recording,
                                               const ContentOptions& options) {
   const ReplaySpan span = span_of(recording, replay);
   ReplayTables tables(span.start);
-  const Json json = replay_json(recording, replay, span, tables);
+  const Expected<std::optional<JointLog>> arm = arm_log(recording, scene);
+  if (!arm) return arm.error();
+  const Json json = replay_json(recording, replay, *arm, span, tables);
   ReplayContent content;
   content.json_ = std::make_shared<const Content>(make_content(kJsonMedia, json_text(json)));
   content.bytes_ = std::make_shared<const Content>(make_content(kBinaryMedia, tables.bytes()));

@@ -182,6 +182,21 @@ ReplayTable ReplayTables::add_tool(const Trajectory& tool,
   return table;
 }
 
+ReplayTable ReplayTables::add_arm(const JointLog& log) {
+  ReplayTable table = begin();
+  double next = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < log.stamps.size(); ++i) {
+    const double t = log.stamps[i].seconds();
+    const bool is_due = t >= next - kRounding;
+    if (!is_due && i + 1 < log.stamps.size()) continue;
+    if (is_due) next = t + kPoseInterval;
+    append_time(t);
+    for (const double q : log.position.row(static_cast<Eigen::Index>(i))) append(q);
+    ++table.rows;
+  }
+  return table;
+}
+
 std::vector<ReplayTables::Error> replay_errors(const std::vector<ShownPose>& shown,
                                                const std::vector<TrackedPose>& tracked) {
   Trajectory predicted;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pcavr/pipeline/replay.hpp"
+#include "pcavr/recording/joint_log.hpp"
 #include "pcavr/recording/recording.hpp"
 
 namespace pcavr {
@@ -40,6 +41,9 @@ class ReplayTables {
   ReplayTable add_errors(const std::vector<Error>& errors);
   /// The wrench is that of the last sample before; NaN if there is none.
   ReplayTable add_tool(const Trajectory& tool, const std::vector<WrenchSample>& wrench);
+
+  /// Time and joint positions; at most 200 rows a second, and the last.
+  ReplayTable add_arm(const JointLog& log);
 
   [[nodiscard]] const std::string& bytes() const { return bytes_; }
 

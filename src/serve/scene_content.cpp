@@ -12,6 +12,7 @@
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/scene/glb_file.hpp"
 #include "pcavr/scene/scene_text.hpp"
+#include "pcavr/serve/scene_arm.hpp"
 
 #include "content_text.hpp"
 #include "packed_mesh.hpp"
@@ -82,7 +83,7 @@ Expected<void> make_occupancy(Item& item, const std::filesystem::path& file,
   return {};
 }
 
-/// Levels of detail first, then cloud, occupancy and the objects.
+/// Levels of detail first, then cloud, occupancy, the objects and the arm's links.
 std::vector<Item> items_of(const SceneManifest& scene, const ContentOptions& options) {
   std::vector<Item> items;
   const auto add = [&](const std::string& path, const std::filesystem::path& file, auto make) {
@@ -97,6 +98,10 @@ std::vector<Item> items_of(const SceneManifest& scene, const ContentOptions& opt
   add("/scene/occupancy.bin", kOccupancyFile, make_occupancy);
   for (const SceneObjectEntry& object : scene.objects) {
     add("/scene/objects/" + object.name + ".glb", object.mesh, make_object);
+  }
+  if (!scene.robot) return items;
+  for (std::size_t i = 0; i < scene.robot->links.size(); ++i) {
+    add("/scene/" + link_file(i).string(), scene.robot->links[i].mesh, make_object);
   }
   return items;
 }
@@ -115,6 +120,9 @@ SceneFiles scene_files(const std::vector<Item>& items, const SceneManifest& scen
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     files.objects.push_back(scene_file(items[levels + 2 + i]));
     files.objects.back().path = "/scene/objects/" + percent_encoded(scene.objects[i].name) + ".glb";
+  }
+  for (std::size_t i = levels + 2 + scene.objects.size(); i < items.size(); ++i) {
+    files.links.push_back(scene_file(items[i]));
   }
   return files;
 }
@@ -141,6 +149,8 @@ Expected<SceneContent> SceneContent::create(const SceneManifest& scene,
                                             const ContentOptions& options) {
   const Expected<Trajectory> camera = read_trajectory(scene.folder / kTrajectoryFile);
   if (!camera) return camera.error();
+  const Expected<std::optional<SceneArm>> arm = read_scene_arm(scene);
+  if (!arm) return arm.error();
   std::vector<Item> items = items_of(scene, options);
   parallel_for(parallelism, items.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -151,7 +161,7 @@ Expected<SceneContent> SceneContent::create(const SceneManifest& scene,
   if (const auto checked = check(items, observer); !checked) return checked.error();
   SceneContent content;
   const std::string text =
-      json_text(scene_json(scene, scene_files(items, scene), parameters, *camera));
+      json_text(scene_json(scene, scene_files(items, scene), *arm, parameters, *camera));
   content.contents_["/api/scene.json"] =
       std::make_shared<const Content>(make_content(kJsonMedia, text));
   for (Item& item : items) {

@@ -69,6 +69,44 @@ Json plane_json(const SupportPlane& plane) {
   return {{"outline", outline}};
 }
 
+Json index_json(const std::optional<std::size_t>& index) {
+  return index ? Json(*index) : Json(nullptr);
+}
+
+Json joint_json(const RobotJoint& joint) {
+  Json json = {{"name", joint.name}, {"parent", index_json(joint.parent)}};
+  add_pose(json, joint.T_parent_joint);
+  json["axis"] = vector_json(joint.axis);
+  json["slides"] = joint.kind == JointKind::kPrismatic;
+  json["coordinate"] = joint.coordinate;
+  json["multiplier"] = joint.multiplier;
+  json["offset"] = joint.offset;
+  return json;
+}
+
+/// What the page needs for forward kinematics, and the links' meshes.
+Json robot_json(const SceneArm& arm, const SceneRobotEntry& entry, const SceneFiles& files) {
+  Json json = {{"name", arm.model.name}, {"tip", entry.tip}};
+  add_pose(json, arm.T_base_robot);
+  json["start"] = entry.position;
+  json["joints"] = Json::array();
+  for (const RobotJoint& joint : arm.model.joints) json["joints"].push_back(joint_json(joint));
+  json["links"] = Json::array();
+  for (const RobotLink& link : arm.model.links) {
+    Json link_json = {{"name", link.name}, {"joint", index_json(link.joint)}};
+    add_pose(link_json, link.T_joint_link);
+    link_json["path"] = nullptr;
+    link_json["bytes"] = 0;
+    for (std::size_t i = 0; i < entry.links.size(); ++i) {
+      if (entry.links[i].name != link.name) continue;
+      link_json["path"] = files.links[i].path;
+      link_json["bytes"] = files.links[i].bytes;
+    }
+    json["links"].push_back(link_json);
+  }
+  return json;
+}
+
 /// One pose of a fixed camera, else poses spaced evenly over its frames.
 Json cameras_json(const Trajectory& camera, bool is_fixed) {
   Json cameras = Json::array();
@@ -91,7 +129,8 @@ std::string scene_name(const SceneManifest& scene) {
 }
 
 Json scene_json(const SceneManifest& scene, const SceneFiles& files,
-                const std::optional<ParameterTable>& parameters, const Trajectory& camera) {
+                const std::optional<SceneArm>& arm, const std::optional<ParameterTable>& parameters,
+                const Trajectory& camera) {
   Json json = {{"name", scene_name(scene)}, {"protocol", kLiveProtocolVersion}, {"up", {0, 0, 1}}};
   json["mesh"] = Json::array();
   for (const SceneFile& level : files.mesh) json["mesh"].push_back(file_json(level, "triangles"));
@@ -105,6 +144,8 @@ Json scene_json(const SceneManifest& scene, const SceneFiles& files,
     json["objects"].push_back(object_json(
         object, files.objects[i], is_known ? parameters->at(object.name) : ObjectParameters{}));
   }
+  json["robot"] = nullptr;
+  if (arm) json["robot"] = robot_json(*arm, *scene.robot, files);
   json["tags"] = Json::array();
   for (const MarkerEntry& tag : scene.tags) json["tags"].push_back(tag_json(tag));
   json["support_planes"] = Json::array();

@@ -12,6 +12,7 @@
 #include "pcavr/geometry/trajectory.hpp"
 #include "pcavr/object/object_parameters.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/serve/scene_arm.hpp"
 
 namespace pcavr {
 
@@ -30,10 +31,12 @@ struct SceneFiles {
   SceneFile occupancy;
   double occupancy_edge = 0.0;     ///< [m]
   std::vector<SceneFile> objects;  ///< in the scene's order
+  std::vector<SceneFile> links;    ///< of the arm, in the scene's order
 };
 
 /// /api/scene.json of docs/live-protocol.md.
 [[nodiscard]] nlohmann::ordered_json scene_json(const SceneManifest& scene, const SceneFiles& files,
+                                                const std::optional<SceneArm>& arm,
                                                 const std::optional<ParameterTable>& parameters,
                                                 const Trajectory& camera);
 

@@ -57,6 +57,47 @@ std::uint32_t flags_of(const LiveState& state) {
          (state.tool_taken ? kToolTaken : 0U);
 }
 
+constexpr std::uint32_t kArmStopped = 1;
+constexpr std::uint32_t kArmReached = 2;
+constexpr std::uint32_t kArmHasNearest = 4;
+constexpr std::uint32_t kArmNearItself = 8;
+constexpr std::size_t kArmBytes = 20;  ///< before the joints' positions
+
+/// The other link, the object, or kNoObject for the scan.
+std::uint32_t other_of(const LiveArmState::Nearest& nearest) {
+  return nearest.other_link.value_or(nearest.object.value_or(kNoObject));
+}
+
+void write_arm(const LiveArmState& arm, ByteWriter& writer) {
+  const LiveArmState::Nearest nearest = arm.nearest.value_or(LiveArmState::Nearest{});
+  writer.integer(static_cast<std::uint32_t>(arm.position.size()));
+  writer.integer((arm.is_stopped ? kArmStopped : 0U) | (arm.is_reached ? kArmReached : 0U) |
+                 (arm.nearest ? kArmHasNearest : 0U) | (nearest.other_link ? kArmNearItself : 0U));
+  writer.f32(nearest.distance);
+  writer.integer(nearest.link);
+  writer.integer(other_of(nearest));
+  for (const float position : arm.position) writer.f32(position);
+}
+
+/// The rest of a message; nothing if it is not exactly an arm.
+std::optional<LiveArmState> read_arm(ByteReader& reader) {
+  LiveArmState arm;
+  const std::size_t bytes = reader.rest().size();
+  const auto count = reader.integer<std::uint32_t>();
+  if (bytes != kArmBytes + 4 * std::size_t{count}) return std::nullopt;
+  arm.position.resize(count);
+  const auto flags = reader.integer<std::uint32_t>();
+  arm.is_stopped = (flags & kArmStopped) != 0;
+  arm.is_reached = (flags & kArmReached) != 0;
+  LiveArmState::Nearest nearest{reader.f32(), reader.integer<std::uint32_t>(), {}, {}};
+  const auto other = reader.integer<std::uint32_t>();
+  if ((flags & kArmNearItself) != 0) nearest.other_link = other;
+  if ((flags & kArmNearItself) == 0 && other != kNoObject) nearest.object = other;
+  if ((flags & kArmHasNearest) != 0) arm.nearest = nearest;
+  for (float& position : arm.position) position = reader.f32();
+  return arm;
+}
+
 void write_state(const LiveState& state, ByteWriter& writer) {
   writer.f64(state.t);
   writer.f64(state.page_clock);
@@ -75,6 +116,7 @@ void write_state(const LiveState& state, ByteWriter& writer) {
   }
   writer.integer(static_cast<std::uint32_t>(state.objects.size()));
   for (const LiveObject& object : state.objects) write_object(object, writer);
+  if (state.arm) write_arm(*state.arm, writer);
 }
 
 void read_flags(std::uint32_t flags, LiveState& state) {
@@ -105,11 +147,16 @@ Expected<ServerMessage> read_state(const LiveFrame& frame) {
     *value = reader.f32();
   }
   const auto count = reader.integer<std::uint32_t>();
-  if (!reader.is_valid() || reader.rest().size() != std::size_t{count} * kObjectBytes) {
+  if (!reader.is_valid() || reader.rest().size() < std::size_t{count} * kObjectBytes) {
     return invalid_message("a state has the wrong length");
   }
   state.objects.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) state.objects.push_back(read_object(reader));
+  const bool has_arm = !reader.is_at_end();
+  if (has_arm) state.arm = read_arm(reader);
+  if (has_arm && !state.arm) {
+    return invalid_message("a state has the wrong length");
+  }
   return ServerMessage{frame.header, std::move(state)};
 }
 

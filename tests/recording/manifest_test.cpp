@@ -15,18 +15,18 @@ namespace pcavr {
 namespace {
 
 const std::string kFull =
-    "format: pcavr-recording/1\n"                                                  // 1
-    "camera: {width: 640, height: 480, fx: 525, fy: 524, cx: 319.5, cy: 239.5,\n"  // 2
-    "  distortion: [0.1, -0.2, 0.001, 0.002, 0.05], depth_scale: 5000}\n"          // 3
-    "objects:\n"                                                                   // 4
-    "  - {name: box, mesh: objects/box.obj, mass: 3.0, movable: true}\n"           // 5
-    "markers:\n"                                                                   // 6
-    "  - {family: tag36h11, id: 0, size: 0.16, role: base,\n"                      // 7
-    "     pose: {t: [0.55, 0.3, 0], q: [0, 0, 0, 1]}}\n"                           // 8
-    "  - {family: tag36h11, id: 5, size: 0.08, role: object, object: box,\n"       // 9
-    "     pose: {t: [0, 0, 0.0625], q: [0.5, 0.5, 0.5, 0.5]}}\n"                   // 10
-    "tool: {radius: 0.01}\n"                                                       // 11
-    "robot: {urdf: robot.urdf}\n";                                                 // 12
+    "format: pcavr-recording/1\n"                                                       // 1
+    "camera: {width: 640, height: 480, fx: 525, fy: 524, cx: 319.5, cy: 239.5,\n"       // 2
+    "  distortion: [0.1, -0.2, 0.001, 0.002, 0.05], depth_scale: 5000}\n"               // 3
+    "objects:\n"                                                                        // 4
+    "  - {name: box, mesh: objects/box.obj, mass: 3.0, movable: true}\n"                // 5
+    "markers:\n"                                                                        // 6
+    "  - {family: tag36h11, id: 0, size: 0.16, role: base,\n"                           // 7
+    "     pose: {t: [0.55, 0.3, 0], q: [0, 0, 0, 1]}}\n"                                // 8
+    "  - {family: tag36h11, id: 5, size: 0.08, role: object, object: box,\n"            // 9
+    "     pose: {t: [0, 0, 0.0625], q: [0.5, 0.5, 0.5, 0.5]}}\n"                        // 10
+    "tool: {radius: 0.01}\n"                                                            // 11
+    "robot: {urdf: robot.urdf, pose: {t: [0.1, 0, 0], q: [0, 0, 0, 1]}, tip: hand}\n";  // 12
 
 /// The full manifest with one text replaced by another.
 std::string full_with(const std::string& from, const std::string& to) {
@@ -54,7 +54,10 @@ TEST(Manifest, ContainsEveryKeyOfTheFile) {
   EXPECT_EQ(manifest->objects[0].mass, 3.0);
   EXPECT_TRUE(manifest->objects[0].is_movable);
   EXPECT_EQ(manifest->tool_radius, 0.01);
-  EXPECT_EQ(manifest->urdf, "robot.urdf");
+  ASSERT_TRUE(manifest->robot.has_value());
+  EXPECT_EQ(manifest->robot->urdf, "robot.urdf");
+  EXPECT_EQ(manifest->robot->T_base_robot.translation().x(), 0.1);
+  EXPECT_EQ(manifest->robot->tip, "hand");
 }
 
 TEST(Manifest, HasTheMaterialsOfObjectsAndTool) {

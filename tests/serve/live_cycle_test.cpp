@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/robot/link_meshes.hpp"
+#include "pcavr/robot/urdf.hpp"
+
 #include "serve/a_world.hpp"
 #include "support/heap_counter.hpp"
+#include "support/source_folder.hpp"
 
 namespace pcavr {
 namespace {
@@ -134,6 +138,47 @@ TEST_F(LiveCycleTest, SpeedIsThatOfTheBody) {
   const Eigen::Vector3d after = state.world.bodies[0].T_base_object.translation();
   // Up to the body's rotation, which moves its origin less than a tenth as much here.
   EXPECT_NEAR(state.speeds[0], (after.x() - before) / kCycle, 0.1 * state.speeds[0] + 1e-9);
+}
+
+/// Beside the box, with its tip at the tool's start.
+std::unique_ptr<LiveArm> an_arm() {
+  const RobotModel model =
+      read_urdf(source_folder() / "calib/robots/irb120_like/irb120_like.urdf").value();
+  SceneArm arm{.model = model,
+               .T_base_robot = Pose::from_translation({-0.6, 0.0, 0.0}),
+               .tip = default_tip(model),
+               .q = Eigen::VectorXd::Zero(6),
+               .link_meshes = link_meshes(model).value().of_link};
+  arm.q << 0.0, 0.4, 0.4, 0.0, 0.7, 0.0;
+  SceneWorld world;
+  world.model = test::one_box_on_a_table();
+  world.p_base_tool_start = test::kToolStart;
+  return std::make_unique<LiveArm>(make_live_arm(arm, world));
+}
+
+class LiveCycleWithArmTest : public testing::Test {
+ protected:
+  DeviceSample sample_{test::kToolStart, Eigen::Quaterniond::Identity(), true, true};
+  LiveCycle cycle_{test::a_box_on_a_table(), std::make_unique<ScriptedDevice>(sample_),
+                   test::options_with_tool_start(), an_arm()};
+};
+
+TEST_F(LiveCycleWithArmTest, TheTipFollowsTheToolWithoutAllocating) {
+  ASSERT_TRUE(cycle_.newest().arm.has_value());
+  cycle_.step(kCycle);
+  cycle_.publish(1e-5, 0, kCycle);
+  (void)cycle_.newest();
+  const long before = heap_allocations.load();
+  for (int i = 0; i < 1000; ++i) {
+    sample_.p_base_tip = test::kToolStart + Eigen::Vector3d(-0.02, 0.04, 0.06) * (i / 1000.0);
+    cycle_.step(kCycle * i);
+    cycle_.publish(1e-5, 0, kCycle * i);
+    (void)cycle_.newest();
+  }
+  EXPECT_EQ(heap_allocations.load() - before, 0);
+  const ArmState& arm = *cycle_.newest().arm;
+  EXPECT_TRUE(arm.is_reached);
+  EXPECT_FALSE(arm.is_stopped);
 }
 
 TEST_F(LiveCycleTest, NeverAllocates) {

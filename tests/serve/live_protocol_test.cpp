@@ -112,6 +112,31 @@ TEST(LiveProtocol, AStateSurvivesARoundTrip) {
   }
 }
 
+TEST(LiveProtocol, AnArmSurvivesARoundTrip) {
+  Random random(3);
+  LiveState state = a_state(random, 2);
+  using Nearest = LiveArmState::Nearest;
+  for (const std::optional<Nearest>& nearest :
+       {std::optional<Nearest>(), std::optional(Nearest{0.02F, 3, {}, {}}),
+        std::optional(Nearest{0.02F, 3, 1U, {}}), std::optional(Nearest{-0.01F, 3, {}, 0U})}) {
+    state.arm = LiveArmState{{0.5F, -1.0F, 2.0F}, true, false, nearest};
+    const auto bytes = encode(ServerMessage{{5, 2.0}, state});
+    EXPECT_EQ(bytes.size(), 24U + 104U + 2U * 48U + 20U + 3U * 4U);
+    const auto read = decode_server_message(bytes);
+    ASSERT_TRUE(read) << read.error().to_string();
+    const auto& same = std::get<LiveState>(read->content);
+    ASSERT_TRUE(same.arm.has_value());
+    EXPECT_EQ(same.arm->position, state.arm->position);
+    EXPECT_TRUE(same.arm->is_stopped);
+    ASSERT_EQ(same.arm->nearest.has_value(), nearest.has_value());
+    if (!nearest) continue;
+    EXPECT_EQ(same.arm->nearest->distance, nearest->distance);
+    EXPECT_EQ(same.arm->nearest->link, 3U);
+    EXPECT_EQ(same.arm->nearest->other_link, nearest->other_link);
+    EXPECT_EQ(same.arm->nearest->object, nearest->object);
+  }
+}
+
 TEST(LiveProtocol, FieldsAreAtTheirDocumentedOffsets) {
   LiveState state;
   state.t = 1.0;

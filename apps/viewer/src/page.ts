@@ -11,6 +11,7 @@ import { addMarks } from './scene/marks';
 import { fetchBytes, type SceneModel, type SessionInfo } from './scene/scene_model';
 import { RestartCheck } from './session/restart';
 import { TestHook } from './test_hook';
+import { armText } from './ui/arm_text';
 import { byId, setPressed, setText } from './ui/dom';
 import { length, megabytes } from './ui/format';
 import { Hud } from './ui/hud';
@@ -274,7 +275,20 @@ export class Page {
     if (time - this.lastStats < 1000 * statsSeconds) return;
     this.lastStats = time;
     this.hud.update();
+    this.showArm();
     this.objects.update((body) => this.forceOn(body.object.name));
+  }
+
+  /// How far the arm is from a collision, or what it was stopped before.
+  private showArm(): void {
+    const state = this.isReplay ? null : (this.app.session.latest()?.arm ?? null);
+    const line = byId('arm-line', HTMLOutputElement);
+    const robot = this.model.robot;
+    const names = this.app.session.welcome?.objects ?? [];
+    const text = state && robot ? armText(state, robot, names) : '';
+    line.hidden = text === '';
+    line.classList.toggle('stopped', state?.isStopped ?? false);
+    setText(line, text);
   }
 
   /// The tool appears with the first state: the first view has it too.

@@ -9,6 +9,8 @@ export const headerBytes = 24;
 const magic = 0x52564350; // "PCVR"
 const stateBytes = 104;
 const objectBytes = 48;
+const armBytes = 20; // of a state's arm, before its joints' positions
+const noObject = 0xffffffff;
 
 export const MessageType = {
   welcome: 1,
@@ -65,6 +67,21 @@ export interface ObjectState {
   speed: number; // [m/s]
 }
 
+/// The nearest two things of the arm's surroundings; without link and object: the scan.
+export interface NearestState {
+  distance: number; // [m]
+  link: number;
+  otherLink: number | null;
+  object: number | null;
+}
+
+export interface ArmState {
+  position: number[]; // of the joints [rad or m]
+  isStopped: boolean; // before a collision
+  isReached: boolean; // the tip is at the tool
+  nearest: NearestState | null; // null: nothing is near
+}
+
 export interface LiveState {
   clock: number; // [s] the server's, when it was sent
   sequence: number;
@@ -86,6 +103,7 @@ export interface LiveState {
   cycleTime: { median: number; p99: number; longest: number }; // [s]
   age: { tool: number; state: number; queue: number }; // [s]
   objects: ObjectState[];
+  arm: ArmState | null;
 }
 
 export interface ToolSample {
@@ -142,7 +160,10 @@ export function readState(buffer: ArrayBuffer): LiveState | null {
     return null;
   const view = new DataView(buffer, headerBytes);
   const count = view.getUint32(100, true);
-  if (header.length !== stateBytes + count * objectBytes) return null;
+  const armAt = stateBytes + count * objectBytes;
+  const hasArm = header.length >= armAt + armBytes;
+  const armLength = hasArm ? armBytes + 4 * view.getUint32(armAt, true) : 0;
+  if (header.length !== armAt + armLength) return null;
   const f32 = (at: number) => view.getFloat32(at, true);
   const flags = view.getUint32(16, true);
   const objects: ObjectState[] = [];
@@ -168,6 +189,29 @@ export function readState(buffer: ArrayBuffer): LiveState | null {
     cycleTime: { median: f32(76), p99: f32(80), longest: f32(84) },
     age: { tool: f32(88), state: f32(92), queue: f32(96) },
     objects,
+    arm: hasArm ? readArm(view, armAt) : null,
+  };
+}
+
+function readArm(view: DataView, at: number): ArmState {
+  const flags = view.getUint32(at + 4, true);
+  const other = view.getUint32(at + 16, true);
+  const isItself = (flags & 8) !== 0;
+  return {
+    position: Array.from({ length: view.getUint32(at, true) }, (_, i) =>
+      view.getFloat32(at + armBytes + 4 * i, true),
+    ),
+    isStopped: (flags & 1) !== 0,
+    isReached: (flags & 2) !== 0,
+    nearest:
+      (flags & 4) === 0
+        ? null
+        : {
+            distance: view.getFloat32(at + 8, true),
+            link: view.getUint32(at + 12, true),
+            otherLink: isItself ? other : null,
+            object: isItself || other === noObject ? null : other,
+          },
   };
 }
 

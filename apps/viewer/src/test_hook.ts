@@ -64,6 +64,14 @@ export class TestHook {
     }));
   }
 
+  /// The poses at which the arm's links are drawn, in base, and its joints' positions.
+  get arm() {
+    const { arm, base } = this.app.view;
+    if (!arm) return null;
+    const { position, isStopped } = arm;
+    return { position: [...position], isStopped, links: arm.linkPoses(base) };
+  }
+
   /// The plain data of this hook.
   summary() {
     const { skipped, latency, scene, bodies } = this;

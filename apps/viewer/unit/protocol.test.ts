@@ -59,7 +59,36 @@ const state: LiveState = {
       speed: 0,
     },
   ],
+  arm: null,
 };
+
+const nearTheScan = { distance: 0.0625, link: 3, otherLink: null, object: null };
+
+test('a state with an arm is read back as written', () => {
+  for (const nearest of [
+    null,
+    nearTheScan,
+    { ...nearTheScan, otherLink: 0 },
+    { ...nearTheScan, object: 1 },
+  ]) {
+    const arm = { position: [0.5, -1.25], isStopped: true, isReached: false, nearest };
+    assert.deepEqual(readState(writeState(7, 12.5, { ...state, arm })), { ...state, arm });
+  }
+});
+
+test('a state whose arm has another length is rejected', () => {
+  const arm = { position: [0.5, -1.25], isStopped: false, isReached: true, nearest: null };
+  const written = new Uint8Array(writeState(7, 12.5, { ...state, arm }));
+  const resized = (bytes: number) => {
+    const copy = new Uint8Array(written.length + bytes);
+    copy.set(written.subarray(0, copy.length));
+    new DataView(copy.buffer).setUint32(12, copy.length - 24, true);
+    return copy.buffer;
+  };
+  assert.equal(readState(resized(4)), null);
+  assert.equal(readState(resized(-4)), null);
+  assert.equal(readState(resized(-16)), null);
+});
 
 test('a state is read back as written', () => {
   assert.deepEqual(readState(writeState(7, 12.5, state)), state);

@@ -6,6 +6,7 @@ import { headerBytes, makeMessage, MessageType, phaseNames, type LiveState } fro
 
 const stateBytes = 104;
 const objectBytes = 48;
+const armBytes = 20;
 
 /// The server's answer to a ping.
 export function writePong(sequence: number, clock: number, pingClock: number): ArrayBuffer {
@@ -16,11 +17,12 @@ export function writePong(sequence: number, clock: number, pingClock: number): A
 
 /// The server's state message.
 export function writeState(sequence: number, clock: number, state: LiveState): ArrayBuffer {
+  const armAt = stateBytes + objectBytes * state.objects.length;
   const view = makeMessage(
     MessageType.state,
     sequence,
     clock,
-    stateBytes + objectBytes * state.objects.length,
+    armAt + (state.arm ? armBytes + 4 * state.arm.position.length : 0),
   );
   const f32 = (at: number, values: readonly number[]) =>
     values.forEach((value, i) => view.setFloat32(headerBytes + at + 4 * i, value, true));
@@ -53,5 +55,18 @@ export function writeState(sequence: number, clock: number, state: LiveState): A
     view.setUint8(headerBytes + at + 41, object.isOutsideModel ? 1 : 0);
     f32(at + 44, [object.speed]);
   });
+  if (state.arm) {
+    const { position, isStopped, isReached, nearest } = state.arm;
+    const isItself = nearest !== null && nearest.otherLink !== null;
+    u32(armAt, position.length);
+    u32(
+      armAt + 4,
+      (isStopped ? 1 : 0) | (isReached ? 2 : 0) | (nearest ? 4 : 0) | (isItself ? 8 : 0),
+    );
+    f32(armAt + 8, [nearest?.distance ?? 0]);
+    u32(armAt + 12, nearest?.link ?? 0);
+    u32(armAt + 16, nearest?.otherLink ?? nearest?.object ?? 0xffffffff);
+    f32(armAt + armBytes, position);
+  }
   return view.buffer as ArrayBuffer;
 }

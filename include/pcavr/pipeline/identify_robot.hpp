@@ -10,7 +10,9 @@
 #include "pcavr/core/expected.hpp"
 #include "pcavr/recording/joint_log.hpp"
 #include "pcavr/robot/robot_model.hpp"
+#include "pcavr/robot_identification/contact_observer.hpp"
 #include "pcavr/robot_identification/joint_signals.hpp"
+#include "pcavr/robot_identification/payload.hpp"
 #include "pcavr/robot_identification/replay_motion.hpp"
 #include "pcavr/robot_identification/robot_fit.hpp"
 #include "pcavr/robot_identification/sample_clock.hpp"
@@ -20,6 +22,7 @@ namespace pcavr {
 struct RobotIdentificationOptions {
   JointSignalOptions signals;
   RobotFitOptions fit;
+  ContactObserverOptions contact;
   /// [N m/A] by joint of the log's columns, for currents; empty where the log has torques.
   std::vector<double> gains = {};
 };
@@ -30,6 +33,10 @@ struct RobotIdentification {
   SampleClock clock;
   JointSignals signals;
   RobotFit fit;
+  /// Of the held-out rows, with thresholds from the fitted ones; empty where the bodies aren't
+  /// possible.
+  std::optional<ObservedContacts> contacts = {};
+  std::optional<Payload> payload = {};  ///< by add_payload
   MotionReplay replay;  ///< of the first held-out rows; empty where the bodies aren't possible
   std::vector<std::string> notes;
   std::vector<std::pair<std::string, std::string>> configuration;  ///< changed options
@@ -44,6 +51,12 @@ struct RobotIdentification {
 [[nodiscard]] Expected<RobotIdentification> identify_robot(
     JointLog log, const RobotModel& model, const RobotIdentificationOptions& options,
     const std::string& file);
+
+/// Identifies what the arm carries in another log, which `file` names in errors; `found` is that of
+/// the unloaded arm. Fails where the log has faults in its rows, or other joints.
+[[nodiscard]] Expected<void> add_payload(JointLog loaded, const RobotIdentificationOptions& options,
+                                         const std::string& file, const RobotModel& model,
+                                         RobotIdentification& found);
 
 /// report.html (write_report_page) and report.json (flat, SI) into a folder that exists.
 [[nodiscard]] Expected<void> write_robot_report(const RobotIdentification& found,

@@ -51,6 +51,13 @@ struct ObjectEntry {
   std::optional<MaterialEntry> material = {};
 };
 
+/// The arm whose joints `joints.csv` records.
+struct RobotEntry {
+  std::filesystem::path urdf;           ///< relative to the recording's folder
+  Pose T_base_robot = {};               ///< of the root link
+  std::optional<std::string> tip = {};  ///< the link that is the tool; empty: the chain's last
+};
+
 /// The content of `recording.yaml` (`pcavr-recording/1`).
 struct Manifest {
   std::optional<CameraModel> camera = {};
@@ -59,7 +66,7 @@ struct Manifest {
   std::vector<ObjectEntry> objects = {};
   std::optional<double> tool_radius = {};           ///< [m]
   std::optional<MaterialEntry> tool_material = {};  ///< without a radius, which is tool_radius
-  std::optional<std::filesystem::path> urdf = {};   ///< relative to the recording's folder
+  std::optional<RobotEntry> robot = {};
 };
 
 /// Reads and checks the text of a manifest; `file` names it in errors. Unknown keys, wrong types,

@@ -47,6 +47,20 @@ struct SceneObject {
   std::optional<double> hertz_stiffness = {};
 };
 
+/// An arm that stands in the scene.
+struct SceneRobot {
+  std::string urdf;                 ///< the description's text
+  Pose T_base_robot;                ///< of its root link
+  std::string tip;                  ///< the link that is the tool
+  std::vector<std::string> joints;  ///< names of those that move it; all others stay at 0
+  std::vector<double> position;     ///< of these joints at the recording's end [rad or m]
+  struct Link {
+    std::string name;
+    TriangleMesh mesh_link;  ///< in the link's frame, not empty
+  };
+  std::vector<Link> links;  ///< those with a surface
+};
+
 /// An input of the recording that is inconsistent with the others, but not so much that the scene
 /// would be invalid.
 struct InputWarning {
@@ -83,6 +97,7 @@ struct Scene {
   OccupancyMap occupancy;
   std::vector<SupportPlane> support_planes;
   std::vector<SceneObject> objects;
+  std::optional<SceneRobot> robot = {};
   /// The printed tags: of base, and of the objects above.
   std::vector<MarkerEntry> tags = {};
   Trajectory camera_trajectory;  ///< T_base_camera of the frames used

@@ -15,7 +15,8 @@
 namespace pcavr {
 
 /// Writes scene.yaml, scene.glb, mesh.ply, cloud.ply, cloud.pcd, occupancy.bt,
-/// camera_trajectory.txt, preview.png, objects/NAME.glb and, for each further level of detail,
+/// camera_trajectory.txt, preview.png, objects/NAME.glb, for an arm
+/// robot/robot.urdf and robot/link_N.glb, and, for each further level of detail,
 /// lod/static_mesh_N.glb into a folder that exists (an OutputFolder's). The same scene gives the
 /// same bytes for any Parallelism: times are not written. Objects whose evidence is kNotSeen are in
 /// scene.yaml only. After an Error, such as a full disk, some of the files may remain.
@@ -46,12 +47,27 @@ struct SceneObjectEntry {
   std::optional<Simplified> simplified = {};
 };
 
+/// The arm's entry in `scene.yaml`; the fields are those of SceneRobot.
+struct SceneRobotEntry {
+  std::filesystem::path urdf;  ///< relative to the scene's folder
+  Pose T_base_robot;
+  std::string tip;
+  std::vector<std::string> joints;
+  std::vector<double> position;
+  struct Link {
+    std::string name;
+    std::filesystem::path mesh;  ///< relative to the scene's folder; in the link's frame
+  };
+  std::vector<Link> links;
+};
+
 /// `scene.yaml` (`pcavr-scene/1`), parsed.
 struct SceneManifest {
   std::filesystem::path folder;
   std::string recording;    ///< as the user named it
   double voxel_size = 0.0;  ///< [m]
   std::vector<SceneObjectEntry> objects;
+  std::optional<SceneRobotEntry> robot = {};
   std::vector<MarkerEntry> tags;  ///< empty in scenes of older versions
   std::vector<SupportPlane> support_planes;
   /// Relative to the folder, finest first; the first is scene.glb.

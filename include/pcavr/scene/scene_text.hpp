@@ -17,9 +17,12 @@ inline constexpr char kCloudPcdFile[] = "cloud.pcd";
 inline constexpr char kOccupancyFile[] = "occupancy.bt";
 inline constexpr char kTrajectoryFile[] = "camera_trajectory.txt";
 inline constexpr char kPreviewFile[] = "preview.png";
+inline constexpr char kRobotFile[] = "robot/robot.urdf";
 
 /// Path of an object's mesh in the scene's folder.
 [[nodiscard]] std::filesystem::path object_file(const std::string& name);
+/// Path of the mesh of an arm's link; index in SceneRobot::links.
+[[nodiscard]] std::filesystem::path link_file(std::size_t index);
 /// Path of a level of detail; level 0 is scene.glb.
 [[nodiscard]] std::filesystem::path level_of_detail_file(std::size_t level);
 

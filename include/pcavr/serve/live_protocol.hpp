@@ -84,6 +84,21 @@ struct LiveObject {
   float speed = 0.0F;  ///< [m/s]
 };
 
+/// The arm, in a state.
+struct LiveArmState {
+  std::vector<float> position;  ///< of its joints [rad or m]
+  bool is_stopped = false;      ///< before a collision
+  bool is_reached = false;      ///< the tip is at the tool
+  /// The nearest two things, within the distance that the server measures.
+  struct Nearest {
+    float distance = 0.0F;  ///< [m]
+    std::uint32_t link = 0;
+    std::optional<std::uint32_t> other_link;
+    std::optional<std::uint32_t> object;  ///< neither of these two: the scan
+  };
+  std::optional<Nearest> nearest;
+};
+
 struct LiveState {
   double t = 0.0;  ///< [s] simulation time
   /// [s] the page's clock at the newest tool sample that the world has used; NaN before the first
@@ -108,6 +123,7 @@ struct LiveState {
   float state_age = 0.0F;      ///< [s] age of this state when it was sent
   float queue_age = 0.0F;      ///< [s] that the last message took to be sent
   std::vector<LiveObject> objects;
+  std::optional<LiveArmState> arm;
 };
 
 enum class LiveLevel { info, warning, error };

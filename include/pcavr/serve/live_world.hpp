@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@
 #include "pcavr/devices/device.hpp"
 #include "pcavr/devices/remote_device.hpp"
 #include "pcavr/haptics/haptic_world.hpp"
+#include "pcavr/robot/arm_follower.hpp"
+#include "pcavr/serve/scene_arm.hpp"
 
 namespace pcavr {
 
@@ -38,9 +41,11 @@ struct WorldSnapshot {
   double pulse = 0.0;        ///< 0 to 1: vibration amplitude for a controller
   std::uint32_t pulses = 0;  ///< first contacts and breakaways so far
   std::uint32_t cycles = 0;
-  std::uint32_t late_cycles = 0;  ///< overruns: began at least a cycle late, or were skipped
-  CycleTimes times = {};          ///< over the last second
-  RemoteStatus page = {};         ///< if a page moves the tool: the sample that was used
+  std::uint32_t late_cycles = 0;     ///< overruns: began at least a cycle late, or were skipped
+  CycleTimes times = {};             ///< over the last second
+  std::optional<ArmState> arm = {};  ///< if there is an arm
+  bool arm_meets_scan = false;       ///< its surface 0 is the scan, else the first body
+  RemoteStatus page = {};            ///< if a page moves the tool: the sample that was used
 };
 
 /// Vibration of controllers without force feedback.
@@ -74,8 +79,9 @@ struct LiveWorldOptions {
 /// with more than `max_backlog` cycles of backlog they are skipped. Both count as overruns.
 class LiveWorld {
  public:
-  /// Options in range: PCAVR_REQUIRE.
-  LiveWorld(HapticWorld world, std::unique_ptr<Device> device, const LiveWorldOptions& options);
+  /// Options in range: PCAVR_REQUIRE. `arm`, if any, follows the tool.
+  LiveWorld(HapticWorld world, std::unique_ptr<Device> device, const LiveWorldOptions& options,
+            std::unique_ptr<LiveArm> arm = nullptr);
   ~LiveWorld();
   LiveWorld(const LiveWorld&) = delete;
   LiveWorld& operator=(const LiveWorld&) = delete;

@@ -37,7 +37,7 @@ export class ReplayPlayer {
       fetchJson<ReplayModel>('/api/replay.json'),
       fetchBytes('/api/replay.bin', () => {}),
     ]);
-    return new ReplayPlayer(app, readReplay(model, binary));
+    return new ReplayPlayer(app, readReplay(model, binary, app.view.model?.robot?.start.length));
   }
 
   /// The measured force [N] on an object now.
@@ -74,6 +74,8 @@ export class ReplayPlayer {
       else body.ghost.visible = false;
       body.setPhase(phasesAt(object, time).predicted, false);
     }
+    const arm = this.replay.arm?.at(time);
+    if (arm) this.app.view.arm?.show(arm.slice(1));
     this.showTool(time);
     this.bar.update();
     this.plots.setPlayhead(time);

@@ -22,6 +22,7 @@ export interface ReplayModel {
     phases: { t: number; measured: Phase; predicted: Phase }[];
   }[];
   tool: TableAt;
+  arm: TableAt | null;
   corrections: { t: number; object: string; case: number | string; what: string; bytes: number }[];
   frames: { t: number[]; width: number; height: number };
 }
@@ -121,10 +122,12 @@ export interface Replay {
   model: ReplayModel;
   objects: ReplayObject[];
   tool: Table;
+  arm: Table | null;
 }
 
 /// Splits replay.bin into tables; throws an Error if it is shorter than replay.json declares.
-export function readReplay(model: ReplayModel, binary: ArrayBuffer): Replay {
+/// `coordinates`: of the scene's arm.
+export function readReplay(model: ReplayModel, binary: ArrayBuffer, coordinates = 0): Replay {
   const table = ({ at, rows }: TableAt, width: number) => {
     if (at % 4 !== 0 || at + 4 * rows * width > binary.byteLength)
       throw new Error('replay.bin is shorter than replay.json declares');
@@ -133,6 +136,7 @@ export function readReplay(model: ReplayModel, binary: ArrayBuffer): Replay {
   return {
     model,
     tool: table(model.tool, 7),
+    arm: model.arm ? table(model.arm, 1 + coordinates) : null,
     objects: model.objects.map((object) => ({
       name: object.name,
       phases: object.phases,

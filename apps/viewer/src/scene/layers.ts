@@ -7,6 +7,7 @@ export const layerNames = [
   'cloud',
   'occupancy',
   'bodies',
+  'arm',
   'ghosts',
   'labels',
   'tags',
@@ -21,6 +22,7 @@ export const layerTitles: Record<LayerName, string> = {
   cloud: 'Point cloud',
   occupancy: 'Occupied cells',
   bodies: 'CAD bodies',
+  arm: 'Arm',
   ghosts: 'Tracked ghosts',
   labels: 'Labels',
   tags: 'Tags',
@@ -29,7 +31,7 @@ export const layerTitles: Record<LayerName, string> = {
   cameras: 'Camera path',
 };
 
-const shownAtFirst: readonly LayerName[] = ['mesh', 'bodies', 'ghosts', 'labels'];
+const shownAtFirst: readonly LayerName[] = ['mesh', 'bodies', 'arm', 'ghosts', 'labels'];
 
 /// The layers to show and hide: a group each, all in base.
 export class Layers {

@@ -58,9 +58,11 @@ export class SceneLoader {
     const levels = coarsest < 0 ? [] : last === coarsest ? [last] : [coarsest, last];
     this.total =
       model.objects.reduce((sum, object) => sum + object.bytes, 0) +
+      (model.robot?.links ?? []).reduce((sum, link) => sum + link.bytes, 0) +
       levels.reduce((sum, level) => sum + model.mesh[level].bytes, 0);
     await Promise.all([
       ...this.view.bodies.map((b) => this.loadBody(b)),
+      ...(model.robot?.links ?? []).map((_, i) => this.loadLink(i)),
       this.showLevel(levels[0]),
     ]);
     if (levels.length > 1 && !this.isChosen) await this.showLevel(levels[1]);
@@ -113,6 +115,18 @@ export class SceneLoader {
     await this.attempt(path, async () => {
       body.addParts(await readGlb(await fetchBytes(path, (bytes) => this.advance(bytes, name))));
       ++this.objectsLoaded;
+    });
+  }
+
+  private async loadLink(index: number): Promise<void> {
+    const arm = this.view.arm!;
+    const { path, name } = arm.model.links[index];
+    if (path === null) return;
+    await this.attempt(path, async () => {
+      arm.addParts(
+        index,
+        await readGlb(await fetchBytes(path, (bytes) => this.advance(bytes, name))),
+      );
     });
   }
 

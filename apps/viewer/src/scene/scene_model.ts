@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+import type { ArmModel } from './arm';
 import { protocolVersion, type Quaternion, type Vector } from '../protocol';
 
 export interface MeshLevel {
@@ -37,6 +38,7 @@ export interface SceneModel {
   cloud: { path: string; points: number; bytes: number } | null;
   occupancy: { path: string; cells: number; edge: number; bytes: number } | null;
   objects: SceneObject[];
+  robot: ArmModel | null;
   tags: SceneTag[];
   support_planes: { outline: Vector[] }[];
   cameras: { position: Vector; quaternion: Quaternion }[];
@@ -68,6 +70,7 @@ export async function fetchScene(): Promise<SceneModel> {
     cloud: scene.cloud ?? null,
     occupancy: scene.occupancy ?? null,
     objects: scene.objects ?? [],
+    robot: scene.robot ?? null,
     tags: scene.tags ?? [],
     support_planes: scene.support_planes ?? [],
     cameras: scene.cameras ?? [],

@@ -12,6 +12,7 @@ import {
   Vector3,
 } from 'three';
 import type { LiveState, Vector } from '../protocol';
+import { ArmView } from './arm';
 import { Body } from './bodies';
 import { framePoints, operatorSide } from './first_view';
 import { Layers } from './layers';
@@ -26,6 +27,7 @@ const minRadius = 0.15; // [m]
 const frameMargin = 0.86; // share of the window that is filled: labels and statistics need the rest
 const bodyMargin = 0.06; // [m]
 const supportReach = 0.8; // [m] around the bodies: a larger table would make them small
+const besideArm = 1.1; // [rad] around the vertical
 const backgrounds = { light: '#e9edf1', dark: '#15191e' };
 
 /// The scene graph. three.js has y up, the base frame z up: the group `base` converts, and
@@ -37,6 +39,7 @@ export class SceneView {
   readonly layers: Layers;
   readonly tool: ToolView;
   bodies: Body[] = [];
+  arm: ArmView | null = null;
   model: SceneModel | null = null;
   private readonly plumbLine: PlumbLine;
   private supports: Outline[] = [];
@@ -58,6 +61,10 @@ export class SceneView {
     this.supports = model.support_planes.map(({ outline }) => outline);
     let movable = 0;
     this.bodies = model.objects.map((o) => new Body(o, o.movable ? movable++ : 0));
+    if (model.robot) {
+      this.arm = new ArmView(model.robot);
+      this.layers.group('arm').add(this.arm.group);
+    }
     for (const body of this.bodies) {
       this.byName.set(body.object.name, body);
       this.layers.group('bodies').add(body.solid);
@@ -87,6 +94,8 @@ export class SceneView {
       body?.place(object.position, object.quaternion);
       body?.setPhase(object.phase, object.isOutsideModel);
     });
+    if (state.arm) this.arm?.show(state.arm.position);
+    this.arm?.setStopped(state.arm?.isStopped ?? false);
     this.tool.showContact(state);
     this.showTool(state.proxy, state.hip, state.force);
   }
@@ -151,6 +160,7 @@ export class SceneView {
       const point = this.base.localToWorld(new Vector3(...corner));
       if (point.y < box.max.y) points.push(point.clamp(near.min, near.max));
     }
+    if (this.arm) points.push(...cornersOf(new Box3().setFromObject(this.arm.group)));
     const { tool } = this;
     if (tool.group.visible) points.push(tool.proxy.getWorldPosition(new Vector3()));
     return points;
@@ -161,6 +171,8 @@ export class SceneView {
     const cameras = this.model?.cameras.map(({ position }) => position) ?? [];
     const at = this.base.worldToLocal(center.clone()).toArray();
     const side = operatorSide(at, cameras).transformDirection(this.base.matrixWorld);
+    // An arm stands between the operator's place and the bodies: seen from beside it.
+    if (this.arm) side.applyAxisAngle(new Vector3(0, 1, 0), besideArm);
     const elevation = viewingElevation[this.camera.aspect < 1 ? 'tall' : 'wide'];
     return side.setY(Math.tan(elevation)).normalize();
   }

@@ -16,6 +16,8 @@ export function looksDifferent(a: LiveState, b: LiveState): boolean {
     differ(a.hip, b.hip, minMotion) ||
     differ(a.proxy, b.proxy, minMotion) ||
     differ(a.force, b.force, minForce) ||
+    a.arm?.isStopped !== b.arm?.isStopped ||
+    differ(a.arm?.position ?? [], b.arm?.position ?? [], minMotion) ||
     a.objects.some((object, i) => {
       const other = b.objects[i];
       return (

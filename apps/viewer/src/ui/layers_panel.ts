@@ -28,6 +28,7 @@ export function presentLayers(model: SceneModel, isReplay: boolean): LayerName[]
     cloud: (model.cloud?.points ?? 0) > 0,
     occupancy: (model.occupancy?.cells ?? 0) > 0,
     bodies: model.objects.length > 0,
+    arm: model.robot !== null,
     ghosts: isReplay,
     labels: model.objects.length > 0,
     tags: model.tags.length > 0,

@@ -10,12 +10,14 @@ import { join } from 'node:path';
 const command = process.env.PCAVR_COMMAND;
 
 /// Two boxes on a table, a simulated recording with a push of each, and its ground truth.
-export function makeScene() {
+/// `change` gets the recording's folder before the scene is built.
+export function makeScene(change = () => {}) {
   const folder = mkdtempSync(join(tmpdir(), 'pcavr-browser-scene-'));
   const recording = join(folder, 'recording');
   const scene = join(folder, 'scene');
   const run = (...args) => execFileSync(command, args, { stdio: ['ignore', 'ignore', 'pipe'] });
   run('simulate', 'push', '--no-images', '--seed', '3', '-o', recording);
+  change(recording);
   run('build', recording, '-o', scene);
   return {
     folder,

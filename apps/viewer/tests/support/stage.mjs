@@ -14,17 +14,23 @@ export const limit = { timeout: 60_000 }; // [ms]
 export const sceneArguments = ({ scene, parameters }) => [scene, '--parameters', parameters];
 
 /// Set up before the tests of a file and torn down after them; pages are closed after each test.
-/// `serverArguments`: of `pcavr serve` for the scene. `skip`: no setup, as all tests are skipped.
+/// `serverArguments`: of `pcavr serve` for the scene. `changeRecording`: see makeScene. `skip`: no setup, as all tests are skipped.
 /// `onReady` runs after the setup: the hooks of one file don't wait for each other.
 export function setStage(
-  { serverArguments = sceneArguments, headset = false, world = false, skip = false } = {},
+  {
+    serverArguments = sceneArguments,
+    changeRecording,
+    headset = false,
+    world = false,
+    skip = false,
+  } = {},
   onReady = () => {},
 ) {
   const stage = { open: (url = stage.server.url) => openPage(stage.browser.context, url) };
 
   before(async () => {
     if (skip) return;
-    stage.scene = makeScene();
+    stage.scene = makeScene(changeRecording);
     stage.server = await serve(...serverArguments(stage.scene));
     stage.browser = await openBrowser();
     if (headset) await installHeadset(stage.browser.context);

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/geometry/mesh.hpp"
+#include "pcavr/robot/arm_follower.hpp"
+#include "pcavr/robot/robot_model.hpp"
+#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/serve/scene_world.hpp"
+
+namespace pcavr {
+
+/// The arm of a scene, read from its files.
+struct SceneArm {
+  RobotModel model;  ///< with the joints of the scene's manifest; all others are locked at 0
+  Pose T_base_robot;
+  std::size_t tip = 0;                    ///< link
+  Eigen::VectorXd q;                      ///< at the recording's end
+  std::vector<TriangleMesh> link_meshes;  ///< by link; empty: no surface
+};
+
+/// Nothing where the scene has no arm. Errors: a file that is missing or invalid, joints or links
+/// that the description does not have.
+[[nodiscard]] Expected<std::optional<SceneArm>> read_scene_arm(const SceneManifest& scene);
+
+/// An arm that follows the tool of a live world, and where its surfaces are.
+struct LiveArm {
+  ArmFollower follower;
+  Pose T_base_robot;
+  bool has_scan = false;  ///< surface 0 is the static mesh; else it is the first body
+};
+
+/// Starts where the tool starts as far as the arm reaches it, else where the recording ended. The
+/// scene's static mesh and its bodies are what it must not hit.
+[[nodiscard]] LiveArm make_live_arm(const SceneArm& arm, const SceneWorld& world,
+                                    const ArmFollowerOptions& options = {});
+
+}  // namespace pcavr
