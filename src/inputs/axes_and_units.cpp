@@ -224,8 +224,7 @@ void leave_out_misdirected(std::span<const ContactEvidence> evidence,
     if (cosine >= kMisdirected || !contact.left_out.empty()) continue;
     const double degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
     contact.left_out = fmt::format(
-        "the force points {:.0f} degrees off the normal of the face that the tool touches", degrees,
-        0.0);
+        "the force points {:.0f} degrees off the normal of the face that the tool touches", degrees);
   }
 }
 
