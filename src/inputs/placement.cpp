@@ -110,7 +110,7 @@ struct Explanation {
 };
 
 template <typename CountOf>
-Explanation explained_by(const std::vector<InputBody>& bodies, const Placement& placement,
+Explanation explained_by(const std::vector<InputBody>& bodies, const BodyPlacements& placement,
                          const CountOf& count_of) {
   Explanation result;
   for (std::size_t i = 0; i < placement.bodies.size(); ++i) {
@@ -122,17 +122,17 @@ Explanation explained_by(const std::vector<InputBody>& bodies, const Placement& 
   return result;
 }
 
-bool is_decisive(const Explanation& explanation, const Placement& placement) {
+bool is_decisive(const Explanation& explanation, const BodyPlacements& placement) {
   return explanation.contacts >= kMinExplained && 2 * explanation.contacts >= placement.elsewhere;
 }
 
-std::string contacts_text(const Explanation& explanation, const Placement& placement) {
+std::string contacts_text(const Explanation& explanation, const BodyPlacements& placement) {
   return fmt::format("{} of {} contacts, and as written in none", explanation.contacts,
                      placement.elsewhere);
 }
 
 std::optional<InputFault> mesh_fault(const std::vector<InputBody>& bodies,
-                                     const Placement& placement) {
+                                     const BodyPlacements& placement) {
   Explanation best;
   double factor = 1.0;
   for (std::size_t k = 0; k < kMeshFactors.size(); ++k) {
@@ -152,7 +152,7 @@ std::optional<InputFault> mesh_fault(const std::vector<InputBody>& bodies,
 }
 
 std::optional<InputFault> pose_unit_fault(const std::vector<InputBody>& bodies,
-                                          const Placement& placement) {
+                                          const BodyPlacements& placement) {
   for (std::size_t k = 0; k < kPoseUnits.size(); ++k) {
     const Explanation found = explained_by(
         bodies, placement, [k](const BodyPlacement& body) { return body.by_poses[k]; });
@@ -205,16 +205,16 @@ void BodyPlacement::add(const BodyPlacement& later) {
   tilt_if_w_first = std::max(tilt_if_w_first, later.tilt_if_w_first);
 }
 
-void Placement::add(const Placement& later) {
+void BodyPlacements::add(const BodyPlacements& later) {
   contacts += later.contacts;
   elsewhere += later.elsewhere;
   bodies.resize(later.bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].add(later.bodies[i]);
 }
 
-Placement placement_of(const InputSeries& series, std::span<const AttributedContact> contacts,
-                       const PathView& tip, const BodyPoses& poses) {
-  Placement result;
+BodyPlacements placement_of(const InputSeries& series, std::span<const AttributedContact> contacts,
+                            const PathView& tip, const BodyPoses& poses) {
+  BodyPlacements result;
   for (const InputBody& body : series.bodies) result.bodies.push_back(tracked_placement(body));
   for (const AttributedContact& contact : contacts) {
     if (contact.force_base.empty()) continue;
@@ -237,7 +237,7 @@ Placement placement_of(const InputSeries& series, std::span<const AttributedCont
 }
 
 std::optional<InputFault> placement_fault(const std::vector<InputBody>& bodies,
-                                          const Placement& placement) {
+                                          const BodyPlacements& placement) {
   for (std::size_t i = 0; i < placement.bodies.size(); ++i) {
     if (auto fault = quaternion_fault(bodies[i].name, placement.bodies[i])) return fault;
   }
@@ -246,7 +246,7 @@ std::optional<InputFault> placement_fault(const std::vector<InputBody>& bodies,
 }
 
 std::vector<std::string> placement_notes(const std::vector<InputBody>& bodies,
-                                         const Placement& placement) {
+                                         const BodyPlacements& placement) {
   std::vector<std::string> notes;
   for (std::size_t i = 0; i < placement.bodies.size(); ++i) {
     const BodyPlacement& body = placement.bodies[i];

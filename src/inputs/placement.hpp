@@ -35,24 +35,24 @@ struct BodyPlacement {
   void add(const BodyPlacement& later);
 };
 
-struct Placement {
+struct BodyPlacements {
   std::size_t contacts = 0;   ///< with a force into the surface of one body, or at none
   std::size_t elsewhere = 0;  ///< those at no body's surface
   std::vector<BodyPlacement> bodies = {};
 
-  void add(const Placement& later);
+  void add(const BodyPlacements& later);
 };
 
-[[nodiscard]] Placement placement_of(const InputSeries& series,
-                                     std::span<const AttributedContact> contacts,
-                                     const PathView& tip, const BodyPoses& poses);
+[[nodiscard]] BodyPlacements placement_of(const InputSeries& series,
+                                          std::span<const AttributedContact> contacts,
+                                          const PathView& tip, const BodyPoses& poses);
 
 /// A mesh of another size, poses in another unit or with another order of the quaternion, where
 /// that explains at least two contacts, or the motion, and the data as written do not.
 [[nodiscard]] std::optional<InputFault> placement_fault(const std::vector<InputBody>& bodies,
-                                                        const Placement& placement);
+                                                        const BodyPlacements& placement);
 /// What does not fit together without another interpretation that explains it.
 [[nodiscard]] std::vector<std::string> placement_notes(const std::vector<InputBody>& bodies,
-                                                       const Placement& placement);
+                                                       const BodyPlacements& placement);
 
 }  // namespace pcavr

@@ -33,7 +33,7 @@ struct WindowFindings {
   std::vector<AttributedContact> contacts = {};
   std::vector<ContactEvidence> evidence = {};
   UnitTouches touches = {};
-  Placement placement = {};
+  BodyPlacements placement = {};
   std::optional<InputFault> clock_fault = {};
   std::vector<FrictionRatios> friction = {};  ///< by body
   std::vector<Approach> approaches = {};      ///< by body; only where there was no contact so far
