@@ -61,6 +61,10 @@ void remove_contact(IdentificationInput& input) {
   }
 }
 
+void write_tool_in_kilometres(IdentificationInput& input) {
+  for (Eigen::Vector3d& p : input.p_base_tip) p *= 1e-3;
+}
+
 Change scale_meshes(float factor) {
   return [factor](IdentificationInput& input) {
     for (IdentifiableObject& object : input.objects) {
@@ -125,6 +129,10 @@ const std::vector<BadInput>& bad_inputs() {
       {.name = "pose in the scene far off",
        .apply = leave_the_scene,
        .note = "632 m from its pose in the scene"},
+      {.name = "tool in kilometres",
+       .apply = write_tool_in_kilometres,
+       .fault = "in kilometres",
+       .is_replayed = false},
       {"force in kilonewtons", scale_force(1e-3), "another unit"},
       {"force in grams-force", scale_force(1e3 / kStandardGravity), "another unit"},
       {.name = "force 3 s late",
