@@ -15,8 +15,8 @@ namespace pcavr {
 /// link. Thread-safe.
 [[nodiscard]] Expected<bool> is_present(const std::filesystem::path& path);
 
-/// What is wrong with a file that a list names: "is missing", "is a named pipe, not a regular file";
-/// empty where it is a regular file that can be opened. Thread-safe.
+/// What is wrong with a file that a list names: "is missing", "is a named pipe, not a regular
+/// file"; empty where it is a regular file that can be opened. Thread-safe.
 [[nodiscard]] std::string fault_of_listed(const std::filesystem::path& path);
 
 /// The size in bytes of a regular file. An Error for a file that can't be opened and for anything
