@@ -4,9 +4,11 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/core/parallel.hpp"
@@ -69,6 +71,22 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error, bool as_json
   return kExitUsage;
 }
 
+/// An option or argument that was given without a value, as by an unset variable of a shell: it
+/// must not count as omitted.
+std::optional<Error> find_empty_value(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    const std::vector<std::string>& values = option->results();
+    if (std::find(values.begin(), values.end(), "") == values.end()) continue;
+    return Error{.message = "the name given for " + option->get_name() + " is empty",
+                 .hint = "see pcavr " + command.get_name() + " --help"};
+  }
+  // Option groups are subcommands, too; those that were not invoked have no results.
+  for (const CLI::App* subcommand : command.get_subcommands([](const CLI::App*) { return true; })) {
+    if (auto error = find_empty_value(*subcommand)) return error;
+  }
+  return std::nullopt;
+}
+
 int print(const std::string& text) {
   std::cout << text << std::flush;
   if (!std::cout) return report_error({.message = "can't write to standard output"}, false);
@@ -109,6 +127,7 @@ int run_command_line(int argc, char** argv) {
   }
   if (configuration_options.error) return report_error(*configuration_options.error, as_json);
   if (configuration_options.is_printed) return print(print_options(configuration.sections()));
+  if (const auto empty = find_empty_value(app)) return report_error(*empty, as_json);
   return run(action, as_json);
 }
 

@@ -18,13 +18,17 @@ std::string object_line(const SceneObject& object) {
   if (object.evidence == kNotSeen) return name + ": not seen, no pose\n";
   const Eigen::Vector3d& p = object.T_base_object.translation();
   const double moved = translation_distance(object.T_base_object_start, object.T_base_object);
-  std::string line =
-      name + fmt::format(": at {:.3f} {:.3f} {:.3f} m (+-{:.1f} mm, +-{:.2f} deg), by {}", p.x(),
-                         p.y(), p.z(), object.position_std * kMillimetres,
-                         object.rotation_std * kDegrees, object.evidence);
-  line += fmt::format("; depth refined the tags' pose by {:.1f} mm, {:.2f} deg",
-                      object.refinement_translation * kMillimetres,
-                      object.refinement_rotation * kDegrees);
+  std::string line = name + fmt::format(": at {:.3f} {:.3f} {:.3f} m", p.x(), p.y(), p.z());
+  if (object.position_std > 0.0) {
+    line += fmt::format(" (+-{:.1f} mm, +-{:.2f} deg)", object.position_std * kMillimetres,
+                        object.rotation_std * kDegrees);
+  }
+  line += ", by " + object.evidence;
+  if (object.refinement_translation > 0.0 || object.refinement_rotation > 0.0) {
+    line += fmt::format("; depth refined the tags' pose by {:.1f} mm, {:.2f} deg",
+                        object.refinement_translation * kMillimetres,
+                        object.refinement_rotation * kDegrees);
+  }
   if (moved > 3.0 * object.position_std && moved > 0.001) {
     line += fmt::format("; it was moved by {:.0f} mm", moved * kMillimetres);
   }
@@ -70,24 +74,39 @@ std::string times_table(const std::vector<StageTime>& times) {
   return table;
 }
 
+namespace {
+
+/// What the frames gave: camera, mesh, cloud and occupancy.
+std::string surfaces_summary(const Scene& scene) {
+  const SceneQuality& quality = scene.quality;
+  std::string text = fmt::format("camera     {}; +-{:.1f} mm, +-{:.2f} deg in base",
+                                 quality.is_fixed_camera ? "fixed" : "moving",
+                                 quality.camera_position_std * kMillimetres,
+                                 quality.camera_rotation_std * kDegrees);
+  if (quality.tag_reprojection_rms) {
+    text += fmt::format("; tag corners fit to {:.2f} px", *quality.tag_reprojection_rms);
+  }
+  text += fmt::format("\nmesh       {} triangles, {:.2f} m^2", scene.mesh_base.triangles.size(),
+                      surface_area(scene.mesh_base));
+  if (quality.surface_rms) {
+    text +=
+        fmt::format("; frames lie {:.1f} mm from it (median)", *quality.surface_rms * kMillimetres);
+  }
+  text += fmt::format("\ncloud      {} points, averaged in voxels of {:.1f} mm\n",
+                      scene.cloud_base.points.size(), scene.voxel_size * kMillimetres);
+  const OccupancyMap::Counts cells = scene.occupancy.counts();
+  return text + fmt::format("occupancy  {} cells occupied, {} free\n", cells.occupied, cells.free);
+}
+
+}  // namespace
+
 std::string scene_summary(const Scene& scene, const std::string& folder) {
   const SceneQuality& quality = scene.quality;
   std::string text =
       frames_line(quality.frames_recorded, quality.frames_used, quality.frames_dropped);
   if (!quality.tags_seen.empty()) text += tags_line(quality.tags_seen, quality.frames_used);
   text += warnings_lines(quality.input_warnings);
-  text += fmt::format(
-      "camera     {}; +-{:.1f} mm, +-{:.2f} deg in base; tag corners fit to {:.2f} px\n",
-      quality.is_fixed_camera ? "fixed" : "moving", quality.camera_position_std * kMillimetres,
-      quality.camera_rotation_std * kDegrees, quality.tag_reprojection_rms);
-  text +=
-      fmt::format("mesh       {} triangles, {:.2f} m^2; frames lie {:.1f} mm from it (median)\n",
-                  scene.mesh_base.triangles.size(), surface_area(scene.mesh_base),
-                  quality.surface_rms * kMillimetres);
-  text += fmt::format("cloud      {} points, averaged in voxels of {:.1f} mm\n",
-                      scene.cloud_base.points.size(), scene.voxel_size * kMillimetres);
-  const OccupancyMap::Counts cells = scene.occupancy.counts();
-  text += fmt::format("occupancy  {} cells occupied, {} free\n", cells.occupied, cells.free);
+  if (quality.frames_used > 0) text += surfaces_summary(scene);
   for (const SupportPlane& plane : scene.support_planes) {
     text += fmt::format("support    a plane at z = {:.3f} m, flat to {:.1f} mm\n",
                         plane.plane_base.offset / plane.plane_base.normal.z(),
@@ -120,10 +139,14 @@ nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder)
   json["tags_seen"] = nlohmann::ordered_json::object();
   for (const auto& [tag, count] : quality.tags_seen) json["tags_seen"][tag] = count;
   json["is_fixed_camera"] = quality.is_fixed_camera;
-  json["tag_reprojection_rms_px"] = quality.tag_reprojection_rms;
+  json["tag_reprojection_rms_px"] = nullptr;
+  if (quality.tag_reprojection_rms) {
+    json["tag_reprojection_rms_px"] = *quality.tag_reprojection_rms;
+  }
   json["camera_position_sigma_m"] = quality.camera_position_std;
   json["camera_rotation_sigma_rad"] = quality.camera_rotation_std;
-  json["surface_distance_median_m"] = quality.surface_rms;
+  json["surface_distance_median_m"] = nullptr;
+  if (quality.surface_rms) json["surface_distance_median_m"] = *quality.surface_rms;
   json["input_warnings"] = nlohmann::ordered_json::array();
   for (const InputWarning& warning : quality.input_warnings) {
     json["input_warnings"].push_back({{"input", warning.input},

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "pcavr/core/input_file.hpp"
 #include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/time_series.hpp"
@@ -124,7 +125,8 @@ Expected<CloudList> read_list(const fs::path& file) {
   for (const ListedImage& cloud : listed->content) {
     std::error_code code;
     if (!fs::is_regular_file(file.parent_path() / cloud.path, code)) {
-      return Error{.message = "the cloud " + cloud.path.string() + " is missing",
+      return Error{.message = "the cloud " + cloud.path.string() + ' ' +
+                              fault_of_listed(file.parent_path() / cloud.path),
                    .file = file.string(),
                    .line = cloud.line,
                    .hint = "add the file, or remove the line"};

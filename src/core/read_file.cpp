@@ -115,6 +115,13 @@ Expected<bool> is_present(const fs::path& path) {
   return false;
 }
 
+std::string fault_of_listed(const fs::path& path) {
+  const Expected<bool> present = is_present(path);
+  if (present && !*present) return "is missing";
+  const Expected<std::uintmax_t> size = regular_file_size(path);
+  return size ? std::string() : size.error().message;
+}
+
 Expected<std::uintmax_t> regular_file_size(const fs::path& path) {
   const Expected<InputFile> file = InputFile::open(path);
   if (!file) return file.error();

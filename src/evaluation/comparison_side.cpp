@@ -17,7 +17,7 @@ namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-bool is_present(const fs::path& path) {
+bool entry_exists(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
 }
@@ -36,7 +36,7 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
 
 /// Fills `trajectory` if the file exists.
 Expected<void> read_if_present(const fs::path& file, Trajectory& trajectory) {
-  if (!is_present(file)) return {};
+  if (!entry_exists(file)) return {};
   Expected<Trajectory> read = read_trajectory(file);
   if (!read) return read.error();
   trajectory = std::move(read).value();
@@ -55,7 +55,7 @@ Expected<void> add_object(const std::string& name, const fs::path& file,
 
 /// Fills the side's static surface if the file exists.
 Expected<void> read_surface(const fs::path& file, ComparisonSide& side) {
-  if (!is_present(file)) return {};
+  if (!entry_exists(file)) return {};
   Expected<TriangleMesh> mesh = read_mesh(file);
   if (!mesh) return mesh.error();
   if (mesh->triangles.empty()) {
@@ -68,7 +68,7 @@ Expected<void> read_surface(const fs::path& file, ComparisonSide& side) {
 /// A recording by its path in a scene or run: relative to the working directory, or to its folder.
 fs::path find_recording(const fs::path& named, const fs::path& folder) {
   for (const fs::path& candidate : {named, folder / named}) {
-    if (!named.empty() && is_present(candidate / "recording.yaml")) return candidate;
+    if (!named.empty() && entry_exists(candidate / "recording.yaml")) return candidate;
   }
   return {};
 }
@@ -77,7 +77,7 @@ Expected<ComparisonSide> read_truth(ComparisonSide side) {
   // With a dot, so that "truth/" and "truth" have the same parent folder.
   const fs::path recording =
       fs::absolute(side.folder / ".").lexically_normal().parent_path().parent_path();
-  if (is_present(recording / "recording.yaml")) side.recording = recording;
+  if (entry_exists(recording / "recording.yaml")) side.recording = recording;
   Expected<void> done = read_if_present(side.folder / "camera.txt", side.camera);
   if (!done) return done.error();
   for (const fs::path& file : entries_of(side.folder / "objects")) {
@@ -102,7 +102,7 @@ Expected<ComparisonSide> read_scene(ComparisonSide side) {
     if (is_end_known) placed.T_base_object_end = object.T_base_object;
     side.object_meshes[object.name] = side.folder / object.mesh;
   }
-  if (is_present(side.folder / "camera_trajectory.txt")) {
+  if (entry_exists(side.folder / "camera_trajectory.txt")) {
     Expected<Trajectory> camera = read_camera_trajectory(*manifest);
     if (!camera) return camera.error();
     side.camera = std::move(camera).value();
@@ -165,18 +165,18 @@ std::string name_of(SideKind kind) {
 Expected<ComparisonSide> read_side(const fs::path& folder) {
   ComparisonSide side;
   side.folder = folder;
-  if (is_present(folder / "scene.yaml")) {
+  if (entry_exists(folder / "scene.yaml")) {
     side.kind = SideKind::scene;
     return read_scene(std::move(side));
   }
-  if (is_present(folder / "run.yaml")) {
+  if (entry_exists(folder / "run.yaml")) {
     side.kind = SideKind::run;
     return read_run(std::move(side));
   }
   for (const char* file : {"camera.txt", "scene.ply", "objects"}) {
-    if (is_present(folder / file)) return read_truth(std::move(side));
+    if (entry_exists(folder / file)) return read_truth(std::move(side));
   }
-  if (!is_present(folder)) {
+  if (!entry_exists(folder)) {
     return Error{.message = "does not exist",
                  .file = folder.string(),
                  .hint = "give a scene, a run, or the truth folder of a recording"};

@@ -6,6 +6,7 @@
 
 #include "phase_timeline.hpp"
 #include "report.hpp"
+#include "verdict.hpp"
 
 namespace pcavr {
 namespace {
@@ -123,6 +124,7 @@ ReportPage evaluation_page(const Report& report, const Findings& findings) {
   for (const std::string& name : findings.objects_missing) {
     page.notes.push_back(name + " has no pose in this " + report.subject_kind + ".");
   }
+  page.verdict = verdict_of(findings);
   page.headline = headline_table(report);
   for (const ReportSection& section : report.sections) {
     page.sections.push_back(page_section(section));

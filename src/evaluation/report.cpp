@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report.hpp"
 
+#include <algorithm>
+#include <array>
 #include <set>
+#include <string_view>
 
 #include "pooled_errors.hpp"
 #include "report_plots.hpp"
@@ -149,6 +152,15 @@ void add_surface_metrics(const SurfaceFindings& surface, std::vector<Metric>& he
       {"Mesh farther than 20 mm from the reference", kPercent * errors.share_not_explained, "%"});
 }
 
+/// What matters first in a scene: its surfaces, then where they are.
+bool is_first_of_scene(const Metric& metric) {
+  constexpr std::array<std::string_view, 5> kFirst{
+      "Mesh accuracy, median", "Mesh accuracy, 95th percentile", "Completeness within 5 mm",
+      "Camera position error, rmse, not aligned", "Camera rotation error, rmse, not aligned"};
+  return std::any_of(kFirst.begin(), kFirst.end(),
+                     [&](std::string_view name) { return metric.name.starts_with(name); });
+}
+
 /// One object's sections follow each other.
 void add_run_objects(const ComparisonSide& reference, const ComparisonSide& subject,
                      const Findings& findings, Report& report) {
@@ -213,6 +225,9 @@ Report make_report(const ComparisonSide& reference, const ComparisonSide& subjec
   const std::vector<Metric> parameters = parameter_headline(findings);
   report.headline.insert(report.headline.end(), parameters.begin(), parameters.end());
   add_geometry(findings, report);
+  if (!findings.run) {
+    std::stable_partition(report.headline.begin(), report.headline.end(), is_first_of_scene);
+  }
   return report;
 }
 

@@ -3,6 +3,9 @@
 #include "report_plots.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include <Eigen/Geometry>
 
 #include "report.hpp"
 #include "run_plots.hpp"
@@ -51,6 +54,58 @@ Plot map_of(const std::string& title, const Trajectory& reference, const Traject
   map.series.push_back(from_above(estimate, "estimate", 0));
   map.series.back().dashed = true;
   return map;
+}
+
+/// [m] A path within this is a point in its map: no camera on a tripod, and no resting object,
+/// moves farther by its poses' noise.
+constexpr double kStill = 0.01;
+
+bool is_still(const Trajectory& trajectory) {
+  if (trajectory.size() == 0) return true;
+  Eigen::AlignedBox3d box;
+  for (const TimedPose& timed : trajectory.poses()) box.extend(timed.pose.translation());
+  return box.diagonal().norm() < kStill;
+}
+
+/// The position error over the length of the path.
+PlotSeries error_along_path(const std::vector<PoseError>& errors, const Trajectory& reference) {
+  PlotSeries series{.label = "error (mm)", .color = 0};
+  std::vector<double> lengths{0.0};
+  const std::vector<TimedPose>& poses = reference.poses();
+  // In steps, because the poses' noise would lengthen the path of an object at rest.
+  constexpr double kStep = 1e-3;  // [m]
+  std::size_t anchor = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const double step = translation_distance(poses[anchor].pose, poses[i].pose);
+    if (step >= kStep) anchor = i;
+    lengths.push_back(lengths.back() + (step >= kStep ? step : 0.0));
+  }
+  std::size_t i = 0;
+  for (const PoseError& error : errors) {
+    while (i + 1 < poses.size() && poses[i].stamp < error.stamp) ++i;
+    series.x.push_back(lengths[i]);
+    series.y.push_back(kMillimetres * error.translation);
+  }
+  return series;
+}
+
+/// The path with its error below; empty for one that did not move.
+std::vector<Plot> path_plots(const std::string& title, const Trajectory& reference,
+                             const Trajectory& estimate, const std::vector<PoseError>& errors) {
+  if (is_still(reference) && is_still(estimate)) return {};
+  Plot map = map_of(title, reference, estimate);
+  if (reference.size() > 1 && !errors.empty()) {
+    map.strip = error_along_path(errors, reference);
+    map.strip_x_label = "length of the path (m)";
+  }
+  return {std::move(map)};
+}
+
+std::vector<Plot> with_path(Plot translation, std::vector<Plot> path, Plot rotation) {
+  std::vector<Plot> plots{std::move(translation)};
+  plots.insert(plots.end(), path.begin(), path.end());
+  plots.push_back(std::move(rotation));
+  return plots;
 }
 
 Plot error_plot(const std::string& title, const std::string& y_label) {
@@ -119,8 +174,10 @@ std::vector<Plot> plots_of(const CameraFindings& camera, Stamp origin) {
   };
   add(errors.absolute, "not aligned", 0);
   add(errors.absolute_aligned, "aligned", 1);
-  return {translation, map_of("Camera trajectory from above", camera.reference, camera.estimate),
-          rotation};
+  return with_path(translation,
+                   path_plots("Camera trajectory from above", camera.reference, camera.estimate,
+                              errors.absolute),
+                   rotation);
 }
 
 std::vector<Plot> plots_of(const ObjectFindings& object, const Findings& findings) {
@@ -132,18 +189,18 @@ std::vector<Plot> plots_of(const ObjectFindings& object, const Findings& finding
                                          kMillimetres, origin, "position error", 0));
   rotation.series.push_back(over_time(object.errors.absolute, &PoseError::rotation, kDegrees,
                                       origin, "rotation error", 0));
+  std::vector<Plot> path = path_plots(name + ": path from above", object.reference, object.estimate,
+                                      object.errors.absolute);
   const bool has_phases = findings.run && !findings.run->phases_of(object.name).empty();
   if (has_phases) {
     annotate(object, *findings.run, origin, {&translation, &rotation});
-    return {translation, map_of(name + ": path from above", object.reference, object.estimate),
-            rotation};
+    return with_path(translation, std::move(path), rotation);
   }
   for (Plot* plot : {&translation, &rotation}) {
     plot->bands = moving_bands(object, origin);
     plot->band_labels = {"reference moving"};
   }
-  return {translation, map_of(name + ": path from above", object.reference, object.estimate),
-          rotation};
+  return with_path(translation, std::move(path), rotation);
 }
 
 std::vector<Plot> plots_of(const SurfaceFindings& surface) {

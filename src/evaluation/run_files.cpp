@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "pcavr/core/input_file.hpp"
 #include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/object/parameters_file.hpp"
@@ -30,11 +31,6 @@ struct ObjectTable {
   std::vector<std::string> columns;  ///< the first two are "t" and "object"
   Stamps stamps = Stamps::ascend;    ///< of one object
 };
-
-bool file_exists(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
 
 std::vector<std::string_view> split_at(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
@@ -218,7 +214,9 @@ Expected<void> read_existing(
     const std::vector<std::pair<const char*, std::function<Expected<void>(const fs::path&)>>>&
         readers) {
   for (const auto& [name, read] : readers) {
-    if (!file_exists(folder / name)) continue;
+    const Expected<bool> present = is_present(folder / name);
+    if (!present) return present.error();
+    if (!*present) continue;
     const Expected<void> done = read(folder / name);
     if (!done) return done;
   }

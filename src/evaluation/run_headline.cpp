@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 #include "pooled_errors.hpp"
 #include "run_report.hpp"
@@ -10,14 +12,25 @@ namespace {
 
 constexpr double kMilliseconds = 1e3;
 
+// What matters first: how far off, how wrong the force, how late the phases, at what cost.
+constexpr char kMedianPosition[] = "Predicted position error in contact or moving, median";
+constexpr char kP95Position[] = "Predicted position error in contact or moving, 95th percentile";
+constexpr char kMedianForce[] = "Rendered force error in contact, median";
+constexpr char kMedianBoundary[] = "Phase boundaries predicted, median error";
+constexpr char kBytes[] = "Correction bytes relative to streaming";
+
+bool is_first(const Metric& metric) {
+  constexpr std::array<std::string_view, 5> kFirst{kMedianPosition, kP95Position, kMedianForce,
+                                                   kMedianBoundary, kBytes};
+  return std::find(kFirst.begin(), kFirst.end(), metric.name) != kFirst.end();
+}
+
 void add_positions(const Findings& findings, std::vector<Metric>& headline) {
   const std::vector<PoseError> touched = predicted_errors_in(findings, is_touched_or_moving);
   if (!touched.empty()) {
     const ErrorStatistics stats = statistics(translations(touched));
-    headline.push_back({"Predicted position error in contact or moving, median",
-                        kMillimetres * stats.median, "mm"});
-    headline.push_back({"Predicted position error in contact or moving, 95th percentile",
-                        kMillimetres * stats.p95, "mm"});
+    headline.push_back({kMedianPosition, kMillimetres * stats.median, "mm"});
+    headline.push_back({kP95Position, kMillimetres * stats.p95, "mm"});
   }
   const std::vector<PoseError> sliding =
       predicted_errors_in(findings, [](Phase phase) { return phase == Phase::sliding; });
@@ -39,7 +52,7 @@ void add_forces(const RunFindings& run, std::vector<Metric>& headline) {
   const std::vector<double> relative = relative_force_errors(run.forces);
   if (!relative.empty()) {
     const ErrorStatistics stats = statistics(relative);
-    headline.push_back({"Rendered force error in contact, median", kPercent * stats.median, "%"});
+    headline.push_back({kMedianForce, kPercent * stats.median, "%"});
     headline.push_back(
         {"Rendered force error in contact, 95th percentile", kPercent * stats.p95, "%"});
   }
@@ -77,8 +90,7 @@ void add_corrections(const RunFindings& run, std::vector<Metric>& headline) {
   headline.push_back({"Corrections sent", static_cast<double>(counts.count), ""});
   const std::optional<double>& streaming = run.files.settings.streaming_bytes;
   if (streaming && *streaming > 0.0) {
-    headline.push_back({"Correction bytes relative to streaming",
-                        kPercent * static_cast<double>(counts.bytes) / *streaming, "%"});
+    headline.push_back({kBytes, kPercent * static_cast<double>(counts.bytes) / *streaming, "%"});
   }
 }
 
@@ -90,6 +102,7 @@ std::vector<Metric> run_headline(const Findings& findings) {
   add_forces(*findings.run, headline);
   add_phases(*findings.run, headline);
   add_corrections(*findings.run, headline);
+  std::stable_partition(headline.begin(), headline.end(), is_first);
   return headline;
 }
 

@@ -60,6 +60,7 @@ void AccumulatedFindings::add(const WindowFindings& window) {
   counts_.contacts += window.contacts.size();
   append_newest(window.evidence, evidence_);
   touches_.add(window.touches);
+  placement_.add(window.placement);
   if (window.clock_fault && !is_clock_sound_ && !clock_fault_) clock_fault_ = window.clock_fault;
   is_clock_sound_ |= !window.clock_fault && !window.evidence.empty();
   for (std::size_t i = 0; i < window.friction.size(); ++i) {
@@ -85,6 +86,7 @@ std::optional<InputFault> AccumulatedFindings::find_fault(
   // Before the axes: with a clock offset of seconds, a push may be compared with another one's
   // face.
   if (clock_fault_) return clock_fault_;
+  if (auto fault = placement_fault(bodies_, placement_)) return fault;
   if (auto fault = axes_fault(evidence_)) return fault;
   for (std::size_t i = 0; i < friction_.size(); ++i) {
     if (auto fault = force_unit_fault(bodies_[i].name, friction_[i])) return fault;
@@ -113,6 +115,7 @@ std::vector<std::string> AccumulatedFindings::notes() const {
     std::string note = doubtful_friction(bodies_[i].name, friction_[i]);
     if (!note.empty()) notes.push_back(std::move(note));
   }
+  for (std::string& note : placement_notes(bodies_, placement_)) notes.push_back(std::move(note));
   return notes;
 }
 

@@ -30,6 +30,7 @@ class AccumulatedFindings {
   double first_outlier_ = 0.0, first_jump_ = 0.0;  ///< [s]
   std::vector<ContactEvidence> evidence_;
   UnitTouches touches_;
+  BodyPlacements placement_;
   std::optional<InputFault> clock_fault_;
   bool is_clock_sound_ = false;           ///< a window with contacts has no clock fault
   std::vector<FrictionRatios> friction_;  ///< by body

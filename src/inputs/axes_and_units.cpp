@@ -34,7 +34,9 @@ struct Length {
   const char* name;
   double metres;
 };
-constexpr std::array<Length, 2> kLengths{{{"millimetres", 1e-3}, {"centimetres", 1e-2}}};
+// The last where metres were divided by 1000 once too often.
+constexpr std::array<Length, kOtherLengthUnits> kLengths{
+    {{"millimetres", 1e-3}, {"centimetres", 1e-2}, {"kilometres", 1e3}}};
 
 bool explains(const DirectionAgreement& candidate, const DirectionAgreement& as_written) {
   return candidate.inward >= kExplains && candidate.inward - as_written.inward >= kInwardGain &&
@@ -224,8 +226,8 @@ void leave_out_misdirected(std::span<const ContactEvidence> evidence,
     if (cosine >= kMisdirected || !contact.left_out.empty()) continue;
     const double degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
     contact.left_out = fmt::format(
-        "the force points {:.0f} degrees off the normal of the face that the tool touches", degrees,
-        0.0);
+        "the force points {:.0f} degrees off the normal of the face that the tool touches",
+        degrees);
   }
 }
 

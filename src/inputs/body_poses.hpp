@@ -21,6 +21,7 @@ class BodyPoses {
       : bodies_(bodies), surfaces_(surfaces), steps_(bodies.size()) {}
 
   [[nodiscard]] Pose at(std::size_t body, double t) const;
+  [[nodiscard]] const BodySurface& surface(std::size_t body) const { return surfaces_[body]; }
   [[nodiscard]] bool is_tracked(std::size_t body) const { return !bodies_[body].tracked.empty(); }
   /// Adds the displacement by a push; only for a body that is not tracked.
   void displace(std::size_t body, double t, const Eigen::Vector3d& displacement_base);

@@ -27,11 +27,13 @@ namespace pcavr {
 void leave_out_misdirected(std::span<const ContactEvidence> evidence,
                            std::vector<AttributedContact>& contacts);
 
+inline constexpr std::size_t kOtherLengthUnits = 3;
+
 /// How many contacts have the tip at a body, by the unit of the tool's positions.
 struct UnitTouches {
   std::size_t contacts = 0;
   std::size_t in_metres = 0;
-  std::array<std::size_t, 2> in_other_units{};  ///< millimetres, centimetres
+  std::array<std::size_t, kOtherLengthUnits> in_other_units{};  ///< mm, cm, km
 
   void add(const UnitTouches& other);
 };

@@ -179,6 +179,7 @@ WindowFindings analyse_window(const InputSeries& measured, const std::vector<Bod
   for (std::size_t i = 0; i < measured.bodies.size(); ++i) {
     result.T_base_objects_end.push_back(poses->at(i, end));
   }
+  result.placement = placement_of(prepared.series, result.contacts, prepared.path(), *poses);
   if (prepared.tip.t.empty() || measured.t_force.empty()) return result;
   result.touches = count_unit_touches(prepared.series, result.contacts, result.evidence,
                                       prepared.path(), *poses);

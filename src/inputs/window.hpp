@@ -9,6 +9,7 @@
 #include "pcavr/inputs/tip_path.hpp"
 
 #include "inputs/faults.hpp"
+#include "inputs/placement.hpp"
 
 namespace pcavr {
 
@@ -32,6 +33,7 @@ struct WindowFindings {
   std::vector<AttributedContact> contacts = {};
   std::vector<ContactEvidence> evidence = {};
   UnitTouches touches = {};
+  BodyPlacements placement = {};
   std::optional<InputFault> clock_fault = {};
   std::vector<FrictionRatios> friction = {};  ///< by body
   std::vector<Approach> approaches = {};      ///< by body; only where there was no contact so far

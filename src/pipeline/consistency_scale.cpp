@@ -102,9 +102,11 @@ std::optional<Diagnosis> diagnose(const std::vector<FaultHypothesis>& hypotheses
   return diagnosis;
 }
 
-FaultHypothesis wrong_size(std::size_t marker) {
+/// A wrong lens distorts a tag's size, too.
+FaultHypothesis wrong_size(const Manifest& manifest, std::size_t marker) {
+  const bool is_distorted = manifest.camera && manifest.camera->has_distortion();
   return {.place = key_of_marker(marker) + ".size",
-          .check = "the printed size",
+          .check = std::string("the printed size") + (is_distorted ? ", camera.distortion" : ""),
           .is_affected = [marker](const ScaleRatio& ratio) {
             return ratio.kind == ScaleRatio::Kind::tag_size && ratio.first == marker;
           }};
@@ -128,7 +130,9 @@ std::vector<FaultHypothesis> hypotheses_of(const Manifest& manifest,
   std::set<std::size_t> placed;
   bool has_motion = false;
   for (const ScaleRatio& ratio : ratios) {
-    if (ratio.kind == ScaleRatio::Kind::tag_size) hypotheses.push_back(wrong_size(ratio.first));
+    if (ratio.kind == ScaleRatio::Kind::tag_size) {
+      hypotheses.push_back(wrong_size(manifest, ratio.first));
+    }
     if (ratio.kind == ScaleRatio::Kind::tag_distance) placed.insert({ratio.first, ratio.second});
     has_motion = has_motion || ratio.kind == ScaleRatio::Kind::camera_motion;
   }

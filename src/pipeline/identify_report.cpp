@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -124,6 +125,19 @@ std::string offset_text(const TimeOffset& offset) {
          " ms";
 }
 
+/// How much was identified, by object.
+std::string verdict_of(const Identification& found) {
+  std::string text;
+  for (const ObjectIdentification& object : found.objects) {
+    const auto identified =
+        std::count_if(object.findings.begin(), object.findings.end(),
+                      [](const ParameterFinding& row) { return row.is_excited; });
+    text += fmt::format("{}{}: {} of {} parameters identified", text.empty() ? "" : "; ",
+                        object.name, identified, object.findings.size());
+  }
+  return text.empty() ? text : text + ".";
+}
+
 ReportPage identification_page(const Identification& found, const std::string& recording) {
   ReportPage page{.title = "Identification: " + recording,
                   .heading = found.goal == IdentificationGoal::contact
@@ -141,6 +155,7 @@ ReportPage identification_page(const Identification& found, const std::string& r
                   {", "},
                   {std::to_string(found.inputs.force_spikes), true},
                   {" spikes removed"}}};
+  page.verdict = verdict_of(found);
   page.notes = found.notes;
   for (std::size_t i = 0; i < found.objects.size(); ++i) {
     page.sections.push_back(object_section(found, i));

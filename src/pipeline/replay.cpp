@@ -408,9 +408,8 @@ Expected<Replay> replay_recording(const Recording& recording, const SceneManifes
   Expected<TeleopRun> run = run_sites(recording, *input, options, *replay, observer);
   if (!run) {
     Error error = run.error();
-    if (error.file == "tool.csv" || error.file == "wrench.csv") {
-      error.file = (recording.folder / error.file).string();
-    }
+    const std::filesystem::path named = recording.folder / error.file;
+    if (!error.file.empty() && std::filesystem::exists(named)) error.file = named.string();
     return error;
   }
   clock.end();

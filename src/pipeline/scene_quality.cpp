@@ -69,7 +69,9 @@ SceneQuality assess_quality(const Recording& recording, const Survey& survey, co
     quality.tags_seen.emplace_back(marker.id.to_string(),
                                    seen == survey.tags_seen.end() ? 0 : seen->second);
   }
-  quality.tag_reprojection_rms = survey.camera.tag_reprojection_rms;
+  if (survey.camera.tag_corners_used > 0) {
+    quality.tag_reprojection_rms = survey.camera.tag_reprojection_rms;
+  }
   quality.tracking_rms = survey.camera.tracking_rms;
   quality.is_fixed_camera = survey.camera.is_fixed_camera;
   std::vector<double> position_stds;
@@ -81,7 +83,9 @@ SceneQuality assess_quality(const Recording& recording, const Survey& survey, co
   }
   quality.camera_position_std = median(position_stds);
   quality.camera_rotation_std = median(rotation_stds);
-  quality.surface_rms = surface_distance(recording, survey, scene, max_distance);
+  if (quality.frames_used > 0) {
+    quality.surface_rms = surface_distance(recording, survey, scene, max_distance);
+  }
   for (const ConsistencyFinding& finding : survey.findings) {
     quality.input_warnings.push_back(to_warning(finding));
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "pcavr/core/input_file.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/time_series.hpp"
 
@@ -30,9 +31,10 @@ Expected<Series<Images>> read_list(const fs::path& folder, const char* name, boo
     if (fs::is_regular_file(folder / image.path, code)) {
       present.content.push_back(std::move(image));
     } else if (skip_bad) {
-      present.report.count_skipped("image is missing");
+      present.report.count_skipped("image " + fault_of_listed(folder / image.path));
     } else {
-      return Error{.message = "the image " + image.path.string() + " is missing",
+      return Error{.message = "the image " + image.path.string() + ' ' +
+                              fault_of_listed(folder / image.path),
                    .file = file.string(),
                    .line = image.line,
                    .hint = "add the file, or remove the line"};

@@ -142,7 +142,9 @@ Expected<void> check_line_counts(const fs::path& manifest) {
     const Expected<bool> exists = is_present(file);
     if (!exists) return exists.error();
     if (!*exists) continue;
-    const Expected<void> intact = check_line_count(file, lines);
+    const Expected<Lines> found = lines_of_file(file);
+    if (!found) return found.error();
+    const Expected<void> intact = check_lines(*found, lines, file);
     if (intact) continue;
     Error error = intact.error();
     if (manifest.filename() == kWrittenFile) {

@@ -58,6 +58,10 @@ Json plot_json(const Plot& plot) {
   for (const PlotPin& pin : plot.pins) {
     json["pins"].push_back({{"x", pin.x}, {"hollow", pin.is_hollow}});
   }
+  if (plot.strip) {
+    json["strip"] = series_json(*plot.strip, false);
+    json["strip_x_label"] = plot.strip_x_label;
+  }
   json["pin_label"] = plot.pin_label;
   json["hollow_pin_label"] = plot.hollow_pin_label;
   return json;
@@ -143,6 +147,7 @@ std::string format_report_data(const ReportPage& page) {
             {"heading", page.heading},
             {"inputs", lines_json(page.inputs)},
             {"notes", page.notes},
+            {"verdict", page.verdict},
             {"headline", table_json(page.headline)},
             {"sections", Json::array()},
             {"footer", page.footer}};

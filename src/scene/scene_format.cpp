@@ -185,10 +185,13 @@ void emit_quality(YAML::Emitter& out, const SceneQuality& quality) {
   emit_counts(out, "frames_dropped", "reason", quality.frames_dropped);
   emit_left_out(out, quality.left_out);
   emit_counts(out, "tags_seen", "tag", quality.tags_seen);
-  emit(out, "tag_reprojection_rms", quality.tag_reprojection_rms);
+  if (quality.tag_reprojection_rms) {
+    emit(out, "tag_reprojection_rms", *quality.tag_reprojection_rms);
+  }
+  if (quality.surface_rms) emit(out, "surface_rms", *quality.surface_rms);
+  // Required, so that a truncated file is refused.
   emit(out, "tracking_rms", quality.tracking_rms);
   emit_pose_values(out, "camera_sigma", quality.camera_position_std, quality.camera_rotation_std);
-  emit(out, "surface_rms", quality.surface_rms);
   if (!quality.input_warnings.empty()) emit_warnings(out, quality.input_warnings);
   out << YAML::EndMap;
 }

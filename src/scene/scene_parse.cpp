@@ -199,12 +199,16 @@ SceneQuality quality_of(const YamlValue& value) {
   quality.frames_dropped = counts_of(value.at("frames_dropped"), "reason");
   if (const auto left_out = value.find("left_out")) quality.left_out = left_out_of(*left_out);
   quality.tags_seen = counts_of(value.at("tags_seen"), "tag");
-  quality.tag_reprojection_rms = value.at("tag_reprojection_rms").number_in(ranges::kFigure);
+  if (const auto rms = value.find("tag_reprojection_rms")) {
+    quality.tag_reprojection_rms = rms->number_in(ranges::kFigure);
+  }
   quality.tracking_rms = value.at("tracking_rms").number_in(ranges::kFigure);
   const PoseValues std_values = pose_values_of(value.at("camera_sigma"));
   quality.camera_position_std = std_values.translation;
   quality.camera_rotation_std = std_values.rotation;
-  quality.surface_rms = value.at("surface_rms").number_in(ranges::kFigure);
+  if (const auto rms = value.find("surface_rms")) {
+    quality.surface_rms = rms->number_in(ranges::kFigure);
+  }
   if (const auto warnings = value.find("input_warnings")) {
     quality.input_warnings = warnings_of(*warnings);
   }

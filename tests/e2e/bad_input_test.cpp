@@ -371,6 +371,36 @@ TEST_F(BadInput, PipesAndDevicesInsteadOfFiles) {
   }
 }
 
+TEST_F(BadInput, PipesAndLoopsInsteadOfAnImage) {
+  const fs::path image = first_image("depth");
+  fs::remove(image);
+  ASSERT_EQ(::mkfifo(image.c_str(), 0600), 0);
+  expect_refused({"depth.txt", image.filename().string(), "pipe"}, "timeout 20 ");
+  fs::remove(image);
+  fs::create_symlink(image, image);
+  expect_refused({"depth.txt", image.filename().string(), "symbolic links"}, "timeout 20 ");
+}
+
+TEST_F(BadInput, ValuesThatAreEmpty) {
+  const std::string folder = recording().string();
+  const std::string out = scene().string();
+  const std::vector<std::vector<std::string>> commands{
+      {"build", "", "-o", out},
+      {"build", folder, "-o", out, "--sensor", ""},
+      {"identify", "friction", folder, "--scene", "", "-o", out},
+      {"replay", folder, "--scene", folder, "--parameters", "", "-o", out},
+      {"replay", folder, "--scene", folder, "--tracked", "", "-o", out},
+      {"replay", folder, "--scene", folder, "--video", "", "-o", out},
+      {"evaluate", folder, "--truth", "", "-o", out}};
+  for (const std::vector<std::string>& command : commands) {
+    const CommandOutcome outcome = run_pcavr(command);
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.standard_error;
+    EXPECT_EQ(outcome.error_lines(), 1U) << outcome.standard_error;
+    EXPECT_NE(outcome.standard_error.find("is empty"), std::string::npos) << outcome.standard_error;
+    EXPECT_FALSE(fs::exists(scene()));
+  }
+}
+
 TEST_F(BadInput, FolderAndNamesThatAreTooLong) {
   const std::string name(300, 'x');
   CommandOutcome outcome = run_pcavr({"build", recording().string() + name, "-o", "/nowhere/s"});

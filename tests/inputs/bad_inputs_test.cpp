@@ -61,6 +61,45 @@ void remove_contact(IdentificationInput& input) {
   }
 }
 
+void write_tool_in_kilometres(IdentificationInput& input) {
+  for (Eigen::Vector3d& p : input.p_base_tip) p *= 1e-3;
+}
+
+Change scale_meshes(float factor) {
+  return [factor](IdentificationInput& input) {
+    for (IdentifiableObject& object : input.objects) {
+      for (Eigen::Vector3f& vertex : object.model.mesh_object.vertices) vertex *= factor;
+    }
+  };
+}
+
+void write_poses_in_millimetres(IdentificationInput& input) {
+  for (IdentifiableObject& object : input.objects) {
+    for (TrackedPose& pose : object.tracked) {
+      pose.T_base_object =
+          Pose(pose.T_base_object.rotation(), 1e3 * pose.T_base_object.translation());
+    }
+  }
+}
+
+void write_w_first(IdentificationInput& input) {
+  for (IdentifiableObject& object : input.objects) {
+    for (TrackedPose& pose : object.tracked) {
+      const Eigen::Quaterniond q(pose.T_base_object.rotation());
+      // Written w x y z, read as x y z w.
+      const Eigen::Quaterniond read(q.z(), q.w(), q.x(), q.y());
+      pose.T_base_object = Pose(read, pose.T_base_object.translation());
+    }
+  }
+}
+
+void leave_the_scene(IdentificationInput& input) {
+  for (IdentifiableObject& object : input.objects) {
+    object.T_base_object = Pose(object.T_base_object.rotation(),
+                                object.T_base_object.translation() + Eigen::Vector3d(632.0, 0, 0));
+  }
+}
+
 const std::vector<BadInput>& bad_inputs() {
   static const std::vector<BadInput> all{
       {"sound", [](IdentificationInput&) {}},
@@ -70,6 +109,29 @@ const std::vector<BadInput>& bad_inputs() {
       {.name = "tool in millimetres",
        .apply = write_tool_in_millimetres,
        .fault = "in millimetres",
+       .is_replayed = false},
+      {.name = "mesh of twice its size",
+       .apply = scale_meshes(2.0F),
+       .fault = "0.5 times as large",
+       .is_replayed = false},
+      {.name = "mesh of half its size",
+       .apply = scale_meshes(0.5F),
+       .fault = "2 times as large",
+       .is_replayed = false},
+      {.name = "poses in millimetres",
+       .apply = write_poses_in_millimetres,
+       .fault = "are in millimetres",
+       .is_replayed = false},
+      {.name = "quaternions with w first",
+       .apply = write_w_first,
+       .fault = "begin with w",
+       .is_replayed = false},
+      {.name = "pose in the scene far off",
+       .apply = leave_the_scene,
+       .note = "632 m from its pose in the scene"},
+      {.name = "tool in kilometres",
+       .apply = write_tool_in_kilometres,
+       .fault = "in kilometres",
        .is_replayed = false},
       {"force in kilonewtons", scale_force(1e-3), "another unit"},
       {"force in grams-force", scale_force(1e3 / kStandardGravity), "another unit"},

@@ -124,7 +124,7 @@ TEST(ImageSize, ABoxIsPlacedWhereDepthIsSmallerThanColour) {
     EXPECT_EQ(scene->quality.frames_used, 4U);
     EXPECT_GT(scene->mesh_base.triangles.size(), 1000U);
     // The sensor's noise is 2 to 3 mm; a grid that is half a pixel off would show here: 2 mm.
-    EXPECT_LT(scene->quality.surface_rms, 0.004);
+    EXPECT_LT(scene->quality.surface_rms.value(), 0.004);
     expect_placed(recording, *scene, 0.003, 0.01);
   }
 }

@@ -344,7 +344,7 @@ def odd_output(rng, sound, work):
 
 def limited_resources(rng, sound, work):
     output = work / "output"
-    prefix = rng.choice(["ulimit -v 450000;", "ulimit -v 600000;", "ulimit -n 12;", "ulimit -f 8;",
+    prefix = rng.choice(["ulimit -v 520000;", "ulimit -v 600000;", "ulimit -n 12;", "ulimit -f 8;",
                          "ulimit -u 1; ulimit -v 900000;", "export LC_ALL=de_DE.UTF-8;",
                          "export LC_ALL=tr_TR.UTF-8 LANG=C;", "export HOME=/nowhere;",
                          "exec 2>/dev/full;", "exec 1>/dev/full;", "exec 1>&-;"])

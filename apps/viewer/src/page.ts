@@ -22,6 +22,7 @@ import type { LivePlot } from './ui/live_plot';
 import type { Messages } from './ui/messages';
 import { differenceText, MeasureLabels } from './ui/measure_labels';
 import { ObjectsPanel } from './ui/objects_panel';
+import { PageLink } from './ui/page_link';
 import { pair } from './ui/pairing';
 import { Sheet } from './ui/sheet';
 import type { Theme, ThemeSwitch } from './ui/theme';
@@ -44,6 +45,7 @@ export class Page {
   private readonly hud: Hud;
   private readonly restart: RestartCheck;
   private readonly measured: MeasureLabels;
+  private readonly link: PageLink;
   private readonly isReplay: boolean;
   private readonly showDetail: (level: number) => void;
   private readonly reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
@@ -55,6 +57,7 @@ export class Page {
   private pulses = -1;
   private hasFirstFrame = false;
   private hadState = false;
+  private isLinkRestored = false;
 
   constructor(
     private readonly app: App,
@@ -88,6 +91,8 @@ export class Page {
     this.showDetail = fillDetail(model, (level) => void this.loader.choose(level));
     fillLegend(byId('phase-legend', HTMLParagraphElement), this.isReplay);
     this.loadOnDemand();
+    this.link = new PageLink(view, this.navigation, () => this.replay?.timeline ?? null);
+    this.link.restoreLayers();
     this.fillHead(info);
     this.connectView();
     this.connectSession();
@@ -103,6 +108,9 @@ export class Page {
     else await this.addTool();
     await loading;
     this.frameAtFirst();
+    const time = this.link.restoreView();
+    if (time !== undefined) this.replay?.seek(time);
+    this.isLinkRestored = true;
     // Until the user turns the view, it follows the window's shape.
     new ResizeObserver(() => this.frameAtFirst()).observe(byId('stage', HTMLElement));
   }
@@ -263,6 +271,7 @@ export class Page {
   private frame(time: number, seconds: number): void {
     this.navigation.update(seconds);
     this.tool?.update(seconds);
+    if (this.isLinkRestored) this.link.update(time);
     const state = this.app.session.latest();
     if (state) {
       if (!this.hadState) this.showFirstState();

@@ -150,3 +150,31 @@ test('at speed 2 the replay advances twice as fast', limit, async () => {
   );
   assert.ok(Math.abs(ratio - 2) < 0.1, `${ratio} times`);
 });
+
+test('a link restores view, layers and time', limit, async () => {
+  const { page, seen } = await open();
+  await page.locator('#scrub').fill('1.5');
+  await page.evaluate(() => window.__pcavr.app.view.layers.show('frames', true));
+  await page.focus('#view');
+  await page.keyboard.down('KeyJ');
+  await page.waitForTimeout(300);
+  await page.keyboard.up('KeyJ');
+  const look = () =>
+    page.evaluate(() => {
+      const { view } = window.__pcavr.app;
+      return [...view.camera.position.toArray(), ...view.camera.quaternion.toArray()];
+    });
+  await page.waitForFunction(() => /view=.*&layers=.*&t=1\.5/.test(location.hash));
+  const [before, url] = [await look(), page.url()];
+  await page.goto('about:blank');
+  await page.goto(url);
+  await page.waitForFunction(
+    () => window.__pcavr?.replay && window.__pcavr.scene.isComplete && window.__pcavr.layers.frames,
+  );
+  await page.waitForFunction(() => Math.abs(window.__pcavr.timeline.time - 1.5) < 1e-9);
+  const after = await look();
+  before.forEach((value, i) =>
+    assert.ok(Math.abs(value - after[i]) < 0.003, `${value} ${after[i]}`),
+  );
+  assert.deepEqual(seen.errors, []);
+});

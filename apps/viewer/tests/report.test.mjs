@@ -10,6 +10,8 @@ import { makeScene } from './support/pcavr.mjs';
 import { sample, writeReport } from './support/report_sample.mjs';
 import { limit } from './support/stage.mjs';
 
+const maxPrintedPages = 6;
+
 let browser;
 let report;
 
@@ -47,10 +49,14 @@ test('a report shows its headings, tables and plots without a network', limit, a
     'box_3 has no pose in this run.',
     'The tool jumps.',
   ]);
-  assert.equal(await page.locator('.headline table').count(), 2);
-  assert.equal(await page.locator('.headline tbody tr').count(), 16);
+  assert.equal(await page.locator('.verdict').textContent(), sample.verdict);
+  assert.equal(await page.locator('.headline tbody tr').count(), 5);
+  const all = page.locator('details', { hasText: 'All main figures (16)' });
+  assert.equal(await all.locator('tbody tr').count(), 16);
+  assert.equal(await all.locator('tbody tr').first().isVisible(), false);
+  assert.equal(await page.locator('figure.map svg').count(), 2); // with its error strip
   assert.equal(await page.locator('td', { hasText: 'missed' }).getAttribute('class'), 'number');
-  assert.equal(await page.locator('figure svg').count(), 4);
+  assert.equal(await page.locator('figure .drawing svg').count(), 4);
   assert.equal(await page.locator('figure.map').count(), 1);
   const legend = await page.locator('figure', { hasText: 'force of the tool' }).locator('.legend');
   assert.deepEqual(await legend.locator('span').allTextContents(), [
@@ -64,7 +70,7 @@ test('a report shows its headings, tables and plots without a network', limit, a
   ]);
   // Lines have been drawn, and no coordinate is invalid.
   const paths = await page
-    .locator('g[aria-label=line] path')
+    .locator('.drawing g[aria-label=line] path')
     .evaluateAll((all) => all.map((path) => path.getAttribute('d')));
   assert.equal(paths.length, 4);
   for (const path of paths) assert.match(path, /^M[-\d.]+,[-\d.]+L/);
@@ -128,13 +134,19 @@ test('a plot is saved as a table with all its numbers', limit, async () => {
   assert.equal(lanes[1], 'box_1,truth,0,2,free');
 });
 
-test('a printed report has its folded tables, and no buttons', limit, async () => {
+test('a printed report has all sections, and neither buttons nor long tables', limit, async () => {
   const { page } = await open(report.url);
-  assert.equal(await page.locator('details[open]').count(), 0);
+  await page.evaluate(() =>
+    document.querySelectorAll('.section').forEach((one) => (one.open = false)),
+  );
   await page.emulateMedia({ media: 'print' });
-  assert.equal(await page.getByRole('button').first().isVisible(), false);
   await page.evaluate(() => dispatchEvent(new Event('beforeprint')));
-  assert.equal(await page.locator('details:not([open])').count(), 0);
+  assert.equal(await page.locator('details.section:not([open])').count(), 0);
+  assert.equal(await page.getByRole('button').first().isVisible(), false);
+  assert.equal(
+    await page.locator('details', { hasText: 'Each correction' }).last().isVisible(),
+    false,
+  );
 });
 
 test('the reports of the command open', { timeout: 180_000 }, async (t) => {
@@ -162,8 +174,34 @@ test('the reports of the command open', { timeout: 180_000 }, async (t) => {
       assert.ok((await page.locator('figure svg').count()) > 0, name);
       assert.ok((await page.locator('tbody tr').count()) > 0, name);
       await screenshot(page, `report-${name}`);
+      const pdf = (await page.pdf({ format: 'A4' })).toString('latin1');
+      const pages = Number(/\/Count (\d+)/.exec(pdf)?.[1]);
+      assert.ok(pages >= 1 && pages <= maxPrintedPages, `${name}: ${pages} pages`);
     }
   } finally {
     made.remove();
   }
+});
+
+test('a table is saved as it is shown', limit, async () => {
+  const { page } = await open(report.url);
+  const nodes = page.locator('.tables > div', { hasText: 'Time nodes' });
+  const saved = page.waitForEvent('download');
+  await nodes.getByRole('button', { name: 'Save CSV' }).click();
+  const text = readFileSync(await (await saved).path(), 'utf8');
+  assert.equal(text.split('\r\n')[1], 't1,box_1,contact,2.000,-');
+});
+
+test('the contents lead to the sections', limit, async () => {
+  const long = {
+    ...sample,
+    sections: ['a', 'b', 'c', 'd'].map((title) => ({ title, blocks: [] })),
+  };
+  const written = writeReport(long);
+  const { page } = await open(written.url);
+  const isOpen = () => page.locator('#section-4').evaluate((section) => section.open);
+  assert.equal(await isOpen(), false);
+  await page.locator('.contents').getByRole('link', { name: 'd' }).click();
+  assert.equal(await isOpen(), true);
+  written.remove();
 });

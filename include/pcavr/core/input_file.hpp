@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "pcavr/core/expected.hpp"
 
@@ -13,6 +14,10 @@ namespace pcavr {
 /// permission on the path, a loop of symbolic links), or where the name is a dangling symbolic
 /// link. Thread-safe.
 [[nodiscard]] Expected<bool> is_present(const std::filesystem::path& path);
+
+/// What is wrong with a file that a list names: "is missing", "is a named pipe, not a regular
+/// file"; empty where it is a regular file that can be opened. Thread-safe.
+[[nodiscard]] std::string fault_of_listed(const std::filesystem::path& path);
 
 /// The size in bytes of a regular file. An Error for a file that can't be opened and for anything
 /// else (a folder, a pipe, a device): reading those could block or never end. Thread-safe.

@@ -14,7 +14,15 @@
 
 namespace pcavr {
 
-enum class InputFaultKind { tool_unit, clock, force_sign, force_axes, force_unit };
+enum class InputFaultKind {
+  tool_unit,
+  clock,
+  body_poses,
+  mesh_size,
+  force_sign,
+  force_axes,
+  force_unit
+};
 
 /// A fault that the data show positively: another interpretation (another sign, other axes, another
 /// unit, another clock) explains where the tool touched and what moved decisively better than the
@@ -25,7 +33,8 @@ struct InputFault {
 
   /// The tool's motion is usable: the tool can be replayed without the force.
   [[nodiscard]] bool is_of_force_only() const {
-    return kind != InputFaultKind::tool_unit && kind != InputFaultKind::clock;
+    return kind == InputFaultKind::force_sign || kind == InputFaultKind::force_axes ||
+           kind == InputFaultKind::force_unit;
   }
 };
 

@@ -60,6 +60,9 @@ struct Plot {
   bool from_zero = false;             ///< both axes
   bool y_from_zero = false;           ///< the y axis
   bool equal_axes = false;            ///< same scale on both axes: a map, not decimated
+  /// Drawn below the plot on axes of its own; its label is that of its y axis.
+  std::optional<PlotSeries> strip = {};
+  std::string strip_x_label = {};
   /// Lower limit of the x axis; the data's minimum where empty.
   std::optional<double> x_from = {};
   /// Upper limits of the x and y axis; the data's maximum where 0.

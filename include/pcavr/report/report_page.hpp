@@ -51,7 +51,10 @@ struct ReportPage {
   std::string heading;
   std::vector<std::vector<PageSpan>> inputs = {};  ///< lines below the heading
   std::vector<std::string> notes = {};             ///< highlighted
-  ReportTable headline = {};                       ///< the main metrics; may have no rows
+  std::string verdict = {};                        ///< what was found, in a sentence or two
+  /// The main metrics, the most important first: the page folds those after the fifth. May have no
+  /// rows.
+  ReportTable headline = {};
   std::vector<PageSection> sections = {};
   std::string footer = {};
 };

@@ -77,11 +77,12 @@ struct SceneQuality {
   std::vector<std::pair<std::string, std::size_t>> frames_dropped;  ///< reason, count
   std::vector<SkippedRows> left_out;  ///< rows of the recording's files, by --skip-bad
   std::vector<std::pair<std::string, std::size_t>> tags_seen;  ///< tag, frames
-  double tag_reprojection_rms = 0.0;                           ///< [px]
-  double tracking_rms = 0.0;                                   ///< [m]
-  double camera_position_std = 0.0;                            ///< median over the frames used [m]
-  double camera_rotation_std = 0.0;                            ///< [rad]
-  double surface_rms = 0.0;  ///< point-to-plane, frames used to mesh, median [m]
+  std::optional<double> tag_reprojection_rms = {};  ///< [px]; empty where no tag was used
+  double tracking_rms = 0.0;                        ///< [m]
+  double camera_position_std = 0.0;                 ///< median over the frames used [m]
+  double camera_rotation_std = 0.0;                 ///< [rad]
+  /// Point-to-plane, frames used to mesh, median [m]; empty without frames.
+  std::optional<double> surface_rms = {};
   bool is_fixed_camera = false;
   std::vector<InputWarning> input_warnings = {};
   std::vector<StageTime> times;

@@ -32,6 +32,13 @@ export class Navigation {
     );
   }
 
+  /// As if the user had moved the camera there.
+  place(eye: Vector3, target: Vector3): void {
+    this.hasMoved = true;
+    this.camera.position.copy(eye);
+    this.lookAt(target);
+  }
+
   lookAt(target: Vector3): void {
     this.controls.target.copy(target);
     this.setMode(this.mode);

@@ -40,6 +40,10 @@ export class ReplayPlayer {
     return new ReplayPlayer(app, readReplay(model, binary, app.view.model?.robot?.start.length));
   }
 
+  seek(time: number): void {
+    this.bar.seek(time);
+  }
+
   /// The measured force [N] on an object now.
   force(name: string): number {
     const object = this.replay.objects.find((o) => o.name === name);

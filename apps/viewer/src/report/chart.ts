@@ -13,6 +13,7 @@ const width = 640;
 const margins = { marginTop: 14, marginRight: 14, marginBottom: 40, marginLeft: 62 };
 const chartHeight = 300;
 const mapHeight = 690; // two stacked charts with their headings
+const stripHeight = 130;
 
 /// The plot's inner width over its inner height.
 export function aspectOf(plot: PlotData): number {
@@ -48,6 +49,26 @@ export function drawChart(plot: PlotData, view: View): Plot.Plot & SVGSVGElement
   }) as Plot.Plot & SVGSVGElement;
 }
 
+/// A low chart of one line over its own axis.
+export function drawStrip(strip: Series, xLabel: string, title: string): SVGSVGElement {
+  const points = pointsOf(strip);
+  const axis = { tickSize: 0, labelAnchor: 'center' as const, labelArrow: 'none' as const };
+  return Plot.plot({
+    width,
+    height: stripHeight,
+    ...margins,
+    ariaLabel: `${title}: ${strip.label}`,
+    style: { fontSize: '12px' },
+    y: { zero: true },
+    marks: [
+      Plot.axisX({ ...axis, label: xLabel }),
+      Plot.axisY({ ...axis, label: strip.label, ticks: 3 }),
+      Plot.lineY(points, { x: 'x', y: 'y', stroke: seriesColors[strip.color] }),
+      Plot.frame({ stroke: softInk }),
+    ],
+  }) as Plot.Plot & SVGSVGElement;
+}
+
 function drawAxes(plot: PlotData): Plot.Markish[] {
   const axis = {
     tickSize: 0,
@@ -65,7 +86,8 @@ function drawAxes(plot: PlotData): Plot.Markish[] {
 }
 
 function heightOf(plot: PlotData): number {
-  return plot.equal_axes ? mapHeight : chartHeight;
+  if (!plot.equal_axes) return chartHeight;
+  return plot.strip ? mapHeight - stripHeight : mapHeight;
 }
 
 function drawSeries({ x, y, color, dashed, points }: Series): Plot.Markish {

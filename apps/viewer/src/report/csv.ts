@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import { csvText } from '../ui/plot_files';
-import type { LaneData, PlotData } from './report_data';
+import type { LaneData, PlotData, TableData } from './report_data';
 
 /// Two columns a series: each has its own x.
 export function csvOfPlot({ series, x_label, y_label }: PlotData): string {
@@ -21,4 +21,10 @@ export function csvOfLanes({ lanes, kind_labels }: LaneData): string {
     intervals.map(({ from, to, kind }) => [group, label, from, to, kind_labels[kind]].join(',')),
   );
   return ['group,lane,from,to,kind', ...rows, ''].join('\r\n');
+}
+
+/// A table as it is shown (RFC 4180).
+export function csvOfTable({ columns, rows }: TableData): string {
+  const quoted = (cell: string) => (/[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
+  return [...[columns, ...rows].map((cells) => cells.map(quoted).join(',')), ''].join('\r\n');
 }

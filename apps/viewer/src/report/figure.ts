@@ -3,7 +3,7 @@
 import type * as Plot from '@observablehq/plot';
 import { create } from '../ui/dom';
 import { saveText, svgText } from '../ui/plot_files';
-import { aspectOf, drawChart } from './chart';
+import { aspectOf, drawChart, drawStrip } from './chart';
 import { bandColors, laneColors, pinColor, seriesColors } from './colors';
 import { drawLanes, wholeSpan } from './lane_chart';
 import type { LaneData, PlotData, Series } from './report_data';
@@ -26,6 +26,7 @@ export function plotFigure(plot: PlotData): HTMLElement {
     plot.equal_axes ?? false,
     () => csvOfPlot(plot),
   );
+  if (plot.strip) figure.append(drawStrip(plot.strip, plot.strip_x_label ?? '', plot.title));
   figure.classList.toggle('map', plot.equal_axes ?? false);
   return figure;
 }

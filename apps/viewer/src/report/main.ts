@@ -5,6 +5,8 @@ import { laneFigure, plotFigure } from './figure';
 import { type Block, readReport, type ReportData } from './report_data';
 import { headline, table } from './tables';
 
+const openSections = 3; // the others are folded
+
 function header(report: ReportData): HTMLElement[] {
   const lines = report.inputs.map((spans) =>
     create(
@@ -13,14 +15,18 @@ function header(report: ReportData): HTMLElement[] {
       ...spans.map(({ text, strong }) => (strong ? create('b', { textContent: text }) : text)),
     ),
   );
-  return [create('h1', { textContent: report.heading }), ...lines, ...report.notes.map(note)];
+  const verdict = report.verdict
+    ? [create('p', { className: 'verdict', textContent: report.verdict })]
+    : [];
+  const heading = create('h1', { textContent: report.heading });
+  return [heading, ...lines, ...verdict, ...report.notes.map(note)];
 }
 
 function note(text: string): HTMLElement {
   return create('p', { className: 'note', textContent: text });
 }
 
-function block(data: Block): HTMLElement {
+function block(data: Block, section: string): HTMLElement {
   switch (data.kind) {
     case 'text':
       return data.highlighted
@@ -34,26 +40,53 @@ function block(data: Block): HTMLElement {
     case 'lanes':
       return laneFigure(data);
     case 'tables':
-      return create('div', { className: 'tables' }, ...data.tables.map(table));
+      return create(
+        'div',
+        { className: 'tables' },
+        ...data.tables.map((one) => table(one, section)),
+      );
   }
+}
+
+/// Links to the sections; none for a report that fits a screen.
+function contents(sections: readonly HTMLDetailsElement[]): HTMLElement[] {
+  if (sections.length < 3) return [];
+  const links = sections.map((section) => {
+    const link = create('a', { href: `#${section.id}`, textContent: section.dataset.title ?? '' });
+    link.addEventListener('click', () => (section.open = true));
+    return create('li', {}, link);
+  });
+  const list = create('ol', {}, ...links);
+  return [create('nav', { className: 'contents screen-only', ariaLabel: 'Contents' }, list)];
+}
+
+function section({ title, blocks }: ReportData['sections'][number], i: number) {
+  const summary = create('summary', {}, create('h2', { textContent: title }));
+  const content = blocks.map((one) => block(one, title));
+  const details = create('details', { className: 'section', id: `section-${i + 1}` });
+  details.open = i < openSections;
+  details.dataset.title = title;
+  details.append(summary, ...content);
+  return details;
 }
 
 function show(report: ReportData): void {
   document.title = report.title;
   const hint = 'Plots: point at a line for its values, drag across to zoom in.';
+  const sections = report.sections.map(section);
   byId('report', HTMLElement).append(
     ...header(report),
     ...headline(report.headline),
+    ...contents(sections),
     create('p', { className: 'below screen-only', textContent: hint }),
-    ...report.sections.map(({ title, blocks }) =>
-      create('section', {}, create('h2', { textContent: title }), ...blocks.map(block)),
-    ),
+    ...sections,
     create('footer', { textContent: report.footer }),
   );
 }
 
 show(readReport(byId('report-data', HTMLScriptElement).text));
-// A printed report has all its tables.
+// A printed report has all its plots; long tables stay folded, their values are in report.json.
 addEventListener('beforeprint', () => {
-  for (const details of document.querySelectorAll('details')) details.open = true;
+  for (const one of document.querySelectorAll<HTMLDetailsElement>('details.section'))
+    one.open = true;
 });

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 
+import { typeset } from './typeset';
+
 // A report's content, as the C++ module `report` writes it.
 
 export interface Series {
@@ -29,6 +31,8 @@ export interface PlotData {
   pins: { x: number; hollow: boolean }[];
   pin_label: string;
   hollow_pin_label: string;
+  strip?: Series; // below the plot; its label is that of its y axis
+  strip_x_label?: string;
   from_zero?: boolean; // both axes
   y_from_zero?: boolean;
   equal_axes?: boolean; // a map
@@ -64,7 +68,8 @@ export interface ReportData {
   heading: string;
   inputs: { text: string; strong: boolean }[][];
   notes: string[];
-  headline: TableData;
+  verdict: string;
+  headline: TableData; // the most important first
   sections: { title: string; blocks: Block[] }[];
   footer: string;
 }
@@ -73,7 +78,9 @@ const format = 'pcavr-report-data/1';
 
 /// Throws if the text is not a report of this format.
 export function readReport(text: string): ReportData {
-  const report = JSON.parse(text) as ReportData;
+  const report = JSON.parse(text, (_, value: unknown) =>
+    typeof value === 'string' ? typeset(value) : value,
+  ) as ReportData;
   if (report.format !== format) throw new Error(`${report.format} is not ${format}`);
   return report;
 }

@@ -1,10 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import { create } from '../ui/dom';
+import { saveText } from '../ui/plot_files';
+import { csvOfTable } from './csv';
 import type { TableData } from './report_data';
 
 const maxNumber = 24; // characters: longer cells are text
-const maxHeadlineRows = 14; // of one column
+const headlineRows = 5; // that are not folded
+const maxShownRows = 12; // of a table that is not folded
 
 /// By column, whether it is aligned as numbers. The first names the rows.
 export function numberColumns({ columns, rows }: TableData): boolean[] {
@@ -17,27 +20,33 @@ export function numberColumns({ columns, rows }: TableData): boolean[] {
   });
 }
 
-/// A table with its title and note; folded ones open by a click, and for printing.
-export function table(data: TableData): HTMLElement {
+/// A table with its title and note; folded and long ones open by a click. `section` names a table
+/// without a title.
+export function table(data: TableData, section: string): HTMLElement {
+  const name = data.title || section;
+  const save = create('button', { type: 'button', textContent: 'Save CSV' });
+  save.addEventListener('click', () => saveText(name, 'csv', 'text/csv', csvOfTable(data)));
   const parts: HTMLElement[] = [plainTable(data)];
   if (data.note) parts.push(create('p', { className: 'below', textContent: data.note }));
-  if (data.folded) {
-    return create('details', {}, create('summary', { textContent: data.title }), ...parts);
+  const actions = create('span', { className: 'actions' }, save);
+  if (data.folded || data.rows.length > maxShownRows) {
+    const title = `${data.title || 'All values'} (${data.rows.length} rows)`;
+    return create('details', {}, create('summary', {}, title, actions), ...parts);
   }
-  const title = data.title ? [create('h3', { textContent: data.title })] : [];
-  return create('div', {}, ...title, ...parts);
+  const title = create('h3', { className: 'table-title' }, data.title, actions);
+  return create('div', {}, title, ...parts);
 }
 
-/// The main metrics; a long list in two columns.
+/// The five main metrics; the others are folded.
 export function headline(data: TableData): HTMLElement[] {
   if (data.rows.length === 0) return [];
-  const half = Math.ceil(data.rows.length / 2);
-  const parts =
-    data.rows.length > maxHeadlineRows
-      ? [data.rows.slice(0, half), data.rows.slice(half)]
-      : [data.rows];
-  const tables = parts.map((rows) => plainTable({ ...data, rows }));
-  return [create('div', { className: 'headline' }, ...tables)];
+  const first = data.rows.slice(0, headlineRows);
+  const rest = data.rows.slice(headlineRows);
+  const top = create('div', { className: 'headline' }, plainTable({ ...data, rows: first }));
+  if (rest.length === 0) return [top];
+  const title = `All main figures (${data.rows.length})`;
+  const all = create('details', {}, create('summary', { textContent: title }), plainTable(data));
+  return [top, all];
 }
 
 function plainTable(data: TableData): HTMLElement {
