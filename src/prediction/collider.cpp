@@ -25,6 +25,9 @@ constexpr double kMaxSideNormalZ = 0.7;
 constexpr double kStaticMargin = 3e-3;
 constexpr double kGrid = 0.25e-3;      // [m] below a scan's noise: its contacts then do not change
 constexpr double kGridAngle = 2.5e-3;  // [rad] the same at 0.1 m from the centre of mass
+/// Cosine between the normals of body and scan from which they are in contact: those of a scan with
+/// noise are off by up to 60 degrees.
+constexpr double kMinFacingCosine = 0.3;
 /// Points of the static mesh near a body whose depths are kept with its contacts.
 constexpr std::size_t kMaxNear = 8192;
 /// Points that limit one motion; bisection of that motion; a tolerance against rounding [m].
@@ -34,8 +37,6 @@ constexpr double kDepthTolerance = 1e-9;
 constexpr double kTouching = 1e-6;  // [m] distances beyond that are not needed of points outside
 /// Points closer to each other [m] count as one.
 constexpr double kMinApart = 1e-3;
-/// Depths that differ by less [m] are the same.
-constexpr double kFlat = 1e-7;
 /// Points found in one call before the reduction.
 constexpr std::size_t kMaxFound = 4096;
 /// Corners of a clipped face: those of two hulls at most.
@@ -78,8 +79,8 @@ struct Axis final : btDiscreteCollisionDetectorInterface::Result {
 };
 
 /// Contact reduction: in the plane a few points suffice: of each direction of the normal the
-/// deepest one, and the ones furthest to either side, where 1 mm of depth counts as 10 mm to the
-/// side.
+/// deepest one, and the ones furthest to either side, where 1 mm of depth counts as 100 mm to the
+/// side: with less, points with a gap hide those that bear, and the body creeps from one to another.
 void reduce_contacts(std::vector<CollisionPoint>& found, std::vector<CollisionPoint>& points) {
   std::array<bool, kMaxFound> is_used{};
   std::size_t room = Collider::kMaxPoints;
@@ -99,25 +100,18 @@ void reduce_contacts(std::vector<CollisionPoint>& found, std::vector<CollisionPo
       is_used[i] = true;
       for (std::size_t side = 0; side < 2; ++side) {
         const double offset = (side == 0 ? 1.0 : -1.0) * along.dot(found[i].p_base.head<2>());
-        const double score = offset + 10.0 * found[i].depth;
+        const double score = offset + 100.0 * found[i].depth;
         if (score > best[side]) {
           best[side] = score;
           ends[side] = i;
         }
       }
     }
-    // Of a flat contact the ends suffice: which of its points is deepest is rounding, and a third
-    // spring beside the middle would rotate the body.
-    const double width = along.dot((found[ends[0]].p_base - found[ends[1]].p_base).head<2>());
-    const double depth_of_ends = std::min(found[ends[0]].depth, found[ends[1]].depth);
-    const bool is_flat = width > kMinApart && found[first].depth - depth_of_ends < kFlat;
-    if (!is_flat) {
-      points.push_back(found[first]);
-      --room;
-    }
+    if (ends[1] == ends[0]) ends[1] = first;
+    points.push_back(found[first]);
+    --room;
     for (const std::size_t i : ends) {
-      const bool is_apart =
-          is_flat || (found[i].p_base - found[first].p_base).head<2>().norm() > kMinApart;
+      const bool is_apart = (found[i].p_base - found[first].p_base).head<2>().norm() > kMinApart;
       if (!is_apart || room == 0) continue;
       points.push_back(found[i]);
       --room;
@@ -197,7 +191,7 @@ double max_travel(const Body& body, const PlanarState& from, const PlanarState& 
   return (to.position - from.position).norm() + body.reach * std::abs(to.yaw - from.yaw);
 }
 
-/// Calls visit(p_base) for the points of the static mesh closer than `margin` [m] to the body's
+/// Calls visit(point) for the points of the static mesh closer than `margin` [m] to the body's
 /// bounding box.
 template <typename Body, typename Visit>
 void visit_around(const Body& body, const PlanarState& planar, double margin, const Visit& visit) {
@@ -210,8 +204,8 @@ void visit_around(const Body& body, const PlanarState& planar, double margin, co
                             Eigen::AlignedBox3d::TopLeftFloor, Eigen::AlignedBox3d::TopRightFloor}) {
     area.extend(planar.position + turn * Eigen::Vector2d(box.corner(corner).template head<2>()));
   }
-  body.scan.visit_in(area, [&](const Eigen::Vector3d& p_base) {
-    if (box.contains(in_body_axes(planar, p_base))) visit(p_base);
+  body.scan.visit_in(area, [&](const ScanPoints::Point& point) {
+    if (box.contains(in_body_axes(planar, point.p_base))) visit(point);
   });
 }
 
@@ -274,7 +268,8 @@ void Collider::Content::search_static(Body& body) {
   body.near.clear();
   body.max_depth = -kStaticMargin;
   body.has_all_near = true;
-  visit_around(body, body.grid_pose, kStaticMargin, [&](const Eigen::Vector3d& p_base) {
+  visit_around(body, body.grid_pose, kStaticMargin, [&](const ScanPoints::Point& point) {
+    const Eigen::Vector3d& p_base = point.p_base;
     const auto closest =
         body.surface->closest(in_body_axes(body.grid_pose, p_base), kStaticMargin);
     if (!closest || -closest->distance > options.max_scan_depth) return;
@@ -289,6 +284,8 @@ void Collider::Content::search_static(Body& body) {
     if (found.found.size() == kMaxFound) return;
     Eigen::Vector3d normal = -closest->normal;
     normal.head<2>() = turn * normal.head<2>();
+    // At a body's edge the nearest face may be one that this surface does not face.
+    if (std::abs(normal.dot(point.normal_base.cast<double>())) < kMinFacingCosine) return;
     found.found.push_back({p_base, normal, depth});
   });
   body.static_points.clear();
@@ -323,7 +320,7 @@ void Collider::Content::find_limiting(const Body& body, const PlanarState& befor
   };
   const double travel = max_travel(body, body.grid_pose, after);
   if (!body.has_all_near || travel > kStaticMargin) {
-    visit_around(body, after, 0.0, check);
+    visit_around(body, after, 0.0, [&](const ScanPoints::Point& point) { check(point.p_base); });
     return;
   }
   for (const NearPoint& point : body.near) {

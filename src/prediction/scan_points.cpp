@@ -107,13 +107,14 @@ ScanPoints::ScanPoints(const ClosestSurface& surface, const PlanarState& start,
     if (high < filter.low() || low > filter.high()) continue;
     const Eigen::Vector3d unit = normal.stableNormalized();
     visit_samples(corner, triangle, [&](const Eigen::Vector3d& p) {
-      if (filter.is_obstacle(p, unit)) points_.push_back(p);
+      if (filter.is_obstacle(p, unit)) points_.push_back({p, unit.cast<float>()});
     });
   }
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (normals[i].isZero(0.0)) continue;
     const Eigen::Vector3d p = vertices[i].cast<double>();
-    if (filter.is_obstacle(p, normals[i].stableNormalized())) points_.push_back(p);
+    const Eigen::Vector3d unit = normals[i].stableNormalized();
+    if (filter.is_obstacle(p, unit)) points_.push_back({p, unit.cast<float>()});
   }
   sort_into_cells();
 }
@@ -126,21 +127,21 @@ Eigen::Array2i ScanPoints::cell_of(const Eigen::Vector2d& p) const noexcept {
 
 void ScanPoints::sort_into_cells() {
   if (points_.empty()) return;
-  for (const Eigen::Vector3d& p : points_) bounds_.extend(p.head<2>());
+  for (const Point& point : points_) bounds_.extend(point.p_base.head<2>());
   cell_ = std::max(kMinCell, bounds_.sizes().maxCoeff() / kMaxCells);
   columns_ = static_cast<std::size_t>(bounds_.sizes().x() / cell_) + 1;
   rows_ = static_cast<std::size_t>(bounds_.sizes().y() / cell_) + 1;
-  const auto key_of = [&](const Eigen::Vector3d& p) {
-    const Eigen::Array2i cell = cell_of(p.head<2>());
+  const auto key_of = [&](const Point& point) {
+    const Eigen::Array2i cell = cell_of(point.p_base.head<2>());
     return static_cast<std::size_t>(cell.y()) * columns_ + static_cast<std::size_t>(cell.x());
   };
   // A counting sort: stable, so that the order depends on the mesh alone.
   starts_.assign(columns_ * rows_ + 1, 0);
-  for (const Eigen::Vector3d& p : points_) ++starts_[key_of(p) + 1];
+  for (const Point& point : points_) ++starts_[key_of(point) + 1];
   for (std::size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
   std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
-  std::vector<Eigen::Vector3d> sorted(points_.size());
-  for (const Eigen::Vector3d& p : points_) sorted[next[key_of(p)]++] = p;
+  std::vector<Point> sorted(points_.size());
+  for (const Point& point : points_) sorted[next[key_of(point)]++] = point;
   points_ = std::move(sorted);
 }
 

@@ -29,9 +29,14 @@ class ScanPoints {
   ScanPoints(const ClosestSurface& surface, const PlanarState& start,
              const TriangleMesh& static_mesh_base, const WorldOptions& options);
 
+  struct Point {
+    Eigen::Vector3d p_base;
+    Eigen::Vector3f normal_base;  ///< of the scanned surface, unit length
+  };
+
   [[nodiscard]] bool is_empty() const noexcept { return points_.empty(); }
 
-  /// Calls visit(p_base) for the points in a rectangle of x and y [m], in a fixed order.
+  /// Calls visit(point) for the points in a rectangle of x and y [m], in a fixed order.
   template <typename Visit>
   void visit_in(const Eigen::AlignedBox2d& area, const Visit& visit) const {
     if (points_.empty() || !area.intersects(bounds_)) return;
@@ -50,7 +55,7 @@ class ScanPoints {
   [[nodiscard]] Eigen::Array2i cell_of(const Eigen::Vector2d& p) const noexcept;
   void sort_into_cells();
 
-  std::vector<Eigen::Vector3d> points_;
+  std::vector<Point> points_;
   std::vector<std::uint32_t> starts_;  ///< of each cell in points_, row by row, and the end
   Eigen::AlignedBox2d bounds_;
   std::size_t columns_ = 0;
