@@ -323,8 +323,7 @@ class BodyStepper {
     state_.penetration = load.contact.depth;
     state_.tangential_deflection_base = load.tip.deflection;
     state_.tool_force_base = load.tip.force;
-    state_.is_saturated =
-        load.tip.force.norm() >= kSaturatedShare * body_.max_contact_force();
+    state_.is_saturated = load.tip.force.norm() >= kSaturatedShare * body_.max_contact_force();
     const bool is_critical = body_.is_movable() && load_ratio >= body_.critical_share();
     if (planar.twist.isZero(0.0)) {
       state_.planar.phase = is_critical ? FrictionPhase::critical : FrictionPhase::static_contact;

@@ -80,7 +80,8 @@ struct Axis final : btDiscreteCollisionDetectorInterface::Result {
 
 /// Contact reduction: in the plane a few points suffice: of each direction of the normal the
 /// deepest one, and the ones furthest to either side, where 1 mm of depth counts as 100 mm to the
-/// side: with less, points with a gap hide those that bear, and the body creeps from one to another.
+/// side: with less, points with a gap hide those that bear, and the body creeps from one to
+/// another.
 void reduce_contacts(std::vector<CollisionPoint>& found, std::vector<CollisionPoint>& points) {
   std::array<bool, kMaxFound> is_used{};
   std::size_t room = Collider::kMaxPoints;
@@ -144,7 +145,7 @@ struct Collider::Content {
     PlanarState grid_pose;
     std::vector<CollisionPoint> static_points;
     std::vector<NearPoint> near;
-    double max_depth = 0.0;      ///< [m] of the near points
+    double max_depth = 0.0;     ///< [m] of the near points
     bool has_all_near = false;  ///< false: there were more than kMaxNear
     bool has_static_points = false;
   };
@@ -200,8 +201,9 @@ void visit_around(const Body& body, const PlanarState& planar, double margin, co
   box.max().array() += margin;
   const Eigen::Rotation2Dd turn(planar.yaw);
   Eigen::AlignedBox2d area;
-  for (const auto corner : {Eigen::AlignedBox3d::BottomLeftFloor, Eigen::AlignedBox3d::BottomRightFloor,
-                            Eigen::AlignedBox3d::TopLeftFloor, Eigen::AlignedBox3d::TopRightFloor}) {
+  for (const auto corner :
+       {Eigen::AlignedBox3d::BottomLeftFloor, Eigen::AlignedBox3d::BottomRightFloor,
+        Eigen::AlignedBox3d::TopLeftFloor, Eigen::AlignedBox3d::TopRightFloor}) {
     area.extend(planar.position + turn * Eigen::Vector2d(box.corner(corner).template head<2>()));
   }
   body.scan.visit_in(area, [&](const ScanPoints::Point& point) {
@@ -270,8 +272,7 @@ void Collider::Content::search_static(Body& body) {
   body.has_all_near = true;
   visit_around(body, body.grid_pose, kStaticMargin, [&](const ScanPoints::Point& point) {
     const Eigen::Vector3d& p_base = point.p_base;
-    const auto closest =
-        body.surface->closest(in_body_axes(body.grid_pose, p_base), kStaticMargin);
+    const auto closest = body.surface->closest(in_body_axes(body.grid_pose, p_base), kStaticMargin);
     if (!closest || -closest->distance > options.max_scan_depth) return;
     if (body.near.size() == kMaxNear) {
       body.has_all_near = false;

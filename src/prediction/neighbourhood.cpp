@@ -275,10 +275,8 @@ void Neighbourhood::keep_out_of_scan(const std::vector<UprightBody>& bodies, con
     const PlanarState& start = members_[i].start;
     state.is_blocked = false;
     if (!state.is_present || !bodies[i].is_movable()) continue;
-    const bool has_moved =
-        state.planar.position != start.position || state.planar.yaw != start.yaw;
-    const double share =
-        has_moved ? collider_.collision_free_share(i, start, state.planar) : 1.0;
+    const bool has_moved = state.planar.position != start.position || state.planar.yaw != start.yaw;
+    const double share = has_moved ? collider_.collision_free_share(i, start, state.planar) : 1.0;
     if (share < 1.0) {
       state.planar.position = start.position + share * (state.planar.position - start.position);
       state.planar.yaw = start.yaw + share * (state.planar.yaw - start.yaw);

@@ -10,8 +10,8 @@
 namespace pcavr::detail {
 namespace {
 
-constexpr double kMinCell = 0.01;        // [m] about the size of a contact
-constexpr double kMaxCells = 1000.0;     // along an axis: bounds the memory of a wide scan
+constexpr double kMinCell = 0.01;            // [m] about the size of a contact
+constexpr double kMaxCells = 1000.0;         // along an axis: bounds the memory of a wide scan
 constexpr double kMaxSubdivisions = 2000.0;  // of an edge: 16 m
 /// Faces with a more vertical normal (its z component) are the support's kind: they are obstacles
 /// only from kLevelFactor times `min_obstacle_height` on.
@@ -54,7 +54,7 @@ class Filter {
   Eigen::Vector2d position_;
   Eigen::Rotation2Dd turn_;
   double max_depth_;
-  double low_;        // [m] in base, as below
+  double low_;  // [m] in base, as below
   double level_low_;
   double high_;
 };
@@ -70,14 +70,13 @@ void visit_samples(const Corners& corner, const std::array<std::uint32_t, 3>& in
   for (std::size_t i = 0; i < 3; ++i) {
     longest = std::max(longest, (corner[(i + 1) % 3] - corner[i]).norm());
   }
-  const int n = static_cast<int>(
-      std::ceil(std::min(longest / ScanPoints::kSpacing, kMaxSubdivisions)));
+  const int n =
+      static_cast<int>(std::ceil(std::min(longest / ScanPoints::kSpacing, kMaxSubdivisions)));
   for (int i = 0; i <= n; ++i) {
     for (int j = 0; j <= n - i; ++j) {
       const int k = n - i - j;
       const bool is_corner = i == n || j == n || k == n;
-      const bool is_reversed = (k == 0 && index[0] > index[1]) ||
-                               (i == 0 && index[1] > index[2]) ||
+      const bool is_reversed = (k == 0 && index[0] > index[1]) || (i == 0 && index[1] > index[2]) ||
                                (j == 0 && index[2] > index[0]);
       if (is_corner || is_reversed) continue;
       visit(Eigen::Vector3d((i * corner[0] + j * corner[1] + k * corner[2]) / n));

@@ -22,7 +22,8 @@ namespace pcavr::detail {
 /// Sorted in a grid of x and y; const after construction, no allocation in queries.
 class ScanPoints {
  public:
-  static constexpr double kSpacing = 0.008;  ///< [m] between samples: edges of a scan of 5 mm are shorter
+  static constexpr double kSpacing =
+      0.008;  ///< [m] between samples: edges of a scan of 5 mm are shorter
 
   ScanPoints() = default;
   /// `surface` in body axes (see UprightBody), `start` the body's initial state.

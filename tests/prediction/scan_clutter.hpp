@@ -30,7 +30,8 @@ inline void add_patch(TriangleMesh& mesh, double size_u, double size_v,
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   for (int i = 0; i <= n; ++i) {
     for (int j = 0; j <= m; ++j) {
-      mesh.vertices.push_back(at(static_cast<double>(i) / n, static_cast<double>(j) / m).cast<float>());
+      mesh.vertices.push_back(
+          at(static_cast<double>(i) / n, static_cast<double>(j) / m).cast<float>());
     }
   }
   const auto row = static_cast<std::uint32_t>(m + 1);
@@ -73,8 +74,8 @@ inline std::vector<Eigen::Vector2d> turned_rectangle(const Eigen::Vector2d& cent
                                                      const Eigen::Vector2d& sides, double yaw) {
   std::vector<Eigen::Vector2d> corners;
   for (const auto& [x, y] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
-    corners.push_back(centre + Eigen::Rotation2Dd(yaw) *
-                                   Eigen::Vector2d(x * sides.x(), y * sides.y()));
+    corners.push_back(centre +
+                      Eigen::Rotation2Dd(yaw) * Eigen::Vector2d(x * sides.x(), y * sides.y()));
   }
   return corners;
 }
@@ -117,9 +118,9 @@ inline TriangleMesh clutter_of(std::string_view shape) {
 
 struct ScanPush {
   std::string_view shape = "cup";
-  double speed = 0.15;   ///< [m/s] of the tip along x
-  double offset = 0.0;   ///< [m] of the tip from the box's middle, along y
-  double noise = 0.0;    ///< [m] max. displacement of a scan point along its normal
+  double speed = 0.15;      ///< [m/s] of the tip along x
+  double offset = 0.0;      ///< [m] of the tip from the box's middle, along y
+  double noise = 0.0;       ///< [m] max. displacement of a scan point along its normal
   double clutter_y = 0.02;  ///< [m] of the clutter
   /// of the box on its support [kg], [N]
   double mass = 0.5;
@@ -163,8 +164,8 @@ inline WorldModel world_of(const ScanPush& push) {
 
 /// The tip's centre; after 0.2 m it rests.
 inline Eigen::Vector3d tip_at(const ScanPush& push, double t) {
-  return {-0.5 * kPushedSides.x() - kTipRadius - 0.002 + std::min(push.speed * t, 0.2),
-          push.offset, 0.05};
+  return {-0.5 * kPushedSides.x() - kTipRadius - 0.002 + std::min(push.speed * t, 0.2), push.offset,
+          0.05};
 }
 
 /// Measures how deep the points of a scan are inside of a body.
