@@ -57,6 +57,26 @@ TEST_P(ScanContact, NoScanPointGetsDeepIntoAPushedBody) {
   std::printf("%s: deepest scan point less noise: %.2f mm\n", GetParam().data(), 1e3 * worst);
 }
 
+// 23 mm of the tip's travel after the box has reached the cup: 460 N.
+TEST(ScanContact, ABodyThatTheScanHoldsIsBlockedAndALimitedForceIsSaturated) {
+  for (const double max_force : {2000.0, 100.0}) {
+    const test::ScanPush push{.clutter_y = 0.0};
+    WorldModel model = test::world_of(push);
+    model.options.max_contact_force = max_force;
+    PredictedWorld world = PredictedWorld::create(model).value();
+    const auto path = [&](double t) { return test::tip_at(push, std::min(t, 0.5)); };
+    test::run(world, path, 0.3, 0.001);
+    EXPECT_FALSE(world.state()[0].is_blocked) << "on its way";
+    test::run(
+        world, [&](double t) { return path(t + 0.3); }, 0.5, 0.001);
+    const BodyState& state = world.state()[0];
+    EXPECT_TRUE(state.is_blocked) << max_force;
+    EXPECT_EQ(state.is_saturated, max_force < 460.0);
+    EXPECT_NE(state.phase, MotionPhase::free);
+    EXPECT_NEAR(state.planar.position.x(), 0.05, 0.002);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Clutter, ScanContact, testing::ValuesIn(test::kClutter));
 
 }  // namespace
