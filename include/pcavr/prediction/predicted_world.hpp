@@ -73,8 +73,8 @@ struct BodyState {
   Eigen::Vector3d tool_force_base = Eigen::Vector3d::Zero();  ///< of the tip on the body [N]
   double penetration = 0.0;  ///< of the tip, > 0 in contact; negative: clearance up to 50 mm [m]
   MotionPhase phase = MotionPhase::free;
-  /// The tip pushes with more than the static friction limit, or would, but the scan or an immovable
-  /// body is in the way.
+  /// The tip pushes with more than the static friction limit, or would, but the scan or an
+  /// immovable body is in the way.
   bool is_blocked = false;
   /// The tip's force is at `max_contact_force`: it does not grow as the tip goes on.
   bool is_saturated = false;
