@@ -7,6 +7,7 @@
 
 #include "pcavr/prediction/predictor.hpp"
 
+#include "prediction/scan_clutter.hpp"
 #include "prediction/worlds.hpp"
 
 namespace {
@@ -83,6 +84,26 @@ void OneBodySlidesPastAScannedWall(benchmark::State& state) {
   push(state, world_of(model), 0.5);
 }
 BENCHMARK(OneBodySlidesPastAScannedWall);
+
+/// 50 to 100 mm into the clutter: it turns, slides along and is pressed.
+void OneBodyIsPushedIntoAScan(benchmark::State& state, std::string_view shape) {
+  const pcavr::test::ScanPush scan{.shape = shape, .offset = 0.02, .noise = 0.001};
+  pcavr::PredictedWorld world = world_of(pcavr::test::world_of(scan));
+  const std::vector<pcavr::BodyState> start = world.state();
+  constexpr double kEnd = 1.2;  // [s]
+  double t = 0.0;
+  for (auto _ : state) {
+    if (t > kEnd) {
+      world.set_state(start);
+      t = 0.0;
+    }
+    world.step(pcavr::test::tip_at(scan, t), pcavr::test::tip_at(scan, t + kStep), kStep);
+    t += kStep;
+  }
+}
+BENCHMARK_CAPTURE(OneBodyIsPushedIntoAScan, cup, "cup");
+BENCHMARK_CAPTURE(OneBodyIsPushedIntoAScan, plate, "plate");
+BENCHMARK_CAPTURE(OneBodyIsPushedIntoAScan, box, "box");
 
 void RollBackAndResimulate400ms(benchmark::State& state) {
   const auto start = pcavr::test::touching_tip(0.01);

@@ -7,12 +7,14 @@
 
 #include "pcavr/geometry/pose.hpp"
 
+#include "haptics/floor_heights.hpp"
 #include "haptics/supports.hpp"
 
 namespace pcavr::detail {
 
 /// A body whose centre of mass has left its support: it tips over the edge, as an
-/// inverted pendulum, and then falls freely until it is out of view. No collisions.
+/// inverted pendulum, and then falls freely until it rests on what the scan shows below, on the
+/// face that is nearest, or is out of view. No other collisions.
 class FallingBody {
  public:
   struct Start {
@@ -23,14 +25,18 @@ class FallingBody {
     Supports::Edge edge;
     double max_tilt = 0.0;         ///< [rad] about the edge: farther, it slips off
     double max_fall_height = 0.0;  ///< [m] after falling this far it stops: out of view
+    Eigen::AlignedBox3d bounds_object;
   };
   explicit FallingBody(const Start& start) noexcept;
 
-  void step(double gravity, double dt) noexcept;
+  void step(double gravity, double dt, const FloorHeights& floor) noexcept;
+  [[nodiscard]] bool is_resting() const { return is_resting_; }
   [[nodiscard]] Pose T_base_object() const;
 
  private:
   void tip_over(double gravity, double dt) noexcept;
+  void land(double floor) noexcept;
+  [[nodiscard]] double lowest() const;
 
   Eigen::Vector3d centre_of_mass_object_;
   Eigen::Vector3d edge_;
@@ -39,7 +45,9 @@ class FallingBody {
   double start_height_;
   double max_tilt_;
   double max_fall_height_;
+  Eigen::AlignedBox3d bounds_object_;
   bool is_free_ = false;
+  bool is_resting_ = false;
   Eigen::Vector3d centre_;  ///< of mass, in base
   Eigen::Vector3d v_;       ///< [m/s]
   Eigen::Quaterniond q_base_object_;

@@ -12,6 +12,7 @@
 
 #include "haptics/body_shape.hpp"
 #include "haptics/falling_body.hpp"
+#include "haptics/floor_heights.hpp"
 #include "haptics/friction_cone.hpp"
 #include "haptics/proxy_sphere.hpp"
 #include "haptics/supports.hpp"
@@ -28,6 +29,8 @@ constexpr double kMinSameFaceCosine = 0.7;
 /// Backtracking of a tip that has penetrated too far: to 0.43 of its depth.
 constexpr double kBacktrackFactor = 0.9;
 constexpr int kMaxBacktracks = 8;
+/// Of the maximum penetration, at which the force on a body no longer grows.
+constexpr double kSaturatedShare = 0.99;
 /// [m] A tip farther from the origin along any axis is invalid.
 constexpr double kMaxTipCoordinate = 1e3;
 /// Iterations that move the proxy out of overlapping bodies: bounds a cycle's time where they
@@ -48,6 +51,7 @@ struct HapticWorld::Content {
     double max_penetration = 0.0;  ///< [m] of the tool
     bool has_support = false;      ///< initially
     bool is_under_tool = false;    ///< the proxy is in contact with it
+    bool is_saturated = false;     ///< the tip is as deep in it as it may be, the hand deeper
     Pose T_base_object;            ///< after the latest step
     std::optional<detail::FallingBody> fall;
   };
@@ -86,6 +90,7 @@ struct HapticWorld::Content {
   std::vector<BodyState> start;
   std::vector<BodyState> work;  ///< buffer, so that removing a body does not allocate
   detail::Supports supports;
+  detail::FloorHeights floor;  ///< what the scan shows below the supports
   detail::ProxySphere proxy;
   RenderedForce force;
   double gravity;
@@ -114,6 +119,8 @@ HapticWorld::Content::Content(const HapticWorldModel& model, PredictedWorld pred
       start(world.state()),
       work(start),
       supports(model.supports_base, model.options.support_height_tolerance),
+      floor(model.world.static_mesh_base, model.supports_base,
+            model.options.support_height_tolerance),
       proxy(model.world.tool_radius),
       force(model.force),
       gravity(model.world.gravity),
@@ -230,6 +237,7 @@ bool HapticWorld::Content::is_resting_on_body() const noexcept {
 void HapticWorld::Content::update_tip(double dt) noexcept {
   tip_before = tip;
   tip = proxy.centre();
+  for (Body& body : bodies) body.is_saturated = false;
   static_proxy = proxy.centre();
   if (!is_resting_on_body()) {
     penetration.setZero();
@@ -252,6 +260,11 @@ void HapticWorld::Content::update_tip(double dt) noexcept {
     // The HIP's depth beyond the body's maximum penetration makes no force from the scan.
     const double excess = length > 0.0 ? (hip - static_proxy).dot(direction) / length : 0.0;
     if (budget <= 0.0 && excess > 0.0) static_proxy += excess / length * direction;
+    const bool is_deepest = penetration.norm() >= kSaturatedShare * max_penetration;
+    for (Body& body : bodies) {
+      body.is_saturated =
+          body.is_under_tool && is_deepest && (hip - proxy.centre()).norm() > max_penetration;
+    }
   }
   if (!tip_before) tip_before = tip;
 }
@@ -299,7 +312,10 @@ void HapticWorld::Content::release() noexcept {
   tip_before.reset();
   penetration.setZero();
   body_displacement = 0.0;
-  for (Body& body : bodies) body.is_under_tool = false;
+  for (Body& body : bodies) {
+    body.is_under_tool = false;
+    body.is_saturated = false;
+  }
 }
 
 void HapticWorld::Content::start_falling(std::size_t i) noexcept {
@@ -310,7 +326,8 @@ void HapticWorld::Content::start_falling(std::size_t i) noexcept {
   const BodyState& latest = world.state()[i];
   body.fall.emplace(detail::FallingBody::Start{
       body.T_base_object, body.shape.centre_of_mass, latest.planar.twist.head<2>(),
-      body.shape.gyration_radius, *edge, options.max_tilt, options.max_fall_height});
+      body.shape.gyration_radius, *edge, options.max_tilt, options.max_fall_height,
+      body.shape.surface.bounds()});
   body.is_under_tool = false;
   proxy.remove(kFirstBody + i);
   std::copy(world.state().begin(), world.state().end(), work.begin());
@@ -329,7 +346,7 @@ void HapticWorld::Content::move_bodies(double dt) noexcept {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     Body& body = bodies[i];
     if (body.fall) {
-      body.fall->step(gravity, dt);
+      body.fall->step(gravity, dt, floor);
       body.T_base_object = body.fall->T_base_object();
       continue;
     }
@@ -395,6 +412,8 @@ void HapticWorld::Content::publish_bodies() noexcept {
     published.tool_force_base = latest.tool_force_base;
     published.phase = latest.phase;
     published.is_outside_model = bodies[i].fall.has_value();
+    published.is_blocked = latest.is_blocked && state.is_engaged;
+    published.is_saturated = bodies[i].is_saturated || latest.is_saturated;
   }
 }
 

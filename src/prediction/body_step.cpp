@@ -35,6 +35,9 @@ constexpr double kNear = 1e-3;
 constexpr double kSlidingSpeed = 1e-3;
 constexpr double kStoppedSpeed = 0.3e-3;
 
+/// Of the maximum force, within rounding: as the law limits it.
+constexpr double kSaturatedShare = 0.999;
+
 /// All forces but the support's friction on the body in one configuration.
 struct Load {
   TipContact contact;
@@ -70,11 +73,6 @@ class BodyStepper {
         dt_(dt) {
     if ((tip.to - tip.from).norm() > tip.max_speed * dt) tip_.from = tip.to;
     contact_ = contact_at(state.planar, tip_.from);
-    resolve_overlap();
-    // By the force at the begin: over a step it hardly changes, and in every Newton iteration it
-    // would cost as much as the rest.
-    friction_ = body.friction_under(state_.tool_force_base, contact_.arm, contact_.height,
-                                    state_.planar.yaw);
     // Weight of the step's end in the contact's mean depth: the midpoint rule, which is of second
     // order, for contacts that the step resolves; nearly implicit Euler for those that it does not,
     // so that they do not oscillate (numerical damping).
@@ -84,6 +82,11 @@ class BodyStepper {
   }
 
   BodyStep run() noexcept {
+    resolve_overlap();
+    // By the force at the begin: over a step it hardly changes, and in every Newton iteration it
+    // would cost as much as the rest.
+    friction_ = body_.friction_under(state_.tool_force_base, contact_.arm, contact_.height,
+                                     state_.planar.yaw);
     if (!body_.is_movable()) {
       finish(state_.planar, load_at_rest(1.0), 0.0);
     } else if (state_.planar.twist.isZero(0.0)) {
@@ -92,6 +95,15 @@ class BodyStepper {
       slide();
     }
     return {state_, residual_};
+  }
+
+  BodyState stop() noexcept {
+    state_.planar.twist.setZero();
+    friction_ = body_.friction_under(state_.tool_force_base, contact_.arm, contact_.height,
+                                     state_.planar.yaw);
+    const Load load = load_at_rest(1.0);
+    finish(state_.planar, load, static_load_ratio(load));
+    return state_;
   }
 
  private:
@@ -311,6 +323,7 @@ class BodyStepper {
     state_.penetration = load.contact.depth;
     state_.tangential_deflection_base = load.tip.deflection;
     state_.tool_force_base = load.tip.force;
+    state_.is_saturated = load.tip.force.norm() >= kSaturatedShare * body_.max_contact_force();
     const bool is_critical = body_.is_movable() && load_ratio >= body_.critical_share();
     if (planar.twist.isZero(0.0)) {
       state_.planar.phase = is_critical ? FrictionPhase::critical : FrictionPhase::static_contact;
@@ -358,6 +371,11 @@ BodyStep step_body(const UprightBody& body, const BodyState& state, const TipPat
                    std::span<const SideContact> sides, double dt, const PlanarState* guess,
                    double relative_tolerance) noexcept {
   return BodyStepper(body, state, tip, sides, dt, guess, relative_tolerance).run();
+}
+
+BodyState stop_body(const UprightBody& body, const BodyState& state, const TipPath& tip,
+                    double dt) noexcept {
+  return BodyStepper(body, state, tip, {}, dt, nullptr, 0.0).stop();
 }
 
 }  // namespace pcavr::detail

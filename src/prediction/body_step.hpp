@@ -29,4 +29,9 @@ struct BodyStep {
                                  const PlanarState* guess = nullptr,
                                  double relative_tolerance = 0.0) noexcept;
 
+/// The body at rest where it is, and the tip's force on it at the step's end: for one whose motion
+/// was ended by what the contacts' forces do not show.
+[[nodiscard]] BodyState stop_body(const UprightBody& body, const BodyState& state,
+                                  const TipPath& tip, double dt) noexcept;
+
 }  // namespace pcavr::detail

@@ -11,6 +11,8 @@
 #include "pcavr/friction/planar_slider.hpp"
 #include "pcavr/prediction/predicted_world.hpp"
 
+#include "prediction/upright_body.hpp"
+
 namespace pcavr::detail {
 
 /// Contact point of two shapes, or their closest points.
@@ -20,14 +22,14 @@ struct CollisionPoint {
   double depth = 0.0;                                 ///< penetration [m]; negative: a gap
 };
 
-/// Collision detection between bodies and with the static mesh: Bullet's hulls, BVH, GJK,
-/// separating axes (SAT) and clipping, called directly, without a persistent contact manifold, so
-/// that the same poses give the same points. Faces that are mostly horizontal, such as the support,
-/// are ignored.
+/// Collision detection between bodies: Bullet's hulls, GJK, separating axes (SAT) and clipping,
+/// called directly, without a persistent contact manifold, so that the same poses give the same
+/// points; and with the static mesh: signed distances of its points to the body's surface.
 class Collider {
  public:
-  Collider(const std::vector<WorldBody>& bodies, const TriangleMesh& static_mesh_base,
-           const WorldOptions& options);
+  /// `upright` are the same bodies; they must outlive the collider.
+  Collider(const std::vector<WorldBody>& bodies, const std::vector<UprightBody>& upright,
+           const TriangleMesh& static_mesh_base, const WorldOptions& options);
   ~Collider();
 
   /// Whether a body's mesh spans a volume.
@@ -44,6 +46,10 @@ class Collider {
   /// a scan's noise then does not shake a body in contact with it, and the result is reused in the
   /// next steps.
   void with_static(std::size_t a, const PlanarState& planar_a, std::vector<CollisionPoint>& points);
+  /// Share of the motion of `a` between two states (0 to 1) in which no point of the static mesh
+  /// gets deeper inside it than `max_scan_penetration`, or than it was.
+  [[nodiscard]] double collision_free_share(std::size_t a, const PlanarState& before,
+                                            const PlanarState& after);
 
  private:
   struct Content;

@@ -60,8 +60,11 @@ double stiffness_between(const BodyPhysics& a, const BodyPhysics& b, double pene
 }  // namespace
 
 Neighbourhood::Neighbourhood(const std::vector<WorldBody>& bodies,
+                             const std::vector<UprightBody>& upright,
                              const TriangleMesh& static_mesh_base, const WorldOptions& options)
-    : options_(options), collider_(bodies, static_mesh_base, options), members_(bodies.size()) {
+    : options_(options),
+      collider_(bodies, upright, static_mesh_base, options),
+      members_(bodies.size()) {
   for (Member& member : members_) {
     member.sides.reserve(kMaxSides);
     member.partners.reserve(kMaxSides);
@@ -72,7 +75,14 @@ Neighbourhood::Neighbourhood(const std::vector<WorldBody>& bodies,
 
 void Neighbourhood::step(const std::vector<UprightBody>& bodies, const TipPath& tip, double dt,
                          std::vector<BodyState>& states) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) members_[i].start = states[i].planar;
   find_contacts(bodies, tip, dt, states);
+  step_contacts(bodies, tip, dt, states);
+  keep_out_of_scan(bodies, tip, dt, states);
+}
+
+void Neighbourhood::step_contacts(const std::vector<UprightBody>& bodies, const TipPath& tip,
+                                  double dt, std::vector<BodyState>& states) {
   bool is_together = false;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (!states[i].is_present) continue;
@@ -253,6 +263,37 @@ bool Neighbourhood::solve(std::size_t body, const std::vector<UprightBody>& bodi
     if (partner.body >= 0) members_[static_cast<std::size_t>(partner.body)].is_dirty = true;
   }
   return true;
+}
+
+/// The contacts' springs hold a body out of the scan where the solver converges and where they
+/// are found; this holds it under any force: a motion that would bring a scan point too deep into a
+/// body ends before.
+void Neighbourhood::keep_out_of_scan(const std::vector<UprightBody>& bodies, const TipPath& tip,
+                                     double dt, std::vector<BodyState>& states) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    BodyState& state = states[i];
+    const PlanarState& start = members_[i].start;
+    state.is_blocked = false;
+    if (!state.is_present || !bodies[i].is_movable()) continue;
+    const bool has_moved = state.planar.position != start.position || state.planar.yaw != start.yaw;
+    const double share = has_moved ? collider_.collision_free_share(i, start, state.planar) : 1.0;
+    if (share < 1.0) {
+      state.planar.position = start.position + share * (state.planar.position - start.position);
+      state.planar.yaw = start.yaw + share * (state.planar.yaw - start.yaw);
+      state = stop_body(bodies[i], state, tip, dt);
+    }
+    const double force = state.tool_force_base.head<2>().norm();
+    const bool is_pressed = force > static_friction_limit(bodies[i].physics().friction);
+    state.is_blocked = share < 1.0 || (is_pressed && state.phase != MotionPhase::sliding &&
+                                       is_against_static(members_[i]));
+  }
+}
+
+bool Neighbourhood::is_against_static(const Member& member) const {
+  for (std::size_t i = 0; i < member.sides.size(); ++i) {
+    if (member.partners[i].body < 0 && member.sides[i].depth > 0.0) return true;
+  }
+  return false;
 }
 
 void Neighbourhood::update_closing_speeds(Member& member) const {

@@ -15,8 +15,9 @@ namespace pcavr::detail {
 /// only work space.
 class Neighbourhood {
  public:
-  Neighbourhood(const std::vector<WorldBody>& bodies, const TriangleMesh& static_mesh_base,
-                const WorldOptions& options);
+  /// `upright` are the same bodies; they must outlive it.
+  Neighbourhood(const std::vector<WorldBody>& bodies, const std::vector<UprightBody>& upright,
+                const TriangleMesh& static_mesh_base, const WorldOptions& options);
 
   [[nodiscard]] bool has_shape(std::size_t body) const { return collider_.has_shape(body); }
   void step(const std::vector<UprightBody>& bodies, const TipPath& tip, double dt,
@@ -34,7 +35,8 @@ class Neighbourhood {
     bool is_searched = false;  ///< its contacts are known
     bool is_dirty = false;     ///< a neighbour moved since it was solved
     double residual = 0.0;     ///< [m] between its motion and the one its forces cause
-    BodyState begin;
+    PlanarState start;         ///< at the begin of the whole step
+    BodyState begin;           ///< of a substep
     BodyState end;
     std::vector<SideContact> sides;
     std::vector<Partner> partners;
@@ -46,9 +48,14 @@ class Neighbourhood {
               const std::vector<BodyState>& states);
   void link(std::size_t body, std::ptrdiff_t partner, const CollisionPoint& point, double sign,
             const std::vector<UprightBody>& bodies, const std::vector<BodyState>& states);
+  void step_contacts(const std::vector<UprightBody>& bodies, const TipPath& tip, double dt,
+                     std::vector<BodyState>& states);
   void step_together(const std::vector<UprightBody>& bodies, const TipPath& tip, double dt);
   [[nodiscard]] bool solve(std::size_t body, const std::vector<UprightBody>& bodies,
                            const TipPath& tip, double dt, double relative_tolerance);
+  void keep_out_of_scan(const std::vector<UprightBody>& bodies, const TipPath& tip, double dt,
+                        std::vector<BodyState>& states);
+  [[nodiscard]] bool is_against_static(const Member& member) const;
   void update_closing_speeds(Member& member) const;
   void update_neighbour_displacements(Member& member) const;
 

@@ -47,6 +47,10 @@ constexpr auto kWorldFields = std::to_array<OptionField<WorldOptions>>({
     {"min_obstacle_height", &WorldOptions::min_obstacle_height, 0.005, 0.0, 1.0, "m",
      "height above a body's lowest point below which the scan is the support and its noise",
      "lower: the support's noise stops bodies; higher: low edges do not stop them"},
+    // Less than a depth camera resolves; contacts under the forces of an arm need a tenth of it.
+    {"max_scan_penetration", &WorldOptions::max_scan_penetration, 0.0015, 1e-4, 0.1, "m",
+     "penetration of the scan into a body at which the body stops, under any force",
+     "lower: a scan's noise stops bodies that slide along it; higher: bodies visibly enter it"},
     {"max_scan_depth", &WorldOptions::max_scan_depth, 0.01, 1e-4, 1.0, "m",
      "depth inside a body from which a scanned surface is not in contact with it",
      "lower: errors of scan and pose lose contacts; higher: a scan of the body itself pushes it"},

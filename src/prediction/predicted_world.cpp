@@ -19,13 +19,20 @@ struct PredictedWorld::Content {
   double max_tip_speed;
 
   explicit Content(const WorldModel& model)
-      : neighbourhood(model.bodies, model.static_mesh_base, model.options),
+      : bodies(upright_bodies(model)),
+        neighbourhood(model.bodies, bodies, model.static_mesh_base, model.options),
         tool_radius(model.tool_radius),
         max_tip_speed(model.options.max_tip_speed) {
+    for (const detail::UprightBody& body : bodies) states.emplace_back().planar = body.start();
+  }
+
+  static std::vector<detail::UprightBody> upright_bodies(const WorldModel& model) {
+    std::vector<detail::UprightBody> result;
+    result.reserve(model.bodies.size());
     for (const WorldBody& body : model.bodies) {
-      bodies.emplace_back(body, model.gravity, model.options.max_contact_force);
-      states.emplace_back().planar = bodies.back().start();
+      result.emplace_back(body, model.gravity, model.options.max_contact_force);
     }
+    return result;
   }
 };
 
@@ -40,6 +47,7 @@ Expected<PredictedWorld> PredictedWorld::create(WorldModel model) {
   const WorldOptions& options = model.options;
   PCAVR_REQUIRE(options.max_tip_speed > 0.0 && options.max_contact_force > 0.0);
   PCAVR_REQUIRE(options.body_penetration > 0.0 && options.max_separation_speed > 0.0);
+  PCAVR_REQUIRE(options.max_scan_penetration > 0.0, options.max_scan_penetration);
   PCAVR_REQUIRE(options.body_friction >= 0.0, options.body_friction);
   PCAVR_REQUIRE(options.shape_tolerance > 0.0 && options.max_convex_parts >= 1);
   for (const WorldBody& body : model.bodies) {

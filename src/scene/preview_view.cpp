@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "preview.hpp"
@@ -17,7 +20,90 @@ constexpr double kMinElevation = 20.0 * M_PI / 180.0;    ///< without a table [r
 constexpr double kFillFraction = 0.86;  ///< of the image, by the points of interest
 constexpr double kMinDistance = 0.3;    ///< to the nearest point [m]
 
-/// Corners of the objects' bounding boxes, and outlines of the support planes.
+// Of a depth camera's picture: half of 60 x 46 degrees; the scene does not store the camera model.
+constexpr double kHalfWidth = 0.577;
+constexpr double kHalfHeight = 0.424;
+constexpr std::size_t kMaxViews = 64;  ///< of the camera, evenly spaced: they determine what it saw
+/// Of the views that see the best-seen points: what fewer see is around what matters.
+constexpr double kMinViewShare = 0.5;
+
+std::vector<Pose> sampled_views(const Scene& scene) {
+  const std::vector<TimedPose>& poses = scene.camera_trajectory.poses();
+  std::vector<Pose> views;
+  const std::size_t stride = std::max<std::size_t>(1, (poses.size() + kMaxViews - 1) / kMaxViews);
+  for (std::size_t i = 0; i < poses.size(); i += stride) views.push_back(poses[i].pose.inverse());
+  return views;
+}
+
+bool is_in_view(const Pose& T_camera_base, const Eigen::Vector3d& p_base) {
+  const Eigen::Vector3d p = T_camera_base * p_base;
+  return p.z() > 0.0 && std::abs(p.x()) < kHalfWidth * p.z() &&
+         std::abs(p.y()) < kHalfHeight * p.z();
+}
+
+/// Share of the camera's views that contain a point.
+double view_share(const std::vector<Pose>& views, const Eigen::Vector3d& p_base) {
+  if (views.empty()) return 1.0;
+  const auto count = std::count_if(views.begin(), views.end(), [&](const Pose& T_camera_base) {
+    return is_in_view(T_camera_base, p_base);
+  });
+  return static_cast<double>(count) / static_cast<double>(views.size());
+}
+
+/// The points that the camera looked at: in at least half as many views as the best-seen ones.
+Points looked_at(const Points& points, const std::vector<Pose>& views) {
+  std::vector<double> shares;
+  for (const Eigen::Vector3d& point : points) shares.push_back(view_share(views, point));
+  std::vector<double> sorted = shares;
+  const auto best =
+      sorted.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(sorted.size()));
+  if (best == sorted.end()) return points;
+  std::nth_element(sorted.begin(), best, sorted.end());
+  Points kept;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (shares[i] >= kMinViewShare * *best) kept.push_back(points[i]);
+  }
+  return kept;
+}
+
+Points sampled_vertices(const TriangleMesh& mesh) {
+  constexpr std::size_t kMaxFramedPoints = 20'000;  // a sample determines the view
+  Points points;
+  const std::size_t stride = mesh.vertices.size() / kMaxFramedPoints + 1;
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += stride) {
+    points.push_back(mesh.vertices[i].cast<double>());
+  }
+  return points;
+}
+
+/// Twice the area long.
+Eigen::Vector3d area_normal(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t) {
+  const Eigen::Vector3d a = mesh.vertices[t[0]].cast<double>();
+  return (mesh.vertices[t[1]].cast<double>() - a).cross(mesh.vertices[t[2]].cast<double>() - a);
+}
+
+/// Whether a tenth or more of what the camera looked at lies on the support planes or above them.
+bool has_bulk_on(const Scene& scene) {
+  constexpr double kMinOn = 0.1;
+  constexpr double kMaxAbove = 0.5;   // [m]
+  constexpr double kMaxBelow = 0.02;  // [m]
+  const Points points = looked_at(sampled_vertices(scene.mesh_base), sampled_views(scene));
+  const auto is_on = [&](const Eigen::Vector3d& p) {
+    return std::any_of(scene.support_planes.begin(), scene.support_planes.end(),
+                       [&](const SupportPlane& plane) {
+                         Eigen::AlignedBox3d box;
+                         for (const auto& corner : plane.outline_base) box.extend(corner);
+                         box.min().z() -= kMaxBelow;
+                         box.max().z() += kMaxAbove;
+                         return box.contains(p);
+                       });
+  };
+  const auto on = std::count_if(points.begin(), points.end(), is_on);
+  return static_cast<double>(on) >= kMinOn * static_cast<double>(points.size());
+}
+
+/// Corners of the objects' bounding boxes, and outlines of the support planes. Empty without
+/// objects where the planes are not what the camera looked at: scraps of a floor below a shelf.
 Points points_of_interest(const Scene& scene) {
   Points points;
   for (const SceneObject& object : scene.objects) {
@@ -31,20 +117,22 @@ Points points_of_interest(const Scene& scene) {
   for (const SupportPlane& plane : scene.support_planes) {
     points.insert(points.end(), plane.outline_base.begin(), plane.outline_base.end());
   }
+  if (scene.objects.empty() && !points.empty() && !has_bulk_on(scene)) return {};
   return points;
 }
 
-/// Vertices of the mesh, without outliers: inside the 2 % to 98 % quantiles along each axis.
-Points points_of_bulk(const TriangleMesh& mesh) {
-  constexpr double kTail = 0.02;                    // fraction on each side
-  constexpr std::size_t kMaxFramedPoints = 20'000;  // a sample determines the view
-  if (mesh.vertices.empty()) return {Eigen::Vector3d::Zero()};
-  Eigen::Vector3f low;
-  Eigen::Vector3f high;
-  std::vector<float> coordinates(mesh.vertices.size());
+/// Vertices of the mesh that the camera looked at, without outliers: inside the 2 % to 98 %
+/// quantiles along each axis.
+Points points_of_bulk(const Scene& scene) {
+  constexpr double kTail = 0.02;  // fraction on each side
+  const Points sampled = looked_at(sampled_vertices(scene.mesh_base), sampled_views(scene));
+  if (sampled.empty()) return {Eigen::Vector3d::Zero()};
+  Eigen::Vector3d low;
+  Eigen::Vector3d high;
+  std::vector<double> coordinates(sampled.size());
   for (int axis = 0; axis < 3; ++axis) {
-    std::transform(mesh.vertices.begin(), mesh.vertices.end(), coordinates.begin(),
-                   [&](const Eigen::Vector3f& vertex) { return vertex[axis]; });
+    std::transform(sampled.begin(), sampled.end(), coordinates.begin(),
+                   [&](const Eigen::Vector3d& vertex) { return vertex[axis]; });
     const auto quantile = [&](double fraction) {
       const auto index =
           static_cast<std::ptrdiff_t>(fraction * static_cast<double>(coordinates.size() - 1));
@@ -54,13 +142,12 @@ Points points_of_bulk(const TriangleMesh& mesh) {
     low[axis] = quantile(kTail);
     high[axis] = quantile(1.0 - kTail);
   }
-  const Eigen::AlignedBox3f box(low, high);
+  const Eigen::AlignedBox3d box(low, high);
   Points points;
-  for (std::size_t i = 0; i < mesh.vertices.size();
-       i += mesh.vertices.size() / kMaxFramedPoints + 1) {
-    if (box.contains(mesh.vertices[i])) points.push_back(mesh.vertices[i].cast<double>());
+  for (const Eigen::Vector3d& point : sampled) {
+    if (box.contains(point)) points.push_back(point);
   }
-  return points.empty() ? Points{box.center().cast<double>()} : points;
+  return points.empty() ? Points{box.center()} : points;
 }
 
 Eigen::Vector3d mean(const Points& points) {
@@ -77,8 +164,43 @@ Points camera_positions(const Scene& scene) {
   return positions;
 }
 
-/// Opposite to gravity: base's z axis, except for recordings with an arbitrary world frame, which
-/// is assumed where the camera looks at the zenith all the time.
+/// Share of the mesh's area whose normal is within 10 degrees of a line.
+double level_share(const TriangleMesh& mesh, const Eigen::Vector3d& up) {
+  const double min_cosine = std::cos(10.0 * M_PI / 180.0);
+  double level = 0.0;
+  double all = 0.0;
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3d normal = area_normal(mesh, t);
+    all += normal.norm();
+    if (std::abs(normal.dot(up)) > min_cosine * normal.norm()) level += normal.norm();
+  }
+  return all > 0.0 ? level / all : 0.0;
+}
+
+/// The mean normal of the surfaces that face within 30 degrees of `near`.
+Eigen::Vector3d facing_normal(const TriangleMesh& mesh, const Eigen::Vector3d& near) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3d normal = area_normal(mesh, t);
+    if (normal.dot(near) > std::cos(M_PI / 6.0) * normal.norm()) sum += normal;
+  }
+  return sum.norm() > 0.0 ? sum.normalized() : near;
+}
+
+/// Opposite to gravity: base's z axis, where surfaces are level in it, or none are in the direction
+/// that was up in the camera's pictures; and that, with the surfaces that face it, elsewhere.
+Eigen::Vector3d level_direction(const Scene& scene, const Eigen::Vector3d& camera_up) {
+  Eigen::Vector3d up = camera_up;
+  for (int i = 0; i < 3; ++i) up = facing_normal(scene.mesh_base, up);
+  constexpr double kMinShare = 0.05;  // of the area: a table in a room
+  const double found = level_share(scene.mesh_base, up);
+  const bool is_better =
+      found > kMinShare && found > 2.0 * level_share(scene.mesh_base, Eigen::Vector3d::UnitZ());
+  return is_better ? up : Eigen::Vector3d::UnitZ();
+}
+
+/// As level_direction; where the camera looks at base's zenith all the time, the world frame is
+/// arbitrary, and up is that of its pictures.
 Eigen::Vector3d up_direction(const Scene& scene) {
   Eigen::Vector3d forward = Eigen::Vector3d::Zero();
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
@@ -87,7 +209,11 @@ Eigen::Vector3d up_direction(const Scene& scene) {
     up -= timed.pose.rotation() * Eigen::Vector3d::UnitY();
   }
   const bool is_upright = forward.z() <= std::sin(M_PI_4) * forward.norm() || up.norm() == 0.0;
-  return is_upright ? Eigen::Vector3d::UnitZ().eval() : up.normalized().eval();
+  if (!is_upright) return up.normalized();
+  // A camera that looks steeply down shows nothing of up in its pictures.
+  const bool looks_down = forward.z() < -std::sin(M_PI_4) * forward.norm();
+  if (looks_down || up.norm() == 0.0) return Eigen::Vector3d::UnitZ();
+  return level_direction(scene, up.normalized());
 }
 
 /// Unit vector from the centre to the viewpoint.
@@ -121,7 +247,7 @@ View choose_view(const Scene& scene, int width, int height) {
   Points points;
   if (up == Eigen::Vector3d::UnitZ()) points = points_of_interest(scene);
   const bool has_table = !points.empty();
-  if (!has_table) points = points_of_bulk(scene.mesh_base);
+  if (!has_table) points = points_of_bulk(scene);
   const Eigen::Matrix3d R_base_view =
       axes_of_view(direction_to_viewer(scene, mean(points), up, has_table), up);
 

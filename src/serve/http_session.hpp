@@ -20,7 +20,7 @@ inline constexpr std::uint64_t kMaxBody = 4 * 1024;     // a pairing code is far
 /// The Content-Security-Policy of every response: a browser loads only this server's resources. The
 /// page creates workers and textures from memory (blob:), and a decoder is WebAssembly.
 inline constexpr char kPolicy[] =
-    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; "
     "img-src 'self' data: blob:; worker-src 'self' blob:; object-src 'none'; base-uri 'none'; "
     "form-action 'self'; frame-ancestors 'self'; connect-src 'self' blob: ";
 
@@ -71,6 +71,10 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream
     const auto& request = parser_->get();
     HttpRequest plain = plain_request();
     keeps_alive_ = request.keep_alive();
+    if (request.count(http::field::host) > 1) {  // [RFC 9112, 3.2]
+      keeps_alive_ = false;
+      return write(HttpHandler::error_response(400, "more than one Host header"));
+    }
     if (redirects_to_https_) return write(HttpHandler::redirect_to_https(plain));
     if (!websocket::is_upgrade(request)) return fetch(std::move(plain));
     if (const auto rejected = hub_.http_handler->reject_upgrade(plain)) {

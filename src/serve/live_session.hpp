@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,6 +46,13 @@ class LiveSession final : public LivePage,
     socket_.read_message_max(kMaxLiveMessageBytes);
     socket_.auto_fragment(false);
     socket_.binary(true);
+    // Beast replies to pings while it reads, without the pause of the rate limit.
+    socket_.control_callback([this](websocket::frame_type kind, beast::string_view) {
+      if (kind == websocket::frame_type::ping &&
+          ++pings_since_tick_ > hub_.options.max_messages_per_tick) {
+        drop();
+      }
+    });
     socket_.async_accept(request, [self = this->shared_from_this()](error_code fault) {
       if (!fault) self->begin();
     });
@@ -58,12 +66,17 @@ class LiveSession final : public LivePage,
 
   void tick(double now) override {
     received_since_tick_ = 0;
+    pings_since_tick_ = 0;
     if (const auto self = std::exchange(paused_self_, nullptr)) read();
     if (is_writing_) {
       if (now - write_began_ > hub_.options.max_write_time) drop();
       return;
     }
-    if (!is_open_ || is_ending_ || !hub_.sessions.has_sent_hello(page_)) return;
+    if (!is_open_ || is_ending_) return;
+    if (!hub_.sessions.has_sent_hello(page_)) {
+      if (now - opened_ > hub_.options.hello_timeout) drop();
+      return;
+    }
     hub_.sessions.write_state(page_, now, last_write_, message_);
     write(now);
   }
@@ -77,14 +90,25 @@ class LiveSession final : public LivePage,
  private:
   void begin() {
     is_open_ = true;
-    if (std::ssize(hub_.pages) > hub_.options.max_pages) {
-      const std::string limit = std::to_string(hub_.options.max_pages);
-      queue_.push_back(encode(ServerMessage{
-          {1, LiveWorld::clock()},
-          LiveNotice{LiveLevel::error, limit + " pages are open, which is the limit"}}));
-      return end();
+    opened_ = LiveWorld::clock();
+    const ServerOptions& options = hub_.options;
+    // Only admitted pages count: one that is being rejected may take long to close.
+    const int max_of_network = share_of(options.max_pages, options);
+    if (pages_of(hub_, peer_.network) >= max_of_network) {
+      return reject(std::to_string(max_of_network) +
+                    " pages are open from this address, which is the limit");
     }
+    if (pages_of(hub_) >= options.max_pages) {
+      return reject(std::to_string(options.max_pages) + " pages are open, which is the limit");
+    }
+    place_.emplace(hub_.pages_by_network, peer_.network);
     read();
+  }
+
+  void reject(std::string reason) {
+    queue_.push_back(encode(
+        ServerMessage{{1, LiveWorld::clock()}, LiveNotice{LiveLevel::error, std::move(reason)}}));
+    end();
   }
 
   void read() {
@@ -141,12 +165,15 @@ class LiveSession final : public LivePage,
   Peer peer_;
   websocket::stream<Stream> socket_;
   LiveSessions::PageId page_;
+  std::optional<NetworkCount> place_;  ///< of an admitted page
+  double opened_ = 0.0;                ///< [s] when the handshake was done
   beast::flat_buffer buffer_{kMaxLiveMessageBytes};
   std::deque<std::vector<std::uint8_t>> queue_;
   std::vector<std::uint8_t> message_;  ///< the one that is being written
   double write_began_ = 0.0;           ///< [s]
   double last_write_ = 0.0;            ///< [s] duration of the last write
   int received_since_tick_ = 0;
+  int pings_since_tick_ = 0;
   std::shared_ptr<LiveSession> paused_self_;  ///< keeps itself alive until the next tick
   bool is_open_ = false;
   bool is_writing_ = false;

@@ -12,6 +12,8 @@
 namespace pcavr {
 namespace {
 
+constexpr double kMinReset = 0.5e-3;  // [m] less is not seen
+
 void copy_bodies(const WorldSnapshot& snapshot, LiveState& state) {
   state.objects.resize(snapshot.world.bodies.size());
   for (std::size_t i = 0; i < state.objects.size(); ++i) {
@@ -21,6 +23,8 @@ void copy_bodies(const WorldSnapshot& snapshot, LiveState& state) {
                         body.tool_force_base.cast<float>(),
                         body.phase,
                         body.is_outside_model,
+                        body.is_blocked,
+                        body.is_saturated,
                         static_cast<float>(snapshot.speeds[i])};
   }
 }
@@ -78,7 +82,11 @@ LiveSessions::LiveSessions(LiveWorld& world, LiveWelcome welcome, Send send, dou
       welcome_(std::move(welcome)),
       send_(std::move(send)),
       tool_timeout_(tool_timeout),
-      tool_idle_time_(tool_idle_time) {}
+      tool_idle_time_(tool_idle_time) {
+  for (const HapticBodyState& body : world_.newest().world.bodies) {
+    starts_.push_back(body.T_base_object.translation());
+  }
+}
 
 LiveSessions::PageId LiveSessions::join() {
   pages_.emplace(++last_page_, Page{});
@@ -140,6 +148,7 @@ bool LiveSessions::on_hello(PageId id, const PageMessage& message, double now) {
   page.has_sent_hello = true;
   page.last_received = message.header.sequence;
   send(id, welcome_, now);
+  for (const std::string& note : world_.notes()) send_notice(id, LiveLevel::info, note, now);
   return true;
 }
 
@@ -167,7 +176,7 @@ void LiveSessions::handle_command(PageId id, LiveCommand command, double now) {
       if (has_control) return world_.hold(false);
       break;
     case LiveCommand::reset:
-      if (has_control) return world_.reset();
+      if (has_control) return reset(id, now);
       break;
     case LiveCommand::take_tool:
       return take_tool(id, now);
@@ -176,6 +185,25 @@ void LiveSessions::handle_command(PageId id, LiveCommand command, double now) {
       return;
   }
   send_notice(id, LiveLevel::warning, "another page has the tool", now);
+}
+
+/// Resets the world, and states what that moved.
+void LiveSessions::reset(PageId id, double now) {
+  const WorldSnapshot& before = world_.newest();
+  std::string moved;
+  for (std::size_t i = 0; i < before.world.bodies.size(); ++i) {
+    const double distance =
+        (before.world.bodies[i].T_base_object.translation() - starts_[i]).norm();
+    if (distance < kMinReset) continue;
+    moved += fmt::format("{}{} ({:.0f} mm)", moved.empty() ? "" : ", ", welcome_.objects.at(i),
+                         1e3 * distance);
+  }
+  world_.reset();
+  const std::string text =
+      moved.empty() ? "reset: nothing had moved" : "back at the start: " + moved;
+  for (const auto& [page, state] : pages_) {
+    if (page == id || state.has_sent_hello) send_notice(page, LiveLevel::info, text, now);
+  }
 }
 
 void LiveSessions::take_tool(PageId id, double now) {

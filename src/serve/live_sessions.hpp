@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "pcavr/serve/live_protocol.hpp"
 #include "pcavr/serve/live_world.hpp"
 
@@ -59,6 +61,7 @@ class LiveSessions {
   [[nodiscard]] bool on_hello(PageId page, const PageMessage& message, double now);
   void move_tool(PageId page, const LiveHeader& header, const LiveTool& tool, double now);
   void handle_command(PageId page, LiveCommand command, double now);
+  void reset(PageId page, double now);
   void take_tool(PageId page, double now);
   void release_tool();
   /// Whether a page other than `id` has the tool and uses it.
@@ -70,7 +73,8 @@ class LiveSessions {
   double tool_timeout_;    ///< [s]
   double tool_idle_time_;  ///< [s]
   std::map<PageId, Page> pages_;
-  std::optional<PageId> holder_;  ///< of the tool
+  std::optional<PageId> holder_;         ///< of the tool
+  std::vector<Eigen::Vector3d> starts_;  ///< [m] of the bodies, before they were pushed
   PageId last_page_ = 0;
   LiveState state_;
 };

@@ -94,6 +94,7 @@ struct LiveWorld::Content {
   std::uint32_t late_cycles = 0;
   std::atomic<bool> is_stopping{false};
   std::thread thread;
+  std::vector<std::string> notes;  ///< of start()
 };
 
 LiveWorld::LiveWorld(HapticWorld world, std::unique_ptr<Device> device,
@@ -116,6 +117,7 @@ Expected<std::vector<std::string>> LiveWorld::start() {
     return Error{.message = std::string("can't start the world's thread: ") + error.what()};
   }
   set_priority(content_->thread, content_->thread_priority, notes);
+  content_->notes = notes;
   return notes;
 }
 
@@ -125,6 +127,7 @@ void LiveWorld::stop() noexcept {
 }
 
 CycleTimes LiveWorld::times() const { return content_->cycle.times(); }
+const std::vector<std::string>& LiveWorld::notes() const { return content_->notes; }
 const std::vector<std::string>& LiveWorld::names() const { return content_->cycle.names(); }
 std::string_view LiveWorld::device_name() const { return content_->cycle.device().name(); }
 RemoteDevice* LiveWorld::page_device() noexcept { return content_->cycle.page_device(); }

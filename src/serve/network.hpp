@@ -4,12 +4,15 @@
 
 // Boost.Beast takes most of a minute to compile: only server.cpp may include this header and those
 // that include it.
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
@@ -80,6 +83,8 @@ struct Hub {
   LiveSessions sessions;
   std::map<LiveSessions::PageId, LivePage*> pages;
   int connections = 0;
+  std::map<std::string, int> connections_by_network;  ///< without those that have none
+  std::map<std::string, int> pages_by_network;        ///< admitted ones
   /// Declared after the above, so destroyed before: its pending handlers refer to them.
   asio::io_context io{1};
   /// Reads and compresses files; one thread, so that no file is compressed twice. Declared last, so
@@ -87,22 +92,72 @@ struct Hub {
   asio::thread_pool files{1};
 };
 
+/// RAII count of one more for a network.
+class NetworkCount {
+ public:
+  NetworkCount(std::map<std::string, int>& counts, std::string network)
+      : counts_(counts), network_(std::move(network)) {
+    ++counts_[network_];
+  }
+  ~NetworkCount() {
+    if (--counts_[network_] == 0) counts_.erase(network_);
+  }
+  NetworkCount(const NetworkCount&) = delete;
+  NetworkCount& operator=(const NetworkCount&) = delete;
+
+ private:
+  std::map<std::string, int>& counts_;
+  std::string network_;
+};
+
+/// The client that an address belongs to: an IPv6 client has a network of 64 bits.
+[[nodiscard]] inline std::string network_of(const asio::ip::address& address) {
+  if (!address.is_v6() || address.is_loopback()) return address.to_string();
+  if (address.to_v6().is_v4_mapped()) {
+    return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).to_string();
+  }
+  asio::ip::address_v6::bytes_type bytes = address.to_v6().to_bytes();
+  std::fill(bytes.begin() + 8, bytes.end(), std::uint8_t{0});
+  return asio::ip::address_v6(bytes).to_string() + "/64";
+}
+
+/// Admitted pages of one network, or of all.
+[[nodiscard]] inline int pages_of(const Hub& hub, const std::string& network) {
+  const auto found = hub.pages_by_network.find(network);
+  return found == hub.pages_by_network.end() ? 0 : found->second;
+}
+[[nodiscard]] inline int pages_of(const Hub& hub) {
+  int sum = 0;
+  for (const auto& [network, count] : hub.pages_by_network) sum += count;
+  return sum;
+}
+
+/// One network's share of `total`, at least one.
+[[nodiscard]] inline int share_of(int total, const ServerOptions& options) {
+  return std::max(1, static_cast<int>(std::ceil(total * options.max_address_share)));
+}
+
 /// RAII counter of the open connections.
 class Connection {
  public:
-  explicit Connection(Hub& hub) : hub_(hub) { ++hub_.connections; }
+  Connection(Hub& hub, std::string network)
+      : hub_(hub), count_(hub.connections_by_network, std::move(network)) {
+    ++hub_.connections;
+  }
   ~Connection() { --hub_.connections; }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
  private:
   Hub& hub_;
+  NetworkCount count_;
 };
 
 /// The remote end of a connection, and its share of the connection count.
 struct Peer {
   std::shared_ptr<Connection> connection;
   std::string address;
+  std::string network;  ///< see network_of
   bool is_loopback = false;
 };
 

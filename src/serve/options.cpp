@@ -75,6 +75,10 @@ constexpr auto kServerFields = std::to_array<OptionField<ServerOptions>>({
     {"max_connections", &ServerOptions::max_connections, 256, 1, 60'000, "",
      "connections of all kinds at the same time",
      "lower: pages cannot load their files; higher: the process runs out of files"},
+    // Four viewers behind one address each still have their files and their states.
+    {"max_address_share", &ServerOptions::max_address_share, 0.25, 0.01, 1.0, "",
+     "share of these pages and connections that one address may have",
+     "lower: viewers behind one router are rejected; higher: one address locks out the others"},
     {"max_write_time", &ServerOptions::max_write_time, 5.0, 0.01, 600.0, "s",
      "write timeout of a message to a page",
      "lower: stutters of the network disconnect pages; higher: pages that do not read stay"},
@@ -90,6 +94,10 @@ constexpr auto kServerFields = std::to_array<OptionField<ServerOptions>>({
     {"handshake_timeout", &ServerOptions::handshake_timeout, 10.0, 0.1, 600.0, "s",
      "timeout of a WebSocket's handshake",
      "lower: slow clients are disconnected; higher: stalled ones take up places"},
+    // A page sends it with its first packet.
+    {"hello_timeout", &ServerOptions::hello_timeout, 2.0, 0.1, 60.0, "s",
+     "time after the handshake in which a page must send a valid hello",
+     "lower: pages on slow networks are disconnected; higher: silent clients take up places"},
     {"idle_timeout", &ServerOptions::idle_timeout, 20.0, 0.1, 3600.0, "s",
      "time after which a page that does not answer is disconnected",
      "lower: sleeping pages are disconnected; higher: lost pages take up places"},

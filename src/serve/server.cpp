@@ -81,6 +81,14 @@ Expected<std::vector<std::string>> load(const TlsFiles& files, asio::ssl::contex
                           asio::ssl::context::no_sslv3 | asio::ssl::context::no_tlsv1 |
                           asio::ssl::context::no_tlsv1_1,
                       fault);
+  // Authenticated encryption (AEAD) with forward secrecy only.
+  SSL_CTX* const native = context.native_handle();
+  const bool has_ciphers =
+      SSL_CTX_set_cipher_list(native, "ECDHE+AESGCM:ECDHE+CHACHA20:!aNULL:!PSK") == 1 &&
+      SSL_CTX_set_ciphersuites(
+          native, "TLS_AES_256_GCM_SHA384:TLS_CHACHA20_POLY1305_SHA256:TLS_AES_128_GCM_SHA256") ==
+          1;
+  if (!has_ciphers) return Error{.message = "this OpenSSL has no AES-GCM and no ChaCha20-Poly1305"};
   if (!fault) context.use_certificate_chain_file(files.certificate.string(), fault);
   if (fault) {
     return Error{.message = "not a certificate: " + fault.message(),
@@ -160,8 +168,15 @@ struct LiveServer::Impl {
     error_code fault;
     const tcp::endpoint remote = socket.remote_endpoint(fault);
     if (fault) return;
-    if (hub.connections >= hub.options.max_connections) return reject_connection(std::move(socket));
-    Peer peer{std::make_shared<Connection>(hub), remote.address().to_string(),
+    const std::string network = network_of(remote.address());
+    const auto of_network = hub.connections_by_network.find(network);
+    const bool has_its_share =
+        of_network != hub.connections_by_network.end() &&
+        of_network->second >= share_of(hub.options.max_connections, hub.options);
+    if (has_its_share || hub.connections >= hub.options.max_connections) {
+      return reject_connection(std::move(socket));
+    }
+    Peer peer{std::make_shared<Connection>(hub, network), remote.address().to_string(), network,
               remote.address().is_loopback()};
     if (tls) {
       std::make_shared<TlsDetector>(hub, *tls, std::move(socket), std::move(peer))->detect();

@@ -31,7 +31,9 @@ void write_object(const LiveObject& object, ByteWriter& writer) {
   write_quaternion(object.orientation, writer);
   write_vector(object.force, writer);
   writer.integer(static_cast<std::uint8_t>(object.phase));
-  writer.integer(static_cast<std::uint8_t>(object.is_outside_model ? 1 : 0));
+  writer.integer(static_cast<std::uint8_t>((object.is_outside_model ? 1 : 0) |
+                                           (object.is_blocked ? 2 : 0) |
+                                           (object.is_saturated ? 4 : 0)));
   writer.integer(std::uint16_t{0});
   writer.f32(object.speed);
 }
@@ -43,7 +45,10 @@ LiveObject read_object(ByteReader& reader) {
   object.force = read_vector(reader);
   const auto phase = reader.integer<std::uint8_t>();
   object.phase = static_cast<MotionPhase>(phase < kPhases ? phase : 0);
-  object.is_outside_model = (reader.integer<std::uint8_t>() & 1U) != 0;
+  const auto flags = reader.integer<std::uint8_t>();
+  object.is_outside_model = (flags & 1U) != 0;
+  object.is_blocked = (flags & 2U) != 0;
+  object.is_saturated = (flags & 4U) != 0;
   (void)reader.integer<std::uint16_t>();
   object.speed = reader.f32();
   return object;

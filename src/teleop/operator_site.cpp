@@ -63,6 +63,22 @@ void OperatorSite::step(double wall, const Eigen::Vector3d& p_base_tip,
     if (message && message->object < objects_.size()) apply(*message);
   }
   predictor_.step(p_base_tip);
+  count_held();
+}
+
+void OperatorSite::count_held() {
+  for (std::size_t i = 0; i < held_.size(); ++i) {
+    const BodyState& state = predictor_.world().state()[i];
+    HeldTimes& held = held_[i];
+    if (state.is_blocked) {
+      if (held.blocked == 0.0) held.first_blocked = predictor_.now();
+      held.blocked += step_;
+    }
+    if (state.is_saturated) {
+      if (held.saturated == 0.0) held.first_saturated = predictor_.now();
+      held.saturated += step_;
+    }
+  }
 }
 
 void OperatorSite::apply(const CorrectionMessage& message) {

@@ -27,6 +27,14 @@ struct Prediction {
   std::uint8_t received = 0;  ///< sequence of the last correction received
 };
 
+/// How long an object could not follow the tip, and when that began [s].
+struct HeldTimes {
+  double blocked = 0.0;    ///< by the scan, see BodyState
+  double saturated = 0.0;  ///< the tip's force was at its maximum
+  double first_blocked = 0.0;
+  double first_saturated = 0.0;
+};
+
 /// The operator's site, which displays and renders the predicted world. Time is the robot's: at
 /// wall time w the operator's site predicts w + forward delay.
 class OperatorSite {
@@ -48,6 +56,7 @@ class OperatorSite {
   [[nodiscard]] Prediction prediction(std::size_t object) const;
   [[nodiscard]] ShownBody shown(std::size_t object) const { return predictor_.shown(object); }
   [[nodiscard]] std::size_t late() const { return late_; }
+  [[nodiscard]] const HeldTimes& held(std::size_t object) const { return held_[object]; }
 
  private:
   struct Known {
@@ -67,14 +76,19 @@ class OperatorSite {
         objects_(std::move(objects)),
         epoch_(epoch),
         gravity_(options.gravity()),
-        unknown_objects_(options.unknown_objects) {}
+        step_(options.predictor.step),
+        unknown_objects_(options.unknown_objects),
+        held_(objects_.size()) {}
   void apply(const CorrectionMessage& message);
+  void count_held();
 
   Predictor predictor_;
   std::vector<Known> objects_;
   double epoch_;
   double gravity_;  ///< [m/s^2]
+  double step_;     ///< [s]
   PhysicsDefaults unknown_objects_;
+  std::vector<HeldTimes> held_;
   std::deque<Arriving> arriving_;
   std::size_t late_ = 0;
   Eigen::Vector3d a_base_tip_ = Eigen::Vector3d::Zero();

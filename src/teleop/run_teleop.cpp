@@ -25,6 +25,7 @@ namespace pcavr {
 namespace {
 
 constexpr std::size_t kMaxObjects = 255;     // a message has one byte for its object's index
+constexpr double kMinHeld = 0.05;            // [s] shorter contacts with the scan are not noted
 constexpr double kMinTrackingGap = 0.2;      // [s] without a frame of an object, that is noted
 constexpr double kTimeTolerance = 5e-7;      // [s] half the last digit in files
 constexpr double kMinPhaseDuration = 0.008;  // [s] of the file format
@@ -221,6 +222,22 @@ void note_gaps(const TeleopObject& object, double drift, TeleopRun& run) {
   }
 }
 
+/// Notes where the predicted object could not follow the tip.
+void note_held(const TeleopObject& object, const HeldTimes& held, TeleopRun& run) {
+  if (held.blocked >= kMinHeld) {
+    run.notes.push_back(fmt::format(
+        "{} was pressed against the scan, which held it, for {:.2f} s from {:.2f} s on: its "
+        "predicted force there is that of the contact with the scan",
+        object.name, held.blocked, held.first_blocked));
+  }
+  if (held.saturated >= kMinHeld) {
+    run.notes.push_back(fmt::format(
+        "the predicted force on {} was at its maximum for {:.2f} s from {:.2f} s on: see "
+        "prediction.world.max_contact_force",
+        object.name, held.saturated, held.first_saturated));
+  }
+}
+
 void note_unseen(const TeleopInput& input, const TeleopOptions& options, const RobotSite& robot,
                  TeleopRun& run) {
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
@@ -245,6 +262,7 @@ void finish(const TeleopInput& input, const TeleopOptions& options, const RobotS
         phase_rows(i, merged(robot.objects()[i].monitor.changes()), merged(predicted[i]));
     run.phases.insert(run.phases.end(), rows.begin(), rows.end());
     run.parameters.push_back(robot.objects()[i].learner.known());
+    note_held(input.objects[i], site.held(i), run);
   }
   std::stable_sort(run.phases.begin(), run.phases.end(),
                    [](const PhaseRow& a, const PhaseRow& b) { return a.t < b.t; });

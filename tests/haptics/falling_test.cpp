@@ -1,5 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "haptics/tabletop.hpp"
@@ -69,6 +72,29 @@ TEST(FallingBody, StopsOutOfViewAndStaysFinite) {
   world.reset({0.0, 0.0, 0.3});
   EXPECT_FALSE(world.state().bodies[0].is_outside_model);
   EXPECT_EQ(world.state().bodies[0].T_base_object.translation().head<2>(), Eigen::Vector2d::Zero());
+}
+
+TEST(FallingBody, RestsOnTheFloorThatTheScanShows) {
+  HapticWorldModel model = one_box_on_a_table();
+  TriangleMesh floor = test::scanned_table(0.0, 0.05, {-1.0, -1.0}, {1.5, 1.0});
+  for (Eigen::Vector3f& v : floor.vertices) v.z() -= 0.7F;
+  test::append(model.world.static_mesh_base, floor);
+  HapticWorld world = world_of(model);
+  push_off(world, 0.54);
+  ASSERT_TRUE(world.state().bodies[0].is_outside_model);
+  for (int i = 0; i < 3000; ++i) world.step({{0.0, 0.0, 0.3}, false}, kCycle);
+  const Pose T = world.state().bodies[0].T_base_object;
+  double low = 1.0;
+  for (const Eigen::Vector3f& v : model.world.bodies[0].model.mesh_object.vertices) {
+    low = std::min(low, (T * v.cast<double>()).z());
+  }
+  EXPECT_NEAR(low, -0.7, 1e-6);
+  EXPECT_NEAR((T.rotation_matrix() * Eigen::Vector3d::Ones()).z() /
+                  std::round((T.rotation_matrix() * Eigen::Vector3d::Ones()).z()),
+              1.0, 1e-6)
+      << "flat on a face";
+  world.step({{0.0, 0.0, 0.3}, false}, kCycle);
+  EXPECT_EQ(world.state().bodies[0].T_base_object.translation(), T.translation());
 }
 
 TEST(FallingBody, DoesNotStartForABodyWithoutASupport) {

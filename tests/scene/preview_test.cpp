@@ -106,6 +106,59 @@ TEST(Preview, IsUprightWhereTheWorldFrameIsNot) {
   EXPECT_GT(down.y(), 0.5);
 }
 
+TEST(Preview, IsUprightByTheFloorWhereTheWorldFrameIsTilted) {
+  // The world is tilted by 50 degrees about x, and the camera looks over the floor.
+  Scene scene;
+  const Pose tilt(Eigen::Quaterniond(Eigen::AngleAxisd(0.87, Eigen::Vector3d::UnitX())),
+                  Eigen::Vector3d::Zero());
+  scene.mesh_base = transformed(tilt, a_level_square({0.0, 0.0, 0.0}, 2.0, 20));
+  Eigen::Matrix3d axes;  // forward along y, 20 degrees down
+  axes << 1.0, 0.0, 0.0, 0.0, -0.34, 0.94, 0.0, -0.94, -0.34;
+  const Pose camera(Eigen::Quaterniond(axes).normalized(), Eigen::Vector3d(0.0, -2.0, 0.8));
+  scene.camera_trajectory = Trajectory({{{0}, tilt * camera}});
+  const View view = choose_view(scene, kPreviewWidth, kPreviewHeight);
+  const Eigen::Vector3d up = tilt.rotation() * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d right = view.T_base_view.rotation() * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d down = view.T_base_view.rotation() * Eigen::Vector3d::UnitY();
+  EXPECT_NEAR(right.dot(up), 0.0, 1e-6);
+  EXPECT_LT(down.dot(up), -0.5);
+}
+
+TEST(Preview, FramesWhatTheCameraLookedAtAndNotScrapsOfAFloor) {
+  // A shelf in front of 15 views, and a far scrap of the floor that one of them saw.
+  Scene scene;
+  const Pose upright(Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI_2, Eigen::Vector3d::UnitY())),
+                     Eigen::Vector3d(1.5, 0.0, 1.0));
+  scene.mesh_base = transformed(upright, a_level_square({0.0, 0.0, 0.0}, 1.0, 40));
+  const TriangleMesh scrap = a_level_square({0.5, 3.0, 0.0}, 0.3, 8);
+  const auto first = static_cast<std::uint32_t>(scene.mesh_base.vertices.size());
+  scene.mesh_base.vertices.insert(scene.mesh_base.vertices.end(), scrap.vertices.begin(),
+                                  scrap.vertices.end());
+  for (const auto& [a, b, c] : scrap.triangles) {
+    scene.mesh_base.triangles.push_back({first + a, first + b, first + c});
+  }
+  scene.mesh_base.normals.clear();
+  scene.mesh_base.colors.clear();
+  SupportPlane& plane = scene.support_planes.emplace_back();
+  plane.outline_base = {{0.35, 2.85, 0.0}, {0.65, 2.85, 0.0}, {0.65, 3.15, 0.0}};
+  Eigen::Matrix3d axes;  // forward along x
+  axes << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
+  std::vector<TimedPose> poses;
+  for (int i = 0; i < 15; ++i) {
+    poses.push_back({Stamp{i}, Pose(Eigen::Quaterniond(axes), {0.0, 0.02 * (i - 7), 1.0})});
+  }
+  scene.camera_trajectory = Trajectory(poses);
+  const View view = choose_view(scene, kPreviewWidth, kPreviewHeight);
+  Eigen::AlignedBox2d shelf;
+  for (const double y : {-0.5, 0.5}) {
+    for (const double z : {0.5, 1.5}) {
+      shelf.extend(view.camera.project(view.T_base_view.inverse() * Eigen::Vector3d(1.5, y, z)));
+    }
+  }
+  EXPECT_TRUE(view.camera.contains(shelf.min()) && view.camera.contains(shelf.max()));
+  EXPECT_GT(shelf.sizes().y(), 0.6 * kPreviewHeight);
+}
+
 TEST(Preview, DrawsAnObjectInItsColour) {
   const ColorImage picture = render_preview(a_box_on_a_table(), {1});
   EXPECT_EQ(picture.width(), kPreviewWidth);

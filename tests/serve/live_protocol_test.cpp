@@ -55,7 +55,7 @@ LiveState a_state(Random& random, std::size_t objects) {
   for (std::size_t i = 0; i < objects; ++i) {
     state.objects.push_back({vector(random), rotation(random), vector(random),
                              static_cast<MotionPhase>(random.below(4)), random.below(2) == 1,
-                             number(random)});
+                             random.below(2) == 1, random.below(2) == 1, number(random)});
   }
   return state;
 }
@@ -108,6 +108,8 @@ TEST(LiveProtocol, AStateSurvivesARoundTrip) {
     ASSERT_EQ(same.objects.size(), objects);
     if (objects > 0) {
       EXPECT_EQ(same.objects.back().position, state.objects.back().position);
+      EXPECT_EQ(same.objects.back().is_blocked, state.objects.back().is_blocked);
+      EXPECT_EQ(same.objects.back().is_saturated, state.objects.back().is_saturated);
     }
   }
 }

@@ -35,9 +35,13 @@ inline tcp::endpoint local(std::uint16_t port) { return {asio::ip::address_v4::l
 class PageClient {
  public:
   /// Connects, with the WebSocket handshake.
-  explicit PageClient(std::uint16_t port, const std::string& origin = {}) {
+  /// `from` is the client's own address.
+  explicit PageClient(std::uint16_t port, const std::string& origin = {},
+                      const std::string& from = "127.0.0.1") {
     beast::error_code fault;
-    socket_.next_layer().connect(local(port), fault);
+    socket_.next_layer().open(tcp::v4(), fault);
+    if (!fault) socket_.next_layer().bind({asio::ip::make_address(from), 0}, fault);
+    if (!fault) socket_.next_layer().connect(local(port), fault);
     if (!fault) socket_.next_layer().set_option(tcp::no_delay(true), fault);
     socket_.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
       if (!origin.empty()) request.set(http::field::origin, origin);
@@ -83,6 +87,12 @@ class PageClient {
     beast::error_code ignored;
     socket_.close(websocket::close_code::normal, ignored);
   }
+  /// A WebSocket's own ping.
+  bool ping() {
+    beast::error_code fault;
+    socket_.ping({}, fault);
+    return !fault;
+  }
   tcp::socket& transport() { return socket_.next_layer(); }
 
   bool is_open = false;
@@ -94,10 +104,13 @@ class PageClient {
 };
 
 /// Sends the bytes and returns the response, until the connection is closed.
-inline std::string response_to(std::uint16_t port, const std::string& bytes) {
+inline std::string response_to(std::uint16_t port, const std::string& bytes,
+                               const std::string& from = "127.0.0.1") {
   asio::io_context io;
   tcp::socket socket(io);
   beast::error_code fault;
+  socket.open(tcp::v4(), fault);
+  socket.bind({asio::ip::make_address(from), 0}, fault);
   socket.connect(local(port), fault);
   asio::write(socket, asio::buffer(bytes), fault);
   std::string response;

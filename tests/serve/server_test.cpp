@@ -6,11 +6,15 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <thread>
+#include <vector>
 
+#include <boost/asio/ssl.hpp>
 #include <gtest/gtest.h>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/serve/certificate.hpp"
 
 #include "serve/a_world.hpp"
 #include "serve/page_client.hpp"
@@ -183,7 +187,11 @@ TEST_F(ServerTest, MalformedHttpGetsAnErrorResponse) {
 TEST_F(ServerTest, AHundredPagesAtOnceAreServedOrRejectedWithANotice) {
   open();
   std::vector<std::unique_ptr<PageClient>> pages;
-  for (int i = 0; i < 100; ++i) pages.push_back(std::make_unique<PageClient>(port()));
+  // From eight addresses: one alone gets a quarter of the places.
+  for (int i = 0; i < 100; ++i) {
+    pages.push_back(
+        std::make_unique<PageClient>(port(), "", "127.0.0." + std::to_string(1 + i % 8)));
+  }
   int served = 0;
   int rejected = 0;
   for (const auto& page : pages) {
@@ -211,6 +219,98 @@ TEST_F(ServerTest, ConnectionsAreLimited) {
   std::vector<tcp::socket> idle;
   for (int i = 0; i < 3; ++i) idle.emplace_back(io).connect(test::local(port()));
   EXPECT_NE(get("/").find("503"), std::string::npos);
+}
+
+TEST_F(ServerTest, SilentPagesOfOneAddressLeavePlacesForOthersAndAreClosed) {
+  ServerOptions options;
+  options.max_pages = 8;
+  options.hello_timeout = 0.5;
+  open(options);
+  std::vector<std::unique_ptr<PageClient>> silent;
+  for (int i = 0; i < 40; ++i) silent.push_back(std::make_unique<PageClient>(port()));
+  PageClient honest(port(), "", "127.0.0.2");
+  ASSERT_TRUE(honest.send_hello());
+  EXPECT_TRUE(honest.receive_next<LiveState>()) << "others have a place at once";
+  for (const auto& page : silent) {
+    while (page->receive()) {
+    }
+  }
+  PageClient later(port());
+  ASSERT_TRUE(later.send_hello());
+  EXPECT_TRUE(later.receive_next<LiveState>()) << "places of pages without a hello are free again";
+}
+
+TEST_F(ServerTest, IdleConnectionsOfOneAddressLeavePlacesForOthers) {
+  ServerOptions options;
+  options.max_connections = 40;
+  open(options);
+  asio::io_context io;
+  std::vector<tcp::socket> idle;
+  for (int i = 0; i < 100; ++i) idle.emplace_back(io).connect(test::local(port()));
+  EXPECT_NE(get("/").find("503"), std::string::npos);
+  EXPECT_NE(response_to(port(), "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n",
+                        "127.0.0.2")
+                .find("200 OK"),
+            std::string::npos);
+}
+
+TEST_F(ServerTest, DisconnectsAFloodOfPings) {
+  open();
+  PageClient page(port());
+  ASSERT_TRUE(page.send_hello());
+  ASSERT_TRUE(page.receive_next<LiveWelcome>());
+  bool is_open = true;
+  for (int i = 0; i < 200'000 && is_open; ++i) is_open = page.ping();
+  EXPECT_FALSE(is_open);
+  expect_world_runs();
+}
+
+TEST_F(ServerTest, RejectsTwoHostHeadersAndInlineStyles) {
+  open();
+  EXPECT_NE(get("/", "Host: evil.example\r\n").find("HTTP/1.1 400"), std::string::npos);
+  const std::string index = get("/");
+  EXPECT_NE(index.find("style-src 'self';"), std::string::npos);
+  EXPECT_EQ(index.find("unsafe-inline"), std::string::npos);
+}
+
+TEST_F(ServerTest, StatesWhatTheWorldsThreadLacks) {
+  open();
+  PageClient page(port());
+  ASSERT_TRUE(page.send_hello());
+  std::vector<std::string> notices;
+  while (const auto message = page.receive()) {
+    if (const auto* notice = std::get_if<LiveNotice>(&message->content)) {
+      notices.push_back(notice->text);
+    }
+    if (std::holds_alternative<LiveState>(message->content)) break;
+  }
+  EXPECT_EQ(notices, world_->notes());
+}
+
+/// Whether a TLS handshake of at most that version succeeds with these cipher suites only.
+bool connects_with(std::uint16_t port, int version, const char* ciphers) {
+  asio::io_context io;
+  asio::ssl::context context(asio::ssl::context::tls_client);
+  SSL_CTX_set_max_proto_version(context.native_handle(), version);
+  if (SSL_CTX_set_cipher_list(context.native_handle(), ciphers) != 1) return false;
+  asio::ssl::stream<tcp::socket> stream(io, context);
+  stream.next_layer().connect(test::local(port));
+  boost::system::error_code fault;
+  stream.handshake(asio::ssl::stream_base::client, fault);
+  return !fault;
+}
+
+TEST_F(ServerTest, AcceptsAuthenticatedEncryptionOnly) {
+  const TemporaryFolder folder;
+  const auto files = load_or_create_certificate(folder.path());
+  ASSERT_TRUE(files) << files.error().to_string();
+  ServerOptions options;
+  options.tls = *files;
+  open(options);
+  EXPECT_TRUE(connects_with(port(), TLS1_2_VERSION, "ECDHE+AESGCM"));
+  EXPECT_TRUE(connects_with(port(), TLS1_3_VERSION, "ECDHE+AESGCM"));
+  EXPECT_FALSE(connects_with(port(), TLS1_2_VERSION, "ECDHE+AES:!AESGCM:!AESCCM"));
+  EXPECT_FALSE(connects_with(port(), TLS1_2_VERSION, "AES128-GCM-SHA256"));
 }
 
 TEST_F(ServerTest, DisconnectsAClientThatNeverReads) {

@@ -64,6 +64,8 @@ export interface ObjectState {
   force: Vector; // [N] of the tool on the object
   phase: Phase;
   isOutsideModel: boolean;
+  isBlocked: boolean; // pressed against the scan, which holds it
+  isSaturated: boolean; // the force on it is at its maximum
   speed: number; // [m/s]
 }
 
@@ -227,6 +229,8 @@ function readObject(view: DataView, at: number): ObjectState {
     force: readVector(view, at + 28),
     phase: phaseNames[Math.min(view.getUint8(at + 40), phaseNames.length - 1)],
     isOutsideModel: (view.getUint8(at + 41) & 1) !== 0,
+    isBlocked: (view.getUint8(at + 41) & 2) !== 0,
+    isSaturated: (view.getUint8(at + 41) & 4) !== 0,
     speed: view.getFloat32(at + 44, true),
   };
 }

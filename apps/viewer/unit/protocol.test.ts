@@ -48,6 +48,8 @@ const state: LiveState = {
       force: [1, 0, -1],
       phase: 'critical',
       isOutsideModel: true,
+      isBlocked: false,
+      isSaturated: true,
       speed: 0.0625,
     },
     {
@@ -56,6 +58,8 @@ const state: LiveState = {
       force: [0, 0, 0],
       phase: 'free',
       isOutsideModel: false,
+      isBlocked: true,
+      isSaturated: false,
       speed: 0,
     },
   ],
@@ -114,7 +118,7 @@ test('the layout of a state matches the protocol byte for byte', () => {
   assert.equal(view.getUint32(24 + 100, true), 2);
   assert.equal(view.getFloat32(24 + 104 + 8, true), 3);
   assert.equal(view.getUint8(24 + 104 + 40), 2);
-  assert.equal(view.getUint8(24 + 104 + 41), 1);
+  assert.equal(view.getUint8(24 + 104 + 41), 5);
 });
 
 test('the layout of a tool sample matches the protocol byte for byte', () => {

@@ -52,7 +52,10 @@ export function writeState(sequence: number, clock: number, state: LiveState): A
     const at = stateBytes + i * objectBytes;
     f32(at, [...object.position, ...object.quaternion, ...object.force]);
     view.setUint8(headerBytes + at + 40, phaseNames.indexOf(object.phase));
-    view.setUint8(headerBytes + at + 41, object.isOutsideModel ? 1 : 0);
+    view.setUint8(
+      headerBytes + at + 41,
+      (object.isOutsideModel ? 1 : 0) + (object.isBlocked ? 2 : 0) + (object.isSaturated ? 4 : 0),
+    );
     f32(at + 44, [object.speed]);
   });
   if (state.arm) {

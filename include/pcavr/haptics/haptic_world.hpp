@@ -57,6 +57,8 @@ struct HapticBodyState {
   Eigen::Vector3d tool_force_base = Eigen::Vector3d::Zero();  ///< [N] of the tip on the body
   MotionPhase phase = MotionPhase::free;
   bool is_outside_model = false;  ///< it left its support and falls; not predicted further
+  bool is_blocked = false;        ///< pressed against the scan, or an immovable body, that holds it
+  bool is_saturated = false;  ///< the hand presses on, but the force on the body is at its maximum
 };
 
 struct HapticWorldState {

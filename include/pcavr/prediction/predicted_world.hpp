@@ -49,6 +49,7 @@ struct WorldOptions {
   double body_penetration;      ///< [m] of two bodies under the force at which one breaks loose
   double max_separation_speed;  ///< [m/s] at which an overlap of two bodies is resolved
   double min_obstacle_height;   ///< [m] lower surfaces are the support and its noise
+  double max_scan_penetration;  ///< [m] of a body into the scan, under any force
   double max_scan_depth;        ///< [m] a scanned surface deeper inside a body does not touch it
   double shape_tolerance;       ///< of a body's diagonal: depth of a concavity that stays filled
   int max_convex_parts;         ///< of a body's collision shape
@@ -72,6 +73,11 @@ struct BodyState {
   Eigen::Vector3d tool_force_base = Eigen::Vector3d::Zero();  ///< of the tip on the body [N]
   double penetration = 0.0;  ///< of the tip, > 0 in contact; negative: clearance up to 50 mm [m]
   MotionPhase phase = MotionPhase::free;
+  /// The tip pushes with more than the static friction limit, or would, but the scan or an
+  /// immovable body is in the way.
+  bool is_blocked = false;
+  /// The tip's force is at `max_contact_force`: it does not grow as the tip goes on.
+  bool is_saturated = false;
   bool is_present = true;  ///< false: taken out of the world, it neither moves nor touches anything
 };
 

@@ -81,7 +81,9 @@ struct LiveObject {
   Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< [N] of the tool on it
   MotionPhase phase = MotionPhase::free;
   bool is_outside_model = false;
-  float speed = 0.0F;  ///< [m/s]
+  bool is_blocked = false;    ///< see HapticBodyState
+  bool is_saturated = false;  ///< see HapticBodyState
+  float speed = 0.0F;         ///< [m/s]
 };
 
 /// The arm, in a state.

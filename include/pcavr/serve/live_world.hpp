@@ -98,6 +98,8 @@ class LiveWorld {
   /// Of all cycles so far. Call before start() or after stop().
   [[nodiscard]] CycleTimes times() const;
 
+  /// What start() has returned: of a missing real-time priority, for example.
+  [[nodiscard]] const std::vector<std::string>& notes() const;
   [[nodiscard]] const std::vector<std::string>& names() const;
   [[nodiscard]] std::string_view device_name() const;
   /// The device that pages send samples to; null if another device moves the tool.

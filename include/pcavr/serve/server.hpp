@@ -32,11 +32,13 @@ struct ServerOptions {
   double rate;                ///< [Hz] states sent to each page
   int max_pages;              ///< further ones get an error notice and are closed
   int max_connections;        ///< of all kinds
+  double max_address_share;   ///< of either, for one address (an IPv6 network of 64 bits)
   double max_write_time;      ///< [s] write timeout of a message to a page
   double read_timeout;        ///< [s] of a request, and of a TLS handshake
   double response_timeout;    ///< [s] of a response, in addition to its length over the rate below
   double min_download_rate;   ///< [bytes/s] slower downloads time out
   double handshake_timeout;   ///< [s] of a WebSocket
+  double hello_timeout;       ///< [s] from there to a valid hello
   double idle_timeout;        ///< [s] of a page that does not answer pings
   double tool_timeout;        ///< [s] without a sample: the page loses the tool
   double tool_idle_time;      ///< [s] with an open clutch: the tool goes to a page that requests it

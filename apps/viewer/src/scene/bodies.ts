@@ -31,6 +31,8 @@ export class Body {
   readonly marks = [new Group(), new Group()] as const; // its tags, its frame: in separate layers
   phase: Phase = 'free';
   isOutsideModel = false;
+  isBlocked = false;
+  isSaturated = false;
   isKnown = true; // false: without a server, phase and force are not
   private fill: MeshLambertMaterial;
   private edges = new LineBasicMaterial({ color: '#10151b' });
@@ -83,6 +85,11 @@ export class Body {
     this.ghost.position.fromArray(position);
     this.ghost.quaternion.fromArray(quaternion);
     this.ghost.visible = true;
+  }
+
+  setContact(isBlocked: boolean, isSaturated: boolean): void {
+    this.isBlocked = isBlocked;
+    this.isSaturated = isSaturated;
   }
 
   setPhase(phase: Phase, isOutsideModel: boolean): void {

@@ -14,6 +14,7 @@ import {
 import type { LiveState, Vector } from '../protocol';
 import { ArmView } from './arm';
 import { Body } from './bodies';
+import { ContactShadows } from './contact_shadow';
 import { framePoints, operatorSide } from './first_view';
 import { Layers } from './layers';
 import type { Outline } from './outline';
@@ -42,6 +43,7 @@ export class SceneView {
   arm: ArmView | null = null;
   model: SceneModel | null = null;
   private readonly plumbLine: PlumbLine;
+  private readonly shadows: ContactShadows;
   private supports: Outline[] = [];
   private byName = new Map<string, Body>();
   private order: (Body | undefined)[] = []; // in the order of the server's state
@@ -53,7 +55,15 @@ export class SceneView {
     this.layers = new Layers(this.base);
     this.tool = new ToolView(this.base);
     this.plumbLine = new PlumbLine(this.tool.group);
+    this.shadows = new ContactShadows(this.layers.group('bodies'), this.tool.group);
+    this.scene.onBeforeRender = () => this.showShadows();
     this.addLights();
+  }
+
+  private showShadows(): void {
+    const { group, proxy, radius } = this.tool;
+    const tool = group.visible ? { position: proxy.position.toArray(), radius } : null;
+    this.shadows.show(this.bodies, tool, this.supports);
   }
 
   setModel(model: SceneModel): void {
@@ -93,6 +103,7 @@ export class SceneView {
       const body = this.order[i];
       body?.place(object.position, object.quaternion);
       body?.setPhase(object.phase, object.isOutsideModel);
+      body?.setContact(object.isBlocked, object.isSaturated);
     });
     if (state.arm) this.arm?.show(state.arm.position);
     this.arm?.setStopped(state.arm?.isStopped ?? false);

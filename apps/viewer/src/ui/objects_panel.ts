@@ -18,7 +18,9 @@ interface Row {
 export function phaseLabel(body: Body): string {
   if (!body.object.movable) return 'fixed';
   if (!body.isKnown) return '–';
-  return body.isOutsideModel ? 'outside the model' : body.phase;
+  if (body.isOutsideModel) return 'outside the model';
+  if (body.isBlocked) return 'blocked by the scan';
+  return body.isSaturated ? 'max. force' : body.phase;
 }
 
 /// The square beside a phase.
