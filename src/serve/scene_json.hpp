@@ -29,6 +29,7 @@ struct SceneFiles {
   SceneFile cloud;
   SceneFile occupancy;
   double occupancy_edge = 0.0;     ///< [m]
+  std::optional<SceneFile> unseen_support;
   std::vector<SceneFile> objects;  ///< in the scene's order
 };
 

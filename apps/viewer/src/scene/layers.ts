@@ -4,6 +4,7 @@ import { Group } from 'three';
 
 export const layerNames = [
   'mesh',
+  'unseen',
   'cloud',
   'occupancy',
   'bodies',
@@ -18,6 +19,7 @@ export type LayerName = (typeof layerNames)[number];
 
 export const layerTitles: Record<LayerName, string> = {
   mesh: 'Scanned mesh',
+  unseen: 'Filled in, not seen',
   cloud: 'Point cloud',
   occupancy: 'Occupied cells',
   bodies: 'CAD bodies',
@@ -29,7 +31,7 @@ export const layerTitles: Record<LayerName, string> = {
   cameras: 'Camera path',
 };
 
-const shownAtFirst: readonly LayerName[] = ['mesh', 'bodies', 'ghosts', 'labels'];
+const shownAtFirst: readonly LayerName[] = ['mesh', 'unseen', 'bodies', 'ghosts', 'labels'];
 
 /// The layers to show and hide: a group each, all in base.
 export class Layers {

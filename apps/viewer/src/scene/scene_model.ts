@@ -36,6 +36,7 @@ export interface SceneModel {
   mesh: MeshLevel[]; // finest first
   cloud: { path: string; points: number; bytes: number } | null;
   occupancy: { path: string; cells: number; edge: number; bytes: number } | null;
+  unseen_support: { path: string; triangles: number; bytes: number } | null;
   objects: SceneObject[];
   tags: SceneTag[];
   support_planes: { outline: Vector[] }[];
@@ -67,6 +68,7 @@ export async function fetchScene(): Promise<SceneModel> {
     mesh: scene.mesh ?? [],
     cloud: scene.cloud ?? null,
     occupancy: scene.occupancy ?? null,
+    unseen_support: scene.unseen_support ?? null,
     objects: scene.objects ?? [],
     tags: scene.tags ?? [],
     support_planes: scene.support_planes ?? [],
