@@ -65,8 +65,6 @@ interface Gltf {
   nodes?: Node[];
   meshes?: { primitives: Primitive[] }[];
   materials?: Material[];
-  textures?: { source?: number }[];
-  images?: { uri?: string }[];
   accessors?: Accessor[];
   bufferViews?: BufferView[];
 }
@@ -75,7 +73,7 @@ export interface GlbPart {
   geometry: BufferGeometry;
   matrix: Matrix4; // part to file
   color: Color | null; // of the material, linear
-  texture: string | null; // its file, relative to this one
+  hasTexture: boolean; // a file of its own: gltfpack drops its name
 }
 
 type ArrayMaker = new (buffer: ArrayBuffer, at: number, length: number) => TypedArray;
@@ -175,12 +173,11 @@ function readPrimitive(
   if (!geometry.hasAttribute('normal')) geometry.computeVertexNormals();
   const surface = gltf.materials?.[primitive.material ?? -1]?.pbrMetallicRoughness;
   const factor = surface?.baseColorFactor ?? null;
-  const image = gltf.textures?.[surface?.baseColorTexture?.index ?? -1]?.source ?? -1;
   return {
     geometry,
     matrix,
     color: factor && new Color(factor[0], factor[1], factor[2]),
-    texture: gltf.images?.[image]?.uri ?? null,
+    hasTexture: surface?.baseColorTexture !== undefined,
   };
 }
 

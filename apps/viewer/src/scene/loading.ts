@@ -35,6 +35,8 @@ function scanMaterial(hasColors: boolean, color: Color | null, map: Texture | nu
   return seeThrough(new MeshLambertMaterial({ color: color ?? '#b8bec6', side: DoubleSide }));
 }
 
+const texturePath = '/scene/texture.jpg';
+
 /// Loads the bodies and the scan's coarsest level first, then the finest level within the budget.
 export class SceneLoader {
   level = -1; // of the scan shown now; -1: none
@@ -45,7 +47,7 @@ export class SceneLoader {
   private isChosen = false; // by the user
   private loaded = 0;
   private total = 0;
-  private textures = new Map<string, Promise<Texture>>(); // all levels have the same one
+  private texture: Promise<Texture> | null = null;
 
   constructor(
     private readonly view: SceneView,
@@ -91,26 +93,22 @@ export class SceneLoader {
     const what = `scan, ${triangles.toLocaleString('en')} triangles`;
     await this.attempt(path, async () => {
       const parts = await readGlb(await fetchBytes(path, (bytes) => this.advance(bytes, what)));
-      const maps = await Promise.all(parts.map((part) => this.textureOf(path, part.texture)));
+      const maps = await Promise.all(
+        parts.map(({ hasTexture }) => (hasTexture ? this.scanTexture() : null)),
+      );
       if (level !== this.requested) return;
       this.replaceScan('mesh', parts, maps);
       this.level = level;
     });
   }
 
-  /// The texture of a part of the file at `path`, fetched once.
-  private async textureOf(path: string, file: string | null): Promise<Texture | null> {
-    if (file === null) return null;
-    const url = new URL(file, new URL(path, location.href)).href;
-    if (!this.textures.has(url))
-      this.textures.set(
-        url,
-        fetchTexture(url, (bytes) => {
-          this.total += bytes;
-          this.advance(bytes, 'texture');
-        }),
-      );
-    return this.textures.get(url)!;
+  /// The texture that all levels share, fetched once.
+  private scanTexture(): Promise<Texture> {
+    this.texture ??= fetchTexture(texturePath, (bytes) => {
+      this.total += bytes;
+      this.advance(bytes, 'texture');
+    });
+    return this.texture;
   }
 
   private replaceScan(layer: 'mesh' | 'unseen', parts: GlbPart[], maps: (Texture | null)[]): void {
