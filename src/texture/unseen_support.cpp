@@ -79,7 +79,9 @@ class AreaGrid {
         if (near) {
           colors(x, y) = mesh.colors[mesh.triangles[near->triangle][0]];
           is_scanned(x, y) = 1;
-        } else if (is_inside(area_.outline_base, p) && is_hidden_by_dynamic(p, views)) {
+        }
+        const bool is_on_scan = near && static_cast<double>(near->distance) < 0.5 * cell_;
+        if (!is_on_scan && is_inside(area_.outline_base, p) && is_hidden_by_dynamic(p, views)) {
           is_unseen(x, y) = 1;
           has_unseen = true;
         }
