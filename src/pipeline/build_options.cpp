@@ -42,8 +42,9 @@ OptionSection section_of(BuildOptions& options) {
 }
 
 std::vector<OptionSection> sections_of(BuildOptions& options) {
-  return {section_of(options.fusion), section_of(options.outliers), section_of(options.occupancy),
-          section_of(options.support_planes), section_of(options)};
+  return {section_of(options.fusion),    section_of(options.outliers),
+          section_of(options.occupancy), section_of(options.support_planes),
+          section_of(options.texture),   section_of(options)};
 }
 
 }  // namespace pcavr

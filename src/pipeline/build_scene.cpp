@@ -19,6 +19,7 @@
 #include "pcavr/reconstruction/mesh_cleanup.hpp"
 #include "pcavr/reconstruction/tsdf_volume.hpp"
 #include "pcavr/scene/support_plane.hpp"
+#include "pcavr/texture/view_selection.hpp"
 
 #include "assess_consistency.hpp"
 #include "async_if_parallel.hpp"
@@ -27,6 +28,7 @@
 #include "recorded_arm.hpp"
 #include "scene_from_manifest.hpp"
 #include "scene_quality.hpp"
+#include "scene_texture.hpp"
 #include "survey.hpp"
 
 namespace pcavr {
@@ -55,6 +57,7 @@ class Fusion {
         occupancy(occupancy_options(options)),
         cloud(options.fusion.voxel_size, options.perception.depth_noise),
         tracks(bodies),
+        views(options.texture),
         camera_(camera),
         options_(options),
         occupancy_interval_(std::llround(options.occupancy_interval * 1e9)) {}
@@ -86,6 +89,10 @@ class Fusion {
                      options_.parallelism);
     if (carved.valid()) carved.get();
     averaged.get();
+    if (options_.texture.enabled) {
+      views.add(followed.frame.index, stamp, followed.T_base_camera, followed.frame.color,
+                followed.is_dynamic);
+    }
     for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].push_back(followed.objects[i]);
     camera_trajectory.append(stamp, followed.T_base_camera);
   }
@@ -95,6 +102,7 @@ class Fusion {
   MeasuredCloud cloud;
   std::vector<std::vector<ObjectObservation>> tracks;  ///< by body
   Trajectory camera_trajectory;
+  ViewSelection views;  ///< for the texture
 
  private:
   const CameraModel& camera_;  ///< of the colour images
@@ -306,6 +314,8 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
     observer.on_warning(finding.to_string());
     scene.quality.input_warnings.push_back(to_warning(finding));
   }
+  clock.begin("texture");
+  paint_scene(recording, fusion.views, options, scene);
   clock.end();
   scene.quality.times = clock.times();
   return scene;

@@ -24,8 +24,6 @@ struct JpegHeader {
   int height = 0;
 };
 
-constexpr int kJpegQuality = 95;  // compression errors stay below a camera's noise
-
 Error decode_error(const ExpectedImage& image, const std::string& reason) {
   return {.message = "can't be decoded: " + reason,
           .file = image.file,
@@ -168,13 +166,13 @@ Expected<DepthImage> ImageDecoder::depth(std::string_view bytes, const ExpectedI
       png_, [=](std::uint16_t units) { return static_cast<float>(units) * metres_per_unit; });
 }
 
-Expected<std::string> encode_color(const ColorImage& image) {
+Expected<std::string> encode_color(const ColorImage& image, int quality) {
   const JpegHandle handle(tjInitCompress());
   unsigned char* buffer = nullptr;
   unsigned long size = 0;
   const int code = tjCompress2(
       handle.get(), reinterpret_cast<const unsigned char*>(image.pixels().data()), image.width(), 0,
-      image.height(), TJPF_RGB, &buffer, &size, TJSAMP_420, kJpegQuality, 0);
+      image.height(), TJPF_RGB, &buffer, &size, TJSAMP_420, quality, 0);
   const std::unique_ptr<unsigned char, decltype(&tjFree)> owner(buffer, tjFree);
   if (code != 0) {
     return Error{.message =

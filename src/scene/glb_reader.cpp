@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "pcavr/core/output.hpp"
 #include "pcavr/core/raw_bytes.hpp"
@@ -104,15 +105,37 @@ GlbContent content_of(const Chunks& chunks) {
   return content;
 }
 
-StaticMeshGlb static_mesh_of(Chunks chunks) {
+/// Separates the texture, which GlbWriter puts at the end of the buffer; empty where there is none.
+std::string separate_texture(Chunks& chunks, const std::string& uri) {
+  json& document = chunks.document;
+  if (!document.contains("images")) return {};
+  json& image = document.at("images").at(0);
+  const json view = document.at("bufferViews").at(image.at("bufferView").get<std::size_t>());
+  const auto offset = view.at("byteOffset").get<std::size_t>();
+  const auto length = view.at("byteLength").get<std::size_t>();
+  const bool is_last = image.at("bufferView") == document.at("bufferViews").size() - 1;
+  if (!is_last || offset % 4 != 0 || offset > chunks.buffer.size() ||
+      length > chunks.buffer.size() - offset) {
+    throw InvalidGlb("has a texture that is not at the end of its buffer");
+  }
+  std::string texture(chunks.buffer.substr(offset, length));
+  chunks.buffer = chunks.buffer.substr(0, offset);
+  document.at("bufferViews").erase(document.at("bufferViews").size() - 1);
+  document.at("buffers").at(0)["byteLength"] = offset;
+  image = {{"uri", uri}};
+  return texture;
+}
+
+NodeGlb node_of(Chunks chunks, const std::string& name, const std::string& texture_uri) {
   json& document = chunks.document;
   for (const json& node : document.at("nodes")) {
-    if (node.at("name") != "static_mesh") continue;
+    if (node.at("name") != name) continue;
     const auto mesh = node.at("mesh").get<std::size_t>();
     const std::size_t triangles = triangles_of(chunks, mesh);
-    document["nodes"] = json::array({{{"name", "static_mesh"}, {"mesh", mesh}}});
+    document["nodes"] = json::array({{{"name", name}, {"mesh", mesh}}});
     document["scenes"] = json::array({{{"nodes", json::array({0})}}});
-    return {assemble_glb(document, chunks.buffer), triangles};
+    std::string texture = separate_texture(chunks, texture_uri);
+    return {assemble_glb(document, chunks.buffer), triangles, std::move(texture)};
   }
   return {};
 }
@@ -138,8 +161,10 @@ Expected<GlbContent> read_glb(const std::filesystem::path& file) {
   return read_chunks<GlbContent>(file, content_of);
 }
 
-Expected<StaticMeshGlb> read_static_mesh_glb(const std::filesystem::path& file) {
-  return read_chunks<StaticMeshGlb>(file, static_mesh_of);
+Expected<NodeGlb> read_node_glb(const std::filesystem::path& file, const std::string& node,
+                                const std::string& texture_uri) {
+  return read_chunks<NodeGlb>(
+      file, [&](Chunks chunks) { return node_of(std::move(chunks), node, texture_uri); });
 }
 
 }  // namespace pcavr

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/raw_bytes.hpp"
@@ -100,6 +101,14 @@ int GlbWriter::add_colors(const std::vector<Rgb8>& colors) {
   return accessor;
 }
 
+int GlbWriter::add_texture_coordinates(const std::vector<Eigen::Vector2f>& coordinates) {
+  const std::size_t first_byte = buffer_.size();
+  for (const Eigen::Vector2f& at : coordinates) {
+    for (const float number : at) append_bytes(buffer_, number);
+  }
+  return add_accessor(add_view(first_byte, kGlbArrayBuffer), kGlbFloat, "VEC2", coordinates.size());
+}
+
 int GlbWriter::add_indices(const TriangleMesh& mesh) {
   const std::size_t first_byte = buffer_.size();
   for (const auto& triangle : mesh.triangles) {
@@ -109,10 +118,11 @@ int GlbWriter::add_indices(const TriangleMesh& mesh) {
                       mesh.triangles.size() * 3);
 }
 
-int GlbWriter::material_index(GlbMaterial kind, bool has_colors, const Rgb8& color) {
+int GlbWriter::material_index(GlbMaterial kind, bool has_colors, bool has_texture,
+                              const Rgb8& color) {
   json material;
   if (kind == GlbMaterial::captured) {
-    material["name"] = "captured";
+    material["name"] = has_texture ? "captured_texture" : "captured";
     material["doubleSided"] = true;
     material["extensions"]["KHR_materials_unlit"] = json::object();
     document_["extensionsUsed"] = json::array({"KHR_materials_unlit"});
@@ -122,6 +132,7 @@ int GlbWriter::material_index(GlbMaterial kind, bool has_colors, const Rgb8& col
   auto& surface = material["pbrMetallicRoughness"];
   surface["metallicFactor"] = 0.0;
   surface["roughnessFactor"] = 0.9;
+  if (has_texture) surface["baseColorTexture"]["index"] = 0;
   if (kind == GlbMaterial::body && !has_colors) {
     json& factor = surface["baseColorFactor"];
     for (const std::uint8_t channel : {color.r, color.g, color.b}) {
@@ -140,12 +151,33 @@ int GlbWriter::material_index(GlbMaterial kind, bool has_colors, const Rgb8& col
 int GlbWriter::add_mesh(const std::string& name, const TriangleMesh& mesh, GlbMaterial material,
                         const Rgb8& color) {
   PCAVR_REQUIRE(!mesh.triangles.empty(), name);
+  json primitive = begin_primitive(mesh);
+  if (!mesh.colors.empty()) primitive["attributes"]["COLOR_0"] = add_colors(mesh.colors);
+  primitive["indices"] = add_indices(mesh);
+  primitive["material"] = material_index(material, !mesh.colors.empty(), false, color);
+  return add_primitive(name, primitive);
+}
+
+int GlbWriter::add_textured_mesh(const std::string& name, const TriangleMesh& mesh,
+                                 const std::vector<Eigen::Vector2f>& coordinates,
+                                 const std::string& jpeg) {
+  PCAVR_REQUIRE(!mesh.triangles.empty() && coordinates.size() == mesh.vertices.size(), name);
+  texture_ = jpeg;
+  json primitive = begin_primitive(mesh);
+  primitive["attributes"]["TEXCOORD_0"] = add_texture_coordinates(coordinates);
+  primitive["indices"] = add_indices(mesh);
+  primitive["material"] = material_index(GlbMaterial::captured, false, true, {});
+  return add_primitive(name, primitive);
+}
+
+json GlbWriter::begin_primitive(const TriangleMesh& mesh) {
   json primitive;
   primitive["attributes"]["POSITION"] = add_vectors(mesh.vertices, true);
   primitive["attributes"]["NORMAL"] = add_vectors(unit_normals(mesh), false);
-  if (!mesh.colors.empty()) primitive["attributes"]["COLOR_0"] = add_colors(mesh.colors);
-  primitive["indices"] = add_indices(mesh);
-  primitive["material"] = material_index(material, !mesh.colors.empty(), color);
+  return primitive;
+}
+
+int GlbWriter::add_primitive(const std::string& name, const json& primitive) {
   document_["meshes"].push_back({{"name", name}, {"primitives", json::array({primitive})}});
   return static_cast<int>(document_["meshes"].size()) - 1;
 }
@@ -161,11 +193,29 @@ int GlbWriter::add_node(const std::string& name, const Pose& T_parent_node, int 
   return static_cast<int>(document_["nodes"].size()) - 1;
 }
 
+/// Last in the buffer, so that a reader can separate it (glb_reader.cpp).
+void GlbWriter::add_texture() {
+  constexpr int kLinear = 9729;
+  constexpr int kLinearMipmapLinear = 9987;
+  constexpr int kClampToEdge = 33071;
+  document_["bufferViews"].push_back(
+      {{"buffer", 0}, {"byteOffset", buffer_.size()}, {"byteLength", texture_.size()}});
+  buffer_ += texture_;
+  document_["images"] = json::array(
+      {{{"mimeType", "image/jpeg"}, {"bufferView", document_["bufferViews"].size() - 1}}});
+  document_["samplers"] = json::array({{{"magFilter", kLinear},
+                                        {"minFilter", kLinearMipmapLinear},
+                                        {"wrapS", kClampToEdge},
+                                        {"wrapT", kClampToEdge}}});
+  document_["textures"] = json::array({{{"sampler", 0}, {"source", 0}}});
+}
+
 std::string GlbWriter::finish(int root, const std::vector<int>& children) {
   document_["asset"] = {{"version", "2.0"}, {"generator", "pcavr " PCAVR_VERSION}};
   document_["scene"] = 0;
   document_["scenes"] = json::array({{{"nodes", json::array({root})}}});
   if (!children.empty()) document_["nodes"][static_cast<std::size_t>(root)]["children"] = children;
+  if (!texture_.empty()) add_texture();
   pad(buffer_, '\0');
   if (!buffer_.empty()) {
     document_["buffers"] = json::array({{{"byteLength", buffer_.size()}}});

@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -27,6 +28,11 @@ class GlbWriter {
   int add_mesh(const std::string& name, const TriangleMesh& mesh, GlbMaterial material,
                const Rgb8& color = kObjectColors.front());
 
+  /// A captured mesh with a texture, and without vertex colours, as a viewer would multiply both.
+  /// All meshes of a file have the same texture: a JPEG file.
+  int add_textured_mesh(const std::string& name, const TriangleMesh& mesh,
+                        const std::vector<Eigen::Vector2f>& coordinates, const std::string& jpeg);
+
   /// Adds a node, with a mesh unless `mesh` is negative. Returns its index.
   int add_node(const std::string& name, const Pose& T_parent_node, int mesh);
 
@@ -39,10 +45,17 @@ class GlbWriter {
   int add_vectors(const std::vector<Eigen::Vector3f>& vectors, bool with_bounds);
   int add_colors(const std::vector<Rgb8>& colors);
   int add_indices(const TriangleMesh& mesh);
-  int material_index(GlbMaterial material, bool has_colors, const Rgb8& color);
+  int add_texture_coordinates(const std::vector<Eigen::Vector2f>& coordinates);
+  int material_index(GlbMaterial material, bool has_colors, bool has_texture, const Rgb8& color);
+  /// With positions and normals.
+  nlohmann::json begin_primitive(const TriangleMesh& mesh);
+  /// Adds a mesh of this primitive; returns its index.
+  int add_primitive(const std::string& name, const nlohmann::json& primitive);
+  void add_texture();
 
   nlohmann::json document_;
   std::string buffer_;
+  std::string texture_;
 };
 
 /// The bytes of a file with these JSON and binary chunks; the latter must be padded to 4 bytes.

@@ -9,6 +9,7 @@
 #include "pcavr/cloud/cloud_file.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/recording.hpp"
+#include "pcavr/scene/glb_file.hpp"
 #include "pcavr/scene/ply_file.hpp"
 #include "pcavr/scene/scene_text.hpp"
 
@@ -21,20 +22,29 @@ namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-/// Adds the static mesh as a node; returns its index as the root's child, or none where it is
-/// empty.
-std::vector<int> add_static_mesh(GlbWriter& glb, const TriangleMesh& mesh_base) {
+/// Adds a level of the static mesh as a node; returns its index as the root's child, or none where
+/// it is empty.
+std::vector<int> add_static_mesh(GlbWriter& glb, const Scene& scene, std::size_t level) {
+  const std::vector<TriangleMesh>& levels = scene.levels_of_detail_base;
+  const TriangleMesh& mesh_base = level < levels.size() ? levels[level] : scene.mesh_base;
   if (mesh_base.triangles.empty()) return {};
-  const int mesh = glb.add_mesh("static_mesh", mesh_base, GlbMaterial::captured);
+  const int mesh =
+      scene.texture && level < scene.texture->coordinates.size()
+          ? glb.add_textured_mesh("static_mesh", mesh_base, scene.texture->coordinates[level],
+                                  scene.texture->jpeg)
+          : glb.add_mesh("static_mesh", mesh_base, GlbMaterial::captured);
   return {glb.add_node("static_mesh", Pose(), mesh)};
 }
 
 std::string format_display(const Scene& scene) {
   GlbWriter glb;
   const int root = glb.add_node("base", glb_root_pose(), -1);
-  const bool has_levels = !scene.levels_of_detail_base.empty();
-  std::vector<int> children =
-      add_static_mesh(glb, has_levels ? scene.levels_of_detail_base.front() : scene.mesh_base);
+  std::vector<int> children = add_static_mesh(glb, scene, 0);
+  if (!scene.unseen_support_base.triangles.empty()) {
+    const int mesh =
+        glb.add_mesh(kUnseenSupportNode, scene.unseen_support_base, GlbMaterial::captured);
+    children.push_back(glb.add_node(kUnseenSupportNode, Pose(), mesh));
+  }
   const std::vector<Rgb8> colors = object_colors(scene);
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
@@ -47,10 +57,10 @@ std::string format_display(const Scene& scene) {
   return glb.finish(root, children);
 }
 
-std::string format_level(const TriangleMesh& mesh_base) {
+std::string format_level(const Scene& scene, std::size_t level) {
   GlbWriter glb;
   const int root = glb.add_node("base", glb_root_pose(), -1);
-  return glb.finish(root, add_static_mesh(glb, mesh_base));
+  return glb.finish(root, add_static_mesh(glb, scene, level));
 }
 
 /// In the object's own axes, so that it can be read back as a CAD file.
@@ -105,8 +115,8 @@ Expected<void> write_scene(const Scene& scene, const fs::path& folder, Paralleli
     }
   }
   for (std::size_t level = 1; level < scene.levels_of_detail_base.size(); ++level) {
-    files.push_back({level_of_detail_file(level),
-                     [&, level] { return format_level(scene.levels_of_detail_base[level]); }});
+    files.push_back(
+        {level_of_detail_file(level), [&, level] { return format_level(scene, level); }});
   }
   for (const File& file : files) {
     if (const auto written = write_with_folder(folder / file.name, file.content()); !written) {

@@ -11,6 +11,7 @@ namespace pcavr {
 
 inline constexpr char kJsonMedia[] = "application/json";
 inline constexpr char kBinaryMedia[] = "application/octet-stream";
+inline constexpr char kJpegMedia[] = "image/jpeg";
 inline constexpr char kGlbMedia[] = "model/gltf-binary";
 
 /// Gzipped if that makes it smaller.

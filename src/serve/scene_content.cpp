@@ -22,14 +22,17 @@
 namespace pcavr {
 namespace {
 
+constexpr char kTexturePath[] = "/scene/texture.jpg";
+
 /// One file of a page; independent of the others, so that several are created in parallel.
 struct Item {
   std::string path;  ///< not percent-encoded
   std::function<Expected<void>(Item&)> make = {};
   std::shared_ptr<const Content> content = {};
-  std::size_t bytes = 0;  ///< before gzip
-  std::size_t count = 0;  ///< triangles, points or cells; 0: no file
-  double edge = 0.0;      ///< [m] of an occupied cell
+  std::size_t bytes = 0;     ///< before gzip
+  std::size_t count = 0;     ///< triangles, points or cells; 0: no file
+  double edge = 0.0;         ///< [m] of an occupied cell
+  std::string texture = {};  ///< of a level of detail: a JPEG file
   std::optional<Error> error = {};
   std::optional<Error> warning = {};
 };
@@ -47,7 +50,18 @@ void set_mesh(Item& item, std::string glb, const ContentOptions& options) {
 
 Expected<void> make_level(Item& item, const std::filesystem::path& file,
                           const ContentOptions& options) {
-  Expected<StaticMeshGlb> mesh = read_static_mesh_glb(file);
+  Expected<NodeGlb> mesh = read_node_glb(file, kStaticMeshNode, "../texture.jpg");
+  if (!mesh) return mesh.error();
+  item.count = mesh->triangles;
+  item.texture = std::move(mesh.value().texture);
+  if (item.count > 0) set_mesh(item, std::move(mesh.value().bytes), options);
+  return {};
+}
+
+/// Without a node of this name the page gets no file.
+Expected<void> make_unseen_support(Item& item, const std::filesystem::path& file,
+                                   const ContentOptions& options) {
+  Expected<NodeGlb> mesh = read_node_glb(file, kUnseenSupportNode, "texture.jpg");
   if (!mesh) return mesh.error();
   item.count = mesh->triangles;
   if (item.count > 0) set_mesh(item, std::move(mesh.value().bytes), options);
@@ -83,7 +97,7 @@ Expected<void> make_occupancy(Item& item, const std::filesystem::path& file,
   return {};
 }
 
-/// Levels of detail first, then cloud, occupancy, the objects and the arm's links.
+/// Levels of detail first, then cloud, occupancy, unseen support, the objects and the arm's links.
 std::vector<Item> items_of(const SceneManifest& scene, const ContentOptions& options) {
   std::vector<Item> items;
   const auto add = [&](const std::string& path, const std::filesystem::path& file, auto make) {
@@ -96,6 +110,7 @@ std::vector<Item> items_of(const SceneManifest& scene, const ContentOptions& opt
   }
   add("/scene/cloud.bin", kCloudFile, make_cloud);
   add("/scene/occupancy.bin", kOccupancyFile, make_occupancy);
+  add("/scene/unseen_support.glb", kDisplayFile, make_unseen_support);
   for (const SceneObjectEntry& object : scene.objects) {
     add("/scene/objects/" + object.name + ".glb", object.mesh, make_object);
   }
@@ -117,11 +132,12 @@ SceneFiles scene_files(const std::vector<Item>& items, const SceneManifest& scen
   files.cloud = scene_file(items[levels]);
   files.occupancy = scene_file(items[levels + 1]);
   files.occupancy_edge = items[levels + 1].edge;
+  if (items[levels + 2].content) files.unseen_support = scene_file(items[levels + 2]);
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    files.objects.push_back(scene_file(items[levels + 2 + i]));
+    files.objects.push_back(scene_file(items[levels + 3 + i]));
     files.objects.back().path = "/scene/objects/" + percent_encoded(scene.objects[i].name) + ".glb";
   }
-  for (std::size_t i = levels + 2 + scene.objects.size(); i < items.size(); ++i) {
+  for (std::size_t i = levels + 3 + scene.objects.size(); i < items.size(); ++i) {
     files.links.push_back(scene_file(items[i]));
   }
   return files;
@@ -165,6 +181,11 @@ Expected<SceneContent> SceneContent::create(const SceneManifest& scene,
   content.contents_["/api/scene.json"] =
       std::make_shared<const Content>(make_content(kJsonMedia, text));
   for (Item& item : items) {
+    // All levels have the same texture.
+    if (!item.texture.empty() && !content.contents_.contains(kTexturePath)) {
+      content.contents_[kTexturePath] =
+          std::make_shared<const Content>(make_content(kJpegMedia, std::move(item.texture)));
+    }
     if (item.content) content.contents_[item.path] = std::move(item.content);
   }
   return content;

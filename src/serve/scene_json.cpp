@@ -137,6 +137,8 @@ Json scene_json(const SceneManifest& scene, const SceneFiles& files,
   json["cloud"] = file_json(files.cloud, "points");
   json["occupancy"] = file_json(files.occupancy, "cells");
   json["occupancy"]["edge"] = files.occupancy_edge;
+  json["unseen_support"] = nullptr;
+  if (files.unseen_support) json["unseen_support"] = file_json(*files.unseen_support, "triangles");
   json["objects"] = Json::array();
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObjectEntry& object = scene.objects[i];

@@ -29,7 +29,8 @@ struct SceneFiles {
   std::vector<SceneFile> mesh;  ///< finest first
   SceneFile cloud;
   SceneFile occupancy;
-  double occupancy_edge = 0.0;     ///< [m]
+  double occupancy_edge = 0.0;  ///< [m]
+  std::optional<SceneFile> unseen_support;
   std::vector<SceneFile> objects;  ///< in the scene's order
   std::vector<SceneFile> links;    ///< of the arm, in the scene's order
 };

@@ -20,7 +20,7 @@ import tempfile
 
 MODULES = ("core geometry recording cloud contact friction object identification model robot "
            "robot_identification inputs prediction haptics "
-           "devices teleop marker tracking reconstruction scene simulation report evaluation pipeline serve").split()
+           "devices teleop marker tracking reconstruction texture scene simulation report evaluation pipeline serve").split()
 HEAVY = re.compile(r"<(opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|fmt/|yaml-cpp/|nlohmann/|"
                    r"tbb/|bullet/|btBullet|png\.h|SDL|spnav|boost/|openssl/|urdf|tinyxml|console_bridge|kdl/)")
 INCLUDE = re.compile(r'^#include (["<][^">]+[">])', re.MULTILINE)

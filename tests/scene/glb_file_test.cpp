@@ -115,6 +115,30 @@ TEST(GlbFile, RejectsAnIndexOutOfRange) {
   EXPECT_FALSE(read_glb(folder.path() / "a.glb"));
 }
 
+TEST(GlbFile, SeparatesTheTextureOfANode) {
+  const TemporaryFolder folder;
+  const std::string jpeg = "\xFF\xD8 not a whole image";
+  GlbWriter writer;
+  const int mesh =
+      writer.add_textured_mesh(kStaticMeshNode, a_triangle(), {{0, 0}, {1, 0}, {0, 1}}, jpeg);
+  const int node = writer.add_node(kStaticMeshNode, Pose(), mesh);
+  const std::string bytes = writer.finish(writer.add_node("base", glb_root_pose(), -1), {node});
+  // A viewer would multiply the texture with the vertices' colours.
+  EXPECT_FALSE(Glb(bytes).document["meshes"][0]["primitives"][0]["attributes"].contains("COLOR_0"));
+  ASSERT_TRUE(write_file(folder.path() / "a.glb", bytes));
+  const auto separate = read_node_glb(folder.path() / "a.glb", kStaticMeshNode, "../texture.jpg");
+  ASSERT_TRUE(separate) << separate.error().to_string();
+  EXPECT_EQ(separate->texture, jpeg);
+  EXPECT_EQ(separate->triangles, 1U);
+  const Glb glb(separate->bytes);
+  EXPECT_EQ(glb.document["images"], json::parse(R"([{"uri": "../texture.jpg"}])"));
+  EXPECT_EQ(glb.document["buffers"][0]["byteLength"], glb.buffer.size());
+  EXPECT_EQ(glb.at<float>("TEXCOORD_0", 2), 1.0F);
+  const auto absent = read_node_glb(folder.path() / "a.glb", kUnseenSupportNode, "t.jpg");
+  ASSERT_TRUE(absent) << absent.error().to_string();
+  EXPECT_EQ(absent->triangles, 0U);
+}
+
 TEST(DisplayMesh, HasSharpEdgesForABox) {
   const TriangleMesh sharp = with_sharp_edges(a_box({1, 2, 3}));
   EXPECT_EQ(sharp.vertices.size(), 24U);

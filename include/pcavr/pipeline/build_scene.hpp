@@ -14,6 +14,7 @@
 #include "pcavr/scene/occupancy_map.hpp"
 #include "pcavr/scene/scene.hpp"
 #include "pcavr/scene/support_plane.hpp"
+#include "pcavr/texture/texture_options.hpp"
 
 namespace pcavr {
 
@@ -30,6 +31,7 @@ struct BuildOptions {
   OutlierOptions outliers;
   OccupancyOptions occupancy;
   SupportPlaneOptions support_planes;
+  TextureOptions texture;
   double occupancy_interval;     ///< [s]
   double min_weight;             ///< [frames]
   double min_island;             ///< [m^2]

@@ -49,8 +49,8 @@ class ImageDecoder {
   PngImage png_;
 };
 
-/// JPEG of quality 95 with 4:2:0 chroma subsampling.
-[[nodiscard]] Expected<std::string> encode_color(const ColorImage& image);
+/// JPEG with 4:2:0 chroma subsampling; `quality` from 1 to 100.
+[[nodiscard]] Expected<std::string> encode_color(const ColorImage& image, int quality = 95);
 /// Depth in whole units, rounded; what is out of range of 16 bits becomes 0.
 [[nodiscard]] RawDepthImage to_raw_depth(const DepthImage& depth, double units_per_metre);
 /// PNG with one channel of 16 bits.

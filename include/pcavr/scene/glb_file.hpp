@@ -27,12 +27,23 @@ struct GlbContent {
 /// an Error.
 [[nodiscard]] Expected<GlbContent> read_glb(const std::filesystem::path& file);
 
-/// The static mesh of such a file as a separate file, in base: without the objects and the rotation
-/// to y-up. Empty where the file has no static mesh. The binary chunk is unchanged.
-struct StaticMeshGlb {
+/// The nodes of scene.glb beside the objects.
+inline constexpr char kStaticMeshNode[] = "static_mesh";
+/// Parts of the support planes that no view saw: for display only.
+inline constexpr char kUnseenSupportNode[] = "unseen_support";
+
+/// The mesh of a node of such a file as a separate file, in base: without the other nodes and the
+/// rotation to y-up. Empty where the file has no such node. The meshes in the binary chunk are
+/// unchanged.
+struct NodeGlb {
   std::string bytes;
   std::size_t triangles = 0;
+  std::string texture;  ///< a JPEG file; empty where the file has none
 };
-[[nodiscard]] Expected<StaticMeshGlb> read_static_mesh_glb(const std::filesystem::path& file);
+/// All levels of a scene have the same texture: it is separated, and named `texture_uri` in
+/// `bytes`.
+[[nodiscard]] Expected<NodeGlb> read_node_glb(const std::filesystem::path& file,
+                                              const std::string& node,
+                                              const std::string& texture_uri);
 
 }  // namespace pcavr

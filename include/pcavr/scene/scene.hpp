@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pcavr/core/stage_clock.hpp"
+#include "pcavr/geometry/camera.hpp"
 #include "pcavr/geometry/mesh.hpp"
 #include "pcavr/geometry/trajectory.hpp"
 #include "pcavr/model/cad_model.hpp"
@@ -88,15 +89,34 @@ struct SceneQuality {
   std::vector<StageTime> times;
 };
 
+/// The texture of the static mesh's levels of detail.
+struct SceneTexture {
+  std::string jpeg;  ///< the image's file
+  /// By level of detail and vertex: in the unit square, the origin at the upper left (as in glTF).
+  std::vector<std::vector<Eigen::Vector2f>> coordinates;
+  int width = 0;               ///< [px]
+  int height = 0;              ///< [px]
+  double texel = 0.0;          ///< root mean square edge of a texel on the surface [m]
+  std::size_t views = 0;       ///< images that it was made from
+  double seen_fraction = 0.0;  ///< of the texels: with colours from an image
+  CameraModel color_camera;    ///< that took the colour images
+  Pose T_color_depth;          ///< its offset from the depth camera
+};
+
 /// A point-cloud augmented VR scene in the robot's base frame.
 struct Scene {
   TriangleMesh mesh_base;  ///< static, full detail
   /// Simplified for display, finest first; the first has at most 300 000 triangles.
   std::vector<TriangleMesh> levels_of_detail_base;
+  /// Of the levels of detail; nullopt: they have the colours of their vertices only.
+  std::optional<SceneTexture> texture = {};
   /// The measured points of all frames, static, averaged in voxels of `voxel_size`.
   PointCloud cloud_base;
   OccupancyMap occupancy;
   std::vector<SupportPlane> support_planes;
+  /// Parts of the support planes that only movable bodies or the tool hid: a guess for display, not
+  /// part of the static mesh.
+  TriangleMesh unseen_support_base = {};
   std::vector<SceneObject> objects;
   std::optional<SceneRobot> robot = {};
   /// The printed tags: of base, and of the objects above.

@@ -12,8 +12,9 @@ import {
   type TypedArray,
 } from 'three';
 
-// The subset of glTF 2 that gltfpack and pcavr write: triangles with colours, optionally with
-// meshopt compression. No textures, skins or animations: a fraction of a general loader's size.
+// The subset of glTF 2 that gltfpack and pcavr write: triangles with colours or a texture of their
+// own file, optionally with meshopt compression. No skins or animations: a fraction of a general
+// loader's size.
 
 interface Accessor {
   bufferView?: number;
@@ -52,12 +53,18 @@ interface Node {
   rotation?: [number, number, number, number];
   scale?: [number, number, number];
 }
+interface Material {
+  pbrMetallicRoughness?: {
+    baseColorFactor?: [number, number, number, number];
+    baseColorTexture?: { index: number };
+  };
+}
 interface Gltf {
   scene?: number;
   scenes?: { nodes?: number[] }[];
   nodes?: Node[];
   meshes?: { primitives: Primitive[] }[];
-  materials?: { pbrMetallicRoughness?: { baseColorFactor?: [number, number, number, number] } }[];
+  materials?: Material[];
   accessors?: Accessor[];
   bufferViews?: BufferView[];
 }
@@ -66,6 +73,7 @@ export interface GlbPart {
   geometry: BufferGeometry;
   matrix: Matrix4; // part to file
   color: Color | null; // of the material, linear
+  hasTexture: boolean; // a file of its own: gltfpack drops its name
 }
 
 type ArrayMaker = new (buffer: ArrayBuffer, at: number, length: number) => TypedArray;
@@ -82,6 +90,7 @@ const attributeNames: Record<string, string> = {
   POSITION: 'position',
   NORMAL: 'normal',
   COLOR_0: 'color',
+  TEXCOORD_0: 'uv',
 };
 
 /// The triangles of a binary glTF file; throws an Error for what can't be read.
@@ -162,9 +171,14 @@ function readPrimitive(
   if (primitive.indices !== undefined)
     geometry.setIndex(readAccessor(gltf, views, primitive.indices) as BufferAttribute);
   if (!geometry.hasAttribute('normal')) geometry.computeVertexNormals();
-  const factor =
-    gltf.materials?.[primitive.material ?? -1]?.pbrMetallicRoughness?.baseColorFactor ?? null;
-  return { geometry, matrix, color: factor && new Color(factor[0], factor[1], factor[2]) };
+  const surface = gltf.materials?.[primitive.material ?? -1]?.pbrMetallicRoughness;
+  const factor = surface?.baseColorFactor ?? null;
+  return {
+    geometry,
+    matrix,
+    color: factor && new Color(factor[0], factor[1], factor[2]),
+    hasTexture: surface?.baseColorTexture !== undefined,
+  };
 }
 
 function readAccessor(

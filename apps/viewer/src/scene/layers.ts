@@ -4,6 +4,7 @@ import { Group } from 'three';
 
 export const layerNames = [
   'mesh',
+  'unseen',
   'cloud',
   'occupancy',
   'bodies',
@@ -19,6 +20,7 @@ export type LayerName = (typeof layerNames)[number];
 
 export const layerTitles: Record<LayerName, string> = {
   mesh: 'Scanned mesh',
+  unseen: 'Filled in, not seen',
   cloud: 'Point cloud',
   occupancy: 'Occupied cells',
   bodies: 'CAD bodies',
@@ -31,7 +33,14 @@ export const layerTitles: Record<LayerName, string> = {
   cameras: 'Camera path',
 };
 
-const shownAtFirst: readonly LayerName[] = ['mesh', 'bodies', 'arm', 'ghosts', 'labels'];
+const shownAtFirst: readonly LayerName[] = [
+  'mesh',
+  'unseen',
+  'bodies',
+  'arm',
+  'ghosts',
+  'labels',
+];
 
 /// The layers to show and hide: a group each, all in base.
 export class Layers {

@@ -8,9 +8,11 @@ import {
   type Color,
   type Group,
   type Material,
+  type Texture,
 } from 'three';
-import { readGlb } from './glb';
+import { readGlb, type GlbPart } from './glb';
 import { fetchBytes, type MeshLevel } from './scene_model';
+import { fetchTexture } from './scan_texture';
 import { seeThrough } from './see_through';
 import type { SceneView } from './view';
 
@@ -27,10 +29,13 @@ export function levelWithin(levels: readonly MeshLevel[], triangles: number): nu
 }
 
 /// Scanned colours contain the light already (unlit material); a plain surface needs shading.
-function scanMaterial(hasColors: boolean, color: Color | null): Material {
+function scanMaterial(hasColors: boolean, color: Color | null, map: Texture | null): Material {
+  if (map) return seeThrough(new MeshBasicMaterial({ map, side: DoubleSide }));
   if (hasColors) return seeThrough(new MeshBasicMaterial({ vertexColors: true, side: DoubleSide }));
   return seeThrough(new MeshLambertMaterial({ color: color ?? '#b8bec6', side: DoubleSide }));
 }
+
+const texturePath = '/scene/texture.jpg';
 
 /// Loads the bodies and the scan's coarsest level first, then the finest level within the budget.
 export class SceneLoader {
@@ -42,6 +47,7 @@ export class SceneLoader {
   private isChosen = false; // by the user
   private loaded = 0;
   private total = 0;
+  private texture: Promise<Texture> | null = null;
 
   constructor(
     private readonly view: SceneView,
@@ -59,11 +65,13 @@ export class SceneLoader {
     this.total =
       model.objects.reduce((sum, object) => sum + object.bytes, 0) +
       (model.robot?.links ?? []).reduce((sum, link) => sum + link.bytes, 0) +
-      levels.reduce((sum, level) => sum + model.mesh[level].bytes, 0);
+      levels.reduce((sum, level) => sum + model.mesh[level].bytes, 0) +
+      (model.unseen_support?.bytes ?? 0);
     await Promise.all([
       ...this.view.bodies.map((b) => this.loadBody(b)),
       ...(model.robot?.links ?? []).map((_, i) => this.loadLink(i)),
       this.showLevel(levels[0]),
+      this.loadUnseenSupport(),
     ]);
     if (levels.length > 1 && !this.isChosen) await this.showLevel(levels[1]);
     this.isComplete = true;
@@ -87,17 +95,29 @@ export class SceneLoader {
     const what = `scan, ${triangles.toLocaleString('en')} triangles`;
     await this.attempt(path, async () => {
       const parts = await readGlb(await fetchBytes(path, (bytes) => this.advance(bytes, what)));
+      const maps = await Promise.all(
+        parts.map(({ hasTexture }) => (hasTexture ? this.scanTexture() : null)),
+      );
       if (level !== this.requested) return;
-      this.replaceScan(parts);
+      this.replaceScan('mesh', parts, maps);
       this.level = level;
     });
   }
 
-  private replaceScan(parts: Awaited<ReturnType<typeof readGlb>>): void {
-    const group: Group = this.view.layers.group('mesh');
+  /// The texture that all levels share, fetched once.
+  private scanTexture(): Promise<Texture> {
+    this.texture ??= fetchTexture(texturePath, (bytes) => {
+      this.total += bytes;
+      this.advance(bytes, 'texture');
+    });
+    return this.texture;
+  }
+
+  private replaceScan(layer: 'mesh' | 'unseen', parts: GlbPart[], maps: (Texture | null)[]): void {
+    const group: Group = this.view.layers.group(layer);
     const old = [...group.children] as Mesh[];
-    for (const { geometry, matrix, color } of parts) {
-      const material = scanMaterial(geometry.hasAttribute('color'), color);
+    for (const [i, { geometry, matrix, color }] of parts.entries()) {
+      const material = scanMaterial(geometry.hasAttribute('color'), color, maps[i] ?? null);
       const mesh = new Mesh(geometry, material);
       mesh.matrixAutoUpdate = false;
       mesh.matrix.copy(matrix);
@@ -108,6 +128,16 @@ export class SceneLoader {
       mesh.geometry.dispose();
       (mesh.material as Material).dispose();
     }
+  }
+
+  private async loadUnseenSupport(): Promise<void> {
+    const file = this.view.model!.unseen_support;
+    if (!file) return;
+    await this.attempt(file.path, async () => {
+      const onProgress = (bytes: number) => this.advance(bytes, 'support');
+      const parts = await readGlb(await fetchBytes(file.path, onProgress));
+      this.replaceScan('unseen', parts, []);
+    });
   }
 
   private async loadBody(body: SceneView['bodies'][number]): Promise<void> {

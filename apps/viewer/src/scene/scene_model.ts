@@ -37,6 +37,7 @@ export interface SceneModel {
   mesh: MeshLevel[]; // finest first
   cloud: { path: string; points: number; bytes: number } | null;
   occupancy: { path: string; cells: number; edge: number; bytes: number } | null;
+  unseen_support: { path: string; triangles: number; bytes: number } | null;
   objects: SceneObject[];
   robot: ArmModel | null;
   tags: SceneTag[];
@@ -69,6 +70,7 @@ export async function fetchScene(): Promise<SceneModel> {
     mesh: scene.mesh ?? [],
     cloud: scene.cloud ?? null,
     occupancy: scene.occupancy ?? null,
+    unseen_support: scene.unseen_support ?? null,
     objects: scene.objects ?? [],
     robot: scene.robot ?? null,
     tags: scene.tags ?? [],

@@ -25,6 +25,7 @@ export function fillLayersPanel(layers: Layers, present: readonly LayerName[]): 
 export function presentLayers(model: SceneModel, isReplay: boolean): LayerName[] {
   const has: Record<LayerName, boolean> = {
     mesh: model.mesh.length > 0,
+    unseen: model.unseen_support !== null,
     cloud: (model.cloud?.points ?? 0) > 0,
     occupancy: (model.occupancy?.cells ?? 0) > 0,
     bodies: model.objects.length > 0,

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pcavr/pipeline/build_scene.hpp"
+#include "pcavr/recording/recording.hpp"
+#include "pcavr/scene/scene.hpp"
+#include "pcavr/texture/view_selection.hpp"
+
+namespace pcavr {
+
+/// Paints the texture of a scene's levels of detail, and fills its support planes where nothing was
+/// seen, from the selected views, whose images are decoded again. The scene stays as it is where
+/// options or recording allow neither. Reads its mesh and support planes.
+void paint_scene(const Recording& recording, const ViewSelection& selection,
+                 const BuildOptions& options, Scene& scene);
+
+}  // namespace pcavr

@@ -1,0 +1,13 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pcavr/geometry/image.hpp"
+
+namespace pcavr {
+
+/// Replaces the pixels where `is_known` is zero by smooth colours from around (push-pull
+/// [Gortler et al. 1996, sec. 3.4]): mipmaps and JPEG see no border around the charts.
+void fill_gaps(ColorImage& image, const MaskImage& is_known);
+
+}  // namespace pcavr

@@ -1,0 +1,201 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "painted_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "pcavr/geometry/depth_grid.hpp"
+#include "pcavr/geometry/pixel.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr float kNear = 0.05F;       ///< [m]
+constexpr float kMinCosine = 0.17F;  ///< of the incidence, 80 degrees
+constexpr float kBorder = 24.0F;     ///< [px] within which a view fades out
+constexpr float kDoubtful = 0.05F;   ///< weight without depth, and next to a nearer surface
+constexpr int kEdgeRadius = 3;       ///< [px] of depth: its edges are that uncertain
+/// Errors of poses and of the fused surface, beside the sensor's noise [m].
+constexpr float kSurfaceError = 0.008F;
+constexpr float kNoiseFactor = 3.0F;  ///< [std]
+constexpr std::uint8_t kMaxDistance = 255;
+
+/// The smallest positive value in a square window; a row, then a column filter.
+DepthImage minimum_around(const DepthImage& depth, int radius) {
+  const auto pass = [&](const DepthImage& from, int dx, int dy) {
+    DepthImage to(from.width(), from.height());
+    for (int y = 0; y < from.height(); ++y) {
+      for (int x = 0; x < from.width(); ++x) {
+        float nearest = 0.0F;
+        for (int i = -radius; i <= radius; ++i) {
+          const int at_x = x + i * dx;
+          const int at_y = y + i * dy;
+          if (!from.contains(at_x, at_y)) continue;
+          const float value = from(at_x, at_y);
+          if (value > 0.0F && (nearest == 0.0F || value < nearest)) nearest = value;
+        }
+        to(x, y) = nearest;
+      }
+    }
+    return to;
+  };
+  return pass(pass(depth, 1, 0), 0, 1);
+}
+
+/// City-block distance from the mask's pixels by two passes [Rosenfeld & Pfaltz 1966].
+Image<std::uint8_t> distance_from(const MaskImage& mask) {
+  Image<std::uint8_t> distance(mask.width(), mask.height(), kMaxDistance);
+  const auto relax = [&](int x, int y, int other_x, int other_y) {
+    if (!distance.contains(other_x, other_y)) return;
+    const int next = std::min<int>(kMaxDistance, distance(other_x, other_y) + 1);
+    distance(x, y) = static_cast<std::uint8_t>(std::min<int>(distance(x, y), next));
+  };
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      if (mask(x, y) != 0) distance(x, y) = 0;
+      relax(x, y, x - 1, y);
+      relax(x, y, x, y - 1);
+    }
+  }
+  for (int y = mask.height() - 1; y >= 0; --y) {
+    for (int x = mask.width() - 1; x >= 0; --x) {
+      relax(x, y, x + 1, y);
+      relax(x, y, x, y + 1);
+    }
+  }
+  return distance;
+}
+
+}  // namespace
+
+PaintedView::PaintedView(const TextureView& view, const ColorRegistration& registration,
+                         const DepthNoise& depth_noise, const TextureOptions& options)
+    : view_(&view),
+      registration_(registration),
+      depth_camera_(on_grid(registration.camera, view.depth.width(), view.depth.height())),
+      noise_(depth_noise),
+      // Of depth pixels.
+      mask_distance_(static_cast<float>(options.mask_distance * depth_camera_.width /
+                                        registration.camera.width)),
+      nearest_(minimum_around(view.depth, kEdgeRadius)) {
+  if (!view.is_dynamic.empty()) from_dynamic_ = distance_from(view.is_dynamic);
+  const Pose T_camera_base = view.T_base_camera.inverse();
+  R_camera_base_ = T_camera_base.rotation_matrix().cast<float>();
+  t_camera_base_ = T_camera_base.translation().cast<float>();
+  position_base_ = view.T_base_camera.translation().cast<float>();
+  update_color_pose();
+}
+
+void PaintedView::set_registration(const ColorRegistration& registration) {
+  registration_ = registration;
+  update_color_pose();
+}
+
+void PaintedView::set_correction(const Pose& T_corrected_camera) {
+  T_corrected_camera_ = T_corrected_camera;
+  update_color_pose();
+}
+
+void PaintedView::update_color_pose() {
+  const Pose T_color_base =
+      registration_.T_color_depth * T_corrected_camera_ * view_->T_base_camera.inverse();
+  R_color_base_ = T_color_base.rotation_matrix().cast<float>();
+  t_color_base_ = T_color_base.translation().cast<float>();
+}
+
+Eigen::Vector3d PaintedView::in_color_camera(const Eigen::Vector3f& p_base) const {
+  return (R_color_base_ * p_base + t_color_base_).cast<double>();
+}
+
+bool PaintedView::may_see(const Eigen::Vector3f& center_base, float radius) const {
+  const Eigen::Vector3f p = R_color_base_ * center_base + t_color_base_;
+  if (p.z() < kNear - radius) return false;
+  const CameraModel& camera = registration_.camera;
+  if (camera.has_distortion()) return true;  // the view's border is curved
+  const auto outside = [&](float along, double focal, double border) {
+    // Distance from the plane through the eye and the image's border.
+    const auto slope = static_cast<float>(border / focal);
+    return along - slope * p.z() > radius * std::sqrt(1.0F + slope * slope);
+  };
+  return !outside(p.x(), camera.fx, camera.width - camera.cx) &&
+         !outside(-p.x(), camera.fx, camera.cx) &&
+         !outside(p.y(), camera.fy, camera.height - camera.cy) &&
+         !outside(-p.y(), camera.fy, camera.cy);
+}
+
+std::optional<Sighting> PaintedView::look_up(const Eigen::Vector3f& p_base,
+                                             const Eigen::Vector3f& normal_base) const {
+  const Eigen::Vector3f p = R_camera_base_ * p_base + t_camera_base_;
+  const float z = p.z();
+  if (!(z > kNear)) return std::nullopt;
+  const Eigen::Vector3f to_eye = position_base_ - p_base;
+  const float cosine = normal_base.dot(to_eye) / to_eye.norm();
+  if (!(cosine > kMinCosine)) return std::nullopt;
+  const auto project = [](const CameraModel& camera, const Eigen::Vector3f& point) {
+    if (camera.has_distortion())
+      return camera.project(point.cast<double>().eval()).cast<float>().eval();
+    return Eigen::Vector2f(
+        static_cast<float>(camera.fx) * point.x() / point.z() + static_cast<float>(camera.cx),
+        static_cast<float>(camera.fy) * point.y() / point.z() + static_cast<float>(camera.cy));
+  };
+  const Eigen::Vector2f at = project(depth_camera_, p);
+  const std::optional<int> x = pixel_index(at.x(), depth_camera_.width);
+  const std::optional<int> y = pixel_index(at.y(), depth_camera_.height);
+  if (!x || !y) return std::nullopt;
+  float weight = cosine * cosine / (z * z) * sharpness_weight;
+  const float tolerance = kSurfaceError + kNoiseFactor * static_cast<float>(noise_.depth_std(z));
+  const float measured = view_->depth(*x, *y);
+  const float tilted = tolerance / std::max(cosine, 0.3F);
+  if (measured > 0.0F && std::abs(measured - z) > tilted) return std::nullopt;
+  const bool is_beside_nearer = nearest_(*x, *y) > 0.0F && nearest_(*x, *y) < z - 2.0F * tilted;
+  if (!(measured > 0.0F) || is_beside_nearer) weight *= kDoubtful;
+  if (!from_dynamic_.empty()) {
+    const float distance = from_dynamic_(*x, *y);
+    if (distance == 0.0F) return std::nullopt;
+    if (distance < mask_distance_) {
+      const float share = distance / mask_distance_;
+      weight *= kDoubtful + (1.0F - kDoubtful) * share * share;
+    }
+  }
+  const Eigen::Vector3f in_color = R_color_base_ * p_base + t_color_base_;
+  if (!(in_color.z() > kNear)) return std::nullopt;
+  const CameraModel& camera = registration_.camera;
+  const Eigen::Vector2f pixel = project(camera, in_color);
+  const float border =
+      std::min(std::min(pixel.x(), static_cast<float>(camera.width - 1) - pixel.x()),
+               std::min(pixel.y(), static_cast<float>(camera.height - 1) - pixel.y()));
+  if (!(border > 1.0F)) return std::nullopt;
+  weight *= std::min(1.0F, border / kBorder);
+  return Sighting{pixel, weight};
+}
+
+Eigen::Vector3f PaintedView::color_at(const Eigen::Vector2f& pixel) const {
+  const ColorImage& image = view_->color;
+  const int x = std::clamp(static_cast<int>(pixel.x()), 0, image.width() - 2);
+  const int y = std::clamp(static_cast<int>(pixel.y()), 0, image.height() - 2);
+  const float u = pixel.x() - static_cast<float>(x);
+  const float v = pixel.y() - static_cast<float>(y);
+  const auto at = [&](int dx, int dy) {
+    const Rgb8& c = image(x + dx, y + dy);
+    return Eigen::Vector3f(c.r, c.g, c.b);
+  };
+  const Eigen::Vector3f above = (1.0F - u) * at(0, 0) + u * at(1, 0);
+  const Eigen::Vector3f below = (1.0F - u) * at(0, 1) + u * at(1, 1);
+  return gain.cwiseProduct((1.0F - v) * above + v * below);
+}
+
+void weigh_sharpness(std::vector<PaintedView>& views) {
+  constexpr std::size_t kReach = 2;  // neighbouring views see about the same
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    double sharpest = 0.0;
+    const std::size_t end = std::min(views.size(), i + kReach + 1);
+    for (std::size_t j = i < kReach ? 0 : i - kReach; j < end; ++j)
+      sharpest = std::max(sharpest, views[j].view().sharpness);
+    const double ratio = sharpest > 0.0 ? views[i].view().sharpness / sharpest : 1.0;
+    views[i].sharpness_weight = static_cast<float>(std::max(0.05, ratio * ratio));
+  }
+}
+
+}  // namespace pcavr

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/texture/mesh_texture.hpp"
+
+namespace pcavr {
+
+/// How a view sees a point of the surface.
+struct Sighting {
+  Eigen::Vector2f pixel;  ///< of the colour image
+  float weight = 0.0F;    ///< > 0
+};
+
+/// A view with what is needed to look up surface points in it. const members are thread-safe.
+class PaintedView {
+ public:
+  PaintedView(const TextureView& view, const ColorRegistration& registration,
+              const DepthNoise& depth_noise, const TextureOptions& options);
+
+  void set_registration(const ColorRegistration& registration);
+  /// Corrects the pose of the colour camera: T_view_corrected is applied after T_camera_base.
+  void set_correction(const Pose& T_corrected_camera);
+  [[nodiscard]] const Pose& correction() const { return T_corrected_camera_; }
+
+  /// False where no point of a ball can be in view.
+  [[nodiscard]] bool may_see(const Eigen::Vector3f& center_base, float radius) const;
+
+  /// nullopt where the point is out of view, seen from behind or too flatly, hidden, or dynamic.
+  [[nodiscard]] std::optional<Sighting> look_up(const Eigen::Vector3f& p_base,
+                                                const Eigen::Vector3f& normal_base) const;
+
+  /// The colour at a pixel inside the image, bilinear, with the view's gain.
+  [[nodiscard]] Eigen::Vector3f color_at(const Eigen::Vector2f& pixel) const;
+
+  [[nodiscard]] Eigen::Vector3d in_color_camera(const Eigen::Vector3f& p_base) const;
+  [[nodiscard]] const CameraModel& color_camera() const { return registration_.camera; }
+  [[nodiscard]] const TextureView& view() const { return *view_; }
+  /// Pixels per metre at a distance of 1 m.
+  [[nodiscard]] float focal() const { return static_cast<float>(registration_.camera.fx); }
+  [[nodiscard]] Eigen::Vector3f position_base() const { return position_base_; }
+
+  Eigen::Vector3f gain = Eigen::Vector3f::Ones();  ///< by channel
+  float sharpness_weight = 1.0F;
+
+ private:
+  void update_color_pose();
+
+  const TextureView* view_;
+  ColorRegistration registration_;
+  Pose T_corrected_camera_;
+  CameraModel depth_camera_;
+  DepthNoise noise_;
+  float mask_distance_;
+  DepthImage nearest_;                ///< smallest depth around each pixel [m]
+  Image<std::uint8_t> from_dynamic_;  ///< distance from dynamic pixels [px of depth], to 255
+  Eigen::Matrix3f R_camera_base_;
+  Eigen::Vector3f t_camera_base_;
+  Eigen::Matrix3f R_color_base_;
+  Eigen::Vector3f t_color_base_;
+  Eigen::Vector3f position_base_;
+};
+
+/// Sets sharpness_weight: a view that is less sharp than those before and after it counts less.
+void weigh_sharpness(std::vector<PaintedView>& views);
+
+}  // namespace pcavr

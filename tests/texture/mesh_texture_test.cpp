@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/texture/mesh_texture.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/marker/tag_detector.hpp"
+#include "pcavr/marker/tag_sheet.hpp"
+
+#include "texture/painted_wall.hpp"
+
+namespace pcavr {
+namespace {
+
+using test::take_view;
+using test::take_views;
+using test::texture_at;
+using test::wall_camera;
+using test::wall_levels;
+using test::wall_view;
+using test::wall_views;
+
+MeshTexture paint(std::vector<TriangleMesh>& levels, const std::vector<TextureView>& views,
+                  const TextureOptions& options = {}, int threads = 2) {
+  return paint_texture(levels, views, wall_camera(), DepthNoise(), options, {threads});
+}
+
+/// Blobs of different sizes: there is something to align everywhere.
+Eigen::Vector3d blobs(double x, double y) {
+  const double a = std::sin(90.0 * x) * std::sin(80.0 * y);
+  const double b = std::sin(37.0 * x + 1.0) * std::cos(41.0 * y);
+  return {128.0 + 60.0 * a + 30.0 * b, 120.0 + 50.0 * b, 110.0 + 60.0 * a};
+}
+
+TEST(MeshTexture, HasTheColoursOfTheImagesInEveryLevel) {
+  std::vector<TriangleMesh> levels = wall_levels();
+  const MeshTexture texture = paint(levels, take_views(blobs));
+  ASSERT_FALSE(texture.empty());
+  EXPECT_GT(texture.seen_fraction, 0.95);
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    double worst = 0.0;
+    for (double x = -0.2; x < 0.2; x += 0.017) {
+      for (double y = -0.13; y < 0.13; y += 0.013) {
+        const Eigen::Vector3d difference =
+            texture_at(texture, levels[level], level, x, y) - blobs(x, y);
+        worst = std::max(worst, difference.cwiseAbs().maxCoeff());
+      }
+    }
+    // Over the 3 mm of a pixel's smoothing the pattern changes by 6.
+    EXPECT_LT(worst, 10.0) << "level " << level;
+  }
+}
+
+TEST(MeshTexture, ATagIsDecodedInALevelOfTwoTriangles) {
+  const Expected<TagPicture> tag = tag_picture("tag36h11", 42);
+  ASSERT_TRUE(tag) << tag.error().to_string();
+  constexpr double kEdge = 0.16;  // of the whole picture [m]
+  const auto color = [&](double x, double y) -> Eigen::Vector3d {
+    const double cell = kEdge / tag->cells;
+    const int column = static_cast<int>(std::floor((x + 0.5 * kEdge) / cell));
+    const int row = static_cast<int>(std::floor((0.5 * kEdge - y) / cell));
+    const bool is_on_tag = column >= 0 && row >= 0 && column < tag->cells && row < tag->cells;
+    const bool is_white =
+        !is_on_tag || tag->is_white[static_cast<std::size_t>(row * tag->cells + column)];
+    return Eigen::Vector3d::Constant(is_white ? 220.0 : 25.0);
+  };
+  std::vector<TriangleMesh> levels = wall_levels();
+  const MeshTexture texture = paint(levels, take_views(color));
+  ASSERT_FALSE(texture.empty());
+  const auto from_texture = [&](double x, double y) {
+    return texture_at(texture, levels.back(), levels.size() - 1, x, y);
+  };
+  const TextureView seen = take_view(wall_view({0.1, 0.1, 0.5}), from_texture);
+  Expected<TagDetector> detector = TagDetector::create({"tag36h11"});
+  ASSERT_TRUE(detector) << detector.error().to_string();
+  const std::vector<TagDetection> found = detector->detect(to_gray(seen.color));
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found.front().id.id, 42);
+  EXPECT_EQ(found.front().hamming, 0);
+}
+
+TEST(MeshTexture, AShadowInAMinorityOfTheViewsDoesNotStay) {
+  const auto gray = [](double, double) { return Eigen::Vector3d::Constant(150.0).eval(); };
+  const auto shadowed = [](double x, double y) {
+    return Eigen::Vector3d::Constant(std::hypot(x, y) < 0.05 ? 80.0 : 150.0).eval();
+  };
+  std::vector<TextureView> views = take_views(gray);
+  views[0] = take_view(wall_views()[0], shadowed);  // the nearest ones
+  views[4] = take_view(wall_views()[4], shadowed);
+  std::vector<TriangleMesh> levels = wall_levels();
+  const MeshTexture texture = paint(levels, views);
+  EXPECT_NEAR(texture_at(texture, levels[0], 0, 0.0, 0.0).x(), 150.0, 4.0);
+}
+
+TEST(MeshTexture, ExposuresAreEvenedOut) {
+  std::vector<TextureView> views;
+  for (std::size_t i = 0; i < wall_views().size(); ++i) {
+    const double gain = 0.85 + 0.05 * static_cast<double>(i);
+    views.push_back(take_view(wall_views()[i], [gain](double x, double y) {
+      return Eigen::Vector3d(gain * blobs(x, y));
+    }));
+  }
+  std::vector<TriangleMesh> levels = wall_levels();
+  const MeshTexture texture = paint(levels, views);
+  double lowest = 10.0;
+  double highest = 0.0;
+  for (double x = -0.2; x < 0.2; x += 0.02) {
+    for (double y = -0.12; y < 0.12; y += 0.02) {
+      const double ratio = texture_at(texture, levels[0], 0, x, y).y() / blobs(x, y).y();
+      lowest = std::min(lowest, ratio);
+      highest = std::max(highest, ratio);
+    }
+  }
+  // The images differ by a factor of 1.35.
+  EXPECT_LT(highest / lowest, 1.12);
+}
+
+TEST(MeshTexture, WhatOnlyDynamicPixelsShowKeepsTheVerticesColour) {
+  std::vector<TextureView> views = take_views(blobs);
+  for (TextureView& view : views) {
+    view.is_dynamic = MaskImage(view.depth.width(), view.depth.height(), 1);
+  }
+  std::vector<TriangleMesh> levels = wall_levels();
+  const MeshTexture texture = paint(levels, views);
+  EXPECT_EQ(texture.seen_fraction, 0.0);
+  EXPECT_NEAR((texture_at(texture, levels[0], 0, 0.1, 0.1) - Eigen::Vector3d(90, 90, 90)).norm(),
+              0.0, 1e-9);
+}
+
+TEST(MeshTexture, AnOffsetOfColourFromDepthIsFound) {
+  CameraModel color_camera = wall_camera();
+  color_camera.fx *= 0.95;
+  color_camera.fy *= 0.95;
+  const Pose T_color_depth = Pose::from_translation({0.025, 0.0, 0.0});
+  std::vector<TextureView> views;
+  for (const Pose& pose : wall_views()) {
+    views.push_back(take_view(pose, blobs, color_camera, T_color_depth));
+  }
+  std::vector<TriangleMesh> levels = wall_levels();
+  const MeshTexture texture = paint(levels, views);
+  ASSERT_TRUE(texture.registration.is_estimated);
+  // What counts is where a point at the wall's distance is seen.
+  const Eigen::Vector3d p(0.1, -0.05, 0.6);
+  const Eigen::Vector2d truth = color_camera.project(T_color_depth * p);
+  const Eigen::Vector2d found =
+      texture.registration.camera.project(texture.registration.T_color_depth * p);
+  const Eigen::Vector2d before = wall_camera().project(p);
+  EXPECT_LT((found - truth).norm(), 0.15 * (before - truth).norm());
+}
+
+TEST(MeshTexture, IsTheSameForAnyNumberOfThreads) {
+  std::vector<TriangleMesh> levels = wall_levels();
+  std::vector<TriangleMesh> same_levels = wall_levels();
+  const std::vector<TextureView> views = take_views(blobs);
+  const MeshTexture one = paint(levels, views, {}, 1);
+  const MeshTexture four = paint(same_levels, views, {}, 4);
+  EXPECT_TRUE(std::ranges::equal(one.image.pixels(), four.image.pixels()));
+  EXPECT_EQ(one.coordinates, four.coordinates);
+}
+
+TEST(MeshTexture, IsEmptyWithoutViews) {
+  std::vector<TriangleMesh> levels = wall_levels();
+  EXPECT_TRUE(paint(levels, {}).empty());
+  EXPECT_EQ(levels[0].vertices.size(), wall_levels()[0].vertices.size());
+}
+
+}  // namespace
+}  // namespace pcavr

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/texture/unseen_support.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "texture/painted_wall.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kHole = 0.06;  ///< radius of the holes [m]
+
+/// The wall of painted_wall.hpp as a table, with a hole at x = 0 and one at x = 0.2.
+TriangleMesh a_table_with_holes() {
+  TriangleMesh table = test::wall_mesh(120, 80, {100, 110, 120});
+  std::erase_if(table.triangles, [&](const auto& triangle) {
+    const Eigen::Vector3f& p = table.vertices[triangle[0]];
+    return std::hypot(p.x(), p.y()) < kHole || std::hypot(p.x() - 0.2F, p.y()) < kHole;
+  });
+  return table;
+}
+
+SupportArea the_area() {
+  return {.plane_base = {},
+          .outline_base = {{-0.3, -0.2, 0.0}, {0.3, -0.2, 0.0}, {0.3, 0.2, 0.0}, {-0.3, 0.2, 0.0}}};
+}
+
+/// Views in which the hole at x = 0 is dynamic, and the other one was not measured.
+std::vector<TextureView> the_views(bool is_seen_through) {
+  std::vector<TextureView> views =
+      test::take_views([](double, double) { return Eigen::Vector3d::Constant(100.0).eval(); });
+  const CameraModel camera = test::wall_camera();
+  for (TextureView& view : views) {
+    view.is_dynamic = MaskImage(camera.width, camera.height);
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
+        const Eigen::Vector3d p =
+            view.T_base_camera * camera.unproject({x, y}, static_cast<double>(view.depth(x, y)));
+        if (std::hypot(p.x() - 0.2, p.y()) < kHole) view.depth(x, y) = 0.0F;
+        if (std::hypot(p.x(), p.y()) < kHole + 0.01) view.is_dynamic(x, y) = 1;
+      }
+    }
+  }
+  if (is_seen_through) {
+    views.back().is_dynamic = {};
+    for (float& depth : views.back().depth.pixels()) depth += 0.2F;
+  }
+  return views;
+}
+
+TEST(UnseenSupport, FillsWhatOnlyDynamicPixelsHid) {
+  const TriangleMesh found = find_unseen_support({the_area()}, a_table_with_holes(),
+                                                 the_views(false), test::wall_camera(), 0.005);
+  ASSERT_FALSE(found.triangles.empty());
+  EXPECT_NEAR(surface_area(found), M_PI * kHole * kHole, 0.25 * M_PI * kHole * kHole);
+  for (std::size_t i = 0; i < found.vertices.size(); ++i) {
+    // The other hole is not filled: no dynamic pixel hid it.
+    EXPECT_LT(found.vertices[i].head<2>().norm(), kHole + 0.02F);
+    EXPECT_NEAR(found.vertices[i].z(), 0.0F, 0.002F);
+    EXPECT_EQ(found.colors[i], (Rgb8{100, 110, 120}));
+  }
+}
+
+TEST(UnseenSupport, DoesNotFillWhatAViewSawThrough) {
+  EXPECT_TRUE(find_unseen_support({the_area()}, a_table_with_holes(), the_views(true),
+                                  test::wall_camera(), 0.005)
+                  .triangles.empty());
+}
+
+}  // namespace
+}  // namespace pcavr
