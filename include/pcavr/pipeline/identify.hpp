@@ -25,6 +25,7 @@
 #include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/friction_posterior.hpp"
 #include "pcavr/identification/limit_of_pushes.hpp"
+#include "pcavr/identification/press_line.hpp"
 #include "pcavr/identification/segmentation.hpp"
 #include "pcavr/identification/sliding.hpp"
 #include "pcavr/inputs/input_findings.hpp"
@@ -86,6 +87,8 @@ struct IdentificationOptions {
 /// One contact of the recording, and what was identified from it.
 struct IdentifiedContact : AttributedContact {
   IdentifiedParameter limit = {};  ///< [N] friction limit, less inertia where possible
+  /// Of a push, where a press gave the object's contact law; its ratio may be not excited.
+  std::optional<PressLine> press_line = {};
 };
 
 /// One estimator run online over an object's recorded presses [paper C, figures 8 and 9].
