@@ -166,7 +166,6 @@ Breakaway find_breakaway(const ForceMotion& push, const BreakawayOptions& option
   found.force = fitted.force;
   found.std = fitted.std;
   found.stiffness = alarm.line.slope();
-  found.line_zero = smooth.tool[contact].value - alarm.line.at(0.0) / found.stiffness;
   const double rise = found.t - push.t[contact];
   if (rise > 0.0) found.loading_rate = (found.force - smooth.smooth_force[contact].value) / rise;
   return found;

@@ -99,8 +99,8 @@ PressLine compare_with_press(const ForceMotion& push, const Breakaway& found,
     if (push.t[i] < found.t_contact || !force[i].is_valid || !tool[i].is_valid) continue;
     const double predicted = elastic_force(press, tool[i].value - result.surface);
     const double shortfall = predicted - force[i].value;
-    const bool is_below = shortfall > options.alarm_threshold * noise &&
-                          shortfall > options.alarm_share * predicted;
+    const bool is_below =
+        shortfall > options.alarm_threshold * noise && shortfall > options.alarm_share * predicted;
     consecutive = is_below ? consecutive + 1 : 0;
     if (consecutive < kConsecutiveBelow) continue;
     result.t_mutation = push.t[i];

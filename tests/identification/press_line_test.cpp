@@ -20,8 +20,8 @@ TEST(PressLine, OfTheSameMaterialHasTheSlopeOfThePushAndFindsItsBreakaway) {
   const Trial trial = slow_push();
   const Breakaway found = find_breakaway(trial.series());
   ASSERT_TRUE(found.is_found);
-  const PressLine line = compare_with_press(trial.series(), found,
-                                            {plant.stiffness, plant.damping, plant.exponent});
+  const PressLine line =
+      compare_with_press(trial.series(), found, {plant.stiffness, plant.damping, plant.exponent});
   ASSERT_TRUE(line.ratio.is_excited);
   RecordProperty("ratio", std::to_string(line.ratio.value));
   // The bristles yield with the load: some per cent less steep.
@@ -34,8 +34,8 @@ TEST(PressLine, OfAPress20PercentTooStiffLeavesThePushEarly) {
   const Plant plant;
   const Trial trial = slow_push();
   const Breakaway found = find_breakaway(trial.series());
-  const PressLine right = compare_with_press(trial.series(), found,
-                                             {plant.stiffness, plant.damping, plant.exponent});
+  const PressLine right =
+      compare_with_press(trial.series(), found, {plant.stiffness, plant.damping, plant.exponent});
   const PressLine stiff = compare_with_press(
       trial.series(), found, {1.2 * plant.stiffness, plant.damping, plant.exponent});
   ASSERT_TRUE(stiff.ratio.is_excited);

@@ -40,7 +40,6 @@ struct Breakaway {
   double std = 0.0;           ///< [N] of that force, from the sensor's noise
   double loading_rate = 0.0;  ///< [N/s] before the peak; breakaway depends on it
   double stiffness = 0.0;     ///< [N/m] slope of the line
-  double line_zero = 0.0;     ///< [m] the tool's coordinate at which the line's force is 0
   std::string reason;         ///< why none was found
 };
 
