@@ -26,13 +26,13 @@ inline constexpr double kPercent = 1e2;
 /// Paper C's figure 5 of one push: the force of an object at rest by two lines, over the measured
 /// one, from before the touch until after the breakaway.
 struct ForceLines {
-  std::vector<double> t = {};              ///< [s]
-  std::vector<double> measured = {};       ///< [N]
-  std::vector<double> push_line = {};      ///< [N] fitted in the push itself
-  std::vector<double> press_line = {};     ///< [N] by a press's law; empty where there is none
-  double t_breakaway = 0.0;                ///< [s] the force's peak
-  double t_alarm = 0.0;                    ///< [s] the force left the push's own line
-  std::optional<double> t_mutation = {};   ///< [s] ... left the press's line
+  std::vector<double> t = {};             ///< [s]
+  std::vector<double> measured = {};      ///< [N]
+  std::vector<double> push_line = {};     ///< [N] fitted in the push itself
+  std::vector<double> press_line = {};    ///< [N] by a press's law; empty where there is none
+  double t_breakaway = 0.0;               ///< [s] the force's peak
+  double t_alarm = 0.0;                   ///< [s] the force left the push's own line
+  std::optional<double> t_mutation = {};  ///< [s] ... left the press's line
 };
 /// Of the object's first push that counts and broke loose; nothing where there is none.
 [[nodiscard]] std::optional<ForceLines> force_lines(const Identification& found,

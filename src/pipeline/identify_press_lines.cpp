@@ -33,6 +33,24 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+/// The line that find_breakaway fitted to the push, in the episode's coordinate of the tool, which
+/// is along the face's normal by now: a least squares line passes through its samples' mean.
+std::vector<double> push_line_force(const ContactEpisode& episode, double guard) {
+  const Breakaway& breakaway = episode.breakaway;
+  double count = 0.0, tool = 0.0, force = 0.0;
+  for (std::size_t i = 0; i < episode.t.size(); ++i) {
+    const bool is_fitted =
+        episode.t[i] >= breakaway.t_contact && episode.t[i] <= breakaway.t_alarm - guard;
+    if (is_fitted) count += 1.0, tool += episode.tool[i], force += episode.force[i];
+  }
+  std::vector<double> line(episode.t.size(), 0.0);
+  if (count == 0.0) return line;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    line[i] = force / count + breakaway.stiffness * (episode.tool[i] - tool / count);
+  }
+  return line;
+}
+
 }  // namespace
 
 void check_press_lines(std::vector<IdentifiedContact>& contacts, std::size_t object,
@@ -77,17 +95,16 @@ std::optional<ForceLines> force_lines(const Identification& found, std::size_t o
   const std::vector<double> press =
       has_press ? press_line_force(episode.series(), push->press_line->surface, *law)
                 : std::vector<double>{};
-  const auto count = static_cast<std::size_t>(
-      std::count_if(episode.t.begin(), episode.t.end(),
-                    [from, to](double t) { return t >= from && t <= to; }));
+  const std::vector<double> own = push_line_force(episode, BreakawayOptions().guard);
+  const auto count = static_cast<std::size_t>(std::count_if(
+      episode.t.begin(), episode.t.end(), [from, to](double t) { return t >= from && t <= to; }));
   const std::size_t stride = count / kMaxFigurePoints + 1;
   ForceLines lines{.t_breakaway = breakaway.t, .t_alarm = breakaway.t_alarm};
   for (std::size_t i = 0; i < episode.t.size(); i += stride) {
     if (episode.t[i] < from || episode.t[i] > to) continue;
     lines.t.push_back(episode.t[i]);
     lines.measured.push_back(episode.force[i]);
-    lines.push_line.push_back(
-        std::max(0.0, breakaway.stiffness * (episode.tool[i] - breakaway.line_zero)));
+    lines.push_line.push_back(std::max(0.0, own[i]));
     if (has_press) lines.press_line.push_back(press[i]);
   }
   if (has_press) lines.t_mutation = push->press_line->t_mutation;
@@ -114,9 +131,9 @@ Plot force_lines_plot(const ForceLines& lines) {
   for (PlotSeries& series : plot.series) {
     for (double& y : series.y) y = y > top ? kLineBreak : y;
   }
-  plot.marks.push_back({lines.t_alarm, "leaves the push's line"});
+  plot.marks.push_back({lines.t_alarm, "off its line"});
   plot.marks.push_back({lines.t_breakaway, "breakaway"});
-  if (lines.t_mutation) plot.marks.push_back({*lines.t_mutation, "leaves the press's line"});
+  if (lines.t_mutation) plot.marks.push_back({*lines.t_mutation, "off the press's line"});
   return plot;
 }
 

@@ -45,9 +45,10 @@ ReportTable findings_table(const ObjectIdentification& object) {
 }
 
 ReportTable comparison_table(const ObjectIdentification& object) {
-  ReportTable table{.title = "Estimators on the presses",
-                    .columns = {"method", "settling to 10 % (ms)", "steady error (%)",
-                                "mean force error, tip stationary (%)"}};
+  ReportTable table{
+      .title = "Estimators on the presses",
+      .columns = {"method", "until the first press's peak is predicted within 10 % (ms)",
+                  "steady error (%)", "mean force error, tip stationary (%)"}};
   for (const EstimatorTrace& trace : object.comparison) {
     table.rows.push_back(
         {name_of(trace.method),
@@ -83,10 +84,10 @@ ReportTable faces_table(const ObjectIdentification& object) {
 
 /// Pushes whose line a press checks.
 ReportTable press_lines_table(const Identification& found, std::size_t object) {
-  ReportTable table{.title = "Pushes beside the press's law [paper C, figure 5]",
-                    .columns = {"breakaway at (s)", "force at its peak (N)",
-                                "stiffness, push over press",
-                                "force where it leaves the press's line (N)"}};
+  ReportTable table{
+      .title = "Pushes beside the press's law [paper C, figure 5]",
+      .columns = {"breakaway at (s)", "force at its peak (N)", "stiffness, push over press",
+                  "force where it leaves the press's line (N)"}};
   for (const IdentifiedContact& contact : found.contacts) {
     if (contact.object != object || !contact.press_line) continue;
     const PressLine& line = *contact.press_line;
@@ -118,9 +119,8 @@ PageSection object_section(const Identification& found, std::size_t index) {
   PageSection section{.title = object.name};
   for (const std::string& text : object.notes) section.blocks.emplace_back(PageText{text, true});
   std::vector<ReportTable> tables{findings_table(object)};
-  for (ReportTable& table :
-       std::array{comparison_table(object), faces_table(object),
-                  press_lines_table(found, index), impacts_table(object)}) {
+  for (ReportTable& table : std::array{comparison_table(object), faces_table(object),
+                                       press_lines_table(found, index), impacts_table(object)}) {
     if (!table.rows.empty()) tables.push_back(std::move(table));
   }
   section.blocks.emplace_back(std::move(tables));

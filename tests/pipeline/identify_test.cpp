@@ -7,6 +7,7 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "pcavr/core/gravity.hpp"
 #include "pcavr/core/output.hpp"
@@ -102,6 +103,36 @@ TEST(Identify, FindsNoOffsetBetweenSynchronousClocksForAStiffObject) {
   EXPECT_LT(std::abs(found->inputs.tool_to_force.offset), 4.0 * found->inputs.tool_to_force.std);
   EXPECT_LT(found->inputs.tool_to_force.std, 0.0004);  // a fifth of a sample
   EXPECT_FALSE(found->inputs.is_force_offset_applied);
+}
+
+TEST(Identify, DrawsTheForceLinesOfAPushBesideThePresses) {
+  const auto found = identify(probe().input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value());
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_identification_report(*found, "probe", folder.path()));
+  const auto json = nlohmann::json::parse(read_file(folder.path() / "report.json").value());
+  const std::string key = "object." + found->objects[0].name + ".";
+  const auto& lines = json[key + "force_lines"];
+  EXPECT_GT(lines["t"].size(), 100U);
+  EXPECT_EQ(lines["press_line"].size(), lines["t"].size());
+  EXPECT_EQ(lines["push_line"].size(), lines["t"].size());
+  EXPECT_GT(lines["t_breakaway"], lines["t"].front());
+  for (std::size_t i = 0; i < lines["t"].size(); ++i) {
+    const double measured = lines["measured"][i], until = lines["t_breakaway"];
+    if (measured < 6.0 || lines["t"][i] > until) continue;
+    EXPECT_NEAR(lines["push_line"][i].get<double>(), measured, 0.15 * measured);
+    EXPECT_NEAR(lines["press_line"][i].get<double>(), measured, 0.25 * measured);
+  }
+  int checked = 0;
+  for (const auto& push : json[key + "breakaways"]) {
+    if (!push.contains("press_line_ratio")) continue;
+    EXPECT_NEAR(push["press_line_ratio"].get<double>(), 1.0, 0.1);
+    ++checked;
+  }
+  EXPECT_GE(checked, 5);
+  const std::string page = report_data(folder.path());
+  EXPECT_NE(page.find("force lines of an object at rest"), std::string::npos);
+  EXPECT_NE(page.find("Pushes beside the press's law"), std::string::npos);
 }
 
 TEST(Identify, EstimatesTheMeanForceOfStationaryPressesBetterThanEachSample) {

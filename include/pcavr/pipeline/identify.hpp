@@ -93,14 +93,18 @@ struct IdentifiedContact : AttributedContact {
 
 /// One estimator run online over an object's recorded presses [paper C, figures 8 and 9].
 struct EstimatorTrace {
-  EstimationMethod method = EstimationMethod::adaptive;
+  EstimationMethod method = EstimationMethod::adaptive;  ///< adaptive: AveragedEstimator
   std::vector<double> t;                     ///< [s] in contact, one press after the other
   std::vector<double> measured;              ///< [N] filtered
   std::vector<double> estimated;             ///< [N] predicted before the update with this sample
   std::array<std::vector<double>, 3> value;  ///< mass, damping, stiffness
   std::array<std::vector<double>, 3> std;
-  std::optional<double> settling = {};  ///< [s] from touch until the error stays below 10 %
-  double steady_error = 0.0;            ///< relative: rms error over rms force, second half
+  /// [s] from the first touch until the parameters predict the first press's largest force within
+  /// 10 %, and go on doing so. Empty where they never do.
+  std::optional<double> settling = {};
+  /// Relative: rms error over rms force, second half, by the parameters of one filter width before:
+  /// newer ones of a short memory follow the filtered noise.
+  double steady_error = 0.0;
   /// Relative error of the mean force over the samples of the second half in which the tip is
   /// stationary, per press, averaged over the presses. Unlike `steady_error`, which contains the
   /// sensors' noise of every sample (the tip's times the stiffness), this averages the noise out.
