@@ -12,6 +12,7 @@ export const layerNames = [
   'tags',
   'frames',
   'planes',
+  'guards',
   'cameras',
 ] as const;
 export type LayerName = (typeof layerNames)[number];
@@ -26,10 +27,11 @@ export const layerTitles: Record<LayerName, string> = {
   tags: 'Tags',
   frames: 'Frames',
   planes: 'Support planes',
+  guards: 'Guard surfaces',
   cameras: 'Camera path',
 };
 
-const shownAtFirst: readonly LayerName[] = ['mesh', 'bodies', 'ghosts', 'labels'];
+const shownAtFirst: readonly LayerName[] = ['mesh', 'bodies', 'ghosts', 'labels', 'guards'];
 
 /// The layers to show and hide: a group each, all in base.
 export class Layers {

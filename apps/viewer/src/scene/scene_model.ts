@@ -39,6 +39,7 @@ export interface SceneModel {
   objects: SceneObject[];
   tags: SceneTag[];
   support_planes: { outline: Vector[] }[];
+  guards: { name: string; vertices_mm: number[]; triangles: number[] }[];
   cameras: { position: Vector; quaternion: Quaternion }[];
 }
 
@@ -70,6 +71,7 @@ export async function fetchScene(): Promise<SceneModel> {
     objects: scene.objects ?? [],
     tags: scene.tags ?? [],
     support_planes: scene.support_planes ?? [],
+    guards: scene.guards ?? [],
     cameras: scene.cameras ?? [],
   };
 }
