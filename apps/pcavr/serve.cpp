@@ -34,6 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kPageDevice[] = "page";
+constexpr InputRange kTimeScale{"time scale", 0.1, 1.0, "", "slower: nothing seems to move"};
 
 struct ServeArguments {
   std::string scene;
@@ -47,6 +48,7 @@ struct ServeArguments {
   bool with_tls = false;
   double tool_radius = 0.0;  ///< [m]; 0: not given
   double max_force = 0.0;    ///< [N]; 0: not given
+  double time_scale = 0.0;   ///< 0: not given
   ServerOptions server;      ///< the configuration's, completed by what serve finds
   bool as_json = false;
 };
@@ -170,8 +172,9 @@ Expected<SceneWorld> make_world(const ServeInputs& inputs, const ServeArguments&
 
 Expected<std::unique_ptr<LiveWorld>> make_live(const SceneManifest& manifest,
                                                const SceneWorld& scene,
-                                               const std::string& device_name,
+                                               const ServeArguments& arguments,
                                                const Configuration& configuration) {
+  const std::string& device_name = arguments.device;
   Expected<HapticWorld> haptic = HapticWorld::create(scene.model);
   if (!haptic) return haptic.error();
   RemoteDeviceOptions page = configuration.page;
@@ -191,6 +194,7 @@ Expected<std::unique_ptr<LiveWorld>> make_live(const SceneManifest& manifest,
   LiveWorldOptions options = configuration.live;
   options.p_base_tool_start = scene.p_base_tool_start;
   options.full_scale_force = scene.full_scale_force;
+  if (arguments.time_scale > 0.0) options.time_scale = arguments.time_scale;
   return std::make_unique<LiveWorld>(std::move(*haptic), std::move(device), options,
                                      std::move(live_arm));
 }
@@ -285,7 +289,7 @@ Expected<CommandResult> serve(ServeArguments arguments, const Configuration& con
   if (!scene) return scene.error();
   options.tool_radius = scene->model.world.tool_radius;
   Expected<std::unique_ptr<LiveWorld>> world =
-      make_live(inputs->scene, *scene, arguments.device, configuration);
+      make_live(inputs->scene, *scene, arguments, configuration);
   if (!world) return world.error();
   const Expected<ServedContent> content = make_content(*inputs, arguments, configuration, observer);
   if (!content) return content.error();
@@ -342,6 +346,8 @@ void add_serve(CLI::App& app, Configuration& configuration, Action& action) {
              "Radius of the spherical tool tip [m]; default: the replay's, or 0.01");
   add_number(*command, "--max-force", arguments->max_force, ranges::kHandForce,
              "Limit of the rendered force [N]; default: 5 for a device, 100 for the page");
+  add_number(*command, "--time-scale", arguments->time_scale, kTimeScale,
+             "Simulated over real time, 0.1 to 1; default: 1");
   command->callback([arguments, &configuration, &action, &app] {
     arguments->as_json = app.get_option("--json")->count() > 0;
     action = [arguments, &configuration](const Observer& observer) {

@@ -192,6 +192,25 @@ Expected<void> read_corrections(const fs::path& file, RunFiles& run) {
                     });
 }
 
+/// [SI] A stiffness of a steep law may be large: this only keeps sums finite.
+constexpr InputRange kRunParameter{"parameter of a run", -1e30, 1e30, "", "keeps sums finite"};
+
+Expected<void> read_parameter_history(const fs::path& file, RunFiles& run) {
+  return read_table(
+      {file, {"t", "object", "parameter", "running", "transmitted"}, Stamps::may_repeat},
+      [&](Stamp stamp, const std::string& object, Fields rest) {
+        ParameterSample sample{.stamp = stamp};
+        RowError error = read_number(rest[1], "running", kRunParameter, sample.running);
+        if (!error) {
+          error = read_number(rest[2], "transmitted", kRunParameter, sample.transmitted);
+        }
+        if (!error) {
+          run.parameter_history[object][std::string(rest[0])].push_back(sample);
+        }
+        return error;
+      });
+}
+
 Expected<void> read_parameters_into(const fs::path& file, std::optional<ParameterTable>& table) {
   Expected<ParameterTable> read = read_parameters(file);
   if (!read) return read.error();
@@ -236,6 +255,7 @@ Expected<RunFiles> read_run_files(const fs::path& folder) {
        {"force.csv", [&](const fs::path& file) { return read_forces(file, run); }},
        {"phases.csv", [&](const fs::path& file) { return read_run_phases(file, run); }},
        {"corrections.csv", [&](const fs::path& file) { return read_corrections(file, run); }},
+       {"parameters.csv", [&](const fs::path& file) { return read_parameter_history(file, run); }},
        {"parameters.yaml",
         [&](const fs::path& file) { return read_parameters_into(file, run.parameters); }}});
   if (!read) return read.error();

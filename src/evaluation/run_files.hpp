@@ -34,6 +34,15 @@ struct RunCorrection {
   std::size_t bytes = 0;
 };
 
+/// A row of `parameters.csv`: a parameter at both sites, where one of them has changed.
+struct ParameterSample {
+  Stamp stamp;
+  double running = 0.0;      ///< SI; at the robot's site
+  double transmitted = 0.0;  ///< SI; at the operator's site
+};
+/// By parameter, as named in parameter files.
+using ParameterSamples = std::map<std::string, std::vector<ParameterSample>>;
+
 /// Settings of the two sites in `run.yaml`; empty where not given.
 struct RunSettings {
   std::optional<std::string> parameters;  ///< the initial parameter file, or "none"
@@ -57,6 +66,7 @@ struct RunFiles {
   std::map<std::string, PhaseTimeline> measured;
   std::map<std::string, PhaseTimeline> predicted;
   std::optional<std::vector<RunCorrection>> corrections;
+  std::map<std::string, ParameterSamples> parameter_history;  ///< by object
   std::optional<ParameterTable> parameters;
 };
 

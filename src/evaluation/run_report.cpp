@@ -3,6 +3,7 @@
 #include "run_report.hpp"
 
 #include "paper_comparison.hpp"
+#include "parameter_history.hpp"
 #include "pooled_errors.hpp"
 #include "run_plots.hpp"
 
@@ -197,6 +198,10 @@ std::vector<ReportSection> closing_sections(const Findings& findings) {
     sections.push_back(phase_section(comparison));
   }
   if (run.corrections) sections.push_back(correction_section(findings));
+  for (const auto& [object, history] : run.files.parameter_history) {
+    ReportSection section = parameter_history_section(object, findings);
+    if (!section.tables.empty()) sections.push_back(std::move(section));
+  }
   if (!findings.parameters.empty()) sections.push_back(parameter_section(findings));
   ReportSection papers{.title = "Comparison with the papers", .key = "papers"};
   papers.tables.push_back(paper_table(findings));

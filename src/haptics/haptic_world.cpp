@@ -20,8 +20,8 @@
 namespace pcavr {
 namespace {
 
-/// The proxy's surfaces: the scan, the supports, and then the bodies.
-constexpr std::size_t kFirstBody = 2;
+/// The proxy's surfaces: the scan, the supports, the guards, and then the bodies.
+constexpr std::size_t kFirstBody = 3;
 /// Of a body's thickness: beyond half of it the opposite face would be nearer.
 constexpr double kMaxThicknessShare = 0.45;
 /// Cosine between the normals nearest to the tip and at the proxy's contact: on the same face.
@@ -130,7 +130,9 @@ HapticWorld::Content::Content(const HapticWorldModel& model, PredictedWorld pred
   proxy.add_static(model.world.static_mesh_base);
   const TriangleMesh support_mesh = supports.surface_base();
   proxy.add_static(support_mesh);
-  for (const TriangleMesh* mesh : {&model.world.static_mesh_base, &support_mesh}) {
+  proxy.add_static(model.guard_mesh_base);
+  for (const TriangleMesh* mesh :
+       {&model.world.static_mesh_base, &support_mesh, &model.guard_mesh_base}) {
     for (const Eigen::Vector3f& v : mesh->vertices) top = std::max(top, static_cast<double>(v.z()));
   }
   double static_limit = 0.0;

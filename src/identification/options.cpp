@@ -5,6 +5,7 @@
 #include <array>
 
 #include "pcavr/core/gravity.hpp"
+#include "pcavr/identification/averaged_estimator.hpp"
 #include "pcavr/identification/breakaway.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/estimator.hpp"
@@ -269,6 +270,26 @@ constexpr auto kEstimatorFields = std::to_array<OptionField<EstimatorOptions<N>>
 });
 static_assert(are_valid_fields(kEstimatorFields<1>) && are_valid_fields(kEstimatorFields<4>));
 
+using Averaging = AveragingOptions;
+constexpr auto kAveragingFields = std::to_array<OptionField<Averaging>>({
+    {"medium_forgetting", &Averaging::medium_forgetting, 0.98, 0.01, 0.9999, "",
+     "forgetting factor of the estimator with a medium memory (affRLS)",
+     "lower: no estimator fits slow drifts; higher: it equals the one with the long memory"},
+    {"fast_forgetting", &Averaging::fast_forgetting, 0.9, 0.01, 0.9999, "",
+     "forgetting factor of the estimator with a short memory (affRLS)",
+     "lower: fast drifts are followed with more noise; higher: they are followed late"},
+    {"fastest_forgetting", &Averaging::fastest_forgetting, 0.8, 0.01, 0.9999, "",
+     "forgetting factor of the estimator with the shortest memory (affRLS)",
+     "lower: noise after a change; higher: slow adaptation to a change"},
+    {"weight_forgetting", &Averaging::weight_forgetting, 0.98, 0.5, 1.0, "",
+     "factor per sample by which earlier errors count less in the estimators' weights",
+     "lower: noise changes the weights; higher: the weights follow a change late"},
+    {"lag", &Averaging::lag, 1.4, 0.0, 100.0, "correlated samples",
+     "age of the parameters whose errors are compared",
+     "lower: a short memory predicts the filtered noise and is preferred; higher: later weights"},
+});
+static_assert(are_valid_fields(kAveragingFields));
+
 }  // namespace
 
 SpikeOptions::SpikeOptions() { set_defaults(*this, kSpikeFields); }
@@ -333,6 +354,11 @@ template <int N>
 OptionSection section_of(EstimatorOptions<N>& options) {
   return make_section("identification.estimator", options, kEstimatorFields<N>);
 }
+AveragingOptions::AveragingOptions() { set_defaults(*this, kAveragingFields); }
+OptionSection section_of(AveragingOptions& options) {
+  return make_section("identification.averaging", options, kAveragingFields);
+}
+
 template struct EstimatorOptions<1>;
 template struct EstimatorOptions<2>;
 template struct EstimatorOptions<3>;

@@ -1,9 +1,15 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include "pcavr/contact/hunt_crossley.hpp"
+#include "pcavr/identification/averaged_estimator.hpp"
 
 #include "identify_parts.hpp"
 
@@ -13,8 +19,8 @@ namespace {
 constexpr double kFilterHalfWidth = 0.014;  // [s] of the filter, as in the estimators' tests
 constexpr double kMinForce = 0.02;  // of the largest: below, the relative error is not meaningful
 constexpr double kSettled = 0.10;   // of the force: paper C's threshold
-constexpr double kErrorWindow = 0.020;  // [s] minimum duration of an error that counts
-constexpr double kMinNoise = 1e-6;      // of the largest force: a synthetic one may have none
+constexpr double kLag = 1.4;        // in correlated samples: the filter's whole width
+constexpr double kMinNoise = 1e-6;  // of the largest force: a synthetic one may have none
 constexpr double kStationaryHalfWidth = 0.050;  // [s] over which a stationary tip is at rest
 constexpr double kMaxStationaryMotion = 0.01;   // of the penetration
 constexpr int kPlotStride = 5;                  // one of so many samples is kept for the plots
@@ -36,8 +42,7 @@ bool is_stationary(const ForceMotion& press, double t, double penetration, doubl
 
 /// The filtered samples in contact, press after press, on a common axis of contact time.
 std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses,
-                                     const ContactIdentification& found,
-                                     std::vector<double>& touches, double& half_width) {
+                                     const ContactIdentification& found, double& half_width) {
   const ContactFit& fit = found.best();
   std::vector<FilteredSample> samples;
   double largest = 0.0;
@@ -52,7 +57,6 @@ std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses,
     half_width = std::max(kFilterHalfWidth, 3.0 * interval);
     CausalFilter filter(half_width, 1.0 / interval, noise);
     const double tip_noise = estimate_noise_std(press.tool);
-    touches.push_back(clock);
     for (std::size_t i = 0; i < press.t.size(); ++i) {
       const auto out = filter.step(press.t[i], press.tool[i], press.force[i]);
       const double penetration = out ? out->position - fit.surface[k] : 0.0;
@@ -120,24 +124,111 @@ class SteadyErrors {
   std::vector<PressForces> presses_;
 };
 
-/// Settling time [s]: from the first touch to the end of the last long error; nothing where it
-/// never settles.
-std::optional<double> settling_of(const EstimatorTrace& trace,
-                                  std::optional<double> first_press_end, double interval,
-                                  double half_width) {
-  const auto min_samples = static_cast<std::size_t>(std::ceil(kErrorWindow / interval));
-  double settled = 0.0;
-  std::size_t consecutive = 0;
-  std::size_t last = 0;
-  for (std::size_t i = 0; i < trace.t.size(); ++i) {
-    if (first_press_end && trace.t[i] >= *first_press_end) break;
-    const double error = std::abs(trace.estimated[i] - trace.measured[i]);
-    consecutive = error > kSettled * std::abs(trace.measured[i]) ? consecutive + 1 : 0;
-    if (consecutive >= min_samples) settled = trace.t[i] + interval;
-    last = i;
+/// One of the three methods, behind one interface.
+class ComparedEstimator {
+ public:
+  explicit ComparedEstimator(const EstimatorOptions<3>& options)
+      : earlier_(std::max<std::size_t>(
+            1, static_cast<std::size_t>(std::lround(kLag * options.correlated_samples)))) {
+    if (options.method == EstimationMethod::adaptive) {
+      averaged_.emplace(options);
+    } else {
+      plain_.emplace(options);
+    }
   }
-  if (last == 0 || settled >= trace.t[last]) return std::nullopt;
-  return settled + half_width + 2.0 * interval;  // the filter's delay
+
+  /// Prediction by the parameters before this sample; `earlier`: by those of one filter width ago.
+  struct Step {
+    double prediction = 0.0, earlier = 0.0;  ///< [N]
+  };
+  Step step(const FilteredSample& sample) {
+    const EstimatorStep now = averaged_ ? averaged_->step(sample.regressors, sample.force)
+                                        : plain_->step(sample.regressors, sample.force);
+    std::array<double, 3>& earlier = earlier_[next_];
+    next_ = (next_ + 1) % earlier_.size();
+    const Step result{now.prediction, predict(sample, earlier)};
+    earlier = parameters();
+    return result;
+  }
+
+  [[nodiscard]] std::array<double, 3> parameters() const {
+    return averaged_ ? averaged_->parameters() : plain_->parameters();
+  }
+  [[nodiscard]] ParameterEstimate<3> estimate() const {
+    return averaged_ ? averaged_->estimate() : plain_->estimate();
+  }
+
+  static double predict(const FilteredSample& sample, const std::array<double, 3>& parameters) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) sum += sample.regressors[k] * parameters[k];
+    return sum;
+  }
+
+ private:
+  std::optional<ParameterEstimator<3>> plain_;
+  std::optional<AveragedEstimator<3>> averaged_;
+  std::vector<std::array<double, 3>> earlier_;
+  std::size_t next_ = 0;
+};
+
+/// The sample with the largest force of the first press.
+const FilteredSample& first_peak_of(const std::vector<FilteredSample>& samples) {
+  const auto end = std::find_if(samples.begin(), samples.end(), [&](const FilteredSample& sample) {
+    return sample.press != samples.front().press;
+  });
+  return *std::max_element(samples.begin(), end,
+                           [](const auto& a, const auto& b) { return a.force < b.force; });
+}
+
+/// Settling: since when the parameters predict the first press's peak, before it comes.
+class Settling {
+ public:
+  Settling(const FilteredSample& peak, double delay) : peak_(peak), delay_(delay) {}
+
+  void add(const FilteredSample& sample, const std::array<double, 3>& parameters) {
+    if (sample.press != peak_.press) return;
+    const double error = ComparedEstimator::predict(peak_, parameters) - peak_.force;
+    last_ = sample.t;
+    if (std::abs(error) > kSettled * peak_.force) unsettled_ = sample.t;
+  }
+  /// [s] from the touch; nothing where it never settles.
+  [[nodiscard]] std::optional<double> time() const {
+    if (unsettled_ >= last_) return std::nullopt;
+    return unsettled_ + delay_;
+  }
+
+ private:
+  const FilteredSample& peak_;
+  double delay_ = 0.0;
+  double unsettled_ = 0.0, last_ = 0.0;
+};
+
+/// Runs one method over all samples.
+EstimatorTrace trace_of(EstimationMethod method, const std::vector<FilteredSample>& samples,
+                        double correlated, double delay) {
+  ComparedEstimator estimator(options_of(method, samples, correlated));
+  EstimatorTrace trace;
+  trace.method = method;
+  SteadyErrors steady;
+  Settling settling(first_peak_of(samples), delay);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const ComparedEstimator::Step step = estimator.step(samples[i]);
+    settling.add(samples[i], estimator.parameters());
+    if (i >= samples.size() / 2) steady.add(samples[i], step.earlier);
+    if (i % kPlotStride != 0) continue;
+    const ParameterEstimate<3> now = estimator.estimate();
+    trace.t.push_back(samples[i].t);
+    trace.measured.push_back(samples[i].force);
+    trace.estimated.push_back(step.prediction);
+    for (std::size_t k = 0; k < 3; ++k) {
+      trace.value[k].push_back(now.value[k]);
+      trace.std[k].push_back(now.std[k]);
+    }
+  }
+  trace.steady_error = steady.rms();
+  trace.mean_force_error = steady.mean_force_error();
+  trace.settling = settling.time();
+  return trace;
 }
 
 }  // namespace
@@ -145,40 +236,14 @@ std::optional<double> settling_of(const EstimatorTrace& trace,
 std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> presses,
                                                const ContactIdentification& found) {
   std::vector<EstimatorTrace> traces;
-  std::vector<double> touches;
   double half_width = kFilterHalfWidth;
-  const std::vector<FilteredSample> samples = filtered(presses, found, touches, half_width);
+  const std::vector<FilteredSample> samples = filtered(presses, found, half_width);
   if (samples.size() < 100) return traces;
   const double interval = samples[1].t - samples[0].t;
   const double correlated = correlated_samples(half_width, interval);
   for (const EstimationMethod method :
        {EstimationMethod::block, EstimationMethod::exponential, EstimationMethod::adaptive}) {
-    ParameterEstimator<3> estimator(options_of(method, samples, correlated));
-    EstimatorTrace whole;
-    EstimatorTrace& trace = traces.emplace_back();
-    trace.method = method;
-    SteadyErrors steady;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const EstimatorStep step = estimator.step(samples[i].regressors, samples[i].force);
-      whole.t.push_back(samples[i].t);
-      whole.measured.push_back(samples[i].force);
-      whole.estimated.push_back(step.prediction);
-      if (i >= samples.size() / 2) steady.add(samples[i], step.prediction);
-      if (i % kPlotStride != 0) continue;
-      const ParameterEstimate<3> now = estimator.estimate();
-      trace.t.push_back(samples[i].t);
-      trace.measured.push_back(samples[i].force);
-      trace.estimated.push_back(step.prediction);
-      for (std::size_t k = 0; k < 3; ++k) {
-        trace.value[k].push_back(now.value[k]);
-        trace.std[k].push_back(now.std[k]);
-      }
-    }
-    trace.steady_error = steady.rms();
-    trace.mean_force_error = steady.mean_force_error();
-    const auto first_press_end = touches.size() > 1 ? std::optional(touches[1])
-                                                    : std::nullopt;  // else there is only one press
-    trace.settling = settling_of(whole, first_press_end, interval, half_width);
+    traces.push_back(trace_of(method, samples, correlated, half_width + 2.0 * interval));
   }
   return traces;
 }

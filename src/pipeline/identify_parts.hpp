@@ -47,6 +47,10 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
                           std::optional<double> given_mass, const BodyMotion& body,
                           const PathView& tip, double tool_radius,
                           const IdentificationOptions& options, ObjectIdentification& result);
+/// Where presses gave the contact law: the line that it predicts for each push, as a check of the
+/// push's own line; a note where they disagree.
+void check_press_lines(std::vector<IdentifiedContact>& contacts, std::size_t object,
+                       const BreakawayOptions& options, ObjectIdentification& result);
 /// Pushes that turn the object; needs tracking.
 void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const BodyMotion& body, const PathView& tip, double tool_radius,

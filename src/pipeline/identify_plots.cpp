@@ -125,13 +125,22 @@ std::vector<Plot> contact_plots(const ObjectIdentification& object) {
   std::vector<Plot> plots;
   if (object.comparison.empty()) return plots;
   const EstimatorTrace& best = object.comparison.back();
-  Plot force{.title = "Presses: force measured and estimated (affRLS)",
+  Plot force{.title = "Presses: force measured and estimated [paper C, figure 8]",
              .x_label = "time in contact (s)",
              .y_label = "force (N)",
              .y_from_zero = true};
-  force.series.push_back({.label = "measured", .color = 1, .x = best.t, .y = best.measured});
-  force.series.push_back(
-      {.label = "estimated", .color = 0, .x = best.t, .y = best.estimated, .dashed = true});
+  force.series.push_back({.label = "measured", .color = 3, .x = best.t, .y = best.measured});
+  for (std::size_t m = 0; m < object.comparison.size(); ++m) {
+    const EstimatorTrace& trace = object.comparison[m];
+    force.series.push_back({.label = name_of(trace.method),
+                            .color = static_cast<int>(m),
+                            .x = trace.t,
+                            .y = trace.estimated,
+                            .dashed = true});
+  }
+  // The first samples' estimates may be anything.
+  const double top = 1.3 * *std::max_element(best.measured.begin(), best.measured.end());
+  for (PlotSeries& series : force.series) clip(top, series);
   plots.push_back(std::move(force));
 
   Plot error{.title = "Presses: error of the estimated force",

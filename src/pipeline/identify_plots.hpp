@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,23 @@ inline constexpr double kPercent = 1e2;
 [[nodiscard]] std::vector<Plot> contact_plots(const ObjectIdentification& object);
 /// Force and displacement with the phases shaded, and each push's breakaway.
 [[nodiscard]] std::vector<Plot> push_plots(const Identification& found, std::size_t object);
+
+/// Paper C's figure 5 of one push: the force of an object at rest by two lines, over the measured
+/// one, from before the touch until after the breakaway.
+struct ForceLines {
+  std::vector<double> t = {};             ///< [s]
+  std::vector<double> measured = {};      ///< [N]
+  std::vector<double> push_line = {};     ///< [N] fitted in the push itself
+  std::vector<double> press_line = {};    ///< [N] by a press's law; empty where there is none
+  double t_breakaway = 0.0;               ///< [s] the force's peak
+  double t_alarm = 0.0;                   ///< [s] the force left the push's own line
+  std::optional<double> t_mutation = {};  ///< [s] ... left the press's line
+};
+/// Of the object's first push that counts and broke loose; nothing where there is none.
+[[nodiscard]] std::optional<ForceLines> force_lines(const Identification& found,
+                                                    std::size_t object);
+[[nodiscard]] Plot force_lines_plot(const ForceLines& lines);
+
 /// Sliding parameters over time with their std bands.
 [[nodiscard]] std::vector<Plot> sliding_plots(const ObjectIdentification& object);
 /// The limit surface and the wrenches it was fitted to.

@@ -46,9 +46,10 @@ ReportTable findings_table(const ObjectIdentification& object) {
 }
 
 ReportTable comparison_table(const ObjectIdentification& object) {
-  ReportTable table{.title = "Estimators on the presses",
-                    .columns = {"method", "settling to 10 % (ms)", "steady error (%)",
-                                "mean force error, tip stationary (%)"}};
+  ReportTable table{
+      .title = "Estimators on the presses",
+      .columns = {"method", "until the first press's peak is predicted within 10 % (ms)",
+                  "steady error (%)", "mean force error, tip stationary (%)"}};
   for (const EstimatorTrace& trace : object.comparison) {
     table.rows.push_back(
         {name_of(trace.method),
@@ -82,6 +83,23 @@ ReportTable faces_table(const ObjectIdentification& object) {
   return table;
 }
 
+/// Pushes whose line a press checks.
+ReportTable press_lines_table(const Identification& found, std::size_t object) {
+  ReportTable table{
+      .title = "Pushes beside the press's law [paper C, figure 5]",
+      .columns = {"breakaway at (s)", "force at its peak (N)", "stiffness, push over press",
+                  "force where it leaves the press's line (N)"}};
+  for (const IdentifiedContact& contact : found.contacts) {
+    if (contact.object != object || !contact.press_line) continue;
+    const PressLine& line = *contact.press_line;
+    if (!line.ratio.is_excited) continue;
+    table.rows.push_back({fixed(contact.episode.breakaway.t, 2),
+                          readable(contact.episode.breakaway.force), text_with_std(line.ratio),
+                          line.t_mutation ? readable(line.force) : "does not leave it"});
+  }
+  return table;
+}
+
 ReportTable impacts_table(const ObjectIdentification& object) {
   ReportTable table{.title = "Impacts",
                     .columns = {"time (s)", "duration (ms)", "approach (mm/s)", "restitution",
@@ -102,14 +120,17 @@ PageSection object_section(const Identification& found, std::size_t index) {
   PageSection section{.title = object.name};
   for (const std::string& text : object.notes) section.blocks.emplace_back(PageText{text, true});
   std::vector<ReportTable> tables{findings_table(object)};
-  for (ReportTable& table :
-       std::array{comparison_table(object), faces_table(object), impacts_table(object)}) {
+  for (ReportTable& table : std::array{comparison_table(object), faces_table(object),
+                                       press_lines_table(found, index), impacts_table(object)}) {
     if (!table.rows.empty()) tables.push_back(std::move(table));
   }
   section.blocks.emplace_back(std::move(tables));
   PlotGroup group{"Plots", contact_plots(object)};
   if (!object.impacts.empty()) group.plots.push_back(damping_laws_plot(object));
   if (found.goal == IdentificationGoal::friction) {
+    if (const auto lines = force_lines(found, index)) {
+      group.plots.push_back(force_lines_plot(*lines));
+    }
     for (const auto& plots :
          {push_plots(found, index), sliding_plots(object), surface_plots(object)}) {
       group.plots.insert(group.plots.end(), plots.begin(), plots.end());
@@ -195,7 +216,42 @@ void add_impacts(Json& json, const std::string& key, const ObjectIdentification&
   }
 }
 
-void add_object(Json& json, const ObjectIdentification& object) {
+/// Every push beside the press's law, and paper C's figure 5 of the first one.
+void add_pushes(Json& json, const std::string& key, const Identification& found,
+                std::size_t object) {
+  Json pushes = Json::array();
+  for (const IdentifiedContact& contact : found.contacts) {
+    const Breakaway& breakaway = contact.episode.breakaway;
+    if (contact.object != object || !contact.left_out.empty() || !breakaway.is_found) continue;
+    Json push{{"t_breakaway", breakaway.t},
+              {"force", breakaway.force},
+              {"line_stiffness", breakaway.stiffness}};
+    if (contact.limit.is_excited) push["limit"] = contact.limit.value;
+    if (contact.press_line && contact.press_line->ratio.is_excited) {
+      push["press_line_ratio"] = contact.press_line->ratio.value;
+      push["press_line_ratio_std"] = contact.press_line->ratio.std;
+    }
+    if (contact.press_line && contact.press_line->t_mutation) {
+      push["press_line_t"] = *contact.press_line->t_mutation;
+      push["press_line_force"] = contact.press_line->force;
+    }
+    pushes.push_back(std::move(push));
+  }
+  if (!pushes.empty()) json[key + "breakaways"] = std::move(pushes);
+  const std::optional<ForceLines> lines = force_lines(found, object);
+  if (!lines) return;
+  Json& figure = json[key + "force_lines"];
+  figure = {{"t", lines->t},
+            {"measured", lines->measured},
+            {"push_line", lines->push_line},
+            {"t_alarm", lines->t_alarm},
+            {"t_breakaway", lines->t_breakaway}};
+  if (!lines->press_line.empty()) figure["press_line"] = lines->press_line;
+  if (lines->t_mutation) figure["t_mutation"] = *lines->t_mutation;
+}
+
+void add_object(Json& json, const Identification& found, std::size_t index) {
+  const ObjectIdentification& object = found.objects[index];
   const std::string key = "object." + object.name + ".";
   for (const ParameterFinding& row : object.findings) {
     if (row.is_excited || row.value != 0.0) json[key + row.name] = row.value;
@@ -221,6 +277,7 @@ void add_object(Json& json, const ObjectIdentification& object) {
     json[key + "limit_surface.samples"] = object.surface.samples_used;
   }
   add_impacts(json, key, object);
+  if (found.goal == IdentificationGoal::friction) add_pushes(json, key, found, index);
   json[key + "notes"] = object.notes;
 }
 
@@ -249,7 +306,7 @@ std::string format_json(const Identification& found, const std::string& recordin
   for (const auto& [file, reason, count] : found.left_out) {
     json["left_out"].push_back({{"file", file}, {"reason", reason}, {"rows", count}});
   }
-  for (const ObjectIdentification& object : found.objects) add_object(json, object);
+  for (std::size_t i = 0; i < found.objects.size(); ++i) add_object(json, found, i);
   json["notes"] = found.notes;
   // JSON must be UTF-8, but a path need not be.
   return json_text(json, 2) + '\n';

@@ -130,6 +130,9 @@ Expected<void> TeleopWriter::open(const fs::path& folder, const std::vector<std:
   }
   const Expected<void> forces = forces_.open(folder / "force.csv", "t,object,measured,virtual\n");
   if (!forces) return forces;
+  const Expected<void> parameters =
+      parameters_.open(folder / "parameters.csv", "t,object,parameter,running,transmitted\n");
+  if (!parameters) return parameters;
   return corrections_.open(folder / "corrections.csv", "t,object,case,what,bytes\n");
 }
 
@@ -137,7 +140,8 @@ TeleopSink TeleopWriter::sink() {
   return {.take_shown = [this](std::size_t object,
                                const ShownPose& shown) { return add_shown(object, shown); },
           .take_force = [this](const ForceRow& row) { return add_force(row); },
-          .take_correction = [this](const SentCorrection& sent) { return add_correction(sent); }};
+          .take_correction = [this](const SentCorrection& sent) { return add_correction(sent); },
+          .take_parameter = [this](const ParameterRow& row) { return add_parameter(row); }};
 }
 
 Expected<void> TeleopWriter::add_shown(std::size_t object, const ShownPose& shown) {
@@ -159,11 +163,19 @@ Expected<void> TeleopWriter::add_correction(const SentCorrection& sent) {
   return corrections_.write_if_full();
 }
 
+Expected<void> TeleopWriter::add_parameter(const ParameterRow& row) {
+  parameters_.text() += fmt::format("{:.6f},{},{},{:.6g},{:.6g}\n", row.t, names_[row.object],
+                                    row.name, row.running, row.transmitted);
+  return parameters_.write_if_full();
+}
+
 Expected<void> TeleopWriter::close() {
   const Expected<void> closed = close_all(predicted_);
   if (!closed) return closed;
   const Expected<void> forces = forces_.close();
   if (!forces) return forces;
+  const Expected<void> parameters = parameters_.close();
+  if (!parameters) return parameters;
   return corrections_.close();
 }
 

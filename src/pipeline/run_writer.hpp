@@ -49,8 +49,8 @@ class TrackingWriter {
   std::vector<StreamedFile> tracking_;  ///< by object
 };
 
-/// objects/NAME/predicted.txt of every object, force.csv and corrections.csv, streamed during a
-/// run.
+/// objects/NAME/predicted.txt of every object, force.csv, corrections.csv and parameters.csv,
+/// streamed during a run.
 class TeleopWriter {
  public:
   [[nodiscard]] Expected<void> open(const std::filesystem::path& folder,
@@ -60,6 +60,7 @@ class TeleopWriter {
   [[nodiscard]] Expected<void> add_shown(std::size_t object, const ShownPose& shown);
   [[nodiscard]] Expected<void> add_force(const ForceRow& row);
   [[nodiscard]] Expected<void> add_correction(const SentCorrection& sent);
+  [[nodiscard]] Expected<void> add_parameter(const ParameterRow& row);
   [[nodiscard]] Expected<void> close();
 
  private:
@@ -67,6 +68,7 @@ class TeleopWriter {
   std::vector<StreamedFile> predicted_;  ///< by object
   StreamedFile forces_;
   StreamedFile corrections_;
+  StreamedFile parameters_;
 };
 
 }  // namespace pcavr

@@ -33,6 +33,9 @@ Expected<void> write_kept(const Replay& replay, const std::filesystem::path& fol
   for (const SentCorrection& sent : run.corrections) {
     if (done) done = writer.add_correction(sent);
   }
+  for (const ParameterRow& row : run.parameter_rows) {
+    if (done) done = writer.add_parameter(row);
+  }
   if (!done) return done;
   return writer.close();
 }

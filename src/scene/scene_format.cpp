@@ -109,6 +109,31 @@ void emit_plane(YAML::Emitter& out, const SupportPlane& plane) {
   out << YAML::EndSeq << YAML::EndMap;
 }
 
+void emit_guard(YAML::Emitter& out, const GuardSurface& guard) {
+  out << YAML::BeginMap;
+  emit(out, "name", guard.name);
+  if (const auto* box = std::get_if<GuardBox>(&guard.shape)) {
+    out << YAML::Key << "box" << YAML::Value << YAML::BeginMap << YAML::Key << "size"
+        << YAML::Value;
+    emit_list(out, box->size);
+    emit_pose(out, "pose", box->T_base_box);
+    out << YAML::EndMap;
+  } else if (const auto* plane = std::get_if<GuardPlane>(&guard.shape)) {
+    out << YAML::Key << "plane" << YAML::Value << YAML::BeginMap << YAML::Key << "point"
+        << YAML::Value;
+    emit_list(out, plane->point);
+    out << YAML::Key << "normal" << YAML::Value;
+    emit_list(out, plane->normal);
+    emit(out, "size", plane->size);
+    out << YAML::EndMap;
+  } else {
+    out << YAML::Key << "scan" << YAML::Value << YAML::BeginMap;
+    emit(out, "margin", std::get<GuardScan>(guard.shape).margin);
+    out << YAML::EndMap;
+  }
+  out << YAML::EndMap;
+}
+
 void emit_files(YAML::Emitter& out, const SceneManifest& manifest) {
   emit_section(out, "files");
   out << YAML::BeginMap;
@@ -289,6 +314,12 @@ std::string format_scene_manifest(const SceneManifest& manifest) {
   out << YAML::BeginSeq;
   for (const SupportPlane& plane : manifest.support_planes) emit_plane(out, plane);
   out << YAML::EndSeq;
+  if (!manifest.guards.empty()) {
+    emit_section(out, "guards");
+    out << YAML::BeginSeq;
+    for (const GuardSurface& guard : manifest.guards) emit_guard(out, guard);
+    out << YAML::EndSeq;
+  }
   // Before `quality`: a truncated manifest then lacks required keys, and is rejected.
   if (manifest.lines) emit_lines(out, *manifest.lines);
   if (!manifest.configuration.empty()) emit_configuration(out, manifest.configuration);

@@ -159,6 +159,44 @@ SupportPlane plane_of(const YamlValue& value) {
   return plane;
 }
 
+/// [m] Of a guard's box or sheet.
+constexpr InputRange kGuardSize{"guard size", 1e-3, 1e3, "m", "that of a cell or a building"};
+/// [m] Less than a millimetre is below the map's cells; more than a metre leaves no room to work.
+constexpr InputRange kGuardMargin{"guard margin", 1e-3, 1.0, "m", "beyond the map's accuracy"};
+
+GuardBox guard_box_of(const YamlValue& value) {
+  value.expect_keys({"size", "pose"});
+  const std::vector<double> size = value.at("size").numbers_in(3, kGuardSize);
+  return {.T_base_box = pose_of(value.at("pose")), .size = {size[0], size[1], size[2]}};
+}
+
+GuardPlane guard_plane_of(const YamlValue& value) {
+  value.expect_keys({"point", "normal", "size"});
+  GuardPlane plane{.point = vector_of(value.at("point")), .normal = vector_of(value.at("normal"))};
+  if (!(std::abs(plane.normal.norm() - 1.0) <= kUnitTolerance)) {
+    value.at("normal").fail("is not a unit vector", "write a direction with a length of 1");
+  }
+  if (const auto size = value.find("size")) plane.size = size->number_in(kGuardSize);
+  return plane;
+}
+
+GuardSurface guard_of(const YamlValue& value) {
+  value.expect_keys({"name", "box", "plane", "scan"});
+  GuardSurface guard;
+  guard.name = value.at("name").text();
+  const auto box = value.find("box"), plane = value.find("plane"), scan = value.find("scan");
+  if (int{box.has_value()} + int{plane.has_value()} + int{scan.has_value()} != 1) {
+    value.fail("has not exactly one shape", "write one of box, plane and scan");
+  }
+  if (box) guard.shape = guard_box_of(*box);
+  if (plane) guard.shape = guard_plane_of(*plane);
+  if (scan) {
+    scan->expect_keys({"margin"});
+    guard.shape = GuardScan{scan->at("margin").number_in(kGuardMargin)};
+  }
+  return guard;
+}
+
 std::vector<std::pair<std::string, std::size_t>> counts_of(const YamlValue& value,
                                                            const char* what) {
   std::vector<std::pair<std::string, std::size_t>> counts;
@@ -236,7 +274,7 @@ std::vector<std::filesystem::path> levels_of(const YamlValue& files) {
 
 SceneManifest manifest_of_yaml(const YamlValue& root) {
   root.expect_keys({"format", "made_by", "recording", "camera", "voxel_size", "files", "objects",
-                    "robot", "tags", "support_planes", "lines", "quality", "configuration"});
+                    "robot", "tags", "support_planes", "guards", "lines", "quality", "configuration"});
   const YamlValue format = root.at("format");
   if (format.text() != kFormat) {
     format.fail("is '" + format.text() + "'", std::string("this version reads ") + kFormat);
@@ -259,6 +297,9 @@ SceneManifest manifest_of_yaml(const YamlValue& root) {
   }
   for (const YamlValue& plane : root.at("support_planes").items()) {
     manifest.support_planes.push_back(plane_of(plane));
+  }
+  if (const auto guards = root.find("guards")) {
+    for (const YamlValue& guard : guards->items()) manifest.guards.push_back(guard_of(guard));
   }
   if (const auto lines = root.find("lines")) {
     manifest.lines.emplace();

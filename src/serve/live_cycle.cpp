@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "live_cycle.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pcavr/core/check.hpp"
 
 namespace pcavr {
 namespace {
+
+constexpr double kMinTimeScale = 0.1;
 
 std::vector<std::string> names_of(const HapticWorld& world) {
   std::vector<std::string> names;
@@ -47,6 +50,8 @@ LiveCycle::LiveCycle(HapticWorld world, std::unique_ptr<Device> device,
       speeds_(world_.size(), 0.0) {
   PCAVR_REQUIRE(device_ != nullptr);
   command_.p_base_tip = options.p_base_tool_start;
+  set_time_scale(options.time_scale);
+  cycle_scale_ = time_scale();
   for (const HapticBodyState& body : world_.state().bodies) {
     positions_.push_back(body.T_base_object.translation());
   }
@@ -80,10 +85,15 @@ void LiveCycle::reset_if_requested(const DeviceSample& sample) noexcept {
   }
 }
 
+void LiveCycle::set_time_scale(double scale) noexcept {
+  if (!std::isfinite(scale)) return;
+  time_scale_.store(std::clamp(scale, kMinTimeScale, 1.0), std::memory_order_relaxed);
+}
+
 void LiveCycle::measure_speeds() noexcept {
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     const Eigen::Vector3d& now = world_.state().bodies[i].T_base_object.translation();
-    speeds_[i] = (now - positions_[i]).norm() / options_.cycle;
+    speeds_[i] = (now - positions_[i]).norm() / (options_.cycle * cycle_scale_);
     positions_[i] = now;
   }
 }
@@ -100,14 +110,19 @@ void LiveCycle::move_arm() noexcept {
 
 void LiveCycle::step(double t) noexcept {
   const HapticWorldState& state = world_.state();
-  const DeviceSample sample = device_->exchange(
-      t, options_.cycle, {state.p_base_proxy, state.force_base, pulses_.amplitude()});
+  const DeviceSample sample =
+      device_->exchange(t, options_.cycle,
+                        {state.p_base_proxy, cycle_scale_ * state.force_base, pulses_.amplitude()});
   reset_if_requested(sample);
   was_on_hold_ = is_on_hold_.load(std::memory_order_relaxed);
   command_ = command_from(sample, was_on_hold_);
-  world_.step(command_, options_.cycle);
+  // Faster only while no force acts: else the hand would get back more energy than it put in.
+  const double wanted = time_scale();
+  if (wanted < cycle_scale_ || state.force_base.isZero(0.0)) cycle_scale_ = wanted;
+  world_.step(command_, options_.cycle * cycle_scale_);
   if (arm_) move_arm();
   ++cycles_;
+  simulated_cycles_ += cycle_scale_;
   pulses_.step(state, options_.cycle);
   measure_speeds();
 }
@@ -115,11 +130,13 @@ void LiveCycle::step(double t) noexcept {
 void LiveCycle::publish(double duration, std::uint32_t late_cycles, double now) noexcept {
   histogram_.add(duration);
   WorldSnapshot& snapshot = buffer_.back();
-  snapshot.t = options_.cycle * static_cast<double>(cycles_);
+  snapshot.t = options_.cycle * simulated_cycles_;
   snapshot.published = now;
   snapshot.world = world_.state();
+  snapshot.world.force_base *= cycle_scale_;
   snapshot.speeds = speeds_;
   snapshot.is_on_hold = was_on_hold_;
+  snapshot.time_scale = cycle_scale_;
   snapshot.pulse = pulses_.amplitude();
   snapshot.pulses = pulses_.count();
   snapshot.cycles = cycles_;

@@ -29,6 +29,10 @@ class LiveCycle {
 
   void hold(bool is_on_hold) noexcept { is_on_hold_.store(is_on_hold, std::memory_order_relaxed); }
   void reset() noexcept { resets_.fetch_add(1, std::memory_order_relaxed); }
+  void set_time_scale(double scale) noexcept;
+  [[nodiscard]] double time_scale() const noexcept {
+    return time_scale_.load(std::memory_order_relaxed);
+  }
   [[nodiscard]] const WorldSnapshot& newest() noexcept { return buffer_.newest(); }
 
   [[nodiscard]] CycleTimes times() const noexcept { return histogram_.times_of_all(); }
@@ -54,6 +58,9 @@ class LiveCycle {
   std::vector<Eigen::Vector3d> positions_;  ///< of the bodies, one cycle ago
   std::vector<double> speeds_;
   std::atomic<bool> is_on_hold_{false};
+  std::atomic<double> time_scale_{1.0};
+  double cycle_scale_ = 1.0;       ///< time scale of the latest cycle
+  double simulated_cycles_ = 0.0;  ///< cycles, times their time scale
   std::atomic<std::uint32_t> resets_{0};
   std::uint32_t resets_done_ = 0;
   std::uint32_t cycles_ = 0;

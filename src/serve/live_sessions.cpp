@@ -58,6 +58,7 @@ void copy_world(const WorldSnapshot& snapshot, LiveState& state) {
   state.t = snapshot.t;
   state.is_engaged = snapshot.world.is_engaged;
   state.is_on_hold = snapshot.is_on_hold;
+  state.time_scale = snapshot.time_scale;
   state.touches_scan = snapshot.world.touches_scan;
   state.touched_object = snapshot.world.touched_body;
   state.p_base_hip = snapshot.world.p_base_hip.cast<float>();
@@ -183,6 +184,10 @@ void LiveSessions::handle_command(PageId id, LiveCommand command, double now) {
     case LiveCommand::release_tool:
       if (holder_ == id) release_tool();
       return;
+    case LiveCommand::slower:
+    case LiveCommand::faster:
+      if (has_control) return change_time_scale(command == LiveCommand::faster);
+      break;
   }
   send_notice(id, LiveLevel::warning, "another page has the tool", now);
 }
@@ -204,6 +209,18 @@ void LiveSessions::reset(PageId id, double now) {
   for (const auto& [page, state] : pages_) {
     if (page == id || state.has_sent_hello) send_notice(page, LiveLevel::info, text, now);
   }
+}
+
+/// To the next of kTimeScales; one that the command line gave may lie between two.
+void LiveSessions::change_time_scale(bool is_faster) {
+  constexpr double kSame = 1e-6;
+  const double now = world_.time_scale();
+  double next = now;
+  for (const double scale : kTimeScales) {
+    if (is_faster && scale > now + kSame) return world_.set_time_scale(scale);
+    if (!is_faster && scale < now - kSame) next = scale;
+  }
+  world_.set_time_scale(next);
 }
 
 void LiveSessions::take_tool(PageId id, double now) {

@@ -62,6 +62,7 @@ class LiveSessions {
   void move_tool(PageId page, const LiveHeader& header, const LiveTool& tool, double now);
   void handle_command(PageId page, LiveCommand command, double now);
   void reset(PageId page, double now);
+  void change_time_scale(bool is_faster);
   void take_tool(PageId page, double now);
   void release_tool();
   /// Whether a page other than `id` has the tool and uses it.

@@ -60,6 +60,8 @@ constexpr auto kLiveWorldFields = std::to_array<OptionField<LiveWorldOptions>>({
      "real-time priority (SCHED_FIFO) of the world's thread",
      "lower: other real-time programs delay it; higher: it delays the kernel's threads"},
     // The device samples of a longer one are out of date.
+    {"time_scale", &LiveWorldOptions::time_scale, 1.0, 0.1, 1.0, "", "simulated over real time",
+     "lower: slow motion, weaker forces; higher: real time"},
     {"max_backlog", &LiveWorldOptions::max_backlog, 20, 0, 10'000, "cycles",
      "late cycles that are still run; a longer backlog is skipped",
      "lower: simulation time stays behind the clock; higher: the world jumps after a stall"},

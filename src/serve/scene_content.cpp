@@ -176,8 +176,12 @@ Expected<SceneContent> SceneContent::create(const SceneManifest& scene,
   });
   if (const auto checked = check(items, observer); !checked) return checked.error();
   SceneContent content;
-  const std::string text =
-      json_text(scene_json(scene, scene_files(items, scene), *arm, parameters, *camera));
+  Expected<nlohmann::ordered_json> guards = guards_json(scene);
+  if (!guards) return guards.error();
+  nlohmann::ordered_json json = 
+      scene_json(scene, scene_files(items, scene), *arm, parameters, *camera);
+  json["guards"] = std::move(*guards);
+  const std::string text = json_text(json);
   content.contents_["/api/scene.json"] =
       std::make_shared<const Content>(make_content(kJsonMedia, text));
   for (Item& item : items) {

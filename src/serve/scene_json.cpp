@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <utility>
 
 #include "pcavr/object/parameters_file.hpp"
+#include "pcavr/scene/guard_surface.hpp"
 #include "pcavr/serve/live_protocol.hpp"
 #include "pcavr/serve/scene_content.hpp"
 
@@ -107,6 +110,20 @@ Json robot_json(const SceneArm& arm, const SceneRobotEntry& entry, const SceneFi
   return json;
 }
 
+/// Flat arrays of a guard's mesh, in millimetres: whole numbers are short.
+Expected<Json> guard_json(const GuardSurface& guard, const std::filesystem::path& folder) {
+  const Expected<TriangleMesh> mesh = guard_mesh(guard, folder);
+  if (!mesh) return mesh.error();
+  Json vertices = Json::array(), triangles = Json::array();
+  for (const Eigen::Vector3f& vertex : mesh->vertices) {
+    for (const float coordinate : vertex) vertices.push_back(std::lround(1e3F * coordinate));
+  }
+  for (const auto& triangle : mesh->triangles) {
+    for (const std::uint32_t index : triangle) triangles.push_back(index);
+  }
+  return Json{{"name", guard.name}, {"vertices_mm", vertices}, {"triangles", triangles}};
+}
+
 /// One pose of a fixed camera, else poses spaced evenly over its frames.
 Json cameras_json(const Trajectory& camera, bool is_fixed) {
   Json cameras = Json::array();
@@ -121,6 +138,16 @@ Json cameras_json(const Trajectory& camera, bool is_fixed) {
 }
 
 }  // namespace
+
+Expected<Json> guards_json(const SceneManifest& scene) {
+  Json guards = Json::array();
+  for (const GuardSurface& guard : scene.guards) {
+    Expected<Json> json = guard_json(guard, scene.folder);
+    if (!json) return json.error();
+    guards.push_back(std::move(*json));
+  }
+  return guards;
+}
 
 std::string scene_name(const SceneManifest& scene) {
   const std::filesystem::path folder =

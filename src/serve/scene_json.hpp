@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pcavr/core/expected.hpp"
 #include "pcavr/geometry/trajectory.hpp"
 #include "pcavr/object/object_parameters.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
@@ -40,5 +41,8 @@ struct SceneFiles {
                                                 const std::optional<SceneArm>& arm,
                                                 const std::optional<ParameterTable>& parameters,
                                                 const Trajectory& camera);
+
+/// Its "guards": the guard surfaces' triangles. Errors of guard_mesh.
+[[nodiscard]] Expected<nlohmann::ordered_json> guards_json(const SceneManifest& scene);
 
 }  // namespace pcavr

@@ -3,6 +3,7 @@
 #include "pcavr/serve/scene_world.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <iterator>
 #include <string>
 #include <utility>
@@ -58,6 +59,33 @@ Expected<void> add_object(const SceneManifest& scene, const SceneObjectEntry& ob
   return {};
 }
 
+void append(const TriangleMesh& part, TriangleMesh& mesh) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());
+  for (const auto& triangle : part.triangles) {
+    mesh.triangles.push_back({triangle[0] + first, triangle[1] + first, triangle[2] + first});
+  }
+}
+
+/// The guards' surfaces; an Error where the tool would start inside one.
+Expected<void> add_guards(const SceneManifest& scene, double tool_radius, SceneWorld& world) {
+  for (const GuardSurface& guard : scene.guards) {
+    const Expected<bool> is_inside =
+        is_guarded(guard, scene.folder, world.p_base_tool_start, tool_radius);
+    if (!is_inside) return is_inside.error();
+    if (*is_inside) {
+      return Error{.message = "guard " + guard.name + " encloses the tool's start",
+                   .file = (scene.folder / "scene.yaml").string(),
+                   .place = "guards",
+                   .hint = "make the guard smaller, or raise serve.scene.start_height"};
+    }
+    const Expected<TriangleMesh> mesh = guard_mesh(guard, scene.folder);
+    if (!mesh) return mesh.error();
+    append(*mesh, world.model.guard_mesh_base);
+  }
+  return {};
+}
+
 Eigen::Vector3d tool_start(const WorldModel& world, double start_height) {
   Eigen::AlignedBox3f box;
   for (const WorldBody& body : world.bodies) {
@@ -99,6 +127,8 @@ Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
   }
   world.triangles = world.model.world.static_mesh_base.triangles.size();
   world.p_base_tool_start = tool_start(world.model.world, options.start_height);
+  const Expected<void> guarded = add_guards(scene, options.tool_radius, world);
+  if (!guarded) return guarded.error();
   return world;
 }
 

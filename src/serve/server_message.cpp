@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "pcavr/core/json_text.hpp"
@@ -17,6 +18,8 @@ using nlohmann::ordered_json;
 constexpr std::array<std::string_view, 3> kLevels{"info", "warning", "error"};
 constexpr std::size_t kObjectBytes = 48;
 constexpr std::uint8_t kPhases = 4;
+constexpr unsigned kTimeScaleShift = 8;  // bits of the flags below it
+constexpr double kPercents = 100.0;
 
 enum StateFlag : std::uint32_t {
   kEngaged = 1,
@@ -59,7 +62,8 @@ constexpr std::uint32_t kNoObject = 0xffff'ffff;
 std::uint32_t flags_of(const LiveState& state) {
   return (state.is_engaged ? kEngaged : 0U) | (state.is_on_hold ? kOnHold : 0U) |
          (state.touches_scan ? kTouchesScan : 0U) | (state.has_tool ? kHasTool : 0U) |
-         (state.tool_taken ? kToolTaken : 0U);
+         (state.tool_taken ? kToolTaken : 0U) |
+         static_cast<std::uint32_t>(std::lround(kPercents * state.time_scale)) << kTimeScaleShift;
 }
 
 constexpr std::uint32_t kArmStopped = 1;
@@ -130,6 +134,7 @@ void read_flags(std::uint32_t flags, LiveState& state) {
   state.touches_scan = (flags & kTouchesScan) != 0;
   state.has_tool = (flags & kHasTool) != 0;
   state.tool_taken = (flags & kToolTaken) != 0;
+  state.time_scale = (flags >> kTimeScaleShift & 0xffU) / kPercents;
 }
 
 Expected<ServerMessage> read_state(const LiveFrame& frame) {

@@ -21,8 +21,6 @@ constexpr double kToolSpeedRatio = 0.35;
 constexpr double kSlideSettled = 0.080;
 // Inertial force of a fast push over its friction [identification's README: 12 to 18 %].
 constexpr double kInertialRatio = 0.2;
-// Ratio of the limit from which friction counts as critical, as in the file format.
-constexpr double kCriticalRatio = 0.9;
 
 }  // namespace
 
@@ -292,7 +290,7 @@ void PhaseMonitor::stamp_critical(double t_onset) {
   if (was_reported && is_consistent) return;
   double t_critical = t_onset;
   for (std::size_t i = first_after(t_onset); i-- > from;) {
-    if (contact_[i].friction < kCriticalRatio * peak) break;
+    if (contact_[i].friction < (1.0 - options_.critical_share) * peak) break;
     t_critical = contact_[i].t;
   }
   const MonitoredPhase slide = changes_.back();
@@ -343,7 +341,7 @@ void PhaseMonitor::stamp_rest(double t_stop) {
 }
 
 double PhaseMonitor::critical_force() const {
-  const double band = std::max(limit_->std.value_or(0.0), (1.0 - kCriticalRatio) * limit_->value);
+  const double band = std::max(limit_->std.value_or(0.0), options_.critical_share * limit_->value);
   return limit_->value - band;
 }
 

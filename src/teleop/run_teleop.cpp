@@ -18,14 +18,17 @@
 
 #include "teleop/link.hpp"
 #include "teleop/operator_site.hpp"
+#include "teleop/parameter_history.hpp"
 #include "teleop/recorded_signals.hpp"
 #include "teleop/robot_site.hpp"
+#include "teleop/sent_parameters.hpp"
 
 namespace pcavr {
 namespace {
 
 constexpr std::size_t kMaxObjects = 255;     // a message has one byte for its object's index
 constexpr double kMinHeld = 0.05;            // [s] shorter contacts with the scan are not noted
+constexpr double kHistoryInterval = 0.1;     // [s] between two looks at the parameters
 constexpr double kMinTrackingGap = 0.2;      // [s] without a frame of an object, that is noted
 constexpr double kTimeTolerance = 5e-7;      // [s] half the last digit in files
 constexpr double kMinPhaseDuration = 0.008;  // [s] of the file format
@@ -155,7 +158,8 @@ std::optional<double> newest_by(double now, bool all, std::deque<Command>& in_fl
 }
 
 Expected<void> send(const CorrectionMessage& message, double now, double epoch, Link& link,
-                    OperatorSite& site, RobotSite& robot, const TeleopSink& sink, TeleopRun& run) {
+                    OperatorSite& site, RobotSite& robot, const TeleopSink& sink,
+                    ParameterHistory& history, TeleopRun& run) {
   // A correction for a time before the simulation applies from its start.
   CorrectionMessage sendable = message;
   sendable.t = std::max(message.t, epoch);
@@ -170,7 +174,10 @@ Expected<void> send(const CorrectionMessage& message, double now, double epoch, 
   robot.note_bytes(bytes.size());
   const std::optional<double> arrival = link.arrival(now);
   sent.is_lost = !arrival;
-  if (arrival) site.enqueue(*arrival, std::move(bytes));
+  if (arrival) {
+    history.send(*arrival, message.object, message.parameters);
+    site.enqueue(*arrival, std::move(bytes));
+  }
   ++run.sent_corrections;
   return sink.take_correction(sent);
 }
@@ -276,11 +283,19 @@ void finish(const TeleopInput& input, const TeleopOptions& options, const RobotS
   note_unseen(input, options, robot, run);
 }
 
+std::vector<ObjectParameters> all_sent_parameters(const std::vector<BodyPhysics>& physics,
+                                                  double gravity) {
+  std::vector<ObjectParameters> all;
+  for (const BodyPhysics& one : physics) all.push_back(sent_parameters(one, gravity));
+  return all;
+}
+
 /// Simulates both sites cycle by cycle.
 class Session {
  public:
   Session(const TeleopInput& world, const TeleopOptions& options, const TipPath& tip,
-          const Span& span, OperatorSite& site, RobotSite& robot, const TeleopSink& sink)
+          const Span& span, OperatorSite& site, RobotSite& robot, const TeleopSink& sink,
+          const std::vector<BodyPhysics>& physics)
       : options_(options),
         span_(span),
         site_(site),
@@ -291,6 +306,7 @@ class Session {
         backward_({options.backward_delay, options.jitter, options.loss}, random_.fork(1)),
         forward_({0.0, options.jitter, 0.0}, random_.fork(2)),
         log_(span.start, options.predictor.step, world.objects.size()),
+        history_(all_sent_parameters(physics, options.gravity())),
         predicted_(world.objects.size()) {}
 
   Expected<void> run(const Observer& observer, TeleopRun& run) {
@@ -316,7 +332,7 @@ class Session {
     if (!received) return {};
     for (const CorrectionMessage& message : robot_.advance(*received, log_)) {
       const Expected<void> sent =
-          send(message, t, span_.start, backward_, site_, robot_, sink_, run);
+          send(message, t, span_.start, backward_, site_, robot_, sink_, history_, run);
       if (!sent) return sent;
     }
     for (const ForceRow& row : robot_.take_forces()) {
@@ -324,6 +340,23 @@ class Session {
       if (!stored) return stored;
     }
     log_.discard_before(robot_.oldest_needed());
+    return write_parameters(t);
+  }
+
+  /// Every kHistoryInterval.
+  Expected<void> write_parameters(double t) {
+    if (!sink_.take_parameter || (last_history_ && t < *last_history_ + kHistoryInterval)) {
+      return {};
+    }
+    last_history_ = t;
+    for (std::size_t i = 0; i < robot_.objects().size(); ++i) {
+      const BodyPhysics physics = robot_.objects()[i].physics();
+      for (const ParameterRow& row :
+           history_.advance(t, i, sent_parameters(physics, options_.gravity()))) {
+        const Expected<void> stored = sink_.take_parameter(row);
+        if (!stored) return stored;
+      }
+    }
     return {};
   }
 
@@ -337,6 +370,8 @@ class Session {
   Link backward_;
   Link forward_;
   PredictionLog log_;
+  ParameterHistory history_;
+  std::optional<double> last_history_ = {};  ///< [s]
   std::deque<Command> in_flight_;
   std::vector<Changes> predicted_;
 };
@@ -354,6 +389,10 @@ TeleopSink storing_sink(TeleopRun& stored) {
           .take_correction = [&stored](const SentCorrection& sent) -> Expected<void> {
             stored.corrections.push_back(sent);
             return {};
+          },
+          .take_parameter = [&stored](const ParameterRow& row) -> Expected<void> {
+            stored.parameter_rows.push_back(row);
+            return {};
           }};
 }
 
@@ -368,6 +407,7 @@ Expected<TeleopRun> run_teleop(const TeleopInput& input, const TeleopOptions& op
   run->shown = std::move(stored.shown);
   run->forces = std::move(stored.forces);
   run->corrections = std::move(stored.corrections);
+  run->parameter_rows = std::move(stored.parameter_rows);
   return run;
 }
 
@@ -407,7 +447,7 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
                                                      CommandPath(tip, span.start, step).at(0));
   if (!site) return site.error();
   RobotSite robot(world, options, tip, force, findings, physics, span.start);
-  Session session(world, options, tip, span, *site, robot, sink);
+  Session session(world, options, tip, span, *site, robot, sink, physics);
   const Expected<void> done = session.run(observer, run);
   if (!done) return done.error();
   finish(world, options, robot, *site, session.predicted(), run);

@@ -73,6 +73,9 @@ class EvaluateRun : public testing::Test {
     write(run() / "corrections.csv",
           "t,object,case,what,bytes\n1.05,box,2,position,120\n1.1,box,1.1,contact "
           "parameters+lost,80\n");
+    write(run() / "parameters.csv",
+          "t,object,parameter,running,transmitted\n1.0,box,mass,3.0,3.0\n"
+          "1.2,box,mass,3.3,3.0\n1.6,box,mass,3.3,3.3\n");
     write(run() / "parameters.yaml", "box:\n  mass: 3.3\n  mass_std: 0.1\n");
     fs::create_directories(report());
   }
@@ -189,6 +192,21 @@ TEST_F(EvaluateRun, CountsCorrectionsAndTheirEffects) {
   EXPECT_NEAR(metrics["corrections.recovery.median_s"], 0.4, 1e-9);
   EXPECT_EQ(metrics["corrections.object.box.until_good.count"], 1);
   EXPECT_EQ(metrics["corrections.object.box.until_settled.count"], 0);
+}
+
+TEST_F(EvaluateRun, ShowsTransmittedBesideRunningParameters) {
+  const Json json = metrics_against(truth());
+  // The rendered force is 10 % too large throughout.
+  EXPECT_EQ(json["history.box.arrival.1.t_s"], 1.6);
+  EXPECT_EQ(json["history.box.arrival.1.parameters"], "mass");
+  EXPECT_NEAR(json["history.box.arrival.1.force_error_before"].get<double>(), 0.1, 1e-4);
+  EXPECT_NEAR(json["history.box.arrival.1.force_error_after"].get<double>(), 0.1, 1e-4);
+  const Json data = Json::parse(report_data(report()));
+  bool has_plot = false;
+  for (const Json& section : data["sections"]) {
+    has_plot = has_plot || section["title"] == "box: parameters at both sites";
+  }
+  EXPECT_TRUE(has_plot);
 }
 
 TEST_F(EvaluateRun, ComparesParameters) {

@@ -79,6 +79,7 @@ TEST_F(RunFolder, NamesTheLineOfABadRow) {
       {"phases.csv", "t,object,measured,predicted\n1,box,free,gliding\n", 2, "gliding"},
       {"phases.csv", "t,object,measured,predicted\n2,box,free,free\n1,box,static,free\n", 3,
        "not after"},
+      {"parameters.csv", "t,object,parameter,running,transmitted\n1,box,mass,3,x\n", 2, "'x'"},
       {"corrections.csv", "t,object,case,what,bytes\n1,box,1.4,position,3\n", 2, "1.4"},
       {"corrections.csv", "t,object,case,what,bytes\n1,box,2,position,-3\n", 2, "out of range"},
       {"run.yaml", "forward_delay: soon\n", 1, "soon"},

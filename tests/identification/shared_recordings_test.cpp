@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -9,8 +10,10 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/identification/averaged_estimator.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/segmentation.hpp"
+#include "pcavr/identification/signals.hpp"
 #include "pcavr/identification/sliding.hpp"
 
 #include "support/shared_data.hpp"
@@ -88,6 +91,73 @@ TEST(Palpation, HasTheKnownStiffnessAndADampingWithItsStd) {
   EXPECT_NEAR(quantile(stiffness, 0.5), 483.0, 0.05 * 483.0);
   EXPECT_NEAR(quantile(damping, 0.5), 2.0, 1.0);
   EXPECT_LT(quantile(damping_std, 0.5), 1.0);
+}
+
+/// One segment of a palpation run, along its mean force.
+Window whole_segment(const std::vector<std::vector<double>>& rows, double segment) {
+  Window window;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& row : rows) {
+    if (row[0] == segment) sum += Eigen::Vector3d(row[5], row[6], row[7]);
+  }
+  const Eigen::Vector3d out = sum.normalized();
+  for (const auto& row : rows) {
+    if (row[0] != segment || (!window.t.empty() && row[1] <= window.t.back())) continue;
+    window.t.push_back(row[1]);
+    window.tool.push_back(-1e-3 * out.dot(Eigen::Vector3d(row[2], row[3], row[4])));
+    window.force.push_back(out.dot(Eigen::Vector3d(row[5], row[6], row[7])));
+  }
+  return window;
+}
+
+/// Relative rms error of the force predicted from damping, stiffness and offset that are a filter
+/// width old, after 2 s: the tip drifts over the surface, so that the offset changes.
+template <typename Estimator>
+double palpation_error(Estimator estimator, const Window& window, double correlated) {
+  const double interval = mean_interval(window.t);
+  CausalFilter filter(3.0 * interval, 1.0 / interval, estimate_noise_std(window.force));
+  std::vector<std::array<double, 3>> earlier(
+      static_cast<std::size_t>(std::max(1L, std::lround(1.4 * correlated))));
+  double squares = 0.0, force_squares = 0.0;
+  for (std::size_t i = 0; i < window.t.size(); ++i) {
+    const auto out =
+        filter.step(window.t[i], window.tool[i] - window.tool.front(), window.force[i]);
+    if (!out) continue;
+    const std::array<double, 3> phi{out->speed, out->position, 1.0};
+    std::array<double, 3>& then = earlier[i % earlier.size()];
+    const double error = then[0] * phi[0] + then[1] * phi[1] + then[2] * phi[2] - out->force;
+    estimator.step(phi, out->force);
+    then = estimator.parameters();
+    if (out->t < window.t.front() + 2.0) continue;
+    squares += error * error, force_squares += out->force * out->force;
+  }
+  return std::sqrt(squares / force_squares);
+}
+
+TEST(Palpation, IsPredictedBetterByTheAdaptiveForgettingFactorThanByAConstantOne) {
+  for (const char* name : {"ContPalpRAL18T1", "ContPalpTrial1", "ContPalpTrial3"}) {
+    const std::string path = std::string("real/palpation/") + name + ".csv";
+    PCAVR_NEEDS_SHARED_DATA(path);
+    const auto rows = read_numbers(shared_data(path));
+    const Window window = whole_segment(rows, rows.front()[0]);
+    EstimatorOptions<3> options;
+    options.scale = {0.01, 0.003, 1.0};
+    const double interval = mean_interval(window.t);
+    options.correlated_samples = correlated_samples(3.0 * interval, interval);
+    const double correlated = options.correlated_samples;
+    const double averaged = palpation_error(AveragedEstimator<3>(options), window, correlated);
+    const double unity = palpation_error(ParameterEstimator<3>(options), window, correlated);
+    options.method = EstimationMethod::exponential;
+    const double constant = palpation_error(ParameterEstimator<3>(options), window, correlated);
+    options.method = EstimationMethod::block;
+    const double block = palpation_error(ParameterEstimator<3>(options), window, correlated);
+    RecordProperty(std::string(name) + "_affrls", std::to_string(averaged));
+    RecordProperty(std::string(name) + "_unity_zone", std::to_string(unity));
+    RecordProperty(std::string(name) + "_ewrls", std::to_string(constant));
+    RecordProperty(std::string(name) + "_bsls", std::to_string(block));
+    EXPECT_LE(averaged, constant) << name;
+    EXPECT_LT(averaged, unity) << name;
+  }
 }
 
 TEST(PushTwoBoxes, IsIdentifiedFromOnePushEach) {

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "pcavr/core/gravity.hpp"
 #include "pcavr/core/output.hpp"
@@ -102,6 +104,40 @@ TEST(Identify, FindsNoOffsetBetweenSynchronousClocksForAStiffObject) {
   EXPECT_LT(std::abs(found->inputs.tool_to_force.offset), 4.0 * found->inputs.tool_to_force.std);
   EXPECT_LT(found->inputs.tool_to_force.std, 0.0004);  // a fifth of a sample
   EXPECT_FALSE(found->inputs.is_force_offset_applied);
+}
+
+TEST(Identify, DrawsTheForceLinesOfAPushBesideThePresses) {
+  const auto found = identify(probe().input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value());
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_identification_report(*found, "probe", folder.path()));
+  const auto json = nlohmann::json::parse(read_file(folder.path() / "report.json").value());
+  const std::string key = "object." + found->objects[0].name + ".";
+  const auto& lines = json[key + "force_lines"];
+  EXPECT_GT(lines["t"].size(), 100U);
+  EXPECT_EQ(lines["press_line"].size(), lines["t"].size());
+  EXPECT_EQ(lines["push_line"].size(), lines["t"].size());
+  EXPECT_GT(lines["t_breakaway"], lines["t"].front());
+  const auto highest = [&lines](const char* name) {
+    const auto values = lines[name].get<std::vector<double>>();
+    return *std::max_element(values.begin(), values.end());
+  };
+  EXPECT_GT(highest("push_line"), 0.5 * highest("measured"));
+  EXPECT_GT(highest("press_line"), 0.5 * highest("measured"));
+  // A note says where the presses do not describe the pushed face.
+  int checked = 0, different = 0;
+  for (const auto& push : json[key + "breakaways"]) {
+    if (!push.contains("press_line_ratio")) continue;
+    const double ratio = push["press_line_ratio"], ratio_std = push["press_line_ratio_std"];
+    ++checked;
+    different += std::abs(ratio - 1.0) > std::max(0.1, 3.0 * ratio_std) ? 1 : 0;
+  }
+  EXPECT_GE(checked, 5);
+  EXPECT_EQ(has_note(found->objects[0].notes, "as steeply as the press's law predicts"),
+            2 * different > checked);
+  const std::string page = report_data(folder.path());
+  EXPECT_NE(page.find("force lines of an object at rest"), std::string::npos);
+  EXPECT_NE(page.find("Pushes beside the press's law"), std::string::npos);
 }
 
 TEST(Identify, EstimatesTheMeanForceOfStationaryPressesBetterThanEachSample) {

@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "serve/live_cycle.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
 #include <gtest/gtest.h>
 
 #include "pcavr/robot/link_meshes.hpp"
@@ -74,6 +78,58 @@ TEST_F(LiveCycleTest, AHandWithTheClutchClosedPushesTheBox) {
   // A first contact, and a breakaway.
   EXPECT_GE(state.pulses, 2U);
   EXPECT_GT(state.pulse, 0.0);
+}
+
+TEST_F(LiveCycleTest, SlowedTimeRunsAtItsScaleWithForcesAsMuchSmaller) {
+  run(1);
+  cycle_.set_time_scale(0.25);
+  const WorldSnapshot& slow = run(100);
+  EXPECT_EQ(slow.time_scale, 0.25);
+  EXPECT_NEAR(slow.t, kCycle * (1.0 + 25.0), 1e-9);
+  // Ten seconds of hand for the push of 1.5 s above: the same force in the world, a quarter felt.
+  const Eigen::Vector3d force = move(kInTheBox, 6000).world.force_base;
+  LiveCycle fast(test::a_box_on_a_table(), std::make_unique<ScriptedDevice>(sample_),
+                 test::options_with_tool_start());
+  sample_.p_base_tip = test::kToolStart;
+  for (int i = 1; i <= 1500; ++i) {
+    sample_.p_base_tip = test::kToolStart + (kInTheBox - test::kToolStart) * (i / 1500.0);
+    fast.step(kCycle * i);
+    fast.publish(1e-5, 0, kCycle * i);
+  }
+  EXPECT_NEAR(force.x(), 0.25 * fast.newest().world.force_base.x(), 0.1 * std::abs(force.x()));
+}
+
+TEST_F(LiveCycleTest, TimeGoesFasterOnlyWhenNoForceActs) {
+  run(1);
+  cycle_.set_time_scale(0.1);
+  move(kInTheBox, 3000);
+  cycle_.set_time_scale(1.0);
+  EXPECT_EQ(run(5).time_scale, 0.1);
+  sample_.is_engaged = false;
+  EXPECT_EQ(run(2000).time_scale, 1.0);
+  cycle_.set_time_scale(0.0);
+  EXPECT_EQ(run(2).time_scale, 0.1);
+}
+
+TEST_F(LiveCycleTest, SlowedTimeReturnsNoEnergyToTheHand) {
+  run(1);
+  cycle_.set_time_scale(0.25);
+  run(1);
+  double work = 0.0, lowest = 0.0;
+  Eigen::Vector3d before = sample_.p_base_tip;
+  for (int i = 1; i <= 8000; ++i) {
+    // Into the box and out again, three times.
+    const double phase = 0.5 - 0.5 * std::cos(2.0 * 3.14159265358979 * 3.0 * i / 8000.0);
+    sample_.is_engaged = true;
+    sample_.p_base_tip = test::kToolStart + phase * (kInTheBox - test::kToolStart);
+    const Eigen::Vector3d force = cycle_.newest().world.force_base;
+    work -= force.dot(sample_.p_base_tip - before);
+    before = sample_.p_base_tip;
+    lowest = std::min(lowest, work);
+    run(1);
+  }
+  EXPECT_GT(work, 0.0);
+  EXPECT_GT(lowest, -1e-4);  // [J]
 }
 
 TEST_F(LiveCycleTest, WithoutTheClutchTheHandMovesNothing) {

@@ -82,8 +82,9 @@ TEST(LiveProtocol, PageMessagesSurviveARoundTrip) {
     EXPECT_EQ(same.is_engaged, tool.is_engaged);
     EXPECT_EQ(same.device, tool.device);
   }
-  for (const auto command : {LiveCommand::hold, LiveCommand::resume, LiveCommand::reset,
-                             LiveCommand::take_tool, LiveCommand::release_tool}) {
+  for (const auto command :
+       {LiveCommand::hold, LiveCommand::resume, LiveCommand::reset, LiveCommand::take_tool,
+        LiveCommand::release_tool, LiveCommand::slower, LiveCommand::faster}) {
     const auto read = decode_page_message(encode(PageMessage{{9, 1.0}, command}));
     ASSERT_TRUE(read);
     EXPECT_EQ(std::get<LiveCommand>(read->content), command);
@@ -223,7 +224,7 @@ TEST(LiveProtocol, RejectsNumbersOutOfRange) {
   EXPECT_TRUE(is_rejected({.device = static_cast<LiveInputDevice>(4)}));
   EXPECT_TRUE(is_rejected({}, {0, 0.0}));
   EXPECT_TRUE(is_rejected({}, {1, std::numeric_limits<double>::infinity()}));
-  for (const std::uint32_t command : {0U, 6U, 0xffffffffU}) {
+  for (const std::uint32_t command : {0U, 8U, 0xffffffffU}) {
     EXPECT_FALSE(
         decode_page_message(encode(PageMessage{{1, 0.0}, static_cast<LiveCommand>(command)})));
   }

@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/serve/scene_world.hpp"
 
+#include <algorithm>
 #include <filesystem>
+#include <string>
 
 #include <gtest/gtest.h>
+
+#include "pcavr/core/output.hpp"
 
 #include "scene/scene_builder.hpp"
 #include "support/temporary_folder.hpp"
@@ -42,6 +46,61 @@ TEST_F(SceneWorldTest, TheBoxIsMovableAtItsPoseAndTheToolStartsAboveIt) {
   EXPECT_GT(world->p_base_tool_start.z(), 0.08 + 0.09);
   EXPECT_NEAR(world->p_base_tool_start.x(), 0.6, 1e-6);
   EXPECT_TRUE(world->notes.empty());
+}
+
+/// The scene with guards written at its end, as by a user.
+Expected<SceneWorld> guarded_world(const std::filesystem::path& folder, const std::string& guards) {
+  EXPECT_TRUE(write_scene(a_box_on_a_table(), folder, {1}));
+  const auto text = read_file(folder / "scene.yaml");
+  EXPECT_TRUE(write_file(folder / "scene.yaml", *text + "guards:\n" + guards));
+  const auto manifest = read_scene_manifest(folder);
+  if (!manifest) return manifest.error();
+  return make_scene_world(*manifest, {});
+}
+
+TEST_F(SceneWorldTest, TheToolNeverPassesAGuardAtAnySpeed) {
+  const auto world = guarded_world(
+      folder_.path(),
+      "- {name: shelf, plane: {point: [0.6, 0.05, 0.15], normal: [0, 0, 1], size: 0.8}}\n"
+      "- {name: press, box: {size: [0.1, 0.1, 0.3], pose: {t: [0.9, 0.05, 0.3], q: [0, 0, 0, "
+      "1]}}}\n");
+  ASSERT_TRUE(world) << world.error().to_string();
+  auto haptic = HapticWorld::create(world->model);
+  ASSERT_TRUE(haptic);
+  haptic->reset(world->p_base_tool_start);
+  const double radius = world->model.world.tool_radius;
+  Eigen::Vector3d tip = world->p_base_tool_start;
+  for (const double speed : {0.05, 0.5, 20.0}) {
+    for (int i = 0; i < 1000; ++i) {
+      tip.z() = std::max(tip.z() - speed * 1e-3, 0.04);
+      haptic->step({tip, true}, 1e-3);
+      ASSERT_GT(haptic->state().p_base_proxy.z(), 0.15 + radius - 1e-6) << speed;
+    }
+    EXPECT_GT(haptic->state().force_base.z(), 1.0) << speed;
+    EXPECT_NEAR(haptic->state().bodies[0].T_base_object.translation().z(), 0.04, 1e-6);
+    tip = world->p_base_tool_start;
+    for (int i = 0; i < 500; ++i) haptic->step({tip, true}, 1e-3);
+  }
+}
+
+TEST_F(SceneWorldTest, AGuardAroundTheToolsStartIsOneLine) {
+  const auto world = guarded_world(
+      folder_.path(),
+      "- {name: cage, box: {size: [2, 2, 2], pose: {t: [0.6, 0, 0], q: [0, 0, 0, 1]}}}\n");
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().to_string().find("guard cage encloses the tool's start"),
+            std::string::npos);
+}
+
+TEST_F(SceneWorldTest, AGuardHasOneShapeInItsRange) {
+  for (const char* guard :
+       {"- {name: a}\n", "- {name: a, scan: {margin: 0}}\n",
+        "- {name: a, scan: {margin: 0.1}, plane: "
+        "{point: [0, 0, 0], normal: [0, 0, 1]}}\n",
+        "- {name: a, plane: {point: [0, 0, 0], normal: [0, 0, 2]}}\n",
+        "- {name: a, box: {size: [0.1, 0.1, -1], pose: {t: [0, 0, 0], q: [0, 0, 0, 1]}}}\n"}) {
+    EXPECT_FALSE(guarded_world(folder_.path(), guard)) << guard;
+  }
 }
 
 TEST_F(SceneWorldTest, AddsImmovableObjectsInPlaceOfTheirScanAndIgnoresUnseenOnesWithANote) {

@@ -23,7 +23,15 @@ export const MessageType = {
   ping: 19,
 } as const;
 
-export const Command = { hold: 1, resume: 2, reset: 3, take: 4, release: 5 } as const;
+export const Command = {
+  hold: 1,
+  resume: 2,
+  reset: 3,
+  take: 4,
+  release: 5,
+  slower: 6,
+  faster: 7,
+} as const;
 export type Command = (typeof Command)[keyof typeof Command];
 
 export const Device = { mouse: 0, keyboard: 1, controller: 2, hand: 3 } as const;
@@ -91,6 +99,7 @@ export interface LiveState {
   toolClock: number; // [s] this page's clock at the newest sample used; NaN before the first
   isEngaged: boolean;
   isOnHold: boolean;
+  timeScale: number; // simulated over real time
   touchesScan: boolean;
   hasTool: boolean; // this page
   isToolTaken: boolean; // by any page
@@ -177,6 +186,7 @@ export function readState(buffer: ArrayBuffer): LiveState | null {
     toolClock: view.getFloat64(8, true),
     isEngaged: (flags & 1) !== 0,
     isOnHold: (flags & 2) !== 0,
+    timeScale: ((flags >>> 8) & 0xff) / 100,
     touchesScan: (flags & 4) !== 0,
     hasTool: (flags & 8) !== 0,
     isToolTaken: (flags & 16) !== 0,

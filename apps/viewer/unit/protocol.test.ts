@@ -28,6 +28,7 @@ const state: LiveState = {
   toolClock: 1700000000.125,
   isEngaged: true,
   isOnHold: false,
+  timeScale: 0.25,
   touchesScan: true,
   hasTool: false,
   isToolTaken: true,
@@ -110,7 +111,7 @@ test('the layout of a state matches the protocol byte for byte', () => {
   assert.equal(view.getUint8(5), 2);
   assert.equal(view.getUint32(12, true), 104 + 2 * 48);
   assert.equal(view.getFloat64(16, true), 12.5);
-  assert.equal(view.getUint32(24 + 16, true), 1 | 4 | 16);
+  assert.equal(view.getUint32(24 + 16, true), 1 | 4 | 16 | (25 << 8));
   assert.equal(view.getInt32(24 + 20, true), -1);
   assert.equal(view.getFloat32(24 + 24, true), 0.5);
   assert.equal(view.getFloat32(24 + 56, true), 8);

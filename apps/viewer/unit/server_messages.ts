@@ -38,7 +38,10 @@ export function writeState(sequence: number, clock: number, state: LiveState): A
   ];
   u32(
     16,
-    flags.reduce((bits, flag, i) => bits | (flag ? 1 << i : 0), 0),
+    flags.reduce(
+      (bits, flag, i) => bits | (flag ? 1 << i : 0),
+      Math.round(100 * state.timeScale) << 8,
+    ),
   );
   view.setInt32(headerBytes + 20, state.touchedObject, true);
   f32(24, [...state.hip, ...state.proxy, ...state.force, state.pulse]);

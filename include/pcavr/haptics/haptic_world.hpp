@@ -42,6 +42,8 @@ struct HapticWorldModel {
   /// Convex outlines [m] of the support surfaces, base frame, counter-clockwise from above. A body
   /// whose centre of mass leaves all of them falls. Empty: the support is unbounded.
   std::vector<std::vector<Eigen::Vector3d>> supports_base;
+  /// Virtual surfaces that only the tool meets [paper A]; may be empty.
+  TriangleMesh guard_mesh_base = {};
   HapticWorldOptions options;
   ForceOptions force;  ///< of the scan; max_force and rise_time bound the whole force
 };

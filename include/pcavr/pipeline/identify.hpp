@@ -25,6 +25,7 @@
 #include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/friction_posterior.hpp"
 #include "pcavr/identification/limit_of_pushes.hpp"
+#include "pcavr/identification/press_line.hpp"
 #include "pcavr/identification/segmentation.hpp"
 #include "pcavr/identification/sliding.hpp"
 #include "pcavr/inputs/input_findings.hpp"
@@ -86,18 +87,24 @@ struct IdentificationOptions {
 /// One contact of the recording, and what was identified from it.
 struct IdentifiedContact : AttributedContact {
   IdentifiedParameter limit = {};  ///< [N] friction limit, less inertia where possible
+  /// Of a push, where a press gave the object's contact law; its ratio may be not excited.
+  std::optional<PressLine> press_line = {};
 };
 
 /// One estimator run online over an object's recorded presses [paper C, figures 8 and 9].
 struct EstimatorTrace {
-  EstimationMethod method = EstimationMethod::adaptive;
+  EstimationMethod method = EstimationMethod::adaptive;  ///< adaptive: AveragedEstimator
   std::vector<double> t;                     ///< [s] in contact, one press after the other
   std::vector<double> measured;              ///< [N] filtered
   std::vector<double> estimated;             ///< [N] predicted before the update with this sample
   std::array<std::vector<double>, 3> value;  ///< mass, damping, stiffness
   std::array<std::vector<double>, 3> std;
-  std::optional<double> settling = {};  ///< [s] from touch until the error stays below 10 %
-  double steady_error = 0.0;            ///< relative: rms error over rms force, second half
+  /// [s] from the first touch until the parameters predict the first press's largest force within
+  /// 10 %, and go on doing so. Empty where they never do.
+  std::optional<double> settling = {};
+  /// Relative: rms error over rms force, second half, by the parameters of one filter width before:
+  /// newer ones of a short memory follow the filtered noise.
+  double steady_error = 0.0;
   /// Relative error of the mean force over the samples of the second half in which the tip is
   /// stationary, per press, averaged over the presses. Unlike `steady_error`, which contains the
   /// sensors' noise of every sample (the tip's times the stiffness), this averages the noise out.

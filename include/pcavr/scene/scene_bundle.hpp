@@ -10,6 +10,7 @@
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/recording/line_counts.hpp"
+#include "pcavr/scene/guard_surface.hpp"
 #include "pcavr/scene/scene.hpp"
 
 namespace pcavr {
@@ -70,6 +71,7 @@ struct SceneManifest {
   std::optional<SceneRobotEntry> robot = {};
   std::vector<MarkerEntry> tags;  ///< empty in scenes of older versions
   std::vector<SupportPlane> support_planes;
+  std::vector<GuardSurface> guards;  ///< as the user has added them
   /// Relative to the folder, finest first; the first is scene.glb.
   std::vector<std::filesystem::path> levels_of_detail;
   bool is_fixed_camera = false;

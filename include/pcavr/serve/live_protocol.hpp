@@ -48,7 +48,17 @@ struct LiveTool {
   LiveInputDevice device = LiveInputDevice::mouse;
 };
 
-enum class LiveCommand : std::uint32_t { hold = 1, resume, reset, take_tool, release_tool };
+enum class LiveCommand : std::uint32_t {
+  hold = 1,
+  resume,
+  reset,
+  take_tool,
+  release_tool,
+  slower,  ///< the next slower of kTimeScales
+  faster
+};
+/// Time scales that pages choose from.
+inline constexpr double kTimeScales[] = {0.1, 0.25, 0.5, 1.0};
 
 struct LivePing {};
 
@@ -107,6 +117,7 @@ struct LiveState {
   double page_clock = std::numeric_limits<double>::quiet_NaN();
   bool is_engaged = false;
   bool is_on_hold = false;
+  double time_scale = 1.0;  ///< simulated over real time; whole per cents
   bool touches_scan = false;
   bool has_tool = false;    ///< the receiving page has the tool
   bool tool_taken = false;  ///< some page or device has it

@@ -33,11 +33,12 @@ struct CycleTimes {
 
 /// The world at the end of one cycle, with timing statistics.
 struct WorldSnapshot {
-  double t = 0.0;          ///< [s] simulation time: number of cycles times their period
+  double t = 0.0;          ///< [s] simulation time: cycles times their period and time scale
   double published = 0.0;  ///< [s] by LiveWorld::clock
   HapticWorldState world;
-  std::vector<double> speeds;  ///< [m/s] of each body's origin
+  std::vector<double> speeds;  ///< [m/s] of each body's origin, in simulated time
   bool is_on_hold = false;
+  double time_scale = 1.0;   ///< simulated over real time
   double pulse = 0.0;        ///< 0 to 1: vibration amplitude for a controller
   std::uint32_t pulses = 0;  ///< first contacts and breakaways so far
   std::uint32_t cycles = 0;
@@ -63,6 +64,11 @@ struct LiveWorldOptions {
   double cycle;         ///< [s]
   int thread_priority;  ///< of SCHED_FIFO
   int max_backlog;      ///< [cycles] of more, all are skipped
+  /// 0.1 to 1: simulated over real time at the start [paper A's two time scales]. A slowed world's
+  /// force is rendered times this: its damping and inertia, felt 1 / this and 1 / this^2 times as
+  /// large by the slow hand, are then at most 1 / this times; its stiffness is that much less. The
+  /// energy budget scales with the force, so that the rendering stays passive.
+  double time_scale;
   /// [m] base frame: the tool's position at the start and after a reset.
   Eigen::Vector3d p_base_tool_start;
   double full_scale_force;  ///< [N] > 0: force of the strongest continuous vibration
@@ -110,6 +116,9 @@ class LiveWorld {
   void hold(bool is_on_hold) noexcept;
   /// Restores the initial state of all bodies and of the tool. Any thread.
   void reset() noexcept;
+  /// Sets the time scale, clamped to 0.1 to 1. Any thread; takes effect with the next cycle.
+  void set_time_scale(double scale) noexcept;
+  [[nodiscard]] double time_scale() const noexcept;
 
   /// The newest snapshot; valid until the next call. One thread at a time.
   [[nodiscard]] const WorldSnapshot& newest() noexcept;

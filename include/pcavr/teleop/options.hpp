@@ -36,6 +36,7 @@ struct PhaseMonitorOptions {
   double slide_speed;       ///< [m/s] minimum speed that is distinguished from rest
   double min_displacement;  ///< [m] minimum displacement of a slide
   int debounce_samples;     ///< consecutive samples that must agree
+  double critical_share;    ///< of F_M: minimum width of the critical band below it
   double leave_ratio;       ///< of the contact force: a contact ends below
   double leave_time;        ///< [s] ... for this long
   double retraction;        ///< [m] of the tip, at which a contact ends

@@ -90,18 +90,29 @@ struct ForceRow {
   double predicted = 0.0;  ///< [N] rendered to the operator at that time
 };
 
+/// A parameter of an object at both sites, where one of them has changed [paper C, figure 9].
+struct ParameterRow {
+  double t = 0.0;  ///< [s]
+  std::size_t object = 0;
+  const char* name = "";     ///< as in parameter files: "contact.stiffness", ...
+  double running = 0.0;      ///< SI; at the robot's site, identified so far
+  double transmitted = 0.0;  ///< SI; at the operator's site
+};
+
 struct ShownPose {
   double t = 0.0;
   Pose T_base_object;
 };
 
 /// Receives the per-cycle results of a run in order of time, so that they need not be kept in
-/// memory. An Error ends the run. Called from the thread of run_teleop; every function must be set.
+/// memory. An Error ends the run. Called from the thread of run_teleop; every function but
+/// `take_parameter` must be set.
 struct TeleopSink {
   /// At the operator's rate, after blending.
   std::function<Expected<void>(std::size_t object, const ShownPose& shown)> take_shown;
   std::function<Expected<void>(const ForceRow& row)> take_force;  ///< while a site is in contact
   std::function<Expected<void>(const SentCorrection& sent)> take_correction;
+  std::function<Expected<void>(const ParameterRow& row)> take_parameter = {};
 };
 
 /// The results of both sites, by object in the order of the input.
@@ -109,6 +120,7 @@ struct TeleopRun {
   std::vector<std::vector<ShownPose>> shown;      ///< empty if a sink received them, as are
   std::vector<ForceRow> forces;                   ///< forces
   std::vector<SentCorrection> corrections;        ///< and corrections
+  std::vector<ParameterRow> parameter_rows;       ///< and the history of parameters
   std::size_t sent_corrections = 0;               ///< how many
   std::vector<PhaseRow> phases;                   ///< a row at each change, and one at the start
   std::vector<ObjectParameters> parameters;       ///< as known at the end

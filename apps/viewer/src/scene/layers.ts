@@ -14,6 +14,7 @@ export const layerNames = [
   'tags',
   'frames',
   'planes',
+  'guards',
   'cameras',
 ] as const;
 export type LayerName = (typeof layerNames)[number];
@@ -30,6 +31,7 @@ export const layerTitles: Record<LayerName, string> = {
   tags: 'Tags',
   frames: 'Frames',
   planes: 'Support planes',
+  guards: 'Guard surfaces',
   cameras: 'Camera path',
 };
 
@@ -40,6 +42,7 @@ const shownAtFirst: readonly LayerName[] = [
   'arm',
   'ghosts',
   'labels',
+  'guards',
 ];
 
 /// The layers to show and hide: a group each, all in base.

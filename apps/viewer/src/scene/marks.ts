@@ -5,6 +5,8 @@ import {
   BufferGeometry,
   type CanvasTexture,
   DoubleSide,
+  EdgesGeometry,
+  Float32BufferAttribute,
   Group,
   Line,
   LineBasicMaterial,
@@ -39,6 +41,7 @@ export function addMarks(view: SceneView, model: SceneModel): void {
   for (const tag of model.tags) addTag(view, tag);
   for (const { outline } of model.support_planes)
     if (outline.length > 2) layers.group('planes').add(supportPlane(outline));
+  for (const guard of model.guards) layers.group('guards').add(guardSurface(guard));
   for (const part of cameraPath(model.cameras)) layers.group('cameras').add(part);
 }
 
@@ -98,6 +101,34 @@ function supportPlane(outline: Outline): Group {
   );
   edge.position.z = lift;
   return new Group().add(face, edge);
+}
+
+const guardColor = '#c23b4e';
+
+/// A translucent surface with its creases as lines.
+function guardSurface(guard: SceneModel['guards'][number]): Group {
+  const geometry = new BufferGeometry();
+  const positions = guard.vertices_mm.map((coordinate) => coordinate / 1000);
+  geometry.setAttribute('position', new Float32BufferAttribute(positions, 3));
+  geometry.setIndex(guard.triangles);
+  geometry.computeVertexNormals();
+  const face = new Mesh(
+    geometry,
+    new MeshBasicMaterial({
+      color: guardColor,
+      transparent: true,
+      opacity: 0.18,
+      depthWrite: false,
+      side: DoubleSide,
+    }),
+  );
+  const edges = new LineSegments(
+    new EdgesGeometry(geometry, 40),
+    new LineBasicMaterial({ color: guardColor, transparent: true, opacity: 0.6 }),
+  );
+  const group = new Group().add(face, edges);
+  group.name = guard.name;
+  return group;
 }
 
 function cameraPath(cameras: SceneModel['cameras']): (Line | LineSegments)[] {

@@ -42,6 +42,7 @@ export interface SceneModel {
   robot: ArmModel | null;
   tags: SceneTag[];
   support_planes: { outline: Vector[] }[];
+  guards: { name: string; vertices_mm: number[]; triangles: number[] }[];
   cameras: { position: Vector; quaternion: Quaternion }[];
 }
 
@@ -75,6 +76,7 @@ export async function fetchScene(): Promise<SceneModel> {
     robot: scene.robot ?? null,
     tags: scene.tags ?? [],
     support_planes: scene.support_planes ?? [],
+    guards: scene.guards ?? [],
     cameras: scene.cameras ?? [],
   };
 }

@@ -22,6 +22,7 @@ export class Hud {
     const latency = stats.commandToDrawn;
     const parts = [`${stats.stateRate} Hz`, `state age ${milliseconds(stats.age)}`];
     if (Number.isFinite(latency)) parts.push(`latency ${milliseconds(latency)}`);
+    if (state.timeScale < 1) parts.push(`time × ${state.timeScale}`);
     if (state.isOnHold) parts.push('on hold');
     setText(this.line, parts.join(' · '));
     if (this.box.open) fillList(this.list, this.rows(state));

@@ -35,6 +35,7 @@ export function presentLayers(model: SceneModel, isReplay: boolean): LayerName[]
     tags: model.tags.length > 0,
     frames: true,
     planes: model.support_planes.length > 0,
+    guards: model.guards.length > 0,
     cameras: model.cameras.length > 0,
   };
   return layerNames.filter((name) => has[name]);

@@ -15,6 +15,7 @@ export class ToolPanel {
   private readonly take = byId('take', HTMLButtonElement);
   private readonly release = byId('release', HTMLButtonElement);
   private readonly hold = byId('hold', HTMLButtonElement);
+  private readonly speed = byId('speed', HTMLOutputElement);
   private readonly clutch = byId('clutch', HTMLButtonElement);
   private readonly callToAction = new CallToAction();
 
@@ -31,6 +32,8 @@ export class ToolPanel {
       session.command(Command.release);
     });
     this.hold.addEventListener('click', () => this.toggleHold());
+    for (const name of ['slower', 'faster'] as const)
+      byId(name, HTMLButtonElement).addEventListener('click', () => session.command(Command[name]));
     this.clutch.addEventListener('click', () => {
       tool.isClutchLocked = !tool.isClutchLocked;
       if (tool.isClutchLocked) app.canvas.focus();
@@ -69,6 +72,7 @@ export class ToolPanel {
     this.release.disabled = !state?.hasTool;
     this.hold.disabled = !state;
     setPressed(this.hold, state?.isOnHold ?? false);
+    setText(this.speed, `${Math.round(100 * (state?.timeScale ?? 1))} %`);
     setText(this.hold, state?.isOnHold ? 'Continue' : 'Pause');
     setPressed(this.clutch, this.tool.isClutchLocked);
     this.handle.classList.toggle('engaged', this.tool.isEngaged);

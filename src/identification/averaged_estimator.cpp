@@ -1,0 +1,167 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/identification/averaged_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <vector>
+
+#include "pcavr/core/check.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr std::size_t kEstimators = 4;
+// Samples that the errors' variance is averaged over, and those before which it is a plain mean.
+constexpr double kVarianceMemory = 200.0;
+constexpr double kFirstSamples = 100.0;
+// Variances beyond which an error is a change, not noise.
+constexpr double kClip = 9.0;
+constexpr double kMinVariance = 1e-12;
+
+template <int N>
+double predict(const std::array<double, N>& regressors, const std::array<double, N>& parameters) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < N; ++i) sum += regressors[i] * parameters[i];
+  return sum;
+}
+
+}  // namespace
+
+template <int N>
+struct AveragedEstimator<N>::State {
+  State(const EstimatorOptions<N>& options, const AveragingOptions& averaging)
+      : alpha(averaging.weight_forgetting), correlated(options.correlated_samples) {
+    const double factors[] = {averaging.medium_forgetting, averaging.fast_forgetting,
+                              averaging.fastest_forgetting};
+    EstimatorOptions<N> one = options;
+    one.method = EstimationMethod::adaptive;
+    estimators.emplace_back(one);
+    one.method = EstimationMethod::exponential;
+    for (const double factor : factors) {
+      one.forgetting = factor;
+      estimators.emplace_back(one);
+    }
+    const auto delay = static_cast<std::size_t>(std::lround(averaging.lag * correlated));
+    earlier.assign(kEstimators,
+                   std::vector<std::array<double, N>>(std::max<std::size_t>(1, delay)));
+    weight.fill(1.0 / static_cast<double>(kEstimators));
+  }
+
+  void weigh(const std::array<double, kEstimators>& squared) {
+    const double smallest = *std::min_element(squared.begin(), squared.end());
+    samples += 1.0;
+    const double clipped =
+        samples < kFirstSamples ? smallest : std::min(smallest, kClip * variance);
+    variance += (clipped - variance) / std::min(samples, kVarianceMemory);
+    const double scale = 2.0 * correlated * std::max(variance, kMinVariance);
+    for (std::size_t i = 0; i < kEstimators; ++i) {
+      log_weight[i] = alpha * log_weight[i] - squared[i] / scale;
+    }
+    const double largest = *std::max_element(log_weight.begin(), log_weight.end());
+    double sum = 0.0;
+    for (std::size_t i = 0; i < kEstimators; ++i) {
+      weight[i] = std::exp(log_weight[i] - largest);
+      sum += weight[i];
+    }
+    for (double& w : weight) w /= sum;
+  }
+
+  [[nodiscard]] std::size_t heaviest() const {
+    return static_cast<std::size_t>(
+        std::distance(weight.begin(), std::max_element(weight.begin(), weight.end())));
+  }
+
+  std::vector<ParameterEstimator<N>> estimators;
+  /// Ring of each estimator's parameters, from `lag` ago.
+  std::vector<std::vector<std::array<double, N>>> earlier;
+  std::size_t next = 0;
+  std::array<double, kEstimators> log_weight{};
+  std::array<double, kEstimators> weight{};
+  double alpha = 1.0;
+  double correlated = 1.0;
+  double variance = 0.0;
+  double samples = 0.0;
+};
+
+template <int N>
+AveragedEstimator<N>::AveragedEstimator(const EstimatorOptions<N>& options,
+                                        const AveragingOptions& averaging) {
+  for (const double factor :
+       {averaging.medium_forgetting, averaging.fast_forgetting, averaging.fastest_forgetting}) {
+    PCAVR_REQUIRE(factor > 0.0 && factor < 1.0, factor);
+  }
+  PCAVR_REQUIRE(averaging.weight_forgetting > 0.0 && averaging.weight_forgetting <= 1.0,
+                averaging.weight_forgetting);
+  PCAVR_REQUIRE(averaging.lag >= 0.0 && averaging.lag <= 100.0, averaging.lag);
+  state_ = std::make_unique<State>(options, averaging);
+}
+
+template <int N>
+AveragedEstimator<N>::AveragedEstimator(AveragedEstimator&&) noexcept = default;
+template <int N>
+AveragedEstimator<N>& AveragedEstimator<N>::operator=(AveragedEstimator&&) noexcept = default;
+template <int N>
+AveragedEstimator<N>::~AveragedEstimator() = default;
+
+template <int N>
+EstimatorStep AveragedEstimator<N>::step(const std::array<double, N>& regressors,
+                                         double measured) noexcept {
+  State& state = *state_;
+  EstimatorStep mean{.forgetting = 0.0, .was_used = true};
+  std::array<double, kEstimators> squared{};
+  const std::size_t slot = state.next % state.earlier.front().size();
+  for (std::size_t i = 0; i < kEstimators; ++i) {
+    const EstimatorStep step = state.estimators[i].step(regressors, measured);
+    mean.was_used = mean.was_used && step.was_used;
+    mean.prediction += state.weight[i] * step.prediction;
+    mean.forgetting += state.weight[i] * step.forgetting;
+    if (!step.was_used) continue;
+    std::array<double, N>& earlier = state.earlier[i][slot];
+    squared[i] = std::pow(measured - predict<N>(regressors, earlier), 2);
+    earlier = state.estimators[i].parameters();
+  }
+  mean.error = measured - mean.prediction;
+  if (!mean.was_used) return mean;
+  ++state.next;
+  state.weigh(squared);
+  return mean;
+}
+
+template <int N>
+ParameterEstimate<N> AveragedEstimator<N>::estimate() const noexcept {
+  const State& state = *state_;
+  std::array<ParameterEstimate<N>, kEstimators> each;
+  for (std::size_t i = 0; i < kEstimators; ++i) each[i] = state.estimators[i].estimate();
+  ParameterEstimate<N> mean = each[state.heaviest()];
+  mean.value = parameters();
+  for (std::size_t k = 0; k < N; ++k) {
+    double variance = 0.0;
+    for (std::size_t i = 0; i < kEstimators; ++i) {
+      if (state.weight[i] <= 0.0) continue;
+      const double difference = each[i].value[k] - mean.value[k];
+      variance += state.weight[i] * (each[i].std[k] * each[i].std[k] + difference * difference);
+    }
+    mean.std[k] = std::sqrt(variance);
+  }
+  return mean;
+}
+
+template <int N>
+std::array<double, N> AveragedEstimator<N>::parameters() const noexcept {
+  std::array<double, N> mean{};
+  for (std::size_t i = 0; i < kEstimators; ++i) {
+    const std::array<double, N> one = state_->estimators[i].parameters();
+    for (std::size_t k = 0; k < N; ++k) mean[k] += state_->weight[i] * one[k];
+  }
+  return mean;
+}
+
+template class AveragedEstimator<1>;
+template class AveragedEstimator<2>;
+template class AveragedEstimator<3>;
+template class AveragedEstimator<4>;
+
+}  // namespace pcavr
