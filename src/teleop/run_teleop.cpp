@@ -14,9 +14,9 @@
 #include "pcavr/core/random.hpp"
 #include "pcavr/inputs/input_monitor.hpp"
 #include "pcavr/inputs/tip_path.hpp"
+#include "pcavr/link/link_conditions.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 
-#include "teleop/link.hpp"
 #include "teleop/operator_site.hpp"
 #include "teleop/recorded_signals.hpp"
 #include "teleop/robot_site.hpp"
@@ -153,8 +153,8 @@ std::optional<double> newest_by(double now, bool all, std::deque<Command>& in_fl
   return newest;
 }
 
-Expected<void> send(const CorrectionMessage& message, double now, double epoch, Link& link,
-                    OperatorSite& site, RobotSite& robot, const TeleopSink& sink, TeleopRun& run) {
+Expected<void> send(const CorrectionMessage& message, double now, double epoch,
+                    LinkConditions& link, OperatorSite& site, RobotSite& robot, const TeleopSink& sink, TeleopRun& run) {
   // A correction for a time before the simulation applies from its start.
   CorrectionMessage sendable = message;
   sendable.t = std::max(message.t, epoch);
@@ -167,9 +167,10 @@ Expected<void> send(const CorrectionMessage& message, double now, double epoch, 
   sent.bytes = bytes.size();
   run.correction_bytes += bytes.size();
   robot.note_bytes(bytes.size());
-  const std::optional<double> arrival = link.arrival(now);
-  sent.is_lost = !arrival;
-  if (arrival) site.enqueue(*arrival, std::move(bytes));
+  const LinkConditions::Arrivals arrivals = link.arrivals(now, bytes.size());
+  sent.is_lost = !arrivals.first;
+  if (arrivals.second) site.enqueue(*arrivals.second, bytes);
+  if (arrivals.first) site.enqueue(*arrivals.first, std::move(bytes));
   ++run.sent_corrections;
   return sink.take_correction(sent);
 }
@@ -316,8 +317,8 @@ class Session {
   const TeleopSink& sink_;
   CommandPath command_;
   Random random_;
-  Link backward_;
-  Link forward_;
+  LinkConditions backward_;
+  LinkConditions forward_;
   PredictionLog log_;
   std::deque<Command> in_flight_;
   std::vector<Changes> predicted_;
