@@ -28,6 +28,10 @@ std::vector<OptionSection> Configuration::sections() {
   sections.push_back(section_of(friction_priors));
   sections.push_back(section_of(robot_identification.signals));
   sections.push_back(section_of(robot_identification.fit));
+  sections.push_back(section_of(robot_site));
+  sections.push_back(section_of(robot_site.commands));
+  sections.push_back(section_of(robot_site.limits));
+  sections.push_back(section_of(operator_site));
   return sections;
 }
 

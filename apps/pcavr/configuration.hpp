@@ -17,6 +17,7 @@
 #include "pcavr/pipeline/build_scene.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/pipeline/identify_robot.hpp"
+#include "pcavr/pipeline/link_sites.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/serve/content.hpp"
 #include "pcavr/serve/live_world.hpp"
@@ -42,6 +43,8 @@ struct Configuration {
   EvaluationOptions evaluation;
   FrictionPriors friction_priors;
   RobotIdentificationOptions robot_identification;
+  RobotSiteOptions robot_site;
+  OperatorSiteOptions operator_site;
 
   [[nodiscard]] PerceptionOptions& perception() { return build.perception; }
   [[nodiscard]] const PerceptionOptions& perception() const { return build.perception; }

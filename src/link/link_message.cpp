@@ -21,7 +21,7 @@ constexpr std::size_t kLinkLengthAt = 12;
 // A unit quaternion in single precision has norm 1 to 1e-6; the rest is margin.
 constexpr float kMaxLinkNormError = 1e-3F;
 constexpr std::uint8_t kMotionPhases = 4;
-constexpr std::uint32_t kLinkRejections = 4;
+constexpr std::uint32_t kLinkRejections = 5;
 constexpr std::uint32_t kLinkStops = 4;
 constexpr std::uint32_t kKnownLimits = 31;
 
@@ -138,6 +138,7 @@ void read_content(LinkReader& reader, LinkHello& hello) {
 void write_content(const LinkWelcome& welcome, ByteWriter& writer) {
   writer.f64(welcome.start);
   writer.f64(welcome.tool_radius);
+  writer.integer(static_cast<std::uint16_t>(welcome.follows_commands ? 1 : 0));
   write_link_text(welcome.version, writer);
   write_link_text(welcome.scene, writer);
   write_count(welcome.objects.size(), writer);
@@ -147,6 +148,7 @@ void read_content(LinkReader& reader, LinkWelcome& welcome) {
   welcome.start = reader.f64();
   welcome.tool_radius = reader.f64();
   if (!(welcome.tool_radius > 0.0)) reader.reject("a tool's radius that is not above 0");
+  welcome.follows_commands = reader.at_most<std::uint16_t>(1, "flags") == 1;
   welcome.version = reader.text();
   welcome.scene = reader.text();
   const std::size_t count = reader.count(2);

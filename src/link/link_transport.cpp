@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include <poll.h>
 #include <zmq.hpp>
 
 #include "pcavr/core/check.hpp"
@@ -54,10 +55,20 @@ std::vector<std::uint8_t> bytes_of(const zmq::message_t& message) {
   return {begin, begin + message.size()};
 }
 
-/// Waits for a message, or a signal.
+/// Waits for a message, or a signal. zmq_poll() counts in milliseconds, which is a whole cycle; the
+/// descriptor signals changes only, so that the socket's state is checked before.
 void wait_for(zmq::socket_t& socket, double timeout) {
-  zmq_pollitem_t item{socket.handle(), 0, ZMQ_POLLIN, 0};
-  zmq_poll(&item, 1, std::lround(std::ceil(1e3 * std::max(timeout, 0.0))));
+  if (timeout <= 0.0) return;
+  try {
+    if ((socket.get(zmq::sockopt::events) & ZMQ_POLLIN) != 0) return;
+    pollfd item{socket.get(zmq::sockopt::fd), POLLIN, 0};
+    timespec duration{};
+    duration.tv_sec = static_cast<time_t>(timeout);
+    duration.tv_nsec = static_cast<long>(1e9 * (timeout - std::floor(timeout)));
+    ::ppoll(&item, 1, &duration, nullptr);
+  } catch (const zmq::error_t&) {
+    // A signal.
+  }
 }
 
 /// Answers libzmq's authentication requests [ZeroMQ RFC 27], on its own thread.

@@ -48,12 +48,13 @@ struct LinkHello {
 struct LinkWelcome {
   double start = 0.0;        ///< [s] shared clock: time zero of the scene
   double tool_radius = 0.0;  ///< [m]
+  bool follows_commands = true;  ///< false: a recording
   std::string version = {};
   std::string scene = {};
   std::vector<std::string> objects = {};
 };
 
-enum class LinkRejection : std::uint32_t { other_version = 1, other_scene, busy, revoked };
+enum class LinkRejection : std::uint32_t { other_version = 1, other_scene, busy, revoked, ended };
 /// The answer to a hello that is not accepted, or the end of a session.
 struct LinkReject {
   LinkRejection reason = LinkRejection::other_version;
