@@ -43,7 +43,8 @@ std::vector<LinkCorrection> CorrectionSender::take_due(double now) {
   for (Pending& pending : pending_) {
     if (pending.transmissions > 0) {
       const int doublings = std::min(pending.transmissions - 1, kMaxBackoffDoublings);
-      const bool is_late = now - pending.sent > std::ldexp(timeout(), doublings);
+      const double timeout_now = std::min(std::ldexp(timeout(), doublings), kMaxTimeout);
+      const bool is_late = now - pending.sent > timeout_now;
       const bool is_overtaken = newest_acknowledged_sent_ > pending.sent + kReorderMargin;
       if (!is_late && !is_overtaken) continue;
       ++repetitions_;

@@ -69,6 +69,7 @@ class LinkReader {
     return q;
   }
   [[nodiscard]] std::vector<std::uint8_t> bytes(std::size_t count) {
+    if (!bytes_.is_valid()) return {};  // a new reader of the rest would forget it
     const std::span<const std::uint8_t> rest = bytes_.rest();
     if (count > rest.size()) {
       reject("a count beyond its end");

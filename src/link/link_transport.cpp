@@ -348,6 +348,10 @@ bool LinkClient::send(std::span<const std::uint8_t> bytes) {
   }
 }
 
+void LinkClient::close(double timeout) {
+  impl_->socket.set(zmq::sockopt::linger, static_cast<int>(std::lround(1e3 * timeout)));
+}
+
 LinkClient::State LinkClient::state() {
   while (const auto event = impl_->monitor->next()) {
     switch (event->event) {

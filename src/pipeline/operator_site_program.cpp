@@ -45,6 +45,8 @@ constexpr double kIdleWait = 0.002;  // [s] while there is no cycle to wait for
 constexpr double kDelayVariations = 4.0;
 // Cycles behind, of more this site did not run: it begins anew from the robot's state.
 constexpr double kMaxOperatorBacklog = 200.0;
+constexpr double kMaxFlush = 2.0;      // [s] of a simulated network, at the end
+constexpr double kCloseTimeout = 0.2;  // [s] until the last message has left
 constexpr std::size_t kMaxReportedTimes = 10'000;
 
 std::uint32_t new_session() {
@@ -86,6 +88,10 @@ class OperatorSiteLoop {
       }
       transmit(clock_.now());
     }
+    if (welcome_) {
+      send(LinkReject{LinkRejection::ended, "the operator's site has ended"});
+      flush();
+    }
     report_.cpu = thread_cpu() - cpu_before;
     if (fault_) return *fault_;
     return finish();
@@ -118,6 +124,16 @@ class OperatorSiteLoop {
 
   void transmit(double now) {
     while (const auto bytes = leaving_.pop(now)) client_.send(*bytes);
+  }
+
+  /// What is still in the simulated network, and the socket's own thread.
+  void flush() {
+    const double end = leaving_.size() > 0 ? clock_.now() + kMaxFlush : clock_.now();
+    while (leaving_.size() > 0 && clock_.now() < end) {
+      client_.wait(kIdleWait);
+      transmit(clock_.now());
+    }
+    client_.close(kCloseTimeout);
   }
 
   template <typename Content>

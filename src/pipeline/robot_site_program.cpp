@@ -33,7 +33,7 @@ static_assert(are_valid_fields(kRobotSiteFields));
 constexpr std::size_t kMaxReportedCorrections = 10'000;
 constexpr std::size_t kMaxMessagesPerCycle = 500;   // of all peers: the robot's cycle goes first
 constexpr double kAuthorisationInterval = 0.5;      // [s] between two checks of the operator's key
-constexpr double kMinNoticeInterval = 1.0;          // [s] between two lines for the same cause
+constexpr double kMinNoticeInterval = 30.0;         // [s] between two lines for the same cause
 constexpr double kRecordingTail = 0.2;              // [s] after its end, for the last corrections
 // Cycles behind the clock, of more all are skipped: this process did not run.
 constexpr double kMaxBacklog = 100.0;
@@ -126,11 +126,9 @@ class RobotSiteLoop {
   }
 
   void on_message(const LinkPacket& packet, const LinkMessage& message, double now) {
-    if (const auto* ping = std::get_if<LinkPing>(&message.content)) {
-      static_cast<void>(ping);
+    if (std::holds_alternative<LinkPing>(message.content)) {
       if (is_of_session(packet, message)) session_->last_received = now;
-      LinkPong pong{message.header.clock, now};
-      return send(packet.peer, message.header.session, pong);
+      return send(packet.peer, message.header.session, LinkPong{message.header.clock, now});
     }
     if (const auto* hello = std::get_if<LinkHello>(&message.content)) {
       return on_hello(packet, message.header, *hello, now);
@@ -141,6 +139,10 @@ class RobotSiteLoop {
       on_command(message.header, *command, now);
     } else if (const auto* stop = std::get_if<LinkStop>(&message.content)) {
       on_stop(*stop);
+    } else if (std::holds_alternative<LinkReject>(message.content)) {
+      observer_.on_warning("the operator's site has ended: the tool holds");
+      has_silence_hold_ = true;
+      end_session();
     } else if (const auto* acknowledged = std::get_if<LinkAcknowledgement>(&message.content)) {
       session_->corrections.acknowledge(*acknowledged, now);
     }

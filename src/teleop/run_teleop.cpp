@@ -271,8 +271,15 @@ class Session {
         sink_(sink),
         command_(tip, span.start, options.predictor.step),
         random_(options.seed),
-        backward_({options.backward_delay, options.jitter, options.loss}, random_.fork(1)),
-        forward_({0.0, options.jitter, 0.0}, random_.fork(2)),
+        backward_({.delay = options.backward_delay,
+                   .jitter = options.jitter,
+                   .loss = options.loss,
+                   .burst = options.burst,
+                   .reorder = options.reorder,
+                   .duplicate = options.duplicate,
+                   .rate_limit = options.rate_limit},
+                  random_.fork(1)),
+        forward_({.jitter = options.jitter}, random_.fork(2)),
         log_(span.start, options.predictor.step, world.objects.size()),
         predicted_(world.objects.size()) {}
 

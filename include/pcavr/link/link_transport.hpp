@@ -82,6 +82,9 @@ class LinkClient {
   void wait(double timeout);
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> receive();
   bool send(std::span<const std::uint8_t> bytes);
+  /// Ends the connection once what was sent has left this machine, at most `timeout` [s] after the
+  /// client's destruction begins.
+  void close(double timeout);
 
   enum class State { connecting, connected, rejected, no_handshake };
   /// `rejected`: the robot's site does not accept this key. `no_handshake`: it was reached, but
