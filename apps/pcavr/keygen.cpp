@@ -20,8 +20,7 @@ Expected<CommandResult> keygen(const KeygenArguments& arguments) {
   if (!files) return files.error();
   CommandResult result;
   result.summary = "secret key " + files->secret_file.string() + " (stays on this machine)\n" +
-                   "public key " + files->public_file.string() +
-                   " (copy it to the other site)\n";
+                   "public key " + files->public_file.string() + " (copy it to the other site)\n";
   result.json = {{"secret", files->secret_file.string()}, {"public", files->public_file.string()}};
   return result;
 }

@@ -81,12 +81,12 @@ CommandResult describe_robot_site(const RobotSiteReport& report) {
 void announce(const LinkServer& server, const RobotInterface& robot,
               const RobotSiteArguments& arguments) {
   if (arguments.as_json) {
-    std::cout << json_text(nlohmann::ordered_json{{"port", server.port()}, {"robot", robot.name()}}) << '\n';
+    std::cout << json_text(nlohmann::ordered_json{{"port", server.port()}, {"robot", robot.name()}})
+              << '\n';
   } else {
-    std::cout << fmt::format("robot's site ({}) on {}:{}, {}; Ctrl+C ends it\n", robot.name(),
-                             arguments.site.host, server.port(),
-                             arguments.site.key.empty() ? "without keys, loopback only"
-                                                        : "with keys");
+    std::cout << fmt::format(
+        "robot's site ({}) on {}:{}, {}; Ctrl+C ends it\n", robot.name(), arguments.site.host,
+        server.port(), arguments.site.key.empty() ? "without keys, loopback only" : "with keys");
   }
   std::cout << std::flush;
 }

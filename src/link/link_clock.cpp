@@ -57,7 +57,8 @@ bool LinkClock::contradicts(const RoundTrip& trip) const {
 }
 
 void LinkClock::keep(const RoundTrip& trip) {
-  if (fastest_.empty() || std::floor(trip.returned / kBin) != std::floor(fastest_.back().returned / kBin)) {
+  if (fastest_.empty() ||
+      std::floor(trip.returned / kBin) != std::floor(fastest_.back().returned / kBin)) {
     fastest_.push_back(trip);
     if (fastest_.size() > kMaxBins) fastest_.pop_front();
   } else if (trip.delay() < fastest_.back().delay()) {

@@ -243,8 +243,8 @@ LinkTrackedObject read_tracked(LinkReader& reader) {
 }
 
 void write_content(const LinkState& state, ByteWriter& writer) {
-  const unsigned flags = (state.is_engaged ? 1U : 0U) | (state.is_on_hold ? 2U : 0U) |
-                         (state.is_stopped ? 4U : 0U);
+  const unsigned flags =
+      (state.is_engaged ? 1U : 0U) | (state.is_on_hold ? 2U : 0U) | (state.is_stopped ? 4U : 0U);
   writer.f64(state.t);
   writer.f64(state.executed);
   writer.f32(state.lead);

@@ -115,8 +115,8 @@ class Authenticator {
   void answer(const std::vector<zmq::message_t>& request) {
     // version, id, domain, address, identity, mechanism, credentials
     std::string key;
-    const bool is_curve = request.size() == 7 && request[5].to_string_view() == "CURVE" &&
-                          request[6].size() == 32;
+    const bool is_curve =
+        request.size() == 7 && request[5].to_string_view() == "CURVE" && request[6].size() == 32;
     if (is_curve) {
       std::array<char, 41> text{};
       zmq_z85_encode(text.data(), request[6].data<std::uint8_t>(), 32);
@@ -128,8 +128,7 @@ class Authenticator {
                  authorized_.string());
     }
     const auto part = [this](std::string_view text, bool is_last = false) {
-      socket_.send(zmq::buffer(text),
-                   is_last ? zmq::send_flags::none : zmq::send_flags::sndmore);
+      socket_.send(zmq::buffer(text), is_last ? zmq::send_flags::none : zmq::send_flags::sndmore);
     };
     try {
       part("1.0");
@@ -220,8 +219,8 @@ Expected<LinkServer> LinkServer::open(const LinkServerOptions& options) {
     impl->socket.set(zmq::sockopt::curve_secretkey, options.keys->secret_key);
     impl->socket.set(zmq::sockopt::zap_domain, "pcavr");
   }
-  impl->monitor.emplace(impl->context, impl->socket, ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
-                                                         ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL);
+  impl->monitor.emplace(impl->context, impl->socket,
+                        ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL);
   const std::string port = options.port == 0 ? "*" : std::to_string(options.port);
   try {
     impl->socket.bind(endpoint_of(options.host == "localhost" ? "127.0.0.1" : options.host, port));
@@ -340,8 +339,7 @@ std::optional<std::vector<std::uint8_t>> LinkClient::receive() {
 
 bool LinkClient::send(std::span<const std::uint8_t> bytes) {
   try {
-    return impl_->socket
-        .send(zmq::buffer(bytes.data(), bytes.size()), zmq::send_flags::dontwait)
+    return impl_->socket.send(zmq::buffer(bytes.data(), bytes.size()), zmq::send_flags::dontwait)
         .has_value();
   } catch (const zmq::error_t&) {
     return false;

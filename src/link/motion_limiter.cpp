@@ -53,7 +53,8 @@ std::optional<Error> check_workspace(const MotionLimits& limits) {
 /// within `distance` [m].
 double braking_speed(double distance, double acceleration, double dt) {
   const double half = 0.5 * acceleration * dt;
-  return std::max(0.0, std::sqrt(half * half + 2.0 * acceleration * std::max(distance, 0.0)) - half);
+  return std::max(0.0,
+                  std::sqrt(half * half + 2.0 * acceleration * std::max(distance, 0.0)) - half);
 }
 
 }  // namespace
@@ -70,8 +71,7 @@ MotionLimiter::MotionLimiter(const MotionLimits& limits, const Eigen::Vector3d& 
       p_base_(p_base_tip.cwiseMax(limits.workspace_min()).cwiseMin(limits.workspace_max())) {
   PCAVR_REQUIRE(limits.max_speed > 0.0 && limits.max_acceleration > 0.0, limits.max_speed,
                 limits.max_acceleration);
-  PCAVR_REQUIRE(limits.max_step > 0.0 && limits.max_force > 0.0, limits.max_step,
-                limits.max_force);
+  PCAVR_REQUIRE(limits.max_step > 0.0 && limits.max_force > 0.0, limits.max_step, limits.max_force);
   PCAVR_REQUIRE(!check_workspace(limits));
 }
 
@@ -108,16 +108,15 @@ const Eigen::Vector3d& MotionLimiter::step(const std::optional<Eigen::Vector3d>&
     double v = std::clamp(wanted[axis], v_base_[axis] - change, v_base_[axis] + change);
     if (v != wanted[axis]) note(LinkLimit::acceleration);
     // Stops before the walls: this always lies within reach of the acceleration.
-    const double up = braking_speed(limits_.workspace_max()[axis] - p_base_[axis],
-                                    limits_.max_acceleration, dt);
-    const double down = braking_speed(p_base_[axis] - limits_.workspace_min()[axis],
-                                      limits_.max_acceleration, dt);
+    const double up =
+        braking_speed(limits_.workspace_max()[axis] - p_base_[axis], limits_.max_acceleration, dt);
+    const double down =
+        braking_speed(p_base_[axis] - limits_.workspace_min()[axis], limits_.max_acceleration, dt);
     v = std::clamp(v, -down, up);
     v_base_[axis] = std::clamp(v, -limits_.max_speed, limits_.max_speed);
   }
-  p_base_ = (p_base_ + dt * v_base_)
-                .cwiseMax(limits_.workspace_min())
-                .cwiseMin(limits_.workspace_max());
+  p_base_ =
+      (p_base_ + dt * v_base_).cwiseMax(limits_.workspace_min()).cwiseMin(limits_.workspace_max());
   return p_base_;
 }
 

@@ -231,8 +231,9 @@ class OperatorSiteLoop {
       return;
     }
     fault_ = state == LinkClient::State::no_handshake
-                 ? Error{.message = "the robot's site ended the handshake: its key is not "
-                                    "--robot-key, or one of the two sites has no keys",
+                 ? Error{.message =
+                             "the robot's site ended the handshake: its key is not "
+                             "--robot-key, or one of the two sites has no keys",
                          .hint = "give the robot's .pub file with --robot-key, and --key"}
                  : Error{.message = "no answer from the robot's site",
                          .hint = "check address and port, and whether it runs"};
@@ -241,14 +242,14 @@ class OperatorSiteLoop {
   /// The world as the scene describes it; the robot's site then sends what differs.
   void begin(double now) {
     has_connected_ = true;
-    const double lead = 0.5 * shared_clock_.mean_delay() + kDelayVariations * shared_clock_.delay_variation() +
-                        options_.lead_margin;
+    const double lead = 0.5 * shared_clock_.mean_delay() +
+                        kDelayVariations * shared_clock_.delay_variation() + options_.lead_margin;
     report_.lead = lead;
     // Time of the recorded motion: the scene's, or since the first session.
     if (!trace_zero_) {
-      trace_zero_ = welcome_->follows_commands
-                        ? shared_clock_.shared_at(now) - welcome_->start - command_.start() + kIdleWait
-                        : 0.0;
+      trace_zero_ = welcome_->follows_commands ? shared_clock_.shared_at(now) - welcome_->start -
+                                                     command_.start() + kIdleWait
+                                               : 0.0;
     }
     const double scene_now = shared_clock_.shared_at(now) - welcome_->start + lead;
     const double step = teleop_.predictor.step;
@@ -278,8 +279,7 @@ class OperatorSiteLoop {
   }
 
   [[nodiscard]] double scene_time_of(std::size_t cycle) const {
-    return *trace_zero_ + command_.start() +
-           teleop_.predictor.step * static_cast<double>(cycle);
+    return *trace_zero_ + command_.start() + teleop_.predictor.step * static_cast<double>(cycle);
   }
   /// When the cycle's command is to be sent, on this site's clock.
   [[nodiscard]] double local_time_of(std::size_t cycle) const {

@@ -10,7 +10,9 @@ namespace {
 class RecordedRobot final : public RobotInterface {
  public:
   RecordedRobot(const TeleopInput& input, double tracking_latency)
-      : input_(input), tracking_latency_(tracking_latency), next_tracked_(input.objects.size(), 0) {}
+      : input_(input),
+        tracking_latency_(tracking_latency),
+        next_tracked_(input.objects.size(), 0) {}
 
   [[nodiscard]] std::string name() const override { return "recording"; }
   [[nodiscard]] bool follows_commands() const override { return false; }

@@ -344,8 +344,12 @@ Expected<TeleopInput> world_of(const SceneManifest& scene, const std::vector<Mov
                                const ParameterTable& known) {
   TeleopInput input;
   for (const MovableBody& body : bodies) {
-    input.objects.push_back({body.entry.name, body.model, *body.entry.T_base_object,
-                             known.at(body.entry.name), {}, body.entry.is_movable});
+    input.objects.push_back({body.entry.name,
+                             body.model,
+                             *body.entry.T_base_object,
+                             known.at(body.entry.name),
+                             {},
+                             body.entry.is_movable});
   }
   if (!scene.is_scanned()) return input;
   Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
@@ -388,8 +392,7 @@ Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManife
   Expected<TeleopInput> input = world_of(scene, bodies, known);
   if (!input) return input;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    input->objects[i].tracked =
-        tracked_from_start(replay.objects[i].tracked, start_of(recording));
+    input->objects[i].tracked = tracked_from_start(replay.objects[i].tracked, start_of(recording));
   }
   add_tool(recording, *input);
   add_wrench(recording, *input);

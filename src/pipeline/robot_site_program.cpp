@@ -31,10 +31,10 @@ constexpr auto kRobotSiteFields = std::to_array<OptionField<RobotSiteOptions>>({
 static_assert(are_valid_fields(kRobotSiteFields));
 
 constexpr std::size_t kMaxReportedCorrections = 10'000;
-constexpr std::size_t kMaxMessagesPerCycle = 500;   // of all peers: the robot's cycle goes first
-constexpr double kAuthorisationInterval = 0.5;      // [s] between two checks of the operator's key
-constexpr double kMinNoticeInterval = 30.0;         // [s] between two lines for the same cause
-constexpr double kRecordingTail = 0.2;              // [s] after its end, for the last corrections
+constexpr std::size_t kMaxMessagesPerCycle = 500;  // of all peers: the robot's cycle goes first
+constexpr double kAuthorisationInterval = 0.5;     // [s] between two checks of the operator's key
+constexpr double kMinNoticeInterval = 30.0;        // [s] between two lines for the same cause
+constexpr double kRecordingTail = 0.2;             // [s] after its end, for the last corrections
 // Cycles behind the clock, of more all are skipped: this process did not run.
 constexpr double kMaxBacklog = 100.0;
 
@@ -181,8 +181,8 @@ class RobotSiteLoop {
   }
 
   void welcome() {
-    LinkWelcome welcome{*start_, scene_.tool_radius, robot_.follows_commands(),
-                        scene_.version, scene_.name, scene_.objects};
+    LinkWelcome welcome{*start_,        scene_.tool_radius, robot_.follows_commands(),
+                        scene_.version, scene_.name,        scene_.objects};
     send(session_->peer, session_->id, std::move(welcome));
   }
 

@@ -59,6 +59,7 @@ struct LiveRobotSite::Impl {
   double log_start = 0.0;
   std::size_t logged = 0;  ///< cycles
   std::optional<double> newest;
+  bool needs_full_state = false;
 };
 
 LiveRobotSite::LiveRobotSite(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -113,7 +114,14 @@ void LiveRobotSite::add_predictions(double t, std::span<const LinkPrediction> pr
 std::vector<LiveCorrection> LiveRobotSite::advance() {
   std::vector<LiveCorrection> corrections;
   if (!impl_->newest || !impl_->log) return corrections;
-  for (const CorrectionMessage& message : impl_->site->advance(*impl_->newest, *impl_->log)) {
+  std::vector<CorrectionMessage> messages;
+  if (std::exchange(impl_->needs_full_state, false)) {
+    messages = impl_->site->full_state(*impl_->newest);
+  }
+  for (CorrectionMessage& message : impl_->site->advance(*impl_->newest, *impl_->log)) {
+    messages.push_back(std::move(message));
+  }
+  for (const CorrectionMessage& message : messages) {
     LiveCorrection& correction = corrections.emplace_back();
     correction.bytes = encode(message, message.t);
     correction.sent.t = message.t;
@@ -131,6 +139,7 @@ std::vector<LiveCorrection> LiveRobotSite::advance() {
 void LiveRobotSite::restart(double) {
   impl_->log.reset();
   impl_->newest.reset();
+  impl_->needs_full_state = true;
 }
 
 MotionPhase LiveRobotSite::phase(std::size_t object) const {
@@ -153,11 +162,10 @@ LiveOperatorSite::~LiveOperatorSite() = default;
 Expected<LiveOperatorSite> LiveOperatorSite::create(const TeleopInput& world,
                                                     const TeleopOptions& options, double start,
                                                     const Eigen::Vector3d& p_base_tip) {
-  Expected<OperatorSite> site = OperatorSite::create(world, completed_bodies(world, options),
-                                                     options, start, p_base_tip);
+  Expected<OperatorSite> site =
+      OperatorSite::create(world, completed_bodies(world, options), options, start, p_base_tip);
   if (!site) return site.error();
-  return LiveOperatorSite(
-      std::make_unique<Impl>(Impl{std::move(*site), world.objects.size()}));
+  return LiveOperatorSite(std::make_unique<Impl>(Impl{std::move(*site), world.objects.size()}));
 }
 
 bool LiveOperatorSite::apply(double t, std::span<const std::uint8_t> bytes) {

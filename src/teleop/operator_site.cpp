@@ -23,8 +23,8 @@ Eigen::Vector3d inertial_force(const Eigen::Vector3d& a_base_tip, const Eigen::V
   return std::max(-size, mass * a_base_tip.dot(along)) * along;
 }
 
-/// In the order of sequence numbers that wrap around. Only the last few count as old: more than that
-/// may have been lost in a row.
+/// In the order of sequence numbers that wrap around. Only the last few count as old: more than
+/// that may have been lost in a row.
 bool is_newer(std::uint8_t sequence, std::uint8_t received) {
   constexpr std::uint8_t kMaxOld = 32;
   return static_cast<std::uint8_t>(received - sequence) >= kMaxOld;
@@ -45,8 +45,10 @@ Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const TeleopObject& object = input.objects[i];
     model.bodies.push_back({object.model, object.T_base_object, physics[i], object.is_movable});
-    objects.push_back({object.model, object.T_base_object,
-                       sent_parameters(physics[i], options.gravity()), {},
+    objects.push_back({object.model,
+                       object.T_base_object,
+                       sent_parameters(physics[i], options.gravity()),
+                       {},
                        object.parameters.contact_mass.value_or(ParameterValue{}).value});
   }
   Expected<PredictedWorld> world = PredictedWorld::create(std::move(model));

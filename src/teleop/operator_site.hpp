@@ -59,7 +59,7 @@ class OperatorSite {
     Pose T_base_start;
     ObjectParameters parameters;
     std::optional<std::uint8_t> received = {};  ///< sequence of its newest correction
-    double contact_mass = 0.0;  ///< [kg] of the law mass_damper_spring
+    double contact_mass = 0.0;                  ///< [kg] of the law mass_damper_spring
   };
   OperatorSite(Predictor predictor, std::vector<Known> objects, double epoch,
                const TeleopOptions& options)

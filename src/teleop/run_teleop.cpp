@@ -154,7 +154,8 @@ std::optional<double> newest_by(double now, bool all, std::deque<Command>& in_fl
 }
 
 Expected<void> send(const CorrectionMessage& message, double now, double epoch,
-                    LinkConditions& link, OperatorSite& site, RobotSite& robot, const TeleopSink& sink, TeleopRun& run) {
+                    LinkConditions& link, OperatorSite& site, RobotSite& robot,
+                    const TeleopSink& sink, TeleopRun& run) {
   // A correction for a time before the simulation applies from its start.
   CorrectionMessage sendable = message;
   sendable.t = std::max(message.t, epoch);

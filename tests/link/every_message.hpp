@@ -16,12 +16,8 @@ inline std::vector<LinkMessage> every_message() {
   command.p_base_tip = {0.25F, -0.5F, 0.125F};
   command.is_engaged = true;
   command.acknowledged = {7, 5};
-  command.predictions = {{},
-                         {{0.5F, 0.1F, -0.3F},
-                          {1.0F, 2.0F, 3.0F},
-                          {1.5F, 2.5F, 3.5F},
-                          MotionPhase::sliding,
-                          200}};
+  command.predictions = {
+      {}, {{0.5F, 0.1F, -0.3F}, {1.0F, 2.0F, 3.0F}, {1.5F, 2.5F, 3.5F}, MotionPhase::sliding, 200}};
   LinkState state;
   state.t = 13.0;
   state.executed = 12.9;

@@ -21,9 +21,7 @@ class LinkClock {
     double replied = 0.0;
     double returned = 0.0;
     [[nodiscard]] double delay() const { return (returned - sent) - (replied - received); }
-    [[nodiscard]] double offset() const {
-      return 0.5 * ((received - sent) + (replied - returned));
-    }
+    [[nodiscard]] double offset() const { return 0.5 * ((received - sent) + (replied - returned)); }
   };
 
   /// A round trip with a negative delay, or with a number that is not finite, is ignored.

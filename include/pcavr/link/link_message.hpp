@@ -46,8 +46,8 @@ struct LinkHello {
 };
 
 struct LinkWelcome {
-  double start = 0.0;        ///< [s] shared clock: time zero of the scene
-  double tool_radius = 0.0;  ///< [m]
+  double start = 0.0;            ///< [s] shared clock: time zero of the scene
+  double tool_radius = 0.0;      ///< [m]
   bool follows_commands = true;  ///< false: a recording
   std::string version = {};
   std::string scene = {};
@@ -70,8 +70,8 @@ struct LinkPong {
 
 /// What the operator's site predicts of one object for the time of execution.
 struct LinkPrediction {
-  Eigen::Vector3f pose = Eigen::Vector3f::Zero();           ///< x [m], y [m], yaw [rad]
-  Eigen::Vector3f force = Eigen::Vector3f::Zero();          ///< of the tip on it [N]
+  Eigen::Vector3f pose = Eigen::Vector3f::Zero();            ///< x [m], y [m], yaw [rad]
+  Eigen::Vector3f force = Eigen::Vector3f::Zero();           ///< of the tip on it [N]
   Eigen::Vector3f rendered_force = Eigen::Vector3f::Zero();  ///< the same after blending [N]
   MotionPhase phase = MotionPhase::free;
   std::uint8_t received = 0;  ///< CorrectionMessage::sequence of its newest correction
@@ -111,9 +111,9 @@ struct LinkTrackedObject {
 };
 
 struct LinkState {
-  double t = 0.0;            ///< [s] shared clock at which it was measured
-  double executed = 0.0;     ///< [s] time of execution of the newest executed command
-  float lead = 0.0F;         ///< [s] smallest time, of late, from a command's arrival to its execution
+  double t = 0.0;         ///< [s] shared clock at which it was measured
+  double executed = 0.0;  ///< [s] time of execution of the newest executed command
+  float lead = 0.0F;      ///< [s] smallest time, of late, from a command's arrival to its execution
   std::uint32_t limits = 0;  ///< LinkLimit: which act now
   bool is_engaged = false;
   bool is_on_hold = false;

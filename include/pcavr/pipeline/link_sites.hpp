@@ -95,13 +95,13 @@ struct OperatorSiteReport {
   std::size_t late_corrections = 0;      ///< beyond the history
   std::size_t invalid_messages = 0;
   std::vector<Interruption> interruptions;
-  double lead = 0.0;           ///< [s] from sending a command to its execution
-  double round_trip = 0.0;     ///< [s] fastest
-  double clock_offset = 0.0;   ///< [s] shared clock less this one, at the end
+  double lead = 0.0;          ///< [s] from sending a command to its execution
+  double round_trip = 0.0;    ///< [s] fastest
+  double clock_offset = 0.0;  ///< [s] shared clock less this one, at the end
   double clock_drift = 0.0;
-  double clock_std = 0.0;      ///< [s]
+  double clock_std = 0.0;  ///< [s]
   std::size_t late_cycles = 0;
-  double cpu = 0.0;            ///< [s] of this thread
+  double cpu = 0.0;                 ///< [s] of this thread
   std::vector<double> t_corrected;  ///< [s] times that the first corrections speak of
 };
 
