@@ -77,11 +77,14 @@ class OperatorSiteLoop {
     const double cpu_before = thread_cpu();
     last_received_ = clock_.now();
     while (!stop && !is_done_ && !fault_) {
-      const double wake = site_ ? local_time_of(next_cycle_) : clock_.now() + kIdleWait;
-      wait_until(wake);
+      // A recording may begin later: until then round trips keep the session alive.
+      const double idle = clock_.now() + (site_ ? kFirstPingInterval : kIdleWait);
+      wait_until(site_ ? std::min(local_time_of(next_cycle_), idle) : idle);
       const double now = clock_.now();
       check_link(now);
-      if (site_) {
+      if (site_ && now < local_time_of(next_cycle_)) {
+        ping(now, kFirstPingInterval);
+      } else if (site_) {
         cycle(now);
       } else {
         connect(now);
