@@ -42,6 +42,7 @@ pcavr_find(SDL2 libsdl2-dev 2.26)
 pcavr_find_library(spnav spnav.h libspnav-dev)
 pcavr_find(Boost libboost-dev 1.74)
 pcavr_find(OpenSSL libssl-dev 3.0)
+pcavr_find_library(zmq zmq.hpp cppzmq-dev)
 pcavr_find(Threads libc6-dev)
 
 if(PCAVR_BUILD_APPS)

@@ -23,6 +23,9 @@ void add_import(CLI::App& app, Action& action);
 void add_serve(CLI::App& app, Configuration& configuration, Action& action);
 void add_inspect(CLI::App& app, const Configuration& configuration, Action& action);
 void add_tags(CLI::App& app, Action& action);
+void add_keygen(CLI::App& app, Action& action);
+void add_robot_site(CLI::App& app, Configuration& configuration, Action& action);
+void add_operator_site(CLI::App& app, Configuration& configuration, Action& action);
 
 /// The options that several subcommands share.
 struct OutputOption {

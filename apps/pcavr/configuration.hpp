@@ -17,6 +17,7 @@
 #include "pcavr/pipeline/build_scene.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/pipeline/identify_robot.hpp"
+#include "pcavr/pipeline/link_sites.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/robot/arm_follower.hpp"
 #include "pcavr/serve/content.hpp"
@@ -44,6 +45,8 @@ struct Configuration {
   FrictionPriors friction_priors;
   RobotIdentificationOptions robot_identification;
   ArmFollowerOptions arm;  ///< with the options of its inverse kinematics
+  RobotSiteOptions robot_site;
+  OperatorSiteOptions operator_site;
 
   [[nodiscard]] PerceptionOptions& perception() { return build.perception; }
   [[nodiscard]] const PerceptionOptions& perception() const { return build.perception; }

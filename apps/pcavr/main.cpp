@@ -117,6 +117,9 @@ int run_command_line(int argc, char** argv) {
   add_serve(app, configuration, action);
   add_inspect(app, configuration, action);
   add_tags(app, action);
+  add_keygen(app, action);
+  add_robot_site(app, configuration, action);
+  add_operator_site(app, configuration, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::RequiredError& error) {

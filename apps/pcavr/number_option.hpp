@@ -24,19 +24,23 @@ template <typename Number>
   return number;
 }
 
+/// Accepts only a finite number in the range.
+inline CLI::Validator number_in(const InputRange& range) {
+  return CLI::Validator(
+      [range](const std::string& text) {
+        const std::optional<double> number = parse_number<double>(text);
+        if (!number) return "'" + text + "' is not a number";
+        const std::optional<Error> error = check_range(range, *number, text);
+        return error ? error->to_string() : std::string();
+      },
+      "");
+}
+
 /// An option that accepts only a finite number in the range.
 template <typename Value>
 CLI::Option* add_number(CLI::App& command, const std::string& name, Value& value,
                         const InputRange& range, const std::string& what) {
-  return command.add_option(name, value, what)
-      ->check(CLI::Validator(
-          [range](const std::string& text) {
-            const std::optional<double> number = parse_number<double>(text);
-            if (!number) return "'" + text + "' is not a number";
-            const std::optional<Error> error = check_range(range, *number, text);
-            return error ? error->to_string() : std::string();
-          },
-          ""));
+  return command.add_option(name, value, what)->check(number_in(range));
 }
 
 /// An option that accepts only an integer from `min` to `max`.

@@ -11,6 +11,7 @@
 #include "pcavr/pipeline/augmented_frames.hpp"
 
 #include "commands.hpp"
+#include "link_options.hpp"
 #include "number_option.hpp"
 #include "output_option.hpp"
 #include "summary.hpp"
@@ -219,7 +220,19 @@ void add_link_options(CLI::App& command, TeleopOptions& teleop, ReplayArguments&
   add_number(command, "--loss", teleop.loss, ranges::kShare,
              "Packet loss: fraction of corrections that the network drops")
       ->capture_default_str();
-  add_seed(command, teleop.seed, "Seed of jitter and loss")->capture_default_str();
+  add_number(command, "--burst", teleop.burst, kBurst,
+             "Mean number of corrections lost in a row (Gilbert); below 1: independent losses")
+      ->capture_default_str();
+  add_number(command, "--reorder", teleop.reorder, ranges::kShare,
+             "Fraction of the corrections that are overtaken, by 20 ms")
+      ->capture_default_str();
+  add_number(command, "--duplicate", teleop.duplicate, ranges::kShare,
+             "Fraction of the corrections that arrive twice")
+      ->capture_default_str();
+  add_number(command, "--rate-limit", teleop.rate_limit, kByteRate,
+             "Bytes per second from robot to operator; 0: no limit")
+      ->capture_default_str();
+  add_seed(command, teleop.seed, "Seed of the network's conditions")->capture_default_str();
   command.add_flag("--no-corrections", arguments.without_corrections,
                    "Predict only: the robot's site sends no corrections");
   command.add_flag("--keep-parameters", arguments.keep_parameters,

@@ -339,27 +339,32 @@ std::vector<TrackedPose> tracked_from_start(std::vector<TrackedPose> tracked, St
   return tracked;
 }
 
-Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManifest& scene,
-                                   const std::vector<MovableBody>& bodies, const Replay& replay,
-                                   const ParameterTable& known) {
-  const Stamp start = start_of(recording);
+/// Objects and static surface of a scene, without any series.
+Expected<TeleopInput> world_of(const SceneManifest& scene, const std::vector<MovableBody>& bodies,
+                               const ParameterTable& known) {
   TeleopInput input;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const MovableBody& body = bodies[i];
-    input.objects.push_back(
-        {body.entry.name, body.model, *body.entry.T_base_object, known.at(body.entry.name),
-         tracked_from_start(replay.objects[i].tracked, start), body.entry.is_movable});
+  for (const MovableBody& body : bodies) {
+    input.objects.push_back({body.entry.name,
+                             body.model,
+                             *body.entry.T_base_object,
+                             known.at(body.entry.name),
+                             {},
+                             body.entry.is_movable});
   }
-  if (scene.is_scanned()) {
-    Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
-    if (!mesh) return mesh.error();
-    input.static_mesh_base = std::move(*mesh);
-    for (const MovableBody& body : bodies) {
-      if (body.entry.is_movable) continue;
-      remove_surface_of(transformed(*body.entry.T_base_object, body.model.mesh_object),
-                        input.static_mesh_base);
-    }
+  if (!scene.is_scanned()) return input;
+  Expected<TriangleMesh> mesh = read_mesh(scene.folder / "mesh.ply");
+  if (!mesh) return mesh.error();
+  input.static_mesh_base = std::move(*mesh);
+  for (const MovableBody& body : bodies) {
+    if (body.entry.is_movable) continue;
+    remove_surface_of(transformed(*body.entry.T_base_object, body.model.mesh_object),
+                      input.static_mesh_base);
   }
+  return input;
+}
+
+void add_tool(const Recording& recording, TeleopInput& input) {
+  const Stamp start = start_of(recording);
   input.tool_radius = recording.manifest.tool_radius.value_or(input.tool_radius);
   input.t_tool.reserve(recording.tool.size());
   input.p_base_tip.reserve(recording.tool.size());
@@ -369,13 +374,57 @@ Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManife
     input.p_base_tip.push_back(tool.pose.translation());
     input.q_base_tool.push_back(tool.pose.rotation());
   }
+}
+
+void add_wrench(const Recording& recording, TeleopInput& input) {
+  const Stamp start = start_of(recording);
   input.t_force.reserve(recording.wrench.size());
   input.force_base.reserve(recording.wrench.size());
   for (const WrenchSample& sample : recording.wrench) {
     input.t_force.push_back(to_seconds(sample.stamp - start));
     input.force_base.push_back(sample.force);
   }
+}
+
+Expected<TeleopInput> teleop_input(const Recording& recording, const SceneManifest& scene,
+                                   const std::vector<MovableBody>& bodies, const Replay& replay,
+                                   const ParameterTable& known) {
+  Expected<TeleopInput> input = world_of(scene, bodies, known);
+  if (!input) return input;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    input->objects[i].tracked = tracked_from_start(replay.objects[i].tracked, start_of(recording));
+  }
+  add_tool(recording, *input);
+  add_wrench(recording, *input);
   return input;
+}
+
+/// The scene's objects, the movable ones first, and their parameters.
+struct KnownBodies {
+  std::vector<MovableBody> movable;
+  std::vector<MovableBody> immovable;
+  ParameterTable parameters;
+};
+
+Expected<KnownBodies> known_bodies(const Recording& recording, const SceneManifest& scene,
+                                   const ReplayOptions& options, const Observer& observer) {
+  Expected<std::vector<MovableBody>> bodies = bodies_of(recording, scene, true);
+  if (!bodies) return bodies.error();
+  for (const MovableBody& body : *bodies) report_simplified(body.model, observer);
+  Expected<ParameterTable> known =
+      known_parameters(scene, options.parameters, options.parameters_file);
+  if (!known) return known.error();
+  Expected<std::vector<MovableBody>> immovable = bodies_of(recording, scene, false);
+  if (!immovable) return immovable.error();
+  for (const MovableBody& body : *immovable) report_simplified(body.model, observer);
+  if (bodies->empty() && immovable->empty()) return no_object(scene, "object");
+  return KnownBodies{std::move(*bodies), std::move(*immovable), std::move(*known)};
+}
+
+std::vector<MovableBody> all_of(KnownBodies&& bodies) {
+  std::vector<MovableBody> all = std::move(bodies.movable);
+  std::move(bodies.immovable.begin(), bodies.immovable.end(), std::back_inserter(all));
+  return all;
 }
 
 }  // namespace
@@ -385,24 +434,17 @@ Expected<Replay> replay_recording(const Recording& recording, const SceneManifes
   const ImageUse images = options.tracked ? ImageUse::none : ImageUse::tracking;
   if (const auto conflict = check_clocks(recording, images, observer)) return *conflict;
   if (recording.tool.empty()) observer.on_warning(kNothingPredicted);
-  Expected<std::vector<MovableBody>> bodies = bodies_of(recording, scene, true);
+  Expected<KnownBodies> bodies = known_bodies(recording, scene, options, observer);
   if (!bodies) return bodies.error();
-  for (const MovableBody& body : *bodies) report_simplified(body.model, observer);
-  const Expected<ParameterTable> known =
-      known_parameters(scene, options.parameters, options.parameters_file);
-  if (!known) return known.error();
-  const Expected<std::vector<MovableBody>> immovable = bodies_of(recording, scene, false);
-  if (!immovable) return immovable.error();
-  for (const MovableBody& body : *immovable) report_simplified(body.model, observer);
-  if (bodies->empty() && immovable->empty()) return no_object(scene, "object");
-  Expected<Replay> replay = track(recording, scene, *bodies, options, observer);
-  if (replay) add_immovable(*immovable, *replay);
+  Expected<Replay> replay = track(recording, scene, bodies->movable, options, observer);
+  if (replay) add_immovable(bodies->immovable, *replay);
   if (replay) replay->configuration = options.configuration;
   if (!replay || recording.tool.empty()) return replay;
   StageClock clock;
   clock.begin("both sites");
-  std::move(immovable->begin(), immovable->end(), std::back_inserter(*bodies));
-  Expected<TeleopInput> input = teleop_input(recording, scene, *bodies, *replay, *known);
+  const ParameterTable known = bodies->parameters;
+  Expected<TeleopInput> input =
+      teleop_input(recording, scene, all_of(std::move(*bodies)), *replay, known);
   if (!input) return input.error();
   replay->run_folder = options.run_folder;
   Expected<TeleopRun> run = run_sites(recording, *input, options, *replay, observer);
@@ -420,6 +462,28 @@ Expected<Replay> replay_recording(const Recording& recording, const SceneManifes
   replay->times.insert(replay->times.end(), times.begin(), times.end());
   return replay;
 }
+
+Expected<TeleopInput> read_teleop_input(const Recording& recording, const SceneManifest& scene,
+                                        const ReplayOptions& options, const Observer& observer) {
+  Expected<KnownBodies> bodies = known_bodies(recording, scene, options, observer);
+  if (!bodies) return bodies.error();
+  const Expected<Replay> replay = track(recording, scene, bodies->movable, options, observer);
+  if (!replay) return replay.error();
+  Replay all = *replay;
+  add_immovable(bodies->immovable, all);
+  const ParameterTable known = bodies->parameters;
+  return teleop_input(recording, scene, all_of(std::move(*bodies)), all, known);
+}
+
+Expected<TeleopInput> read_teleop_world(const SceneManifest& scene, const ReplayOptions& options,
+                                        const Observer& observer) {
+  Expected<KnownBodies> bodies = known_bodies(Recording(), scene, options, observer);
+  if (!bodies) return bodies.error();
+  const ParameterTable known = bodies->parameters;
+  return world_of(scene, all_of(std::move(*bodies)), known);
+}
+
+void add_tool_motion(const Recording& recording, TeleopInput& input) { add_tool(recording, input); }
 
 Expected<Replay> replay_tracking(const Recording& recording, const SceneManifest& scene,
                                  const ReplayOptions& options, const Observer& observer) {

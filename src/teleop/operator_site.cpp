@@ -23,6 +23,13 @@ Eigen::Vector3d inertial_force(const Eigen::Vector3d& a_base_tip, const Eigen::V
   return std::max(-size, mass * a_base_tip.dot(along)) * along;
 }
 
+/// In the order of sequence numbers that wrap around. Only the last few count as old: more than
+/// that may have been lost in a row.
+bool is_newer(std::uint8_t sequence, std::uint8_t received) {
+  constexpr std::uint8_t kMaxOld = 32;
+  return static_cast<std::uint8_t>(received - sequence) >= kMaxOld;
+}
+
 }  // namespace
 
 Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
@@ -38,8 +45,10 @@ Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const TeleopObject& object = input.objects[i];
     model.bodies.push_back({object.model, object.T_base_object, physics[i], object.is_movable});
-    objects.push_back({object.model, object.T_base_object,
-                       sent_parameters(physics[i], options.gravity()), 0,
+    objects.push_back({object.model,
+                       object.T_base_object,
+                       sent_parameters(physics[i], options.gravity()),
+                       {},
                        object.parameters.contact_mass.value_or(ParameterValue{}).value});
   }
   Expected<PredictedWorld> world = PredictedWorld::create(std::move(model));
@@ -51,15 +60,14 @@ Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
 }
 
 void OperatorSite::enqueue(double arrival, std::vector<std::uint8_t> bytes) {
-  arriving_.push_back({arrival, std::move(bytes)});
+  arriving_.push(arrival, std::move(bytes));
 }
 
 void OperatorSite::step(double wall, const Eigen::Vector3d& p_base_tip,
                         const Eigen::Vector3d& a_base_tip) {
   a_base_tip_ = a_base_tip;
-  while (!arriving_.empty() && arriving_.front().at <= wall) {
-    const std::optional<CorrectionMessage> message = decode(arriving_.front().bytes, epoch_);
-    arriving_.pop_front();
+  while (const auto bytes = arriving_.pop(wall)) {
+    const std::optional<CorrectionMessage> message = decode(*bytes, epoch_);
     if (message && message->object < objects_.size()) apply(*message);
   }
   predictor_.step(p_base_tip);
@@ -83,6 +91,7 @@ void OperatorSite::count_held() {
 
 void OperatorSite::apply(const CorrectionMessage& message) {
   Known& object = objects_[message.object];
+  if (object.received && !is_newer(message.sequence, *object.received)) return;
   object.received = message.sequence;
   Correction correction;
   correction.t = message.t;
@@ -103,7 +112,7 @@ Prediction OperatorSite::prediction(std::size_t object) const {
   const Eigen::Vector3d force = predictor_.shown(object).force_base;
   return {planar_pose_of(predictor_.world().T_base_object(object)), state.tool_force_base,
           force + inertial_force(a_base_tip_, force, objects_[object].contact_mass), state.phase,
-          objects_[object].received};
+          objects_[object].received.value_or(0)};
 }
 
 }  // namespace pcavr

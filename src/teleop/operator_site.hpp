@@ -4,12 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "pcavr/core/expected.hpp"
+#include "pcavr/link/link_conditions.hpp"
 #include "pcavr/prediction/predictor.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
@@ -45,8 +46,11 @@ class OperatorSite {
                                                      const TeleopOptions& options, double start,
                                                      const Eigen::Vector3d& p_base_tip);
 
-  /// Queues a message that arrives at `arrival` [s] of the operator's wall clock. Call in order.
+  /// Queues a message that arrives at `arrival` [s] of the operator's wall clock.
   void enqueue(double arrival, std::vector<std::uint8_t> bytes);
+  /// Applies a message that has arrived. One that is not newer than an earlier one of its object is
+  /// ignored: it was repeated, or overtaken by a newer one.
+  void apply(const CorrectionMessage& message);
   /// One cycle, with the messages that have arrived by `wall` [s].
   /// `a_base_tip` [m/s^2] is the tip's acceleration, for contacts with a mass.
   void step(double wall, const Eigen::Vector3d& p_base_tip,
@@ -63,12 +67,8 @@ class OperatorSite {
     CadModel model;
     Pose T_base_start;
     ObjectParameters parameters;
-    std::uint8_t received = 0;
-    double contact_mass = 0.0;  ///< [kg] of the law mass_damper_spring
-  };
-  struct Arriving {
-    double at = 0.0;
-    std::vector<std::uint8_t> bytes;
+    std::optional<std::uint8_t> received = {};  ///< sequence of its newest correction
+    double contact_mass = 0.0;                  ///< [kg] of the law mass_damper_spring
   };
   OperatorSite(Predictor predictor, std::vector<Known> objects, double epoch,
                const TeleopOptions& options)
@@ -79,7 +79,6 @@ class OperatorSite {
         step_(options.predictor.step),
         unknown_objects_(options.unknown_objects),
         held_(objects_.size()) {}
-  void apply(const CorrectionMessage& message);
   void count_held();
 
   Predictor predictor_;
@@ -89,7 +88,7 @@ class OperatorSite {
   double step_;     ///< [s]
   PhysicsDefaults unknown_objects_;
   std::vector<HeldTimes> held_;
-  std::deque<Arriving> arriving_;
+  DelayedMessages<std::vector<std::uint8_t>> arriving_;
   std::size_t late_ = 0;
   Eigen::Vector3d a_base_tip_ = Eigen::Vector3d::Zero();
 };

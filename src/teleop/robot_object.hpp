@@ -56,6 +56,8 @@ class RobotObject {
   /// move. An object that is not tracked is where the operator's site has predicted it to be
   /// (dead reckoning) until a contact shows its face elsewhere.
   [[nodiscard]] PoseEstimate estimate_pose(const TouchSample& sample, const PlanarPose& predicted);
+  /// As it was seen last, or as it is estimated while it is not tracked.
+  [[nodiscard]] const Pose& latest_pose() const { return T_base_object_; }
   /// Current estimate of [vx vy omega].
   [[nodiscard]] Eigen::Vector3d twist() const;
 

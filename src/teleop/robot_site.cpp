@@ -128,6 +128,22 @@ std::vector<CorrectionMessage> RobotSite::advance(double now, const PredictionLo
   return std::move(outgoing_);
 }
 
+std::vector<CorrectionMessage> RobotSite::full_state(double t) {
+  std::vector<CorrectionMessage> messages;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    RobotObject& object = objects_[i];
+    if (!object.source().is_movable) continue;
+    CorrectionMessage& message = messages.emplace_back();
+    message.t = t;
+    message.object = i;
+    message.pose = planar_pose_of(object.latest_pose());
+    message.parameters = sent_parameters(object.physics(), options_.gravity());
+    message.sequence = ++object.sequence;
+    object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
+  }
+  return messages;
+}
+
 double RobotSite::oldest_needed() const {
   // The next sample is later than now_ - lag; without a force, data is as old as the tracking.
   return now_ - force_.lag() - options_.pose.tracking_latency - kCameraInterval;

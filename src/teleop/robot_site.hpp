@@ -56,6 +56,10 @@ class RobotSite {
   /// Processes all data available at `now` [s]; `log` covers it. Returns the corrections to send.
   [[nodiscard]] std::vector<CorrectionMessage> advance(double now, const PredictionLog& log);
 
+  /// For an operator's site that begins anew: pose and all parameters of every movable object, as
+  /// corrections at `t` [s].
+  [[nodiscard]] std::vector<CorrectionMessage> full_state(double t);
+
   [[nodiscard]] const std::vector<RobotObject>& objects() const { return objects_; }
   /// The rows since the last call.
   [[nodiscard]] std::vector<ForceRow> take_forces() { return std::exchange(forces_, {}); }

@@ -14,9 +14,9 @@
 #include "pcavr/core/random.hpp"
 #include "pcavr/inputs/input_monitor.hpp"
 #include "pcavr/inputs/tip_path.hpp"
+#include "pcavr/link/link_conditions.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 
-#include "teleop/link.hpp"
 #include "teleop/operator_site.hpp"
 #include "teleop/parameter_history.hpp"
 #include "teleop/recorded_signals.hpp"
@@ -157,9 +157,9 @@ std::optional<double> newest_by(double now, bool all, std::deque<Command>& in_fl
   return newest;
 }
 
-Expected<void> send(const CorrectionMessage& message, double now, double epoch, Link& link,
-                    OperatorSite& site, RobotSite& robot, const TeleopSink& sink,
-                    ParameterHistory& history, TeleopRun& run) {
+Expected<void> send(const CorrectionMessage& message, double now, double epoch,
+                    LinkConditions& link, OperatorSite& site, RobotSite& robot,
+                    const TeleopSink& sink, ParameterHistory& history, TeleopRun& run) {
   // A correction for a time before the simulation applies from its start.
   CorrectionMessage sendable = message;
   sendable.t = std::max(message.t, epoch);
@@ -172,12 +172,11 @@ Expected<void> send(const CorrectionMessage& message, double now, double epoch, 
   sent.bytes = bytes.size();
   run.correction_bytes += bytes.size();
   robot.note_bytes(bytes.size());
-  const std::optional<double> arrival = link.arrival(now);
-  sent.is_lost = !arrival;
-  if (arrival) {
-    history.send(*arrival, message.object, message.parameters);
-    site.enqueue(*arrival, std::move(bytes));
-  }
+  const LinkConditions::Arrivals arrivals = link.arrivals(now, bytes.size());
+  sent.is_lost = !arrivals.first;
+  if (arrivals.first) history.send(*arrivals.first, message.object, message.parameters);
+  if (arrivals.second) site.enqueue(*arrivals.second, bytes);
+  if (arrivals.first) site.enqueue(*arrivals.first, std::move(bytes));
   ++run.sent_corrections;
   return sink.take_correction(sent);
 }
@@ -303,8 +302,15 @@ class Session {
         sink_(sink),
         command_(tip, span.start, options.predictor.step),
         random_(options.seed),
-        backward_({options.backward_delay, options.jitter, options.loss}, random_.fork(1)),
-        forward_({0.0, options.jitter, 0.0}, random_.fork(2)),
+        backward_({.delay = options.backward_delay,
+                   .jitter = options.jitter,
+                   .loss = options.loss,
+                   .burst = options.burst,
+                   .reorder = options.reorder,
+                   .duplicate = options.duplicate,
+                   .rate_limit = options.rate_limit},
+                  random_.fork(1)),
+        forward_({.jitter = options.jitter}, random_.fork(2)),
         log_(span.start, options.predictor.step, world.objects.size()),
         history_(all_sent_parameters(physics, options.gravity())),
         predicted_(world.objects.size()) {}
@@ -367,8 +373,8 @@ class Session {
   const TeleopSink& sink_;
   CommandPath command_;
   Random random_;
-  Link backward_;
-  Link forward_;
+  LinkConditions backward_;
+  LinkConditions forward_;
   PredictionLog log_;
   ParameterHistory history_;
   std::optional<double> last_history_ = {};  ///< [s]

@@ -20,9 +20,9 @@ import tempfile
 
 MODULES = ("core geometry recording cloud contact friction object identification model robot "
            "robot_identification inputs prediction haptics "
-           "devices teleop marker tracking reconstruction texture scene simulation report evaluation pipeline serve").split()
+           "devices link teleop marker tracking reconstruction texture scene simulation report evaluation pipeline serve").split()
 HEAVY = re.compile(r"<(opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|fmt/|yaml-cpp/|nlohmann/|"
-                   r"tbb/|bullet/|btBullet|png\.h|SDL|spnav|boost/|openssl/|urdf|tinyxml|console_bridge|kdl/)")
+                   r"tbb/|bullet/|btBullet|png\.h|SDL|spnav|boost/|openssl/|urdf|tinyxml|console_bridge|kdl/|zmq)")
 INCLUDE = re.compile(r'^#include (["<][^">]+[">])', re.MULTILINE)
 COMMENT_OR_TEXT = re.compile(r'//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'')
 NAMED_TEST = re.compile(r"`([A-Z]\w+)\.([A-Z]\w+)`")

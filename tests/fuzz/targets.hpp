@@ -25,6 +25,8 @@ void trace(std::string_view bytes);
 void urdf(std::string_view bytes);
 /// A correction from the robot's site.
 void message(std::string_view bytes);
+/// A message between two sites.
+void link(std::string_view bytes);
 /// A WebSocket message of page or server.
 void live(std::string_view bytes);
 

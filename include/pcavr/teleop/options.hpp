@@ -123,6 +123,10 @@ struct TeleopOptions {
   double backward_delay;  ///< [s] robot to operator
   double jitter;          ///< [s] std of either delay; messages keep their order
   double loss;            ///< packet loss of corrections, 0 to 1
+  double burst;           ///< mean number of corrections lost in a row; below 1: independent
+  double reorder;         ///< share of the corrections that are overtaken, 0 to 1
+  double duplicate;       ///< share of the corrections that arrive twice, 0 to 1
+  double rate_limit;      ///< [bytes/s] from robot to operator; 0: none
   std::uint64_t seed;     ///< of jitter and loss
   bool with_corrections;  ///< false: predict only
   bool identifies;        ///< false: the parameters stay as given

@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "pcavr/link/link_keys.hpp"
+#include "pcavr/pipeline/link_sites.hpp"
+#include "pcavr/pipeline/replay.hpp"
+
+#include "commands.hpp"
+
+namespace pcavr::app {
+
+/// What robot-site and operator-site have in common.
+struct SiteArguments {
+  std::string scene;
+  std::string recording;
+  std::string tracked;
+  std::string parameters;
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 5670;
+  std::string key;  ///< file
+};
+void add_site_options(CLI::App& command, SiteArguments& arguments);
+
+/// The keys of --key; nothing without it.
+[[nodiscard]] Expected<std::optional<LinkKeys>> keys_of(const SiteArguments& arguments);
+
+/// The options of a replay that both sites use.
+[[nodiscard]] Expected<ReplayOptions> site_options(const SiteArguments& arguments,
+                                                   const Configuration& configuration);
+[[nodiscard]] SiteScene site_scene_of(const SceneManifest& scene, const TeleopInput& world);
+
+/// Becomes true with SIGINT or SIGTERM, from then on.
+[[nodiscard]] const std::atomic<bool>& stop_on_signals();
+
+}  // namespace pcavr::app

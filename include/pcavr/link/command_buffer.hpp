@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "pcavr/link/link_message.hpp"
+
+namespace pcavr {
+
+struct OptionSection;  // core/options.hpp
+
+/// Which commands the robot's site executes, and when it holds ("robot_site.link").
+struct CommandOptions {
+  CommandOptions();
+  double max_age;   ///< [s] after its time of execution, until which a command is executed
+  double max_lead;  ///< [s] before its time of execution, until which it is accepted
+  double timeout;   ///< [s] without a message of the other site, after which the site holds
+};
+[[nodiscard]] OptionSection section_of(CommandOptions& options);
+
+/// Commands that wait for their time of execution (a jitter buffer). Stale, superseded and repeated
+/// ones are discarded. Memory is bounded by max_lead and the shortest cycle. Not thread-safe.
+class CommandBuffer {
+ public:
+  explicit CommandBuffer(const CommandOptions& options) : options_(options) {}
+
+  /// False if it is discarded. `now` [s] of the shared clock.
+  bool add(LinkCommand command, double now);
+  /// Those whose time has come, in order; the last is the one to be executed now.
+  [[nodiscard]] std::vector<LinkCommand> take_due(double now);
+  /// After an interruption: what waits is stale.
+  void clear() { waiting_.clear(); }
+
+  [[nodiscard]] std::uint32_t discarded() const { return discarded_; }
+  /// Smallest time from arrival to execution since the last call [s]; negative: late.
+  [[nodiscard]] std::optional<double> take_min_lead() { return std::exchange(min_lead_, {}); }
+
+ private:
+  static constexpr double kMinCycle = 2e-4;  ///< [s] between two commands
+
+  CommandOptions options_;
+  std::map<double, LinkCommand> waiting_;  ///< by time of execution
+  std::optional<double> executed_ = {};
+  std::optional<double> min_lead_ = {};
+  std::uint32_t discarded_ = 0;
+};
+
+}  // namespace pcavr

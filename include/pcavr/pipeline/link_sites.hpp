@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/core/observer.hpp"
+#include "pcavr/link/command_buffer.hpp"
+#include "pcavr/link/link_conditions.hpp"
+#include "pcavr/link/link_transport.hpp"
+#include "pcavr/link/motion_limiter.hpp"
+#include "pcavr/pipeline/robot_interface.hpp"
+#include "pcavr/teleop/live_sites.hpp"
+
+namespace pcavr {
+
+struct OptionSection;  // core/options.hpp
+
+/// The main loops of `pcavr robot-site` and `pcavr operator-site`. Each runs on the caller's thread
+/// until its end, a lasting fault, or `stop`.
+
+struct RobotSiteOptions {
+  RobotSiteOptions();
+  double cycle;        ///< [s]
+  double state_rate;   ///< [Hz]
+  double start_delay;  ///< [s] from the first session to the beginning of a recording
+  CommandOptions commands;
+  MotionLimits limits;
+};
+/// Without the nested options.
+[[nodiscard]] OptionSection section_of(RobotSiteOptions& options);
+
+/// What a page and a log need to know of the scene.
+struct SiteScene {
+  std::string name;
+  std::string version;  ///< of the program
+  std::vector<std::string> objects;
+  double tool_radius = 0.01;  ///< [m]
+};
+
+struct RobotSiteReport {
+  std::size_t sessions = 0;
+  std::size_t holds = 0;  ///< by silence of the operator's site
+  std::size_t commands = 0;
+  std::size_t discarded_commands = 0;
+  std::size_t invalid_messages = 0;
+  std::size_t repeated_corrections = 0;
+  std::size_t correction_bytes = 0;
+  std::size_t streaming_bytes = 0;
+  std::vector<SentCorrection> corrections;  ///< the first of them; times of the scene
+  std::size_t cycles = 0;
+  std::size_t late_cycles = 0;
+  double max_correction_time = 0.0;  ///< [s] CPU of a cycle in which corrections were composed
+  double cpu = 0.0;                  ///< [s] of this thread
+  std::vector<std::string> notes;
+};
+
+[[nodiscard]] Expected<RobotSiteReport> run_robot_site(LinkServer& server, RobotInterface& robot,
+                                                       LiveRobotSite& site, const SiteScene& scene,
+                                                       const RobotSiteOptions& options,
+                                                       const Observer& observer,
+                                                       const std::atomic<bool>& stop);
+
+struct OperatorSiteOptions {
+  OperatorSiteOptions();
+  double connection_timeout;  ///< [s] for the first session
+  double timeout;             ///< [s] without a message of the robot's site: the link is lost
+  double lead_margin;         ///< [s] by which commands shall arrive before their execution
+  double min_clock_time;      ///< [s] of round trips before the first command
+};
+[[nodiscard]] OptionSection section_of(OperatorSiteOptions& options);
+
+/// Both directions of a simulated network, applied at the operator's site.
+struct SimulatedNetwork {
+  LinkConditions::Options forward;
+  LinkConditions::Options backward;
+  std::uint64_t seed = 1;
+};
+
+struct OperatorSiteReport {
+  struct Interruption {
+    double t = 0.0;         ///< [s] of the scene
+    double duration = 0.0;  ///< [s] until commands were sent again
+  };
+  std::size_t sessions = 0;
+  std::size_t commands = 0;
+  std::size_t corrections = 0;           ///< applied
+  std::size_t repeated_corrections = 0;  ///< received again, not applied again
+  std::size_t late_corrections = 0;      ///< beyond the history
+  std::size_t invalid_messages = 0;
+  std::vector<Interruption> interruptions;
+  double lead = 0.0;          ///< [s] from sending a command to its execution
+  double round_trip = 0.0;    ///< [s] fastest
+  double clock_offset = 0.0;  ///< [s] shared clock less this one, at the end
+  double clock_drift = 0.0;
+  double clock_std = 0.0;  ///< [s]
+  std::size_t late_cycles = 0;
+  double cpu = 0.0;                 ///< [s] of this thread
+  std::vector<double> t_corrected;  ///< [s] times that the first corrections speak of
+};
+
+/// Plays the recorded motion in `world` as the operator's command.
+[[nodiscard]] Expected<OperatorSiteReport> run_operator_site(
+    LinkClient& client, const TeleopInput& world, const TeleopOptions& teleop,
+    const SiteScene& scene, const OperatorSiteOptions& options, const SimulatedNetwork& network,
+    const Observer& observer, const std::atomic<bool>& stop);
+
+}  // namespace pcavr

@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "pcavr/pipeline/robot_interface.hpp"
+#include "pcavr/teleop/run_teleop.hpp"
+
+namespace pcavr {
+
+/// A recording in real time: each sample when it was measured, a tracked pose `tracking_latency`
+/// [s] later. Keeps a reference to the input, which must outlive it.
+[[nodiscard]] std::unique_ptr<RobotInterface> make_recorded_robot(const TeleopInput& input,
+                                                                  double tracking_latency);
+
+}  // namespace pcavr

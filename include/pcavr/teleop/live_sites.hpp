@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/geometry/tracked_pose.hpp"
+#include "pcavr/link/link_message.hpp"
+#include "pcavr/teleop/options.hpp"
+#include "pcavr/teleop/run_teleop.hpp"
+
+/// Both sites as the two programs run them: fed sample by sample, connected by messages. All times
+/// are seconds of the scene: the shared clock less LinkWelcome::start. One thread at a time.
+namespace pcavr {
+
+/// A correction to be sent, with its description for the log.
+struct LiveCorrection {
+  SentCorrection sent;
+  std::vector<std::uint8_t> bytes;  ///< a CorrectionMessage with `sent.t` as its epoch
+};
+
+/// The robot's site: what it measures and what the operator's site predicts, to corrections.
+class LiveRobotSite {
+ public:
+  /// An Error if there are too many objects, or the inputs are not usable.
+  [[nodiscard]] static Expected<LiveRobotSite> create(const TeleopInput& world,
+                                                      const TeleopOptions& options, double start);
+  LiveRobotSite(LiveRobotSite&&) noexcept;
+  LiveRobotSite& operator=(LiveRobotSite&&) noexcept;
+  ~LiveRobotSite();
+
+  // Samples in any interleaving; each series ascends. Others are ignored and noted.
+  void add_tool(double t, const Eigen::Vector3d& p_base_tip, const Eigen::Quaterniond& q_base_tool);
+  void add_wrench(double t, const Eigen::Vector3d& force_base);
+  void add_tracked(std::size_t object, const TrackedPose& pose);
+
+  /// What the operator's site has predicted for the time `t` at which its command is executed; by
+  /// object. Predictions of another number of objects are ignored. Missing cycles count as the one
+  /// before.
+  void add_predictions(double t, std::span<const LinkPrediction> predictions);
+  /// Processes what was measured up to the newest of these times.
+  [[nodiscard]] std::vector<LiveCorrection> advance();
+  /// After an interruption: what was sent may be lost, and nothing before `now` [s] is compared.
+  /// The next predictions begin a new series.
+  void restart(double now);
+
+  [[nodiscard]] MotionPhase phase(std::size_t object) const;
+  [[nodiscard]] std::size_t objects() const;
+  [[nodiscard]] std::size_t streaming_bytes() const;  ///< as in TeleopRun
+  [[nodiscard]] std::vector<std::string> notes() const;
+
+ private:
+  struct Impl;
+  explicit LiveRobotSite(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The operator's site: the predicted world, with the corrections of the robot's site.
+class LiveOperatorSite {
+ public:
+  /// The world at `start` [s], with the tip at `p_base_tip`. An Error if an object can't be made a
+  /// body. `options.forward_delay` and `backward_delay` are the history that corrections need.
+  [[nodiscard]] static Expected<LiveOperatorSite> create(const TeleopInput& world,
+                                                         const TeleopOptions& options, double start,
+                                                         const Eigen::Vector3d& p_base_tip);
+  LiveOperatorSite(LiveOperatorSite&&) noexcept;
+  LiveOperatorSite& operator=(LiveOperatorSite&&) noexcept;
+  ~LiveOperatorSite();
+
+  /// Applies a correction at its time `t` [s]. False if its bytes are not a correction of an object
+  /// of this world.
+  bool apply(double t, std::span<const std::uint8_t> bytes);
+  /// One cycle of options.predictor.step.
+  void step(const Eigen::Vector3d& p_base_tip,
+            const Eigen::Vector3d& a_base_tip = Eigen::Vector3d::Zero());
+
+  [[nodiscard]] double now() const;
+  /// By object, for now().
+  void get_predictions(std::vector<LinkPrediction>& predictions) const;
+  [[nodiscard]] ShownBody shown(std::size_t object) const;
+  [[nodiscard]] std::size_t objects() const;
+  /// Corrections that came too late for the history.
+  [[nodiscard]] std::size_t late() const;
+
+ private:
+  struct Impl;
+  explicit LiveOperatorSite(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// A recorded motion as the operator's command, smoothed as in run_teleop.
+class RecordedCommand {
+ public:
+  /// Keeps a reference to the input's series. An Error if the motion has fewer than two samples.
+  [[nodiscard]] static Expected<RecordedCommand> create(const TeleopInput& input,
+                                                        const TeleopOptions& options);
+  RecordedCommand(RecordedCommand&&) noexcept;
+  RecordedCommand& operator=(RecordedCommand&&) noexcept;
+  ~RecordedCommand();
+
+  [[nodiscard]] double start() const;        ///< [s]
+  [[nodiscard]] std::size_t cycles() const;  ///< of options.predictor.step
+  /// At start() + step * cycle, constant after the end. Cheapest in ascending order.
+  [[nodiscard]] Eigen::Vector3d p_base_tip(std::size_t cycle);
+  [[nodiscard]] Eigen::Vector3d a_base_tip(std::size_t cycle);  ///< [m/s^2]
+
+ private:
+  struct Impl;
+  explicit RecordedCommand(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pcavr

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/link/command_buffer.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "pcavr/core/options.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr auto kCommandFields = std::to_array<OptionField<CommandOptions>>({
+    {"max_age", &CommandOptions::max_age, 0.1, 0.001, 10.0, "s",
+     "time after its execution was due, until which a late command is executed",
+     "lower: jitter discards commands; higher: the robot moves to where the operator was"},
+    {"max_lead", &CommandOptions::max_lead, 2.0, 0.01, 20.0, "s",
+     "time before its execution, until which a command is accepted",
+     "lower: long delays are not bridged; higher: memory"},
+    {"timeout", &CommandOptions::timeout, 0.25, 0.01, 10.0, "s",
+     "time without any message of the other site, after which this one holds",
+     "lower: jitter and lost messages hold the robot; higher: it moves on without an operator"},
+});
+static_assert(are_valid_fields(kCommandFields));
+
+}  // namespace
+
+CommandOptions::CommandOptions() { set_defaults(*this, kCommandFields); }
+OptionSection section_of(CommandOptions& options) {
+  return make_section("robot_site.link", options, kCommandFields);
+}
+
+bool CommandBuffer::add(LinkCommand command, double now) {
+  const double lead = command.t - now;
+  const bool is_superseded = executed_ && command.t <= *executed_;
+  const auto max_waiting = static_cast<std::size_t>(options_.max_lead / kMinCycle);
+  if (lead < -options_.max_age || lead > options_.max_lead || is_superseded ||
+      waiting_.size() >= max_waiting ||
+      !waiting_.try_emplace(command.t, std::move(command)).second) {
+    ++discarded_;
+    return false;
+  }
+  min_lead_ = std::min(min_lead_.value_or(lead), lead);
+  return true;
+}
+
+std::vector<LinkCommand> CommandBuffer::take_due(double now) {
+  std::vector<LinkCommand> due;
+  while (!waiting_.empty() && waiting_.begin()->first <= now) {
+    auto next = waiting_.extract(waiting_.begin());
+    executed_ = next.key();
+    if (next.key() < now - options_.max_age) {
+      ++discarded_;  // waited in vain: this site was not running
+    } else {
+      due.push_back(std::move(next.mapped()));
+    }
+  }
+  return due;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/link/motion_limiter.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/core/options.hpp"
+#include "pcavr/link/link_message.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr auto kLimitFields = std::to_array<OptionField<MotionLimits>>({
+    {"max_speed", &MotionLimits::max_speed, 0.5, 1e-3, 10.0, "m/s",
+     "maximum speed of the tool, along each axis",
+     "lower: the tool lags behind a hand; higher: impacts with more energy"},
+    {"max_acceleration", &MotionLimits::max_acceleration, 5.0, 0.01, 200.0, "m/s^2",
+     "maximum acceleration of the tool, along each axis; a hold ends within speed / acceleration",
+     "lower: the tool overshoots a hand that stops; higher: jerks of the arm"},
+    {"max_step", &MotionLimits::max_step, 0.02, 1e-4, 1.0, "m",
+     "maximum distance of the command ahead of the tool, along each axis",
+     "lower: fast motion is cut; higher: a jump of the command becomes a long motion"},
+    {"max_force", &MotionLimits::max_force, 60.0, 0.1, 1e4, "N",
+     "force above which the tool does not press on",
+     "lower: heavy objects can't be pushed; higher: damage of tool or object"},
+    {"min_x", &MotionLimits::min_x, -2.0, -1e4, 1e4, "m", "workspace, lower end of x",
+     "narrower: the tool stops short of its task; wider: it reaches what surrounds it"},
+    {"max_x", &MotionLimits::max_x, 2.0, -1e4, 1e4, "m", "workspace, upper end of x",
+     "narrower: the tool stops short of its task; wider: it reaches what surrounds it"},
+    {"min_y", &MotionLimits::min_y, -2.0, -1e4, 1e4, "m", "workspace, lower end of y",
+     "narrower: the tool stops short of its task; wider: it reaches what surrounds it"},
+    {"max_y", &MotionLimits::max_y, 2.0, -1e4, 1e4, "m", "workspace, upper end of y",
+     "narrower: the tool stops short of its task; wider: it reaches what surrounds it"},
+    {"min_z", &MotionLimits::min_z, -1.0, -1e4, 1e4, "m", "workspace, lower end of z",
+     "narrower: the tool stops short of its task; wider: it reaches what surrounds it"},
+    {"max_z", &MotionLimits::max_z, 3.0, -1e4, 1e4, "m", "workspace, upper end of z",
+     "narrower: the tool stops short of its task; wider: it reaches what surrounds it"},
+});
+static_assert(are_valid_fields(kLimitFields));
+
+std::optional<Error> check_workspace(const MotionLimits& limits) {
+  if ((limits.workspace_min().array() < limits.workspace_max().array()).all()) return std::nullopt;
+  return Error{.message = "the workspace is empty",
+               .place = "robot_site.limits",
+               .hint = "each min must be below its max"};
+}
+
+/// Highest speed from which the tool, slowing down by `acceleration` from the next cycle on, stops
+/// within `distance` [m].
+double braking_speed(double distance, double acceleration, double dt) {
+  const double half = 0.5 * acceleration * dt;
+  return std::max(0.0,
+                  std::sqrt(half * half + 2.0 * acceleration * std::max(distance, 0.0)) - half);
+}
+
+}  // namespace
+
+MotionLimits::MotionLimits() { set_defaults(*this, kLimitFields); }
+OptionSection section_of(MotionLimits& options) {
+  OptionSection section = make_section("robot_site.limits", options, kLimitFields);
+  section.check = [&options] { return check_workspace(options); };
+  return section;
+}
+
+MotionLimiter::MotionLimiter(const MotionLimits& limits, const Eigen::Vector3d& p_base_tip)
+    : limits_(limits),
+      p_base_(p_base_tip.cwiseMax(limits.workspace_min()).cwiseMin(limits.workspace_max())) {
+  PCAVR_REQUIRE(limits.max_speed > 0.0 && limits.max_acceleration > 0.0, limits.max_speed,
+                limits.max_acceleration);
+  PCAVR_REQUIRE(limits.max_step > 0.0 && limits.max_force > 0.0, limits.max_step, limits.max_force);
+  PCAVR_REQUIRE(!check_workspace(limits));
+}
+
+const Eigen::Vector3d& MotionLimiter::step(const std::optional<Eigen::Vector3d>& command,
+                                           const Eigen::Vector3d& force_base, double dt) {
+  active_ = 0;
+  const auto note = [this](LinkLimit limit) { active_ |= static_cast<std::uint32_t>(limit); };
+  Eigen::Vector3d wanted = Eigen::Vector3d::Zero();  // velocity
+  if (command && command->allFinite()) {
+    Eigen::Vector3d target =
+        command->cwiseMax(limits_.workspace_min()).cwiseMin(limits_.workspace_max());
+    if (target != *command) note(LinkLimit::workspace);
+    Eigen::Vector3d ahead = target - p_base_;
+    if (ahead.cwiseAbs().maxCoeff() > limits_.max_step) note(LinkLimit::step);
+    ahead = ahead.cwiseMax(-limits_.max_step).cwiseMin(limits_.max_step);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double brake = braking_speed(std::abs(ahead[axis]), limits_.max_acceleration, dt);
+      const double speed = std::min(std::abs(ahead[axis]) / dt, brake);
+      if (speed > limits_.max_speed) note(LinkLimit::speed);
+      wanted[axis] = std::copysign(std::min(speed, limits_.max_speed), ahead[axis]);
+    }
+    const double force = force_base.norm();
+    if (!(force <= limits_.max_force)) {
+      // Away from what it presses it may move.
+      note(LinkLimit::force);
+      const Eigen::Vector3d along = std::isfinite(force) ? Eigen::Vector3d(force_base / force)
+                                                         : Eigen::Vector3d(Eigen::Vector3d::Zero());
+      wanted -= std::max(0.0, wanted.dot(along)) * along;
+      if (!std::isfinite(force)) wanted.setZero();
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const double change = limits_.max_acceleration * dt;
+    double v = std::clamp(wanted[axis], v_base_[axis] - change, v_base_[axis] + change);
+    if (v != wanted[axis]) note(LinkLimit::acceleration);
+    // Stops before the walls: this always lies within reach of the acceleration.
+    const double up =
+        braking_speed(limits_.workspace_max()[axis] - p_base_[axis], limits_.max_acceleration, dt);
+    const double down =
+        braking_speed(p_base_[axis] - limits_.workspace_min()[axis], limits_.max_acceleration, dt);
+    v = std::clamp(v, -down, up);
+    v_base_[axis] = std::clamp(v, -limits_.max_speed, limits_.max_speed);
+  }
+  p_base_ =
+      (p_base_ + dt * v_base_).cwiseMax(limits_.workspace_min()).cwiseMin(limits_.workspace_max());
+  return p_base_;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,420 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "pcavr/core/options.hpp"
+#include "pcavr/core/random.hpp"
+#include "pcavr/link/correction_channel.hpp"
+#include "pcavr/link/link_clock.hpp"
+#include "pcavr/pipeline/link_sites.hpp"
+
+#include "site_clock.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr auto kOperatorSiteFields = std::to_array<OptionField<OperatorSiteOptions>>({
+    {"connection_timeout", &OperatorSiteOptions::connection_timeout, 10.0, 0.1, 3600.0, "s",
+     "time until the first connection to the robot's site is given up",
+     "lower: a slow link is given up; higher: a wrong address is noticed late"},
+    {"timeout", &OperatorSiteOptions::timeout, 0.25, 0.01, 10.0, "s",
+     "time without any message of the robot's site, after which the link counts as lost",
+     "lower: jitter opens the clutch; higher: the operator moves a tool that nothing follows"},
+    {"lead_margin", &OperatorSiteOptions::lead_margin, 0.005, 0.0, 1.0, "s",
+     "time by which commands shall arrive before their execution, beyond four variations of the "
+     "delay",
+     "lower: commands are executed late; higher: predicts further than necessary"},
+    {"min_clock_time", &OperatorSiteOptions::min_clock_time, 0.5, 0.05, 60.0, "s",
+     "time of round trips before the first command",
+     "lower: the clock is uncertain at first; higher: waiting"},
+});
+static_assert(are_valid_fields(kOperatorSiteFields));
+
+constexpr double kHelloInterval = 0.1;       // [s] below the robot site's timeout
+constexpr double kFirstPingInterval = 0.01;  // [s] until the first command
+constexpr double kPingInterval = 0.1;        // [s]
+constexpr std::size_t kMinRoundTrips = 10;
+constexpr double kIdleWait = 0.002;  // [s] while there is no cycle to wait for
+constexpr double kDelayVariations = 4.0;
+// Cycles behind, of more this site did not run: it begins anew from the robot's state.
+constexpr double kMaxOperatorBacklog = 200.0;
+constexpr double kMaxFlush = 2.0;      // [s] of a simulated network, at the end
+constexpr double kCloseTimeout = 0.2;  // [s] until the last message has left
+constexpr std::size_t kMaxReportedTimes = 10'000;
+
+std::uint32_t new_session() {
+  // Sessions of different processes must differ; nothing is computed from it.
+  std::uint32_t session = 0;
+  while (session == 0) session = std::random_device{}();
+  return session;
+}
+
+class OperatorSiteLoop {
+ public:
+  OperatorSiteLoop(LinkClient& client, const TeleopInput& world, const TeleopOptions& teleop,
+                   const SiteScene& scene, RecordedCommand command,
+                   const OperatorSiteOptions& options, const SimulatedNetwork& network,
+                   const Observer& observer)
+      : client_(client),
+        world_(world),
+        teleop_(teleop),
+        scene_(scene),
+        command_(std::move(command)),
+        options_(options),
+        observer_(observer),
+        forward_(network.forward, Random(network.seed).fork(2)),
+        backward_(network.backward, Random(network.seed).fork(1)),
+        session_(new_session()) {}
+
+  Expected<OperatorSiteReport> run(const std::atomic<bool>& stop) {
+    const double cpu_before = thread_cpu();
+    last_received_ = clock_.now();
+    while (!stop && !is_done_ && !fault_) {
+      // A recording may begin later: until then round trips keep the session alive.
+      const double idle = clock_.now() + (site_ ? kFirstPingInterval : kIdleWait);
+      wait_until(site_ ? std::min(local_time_of(next_cycle_), idle) : idle);
+      const double now = clock_.now();
+      check_link(now);
+      if (site_ && now < local_time_of(next_cycle_)) {
+        ping(now, kFirstPingInterval);
+      } else if (site_) {
+        cycle(now);
+      } else {
+        connect(now);
+      }
+      transmit(clock_.now());
+    }
+    if (welcome_) {
+      send(LinkReject{LinkRejection::ended, "the operator's site has ended"});
+      flush();
+    }
+    report_.cpu = thread_cpu() - cpu_before;
+    if (fault_) return *fault_;
+    return finish();
+  }
+
+ private:
+  void wait_until(double t) {
+    exchange();
+    for (double rest = t - clock_.now(); rest > 0.0; rest = t - clock_.now()) {
+      // A simulated arrival is also an event.
+      double until = t;
+      if (const auto arrival = arriving_.next_arrival()) until = std::min(until, *arrival);
+      if (const auto leaving = leaving_.next_arrival()) until = std::min(until, *leaving);
+      client_.wait(std::max(until - clock_.now(), 0.0));
+      exchange();
+      if (is_done_ || fault_) return;
+    }
+  }
+
+  void exchange() {
+    transmit(clock_.now());
+    while (auto bytes = client_.receive()) {
+      const double now = clock_.now();
+      const LinkConditions::Arrivals arrivals = backward_.arrivals(now, bytes->size());
+      if (arrivals.second) arriving_.push(*arrivals.second, *bytes);
+      if (arrivals.first) arriving_.push(*arrivals.first, std::move(*bytes));
+    }
+    while (const auto bytes = arriving_.pop(clock_.now())) on_bytes(*bytes, clock_.now());
+  }
+
+  void transmit(double now) {
+    while (const auto bytes = leaving_.pop(now)) client_.send(*bytes);
+  }
+
+  /// What is still in the simulated network, and the socket's own thread.
+  void flush() {
+    const double end = leaving_.size() > 0 ? clock_.now() + kMaxFlush : clock_.now();
+    while (leaving_.size() > 0 && clock_.now() < end) {
+      client_.wait(kIdleWait);
+      transmit(clock_.now());
+    }
+    client_.close(kCloseTimeout);
+  }
+
+  template <typename Content>
+  void send(Content&& content) {
+    const double now = clock_.now();
+    message_.header = {++sequence_, session_, now};
+    message_.content = std::forward<Content>(content);
+    encode_link_message(message_, bytes_);
+    const LinkConditions::Arrivals arrivals = forward_.arrivals(now, bytes_.size());
+    if (arrivals.second) leaving_.push(*arrivals.second, bytes_);
+    if (arrivals.first) leaving_.push(*arrivals.first, bytes_);
+  }
+
+  void on_bytes(const std::vector<std::uint8_t>& bytes, double now) {
+    Expected<LinkMessage> message = decode_link_message(bytes);
+    if (!message) {
+      const std::optional<int> version = link_version_of(bytes);
+      if (version && *version != kLinkVersion) {
+        fault_ = Error{.message = fmt::format("the robot's site uses pcavr-link {}, this one {}",
+                                              *version, kLinkVersion),
+                       .hint = "install the same version of pcavr at both sites"};
+      }
+      ++report_.invalid_messages;
+      return;
+    }
+    if (const auto* rejected = std::get_if<LinkReject>(&message->content)) {
+      if (message->header.session == session_ || message->header.session == 0) {
+        on_reject(*rejected);
+      }
+      return;
+    }
+    if (message->header.session != session_) return;  // of an earlier session
+    last_received_ = now;
+    if (const auto* pong = std::get_if<LinkPong>(&message->content)) {
+      shared_clock_.add({pong->sent, pong->received, message->header.clock, now});
+      ++round_trips_;
+    } else if (auto* welcome = std::get_if<LinkWelcome>(&message->content)) {
+      on_welcome(std::move(*welcome), now);
+    } else if (auto* correction = std::get_if<LinkCorrection>(&message->content)) {
+      if (!corrections_.accept(std::move(*correction))) ++report_.repeated_corrections;
+    } else if (auto* state = std::get_if<LinkState>(&message->content)) {
+      if (!state_ || state->t > state_->t) state_ = std::move(*state);
+    }
+  }
+
+  void on_reject(const LinkReject& rejected) {
+    if (rejected.reason == LinkRejection::ended) {
+      is_done_ = true;
+      return;
+    }
+    if (rejected.reason == LinkRejection::busy) {
+      is_busy_ = true;  // perhaps with this operator's last session, which ends soon
+      return;
+    }
+    const bool is_version = rejected.reason == LinkRejection::other_version;
+    fault_ = Error{.message = "the robot's site rejects this one: " + rejected.text,
+                   .hint = is_version ? "install the same version of pcavr at both sites" : ""};
+  }
+
+  void on_welcome(LinkWelcome welcome, double now) {
+    if (welcome_) return;
+    if (welcome.objects != scene_.objects) {
+      fault_ = Error{.message = "the robot's site has another scene: " + welcome.scene +
+                                ", with other objects than " + scene_.name,
+                     .hint = "give both sites the same scene"};
+      return;
+    }
+    welcome_ = std::move(welcome);
+    welcomed_ = now;
+    ++report_.sessions;
+  }
+
+  /// Hello until there is a welcome, then round trips until the clock is known.
+  void connect(double now) {
+    if (!welcome_ && now >= next_hello_) {
+      next_hello_ = now + kHelloInterval;
+      send(LinkHello{scene_.version, "operator-site"});
+    }
+    if (!welcome_) return check_connection(now);
+    ping(now, kFirstPingInterval);
+    if (round_trips_ < kMinRoundTrips || now - welcomed_ < options_.min_clock_time) return;
+    begin(now);
+  }
+
+  void check_connection(double now) {
+    if (has_connected_) return;  // an interruption: waits for the robot's site
+    const LinkClient::State state = client_.state();
+    if (state == LinkClient::State::rejected) {
+      fault_ = Error{.message = "the robot's site does not accept this key",
+                     .hint = "put its .pub file into the folder --authorized of the robot's site"};
+    }
+    if (now < options_.connection_timeout) return;
+    if (is_busy_) {
+      fault_ = Error{.message = "another operator is connected to the robot's site"};
+      return;
+    }
+    fault_ = state == LinkClient::State::no_handshake
+                 ? Error{.message =
+                             "the robot's site ended the handshake: its key is not "
+                             "--robot-key, or one of the two sites has no keys",
+                         .hint = "give the robot's .pub file with --robot-key, and --key"}
+                 : Error{.message = "no answer from the robot's site",
+                         .hint = "check address and port, and whether it runs"};
+  }
+
+  /// The world as the scene describes it; the robot's site then sends what differs.
+  void begin(double now) {
+    has_connected_ = true;
+    const double lead = 0.5 * shared_clock_.mean_delay() +
+                        kDelayVariations * shared_clock_.delay_variation() + options_.lead_margin;
+    report_.lead = lead;
+    // Time of the recorded motion: the scene's, or since the first session.
+    if (!trace_zero_) {
+      trace_zero_ = welcome_->follows_commands ? shared_clock_.shared_at(now) - welcome_->start -
+                                                     command_.start() + kIdleWait
+                                               : 0.0;
+    }
+    const double scene_now = shared_clock_.shared_at(now) - welcome_->start + lead;
+    const double step = teleop_.predictor.step;
+    const double passed = (scene_now - *trace_zero_ - command_.start()) / step;
+    next_cycle_ = static_cast<std::size_t>(std::max(0.0, std::ceil(passed))) + 1;
+    lead_ = lead;
+    if (next_cycle_ > command_.cycles()) {
+      is_done_ = true;
+      return;
+    }
+    TeleopOptions options = teleop_;
+    options.forward_delay = lead;
+    options.backward_delay = std::max(0.5 * shared_clock_.mean_delay(), teleop_.backward_delay);
+    Expected<LiveOperatorSite> site = LiveOperatorSite::create(
+        world_, options, scene_time_of(next_cycle_ - 1), command_.p_base_tip(next_cycle_ - 1));
+    if (!site) {
+      fault_ = site.error();
+      return;
+    }
+    site_.emplace(std::move(*site));
+    corrections_ = {};
+    if (lost_at_) {
+      report_.interruptions.back().duration = now - *lost_at_;
+      observer_.on_warning(fmt::format("connected again after {:.2f} s", now - *lost_at_));
+      lost_at_.reset();
+    }
+  }
+
+  [[nodiscard]] double scene_time_of(std::size_t cycle) const {
+    return *trace_zero_ + command_.start() + teleop_.predictor.step * static_cast<double>(cycle);
+  }
+  /// When the cycle's command is to be sent, on this site's clock.
+  [[nodiscard]] double local_time_of(std::size_t cycle) const {
+    return shared_clock_.local_at(welcome_->start + scene_time_of(cycle) - lead_);
+  }
+
+  void cycle(double now) {
+    const double behind = now - local_time_of(next_cycle_);
+    if (behind > teleop_.predictor.step) ++report_.late_cycles;
+    if (behind > kMaxOperatorBacklog * teleop_.predictor.step) {
+      return lose(now, fmt::format("this site did not run for {:.2f} s", behind));
+    }
+    for (const LinkCorrection& correction : corrections_.take()) {
+      const double t = correction.t - welcome_->start;
+      if (!site_->apply(t, correction.bytes)) {
+        ++report_.invalid_messages;
+        continue;
+      }
+      ++report_.corrections;
+      if (report_.t_corrected.size() < kMaxReportedTimes) report_.t_corrected.push_back(t);
+    }
+    site_->step(command_.p_base_tip(next_cycle_), command_.a_base_tip(next_cycle_));
+    LinkCommand command;
+    command.t = welcome_->start + scene_time_of(next_cycle_);
+    command.p_base_tip = command_.p_base_tip(next_cycle_).cast<float>();
+    command.is_engaged = true;
+    command.acknowledged = corrections_.acknowledgement();
+    site_->get_predictions(command.predictions);
+    send(std::move(command));
+    ++report_.commands;
+    ping(now, kPingInterval);
+    if (++next_cycle_ > command_.cycles()) is_done_ = true;
+  }
+
+  void ping(double now, double interval) {
+    if (now < next_ping_) return;
+    next_ping_ = now + interval;
+    send(LinkPing{});
+  }
+
+  void check_link(double now) {
+    if (!welcome_) return;
+    const double silence = now - last_received_;
+    if (silence > options_.timeout) {
+      lose(now, fmt::format("nothing from the robot's site for {:.2f} s", silence));
+    }
+  }
+
+  /// The clutch opens: no command is sent until a new session begins from the robot's state.
+  void lose(double now, const std::string& reason) {
+    if (!lost_at_ && site_) {
+      observer_.on_warning(reason + ": the clutch is open, connecting again");
+      report_.interruptions.push_back({scene_time_of(next_cycle_), 0.0});
+      lost_at_ = now;
+    }
+    if (site_) report_.late_corrections += site_->late();
+    site_.reset();
+    welcome_.reset();
+    state_.reset();
+    shared_clock_ = {};
+    round_trips_ = 0;
+    session_ = new_session();
+    last_received_ = now;
+    next_hello_ = now;
+  }
+
+  OperatorSiteReport finish() {
+    if (site_) report_.late_corrections += site_->late();
+    report_.round_trip = shared_clock_.is_known() ? shared_clock_.min_delay() : 0.0;
+    if (shared_clock_.is_known()) {
+      report_.clock_offset = shared_clock_.shared_at(clock_.now()) - clock_.now();
+      report_.clock_drift = shared_clock_.drift();
+      report_.clock_std = shared_clock_.std();
+    }
+    return std::move(report_);
+  }
+
+  LinkClient& client_;
+  const TeleopInput& world_;
+  const TeleopOptions& teleop_;
+  const SiteScene& scene_;
+  RecordedCommand command_;
+  const OperatorSiteOptions& options_;
+  const Observer& observer_;
+  SiteClock clock_;
+  LinkClock shared_clock_;  ///< the shared clock
+  LinkConditions forward_;
+  LinkConditions backward_;
+  DelayedMessages<std::vector<std::uint8_t>> leaving_;   ///< in the simulated network
+  DelayedMessages<std::vector<std::uint8_t>> arriving_;  ///< in the simulated network
+  std::uint32_t session_;
+  std::optional<LinkWelcome> welcome_;
+  double welcomed_ = 0.0;
+  std::size_t round_trips_ = 0;
+  bool has_connected_ = false;
+  bool is_busy_ = false;  ///< another operator's site was connected
+  std::optional<LiveOperatorSite> site_;
+  CorrectionReceiver corrections_;
+  std::optional<LinkState> state_;
+  std::optional<double> trace_zero_;
+  std::size_t next_cycle_ = 1;
+  double lead_ = 0.0;
+  double last_received_ = 0.0;
+  double next_hello_ = 0.0;
+  double next_ping_ = 0.0;
+  std::optional<double> lost_at_;
+  std::optional<Error> fault_;
+  bool is_done_ = false;
+  std::uint32_t sequence_ = 0;
+  LinkMessage message_;
+  std::vector<std::uint8_t> bytes_;
+  OperatorSiteReport report_;
+};
+
+}  // namespace
+
+OperatorSiteOptions::OperatorSiteOptions() { set_defaults(*this, kOperatorSiteFields); }
+OptionSection section_of(OperatorSiteOptions& options) {
+  return make_section("operator_site", options, kOperatorSiteFields);
+}
+
+Expected<OperatorSiteReport> run_operator_site(LinkClient& client, const TeleopInput& world,
+                                               const TeleopOptions& teleop, const SiteScene& scene,
+                                               const OperatorSiteOptions& options,
+                                               const SimulatedNetwork& network,
+                                               const Observer& observer,
+                                               const std::atomic<bool>& stop) {
+  Expected<RecordedCommand> command = RecordedCommand::create(world, teleop);
+  if (!command) return command.error();
+  return OperatorSiteLoop(client, world, teleop, scene, std::move(*command), options, network,
+                          observer)
+      .run(stop);
+}
+
+}  // namespace pcavr

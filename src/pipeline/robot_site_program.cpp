@@ -1,0 +1,413 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "pcavr/core/options.hpp"
+#include "pcavr/link/correction_channel.hpp"
+#include "pcavr/pipeline/link_sites.hpp"
+
+#include "site_clock.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr auto kRobotSiteFields = std::to_array<OptionField<RobotSiteOptions>>({
+    {"cycle", &RobotSiteOptions::cycle, 0.001, 2e-4, 0.1, "s", "period of the site's loop",
+     "lower: computing time; higher: the tool moves in steps"},
+    {"state_rate", &RobotSiteOptions::state_rate, 100.0, 1.0, 1000.0, "Hz",
+     "states sent to the operator's site",
+     "lower: the operator sees the robot late; higher: bandwidth"},
+    {"start_delay", &RobotSiteOptions::start_delay, 1.5, 0.0, 60.0, "s",
+     "time from the first operator's arrival to the beginning of a recording",
+     "lower: the operator's clock is not known when it begins; higher: waiting"},
+});
+static_assert(are_valid_fields(kRobotSiteFields));
+
+constexpr std::size_t kMaxReportedCorrections = 10'000;
+constexpr std::size_t kMaxMessagesPerCycle = 500;  // of all peers: the robot's cycle goes first
+constexpr double kAuthorisationInterval = 0.5;     // [s] between two checks of the operator's key
+constexpr double kMinNoticeInterval = 30.0;        // [s] between two lines for the same cause
+constexpr double kRecordingTail = 0.2;             // [s] after its end, for the last corrections
+// Cycles behind the clock, of more all are skipped: this process did not run.
+constexpr double kMaxBacklog = 100.0;
+
+/// What one connected operator's site has sent, and is to receive.
+struct OperatorSession {
+  std::string peer;
+  std::string key;
+  std::uint32_t id = 0;
+  double last_received = 0.0;
+  std::uint32_t newest_command = 0;  ///< its header's sequence
+  CorrectionSender corrections;
+  CommandBuffer commands;
+};
+
+class RobotSiteLoop {
+ public:
+  RobotSiteLoop(LinkServer& server, RobotInterface& robot, LiveRobotSite& site,
+                const SiteScene& scene, const RobotSiteOptions& options, const Observer& observer)
+      : server_(server),
+        robot_(robot),
+        site_(site),
+        scene_(scene),
+        options_(options),
+        observer_(observer),
+        limiter_(options.limits, robot.p_base_start()) {
+    if (robot.follows_commands()) start_ = 0.0;
+  }
+
+  RobotSiteReport run(const std::atomic<bool>& stop) {
+    const double cpu_before = thread_cpu();
+    double next = clock_.now();
+    while (!stop && !is_finished()) {
+      next += options_.cycle;
+      wait_until(next);
+      const double behind = clock_.now() - next;
+      if (behind > options_.cycle) ++report_.late_cycles;
+      if (behind > kMaxBacklog * options_.cycle) next = clock_.now();
+      ++report_.cycles;
+      cycle(clock_.now());
+    }
+    report_.cpu = thread_cpu() - cpu_before;
+    return finish();
+  }
+
+ private:
+  void wait_until(double t) {
+    receive();
+    for (double rest = t - clock_.now(); rest > 0.0; rest = t - clock_.now()) {
+      server_.wait(rest);
+      receive();
+    }
+  }
+
+  void cycle(double now) {
+    check_session(now);
+    execute(now);
+    const double cpu = thread_cpu();
+    if (start_ && now >= *start_) measure(now);
+    if (session_) correct(now);
+    if (has_composed_) {
+      report_.max_correction_time = std::max(report_.max_correction_time, thread_cpu() - cpu);
+      has_composed_ = false;
+    }
+    if (session_ && now >= next_state_) {
+      next_state_ = now + 1.0 / options_.state_rate;
+      send_state(now);
+    }
+    for (const std::string& notice : server_.take_notices()) warn(notice, now);
+  }
+
+  void receive() {
+    for (std::size_t i = 0; i < kMaxMessagesPerCycle; ++i) {
+      const std::optional<LinkPacket> packet = server_.receive();
+      if (!packet) return;
+      const double now = clock_.now();
+      const Expected<LinkMessage> message = decode_link_message(packet->bytes);
+      if (message) {
+        on_message(*packet, *message, now);
+        continue;
+      }
+      ++report_.invalid_messages;
+      const std::optional<int> version = link_version_of(packet->bytes);
+      if (version && *version != kLinkVersion) {
+        reject(*packet, 0, LinkRejection::other_version,
+               fmt::format("this robot's site uses pcavr-link {}, not {}", kLinkVersion, *version));
+      }
+      warn("a message was not valid: " + message.error().to_string(), now);
+    }
+  }
+
+  void on_message(const LinkPacket& packet, const LinkMessage& message, double now) {
+    if (std::holds_alternative<LinkPing>(message.content)) {
+      if (is_of_session(packet, message)) session_->last_received = now;
+      return send(packet.peer, message.header.session, LinkPong{message.header.clock, now});
+    }
+    if (const auto* hello = std::get_if<LinkHello>(&message.content)) {
+      return on_hello(packet, message.header, *hello, now);
+    }
+    if (!is_of_session(packet, message)) return;  // of a session that has ended
+    session_->last_received = now;
+    if (const auto* command = std::get_if<LinkCommand>(&message.content)) {
+      on_command(message.header, *command, now);
+    } else if (const auto* stop = std::get_if<LinkStop>(&message.content)) {
+      on_stop(*stop);
+    } else if (std::holds_alternative<LinkReject>(message.content)) {
+      observer_.on_warning("the operator's site has ended: the tool holds");
+      has_silence_hold_ = true;
+      end_session();
+    } else if (const auto* acknowledged = std::get_if<LinkAcknowledgement>(&message.content)) {
+      session_->corrections.acknowledge(*acknowledged, now);
+    }
+  }
+
+  [[nodiscard]] bool is_of_session(const LinkPacket& packet, const LinkMessage& message) const {
+    return session_ && session_->peer == packet.peer && session_->id == message.header.session;
+  }
+
+  void on_hello(const LinkPacket& packet, const LinkHeader& header, const LinkHello& hello,
+                double now) {
+    if (session_ && session_->peer == packet.peer && session_->id == header.session) {
+      session_->last_received = now;
+      return welcome();  // the first welcome was lost
+    }
+    const bool is_other = session_ && session_->peer != packet.peer &&
+                          (session_->key != packet.key || packet.key.empty());
+    if (is_other) {
+      return reject(packet, header.session, LinkRejection::busy,
+                    "another operator is connected to this robot's site");
+    }
+    session_ = OperatorSession{.peer = packet.peer,
+                               .key = packet.key,
+                               .id = header.session,
+                               .last_received = now,
+                               .newest_command = 0,
+                               .corrections = {},
+                               .commands = CommandBuffer(options_.commands)};
+    ++report_.sessions;
+    if (!start_) start_ = now + options_.start_delay;
+    if (report_.sessions > 1) site_.restart(std::max(now - *start_, 0.0));
+    has_silence_hold_ = false;
+    observer_.on_warning("operator's site connected: " +
+                         (hello.name.empty() ? std::string("without name") : hello.name));
+    welcome();
+  }
+
+  void welcome() {
+    LinkWelcome welcome{*start_,        scene_.tool_radius, robot_.follows_commands(),
+                        scene_.version, scene_.name,        scene_.objects};
+    send(session_->peer, session_->id, std::move(welcome));
+  }
+
+  void on_command(const LinkHeader& header, const LinkCommand& command, double now) {
+    session_->corrections.acknowledge(command.acknowledged, now);
+    if (header.sequence > session_->newest_command) session_->newest_command = header.sequence;
+    session_->commands.add(command, now);
+  }
+
+  void on_stop(LinkStop stop) {
+    switch (stop) {
+      case LinkStop::hold:
+        is_on_hold_ = true;
+        break;
+      case LinkStop::resume:
+        if (!is_stopped_) is_on_hold_ = false;
+        break;
+      case LinkStop::emergency_stop:
+        is_stopped_ = is_on_hold_ = true;
+        break;
+      case LinkStop::reset:
+        is_stopped_ = false;
+        break;
+    }
+  }
+
+  /// Ends the session of an operator who is silent, or whose key was revoked.
+  void check_session(double now) {
+    if (!session_) return;
+    if (now - session_->last_received > options_.commands.timeout) {
+      ++report_.holds;
+      has_silence_hold_ = true;
+      observer_.on_warning(
+          fmt::format("nothing from the operator's site for {:.2f} s: the tool is brought to rest "
+                      "within {:.2f} s, and holds",
+                      now - session_->last_received, options_.limits.max_hold_time()));
+      return end_session();
+    }
+    if (now < next_authorisation_) return;
+    next_authorisation_ = now + kAuthorisationInterval;
+    if (server_.is_authorized(session_->key)) return;
+    const LinkPacket packet{session_->peer, {}, {}};
+    reject(packet, session_->id, LinkRejection::revoked, "the key of this operator was revoked");
+    observer_.on_warning("the operator's key was revoked: the tool holds");
+    has_silence_hold_ = true;
+    end_session();
+  }
+
+  void end_session() {
+    collect(*session_);
+    session_.reset();
+    is_engaged_ = false;
+    target_.reset();
+  }
+
+  void collect(const OperatorSession& session) {
+    report_.discarded_commands += session.commands.discarded();
+    report_.repeated_corrections += session.corrections.repetitions();
+  }
+
+  void execute(double now) {
+    if (session_) {
+      for (const LinkCommand& command : session_->commands.take_due(now)) {
+        ++report_.commands;
+        executed_ = command.t;
+        is_engaged_ = command.is_engaged;
+        target_ = command.p_base_tip.cast<double>();
+        q_base_tool_ = command.q_base_tool.cast<double>().normalized();
+        site_.add_predictions(command.t - *start_, command.predictions);
+      }
+    }
+    const bool may_move = session_ && is_engaged_ && !is_on_hold_ && !is_stopped_;
+    limiter_.step(may_move ? target_ : std::nullopt, force_base_, options_.cycle);
+    limits_ |= limiter_.active();
+    robot_.set_command(limiter_.p_base(), q_base_tool_);
+  }
+
+  void measure(double now) {
+    samples_.clear();
+    robot_.advance(now - *start_, samples_);
+    for (const RobotSamples::Tool& tool : samples_.tool) {
+      site_.add_tool(tool.t, tool.p_base_tip, tool.q_base_tool);
+      tool_ = tool;
+    }
+    for (const RobotSamples::Wrench& wrench : samples_.wrench) {
+      site_.add_wrench(wrench.t, wrench.force_base);
+      force_base_ = wrench.force_base;
+      torque_base_ = wrench.torque_base;
+    }
+    for (const RobotSamples::Tracked& tracked : samples_.tracked) {
+      site_.add_tracked(tracked.object, tracked.pose);
+      if (tracked_.size() <= tracked.object) tracked_.resize(tracked.object + 1);
+      tracked_[tracked.object] = tracked.pose;
+    }
+  }
+
+  void correct(double now) {
+    for (LiveCorrection& correction : site_.advance()) {
+      has_composed_ = true;
+      if (session_->corrections.is_full()) continue;  // then the silence ends this session
+      report_.correction_bytes += correction.bytes.size();
+      session_->corrections.push(*start_ + correction.sent.t, std::move(correction.bytes));
+      if (report_.corrections.size() < kMaxReportedCorrections) {
+        report_.corrections.push_back(correction.sent);
+      }
+    }
+    for (LinkCorrection& due : session_->corrections.take_due(now)) {
+      send(session_->peer, session_->id, std::move(due));
+    }
+  }
+
+  void send_state(double now) {
+    LinkState state;
+    state.t = now;
+    state.executed = executed_;
+    if (const auto lead = session_->commands.take_min_lead()) lead_ = *lead;
+    state.lead = static_cast<float>(lead_);
+    state.limits = std::exchange(limits_, 0U);
+    state.is_engaged = is_engaged_;
+    state.is_on_hold = is_on_hold_ || has_silence_hold_;
+    state.is_stopped = is_stopped_;
+    state.discarded_commands = session_->commands.discarded();
+    state.corrections = session_->corrections.last_number();
+    state.p_base_tip = tool_.p_base_tip.cast<float>();
+    state.q_base_tool = tool_.q_base_tool.cast<float>();
+    state.force_base = force_base_.cast<float>();
+    state.torque_base = torque_base_.cast<float>();
+    for (std::size_t i = 0; i < site_.objects(); ++i) {
+      LinkTrackedObject& object = state.objects.emplace_back();
+      object.phase = site_.phase(i);
+      if (i >= tracked_.size() || !tracked_[i]) continue;
+      object.is_tracked = true;
+      object.position = tracked_[i]->T_base_object.translation().cast<float>();
+      object.orientation = tracked_[i]->T_base_object.rotation().cast<float>();
+      object.position_std = static_cast<float>(tracked_[i]->position_std);
+      object.age = static_cast<float>(now - *start_ - tracked_[i]->t);
+    }
+    send(session_->peer, session_->id, std::move(state));
+  }
+
+  template <typename Content>
+  void send(const std::string& peer, std::uint32_t session, Content&& content) {
+    message_.header = {++sequence_, session, clock_.now()};
+    message_.content = std::forward<Content>(content);
+    encode_link_message(message_, bytes_);
+    server_.send(peer, bytes_);
+  }
+
+  void reject(const LinkPacket& packet, std::uint32_t session, LinkRejection reason,
+              std::string text) {
+    send(packet.peer, session, LinkReject{reason, std::move(text)});
+  }
+
+  void warn(const std::string& line, double now) {
+    if (line == last_notice_ && now < last_notice_at_ + kMinNoticeInterval) return;
+    last_notice_ = line;
+    last_notice_at_ = now;
+    observer_.on_warning(line);
+  }
+
+  [[nodiscard]] bool is_finished() const {
+    const std::optional<double> end = robot_.end();
+    return end && start_ && clock_.now() > *start_ + *end + kRecordingTail &&
+           (!session_ || session_->corrections.pending() == 0 ||
+            clock_.now() > *start_ + *end + 10.0 * kRecordingTail);
+  }
+
+  RobotSiteReport finish() {
+    if (session_) {
+      const LinkPacket packet{session_->peer, {}, {}};
+      reject(packet, session_->id, LinkRejection::ended, "the robot's site has ended");
+      collect(*session_);
+    }
+    report_.streaming_bytes = site_.streaming_bytes();
+    report_.notes = site_.notes();
+    return std::move(report_);
+  }
+
+  LinkServer& server_;
+  RobotInterface& robot_;
+  LiveRobotSite& site_;
+  const SiteScene& scene_;
+  const RobotSiteOptions& options_;
+  const Observer& observer_;
+  SiteClock clock_;  ///< the shared one
+  MotionLimiter limiter_;
+  std::optional<double> start_;  ///< [s] time zero of the scene
+  std::optional<OperatorSession> session_;
+  RobotSiteReport report_;
+  bool is_engaged_ = false;
+  bool is_on_hold_ = false;        ///< by the operator
+  bool is_stopped_ = false;        ///< emergency stop
+  bool has_silence_hold_ = false;  ///< until the next session
+  std::optional<Eigen::Vector3d> target_;
+  Eigen::Quaterniond q_base_tool_ = Eigen::Quaterniond::Identity();
+  double executed_ = 0.0;
+  double lead_ = 0.0;
+  std::uint32_t limits_ = 0;
+  RobotSamples samples_;
+  RobotSamples::Tool tool_;
+  Eigen::Vector3d force_base_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d torque_base_ = Eigen::Vector3d::Zero();
+  std::vector<std::optional<TrackedPose>> tracked_;
+  bool has_composed_ = false;
+  double next_state_ = 0.0;
+  double next_authorisation_ = 0.0;
+  std::uint32_t sequence_ = 0;
+  LinkMessage message_;
+  std::vector<std::uint8_t> bytes_;
+  std::string last_notice_;
+  double last_notice_at_ = 0.0;
+};
+
+}  // namespace
+
+RobotSiteOptions::RobotSiteOptions() { set_defaults(*this, kRobotSiteFields); }
+OptionSection section_of(RobotSiteOptions& options) {
+  return make_section("robot_site", options, kRobotSiteFields);
+}
+
+Expected<RobotSiteReport> run_robot_site(LinkServer& server, RobotInterface& robot,
+                                         LiveRobotSite& site, const SiteScene& scene,
+                                         const RobotSiteOptions& options, const Observer& observer,
+                                         const std::atomic<bool>& stop) {
+  return RobotSiteLoop(server, robot, site, scene, options, observer).run(stop);
+}
+
+}  // namespace pcavr

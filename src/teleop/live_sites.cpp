@@ -1,0 +1,231 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/teleop/live_sites.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/inputs/input_monitor.hpp"
+#include "pcavr/inputs/tip_path.hpp"
+#include "pcavr/prediction/body_physics.hpp"
+
+#include "teleop/message.hpp"
+#include "teleop/operator_site.hpp"
+#include "teleop/recorded_signals.hpp"
+#include "teleop/robot_site.hpp"
+
+namespace pcavr {
+namespace {
+
+std::vector<BodyPhysics> completed_bodies(const TeleopInput& world, const TeleopOptions& options) {
+  std::vector<BodyPhysics> physics;
+  for (const TeleopObject& object : world.objects) {
+    const auto complete = object.is_movable ? complete_physics : complete_immovable_physics;
+    physics.push_back(complete(object.parameters, object.model, object.T_base_object,
+                               options.gravity(), options.unknown_objects)
+                          .physics);
+  }
+  return physics;
+}
+
+Prediction prediction_of(const LinkPrediction& received) {
+  return {{received.pose.x(), received.pose.y(), received.pose.z()},
+          received.force.cast<double>(),
+          received.rendered_force.cast<double>(),
+          received.phase,
+          received.received};
+}
+
+LinkPrediction link_prediction_of(const Prediction& prediction) {
+  const PlanarPose& pose = prediction.pose;
+  return {Eigen::Vector3d(pose.x, pose.y, pose.yaw).cast<float>(),
+          prediction.force_base.cast<float>(), prediction.rendered_force_base.cast<float>(),
+          prediction.phase, prediction.received};
+}
+
+}  // namespace
+
+struct LiveRobotSite::Impl {
+  TeleopInput world;
+  TeleopOptions options;
+  std::vector<BodyPhysics> physics;
+  TipPath tip;
+  InputFindings findings;
+  std::optional<ForceSignal> force;
+  std::optional<RobotSite> site;
+  std::optional<PredictionLog> log;  ///< since the start, or the last interruption
+  double log_start = 0.0;
+  std::size_t logged = 0;  ///< cycles
+  std::optional<double> newest;
+  bool needs_full_state = false;
+};
+
+LiveRobotSite::LiveRobotSite(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+LiveRobotSite::LiveRobotSite(LiveRobotSite&&) noexcept = default;
+LiveRobotSite& LiveRobotSite::operator=(LiveRobotSite&&) noexcept = default;
+LiveRobotSite::~LiveRobotSite() = default;
+
+Expected<LiveRobotSite> LiveRobotSite::create(const TeleopInput& world,
+                                              const TeleopOptions& options, double start) {
+  if (world.objects.size() > kMaxLinkObjects) {
+    return Error{.message = std::to_string(world.objects.size()) + " objects exceed the limit of " +
+                            std::to_string(kMaxLinkObjects),
+                 .hint = "split the scene"};
+  }
+  auto impl = std::make_unique<Impl>();
+  impl->world = world;
+  impl->options = options;
+  impl->physics = completed_bodies(world, options);
+  impl->tip = clean_tip_path(impl->world.t_tool, impl->world.p_base_tip, options.inputs);
+  impl->force.emplace(impl->world, impl->tip, 0.0);
+  impl->site.emplace(impl->world, impl->options, impl->tip, *impl->force, impl->findings,
+                     impl->physics, start);
+  return LiveRobotSite(std::move(impl));
+}
+
+void LiveRobotSite::add_tool(double, const Eigen::Vector3d&, const Eigen::Quaterniond&) {}
+void LiveRobotSite::add_wrench(double, const Eigen::Vector3d&) {}
+void LiveRobotSite::add_tracked(std::size_t, const TrackedPose&) {}
+
+void LiveRobotSite::add_predictions(double t, std::span<const LinkPrediction> predictions) {
+  const std::size_t objects = impl_->world.objects.size();
+  if (predictions.size() != objects || objects == 0 || !std::isfinite(t)) return;
+  const double step = impl_->options.predictor.step;
+  if (!impl_->log) {
+    impl_->log_start = t - step;
+    impl_->logged = 0;
+    impl_->log.emplace(impl_->log_start, step, objects);
+  }
+  const double cycle = std::round((t - impl_->log_start) / step);
+  if (!(cycle > static_cast<double>(impl_->logged))) return;  // superseded
+  // Beyond the age that a correction may have, the first prediction after a gap serves.
+  const auto last = static_cast<std::size_t>(cycle);
+  while (impl_->logged < last) {
+    for (const LinkPrediction& prediction : predictions) {
+      impl_->log->append(prediction_of(prediction));
+    }
+    ++impl_->logged;
+  }
+  impl_->newest = t;
+}
+
+std::vector<LiveCorrection> LiveRobotSite::advance() {
+  std::vector<LiveCorrection> corrections;
+  if (!impl_->newest || !impl_->log) return corrections;
+  std::vector<CorrectionMessage> messages;
+  if (std::exchange(impl_->needs_full_state, false)) {
+    messages = impl_->site->full_state(*impl_->newest);
+  }
+  for (CorrectionMessage& message : impl_->site->advance(*impl_->newest, *impl_->log)) {
+    messages.push_back(std::move(message));
+  }
+  for (const CorrectionMessage& message : messages) {
+    LiveCorrection& correction = corrections.emplace_back();
+    correction.bytes = encode(message, message.t);
+    correction.sent.t = message.t;
+    correction.sent.object = message.object;
+    correction.sent.which = message.which;
+    correction.sent.what = describe(message);
+    correction.sent.bytes = correction.bytes.size();
+    impl_->site->note_bytes(correction.bytes.size());
+  }
+  static_cast<void>(impl_->site->take_forces());
+  impl_->log->discard_before(impl_->site->oldest_needed());
+  return corrections;
+}
+
+void LiveRobotSite::restart(double) {
+  impl_->log.reset();
+  impl_->newest.reset();
+  impl_->needs_full_state = true;
+}
+
+MotionPhase LiveRobotSite::phase(std::size_t object) const {
+  return impl_->site->objects()[object].monitor.phase();
+}
+std::size_t LiveRobotSite::objects() const { return impl_->world.objects.size(); }
+std::size_t LiveRobotSite::streaming_bytes() const { return impl_->site->streaming_bytes(); }
+std::vector<std::string> LiveRobotSite::notes() const { return impl_->site->notes(); }
+
+struct LiveOperatorSite::Impl {
+  OperatorSite site;
+  std::size_t objects = 0;
+};
+
+LiveOperatorSite::LiveOperatorSite(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+LiveOperatorSite::LiveOperatorSite(LiveOperatorSite&&) noexcept = default;
+LiveOperatorSite& LiveOperatorSite::operator=(LiveOperatorSite&&) noexcept = default;
+LiveOperatorSite::~LiveOperatorSite() = default;
+
+Expected<LiveOperatorSite> LiveOperatorSite::create(const TeleopInput& world,
+                                                    const TeleopOptions& options, double start,
+                                                    const Eigen::Vector3d& p_base_tip) {
+  Expected<OperatorSite> site =
+      OperatorSite::create(world, completed_bodies(world, options), options, start, p_base_tip);
+  if (!site) return site.error();
+  return LiveOperatorSite(std::make_unique<Impl>(Impl{std::move(*site), world.objects.size()}));
+}
+
+bool LiveOperatorSite::apply(double t, std::span<const std::uint8_t> bytes) {
+  const std::optional<CorrectionMessage> message = decode(bytes, t);
+  if (!message || message->object >= impl_->objects) return false;
+  impl_->site.apply(*message);
+  return true;
+}
+
+void LiveOperatorSite::step(const Eigen::Vector3d& p_base_tip, const Eigen::Vector3d& a_base_tip) {
+  impl_->site.step(impl_->site.now(), p_base_tip, a_base_tip);
+}
+
+double LiveOperatorSite::now() const { return impl_->site.now(); }
+
+void LiveOperatorSite::get_predictions(std::vector<LinkPrediction>& predictions) const {
+  predictions.resize(impl_->objects);
+  for (std::size_t i = 0; i < impl_->objects; ++i) {
+    predictions[i] = link_prediction_of(impl_->site.prediction(i));
+  }
+}
+
+ShownBody LiveOperatorSite::shown(std::size_t object) const { return impl_->site.shown(object); }
+std::size_t LiveOperatorSite::objects() const { return impl_->objects; }
+std::size_t LiveOperatorSite::late() const { return impl_->site.late(); }
+
+struct RecordedCommand::Impl {
+  TipPath tip;
+  std::optional<CommandPath> path;
+  double start = 0.0;
+  std::size_t cycles = 0;
+};
+
+RecordedCommand::RecordedCommand(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+RecordedCommand::RecordedCommand(RecordedCommand&&) noexcept = default;
+RecordedCommand& RecordedCommand::operator=(RecordedCommand&&) noexcept = default;
+RecordedCommand::~RecordedCommand() = default;
+
+Expected<RecordedCommand> RecordedCommand::create(const TeleopInput& input,
+                                                  const TeleopOptions& options) {
+  auto impl = std::make_unique<Impl>();
+  impl->tip = clean_tip_path(input.t_tool, input.p_base_tip, options.inputs);
+  if (impl->tip.t.size() < 2) {
+    return Error{.message = "the motion has fewer than two samples", .file = "tool.csv"};
+  }
+  impl->start = impl->tip.t.front();
+  impl->cycles = static_cast<std::size_t>(
+      std::floor((impl->tip.t.back() - impl->start) / options.predictor.step + 1e-5));
+  impl->path.emplace(impl->tip, impl->start, options.predictor.step);
+  return RecordedCommand(std::move(impl));
+}
+
+double RecordedCommand::start() const { return impl_->start; }
+std::size_t RecordedCommand::cycles() const { return impl_->cycles; }
+Eigen::Vector3d RecordedCommand::p_base_tip(std::size_t cycle) {
+  return impl_->path->at(std::min(cycle, impl_->cycles));
+}
+Eigen::Vector3d RecordedCommand::a_base_tip(std::size_t cycle) {
+  if (cycle > impl_->cycles) return Eigen::Vector3d::Zero();
+  return impl_->path->acceleration_at(cycle);
+}
+
+}  // namespace pcavr

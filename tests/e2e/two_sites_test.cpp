@@ -1,0 +1,245 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "pcavr/link/link_message.hpp"
+#include "pcavr/link/link_transport.hpp"
+
+#include "support/command.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using std::chrono::milliseconds;
+
+/// Empty where there is no such file yet.
+std::string text_of(const fs::path& file) {
+  const pcavr::Expected<std::string> text = pcavr::read_file(file);
+  return text ? *text : std::string();
+}
+
+/// A running `pcavr` with its output in files.
+class RunningCommand {
+ public:
+  RunningCommand(const std::vector<std::string>& arguments, const fs::path& folder,
+                 const std::string& name)
+      : output_(folder / (name + ".out")), errors_(folder / (name + ".err")) {
+    std::vector<std::string> all{"pcavr"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& argument : all) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    pid_ = ::fork();
+    if (pid_ != 0) return;
+    if (std::freopen(output_.c_str(), "w", stdout) == nullptr ||
+        std::freopen(errors_.c_str(), "w", stderr) == nullptr) {
+      ::_exit(126);
+    }
+    ::execv(PCAVR_COMMAND, argv.data());
+    ::_exit(127);
+  }
+  ~RunningCommand() {
+    if (pid_ > 0) {
+      ::kill(pid_, SIGKILL);
+      wait();
+    }
+  }
+  RunningCommand(const RunningCommand&) = delete;
+  RunningCommand& operator=(const RunningCommand&) = delete;
+
+  void signal(int number) const { ::kill(pid_, number); }
+  int wait() {
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  std::string output() const { return text_of(output_); }
+  std::string errors() const { return text_of(errors_); }
+
+ private:
+  fs::path output_;
+  fs::path errors_;
+  pid_t pid_ = -1;
+};
+
+/// Both programs on loopback with keys, over a recording of two pushes.
+class TwoSites : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    ASSERT_EQ(run_pcavr({"simulate", "push", "--no-images", "--seed", "3", "-o", path("recording")})
+                  .exit_code,
+              0);
+    ASSERT_EQ(run_pcavr({"build", path("recording"), "-o", path("scene")}).exit_code, 0);
+    for (const char* const name : {"robot", "alice", "mallory"}) {
+      ASSERT_EQ(run_pcavr({"keygen", name, "-o", path("keys")}).exit_code, 0);
+    }
+    fs::create_directory(path("authorized"));
+    fs::copy_file(path("keys/alice.pub"), path("authorized/alice.pub"));
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static std::string path(const std::string& name) { return (folder_->path() / name).string(); }
+  static std::vector<std::string> robot_arguments() {
+    return {"robot-site",      path("scene"),
+            "--recording",     path("recording"),
+            "--port",          "0",
+            "--key",           path("keys/robot.key"),
+            "--json",          "--authorized",
+            path("authorized")};
+  }
+  static std::vector<std::string> operator_arguments(int port, const std::string& name,
+                                                     const std::string& robot = "robot") {
+    return {"operator-site", path("scene"),
+            "--trace",       path("recording"),
+            "--port",        std::to_string(port),
+            "--key",         path("keys/" + name + ".key"),
+            "--robot-key",   path("keys/" + robot + ".pub"),
+            "--json"};
+  }
+  /// Waits for the line that a robot's site prints once it accepts connections.
+  static int port_of(const RunningCommand& robot) {
+    for (int i = 0; i < 600; ++i) {
+      const std::string output = robot.output();
+      if (const std::size_t end = output.find('\n'); end != std::string::npos) {
+        const json line = json::parse(output.substr(0, end), nullptr, false);
+        return line.is_object() ? line.value("port", 0) : 0;
+      }
+      std::this_thread::sleep_for(milliseconds(50));
+    }
+    return 0;
+  }
+  static json result_of(const RunningCommand& robot) {
+    const std::string output = robot.output();
+    return json::parse(output.substr(output.find('\n') + 1), nullptr, false);
+  }
+  static fs::path folder() { return folder_->path(); }
+
+ private:
+  static inline TemporaryFolder* folder_ = nullptr;
+};
+
+void expect_one_line(const CommandOutcome& outcome, const std::string& about) {
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.error_lines(), 1U) << outcome.standard_error;
+  EXPECT_NE(outcome.standard_error.find(about), std::string::npos) << outcome.standard_error;
+}
+
+// A recording sent through both programs gives each correction to the operator's site once.
+TEST_F(TwoSites, CorrectTheOperatorsWorldOverADelayedLink) {
+  RunningCommand robot(robot_arguments(), folder(), "robot");
+  const int port = port_of(robot);
+  ASSERT_GT(port, 0) << robot.errors();
+  std::vector<std::string> arguments = operator_arguments(port, "alice");
+  for (const char* const more :
+       {"--forward-delay", "0.2", "--backward-delay", "0.2", "--loss", "0.1", "--duplicate", "1"}) {
+    arguments.emplace_back(more);
+  }
+  const CommandOutcome outcome = run_pcavr(arguments);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.standard_error;
+  ASSERT_EQ(robot.wait(), 0) << robot.errors();
+  const json at_operator = json::parse(outcome.standard_output);
+  const json at_robot = result_of(robot);
+  EXPECT_GE(at_robot["corrections"].size(), 5U);
+  EXPECT_GE(at_operator["corrections"].get<int>(), 5);
+  EXPECT_LE(at_operator["corrections"].get<std::size_t>(), at_robot["corrections"].size());
+  // Each arrives twice, and is applied once.
+  EXPECT_GE(at_operator["repeated_corrections"].get<int>(), at_operator["corrections"].get<int>());
+  EXPECT_EQ(at_operator["invalid_messages"], 0);
+  EXPECT_EQ(at_robot["invalid_messages"], 0);
+  EXPECT_GT(at_operator["lead_s"].get<double>(), 0.2);
+  EXPECT_NEAR(at_operator["round_trip_s"].get<double>(), 0.4, 0.05);
+}
+
+TEST_F(TwoSites, WithWrongKeysAreOneErrorLineEach) {
+  RunningCommand robot(robot_arguments(), folder(), "robot_keys");
+  const int port = port_of(robot);
+  ASSERT_GT(port, 0) << robot.errors();
+  expect_one_line(run_pcavr(operator_arguments(port, "mallory")), "does not accept this key");
+  const fs::path config = folder() / "short.yaml";
+  std::ofstream(config) << "operator_site:\n  connection_timeout: 2\n";
+  std::vector<std::string> wrong = operator_arguments(port, "alice", "mallory");
+  wrong.insert(wrong.end(), {"--config", config.string()});
+  expect_one_line(run_pcavr(wrong), "ended the handshake");
+  expect_one_line(run_pcavr({"operator-site", path("scene"), "--trace", path("recording"), "--port",
+                             std::to_string(port), "--config", config.string()}),
+                  "ended the handshake");
+  expect_one_line(run_pcavr(operator_arguments(port, "nobody")), "nobody.key");
+  std::vector<std::string> second = robot_arguments();
+  second[5] = std::to_string(port);
+  expect_one_line(run_pcavr(second), "in use");
+}
+
+TEST_F(TwoSites, WithoutKeysUseLoopbackOnly) {
+  expect_one_line(run_pcavr({"robot-site", path("scene"), "--recording", path("recording"),
+                             "--port", "0", "--host", "0.0.0.0"}),
+                  "keys");
+  expect_one_line(run_pcavr({"operator-site", path("scene"), "--trace", path("recording"), "--host",
+                             "192.0.2.1"}),
+                  "keys");
+}
+
+// A peer of another version is answered in words.
+TEST_F(TwoSites, OfOtherVersionsAreRejected) {
+  RunningCommand robot(robot_arguments(), folder(), "robot_version");
+  const int port = port_of(robot);
+  ASSERT_GT(port, 0) << robot.errors();
+  pcavr::LinkClient client =
+      pcavr::LinkClient::open(
+          {.port = static_cast<std::uint16_t>(port),
+           .keys = pcavr::read_link_keys(path("keys/alice.key")).value(),
+           .robot_key = pcavr::read_public_link_key(path("keys/robot.pub")).value()})
+          .value();
+  std::vector<std::uint8_t> hello = encode(pcavr::LinkMessage{{1, 5, 0.0}, pcavr::LinkHello{}});
+  hello[4] = 7;
+  std::optional<std::vector<std::uint8_t>> answer;
+  for (int i = 0; i < 200 && !answer; ++i) {
+    client.send(hello);
+    client.wait(0.05);
+    answer = client.receive();
+  }
+  ASSERT_TRUE(answer);
+  const pcavr::Expected<pcavr::LinkMessage> message = pcavr::decode_link_message(*answer);
+  ASSERT_TRUE(message);
+  const auto* rejected = std::get_if<pcavr::LinkReject>(&message->content);
+  ASSERT_NE(rejected, nullptr);
+  EXPECT_EQ(rejected->reason, pcavr::LinkRejection::other_version);
+}
+
+// The operator's site is stopped for a second: the robot holds, and a new session follows.
+TEST_F(TwoSites, HoldAndResumeAfterAnInterruption) {
+  RunningCommand robot(robot_arguments(), folder(), "robot_hold");
+  const int port = port_of(robot);
+  ASSERT_GT(port, 0) << robot.errors();
+  RunningCommand site(operator_arguments(port, "alice"), folder(), "operator_hold");
+  std::this_thread::sleep_for(milliseconds(4000));
+  site.signal(SIGSTOP);
+  std::this_thread::sleep_for(milliseconds(1000));
+  EXPECT_NE(robot.errors().find("nothing from the operator's site"), std::string::npos)
+      << robot.errors();
+  site.signal(SIGCONT);
+  EXPECT_EQ(site.wait(), 0) << site.errors();
+  EXPECT_EQ(robot.wait(), 0) << robot.errors();
+  EXPECT_NE(site.errors().find("connected again"), std::string::npos) << site.errors();
+  const json at_robot = result_of(robot);
+  EXPECT_GE(at_robot["sessions"].get<int>(), 2);
+  EXPECT_GE(at_robot["holds"].get<int>(), 1);
+}
+
+}  // namespace

@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/link/correction_channel.hpp"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/link/link_conditions.hpp"
+
+namespace pcavr {
+namespace {
+
+LinkConditions::Options random_conditions(Random& random) {
+  return {.delay = random.uniform(0.0, 0.4),
+          .jitter = random.uniform(0.0, 0.1),
+          .loss = random.uniform(0.0, 0.6),
+          .burst = random.uniform(0.0, 20.0),
+          .reorder = random.uniform(0.0, 0.3),
+          .reorder_delay = random.uniform(0.0, 0.3),
+          .duplicate = random.uniform(0.0, 0.3),
+          .rate_limit = random.uniform() < 0.3 ? random.uniform(2e4, 1e6) : 0.0};
+}
+
+/// Both ends in virtual time: 20 s of corrections, then until all are acknowledged, for at most ten
+/// minutes (a burst may take a minute when few messages are sent). Returns what the receiver took.
+std::vector<LinkCorrection> transmit(std::uint64_t seed, CorrectionSender& sender) {
+  Random random(seed);
+  LinkConditions forward(random_conditions(random), random.fork(1));
+  LinkConditions backward(random_conditions(random), random.fork(2));
+  DelayedMessages<LinkCorrection> corrections;
+  DelayedMessages<LinkAcknowledgement> acknowledgements;
+  CorrectionReceiver receiver;
+  std::vector<LinkCorrection> taken;
+  double t_corrected = 0.0;
+  for (int cycle = 0; cycle < 4'000 || (sender.pending() > 0 && cycle < 120'000); ++cycle) {
+    const double now = 0.005 * cycle;
+    if (now < 20.0 && random.uniform() < 0.05) {
+      t_corrected += random.uniform();
+      sender.push(t_corrected, {static_cast<std::uint8_t>(random.below(256))});
+    }
+    for (const LinkCorrection& due : sender.take_due(now)) {
+      const LinkConditions::Arrivals arrivals = forward.arrivals(now, 60);
+      if (arrivals.first) corrections.push(*arrivals.first, due);
+      if (arrivals.second) corrections.push(*arrivals.second, due);
+    }
+    while (auto correction = corrections.pop(now)) receiver.accept(std::move(*correction));
+    for (LinkCorrection& correction : receiver.take()) taken.push_back(std::move(correction));
+    const LinkConditions::Arrivals back = backward.arrivals(now, 40);
+    if (back.first) acknowledgements.push(*back.first, receiver.acknowledgement());
+    if (back.second) acknowledgements.push(*back.second, receiver.acknowledgement());
+    while (const auto acknowledged = acknowledgements.pop(now)) {
+      sender.acknowledge(*acknowledged, now);
+    }
+  }
+  return taken;
+}
+
+TEST(CorrectionChannel, DeliversEachExactlyOnceAndInOrderOverAnyLink) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    CorrectionSender sender;
+    const std::vector<LinkCorrection> taken = transmit(seed, sender);
+    ASSERT_EQ(taken.size(), sender.last_number()) << seed;
+    EXPECT_EQ(sender.pending(), 0U) << seed;
+    for (std::size_t i = 0; i < taken.size(); ++i) {
+      EXPECT_EQ(taken[i].number, i + 1) << seed;
+      if (i > 0) {
+        EXPECT_GE(taken[i].t, taken[i - 1].t);
+      }
+    }
+  }
+}
+
+TEST(CorrectionChannel, IsReproducible) {
+  CorrectionSender one;
+  CorrectionSender two;
+  const std::vector<LinkCorrection> first = transmit(7, one);
+  EXPECT_EQ(first.size(), transmit(7, two).size());
+  EXPECT_EQ(one.repetitions(), two.repetitions());
+}
+
+TEST(CorrectionChannel, SendsOnceOverALinkWithoutFaults) {
+  CorrectionSender sender;
+  CorrectionReceiver receiver;
+  for (int i = 0; i < 100; ++i) {
+    const double now = 0.1 * i;
+    sender.push(now, {1});
+    for (LinkCorrection& due : sender.take_due(now)) EXPECT_TRUE(receiver.accept(std::move(due)));
+    sender.acknowledge(receiver.acknowledgement(), now + 0.05);
+    EXPECT_EQ(receiver.take().size(), 1U);
+  }
+  EXPECT_EQ(sender.repetitions(), 0U);
+  EXPECT_EQ(sender.pending(), 0U);
+}
+
+TEST(CorrectionChannel, IgnoresAcknowledgementsOfWhatWasNotSent) {
+  CorrectionSender sender;
+  sender.push(1.0, {1});
+  sender.acknowledge({1, 0}, 0.0);  // queued, not sent
+  sender.acknowledge({5, 0}, 0.0);
+  EXPECT_EQ(sender.pending(), 1U);
+}
+
+TEST(CorrectionChannel, BoundsItsMemory) {
+  CorrectionSender sender;
+  while (!sender.is_full()) sender.push(0.0, {1});
+  EXPECT_THROW(sender.push(0.0, {1}), ContractError);
+  CorrectionReceiver receiver;
+  EXPECT_FALSE(receiver.accept({4'000'000'000U, 0.0, {1}}));
+  EXPECT_TRUE(receiver.accept({2, 0.0, {1}}));
+  EXPECT_FALSE(receiver.accept({2, 0.0, {1}}));
+  EXPECT_TRUE(receiver.take().empty());
+  EXPECT_EQ(receiver.acknowledgement().later, 1U);
+}
+
+}  // namespace
+}  // namespace pcavr
