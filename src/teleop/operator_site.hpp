@@ -61,14 +61,20 @@ class OperatorSite {
     double at = 0.0;
     std::vector<std::uint8_t> bytes;
   };
-  OperatorSite(Predictor predictor, std::vector<Known> objects, double epoch,
+  OperatorSite(Predictor predictor, std::vector<Known> objects, double epoch, double history,
                const TeleopOptions& options)
       : predictor_(std::move(predictor)),
         objects_(std::move(objects)),
         epoch_(epoch),
         gravity_(options.gravity()),
-        unknown_objects_(options.unknown_objects) {}
+        unknown_objects_(options.unknown_objects),
+        history_(history),
+        rotation_radius_(options.messages.rotation_radius) {}
   void apply(const CorrectionMessage& message);
+  /// A body that a correction moved by more than `stated` [m] and what the tip has pushed since the
+  /// corrected time is taken back towards where it was, `before`.
+  void limit_motion(const CorrectionMessage& message, const PlanarPose& before, double stated);
+  [[nodiscard]] double tip_path_since(double t) const;
 
   Predictor predictor_;
   std::vector<Known> objects_;
@@ -77,6 +83,13 @@ class OperatorSite {
   PhysicsDefaults unknown_objects_;
   std::deque<Arriving> arriving_;
   std::size_t late_ = 0;
+  struct TimedTip {
+    double t = 0.0;  ///< [s]
+    Eigen::Vector3d p_base = Eigen::Vector3d::Zero();
+  };
+  std::deque<TimedTip> tips_;  ///< over the predictor's history
+  double history_ = 0.0;       ///< [s]
+  double rotation_radius_;     ///< [m]
   Eigen::Vector3d a_base_tip_ = Eigen::Vector3d::Zero();
 };
 
