@@ -4,22 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <optional>
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/identification/path_view.hpp"
 #include "pcavr/identification/signals.hpp"
 
+#include "inputs/tip_rules.hpp"
+
 namespace pcavr {
 namespace {
 
-/// Only far outliers: a tip's path is curved, and the smoothing reduces its noise.
-constexpr double kSpikeThreshold = 12.0;
-constexpr double kMinNoise = 1e-6;         // [m] of a tip that is at rest to the last digit
-constexpr double kMaxStepNoise = 0.005;    // [m] margin for two samples shortly after each other
-constexpr double kNoiseStds = 12.0;        // of a jump, as of a spike
-constexpr double kBadMargin = 0.1;         // [s] around a jump, over which the smoothing spreads it
-constexpr std::size_t kSingleSamples = 3;  // in a row: interpolation replaces them
 /// Samples that are searched for spikes at once.
 constexpr std::size_t kChunk = 4096;
 
@@ -34,9 +29,7 @@ double noise_of(std::span<const Eigen::Vector3d> points) {
 /// Marks single samples far from their neighbours.
 void mark_spikes(std::span<const Eigen::Vector3d> points, double noise,
                  std::vector<bool>& is_outlier) {
-  SpikeOptions options;
-  options.threshold = kSpikeThreshold;
-  options.noise = std::max(noise, kMinNoise);
+  const SpikeOptions options = tip_spike_options(noise);
   const auto overlap = static_cast<std::size_t>(options.half_window);
   for (std::size_t begin = 0; begin < points.size(); begin += kChunk) {
     const std::size_t end = std::min(begin + kChunk, points.size());
@@ -59,11 +52,7 @@ void mark_dropouts(std::span<const double> t, std::span<const Eigen::Vector3d> p
   std::optional<std::size_t> last;
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (is_outlier[i]) continue;
-    if (last) {
-      const double duration = t[i] - t[*last];
-      const double reach = kMaxStepNoise + options.max_tool_speed * duration;
-      is_outlier[i] = (points[i] - points[*last]).norm() > reach && duration < options.max_dropout;
-    }
+    if (last) is_outlier[i] = is_dropout(points[*last], points[i], t[i] - t[*last], options);
     if (!is_outlier[i]) last = i;
   }
 }
@@ -74,22 +63,12 @@ std::vector<double> find_jumps(std::span<const double> t, std::span<const Eigen:
   std::vector<double> jumps;
   if (points.size() < 8) return jumps;
   const double interval = mean_interval(t);
-  // The speed over the interval before or after a step; never over less than the mean interval: the
-  // stamps of one stream jitter.
-  const auto velocity = [&](std::size_t from, std::size_t to) {
-    return Eigen::Vector3d((points[to] - points[from]) / std::max(t[to] - t[from], interval));
-  };
   for (std::size_t i = 2; i + 2 < points.size(); ++i) {
+    const std::span<const double, 5> near(&t[i - 2], 5);
+    const std::span<const Eigen::Vector3d, 5> around(&points[i - 2], 5);
+    if (!is_jump(near, around, noise, interval, options)) continue;
     const double dt = std::max(t[i] - t[i - 1], interval);
-    const Eigen::Vector3d before = velocity(i - 2, i - 1);
-    const Eigen::Vector3d after = velocity(i, i + 1);
-    const Eigen::Vector3d excess =
-        points[i] - points[i - 1] - 0.5 * (t[i] - t[i - 1]) * (before + after);
-    const double jitter =
-        options.max_stamp_jitter * interval * std::max(before.norm(), after.norm());
-    const double allowed = kNoiseStds * noise + options.max_tool_acceleration * dt * dt + jitter;
-    const bool is_known = !jumps.empty() && t[i] - jumps.back() < 3.5 * dt;
-    if (excess.norm() > allowed && !is_known) jumps.push_back(t[i]);
+    if (jumps.empty() || !is_same_jump(jumps.back(), t[i], dt)) jumps.push_back(t[i]);
   }
   return jumps;
 }
@@ -146,7 +125,7 @@ TipPath clean_tip_path(std::span<const double> t, std::span<const Eigen::Vector3
   for (UnusableInterval& interval : path.bad) {
     interval.begin -= kBadMargin;
     interval.end += kBadMargin;
-    interval.reason = "the tool's pose jumps";
+    interval.reason = kJumpReason;
   }
   return path;
 }

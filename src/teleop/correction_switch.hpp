@@ -41,6 +41,9 @@ class CorrectionSwitch {
   CorrectionSwitch(const CorrectionSwitchOptions& options, double force_floor, double round_trip)
       : options_(options), force_floor_(force_floor), round_trip_(round_trip) {}
 
+  void set_force_floor(double force_floor) { force_floor_ = force_floor; }
+  /// Nothing was sent, and nothing found yet.
+  void restart() { *this = CorrectionSwitch(options_, force_floor_, round_trip_); }
   /// `traffic`: bytes sent so far over the byte budget (rate limit). Call in ascending order of
   /// time.
   [[nodiscard]] std::optional<CorrectionCase> evaluate(const SiteComparison& seen, double traffic);

@@ -7,13 +7,13 @@
 #include <utility>
 
 #include "pcavr/core/check.hpp"
-#include "pcavr/inputs/input_monitor.hpp"
 #include "pcavr/inputs/tip_path.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 
+#include "teleop/command_path.hpp"
 #include "teleop/message.hpp"
 #include "teleop/operator_site.hpp"
-#include "teleop/recorded_signals.hpp"
+#include "teleop/prediction_log.hpp"
 #include "teleop/robot_site.hpp"
 
 namespace pcavr {
@@ -48,18 +48,18 @@ LinkPrediction link_prediction_of(const Prediction& prediction) {
 }  // namespace
 
 struct LiveRobotSite::Impl {
-  TeleopInput world;
-  TeleopOptions options;
-  std::vector<BodyPhysics> physics;
-  TipPath tip;
-  InputFindings findings;
-  std::optional<ForceSignal> force;
-  std::optional<RobotSite> site;
+  Impl(const TeleopInput& world, const TeleopOptions& options, double start)
+      : objects(world.objects.size()),
+        step(options.predictor.step),
+        site(world, options, completed_bodies(world, options), start) {}
+
+  std::size_t objects;
+  double step;  ///< [s]
+  RobotSite site;
   std::optional<PredictionLog> log;  ///< since the start, or the last interruption
   double log_start = 0.0;
   std::size_t logged = 0;  ///< cycles
   std::optional<double> newest;
-  bool needs_full_state = false;
 };
 
 LiveRobotSite::LiveRobotSite(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -74,25 +74,26 @@ Expected<LiveRobotSite> LiveRobotSite::create(const TeleopInput& world,
                             std::to_string(kMaxLinkObjects),
                  .hint = "split the scene"};
   }
-  auto impl = std::make_unique<Impl>();
-  impl->world = world;
-  impl->options = options;
-  impl->physics = completed_bodies(world, options);
-  impl->tip = clean_tip_path(impl->world.t_tool, impl->world.p_base_tip, options.inputs);
-  impl->force.emplace(impl->world, impl->tip, 0.0);
-  impl->site.emplace(impl->world, impl->options, impl->tip, *impl->force, impl->findings,
-                     impl->physics, start);
-  return LiveRobotSite(std::move(impl));
+  return LiveRobotSite(std::make_unique<Impl>(world, options, start));
 }
 
-void LiveRobotSite::add_tool(double, const Eigen::Vector3d&, const Eigen::Quaterniond&) {}
-void LiveRobotSite::add_wrench(double, const Eigen::Vector3d&) {}
-void LiveRobotSite::add_tracked(std::size_t, const TrackedPose&) {}
+void LiveRobotSite::add_tool(double t, const Eigen::Vector3d& p_base_tip,
+                             const Eigen::Quaterniond& q_base_tool) {
+  impl_->site.add_tool(t, p_base_tip, q_base_tool);
+}
+
+void LiveRobotSite::add_wrench(double t, const Eigen::Vector3d& force_base) {
+  impl_->site.add_wrench(t, force_base);
+}
+
+void LiveRobotSite::add_tracked(std::size_t object, const TrackedPose& pose) {
+  if (object < impl_->objects) impl_->site.add_tracked(object, pose);
+}
 
 void LiveRobotSite::add_predictions(double t, std::span<const LinkPrediction> predictions) {
-  const std::size_t objects = impl_->world.objects.size();
+  const std::size_t objects = impl_->objects;
   if (predictions.size() != objects || objects == 0 || !std::isfinite(t)) return;
-  const double step = impl_->options.predictor.step;
+  const double step = impl_->step;
   if (!impl_->log) {
     impl_->log_start = t - step;
     impl_->logged = 0;
@@ -114,14 +115,7 @@ void LiveRobotSite::add_predictions(double t, std::span<const LinkPrediction> pr
 std::vector<LiveCorrection> LiveRobotSite::advance() {
   std::vector<LiveCorrection> corrections;
   if (!impl_->newest || !impl_->log) return corrections;
-  std::vector<CorrectionMessage> messages;
-  if (std::exchange(impl_->needs_full_state, false)) {
-    messages = impl_->site->full_state(*impl_->newest);
-  }
-  for (CorrectionMessage& message : impl_->site->advance(*impl_->newest, *impl_->log)) {
-    messages.push_back(std::move(message));
-  }
-  for (const CorrectionMessage& message : messages) {
+  for (const CorrectionMessage& message : impl_->site.advance(*impl_->newest, *impl_->log)) {
     LiveCorrection& correction = corrections.emplace_back();
     correction.bytes = encode(message, message.t);
     correction.sent.t = message.t;
@@ -129,25 +123,25 @@ std::vector<LiveCorrection> LiveRobotSite::advance() {
     correction.sent.which = message.which;
     correction.sent.what = describe(message);
     correction.sent.bytes = correction.bytes.size();
-    impl_->site->note_bytes(correction.bytes.size());
+    impl_->site.note_bytes(correction.bytes.size());
   }
-  static_cast<void>(impl_->site->take_forces());
-  impl_->log->discard_before(impl_->site->oldest_needed());
+  static_cast<void>(impl_->site.take_forces());
+  impl_->log->discard_before(impl_->site.oldest_needed());
   return corrections;
 }
 
-void LiveRobotSite::restart(double) {
+void LiveRobotSite::restart(double now) {
   impl_->log.reset();
   impl_->newest.reset();
-  impl_->needs_full_state = true;
+  impl_->site.restart(now);
 }
 
 MotionPhase LiveRobotSite::phase(std::size_t object) const {
-  return impl_->site->objects()[object].monitor.phase();
+  return impl_->site.objects()[object].monitor.phase();
 }
-std::size_t LiveRobotSite::objects() const { return impl_->world.objects.size(); }
-std::size_t LiveRobotSite::streaming_bytes() const { return impl_->site->streaming_bytes(); }
-std::vector<std::string> LiveRobotSite::notes() const { return impl_->site->notes(); }
+std::size_t LiveRobotSite::objects() const { return impl_->objects; }
+std::size_t LiveRobotSite::streaming_bytes() const { return impl_->site.streaming_bytes(); }
+std::vector<std::string> LiveRobotSite::notes() const { return impl_->site.notes(); }
 
 struct LiveOperatorSite::Impl {
   OperatorSite site;

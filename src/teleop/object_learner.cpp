@@ -48,13 +48,9 @@ ForceMotion part_until(const ContactEpisode& contact, double until) {
 
 }  // namespace
 
-ObjectLearner::ObjectLearner(const ObjectParameters& given, std::optional<double> force_ceiling,
-                             const LearningOptions& options, bool is_movable)
-    : options_(options),
-      is_movable_(is_movable),
-      known_(given),
-      given_(given),
-      force_ceiling_(force_ceiling) {}
+ObjectLearner::ObjectLearner(const ObjectParameters& given, const LearningOptions& options,
+                             bool is_movable)
+    : options_(options), is_movable_(is_movable), known_(given), given_(given) {}
 
 bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_slid) {
   has_changed_ = false;

@@ -32,15 +32,17 @@ struct ContactRecord {
 /// parameters, but wrong ones are corrected.
 class ObjectLearner {
  public:
-  /// `force_ceiling` [N]: at which the sensor saturates; contacts that reach it are not used. Each
-  /// contact with an object that is not movable is a press, in whatever direction.
-  ObjectLearner(const ObjectParameters& given, std::optional<double> force_ceiling,
-                const LearningOptions& options = {}, bool is_movable = true);
+  /// Each contact with an object that is not movable is a press, in whatever direction.
+  explicit ObjectLearner(const ObjectParameters& given, const LearningOptions& options = {},
+                         bool is_movable = true);
 
   /// Identifies from a contact that began at `begin` [s], again if it was processed before. A
   /// contact in which the object has not slid yet has no information on friction: a tool that stops
   /// looks like a breakaway. True if a parameter has changed.
   bool learn(const ContactRecord& record, double begin, bool has_slid);
+
+  /// [N] at which the sensor saturates: contacts that reach it are not used.
+  void set_force_ceiling(std::optional<double> ceiling) { force_ceiling_ = ceiling; }
 
   /// The object was static at `friction` [N], beyond its supposed limit F_M: discards its friction
   /// parameters, unless breakaways have identified them here. Until the next breakaway, F_M is that

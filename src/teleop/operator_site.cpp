@@ -3,6 +3,7 @@
 #include "teleop/operator_site.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "teleop/sent_parameters.hpp"
@@ -12,6 +13,15 @@ namespace {
 
 // A correction is for the past: a round trip, and this until its detection [s].
 constexpr double kMaxDetectionTime = 1.0;
+// Of a corrected body beyond the correction and the tip's path [m]: the rounding of messages, and
+// the contact's deflection.
+constexpr double kMotionMargin = 5e-4;
+
+/// [m] Between two poses; a rotation counts at `radius` [m].
+double distance(const PlanarPose& a, const PlanarPose& b, double radius) {
+  return std::hypot(a.x - b.x, a.y - b.y) +
+         radius * std::abs(std::remainder(a.yaw - b.yaw, 2.0 * M_PI));
+}
 
 /// Of the material that moves with the tip [N], along the contact's force; the sum never pulls. The
 /// body's own acceleration is neglected: a body with such a contact is pressed, or slides slowly.
@@ -56,7 +66,7 @@ Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
   PredictorOptions predictor = options.predictor;
   predictor.history = std::max(predictor.history, options.round_trip() + kMaxDetectionTime);
   return OperatorSite(Predictor(std::move(*world), start, p_base_tip, predictor),
-                      std::move(objects), start, options);
+                      std::move(objects), start, predictor.history, options);
 }
 
 void OperatorSite::enqueue(double arrival, std::vector<std::uint8_t> bytes) {
@@ -72,6 +82,8 @@ void OperatorSite::step(double wall, const Eigen::Vector3d& p_base_tip,
   }
   predictor_.step(p_base_tip);
   count_held();
+  tips_.push_back({predictor_.now(), p_base_tip});
+  while (tips_.front().t < predictor_.now() - history_) tips_.pop_front();
 }
 
 void OperatorSite::count_held() {
@@ -104,7 +116,45 @@ void OperatorSite::apply(const CorrectionMessage& message) {
                                           gravity_, unknown_objects_)
                              .physics;
   }
-  if (!predictor_.correct(correction)) ++late_;
+  const PlanarPose before = planar_pose_of(predictor_.world().T_base_object(message.object));
+  const std::optional<BodyState> past = predictor_.state_at(message.object, message.t);
+  if (!predictor_.correct(correction)) {
+    ++late_;
+    return;
+  }
+  double stated = 0.0;
+  if (message.pose && past) {
+    const Pose T_base_past = predictor_.world().pose_of(message.object, *past);
+    stated = distance(*message.pose, planar_pose_of(T_base_past), rotation_radius_);
+  }
+  limit_motion(message, before, stated);
+}
+
+void OperatorSite::limit_motion(const CorrectionMessage& message, const PlanarPose& before,
+                                double stated) {
+  const Pose T_base_after = predictor_.world().T_base_object(message.object);
+  const PlanarPose after = planar_pose_of(T_base_after);
+  const double moved = distance(after, before, rotation_radius_);
+  const double allowed = stated + tip_path_since(message.t) + kMotionMargin;
+  if (moved <= allowed) return;
+  const double share = allowed / moved;
+  const PlanarPose nearer{before.x + share * (after.x - before.x),
+                          before.y + share * (after.y - before.y),
+                          before.yaw + share * std::remainder(after.yaw - before.yaw, 2.0 * M_PI)};
+  Correction back;
+  back.t = predictor_.now();
+  back.body = message.object;
+  back.T_base_object = pose_at(nearer, objects_[message.object].T_base_start);
+  back.twist = Eigen::Vector3d::Zero();
+  predictor_.correct(back);
+}
+
+double OperatorSite::tip_path_since(double t) const {
+  double path = 0.0;
+  for (std::size_t i = tips_.size(); i-- > 1 && tips_[i - 1].t >= t;) {
+    path += (tips_[i].p_base - tips_[i - 1].p_base).norm();
+  }
+  return path;
 }
 
 Prediction OperatorSite::prediction(std::size_t object) const {

@@ -70,7 +70,7 @@ class OperatorSite {
     std::optional<std::uint8_t> received = {};  ///< sequence of its newest correction
     double contact_mass = 0.0;                  ///< [kg] of the law mass_damper_spring
   };
-  OperatorSite(Predictor predictor, std::vector<Known> objects, double epoch,
+  OperatorSite(Predictor predictor, std::vector<Known> objects, double epoch, double history,
                const TeleopOptions& options)
       : predictor_(std::move(predictor)),
         objects_(std::move(objects)),
@@ -78,8 +78,14 @@ class OperatorSite {
         gravity_(options.gravity()),
         step_(options.predictor.step),
         unknown_objects_(options.unknown_objects),
-        held_(objects_.size()) {}
+        held_(objects_.size()),
+        history_(history),
+        rotation_radius_(options.messages.rotation_radius) {}
   void count_held();
+  /// A body that a correction moved by more than `stated` [m] and what the tip has pushed since the
+  /// corrected time is taken back towards where it was, `before`.
+  void limit_motion(const CorrectionMessage& message, const PlanarPose& before, double stated);
+  [[nodiscard]] double tip_path_since(double t) const;
 
   Predictor predictor_;
   std::vector<Known> objects_;
@@ -90,6 +96,13 @@ class OperatorSite {
   std::vector<HeldTimes> held_;
   DelayedMessages<std::vector<std::uint8_t>> arriving_;
   std::size_t late_ = 0;
+  struct TimedTip {
+    double t = 0.0;  ///< [s]
+    Eigen::Vector3d p_base = Eigen::Vector3d::Zero();
+  };
+  std::deque<TimedTip> tips_;  ///< over the predictor's history
+  double history_ = 0.0;       ///< [s]
+  double rotation_radius_;     ///< [m]
   Eigen::Vector3d a_base_tip_ = Eigen::Vector3d::Zero();
 };
 

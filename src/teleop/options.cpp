@@ -11,6 +11,23 @@
 namespace pcavr {
 namespace {
 
+using Sensors = SensorPriorOptions;
+constexpr auto kSensorFields = std::to_array<OptionField<Sensors>>({
+    {"tip_noise", &Sensors::tip_noise, 5e-5, 1e-7, 0.1, "m",
+     "std of one sample of the tool's position until it is measured",
+     "lower: first contacts have wrong speeds; higher: first slides are detected late"},
+    {"force_noise", &Sensors::force_noise, 0.1, 1e-6, 1e3, "N",
+     "std of one sample of the force until it is measured",
+     "lower: noise of the first moments counts as contact; higher: a first light touch is missed"},
+    {"force_offset", &Sensors::force_offset, 0.0, -10.0, 10.0, "s",
+     "time by which the force's stamps are known to be late, which is subtracted from the start",
+     "wrong: force and motion do not belong together until the rest is found from contacts"},
+    {"camera_offset", &Sensors::camera_offset, 0.0, -10.0, 10.0, "s",
+     "time by which the stamps of tracked poses are known to be late, likewise",
+     "wrong: objects that move are displaced until the rest is found from slides"},
+});
+static_assert(are_valid_fields(kSensorFields));
+
 constexpr auto kTouchFields = std::to_array<OptionField<TouchOptions>>({
     {"touch_clearance", &TouchOptions::touch_clearance, 5e-4, 0.0, 0.1, "m",
      "clearance below which the tip counts as touching",
@@ -268,6 +285,11 @@ std::optional<Error> check_windows(const PhaseMonitorOptions& options) {
 
 }  // namespace
 
+SensorPriorOptions::SensorPriorOptions() { set_defaults(*this, kSensorFields); }
+OptionSection section_of(SensorPriorOptions& options) {
+  return make_section("teleop.sensors", options, kSensorFields);
+}
+
 TouchOptions::TouchOptions() { set_defaults(*this, kTouchFields); }
 OptionSection section_of(TouchOptions& options) {
   return make_section("teleop.touch", options, kTouchFields);
@@ -309,6 +331,7 @@ std::vector<OptionSection> sections_of(TeleopOptions& options) {
   LearningOptions& learning = options.learning;
   return {section_of(options),
           section_of(options.inputs),
+          section_of(options.sensors),
           section_of(options.touch),
           section_of(options.phases),
           section_of(options.pose),

@@ -138,6 +138,10 @@ void PhaseMonitor::end_contact() {
   change_to(std::max(last_loaded_, last_near_), MotionPhase::free);
 }
 
+void PhaseMonitor::lose_force() {
+  if (is_touched_) end_contact();
+}
+
 void PhaseMonitor::process(const Point& point,
                            const std::optional<ParameterValue>& limiting_friction) {
   contact_.push_back(point);

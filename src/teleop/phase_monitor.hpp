@@ -29,7 +29,7 @@ struct MonitoredPhase {
   MotionPhase phase = MotionPhase::free;
 };
 
-/// Measured over the recording, as by a calibration.
+/// As measured so far.
 struct SensorProperties {
   double interval = 0.002;   ///< between samples [s]
   double tip_noise = 5e-5;   ///< of one raw sample [m]
@@ -50,6 +50,10 @@ class PhaseMonitor {
   PhaseMonitor(double t_start, const SensorProperties& sensors,
                const PhaseMonitorOptions& options = {}, bool is_movable = true);
 
+  /// While no contact lasts.
+  void set_sensors(const SensorProperties& sensors) { sensors_ = sensors; }
+  /// Ends a contact of which no more samples come.
+  void lose_force();
   /// `damping`: damping over stiffness of the contact, chi in k d^n (1 + chi d') [s/m]; 0 if it is
   /// not known.
   void step(const MonitorSample& sample, const std::optional<ParameterValue>& limiting_friction,

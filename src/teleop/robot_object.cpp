@@ -20,26 +20,30 @@ constexpr double kMaxMissedFrames = 3.5;
 constexpr int kMaxAveragedFrames = 30;
 // Share of a frame's std that averaging does not reduce: calibration, and noise that is correlated.
 constexpr double kSystematicShare = 0.5;
+// Frames over which the motion of a pushed body is measured, the contact's displacement over which
+// it can be [m], and stds of a rotation that is one.
+constexpr std::size_t kMotionFrames = 5;
+constexpr double kMinMotion = 0.001;
+constexpr double kTurnStds = 3.0;
 // A relative std above this carries no information on the penetration.
 constexpr double kMaxPenetrationStd = 0.5;
 
-double median_interval(const std::vector<TrackedPose>& tracked) {
-  std::vector<double> gaps;
-  for (std::size_t i = 1; i < tracked.size(); ++i) gaps.push_back(tracked[i].t - tracked[i - 1].t);
-  return gaps.empty() ? 1.0 / 30.0 : median(std::move(gaps));
-}
+// Interval of the frames until it is measured [s], and frames over which it is.
+constexpr double kTypicalFrameInterval = 1.0 / 30.0;
+constexpr std::size_t kMaxGaps = 31;
 
 }  // namespace
 
 RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
                          const TeleopOptions& options, const SensorProperties& sensors,
-                         std::optional<double> force_ceiling, double tool_radius, double start)
+                         double tool_radius, double start)
     : monitor(start, sensors, options.phases, object.is_movable),
-      learner(object.parameters, force_ceiling, options.learning, object.is_movable),
+      learner(object.parameters, options.learning, object.is_movable),
       correction_switch(options.correction_switch, sensors.enter_force, options.round_trip()),
       acknowledged(sent_parameters(assumed, options.gravity())),
       source_(&object),
       options_(options.pose),
+      learning_(options.learning),
       gravity_(options.gravity()),
       unknown_objects_(options.unknown_objects),
       surface_(object.model),
@@ -47,13 +51,22 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
       tool_radius_(tool_radius),
       latest_{start, object.T_base_object, std::sqrt(3.0) * options.pose.initial_std, 0.0},
       T_base_object_(object.T_base_object),
-      frame_interval_(median_interval(object.tracked)) {}
+      frame_interval_(kTypicalFrameInterval) {}
 
-void RobotObject::update_tracking(double t) {
-  for (; frames_ < source_->tracked.size() && source_->tracked[frames_].t <= t; ++frames_) {
-    const TrackedPose& seen = source_->tracked[frames_];
+void RobotObject::forget_learned() {
+  learner = ObjectLearner(source_->parameters, learning_, source_->is_movable);
+  learned.clear();
+}
+
+void RobotObject::add_tracked(const TrackedPose& pose) { waiting_.push_back(pose); }
+
+void RobotObject::update_tracking(double t, double camera_offset) {
+  for (; !waiting_.empty() && waiting_.front().t - camera_offset <= t; waiting_.pop_front()) {
+    TrackedPose seen = waiting_.front();
+    seen.t -= camera_offset;
+    measure_interval(seen.t);
     const bool has_seen_before = frames_ > 0;
-    const TrackedPose before = frames_ > 1 ? source_->tracked[frames_ - 2] : latest_;
+    const TrackedPose before = seen_.size() > 1 ? seen_[seen_.size() - 2] : latest_;
     const double duration = seen.t - before.t;
     const double displacement =
         (seen.T_base_object.translation() - before.T_base_object.translation()).head<2>().norm();
@@ -74,7 +87,18 @@ void RobotObject::update_tracking(double t) {
     if (has_moved_away && !monitor.is_touched()) touched_std_ = 0.0;
     latest_ = averaged_at_rest(seen);
     T_base_object_ = latest_.T_base_object;
+    seen_.push_back(seen);
+    if (seen_.size() > kMotionFrames) seen_.pop_front();
+    measure_motion();
+    ++frames_;
   }
+}
+
+void RobotObject::measure_interval(double t) {
+  if (seen_.empty()) return;
+  gaps_.push_back(t - seen_.back().t);
+  if (gaps_.size() > kMaxGaps) gaps_.pop_front();
+  frame_interval_ = median(std::vector<double>(gaps_.begin(), gaps_.end()));
 }
 
 TrackedPose RobotObject::averaged_at_rest(const TrackedPose& seen) {
@@ -93,6 +117,35 @@ TrackedPose RobotObject::averaged_at_rest(const TrackedPose& seen) {
   mean.position_std *= gain;
   mean.rotation_std *= gain;
   return mean;
+}
+
+void RobotObject::measure_motion() {
+  motion_.reset();
+  if (!is_pushed() || !slides(monitor.phase())) return;
+  const TrackedPose& now = seen_.back();
+  const std::optional<double> end = monitor.displacement_at(now.t);
+  for (const TrackedPose& past : seen_) {
+    const std::optional<double> begin = monitor.displacement_at(past.t);
+    if (!begin || !end || *end - *begin < kMinMotion) continue;
+    const double rotation =
+        std::remainder(heading_of(now.T_base_object) - heading_of(past.T_base_object), 2.0 * M_PI);
+    if (std::abs(rotation) < kTurnStds * std::hypot(now.rotation_std, past.rotation_std)) return;
+    const Eigen::Vector3d shift =
+        now.T_base_object.translation() - past.T_base_object.translation();
+    motion_ = PushedMotion{shift.head<2>() / (*end - *begin), rotation / (*end - *begin)};
+    return;
+  }
+}
+
+Pose RobotObject::moved_on(const Pose& T_base_object, double displacement) const {
+  if (!motion_) {
+    return Pose::from_translation(displacement * monitor.direction_base()) * T_base_object;
+  }
+  PlanarPose pose = planar_pose_of(T_base_object);
+  pose.x += displacement * motion_->shift_base.x();
+  pose.y += displacement * motion_->shift_base.y();
+  pose.yaw += displacement * motion_->rotation;
+  return pose_at(pose, T_base_object);
 }
 
 bool RobotObject::is_lost(double t) const {
@@ -121,8 +174,7 @@ PoseEstimate RobotObject::estimate_from_frame(const TouchSample& sample) {
   const bool is_moving = monitor.phase() == MotionPhase::sliding;
   const double displacement = displacement_since_frame(sample.t);
   if (is_pushed() && (is_moving || std::abs(displacement) > options_.min_displacement)) {
-    estimate.T_base_object =
-        Pose::from_translation(displacement * monitor.direction_base()) * estimate.T_base_object;
+    estimate.T_base_object = moved_on(estimate.T_base_object, displacement);
   }
   estimate.is_current = !is_moving || is_pushed();
 
@@ -182,8 +234,16 @@ Eigen::Vector3d RobotObject::twist() const {
   // A body that is pushed goes no faster than the tip; where the force falls, the compression's
   // estimate does.
   const double speed = std::min(monitor.speed(), std::max(monitor.tip_speed(), 0.0));
-  const Eigen::Vector3d velocity = speed * monitor.direction_base();
-  return {velocity.x(), velocity.y(), yaw_rate_};
+  if (!motion_) {
+    const Eigen::Vector3d velocity = speed * monitor.direction_base();
+    return {velocity.x(), velocity.y(), yaw_rate_};
+  }
+  const double rate = speed * motion_->rotation;
+  const Eigen::Vector3d arm =
+      T_base_object_ * source_->model.centre_of_mass_object - T_base_object_.translation();
+  const Eigen::Vector2d velocity =
+      speed * motion_->shift_base + rate * Eigen::Vector2d(-arm.y(), arm.x());
+  return {velocity.x(), velocity.y(), rate};
 }
 
 BodyPhysics RobotObject::physics() const {

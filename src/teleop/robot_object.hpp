@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,20 +36,32 @@ struct PoseEstimate {
   bool is_current = true;  ///< false: it is moving, and was last tracked some time before
 };
 
+[[nodiscard]] inline bool slides(MotionPhase phase) { return phase == MotionPhase::sliding; }
+
 /// The robot site's state of one object.
 class RobotObject {
  public:
-  /// Keeps a reference to `object`, which must outlive it.
+  /// Keeps a reference to `object`, which must outlive it; its `tracked` is not used.
   RobotObject(const TeleopObject& object, const BodyPhysics& assumed, const TeleopOptions& options,
-              const SensorProperties& sensors, std::optional<double> force_ceiling,
-              double tool_radius, double start);
+              const SensorProperties& sensors, double tool_radius, double start);
 
-  /// Processes the frames up to `t` [s].
-  void update_tracking(double t);
+  /// A pose that has arrived; stamps of the camera, ascending.
+  void add_tracked(const TrackedPose& pose);
+  /// Processes the poses up to `t` [s] on the tool's clock, which the camera's is ahead of by
+  /// `camera_offset` [s].
+  void update_tracking(double t, double camera_offset);
+  /// Discards what was identified here: the data were wrong.
+  void forget_learned();
   [[nodiscard]] Touch touch(const Eigen::Vector3d& p_base_tip) const;
   /// Whether it moves according to the camera alone.
   [[nodiscard]] bool is_seen_moving() const { return is_seen_moving_; }
   [[nodiscard]] bool is_lost(double t) const;
+
+  /// The pose used last, and the newest frame with its std.
+  [[nodiscard]] const Pose& T_base_object() const { return T_base_object_; }
+  [[nodiscard]] const TrackedPose& latest() const { return latest_; }
+  /// The tip pushes it: touched, not pressed onto its support.
+  [[nodiscard]] bool is_pushed() const { return monitor.is_touched() && !monitor.is_press(); }
 
   /// Its pose at a sample's time: the latest frame, extrapolated by the object's displacement
   /// since, and during contact fused with the face's position by force and contact law, weighted by
@@ -56,8 +69,6 @@ class RobotObject {
   /// move. An object that is not tracked is where the operator's site has predicted it to be
   /// (dead reckoning) until a contact shows its face elsewhere.
   [[nodiscard]] PoseEstimate estimate_pose(const TouchSample& sample, const PlanarPose& predicted);
-  /// As it was seen last, or as it is estimated while it is not tracked.
-  [[nodiscard]] const Pose& latest_pose() const { return T_base_object_; }
   /// Current estimate of [vx vy omega].
   [[nodiscard]] Eigen::Vector3d twist() const;
 
@@ -79,6 +90,14 @@ class RobotObject {
   std::optional<double> last_learned = {};  ///< [s]
   std::optional<double> learn_at = {};      ///< [s] next time to identify; empty: none is planned
   std::optional<double> above_limit_since = {};  ///< [s]
+  /// A contact that was used to identify.
+  struct LearnedContact {
+    double begin = 0.0, until = 0.0;  ///< [s]
+    bool has_slid = false;
+  };
+  std::deque<LearnedContact> learned = {};  ///< the newest
+  /// The next comparison sends everything: the sites were apart.
+  bool is_full_state_due = false;
 
   [[nodiscard]] const TeleopObject& source() const { return *source_; }
 
@@ -95,26 +114,42 @@ class RobotObject {
   [[nodiscard]] std::optional<ContactOffset> offset_by_contact(const TouchSample& sample,
                                                                const PoseEstimate& estimate) const;
   static void apply(const ContactOffset& face, PoseEstimate& estimate);
-  [[nodiscard]] bool is_pushed() const { return monitor.is_touched() && !monitor.is_press(); }
   [[nodiscard]] double displacement_since_frame(double t) const;
   /// The mean of the newest frames while the object rests: their noise is no motion.
   [[nodiscard]] TrackedPose averaged_at_rest(const TrackedPose& seen);
+  void measure_interval(double t);
+  /// How the body moves while it is pushed, from its newest frames.
+  void measure_motion();
+  /// A pose moved on with the contact by `displacement` [m] along the push.
+  [[nodiscard]] Pose moved_on(const Pose& T_base_object, double displacement) const;
+
+  /// Motion of the body per displacement of its contact along the push.
+  struct PushedMotion {
+    Eigen::Vector2d shift_base = Eigen::Vector2d::Zero();  ///< [m/m] of the object's origin
+    double rotation = 0.0;                                 ///< [rad/m]
+  };
 
   const TeleopObject* source_;
   PoseFusionOptions options_;
+  LearningOptions learning_;
   double gravity_;  ///< [m/s^2]
   PhysicsDefaults unknown_objects_;
   BodySurface surface_;
   /// As completed at the start: its shape stays constant, and is expensive to compute.
   std::optional<LimitSurface> limit_surface_;
   double tool_radius_;
+  std::deque<TrackedPose> waiting_;  ///< arrived and not processed
+  std::deque<TrackedPose> seen_;     ///< those processed last
+  /// Empty while it does not turn: it moves with the contact.
+  std::optional<PushedMotion> motion_ = {};
+  std::deque<double> gaps_;  ///< [s] between the newest frames
   std::size_t frames_ = 0;   ///< processed
   int averaged_frames_ = 0;  ///< in `latest_`
   TrackedPose latest_;       ///< or the mean of the latest; the scene's pose before the first frame
   Pose T_base_object_;       ///< latest frame, or the estimate while it is lost
   double yaw_rate_ = 0.0;    ///< [rad/s]
   bool is_seen_moving_ = false;
-  double frame_interval_ = 0.033;
+  double frame_interval_;
   Eigen::Vector3d touched_offset_ =
       Eigen::Vector3d::Zero();  ///< from the tracked position to that by contact [m]
   double touched_std_ = 0.0;    ///< [m]; 0: not touched at this pose

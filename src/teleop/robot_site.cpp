@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include <fmt/core.h>
 
 #include "pcavr/core/check.hpp"
 
@@ -18,17 +21,10 @@ constexpr double kCameraInterval = 0.005;
 constexpr double kMinFarForceTime = 0.05;
 // Shortest averaging of the bias at the start [s]: some ten samples of a typical sensor.
 constexpr double kMinBiasTime = 0.02;
-// Time without contact before a contact that is recorded with it [s].
-constexpr double kBefore = 0.3;
-// A contact is processed once more after it has ended [s].
-constexpr double kOldContact = 1.0;
-// Parameters older than this are identified again before a correction is composed [s]: its bytes
-// should not carry what is about to change.
-constexpr double kLearnAgain = 0.2;
-
-double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
-
-bool slides(MotionPhase phase) { return phase == MotionPhase::sliding; }
+// No force arrived for this long [s]: the camera alone is used.
+constexpr double kForceSilence = 0.2;
+// After a contact's end its samples are all there [s].
+constexpr double kSettled = 0.5;
 
 /// Damping over stiffness [s/m]; of a linear law, at a penetration of 1 mm.
 double relative_damping(const ObjectParameters& known) {
@@ -38,11 +34,10 @@ double relative_damping(const ObjectParameters& known) {
   return is_linear ? ratio / 1e-3 : ratio;
 }
 
-SensorProperties sensor_properties(const TipPath& tip, const ForceSignal& force,
+SensorProperties sensor_properties(const TipStream& tip, const ForceStream& force,
                                    const TouchOptions& options) {
   SensorProperties sensors;
-  sensors.tip_noise = std::max(tip.noise, 1e-6);
-  if (force.empty()) return sensors;
+  sensors.tip_noise = std::max(tip.noise(), 1e-6);
   sensors.interval = force.interval();
   sensors.force_noise = force.noise();
   sensors.correlated = force.correlated();
@@ -50,45 +45,40 @@ SensorProperties sensor_properties(const TipPath& tip, const ForceSignal& force,
   return sensors;
 }
 
+std::vector<TeleopObject> without_tracking(const std::vector<TeleopObject>& objects) {
+  std::vector<TeleopObject> world;
+  for (const TeleopObject& object : objects) {
+    world.push_back({object.name,
+                     object.model,
+                     object.T_base_object,
+                     object.parameters,
+                     {},
+                     object.is_movable});
+  }
+  return world;
+}
+
 }  // namespace
 
-std::size_t PredictionLog::cycle_at(double t) const {
-  const std::size_t cycles = discarded_ + rows_.size() / objects_;
-  const double cycle =
-      std::clamp(std::round((t - start_) / step_) - 1.0, 0.0, static_cast<double>(cycles - 1));
-  return static_cast<std::size_t>(cycle);
-}
-
-const Prediction& PredictionLog::at(double t, std::size_t object) const {
-  const std::size_t cycle = cycle_at(t);
-  PCAVR_REQUIRE(cycle >= discarded_, t, cycle, discarded_);
-  return rows_[(cycle - discarded_) * objects_ + object];
-}
-
-void PredictionLog::discard_before(double t) {
-  // Rarely, in large blocks: the remaining rows must be moved.
-  constexpr std::size_t kMinBlock = 4096;  // cycles: some seconds
-  if (rows_.empty() || cycle_at(t) < discarded_ + kMinBlock) return;
-  const std::size_t old = cycle_at(t) - discarded_;
-  rows_.erase(rows_.begin(), rows_.begin() + static_cast<std::ptrdiff_t>(old * objects_));
-  discarded_ += old;
-}
-
-RobotSite::RobotSite(const TeleopInput& input, const TeleopOptions& options, const TipPath& tip,
-                     ForceSignal& force, const InputFindings& findings,
+RobotSite::RobotSite(const TeleopInput& world, const TeleopOptions& options,
                      const std::vector<BodyPhysics>& physics, double start)
-    : input_(input),
-      options_(options),
-      tip_(tip),
-      force_(force),
-      has_force_(!findings.fault && !force.empty()),
-      sensors_(sensor_properties(tip, force, options.touch)),
+    : options_(options),
+      world_(without_tracking(world.objects)),
+      tip_(options.sensors.tip_noise, options.inputs),
+      force_(options.sensors.force_noise),
+      watch_(world_, world.tool_radius, options),
+      trial_(world, physics, options),
+      sensors_(sensor_properties(tip_, force_, options.touch)),
+      last_tracked_(world_.size()),
+      force_seen_(start),
+      free_since_(start),
+      processed_(std::nextafter(start, start - 1.0)),
       next_camera_update_(start),
-      start_(start),
-      streamed_frames_(input.objects.size(), 0) {
-  for (std::size_t i = 0; i < input.objects.size(); ++i) {
-    objects_.emplace_back(input.objects[i], physics[i], options, sensors_, findings.force_ceiling,
-                          input.tool_radius, start);
+      now_(start),
+      start_(start) {
+  force_.set_offset(watch_.force().offset);
+  for (std::size_t i = 0; i < world_.size(); ++i) {
+    objects_.emplace_back(world_[i], physics[i], options_, sensors_, world.tool_radius, start);
   }
 }
 
@@ -96,68 +86,131 @@ void RobotSite::note_once(const std::string& text) {
   if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
 }
 
+bool RobotSite::is_next(const char* what, double t, bool is_finite, std::optional<double>& last) {
+  if (!is_finite || !std::isfinite(t) || (last && t <= *last)) {
+    note_once(std::string("samples of the ") + what +
+              " that are not finite numbers, or whose stamps do not ascend, are ignored");
+    return false;
+  }
+  last = t;
+  return true;
+}
+
+void RobotSite::add_tool(double t, const Eigen::Vector3d& p_base_tip,
+                         const std::optional<Eigen::Quaterniond>& q_base_tool) {
+  if (!is_next("tool", t, p_base_tip.allFinite(), last_tool_)) return;
+  tip_.add(t, p_base_tip);
+  watch_.add_tool(t, p_base_tip, q_base_tool);
+}
+
+void RobotSite::add_wrench(double t, const Eigen::Vector3d& force_base) {
+  if (!is_next("wrench", t, force_base.allFinite(), last_wrench_)) return;
+  force_.add(t, force_base);
+  watch_.add_force(t, force_base);
+  has_new_force_ = true;
+  if (t >= start_) streaming_bytes_ += bytes_of_wrench_sample();
+}
+
+void RobotSite::add_tracked(std::size_t object, const TrackedPose& pose) {
+  PCAVR_REQUIRE(object < objects_.size(), object, objects_.size());
+  const bool is_finite = pose.T_base_object.translation().allFinite();
+  if (!is_next("tracking", pose.t, is_finite, last_tracked_[object])) return;
+  objects_[object].add_tracked(pose);
+  watch_.add_tracked(object, pose);
+  streaming_bytes_ += bytes_of_tracked_pose();
+}
+
 std::vector<CorrectionMessage> RobotSite::advance(double now, const PredictionLog& log) {
   outgoing_.clear();
   now_ = now;
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const std::vector<TrackedPose>& tracked = input_.objects[i].tracked;
-    std::size_t& streamed = streamed_frames_[i];
-    for (; streamed < tracked.size() && tracked[streamed].t <= now; ++streamed) {
-      streaming_bytes_ += bytes_of_tracked_pose();
-    }
-    acknowledge(objects_[i], log.at(now, i));
+  if (std::exchange(has_new_force_, false)) force_seen_ = now;
+  update_sensors();
+  for (std::size_t i = 0; i < objects_.size(); ++i) acknowledge(objects_[i], log.at(now, i));
+  if (tip_.empty()) return {};
+  if (has_force(now)) {
+    process_forces(now, log);
+  } else if (now >= next_camera_update_) {
+    process_camera(now, log);
   }
-  for (; next_sample_ < force_.size() && force_.t(next_sample_) + force_.lag() <= now;
-       ++next_sample_) {
-    if (force_.t(next_sample_) < start_) continue;
-    streaming_bytes_ += bytes_of_wrench_sample();
-    if (!has_force_) continue;
-    // No frame newer than the force: the displacement since then would count twice.
-    update_tracking(std::min(now - options_.pose.tracking_latency, force_.t(next_sample_)));
-    process_sample(next_sample_, log);
+  if (is_any_touched()) {
+    free_since_ = now;
+    has_new_contact_ = true;
+  } else if (now - free_since_ > kSettled) {
+    examine_inputs_at(now);
   }
-  force_.discard_before(now - force_.lag() - options_.learning.max_contact_time - kBefore -
-                        kOldContact);
-  if (!has_force_ && now >= next_camera_update_) {
-    next_camera_update_ += kCameraInterval;
-    const double t = now - options_.pose.tracking_latency;
-    update_tracking(t);
-    update_from_camera(t);
-    process_time({t, tip_.at(t), Eigen::Vector3d::Zero()}, log);
-  }
+  force_.discard_before(now - force_.lag() - stored_time());
+  tip_.discard_before(now - force_.lag() - stored_time());
   return std::move(outgoing_);
 }
 
-std::vector<CorrectionMessage> RobotSite::full_state(double t) {
-  std::vector<CorrectionMessage> messages;
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    RobotObject& object = objects_[i];
-    if (!object.source().is_movable) continue;
-    CorrectionMessage& message = messages.emplace_back();
-    message.t = t;
-    message.object = i;
-    message.pose = planar_pose_of(object.latest_pose());
-    message.parameters = sent_parameters(object.physics(), options_.gravity());
-    message.sequence = ++object.sequence;
-    object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
+void RobotSite::restart(double now) {
+  now_ = now;
+  processed_ = std::max(processed_, now);
+  for (RobotObject& object : objects_) {
+    object.in_flight.reset();
+    object.correction_switch.restart();
+    object.is_full_state_due = true;
   }
-  return messages;
 }
 
-double RobotSite::oldest_needed() const {
-  // The next sample is later than now_ - lag; without a force, data is as old as the tracking.
-  return now_ - force_.lag() - options_.pose.tracking_latency - kCameraInterval;
+bool RobotSite::is_any_touched() const {
+  return std::any_of(objects_.begin(), objects_.end(),
+                     [](const RobotObject& object) { return object.monitor.is_touched(); });
 }
+
+bool RobotSite::has_force(double now) const {
+  return !watch_.fault() && now - force_seen_ < kForceSilence;
+}
+
+void RobotSite::update_sensors() {
+  sensors_ = sensor_properties(tip_, force_, options_.touch);
+  for (RobotObject& object : objects_) {
+    if (object.monitor.is_touched()) continue;
+    object.monitor.set_sensors(sensors_);
+    object.correction_switch.set_force_floor(sensors_.enter_force);
+  }
+}
+
+void RobotSite::process_forces(double now, const PredictionLog& log) {
+  while (const std::optional<ForceStream::Sample> sample = force_.next(processed_, now, tip_)) {
+    // No frame newer than the force: the displacement since then would count twice.
+    update_tracking(sample->t);
+    process_sample(*sample, log);
+    processed_ = sample->t;
+  }
+}
+
+void RobotSite::process_camera(double now, const PredictionLog& log) {
+  next_camera_update_ = std::max(next_camera_update_ + kCameraInterval, now - kCameraInterval);
+  const double t = now - options_.pose.tracking_latency;
+  if (t <= processed_) return;
+  for (RobotObject& object : objects_) object.monitor.lose_force();
+  update_tracking(t);
+  update_from_camera(t);
+  process_time({t, tip_.at(t), Eigen::Vector3d::Zero()}, log);
+  processed_ = t;
+}
+
+void RobotSite::examine_inputs_at(double t) {
+  const double offset = watch_.force().offset;
+  const bool had_fault = watch_.fault().has_value();
+  const bool has_changed = watch_.examine(t, has_new_contact_);
+  has_new_contact_ = false;
+  if (!has_changed) return;
+  if (watch_.fault()) {
+    if (!had_fault) force_fault_since_ = t;
+    for (RobotObject& object : objects_) object.forget_learned();
+    return;
+  }
+  const double change = watch_.force().offset - offset;
+  force_.set_offset(watch_.force().offset);
+  if (change != 0.0) learn_again(change);
+}
+
+double RobotSite::oldest_needed() const { return std::min(processed_, now_); }
 
 void RobotSite::update_tracking(double t) {
-  for (RobotObject& object : objects_) object.update_tracking(t);
-}
-
-void RobotSite::acknowledge(RobotObject& object, const Prediction& prediction) {
-  object.correction_switch.note_received(prediction.received);
-  if (!object.in_flight || prediction.received != object.in_flight->sequence) return;
-  overwrite(object.acknowledged, object.in_flight->parameters);
-  object.in_flight.reset();
+  for (RobotObject& object : objects_) object.update_tracking(t, watch_.camera().offset);
 }
 
 void RobotSite::update_from_camera(double t) {
@@ -201,8 +254,7 @@ void RobotSite::estimate_bias(const TouchSample& sample, const std::vector<Touch
   }
 }
 
-void RobotSite::process_sample(std::size_t index, const PredictionLog& log) {
-  const ForceSignal::Sample measured = force_.at(index);
+void RobotSite::process_sample(const ForceStream::Sample& measured, const PredictionLog& log) {
   TouchSample sample{measured.t, measured.p_base_tip, measured.smooth_base - bias_base_};
   std::vector<Touch> touches;
   const std::optional<TouchedBody> attributed = attribute(sample, touches);
@@ -236,157 +288,22 @@ void RobotSite::process_time(const TouchSample& sample, const PredictionLog& log
   }
 }
 
-void RobotSite::check_static_limit(RobotObject& object, const TouchSample& sample) {
-  if (!options_.identifies || object.is_shared) return;
-  const bool rests =
-      object.monitor.is_touched() && !object.monitor.is_press() && !slides(object.monitor.phase());
-  const auto& known = object.acknowledged.limiting_static_friction;
-  const double limit = std::max(options_.learning.static_limit_ratio * known->value,
-                                known->value + 3.0 * known->std.value_or(0.0));
-  const double friction = sample.force_base.head<2>().norm();
-  const bool is_beyond = rests && friction > limit + sensors_.enter_force;
-  if (!is_beyond) {
-    object.above_limit_since.reset();
-    return;
+std::vector<std::string> RobotSite::notes() const {
+  std::vector<std::string> notes = notes_;
+  if (force_fault_since_ && watch_.fault()) {
+    notes.push_back(fmt::format("the force is not used from {} on: {}; {}",
+                                at_time(*force_fault_since_), watch_.fault()->error.message,
+                                watch_.fault()->error.hint));
   }
-  if (!object.above_limit_since) object.above_limit_since = sample.t;
-  if (sample.t - *object.above_limit_since < options_.learning.static_limit_time) return;
-  const auto& supposed = object.learner.conservative_estimate().limiting_static_friction;
-  if (!supposed || friction > supposed->value) object.learner.raise_static_limit(friction);
-}
-
-void RobotSite::plan_learning(RobotObject& object, MotionPhase before, bool was_touched, double t) {
-  const MotionPhase now = object.monitor.phase();
-  if (!was_touched && object.monitor.is_touched()) object.is_shared = false;
-  if (!slides(before) && slides(now)) object.learn_at = t + options_.learning.delay_after_onset;
-  if (slides(before) && !slides(now)) object.learn_at = t + options_.learning.delay_after_stop;
-  if (was_touched && !object.monitor.is_touched())
-    object.learn_at = t + options_.learning.delay_after_stop;
-  if (!slides(now) || !object.monitor.is_touched()) return;
-  for (const RobotObject& other : objects_) {
-    if (&other == &object || !other.is_seen_moving()) continue;
-    object.is_shared = true;
-    note_once(object.source().name + " and " + other.source().name +
-              " moved together: their shared force is not used to identify");
-  }
-}
-
-void RobotSite::learn(RobotObject& object, double t) {
-  const bool is_sliding = object.monitor.is_touched() && slides(object.monitor.phase());
-  object.learn_at.reset();
-  if (is_sliding) object.learn_at = t + options_.learning.sliding_interval;
-  object.last_learned = t;
-  if (!options_.identifies || object.is_shared || !has_force_) return;
-  const double begin = object.monitor.contact_begin();
-  if (t - begin > options_.learning.max_contact_time) return;
-  for (const UnusableInterval& bad : tip_.bad) {
-    if (bad.begin > t || bad.end < begin) continue;
-    note_once("the contact at " + at_time(begin) + " is not used to identify: " + bad.reason);
-    return;
-  }
-  const ForceSignal::Record force = force_.between(begin - kBefore, t);
-  const auto from = std::lower_bound(tip_.t.begin(), tip_.t.end(), begin - kBefore);
-  const auto to = std::upper_bound(from, tip_.t.end(), t);
-  const auto first = static_cast<std::size_t>(from - tip_.t.begin());
-  const auto count = static_cast<std::size_t>(to - from);
-  object.learner.learn(
-      {force.t, force.clean_base, tip_.t.subspan(first, count), tip_.p_base.subspan(first, count)},
-      begin, object.monitor.has_slid());
-}
-
-void RobotSite::record_force(const TouchSample& sample, const Eigen::Vector3d& clean_base,
-                             const PredictionLog& log) {
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const bool is_touched = objects_[i].monitor.is_touched();
-    const Eigen::Vector3d& rendered = log.at(sample.t, i).rendered_force_base;
-    const double size = rendered.norm();
-    if (!is_touched && size <= 0.0) continue;
-    const Eigen::Vector3d direction =
-        is_touched ? objects_[i].monitor.direction_base() : Eigen::Vector3d(rendered / size);
-    const Eigen::Vector3d measured = clean_base - bias_base_;
-    const bool is_near = objects_[i].touch(sample.p_base_tip).gap < options_.inputs.max_touch_gap;
-    forces_.push_back({sample.t, i, is_touched || is_near ? measured.dot(direction) : 0.0,
-                       rendered.dot(direction)});
-  }
-}
-
-void RobotSite::compare(std::size_t index, const TouchSample& sample,
-                        const Prediction& prediction) {
-  RobotObject& object = objects_[index];
-  const PoseEstimate estimate = object.estimate_pose(sample, prediction.pose);
-  if (!options_.with_corrections) return;
-  const PlanarPose here = planar_pose_of(estimate.T_base_object);
-  const double gap =
-      std::hypot(here.x - prediction.pose.x, here.y - prediction.pose.y) +
-      options_.messages.rotation_radius * std::abs(wrapped(here.yaw - prediction.pose.yaw));
-  SiteComparison seen;
-  seen.t = sample.t;
-  seen.robot_slides = slides(object.monitor.phase());
-  seen.operator_slides = slides(prediction.phase);
-  seen.robot_touches = object.monitor.is_touched();
-  seen.operator_touches = prediction.force_base.norm() > 0.0;
-  const Eigen::Vector3d& direction = object.monitor.direction_base();
-  seen.robot_force = seen.robot_touches ? sample.force_base.dot(direction) : 0.0;
-  seen.operator_force =
-      seen.robot_touches ? prediction.force_base.dot(direction) : prediction.force_base.norm();
-  if (!has_force_) seen.robot_touches = seen.operator_touches = false;
-  if (estimate.is_current) seen.position_gap = gap;
-  seen.push_gap =
-      (here.x - prediction.pose.x) * direction.x() + (here.y - prediction.pose.y) * direction.y();
-  seen.position_std = estimate.std;
-  const double allowed =
-      options_.correction_switch.burst_bytes +
-      options_.correction_switch.byte_budget * static_cast<double>(streaming_bytes_);
-  const std::optional<CorrectionCase> which =
-      object.correction_switch.evaluate(seen, static_cast<double>(sent_bytes_) / allowed);
-  if (!which) return;
-  const bool is_learned_lately =
-      object.last_learned && sample.t - *object.last_learned <= kLearnAgain;
-  if (!is_learned_lately && object.monitor.is_touched()) {
-    const std::optional<double> planned = object.learn_at;
-    learn(object, sample.t);
-    if (planned && (!object.learn_at || *planned < *object.learn_at)) object.learn_at = planned;
-  }
-  std::optional<CorrectionMessage> message =
-      compose(index, *which, sample, prediction.pose, gap, seen);
-  if (!message) {
-    object.correction_switch.note_nothing_to_send(*which, sample.t);
-    return;
-  }
-  object.correction_switch.note_sent(*which, now_, message->sequence);
-  outgoing_.push_back(std::move(*message));
-}
-
-std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, CorrectionCase which,
-                                                    const TouchSample& sample,
-                                                    const PlanarPose& predicted, double gap,
-                                                    const SiteComparison& seen) {
-  RobotObject& object = objects_[index];
-  const bool is_pose_current = seen.position_gap && gap > options_.messages.min_pose_error;
-  const ParameterDifference changed =
-      difference(sent_parameters(object.physics(), options_.gravity()), object.acknowledged,
-                 options_.messages);
-  CorrectionMessage message;
-  message.t = sample.t;
-  message.object = index;
-  message.which = which;
-  if (is_pose_current) {
-    // Again, since newly identified contact parameters change it.
-    message.pose = planar_pose_of(object.estimate_pose(sample, predicted).T_base_object);
-    if (seen.operator_slides || slides(object.monitor.phase())) message.twist = object.twist();
-  }
-  message.parameters = parameters_to_send(
-      changed, which, object.correction_switch.forces_agree(seen), options_.messages);
-  if (which == CorrectionCase::touched_by_robot && message.pose) {
-    const double inside = std::max(-object.touch(sample.p_base_tip).gap, 0.0);
-    message.tool_retraction = -inside * object.monitor.direction_base();
-  }
-  const bool has_parameters = !is_empty(message.parameters);
-  if (!message.pose && !has_parameters) return std::nullopt;
-  if (!has_parameters && object.correction_switch.had_no_effect(which)) return std::nullopt;
-  message.sequence = ++object.sequence;
-  object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
-  return message;
+  const auto note_offset = [&notes](const char* what, const AppliedOffset& applied) {
+    if (!applied.since) return;
+    notes.push_back(
+        fmt::format("{} lags by {:.1f} +- {:.1f} ms by its stamps: corrected from {} on", what,
+                    1e3 * applied.offset, 1e3 * applied.std, at_time(*applied.since)));
+  };
+  note_offset("tracking", watch_.camera());
+  note_offset("the force", watch_.force());
+  return notes;
 }
 
 }  // namespace pcavr

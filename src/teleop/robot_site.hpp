@@ -11,66 +11,74 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "pcavr/inputs/input_findings.hpp"
-#include "pcavr/inputs/tip_path.hpp"
+#include "pcavr/inputs/tip_stream.hpp"
 #include "pcavr/inputs/touch.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
+#include "teleop/correction_trial.hpp"
+#include "teleop/force_stream.hpp"
+#include "teleop/input_watch.hpp"
 #include "teleop/operator_site.hpp"
-#include "teleop/recorded_signals.hpp"
+#include "teleop/prediction_log.hpp"
 #include "teleop/robot_object.hpp"
 
 namespace pcavr {
 
-/// The operator site's recent predictions by time and object, as received with its commands.
-class PredictionLog {
- public:
-  PredictionLog(double start, double step, std::size_t objects)
-      : start_(start), step_(step), objects_(objects) {}
-  void append(const Prediction& prediction) { rows_.push_back(prediction); }
-  /// The prediction of the cycle that ended nearest to `t`; the first or last one outside. Throws
-  /// ContractError if it was discarded.
-  [[nodiscard]] const Prediction& at(double t, std::size_t object) const;
-  /// Predictions for times before `t` will not be requested again.
-  void discard_before(double t);
-
- private:
-  double start_;
-  double step_;
-  std::size_t objects_;
-  std::size_t discarded_ = 0;     ///< cycles
-  std::vector<Prediction> rows_;  ///< by cycle, then by object
-  [[nodiscard]] std::size_t cycle_at(double t) const;
-};
-
-/// The robot's site: measures force, tip and tracking, identifies parameters online, compares with
-/// the operator site's predictions for the same times, and sends corrections.
+/// The robot's site: measures force, tip and tracking as they come, identifies parameters online,
+/// compares with the operator site's predictions for the same times, and sends corrections. Nothing
+/// is known of the samples beforehand but the priors of the options: noise, bias and clock offsets
+/// are measured on the way. Memory is bounded: a minute of samples, and the window of `inputs`.
+/// Deterministic in the order of the calls. One thread at a time.
 class RobotSite {
  public:
-  /// Keeps references to the arguments, which must outlive it.
-  RobotSite(const TeleopInput& input, const TeleopOptions& options, const TipPath& tip,
-            ForceSignal& force, const InputFindings& findings,
+  /// Of `world` the series and `tracked` are not used. It is copied.
+  RobotSite(const TeleopInput& world, const TeleopOptions& options,
             const std::vector<BodyPhysics>& physics, double start);
+  // The parts refer to each other.
+  RobotSite(const RobotSite&) = delete;
+  RobotSite& operator=(const RobotSite&) = delete;
 
-  /// Processes all data available at `now` [s]; `log` covers it. Returns the corrections to send.
+  /// Samples in any interleaving, stamps [s] ascending in each series and by each sensor's clock.
+  /// Those out of order, and numbers that are not finite, are ignored and noted.
+  void add_tool(double t, const Eigen::Vector3d& p_base_tip,
+                const std::optional<Eigen::Quaterniond>& q_base_tool = {});
+  void add_wrench(double t, const Eigen::Vector3d& force_base);
+  void add_tracked(std::size_t object, const TrackedPose& pose);
+  /// Processes the samples that are ready at `now` [s]; `log` covers it. Returns the corrections to
+  /// send.
   [[nodiscard]] std::vector<CorrectionMessage> advance(double now, const PredictionLog& log);
-
-  /// For an operator's site that begins anew: pose and all parameters of every movable object, as
-  /// corrections at `t` [s].
-  [[nodiscard]] std::vector<CorrectionMessage> full_state(double t);
+  /// After an outage of the link: nothing is in flight, nothing before `now` [s] is compared, and
+  /// the next comparison of each object sends all of its state.
+  void restart(double now);
 
   [[nodiscard]] const std::vector<RobotObject>& objects() const { return objects_; }
   /// The rows since the last call.
   [[nodiscard]] std::vector<ForceRow> take_forces() { return std::exchange(forces_, {}); }
   /// No prediction before this time will be requested from the log again [s].
   [[nodiscard]] double oldest_needed() const;
-  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  [[nodiscard]] std::vector<std::string> notes() const;
   void note_bytes(std::size_t sent) { sent_bytes_ += sent; }
   [[nodiscard]] std::size_t streaming_bytes() const { return streaming_bytes_; }
+  /// The force has a fault, so that it is not used.
+  [[nodiscard]] bool has_force_fault() const { return watch_.fault().has_value(); }
+  /// What the inputs show so far, by all samples; expensive.
+  [[nodiscard]] InputFindings findings() const { return watch_.findings(); }
 
  private:
-  void process_sample(std::size_t index, const PredictionLog& log);
+  [[nodiscard]] bool has_force(double now) const;
+  [[nodiscard]] bool is_any_touched() const;
+  void process_forces(double now, const PredictionLog& log);
+  void process_camera(double now, const PredictionLog& log);
+  void process_sample(const ForceStream::Sample& measured, const PredictionLog& log);
+  void update_sensors();
+  void examine_inputs_at(double t);
+  [[nodiscard]] double stored_time() const;  ///< [s] of samples that may be requested again
+  void learn_again(double offset_change);
+  void learn_from(RobotObject& object, const RobotObject::LearnedContact& contact);
+  [[nodiscard]] const UnusableInterval* unusable_in(double begin, double end) const;
   void process_time(const TouchSample& sample, const PredictionLog& log);
   [[nodiscard]] std::optional<TouchedBody> attribute(const TouchSample& sample,
                                                      std::vector<Touch>& touches) const;
@@ -87,21 +95,36 @@ class RobotSite {
                                                          const TouchSample& sample,
                                                          const PlanarPose& predicted, double gap,
                                                          const SiteComparison& seen);
+  /// Whether a correction of the pose would be worse than the error by the time that it is shown.
+  [[nodiscard]] bool grows_beyond(double gap, std::size_t index, const CorrectionMessage& message);
+  [[nodiscard]] Eigen::Vector3d p_base_tip_at(double t) const;
+  void send_full_state(std::size_t index, const TouchSample& sample, const PlanarPose& predicted,
+                       const SiteComparison& seen);
   void update_from_camera(double t);
+  [[nodiscard]] bool is_next(const char* what, double t, bool is_finite,
+                             std::optional<double>& last);
   void note_once(const std::string& text);
 
-  const TeleopInput& input_;
-  const TeleopOptions& options_;
-  const TipPath& tip_;
-  ForceSignal& force_;
-  bool has_force_;
+  TeleopOptions options_;
+  std::vector<TeleopObject> world_;  ///< without tracking; the objects refer to it
+  TipStream tip_;
+  ForceStream force_;
+  InputWatch watch_;
+  CorrectionTrial trial_;
   SensorProperties sensors_;
   std::vector<RobotObject> objects_;
   std::vector<ForceRow> forces_;
   std::vector<std::string> notes_;
   std::vector<CorrectionMessage> outgoing_;
-  std::size_t next_sample_ = 0;
-  double next_camera_update_ = 0.0;
+  std::optional<double> force_fault_since_ = {};             ///< [s]
+  std::optional<double> last_tool_ = {}, last_wrench_ = {};  ///< [s] stamps as they came
+  std::vector<std::optional<double>> last_tracked_;          ///< [s] by object
+  double force_seen_;                                        ///< [s] when a force last arrived
+  bool has_new_force_ = false;
+  bool has_new_contact_ = false;  ///< since the inputs were examined
+  double free_since_;             ///< [s] no object is touched
+  double processed_;              ///< [s] comparisons are later than this
+  double next_camera_update_;
   Eigen::Vector3d bias_base_ = Eigen::Vector3d::Zero();
   double bias_since_ = 0.0;
   std::size_t far_samples_ = 0;
@@ -109,7 +132,6 @@ class RobotSite {
   double start_;
   std::size_t sent_bytes_ = 0;
   std::size_t streaming_bytes_ = 0;
-  std::vector<std::size_t> streamed_frames_;
 };
 
 }  // namespace pcavr

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -12,14 +13,14 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/random.hpp"
-#include "pcavr/inputs/input_monitor.hpp"
 #include "pcavr/inputs/tip_path.hpp"
 #include "pcavr/link/link_conditions.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 
+#include "teleop/command_path.hpp"
 #include "teleop/operator_site.hpp"
 #include "teleop/parameter_history.hpp"
-#include "teleop/recorded_signals.hpp"
+#include "teleop/recording_feed.hpp"
 #include "teleop/robot_site.hpp"
 #include "teleop/sent_parameters.hpp"
 
@@ -52,58 +53,19 @@ Error too_many_objects(std::size_t count) {
           .hint = "split the scene, or set movable: false for objects that do not move"};
 }
 
-std::string offset_note(const char* what, const TimeOffset& offset) {
-  return fmt::format("{} lags by {:.1f} +- {:.1f} ms by its stamps: corrected", what,
-                     1e3 * offset.offset, 1e3 * offset.std);
-}
-
-/// The input on the tool's clock, with the camera's offset subtracted, and without the series of
-/// tool and force. Empty if the input needs no correction.
-std::optional<TeleopInput> on_one_clock(const TeleopInput& input, const InputFindings& findings) {
-  if (!findings.is_camera_offset_applied) return std::nullopt;
-  TeleopInput result;
-  result.objects = input.objects;
-  result.static_mesh_base = input.static_mesh_base;
-  result.tool_radius = input.tool_radius;
-  for (TeleopObject& object : result.objects) {
-    for (TrackedPose& pose : object.tracked) pose.t -= findings.camera_shift();
-  }
-  return result;
-}
-
-InputSeries series_of(const TeleopInput& input) {
-  InputSeries series{.tool_radius = input.tool_radius,
-                     .t_tool = input.t_tool,
-                     .p_base_tip = input.p_base_tip,
-                     .q_base_tool = input.q_base_tool,
-                     .t_force = input.t_force,
-                     .force_base = input.force_base};
-  for (const TeleopObject& object : input.objects) {
-    InputBody& body = series.bodies.emplace_back(InputBody{
-        object.name, &object.model, object.T_base_object, {}, object.tracked, object.is_movable});
-    if (object.is_movable && object.parameters.mass) body.mass = object.parameters.mass->value;
-  }
-  return series;
-}
-
-/// What the inputs show, and what is done about it.
-std::vector<std::string> input_notes(const TeleopInput& input, const InputFindings& findings) {
+/// What the inputs have shown, beyond what the robot's site has noted on the way.
+std::vector<std::string> input_notes(const TeleopInput& input, const RobotSite& robot,
+                                     const InputFindings& findings) {
   std::vector<std::string> notes = findings.notes;
   if (input.t_force.empty()) {
     notes.emplace_back(
         "no wrench was recorded: contact and sliding are detected by the camera alone, and "
         "nothing is identified");
-  } else if (findings.fault) {
-    notes.push_back("the force is not used: " + findings.fault->error.message + "; " +
-                    findings.fault->error.hint);
+  } else if (findings.fault && !robot.has_force_fault()) {
+    notes.push_back("the force is not used from the end on, too late: " +
+                    findings.fault->error.message + "; " + findings.fault->error.hint);
   } else if (findings.no_contact) {
     notes.push_back(findings.no_contact->message);
-  }
-  if (findings.is_camera_offset_applied) {
-    notes.push_back(offset_note("tracking", findings.tool_to_camera));
-  }
-  if (findings.is_force_offset_applied) {
-    notes.push_back(offset_note("the force", findings.tool_to_force));
   }
   return notes;
 }
@@ -272,13 +234,12 @@ void finish(const TeleopInput& input, const TeleopOptions& options, const RobotS
   }
   std::stable_sort(run.phases.begin(), run.phases.end(),
                    [](const PhaseRow& a, const PhaseRow& b) { return a.t < b.t; });
-  run.streaming_bytes = robot.streaming_bytes();
   if (site.late() > 0) {
     run.notes.push_back(
         "corrections discarded because they came too late for the prediction's history: " +
         std::to_string(site.late()));
   }
-  run.notes.insert(run.notes.end(), robot.notes().begin(), robot.notes().end());
+  for (std::string& note : robot.notes()) run.notes.push_back(std::move(note));
   note_unseen(input, options, robot, run);
 }
 
@@ -292,7 +253,7 @@ std::vector<ObjectParameters> all_sent_parameters(const std::vector<BodyPhysics>
 /// Simulates both sites cycle by cycle.
 class Session {
  public:
-  Session(const TeleopInput& world, const TeleopOptions& options, const TipPath& tip,
+  Session(const TeleopInput& recorded, const TeleopOptions& options, const TipPath& tip,
           const Span& span, OperatorSite& site, RobotSite& robot, const TeleopSink& sink,
           const std::vector<BodyPhysics>& physics)
       : options_(options),
@@ -311,9 +272,10 @@ class Session {
                    .rate_limit = options.rate_limit},
                   random_.fork(1)),
         forward_({.jitter = options.jitter}, random_.fork(2)),
-        log_(span.start, options.predictor.step, world.objects.size()),
+        log_(span.start, options.predictor.step, recorded.objects.size()),
         history_(all_sent_parameters(physics, options.gravity())),
-        predicted_(world.objects.size()) {}
+        feed_(recorded, options.pose.tracking_latency),
+        predicted_(recorded.objects.size()) {}
 
   Expected<void> run(const Observer& observer, TeleopRun& run) {
     for (std::size_t k = 1; k <= span_.cycles; ++k) {
@@ -321,6 +283,9 @@ class Session {
       if (!done) return done;
       if (k % 1000 == 0) observer.on_progress("both sites", k / 1000, span_.cycles / 1000);
     }
+    run.streaming_bytes = robot_.streaming_bytes();
+    // What was stamped after the tool's end shows nothing but the state of the clocks.
+    feed_.pass_on(std::numeric_limits<double>::infinity(), robot_);
     return {};
   }
   [[nodiscard]] const std::vector<Changes>& predicted() const { return predicted_; }
@@ -336,6 +301,7 @@ class Session {
     in_flight_.push_back({*forward_.arrival(t), t});
     const std::optional<double> received = newest_by(t, k == span_.cycles, in_flight_);
     if (!received) return {};
+    feed_.pass_on(*received, robot_);
     for (const CorrectionMessage& message : robot_.advance(*received, log_)) {
       const Expected<void> sent =
           send(message, t, span_.start, backward_, site_, robot_, sink_, history_, run);
@@ -378,6 +344,7 @@ class Session {
   PredictionLog log_;
   ParameterHistory history_;
   std::optional<double> last_history_ = {};  ///< [s]
+  RecordingFeed feed_;
   std::deque<Command> in_flight_;
   std::vector<Changes> predicted_;
 };
@@ -431,16 +398,8 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
     run.assumed.resize(recorded.objects.size());
     return run;
   }
-  run.inputs = examine_inputs(series_of(recorded), options.inputs);
-  const InputFindings& findings = run.inputs;
-  if (findings.fault && !findings.fault->is_of_force_only()) return findings.fault->error;
-  run.notes = input_notes(recorded, findings);
-  const std::optional<TeleopInput> shifted = on_one_clock(recorded, findings);
-  const TeleopInput& world = shifted ? *shifted : recorded;
-  ForceSignal force(recorded, tip, findings.force_shift());
-
   std::vector<BodyPhysics> physics;
-  for (const TeleopObject& object : world.objects) {
+  for (const TeleopObject& object : recorded.objects) {
     const auto complete = object.is_movable ? complete_physics : complete_immovable_physics;
     CompletedPhysics completed = complete(object.parameters, object.model, object.T_base_object,
                                           options.gravity(), options.unknown_objects);
@@ -449,14 +408,17 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
   }
   const double step = options.predictor.step;
   const Span span = span_of(tip, step);
-  Expected<OperatorSite> site = OperatorSite::create(world, physics, options, span.start,
+  Expected<OperatorSite> site = OperatorSite::create(recorded, physics, options, span.start,
                                                      CommandPath(tip, span.start, step).at(0));
   if (!site) return site.error();
-  RobotSite robot(world, options, tip, force, findings, physics, span.start);
-  Session session(world, options, tip, span, *site, robot, sink, physics);
+  RobotSite robot(recorded, options, physics, span.start);
+  Session session(recorded, options, tip, span, *site, robot, sink, physics);
   const Expected<void> done = session.run(observer, run);
   if (!done) return done.error();
-  finish(world, options, robot, *site, session.predicted(), run);
+  run.inputs = robot.findings();
+  if (run.inputs.fault && !run.inputs.fault->is_of_force_only()) return run.inputs.fault->error;
+  run.notes = input_notes(recorded, robot, run.inputs);
+  finish(recorded, options, robot, *site, session.predicted(), run);
   return run;
 }
 

@@ -22,6 +22,7 @@ namespace {
 TEST(TeleopOptions, HaveTheirDocumentedDefaults) {
   test::expect_documented_defaults<TeleopOptions>();
   test::expect_documented_defaults<InputOptions>();
+  test::expect_documented_defaults<SensorPriorOptions>();
   test::expect_documented_defaults<TouchOptions>();
   test::expect_documented_defaults<PhaseMonitorOptions>();
   test::expect_documented_defaults<PoseFusionOptions>();

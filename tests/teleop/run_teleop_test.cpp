@@ -332,22 +332,33 @@ TEST(RunTeleop, NotesThatTheTipTouchesTwoObjects) {
   }
 }
 
+/// [s] From an object's true first touch to the measured one.
+double touch_error(const PlantInput& made, const TeleopRun& run, std::size_t object) {
+  const auto measured = std::find_if(run.phases.begin(), run.phases.end(), [&](const auto& row) {
+    return row.object == object && row.measured == MotionPhase::static_contact;
+  });
+  const auto truth = std::find_if(
+      made.run.phases.begin(), made.run.phases.end(), [&](const PlantPhaseChange& change) {
+        return change.body == object && change.phase == PlantPhase::static_friction;
+      });
+  return measured == run.phases.end() ? 1e3 : measured->t - truth->t;
+}
+
 TEST(RunTeleop, CorrectsAClockOffsetOfATenthOfASecond) {
-  PlantInput made = plant_input(kSeed, true, {.clock_offset = 0.1});
+  const PlantInput made = plant_input(kSeed, true, {.clock_offset = 0.1});
   const TeleopRun run = run_teleop(made.input, {}).value();
   EXPECT_TRUE(has_note(run, "the force lags"));
   ASSERT_TRUE(run.inputs.is_force_offset_applied);
   EXPECT_NEAR(run.inputs.tool_to_force.offset, 0.1, 3.0 * run.inputs.tool_to_force.std);
-  const auto is_first_touch = [](const PhaseRow& row) {
-    return row.object == 0 && row.measured == MotionPhase::static_contact;
-  };
-  const auto touch = std::find_if(run.phases.begin(), run.phases.end(), is_first_touch);
-  const auto truth = std::find_if(
-      made.run.phases.begin(), made.run.phases.end(), [](const PlantPhaseChange& change) {
-        return change.body == 0 && change.phase == PlantPhase::static_friction;
-      });
-  ASSERT_NE(touch, run.phases.end());
-  EXPECT_NEAR(touch->t, truth->t, 0.045);
+  // The first push has shown it when the second begins.
+  EXPECT_NEAR(touch_error(made, run, 0), 0.1, 0.045);
+  EXPECT_NEAR(touch_error(made, run, 1), 0.0, 0.045);
+  // Known beforehand, it is subtracted from the start.
+  TeleopOptions calibrated;
+  calibrated.sensors.force_offset = run.inputs.tool_to_force.offset;
+  const TeleopRun again = run_teleop(made.input, calibrated).value();
+  EXPECT_NEAR(touch_error(made, again, 0), 0.0, 0.045);
+  EXPECT_FALSE(again.inputs.is_force_offset_applied);
 }
 
 TEST(RunTeleop, HasBothPhasesFromTheStart) {

@@ -30,6 +30,16 @@ struct TouchOptions {
   double force_drift;      ///< [N] minimum of that force
 };
 
+/// What is known of the robot site's sensors beforehand ("teleop.sensors"): from a calibration, or
+/// from an earlier session. All of it is measured on the way, too.
+struct SensorPriorOptions {
+  SensorPriorOptions();
+  double tip_noise;      ///< [m] std of one sample
+  double force_noise;    ///< [N] std of one sample, each axis
+  double force_offset;   ///< [s] by which the force's stamps are late
+  double camera_offset;  ///< [s] by which those of the tracked poses are
+};
+
 /// Detection of free, static, critical and sliding at the robot's site ("teleop.phases").
 struct PhaseMonitorOptions {
   PhaseMonitorOptions();
@@ -130,7 +140,8 @@ struct TeleopOptions {
   std::uint64_t seed;     ///< of jitter and loss
   bool with_corrections;  ///< false: predict only
   bool identifies;        ///< false: the parameters stay as given
-  InputOptions inputs;    ///< how the recording is examined before the run
+  InputOptions inputs;    ///< how the inputs are examined on the way
+  SensorPriorOptions sensors;
   TouchOptions touch;
   PhaseMonitorOptions phases;
   PoseFusionOptions pose;
@@ -146,6 +157,7 @@ struct TeleopOptions {
   [[nodiscard]] double gravity() const { return learning.sliding.gravity; }
 };
 
+[[nodiscard]] OptionSection section_of(SensorPriorOptions& options);
 [[nodiscard]] OptionSection section_of(TouchOptions& options);
 [[nodiscard]] OptionSection section_of(PhaseMonitorOptions& options);
 [[nodiscard]] OptionSection section_of(PoseFusionOptions& options);

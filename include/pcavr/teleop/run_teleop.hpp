@@ -40,10 +40,6 @@ struct TeleopObject {
   bool is_movable = true;            ///< false: it keeps its pose, and every contact is a press
 };
 
-/// The force sensor's noise is measured over this much of a recording [s]: memory must not grow
-/// with the recording's length.
-inline constexpr double kCalibrationTime = 600.0;
-
 /// One recording as two sites see it. Stamps ascend strictly in every series.
 struct TeleopInput {
   std::vector<TeleopObject> objects;
@@ -132,8 +128,10 @@ struct TeleopRun {
   std::vector<std::string> notes;  ///< remarks for the report
 };
 
-/// Simulates both sites in virtual time over a recording. An Error only if an object can't be made
-/// a body, or if the tool's unit or clock is wrong; a force that shows another fault is not used.
+/// Simulates both sites in virtual time over a recording, which reaches the robot's site sample by
+/// sample, as it would a live one: what the inputs show about noise, clocks and faults applies from
+/// when it is found. An Error only if an object can't be made a body, or when the tool's unit or
+/// clock turns out to be wrong; a force that shows another fault is not used from then on.
 /// Deterministic.
 [[nodiscard]] Expected<TeleopRun> run_teleop(const TeleopInput& input, const TeleopOptions& options,
                                              const Observer& observer = {});

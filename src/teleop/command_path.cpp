@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/recorded_signals.hpp"
+#include "teleop/command_path.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
-#include "pcavr/core/check.hpp"
 #include "pcavr/identification/path_view.hpp"
 #include "pcavr/identification/signals.hpp"
 
@@ -23,12 +22,7 @@ constexpr double kKernelVariance = 1.0 / 7.0;
 constexpr double kKernelEnergy = 1.25;
 /// Difference of two windows' results, in its stds by noise, at which both count alike.
 constexpr double kWindowStds = 2.0;
-// The spike filter uses this many later samples.
-constexpr int kSpikeWindow = 3;
-
-// Time before a sample that may be requested with it [s].
-constexpr double kMaxHistory = 2.0;
-// Cycles of a command, and samples of a force, computed at once: some seconds of each.
+// Cycles of a command that are computed at once: some seconds.
 constexpr std::size_t kBlock = 4096;
 
 struct IndexRange {
@@ -89,26 +83,6 @@ std::vector<double> smooth_command(const TipPath& tip, int axis, std::span<const
   return path;
 }
 
-SpikeOptions spike_options(double noise) {
-  SpikeOptions options;
-  options.half_window = kSpikeWindow;
-  options.noise = noise;
-  return options;
-}
-
-/// The samples of `part` without spikes, with the same result as for the whole axis.
-std::vector<double> despiked(const TeleopInput& input, const IndexRange& part, int axis,
-                             double noise) {
-  const std::size_t before = std::min<std::size_t>(part.begin, kSpikeWindow);
-  const std::size_t end = std::min(part.begin + part.count + kSpikeWindow, input.t_force.size());
-  const std::size_t begin = part.begin - before;
-  const std::span<const Eigen::Vector3d> raw =
-      std::span(input.force_base).subspan(begin, end - begin);
-  std::vector<double> clean = remove_spikes(axis_of(raw, axis), spike_options(noise)).values;
-  const auto first = clean.begin() + static_cast<std::ptrdiff_t>(before);
-  return {first, first + static_cast<std::ptrdiff_t>(part.count)};
-}
-
 }  // namespace
 
 CommandPath::CommandPath(const TipPath& tip, double start, double step)
@@ -151,88 +125,6 @@ void CommandPath::compute_block(std::size_t block) {
       acceleration_[k][axis] = k % 2 == 1 ? 0.5 * (bend(k / 2) + bend(k / 2 + 1)) : bend(k / 2);
     }
   }
-}
-
-ForceSignal::ForceSignal(const TeleopInput& input, const TipPath& tip, double offset)
-    : input_(input), tip_(tip), offset_(offset) {
-  // Fewer than ten samples can't be smoothed, and contain no push.
-  if (input.t_force.size() < 10 || tip.t.size() < 2) return;
-  count_ = input.t_force.size();
-  interval_ = (t(count_ - 1) - t(0)) / static_cast<double>(count_ - 1);
-  half_width_ = std::max(kSmoothing, 3.0 * interval_);
-  lag_ = half_width_ + kSpikeWindow * interval_;
-  measure_noise();
-  correlated_ = correlated_samples(half_width_, interval_);
-  smooth_noise_ = std::sqrt(3.0) * noise_ / std::sqrt(correlated_);
-}
-
-void ForceSignal::measure_noise() {
-  const std::span<const double> t(input_.t_force);
-  const auto end = std::upper_bound(t.begin(), t.end(), t.front() + kCalibrationTime);
-  const std::span<const Eigen::Vector3d> part =
-      std::span(input_.force_base).first(static_cast<std::size_t>(end - t.begin()));
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<double> raw = axis_of(part, axis);
-    const double noise = estimate_noise_std(raw);
-    spike_noise_[static_cast<std::size_t>(axis)] = noise;
-    const DespikedSignal clean = remove_spikes(raw, spike_options(noise));
-    noise_ = std::max(noise_, estimate_noise_std(clean.values));
-  }
-}
-
-void ForceSignal::extend() {
-  const std::size_t begin = first_ + t_.size();
-  const std::size_t end = std::min(begin + kBlock, count_);
-  for (std::size_t i = begin; i < end; ++i) t_.push_back(t(i));
-  clean_base_.resize(t_.size());
-  smooth_base_.resize(t_.size());
-  p_base_tip_.resize(t_.size());
-  const std::span<const double> at = std::span(t_).last(end - begin);
-  // By the input's own stamps, with margin for the offset's rounding.
-  const IndexRange near = range_around(input_.t_force, input_.t_force[begin],
-                                       input_.t_force[end - 1], half_width_ + interval_);
-  std::vector<double> t_near;
-  for (std::size_t i = 0; i < near.count; ++i) t_near.push_back(t(near.begin + i));
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<double> clean =
-        despiked(input_, near, axis, spike_noise_[static_cast<std::size_t>(axis)]);
-    const std::vector<SmoothedSample> force = smooth(t_near, clean, at, half_width_);
-    const std::vector<SmoothedSample> position = smooth_axis(tip_, axis, at, half_width_);
-    for (std::size_t i = 0; i < at.size(); ++i) {
-      const std::size_t k = begin - first_ + i;
-      clean_base_[k][axis] = clean[begin - near.begin + i];
-      smooth_base_[k][axis] = force[i].is_valid ? force[i].value : clean_base_[k][axis];
-      p_base_tip_[k][axis] = position[i].is_valid ? position[i].value : tip_.at(at[i])[axis];
-    }
-  }
-}
-
-ForceSignal::Sample ForceSignal::at(std::size_t index) {
-  PCAVR_REQUIRE(index >= first_ && index < count_, index, first_, count_);
-  // Samples long before the first requested one (force starts before the tool) are not needed.
-  while (t_.empty() && first_ < index && t(first_) < t(index) - kMaxHistory) ++first_;
-  while (index >= first_ + t_.size()) extend();
-  const std::size_t i = index - first_;
-  return {t_[i], clean_base_[i], smooth_base_[i], p_base_tip_[i]};
-}
-
-ForceSignal::Record ForceSignal::between(double from, double to) const {
-  const auto begin = std::lower_bound(t_.begin(), t_.end(), from);
-  const auto end = std::upper_bound(begin, t_.end(), to);
-  const auto first = static_cast<std::size_t>(begin - t_.begin());
-  const auto count = static_cast<std::size_t>(end - begin);
-  return {std::span(t_).subspan(first, count), std::span(clean_base_).subspan(first, count)};
-}
-
-void ForceSignal::discard_before(double time) {
-  const auto old = std::lower_bound(t_.begin(), t_.end(), time) - t_.begin();
-  // Rarely, in large blocks: the remaining samples must be moved.
-  if (old < static_cast<std::ptrdiff_t>(kBlock)) return;
-  t_.erase(t_.begin(), t_.begin() + old);
-  for (std::vector<Eigen::Vector3d>* values : {&clean_base_, &smooth_base_, &p_base_tip_}) {
-    values->erase(values->begin(), values->begin() + old);
-  }
-  first_ += static_cast<std::size_t>(old);
 }
 
 }  // namespace pcavr

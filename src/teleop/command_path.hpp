@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/inputs/tip_path.hpp"
+
+namespace pcavr {
+
+/// The operator's command of a recording: the tip's path, sampled every `step` [s] and smoothed
+/// over
+/// +-20 ms, up to +-80 ms where the motion is slow: the pose sensor's noise would be rendered as
+/// force. A live operator's command has no such noise and needs none of this. Computed in blocks of
+/// some seconds.
+class CommandPath {
+ public:
+  /// Keeps a reference; `tip` must outlive it and have two samples or more.
+  CommandPath(const TipPath& tip, double start, double step);
+  /// At start + step * cycle. Cheapest in ascending order.
+  [[nodiscard]] Eigen::Vector3d at(std::size_t cycle);
+  /// [m/s^2], 1.2 % low at 10 Hz.
+  [[nodiscard]] Eigen::Vector3d acceleration_at(std::size_t cycle);
+
+ private:
+  void compute_block(std::size_t block);
+
+  const TipPath& tip_;
+  double start_;
+  double step_;
+  double half_width_;
+  std::size_t block_ = ~std::size_t{0};
+  std::vector<Eigen::Vector3d> path_;  ///< of the block's cycles
+  std::vector<Eigen::Vector3d> acceleration_;
+};
+
+}  // namespace pcavr

@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "teleop/correction_trial.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace pcavr {
+namespace {
+
+/// Longest prediction [s]: beyond it every push is unstable.
+constexpr double kMaxTrial = 1.0;
+
+}  // namespace
+
+CorrectionTrial::CorrectionTrial(const TeleopInput& world, const std::vector<BodyPhysics>& physics,
+                                 const TeleopOptions& options)
+    : rotation_radius_(options.messages.rotation_radius), step_(options.predictor.step) {
+  WorldModel model;
+  model.tool_radius = world.tool_radius;
+  model.gravity = options.gravity();
+  model.options = options.world;
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    const TeleopObject& object = world.objects[i];
+    model.bodies.push_back({object.model, object.T_base_object, physics[i], object.is_movable});
+    T_base_starts_.push_back(object.T_base_object);
+  }
+  Expected<PredictedWorld> copy = PredictedWorld::create(std::move(model));
+  if (!copy) return;
+  world_ = std::move(*copy);
+  untouched_ = world_->state();
+}
+
+std::optional<double> CorrectionTrial::displayed_std(const TriedCorrection& tried) {
+  if (!world_) return std::nullopt;
+  const Eigen::Vector3d nominal = end_of(tried, 0.0, 0.0);
+  const auto distance = [&](const Eigen::Vector3d& end) {
+    const Eigen::Vector3d difference = end - nominal;
+    return difference.head<2>().norm() +
+           rotation_radius_ * std::abs(std::remainder(difference.z(), 2.0 * M_PI));
+  };
+  return std::hypot(distance(end_of(tried, tried.position_std, 0.0)),
+                    distance(end_of(tried, 0.0, tried.rotation_std)));
+}
+
+/// [x y yaw] of the object at the end of the prediction.
+Eigen::Vector3d CorrectionTrial::end_of(const TriedCorrection& tried, double lateral,
+                                        double rotation) {
+  world_->set_state(untouched_);
+  world_->set_physics(tried.object, tried.physics);
+  for (std::size_t i = 0; i < tried.poses.size(); ++i) {
+    PlanarPose pose = tried.poses[i];
+    if (i == tried.object) {
+      pose.x += lateral * tried.lateral_base.x();
+      pose.y += lateral * tried.lateral_base.y();
+      pose.yaw += rotation;
+    }
+    world_->set_pose(i, pose_at(pose, T_base_starts_[i]));
+  }
+  if (!tried.twist.isZero()) {
+    std::vector<BodyState> state = world_->state();
+    state[tried.object].planar.twist = tried.twist;
+    state[tried.object].planar.phase = FrictionPhase::sliding;
+    world_->set_state(state);
+  }
+  const double duration = std::clamp(tried.until - tried.t, 0.0, kMaxTrial);
+  const auto steps = static_cast<int>(std::lround(duration / step_));
+  Eigen::Vector3d before = tried.p_base_tip(tried.t);
+  for (int k = 1; k <= steps; ++k) {
+    const Eigen::Vector3d after = tried.p_base_tip(tried.t + step_ * k);
+    world_->step(before, after, step_);
+    before = after;
+  }
+  const PlanarPose end = planar_pose_of(world_->T_base_object(tried.object));
+  return {end.x, end.y, end.yaw};
+}
+
+}  // namespace pcavr

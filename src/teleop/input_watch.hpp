@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "pcavr/inputs/input_findings.hpp"
+#include "pcavr/inputs/input_monitor.hpp"
+#include "pcavr/teleop/options.hpp"
+#include "pcavr/teleop/run_teleop.hpp"
+
+namespace pcavr {
+
+/// A clock offset that is being subtracted, with what is written about it.
+struct AppliedOffset {
+  double offset = 0.0;               ///< [s] with the prior's
+  double std = 0.0;                  ///< [s] of what was found beyond the prior
+  std::optional<double> since = {};  ///< [s] first time of use; empty: only the prior's
+};
+
+/// Examines the samples of a live site while no object is touched: faults of the force, clock
+/// offsets. What is found applies from then on, and is refined. Stamps are those of the sensors,
+/// from which the prior's offsets are subtracted first. Not thread-safe.
+class InputWatch {
+ public:
+  /// `objects` must outlive it; their series are not used.
+  InputWatch(const std::vector<TeleopObject>& objects, double tool_radius,
+             const TeleopOptions& options);
+
+  void add_tool(double t, const Eigen::Vector3d& p_base_tip,
+                const std::optional<Eigen::Quaterniond>& q_base_tool);
+  void add_force(double t, const Eigen::Vector3d& force_base);
+  void add_tracked(std::size_t object, const TrackedPose& pose);
+
+  /// Examines the samples so far if that is due at `t` [s]: after a contact, or when half as much
+  /// again has come since the last time. True if a fault or an offset has changed. Call while no
+  /// object is touched.
+  bool examine(double t, bool has_new_contact);
+
+  /// A fault of the force; as of the last examination. (One of the tool or its clock is stated by
+  /// findings() only, at the end: of little data it may be wrong.)
+  [[nodiscard]] const std::optional<InputFault>& fault() const { return fault_; }
+  [[nodiscard]] const AppliedOffset& force() const { return force_; }
+  [[nodiscard]] const AppliedOffset& camera() const { return camera_; }
+  /// By all samples so far; expensive.
+  [[nodiscard]] InputFindings findings() const { return monitor_.findings(); }
+
+ private:
+  bool apply(const TimeOffset& found, bool is_significant, double prior, double t,
+             AppliedOffset& applied) const;
+
+  SensorPriorOptions prior_;
+  InputMonitor monitor_;
+  std::optional<bool> has_orientation_ = {};
+  double first_ = std::numeric_limits<double>::infinity();  ///< [s]
+  std::optional<double> examined_ = {};                     ///< [s]
+  std::optional<InputFault> fault_ = {};
+  AppliedOffset force_, camera_;
+};
+
+}  // namespace pcavr

@@ -1,0 +1,189 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+// The robot's site: what is compared with the operator's site, and which correction is sent.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "teleop/robot_site.hpp"
+#include "teleop/sent_parameters.hpp"
+
+namespace pcavr {
+namespace {
+
+// Parameters older than this are identified again before a correction is composed [s]: its bytes
+// should not carry what is about to change.
+constexpr double kLearnAgain = 0.2;
+// [s] Over which the tip's speed is measured to predict where the operator goes.
+constexpr double kTipSpeedTime = 0.05;
+// [stds] of a correction as it is displayed, above which it is worse than an error of that size.
+// Three would also hold back corrections that help slow pushes.
+constexpr double kGrowthStds = 1.0;
+// [stds] of the estimate: a smaller difference of two poses at rest is noise.
+constexpr double kRestStds = 2.0;
+
+double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
+
+}  // namespace
+
+void RobotSite::acknowledge(RobotObject& object, const Prediction& prediction) {
+  object.correction_switch.note_received(prediction.received);
+  if (!object.in_flight || prediction.received != object.in_flight->sequence) return;
+  overwrite(object.acknowledged, object.in_flight->parameters);
+  object.in_flight.reset();
+}
+
+void RobotSite::record_force(const TouchSample& sample, const Eigen::Vector3d& clean_base,
+                             const PredictionLog& log) {
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const bool is_touched = objects_[i].monitor.is_touched();
+    const Eigen::Vector3d& rendered = log.at(sample.t, i).rendered_force_base;
+    const double size = rendered.norm();
+    if (!is_touched && size <= 0.0) continue;
+    const Eigen::Vector3d direction =
+        is_touched ? objects_[i].monitor.direction_base() : Eigen::Vector3d(rendered / size);
+    const Eigen::Vector3d measured = clean_base - bias_base_;
+    const bool is_near = objects_[i].touch(sample.p_base_tip).gap < options_.inputs.max_touch_gap;
+    forces_.push_back({sample.t, i, is_touched || is_near ? measured.dot(direction) : 0.0,
+                       rendered.dot(direction)});
+  }
+}
+
+void RobotSite::compare(std::size_t index, const TouchSample& sample,
+                        const Prediction& prediction) {
+  RobotObject& object = objects_[index];
+  const PoseEstimate estimate = object.estimate_pose(sample, prediction.pose);
+  if (!options_.with_corrections) return;
+  const PlanarPose here = planar_pose_of(estimate.T_base_object);
+  const double gap =
+      std::hypot(here.x - prediction.pose.x, here.y - prediction.pose.y) +
+      options_.messages.rotation_radius * std::abs(wrapped(here.yaw - prediction.pose.yaw));
+  SiteComparison seen;
+  seen.t = sample.t;
+  seen.robot_slides = slides(object.monitor.phase());
+  seen.operator_slides = slides(prediction.phase);
+  seen.robot_touches = object.monitor.is_touched();
+  seen.operator_touches = prediction.force_base.norm() > 0.0;
+  const Eigen::Vector3d& direction = object.monitor.direction_base();
+  seen.robot_force = seen.robot_touches ? sample.force_base.dot(direction) : 0.0;
+  seen.operator_force =
+      seen.robot_touches ? prediction.force_base.dot(direction) : prediction.force_base.norm();
+  if (!has_force(now_)) seen.robot_touches = seen.operator_touches = false;
+  if (estimate.is_current) seen.position_gap = gap;
+  seen.push_gap =
+      (here.x - prediction.pose.x) * direction.x() + (here.y - prediction.pose.y) * direction.y();
+  seen.position_std = estimate.std;
+  if (object.is_full_state_due) {
+    send_full_state(index, sample, prediction.pose, seen);
+    return;
+  }
+  const double allowed =
+      options_.correction_switch.burst_bytes +
+      options_.correction_switch.byte_budget * static_cast<double>(streaming_bytes_);
+  const std::optional<CorrectionCase> which =
+      object.correction_switch.evaluate(seen, static_cast<double>(sent_bytes_) / allowed);
+  if (!which) return;
+  const bool is_learned_lately =
+      object.last_learned && sample.t - *object.last_learned <= kLearnAgain;
+  if (!is_learned_lately && object.monitor.is_touched()) {
+    const std::optional<double> planned = object.learn_at;
+    learn(object, sample.t);
+    if (planned && (!object.learn_at || *planned < *object.learn_at)) object.learn_at = planned;
+  }
+  std::optional<CorrectionMessage> message =
+      compose(index, *which, sample, prediction.pose, gap, seen);
+  if (!message) {
+    object.correction_switch.note_nothing_to_send(*which, sample.t);
+    return;
+  }
+  object.correction_switch.note_sent(*which, now_, message->sequence);
+  outgoing_.push_back(std::move(*message));
+}
+
+bool RobotSite::grows_beyond(double gap, std::size_t index, const CorrectionMessage& message) {
+  RobotObject& object = objects_[index];
+  if (!object.is_pushed() || !slides(object.monitor.phase())) return false;
+  TriedCorrection tried;
+  tried.t = message.t;
+  tried.until = now_ + options_.round_trip();
+  tried.object = index;
+  for (const RobotObject& other : objects_) {
+    tried.poses.push_back(planar_pose_of(other.T_base_object()));
+  }
+  tried.poses[index] = *message.pose;
+  tried.twist = message.twist.value_or(Eigen::Vector3d::Zero());
+  tried.physics = object.physics();
+  tried.lateral_base = Eigen::Vector3d::UnitZ().cross(object.monitor.direction_base());
+  tried.position_std = object.latest().position_std / std::sqrt(3.0);
+  tried.rotation_std = object.latest().rotation_std;
+  tried.p_base_tip = [this](double t) { return p_base_tip_at(t); };
+  const std::optional<double> displayed = trial_.displayed_std(tried);
+  return displayed && kGrowthStds * *displayed > gap;
+}
+
+Eigen::Vector3d RobotSite::p_base_tip_at(double t) const {
+  const double end = tip_.t().back();
+  if (t <= end) return tip_.at(t);
+  // The operator goes on as before, as far as is known here.
+  const Eigen::Vector3d velocity = (tip_.at(end) - tip_.at(end - kTipSpeedTime)) / kTipSpeedTime;
+  return tip_.at(end) + (t - end) * velocity;
+}
+
+void RobotSite::send_full_state(std::size_t index, const TouchSample& sample,
+                                const PlanarPose& predicted, const SiteComparison& seen) {
+  RobotObject& object = objects_[index];
+  if (!seen.position_gap) return;
+  object.is_full_state_due = false;
+  CorrectionMessage message;
+  message.t = sample.t;
+  message.object = index;
+  message.pose = planar_pose_of(object.estimate_pose(sample, predicted).T_base_object);
+  message.twist = object.twist();
+  message.parameters = sent_parameters(object.physics(), options_.gravity());
+  message.sequence = ++object.sequence;
+  object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
+  object.correction_switch.note_sent(message.which, now_, message.sequence);
+  outgoing_.push_back(std::move(message));
+}
+
+std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, CorrectionCase which,
+                                                    const TouchSample& sample,
+                                                    const PlanarPose& predicted, double gap,
+                                                    const SiteComparison& seen) {
+  RobotObject& object = objects_[index];
+  const bool is_pose_current = seen.position_gap && gap > options_.messages.min_pose_error;
+  const ParameterDifference changed =
+      difference(sent_parameters(object.physics(), options_.gravity()), object.acknowledged,
+                 options_.messages);
+  CorrectionMessage message;
+  message.t = sample.t;
+  message.object = index;
+  message.which = which;
+  if (is_pose_current) {
+    // Again, since newly identified contact parameters change it.
+    message.pose = planar_pose_of(object.estimate_pose(sample, predicted).T_base_object);
+    if (seen.operator_slides || slides(object.monitor.phase())) message.twist = object.twist();
+    const bool is_moving = seen.operator_slides || seen.robot_slides;
+    const bool is_noise =
+        is_moving ? grows_beyond(gap, index, message) : gap < kRestStds * seen.position_std;
+    if (is_noise) {
+      message.pose.reset();
+      message.twist.reset();
+    }
+  }
+  message.parameters = parameters_to_send(
+      changed, which, object.correction_switch.forces_agree(seen), options_.messages);
+  if (which == CorrectionCase::touched_by_robot && message.pose) {
+    const double inside = std::max(-object.touch(sample.p_base_tip).gap, 0.0);
+    message.tool_retraction = -inside * object.monitor.direction_base();
+  }
+  const bool has_parameters = !is_empty(message.parameters);
+  if (!message.pose && !has_parameters) return std::nullopt;
+  if (!has_parameters && object.correction_switch.had_no_effect(which)) return std::nullopt;
+  message.sequence = ++object.sequence;
+  object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
+  return message;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+// The robot's site: when, and from which samples, the parameters are identified.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "teleop/robot_site.hpp"
+
+namespace pcavr {
+namespace {
+
+// Time without contact before a contact that is recorded with it [s].
+constexpr double kBefore = 0.3;
+// A contact is processed once more after it has ended [s].
+constexpr double kOldContact = 1.0;
+// Contacts of an object that are identified again when the clock's offset is found.
+constexpr std::size_t kMaxLearned = 20;
+
+}  // namespace
+
+double RobotSite::stored_time() const {
+  return options_.learning.max_contact_time + kBefore + kOldContact;
+}
+
+void RobotSite::check_static_limit(RobotObject& object, const TouchSample& sample) {
+  if (!options_.identifies || object.is_shared) return;
+  const bool rests =
+      object.monitor.is_touched() && !object.monitor.is_press() && !slides(object.monitor.phase());
+  const auto& known = object.acknowledged.limiting_static_friction;
+  const double limit = std::max(options_.learning.static_limit_ratio * known->value,
+                                known->value + 3.0 * known->std.value_or(0.0));
+  const double friction = sample.force_base.head<2>().norm();
+  const bool is_beyond = rests && friction > limit + sensors_.enter_force;
+  if (!is_beyond) {
+    object.above_limit_since.reset();
+    return;
+  }
+  if (!object.above_limit_since) object.above_limit_since = sample.t;
+  if (sample.t - *object.above_limit_since < options_.learning.static_limit_time) return;
+  const auto& supposed = object.learner.conservative_estimate().limiting_static_friction;
+  if (!supposed || friction > supposed->value) object.learner.raise_static_limit(friction);
+}
+
+void RobotSite::plan_learning(RobotObject& object, MotionPhase before, bool was_touched, double t) {
+  const MotionPhase now = object.monitor.phase();
+  if (!was_touched && object.monitor.is_touched()) object.is_shared = false;
+  if (!slides(before) && slides(now)) object.learn_at = t + options_.learning.delay_after_onset;
+  if (slides(before) && !slides(now)) object.learn_at = t + options_.learning.delay_after_stop;
+  if (was_touched && !object.monitor.is_touched())
+    object.learn_at = t + options_.learning.delay_after_stop;
+  if (!slides(now) || !object.monitor.is_touched()) return;
+  for (const RobotObject& other : objects_) {
+    if (&other == &object || !other.is_seen_moving()) continue;
+    object.is_shared = true;
+    note_once(object.source().name + " and " + other.source().name +
+              " moved together: their shared force is not used to identify");
+  }
+}
+
+void RobotSite::learn(RobotObject& object, double t) {
+  const bool is_sliding = object.monitor.is_touched() && slides(object.monitor.phase());
+  object.learn_at.reset();
+  if (is_sliding) object.learn_at = t + options_.learning.sliding_interval;
+  object.last_learned = t;
+  if (!options_.identifies || object.is_shared || !has_force(now_)) return;
+  const double begin = object.monitor.contact_begin();
+  if (t - begin > options_.learning.max_contact_time) return;
+  if (const UnusableInterval* bad = unusable_in(begin, t)) {
+    note_once("the contact at " + at_time(begin) + " is not used to identify: " + bad->reason);
+    return;
+  }
+  if (object.learned.empty() || object.learned.back().begin != begin) object.learned.push_back({});
+  if (object.learned.size() > kMaxLearned) object.learned.pop_front();
+  object.learned.back() = {begin, t, object.monitor.has_slid()};
+  learn_from(object, object.learned.back());
+}
+
+const UnusableInterval* RobotSite::unusable_in(double begin, double end) const {
+  for (const UnusableInterval& bad : tip_.bad()) {
+    if (bad.begin <= end && bad.end >= begin) return &bad;
+  }
+  return nullptr;
+}
+
+void RobotSite::learn_from(RobotObject& object, const RobotObject::LearnedContact& contact) {
+  std::optional<double> ceiling;
+  for (const SaturatedInterval& interval : force_.saturated()) {
+    ceiling = std::min(ceiling.value_or(interval.force), interval.force);
+  }
+  object.learner.set_force_ceiling(ceiling);
+  const ForceStream::Record force = force_.between(contact.begin - kBefore, contact.until);
+  const std::span<const double> t = tip_.t();
+  const auto from = std::lower_bound(t.begin(), t.end(), contact.begin - kBefore);
+  const auto to = std::upper_bound(from, t.end(), contact.until);
+  const auto first = static_cast<std::size_t>(from - t.begin());
+  const auto count = static_cast<std::size_t>(to - from);
+  object.learner.learn(
+      {force.t, force.clean_base, t.subspan(first, count), tip_.p_base().subspan(first, count)},
+      contact.begin, contact.has_slid);
+}
+
+void RobotSite::learn_again(double offset_change) {
+  for (RobotObject& object : objects_) {
+    const std::deque<RobotObject::LearnedContact> contacts = std::move(object.learned);
+    object.forget_learned();
+    for (RobotObject::LearnedContact contact : contacts) {
+      contact.begin -= offset_change;
+      contact.until -= offset_change;
+      if (contact.begin - kBefore < tip_.t().front()) continue;
+      object.learned.push_back(contact);
+      learn_from(object, contact);
+    }
+  }
+}
+
+}  // namespace pcavr
