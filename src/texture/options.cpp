@@ -33,7 +33,7 @@ constexpr auto kTextureFields = std::to_array<OptionField<Texture>>({
      "lower: blurred; higher: more memory on the graphics card"},
     {"atlas_height", &Texture::atlas_height, 1536, 64, 16384, "px", "maximum height of the texture",
      "lower: blurred; higher: more memory on the graphics card"},
-    {"texels_per_pixel", &Texture::texels_per_pixel, 1.4, 0.1, 8.0, "",
+    {"texels_per_pixel", &Texture::texels_per_pixel, 1.2, 0.1, 8.0, "",
      "texels per pixel of the nearest view, where the atlas has room",
      "lower: blurred; higher: a larger download without more detail"},
     {"best_view_exponent", &Texture::best_view_exponent, 3.0, 0.0, 20.0, "",

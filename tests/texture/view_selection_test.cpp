@@ -24,7 +24,7 @@ Stamp at_seconds(double seconds) { return Stamp::from_seconds(seconds); }
 TEST(ViewSelection, KeepsTheSharpestOfNearbyViews) {
   ViewSelection selection;
   for (std::size_t i = 0; i < 5; ++i) {
-    selection.add(i, at_seconds(0.1 * static_cast<double>(i)), Pose(), striped(i == 3 ? 90 : 20),
+    selection.add(i, at_seconds(0.02 * static_cast<double>(i)), Pose(), striped(i == 3 ? 90 : 20),
                   {});
   }
   const std::vector<ViewCandidate> chosen = selection.chosen(1);
