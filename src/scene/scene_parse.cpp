@@ -274,7 +274,8 @@ std::vector<std::filesystem::path> levels_of(const YamlValue& files) {
 
 SceneManifest manifest_of_yaml(const YamlValue& root) {
   root.expect_keys({"format", "made_by", "recording", "camera", "voxel_size", "files", "objects",
-                    "robot", "tags", "support_planes", "guards", "lines", "quality", "configuration"});
+                    "robot", "tags", "support_planes", "guards", "lines", "quality",
+                    "configuration"});
   const YamlValue format = root.at("format");
   if (format.text() != kFormat) {
     format.fail("is '" + format.text() + "'", std::string("this version reads ") + kFormat);

@@ -178,7 +178,7 @@ Expected<SceneContent> SceneContent::create(const SceneManifest& scene,
   SceneContent content;
   Expected<nlohmann::ordered_json> guards = guards_json(scene);
   if (!guards) return guards.error();
-  nlohmann::ordered_json json = 
+  nlohmann::ordered_json json =
       scene_json(scene, scene_files(items, scene), *arm, parameters, *camera);
   json["guards"] = std::move(*guards);
   const std::string text = json_text(json);
