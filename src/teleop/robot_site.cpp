@@ -248,8 +248,10 @@ void RobotSite::estimate_bias(const TouchSample& sample, const std::vector<Touch
   for (const Touch& touch : touches) is_far = is_far && touch.gap > reach;
   far_samples_ = is_far ? far_samples_ + 1 : 0;
   if (static_cast<double>(far_samples_) * sensors_.interval > kMinFarForceTime) {
-    note_once("a force far from every object (first at " + at_time(sample.t) +
-              "): it is assigned to none of them");
+    if (!std::exchange(has_far_force_, true)) {
+      notes_.push_back("a force far from every object (first at " + at_time(sample.t) +
+                       "): it is assigned to none of them");
+    }
     far_samples_ = 0;
   }
 }

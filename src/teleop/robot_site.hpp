@@ -128,6 +128,7 @@ class RobotSite {
   Eigen::Vector3d bias_base_ = Eigen::Vector3d::Zero();
   double bias_since_ = 0.0;
   std::size_t far_samples_ = 0;
+  bool has_far_force_ = false;  ///< noted
   double now_ = 0.0;
   double start_;
   std::size_t sent_bytes_ = 0;

@@ -114,7 +114,9 @@ class AtlasPainter {
     while (triangle >= levels_[level].triangles.size())
       triangle -= levels_[level++].triangles.size();
     const TriangleMesh& mesh = levels_[level];
-    const auto& [a, b, c] = mesh.triangles[triangle];
+    const std::uint32_t a = mesh.triangles[triangle][0];
+    const std::uint32_t b = mesh.triangles[triangle][1];
+    const std::uint32_t c = mesh.triangles[triangle][2];
     const Eigen::Array2f size(static_cast<float>(image_.width()),
                               static_cast<float>(image_.height()));
     const auto at = [&](std::uint32_t v) -> Eigen::Vector2f {

@@ -156,8 +156,12 @@ TEST(SeveralBodies, ThatArePressedAgainstAWallDoNotJump) {
         ASSERT_LT(displacement.norm(), 0.001 * 2.0) << y << ' ' << t << ' ' << i;
       }
       const auto closest = surface.closest(world.T_base_object(0).inverse() * path(t), 0.06);
-      ASSERT_TRUE(closest);
-      ASSERT_NEAR(world.state()[0].penetration, test::kTipRadius - closest->distance, 1e-9) << t;
+      // Off its centre, the body turns away until the tip is farther than the search.
+      if (closest) {
+        ASSERT_NEAR(world.state()[0].penetration, test::kTipRadius - closest->distance, 1e-9) << t;
+      } else {
+        ASSERT_LT(world.state()[0].penetration, 0.0) << t;
+      }
       before = world.state();
     });
   }

@@ -15,7 +15,7 @@ export class ToolPanel {
   private readonly take = byId('take', HTMLButtonElement);
   private readonly release = byId('release', HTMLButtonElement);
   private readonly hold = byId('hold', HTMLButtonElement);
-  private readonly speed = byId('speed', HTMLOutputElement);
+  private readonly speed = byId('time-scale', HTMLOutputElement);
   private readonly clutch = byId('clutch', HTMLButtonElement);
   private readonly callToAction = new CallToAction();
 
