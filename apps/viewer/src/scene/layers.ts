@@ -21,7 +21,7 @@ export type LayerName = (typeof layerNames)[number];
 
 export const layerTitles: Record<LayerName, string> = {
   mesh: 'Scanned mesh',
-  unseen: 'Filled in, not seen',
+  unseen: 'Unseen support',
   cloud: 'Point cloud',
   occupancy: 'Occupied cells',
   bodies: 'CAD bodies',
