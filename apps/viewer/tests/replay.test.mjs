@@ -165,7 +165,12 @@ test('a link restores view, layers and time', limit, async () => {
       return [...view.camera.position.toArray(), ...view.camera.quaternion.toArray()];
     });
   await page.waitForFunction(() => /view=.*&layers=.*&t=1\.5/.test(location.hash));
-  const [before, url] = [await look(), page.url()];
+  // The address follows the view at most every half second.
+  let [before, url] = [[], ''];
+  while (url !== page.url()) {
+    [before, url] = [await look(), page.url()];
+    await page.waitForTimeout(1200);
+  }
   await page.goto('about:blank');
   await page.goto(url);
   await page.waitForFunction(
