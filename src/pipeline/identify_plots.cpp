@@ -73,6 +73,7 @@ std::string name_of(EstimationMethod method) {
       return "BSLS";
     case EstimationMethod::exponential:
       return "EWRLS";
+    case EstimationMethod::adaptive:
     case EstimationMethod::averaged:
       break;
   }
