@@ -7,6 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/contact/contact_law.hpp"
+#include "pcavr/core/random.hpp"
+
 #include "haptics/tabletop.hpp"
 #include "haptics/tip_acceleration.hpp"
 
