@@ -44,7 +44,8 @@ class LiveCycle {
   [[nodiscard]] ToolCommand command_from(const DeviceSample& sample, bool is_on_hold) noexcept;
   void reset_if_requested(const DeviceSample& sample) noexcept;
   void measure_speeds() noexcept;
-  void move_arm() noexcept;
+  void move_arm(const Eigen::Vector3d& p_base_tip) noexcept;
+  [[nodiscard]] Eigen::Vector3d drive_arm() noexcept;
 
   HapticWorld world_;
   std::unique_ptr<Device> device_;
