@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "identification/averaged_memories.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <memory>
 #include <vector>
 
-#include "identification/single_memory.hpp"
+#include "identification/memory.hpp"
 
 namespace pcavr::detail {
 namespace {
@@ -28,11 +27,9 @@ double predict(const std::array<double, N>& regressors, const std::array<double,
   return sum;
 }
 
-}  // namespace
-
 template <int N>
-struct AveragedMemories<N>::State {
-  State(const EstimatorOptions<N>& options, const std::array<double, N>& initial)
+struct AveragedState {
+  AveragedState(const EstimatorOptions<N>& options, const std::array<double, N>& initial)
       : alpha(options.averaging.weight_forgetting),
         sharpness(options.averaging.sharpness),
         correlated(options.correlated_samples) {
@@ -41,14 +38,14 @@ struct AveragedMemories<N>::State {
                               averaging.fastest_forgetting};
     EstimatorOptions<N> one = options;
     one.method = EstimationMethod::adaptive;
-    estimators.emplace_back(one, initial);
+    estimators.push_back(single_memory<N>(one, initial));
     one.method = EstimationMethod::exponential;
     for (const double factor : factors) {
       one.forgetting = factor;
-      estimators.emplace_back(one, initial);
+      estimators.push_back(single_memory<N>(one, initial));
     }
     one.method = EstimationMethod::block;
-    estimators.emplace_back(one, initial);
+    estimators.push_back(single_memory<N>(one, initial));
     const auto delay = static_cast<std::size_t>(std::lround(averaging.lag * correlated));
     earlier.assign(kEstimators,
                    std::vector<std::array<double, N>>(std::max<std::size_t>(1, delay), initial));
@@ -79,7 +76,7 @@ struct AveragedMemories<N>::State {
         std::distance(weight.begin(), std::max_element(weight.begin(), weight.end())));
   }
 
-  std::vector<SingleMemory<N>> estimators;
+  std::vector<std::unique_ptr<Memory<N>>> estimators;
   /// Ring of each estimator's parameters, from `lag` ago.
   std::vector<std::vector<std::array<double, N>>> earlier;
   std::size_t next = 0;
@@ -93,34 +90,35 @@ struct AveragedMemories<N>::State {
 };
 
 template <int N>
-AveragedMemories<N>::AveragedMemories(const EstimatorOptions<N>& options,
-                                      const std::array<double, N>& initial) {
-  state_ = std::make_unique<State>(options, initial);
-}
+class AveragedMemories final : public Memory<N> {
+ public:
+  AveragedMemories(const EstimatorOptions<N>& options, const std::array<double, N>& initial)
+      : state_(options, initial) {}
 
-template <int N>
-AveragedMemories<N>::AveragedMemories(AveragedMemories&&) noexcept = default;
-template <int N>
-AveragedMemories<N>& AveragedMemories<N>::operator=(AveragedMemories&&) noexcept = default;
-template <int N>
-AveragedMemories<N>::~AveragedMemories() = default;
+  EstimatorStep step(const std::array<double, N>& regressors, double measured) noexcept override;
+  [[nodiscard]] ParameterEstimate<N> estimate() const noexcept override;
+  [[nodiscard]] std::array<double, N> parameters() const noexcept override;
+
+ private:
+  AveragedState<N> state_;
+};
 
 template <int N>
 EstimatorStep AveragedMemories<N>::step(const std::array<double, N>& regressors,
                                         double measured) noexcept {
-  State& state = *state_;
+  AveragedState<N>& state = state_;
   EstimatorStep mean{.forgetting = 0.0, .was_used = true};
   std::array<double, kEstimators> squared{};
   const std::size_t slot = state.next % state.earlier.front().size();
   for (std::size_t i = 0; i < kEstimators; ++i) {
-    const EstimatorStep step = state.estimators[i].step(regressors, measured);
+    const EstimatorStep step = state.estimators[i]->step(regressors, measured);
     mean.was_used = mean.was_used && step.was_used;
     mean.prediction += state.weight[i] * step.prediction;
     mean.forgetting += state.weight[i] * step.forgetting;
     if (!step.was_used) continue;
     std::array<double, N>& earlier = state.earlier[i][slot];
     squared[i] = std::pow(measured - predict<N>(regressors, earlier), 2);
-    earlier = state.estimators[i].parameters();
+    earlier = state.estimators[i]->parameters();
   }
   mean.error = measured - mean.prediction;
   if (!mean.was_used) return mean;
@@ -131,9 +129,9 @@ EstimatorStep AveragedMemories<N>::step(const std::array<double, N>& regressors,
 
 template <int N>
 ParameterEstimate<N> AveragedMemories<N>::estimate() const noexcept {
-  const State& state = *state_;
+  const AveragedState<N>& state = state_;
   std::array<ParameterEstimate<N>, kEstimators> each;
-  for (std::size_t i = 0; i < kEstimators; ++i) each[i] = state.estimators[i].estimate();
+  for (std::size_t i = 0; i < kEstimators; ++i) each[i] = state.estimators[i]->estimate();
   ParameterEstimate<N> mean = each[state.heaviest()];
   mean.value = parameters();
   for (std::size_t k = 0; k < N; ++k) {
@@ -152,15 +150,27 @@ template <int N>
 std::array<double, N> AveragedMemories<N>::parameters() const noexcept {
   std::array<double, N> mean{};
   for (std::size_t i = 0; i < kEstimators; ++i) {
-    const std::array<double, N> one = state_->estimators[i].parameters();
-    for (std::size_t k = 0; k < N; ++k) mean[k] += state_->weight[i] * one[k];
+    const std::array<double, N> one = state_.estimators[i]->parameters();
+    for (std::size_t k = 0; k < N; ++k) mean[k] += state_.weight[i] * one[k];
   }
   return mean;
 }
 
-template class AveragedMemories<1>;
-template class AveragedMemories<2>;
-template class AveragedMemories<3>;
-template class AveragedMemories<4>;
+}  // namespace
+
+template <int N>
+std::unique_ptr<Memory<N>> averaged_memories(const EstimatorOptions<N>& options,
+                                             const std::array<double, N>& initial) {
+  return std::make_unique<AveragedMemories<N>>(options, initial);
+}
+
+template std::unique_ptr<Memory<1>> averaged_memories<1>(const EstimatorOptions<1>&,
+                                                         const std::array<double, 1>&);
+template std::unique_ptr<Memory<2>> averaged_memories<2>(const EstimatorOptions<2>&,
+                                                         const std::array<double, 2>&);
+template std::unique_ptr<Memory<3>> averaged_memories<3>(const EstimatorOptions<3>&,
+                                                         const std::array<double, 3>&);
+template std::unique_ptr<Memory<4>> averaged_memories<4>(const EstimatorOptions<4>&,
+                                                         const std::array<double, 4>&);
 
 }  // namespace pcavr::detail

@@ -3,13 +3,10 @@
 #include "pcavr/identification/estimator.hpp"
 
 #include <cmath>
-#include <utility>
-#include <variant>
 
 #include "pcavr/core/check.hpp"
 
-#include "identification/averaged_memories.hpp"
-#include "identification/single_memory.hpp"
+#include "identification/memory.hpp"
 
 namespace pcavr {
 namespace {
@@ -44,17 +41,12 @@ void check(const EstimatorOptions<N>& options) {
 }  // namespace
 
 template <int N>
-struct ParameterEstimator<N>::State {
-  std::variant<detail::SingleMemory<N>, detail::AveragedMemories<N>> memory;
-};
-
-template <int N>
 ParameterEstimator<N>::ParameterEstimator(const EstimatorOptions<N>& options,
                                           const std::array<double, N>& initial) {
   check(options);
-  state_ = std::make_unique<State>(options.method == EstimationMethod::averaged
-                                       ? State{detail::AveragedMemories<N>(options, initial)}
-                                       : State{detail::SingleMemory<N>(options, initial)});
+  memory_ = options.method == EstimationMethod::averaged
+                ? detail::averaged_memories<N>(options, initial)
+                : detail::single_memory<N>(options, initial);
 }
 
 template <int N>
@@ -67,18 +59,17 @@ ParameterEstimator<N>::~ParameterEstimator() = default;
 template <int N>
 EstimatorStep ParameterEstimator<N>::step(const std::array<double, N>& regressors,
                                           double measured) noexcept {
-  return std::visit([&](auto& memory) { return memory.step(regressors, measured); },
-                    state_->memory);
+  return memory_->step(regressors, measured);
 }
 
 template <int N>
 ParameterEstimate<N> ParameterEstimator<N>::estimate() const noexcept {
-  return std::visit([](const auto& memory) { return memory.estimate(); }, state_->memory);
+  return memory_->estimate();
 }
 
 template <int N>
 std::array<double, N> ParameterEstimator<N>::parameters() const noexcept {
-  return std::visit([](const auto& memory) { return memory.parameters(); }, state_->memory);
+  return memory_->parameters();
 }
 
 template class ParameterEstimator<1>;

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "identification/single_memory.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "identification/memory.hpp"
 #include "identification/small_solve.hpp"
 
 namespace pcavr::detail {
@@ -39,14 +39,12 @@ double quiet_level(double window, double correlated_samples) {
   return std::max(kUnityZone, cube_root * cube_root * cube_root);
 }
 
-}  // namespace
-
 template <int N>
-struct SingleMemory<N>::State {
+struct SingleState {
   using Vector = Eigen::Matrix<double, N, 1>;
   using Matrix = Eigen::Matrix<double, N, N>;
 
-  State(const EstimatorOptions<N>& given, const std::array<double, N>& initial)
+  SingleState(const EstimatorOptions<N>& given, const std::array<double, N>& initial)
       : options(given), information(Matrix::Identity() * given.prior_information) {
     for (int i = 0; i < N; ++i) {
       scale[i] = given.scale[static_cast<std::size_t>(i)];
@@ -170,23 +168,24 @@ struct SingleMemory<N>::State {
 };
 
 template <int N>
-SingleMemory<N>::SingleMemory(const EstimatorOptions<N>& options,
-                              const std::array<double, N>& initial) {
-  state_ = std::make_unique<State>(options, initial);
-}
+class SingleMemory final : public Memory<N> {
+ public:
+  SingleMemory(const EstimatorOptions<N>& options, const std::array<double, N>& initial)
+      : state_(options, initial) {}
 
-template <int N>
-SingleMemory<N>::SingleMemory(SingleMemory&&) noexcept = default;
-template <int N>
-SingleMemory<N>& SingleMemory<N>::operator=(SingleMemory&&) noexcept = default;
-template <int N>
-SingleMemory<N>::~SingleMemory() = default;
+  EstimatorStep step(const std::array<double, N>& regressors, double measured) noexcept override;
+  [[nodiscard]] ParameterEstimate<N> estimate() const noexcept override;
+  [[nodiscard]] std::array<double, N> parameters() const noexcept override;
+
+ private:
+  SingleState<N> state_;
+};
 
 template <int N>
 EstimatorStep SingleMemory<N>::step(const std::array<double, N>& regressors,
                                     double measured) noexcept {
-  State& state = *state_;
-  typename State::Vector phi;
+  SingleState<N>& state = state_;
+  typename SingleState<N>::Vector phi;
   bool is_valid = std::isfinite(measured);
   for (int i = 0; i < N; ++i) {
     phi[i] = regressors[static_cast<std::size_t>(i)] * state.inverse_scale[i];
@@ -209,12 +208,12 @@ EstimatorStep SingleMemory<N>::step(const std::array<double, N>& regressors,
 
 template <int N>
 ParameterEstimate<N> SingleMemory<N>::estimate() const noexcept {
-  const State& state = *state_;
+  const SingleState<N>& state = state_;
   ParameterEstimate<N> result;
   result.value = parameters();
   result.samples = state.samples;
   result.residual_variance = state.residual_variance();
-  const typename State::Matrix P = invert_positive<N>(state.information);
+  const typename SingleState<N>::Matrix P = invert_positive<N>(state.information);
   for (int i = 0; i < N; ++i) {
     const auto k = static_cast<std::size_t>(i);
     // 1 / P_ii is the energy of regressor i that the others leave unexplained.
@@ -237,14 +236,26 @@ template <int N>
 std::array<double, N> SingleMemory<N>::parameters() const noexcept {
   std::array<double, N> values{};
   for (int i = 0; i < N; ++i) {
-    values[static_cast<std::size_t>(i)] = state_->theta[i] * state_->inverse_scale[i];
+    values[static_cast<std::size_t>(i)] = state_.theta[i] * state_.inverse_scale[i];
   }
   return values;
 }
 
-template class SingleMemory<1>;
-template class SingleMemory<2>;
-template class SingleMemory<3>;
-template class SingleMemory<4>;
+}  // namespace
+
+template <int N>
+std::unique_ptr<Memory<N>> single_memory(const EstimatorOptions<N>& options,
+                                         const std::array<double, N>& initial) {
+  return std::make_unique<SingleMemory<N>>(options, initial);
+}
+
+template std::unique_ptr<Memory<1>> single_memory<1>(const EstimatorOptions<1>&,
+                                                     const std::array<double, 1>&);
+template std::unique_ptr<Memory<2>> single_memory<2>(const EstimatorOptions<2>&,
+                                                     const std::array<double, 2>&);
+template std::unique_ptr<Memory<3>> single_memory<3>(const EstimatorOptions<3>&,
+                                                     const std::array<double, 3>&);
+template std::unique_ptr<Memory<4>> single_memory<4>(const EstimatorOptions<4>&,
+                                                     const std::array<double, 4>&);
 
 }  // namespace pcavr::detail

@@ -9,6 +9,10 @@
 namespace pcavr {
 
 struct OptionSection;  // core/options.hpp
+namespace detail {
+template <int N>
+class Memory;
+}  // namespace detail
 
 /// How an estimator forgets old samples.
 enum class EstimationMethod {
@@ -145,8 +149,7 @@ class ParameterEstimator {
   [[nodiscard]] std::array<double, N> parameters() const noexcept;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<detail::Memory<N>> memory_;
 };
 
 extern template class ParameterEstimator<1>;
