@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+// Before the friction terms: the fit to compare with, the torques' lag, and the smoothing of signs.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "robot_identification/robot_fitter.hpp"
+
+namespace pcavr::detail {
+namespace {
+
+constexpr double kWide = 1e4;  ///< std that leaves a parameter to the data
+
+}  // namespace
+
+double correlated_rows(const Eigen::VectorXd& residual) {
+  const double power = residual.squaredNorm();
+  double sum = 1.0;
+  for (Eigen::Index lag = 1; lag < residual.size() / 4; ++lag) {
+    const Eigen::Index count = residual.size() - lag;
+    const double correlation = residual.head(count).dot(residual.tail(count)) / power;
+    if (!(correlation > 0.0)) break;
+    sum += 2.0 * correlation;
+  }
+  return sum;
+}
+
+/// Ordinary least squares, as published identifications use it: the figure to beat.
+void RobotFitter::fit_plainly(RobotFit& fit) {
+  set_libraries(full_library());
+  const BlockSystem system = train_system();
+  set_library_std(system);
+  const Selection selection(joints_.size(), {column_of(full_library(), FrictionTerm::offset),
+                                             column_of(full_library(), FrictionTerm::viscous),
+                                             column_of(full_library(), FrictionTerm::coulomb)});
+  FitPrior wide = prior_;
+  if (!options_.known_body) wide.std.setConstant(kWide);
+  const Eigen::VectorXd equal = Eigen::VectorXd::Constant(at(joints_.size()), 1e-2);
+  solution_ = solve(system, std::vector<bool>(kBlocks, true), selection, equal, wide);
+  noise_.resize(at(joints_.size()));
+  correlated_rows_.setOnes(at(joints_.size()));
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Eigen::VectorXd r = residual(j, solution_);
+    fit.joints[j].plain_held_out = error_of(j, r, true);
+    noise_[at(j)] = std::max(1e-9, std::sqrt(r.head(train_).squaredNorm() / double(train_)));
+    correlated_rows_[at(j)] = correlated_rows(r.head(train_));
+  }
+  set_variance();
+}
+
+/// Torques that are late by L are tau(t - L), about tau - L dtau/dt: one further unknown that all
+/// joints share.
+void RobotFitter::remove_torque_lag(RobotFit& fit) {
+  constexpr double kLagPrior = 0.1;  // [s] std: wider than any lag that is looked for
+  std::vector<JointRows> extended = joints_;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    Eigen::MatrixXd& rigid = extended[j].rigid;
+    rigid.conservativeResize(Eigen::NoChange, rigid.cols() + 1);
+    // Of the fitted bodies: the noise of the measured torques' rate would make the lag too small.
+    rigid.rightCols<1>() = -differentiate(joints_[j].rigid * solution_.rigid, signals_.interval);
+  }
+  const Selection selection(joints_.size(), {column_of(full_library(), FrictionTerm::offset),
+                                             column_of(full_library(), FrictionTerm::viscous),
+                                             column_of(full_library(), FrictionTerm::coulomb)});
+  FitPrior prior = prior_;
+  prior.mean.conservativeResize(prior.mean.size() + 1);
+  prior.std.conservativeResize(prior.std.size() + 1);
+  prior.mean.tail<1>().setZero();
+  prior.std.tail<1>().setConstant(kLagPrior);
+  // Each round moves the torques by what is left: friction changes its sign at the right instants
+  // only once they are in step.
+  constexpr int kRounds = 4;
+  for (int round = 0; round < kRounds; ++round) {
+    const FitSolution solution =
+        solve(block_system(extended, train_, kBlocks), std::vector<bool>(kBlocks, true), selection,
+              variance_, prior, true);
+    const Eigen::Index place = solution.rigid.size() - 1;
+    fit.torque_lag = std::clamp(fit.torque_lag + solution.rigid[place], -kLagPrior, kLagPrior);
+    fit.torque_lag_std = std::sqrt(solution.covariance(place, place));
+    std::vector<double> later = signals_.t;
+    for (double& t : later) t += fit.torque_lag;
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      extended[j].torque = interpolate(signals_.t, signals_.torque.col(at(j)), later);
+    }
+  }
+  // What friction's model does not reproduce at reversals looks like a small lag, too.
+  if (std::abs(fit.torque_lag) < 3.0 * fit.torque_lag_std) {
+    fit.torque_lag = 0.0;
+    return;
+  }
+  for (std::size_t j = 0; j < joints_.size(); ++j) joints_[j].torque = extended[j].torque;
+}
+
+void RobotFitter::choose_smoothing() {
+  if (options_.smoothing_speed > 0.0) {
+    smoothing_.assign(joints_.size(), options_.smoothing_speed);
+    return;
+  }
+  const std::vector<LibraryColumn>& library = smoothing_library();
+  set_libraries(library);
+  const BlockSystem system = train_system();
+  set_library_std(system);
+  const std::vector<int> common{column_of(library, FrictionTerm::offset),
+                                column_of(library, FrictionTerm::viscous)};
+  std::vector<double> best(joints_.size(), std::numeric_limits<double>::max());
+  for (std::size_t k = 0; k < kSmoothingSpeeds.size(); ++k) {
+    Selection selection(joints_.size(), common);
+    for (auto& columns : selection) {
+      columns.push_back(column_of(library, FrictionTerm::coulomb, k));
+    }
+    const Eigen::VectorXd error = cross_validate(system, selection, prior_);
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      if (error[at(j)] >= best[j]) continue;
+      best[j] = error[at(j)];
+      smoothing_[j] = kSmoothingSpeeds[k];
+    }
+  }
+}
+
+}  // namespace pcavr::detail

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/robot_identification/robot_fit.hpp"
+
+#include "robot_identification/block_system.hpp"
+#include "robot_identification/fit_rows.hpp"
+
+namespace pcavr::detail {
+
+inline constexpr std::size_t kBlocks = 30;  ///< of the training part: cross-validation joins them
+
+[[nodiscard]] inline Eigen::Index at(std::size_t index) { return static_cast<Eigen::Index>(index); }
+
+/// How many consecutive values count as one independent one: 1 + 2 sum of the autocorrelation up to
+/// its first zero.
+[[nodiscard]] double correlated_rows(const Eigen::VectorXd& residual);
+
+/// Everything that the steps of one fit share.
+class RobotFitter {
+ public:
+  RobotFitter(const JointSignals& signals, const RobotModel& model, const RobotFitOptions& options);
+
+  [[nodiscard]] RobotFit run();
+
+ private:
+  [[nodiscard]] FitPrior rigid_prior() const;
+  void set_libraries(const std::vector<LibraryColumn>& library);
+  [[nodiscard]] BlockSystem train_system() const;
+  void set_library_std(const BlockSystem& system);
+  [[nodiscard]] Eigen::VectorXd residual(std::size_t joint, const FitSolution& solution) const;
+  [[nodiscard]] Eigen::VectorXd cross_validate(const BlockSystem& system,
+                                               const Selection& selection,
+                                               const FitPrior& prior) const;
+  void fit_plainly(RobotFit& fit);
+  void remove_torque_lag(RobotFit& fit);
+  void choose_smoothing();
+  void set_variance();
+  void fit_friction_terms();
+  void update_noise(const FitSolution& solution, bool is_robust);
+  void select_terms(const BlockSystem& system);
+  [[nodiscard]] bool is_dissipative(const BlockSystem& system, const Selection& selection,
+                                    std::size_t joint) const;
+  void choose_prior_scale(const BlockSystem& system);
+  void make_physical(const BlockSystem& system);
+  void finish(RobotFit& fit);
+  [[nodiscard]] FitPrior scaled_prior(double scale) const;
+  [[nodiscard]] TorqueError error_of(std::size_t joint, const Eigen::VectorXd& residuals,
+                                     bool is_held_out) const;
+
+  const JointSignals& signals_;
+  const RobotModel& model_;
+  const RobotFitOptions& options_;
+  std::vector<JointRows> joints_;
+  Eigen::Index rows_;
+  Eigen::Index train_ = 0;
+  std::vector<double> smoothing_;
+  FitPrior prior_;
+  double prior_scale_ = 1.0;
+  Selection selection_;
+  Eigen::VectorXd variance_;         ///< by joint, times the correlated rows
+  Eigen::VectorXd noise_;            ///< std by joint
+  Eigen::VectorXd correlated_rows_;  ///< by joint
+  FitSolution solution_;
+};
+
+}  // namespace pcavr::detail
