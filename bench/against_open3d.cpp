@@ -31,7 +31,12 @@
 #include "pcavr/recording/frame_reader.hpp"
 #include "pcavr/recording/recording.hpp"
 
+#include "arguments.hpp"
+
 namespace {
+
+using pcavr::bench::fail;
+using pcavr::bench::value_or_exit;
 
 namespace fs = std::filesystem;
 
@@ -65,17 +70,6 @@ double cpu_ms() {
 double heap_megabytes() {
   const struct mallinfo2 heap = mallinfo2();
   return static_cast<double>(heap.uordblks + heap.hblkhd) / 1e6;
-}
-
-[[noreturn]] void fail(const std::string& line) {
-  std::fprintf(stderr, "%s\n", line.c_str());
-  std::exit(1);
-}
-
-template <typename T>
-T value_or_exit(pcavr::Expected<T> expected) {
-  if (!expected) fail(expected.error().to_string());
-  return std::move(expected).value();
 }
 
 void append(pcavr::TriangleMesh& mesh, const pcavr::TriangleMesh& part) {

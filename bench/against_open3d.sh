@@ -15,8 +15,8 @@ if [ ! -f "$build/CMakeCache.txt" ]; then
   cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
 fi
 cmake "$build" -DPCAVR_BUILD_BENCHMARKS=ON >/dev/null
-cmake --build "$build" --target pcavr_against_open3d >/dev/null || {
-  echo "cannot build pcavr_against_open3d: install libopen3d-dev" >&2
+cmake --build "$build" --target pcavr_bench_against_open3d >/dev/null || {
+  echo "cannot build pcavr_bench_against_open3d: install libopen3d-dev" >&2
   exit 1
 }
 echo "commit   $(git -C "$root" describe --always --dirty)"
@@ -25,4 +25,4 @@ echo "build    $(sed -n 's/^CMAKE_BUILD_TYPE:[^=]*=//p' "$build/CMakeCache.txt")
 echo "CPU      $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1), $(nproc) cores"
 echo "load     $(cut -d' ' -f1-3 /proc/loadavg)"
 # One thread each: Open3D takes its count from OpenMP.
-OMP_NUM_THREADS=1 exec "$build/bench/pcavr_against_open3d" "$@"
+OMP_NUM_THREADS=1 exec "$build/bench/pcavr_bench_against_open3d" "$@"

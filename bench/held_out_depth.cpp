@@ -21,7 +21,6 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/core/options.hpp"
 #include "pcavr/evaluation/surface_errors.hpp"
 #include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/model/cad_model.hpp"
@@ -31,6 +30,8 @@
 #include "pcavr/reconstruction/tsdf_volume.hpp"
 #include "pcavr/recording/frame_reader.hpp"
 #include "pcavr/recording/recording.hpp"
+
+#include "arguments.hpp"
 
 #ifdef PCAVR_HAS_OPEN3D
 #include <cstring>
@@ -43,19 +44,12 @@
 
 namespace {
 
+using pcavr::bench::fail;
+using pcavr::bench::set_option;
+using pcavr::bench::value_or_exit;
+
 constexpr int kPixelStride = 4;
 constexpr float kMaxDistance = 0.1F;  ///< [m]; points farther away count as that far
-
-[[noreturn]] void fail(const std::string& line) {
-  std::fprintf(stderr, "%s\n", line.c_str());
-  std::exit(1);
-}
-
-template <typename T>
-T value_or_exit(pcavr::Expected<T> expected) {
-  if (!expected) fail(expected.error().to_string());
-  return std::move(expected).value();
-}
 
 struct Frame {
   pcavr::RgbdFrame images;
@@ -123,20 +117,6 @@ Input read_input(const std::string& folder, const std::string& poses, std::size_
   }
   input.truth_base = read_truth(recording);
   return input;
-}
-
-void set_option(pcavr::BuildOptions& options, const std::string& assignment) {
-  const std::size_t equals = assignment.find('=');
-  std::vector<pcavr::OptionSection> sections = sections_of(options);
-  sections.push_back(section_of(options.perception.depth_noise));
-  for (const pcavr::OptionSection& section : sections) {
-    for (const pcavr::OptionRow& row : section.rows) {
-      if (section.name + "." + std::string(row.name) != assignment.substr(0, equals)) continue;
-      row.set(std::stod(assignment.substr(equals + 1)));
-      return;
-    }
-  }
-  fail("unknown option " + assignment);
 }
 
 pcavr::TriangleMesh fuse(const Input& input, const pcavr::BuildOptions& options) {
@@ -234,7 +214,9 @@ int main(int argc, char** argv) {
       if (std::string(argv[i]) == "open3d") {
         with_open3d = true;
       } else {
-        set_option(options, argv[i]);
+        std::vector<pcavr::OptionSection> sections = sections_of(options);
+        sections.push_back(section_of(options.perception.depth_noise));
+        set_option(sections, argv[i]);
       }
     }
     std::printf("options:%s\n", set.c_str());

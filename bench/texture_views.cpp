@@ -17,28 +17,21 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/core/options.hpp"
 #include "pcavr/model/cad_model.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
 #include "pcavr/recording/frame_reader.hpp"
 #include "pcavr/recording/image_codec.hpp"
 #include "pcavr/recording/recording.hpp"
 
+#include "arguments.hpp"
+
 namespace {
 
 using pcavr::ColorImage;
 using pcavr::Rgb8;
-
-[[noreturn]] void fail(const std::string& line) {
-  std::fprintf(stderr, "%s\n", line.c_str());
-  std::exit(1);
-}
-
-template <typename T>
-T value_or_exit(pcavr::Expected<T> expected) {
-  if (!expected) fail(expected.error().to_string());
-  return std::move(expected).value();
-}
+using pcavr::bench::fail;
+using pcavr::bench::set_option;
+using pcavr::bench::value_or_exit;
 
 Eigen::Vector3d vector_of(const Rgb8& c) { return Eigen::Vector3d(c.r, c.g, c.b); }
 
@@ -106,7 +99,33 @@ struct Comparison {
 
 double luma(const Eigen::Vector3d& c) { return 0.299 * c.x() + 0.587 * c.y() + 0.114 * c.z(); }
 
-void compare(Picture picture, const ColorImage& recorded, Comparison& sum) {
+/// SSIM of the luma in one window; empty where a pixel is.
+std::optional<double> ssim(const Picture& picture, const ColorImage& recorded, int left, int top,
+                           int window) {
+  Eigen::Array2d mean = Eigen::Array2d::Zero();
+  Eigen::Array3d square = Eigen::Array3d::Zero();
+  for (int y = top; y < top + window; ++y) {
+    for (int x = left; x < left + window; ++x) {
+      if (!picture(x, y)) return std::nullopt;
+      const double a = luma(*picture(x, y));
+      const double b = luma(vector_of(recorded(x, y)));
+      mean += Eigen::Array2d(a, b);
+      square += Eigen::Array3d(a * a, b * b, a * b);
+    }
+  }
+  mean /= window * window;
+  square /= window * window;
+  const double var_a = square[0] - mean[0] * mean[0];
+  const double var_b = square[1] - mean[1] * mean[1];
+  const double cov = square[2] - mean[0] * mean[1];
+  constexpr double kC1 = 0.01 * 255 * 0.01 * 255;
+  constexpr double kC2 = 0.03 * 255 * 0.03 * 255;
+  return (2.0 * mean[0] * mean[1] + kC1) * (2.0 * cov + kC2) /
+         ((mean.square().sum() + kC1) * (var_a + var_b + kC2));
+}
+
+/// Fits one gain to each channel, so that the camera's exposure does not count.
+void even_out(Picture& picture, const ColorImage& recorded) {
   Eigen::Array3d products = Eigen::Array3d::Constant(1e-9);
   Eigen::Array3d squares = Eigen::Array3d::Constant(1e-9);
   for (int y = 0; y < picture.height(); ++y) {
@@ -117,55 +136,29 @@ void compare(Picture picture, const ColorImage& recorded, Comparison& sum) {
     }
   }
   const Eigen::Array3d gain = products / squares;
+  for (auto& pixel : picture.pixels()) {
+    if (pixel) *pixel = (pixel->array() * gain).matrix();
+  }
+}
+
+void compare(Picture picture, const ColorImage& recorded, Comparison& sum) {
+  even_out(picture, recorded);
   for (int y = 0; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x) {
       if (!picture(x, y)) continue;
-      *picture(x, y) = (picture(x, y)->array() * gain).matrix();
       sum.squares += (*picture(x, y) - vector_of(recorded(x, y))).squaredNorm();
       sum.channels += 3.0;
     }
   }
   constexpr int kWindow = 8;
-  for (int top = 0; top + kWindow <= picture.height(); top += 4) {
-    for (int left = 0; left + kWindow <= picture.width(); left += 4) {
-      Eigen::Array2d mean = Eigen::Array2d::Zero();
-      Eigen::Array3d square = Eigen::Array3d::Zero();
-      int count = 0;
-      for (int y = top; y < top + kWindow; ++y) {
-        for (int x = left; x < left + kWindow; ++x) {
-          if (!picture(x, y)) continue;
-          const double a = luma(*picture(x, y));
-          const double b = luma(vector_of(recorded(x, y)));
-          mean += Eigen::Array2d(a, b);
-          square += Eigen::Array3d(a * a, b * b, a * b);
-          ++count;
-        }
-      }
-      if (count < kWindow * kWindow) continue;
-      mean /= count;
-      square /= count;
-      const double var_a = square[0] - mean[0] * mean[0];
-      const double var_b = square[1] - mean[1] * mean[1];
-      const double cov = square[2] - mean[0] * mean[1];
-      constexpr double kC1 = 0.01 * 255 * 0.01 * 255;
-      constexpr double kC2 = 0.03 * 255 * 0.03 * 255;
-      sum.ssim += (2.0 * mean[0] * mean[1] + kC1) * (2.0 * cov + kC2) /
-                  ((mean.square().sum() + kC1) * (var_a + var_b + kC2));
+  for (int top = 0; top + kWindow <= picture.height(); top += kWindow / 2) {
+    for (int left = 0; left + kWindow <= picture.width(); left += kWindow / 2) {
+      const auto value = ssim(picture, recorded, left, top, kWindow);
+      if (!value) continue;
+      sum.ssim += *value;
       sum.windows += 1.0;
     }
   }
-}
-
-void set_option(pcavr::BuildOptions& options, const std::string& assignment) {
-  const std::size_t equals = assignment.find('=');
-  for (const pcavr::OptionSection& section : sections_of(options)) {
-    for (const pcavr::OptionRow& row : section.rows) {
-      if (section.name + "." + std::string(row.name) != assignment.substr(0, equals)) continue;
-      row.set(std::stod(assignment.substr(equals + 1)));
-      return;
-    }
-  }
-  fail("unknown option " + assignment);
 }
 
 void save(const std::string& file, const Picture& picture, const ColorImage& recorded) {
@@ -187,76 +180,96 @@ void save(const std::string& file, const Picture& picture, const ColorImage& rec
   }
 }
 
+struct HeldOutFrames {
+  pcavr::Recording whole;
+  pcavr::Recording built;  ///< without those held out
+  std::vector<std::size_t> held_out;
+};
+
+HeldOutFrames hold_out(const char* folder, std::size_t every) {
+  HeldOutFrames frames{value_or_exit(pcavr::read_recording(folder)), {}, {}};
+  frames.built = frames.whole;
+  frames.built.frames.clear();
+  for (std::size_t i = 0; i < frames.whole.frames.size(); ++i) {
+    if (i % every == every / 2) {
+      frames.held_out.push_back(i);
+    } else {
+      frames.built.frames.push_back(frames.whole.frames[i]);
+    }
+  }
+  return frames;
+}
+
+/// The scene's colours, and the camera that they were registered to.
+struct Colours {
+  ColorImage atlas;
+  pcavr::CameraModel camera;
+  pcavr::Pose T_color_depth;
+};
+
+Colours colours_of(const pcavr::Scene& scene, const pcavr::CameraModel& camera) {
+  if (!scene.texture) return {{}, camera, {}};
+  const pcavr::SceneTexture& texture = *scene.texture;
+  pcavr::ImageDecoder decoder;
+  Colours colours{
+      value_or_exit(decoder.color(texture.jpeg, {"texture", texture.width, texture.height})),
+      texture.color_camera, texture.T_color_depth};
+  std::printf("texture %d x %d, %.1f kB, texel %.2f mm, %zu views, %.1f %% seen\n", texture.width,
+              texture.height, 1e-3 * double(texture.jpeg.size()), 1e3 * texture.texel,
+              texture.views, 100.0 * texture.seen_fraction);
+  const Eigen::Vector3d t = 1e3 * texture.T_color_depth.translation();
+  std::printf("colour camera: f %.1f %.1f, c %.1f %.1f, offset %.1f %.1f %.1f mm\n",
+              colours.camera.fx, colours.camera.fy, colours.camera.cx, colours.camera.cy, t.x(),
+              t.y(), t.z());
+  return colours;
+}
+
+/// Compares a level of detail with each held-out image, and saves the pictures of the middle one.
+void compare_level(const pcavr::Scene& scene, std::size_t level, const Colours& colours,
+                   const HeldOutFrames& frames, const pcavr::Trajectory& poses) {
+  const pcavr::SurfaceQuery query(scene.levels_of_detail_base[level]);
+  Comparison textured, by_vertices, by_vertices_registered;
+  for (const std::size_t i : frames.held_out) {
+    const pcavr::RgbdFrame frame = value_or_exit(pcavr::decode_frame(frames.whole, i));
+    const auto pose = poses.at(frame.depth_stamp);
+    if (!pose) continue;
+    const Rendered given =
+        render(scene, query, level, colours.atlas, *frames.whole.manifest.camera, *pose, frame);
+    compare(given.by_vertices, frame.color, by_vertices);
+    const Rendered registered = render(scene, query, level, colours.atlas, colours.camera,
+                                       *pose * colours.T_color_depth.inverse(), frame);
+    compare(registered.by_vertices, frame.color, by_vertices_registered);
+    compare(registered.textured, frame.color, textured);
+    if (i != frames.held_out[frames.held_out.size() / 2]) continue;
+    const std::string name = "level" + std::to_string(level);
+    save(name + "_texture.jpg", registered.textured, frame.color);
+    save(name + "_vertices.jpg", given.by_vertices, frame.color);
+  }
+  const auto print = [&](const char* what, const Comparison& sum) {
+    std::printf("%zu triangles, %-30s PSNR %.2f dB, SSIM %.4f\n",
+                scene.levels_of_detail_base[level].triangles.size(), what, sum.psnr(),
+                sum.ssim / sum.windows);
+  };
+  print("vertex colours:", by_vertices);
+  print("vertex colours, registered:", by_vertices_registered);
+  print("texture:", textured);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 3) fail("usage: pcavr_bench_texture RECORDING POSES [EVERY [SECTION.KEY=VALUE ...]]");
-  const std::size_t every = argc > 3 ? std::stoul(argv[3]) : 8;
-  pcavr::Recording recording = value_or_exit(pcavr::read_recording(argv[1]));
+  const HeldOutFrames frames = hold_out(argv[1], argc > 3 ? std::stoul(argv[3]) : 8);
   const pcavr::Trajectory poses = value_or_exit(pcavr::read_trajectory(argv[2]));
-  const pcavr::Recording whole = recording;
-  recording.frames.clear();
-  std::vector<std::size_t> held_out;
-  for (std::size_t i = 0; i < whole.frames.size(); ++i) {
-    if (i % every == every / 2) {
-      held_out.push_back(i);
-    } else {
-      recording.frames.push_back(whole.frames[i]);
-    }
-  }
   pcavr::BuildOptions options;
-  for (int i = 4; i < argc; ++i) set_option(options, argv[i]);
-  const pcavr::Scene scene = value_or_exit(pcavr::build_scene(recording, options));
-  for (const auto& stage : scene.quality.times)
+  for (int i = 4; i < argc; ++i) set_option(sections_of(options), argv[i]);
+  const pcavr::Scene scene = value_or_exit(pcavr::build_scene(frames.built, options));
+  for (const auto& stage : scene.quality.times) {
     std::printf("%-28s %.2f s, %.2f s of CPU\n", stage.stage.c_str(), stage.wall_seconds,
                 stage.cpu_seconds);
-  ColorImage atlas;
-  pcavr::CameraModel color_camera = *recording.manifest.camera;
-  pcavr::Pose T_color_depth;
-  if (scene.texture) {
-    pcavr::ImageDecoder decoder;
-    atlas = value_or_exit(decoder.color(scene.texture->jpeg,
-                                        {"texture", scene.texture->width, scene.texture->height}));
-    color_camera = scene.texture->color_camera;
-    T_color_depth = scene.texture->T_color_depth;
-    std::printf("texture %d x %d, %.1f kB, texel %.2f mm, %zu views, %.1f %% seen\n", atlas.width(),
-                atlas.height(), 1e-3 * double(scene.texture->jpeg.size()),
-                1e3 * scene.texture->texel, scene.texture->views,
-                100.0 * scene.texture->seen_fraction);
-    const Eigen::Vector3d t = T_color_depth.translation();
-    std::printf("colour camera: f %.1f %.1f, c %.1f %.1f, offset %.1f %.1f %.1f mm\n",
-                color_camera.fx, color_camera.fy, color_camera.cx, color_camera.cy, 1e3 * t.x(),
-                1e3 * t.y(), 1e3 * t.z());
   }
+  const Colours colours = colours_of(scene, *frames.whole.manifest.camera);
   for (const std::size_t level : {std::size_t{0}, scene.levels_of_detail_base.size() - 1}) {
-    const pcavr::SurfaceQuery query(scene.levels_of_detail_base[level]);
-    Comparison textured;
-    Comparison by_vertices;
-    Comparison by_vertices_registered;
-    for (const std::size_t i : held_out) {
-      const pcavr::RgbdFrame frame = value_or_exit(pcavr::decode_frame(whole, i));
-      const auto pose = poses.at(frame.depth_stamp);
-      if (!pose) continue;
-      const Rendered given =
-          render(scene, query, level, atlas, *recording.manifest.camera, *pose, frame);
-      compare(given.by_vertices, frame.color, by_vertices);
-      const Rendered registered =
-          render(scene, query, level, atlas, color_camera, *pose * T_color_depth.inverse(), frame);
-      compare(registered.by_vertices, frame.color, by_vertices_registered);
-      compare(registered.textured, frame.color, textured);
-      if (i == held_out[held_out.size() / 2]) {
-        const std::string name = "level" + std::to_string(level);
-        save(name + "_texture.jpg", registered.textured, frame.color);
-        save(name + "_vertices.jpg", given.by_vertices, frame.color);
-      }
-    }
-    const auto print = [&](const char* what, const Comparison& sum) {
-      std::printf("%zu triangles, %-30s PSNR %.2f dB, SSIM %.4f\n",
-                  scene.levels_of_detail_base[level].triangles.size(), what, sum.psnr(),
-                  sum.ssim / sum.windows);
-    };
-    print("vertex colours:", by_vertices);
-    print("vertex colours, registered:", by_vertices_registered);
-    print("texture:", textured);
+    compare_level(scene, level, colours, frames, poses);
   }
 }
