@@ -83,6 +83,39 @@ TEST(Identify, FindsTheContactLawFromPresses) {
   EXPECT_FALSE(p.limiting_static_friction.has_value());
 }
 
+/// The input of `probe` with its first box stated `lowered` [m] below where it was pressed.
+IdentificationInput lowered_box(double lowered) {
+  IdentificationInput input = probe().input;
+  const auto lower = [&](Pose& T) {
+    T = Pose(T.rotation(), T.translation() - lowered * Eigen::Vector3d::UnitZ());
+  };
+  IdentifiableObject& box = input.objects[0];
+  lower(box.T_base_object);
+  for (TrackedPose& tracked : box.tracked) lower(tracked.T_base_object);
+  return input;
+}
+
+TEST(Identify, FindsWhereThePressesMetTheSurface) {
+  const auto exact = identify(probe().input, IdentificationGoal::contact);
+  ASSERT_TRUE(exact.has_value()) << exact.error().to_string();
+  const auto& at_surface = exact->objects[0].parameters.contact_surface_offset;
+  ASSERT_TRUE(at_surface.has_value());
+  EXPECT_LT(at_surface->norm(), 0.1e-3);  // the tip's noise is 0.05 mm
+  const auto found = identify(lowered_box(0.4e-3), IdentificationGoal::contact);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  const auto& raised = found->objects[0].parameters.contact_surface_offset;
+  ASSERT_TRUE(raised.has_value());
+  EXPECT_NEAR(raised->z() - at_surface->z(), 0.4e-3, 0.02e-3);
+  EXPECT_LT(raised->head<2>().norm(), 0.01e-3);
+}
+
+TEST(Identify, NamesAPoseThatThePressesContradict) {
+  const auto found = identify(lowered_box(2.0e-3), IdentificationGoal::contact);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  EXPECT_FALSE(found->objects[0].parameters.contact_surface_offset.has_value());
+  EXPECT_TRUE(has_note(found->objects[0].notes, "mm from the CAD body's"));
+}
+
 TEST(Identify, RemovesAClockOffsetOfATenthOfASecond) {
   for (const double late : {0.1, -0.1}) {
     IdentificationInput input = probe().input;
