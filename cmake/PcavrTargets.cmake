@@ -34,6 +34,9 @@ function(pcavr_add_module name)
     target_link_libraries(pcavr_${name} PUBLIC pcavr::${dependency})
   endforeach()
   target_link_libraries(pcavr_${name} PRIVATE ${arg_PRIVATE})
+  if(PCAVR_BUILD_FUZZERS) # fuzzers are guided by the coverage of the modules, not of the tests
+    target_compile_options(pcavr_${name} PRIVATE -fsanitize=fuzzer-no-link)
+  endif()
   install(TARGETS pcavr_${name} EXPORT pcavrTargets)
 endfunction()
 
@@ -42,7 +45,8 @@ endfunction()
 # those with the label threaded by pcavr_threaded_tests, for the thread sanitizer.
 # NO_UNITY lists sources that are excluded from unity builds, because their helpers have the same
 # names as another source's. One executable; each TEST becomes a CTest case with these labels, or
-# with AS_ONE all of them together, for tests that share an expensive setup.
+# with AS_ONE all of them together, for tests that share an expensive setup. PCAVR_TESTS_AS_ONE does
+# so for every executable: under a sanitizer half a second is lost at each start.
 function(pcavr_add_tests name)
   cmake_parse_arguments(arg "AS_ONE" "TIMEOUT" "SOURCES;NO_UNITY;LINK;LABELS" ${ARGN})
   if(NOT arg_TIMEOUT)
@@ -62,7 +66,10 @@ function(pcavr_add_tests name)
       add_dependencies(pcavr_${label}_tests pcavr_${name}_tests)
     endif()
   endforeach()
-  if(arg_AS_ONE)
+  if(arg_AS_ONE OR PCAVR_TESTS_AS_ONE)
+    if(NOT arg_AS_ONE)
+      set(arg_TIMEOUT 1200) # of all tests together
+    endif()
     add_test(NAME ${name} COMMAND pcavr_${name}_tests)
     set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})
     return()
