@@ -21,7 +21,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
-constexpr std::size_t kMinPoints = 100;
+constexpr std::size_t kMinRangePoints = 100;
 /// Tangent of the largest angle from the axis of a single camera, 60 degrees.
 const float kMaxTangent = std::sqrt(3.0F);
 /// Share of the points that a single camera must see; the others may be outliers.
@@ -164,7 +164,7 @@ RangeCameras cube_cameras(std::span<const Points> clouds, std::size_t count) {
 
 RangeCameras choose_range_cameras(std::span<const Points> clouds_sensor) {
   const std::size_t count = count_points(clouds_sensor);
-  if (count < kMinPoints) return {};
+  if (count < kMinRangePoints) return {};
   if (std::optional<RangeCameras> single = single_camera(clouds_sensor, count)) return *single;
   return cube_cameras(clouds_sensor, count);
 }

@@ -13,7 +13,7 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kMinSamples = 20;
+constexpr std::size_t kMinPressSamples = 20;
 constexpr int kConsecutiveBelow = 3;  // samples that confirm the mutation, as the alarm's
 // Share of the alarm's force below which noise and the first touch govern.
 constexpr double kFromShare = 0.15;
@@ -66,7 +66,7 @@ PressLine compare_with_press(const ForceMotion& push, const Breakaway& found,
   PCAVR_REQUIRE(push.t.size() == push.tool.size() && push.t.size() == push.force.size());
   PCAVR_REQUIRE(press.stiffness > 0.0 && press.exponent >= 1.0);
   PressLine result;
-  if (!found.is_found || push.t.size() < 2 * kMinSamples) return result;
+  if (!found.is_found || push.t.size() < 2 * kMinPressSamples) return result;
   const double interval = mean_interval(push.t);
   const double half_width = std::max(options.half_width, 3.0 * interval);
   const std::vector<double> raw = remove_spikes(push.force).values;
@@ -84,7 +84,7 @@ PressLine compare_with_press(const ForceMotion& push, const Breakaway& found,
     rise.push_back(point);
     if (force[i].value < 0.5 * found.force) first_half.push_back(point);
   }
-  if (rise.size() < kMinSamples || first_half.size() < kMinSamples / 4) return result;
+  if (rise.size() < kMinPressSamples || first_half.size() < kMinPressSamples / 4) return result;
   // The penetration is made from the unsmoothed force: its noise is white.
   const Regression line = regress(rise, 1.0);
   if (!(line.slope > 0.0)) return result;

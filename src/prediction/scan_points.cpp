@@ -15,7 +15,7 @@ constexpr double kMaxCells = 1000.0;         // along an axis: bounds the memory
 constexpr double kMaxSubdivisions = 2000.0;  // of an edge: 16 m
 /// Faces with a more vertical normal (its z component) are the support's kind: they are obstacles
 /// only from kLevelFactor times `min_obstacle_height` on.
-constexpr double kMaxSideNormalZ = 0.7;
+constexpr double kMaxWallNormalZ = 0.7;
 constexpr double kLevelFactor = 2.0;
 /// Cosine between the normals of scan and body from which a point is of the body's own surface.
 constexpr double kMinOwnCosine = 0.3;
@@ -37,7 +37,7 @@ class Filter {
 
   [[nodiscard]] bool is_obstacle(const Eigen::Vector3d& p_base,
                                  const Eigen::Vector3d& normal_base) const {
-    const bool is_level = std::abs(normal_base.z()) > kMaxSideNormalZ;
+    const bool is_level = std::abs(normal_base.z()) > kMaxWallNormalZ;
     if (p_base.z() < (is_level ? level_low_ : low_) || p_base.z() > high_) return false;
     Eigen::Vector3d p = p_base;
     p.head<2>() = turn_.inverse() * (p_base.head<2>() - position_);

@@ -9,7 +9,7 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kGrainRows = 4;  // of tiles; amortises the scheduling of a task
+constexpr std::size_t kSelectionGrainRows = 4;  // of tiles; amortises the scheduling of a task
 
 /// Collects block coordinates, skipping recent duplicates: neighbouring rays pass the same blocks.
 class BlockCollector {
@@ -110,15 +110,17 @@ std::vector<BlockCoordinates> blocks_near_surface(const FrameSurface& frame,
     tracer.ray_x.push_back(static_cast<float>((u - frame.camera.cx) / frame.camera.fx));
   }
   const auto tile_rows = static_cast<std::size_t>(frame.tiles_y);
-  std::vector<BlockCollector> collectors((tile_rows + kGrainRows - 1) / kGrainRows);
-  parallel_for(parallelism, tile_rows, kGrainRows, [&](std::size_t begin, std::size_t end) {
-    BlockCollector& collector = collectors[begin / kGrainRows];
-    for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
-      for (int x = 0; x < frame.tiles_x; ++x) {
-        tracer.trace_tile(frame, tables, x, row, collector);
-      }
-    }
-  });
+  std::vector<BlockCollector> collectors((tile_rows + kSelectionGrainRows - 1) /
+                                         kSelectionGrainRows);
+  parallel_for(parallelism, tile_rows, kSelectionGrainRows,
+               [&](std::size_t begin, std::size_t end) {
+                 BlockCollector& collector = collectors[begin / kSelectionGrainRows];
+                 for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
+                   for (int x = 0; x < frame.tiles_x; ++x) {
+                     tracer.trace_tile(frame, tables, x, row, collector);
+                   }
+                 }
+               });
   // Merged in row order, without duplicates.
   BlockHashTable known;
   std::vector<BlockCoordinates> blocks;

@@ -13,7 +13,7 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kGrainRows = 32;  // amortises the scheduling of a task
+constexpr std::size_t kFilterGrainRows = 32;  // amortises the scheduling of a task
 // Beyond this incidence depth is unreliable [Nguyen et al. 2012: the noise diverges from 70 to 80
 // deg].
 constexpr double kMaxIncidence = 80.0 * std::numbers::pi / 180.0;
@@ -71,7 +71,7 @@ DepthImage filter_depth(const DepthImage& depth, const CameraModel& camera, cons
   const MaxDepthSteps steps(camera, noise);
   const DepthImage padded = padded_depth(depth, steps);
   DepthImage filtered(depth.width(), depth.height());
-  parallel_for(parallelism, static_cast<std::size_t>(depth.height()), kGrainRows,
+  parallel_for(parallelism, static_cast<std::size_t>(depth.height()), kFilterGrainRows,
                [&](std::size_t begin, std::size_t end) {
                  FilterRow row = steps.filter_row();
                  row.stride = padded.width();

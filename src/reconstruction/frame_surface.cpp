@@ -11,7 +11,7 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kGrainRows = 32;  // amortises the scheduling of a task
+constexpr std::size_t kSurfaceGrainRows = 32;  // amortises the scheduling of a task
 // The window of the plane fit accepts surfaces up to this incidence.
 constexpr double kMaxFitIncidence = 70.0 * std::numbers::pi / 180.0;
 
@@ -155,7 +155,7 @@ void prepare_frame(const DepthImage& depth, const ColorImage& color, const MaskI
   if (frame.pixels.size() != pixels) frame.pixels.assign(pixels, PixelSurface{});
   PaddedInverse inverse(frame.depth);
   const PixelRow first = row_template(frame.camera, tables);
-  parallel_for(parallelism, static_cast<std::size_t>(frame.depth.height()), kGrainRows,
+  parallel_for(parallelism, static_cast<std::size_t>(frame.depth.height()), kSurfaceGrainRows,
                [&](std::size_t begin, std::size_t end) {
                  std::vector<std::uint32_t> colors(static_cast<std::size_t>(width), 0U);
                  PixelRow row = first;

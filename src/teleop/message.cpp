@@ -22,6 +22,7 @@ constexpr std::uint8_t kCaseMask = 0x07;
 constexpr std::uint8_t kKnownFlags = 0x7f;
 constexpr std::uint8_t kCases = 5;
 constexpr std::uint16_t kHasLimitSurface = 0x8000;
+constexpr std::uint16_t kHasSurfaceOffset = 0x4000;
 
 using Field = std::optional<ParameterValue> ObjectParameters::*;
 constexpr std::array<Field, 10> kFields{&ObjectParameters::mass,
@@ -71,6 +72,7 @@ class Reader {
 
 std::uint16_t fields_of(const ObjectParameters& parameters) {
   unsigned present = parameters.limit_surface ? kHasLimitSurface : 0U;
+  if (parameters.contact_surface_offset) present |= kHasSurfaceOffset;
   for (std::size_t i = 0; i < kFields.size(); ++i) {
     if (parameters.*kFields[i]) present |= 1U << i;
   }
@@ -85,6 +87,7 @@ void write(const ObjectParameters& parameters, ByteWriter& writer) {
     write_real(value->value, writer);
     if (i == kLimitingFriction) write_real(value->std.value_or(0.0), writer);
   }
+  if (parameters.contact_surface_offset) write_vector(*parameters.contact_surface_offset, writer);
   if (!parameters.limit_surface) return;
   write_real(parameters.limit_surface->force, writer);
   write_real(parameters.limit_surface->length, writer);
@@ -94,7 +97,7 @@ void write(const ObjectParameters& parameters, ByteWriter& writer) {
 }
 
 bool are_known_fields(std::uint16_t present) {
-  constexpr unsigned kKnown = ((1U << kFields.size()) - 1U) | kHasLimitSurface;
+  constexpr unsigned kKnown = ((1U << kFields.size()) - 1U) | kHasLimitSurface | kHasSurfaceOffset;
   return present != 0 && (present & ~kKnown) == 0;
 }
 
@@ -107,6 +110,7 @@ std::optional<ObjectParameters> read_parameters(Reader& reader) {
     parameters.*kFields[i] = ParameterValue{reader.real(), std::nullopt};
     if (i == kLimitingFriction) (parameters.*kFields[i])->std = reader.real();
   }
+  if ((present & kHasSurfaceOffset) != 0) parameters.contact_surface_offset = reader.vector();
   if ((present & kHasLimitSurface) == 0) return parameters;
   LimitSurface& surface = parameters.limit_surface.emplace();
   surface.force = reader.real();
@@ -135,12 +139,13 @@ Pose pose_at(const PlanarPose& pose, const Pose& T_base_start) {
 
 std::string describe(const CorrectionMessage& message) {
   const ObjectParameters& changed = message.parameters;
-  const bool has_contact =
-      changed.contact_stiffness || changed.contact_damping || changed.contact_exponent;
+  const bool has_contact = changed.contact_stiffness || changed.contact_damping ||
+                           changed.contact_exponent || changed.contact_surface_offset;
   ObjectParameters others = changed;
   others.contact_stiffness.reset();
   others.contact_damping.reset();
   others.contact_exponent.reset();
+  others.contact_surface_offset.reset();
   std::string what;
   const auto add = [&what](const char* part) {
     if (!what.empty()) what += '+';

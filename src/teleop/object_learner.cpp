@@ -54,7 +54,7 @@ ObjectLearner::ObjectLearner(const ObjectParameters& given, const LearningOption
                              bool is_movable)
     : options_(options), is_movable_(is_movable), known_(given), given_(given) {}
 
-bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_slid) {
+bool ObjectLearner::learn(const ContactRecord& record, double begin, const ContactFacts& facts) {
   has_changed_ = false;
   const Segmentation found = segment_contacts(record.t_force, record.force_base, record.t_tool,
                                               record.p_base_tip, options_.segmentation);
@@ -65,6 +65,7 @@ bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_sl
   // Empty: the tool was not recorded meanwhile.
   if (nearest == found.contacts.end() || nearest->t.empty() || nearest->impact) return false;
   if (force_ceiling_ && nearest->peak_force >= kSaturatedRatio * *force_ceiling_) return false;
+  if (facts.has_moved && !facts.has_slid && !is_press(*nearest)) return false;
   const bool is_same =
       !contacts_.empty() && std::abs(contacts_.back().begin - nearest->begin) < kSameContact;
   if (!is_same) contacts_.emplace_back();
@@ -72,7 +73,7 @@ bool ObjectLearner::learn(const ContactRecord& record, double begin, bool has_sl
   contacts_.back() = *nearest;
   if (is_press(contacts_.back())) align_press(record, contacts_.back());
   learn_contact();
-  if (!is_press(*nearest) && has_slid) {
+  if (!is_press(*nearest) && facts.has_slid) {
     learn_breakaway();
     learn_sliding();
   }

@@ -38,10 +38,16 @@ class ObjectLearner {
   explicit ObjectLearner(const ObjectParameters& given, const LearningOptions& options = {},
                          bool is_movable = true);
 
+  /// What is known of a contact beside its force and motion.
+  struct ContactFacts {
+    bool has_slid = false;   ///< by force and motion
+    bool has_moved = false;  ///< by tracking
+  };
   /// Identifies from a contact that began at `begin` [s], again if it was processed before. A
   /// contact in which the object has not slid yet has no information on friction: a tool that stops
-  /// looks like a breakaway. True if a parameter has changed.
-  bool learn(const ContactRecord& record, double begin, bool has_slid);
+  /// looks like a breakaway. A push that moved the object although no slide was found in it has
+  /// none at all: a slow slide looks like a soft contact. True if a parameter has changed.
+  bool learn(const ContactRecord& record, double begin, const ContactFacts& facts);
 
   /// [N] at which the sensor saturates: contacts that reach it are not used.
   void set_force_ceiling(std::optional<double> ceiling) { force_ceiling_ = ceiling; }

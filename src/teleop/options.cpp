@@ -120,6 +120,12 @@ constexpr auto kFusionFields = std::to_array<OptionField<Fusion>>({
     {"offset_gain", &Fusion::offset_gain, 0.05, 1e-4, 1.0, "",
      "gain, per force sample, of the low-pass filter of the offset from camera to contact",
      "lower: follows a turning object slowly; higher: noise of the contact enters the pose"},
+    {"clock_std", &Fusion::clock_std, 0.005, 0.0, 1.0, "s",
+     "std of the frames' stamps on the tool's clock",
+     "lower: a late camera displaces the surfaces of fast objects; higher: fast pushes show none"},
+    {"max_surface_offset", &Fusion::max_surface_offset, 0.003, 0.0, 0.1, "m",
+     "maximum distance from the CAD body's surface to where the tip meets it",
+     "lower: bodies lag behind the tip by their mesh's error; higher: a wrong pose counts as one"},
 });
 static_assert(are_valid_fields(kFusionFields));
 

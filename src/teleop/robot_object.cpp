@@ -51,7 +51,11 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
       tool_radius_(tool_radius),
       latest_{start, object.T_base_object, std::sqrt(3.0) * options.pose.initial_std, 0.0},
       T_base_object_(object.T_base_object),
-      frame_interval_(kTypicalFrameInterval) {}
+      before_contact_(latest_),
+      frame_interval_(kTypicalFrameInterval),
+      measured_surface_(options.pose.max_surface_offset) {
+  acknowledged.contact_surface_offset = object.parameters.contact_surface_offset;
+}
 
 void RobotObject::forget_learned() {
   learner = ObjectLearner(source_->parameters, learning_, source_->is_movable);
@@ -87,11 +91,29 @@ void RobotObject::update_tracking(double t, double camera_offset) {
     if (has_moved_away && !monitor.is_touched()) touched_std_ = 0.0;
     latest_ = averaged_at_rest(seen);
     T_base_object_ = latest_.T_base_object;
+    compare_with_before_contact();
     seen_.push_back(seen);
     if (seen_.size() > kMotionFrames) seen_.pop_front();
     measure_motion();
     ++frames_;
   }
+}
+
+void RobotObject::compare_with_before_contact() {
+  if (!monitor.is_touched()) {
+    before_contact_ = latest_;
+    has_moved_in_contact_ = false;
+    return;
+  }
+  const double displacement =
+      (latest_.T_base_object.translation() - before_contact_.T_base_object.translation())
+          .head<2>()
+          .norm();
+  const double std =
+      std::hypot(latest_.position_std, before_contact_.position_std) / std::sqrt(3.0);
+  has_moved_in_contact_ =
+      has_moved_in_contact_ ||
+      displacement > std::max(options_.moved_stds * std, options_.min_displacement);
 }
 
 void RobotObject::measure_interval(double t) {
@@ -177,6 +199,7 @@ PoseEstimate RobotObject::estimate_from_frame(const TouchSample& sample) {
     estimate.T_base_object = moved_on(estimate.T_base_object, displacement);
   }
   estimate.is_current = !is_moving || is_pushed();
+  measure_surface(sample, estimate);
 
   if (const std::optional<ContactOffset> face = offset_by_contact(sample, estimate)) {
     const double gain = touched_std_ > 0.0 ? options_.offset_gain : 1.0;
@@ -217,11 +240,29 @@ std::optional<RobotObject::ContactOffset> RobotObject::offset_by_contact(
       std::hypot(options_.contact_std, std::min(relative_std, kMaxPenetrationStd) * penetration);
   const Touch tip = surface_.touch(estimate.T_base_object, sample.p_base_tip, tool_radius_);
   if (!std::isfinite(tip.gap)) return std::nullopt;
-  const double error = -tip.gap - penetration;
+  const std::optional<Eigen::Vector3d> offset =
+      surface_offset({.stiffness = stiffness, .exponent = exponent});
+  const double error = (offset ? tip.normal_object.dot(*offset) : 0.0) - tip.gap - penetration;
   const double variance = estimate.std * estimate.std;
   const double weight = variance / (variance + touch_std * touch_std);
   return ContactOffset{weight * error * monitor.direction_base(),
                        estimate.std * std::sqrt(1.0 - weight)};
+}
+
+void RobotObject::measure_surface(const TouchSample& sample, const PoseEstimate& estimate) {
+  const double force = monitor.resting_force();
+  if (!is_pushed() || force <= options_.min_force || measured_frame_ == frames_) return;
+  measured_frame_ = frames_;
+  const Touch tip = surface_.touch(estimate.T_base_object, sample.p_base_tip, tool_radius_);
+  if (!std::isfinite(tip.gap)) return;
+  const double std = std::hypot(estimate.std, options_.contact_std,
+                                options_.clock_std * std::max(monitor.tip_speed(), 0.0));
+  measured_surface_.add(tip.normal_object, tip.gap, std, force);
+}
+
+std::optional<Eigen::Vector3d> RobotObject::surface_offset(const HuntCrossley& law) const {
+  const std::optional<Eigen::Vector3d> measured = measured_surface_.value(law);
+  return measured ? measured : learner.known().contact_surface_offset;
 }
 
 void RobotObject::apply(const ContactOffset& face, PoseEstimate& estimate) {
@@ -249,9 +290,20 @@ Eigen::Vector3d RobotObject::twist() const {
 BodyPhysics RobotObject::physics() const {
   ObjectParameters estimate = learner.conservative_estimate();
   if (!estimate.limit_surface) estimate.limit_surface = limit_surface_;
-  return complete_physics(estimate, source_->model, source_->T_base_object, gravity_,
-                          unknown_objects_)
-      .physics;
+  BodyPhysics physics =
+      complete_physics(estimate, source_->model, source_->T_base_object, gravity_, unknown_objects_)
+          .physics;
+  if (const auto offset = surface_offset(physics.contact)) {
+    physics.surface_offset = source_->T_base_object.rotation() * *offset;
+  }
+  return physics;
+}
+
+ObjectParameters RobotObject::parameters() const {
+  const BodyPhysics completed = physics();
+  ObjectParameters sent = sent_parameters(completed, gravity_);
+  sent.contact_surface_offset = surface_offset(completed.contact);
+  return sent;
 }
 
 }  // namespace pcavr

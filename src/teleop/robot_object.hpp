@@ -19,6 +19,7 @@
 #include "teleop/message.hpp"
 #include "teleop/object_learner.hpp"
 #include "teleop/phase_monitor.hpp"
+#include "teleop/surface_offset.hpp"
 
 namespace pcavr {
 
@@ -55,6 +56,8 @@ class RobotObject {
   [[nodiscard]] Touch touch(const Eigen::Vector3d& p_base_tip) const;
   /// Whether it moves according to the camera alone.
   [[nodiscard]] bool is_seen_moving() const { return is_seen_moving_; }
+  /// Whether it has moved in this contact according to the camera, however slowly.
+  [[nodiscard]] bool has_moved_in_contact() const { return has_moved_in_contact_; }
   [[nodiscard]] bool is_lost(double t) const;
 
   /// The pose used last, and the newest frame with its std.
@@ -74,6 +77,8 @@ class RobotObject {
 
   /// The physics used at this site: identified parameters, completed by defaults.
   [[nodiscard]] BodyPhysics physics() const;
+  /// The same as parameters that the operator's site is to have.
+  [[nodiscard]] ObjectParameters parameters() const;
 
   PhaseMonitor monitor;
   ObjectLearner learner;
@@ -93,7 +98,7 @@ class RobotObject {
   /// A contact that was used to identify.
   struct LearnedContact {
     double begin = 0.0, until = 0.0;  ///< [s]
-    bool has_slid = false;
+    ObjectLearner::ContactFacts facts;
   };
   std::deque<LearnedContact> learned = {};  ///< the newest
   /// The next comparison sends everything: the sites were apart.
@@ -113,10 +118,15 @@ class RobotObject {
   /// Empty without a push, or without a contact law that gives the penetration.
   [[nodiscard]] std::optional<ContactOffset> offset_by_contact(const TouchSample& sample,
                                                                const PoseEstimate& estimate) const;
+  /// Where the tip meets the tracked body, once for each frame.
+  void measure_surface(const TouchSample& sample, const PoseEstimate& estimate);
+  /// As it was measured here, else as given.
+  [[nodiscard]] std::optional<Eigen::Vector3d> surface_offset(const HuntCrossley& law) const;
   static void apply(const ContactOffset& face, PoseEstimate& estimate);
   [[nodiscard]] double displacement_since_frame(double t) const;
   /// The mean of the newest frames while the object rests: their noise is no motion.
   [[nodiscard]] TrackedPose averaged_at_rest(const TrackedPose& seen);
+  void compare_with_before_contact();
   void measure_interval(double t);
   /// How the body moves while it is pushed, from its newest frames.
   void measure_motion();
@@ -149,10 +159,14 @@ class RobotObject {
   Pose T_base_object_;       ///< latest frame, or the estimate while it is lost
   double yaw_rate_ = 0.0;    ///< [rad/s]
   bool is_seen_moving_ = false;
+  TrackedPose before_contact_;  ///< the latest frame before the contact
+  bool has_moved_in_contact_ = false;
   double frame_interval_;
   Eigen::Vector3d touched_offset_ =
       Eigen::Vector3d::Zero();  ///< from the tracked position to that by contact [m]
   double touched_std_ = 0.0;    ///< [m]; 0: not touched at this pose
+  SurfaceOffset measured_surface_;
+  std::size_t measured_frame_ = 0;  ///< the last of `frames_` in it
 };
 
 }  // namespace pcavr

@@ -140,7 +140,7 @@ void RobotSite::send_full_state(std::size_t index, const TouchSample& sample,
   message.object = index;
   message.pose = planar_pose_of(object.estimate_pose(sample, predicted).T_base_object);
   message.twist = object.twist();
-  message.parameters = sent_parameters(object.physics(), options_.gravity());
+  message.parameters = object.parameters();
   message.sequence = ++object.sequence;
   object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
   object.correction_switch.note_sent(message.which, now_, message.sequence);
@@ -154,8 +154,8 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
   RobotObject& object = objects_[index];
   const bool is_pose_current = seen.position_gap && gap > options_.messages.min_pose_error;
   const ParameterDifference changed =
-      difference(sent_parameters(object.physics(), options_.gravity()), object.acknowledged,
-                 options_.messages);
+      difference(object.parameters(), object.acknowledged,
+                 object.in_flight ? &object.in_flight->parameters : nullptr, options_.messages);
   CorrectionMessage message;
   message.t = sample.t;
   message.object = index;

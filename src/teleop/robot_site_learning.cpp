@@ -73,7 +73,7 @@ void RobotSite::learn(RobotObject& object, double t) {
   }
   if (object.learned.empty() || object.learned.back().begin != begin) object.learned.push_back({});
   if (object.learned.size() > kMaxLearned) object.learned.pop_front();
-  object.learned.back() = {begin, t, object.monitor.has_slid()};
+  object.learned.back() = {begin, t, {object.monitor.has_slid(), object.has_moved_in_contact()}};
   learn_from(object, object.learned.back());
 }
 
@@ -98,7 +98,7 @@ void RobotSite::learn_from(RobotObject& object, const RobotObject::LearnedContac
   const auto count = static_cast<std::size_t>(to - from);
   object.learner.learn(
       {force.t, force.clean_base, t.subspan(first, count), tip_.p_base().subspan(first, count)},
-      contact.begin, contact.has_slid);
+      contact.begin, contact.facts);
 }
 
 void RobotSite::learn_again(double offset_change) {

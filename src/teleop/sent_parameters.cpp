@@ -67,6 +67,10 @@ bool has_different_force(const ObjectParameters& now, const ObjectParameters& ac
   return false;
 }
 
+Eigen::Vector3d surface_offset(const ObjectParameters& parameters) {
+  return parameters.contact_surface_offset.value_or(Eigen::Vector3d::Zero());
+}
+
 }  // namespace
 
 ObjectParameters sent_parameters(const BodyPhysics& physics, double gravity) {
@@ -88,10 +92,18 @@ ObjectParameters sent_parameters(const BodyPhysics& physics, double gravity) {
 }
 
 ParameterDifference difference(const ObjectParameters& now, const ObjectParameters& acknowledged,
-                               const MessageOptions& options) {
+                               const ObjectParameters* in_flight, const MessageOptions& options) {
   ParameterDifference result;
-  result.has_contact = has_different_force(now, acknowledged, options);
+  const auto has_other_surface_than = [&](const ObjectParameters& sent) {
+    return (surface_offset(now) - surface_offset(sent)).norm() > options.min_pose_error;
+  };
+  const bool has_other_surface =
+      has_other_surface_than(acknowledged) ||
+      (in_flight && in_flight->contact_surface_offset && has_other_surface_than(*in_flight));
+  result.has_contact = has_other_surface || has_different_force(now, acknowledged, options);
   if (result.has_contact) result.contact = changed_parameters(now, acknowledged, kContactFields);
+  // Zero where an earlier one no longer holds.
+  if (has_other_surface) result.contact.contact_surface_offset = surface_offset(now);
   for (const Field field : kFrictionFields) {
     result.has_friction =
         result.has_friction || differs(now, acknowledged, field, options.min_parameter_change);
@@ -120,6 +132,9 @@ void overwrite(ObjectParameters& parameters, const ObjectParameters& changed) {
     }
   }
   if (changed.limit_surface) parameters.limit_surface = changed.limit_surface;
+  if (changed.contact_surface_offset) {
+    parameters.contact_surface_offset = changed.contact_surface_offset;
+  }
 }
 
 bool is_empty(const ObjectParameters& parameters) {
@@ -128,7 +143,7 @@ bool is_empty(const ObjectParameters& parameters) {
       if (parameters.*field) return false;
     }
   }
-  return !parameters.limit_surface;
+  return !parameters.limit_surface && !parameters.contact_surface_offset;
 }
 
 }  // namespace pcavr

@@ -18,14 +18,16 @@ namespace pcavr {
 /// changes its effect by less than `min_parameter_change`: the friction parameters, and the contact
 /// force at the penetrations that the object's friction allows.
 struct ParameterDifference {
-  ObjectParameters contact;   ///< stiffness, damping, exponent
+  ObjectParameters contact;   ///< stiffness, damping, exponent, surface offset
   ObjectParameters friction;  ///< all the others
   bool has_contact = false;
   bool has_friction = false;
 };
-/// Both complete, as by sent_parameters.
+/// `now` and `acknowledged` are complete, as by sent_parameters. `in_flight`, or null: sent and not
+/// acknowledged yet. A surface offset may return to what was acknowledged before it arrived.
 [[nodiscard]] ParameterDifference difference(const ObjectParameters& now,
                                              const ObjectParameters& acknowledged,
+                                             const ObjectParameters* in_flight,
                                              const MessageOptions& options = {});
 
 /// What a correction of that case contains: every group that has changed. With

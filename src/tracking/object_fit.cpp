@@ -30,7 +30,7 @@ constexpr double kMinTranslationStep = 2e-5;  // [m]
 constexpr double kMinRotationStep = 1e-4;     // [rad]
 
 /// Gauss-Newton normal equations H * step = b of [v; w; bias].
-struct NormalEquations {
+struct FitEquations {
   Matrix7d H = Matrix7d::Zero();
   Vector7d b = Vector7d::Zero();
 };
@@ -65,7 +65,7 @@ ImageJacobian image_jacobian(const CameraModel& camera, const Pose& T_camera_obj
 double huber_weight(double residual) { return residual <= kHuber ? 1.0 : kHuber / residual; }
 
 void add_corner(const FitProblem& problem, const CornerObservation& corner,
-                const Pose& T_camera_color, NormalEquations& equations) {
+                const Pose& T_camera_color, FitEquations& equations) {
   const Eigen::Vector3d p = T_camera_color * corner.p_object;
   if (p.z() <= 0.0) return;
   const double corner_std = problem.options.body_pose.corner_std;
@@ -77,8 +77,7 @@ void add_corner(const FitProblem& problem, const CornerObservation& corner,
   equations.b.head<6>() += weight * jacobian.transpose() * residual;
 }
 
-void add_contour(const FitProblem& problem, const Pose& T_camera_object,
-                 NormalEquations& equations) {
+void add_contour(const FitProblem& problem, const Pose& T_camera_object, FitEquations& equations) {
   const double contour_std = problem.options.contour_std;
   for (const ContourMatch& match :
        match_contour(problem.surface_object, problem.depth_camera, problem.depth,
@@ -109,7 +108,7 @@ double tukey_weight(double ratio_to_gate) {
 }
 
 void add_depth(const FitProblem& problem, const std::vector<SurfaceSample>& samples, int stride,
-               double bias, double capture_range, NormalEquations& equations) {
+               double bias, double capture_range, FitEquations& equations) {
   const double area = static_cast<double>(stride * stride);
   const double correlation_length = problem.options.depth_correlation_length;
   const double independent_share = std::min(1.0, area / (correlation_length * correlation_length));
@@ -162,7 +161,7 @@ ShapeAgreement evaluate_agreement(const FitProblem& problem,
   return agreement;
 }
 
-void add_prior(const PosePrior& prior, const Pose& T_camera_object, NormalEquations& equations) {
+void add_prior(const PosePrior& prior, const Pose& T_camera_object, FitEquations& equations) {
   const Vector6d error = (prior.T_camera_object.inverse() * T_camera_object).log();
   equations.H.topLeftCorner<6, 6>() += prior.information;
   equations.b.head<6>() -= prior.information * error;
@@ -186,12 +185,12 @@ FitResult fit_object(const FitProblem& problem, const Pose& start, double captur
   result.T_camera_object = start;
   double bias = 0.0;
   for (int i = 0; i < kMaxIterations && !result.is_converged; ++i) {
-    NormalEquations corners;
+    FitEquations corners;
     const Pose T_camera_color = result.T_camera_object * problem.motion_to_color;
     for (const CornerObservation& corner : problem.corners) {
       add_corner(problem, corner, T_camera_color, corners);
     }
-    NormalEquations depth;
+    FitEquations depth;
     depth.H(6, 6) = bias_information(problem, result.T_camera_object);
     depth.b(6) = -depth.H(6, 6) * bias;
     add_depth(problem, grid.samples(result.T_camera_object), grid.stride(), bias, capture_range,
@@ -200,7 +199,7 @@ FitResult fit_object(const FitProblem& problem, const Pose& start, double captur
     result.corner_information = corners.H.topLeftCorner<6, 6>();
     result.depth_information = marginalise_bias(depth.H);
 
-    NormalEquations all{corners.H + depth.H, corners.b + depth.b};
+    FitEquations all{corners.H + depth.H, corners.b + depth.b};
     if (problem.prior) add_prior(*problem.prior, result.T_camera_object, all);
     const Vector7d step = all.H.ldlt().solve(all.b);
     if (!step.allFinite()) break;

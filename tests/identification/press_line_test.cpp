@@ -11,13 +11,13 @@
 namespace pcavr {
 namespace {
 
-Trial slow_push() {
+Trial slow_line_push() {
   return run({}, {}, 2.0, 7, [](double t) { return 0.01 * (t - 0.3); });
 }
 
 TEST(PressLine, OfTheSameMaterialHasTheSlopeOfThePushAndFindsItsBreakaway) {
   const Plant plant;
-  const Trial trial = slow_push();
+  const Trial trial = slow_line_push();
   const Breakaway found = find_breakaway(trial.series());
   ASSERT_TRUE(found.is_found);
   const PressLine line =
@@ -32,7 +32,7 @@ TEST(PressLine, OfTheSameMaterialHasTheSlopeOfThePushAndFindsItsBreakaway) {
 
 TEST(PressLine, OfAPress20PercentTooStiffLeavesThePushEarly) {
   const Plant plant;
-  const Trial trial = slow_push();
+  const Trial trial = slow_line_push();
   const Breakaway found = find_breakaway(trial.series());
   const PressLine right =
       compare_with_press(trial.series(), found, {plant.stiffness, plant.damping, plant.exponent});

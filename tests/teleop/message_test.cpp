@@ -27,6 +27,7 @@ CorrectionMessage full_message() {
   message.parameters.mass = ParameterValue{3.0};
   message.parameters.limiting_static_friction = ParameterValue{9.5, 0.75};
   message.parameters.contact_exponent = ParameterValue{1.5};
+  message.parameters.contact_surface_offset = Eigen::Vector3d(0.0, -0.0078125, 0.0);
   message.parameters.limit_surface = ellipsoid_surface(8.0, 0.5);
   return message;
 }
@@ -46,6 +47,7 @@ TEST(Message, SurvivesARoundTrip) {
   EXPECT_EQ(message->parameters.mass->value, 3.0);
   EXPECT_EQ(message->parameters.limiting_static_friction->std, 0.75);
   EXPECT_FALSE(message->parameters.contact_stiffness);
+  EXPECT_EQ(message->parameters.contact_surface_offset, sent.parameters.contact_surface_offset);
   EXPECT_NEAR(message->parameters.limit_surface->coefficients[0],
               sent.parameters.limit_surface->coefficients[0], 1e-6);
 }
@@ -80,7 +82,7 @@ TEST(Message, RejectsUnknownParameters) {
   std::vector<std::uint8_t> bytes = encode(message, kEpoch);
   const std::size_t fields = 7;  // after flags, object, sequence and time
   ASSERT_TRUE(decode(bytes, kEpoch));
-  bytes[fields + 1] = 0x40;  // a field that no message has
+  bytes[fields + 1] = 0x20;  // a field that no message has
   EXPECT_FALSE(decode(bytes, kEpoch));
   bytes[fields + 1] = 0;
   bytes[fields] = 0;  // announced, but empty

@@ -50,7 +50,7 @@ TEST(ObjectLearner, KeepsAGivenLawAtTheStartOfAContact) {
       ASSERT_EQ(segment_contacts(contact.t, contact.force, contact.t, contact.tip).contacts.size(),
                 1U);
       ObjectLearner learner(given, {});
-      learner.learn({contact.t, contact.force, contact.t, contact.tip}, 0.0, false);
+      learner.learn({contact.t, contact.force, contact.t, contact.tip}, 0.0, {});
       EXPECT_NEAR(penetration_of(learner.known()) / penetration_of(given), 1.0, 0.4)
           << "seed " << seed << ", pressed for " << pressed_for << " s";
     }

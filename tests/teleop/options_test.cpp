@@ -121,9 +121,9 @@ TEST(TeleopOptions, SmallParameterChangesAreSentIfWanted) {
   physics.friction.limiting_force = 5.1;
   const ObjectParameters after = sent_parameters(physics);
   MessageOptions options;
-  EXPECT_FALSE(difference(after, before, options).has_friction);
+  EXPECT_FALSE(difference(after, before, nullptr, options).has_friction);
   options.min_parameter_change = 0.01;
-  EXPECT_TRUE(difference(after, before, options).has_friction);
+  EXPECT_TRUE(difference(after, before, nullptr, options).has_friction);
 }
 
 }  // namespace

@@ -69,6 +69,8 @@ struct PoseFusionOptions {
   double default_penetration_std;  ///< relative, if the contact law states none
   double min_force;                ///< [N] below, contact gives no position
   double offset_gain;              ///< of the low-pass filter from camera to contact, per sample
+  double clock_std;                ///< [s] of the frames' stamps on the tool's clock
+  double max_surface_offset;       ///< [m] of the touched surface beyond the CAD body's; 0: none
 };
 
 /// Online identification at the robot's site ("teleop.learning"); the methods' own options are

@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "teleop/surface_offset.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "teleop/object_learner.hpp"
+#include "teleop/sent_parameters.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kMaxOffset = 0.003;                                         // [m]
+constexpr double kStd = 1e-4;                                                // [m]
+constexpr double kForce = 5.0;                                               // [N]
+const HuntCrossley kLaw{.stiffness = 1e4, .damping = 0.0, .exponent = 1.0};  // 0.5 mm at kForce
+
+SurfaceOffset after_frames(int frames, double gap, double std = kStd) {
+  SurfaceOffset offset(kMaxOffset);
+  for (int i = 0; i < frames; ++i) offset.add(Eigen::Vector3d::UnitX(), gap, std, kForce);
+  return offset;
+}
+
+TEST(SurfaceOffset, IsTheGapPlusThePenetrationByTheLaw) {
+  const auto offset = after_frames(10, 1e-3).value(kLaw);
+  ASSERT_TRUE(offset);
+  EXPECT_NEAR(offset->x(), 1.5e-3, 1e-9);
+  EXPECT_EQ(offset->tail<2>().norm(), 0.0);
+}
+
+TEST(SurfaceOffset, IsEmptyWhereTheLawExplainsTheGap) {
+  EXPECT_FALSE(after_frames(10, -0.5e-3).value(kLaw));
+  EXPECT_TRUE(after_frames(10, -0.5e-3).value({.stiffness = 1e6, .damping = 0.0, .exponent = 1.0}));
+}
+
+TEST(SurfaceOffset, IsEmptyForFewFramesForNoiseAndForAWrongPose) {
+  EXPECT_FALSE(after_frames(3, 1e-3).value(kLaw));
+  EXPECT_FALSE(after_frames(10, 1e-3, 1e-3).value(kLaw));
+  EXPECT_FALSE(after_frames(10, 4e-3).value(kLaw));
+}
+
+TEST(SurfaceOffset, BeginsAnewOnAnotherFace) {
+  SurfaceOffset offset = after_frames(10, 1e-3);
+  offset.add(-Eigen::Vector3d::UnitX(), 0.0, kStd, kForce);
+  EXPECT_FALSE(offset.value(kLaw));
+}
+
+ObjectParameters complete_parameters() {
+  BodyPhysics physics;
+  physics.friction.mass = 1.0;
+  physics.friction.limiting_force = 5.0;
+  physics.friction.coulomb_force = 4.0;
+  physics.contact = kLaw;
+  physics.friction_radius = 0.05;
+  return sent_parameters(physics);
+}
+
+TEST(SurfaceOffset, IsSentWithTheContactParametersAndWithdrawnBeforeItIsAcknowledged) {
+  const ObjectParameters acknowledged = complete_parameters();
+  ObjectParameters now = acknowledged;
+  EXPECT_FALSE(difference(now, acknowledged, nullptr).has_contact);
+  now.contact_surface_offset = Eigen::Vector3d(0.001, 0.0, 0.0);
+  const ParameterDifference changed = difference(now, acknowledged, nullptr);
+  ASSERT_TRUE(changed.has_contact);
+  EXPECT_EQ(changed.contact.contact_surface_offset, now.contact_surface_offset);
+  // Then the law that was learned explains the gap, while that message is on its way.
+  const ParameterDifference withdrawn = difference(acknowledged, acknowledged, &changed.contact);
+  ASSERT_TRUE(withdrawn.has_contact);
+  EXPECT_EQ(*withdrawn.contact.contact_surface_offset, Eigen::Vector3d::Zero());
+}
+
+/// A slow slide at a constant force: by force and tip alone it looks like a soft contact.
+TEST(ObjectLearner, LearnsNoLawFromAPushThatMovedTheObjectUnnoticed) {
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> force, tip;
+  for (int i = 0; i < 1000; ++i) {
+    t.push_back(0.002 * i);
+    const double pressed = std::max(t.back() - 0.3, 0.0);
+    tip.emplace_back(0.0025 * t.back(), 0.0, 0.0);
+    force.emplace_back(std::min(2000.0 * 0.0025 * pressed, 4.0), 0.0, 0.0);
+  }
+  for (const bool has_moved : {false, true}) {
+    ObjectLearner learner(ObjectParameters{});
+    learner.learn({t, force, t, tip}, 0.3, {.has_slid = false, .has_moved = has_moved});
+    EXPECT_EQ(learner.known().contact_stiffness.has_value(), !has_moved);
+  }
+}
+
+}  // namespace
+}  // namespace pcavr
