@@ -44,7 +44,7 @@ struct OperatorSession {
   std::string key;
   std::uint32_t id = 0;
   double last_received = 0.0;
-  std::uint32_t newest_command = 0;  ///< its header's sequence
+  std::uint32_t newest_stop = 0;  ///< sequence number of the newest hold, stop or release
   CorrectionSender corrections;
   CommandBuffer commands;
 };
@@ -136,9 +136,9 @@ class RobotSiteLoop {
     if (!is_of_session(packet, message)) return;  // of a session that has ended
     session_->last_received = now;
     if (const auto* command = std::get_if<LinkCommand>(&message.content)) {
-      on_command(message.header, *command, now);
+      on_command(*command, now);
     } else if (const auto* stop = std::get_if<LinkStop>(&message.content)) {
-      on_stop(*stop);
+      on_stop(message.header.sequence, *stop);
     } else if (std::holds_alternative<LinkReject>(message.content)) {
       observer_.on_warning("the operator's site has ended: the tool holds");
       has_silence_hold_ = true;
@@ -168,12 +168,15 @@ class RobotSiteLoop {
                                .key = packet.key,
                                .id = header.session,
                                .last_received = now,
-                               .newest_command = 0,
+                               .newest_stop = 0,
                                .corrections = {},
                                .commands = CommandBuffer(options_.commands)};
     ++report_.sessions;
     if (!start_) start_ = now + options_.start_delay;
-    if (report_.sessions > 1) site_.restart(std::max(now - *start_, 0.0));
+    // A robot that follows commands may have moved its objects before the first session.
+    if (report_.sessions > 1 || robot_.follows_commands()) {
+      site_.restart(std::max(now - *start_, 0.0));
+    }
     has_silence_hold_ = false;
     observer_.on_warning("operator's site connected: " +
                          (hello.name.empty() ? std::string("without name") : hello.name));
@@ -186,13 +189,15 @@ class RobotSiteLoop {
     send(session_->peer, session_->id, std::move(welcome));
   }
 
-  void on_command(const LinkHeader& header, const LinkCommand& command, double now) {
+  void on_command(const LinkCommand& command, double now) {
     session_->corrections.acknowledge(command.acknowledged, now);
-    if (header.sequence > session_->newest_command) session_->newest_command = header.sequence;
     session_->commands.add(command, now);
   }
 
-  void on_stop(LinkStop stop) {
+  /// One that a newer one has overtaken, or that arrives twice, must not undo the newer one.
+  void on_stop(std::uint32_t sequence, LinkStop stop) {
+    if (sequence <= session_->newest_stop) return;
+    session_->newest_stop = sequence;
     switch (stop) {
       case LinkStop::hold:
         is_on_hold_ = true;
@@ -201,9 +206,12 @@ class RobotSiteLoop {
         if (!is_stopped_) is_on_hold_ = false;
         break;
       case LinkStop::emergency_stop:
+        if (!is_stopped_) observer_.on_warning("emergency stop: the tool holds until its release");
+        report_.emergency_stops += is_stopped_ ? 0U : 1U;
         is_stopped_ = is_on_hold_ = true;
         break;
       case LinkStop::reset:
+        if (is_stopped_) observer_.on_warning("the emergency stop was released: on hold");
         is_stopped_ = false;
         break;
     }
@@ -248,6 +256,8 @@ class RobotSiteLoop {
       for (const LinkCommand& command : session_->commands.take_due(now)) {
         ++report_.commands;
         executed_ = command.t;
+        received_ = session_->commands.last_arrival();
+        applied_ = now;
         is_engaged_ = command.is_engaged;
         target_ = command.p_base_tip.cast<double>();
         q_base_tool_ = command.q_base_tool.cast<double>().normalized();
@@ -277,6 +287,7 @@ class RobotSiteLoop {
       if (tracked_.size() <= tracked.object) tracked_.resize(tracked.object + 1);
       tracked_[tracked.object] = tracked.pose;
     }
+    if (!session_) site_.idle(now - *start_);
   }
 
   void correct(double now) {
@@ -296,8 +307,10 @@ class RobotSiteLoop {
 
   void send_state(double now) {
     LinkState state;
-    state.t = now;
+    state.t = start_ ? *start_ + tool_.t : now;
     state.executed = executed_;
+    state.received = received_;
+    state.applied = applied_;
     if (const auto lead = session_->commands.take_min_lead()) lead_ = *lead;
     state.lead = static_cast<float>(lead_);
     state.limits = std::exchange(limits_, 0U);
@@ -378,7 +391,9 @@ class RobotSiteLoop {
   bool has_silence_hold_ = false;  ///< until the next session
   std::optional<Eigen::Vector3d> target_;
   Eigen::Quaterniond q_base_tool_ = Eigen::Quaterniond::Identity();
-  double executed_ = 0.0;
+  double executed_ = 0.0;  ///< [s] time of execution of the newest command
+  double received_ = 0.0;  ///< [s] its arrival
+  double applied_ = 0.0;   ///< [s] when it became the setpoint
   double lead_ = 0.0;
   std::uint32_t limits_ = 0;
   RobotSamples samples_;
