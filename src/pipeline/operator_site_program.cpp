@@ -310,8 +310,9 @@ class OperatorSiteLoop {
     const double lead = 0.5 * shared_clock_.mean_delay() +
                         kDelayVariations * shared_clock_.delay_variation() + options_.lead_margin;
     report_.lead = lead;
-    // Time of the recorded motion: the scene's, or since the first session.
-    if (!trace_zero_) {
+    // Time of the recorded motion: the scene's, or since the first session; without one, since this
+    // session, because a robot's site that was started again has another clock.
+    if (!trace_zero_ || !person_.cycles()) {
       trace_zero_ = welcome_->follows_commands ? shared_clock_.shared_at(now) - welcome_->start -
                                                      person_.start() + kIdleWait
                                                : 0.0;

@@ -29,7 +29,7 @@ const state: LiveState = {
   toolClock: 1700000000.125,
   isEngaged: true,
   isOnHold: false,
-  isStopped: true,
+  isStopped: false,
   timeScale: 0.25,
   touchesScan: true,
   hasTool: false,
@@ -106,7 +106,7 @@ test('a state with a link is read back as written, with and without an arm', () 
   } as unknown as LiveState['link'];
   const arm = { position: [0.5], isStopped: false, isReached: true, nearest: null };
   for (const withArm of [null, arm]) {
-    const sent = { ...state, link, arm: withArm };
+    const sent = { ...state, isStopped: true, link, arm: withArm };
     assert.deepEqual(readState(writeState(7, 12.5, sent)), sent);
   }
   const silent = { ...state, link: { ...link!, isConnected: false, robot: null, stamps: null } };
