@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <future>
 #include <optional>
 #include <random>
 #include <utility>
@@ -44,6 +46,7 @@ constexpr std::size_t kMinRoundTrips = 10;
 constexpr double kIdleWait = 0.002;  // [s] while there is no cycle to wait for
 constexpr double kRequestInterval =
     0.02;  // [s] until a stop or a hold is seen in the robot's state
+constexpr double kPreparationMargin = 1.5;  // of the time that the last preparation took
 constexpr double kDelayVariations = 4.0;
 // Cycles behind, of more this site did not run: it begins anew from the robot's state.
 constexpr double kMaxOperatorBacklog = 200.0;
@@ -305,19 +308,42 @@ class OperatorSiteLoop {
   }
 
   /// The world as the scene describes it; the robot's site then sends what differs.
+  /// It takes as long as a session lasts without messages, so it is made while round trips go on.
   void begin(double now) {
+    if (!preparing_.valid()) return prepare(now);
+    if (preparing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    preparation_time_ = std::max(preparation_time_, kPreparationMargin * (now - prepared_since_));
+    Expected<LiveOperatorSite> site = preparing_.get();
+    if (!site) {
+      fault_ = site.error();
+      return;
+    }
     has_connected_ = true;
+    site_.emplace(std::move(*site));
+    if (welcome_->follows_commands) place_objects();
+    person_.begin(*site_);
+    corrections_ = {};
+    if (lost_at_) {
+      report_.interruptions.back().duration = now - *lost_at_;
+      observer_.on_warning(fmt::format("connected again after {:.2f} s", now - *lost_at_));
+      lost_at_.reset();
+    }
+  }
+
+  void prepare(double now) {
+    prepared_since_ = now;
     const double lead = 0.5 * shared_clock_.mean_delay() +
                         kDelayVariations * shared_clock_.delay_variation() + options_.lead_margin;
     report_.lead = lead;
     // Time of the recorded motion: the scene's, or since the first session; without one, since this
     // session, because a robot's site that was started again has another clock.
     if (!trace_zero_ || !person_.cycles()) {
-      trace_zero_ = welcome_->follows_commands ? shared_clock_.shared_at(now) - welcome_->start -
-                                                     person_.start() + kIdleWait
-                                               : 0.0;
+      trace_zero_ = welcome_->follows_commands
+                        ? shared_clock_.shared_at(now) - welcome_->start - person_.start()
+                        : 0.0;
     }
-    const double scene_now = shared_clock_.shared_at(now) - welcome_->start + lead;
+    const double scene_now =
+        shared_clock_.shared_at(now + preparation_time_) - welcome_->start + lead;
     const double step = teleop_.predictor.step;
     const double passed = (scene_now - *trace_zero_ - person_.start()) / step;
     next_cycle_ = static_cast<std::size_t>(std::max(0.0, std::ceil(passed))) + 1;
@@ -329,22 +355,12 @@ class OperatorSiteLoop {
     TeleopOptions options = teleop_;
     options.forward_delay = lead;
     options.backward_delay = std::max(0.5 * shared_clock_.mean_delay(), teleop_.backward_delay);
-    Expected<LiveOperatorSite> site =
-        LiveOperatorSite::create(world_, options, scene_time_of(next_cycle_ - 1),
-                                 person_.p_base_start(next_cycle_, state_ ? &*state_ : nullptr));
-    if (!site) {
-      fault_ = site.error();
-      return;
-    }
-    site_.emplace(std::move(*site));
-    if (welcome_->follows_commands) place_objects();
-    person_.begin(*site_);
-    corrections_ = {};
-    if (lost_at_) {
-      report_.interruptions.back().duration = now - *lost_at_;
-      observer_.on_warning(fmt::format("connected again after {:.2f} s", now - *lost_at_));
-      lost_at_.reset();
-    }
+    const double start = scene_time_of(next_cycle_ - 1);
+    const Eigen::Vector3d p_base_tip =
+        person_.p_base_start(next_cycle_, state_ ? &*state_ : nullptr);
+    preparing_ = std::async(std::launch::async, [this, options, start, p_base_tip] {
+      return LiveOperatorSite::create(world_, options, start, p_base_tip);
+    });
   }
 
   /// Where the robot's site sees them: they were moved before this session.
@@ -427,6 +443,7 @@ class OperatorSiteLoop {
       person_.end();
     }
     site_.reset();
+    preparing_ = {};
     welcome_.reset();
     state_.reset();
     state_sequence_ = 0;
@@ -471,6 +488,9 @@ class OperatorSiteLoop {
   bool has_connected_ = false;
   bool is_busy_ = false;  ///< another operator's site was connected
   std::optional<LiveOperatorSite> site_;
+  std::future<Expected<LiveOperatorSite>> preparing_;  ///< of the next session
+  double prepared_since_ = 0.0;                        ///< [s]
+  double preparation_time_ = 0.1;                      ///< [s] that it is expected to take
   CorrectionReceiver corrections_;
   std::optional<LinkState> state_;
   std::uint32_t state_sequence_ = 0;  ///< its header's

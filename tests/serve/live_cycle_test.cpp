@@ -70,50 +70,6 @@ TEST_F(LiveCycleTest, TheToolStaysAtItsStartWhileDisengaged) {
   EXPECT_NEAR(state.t, 0.01, 1e-12);
 }
 
-// Only the release ends it, and then the clutch has to open first.
-TEST_F(LiveCycleTest, AnEmergencyStopDisengagesTheToolUntilItsRelease) {
-  move(kInTheBox, 1500);
-  cycle_.emergency_stop();
-  const double box = run(1).world.bodies[0].T_base_object.translation().x();
-  const WorldSnapshot& stopped = move({0.3, 0.0, 0.05}, 500);
-  EXPECT_TRUE(stopped.is_stopped);
-  EXPECT_FALSE(stopped.world.is_engaged);
-  EXPECT_TRUE(stopped.world.force_base.isZero(1e-9));
-  EXPECT_NEAR(stopped.world.bodies[0].T_base_object.translation().x(), box, 5e-3);
-  cycle_.hold(false);  // a resume is no release
-  EXPECT_TRUE(run(10).is_stopped);
-  cycle_.release_emergency_stop();
-  EXPECT_FALSE(run(10).is_stopped);
-  EXPECT_TRUE(run(1).is_on_hold);
-  cycle_.hold(false);
-  EXPECT_FALSE(run(10).world.is_engaged);
-  sample_.is_engaged = false;
-  run(10);
-  sample_.is_engaged = true;
-  EXPECT_TRUE(run(10).world.is_engaged);
-}
-
-// So that a robot with these limits can follow it.
-TEST_F(LiveCycleTest, ALimitedToolBrakesWhenTheClutchOpens) {
-  cycle_.limit_motion(MotionLimits());
-  move(test::kToolStart + Eigen::Vector3d(0.0, 0.2, 0.3), 1000);
-  Eigen::Vector3d before = run(1).world.p_base_hip;
-  Eigen::Vector3d v_before = (run(1).world.p_base_hip - before) / kCycle;
-  EXPECT_GT(v_before.norm(), 0.05);
-  sample_.is_engaged = false;
-  before = cycle_.newest().world.p_base_hip;
-  for (int i = 0; i < 200; ++i) {
-    const Eigen::Vector3d p = run(1).world.p_base_hip;
-    const Eigen::Vector3d v = (p - before) / kCycle;
-    EXPECT_LE((v - v_before).cwiseAbs().maxCoeff(),
-              MotionLimits().max_acceleration * kCycle * 1.01);
-    before = p;
-    v_before = v;
-  }
-  EXPECT_TRUE(v_before.isZero(1e-9));
-  EXPECT_FALSE(cycle_.newest().world.is_engaged);
-}
-
 TEST_F(LiveCycleTest, AHandWithTheClutchClosedPushesTheBox) {
   const double before = run(1).world.bodies[0].T_base_object.translation().x();
   const WorldSnapshot& state = move(kInTheBox, 1500);

@@ -169,47 +169,6 @@ TEST(LiveProtocol, FieldsAreAtTheirDocumentedOffsets) {
   EXPECT_EQ(body[104 + 47], 0x3f);
 }
 
-TEST(LiveProtocol, ALinkSurvivesARoundTripWithAndWithoutAnArm) {
-  Random random(4);
-  LiveState state = a_state(random, 2);
-  LiveLinkState link{true,
-                     0.5F,
-                     0.25F,
-                     0.4F,
-                     1e-4F,
-                     LiveLinkState::Robot{},
-                     DelayStamps{{}, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}};
-  link.robot->is_stopped = true;
-  link.robot->limits = 5;
-  link.robot->objects.resize(2);
-  link.robot->objects[1].is_tracked = true;
-  link.robot->objects[1].age = 0.125F;
-  for (const bool has_arm : {false, true}) {
-    state.arm.reset();
-    if (has_arm) state.arm = LiveArmState{{0.5F, -1.0F}, false, true, {}};
-    state.link = link;
-    const auto bytes = encode(ServerMessage{{5, 2.0}, state});
-    const auto read = decode_server_message(bytes);
-    ASSERT_TRUE(read) << read.error().to_string();
-    const auto& same = std::get<LiveState>(read->content);
-    EXPECT_EQ(encode(*read), bytes);
-    EXPECT_EQ(same.arm.has_value(), has_arm);
-    ASSERT_TRUE(same.link && same.link->robot && same.link->delays);
-    EXPECT_TRUE(same.link->robot->is_stopped);
-    EXPECT_FALSE(same.link->robot->is_on_hold);
-    EXPECT_EQ(same.link->robot->objects[1].age, 0.125F);
-    EXPECT_FALSE(same.link->delays->device_clock);
-    EXPECT_EQ(same.link->delays->received_back, 7.0);
-    for (std::size_t length = 24; length < bytes.size(); ++length) {
-      auto cut =
-          std::vector<std::uint8_t>(bytes.begin(), bytes.begin() + static_cast<long>(length));
-      cut[12] = static_cast<std::uint8_t>(length - 24);
-      cut[13] = static_cast<std::uint8_t>((length - 24) >> 8U);
-      EXPECT_FALSE(decode_server_message(cut)) << length;
-    }
-  }
-}
-
 TEST(LiveProtocol, TextsSurviveARoundTrip) {
   const LiveWelcome welcome{kLiveProtocolVersion, "0.1.0", true, "tisch \xc3\xbc\xf0\x9f",
                             {"box", "can"},       0.01,    72.0, "page"};

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/simulation/live_plant.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -76,7 +76,9 @@ test('a box of the live plant is pushed, and shown where the robot sees it', lim
   await page.mouse.up();
   await page.waitForTimeout(1500); // a round trip, and the last corrections
   const { objects, link } = await stateOf(page);
-  const apart = Math.hypot(...objects[0].position.map((v, i) => v - link.robot.objects[0].position[i]));
+  const apart = Math.hypot(
+    ...objects[0].position.map((v, i) => v - link.robot.objects[0].position[i]),
+  );
   assert.ok(apart < 0.003, `shown and tracked differ by ${1000 * apart} mm`);
   assert.deepEqual(seen.errors, []);
 });
