@@ -114,19 +114,6 @@ struct Replay {
                                                 const ReplayOptions& options,
                                                 const Observer& observer = {});
 
-/// The input of both sites, as replay_recording() makes it: the scene's objects with their
-/// parameters and tracking, the tool's motion and the force, in seconds from the recording's start.
-[[nodiscard]] Expected<TeleopInput> read_teleop_input(const Recording& recording,
-                                                      const SceneManifest& scene,
-                                                      const ReplayOptions& options,
-                                                      const Observer& observer = {});
-/// The same without a recording: objects and static surface.
-[[nodiscard]] Expected<TeleopInput> read_teleop_world(const SceneManifest& scene,
-                                                      const ReplayOptions& options,
-                                                      const Observer& observer = {});
-/// Adds a recording's tool motion, in seconds from its start, and the tool's radius.
-void add_tool_motion(const Recording& recording, TeleopInput& input);
-
 /// Writes run.yaml, objects/NAME/tracked.txt and objects/NAME/tracking.csv (evidence and
 /// stds of each pose) into a folder that exists; where both sites ran, also
 /// objects/NAME/predicted.txt, force.csv, phases.csv, corrections.csv and parameters.yaml. Where
