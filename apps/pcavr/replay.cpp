@@ -192,7 +192,9 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
   CommandResult result = describe(*run, arguments.output.folder);
-  describe_left_out(recording->left_out, result);
+  std::vector<SkippedRows> left_out = recording->left_out;
+  left_out.insert(left_out.end(), run->left_out.begin(), run->left_out.end());
+  describe_left_out(left_out, result);
   if (arguments.video.empty()) return result;
   const Expected<void> video = make_video(arguments, *recording, *scene, *run, observer, result);
   if (!video) return video.error();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -120,16 +121,18 @@ class TrackingSink {
 
 /// Reads earlier tracking of the scene's bodies.
 Expected<Replay> read_tracking(const std::filesystem::path& folder,
-                               const std::vector<MovableBody>& bodies) {
+                               const std::vector<MovableBody>& bodies, bool skip_bad) {
   Replay replay;
   replay.tracked_folder = folder;
   bool has_any = false;
   replay.objects = replayed_objects(bodies);
   for (ReplayedObject& object : replay.objects) {
-    Expected<std::vector<TrackedPose>> tracked = read_tracked_poses(folder, object.name);
+    Expected<TrackedFile> tracked = read_tracked_poses(folder, object.name, {.skip_bad = skip_bad});
     if (!tracked) return tracked.error();
-    has_any = has_any || !tracked->empty();
-    object.tracked = std::move(*tracked);
+    has_any = has_any || !tracked->poses.empty();
+    object.tracked = std::move(tracked->poses);
+    std::move(tracked->left_out.begin(), tracked->left_out.end(),
+              std::back_inserter(replay.left_out));
   }
   if (!has_any && !bodies.empty()) {
     return Error{.message = "no objects/NAME/tracked.txt of the scene's objects",
@@ -193,7 +196,7 @@ Expected<Replay> track_bodies(const Recording& recording, const SceneManifest& s
                               const std::vector<MovableBody>& movable, const ReplayOptions& options,
                               const Observer& observer) {
   if (const auto folder = tracked_folder_of(recording, options.tracked)) {
-    Expected<Replay> replay = read_tracking(*folder, movable);
+    Expected<Replay> replay = read_tracking(*folder, movable, options.skip_bad);
     if (!replay || recording.frames.empty()) return replay;
     const Expected<Trajectory> camera = read_camera_trajectory(scene);
     if (!camera) return camera.error();
