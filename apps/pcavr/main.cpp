@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/core/signal_cleanup.hpp"
@@ -180,7 +182,7 @@ Expected<Recording> read_with_warnings(const std::string& folder, bool skip_bad,
 void describe_left_out(const std::vector<SkippedRows>& left_out, CommandResult& result) {
   result.json["left_out"] = nlohmann::ordered_json::array();
   for (const auto& [file, reason, count] : left_out) {
-    result.summary += "skipped    " + file + ": " + reason + ": " + std::to_string(count) + '\n';
+    result.summary += fmt::format("skipped    {}: {}: {}\n", file, reason, count);
     result.json["left_out"].push_back({{"file", file}, {"reason", reason}, {"rows", count}});
   }
 }
