@@ -193,7 +193,7 @@ void withhold_contact_off_centre(ObjectIdentification& result) {
     parameters.sources.pushes.erase(key);
   }
   result.notes.emplace_back(
-      "all pushes are off the centre of mass: the contact law is not identified, because the "
+      "the pushes are off the centre of mass: the contact law is not identified, because the "
       "object turns under the load; press along z, or push through the centre");
 }
 
