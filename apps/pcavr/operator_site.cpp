@@ -6,6 +6,8 @@
 
 #include <fmt/core.h>
 
+#include "pcavr/pipeline/teleop_input.hpp"
+
 #include "commands.hpp"
 #include "link_arguments.hpp"
 #include "link_options.hpp"

@@ -199,7 +199,9 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
   CommandResult result = describe(*run, arguments.output.folder);
   for (const std::string& note : damping_notes) result.summary += "  " + note + '\n';
   if (!damping_notes.empty()) result.json["contact_damping"] = damping_notes;
-  describe_left_out(recording->left_out, result);
+  std::vector<SkippedRows> left_out = recording->left_out;
+  left_out.insert(left_out.end(), run->left_out.begin(), run->left_out.end());
+  describe_left_out(left_out, result);
   if (arguments.video.empty()) return result;
   const Expected<void> video = make_video(arguments, *recording, *scene, *run, observer, result);
   if (!video) return video.error();

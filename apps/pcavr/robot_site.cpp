@@ -10,6 +10,7 @@
 
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/pipeline/recorded_robot.hpp"
+#include "pcavr/pipeline/teleop_input.hpp"
 
 #include "commands.hpp"
 #include "link_arguments.hpp"

@@ -43,7 +43,7 @@ ForceMotion part_until(const ContactEpisode& contact, double until) {
   const auto end = std::upper_bound(contact.t.begin(), contact.t.end(), until);
   const auto count = static_cast<std::size_t>(end - contact.t.begin());
   return {std::span(contact.t).first(count), std::span(contact.tool).first(count),
-          std::span(contact.force).first(count)};
+          std::span(contact.force).first(count), contact.tool_noise};
 }
 
 }  // namespace
