@@ -43,6 +43,7 @@ struct Configuration {
   DeviceOptions devices;
   EvaluationOptions evaluation;
   FrictionPriors friction_priors;
+  EstimatorOptions<3> estimator;  ///< of the comparison in identify's report
   RobotIdentificationOptions robot_identification;
   ArmFollowerOptions arm;  ///< with the options of its inverse kinematics
   RobotSiteOptions robot_site;

@@ -9,11 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/devices/open_device.hpp"
 #include "pcavr/devices/remote_device.hpp"
 #include "pcavr/haptics/haptic_world.hpp"
-#include "pcavr/object/parameters_file.hpp"
 #include "pcavr/pipeline/replay.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/serve/certificate.hpp"
@@ -25,6 +26,7 @@
 #include "pcavr/serve/server.hpp"
 
 #include "commands.hpp"
+#include "damping_option.hpp"
 #include "number_option.hpp"
 #include "startup_message.hpp"
 
@@ -34,6 +36,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kPageDevice[] = "page";
+/// Of the device's force.
+constexpr double kMaxWeightShare = 0.5;
 constexpr InputRange kTimeScale{"time scale", 0.1, 1.0, "", "slower: nothing seems to move"};
 
 struct ServeArguments {
@@ -41,6 +45,7 @@ struct ServeArguments {
   std::string recording;
   std::string tracked;
   std::string parameters;
+  std::string damping_law;  ///< empty: the file's damping
   std::string page;
   std::string device = kPageDevice;
   std::string certificate;
@@ -111,8 +116,11 @@ Expected<ServeInputs> read_inputs(const ServeArguments& arguments,
   if (!scene) return scene.error();
   ServeInputs inputs{std::move(*scene), {}, {}};
   if (!arguments.parameters.empty()) {
-    Expected<ParameterTable> parameters = read_parameters(arguments.parameters);
+    std::vector<std::string> notes;
+    Expected<ParameterTable> parameters =
+        read_parameters_with_damping(arguments.parameters, arguments.damping_law, notes);
     if (!parameters) return parameters.error();
+    for (const std::string& note : notes) observer.on_warning(note);
     inputs.parameters = std::move(*parameters);
   }
   if (!arguments.recording.empty()) {
@@ -158,6 +166,17 @@ Expected<SceneWorld> make_world(const ServeInputs& inputs, const ServeArguments&
   if (arguments.tool_radius > 0.0) options.tool_radius = arguments.tool_radius;
   if (arguments.device == kPageDevice) options.force.max_force = options.max_shown_force;
   if (arguments.max_force > 0.0) options.force.max_force = arguments.max_force;
+  const double weight = configuration.live.tool.weight();
+  if (arguments.device != kPageDevice) {
+    if (weight > kMaxWeightShare * options.force.max_force) {
+      return Error{.message = fmt::format("the tool's weight of {:.3g} N leaves too little of the "
+                                          "device's {:.3g} N for contacts",
+                                          weight, options.force.max_force),
+                   .place = "serve.tool.mass",
+                   .hint = "give a lighter tool, or the device's force with --max-force"};
+    }
+    options.force.max_force -= weight;
+  }
   Expected<SceneWorld> world = make_scene_world(inputs.scene, options);
   if (!world) return world;
   for (const std::string& note : world->notes) observer.on_warning(note);
@@ -336,6 +355,7 @@ void add_serve(CLI::App& app, Configuration& configuration, Action& action) {
                    "Run whose tracking the replay uses instead of tracking again")
       ->needs("--replay");
   command->add_option("--parameters", arguments->parameters, "Parameter file from pcavr identify");
+  add_damping_law(*command, arguments->damping_law, "--parameters");
   add_network_options(*command, configuration.network, *arguments);
   command
       ->add_option(

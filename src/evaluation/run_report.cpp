@@ -207,6 +207,9 @@ std::vector<ReportSection> closing_sections(const Findings& findings) {
   papers.tables.push_back(paper_table(findings));
   ReportTable contacts = contact_table(findings);
   if (!contacts.rows.empty()) papers.tables.push_back(std::move(contacts));
+  for (ReportTable& table : contact_paper_tables(findings)) {
+    papers.tables.push_back(std::move(table));
+  }
   sections.push_back(std::move(papers));
   return sections;
 }

@@ -156,7 +156,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   int count = result.press_count;
   if (result.presses.best().is_valid) {
     best = &result.presses.best();
-    result.comparison = compare_estimators(series, result.presses);
+    result.comparison = compare_estimators(series, result.presses, options.estimator);
   } else {
     // The face with the most pushes.
     int max_pushes = 0;

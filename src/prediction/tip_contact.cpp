@@ -31,7 +31,7 @@ std::optional<TipContact> find_tip_contact(const UprightBody& body, const Planar
   const auto closest = body.surface().closest(p, radius + kMaxClearance);
   if (!closest) return std::nullopt;
   TipContact contact;
-  contact.depth = radius - closest->distance;
+  contact.depth = radius - closest->distance + closest->normal.dot(body.physics().surface_offset);
   contact.normal = closest->normal;
   contact.normal.head<2>() = turn * closest->normal.head<2>();
   contact.arm = turn * closest->point.head<2>();

@@ -11,6 +11,8 @@ namespace pcavr {
 namespace {
 
 constexpr double kMinTimeScale = 0.1;
+/// [s] in which the tool's weight comes and goes with the clutch, so that the hand is not jerked.
+constexpr double kWeightRiseTime = 0.2;
 
 std::vector<std::string> names_of(const HapticWorld& world) {
   std::vector<std::string> names;
@@ -90,6 +92,21 @@ void LiveCycle::set_time_scale(double scale) noexcept {
   time_scale_.store(std::clamp(scale, kMinTimeScale, 1.0), std::memory_order_relaxed);
 }
 
+/// The wrench on the hand: of the force at the tip and of the tool's weight, about the grip.
+DeviceFeedback LiveCycle::feedback() noexcept {
+  const HapticWorldState& state = world_.state();
+  const HandToolOptions& tool = options_.tool;
+  const double change = options_.cycle / kWeightRiseTime;
+  weight_share_ = std::clamp(weight_share_ + (state.is_engaged ? change : -change), 0.0, 1.0);
+  const Eigen::Vector3d force = cycle_scale_ * state.force_base;
+  const Eigen::Vector3d weight(0.0, 0.0, -weight_share_ * tool.weight());
+  const Eigen::Vector3d grip_to_tip = q_base_tool_ * Eigen::Vector3d(0.0, 0.0, tool.length);
+  return {.p_base_tool = state.p_base_proxy,
+          .force_base = force + weight,
+          .pulse = pulses_.amplitude(),
+          .torque_base = grip_to_tip.cross(force + tool.centre_share * weight)};
+}
+
 void LiveCycle::measure_speeds() noexcept {
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     const Eigen::Vector3d& now = world_.state().bodies[i].T_base_object.translation();
@@ -110,9 +127,8 @@ void LiveCycle::move_arm() noexcept {
 
 void LiveCycle::step(double t) noexcept {
   const HapticWorldState& state = world_.state();
-  const DeviceSample sample =
-      device_->exchange(t, options_.cycle,
-                        {state.p_base_proxy, cycle_scale_ * state.force_base, pulses_.amplitude()});
+  const DeviceSample sample = device_->exchange(t, options_.cycle, feedback());
+  if (sample.is_present) q_base_tool_ = sample.q_base_tool;
   reset_if_requested(sample);
   was_on_hold_ = is_on_hold_.load(std::memory_order_relaxed);
   command_ = command_from(sample, was_on_hold_);

@@ -19,6 +19,8 @@ void image(std::string_view bytes);
 void parameters(std::string_view bytes);
 /// A point cloud, PCD or PLY.
 void cloud(std::string_view bytes);
+/// An occupancy map of OctoMap, binary or full.
+void octomap(std::string_view bytes);
 /// A recorded trace of an operator's hand.
 void trace(std::string_view bytes);
 /// A robot description.

@@ -15,6 +15,7 @@ export interface PanelText {
   isOnHold: boolean;
   note: string; // the interlock that keeps the clutch open, or empty
   scale: number;
+  timeScale: number; // simulated over real time
   isScanShown: boolean;
   canTake: boolean; // another page has the tool
 }
@@ -28,12 +29,13 @@ export const panelButtons = [
   'scan',
   'turn',
   'swap',
+  'time',
   'leave',
 ] as const;
 export type PanelButton = (typeof panelButtons)[number];
 
 const width = 512;
-const height = 520;
+const height = 614;
 // The panel's width: 0.3 mm a pixel is readable at arm's length in a headset [m].
 const metres = 0.16;
 // The state age from which the number is red: six frames at 60 Hz [s].
@@ -159,11 +161,13 @@ export class Panel {
       scan: text.isScanShown ? 'NO SCAN' : 'SCAN',
       turn: 'TURN',
       swap: 'SWAP',
+      time: text.timeScale < 1 ? `TIME ${Math.round(100 * text.timeScale)}%` : 'TIME',
       leave: 'LEAVE',
     };
     const isLit = (name: PanelButton) =>
       (name === 'hold' && text.isOnHold) ||
       (name === 'reset' && this.confirmUntil > 0) ||
+      (name === 'time' && text.timeScale < 1) ||
       (name === 'take' && text.canTake);
     panelButtons.forEach((name, i) => this.button(i, labels[name], isLit(name)));
   }

@@ -20,6 +20,9 @@ import { floorHeight, type Ground, startPose } from './start';
 const takenByOther = 'another page controls the tool';
 // Some twenty states; with the next frame the sign is there within 0.3 s.
 const maxStateAge = 0.2; // [s]
+// The server's steps of simulated over real time are 1, 0.5, 0.25 and 0.1.
+const slowestTime = 0.1;
+const timeSteps = 3;
 
 /// The VR session: entering and leaving, the tool, haptic pulses, locomotion.
 ///
@@ -179,6 +182,7 @@ export class VrMode {
     if (touched === 'hold' || hands.some((h) => h.isHoldPressed)) this.toggleHold(state);
     const isSwapped = touched === 'swap' || (tool?.isExtraPressed && !this.clutch.isClosed);
     if (isSwapped && free) this.toolSide = free.side;
+    else if (touched === 'time') this.changeTimeScale(state);
     else if (touched) this.pressPanel(touched, now, head);
   }
 
@@ -207,6 +211,15 @@ export class VrMode {
       case 'leave':
         void this.leave();
     }
+  }
+
+  /// To the next slower time; from the slowest back to real time, which the server reaches once no
+  /// force acts.
+  private changeTimeScale(state: LiveState | null): void {
+    if (!state) return;
+    const isSlowest = state.timeScale <= slowestTime;
+    for (let i = 0; i < (isSlowest ? timeSteps : 1); i++)
+      this.app.session.command(isSlowest ? Command.faster : Command.slower);
   }
 
   /// The movable bodies in the headset's space.
@@ -330,6 +343,7 @@ export class VrMode {
       isOnHold: state?.isOnHold ?? false,
       note: this.clutch.openReason,
       scale: this.person.scale,
+      timeScale: state?.timeScale ?? 1,
       isScanShown: this.app.view.layers.isShown('mesh'),
       canTake: state !== null && state.isToolTaken && !state.hasTool,
     };
