@@ -34,6 +34,8 @@ std::vector<OptionSection> Configuration::sections() {
   sections.push_back(section_of(robot_identification.contact));
   sections.push_back(section_of(arm));
   sections.push_back(section_of(arm.inverse_kinematics));
+  sections.push_back(section_of(arm_drive));
+  sections.push_back(section_of(arm_query));
   sections.push_back(section_of(robot_site));
   sections.push_back(section_of(robot_site.commands));
   sections.push_back(section_of(robot_site.limits));

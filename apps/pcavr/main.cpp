@@ -118,6 +118,7 @@ int run_command_line(int argc, char** argv) {
   Action action;
   add_build(app, configuration, action);
   add_identify(app, configuration, action);
+  add_predict(app, configuration, action);
   add_replay(app, configuration, action);
   add_evaluate(app, configuration, action);
   add_simulate(app, action);

@@ -11,6 +11,7 @@
 
 #include <fmt/core.h>
 
+#include "pcavr/arm/identified_arm.hpp"
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/devices/open_device.hpp"
 #include "pcavr/devices/remote_device.hpp"
@@ -50,6 +51,8 @@ struct ServeArguments {
   std::string device = kPageDevice;
   std::string certificate;
   std::string key;
+  std::string identified;  ///< report of identify robot
+  bool is_torque_driven = false;
   bool with_tls = false;
   double tool_radius = 0.0;  ///< [m]; 0: not given
   double max_force = 0.0;    ///< [N]; 0: not given
@@ -189,6 +192,29 @@ Expected<SceneWorld> make_world(const ServeInputs& inputs, const ServeArguments&
   return world;
 }
 
+/// With --torque-driven or --identified.
+Expected<void> drive_if_requested(const SceneArm& arm, const ServeArguments& arguments,
+                                  const Configuration& configuration, LiveArm& live) {
+  if (!arguments.identified.empty()) {
+    const Expected<IdentifiedArm> found = read_identified_arm(arguments.identified, arm.model);
+    if (!found) return found.error();
+    if (found->model.dof != arm.model.dof) {
+      return Error{.message = "identifies fewer joints than the arm has",
+                   .file = arguments.identified,
+                   .hint = "identify all joints"};
+    }
+    drive_by_torques(live, found->model, found->joints, configuration.arm_drive);
+  } else if (arguments.is_torque_driven) {
+    if (!arm.model.has_inertia()) {
+      return Error{.message = "the arm's description has no masses",
+                   .file = arm.model.file.string(),
+                   .hint = "give what pcavr identify robot found with --identified"};
+    }
+    drive_by_torques(live, arm.model, {}, configuration.arm_drive);
+  }
+  return {};
+}
+
 Expected<std::unique_ptr<LiveWorld>> make_live(const SceneManifest& manifest,
                                                const SceneWorld& scene,
                                                const ServeArguments& arguments,
@@ -209,6 +235,12 @@ Expected<std::unique_ptr<LiveWorld>> make_live(const SceneManifest& manifest,
   std::unique_ptr<LiveArm> live_arm;
   if (*arm) {
     live_arm = std::make_unique<LiveArm>(make_live_arm(**arm, scene, configuration.arm));
+    const Expected<void> driven = drive_if_requested(**arm, arguments, configuration, *live_arm);
+    if (!driven) return driven.error();
+  } else if (arguments.is_torque_driven || !arguments.identified.empty()) {
+    return Error{.message = "has no arm to drive by torques",
+                 .file = arguments.scene,
+                 .hint = "omit --torque-driven and --identified"};
   }
   LiveWorldOptions options = configuration.live;
   options.p_base_tool_start = scene.p_base_tool_start;
@@ -366,6 +398,13 @@ void add_serve(CLI::App& app, Configuration& configuration, Action& action) {
              "Radius of the spherical tool tip [m]; default: the replay's, or 0.01");
   add_number(*command, "--max-force", arguments->max_force, ranges::kHandForce,
              "Limit of the rendered force [N]; default: 5 for a device, 100 for the page");
+  command->add_flag("--torque-driven", arguments->is_torque_driven,
+                    "The scene's arm moves by its own dynamics, and its tip is the tool: the hand "
+                    "feels what the arm touches");
+  command->add_option(
+      "--identified", arguments->identified,
+      "Report folder of pcavr identify robot: --torque-driven with its inertias and "
+      "friction instead of the description's");
   add_number(*command, "--time-scale", arguments->time_scale, kTimeScale,
              "Simulated over real time, 0.1 to 1; default: 1");
   command->callback([arguments, &configuration, &action, &app] {

@@ -9,6 +9,7 @@
 
 #include "pcavr/report/number_text.hpp"
 
+#include "arm_contacts.hpp"
 #include "pooled_errors.hpp"
 
 namespace pcavr {
@@ -193,6 +194,7 @@ ReportTable paper_table(const Findings& findings) {
   if (!soft.empty()) add(kSoftError, peak_error_text(soft));
   const std::vector<ContactPeak> slotting = peaks_of(run, ContactTask::slotting);
   if (!slotting.empty()) add(kSlotting, max_forces(slotting));
+  add_arm_rows(run, table);
   table.note =
       "B: haptic augmented reality with seven damping laws; C: movable objects in a point-cloud "
       "augmented virtual environment. The papers use real boxes and robots; for a run of a "

@@ -45,7 +45,8 @@ class LiveCycle {
   void reset_if_requested(const DeviceSample& sample) noexcept;
   [[nodiscard]] DeviceFeedback feedback() noexcept;
   void measure_speeds() noexcept;
-  void move_arm() noexcept;
+  void move_arm(const Eigen::Vector3d& p_base_tip) noexcept;
+  [[nodiscard]] Eigen::Vector3d drive_arm() noexcept;
 
   HapticWorld world_;
   std::unique_ptr<Device> device_;

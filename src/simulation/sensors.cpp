@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "pcavr/core/random.hpp"
+#include "pcavr/robot/robot_dynamics.hpp"
 
 namespace pcavr {
 namespace {
@@ -18,6 +19,7 @@ constexpr double kFrameRate = 30.0;         ///< [Hz]
 constexpr std::uint64_t kToolStream = 6;
 constexpr std::uint64_t kWrenchStream = 7;
 constexpr std::uint64_t kTrackingStream = 50;
+constexpr std::uint64_t kJointStream = 8;
 
 Eigen::Vector3d normal_vector(Random& random) {
   const double x = random.normal();
@@ -94,6 +96,45 @@ Trajectory measured_tool(const PlantRun& run, std::uint64_t seed) {
     Vector6d noise;
     noise << 5e-5 * normal_vector(random), 2e-4 * normal_vector(random);
     T_base_tool.append(stamp_of_step(i), Pose(pointing_down, run.p_base_tip[i]) * Pose::exp(noise));
+  }
+  return T_base_tool;
+}
+
+JointLog measured_joints(const PlantRun& run, const PlantArm& arm, std::uint64_t seed) {
+  Random random = Random(seed).fork(kJointStream);
+  JointLog log;
+  for (const std::size_t joint : arm.described.coordinate_joints()) {
+    log.joints.push_back(arm.described.joints[joint].name);
+  }
+  const auto rows =
+      static_cast<Eigen::Index>((run.arm.size() + kStepsPerSample - 1) / kStepsPerSample);
+  const Eigen::Index dof = arm.q_start.size();
+  log.position.resize(rows, dof);
+  log.velocity.resize(rows, dof);
+  log.torque.resize(rows, dof);
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const std::size_t step = static_cast<std::size_t>(row) * kStepsPerSample;
+    const PlantArmState& state = run.arm[step];
+    log.stamps.push_back(stamp_of_step(step));
+    log.t.push_back(log.stamps.back().seconds());
+    for (const std::size_t joint : arm.described.coordinate_joints()) {
+      const auto k = static_cast<Eigen::Index>(arm.described.joints[joint].coordinate);
+      const double effort = arm.described.joints[joint].limits.effort.value_or(0.0);
+      log.position(row, k) = state.q[k] + 1e-5 * random.normal();
+      log.velocity(row, k) = state.dq[k] + 1e-3 * random.normal();
+      log.torque(row, k) = state.tau[k] + 2e-3 * effort * random.normal();
+    }
+  }
+  return log;
+}
+
+Trajectory measured_tool(const JointLog& log, const PlantArm& arm) {
+  RobotDynamics kinematics(arm.described);
+  Trajectory T_base_tool;
+  for (Eigen::Index row = 0; row < log.position.rows(); ++row) {
+    kinematics.forward_kinematics(log.position.row(row).transpose());
+    T_base_tool.append(log.stamps[static_cast<std::size_t>(row)],
+                       arm.T_base_robot * kinematics.T_base_link(arm.tip));
   }
   return T_base_tool;
 }

@@ -25,6 +25,8 @@ void octomap(std::string_view bytes);
 void trace(std::string_view bytes);
 /// A robot description.
 void urdf(std::string_view bytes);
+/// The report of an arm's identification.
+void identified_arm(std::string_view bytes);
 /// A correction from the robot's site.
 void message(std::string_view bytes);
 /// A message between two sites.

@@ -278,6 +278,51 @@ TEST_F(LiveCycleWithArmTest, TheTipFollowsTheToolWithoutAllocating) {
   EXPECT_FALSE(arm.is_stopped);
 }
 
+/// The same arm, moved by torques.
+std::unique_ptr<LiveArm> a_driven_arm() {
+  std::unique_ptr<LiveArm> live = an_arm();
+  const RobotModel model =
+      read_urdf(source_folder() / "calib/robots/irb120_like/irb120_like.urdf").value();
+  JointFit joint;
+  joint.smoothing_speed = 0.02;
+  joint.friction = {{.term = FrictionTerm::coulomb, .value = 1.0},
+                    {.term = FrictionTerm::viscous, .value = 1.0}};
+  drive_by_torques(*live, model, std::vector<JointFit>(6, joint));
+  return live;
+}
+
+class LiveCycleWithDrivenArmTest : public testing::Test {
+ protected:
+  /// Moves the hand in a straight line for `cycles`.
+  const WorldSnapshot& move(const Eigen::Vector3d& to, int cycles) {
+    const Eigen::Vector3d from = sample_.p_base_tip;
+    for (int i = 1; i <= cycles; ++i) {
+      sample_.p_base_tip = from + (to - from) * (static_cast<double>(i) / cycles);
+      t_ += kCycle;
+      cycle_.step(t_);
+    }
+    cycle_.publish(1e-5, 0, t_);
+    return cycle_.newest();
+  }
+
+  DeviceSample sample_{test::kToolStart, Eigen::Quaterniond::Identity(), true, true};
+  LiveCycle cycle_{test::a_box_on_a_table(), std::make_unique<ScriptedDevice>(sample_),
+                   test::options_with_tool_start(), a_driven_arm()};
+  double t_ = 0.0;
+};
+
+TEST_F(LiveCycleWithDrivenArmTest, TheArmsTipIsTheToolAndLagsBehindTheHand) {
+  const Eigen::Vector3d aside = test::kToolStart + Eigen::Vector3d(-0.02, 0.06, 0.05);
+  const WorldSnapshot& moving = move(aside, 150);
+  const double lag = (moving.world.p_base_hip - aside).norm();
+  EXPECT_GT(lag, 2e-4);
+  const long before = heap_allocations.load();
+  const WorldSnapshot& settled = move(aside, 1500);
+  EXPECT_EQ(heap_allocations.load() - before, 0);
+  EXPECT_LT((settled.world.p_base_hip - aside).norm(), 5e-4);
+  EXPECT_TRUE(settled.world.force_base.isZero(0.0));
+}
+
 TEST_F(LiveCycleTest, NeverAllocates) {
   run(10);
   const long before = heap_allocations.load();

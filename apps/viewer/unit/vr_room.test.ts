@@ -53,6 +53,7 @@ const live: ButtonState = {
   isOnHold: false,
   isScanShown: true,
   canTake: false,
+  timeScale: 1,
   isPassthrough: false,
   isPlacing: false,
   playback: null,
